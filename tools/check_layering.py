@@ -34,13 +34,17 @@ PARTS = [
     Part("host/base", "base", "", "fmt", "triskin_base"),
     Part("host/design", "design", "base core wire layout", HOST_BASE, "triskin_design"),
     Part("host/export", "export", "base design core wire layout", HOST_BASE, "triskin_export"),
-    Part("host/mesh", "mesh", "base design", "Eigen nlohmann fmt CGAL tbb assimp minizip boost", "triskin_mesh"),
+    Part("host/cad", "cad", "base design", HOST_BASE, "triskin_cad"),
+    # A program of its own: nothing else may link the geometry kernel.
+    Part("host/cad_reader", "", "base design cad", "Eigen nlohmann fmt CGAL OCCT", "triskin_cad_reader"),
+    Part("host/mesh", "mesh", "base design cad", "Eigen nlohmann fmt CGAL tbb assimp minizip expat boost", "triskin_mesh"),
     Part("host/placement", "placement", "base design", "Eigen nlohmann fmt CGAL tbb boost", "triskin_placement"),
     Part("host/unfolding", "unfolding", "base design mesh placement", "Eigen fmt CGAL tbb boost", "triskin_unfolding"),
     Part("host/routing", "routing", "base design mesh", "Eigen fmt tbb", "triskin_routing"),
     Part("host/lattice", "lattice", "base design mesh routing", "Eigen fmt CGAL tbb boost", "triskin_lattice"),
     Part("host/pipeline", "pipeline", "base design mesh placement unfolding lattice routing", HOST_BASE, "triskin_pipeline"),
     Part("host/check", "check", "base", "Eigen nlohmann fmt CGAL boost", "triskin_check"),
+    Part("host/mechanics", "mechanics", "base", HOST_BASE, "triskin_mechanics"),
     Part("host/recording", "recording", "base design core wire layout", HOST_BASE, "triskin_recording"),
     Part("host/bridge", "bridge", "base design core wire layout recording", HOST_BASE + " dds", "triskin_bridge"),
     Part("host/link", "link", "base core wire layout", "fmt libusb hidapi", "triskin_link"),
@@ -59,25 +63,27 @@ PARTS = [
     Part("host/python", "", "", "pybind11", "triskin_python"),
     Part("host/cli/src/geometry", "",
          "cli base design export mesh placement unfolding lattice routing pipeline check core wire layout sim scene recording link session "
-         "diagnose deploy skin robot connect view sheet hdf5 bridge",
+         "diagnose deploy skin robot connect view sheet hdf5 bridge cad",
          HOST_BASE + " CLI"),
     Part("host/cli", "cli",
-         "base design export core wire layout sim scene recording link session diagnose deploy skin robot connect view sheet hdf5 bridge",
+         "base design export core wire layout sim scene recording link session diagnose deploy skin robot connect view sheet hdf5 bridge "
+         "mechanics cad",
          HOST_BASE + " CLI", "triskin"),
     Part("tools/machine", "machine", "base core wire layout sim", "fmt unicorn", "triskin_machine"),
 ]
 # Include paths of libraries that only the parts that name them may include.
 FOREIGN = {"CGAL": r"^CGAL/", "Eigen": r"^Eigen/", "nlohmann": r"^nlohmann/", "fmt": r"^fmt/", "tbb": r"^(tbb|oneapi)/",
-           "assimp": r"^assimp/", "minizip": r"^minizip/", "boost": r"^boost/(?!fiber/|beast/|asio/)", "boost_fiber": r"^boost/fiber/",
+           "assimp": r"^assimp/", "minizip": r"^minizip/", "expat": r"^expat\.h", "boost": r"^boost/(?!fiber/|beast/|asio/)", "boost_fiber": r"^boost/fiber/",
            "boost_beast": r"^boost/(beast|asio)/", "cairo": r"^(cairo|fontconfig|qrencode)", "HDF5": r"^(hdf5|H5)", "CLI": r"^CLI/",
            "libusb": r"^libusb", "hidapi": r"^hidapi", "unicorn": r"^unicorn/",
-           "pybind11": r"^pybind11/", "dds": r"^dds/", "vendor": r"(?i)^(stm32|cmsis|core_cm)"}
+           "OCCT": r"^[A-Za-z0-9_]+\.hxx$", "pybind11": r"^pybind11/", "dds": r"^dds/", "vendor": r"(?i)^(stm32|cmsis|core_cm)"}
 # No heap, no operating system in what also runs on the microcontroller (the posix board is there for simulations).
 HOSTED = re.compile(r"^(iostream|fstream|sstream|thread|mutex|chrono|future|regex|filesystem)$")
 # Link names of libraries that only some targets may reach, and which ones.
-HEAVY = {"CGAL": r"CGAL", "TBB": r"TBB|tbb", "assimp": r"assimp", "minizip": r"minizip", "Cbc": r"Cbc"}
+HEAVY = {"OCCT": r"^TK[A-Z0-9]", "CGAL": r"CGAL", "TBB": r"TBB|tbb", "assimp": r"assimp", "minizip": r"minizip", "Cbc": r"Cbc"}
 ON_MESHES = {"triskin_mesh", "triskin_unfolding", "triskin_routing", "triskin_lattice", "triskin_pipeline", "triskin"}
-MAY_BE_HEAVY = {"CGAL": ON_MESHES | {"triskin_placement", "triskin_check"}, "TBB": ON_MESHES | {"triskin_placement"},
+MAY_BE_HEAVY = {"OCCT": {"triskin_cad_reader"}, "CGAL": ON_MESHES | {"triskin_placement", "triskin_check", "triskin_cad_reader"},
+                "TBB": ON_MESHES | {"triskin_placement"},
                 "assimp": ON_MESHES, "minizip": ON_MESHES, "Cbc": set()}
 # Targets without a prefix of their own that parts may link.
 NEUTRAL = {"triskin_options"}
@@ -141,6 +147,18 @@ def check_prefixes(root):
     return bad
 
 
+def check_circles():
+    """The table itself must have an order: no part may use, directly or over others, a part that uses it."""
+    owner = {prefix: part for part in PARTS for prefix in part.prefixes}
+    below = {part.folder: {owner[prefix].folder for prefix in part.uses} - {part.folder} for part in PARTS}
+    bad = 0
+    for folder in below:
+        if folder in closure(below, folder):
+            print(f"{folder}: uses a part that uses it in turn; the table in tools/check_layering.py has a circle")
+            bad += 1
+    return bad
+
+
 def closure(links, target):
     seen, todo = set(), [target]
     while todo:
@@ -189,7 +207,7 @@ def check_links(text):
 
 def main(arguments):
     root = pathlib.Path(arguments[0])
-    bad = check_includes(root) + check_prefixes(root)
+    bad = check_circles() + check_includes(root) + check_prefixes(root)
     if len(arguments) > 1:
         bad += check_links(pathlib.Path(arguments[1]).read_text())
     return 1 if bad else 0

@@ -26,12 +26,12 @@ using json = nlohmann::json;
 // for the others the time of R4 over that of R3, which is |V| in the formulas.
 struct PaperPart {
   const char* name;
-  const char* net;  // in the data folder, of the same region and size
+  const char* net;  // File in the data folder, with the same region and size.
   double area_cm2;
   int vertices;
-  int cracks;  // of the generated net
+  int cracks;  // Number of cracks in the generated net.
   double crack_depth;
-  std::array<int, 7> modules;  // by R1 … R7
+  std::array<int, 7> modules;  // Indexed by method, R1 … R7.
   std::array<double, 7> seconds;
 };
 constexpr std::array<PaperPart, 5> kParts{{

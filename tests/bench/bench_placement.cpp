@@ -72,7 +72,7 @@ nlohmann::json measure(const char* series, bool rough, int vertices, double area
 
 // The paper's Algorithm 1 with CGAL on every `step`-th placement of its R4.
 struct CgalTime {
-  std::int64_t evaluated = 0, differ = 0;  // from the fast Algorithm 1
+  std::int64_t evaluated = 0, differ = 0;  // The second number counts results that differ from the fast Algorithm 1.
   double evaluation_s = 0.0;
 };
 CgalTime time_cgal(const Polygon& p, std::int64_t step, const paper::CgalUse& use) {

@@ -49,7 +49,7 @@ std::vector<Island> islands_of(const design::ModuleGraph& graph) {
 }
 
 struct MilpAnswer {
-  int lower_bound = 0;  // of the parts
+  int lower_bound = 0;  // Lower bound of the number of parts.
   int parts = 0;        // 0: no solution was found in time
 };
 

@@ -235,7 +235,7 @@ TEST(RosTypes, hashes_are_those_of_the_definitions) {
 }
 
 std::string msg_file(const std::string& name) {
-  return read_file(std::filesystem::path(test::source_folder()) / "ros/triskin_msgs/msg" / (name + ".msg"));
+  return read_file(std::filesystem::path(test::source_folder()) / "host/bridge/ros/triskin_msgs/msg" / (name + ".msg"));
 }
 
 // The package that ROS nodes build has the same messages.
@@ -245,7 +245,7 @@ TEST(RosTypes, messages_of_the_package_are_those_of_the_program) {
     const std::string definition(t->message.definition);
     EXPECT_EQ(msg_file(name), definition.substr(0, definition.find("=====")));
   }
-  const std::string readers(recording::kReadersType.definition);  // of recordings alone
+  const std::string readers(recording::kReadersType.definition);  // This type occurs only in recordings.
   EXPECT_EQ(msg_file("Readers"), readers.substr(0, readers.find("=====")));
   const std::string all(kContacts.message.definition), head = "MSG: triskin_msgs/Contact\n";
   const std::size_t first = all.find(head) + head.size();

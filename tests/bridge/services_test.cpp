@@ -190,7 +190,8 @@ TEST_F(ServicesTest, the_command_tares_reroutes_and_identifies) {
 
 TEST(ServiceTypes, definitions_of_the_package_are_those_of_the_program) {
   const auto file = [](const std::string& name) {
-    return read_file(std::filesystem::path(test::source_folder()) / "ros/triskin_msgs/srv" / (name + ".srv"));
+    return read_file(std::filesystem::path(test::source_folder()) / "host/bridge/ros/triskin_msgs/srv" /
+                     (name + ".srv"));
   };
   EXPECT_EQ(file("Tare"), Tare::kDefinition);
   EXPECT_EQ(file("Reroute"), Reroute::kDefinition);

@@ -84,7 +84,8 @@ Vec3 center_of(const json& module) {
 // of these. A way of 4 mm along it is 4 mm of penetration less the gap, at most the limit of a hinge (2 mm), while
 // 0.5 mm is allowed.
 std::pair<std::size_t, Vec3> towards_a_neighbour(const json& modules) {
-  constexpr double kAtASide_mm = 30.0 / 1.7320508 + 2.0;  // between centres, with the limit of a hinge
+  // Distance between the centres of two joined modules, plus the limit of a hinge.
+  constexpr double kAtASide_mm = 30.0 / 1.7320508 + 2.0;
   std::size_t fewest = modules.size(), module = 0;
   Vec3 nearest = Vec3::UnitX();
   for (std::size_t a = 0; a < modules.size(); ++a) {
@@ -130,7 +131,7 @@ TEST_F(CutDesign, moved_modules_are_found) {
     return broken_by([&](json& j) { shift(j["modules"][module], mm * way.x(), mm * way.y()); });
   };
   EXPECT_THAT(moved(4.0), Contains("penetration"));
-  json away = *good_;  // by less than any limit
+  json away = *good_;  // The shift stays below every limit.
   shift(away["modules"][module], -0.1 * way.x(), -0.1 * way.y());
   for (const Violation& v : violations_of(away, folder_ / "damaged.json"))
     EXPECT_EQ(v.text.find("overlaps"), std::string::npos) << v.where << " " << v.text;

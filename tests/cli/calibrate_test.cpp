@@ -65,7 +65,7 @@ TEST_F(Calibrated, counts_become_newton) {
   const json replayed = last_of("replay r.mcap --speed 0");
   EXPECT_EQ(replayed["unit"], "kPa");
   EXPECT_NEAR(replayed["force_n"].get<double>(), 46.77,
-              0.01 * 46.77);  // by the rest values of the calibration, which it holds
+              0.01 * 46.77);  // The command uses the rest values that the calibration holds.
 
   ASSERT_EQ(run("calibrate strip.json --link sim --scene scene.json --forget").status, 0);
   EXPECT_EQ(last_of(live)["unit"], "counts");

@@ -151,7 +151,7 @@ TEST_F(Recordings, a_view_keeps_its_counts_when_the_link_fails) {
   pid_t server = 0;
   const std::string link = serve(server);
   const pid_t child = start("view strip.json --link " + link + " --no-open --port 0 --json", "log");
-  ::sleep(2);  // of samples
+  ::sleep(2);  // Two seconds of samples are enough.
   ::kill(server, SIGKILL);
   (void)end_of(server);
   ::sleep(1);  // it says so, and tries again

@@ -57,7 +57,7 @@ TEST_F(Steps, a_design_is_changed_by_hand) {
   if (IsSkipped()) return;
   write_plate("plate.obj", 100, 60);
   ASSERT_EQ(run("design plate.obj -o a.json --iterations 20 --time-limit-s 100").status, 0);
-  const Outcome removed = run("design a.json --remove 1,3-4 -o b.json --json");
+  const Outcome removed = run("edit a.json --remove 1,3-4 -o b.json --json");
   ASSERT_EQ(removed.status, 0) << removed.messages;
   const auto result = nlohmann::json::parse(removed.out);
   EXPECT_EQ(result["removed"], 3);
@@ -66,25 +66,33 @@ TEST_F(Steps, a_design_is_changed_by_hand) {
   EXPECT_EQ(result["map"][2], 1);
   EXPECT_EQ(result["map"][5], 2);
   EXPECT_EQ(run("check b.json").status, 0);
-  EXPECT_THAT(run("design a.json --keep 0-2 --mirror x -o c.json").messages, HasSubstr("excludes"));
+  EXPECT_THAT(run("edit a.json --keep 0-2 --mirror x -o c.json").messages, HasSubstr("excludes"));
+  const Outcome nothing = run("edit a.json -o c.json");
+  EXPECT_EQ(nothing.status, 2);
+  EXPECT_THAT(nothing.messages, HasSubstr("say what to change"));
+  EXPECT_EQ(run("edit a.json --remove 1 --threads 2 -o c.json").status, 2);
   EXPECT_THAT(run("design a.json --remove 1 --center-gap-mm 2 -o c.json").messages,
               HasSubstr("--center-gap-mm has no effect"));
-  EXPECT_THAT(run("design a.json --remove 1-x -o c.json").messages, HasSubstr("\"1-x\" is not understood"));
-  EXPECT_THAT(run("design a.json --add 0.3 -o c.json").messages, HasSubstr("give MODULE.SIDE"));
-  EXPECT_THAT(run("design a.json --add 0:1/2/left -o c.json").messages, HasSubstr("ISLAND:I/J/up"));
-  EXPECT_THAT(run("design a.json --mirror 0,0,0,5 -o c.json").messages, HasSubstr("--mirror: \"0,0,0,5\""));
+  EXPECT_THAT(run("edit a.json --remove 1-x -o c.json").messages, HasSubstr("\"1-x\" is not understood"));
+  EXPECT_THAT(run("edit a.json --add 0.3 -o c.json").messages, HasSubstr("give MODULE.SIDE"));
+  EXPECT_THAT(run("edit a.json --add 0:1/2/left -o c.json").messages, HasSubstr("ISLAND:I/J/up"));
+  EXPECT_THAT(run("edit a.json --mirror 0,0,0,5 -o c.json").messages, HasSubstr("--mirror: \"0,0,0,5\""));
   EXPECT_FALSE(fs::exists(folder_ / "c.json"));
-  ASSERT_EQ(run("design a.json --mirror 1,1,0,20 -o c.json").status, 0);
+  const Outcome old = run("design a.json --mirror 1,1,0,20 -o c.json");
+  ASSERT_EQ(old.status, 0);
+  EXPECT_THAT(old.messages, HasSubstr("triskin edit"));
+  ASSERT_EQ(run("edit a.json --mirror 1,1,0,20 -o same.json").status, 0);
+  EXPECT_EQ(read_file(folder_ / "same.json"), read_file(folder_ / "c.json"));
   EXPECT_EQ(run("check c.json").status, 0);
   write("kinds.json", R"({"format":"triskin-kinds","version":1,"kinds":[{"name":"soft","taxels":8}],
                           "regions":[{"kind":"soft","modules":[1]}]})");
   EXPECT_THAT(run("design plate.obj --kinds kinds.json -o e.json").messages, HasSubstr("make it without --kinds"));
-  const Outcome kinds = run("design b.json --kinds kinds.json -o e.json --json");
+  const Outcome kinds = run("edit b.json --kinds kinds.json -o e.json --json");
   EXPECT_EQ(nlohmann::json::parse(kinds.out)["kinds"]["soft"], 1);
   EXPECT_EQ(run("check e.json").status, 0);
-  ASSERT_EQ(run("design e.json --kinds none -o f.json").status, 0);
+  ASSERT_EQ(run("edit e.json --kinds none -o f.json").status, 0);
   EXPECT_EQ(nlohmann::json::parse(read_file(folder_ / "f.json")), nlohmann::json::parse(read_file(folder_ / "b.json")));
-  ASSERT_EQ(run("design b.json --keep 0-1 --iterations 5 --time-limit-s 100 -o d.json").status, 0);
+  ASSERT_EQ(run("edit b.json --keep 0-1 --iterations 5 --time-limit-s 100 -o d.json").status, 0);
   EXPECT_EQ(run("check d.json").status, 0);
 }
 

@@ -22,8 +22,8 @@ std::uint64_t whole(double us) {
 // A controller whose clock reads start + (time since power-up) · (1 + ppm), and the way from it to here.
 struct Modelled {
   double ppm = 0.0;
-  double powered_us = 3e6;                  // by the link's clock
-  double shown_us = 70e6;                   // by its own, at that time
+  double powered_us = 3e6;                  // Measured by the link's clock.
+  double shown_us = 70e6;                   // Its own clock shows this at that time.
   double min_us = 100.0;                    // no frame is faster
   double jitter_us = 1000.0;                // added, uniform
   std::function<double(double)> more_us{};  // further delay of what is sent at a time

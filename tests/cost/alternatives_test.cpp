@@ -80,7 +80,8 @@ TEST_F(Alternatives, are_a_front_from_which_another_layout_is_taken) {
   EXPECT_EQ(violations(folder_ / "a.json"), 0U);
   // Each of them can be taken from the file.
   design::Design read = design::read_intact_design(folder_ / "a.json");
-  for (design::Alternative& a : read.alternatives) a.jumpers += 5;  // as a pricing without time leaves them
+  // A pricing that ran out of time leaves such values.
+  for (design::Alternative& a : read.alternatives) a.jumpers += 5;
   for (int k = 0; k < static_cast<int>(read.alternatives.size()); ++k) {
     const design::Design other = take_alternative(read, k);
     EXPECT_EQ(other.layout.modules.size(), d.alternatives[static_cast<std::size_t>(k)].layout.modules.size());

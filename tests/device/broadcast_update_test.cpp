@@ -225,7 +225,7 @@ TEST(Broadcast, a_foreign_tester_in_the_middle_changes_nothing) {
   bool inside = false;
   boards.link().after_send = [&] {
     if (inside || ++data != 300) return;
-    inside = true;  // into a unit that comes later, and commands of its own
+    inside = true;  // The foreign data falls into a later unit, and the foreign commands follow.
     boards.link().send(wire::update::encode_data(1, 900, foreign));
     for (const auto c : {wire::update::Command::kEnd, wire::update::Command::kActivate, wire::update::Command::kErase})
       boards.link().send(wire::update::encode_order({c, 0, {}}));

@@ -121,7 +121,7 @@ TEST(BusTime, a_table_of_sixteen_modules_takes_less_than_a_tenth_of_a_second) {
   scene.design = strip(16);
   scene.effects.bus_bit_rate = 1'000'000;
   SimLink sim(std::move(scene));
-  FaultyLink classic(sim, false, {}, 1);  // without faults: only classic frames
+  FaultyLink classic(sim, false, {}, 1);  // The link injects no faults: it only restricts the bus to classic frames.
   Bus bus(classic);
   const std::uint64_t start_us = sim.skin().bus_busy_us();
   const FlashResult r = flash(bus, sim.skin().scene().design);

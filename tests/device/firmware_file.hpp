@@ -14,7 +14,7 @@ namespace triskin::test {
 
 /// Two images whose vectors fit their slots.
 struct FirmwareFile {
-  std::uint32_t size_bytes = 1024;  ///< of each image
+  std::uint32_t size_bytes = 1024;  ///< size of each image
   std::uint8_t fill = 0;
   bool labelled = true;
   std::uint32_t version = 0x00020000;

@@ -30,8 +30,8 @@ struct Hardware {
   std::optional<design::Design> flashed;  ///< another design in the controllers
   bool fresh = false;                     ///< the controllers were never flashed
   std::uint64_t verify_at_us = 0;         ///< when the verification begins
-  std::set<int> used;                     ///< modules that a mistake concerns already
-  std::set<int> used_patches;             ///< of which the cable or a line does
+  std::set<int> used;                     ///< modules that a mistake already concerns
+  std::set<int> used_patches;             ///< patches whose cable or line a mistake concerns
 
   [[nodiscard]] design::RoutedModule& routed(int module);
   [[nodiscard]] int patch_of(int module) const;
@@ -42,7 +42,7 @@ struct Hardware {
 /// A kind of mistake that people make or hardware suffers. `seed` changes the hardware; empty: not possible there.
 struct Mistake {
   std::string_view name;
-  std::string_view what;  ///< for the table
+  std::string_view what;  ///< text for the table
   bool hides_others;      ///< nothing else can be seen: left out of the pairs
   std::function<std::optional<Expected>(Hardware&, std::mt19937_64&)> seed;
 };

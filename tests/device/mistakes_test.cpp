@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Seeded mistakes, alone and in pairs: the right explanation comes first. The table in docs/measurements/verify.md is made here.
+// Seeded mistakes, alone and in pairs: the right explanation comes first. The table in docs/measurements/verify.md is
+// made here.
 #include "mistakes.hpp"
 
 #include <fmt/format.h>

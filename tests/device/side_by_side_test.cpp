@@ -93,7 +93,7 @@ TEST(Addresses, all_boards_of_a_slow_bus_are_found) {
     scene.design = strip(126, 1);
     scene.effects.bus_bit_rate = bit_rate;
     SimLink sim(std::move(scene));
-    FaultyLink classic(sim, false, {}, 1);  // without faults: only classic frames
+    FaultyLink classic(sim, false, {}, 1);  // The link injects no faults: it only restricts the bus to classic frames.
     Bus bus(classic);
     EXPECT_EQ(bus.discover().size(), 126U) << bit_rate << " bit/s";
   }

@@ -51,7 +51,7 @@ class Reader {
       ++unknown;
     }
   }
-  std::map<std::pair<int, int>, Triangle> triangles;  ///< by board and triangle
+  std::map<std::pair<int, int>, Triangle> triangles;  ///< keyed by board and triangle
   int unknown = 0;                                    ///< frames of no class or half that the driver knows
 };
 

@@ -44,7 +44,7 @@ TEST(Neighbours, keep_away_until_the_owner_has_looked) {
   EXPECT_TRUE(n.begin_look(200'000));
   n.receive(kNothing, kOwn, true, 1'000'000);
   EXPECT_FALSE(n.begin_look(1'000'000));
-  EXPECT_EQ(n.look_us(), 1'300'000U);     // for those of the second one
+  EXPECT_EQ(n.look_us(), 1'300'000U);     // This is the time of the second one's modules.
   EXPECT_FALSE(n.begin_look(1'100'000));  // a look for another reason meanwhile takes nothing in
   EXPECT_TRUE(n.begin_look(1'300'000));
   n.receive(kNothing, kOwn, true, 2'000'000);  // said again, as after a restart of the owner

@@ -53,7 +53,7 @@ TEST(TableStore, StartsEmptyAndKeepsWhatIsActivated) {
     ASSERT_EQ(flash_table(store, bytes), Status::kOk);
     EXPECT_TRUE(std::ranges::equal(store.active_bytes(), bytes));
     EXPECT_EQ(store.sequence(), n);
-    TableStore again(flash);  // after power-up
+    TableStore again(flash);  // A new store reads the flash as after power-up.
     again.load();
     ASSERT_TRUE(again.has_table());
     EXPECT_EQ(again.table(), table(n, n));

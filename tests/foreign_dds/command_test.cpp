@@ -52,7 +52,7 @@ TEST(BridgeCommand, a_reader_on_Fast_DDS_counts_what_the_command_says) {
   Child command(bridge_line(sim.design_file(), served.link(), id, 6));
   const json told = json::parse(command.read_all());
   std::set<std::uint64_t> raw_seen;
-  std::map<std::uint8_t, std::set<std::uint32_t>> samples;  // by controller
+  std::map<std::uint8_t, std::set<std::uint32_t>> samples;  // Keyed by controller.
   raw.take([&](const RawFrame& frame, std::uint64_t sequence) {
     raw_seen.insert(sequence);
     samples[frame.node].insert(frame.sample);

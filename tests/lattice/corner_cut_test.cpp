@@ -115,7 +115,7 @@ TEST(CutModules, depth_is_that_of_the_sides_that_are_left) {
   PlacedModule cut = m;
   measure_on_surface(surface, m);
   measure_on_surface(surface, cut, 3.0);
-  EXPECT_NEAR(m.edge_depth_mm, cut.edge_depth_mm, 0.1);  // at the ridge: no side ends there
+  EXPECT_NEAR(m.edge_depth_mm, cut.edge_depth_mm, 0.1);  // No side ends at the ridge.
   m.corner_mm = {Vec3(-15, 40, 50), Vec3(15, 40, 50), Vec3(0, 40 + kHeight_mm, 62)};
   cut = m;
   measure_on_surface(surface, m);

@@ -34,7 +34,7 @@ TEST(LayoutFront, keeps_the_best_of_each_number_and_the_most_valuable_where_they
   EXPECT_EQ(kept(front), (std::vector<std::pair<int, double>>{{4, 3.0}, {5, 2.5}}));
   front.forget_below(5);
   EXPECT_EQ(kept(front), (std::vector<std::pair<int, double>>{{5, 2.5}}));
-  front.keep(net_of(5), 2.75);  // in the place of its like: still five modules
+  front.keep(net_of(5), 2.75);  // It replaces its like: there are still five modules.
   front.keep(net_of(1), 0.5);
   EXPECT_EQ(kept(front), (std::vector<std::pair<int, double>>{{1, 0.5}, {5, 2.75}}));
 }

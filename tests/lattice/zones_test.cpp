@@ -186,9 +186,9 @@ TEST(MergedZones, drop_what_slid_within_reach_of_another_zone) {
   add_island(two.started, Vec3(100, 0, 0));
   two.started.separate();
   two.part();
-  add_island(two.left, Vec3(-30, 0, 0));    // centre at x = −15
-  add_island(two.right, Vec3(-1, 0, 0));    // at 14: 29 mm from it
-  add_island(two.right, Vec3(10, 100, 0));  // of no other zone's concern
+  add_island(two.left, Vec3(-30, 0, 0));    // The centre is at x = −15.
+  add_island(two.right, Vec3(-1, 0, 0));    // The centre is at x = 14, which is 29 mm away.
+  add_island(two.right, Vec3(10, 100, 0));  // This island concerns no other zone.
   const LatticeMesh merged = two.merged();
   expect_right(merged, Vec3::Zero());
   EXPECT_EQ(merged.size(), 4);

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 
 #include "support/places.hpp"
@@ -58,7 +59,7 @@ TEST_F(Layering, refuses_firmware_that_includes_host) {
 }
 
 TEST_F(Layering, refuses_host_that_includes_firmware) {
-  EXPECT_NE(with_file("host/device/link/src/a.cpp", "#include \"triskin/logic/sampler.hpp\""), 0);
+  EXPECT_NE(with_file("host/link/src/a.cpp", "#include \"triskin/logic/sampling/sampler.hpp\""), 0);
 }
 
 TEST_F(Layering, refuses_logic_that_includes_a_board) {
@@ -74,27 +75,48 @@ TEST_F(Layering, refuses_vendor_headers_outside_the_board) {
 }
 
 TEST_F(Layering, refuses_geometry_that_knows_devices) {
-  EXPECT_NE(with_file("host/geometry/src/a.cpp", "#include \"triskin/wire/uds.hpp\""), 0);
+  EXPECT_NE(with_file("host/lattice/src/a.cpp", "#include \"triskin/wire/uds.hpp\""), 0);
 }
 
 TEST_F(Layering, refuses_a_checker_that_uses_a_solver) {
-  EXPECT_NE(with_file("host/check/src/a.cpp", "#include \"triskin/geometry/routing.hpp\""), 0);
+  EXPECT_NE(with_file("host/check/src/a.cpp", "#include \"triskin/routing/routing.hpp\""), 0);
+}
+
+TEST_F(Layering, refuses_an_upward_arrow_inside_the_geometry) {
+  EXPECT_EQ(with_file("host/lattice/src/a.cpp", "#include \"triskin/mesh/surface.hpp\""), 0);
+  EXPECT_NE(with_file("host/mesh/src/a.cpp", "#include \"triskin/lattice/grow_lattice.hpp\""), 0);
+}
+
+// A table with a circle is refused, even where no include makes use of it yet.
+TEST_F(Layering, refuses_a_circle_in_the_table) {
+  const std::string tool = triskin::test::source_folder() + "/tools/check_layering.py";
+  std::ifstream file(tool);
+  std::string table((std::istreambuf_iterator<char>(file)), {});
+  const std::string row = R"(Part("host/mesh", "mesh", "base design")";
+  const std::size_t at = table.find(row);
+  ASSERT_NE(at, std::string::npos);
+  table.replace(at, row.size(), R"(Part("host/mesh", "mesh", "base design lattice")");
+  const fs::path changed = fs::temp_directory_path() / "check_layering_with_a_circle.py";
+  std::ofstream(changed) << table;
+  EXPECT_NE(
+      std::system(("python3 " + changed.string() + " " + triskin::test::source_folder() + " > /dev/null").c_str()), 0);
+  fs::remove(changed);
 }
 
 TEST_F(Layering, refuses_relative_includes) {
-  EXPECT_NE(with_file("shared/include/triskin/base/a.hpp", "#include \"../../../host/x.hpp\""), 0);
+  EXPECT_NE(with_file("shared/include/triskin/core/a.hpp", "#include \"../../../host/x.hpp\""), 0);
 }
 
 TEST_F(Layering, refuses_a_device_side_that_includes_the_simulation) {
-  EXPECT_NE(with_file("host/device/link/src/a.cpp", "#include \"triskin/scene/scene.hpp\""), 0);
+  EXPECT_NE(with_file("host/link/src/a.cpp", "#include \"triskin/scene/scene.hpp\""), 0);
 }
 
 TEST_F(Layering, scans_tools) {
-  EXPECT_NE(with_file("tools/machine/src/a.cpp", "#include \"triskin/logic/sampler.hpp\""), 0);
+  EXPECT_NE(with_file("tools/machine/src/a.cpp", "#include \"triskin/logic/sampling/sampler.hpp\""), 0);
 }
 
 TEST_F(Layering, refuses_a_library_outside_its_part) {
-  EXPECT_EQ(with_file("host/geometry/src/a.cpp", "#include <CGAL/Surface_mesh.h>"), 0);
+  EXPECT_EQ(with_file("host/mesh/src/a.cpp", "#include <CGAL/Surface_mesh.h>"), 0);
   EXPECT_NE(with_file("host/design/src/a.cpp", "#include <CGAL/Surface_mesh.h>"), 0);
 }
 
@@ -103,11 +125,11 @@ TEST_F(Layering, refuses_an_include_prefix_in_two_parts) {
 }
 
 TEST_F(Layering, follows_links_through_other_targets) {
-  EXPECT_EQ(with_links("triskin_jobs: triskin_session\ntriskin_session: triskin_link\ntriskin_link: triskin_base\n"),
+  EXPECT_EQ(with_links("triskin_deploy: triskin_session\ntriskin_session: triskin_link\ntriskin_link: triskin_base\n"),
             0);
-  EXPECT_NE(with_links("triskin_jobs: triskin_session\ntriskin_session: triskin_scene\ntriskin_scene: triskin_base\n"),
+  EXPECT_NE(with_links("triskin_deploy: triskin_session\ntriskin_session: triskin_sim\ntriskin_sim: triskin_base\n"),
             0);
-  EXPECT_NE(with_links("triskin_jobs: triskin_session\ntriskin_session: CGAL::CGAL\n"), 0);
+  EXPECT_NE(with_links("triskin_deploy: triskin_session\ntriskin_session: CGAL::CGAL\n"), 0);
 }
 
 }  // namespace

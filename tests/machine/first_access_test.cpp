@@ -47,7 +47,7 @@ TEST_P(FirstAccess, ToEachRamAfterAResetIsARead) {
   };
   const std::uint32_t stack = vector(0);
   uc_reg_write(uc, UC_ARM_REG_SP, &stack);
-  constexpr std::size_t kInstructions = 3'000;  // as far as the stores of the start-up code
+  constexpr std::size_t kInstructions = 3'000;  // The stores of the start-up code are within this range.
   uc_emu_start(uc, vector(4) | 1U, 0xFFFFFFFE, 0, kInstructions);
   for (const Ram& r : rams) EXPECT_EQ(r.first, UC_MEM_READ) << std::hex << r.base;
   uc_close(uc);

@@ -50,7 +50,7 @@ class SkinLine final : public sim::I2cBus {
   int pulses = 0, stops = 0;
   std::uint64_t bytes = 0;
   std::uint64_t origin_us = 0;       ///< subtracted from the caller's time
-  std::uint64_t first_start_us = 0;  ///< in the caller's time; 0: none yet
+  std::uint64_t first_start_us = 0;  ///< time by the caller's clock; 0: none yet
   std::vector<Burst> bursts;
 
   SkinModule& add(std::uint8_t address, int index, std::uint16_t device_id = scene::Ad7147::kDeviceId);

@@ -40,7 +40,7 @@ class UsbHost {
 
   Machine& machine_;
   std::uint8_t address_ = 0;
-  std::map<std::uint8_t, bool> toggle_;  // by end point with direction
+  std::map<std::uint8_t, bool> toggle_;  // Keyed by end point with direction.
 };
 
 }  // namespace triskin::machine

@@ -44,12 +44,12 @@ TEST(Crossings, of_two_triangles_apart) {
   const Pairs one{{0, 1}};
   EXPECT_EQ(with({1, 1, -1}, {1, 1, 1}, {2, 2, 1}), one);         // pierces
   EXPECT_EQ(with({1, 1, 1e-9}, {1, 1, 1}, {2, 2, 1}), Pairs{});   // stands just above
-  EXPECT_EQ(with({1, 1, 0}, {1, 1, 1}, {2, 2, 1}), one);          // stands on it
-  EXPECT_EQ(with({4, 0, 0}, {5, 0, 1}, {5, 1, 1}), one);          // touches a corner that is not its own
-  EXPECT_EQ(with({2, 2, 0}, {3, 3, 0}, {4, 2, 0}), one);          // in its plane, a corner on a side
-  EXPECT_EQ(with({2.5, 2, 0}, {3, 3, 0}, {4, 2, 0}), Pairs{});    // in its plane, beside it
-  EXPECT_EQ(with({0.5, 0.5, 0}, {1, 0.5, 0}, {0.5, 1, 0}), one);  // in its plane, within
-  EXPECT_EQ(with({5, -1, -1}, {5, 5, 1}, {6, 2, 0}), Pairs{});    // through its plane, beside it
+  EXPECT_EQ(with({1, 1, 0}, {1, 1, 1}, {2, 2, 1}), one);          // It stands on the face.
+  EXPECT_EQ(with({4, 0, 0}, {5, 0, 1}, {5, 1, 1}), one);          // It touches a corner that is not its own.
+  EXPECT_EQ(with({2, 2, 0}, {3, 3, 0}, {4, 2, 0}), one);          // It lies in the plane, with a corner on a side.
+  EXPECT_EQ(with({2.5, 2, 0}, {3, 3, 0}, {4, 2, 0}), Pairs{});    // It lies in the plane, beside the face.
+  EXPECT_EQ(with({0.5, 0.5, 0}, {1, 0.5, 0}, {0.5, 1, 0}), one);  // It lies in the plane, inside the face.
+  EXPECT_EQ(with({5, -1, -1}, {5, 5, 1}, {6, 2, 0}), Pairs{});    // It passes through the plane, beside the face.
 }
 
 // Corner 0 is common: 1, 2 of the first, 3, 4 of the second.
@@ -60,8 +60,8 @@ TEST(Crossings, of_two_triangles_at_a_corner) {
   const Pairs one{{0, 1}};
   EXPECT_EQ(with({-4, 0, 0}, {0, -4, 0}), Pairs{});
   EXPECT_EQ(with({-4, 4, 0}, {-4, 0, 0}), Pairs{});
-  EXPECT_EQ(with({1, 1, 0}, {-1, 5, 0}), one);     // in the plane, a side within
-  EXPECT_EQ(with({1, 1, -1}, {1, 1, 1}), one);     // through the face
+  EXPECT_EQ(with({1, 1, 0}, {-1, 5, 0}), one);     // A side within the plane crosses the face.
+  EXPECT_EQ(with({1, 1, -1}, {1, 1, 1}), one);     // It passes through the face.
   EXPECT_EQ(with({1, 1, 1}, {2, 1, 3}), Pairs{});  // above
   EXPECT_EQ(with({2, 0, 0}, {2, 0, -3}), one);     // a side on a side
   EXPECT_EQ(with({8, 0, 0}, {8, 0, -3}), one);

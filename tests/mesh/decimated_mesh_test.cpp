@@ -163,7 +163,7 @@ TEST(DecimatedMesh, a_hole_stays) {
 // A hole that is narrower than the bounds: drawn to three corners, it is not drawn shut.
 TEST(DecimatedMesh, a_slit_stays) {
   Mesh m = grid_mesh(40, 40, [](double u, double v) { return Vec3(100 * u, 100 * v, 0.0); });
-  std::map<int, int> upper;  // of the corners between the ends of the slit
+  std::map<int, int> upper;  // Copies of the corners between the ends of the slit.
   for (int u = 11; u < 30; ++u) {
     const int v = 20 * 41 + u;
     upper[v] = static_cast<int>(m.vertices.size());

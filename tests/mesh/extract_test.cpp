@@ -53,7 +53,7 @@ TEST(Extract, KeepOutSphereLeavesNothingInsideAndLittleMore) {
   const Vec3 middle(43.0, 57.0, 3.0);
   o.spheres.push_back({middle, 12.0});
   const Extraction e = extract(square(100.0, 5), o);
-  const double r = std::sqrt(12.0 * 12.0 - 3.0 * 3.0);  // of the circle that the sphere cuts out of the plane
+  const double r = std::sqrt(12.0 * 12.0 - 3.0 * 3.0);  // Radius of the circle that the sphere cuts out of the plane.
   EXPECT_GE(min_distance(e.surface, middle), 12.0);
   EXPECT_GE(e.report.kept_out_mm2, M_PI * r * r);
   EXPECT_LE(e.report.kept_out_mm2, M_PI * (r + 3.0) * (r + 3.0));

@@ -115,7 +115,7 @@ INSTANTIATE_TEST_SUITE_P(All, GenerateShape, testing::ValuesIn(names()), name_of
 struct Clean {
   Shape shape;
   std::size_t loops;
-  double area_cm2;      // at the size of the table, within 10 %
+  double area_cm2;      // Area at the size of the table, within 10 %.
   double min_positive;  // rad
   double min_negative;
 };

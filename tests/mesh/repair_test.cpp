@@ -158,7 +158,8 @@ int number_from(const char* name, int otherwise) {
   return text != nullptr ? std::atoi(text) : otherwise;
 }
 
-constexpr double kShortRepair_s = 4.0;  // as design has for a limit of 10 s: coarser ways are needed more often
+// With a limit of 10 s design leaves so little that coarser ways are needed more often.
+constexpr double kShortRepair_s = 4.0;
 
 TEST(BrokenMeshesAtRandom, alone_and_mixed_long) {
   const auto shapes = test::base_shapes();

@@ -8,7 +8,7 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kWidth = 0.02;  // of the interval in which the answer lies, relative
+constexpr double kWidth = 0.02;  // The interval around the answer has this relative width.
 
 PlacementResult with_deficit(const Polygon& p) {
   PlacementOptions options;

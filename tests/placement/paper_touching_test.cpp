@@ -206,7 +206,7 @@ Ring star(std::mt19937_64& random) {
   for (int k = 0; k < kVertices; ++k) {
     const double angle = 2 * M_PI * k / kVertices, radius = 3 * test::uniform(random, 1.0, 4.0);
     const double v = std::round(radius * std::sin(angle) / 0.87), u = std::round(radius * std::cos(angle) - 0.5 * v);
-    points.emplace_back(u, v);  // in thirds: modules have corners at multiples of 3
+    points.emplace_back(u, v);  // Modules have corners at multiples of 3 of these units.
   }
   return Ring(points.begin(), points.end());
 }
@@ -259,7 +259,7 @@ TEST(PaperTouching, equals_an_exact_count_on_300_outlines_with_many_contacts) {
       }
     }
     Polygon p;
-    p.outer = ring(nodes);  // as it is: normalizing would drop nothing here
+    p.outer = ring(nodes);  // The ring is used directly: normalizing would drop nothing here.
     ASSERT_EQ(patch(p), expected);
     modules += static_cast<int>(expected.size());
     listed += static_cast<int>(Algorithm1(p, {.sides = kListing}).count({}));

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The proof log against a checker that shares no code with the solver; logs that were tampered with must be rejected.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "polygons.hpp"
@@ -129,6 +131,40 @@ TEST_F(ProofTest, a_shrunk_cell_a_shifted_placement_and_a_doubled_module_are_not
   log = log_;
   log["tiles"][1] = log["tiles"][0];
   expect_rejected(log, "twice");
+}
+
+TEST_F(ProofTest, the_report_says_what_the_log_is_about) {
+  const auto r = report(log_);
+  EXPECT_EQ(r.shape, "triangle");
+  EXPECT_EQ(r.tolerance_mm, 1e-6);
+  EXPECT_EQ(r.gap_mm, 0.0);
+  EXPECT_EQ(r.corner_cut_mm, 0.0);
+  EXPECT_EQ(r.weights, "none");
+  EXPECT_NEAR(r.outline_area_mm2, polygon_area(polygon_), 1e-9 * r.outline_area_mm2);
+  Polygon turned = polygon_;  // the same outline, its rings begin elsewhere
+  std::ranges::rotate(turned.outer, turned.outer.begin() + 5);
+  std::ranges::reverse(turned.holes[0]);
+  EXPECT_EQ(check::check_placement_proof_text(log_.dump(), geojson(turned)).outline_hash, r.outline_hash);
+  turned.outer[0].x() += 1e-9;
+  EXPECT_NE(check::check_placement_proof_text(log_.dump(), geojson(turned)).outline_hash, r.outline_hash);
+}
+
+// With another tolerance the log may still be true, but it is another claim.
+TEST_F(ProofTest, a_log_about_something_else_than_expected_is_rejected) {
+  json log = log_;
+  log["tolerance_mm"] = 1e-3;
+  EXPECT_TRUE(report(log).accepted);
+  EXPECT_EQ(report(log).tolerance_mm, 1e-3);
+  const auto rejection = [&](const check::ProofExpectation& expected) {
+    return check::check_placement_proof_text(log.dump(), file_, expected).reason;
+  };
+  EXPECT_EQ(rejection({.tolerance_mm = 1e-3, .gap_mm = 0.0, .corner_cut_mm = 0.0, .shape = "triangle"}), "");
+  EXPECT_THAT(rejection({.tolerance_mm = 1e-6}), testing::HasSubstr("tolerance of 0.001 mm, not 1e-06"));
+  EXPECT_THAT(rejection({.gap_mm = 2.0}), testing::HasSubstr("a gap of 0 mm"));
+  EXPECT_THAT(rejection({.corner_cut_mm = 1.0}), testing::HasSubstr("corner cut"));
+  EXPECT_THAT(rejection({.shape = "hexagon"}), testing::HasSubstr("shape triangle"));
+  EXPECT_THAT(rejection({.outline_hash = "0"}), testing::HasSubstr("outline"));
+  EXPECT_THAT(rejection({.modules = log["modules"].get<int>() + 1}), testing::HasSubstr("modules"));
 }
 
 TEST_F(ProofTest, what_is_no_log_is_an_input_error) {

@@ -155,7 +155,7 @@ TEST_F(OneEdge, an_upright_edge_and_a_down_tile) {
   expect_figures([&](double x, double y) {
     if (std::abs(x - 5.0) >= 15.0) return false;
     const double top = y + h / 3.0,
-                 bottom = y - 2.0 * h / 3.0 + std::abs(x - 5.0) * std::sqrt(3.0);  // of the tile at 5
+                 bottom = y - 2.0 * h / 3.0 + std::abs(x - 5.0) * std::sqrt(3.0);  // Edges of the tile at 5.
     return top > -40.0 && bottom < 30.0;
   });
 }

@@ -70,7 +70,7 @@ void kill_and_read(int times, std::uint64_t seed) {
     const std::uint64_t killed_us = sample_of(count - 1, kModules).link_time_us;
     Summary summary;
     const auto read = samples_of(path, &summary);
-    std::array<std::uint64_t, 3> next{0, 0, 16};  // by node: number of its next sample
+    std::array<std::uint64_t, 3> next{0, 0, 16};  // Indexed by node: number of its next sample.
     for (const ModuleSample& s : read) {
       std::uint64_t& expected = next.at(s.sample.node_address);
       ASSERT_EQ(s, sample_of(expected, kModules)) << "seed " << seed << ", kill " << k;

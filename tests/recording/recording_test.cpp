@@ -167,7 +167,7 @@ TEST(Recording, a_recovered_file_is_the_file_that_was_cut) {
   const Folder folder("recording");
   record_samples(folder / "r.mcap", strip(2), 200);
   const std::string whole = triskin::read_file(folder / "r.mcap");
-  write_file_atomically(folder / "cut.mcap", whole.substr(0, whole.size() - 30));  // in the footer
+  write_file_atomically(folder / "cut.mcap", whole.substr(0, whole.size() - 30));  // The cut lies in the footer.
   EXPECT_EQ(recover(folder / "cut.mcap", folder / "new.mcap").messages, recover(folder / "r.mcap", {}).messages);
   std::string recovered = triskin::read_file(folder / "new.mcap");
   ASSERT_EQ(recovered.size(), whole.size());
@@ -204,9 +204,9 @@ TEST(Recording, damage_that_is_no_cut_is_not_dropped_in_place) {
   EXPECT_THROW((void)recover(folder / "r.mcap", {}), InputError);
   EXPECT_EQ(triskin::read_file(folder / "r.mcap"), bytes);
   const Recovery r = recover(folder / "r.mcap", folder / "new.mcap");
-  EXPECT_GT(r.dropped_bytes, std::size_t{4} << 20);
+  EXPECT_LT(r.dropped_bytes, std::size_t{2} << 20) << "one chunk and its index";
   Summary summary;
-  EXPECT_GT(samples_of(folder / "new.mcap", &summary).size(), 1'000U);
+  EXPECT_GT(samples_of(folder / "new.mcap", &summary).size(), 64U * 2'000U);
   EXPECT_TRUE(summary.file.complete);
 }
 

@@ -76,7 +76,7 @@ TEST_F(RobotCommands, two_buses_by_one_file) {
   EXPECT_EQ(first["skipped"], 0);
   const json verified = asked("verify robot.json --watch-s 0.5");
   EXPECT_EQ(verified["modules_ok"], 6 + 7 + 8);
-  EXPECT_EQ(verified["covers"][1]["cover"], "cover2");  // by bus
+  EXPECT_EQ(verified["covers"][1]["cover"], "cover2");  // The covers are listed by bus.
   const json recorded = asked("record robot.json -o recorded --seconds 0.5");
   EXPECT_EQ(recorded["lost"], 0);
   for (const char* cover : {"cover0", "cover1", "cover2"})

@@ -43,7 +43,7 @@ int fewest_parts(const geometry::ModuleGraph& g) {
 }
 
 struct SmallTree {
-  std::vector<int> parent, depth;  // by position in the part
+  std::vector<int> parent, depth;  // Indexed by position in the part.
 };
 
 // Fewest hops of a rooted tree over all assignments of lines.

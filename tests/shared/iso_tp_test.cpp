@@ -148,10 +148,10 @@ TEST(IsoTp, ShortFramesAreAcceptedOnlyAtTheEnd) {
   EXPECT_EQ(received(b), (Message{0x22, 0xF1, 0x90}));
   const CanFrame first = frame({0x10, 15, 0, 1, 2, 3, 4, 5});
   EXPECT_EQ(b.receive(first, 0), Event::kNone);
-  EXPECT_EQ(b.receive(frame({0x21, 6, 7, 8}), 0), Event::kFailed);  // in the middle
+  EXPECT_EQ(b.receive(frame({0x21, 6, 7, 8}), 0), Event::kFailed);  // The frame interrupts the first message.
   EXPECT_EQ(b.receive(first, 0), Event::kNone);
   EXPECT_EQ(b.receive(frame({0x21, 6, 7, 8, 9, 10, 11, 12}), 0), Event::kNone);
-  EXPECT_EQ(b.receive(frame({0x22, 13, 14}), 0), Event::kReceived);  // at the end
+  EXPECT_EQ(b.receive(frame({0x22, 13, 14}), 0), Event::kReceived);  // This frame completes the message.
   EXPECT_EQ(received(b), counting(15));
 }
 

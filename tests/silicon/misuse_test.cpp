@@ -204,7 +204,7 @@ TEST(Misuse, DelayCompensationWithALargeDataPrescaler) {
     can.write(kCccr, 0, 4);
   };
   start_with(kDelay | 1U << 16 | 0xA33);  // a prescaler of 2 is allowed
-  start_with(4U << 16 | 0xA33);           // without compensation any is
+  start_with(4U << 16 | 0xA33);           // Any prescaler is allowed without compensation.
   EXPECT_TRUE(around.violations.empty());
   start_with(kDelay | 4U << 16 | 0xA33);
   around.expect("prescaler of 5");

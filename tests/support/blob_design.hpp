@@ -36,7 +36,7 @@ inline design::Design blob(const std::vector<int>& sizes, std::uint64_t seed) {
       const design::RoutedModule parent = patch.modules[random() % patch.modules.size()];
       const int side = static_cast<int>(random() % 3);
       const auto next = design::across(tiles[static_cast<std::size_t>(parent.node)], side);
-      const bool cable = parent.parent < 0 && side == parent.rotation;  // of the entry module
+      const bool cable = parent.parent < 0 && side == parent.rotation;  // The entry module's cable occupies this side.
       if (cable || number.contains(next.tile)) continue;
       const int n = static_cast<int>(patch.modules.size());
       patch.modules.push_back({add(next.tile), parent.node, next.side, n % 4, n / 4, parent.depth + 1});

@@ -78,8 +78,8 @@ class AdoptionRecording : public ShellCase {
 
   const design::Design design_ = joined_patches(4, 8);
   const Unreachable unreachable_ = unreachable_of(design_).front();
-  std::map<Sample, int> adopter_;  // as the stream has it
-  std::set<Sample> empty_;         // whose controller did not reach the module
+  std::map<Sample, int> adopter_;  // Adopters as the stream reports them.
+  std::set<Sample> empty_;         // Samples whose controller did not reach the module.
   std::uint64_t failed_us_ = 0, whole_us_ = 0;
 };
 

@@ -134,7 +134,7 @@ TEST(Application, every_single_failure_leaves_the_best_set_within_100_ms_and_no_
     const design::Design design = random_design(2 + trial % 15, random);
     Fixture fixture(design);
     for (const Failure& f : failures_of(design)) {
-      fixture.listen_us(7'000 + random() % 37'000);  // at any moment of a cycle
+      fixture.listen_us(7'000 + random() % 37'000);  // The failure may come at any moment of a cycle.
       fixture.mark();
       f.apply(fixture.hardware(), true);
       const std::uint32_t wanted = best(design, {f});

@@ -100,7 +100,7 @@ TEST(FreshBoards, switched_patches_are_recognised_by_their_shape_though_all_shar
     EXPECT_TRUE(device::verify(skin.bus(), design, {}).findings.empty()) << seed;
   }
   EXPECT_GE(several, 6);
-  EXPECT_GE(wrong_by_order, 4);  // of 8: with three patches one order in six is right by chance
+  EXPECT_GE(wrong_by_order, 4);  // There are 8: with three patches one order in six is right by chance.
 }
 
 TEST(FreshBoards, equal_shapes_are_refused_and_no_table_is_written) {

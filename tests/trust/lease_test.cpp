@@ -177,7 +177,7 @@ TEST(Leases, a_thousand_random_interleavings_lose_nothing) {
     hub.forget();
     ASSERT_FALSE(testing::Test::HasFailure());
   }
-  EXPECT_LT(interleaving.refused, 500);  // of some 6,000 readers
+  EXPECT_LT(interleaving.refused, 500);  // There are some 6,000 readers.
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ constexpr std::uint64_t kSecond_us = 1'000'000;
 struct Press {
   const char* name;
   double force_n;
-  double drift_counts_per_s;  // of all taxels, as of a skin that warms or cools
+  double drift_counts_per_s;  // All taxels drift, as when a skin warms or cools.
 };
 void PrintTo(const Press& p, std::ostream* out) {
   *out << p.name;

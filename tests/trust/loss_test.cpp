@@ -102,7 +102,7 @@ TEST(Loss, what_the_computer_loses_is_counted_by_the_frame) {
   hub.flash();
   SharedSkin::Client link(hub);
   Bus bus(link);
-  std::map<std::uint32_t, std::uint64_t> lost;  // by identifier
+  std::map<std::uint32_t, std::uint64_t> lost;  // Keyed by identifier.
   int turn = 0;
   link.lose = [&](const wire::CanFrame& f) { return wire::decode_full(f) && ++turn % 7 == 0 && ++lost[f.id] > 0; };
   Stream stream(bus, hub.design(), {});

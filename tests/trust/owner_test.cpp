@@ -47,7 +47,7 @@ TEST_F(Owners, another_design_is_left_alone) {
   bus_.listen(bus_.now_us() + 3'000'000);
   const std::uint64_t before = operations();
   bus_.listen(bus_.now_us() + 1'000'000);
-  ASSERT_EQ(operations(), before);  // from here on they write nothing by themselves
+  ASSERT_EQ(operations(), before);  // The boards write nothing by themselves any more.
   const std::string text = refusal(strip(8, 4));
   EXPECT_NE(text.find("--take-over"), std::string::npos) << text;
   EXPECT_NE(text.find(serial(0)), std::string::npos) << text;

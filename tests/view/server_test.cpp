@@ -169,7 +169,8 @@ TEST_F(ViewServer, sends_the_state_of_the_link_and_then_what_changed) {
   EXPECT_EQ(next_message(*page), R"({"frames":7,"link":"sim","live":true,"lost":2,"trouble":""})");
   live_.add(5, sample_of(-300), 2'000'000);
   std::string frame = next_message(*page);
-  while (frame.size() == 48 && frame[24] == 0) frame = next_message(*page);  // from before the last sample
+  // This frame is older than the last sample.
+  while (frame.size() == 48 && frame[24] == 0) frame = next_message(*page);
   ASSERT_EQ(frame.size(), LiveSkin::kHeaderBytes + LiveSkin::kRecordBytes);
   EXPECT_EQ(frame[2], 1);                                                  // one module
   EXPECT_EQ(frame[16], 5);                                                 // this one

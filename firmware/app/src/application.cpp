@@ -33,13 +33,13 @@ Application::Application(const Ports& ports)
   restart();
 }
 
-// As after power-up: the newest table, nothing known about the modules.
+// Restores the state after power-up: the newest table, nothing known about the modules.
 void Application::restart() {
   tables_.load();
   faults_.load();
   offset_store_.load(offsets_);
   for (Channel& c : channels()) {
-    // In place: a copy would take two kilobytes of the stack.
+    // Constructed in place: a copy would take two kilobytes of the stack.
     ::new (static_cast<void*>(&c.link)) wire::IsoTp(make_link(tables_.node_address(), c.port->frame_bytes()));
     c.held.reset();
   }
@@ -153,7 +153,8 @@ void Application::reset_when_answered() {
   reset_at_us_ = UINT64_MAX;
   reset_requested_ = through_loader_ = false;
   stream_ = StreamMode::kOff;
-  for (Channel& c : channels()) ::new (static_cast<void*>(&c.stream)) FullStream;  // in place, as a link
+  // Constructed in place like the links, since a copy would need too much of the stack.
+  for (Channel& c : channels()) ::new (static_cast<void*>(&c.stream)) FullStream;
   sampling_ = {};
   output_ = wire::TaxelOutput::kRaw;
   server_.restart();

@@ -7,12 +7,15 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <climits>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <utility>
 
+#include "output_target.hpp"
 #include "triskin/base/error.hpp"
 
 namespace triskin {
@@ -42,6 +45,13 @@ int write_all(int fd, std::string_view bytes) {
   return cause != 0 || ::fsync(fd) == 0 ? cause : errno;
 }
 
+void rename_or_remove(const std::string& temporary, const std::filesystem::path& path) {
+  if (::rename(temporary.c_str(), path.c_str()) == 0) return;
+  const int why = errno;
+  ::unlink(temporary.c_str());
+  fail_write(path, "rename", why);
+}
+
 void write_into(int fd, const std::filesystem::path& path, std::string_view bytes) {
   const int cause = write_bytes(fd, bytes);
   if (cause != 0)
@@ -59,7 +69,7 @@ std::string read_file(const std::filesystem::path& path) {
   }
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError(fmt::format("{}: cannot read ({})", path.string(), std::strerror(errno)));
-  std::string bytes;  // in one piece where the size is known, as it is not of a pipe
+  std::string bytes;  // Filled in one piece if the size is known, which it is not for a pipe.
   if (const auto size = std::filesystem::file_size(path, ec); !ec) {
     bytes.resize(static_cast<std::size_t>(size));
     in.read(bytes.data(), static_cast<std::streamsize>(size));
@@ -70,42 +80,78 @@ std::string read_file(const std::filesystem::path& path) {
 }
 
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes) {
-  std::string temporary = path.string() + ".XXXXXX";
-  const int fd = ::mkstemp(temporary.data());
+  const auto [fd, temporary] = create_beside(path);
   if (fd < 0) fail_write(path, "create", errno);
-  ::fchmod(fd, 0644);
   const int cause = write_all(fd, bytes);
   ::close(fd);
   if (cause != 0) {
     ::unlink(temporary.c_str());
     fail_write(path, "write", cause);
   }
-  if (::rename(temporary.c_str(), path.c_str()) != 0) {
-    const int why = errno;
-    ::unlink(temporary.c_str());
-    fail_write(path, "rename", why);
-  }
+  rename_or_remove(temporary, path);
 }
 
 void write_output(const std::filesystem::path& path, std::string_view bytes) {
+  OutputFile file(path);
+  file.write(bytes);
+  file.commit();
+}
+
+OutputFile::OutputFile(const std::filesystem::path& path) : path_(path) {
   namespace fs = std::filesystem;
-  if (path == "-") return write_into(STDOUT_FILENO, "standard output", bytes);
+  if (path == "-") {
+    path_ = "standard output";
+    fd_ = STDOUT_FILENO;
+    return;
+  }
   std::error_code ignored;
   const fs::file_status status = fs::status(path, ignored);
   if (fs::is_directory(status)) throw InputError(fmt::format("{}: is a folder; give a file", path.string()));
-  if (!fs::exists(status) || fs::is_regular_file(status)) {
-    const fs::path target = fs::is_symlink(path, ignored) ? fs::weakly_canonical(path, ignored) : path;
-    return write_file_atomically(target.empty() ? path : target, bytes);
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    fd_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+    if (fd_ < 0) fail_write(path, "open", errno);
+    return;
   }
-  const int fd = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
-  if (fd < 0) fail_write(path, "open", errno);
-  try {
-    write_into(fd, path, bytes);
-  } catch (...) {
-    ::close(fd);
-    throw;
+  target_ = target_of(path);
+  const auto [fd, temporary] = create_beside(target_);
+  if (fd < 0) fail_write(target_, "create", errno);
+  fd_ = fd;
+  temporary_ = temporary;
+}
+
+OutputFile::~OutputFile() {
+  if (fd_ >= 0 && fd_ != STDOUT_FILENO) ::close(fd_);
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+void OutputFile::write(std::string_view bytes) {
+  if (temporary_.empty()) return write_into(fd_, path_, bytes);
+  if (const int cause = write_bytes(fd_, bytes); cause != 0) fail_write(target_, "write", cause);
+}
+
+void OutputFile::commit() {
+  if (temporary_.empty()) return;
+  if (::fsync(fd_) != 0) fail_write(target_, "write", errno);
+  ::close(std::exchange(fd_, -1));
+  rename_or_remove(std::exchange(temporary_, {}), target_);
+}
+
+void require_writable(const std::filesystem::path& path) {
+  namespace fs = std::filesystem;
+  if (path == "-") return;
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  if (fs::is_directory(status)) throw InputError(fmt::format("{}: is a folder; give a file", path.string()));
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    if (::access(path.c_str(), W_OK) != 0) fail_write(path, "open", errno);
+    return;
   }
+  const fs::path target = target_of(path);
+  if (target.filename().string().size() > NAME_MAX) fail_write(path, "create", ENAMETOOLONG);
+  const auto [fd, temporary] = create_beside(target);
+  if (fd < 0) fail_write(path, "create", errno);
   ::close(fd);
+  ::unlink(temporary.c_str());
 }
 
 std::filesystem::path state_home() {
@@ -117,8 +163,11 @@ std::filesystem::path state_home() {
   }
   std::error_code error;
   if (!base.empty()) std::filesystem::create_directories(base, error);
-  if (base.empty() || error) base = std::filesystem::temp_directory_path();
-  return base / "triskin";
+  if (!base.empty() && !error) return base / "triskin";
+  // Shared by all users of the computer, so that each has a folder of his own there.
+  base = std::filesystem::temp_directory_path(error);
+  if (error) base = "/tmp";
+  return base / fmt::format("triskin-{}", ::getuid());
 }
 
 }  // namespace triskin

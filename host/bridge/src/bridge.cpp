@@ -62,7 +62,7 @@ void Bridge::add(const recording::ModuleSample& sample) {
   if (sample.sampled_ns < next_points_ns_) return;
   points_->write(cloud_.encode(sample.sampled_ns, frame_));
   ++published_.points;
-  // On a grid, so that the rate holds; anew after a gap.
+  // Times lie on a grid so that the rate holds; after a gap a new grid begins.
   next_points_ns_ = std::max(next_points_ns_ + points_period_ns_, sample.sampled_ns);
   if (published_.points == 1) next_points_ns_ = sample.sampled_ns + points_period_ns_;
 }

@@ -12,12 +12,16 @@ namespace {
 
 constexpr double kTouch_mm = 1e-7;     // distances to surface and border that count as equal
 constexpr double kSmallest_mm = 1e-3;  // parts of a module are not divided below this radius
+// Three halvings at most halve the radius of a part, and a module is at most 120 mm across (surface_rules.cpp), so that
+// 3 log2(120 mm / 1 µm) = 51 of them end every branch; a face that divides a part may stand between two halvings.
+constexpr int kMaxDepth = 128;
+constexpr std::size_t kMaxParts = 300'000;  // A hundred times what a module among many sheets needs.
 
 // A border edge seen from a point.
 struct Sight {
-  double along;  // of the foot: 0 at a, 1 at b, clamped
-  P3 off;        // from the foot to the point
-  P3 normal;     // of the surface at the foot, unit
+  double along;  // Position of the foot: 0 at a, 1 at b, clamped.
+  P3 off;        // Vector from the foot to the point.
+  P3 normal;     // Unit normal of the surface at the foot.
 };
 
 Sight sight_of(const BorderEdge& e, const P3& p) {
@@ -96,7 +100,8 @@ class OverrunSearch {
       const P3 middle = (module[k] + module[(k + 1) % n]) / 2;
       visit(middle, surface_.distance(middle), near);
     }
-    divide(module, near);
+    divide(module, near, 0);
+    if (is_cut_off_) best_ = std::numeric_limits<double>::infinity();
     return {best_, points_};
   }
 
@@ -109,7 +114,7 @@ class OverrunSearch {
       const double distance = s.off.norm(), out = s.off.dot(e->out);
       if (distance > nearest + kTouch_mm) continue;
       past =
-          std::abs(distance - nearest) <= kTouch_mm ? std::max(past, out) : out;  // at a corner two edges are nearest
+          std::abs(distance - nearest) <= kTouch_mm ? std::max(past, out) : out;  // At a corner two edges are nearest.
       if (distance >= nearest) continue;
       nearest = distance;
       over = across(s.off, s.normal);
@@ -174,7 +179,9 @@ class OverrunSearch {
     });
   }
 
-  void divide(const Outline3& part, const std::vector<const BorderEdge*>& candidates) {
+  void divide(const Outline3& part, const std::vector<const BorderEdge*>& candidates, int depth) {
+    if (depth > kMaxDepth || ++parts_ > kMaxParts) is_cut_off_ = true;
+    if (is_cut_off_ || part.size() < 3) return;
     P3 m = P3::Zero();
     for (const P3& q : part) m += q / static_cast<double>(part.size());
     double radius = 0.0;
@@ -193,20 +200,21 @@ class OverrunSearch {
     if (!more || radius < kSmallest_mm) return;
     if (is_close(hit.face, part)) return;
     const Triangle3 face = surface_.triangle(hit.face);
-    constexpr double kWorth = 0.25;  // of the area: below, halves find faces that cover more of them
+    constexpr double kWorth = 0.25;  // Below a quarter of the area, halves find faces that cover more of them.
     const Division by_face = divide_by(face, part);
     if (area_in_space(by_face.over) > kWorth * area_in_space(part) &&
         (is_close(hit.face, by_face.over) || is_covered(face, by_face.over, near))) {
-      for (const Outline3& beside : by_face.beside) divide(beside, near);
+      for (const Outline3& beside : by_face.beside) divide(beside, near, depth + 1);
       return;
     }
-    for (const Outline3& half : halved(part, m)) divide(half, near);
+    for (const Outline3& half : halved(part, m)) divide(half, near, depth + 1);
   }
 
   const SurfaceIndex& surface_;
   double past_mm_, lack_mm_;
   double best_ = 0.0;
-  std::size_t points_ = 0;
+  std::size_t points_ = 0, parts_ = 0;
+  bool is_cut_off_ = false;  // The bounds did not close in kMaxParts parts: the value is not known.
 };
 
 }  // namespace

@@ -72,6 +72,10 @@ struct CheckedDesign {
   };
   std::vector<P3> vertices;
   std::vector<std::array<int, 3>> faces;
+  std::string side;  ///< that was taken of a part with a wall; empty: the file does not say
+  bool is_side_certain = true;
+  std::vector<P3> part_vertices;
+  std::vector<std::array<int, 3>> part_faces;  ///< of the whole part; empty: the surface is all there is
   Limits limits;
   int islands;
   double corner_cut;  ///< mm; 0 where the file has none
@@ -107,6 +111,7 @@ class Findings {
 
 void check_modules(const CheckedDesign& design, Findings& findings);  ///< lattice, rigidity, joints
 void check_surface(const CheckedDesign& design, Findings& findings);  ///< gaps, border, overlap, orientation
+void check_side(const CheckedDesign& design, Findings& findings);     ///< inner side of a wall, back to back
 void check_pieces(const CheckedDesign& design, Findings& findings);   ///< nets and placements on the plane
 void check_jumpers(const CheckedDesign& design, Findings& findings);  ///< joints between islands
 void check_patches(const CheckedDesign& design, Findings& findings);  ///< wiring

@@ -33,7 +33,8 @@ void check_limits(const CheckedDesign::Limits& l, bool with_jumpers, DesignRepor
   }
   for (const auto& [name, value] : limits) {
     report.limits.emplace_back(name, value);
-    if (!(std::isfinite(value) && value >= 0.0))
+    constexpr double kMaxLimit = 1000.0;  // a metre limits no module of 30 mm
+    if (!(value >= 0.0 && value <= kMaxLimit))
       f.broken("limits", "design", fmt::format("{} is {:.6g}, not a limit", name, value));
   }
 }
@@ -83,7 +84,7 @@ void check_id(const CheckedDesign& d, Findings& f) {
   for (const auto& m : d.modules) {
     for (const int word : {m.island, m.i, m.j, m.up ? 1 : 0}) fnv.add(word);
     for (const P3& c : m.corner) {
-      for (int axis = 0; axis < 3; ++axis) fnv.add(std::llround(std::clamp(c[axis], -1e9, 1e9) * 1000.0));
+      for (int axis = 0; axis < 3; ++axis) fnv.add(std::llround(c[axis] * 1000.0));
     }
     for (const int n : m.neighbour) fnv.add(n);
   }
@@ -106,7 +107,7 @@ void check_id(const CheckedDesign& d, Findings& f) {
       for (const char c : text) fnv.add(static_cast<unsigned char>(c));
     }
     fnv.add(k.taxels);
-    fnv.add(std::llround(std::clamp(k.sensitivity, -1e9, 1e9) * 1000.0));
+    fnv.add(std::llround(k.sensitivity * 1000.0));
   }
   for (std::size_t m = 0; !d.kinds.empty() && m < d.modules.size(); ++m) fnv.add(kind_number(d, d.modules[m].kind));
   if (fnv.value() != d.design_id) {
@@ -170,6 +171,7 @@ DesignReport check_design(const std::filesystem::path& path) {
   check_limits(design.limits, !design.jumpers.empty(), report, findings);
   check_modules(design, findings);
   check_surface(design, findings);
+  check_side(design, findings);
   check_pieces(design, findings);
   check_jumpers(design, findings);
   check_regions(design, findings);

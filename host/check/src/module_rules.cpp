@@ -143,7 +143,7 @@ void check_taxels(const CheckedDesign& d, Findings& f) {
   }
 }
 
-// With cut corners only: no taxel may have gone with them.
+// Checks that no taxel was cut off with the corners.
 void check_taxels_left(const CheckedDesign& d, Findings& f) {
   if (!(d.corner_cut > 0.0)) return;
   f.rule("taxel-cut");

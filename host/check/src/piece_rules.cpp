@@ -94,6 +94,25 @@ std::vector<P2> without_corners(const std::array<P2, 3>& t, double cut) {
   return points;
 }
 
+// A net is no wider than its faces in a row. One that is has a point far out, and the tiles of its box have no end.
+bool is_as_wide_as_its_faces(const CheckedDesign& d, const CheckedDesign::Piece& p) {
+  double length = 0.0;
+  for (const int f : p.faces) {
+    const auto& face = d.faces[static_cast<std::size_t>(f)];
+    double longest = 0.0;
+    for (std::size_t s = 0; s < 3; ++s) {
+      const P3 side =
+          d.vertices[static_cast<std::size_t>(face[(s + 1) % 3])] - d.vertices[static_cast<std::size_t>(face[s])];
+      longest = std::max(longest, side.norm());
+    }
+    length += longest;
+  }
+  Eigen::AlignedBox2d box;
+  for (const Edge& e : edges_of(p)) box.extend(e.a);
+  constexpr double kStretch = 1.5;  // far above any edge error that a limit allows
+  return !(box.diagonal().norm() > kStretch * length);
+}
+
 // Tiles of the grid inside the moved outline, counted tile by tile: no edge may enter a tile's interior, its centre
 // lies inside.
 int tiles_inside(const CheckedDesign::Piece& p, double cut) {
@@ -164,6 +183,10 @@ void check_pieces(const CheckedDesign& design, Findings& findings) {
     }
     check_scale(design, k, findings);
     check_simple(p, k, findings);
+    if (!is_as_wide_as_its_faces(design, p)) {
+      findings.broken("piece-scale", piece_name(k), "its outline is wider than all of its faces in a row");
+      continue;
+    }
     const int tiles = p.modules > 0 ? tiles_inside(p, design.corner_cut) : 0;
     if (tiles < p.modules) {
       findings.broken("piece-placement", piece_name(k),

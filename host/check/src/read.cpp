@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <charconv>
+#include <cmath>
 #include <limits>
 
 #include "checked_design.hpp"
@@ -14,11 +17,35 @@ namespace {
 
 using nlohmann::json;
 
+constexpr int kMaxCount = 10'000'000;
+
+std::string shown(const json& j) {
+  return j.dump().substr(0, 40);
+}
+
+// A double still resolves 2 µm there, and no micrometre that a design id has in it leaves 64 bits.
+constexpr double kMaxNumber = 1e10;
+
+// JSON converts a number to any type that is asked for, whether it fits or not.
+double number(const json& j) {
+  if (!j.is_number()) throw InputError(fmt::format("{} must be a number", shown(j)));
+  const double value = j.get<double>();
+  if (!(std::abs(value) <= kMaxNumber)) throw InputError(fmt::format("{} is outside ±{:g}", shown(j), kMaxNumber));
+  return value;
+}
+int integer(const json& j) {
+  if (!j.is_number_integer()) throw InputError(fmt::format("{} must be a whole number", shown(j)));
+  const bool fits = j.is_number_unsigned() ? j.get<std::uint64_t>() <= std::uint64_t{kMaxCount}
+                                           : j.get<std::int64_t>() >= -std::int64_t{kMaxCount};
+  if (!fits) throw InputError(fmt::format("{} is outside ±{}", shown(j), kMaxCount));
+  return j.get<int>();
+}
+
 P2 p2(const json& j) {
-  return {j.at(0).get<double>(), j.at(1).get<double>()};
+  return {number(j.at(0)), number(j.at(1))};
 }
 P3 p3(const json& j) {
-  return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()};
+  return {number(j.at(0)), number(j.at(1)), number(j.at(2))};
 }
 
 template <class Read>
@@ -29,10 +56,10 @@ auto all(const json& j, Read read) {
 }
 
 std::array<int, 3> three_ints(const json& j) {
-  return {j.at(0).get<int>(), j.at(1).get<int>(), j.at(2).get<int>()};
+  return {integer(j.at(0)), integer(j.at(1)), integer(j.at(2))};
 }
 std::array<double, 3> three(const json& j) {
-  return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()};
+  return {number(j.at(0)), number(j.at(1)), number(j.at(2))};
 }
 
 int bounded(int value, int low, int high, const char* what) {
@@ -46,31 +73,42 @@ double corner_cut(double value) {
   return value;
 }
 
+void read_side(const json& j, CheckedDesign& d) {
+  d.side = j.at("taken").get<std::string>();
+  d.is_side_certain = j.at("certain").get<bool>();
+  if (!j.contains("part")) return;
+  d.part_vertices = all(j.at("part").at("vertices"), p3);
+  d.part_faces = all(j.at("part").at("faces"), three_ints);
+  for (const auto& f : d.part_faces) {
+    for (const int v : f) bounded(v, 0, static_cast<int>(d.part_vertices.size()) - 1, "vertex of the part");
+  }
+}
+
 CheckedDesign::Module read_module(const json& j, int n, bool with_lift) {
   CheckedDesign::Module m{};
-  m.island = j.at("island").get<int>();
-  m.i = bounded(j.at("i").get<int>(), -1'000'000, 1'000'000, "lattice coordinate");
-  m.j = bounded(j.at("j").get<int>(), -1'000'000, 1'000'000, "lattice coordinate");
+  m.island = integer(j.at("island"));
+  m.i = bounded(integer(j.at("i")), -1'000'000, 1'000'000, "lattice coordinate");
+  m.j = bounded(integer(j.at("j")), -1'000'000, 1'000'000, "lattice coordinate");
   m.up = j.at("up").get<bool>();
   for (std::size_t k = 0; k < 3; ++k) m.corner[k] = p3(j.at("corners").at(k));
   m.neighbour = three_ints(j.at("neighbours"));
   for (const int v : m.neighbour) bounded(v, -1, n - 1, "neighbour");
   m.beside = m.neighbour;
-  m.edge_error = j.at("edge_error_mm").get<double>();
-  m.center_gap = j.at("center_gap_mm").get<double>();
-  m.edge_depth = j.at("edge_depth_mm").get<double>();
-  m.edge_lift = with_lift ? j.at("edge_lift_mm").get<double>() : 0.0;
-  m.penetration = j.at("penetration_mm").get<double>();
-  m.overrun = j.at("overrun_mm").get<double>();
-  m.bend_radius = j.at("bend_radius_mm").get<double>();
+  m.edge_error = number(j.at("edge_error_mm"));
+  m.center_gap = number(j.at("center_gap_mm"));
+  m.edge_depth = number(j.at("edge_depth_mm"));
+  m.edge_lift = with_lift ? number(j.at("edge_lift_mm")) : 0.0;
+  m.penetration = number(j.at("penetration_mm"));
+  m.overrun = number(j.at("overrun_mm"));
+  m.bend_radius = number(j.at("bend_radius_mm"));
   m.hinge_gap = three(j.at("hinge_gap_mm"));
   m.fold = three(j.at("fold_rad"));
-  m.patch = j.at("patch").get<int>();
-  m.line = j.at("line").get<int>();
-  m.address = j.at("address").get<int>();
-  m.rotation = j.at("rotation").get<int>();
-  m.parent = bounded(j.at("parent").get<int>(), -1, n - 1, "parent");
-  m.depth = j.at("depth").get<int>();
+  m.patch = integer(j.at("patch"));
+  m.line = integer(j.at("line"));
+  m.address = integer(j.at("address"));
+  m.rotation = integer(j.at("rotation"));
+  m.parent = bounded(integer(j.at("parent")), -1, n - 1, "parent");
+  m.depth = integer(j.at("depth"));
   for (std::size_t t = 0; t < 12; ++t) {
     m.taxel[t] = p3(j.at("taxels").at(t).at("position"));
     m.taxel_normal[t] = p3(j.at("taxels").at(t).at("normal"));
@@ -82,15 +120,15 @@ CheckedDesign::Piece read_piece(const json& j, int n_faces) {
   CheckedDesign::Piece p{};
   p.outline = all(j.at("outline"), p2);
   p.holes = all(j.at("holes"), [](const json& h) { return all(h, p2); });
-  p.faces = all(j.at("faces"), [&](const json& f) { return bounded(f.get<int>(), 0, n_faces - 1, "face"); });
+  p.faces = all(j.at("faces"), [&](const json& f) { return bounded(integer(f), 0, n_faces - 1, "face"); });
   p.flat = all(j.at("flat"), [](const json& t) { return std::array{p2(t.at(0)), p2(t.at(1)), p2(t.at(2))}; });
-  p.max_edge_error = j.at("max_edge_error_mm").get<double>();
+  p.max_edge_error = number(j.at("max_edge_error_mm"));
   const json& at = j.at("placement");
-  p.x = at.at("x_mm").get<double>();
-  p.y = at.at("y_mm").get<double>();
-  p.theta = at.at("theta_rad").get<double>();
-  p.modules = j.at("modules").get<int>();
-  p.upper_bound = j.at("upper_bound").get<int>();
+  p.x = number(at.at("x_mm"));
+  p.y = number(at.at("y_mm"));
+  p.theta = number(at.at("theta_rad"));
+  p.modules = integer(j.at("modules"));
+  p.upper_bound = integer(j.at("upper_bound"));
   p.proved = j.at("proved").get<bool>();
   if (p.flat.size() != p.faces.size()) throw InputError("a piece must have as many flat triangles as faces");
   return p;
@@ -98,17 +136,17 @@ CheckedDesign::Piece read_piece(const json& j, int n_faces) {
 
 CheckedDesign::Patch read_patch(const json& j, int n) {
   CheckedDesign::Patch p{};
-  p.node_address = j.at("node_address").get<int>();
-  p.entry = bounded(j.at("entry").get<int>(), 0, n - 1, "entry");
-  p.second_entry = bounded(j.at("second_entry").get<int>(), -1, n - 1, "second_entry");
-  p.second_entry_side = bounded(j.at("second_entry_side").get<int>(), p.second_entry < 0 ? -1 : 0,
+  p.node_address = integer(j.at("node_address"));
+  p.entry = bounded(integer(j.at("entry")), 0, n - 1, "entry");
+  p.second_entry = bounded(integer(j.at("second_entry")), -1, n - 1, "second_entry");
+  p.second_entry_side = bounded(integer(j.at("second_entry_side")), p.second_entry < 0 ? -1 : 0,
                                 p.second_entry < 0 ? -1 : 2, "second_entry_side");
-  p.line_hops = j.at("line_hops").get<int>();
-  p.max_depth = j.at("max_depth").get<int>();
-  p.modules = all(j.at("modules"), [&](const json& m) { return bounded(m.get<int>(), 0, n - 1, "module of a patch"); });
+  p.line_hops = integer(j.at("line_hops"));
+  p.max_depth = integer(j.at("max_depth"));
+  p.modules = all(j.at("modules"), [&](const json& m) { return bounded(integer(m), 0, n - 1, "module of a patch"); });
   p.cut_joints = all(j.at("cut_joints"), [&](const json& c) {
-    return std::array{bounded(c.at(0).get<int>(), 0, n - 1, "cut joint"),
-                      bounded(c.at(1).get<int>(), 0, n - 1, "cut joint")};
+    return std::array{bounded(integer(c.at(0)), 0, n - 1, "cut joint"),
+                      bounded(integer(c.at(1)), 0, n - 1, "cut joint")};
   });
   return p;
 }
@@ -119,18 +157,18 @@ CheckedDesign::Region read_region(const json& j, int n_faces) {
   if (j.contains("sphere")) {
     r.kind = CheckedDesign::Region::Kind::kSphere;
     r.a = p3(j["sphere"].at("center_mm"));
-    r.radius = j["sphere"].at("radius_mm");
+    r.radius = number(j["sphere"].at("radius_mm"));
   } else if (j.contains("box")) {
     r.kind = CheckedDesign::Region::Kind::kBox;
     r.a = p3(j["box"].at("low_mm"));
     r.b = p3(j["box"].at("high_mm"));
   } else {
     r.kind = CheckedDesign::Region::Kind::kFaces;
-    r.faces = all(j.at("faces"), [n_faces](const json& f) { return bounded(f.get<int>(), 0, n_faces - 1, "face"); });
+    r.faces = all(j.at("faces"), [n_faces](const json& f) { return bounded(integer(f), 0, n_faces - 1, "face"); });
   }
   r.free = j.contains("free") && j["free"].get<bool>();
   r.cover = j.contains("cover") && j["cover"].get<bool>();
-  if (r.cover) r.within = j.at("within_mm");
+  if (r.cover) r.within = number(j.at("within_mm"));
   return r;
 }
 
@@ -138,17 +176,17 @@ void read_regions(const json& j, CheckedDesign& d) {
   for (const json& r : j.at("regions").at("list"))
     d.regions.push_back(read_region(r, static_cast<int>(d.faces.size())));
   for (std::size_t k = 0; k < d.modules.size(); ++k)
-    d.modules[k].keep_out = j.at("modules").at(k).at("keep_out_mm").get<double>();
+    d.modules[k].keep_out = number(j.at("modules").at(k).at("keep_out_mm"));
 }
 
 void read_jumpers(const json& list, CheckedDesign& d) {
   const int n = static_cast<int>(d.modules.size());
   for (const json& j : list) {
     CheckedDesign::Jumper jumper{
-        j.at("kind").get<std::string>(), {}, {}, j.at("length_mm").get<double>(), j.at("fold_rad").get<double>()};
+        j.at("kind").get<std::string>(), {}, {}, number(j.at("length_mm")), number(j.at("fold_rad"))};
     for (std::size_t k = 0; k < 2; ++k) {
-      jumper.module[k] = bounded(j.at("modules").at(k).get<int>(), 0, n - 1, "module of a jumper");
-      jumper.side[k] = bounded(j.at("sides").at(k).get<int>(), 0, 2, "side of a jumper");
+      jumper.module[k] = bounded(integer(j.at("modules").at(k)), 0, n - 1, "module of a jumper");
+      jumper.side[k] = bounded(integer(j.at("sides").at(k)), 0, 2, "side of a jumper");
     }
     for (std::size_t k = 0; k < 2; ++k) {
       int& beside =
@@ -161,8 +199,8 @@ void read_jumpers(const json& list, CheckedDesign& d) {
 
 void read_kinds(const json& j, CheckedDesign& d) {
   for (const json& k : j.at("kinds").at("kinds")) {
-    d.kinds.push_back({k.at("name").get<std::string>(), k.at("dielectric").get<std::string>(),
-                       k.at("taxels").get<int>(), k.at("sensitivity_counts_per_kpa").get<double>()});
+    d.kinds.push_back({k.at("name").get<std::string>(), k.at("dielectric").get<std::string>(), integer(k.at("taxels")),
+                       number(k.at("sensitivity_counts_per_kpa"))});
   }
   for (std::size_t m = 0; m < d.modules.size(); ++m)
     d.modules[m].kind = j.at("modules").at(m).at("kind").get<std::string>();
@@ -176,10 +214,20 @@ std::uint64_t hex_id(const std::string& text) {
   return id;
 }
 
+// Names the part of the file in the message of an error.
+template <class Read>
+void at_place(const char* part, std::size_t index, Read read) {
+  try {
+    read();
+  } catch (const InputError& e) {
+    throw InputError(fmt::format("{} {}: {}", part, index, e.what()));
+  }
+}
+
 CheckedDesign read_all(const json& j) {
   CheckedDesign d{};
   const bool with_jumpers = j.contains("jumpers");
-  if (j.at("format") != "triskin-design" || j.at("version") != (with_jumpers ? 2 : 1))
+  if (j.at("format") != "triskin-design" || integer(j.at("version")) != (with_jumpers ? 2 : 1))
     throw InputError("not a design file of version 1, or 2 with jumpers; make the design again");
   d.vertices = all(j.at("surface").at("vertices"), p3);
   const int n_vertices = static_cast<int>(d.vertices.size());
@@ -188,46 +236,68 @@ CheckedDesign read_all(const json& j) {
     for (const int v : f) bounded(v, 0, n_vertices - 1, "vertex");
   }
   if (d.faces.empty()) throw InputError("the surface has no faces");
+  if (j.contains("side")) read_side(j.at("side"), d);
   const json& l = j.at("limits");
   const bool with_lift = l.contains("lift_mm") || l.contains("depth_mm");  // both, or a file of before them
-  d.limits = {l.at("edge_error_mm"),
-              l.at("hinge_gap_mm"),
-              l.at("center_gap_mm"),
-              l.at("fold_rad"),
-              l.at("penetration_mm"),
-              l.at("overrun_mm"),
-              with_lift ? l.at("lift_mm").get<double>() : std::numeric_limits<double>::infinity(),
-              with_lift ? l.at("depth_mm").get<double>() : std::numeric_limits<double>::infinity(),
-              with_jumpers ? l.at("jumper_mm").get<double>() : 0.0};
-  if (j.contains("corner_cut_mm")) d.corner_cut = corner_cut(j["corner_cut_mm"].get<double>());
-  d.islands = j.at("islands").get<int>();
+  d.limits = {number(l.at("edge_error_mm")),
+              number(l.at("hinge_gap_mm")),
+              number(l.at("center_gap_mm")),
+              number(l.at("fold_rad")),
+              number(l.at("penetration_mm")),
+              number(l.at("overrun_mm")),
+              with_lift ? number(l.at("lift_mm")) : std::numeric_limits<double>::infinity(),
+              with_lift ? number(l.at("depth_mm")) : std::numeric_limits<double>::infinity(),
+              with_jumpers ? number(l.at("jumper_mm")) : 0.0};
+  if (j.contains("corner_cut_mm")) d.corner_cut = corner_cut(number(j["corner_cut_mm"]));
+  d.islands = integer(j.at("islands"));
   d.method = j.at("method").get<std::string>();
   d.design_id = hex_id(j.at("design_id").get<std::string>());
   const int n = static_cast<int>(j.at("modules").size());
-  for (const json& m : j.at("modules")) {
-    bounded(m.at("id").get<int>(), static_cast<int>(d.modules.size()), static_cast<int>(d.modules.size()), "module id");
-    d.modules.push_back(read_module(m, n, with_lift));
-  }
+  for (const json& m : j.at("modules"))
+    at_place("module", d.modules.size(), [&] {
+      bounded(integer(m.at("id")), static_cast<int>(d.modules.size()), static_cast<int>(d.modules.size()), "module id");
+      d.modules.push_back(read_module(m, n, with_lift));
+    });
   if (with_jumpers) read_jumpers(j.at("jumpers"), d);
   if (j.contains("regions")) read_regions(j, d);
   if (j.contains("kinds")) read_kinds(j, d);
-  for (const json& p : j.at("pieces")) d.pieces.push_back(read_piece(p, static_cast<int>(d.faces.size())));
-  for (const json& p : j.at("patches")) d.patches.push_back(read_patch(p, n));
+  for (const json& p : j.at("pieces"))
+    at_place("piece", d.pieces.size(), [&] { d.pieces.push_back(read_piece(p, static_cast<int>(d.faces.size()))); });
+  for (const json& p : j.at("patches"))
+    at_place("patch", d.patches.size(), [&] { d.patches.push_back(read_patch(p, n)); });
   const json& r = j.at("report");
-  d.area_cm2 = r.at("area_cm2");
-  d.coverage = r.at("coverage");
-  d.coverage_cut = d.corner_cut > 0.0 ? r.at("coverage_cut").get<double>() : d.coverage;
-  d.upper_bound = r.at("upper_bound");
-  d.patches_lower_bound = r.at("patches_lower_bound");
-  d.jumpers_lower_bound = with_jumpers ? r.at("jumpers_lower_bound").get<int>() : 0;
-  d.max_edge_error = r.at("max_edge_error_mm");
-  d.max_hinge_gap = r.at("max_hinge_gap_mm");
-  d.max_center_gap = r.at("max_center_gap_mm");
+  d.area_cm2 = number(r.at("area_cm2"));
+  d.coverage = number(r.at("coverage"));
+  d.coverage_cut = d.corner_cut > 0.0 ? number(r.at("coverage_cut")) : d.coverage;
+  d.upper_bound = integer(r.at("upper_bound"));
+  d.patches_lower_bound = integer(r.at("patches_lower_bound"));
+  d.jumpers_lower_bound = with_jumpers ? integer(r.at("jumpers_lower_bound")) : 0;
+  d.max_edge_error = number(r.at("max_edge_error_mm"));
+  d.max_hinge_gap = number(r.at("max_hinge_gap_mm"));
+  d.max_center_gap = number(r.at("max_center_gap_mm"));
   if (with_lift) {
-    d.max_edge_lift = r.at("max_edge_lift_mm");
-    d.max_edge_depth = r.at("max_edge_depth_mm");
+    d.max_edge_lift = number(r.at("max_edge_lift_mm"));
+    d.max_edge_depth = number(r.at("max_edge_depth_mm"));
   }
   return d;
+}
+
+// Numbers that no rule reads, counts of other layouts, prices and times, are bounded all the same: what reads the file
+// next may count with them. Coordinates have the bound of a coordinate; the radius of a flat place has none.
+void require_bounded(const json& j, const std::string& key, double bound) {
+  constexpr std::array kCoordinates{"vertices", "faces", "corners",   "position", "outline",
+                                    "holes",    "flat",  "placement", "sphere",   "box"};
+  constexpr double kMaxOther = 9e6;
+  if (j.is_number() && key != "seed" && key != "bend_radius_mm" && !(std::abs(j.get<double>()) <= bound))
+    throw InputError(fmt::format("\"{}\" {} is outside ±{:g}", key, shown(j), bound));
+  if (j.is_object()) {
+    for (const auto& [name, value] : j.items())
+      require_bounded(value, name,
+                      std::ranges::count(kCoordinates, name) > 0 ? kMaxNumber : std::min(bound, kMaxOther));
+  }
+  if (j.is_array()) {
+    for (const json& item : j) require_bounded(item, key, bound);
+  }
 }
 
 // The JSON parser recurses; a design nests 6 deep.
@@ -245,7 +315,9 @@ CheckedDesign read_checked_design(const std::filesystem::path& path) {
   const std::string text = read_file(path);
   require_shallow(text, path.string());
   try {
-    return read_all(json::parse(text));
+    const json document = json::parse(text);
+    require_bounded(document, "", kMaxNumber);
+    return read_all(document);
   } catch (const json::exception& e) {
     throw InputError(fmt::format("{}: not a design file of this version ({}); make it again with triskin design",
                                  path.string(), json_cause(e.what())));

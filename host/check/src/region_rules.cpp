@@ -12,11 +12,11 @@
 namespace triskin::check {
 namespace {
 
-constexpr double kPlaceStep_mm = 0.9;   // between places that must be covered
-constexpr double kPlaceSlack_mm = 1.0;  // by which a place may be farther off: solver and checker look at other places
+constexpr double kPlaceStep_mm = 0.9;   // Distance between places that must be covered.
+constexpr double kPlaceSlack_mm = 1.0;  // Solver and checker look at other places, which may be this much farther off.
 constexpr double kStatedReach_mm = 0.15;
-constexpr double kMaxParts = 5000.0;  // of a side of a face: no cover is larger than 5 m
-constexpr double kSheet_mm = 8.0;     // of height over a module
+constexpr double kMaxParts = 5000.0;  // A side of a face has at most so many parts: no cover is larger than 5 m.
+constexpr double kSheet_mm = 8.0;     // Points higher over a module belong to another sheet.
 
 double distance_to_edge(const P3& p, const P3& a, const P3& b) {
   const P3 d = b - a;
@@ -30,7 +30,7 @@ class RegionArea {
   RegionArea(const CheckedDesign& d, const CheckedDesign::Region& r) : d_(d), r_(r), named_(d.faces.size(), false) {
     for (const int f : r.faces) named_[static_cast<std::size_t>(f)] = true;
     if (r.kind != CheckedDesign::Region::Kind::kFaces) return;
-    std::map<std::pair<int, int>, std::array<int, 2>> sides;  // of how many faces, named or not
+    std::map<std::pair<int, int>, std::array<int, 2>> sides;  // Faces at each side, named or not.
     for (std::size_t f = 0; f < d.faces.size(); ++f) {
       for (std::size_t k = 0; k < 3; ++k)
         ++sides[std::minmax(d.faces[f][k], d.faces[f][(k + 1) % 3])][named_[f] ? 0 : 1];
@@ -82,7 +82,7 @@ class RegionArea {
 
 // How far the feet of a module's points reach into the region: by parts, as the overrun.
 double reach_into(const RegionArea& area, const SurfaceIndex& surface, const Outline3& outline) {
-  constexpr double kStep = 0.02, kPart = 0.05, kSlope = 2.0;  // of what reaches in far a part is enough
+  constexpr double kStep = 0.02, kPart = 0.05, kSlope = 2.0;  // Depths beyond 1 mm are measured to 5 % only.
   double most = 0.0;
   std::vector<std::array<P3, 3>> parts;
   for (std::size_t k = 2; k < outline.size(); ++k) parts.push_back({outline[0], outline[k - 1], outline[k]});
@@ -104,7 +104,7 @@ double reach_into(const RegionArea& area, const SurfaceIndex& surface, const Out
   return most;
 }
 
-// From a module, seen along its normal; infinite for one on another sheet.
+// Distance from a module, seen along its normal; infinite for a place on another sheet.
 double distance_from(const Outline3& outline, const P3& place) {
   const P3 n = (outline[1] - outline[0]).cross(outline[2] - outline[0]).normalized();
   const double height = n.dot(place - outline[0]);

@@ -13,7 +13,7 @@ namespace triskin::check {
 /// An edge of the surface that has one face.
 struct BorderEdge {
   P3 a, b;
-  P3 normal_a, normal_b;  ///< of the surface at its ends, unit
+  P3 normal_a, normal_b;  ///< unit normals of the surface at its ends
   P3 out;                 ///< unit, across the edge in the plane of its face, away from the face
 };
 
@@ -59,9 +59,10 @@ class SurfaceIndex {
 /// is worth stating, but two: the largest over the points that are past the border by `past_mm` = kPast_mm at least,
 /// and with -kPast_mm also over those that lack no more to be past it.
 inline constexpr double kOverrunStep_mm = 0.002, kPast_mm = 0.02;
+/// Its recursion is bounded by construction: a module on which the bounds do not close has an infinite overrun.
 struct Overrun {
   double mm = 0.0;
-  std::size_t points = 0;  ///< of the module that were compared with surface and border
+  std::size_t points = 0;  ///< number of points of the module that were compared with surface and border
 };
 [[nodiscard]] Overrun overrun_of(const Outline3& module, const SurfaceIndex& surface, double past_mm);
 

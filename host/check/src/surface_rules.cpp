@@ -75,12 +75,25 @@ void check_sides(const CheckedDesign& d, std::size_t k, const SurfaceIndex& surf
   if (std::isfinite(d.limits.lift)) check("edge-lift", high, m.edge_lift, d.limits.lift);
 }
 
+// Sides are walked in steps, so that one that is no side of a module would cost time without end.
+bool has_size_of_module(const CheckedDesign::Module& m) {
+  for (std::size_t s = 0; s < 3; ++s) {
+    const double side = (m.corner[(s + 1) % 3] - m.corner[s]).norm();
+    if (!(side > kSide / 4.0 && side < kSide * 4.0)) return false;
+  }
+  return true;
+}
+
 void check_against_surface(const CheckedDesign& d, Findings& f) {
   for (const char* rule : {"center-gap", "overrun", "edge-depth", "outward", "bend-radius"}) f.rule(rule);
   if (std::isfinite(d.limits.lift)) f.rule("edge-lift");
   const SurfaceIndex surface(d);
   for (std::size_t k = 0; k < d.modules.size(); ++k) {
     const auto& m = d.modules[k];
+    if (!has_size_of_module(m)) {
+      f.broken("overrun", module_name(k), "it has not the size of a module, so it is not measured against the surface");
+      continue;
+    }
     const P3 c = centroid(m.corner);
     const auto hit = surface.closest(c);
     const double gap = (hit.point - c).norm();

@@ -233,12 +233,14 @@ std::vector<bridge::BridgeOptions> options_of(const Options& options, const robo
 }
 
 int run(const Options& options, Output& output) {
+  output.expect_interrupt();
   robot::Site site = robot::read_site(options.site.file);
   robot::choose(site, options.site.cover);
   const std::vector<bridge::BridgeOptions> by_cover = options_of(options, site);
   const auto domain = bridge::join_domain(options.domain);
   OpenSite open{std::move(site), {}};
   open.links = device::open_buses(open.site, options.site.link);
+  say_simulated(open.links, output);
   std::deque<BusFeed> feeds;
   for (const robot::BusConfig& bus : open.site.buses) feeds.emplace_back(options, bus);
   output.say(fmt::format("publishing /skin/… in domain {}; end with Ctrl-C", options.domain));
@@ -289,6 +291,7 @@ const Registration kBridge{{
           ->check(CLI::Range(0.0, 1e7));
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kData,
 }};
 
 }  // namespace

@@ -36,7 +36,7 @@ class CoverServices {
   bridge::Service<bridge::Identify> identify_;
   std::vector<bridge::RequestId> taring_;  // who waits for it
   std::uint64_t tare_begun_us_ = 0;
-  std::vector<std::uint16_t> valid_since_tare_;  // by module
+  std::vector<std::uint16_t> valid_since_tare_;  // Indexed by module.
 };
 
 }  // namespace triskin::cli

@@ -37,11 +37,14 @@ device::StepAnswer ask_person(const device::BringUpStep& step) {
 
 int run(const Options& options, Output& output) {
   const design::Design design = design::read_intact_design(options.design);
+  device::require_link(options.link);
   device::BringUpOptions steps;
   if (!options.no_questions) steps.ask = ask_person;
   steps.open = [&] { return device::open_link(options.link, &design); };
   steps.stream_s = options.seconds;
   if (options.no_questions) steps.progress = output.progress();
+  const bool simulated = device::is_simulated(options.link.link);
+  if (simulated) output.mark_simulated(options.link.link);
   const auto reports = device::bring_up(design, steps);
   nlohmann::json list = nlohmann::json::array();
   for (const device::StepReport& r : reports) {
@@ -49,7 +52,8 @@ int run(const Options& options, Output& output) {
     list.push_back({{"step", r.number}, {"outcome", outcome}, {"found", r.found}});
     output.say(fmt::format("step {:2}  {:7}  {}", r.number, outcome, r.found));
   }
-  if (!options.report.empty()) write_output(options.report, device::to_markdown(reports, options.link.link));
+  const std::string link = options.link.link + (simulated ? " (simulated)" : "");
+  if (!options.report.empty()) write_output(options.report, device::to_markdown(reports, link));
   output.result = {{"steps", std::move(list)}};
   const bool bad = std::ranges::count(reports, device::StepOutcome::kFailed, &device::StepReport::outcome) > 0;
   return bad ? 1 : 0;
@@ -70,6 +74,7 @@ const Registration kBringUp{{
           ->capture_default_str();
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kHardware,
 }};
 
 }  // namespace

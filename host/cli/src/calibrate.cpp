@@ -194,7 +194,7 @@ int run(const Options& options, Output& output) {
                    (options.ramp.empty() ? 0 : 1) + (options.from.empty() ? 0 : 1) + (options.forget ? 1 : 0);
   if (ways != 1)
     throw InputError("calibrate: say what presses, with one of --steps, --weights and --ramp; or --from, or --forget");
-  OpenSite open = open_site(options.site);
+  OpenSite open = open_site(options.site, output);
   const robot::BusConfig& site = open.site.buses[0];
   const robot::CoverConfig& cover = one_cover(open.site, "calibrate");
   device::CoverLink link(*open.links[0], cover.first_module);
@@ -253,6 +253,7 @@ const Registration kCalibrate{{
       app.add_flag("--forget", options->forget, "forget the calibrations of the design's controllers, there and here");
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kHardware,
 }};
 
 }  // namespace

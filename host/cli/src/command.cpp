@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <string_view>
 
 namespace triskin::cli {
 namespace {
@@ -21,11 +23,17 @@ std::vector<Command>& registry() {
 
 using Clock = std::chrono::steady_clock;
 
+// TERM says that the terminal cannot go back on a line.
+bool is_dumb() {
+  const char* term = std::getenv("TERM");
+  return term != nullptr && std::string_view(term) == "dumb";
+}
+
 // Draws a bar on standard error, or one for each part of the work that is under way; quiet for the first second, so
 // that short work leaves no trace.
 class Bar {
  public:
-  Bar() : terminal_(::isatty(STDERR_FILENO) != 0) {}
+  Bar() : terminal_(::isatty(STDERR_FILENO) != 0 && !is_dumb()) {}
   Bar(const Bar&) = delete;
   Bar& operator=(const Bar&) = delete;
   ~Bar() {
@@ -48,7 +56,7 @@ class Bar {
   }
 
  private:
-  // To the first line, all lines empty.
+  // Moves to the first line and clears all lines.
   [[nodiscard]] std::string back() const {
     return lines_ > 1 ? fmt::format("\r\033[{}A\033[J", lines_ - 1) : "\r\033[J";
   }
@@ -88,8 +96,15 @@ class Bar {
 
 void Output::each(const nlohmann::json& object) const {
   if (!json_) return;
-  std::fputs((object.dump() + "\n").c_str(), stdout);
+  nlohmann::json line = object;
+  if (simulated_) line["simulated"] = true;
+  std::fputs((line.dump() + "\n").c_str(), stdout);
   std::fflush(stdout);
+}
+
+void Output::mark_simulated(const std::string& link) {
+  if (!simulated_) say(fmt::format("simulated: {} is no hardware", link));
+  simulated_ = true;
 }
 
 void Output::say(const std::string& line) const {

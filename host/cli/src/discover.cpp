@@ -172,7 +172,7 @@ int run_robot(const Options& options, Output& output) {
   if (!robot::is_robot_file(options.robot))
     throw InputError(fmt::format("{}: is no robot file; give designs with --design", options.robot));
   if (options.topology) throw InputError("discover: --topology looks at one link; give --link and --design");
-  OpenSite open = open_site({options.robot, "", options.link});
+  OpenSite open = open_site({options.robot, "", options.link}, output);
   std::vector<Found> buses(open.site.buses.size());
   on_each_bus(open, [&](const robot::BusConfig& bus, device::Link& link) {
     buses[static_cast<std::size_t>(bus.number)] = look_at(bus, link, options.elf);
@@ -201,6 +201,7 @@ int run_link(const Options& options, Output& output) {
   for (const std::string& file : options.designs) designs.emplace_back(file, design::read_intact_design(file));
   const bool simulated = options.link.scene.empty() && !designs.empty();
   const auto link = device::open_link(options.link, simulated ? &designs[0].second : nullptr);
+  say_simulated(*link, output);
   device::Bus bus(*link);
   auto claims = claims_on(bus);
   if (options.topology) claims = device::put_apart(bus, std::move(claims), false);
@@ -246,6 +247,7 @@ const Registration kDiscover{{
                      "image of the firmware (triskin_app_a.elf or _b): names function and line of a crash");
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kHardware,
 }};
 
 }  // namespace

@@ -133,6 +133,7 @@ const Registration kExport{{
           ->default_str("A4");
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kDesign,
 }};
 
 }  // namespace

@@ -216,7 +216,7 @@ int run(Options options, Output& output) {
     }
     firmware = device::read_firmware(options.firmware.file);
   }
-  OpenSite open = open_site(options.site);
+  OpenSite open = open_site(options.site, output);
   require_cover(options, open.site);
   add_board_file(options, open.site);
   if (!options.backup.onto.empty() && options.backup.restore.empty()) throw InputError("--onto belongs to --restore");
@@ -296,6 +296,7 @@ const Registration kFlash{{
       app.add_flag("--force", options->flash.force, "write tables that are equal, too");
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kHardware,
 }};
 
 }  // namespace

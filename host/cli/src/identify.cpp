@@ -88,7 +88,7 @@ int conclude(const std::vector<device::IdentifiedBoard>& boards, const Options& 
 }
 
 int run(Options options, Output& output) {
-  OpenSite open = open_site(options.site);
+  OpenSite open = open_site(options.site, output);
   const robot::CoverConfig& cover = one_cover(open.site, "identify");
   Notes notes(options.output, cover.design);
   device::CoverLink link(*open.links[0], cover.first_module);
@@ -129,6 +129,7 @@ const Registration kIdentify{{
           ->excludes("--by-hand");
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kHardware,
 }};
 
 }  // namespace

@@ -192,10 +192,11 @@ int show_cover(const Options& options, const robot::BusConfig& site, const robot
 }
 
 int run(const Options& options, Output& output) {
+  output.expect_interrupt();
   if (options.protocol == "icub") return run_icub(options, output);
   if (options.site.file.empty())
     throw InputError("live: give the design file or robot file; only --protocol icub works without");
-  OpenSite open = open_site(options.site);
+  OpenSite open = open_site(options.site, output);
   const bool one =
       open.site.buses.size() == 1 && std::ranges::count_if(open.site.buses[0].covers, &robot::CoverConfig::chosen) == 1;
   if (one) {
@@ -234,6 +235,7 @@ const Registration kLive{{
                    "first take the present values as those at rest, and keep them: nobody may touch the skin");
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kData,
 }};
 
 }  // namespace

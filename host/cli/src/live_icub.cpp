@@ -7,6 +7,7 @@
 #include <map>
 
 #include "triskin/base/interrupt.hpp"
+#include "triskin/cli/link_options.hpp"
 #include "triskin/session/icub_stream.hpp"
 
 namespace triskin::cli {
@@ -23,6 +24,7 @@ std::string to_line(const wire::IcubTaxels& t) {
 
 int live_icub(const device::LinkOptions& link_options, const design::Design* design, double seconds, Output& output) {
   const auto link = device::open_link(link_options, design);
+  say_simulated(*link, output);
   device::Bus bus(*link);
   std::map<std::pair<int, int>, wire::IcubTaxels> now;
   device::IcubStream stream(bus, [&](const wire::IcubTaxels& t) { now[{t.board, t.module}] = t; });

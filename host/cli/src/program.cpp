@@ -4,14 +4,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <memory>
 #include <new>
+#include <utility>
 
 #include "did_you_mean.hpp"
+#include "error_words.hpp"
+#include "generate_docs.hpp"
+#include "help_command.hpp"
+#include "help_format.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/interrupt.hpp"
 
@@ -61,10 +68,11 @@ int run_entry(const Entry& entry) {
     require_other_than_inputs(*entry.app, file);
     Output output(entry.json, file == "-");
     const int status = entry.run(output);
+    if (output.simulated()) output.result["simulated"] = true;
     if (entry.json) std::fputs((output.result.dump() + "\n").c_str(), stdout);
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
       return fail("standard output: cannot write; check the disk or the pipe", 2);
-    return unless_ended(status);
+    return output.expects_interrupt() && interrupt_signal() == SIGINT ? status : unless_ended(status);
   } catch (const Error& e) {
     return unless_ended(fail(e.what(), e.exit_status()));
   } catch (const std::bad_alloc&) {
@@ -74,13 +82,19 @@ int run_entry(const Entry& entry) {
   }
 }
 
+const char* title_of(Group group) {
+  constexpr std::array<const char*, 4> kTitles{"Design", "Hardware", "Data", "Development"};
+  return kTitles.at(static_cast<std::size_t>(group));
+}
+
 std::vector<std::unique_ptr<Entry>> add_commands(CLI::App& program) {
   std::vector<Command> commands = Registration::all();
-  std::ranges::sort(commands, {}, &Command::name);
+  std::ranges::sort(commands, {}, [](const Command& c) { return std::pair(c.group, c.name); });
   std::vector<std::unique_ptr<Entry>> entries;
   for (const Command& command : commands) {
     auto entry = std::make_unique<Entry>();
     entry->app = program.add_subcommand(command.name, command.summary);
+    entry->app->group(title_of(command.group));
     entry->app->footer("Example:\n  " + command.example);
     entry->app->add_flag("--json", entry->json, "one JSON object on standard output; messages on standard error");
     entry->run = command.set_up(*entry->app);
@@ -89,21 +103,34 @@ std::vector<std::unique_ptr<Entry>> add_commands(CLI::App& program) {
   return entries;
 }
 
+// One line that says what is wrong and what was perhaps meant, and where to read on.
+int refuse(const CLI::App& program, const CLI::ParseError& error, int argc, const char* const* argv) {
+  const bool unknown = argc > 1 && argv[1][0] != '-' && find_command(program, argv[1]) == nullptr;
+  std::string what = plain_words(error.what());
+  if (unknown) what = fmt::format("there is no command {}", argv[1]);
+  if (argc == 1) what = "no command is given";
+  if (const std::string question = did_you_mean(program, argc, argv); !question.empty()) what += "; " + question;
+  const std::string command = unknown || argc == 1 || argv[1][0] == '-' ? "" : fmt::format(" {}", argv[1]);
+  return fail(fmt::format("{}\nRun triskin{} --help for more.", what, command), 2);
+}
+
 }  // namespace
 
 int run_program(const std::string& description, int argc, char** argv) {
   CLI::App program{description};
-  program.set_version_flag("--version", TRISKIN_VERSION);
+  program.name("triskin");
+  program.formatter(std::make_shared<HelpFormat>(help_columns()));
+  program.set_version_flag("-V,--version", TRISKIN_VERSION);
   program.require_subcommand(1);
-  program.footer("Each command has --help with an example.");
+  program.footer("triskin help COMMAND shows its options and an example; triskin help links,\nwhat --link takes.");
   const auto entries = add_commands(program);
+  if (const auto status = answer_help(program, argc, argv)) return *status;
+  if (const auto status = answer_generate_docs(program, argc, argv)) return *status;
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    if (program.exit(e) == 0) return EXIT_SUCCESS;
-    if (const std::string question = did_you_mean(program, argc, argv); !question.empty())
-      std::fputs((question + "\n").c_str(), stderr);
-    return 2;
+    if (e.get_exit_code() == 0) return program.exit(e);
+    return refuse(program, e, argc, argv);
   }
   for (const auto& entry : entries) {
     if (entry->app->parsed()) return run_entry(*entry);

@@ -82,6 +82,7 @@ class CoverFile {
                 const Output& output) {
     origin_.design_text = read_file(cover_.design_file);
     origin_.facts["link"] = bus.name();
+    if (device::is_simulated(bus.name())) origin_.facts["simulated"] = "true";
     origin_.facts["program"] = fmt::format("triskin {}", TRISKIN_VERSION);
     if (!cover_.name.empty()) origin_.facts["cover"] = cover_.name;
     for (const int patch : design::patches_here(cover_.design)) {
@@ -146,7 +147,7 @@ class CoverFile {
   const robot::CoverConfig& cover_;
   Format format_;
   recording::OutputFile file_;
-  std::optional<device::TouchMap> touches_;  // from describe() on
+  std::optional<device::TouchMap> touches_;  // Set by describe().
   design::SkinCalibration calibration_;
   recording::Origin origin_;
   std::unique_ptr<recording::Recorder> recorder_;
@@ -253,7 +254,7 @@ class BusRecording {
   const robot::BusConfig& site_;
   std::vector<std::unique_ptr<CoverFile>> files_;
   std::vector<const design::Design*> designs_;
-  std::vector<device::StreamReport> reports_;  // by cover
+  std::vector<device::StreamReport> reports_;  // Indexed by cover.
   std::uint64_t start_us_ = 0, lost_ = 0;
   std::optional<std::string> trouble_;
   double seconds_ = 0.0;
@@ -269,7 +270,7 @@ void require_modules(const robot::Site& site) {
   }
 }
 
-// Before the hardware is asked.
+// Checked before the hardware is used.
 void require_hdf5(const std::string& path) {
   if (!hdf5::can_write())
     throw InputError(
@@ -320,11 +321,13 @@ int run(const Options& options, Output& output) {
   require_modules(site);
   if (format == Format::kHdf5) require_hdf5(options.output);
   if (site.is_robot) make_folder(options.output);
+  if (!site.is_robot) device::require_link(options.site.link);
   OpenSite open{std::move(site), {}};
   std::vector<std::unique_ptr<BusRecording>> buses;
   for (const robot::BusConfig& bus : open.site.buses)
     buses.push_back(std::make_unique<BusRecording>(options, bus, format));
   open.links = device::open_buses(open.site, options.site.link);
+  say_simulated(open.links, output);
   const ProgressSink progress = output.progress();
   on_each_bus(open, [&](const robot::BusConfig& bus, device::Link& link) {
     buses[static_cast<std::size_t>(&bus - open.site.buses.data())]->run(link, progress, output);
@@ -355,6 +358,7 @@ const Registration kRecord{{
           ->capture_default_str();
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kData,
 }};
 
 }  // namespace

@@ -13,31 +13,56 @@ struct Options {
   std::string file, output;
 };
 
+nlohmann::json losses_json(const std::vector<recording::Loss>& losses) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const recording::Loss& loss : losses) {
+    list.push_back({{"offset", loss.offset},
+                    {"bytes", loss.bytes},
+                    {"what", loss.what},
+                    {"mended", loss.is_mended},
+                    {"from_s", loss.from_s},
+                    {"to_s", loss.to_s < 0.0 ? nlohmann::json() : nlohmann::json(loss.to_s)}});
+  }
+  return list;
+}
+
+void say_loss(const recording::Loss& loss, Output& output) {
+  if (loss.bytes == 0) return output.say(fmt::format("  lost: {}", loss.what));
+  const std::string times = loss.to_s < 0.0 ? fmt::format("behind {:.2f} s", loss.from_s)
+                                            : fmt::format("between {:.2f} s and {:.2f} s", loss.from_s, loss.to_s);
+  output.say(fmt::format("  {}: {}, bytes {} … {}, {}", loss.is_mended ? "made again" : "lost", loss.what, loss.offset,
+                         loss.offset + loss.bytes - 1, times));
+}
+
 int run(const Options& options, Output& output) {
   const recording::Recovery r = recording::recover(options.file, options.output);
   const recording::Summary s = recording::read_recording(options.output.empty() ? options.file : options.output, {});
   const double seconds = static_cast<double>(s.last_us - s.first_us) * 1e-6;
-  output.result = {{"samples", s.samples},       {"seconds", seconds},
-                   {"messages", r.messages},     {"was_complete", r.was_complete},
-                   {"kept_bytes", r.kept_bytes}, {"dropped_bytes", r.was_complete ? 0 : r.dropped_bytes}};
-  if (r.was_complete)
+  output.result = {{"samples", s.samples},           {"seconds", seconds},
+                   {"messages", r.messages},         {"was_complete", r.was_complete},
+                   {"kept_bytes", r.kept_bytes},     {"dropped_bytes", r.was_complete ? 0 : r.dropped_bytes},
+                   {"losses", losses_json(r.losses)}};
+  if (r.was_complete) {
     output.say(fmt::format("{}: is whole, {} module samples in {:.2f} s", options.file, s.samples, seconds));
-  else
-    output.say(fmt::format("{}: {}; {} module samples in {:.2f} s are kept, {} bytes of an open chunk are dropped",
-                           options.file, r.problem, s.samples, seconds, r.dropped_bytes));
+    return 0;
+  }
+  output.say(fmt::format("{}: {}; {} module samples in {:.2f} s are kept, {} bytes are dropped", options.file,
+                         r.problem, s.samples, seconds, r.dropped_bytes));
+  for (const recording::Loss& loss : r.losses) say_loss(loss, output);
   return 0;
 }
 
 const Registration kRecover{{
     "recover",
-    "make a recording whole that was cut: by a killed process, a full disk, a power failure",
+    "make a recording whole that was cut or damaged: by a killed process, a full disk, a bad copy",
     "triskin recover touch.mcap",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       app.add_option("FILE", options->file, "recording (.mcap)")->required();
-      app.add_option("-o,--output", options->output, "new file; default: FILE itself is completed");
+      app.add_option("-o,--output", options->output, "new file; default: FILE itself is completed, if it was only cut");
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kData,
 }};
 
 }  // namespace

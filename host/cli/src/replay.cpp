@@ -77,7 +77,7 @@ class Player {
   const Options& options_;
   device::LiveMonitor monitor_;
   LiveDisplay& display_;
-  std::map<int, int> adopted_;  // by module: patch whose controller reads it in place of its own
+  std::map<int, int> adopted_;  // Keyed by module: patch whose controller reads it in place of its own.
   std::size_t modules_ = 0;
   std::uint64_t start_us_ = 0, period_us_ = 0, last_us_ = 0, frames_ = 0;
 };
@@ -140,6 +140,7 @@ const Registration kReplay{{
       app.add_flag("--loop", options->loop, "with --listen: from the beginning again, until Ctrl-C");
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kData,
 }};
 
 }  // namespace

@@ -9,9 +9,9 @@ namespace triskin::cli {
 /// How a recording is played into a link.
 struct ReplayLinkOptions {
   std::string file;    ///< recording (.mcap)
-  std::string listen;  ///< as --listen of simulate
+  std::string listen;  ///< same syntax as --listen of simulate
   double speed = 1.0;  ///< > 0
-  bool loop = false;   ///< from the beginning again, until a person ends it
+  bool loop = false;   ///< starts anew at the end, until a person stops it
 };
 
 /// Serves simulated controllers whose taxels read what the recording holds, so that every client reads it over a link.

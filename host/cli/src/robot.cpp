@@ -367,6 +367,7 @@ const cli::Registration kRobot{{
         return run_register(*o, output);
       };
     },
+    cli::Group::kHardware,
 }};
 
 }  // namespace

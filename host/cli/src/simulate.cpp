@@ -91,7 +91,7 @@ void listen(std::vector<SimulatedBus>& buses, const std::string& at) {
   }
 }
 
-// Which board hangs on which patch: what a person at the robot cannot see.
+// Reports which board reads which patch, which a person at the robot cannot see.
 void tell_boards(const std::vector<SimulatedBus>& buses, Output& output) {
   nlohmann::json boards = nlohmann::json::array();
   for (const SimulatedBus& bus : buses) {

@@ -11,10 +11,11 @@ void add_site_options(CLI::App& app, SiteOptions& options) {
   add_link_options(app, options.link);
 }
 
-OpenSite open_site(const SiteOptions& options) {
+OpenSite open_site(const SiteOptions& options, Output& output) {
   OpenSite open{robot::read_site(options.file), {}};
   robot::choose(open.site, options.cover);
   open.links = device::open_buses(open.site, options.link);
+  say_simulated(open.links, output);
   return open;
 }
 

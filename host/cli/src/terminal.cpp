@@ -5,6 +5,8 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <cstdlib>
+#include <string_view>
 
 namespace triskin::cli {
 namespace {
@@ -16,8 +18,13 @@ void put(const std::string& text) {
 
 }  // namespace
 
+bool Terminal::is_dumb() {
+  const char* term = std::getenv("TERM");
+  return term != nullptr && std::string_view(term) == "dumb";
+}
+
 bool Terminal::there() {
-  return ::isatty(STDOUT_FILENO) != 0;
+  return ::isatty(STDOUT_FILENO) != 0 && !is_dumb();
 }
 
 Terminal::Terminal() : keys_(::isatty(STDIN_FILENO) != 0 && ::tcgetattr(STDIN_FILENO, &before_) == 0) {

@@ -10,8 +10,10 @@ namespace triskin::cli {
 /// A terminal that shows pages and takes single keys. What was on it before is there again afterwards.
 class Terminal {
  public:
-  /// True when standard output is a terminal.
+  /// True when standard output is a terminal that can move its cursor.
   [[nodiscard]] static bool there();
+  /// TERM says that the terminal cannot move its cursor.
+  [[nodiscard]] static bool is_dumb();
   Terminal();
   ~Terminal();
   Terminal(const Terminal&) = delete;

@@ -59,7 +59,7 @@ std::string extension_of(const std::string& file) {
   return std::filesystem::path(file).extension().string();
 }
 
-// Before the hardware is asked: minutes of pressing are not lost for a wrong name.
+// Checked before the hardware is used, so that a wrong name does not cost minutes of pressing.
 void check_report(const std::string& file) {
   const std::string extension = extension_of(file);
   if (file.empty() || extension == ".txt" || extension == ".html" || extension == ".json") return;
@@ -213,7 +213,7 @@ int run(Options options, Output& output) {
   check_report(options.report);
   const DesignArgument argument = find_design(options.site.file);
   options.site.file = argument.path;
-  OpenSite open = open_site(options.site);
+  OpenSite open = open_site(options.site, output);
   const int patch = patch_of(argument, open.site.buses[0].covers[0].design, output);
   std::vector<std::vector<Told>> buses(open.site.buses.size());
   const ProgressSink progress = output.progress();
@@ -244,6 +244,7 @@ const Registration kVerify{{
           ->capture_default_str();
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kHardware,
 }};
 
 }  // namespace

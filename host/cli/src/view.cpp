@@ -49,7 +49,7 @@ void wait_for_interrupt() {
 // What the page shows: a design as it is, the covers of a robot in the frame of its base.
 struct Shown {
   design::Design design;
-  std::vector<design::CoverOffset> offsets;  // by cover
+  std::vector<design::CoverOffset> offsets;  // Indexed by cover.
 };
 
 Shown shown_of(const std::string& file, bool has_link) {
@@ -58,6 +58,16 @@ Shown shown_of(const std::string& file, bool has_link) {
     return {std::move(joint.design), std::move(joint.offsets)};
   }
   return {has_link ? design::read_intact_design(file) : design::read_design(file), {{}}};
+}
+
+// Standard output is for the address alone.
+void say_simulated_links(const device::LinkOptions& link, const robot::Site& site, Output& output) {
+  for (const robot::BusConfig& bus : site.buses) {
+    const std::string& name = site.is_robot && !link.chosen ? bus.link : link.link;
+    if (!device::is_simulated(name) || output.simulated()) continue;
+    Output(output.json(), true).mark_simulated(name);
+    output.mark_quietly_simulated();
+  }
 }
 
 // Where the page begins: at the entry of the controller that a code names.
@@ -101,12 +111,15 @@ int play(const Options& options, Output& output) {
 }
 
 int run(const Options& options, Output& output) {
+  output.expect_interrupt();
   if (is_recording(options.design)) return play(options, output);
   const DesignArgument argument = find_design(options.design);
   const bool has_link = options.link.link != "none";
   const Shown shown = shown_of(argument.path, has_link);
   std::optional<robot::Site> site;
   if (has_link) site = robot::read_site(argument.path);
+  if (site && !site->is_robot) device::require_link(options.link);
+  if (site) say_simulated_links(options.link, *site, output);
   view::LiveSkin live(shown.design.layout.modules.size());
   live.set_health({options.link.link, false, "", 0, 0});
   CommandQueue commands(site ? site->buses.size() : 1);
@@ -145,6 +158,7 @@ const Registration kView{{
       app.add_flag("--no-open", options->no_open, "do not start a browser");
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kData,
 }};
 
 }  // namespace

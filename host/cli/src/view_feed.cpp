@@ -205,8 +205,8 @@ class Feed {
   std::size_t bus_;
   std::vector<const robot::CoverConfig*> covers_;
   std::vector<const design::Design*> designs_;
-  std::vector<int> first_;             // of each cover's modules on the page
-  std::vector<CoverTouches> touches_;  // by cover, while the link is open
+  std::vector<int> first_;             // Position of each cover's first module on the page.
+  std::vector<CoverTouches> touches_;  // Indexed by cover; filled while the link is open.
   view::LiveSkin& live_;
   Health& health_;
   CommandQueue& commands_;

@@ -17,7 +17,7 @@ namespace triskin::cli {
 /// the oldest are dropped.
 class CommandQueue {
  public:
-  /// For `readers` threads, 1 or more.
+  /// Serves `readers` threads, 1 or more.
   explicit CommandQueue(std::size_t readers) : commands_(readers) {}
   static constexpr std::size_t kMost = 64;
   void push(const view::Command& command);

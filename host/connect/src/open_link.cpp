@@ -8,6 +8,7 @@
 #include <ranges>
 
 #include "triskin/base/interrupt.hpp"
+#include "triskin/connect/attached.hpp"
 #include "triskin/link/can_link.hpp"
 #include "triskin/link/combined_link.hpp"
 #include "triskin/link/usb_link.hpp"
@@ -104,7 +105,12 @@ std::unique_ptr<Link> open_several(const std::string& text) {
 
 }  // namespace
 
+void require_link(const LinkOptions& options) {
+  if (options.link.empty()) throw InputError(unnamed_link_text(attached_devices()));
+}
+
 std::unique_ptr<Link> open_link(const LinkOptions& options, const design::Design* design) {
+  require_link(options);
   if (options.own_interrupts) catch_interrupts();
   if (is_in_process(options.link)) return open_sim(options, design);
   if (!options.scene.empty())

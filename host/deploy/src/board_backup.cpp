@@ -103,7 +103,7 @@ std::optional<design::BoardCalibration> calibration_in(const JsonValue& v, const
   return boards[0];
 }
 
-// Over the boards as this program writes them: key order and spaces of the file do not count.
+// The CRC covers the boards as this program writes them, so key order and spaces of the file do not count.
 std::uint32_t crc_of(std::span<const BoardBackup> boards) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const BoardBackup& b : boards) list.push_back(board_json(b));
@@ -293,7 +293,8 @@ class Restoration {
     assign_addresses(bus_, std::move(wanted));
   }
 
-  // Behind the table that it belongs to. What a board without one keeps stays: a new table has taken care of it.
+  // Writes the calibration after its table. A board without one keeps its calibration unless a new table invalidated
+  // it.
   void write_calibration(Controller& controller, const BoardBackup& b, RestoredBoard& r) const {
     const auto value = b.values.find(wire::Calibration::kId);
     if (value == b.values.end() || options_.dry_run) return;

@@ -31,7 +31,7 @@ enum class Owner {
 struct Candidate {
   Board board;
   Owner owner = Owner::kNobody;
-  wire::ActiveTable table;  // where it could be asked
+  wire::ActiveTable table;  // Set only if the board could be asked.
 };
 
 class Matcher {
@@ -105,7 +105,7 @@ class Matcher {
                                                    : Owner::kAnother;
   }
 
-  // By its serial number; where the file names none, by its address and the design that it holds.
+  // Compares serial numbers or, if the file names none, the address and the design of the table.
   [[nodiscard]] bool is_neighbour(const Candidate& c) const {
     const std::string serial = to_text(c.board.claim.unique_id);
     return std::ranges::any_of(options_.neighbours, [&](const FlashOptions::Neighbour& n) {
@@ -142,7 +142,7 @@ class Matcher {
       if (wanted(a.patch))
         give(*named, a.patch, FoundBy::kName);
       else
-        named->owner = Owner::kNeighbour;  // of a patch that is not asked for
+        named->owner = Owner::kNeighbour;  // The board belongs to a patch that is not requested.
     }
   }
   void keep_own() {
@@ -178,8 +178,8 @@ class Matcher {
     }
     return free;
   }
-  // By shape, also where one patch alone is wanted: what the others are says which one that is. Where controllers are
-  // missing nothing is asked: require_all tells.
+  // Assigns boards by shape, even if one patch is requested, since the other boards narrow the choice. If controllers
+  // are missing, it asks nothing: require_all() reports it.
   void recognise() {
     std::vector<int> open;
     for (const int p : here_) {
@@ -210,7 +210,7 @@ class Matcher {
     }
     Undecided alike;
     for (std::size_t k = 0; k < free.size(); ++k) {
-      std::vector<int> likely;  // of this design
+      std::vector<int> likely;  // Only patches of this design.
       for (const int seat : by_shape.likely[k]) {
         if (static_cast<std::size_t>(seat) < open.size()) likely.push_back(open[static_cast<std::size_t>(seat)]);
       }
@@ -326,7 +326,7 @@ class Matcher {
     auto next = free.begin();
     const auto patches = seats(free.size());
     const bool only = patches.size() == 1 && free.size() == 1;
-    // In a dry run what shapes would say is not known.
+    // A dry run does not know the shapes.
     const FoundBy by = only                                     ? FoundBy::kOnly
                        : options_.dry_run && options_.recognise ? FoundBy::kNothing
                                                                 : FoundBy::kOrder;
@@ -361,7 +361,7 @@ class Matcher {
     return fmt::format("{}", fmt::join(names, ", "));
   }
 
-  // Where boards are missing, only those that are certain are served.
+  // If boards are missing, only those that are certain are served.
   void require_all() {
     std::vector<int> open;
     for (const int p : here_) {

@@ -13,7 +13,7 @@ namespace triskin::device {
 struct BusBoards {
   /// Who answers, with the addresses that they have; nobody: not asked yet.
   std::vector<wire::NodeClaim> claims;
-  std::map<wire::UniqueId, BoardShape> shapes;  ///< of those that were asked
+  std::map<wire::UniqueId, BoardShape> shapes;  ///< shapes of the boards that were asked
 };
 
 /// A controller on the bus and the patch that it is to serve.
@@ -30,8 +30,8 @@ struct MissingBoard {
 };
 
 struct MatchedBoards {
-  std::vector<Board> boards;          ///< in the order of the claims
-  std::vector<MissingBoard> missing;  ///< by patch
+  std::vector<Board> boards;          ///< same order as the claims
+  std::vector<MissingBoard> missing;  ///< sorted by patch
 };
 
 /// Decides which of the controllers `known.claims` gets which patch, and writes nothing; `known` gets the shapes. In

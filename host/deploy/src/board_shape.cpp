@@ -14,7 +14,7 @@
 namespace triskin::device {
 namespace {
 
-using Edges = std::vector<std::vector<int>>;  // by board: numbers of seats, ascending
+using Edges = std::vector<std::vector<int>>;  // Seat numbers of each board, ascending.
 
 // A largest matching of boards and seats, by augmenting paths.
 class Matching {
@@ -47,7 +47,7 @@ class Matching {
   std::size_t size_ = 0;
 };
 
-// By board and seat: shape_difference.
+// Indexed by board and seat: shape_difference().
 using Differences = std::vector<std::vector<int>>;
 
 // Seats whose patch a board differs from in at most `slack` things more than from the nearest; `slack` < 0: equal ones.

@@ -22,8 +22,8 @@ namespace triskin::device {
 namespace {
 
 constexpr int kLastToOpen = 8;                    // CAN or USB
-constexpr std::uint64_t kOffsets_us = 2'000'000;  // until every converter has its offsets
-constexpr double kMaxNoise = 10.0;                // counts RMS; 0.5 … 1.9 by the data sheet
+constexpr std::uint64_t kOffsets_us = 2'000'000;  // Every converter finds its offsets within this time.
+constexpr double kMaxNoise = 10.0;                // Counts RMS; the data sheet gives 0.5 … 1.9.
 
 StepAnswer passed(std::string found) {
   return {StepOutcome::kPassed, std::move(found)};

@@ -166,8 +166,8 @@ void CoverFlash::add_tasks(std::vector<Task>& tasks) {
   }
 }
 
-// Where the first frame of a long answer is lost, the board waits for the flow control and drops what it is asked
-// meanwhile: by the second conversation it has given that up.
+// If the first frame of a long answer is lost, the board waits for the flow control and drops requests in the
+// meantime. It has given up by the second attempt.
 void CoverFlash::serve(Bus& bus, const Board& board, FlashResult::Patch& r) const {
   bool began_to_write = false;
   try {

@@ -42,13 +42,13 @@ class CoverFlash {
   struct Failure {
     std::string who;  ///< patch and controller
     std::exception_ptr what;
-    [[nodiscard]] std::string text() const;  ///< of what was thrown
+    [[nodiscard]] std::string text() const;  ///< message of the exception
   };
   /// Patches without their table, in their order: `outcomes` of the tasks, and those that have no board.
   [[nodiscard]] std::vector<Failure> failures(std::span<const std::exception_ptr> outcomes);
   /// How many conversations add_tasks appended.
   [[nodiscard]] std::size_t tasks() const { return boards_.size(); }
-  /// Which patches have their table.
+  /// Names the patches that have their table.
   [[nodiscard]] std::string what_is_done() const;
 
  private:
@@ -64,9 +64,9 @@ class CoverFlash {
   FlashOptions options_;
   const ProgressSink& progress_;
   const std::vector<std::vector<std::uint8_t>>& images_;
-  std::vector<FlashResult::Patch>& patches_;  // those with a board, then those without
-  std::vector<Board> boards_;                 // by patch
-  std::vector<MissingBoard> missing_;         // by patch
+  std::vector<FlashResult::Patch>& patches_;  // Patches with a board come first, then those without.
+  std::vector<Board> boards_;                 // Sorted by patch.
+  std::vector<MissingBoard> missing_;         // Sorted by patch.
   std::size_t found_ = 0;
 };
 

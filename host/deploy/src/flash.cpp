@@ -128,7 +128,7 @@ class FlashSession {
   }
   [[nodiscard]] std::string name_of(std::size_t part) const { return parts_[part].design->name; }
 
-  // Until as many controllers answer as were there before.
+  // Waits until as many controllers answer as before.
   bool wait_for_controllers(double wait_s) {
     constexpr std::uint64_t kPause_us = 300'000;
     Bus& bus = *parts_.front().bus;
@@ -151,7 +151,7 @@ class FlashSession {
     }
     return false;
   }
-  // Before anybody has answered: as many as there are patches.
+  // Number of controllers to wait for; until one has answered, the number of patches.
   [[nodiscard]] std::size_t expected() const {
     if (found_ > 0) return found_;
     std::size_t n = 0;
@@ -161,7 +161,7 @@ class FlashSession {
 
   std::span<const FlashPart> parts_;
   std::vector<FlashResult>& results_;
-  std::vector<std::vector<std::vector<std::uint8_t>>> images_;  // by part and patch
+  std::vector<std::vector<std::vector<std::uint8_t>>> images_;  // Indexed by part and patch.
   std::size_t found_ = 0;
 };
 

@@ -14,9 +14,9 @@ namespace {
 constexpr std::uint64_t kLook_us = 50'000;
 constexpr std::uint64_t kSample_us = 85'000;  // a conversion and a reading
 constexpr std::uint64_t kMaxOffsets_us = 1'500'000;
-constexpr double kFelt_counts = 400.0;  // sum over the taxels of a module; noise is a few counts a taxel
-constexpr double kClearly = 3.0;        // times stronger than on any other board
-constexpr int kLooks = 2;               // in a row: one may be a glitch
+constexpr double kFelt_counts = 400.0;  // Sum over the taxels of a module; noise is a few counts per taxel.
+constexpr double kClearly = 3.0;        // The touched board must respond this many times more strongly than any other.
+constexpr int kLooks = 2;               // One look may be a glitch, so two in a row must agree.
 
 // A table for the chips that answer, without joints: as for strapped modules, in any tree.
 layout::PatchImage image_of_answers(const BoardShape& shape) {

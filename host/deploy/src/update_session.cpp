@@ -28,7 +28,7 @@ constexpr std::uint64_t kConfirmed_us = 2'500'000;  // an application has proved
 constexpr int kTries = 3, kMaxRounds = 25;
 // A board that is slow, or whose answers were lost, has so many rounds to say what it misses.
 constexpr int kSilentRounds = 3;
-constexpr std::uint64_t kMaxLag_us = 2'000;  // that sending catches up
+constexpr std::uint64_t kMaxLag_us = 2'000;  // Sending catches up with at most this delay.
 
 std::string version_text(std::uint32_t v) {
   return fmt::format("{}.{}.{}.{}", v >> 24, v >> 16 & 255, v >> 8 & 255, v & 255);

@@ -48,8 +48,8 @@ class UpdateSession {
     std::optional<wire::update::Who> who;
     std::optional<wire::update::Image> image;
     std::optional<wire::update::State> state;
-    std::set<std::uint16_t> missing;  ///< since it was asked
-    int silent_rounds = 0;            ///< one after the other, in which it did not say what it misses
+    std::set<std::uint16_t> missing;  ///< units that it reported missing since it was last asked
+    int silent_rounds = 0;            ///< rounds in a row in which it did not say what it misses
   };
   /// Units of one slot's image that are to be sent, in order.
   using Units = std::vector<std::uint16_t>;
@@ -98,7 +98,7 @@ class UpdateSession {
   std::map<std::uint32_t, std::size_t> by_answer_;  ///< identifier of the answers to board
   bool fd_;
   std::size_t frame_bytes_;
-  std::uint64_t silence_us_;  ///< after which nobody answers any more
+  std::uint64_t silence_us_;  ///< time after which no more answers are expected
   int rounds_ = 0;
   std::size_t frames_ = 0, again_ = 0;
 };

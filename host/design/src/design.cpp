@@ -32,7 +32,7 @@ class Hash {
     }
   }
   void add(int value) { add(static_cast<std::uint64_t>(static_cast<std::int64_t>(value))); }
-  // To 1 µm, so that the last bits of a length do not make another design.
+  // Lengths are rounded to 1 µm, so that their last bits do not make another design.
   void add_length(double value_mm) { add(static_cast<std::uint64_t>(std::llround(value_mm * 1000.0))); }
   [[nodiscard]] std::uint64_t value() const { return state_; }
 
@@ -47,7 +47,7 @@ void add_kinds(const Design& design, Hash& hash) {
       for (const char c : text) hash.add(static_cast<int>(static_cast<unsigned char>(c)));
     }
     hash.add(k.taxels);
-    hash.add_length(k.sensitivity_counts_per_kpa);  // to 0.001
+    hash.add_length(k.sensitivity_counts_per_kpa);  // The hash uses the value rounded to 0.001.
   }
   for (const PlacedModule& m : design.layout.modules) hash.add(m.kind);
 }

@@ -13,9 +13,21 @@
 namespace triskin::design {
 namespace {
 
+// A double still resolves 2 µm there, and no micrometre that a design id has in it leaves 64 bits.
+constexpr double kMaxNumber = 1e10;
+
+double number(const JsonValue& v) {
+  return number_in(v, -kMaxNumber, kMaxNumber);
+}
+
 Vec2 vec2(const JsonValue& v) {
   v.require_size(2);
-  return {v.at(0).number(), v.at(1).number()};
+  return {number(v.at(0)), number(v.at(1))};
+}
+
+Vec3 bounded_vec3(const JsonValue& v) {
+  v.require_size(3);
+  return {number(v.at(0)), number(v.at(1)), number(v.at(2))};
 }
 
 template <class Read>
@@ -40,21 +52,17 @@ auto index_or_none(std::size_t n) {
   return [n](const JsonValue& v) { return v.integer(-1, static_cast<int>(n) - 1); };
 }
 
-double number(const JsonValue& v) {
-  return v.number();
-}
-
 void read_limits(const JsonValue& v, LayoutLimits& l) {
-  l.edge_error_mm = v["edge_error_mm"].number();
-  l.hinge_gap_mm = v["hinge_gap_mm"].number();
-  l.center_gap_mm = v["center_gap_mm"].number();
-  l.fold_rad = v["fold_rad"].number();
-  l.penetration_mm = v["penetration_mm"].number();
-  l.overrun_mm = v["overrun_mm"].number();
-  if (has(v, "jumper_mm")) l.jumper_mm = v["jumper_mm"].number();
+  l.edge_error_mm = number(v["edge_error_mm"]);
+  l.hinge_gap_mm = number(v["hinge_gap_mm"]);
+  l.center_gap_mm = number(v["center_gap_mm"]);
+  l.fold_rad = number(v["fold_rad"]);
+  l.penetration_mm = number(v["penetration_mm"]);
+  l.overrun_mm = number(v["overrun_mm"]);
+  if (has(v, "jumper_mm")) l.jumper_mm = number(v["jumper_mm"]);
   // Files of 0.1 do not limit them.
-  l.lift_mm = has(v, "lift_mm") ? v["lift_mm"].number() : std::numeric_limits<double>::infinity();
-  l.depth_mm = has(v, "lift_mm") ? v["depth_mm"].number() : std::numeric_limits<double>::infinity();
+  l.lift_mm = has(v, "lift_mm") ? number(v["lift_mm"]) : std::numeric_limits<double>::infinity();
+  l.depth_mm = has(v, "lift_mm") ? number(v["depth_mm"]) : std::numeric_limits<double>::infinity();
 }
 
 Jumper read_jumper(const JsonValue& v, std::size_t n_modules) {
@@ -70,17 +78,26 @@ Jumper read_jumper(const JsonValue& v, std::size_t n_modules) {
     j.side[k] = sides.at(k).integer(0, 2);
   }
   if (j.node[0] >= j.node[1]) modules.fail("must name two modules, the lesser id first");
-  j.length_mm = v["length_mm"].number();
-  j.fold_rad = v["fold_rad"].number();
+  j.length_mm = number(v["length_mm"]);
+  j.fold_rad = number(v["fold_rad"]);
   return j;
 }
 
 Mesh read_surface(const JsonValue& v) {
   Mesh mesh;
-  mesh.vertices = list(v["vertices"], vec3);
+  mesh.vertices = list(v["vertices"], bounded_vec3);
   const auto vertex = index_below(mesh.vertices.size());
   mesh.faces = list(v["faces"], [&](const JsonValue& f) { return triple(f, vertex); });
   return mesh;
+}
+
+PartSide read_side(const JsonValue& v) {
+  PartSide side;
+  side.taken = v["taken"].text();
+  side.is_certain = v["certain"].boolean();
+  side.wall_mm = v["wall_mm"].number();
+  if (has(v, "part")) side.part = read_surface(v["part"]);
+  return side;
 }
 
 PlacedPiece read_piece(const JsonValue& v, std::size_t n_faces) {
@@ -90,10 +107,10 @@ PlacedPiece read_piece(const JsonValue& v, std::size_t n_faces) {
   p.piece.faces = list(v["faces"], index_below(n_faces));
   p.piece.flat = list(v["flat"], [](const JsonValue& t) { return triple(t, vec2); });
   if (p.piece.flat.size() != p.piece.faces.size()) v["flat"].fail("must have as many elements as \"faces\"");
-  p.piece.max_edge_error_mm = v["max_edge_error_mm"].number();
-  p.piece.rms_edge_error_mm = v["rms_edge_error_mm"].number();
+  p.piece.max_edge_error_mm = number(v["max_edge_error_mm"]);
+  p.piece.rms_edge_error_mm = number(v["rms_edge_error_mm"]);
   const JsonValue at = v["placement"];
-  p.placement = {at["x_mm"].number(), at["y_mm"].number(), at["theta_rad"].number()};
+  p.placement = {number(at["x_mm"]), number(at["y_mm"]), number(at["theta_rad"])};
   p.modules = v["modules"].integer(0, kMaxCount);
   p.upper_bound = v["upper_bound"].integer(0, kMaxCount);
   p.proved = v["proved"].boolean();
@@ -105,17 +122,17 @@ PlacedModule read_module(const JsonValue& v, std::size_t id, std::size_t n_modul
   PlacedModule m;
   m.island = v["island"].integer(0, kMaxCount);
   m.tile = {v["i"].integer(-kMaxLattice, kMaxLattice), v["j"].integer(-kMaxLattice, kMaxLattice), v["up"].boolean()};
-  m.corner_mm = triple(v["corners"], vec3);
+  m.corner_mm = triple(v["corners"], bounded_vec3);
   m.neighbour = triple(v["neighbours"], index_or_none(n_modules));
-  m.edge_error_mm = v["edge_error_mm"].number();
+  m.edge_error_mm = number(v["edge_error_mm"]);
   m.hinge_gap_mm = triple(v["hinge_gap_mm"], number);
   m.fold_rad = triple(v["fold_rad"], number);
-  m.center_gap_mm = v["center_gap_mm"].number();
-  if (has(v, "edge_lift_mm")) m.edge_lift_mm = v["edge_lift_mm"].number();
-  m.edge_depth_mm = v["edge_depth_mm"].number();
-  m.penetration_mm = v["penetration_mm"].number();
-  m.overrun_mm = v["overrun_mm"].number();
-  m.bend_radius_mm = v["bend_radius_mm"].number();
+  m.center_gap_mm = number(v["center_gap_mm"]);
+  if (has(v, "edge_lift_mm")) m.edge_lift_mm = number(v["edge_lift_mm"]);
+  m.edge_depth_mm = number(v["edge_depth_mm"]);
+  m.penetration_mm = number(v["penetration_mm"]);
+  m.overrun_mm = number(v["overrun_mm"]);
+  m.bend_radius_mm = number(v["bend_radius_mm"]);
   return m;
 }
 
@@ -173,7 +190,7 @@ Patch read_patch(const JsonValue& v, std::size_t id, const JsonValue& modules) {
 // Files without the key have whole triangles.
 double read_corner_cut(const JsonValue& v) {
   if (!v.raw().contains("corner_cut_mm")) return 0.0;
-  const double cut_mm = v["corner_cut_mm"].number();
+  const double cut_mm = number(v["corner_cut_mm"]);
   if (!(cut_mm > 0.0 && cut_mm <= kMaxCornerCut_mm))
     v["corner_cut_mm"].fail(fmt::format("must be above 0 and at most {}", kMaxCornerCut_mm));
   return cut_mm;
@@ -198,20 +215,20 @@ LayoutMethod read_method(const JsonValue& v) {
 
 Design::Report read_report(const JsonValue& v) {
   Design::Report r;
-  r.area_cm2 = v["area_cm2"].number();
-  r.coverage = v["coverage"].number();
+  r.area_cm2 = number(v["area_cm2"]);
+  r.coverage = number(v["coverage"]);
   r.upper_bound = v["upper_bound"].integer(0, kMaxCount);
   r.patches_lower_bound = v["patches_lower_bound"].integer(0, kMaxCount);
-  r.max_edge_error_mm = v["max_edge_error_mm"].number();
-  r.max_hinge_gap_mm = v["max_hinge_gap_mm"].number();
-  r.max_center_gap_mm = v["max_center_gap_mm"].number();
-  r.seconds = v["seconds"].number();
+  r.max_edge_error_mm = number(v["max_edge_error_mm"]);
+  r.max_hinge_gap_mm = number(v["max_hinge_gap_mm"]);
+  r.max_center_gap_mm = number(v["max_center_gap_mm"]);
+  r.seconds = number(v["seconds"]);
   if (has(v, "max_edge_lift_mm")) {
-    r.max_edge_lift_mm = v["max_edge_lift_mm"].number();
-    r.max_edge_depth_mm = v["max_edge_depth_mm"].number();
+    r.max_edge_lift_mm = number(v["max_edge_lift_mm"]);
+    r.max_edge_depth_mm = number(v["max_edge_depth_mm"]);
   }
   if (has(v, "jumpers_lower_bound")) r.jumpers_lower_bound = v["jumpers_lower_bound"].integer(0, kMaxCount);
-  r.coverage_cut = v.raw().contains("coverage_cut") ? v["coverage_cut"].number() : r.coverage;
+  r.coverage_cut = v.raw().contains("coverage_cut") ? number(v["coverage_cut"]) : r.coverage;
   return r;
 }
 
@@ -238,8 +255,9 @@ Design parse_design(const std::string& text, const std::string& file) {
   d.design_id = hex64(v["design_id"]);
   d.seed = v["seed"].unsigned_integer();
   d.source_file = v["source"]["file"].text();
-  d.scale_to_mm = v["source"]["scale_to_mm"].number();
+  d.scale_to_mm = number(v["source"]["scale_to_mm"]);
   d.surface = read_surface(v["surface"]);
+  if (has(v, "side")) d.side = read_side(v["side"]);
   read_limits(v["limits"], d.limits);
   d.pieces = list(v["pieces"], [&](const JsonValue& p) { return read_piece(p, d.surface.faces.size()); });
   d.layout.method = read_method(v["method"]);

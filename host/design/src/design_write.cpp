@@ -32,6 +32,12 @@ json surface_json(const Mesh& mesh) {
   return {{"vertices", list(mesh.vertices)}, {"faces", mesh.faces}};
 }
 
+json side_json(const PartSide& side) {
+  json j = {{"taken", side.taken}, {"certain", side.is_certain}, {"wall_mm", side.wall_mm}};
+  if (!side.part.faces.empty()) j["part"] = surface_json(side.part);
+  return j;
+}
+
 // Files of before these limits stay as they were.
 bool limits_sides(const LayoutLimits& l) {
   return std::isfinite(l.lift_mm) && std::isfinite(l.depth_mm);
@@ -181,6 +187,7 @@ void write_design(const std::filesystem::path& path, const Design& design) {
     file["report"]["max_edge_lift_mm"] = design.report.max_edge_lift_mm;
     file["report"]["max_edge_depth_mm"] = design.report.max_edge_depth_mm;
   }
+  if (design.side) file["side"] = side_json(*design.side);
   if (is_cut) file["corner_cut_mm"] = design.layout.corner_cut_mm;  // files without a cut stay as they were
   if (!design.kinds.empty()) {                                      // nor has a file without kinds a key of them
     file["kinds"] = kind_plan_json(design.kinds);

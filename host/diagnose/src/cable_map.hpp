@@ -24,7 +24,7 @@ class CableMap {
   void exchange_patches(int p, int q);
   /// Lines `a` and `b` of patch `p` are exchanged.
   void exchange_lines(int p, int a, int b);
-  /// Where the module of a place of the design is read.
+  /// Place where the module of a place in the design is actually read.
   [[nodiscard]] Site seen_at(const Site& meant) const;
   /// The inverse: whose place is read there.
   [[nodiscard]] Site meant_by(const Site& seen) const;
@@ -49,7 +49,7 @@ struct CableExplanation {
   int patch = -1;
   int other = -1;  ///< patch; −1: the lines below
   int line_a = -1, line_b = -1;
-  int modules = 0;  ///< that are where they should be once it is undone
+  int modules = 0;  ///< number of modules that are in their place once it is undone
 };
 /// Exchanges that explain at least three modules each, best first; `map` becomes what they lead to. Greedy: every step
 /// takes the exchange after which fewest modules are wrong. Patches that cannot be read are left alone.

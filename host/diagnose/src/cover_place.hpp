@@ -6,9 +6,9 @@
 
 namespace triskin::device {
 
-/// Where a module lies on its cover, in the rows of the lattice as the assembly sheet draws them: "row 3 of 9, left
-/// rim". Rows count from below, modules from the left. Cost: O(modules). Throws std::out_of_range for a module that the
-/// design lacks.
+/// Describes the place of a module on its cover by the rows of the lattice as the assembly sheet draws them: "row 3 of
+/// 9, left rim". Rows count from below, modules from the left. Cost: O(modules). Throws std::out_of_range for a module
+/// that the design lacks.
 [[nodiscard]] std::string place_on_cover(const design::Design& design, int module);
 
 }  // namespace triskin::device

@@ -17,7 +17,7 @@ using wire::ModuleState;
 
 namespace {
 
-constexpr int kManyTaxels = 6;  // of one module at their ends: it is one fault, not many
+constexpr int kManyTaxels = 6;  // If this many taxels of a module are at their ends, it is one fault and not many.
 
 // One cause for many modules is likelier than a cause for each; a wrong map is likelier than dead hardware.
 int likelihood_rank(FindingKind kind) {

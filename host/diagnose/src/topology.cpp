@@ -219,8 +219,8 @@ class Overlay {
   const wire::FoundTopology& found_;
   const design::Patch& patch_;
   design::PortEnds sides_;
-  std::vector<std::optional<PatchRow>> row_;  // by found number
-  std::vector<int> rotation_;                 // by found number
+  std::vector<std::optional<PatchRow>> row_;  // Indexed by found number.
+  std::vector<int> rotation_;                 // Indexed by found number.
   TopologyMatch result_;
 };
 
@@ -258,7 +258,7 @@ wire::FoundTopology topology_across(const design::Design& design, int patch, std
     return ends[static_cast<std::size_t>(module)][static_cast<std::size_t>(port)];
   };
   std::vector<int> order, way{own.modules[0].node};
-  std::vector<int> next(ends.size(), 0);  // by module: the port that is tried next
+  std::vector<int> next(ends.size(), 0);  // Indexed by module: the port that is tried next.
   const auto enter = [&](int module) {
     number[static_cast<std::size_t>(module)] = static_cast<int>(order.size());
     order.push_back(module);

@@ -23,13 +23,13 @@ struct PatchState {
   std::array<wire::LineReport, layout::kLines> lines{};
   wire::LineStates line_states;
   wire::FaultList earlier;  ///< remembered when the verification began
-  wire::FaultList faults;   ///< noted while it ran
+  wire::FaultList faults;   ///< faults noted during the verification
   wire::LiveTaxels now, rest;
-  wire::FoundTopology topology;  ///< of switched modules
+  wire::FoundTopology topology;  ///< topology that switched modules found
   wire::ActiveRoute route;
-  wire::Adoption adoption;  ///< when the samples were read
+  wire::Adoption adoption;  ///< adoption at the time when the samples were read
   std::bitset<layout::kLines * layout::kAddressesPerLine>
-      adopted_places;  ///< where adopted modules answer, then and before
+      adopted_places;  ///< places where adopted modules answer, now or earlier
   void note(const wire::Adoption& told) {
     adoption = told;
     for (const wire::AdoptedModule& g : told.list_of_adopted()) adopted_places.set(g.place);
@@ -75,7 +75,7 @@ class TouchTest {
     int module = -1;
     double strength = 0.0;
     unsigned changed = 0;  // bit t
-    int taxel = -1;        // that changed most
+    int taxel = -1;        // Taxel that changed most.
     double taxel_counts = 0.0;
   };
   [[nodiscard]] Response strongest(const PatchState& patch) const;
@@ -146,7 +146,7 @@ class Diagnosis {
   std::vector<Finding> findings_;
   std::set<int> bad_;           // modules that are not ok
   std::set<int> explained_;     // modules whose missing touch response has a finding already
-  std::map<int, int> adopter_;  // of modules that another patch's controller reads: that patch
+  std::map<int, int> adopter_;  // Patch whose controller reads the module, for modules that were adopted.
 };
 
 }  // namespace triskin::device

@@ -148,7 +148,7 @@ class ControllerCheck {
   std::size_t without_table_ = 0;
 };
 
-// Until every module was found and checked, or is known to be absent.
+// Waits until every module was found and checked, or is known to be absent.
 void wait_until_checked(Bus& bus, const PatchState& p) {
   const std::uint64_t limit_us = bus.now_us() + kStartLimit_us;
   while (bus.now_us() < limit_us) {
@@ -265,7 +265,7 @@ void watch_stream(Bus& bus, const design::Design& design, const VerifyOptions& o
   }
 }
 
-// By patch; one whose controller hangs on another bus has no rows and is never usable.
+// Indexed by patch; a patch with its controller on another bus has no rows and is never usable.
 std::vector<PatchState> patches_of(const design::Design& design) {
   std::vector<PatchState> patches(design.patches.size());
   for (std::size_t k = 0; k < patches.size(); ++k) {

@@ -14,11 +14,11 @@ constexpr std::uint64_t kSettle_us = 85'000;
 constexpr std::uint64_t kPersonLimit_us = 15'000'000;
 constexpr std::uint64_t kPersonPoll_us = 50'000;
 constexpr double kTaxelChange = 60.0;    // counts; noise of the converter is a few counts
-constexpr double kModuleChange = 400.0;  // sum over the taxels of a module
-constexpr int kMaxTaxels = 7;            // of ten: then the whole module was pressed
-constexpr double kTip_mm = 2.5;          // what the tip of a finger reaches
+constexpr double kModuleChange = 400.0;  // Sum over the taxels of a module.
+constexpr int kMaxTaxels = 7;    // If this many of the ten pressure taxels change, the whole module was pressed.
+constexpr double kTip_mm = 2.5;  // The tip of a finger reaches this far.
 
-// Which taxel lies under a tip, when the module is turned by 0, 120 and 240°; −1: the turns cannot be told apart.
+// Taxel under a finger tip if the module is turned by 0, 120 and 240°; −1: the turns cannot be distinguished.
 struct TurnProbe {
   std::array<int, 3> taxel{-1, -1, -1};
 };

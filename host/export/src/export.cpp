@@ -222,7 +222,7 @@ std::string assembly_html(const Design& design) {
 
 std::string modules_obj(const Design& design) {
   std::string obj = "# triskin modules, mm\n";
-  std::size_t corners = 3;  // of a module
+  std::size_t corners = 3;  // Each module has this many vertices in the file.
   for (const auto& m : design.layout.modules) {
     const Outline outline = outline_of(m.corner_mm, design.layout.corner_cut_mm);
     corners = outline.size;

@@ -43,7 +43,8 @@ Pose pose_of(const PlacedModule& m) {
 double height_mm(double corner_cut_mm) {
   return kHeight_mm - cut_height_mm(corner_cut_mm);
 }
-// From the centroid, a third of the whole height over side 0, to the centre of the box around what is left.
+// Distance from the centroid, a third of the whole height over side 0, to the centre of the box around the cut
+// outline.
 double box_shift_mm(double corner_cut_mm) {
   return height_mm(corner_cut_mm) / 2.0 - kHeight_mm / 3.0;
 }

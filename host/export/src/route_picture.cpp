@@ -16,7 +16,7 @@ std::size_t at(int i) {
   return static_cast<std::size_t>(i);
 }
 
-// Where each node is drawn: its lattice place, islands beside one another, y downwards.
+// Position of each node in the drawing: its lattice place, islands side by side, y downwards.
 class Sheet {
  public:
   explicit Sheet(const ModuleList& list) {

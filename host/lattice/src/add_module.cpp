@@ -18,13 +18,14 @@ namespace {
 using surface_lattice::Triangle;
 
 constexpr double kFinalMargin = 0.98;  // another measurement must agree
-constexpr double kSnap_mm = 7.0;       // neighbours in the lattice whose corners lie nearer pull the module to them
-constexpr double kOutward = 0.6;       // cosine between module and surface, as the growth has it
-constexpr double kMaxLift_mm = 1.5;    // of the corners off the surface
+constexpr double kSnap_mm = 7.0;       // Neighbours in the lattice whose corners lie nearer pull the module to them.
+constexpr double kOutward = 0.6;       // The growth uses the same cosine between module and surface.
+constexpr double kMaxLift_mm = 1.5;
 constexpr double kFirstStep = 1.0, kLastStep = 0.02;  // mm
-constexpr double kNear_mm = 45.0;                     // centres of modules that may overlap
-constexpr double kEnough = 0.9;                       // of every limit: no need to go on
-constexpr double kHopeless = 10.0, kFar = 1e4;        // times a limit; the cost of such a place
+constexpr double kNear_mm = 45.0;                     // Modules whose centres are farther apart cannot overlap.
+constexpr double kEnough = 0.9;                       // The search stops when all limits are kept with 10 % to spare.
+// Further measurement of a bad place takes long, so one at 10 times a limit gets the cost kFar at once.
+constexpr double kHopeless = 10.0, kFar = 1e4;
 
 Vec3 center_of(const Triangle& t) {
   return (t[0] + t[1] + t[2]) / 3.0;
@@ -188,7 +189,7 @@ class ModulePlacer {
     return j;
   }
 
-  // Over the border a corner goes on as its plane does.
+  // A corner beyond the border lies on the continued plane.
   [[nodiscard]] Vec3 on_surface(const Vec3& p, const Vec3& normal, double lift_mm) const {
     const SurfacePoint foot = surface_.closest(p);
     const Vec3 off = p - foot.position_mm;

@@ -46,8 +46,8 @@ class Buckets {
   }
 
  private:
-  std::vector<int> first_;                     // by bucket
-  std::vector<int> bucket_, next_, previous_;  // by item
+  std::vector<int> first_;                     // Indexed by bucket.
+  std::vector<int> bucket_, next_, previous_;  // Indexed by item.
 };
 
 }  // namespace triskin::geometry::surface_lattice

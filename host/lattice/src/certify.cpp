@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "keep_limits.hpp"
 #include "kept_modules.hpp"
 #include "triskin/base/parallel.hpp"
 #include "worst_places.hpp"
@@ -15,7 +16,7 @@ ModuleLayout layout_of(const LatticeMesh& net, std::vector<int>& triangle_of) {
   ModuleLayout layout;
   layout.method = LayoutMethod::kSurface;
   layout.corner_cut_mm = net.corner_cut_mm();
-  std::vector<int> number(net.island_sizes().size(), -1);  // of islands, as their first modules come
+  std::vector<int> number(net.island_sizes().size(), -1);  // Islands are numbered in the order of their first modules.
   int numbers = 0;
   layout.islands = net.islands();
   std::vector<int> index(net.triangles().size(), -1);
@@ -75,6 +76,16 @@ void Certifier::measure_on_surface(ModuleLayout& layout, Known& own, int threads
   for (const PlacedModule* m : unknown) own.emplace(corners_of(*m), *m);
 }
 
+// The growth asks this of the mesh that it searches on. On the surface itself the nearest sheet may be another one: a
+// rib or the other side of a thin wall, which the mesh with fewer faces has not.
+std::vector<int> Certifier::turned_modules(const ModuleLayout& layout) const {
+  std::vector<int> turned;
+  for (std::size_t k = options_.kept.size(); k < layout.modules.size(); ++k) {
+    if (is_turned(surface_, layout.modules[k])) turned.push_back(static_cast<int>(k));
+  }
+  return turned;
+}
+
 ModuleLayout Certifier::certified(LatticeMesh net, Known& own, int threads) const {
   for (;;) {
     net.separate();
@@ -84,6 +95,10 @@ ModuleLayout Certifier::certified(LatticeMesh net, Known& own, int threads) cons
     restore_kept(options_.kept, layout);
     measure_on_surface(layout, own, threads);
     measure_between(layout);
+    if (const std::vector<int> turned = turned_modules(layout); !turned.empty()) {
+      for (const int k : turned) net.remove_triangle(triangle_of[at(k)]);
+      continue;
+    }
     const std::vector<WorstModule> worst = worst_modules(layout, limits_, options_.kept.size());
     if (worst.empty()) return layout;
     for (const WorstModule& w : worst) net.remove_triangle(triangle_of[at(w.module)]);

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <map>
+#include <vector>
 
 #include "canonical.hpp"
 #include "net.hpp"
@@ -23,7 +24,7 @@ class Certifier {
 
   /// Uses all threads. Cost: some 0.1 ms a module.
   [[nodiscard]] ModuleLayout first(LatticeMesh net) { return certified(std::move(net), known_, options_.threads); }
-  /// On the calling thread; thread-safe after first().
+  /// Runs on the calling thread; thread-safe after first().
   [[nodiscard]] ModuleLayout other(const LatticeMesh& net) const {
     Known own;
     return certified(net, own, 1);
@@ -33,6 +34,7 @@ class Certifier {
   using Corners = std::array<double, 9>;
   using Known = std::map<Corners, PlacedModule>;
   [[nodiscard]] ModuleLayout certified(LatticeMesh net, Known& own, int threads) const;
+  [[nodiscard]] std::vector<int> turned_modules(const ModuleLayout& layout) const;
   void measure_on_surface(ModuleLayout& layout, Known& own, int threads) const;
 
   const Surface& surface_;

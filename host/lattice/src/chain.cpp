@@ -9,12 +9,13 @@ namespace triskin::geometry::surface_lattice {
 namespace {
 
 constexpr int kStepsAStart = 30;
-constexpr double kStartsShare = 0.08;  // of the time, at most
+constexpr double kStartsShare = 0.08;  // The starts together get at most this share of the time.
 constexpr double kRaceHeat = 0.1;
-constexpr int kStepsAModule = 40, kMaxRuns = 20;  // of one annealing
-constexpr double kHot = 0.6, kCold = 0.05;        // modules a step may lose, at the start and at the end
-constexpr int kSmallIsland = 8;                   // modules: such an island may go as a whole
-constexpr double kIslandShare = 0.15;             // of the steps in which one goes, where tries find one
+// Each annealing has 40 steps per module; there are at most 20 of them.
+constexpr int kStepsAModule = 40, kMaxRuns = 20;
+constexpr double kHot = 0.6, kCold = 0.05;  // A step may lose this many modules at the start and at the end.
+constexpr int kSmallIsland = 8;             // An island of up to 8 modules may be removed as a whole.
+constexpr double kIslandShare = 0.15;       // This share of the steps removes a whole island, if the tries find one.
 constexpr int kTriesForIsland = 9, kTriesForPlace = 8;
 constexpr double kMargin_mm = 40.0;  // round what was removed, in which islands grow
 

@@ -15,9 +15,9 @@ namespace triskin::geometry::surface_lattice {
 
 inline constexpr double kNothing = -1e300;  // value of no layout
 
-/// Of a layout: its worth less its price, in the forms that the search compares.
+/// Value of a layout less its price, in the forms that the search compares.
 struct Value {
-  double module_value = kNothing;  ///< of the modules and joints, in modules
+  double module_value = kNothing;  ///< value of the modules and joints, in modules
   EstimatedPrice price;
   [[nodiscard]] double rounded() const { return module_value - price.rounded; }
   /// `share`: of what joins the controllers, 0 … 1.
@@ -31,8 +31,8 @@ inline constexpr double kRoundedModules = 48.0, kLargeModules = 128.0;
 
 /// How a chain spends its steps.
 struct SearchPlan {
-  int starts;         ///< complete layouts that race
-  double race_share;  ///< of the search: each round of the race
+  int starts;         ///< number of complete layouts that race
+  double race_share;  ///< share of the search that each round of the race takes
   /// What joins the controllers (jumpers, islands) counts by this share at the beginning of an annealing, by the whole
   /// at `rounded_from`: an early island is room found for modules, and later steps join it to others.
   double first_share;
@@ -78,7 +78,7 @@ class Chain {
   /// Takes over a layout of another chain.
   void adopt(const NetCopy& net);
 
-  /// From here on changes only what lies in the zone, in a copy of the leader's layout.
+  /// Makes this chain change only what lies in the zone, in a copy of the leader's layout.
   void work_in(const Zone& zone, const Chain& leader);
   [[nodiscard]] ZoneNet zone_net() const { return {now_, pinned_}; }
   /// Takes the merged layout of a team as its own, and all of space as its zone.
@@ -90,7 +90,7 @@ class Chain {
   [[nodiscard]] const LayoutFront& front() const { return front_; }
   [[nodiscard]] int steps() const { return steps_; }
   [[nodiscard]] Dice& random() { return random_; }
-  /// In the last of its annealings: what others found may be taken over.
+  /// True in the last annealing, when results of other chains may be taken over.
   [[nodiscard]] bool in_last_run() const { return schedule_.run == schedule_.runs - 1; }
 
  private:
@@ -124,16 +124,16 @@ class Chain {
   NetPrice price_;
   PlaceValue worth_;
   Grower grower_;
-  std::vector<int> samples_;  // of the task, in the zone
-  std::vector<int> pinned_;   // triangles outside the zone
+  std::vector<int> samples_;  // Samples of the task that lie in the zone.
+  std::vector<int> pinned_;   // Triangles outside the zone.
   LatticeMesh now_;           // what price_ knows
   NetCopy best_;
   LayoutFront front_;
   Value value_;
   double best_value_ = kNothing;
-  double race_heat_ = 0.0;   // > 0: instead of the schedule
-  double fraction_ = 0.0;    // of the current annealing
-  double raced_from_ = 0.0;  // fraction of the search
+  double race_heat_ = 0.0;   // If > 0, it replaces the heat of the schedule.
+  double fraction_ = 0.0;    // Progress of the current annealing, 0 … 1.
+  double raced_from_ = 0.0;  // Share of the search after which the race began.
   Schedule schedule_;
   int steps_ = 0;
 };

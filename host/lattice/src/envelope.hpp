@@ -19,7 +19,8 @@ class EnvelopeSystem {
   void solve();
 
  private:
-  std::vector<std::size_t> start_;  // of each row in values_, less its first column (wraps round, and back on use)
+  // Start of each row in values_ minus its first column. The difference wraps round, and back on use.
+  std::vector<std::size_t> start_;
   std::vector<int> first_;
   std::vector<double> values_, right_;
 };

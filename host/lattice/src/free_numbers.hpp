@@ -32,7 +32,7 @@ class FreeNumbers {
 
  private:
   std::vector<int> heap_;
-  std::vector<char> holds_;  // by number: it is in the heap
+  std::vector<char> holds_;  // Indexed by number: true while the number is in the heap.
 };
 
 }  // namespace triskin::geometry::surface_lattice

@@ -24,17 +24,17 @@ namespace {
 
 using namespace surface_lattice;
 
-constexpr int kStepsARound = 64;      // of each chain, between reports
-constexpr int kRoundsAnExchange = 2;  // of the best layout
+constexpr int kStepsARound = 64;      // Each chain takes this many steps between two reports.
+constexpr int kRoundsAnExchange = 2;  // The chains exchange their best layout after this many rounds.
 // Room for so many modules makes a chain of a team worth its thread: fewer leave little between the bands of its zone,
 // and islands are parted by them (HEAD with four zones of 64 is worth less than with two).
 constexpr double kModulesAChain = 90.0;
-constexpr std::size_t kMore = 8;      // with as many modules as others of them
-constexpr std::size_t kThinned = 5;   // layouts made of the best
-constexpr double kFrontShare = 0.05;  // of the time, beyond its end: to certify them
+constexpr std::size_t kMore = 8;      // We certify at most this many other layouts that have as many modules.
+constexpr std::size_t kThinned = 5;   // We make this many smaller layouts from the best one.
+constexpr double kFrontShare = 0.05;  // Certifying the front may exceed the time limit by this share.
 constexpr double kSampleArea_mm2 = 50.0;
-constexpr double kLiftShare =
-    0.7;  // of the limit, for corners of the net: those of the rigid module stand off a little more
+// The corners of the rigid module stand off a little more than those of the lattice, so these get 70 % of the limit.
+constexpr double kLiftShare = 0.7;
 
 Grower::Clock::duration duration_of(double s) {
   return std::chrono::duration_cast<Grower::Clock::duration>(std::chrono::duration<double>(s));

@@ -17,7 +17,7 @@ constexpr double kCrowded_mm = 6.0;  // overlap that relaxing will not undo
 constexpr double kShort_mm = 6.0;    // an apex that the border holds back by more is not tried
 constexpr double kReach_mm = 45.0;
 constexpr double kCornerReach_mm =
-    28.0;  // of a vertex from the centre of its triangle: 17.3 mm, and the largest edge error
+    28.0;  // A vertex is 17.3 mm from the centre of its triangle; the rest allows for the largest edge error.
 constexpr double kSampleCell_mm = 20.0;
 constexpr double kSurroundings_mm = 45.0;  // farther modules hardly decide whether one more fits
 
@@ -247,7 +247,7 @@ void Grower::grow_from(LatticeMesh& net, const std::vector<Side>& front, const B
   }
 }
 
-// Where the centre of a module at a side would come to lie, but for the fold.
+// Centre of a module at a side, if there were no fold.
 Vec3 Grower::place_beside(const LatticeMesh& net, Side side) {
   const NetTriangle& t = net.triangles()[at(side.triangle)];
   return t.rigid[at(side.side)] + t.rigid[at((side.side + 1) % 3)] - t.center;

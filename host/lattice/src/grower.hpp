@@ -42,7 +42,7 @@ class Grower {
   /// Starts islands on what is uncovered in the ball and grows each.
   void fill(LatticeMesh& net, const Ball& ball, Dice& random, int attempts);
 
-  /// From here on adds modules only where their centres lie in the zone.
+  /// Restricts new modules to those with centres in the zone.
   void confine(const Zone& zone) { zone_ = zone; }
   [[nodiscard]] const Zone& zone() const { return zone_; }
 
@@ -55,7 +55,7 @@ class Grower {
 
   [[nodiscard]] bool covered(const LatticeMesh& net, const Vec3& p) const;
   [[nodiscard]] bool late() const { return (now_ ? now_() : Clock::now()) > end_ || interrupt_request(); }
-  /// As late, but on a slow machine the time does not end the search for the first module: no module is no answer.
+  /// Same as late(), but the time never ends the search for the first module, since a layout needs one.
   [[nodiscard]] bool late(const LatticeMesh& net) const { return (net.size() > 0 && late()) || interrupt_request(); }
   /// Number of refusals by limit since the last reset.
   std::array<int, kRefusals> refused{};
@@ -86,11 +86,11 @@ class Grower {
   Relaxer relaxer_;
   Zone zone_;
   std::vector<int> near_;
-  // By side: signature of its surroundings when a module was refused there. While it is equal the side is not tried
-  // again.
+  // Indexed by side: signature of its surroundings when a module was refused there. The side is not tried again until
+  // it changes.
   std::vector<std::array<std::uint64_t, 3>> failed_join_, failed_seed_;
   std::vector<KnownSides> known_sides_;
-  std::vector<Triangle> known_within_;  // by triangle: where it was last seen to keep within the border
+  std::vector<Triangle> known_within_;  // Indexed by triangle: where it was last seen to keep within the border.
   Clock::time_point end_;
   std::function<Clock::time_point()> now_;
 };

@@ -16,6 +16,8 @@
 namespace triskin::geometry {
 namespace {
 
+constexpr double kOutwardCosine = 0.6;  // `check` asks for 0.5; the rest is for another way of measuring.
+
 class Keeper {
  public:
   Keeper(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout)
@@ -35,21 +37,17 @@ class Keeper {
   }
 
  private:
-  // Thin shells have two sheets: a module whose nearest sheet is the other one would be measured against that.
   void give_up_turned() {
     std::vector<bool> bad;
-    for (const PlacedModule& m : layout_.modules) {
-      const Vec3 middle = (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0;
-      const Vec3 normal = (m.corner_mm[1] - m.corner_mm[0]).cross(m.corner_mm[2] - m.corner_mm[0]).normalized();
-      bad.push_back(surface_.normal_at(surface_.closest(middle)).dot(normal) < 0.6);
-    }
+    for (const PlacedModule& m : layout_.modules) bad.push_back(is_turned(surface_, m));
     if (const auto count = static_cast<int>(std::ranges::count(bad, true)); count > 0) refused_["outward"] += count;
     remove_modules(layout_, bad);
   }
 
   // First joints (they become slits), then modules; a margin of 2 % keeps another measurement from disagreeing.
   void give_up_bad() {
-    std::vector<OverlappingPair> pairs = overlapping_pairs(layout_);  // as nothing moves, they only go
+    // Measured once: nothing moves below, so pairs can only disappear.
+    std::vector<OverlappingPair> pairs = overlapping_pairs(layout_);
     for (;;) {
       measure_between(layout_, pairs);
       if (open_bad_joints()) continue;
@@ -88,6 +86,12 @@ class Keeper {
 };
 
 }  // namespace
+
+bool is_turned(const Surface& surface, const PlacedModule& m) {
+  const Vec3 middle = (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0;
+  const Vec3 normal = (m.corner_mm[1] - m.corner_mm[0]).cross(m.corner_mm[2] - m.corner_mm[0]).normalized();
+  return surface.normal_at(surface.closest(middle)).dot(normal) < kOutwardCosine;
+}
 
 std::vector<int> remove_modules(ModuleLayout& layout, const std::vector<bool>& gone) {
   std::vector<int> new_id(layout.modules.size(), -1);

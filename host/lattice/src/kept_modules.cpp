@@ -25,7 +25,7 @@ LatticeMesh net_of_kept(const Surface& surface, const CanonicalCopy& copy, const
       corners.join(3 * k + (s + 1) % 3, 3 * other + t);
     }
   }
-  std::map<int, std::vector<Vec3>> points;  // by leader of the corners
+  std::map<int, std::vector<Vec3>> points;  // Keyed by the leader of the corners.
   for (int c = 0; c < 3 * count; ++c) points[corners.find(c)].push_back(modules[at(c / 3)].corner_mm[at(c % 3)]);
   std::map<int, int> vertex, island;
   for (int k = 0; k < count; ++k) {
@@ -50,7 +50,7 @@ LatticeMesh net_of_kept(const Surface& surface, const CanonicalCopy& copy, const
   return net;
 }
 
-// Where a ring of modules is closed round a slit, the net joins its two sides.
+// If a ring of modules is closed around a slit, the lattice joins both sides of the slit.
 void restore_kept(const std::vector<PlacedModule>& kept, ModuleLayout& layout) {
   const auto count = static_cast<int>(kept.size());
   for (std::size_t k = 0; k < kept.size(); ++k) {

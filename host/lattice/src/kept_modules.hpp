@@ -13,8 +13,8 @@ namespace triskin::geometry::surface_lattice {
 [[nodiscard]] LatticeMesh net_of_kept(const Surface& surface, const CanonicalCopy& copy,
                                       const std::vector<PlacedModule>& kept, double corner_cut_mm);
 
-/// Of a layout that was carried back and whose first modules are those that were kept: they stand as they were given,
-/// to the last digit, are of the same kind, and have among each other the joints that they had.
+/// Restores the kept modules, which come first in a layout that was carried back: exact positions, kinds, and the
+/// joints among them.
 void restore_kept(const std::vector<PlacedModule>& kept, ModuleLayout& layout);
 
 }  // namespace triskin::geometry::surface_lattice

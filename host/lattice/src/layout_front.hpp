@@ -39,7 +39,7 @@ class LayoutFront {
  private:
   [[nodiscard]] std::map<Numbers, FoundLayout>::const_iterator min_valuable() const;
 
-  int max_modules_, modules_ = 0;  // of all
+  int max_modules_, modules_ = 0;  // Both count the modules of all layouts together.
   std::map<Numbers, FoundLayout> found_;
 };
 

@@ -55,7 +55,7 @@ class TriangleGrid {
   }
 
  private:
-  // Of points outside: the one at the border of the grid.
+  // A point outside gets the nearest square at the border of the grid.
   [[nodiscard]] std::array<int, 2> square_of(const Vec2& p) const {
     std::array<int, 2> square{};
     for (int k = 0; k < 2; ++k) {
@@ -69,7 +69,7 @@ class TriangleGrid {
   Vec2 low_ = Vec2::Zero();
   std::array<int, 2> squares_{};
   std::vector<std::array<Vec2, 2>> boxes_;
-  std::vector<std::vector<std::size_t>> near_;  // by square
+  std::vector<std::vector<std::size_t>> near_;  // Indexed by square.
 };
 
 // Point of the flat piece → point of the surface.
@@ -212,7 +212,7 @@ class Mapper {
   const Surface& surface_;
   const LayoutLimits limits_;
   const SurfaceRegions* regions_;
-  const double overhang_mm_;  // of corners over the border: they are cut off
+  const double overhang_mm_;  // Corners may extend over the border by this much because they are cut off.
   ModuleLayout layout_;
 };
 

@@ -15,9 +15,10 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kNear_mm = 45.0;     // centroids farther apart than two circumradii and some height cannot touch
-constexpr double kLayer_mm = 10.0;    // modules this far apart along the normal lie on different sheets
-constexpr double kSideStep_mm = 0.5;  // as the definition of the metrics says (docs/design_file.md)
+// Modules with centroids farther apart than two circumradii and some height cannot touch.
+constexpr double kNear_mm = 45.0;
+constexpr double kLayer_mm = 10.0;    // Modules this far apart along the normal lie on different sheets.
+constexpr double kSideStep_mm = 0.5;  // docs/design_file.md defines the metrics with this step.
 
 Vec3 normal_of(const std::array<Vec3, 3>& t) {
   return (t[1] - t[0]).cross(t[2] - t[0]).normalized();

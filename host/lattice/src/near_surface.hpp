@@ -47,7 +47,7 @@ class NearSurface {
   std::vector<Voxel> filled_;
   struct Candidate {
     int face;
-    double distance_mm;  ///< from the middle of the voxel
+    double distance_mm;  ///< distance from the middle of the voxel
   };
   std::vector<Candidate> candidates_;
   std::vector<bool> border_vertex_, border_face_;

@@ -8,7 +8,7 @@ namespace triskin::geometry::surface_lattice {
 namespace {
 
 const Vec3 kNowhere = Vec3::Constant(1e12);
-constexpr double kCell_mm = 40.0;  // of the grid: most searches reach 20 … 45 mm
+constexpr double kCell_mm = 40.0;  // Most searches reach 20 … 45 mm.
 
 }  // namespace
 
@@ -41,7 +41,7 @@ NetVertex& LatticeMesh::edit_vertex(int vertex) {
   return vertices_[at(vertex)];
 }
 
-// Before every change of a triangle.
+// Must be called before every change of a triangle.
 void LatticeMesh::touch(int triangle) {
   if (!is_recording_ || at(triangle) >= triangles_before_ || triangle_saved_in_[at(triangle)] == recording_) return;
   triangle_saved_in_[at(triangle)] = recording_;
@@ -295,7 +295,7 @@ std::uint64_t LatticeMesh::signature(const Vec3& place, double radius_mm) const 
     std::uint64_t h = 1;
     for (int k = 0; k < 3; ++k)
       h = (h ^ static_cast<std::uint64_t>(std::llround(centers_[at(t)][k] / kStep_mm))) * 0x9E3779B97F4A7C15ULL;
-    sum += h ^ (h >> 29);  // in any order
+    sum += h ^ (h >> 29);  // The sum does not depend on the order of the triangles.
     return false;
   });
   return sum;

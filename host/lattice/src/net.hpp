@@ -17,7 +17,7 @@ using Triangle = std::array<Vec3, 3>;
 
 /// Corner of the net, shared by all triangles joined at it. Its lattice index (i, j) counts within its island.
 struct NetVertex {
-  Vec3 point = Vec3::Zero();  ///< on the surface, or `lift_mm` above it
+  Vec3 point = Vec3::Zero();  ///< lies on the surface, or `lift_mm` above it
   Vec3 normal = Vec3::UnitZ();
   double lift_mm = 0.0;
   int i = 0, j = 0;
@@ -29,7 +29,7 @@ struct NetVertex {
   Vec3 outward = Vec3::Zero();  ///< direction in which the border was last run over
 };
 
-/// Where a rigid module lies.
+/// Position of a rigid module.
 struct ModuleShape {
   Triangle rigid;  ///< corners of the whole triangle
   Vec3 center = Vec3::Zero(), normal = Vec3::UnitZ();
@@ -51,8 +51,8 @@ struct NetTriangle : ModuleShape {
 class LatticeMesh {
  public:
   LatticeMesh() = default;
-  /// For modules in the box that holds `around`; elsewhere they are found more slowly. `corner_cut_mm` of every module
-  /// (design/outline.hpp).
+  /// The net is fast for modules in the box around `around`; others are found more slowly. `corner_cut_mm` applies to
+  /// every module (design/outline.hpp).
   LatticeMesh(const std::vector<Vec3>& around, double corner_cut_mm);
 
   [[nodiscard]] const std::vector<NetVertex>& vertices() const { return vertices_; }
@@ -64,7 +64,7 @@ class LatticeMesh {
   [[nodiscard]] int size() const { return size_; }
   [[nodiscard]] bool used(int triangle) const { return triangles_[at(triangle)].island >= 0; }
   [[nodiscard]] int islands() const;
-  /// By the number of the island; 0: a number without island.
+  /// Indexed by the number of the island; 0: a number without island.
   [[nodiscard]] const std::vector<int>& island_sizes() const { return island_size_; }
   [[nodiscard]] int joints() const { return joints_; }
   /// A number without island.
@@ -106,13 +106,13 @@ class LatticeMesh {
   void fit_for_now(int triangle);
   /// Puts back the module that a triangle had before fit_for_now().
   void set_back(int triangle, const ModuleShape& shape);
-  /// After fit_for_now(): searches find the module where it is, and it counts as changed.
+  /// Call it after fit_for_now(), so that searches find the module at its new place and it counts as changed.
   void note_moved(int triangle);
-  /// After changes: parts that hang together only at a corner, or not at all, get corners and islands of their own.
-  /// Cost: what was added and removed since the last call; where an island falls apart, its smaller parts.
+  /// Gives parts that share only a corner, or nothing, their own corners and islands after changes. Cost: linear in
+  /// the changes since the last call, and in the smaller parts of an island that falls apart.
   void separate();
 
-  /// From here on changes can be taken back. The net must be separated.
+  /// Starts a transaction: later changes can be undone. The net must be separated.
   void begin();
   /// Keeps the changes since begin().
   void commit() { is_recording_ = false; }
@@ -144,8 +144,8 @@ class LatticeMesh {
   int size_ = 0, joints_ = 0;
   std::vector<int> free_triangles_;
   std::vector<Vec3> centers_;
-  PointGrid grid_;     // of the centres
-  Buckets tiles_{64};  // triangles by a hash of island and tile
+  PointGrid grid_;     // Holds the centres of the triangles.
+  Buckets tiles_{64};  // Triangles, found by a hash of island and tile.
   std::vector<int> island_size_;
   FreeNumbers free_vertices_, free_islands_;
   std::vector<int> loose_vertices_;  // whose triangles changed since separate()

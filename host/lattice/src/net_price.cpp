@@ -10,10 +10,10 @@
 namespace triskin::geometry::surface_lattice {
 namespace {
 
-constexpr double kRoundedUp = 15.0 / 32.0;  // mean of ⌈n / 16⌉ − n / 16
-constexpr double kCenters_mm =
-    2.0 * kHeight_mm / 3.0 + 1.0;   // of two modules, farther apart than the middles of their sides
-constexpr double kStraight = 0.95;  // a jumper along the surface is a little longer than the straight line
+constexpr double kRoundedUp = 15.0 / 32.0;  // Mean of ⌈n / 16⌉ − n / 16.
+// The centres of two modules are at most this much farther apart than the middles of their sides.
+constexpr double kCenters_mm = 2.0 * kHeight_mm / 3.0 + 1.0;
+constexpr double kStraight = 0.95;  // A jumper along the surface is a little longer than the straight line.
 
 // Controllers of n modules that hang together.
 double relaxed_controllers(int n) {

@@ -38,7 +38,7 @@ struct EstimatedPrice {
 class NetPrice {
  public:
   NetPrice(const Price& price, double jumper_mm) : price_(price), jumper_mm_(jumper_mm) {}
-  /// Of the net of the last call, changed since, or after forget() of any net. Takes its list of changes.
+  /// Prices the net of the last call after changes or, after forget(), any net. Consumes its list of changes.
   [[nodiscard]] EstimatedPrice operator()(LatticeMesh& net);
   void forget() { knows_net_ = false; }
 
@@ -51,8 +51,9 @@ class NetPrice {
   Price price_;
   double jumper_mm_;
   bool knows_net_ = false;
-  std::vector<std::vector<int>> linked_;  // by triangle: those of which a free side faces one of its own
-  DisjointSets islands_;                  // by number: those that jumpers can join
+  // Indexed by triangle: the triangles that have a free side opposite one of its own.
+  std::vector<std::vector<int>> linked_;
+  DisjointSets islands_;  // Joins the numbers of islands that jumpers can connect.
   std::vector<int> changed_, sizes_, group_;
 };
 

@@ -25,7 +25,7 @@ constexpr double kTouching_mm = 1e-7;                       // distances that co
 struct Stand {
   SurfacePoint foot;
   double to_border_mm;
-  double across_mm;  ///< from the nearest point of the border, across the normal there
+  double across_mm;  ///< distance from the nearest point of the border, across the normal there
   /// The border is the nearest of the surface: the point stands over it by across_mm.
   [[nodiscard]] bool over() const { return to_border_mm <= foot.distance_mm + kTouching_mm; }
 };
@@ -56,7 +56,8 @@ Stand stand(const Surface& surface, const Vec3& p, const Near& near) {
 // (|p - b|² + t² - |p - f|²) / 2|b + t - f| off, and |b + t - f| <= |b - f| + t. Least over t. A border that a sheet
 // passes below is told from one that ends it: the distances themselves differ by x² / 2z only at the height z.
 double way_to_nearer(const Vec3& p, const Vec3& f, const Vec3& b) {
-  constexpr double kRounding_mm2 = 1e-5;  // of distances equal to 1e-7 mm, some 20 mm long
+  // Distances near 20 mm that agree to 1e-7 mm have squares that differ by less than this.
+  constexpr double kRounding_mm2 = 1e-5;
   const double n = (p - b).squaredNorm() - (p - f).squaredNorm() - kRounding_mm2, d = (b - f).norm();
   return n <= 0.0 ? 0.0 : std::sqrt(d * d + n) - d;
 }
@@ -185,7 +186,8 @@ double OverrunSearch::max_across(const BorderPoint& b, std::span<const Vec3> par
   if (past_from < 0.0 || past_to < 0.0) return 0.0;
   const auto& f = surface_.mesh().faces[at(b.point.face)];
   const Vec3 &n_from = surface_.vertex_normal(f[at(b.side)]), &n_to = surface_.vertex_normal(f[at((b.side + 1) % 3)]);
-  const double shortest = 0.5 * (n_from + n_to).norm();  // of the interpolated normals, where the ends' are units
+  // The interpolated normals are shortest in the middle, as the normals at the ends are units.
+  const double shortest = 0.5 * (n_from + n_to).norm();
   if (!(shortest > 0.5)) return around;
   const double turned = (n_to - n_from).norm() / (edge.norm() * shortest) * reach * (off.norm() + reach);
   return std::min(around, at_corners + std::max(past_from, past_to) + turned);
@@ -245,7 +247,7 @@ bool OverrunSearch::covers(const FacePrism& face, std::span<const Vec3> part) co
 // Splinters thinner than what may lie past a side are left to the face.
 std::optional<std::vector<std::array<Vec3, 3>>> OverrunSearch::beside_face(const Stand& s,
                                                                            const std::array<Vec3, 3>& part) const {
-  constexpr double kWorth = 0.25;  // of the area
+  constexpr double kWorth = 0.25;  // A division is worth it only if more than a quarter of the area lies over the face.
   const FacePrism face(surface_, s.foot.face);
   if (is_close(face, part)) return std::vector<std::array<Vec3, 3>>{};
   Polygon over(part.begin(), part.end());
@@ -270,7 +272,7 @@ void OverrunSearch::walk(const Vec3& from, const Vec3& to, const Near& near) {
   if (reach < kFineSide_mm || !may_exceed(line, middle, s, reach)) return;
   const FacePrism face(surface_, s.foot.face);
   if (is_close(face, line)) return;
-  double first = 0.0, last = 1.0;  // of the way, over the face
+  double first = 0.0, last = 1.0;  // Range of the way that lies over the face.
   for (std::size_t k = 0; k < 3; ++k) {
     const double at_from = face.past(k, from), at_to = face.past(k, to);
     if (at_from > 0.0 && at_to > 0.0) last = 0.0;
@@ -278,7 +280,7 @@ void OverrunSearch::walk(const Vec3& from, const Vec3& to, const Near& near) {
     if (at_from > 0.0 && at_to <= 0.0) first = std::max(first, at_from / (at_from - at_to));
   }
   const std::array over{Vec3(from + first * way), Vec3(from + last * way)};
-  constexpr double kWorth = 0.5;  // as in beside_face()
+  constexpr double kWorth = 0.5;  // A division is worth it only if half of the way lies over the face.
   const Near beside = Near::beside(s, reach);
   if (last - first >= kWorth && (is_close(face, over) || covers(face, over))) {
     if (first > 0.0) walk(from, over[0], beside);

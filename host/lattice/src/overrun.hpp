@@ -9,8 +9,9 @@ namespace triskin::geometry {
 
 /// A measured overrun.
 struct Overrun {
-  double mm = 0.0;         ///< to 0.02 mm below
-  std::size_t points = 0;  ///< of the module that were compared with surface and border: what the measurement costs
+  double mm = 0.0;  ///< never too large, and too small by at most 0.02 mm
+  /// Number of points of the module that were compared with surface and border: a measure of the cost.
+  std::size_t points = 0;
 };
 
 /// Overrun of a line over the border; `known_mm` where none is larger. A larger `known_mm` is faster.

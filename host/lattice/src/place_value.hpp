@@ -44,7 +44,7 @@ class PlaceValue {
     double weight = 0.0;
   };
   const CopiedRegions& regions_;
-  std::vector<Known> known_;  // by triangle
+  std::vector<Known> known_;  // Indexed by triangle.
 };
 
 }  // namespace triskin::geometry::surface_lattice

@@ -15,7 +15,7 @@ namespace triskin::geometry::surface_lattice {
 class PointGrid {
  public:
   PointGrid() = default;
-  /// Over the box that holds `around`; cubes of `cell_mm`, larger where there would be more than kMaxCells of them.
+  /// Covers the box around `around` with cubes of `cell_mm`, or larger ones to have no more than kMaxCells.
   PointGrid(const std::vector<Vec3>& around, double cell_mm) {
     Vec3 high = around.empty() ? Vec3::Zero().eval() : around.front();
     low_ = high;

@@ -14,14 +14,14 @@ constexpr double kDamping = 0.02;
 // Overlap left after each step that is given up: of the modules that fit in the end, one in two hundred had
 // more; of those that do not, a third have.
 constexpr std::array kFarOff_mm{3.0, 2.4, 1.8, 1.2};
-constexpr double kReach_mm = 2.0 * kHeight_mm / 3.0;  // from a module's centre to its corners
-constexpr double kPair_mm = 38.0;                     // centroids nearer than this may come to overlap while sliding
+constexpr double kReach_mm = 2.0 * kHeight_mm / 3.0;  // The corners of a module are this far from its centre.
+constexpr double kPair_mm = 38.0;  // Modules with centroids nearer than this may come to overlap while sliding.
 constexpr double kAllowedOverlap_mm = 0.1;
 constexpr double kSettled_mm = 0.02;
 constexpr double kMoved_mm = 0.01;
 constexpr double kNearBorder_mm = 12.0;
-constexpr double kWantedGap_mm = 2.0;  // corners lift off where the centre would be deeper than this
-constexpr double kLongest_mm = 5.0;    // of one step
+constexpr double kWantedGap_mm = 2.0;  // Corners lift off where the centre would be deeper than this.
+constexpr double kLongest_mm = 5.0;    // A single step moves no farther than this.
 
 // Of the way along a surface between two points whose normals have this cosine, as on an arc over the chord: the chord
 // times (asin s / s)², s² = (1 - cosine) / 2, by its first four terms. What lies on another side of a narrow part is

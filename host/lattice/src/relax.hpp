@@ -37,7 +37,7 @@ class Relaxer {
   };
   struct KnownGap {
     Vec3 center = Vec3::Zero();
-    double distance_mm = 1e300;  // of it from the surface
+    double distance_mm = 1e300;  // Distance of the centre from the surface.
   };
   struct Residual {
     double value, weight;
@@ -63,12 +63,12 @@ class Relaxer {
 
   NearSurface& surface_;
   double lift_mm_;
-  double overhang_mm_ = 0.0;  // of corners over the border, which are cut off
+  double overhang_mm_ = 0.0;  // Corners may extend over the border by this much because they are cut off.
   std::vector<int> local_;    // vertex → index among the moving ones, or -1
   std::vector<Moving> moving_;
   std::vector<int> triangles_, near_, changed_;
-  std::vector<ModuleShape> saved_;    // of triangles_
-  std::vector<KnownGap> known_gaps_;  // by triangle: where its centre was measured last
+  std::vector<ModuleShape> saved_;    // Former shapes of triangles_.
+  std::vector<KnownGap> known_gaps_;  // Indexed by triangle: where its centre was measured last.
   std::vector<char> is_local_;        // triangle → in triangles_
   std::vector<Pair> pairs_;
   std::vector<Residual> residuals_;

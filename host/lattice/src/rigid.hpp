@@ -16,8 +16,8 @@ struct SideHeights {
 };
 [[nodiscard]] SideHeights walk_sides(const Surface& surface, const design::Outline& outline, double step_mm);
 
-/// Where a corner is held: the foot of `p` on the surface; past the border up to `overhang_mm` beyond it. `foot`: a
-/// point of the surface near `p`, the nearer the faster; then the foot of `p`.
+/// Position at which a corner is held: the foot of `p` on the surface; past the border up to `overhang_mm` beyond it.
+/// `foot`: a point of the surface near `p`, the nearer the faster; then the foot of `p`.
 [[nodiscard]] Vec3 held_to_surface(const Surface& surface, const Vec3& p, double overhang_mm, Vec3& foot);
 
 }  // namespace triskin::geometry

@@ -11,18 +11,22 @@
 namespace triskin::geometry::surface_lattice {
 namespace {
 
-constexpr double kMargin = 0.97;          // an independent measurement must agree
-constexpr double kSidesMargin = 0.995;    // of lift and depth, which the checker walks alike
-constexpr double kStep_mm = 1.5;          // of the walk along a side at the border
-constexpr double kSideStep_mm = 0.5;      // the least along a side for lift and depth, as they are measured at the end
-constexpr double kOverrunStep_mm = 0.02;  // to which the largest overrun of a line is found
+constexpr double kMargin = 0.97;  // An independent measurement must agree, so we keep 3 % away from the limits.
+// Lift and depth need less margin because the checker walks the sides in the same way.
+constexpr double kSidesMargin = 0.995;
+constexpr double kStep_mm = 1.5;          // We walk along a side near the border in steps of this length.
+constexpr double kSideStep_mm = 0.5;      // The final measurement of lift and depth uses the same step along a side.
+constexpr double kOverrunStep_mm = 0.02;  // The largest overrun of a line is found with this accuracy.
 constexpr int kSideParts = 4;
-constexpr double kClear_mm = 5.0;  // a point farther from the border than a module may stand off is not over it
-constexpr double kBorderFar_mm = 2.0 * kHeight_mm / 3.0 + kClear_mm;  // of a module's centre
-constexpr double kOutward = 0.6;                                      // cosine between module and surface
-constexpr double kProbeStep_mm = 1.0, kProbeOut = 1.01;               // along the border, and times the limit beyond it
+constexpr double kClear_mm = 5.0;  // A point farther from the border than a module may stand off is not over it.
+// A module whose centre is farther from the border does not reach over it.
+constexpr double kBorderFar_mm = 2.0 * kHeight_mm / 3.0 + kClear_mm;
+constexpr double kOutward = 0.6;  // cosine between module and surface
+// Probes stand this far apart along the border, and beyond it at this multiple of the limit.
+constexpr double kProbeStep_mm = 1.0, kProbeOut = 1.01;
 constexpr double kProbeHeight_mm = 8.0;
-constexpr double kSafeMove = 0.7;  // of the room: the height changes by as much as a side moves, and its normal turns
+// We use 70 % of the room: the height changes by as much as a side moves, and its normal turns.
+constexpr double kSafeMove = 0.7;
 
 LayoutLimits with_margin(LayoutLimits l) {
   for (double* v : {&l.edge_error_mm, &l.hinge_gap_mm, &l.center_gap_mm, &l.fold_rad, &l.penetration_mm, &l.overrun_mm})
@@ -36,7 +40,7 @@ Vec3 corner_at(const LatticeMesh& net, int triangle, int vertex) {
   return t.vertex[0] == vertex ? t.rigid[0] : t.vertex[1] == vertex ? t.rigid[1] : t.rigid[2];
 }
 
-// Of a point over the whole triangle.
+// True if a point over the whole triangle lies in a corner that is cut off.
 bool in_cut_corner(const NetTriangle& t, const Vec3& p) {
   constexpr double kCircumradius_mm = 2.0 * kHeight_mm / 3.0;
   const double limit = kCircumradius_mm * design::short_side_offset_mm(t.corner_cut_mm);

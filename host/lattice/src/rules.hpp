@@ -63,7 +63,7 @@ class Rules {
   [[nodiscard]] bool cut_sides_over_border(NearSurface& surface, const NetTriangle& triangle, std::size_t side,
                                            bool is_free) const;
 
-  LayoutLimits limits_;  // with the margin taken off
+  LayoutLimits limits_;  // The margin is already taken off.
   double fold_cosine_;
   std::vector<Vec3> probes_;  // points just outside the border: no module may cover one
   PointGrid probe_grid_;

@@ -12,9 +12,10 @@ namespace triskin::geometry {
 namespace {
 
 constexpr double kFinalMargin = 0.98;
-constexpr double kSidesShare = 0.983;  // of lift and depth, which the checker walks alike: hardly a margin is left
-constexpr double kApart_mm = 60.0;     // of centres: modules that have no side, corner or overlap in common
-constexpr double kNear_mm = 40.0;      // of the centres of modules that touch: two circumradii are 34.6 mm
+// Lift and depth need hardly any margin because the checker walks the sides in the same way.
+constexpr double kSidesShare = 0.983;
+constexpr double kApart_mm = 60.0;  // Modules with centres this far apart have no side, corner or overlap in common.
+constexpr double kNear_mm = 40.0;   // Modules that touch have centres at most two circumradii apart, which is 34.6 mm.
 constexpr const char* kPierced = "pierced";
 
 struct BrokenModule {
@@ -59,7 +60,7 @@ std::vector<WorstModule> broken_most(const ModuleLayout& layout, const LayoutLim
   return worst;
 }
 
-// Of a pair whose other module goes anyway none more goes.
+// If the other module of a pair is removed anyway, no further one is.
 std::vector<WorstModule> piercing(const ModuleLayout& layout, double allowed_mm, std::size_t kept) {
   std::vector<Vec3> centers;
   for (const PlacedModule& m : layout.modules) centers.push_back(center_of(m));

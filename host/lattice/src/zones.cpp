@@ -60,8 +60,8 @@ class Merge {
   struct Entry {
     int zone;  // kShared: in all zones, as it was
     int triangle;
-    int number = -1;  // in the merged net
-    int island = -1;  // an entry of the same island: its leader
+    int number = -1;  // Number in the merged lattice.
+    int island = -1;  // An entry of the same island, which serves as its leader.
   };
 
   [[nodiscard]] const LatticeMesh& net_of(const Entry& e) const { return zones_[at(std::max(e.zone, 0))].net; }
@@ -143,7 +143,7 @@ class Merge {
   }
 
   void add_triangles() {
-    std::map<int, int> vertex, island;  // by corner, by leader
+    std::map<int, int> vertex, island;  // Keyed by corner and by leader.
     for (const Entry& e : entries_) {
       const NetTriangle& t = triangle_of(e);
       const auto of = corners_of(e);
@@ -190,7 +190,7 @@ class Merge {
   LatticeMesh net_;
   const std::vector<ZoneNet>& zones_;
   std::vector<Entry> entries_;
-  std::vector<int> first_corner_;  // by zone
+  std::vector<int> first_corner_;  // Indexed by zone.
   DisjointSets corners_;           // vertices of all zones
 };
 

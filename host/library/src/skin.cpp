@@ -169,7 +169,7 @@ void Skin::receive(std::size_t bus) {
 
 std::size_t Skin::read(double timeout_s, triskin_sample* samples, std::size_t capacity) {
   if (!(timeout_s >= 0.0 && timeout_s <= 3600.0)) throw InputError("timeout_s: must be 0 … 3600");
-  if (!started_) start();  // after stop() what waits can be read, and nothing begins anew
+  if (!started_) start();  // After stop(), waiting samples can be read, and sampling does not begin anew.
   if (virtual_time_ && runs()) {
     const std::uint64_t end_us = buses_.front()->now_us() + static_cast<std::uint64_t>(timeout_s * kSecond_us);
     for (std::uint64_t now_us = buses_.front()->now_us(); waiting_.empty() && now_us < end_us;

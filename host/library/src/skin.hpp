@@ -27,8 +27,8 @@ namespace triskin::library {
 struct Source {
   robot::Site site;
   design::Design design;                     ///< all covers as one; of a design file itself
-  std::vector<design::CoverOffset> offsets;  ///< by cover: numbers of its modules and patches in `design`
-  std::vector<std::string> covers;           ///< their names
+  std::vector<design::CoverOffset> offsets;  ///< indexed by cover: first numbers of its modules and patches in `design`
+  std::vector<std::string> covers;           ///< names of the covers
   device::LinkOptions link;
 };
 /// Reads what `file` names. Throws InputError.
@@ -55,7 +55,7 @@ class BusReader {
   void run_until(std::uint64_t until_us) { stream_->run_until(until_us); }
   /// Ends the stream; its account stays.
   void stop();
-  /// Of the stream that runs, or of the last one.
+  /// Counts of the running stream, or of the last one.
   [[nodiscard]] device::SampleCounts counts() const { return stream_ ? stream_->report().total : counts_; }
   [[nodiscard]] std::uint64_t now_us() const { return link_->now_us(); }
   /// Time of the link, s since 1970.
@@ -103,7 +103,7 @@ class Skin {
   /// Throws DeviceError when no sample came.
   void tare();
   [[nodiscard]] std::array<double, layout::kTaxelsPerModule> change_counts(int module);
-  /// By module. Throws InputError while a stream runs, DeviceError.
+  /// Indexed by module. Throws InputError while a stream runs, DeviceError.
   [[nodiscard]] std::vector<ModuleCalibration> calibration();
   /// The report of a verification, and whether there is a finding. Throws InputError while a stream runs.
   std::pair<std::string, bool> verify();
@@ -122,10 +122,11 @@ class Skin {
   const double queue_s_;
   const bool virtual_time_;  // time passes only when somebody waits
   std::vector<std::unique_ptr<BusReader>> buses_;
-  std::vector<std::vector<triskin_sample>> fresh_;  // by bus: of this slice; its receiving thread alone
+  // Indexed by bus: samples of this slice, used only by the bus's receiving thread.
+  std::vector<std::vector<triskin_sample>> fresh_;
   std::vector<std::thread> threads_;
 
-  std::mutex mutex_;  // of what follows
+  std::mutex mutex_;  // Guards the members below.
   std::condition_variable came_;
   device::TouchMap touches_;
   std::deque<triskin_sample> waiting_;

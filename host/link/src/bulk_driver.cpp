@@ -101,7 +101,7 @@ class BulkDriver final : public UsbDriver {
                                            const std::string& serial, const std::string& place, std::string& refused) {
     libusb_device_handle* handle = nullptr;
     if (const int error = ::libusb_open(device, &handle); error != 0) {
-      refused = fmt::format("the controller at {} may not be opened ({}); install the udev rule of docs/wires.md",
+      refused = fmt::format("the controller at {} may not be opened ({}); run: triskin doctor",
                             place, ::libusb_error_name(error));
       return nullptr;
     }

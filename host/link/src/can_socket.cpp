@@ -62,12 +62,14 @@ CanSocket::CanSocket(const std::string& interface) : interface_(interface) {
     throw InputError(fmt::format("link can:{}: give the name of a CAN interface, for example can:can0", interface));
   }
   socket_ = ::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW);
-  if (socket_ < 0) fail("the kernel has no CAN; load can-raw and the driver of the interface", errno);
+  if (socket_ < 0)
+    fail("the kernel has no CAN; load can-raw and the driver of the interface; run: triskin doctor", errno);
   try {
     ifreq request{};
     std::copy(interface.begin(), interface.end(), request.ifr_name);
     if (::ioctl(socket_, SIOCGIFINDEX, &request) != 0) {
-      throw Unreachable(fmt::format("can:{}: no such interface; \"ip -br link show\" lists them", interface));
+      throw Unreachable(
+          fmt::format("can:{}: no such interface; \"ip -br link show\" lists them; run: triskin doctor", interface));
     }
     const int index = request.ifr_ifindex;
     if (::ioctl(socket_, SIOCGIFFLAGS, &request) != 0) fail("cannot ask the interface", errno);
@@ -100,7 +102,8 @@ void CanSocket::fail(const std::string& what, int error) {
   alive_ = false;
   if (error == ENETDOWN || error == ENETUNREACH) {
     throw Unreachable(fmt::format(
-        "can:{0}: the interface is down; bring it up: ip link set {0} up type can bitrate 1000000", interface_));
+        "can:{0}: the interface is down; bring it up: ip link set {0} up type can bitrate 1000000; run: triskin doctor",
+        interface_));
   }
   if (error == ENODEV || error == ENXIO)
     throw Unreachable(fmt::format("can:{}: the interface is gone; plug the adapter in again", interface_));
@@ -142,7 +145,7 @@ void CanSocket::send(const wire::CanFrame& frame) {
   }
 }
 
-// With each frame the kernel says how many found the queue full until then.
+// The kernel adds to each frame the number of frames that were dropped so far because the queue was full.
 ssize_t CanSocket::read_frame(canfd_frame* frame) {
   iovec bytes{frame, sizeof *frame};
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(std::uint32_t))> control{};

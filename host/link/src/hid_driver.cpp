@@ -68,7 +68,7 @@ class HidDriver final : public UsbDriver {
     }
     ::hid_free_enumeration(list);
     if (pipes.empty() && places.empty() && !refused.empty()) {
-      throw DeviceError(fmt::format("hid: {} may not be opened; install the udev rule of docs/wires.md", refused));
+      throw DeviceError(fmt::format("hid: {} may not be opened; run: triskin doctor", refused));
     }
     return pipes;
   }

@@ -12,8 +12,8 @@ namespace triskin::geometry {
 namespace {
 
 constexpr int kLeafSize = 4;
-constexpr std::size_t kWorthThreads = 20'000;  // items: with fewer the threads cost more than they take over
-constexpr std::size_t kChunks = 256;           // of a level, that threads take one by one
+constexpr std::size_t kWorthThreads = 20'000;  // With fewer items the threads cost more than they take over.
+constexpr std::size_t kChunks = 256;           // Threads take the chunks of a level one by one.
 
 }  // namespace
 

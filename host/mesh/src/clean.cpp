@@ -23,7 +23,7 @@ std::size_t hash_of(const auto& three) {
 // reading a million faces.
 class NumberTable {
  public:
-  /// For `most` numbers.
+  /// Has room for `most` numbers.
   explicit NumberTable(std::size_t most) : slots_(std::bit_ceil(2 * most + 1), -1) {}
 
   /// The number that is there and equal, or `number`, which is put there.
@@ -44,7 +44,7 @@ class NumberTable {
 void weld(Mesh& mesh, MeshReadReport& report) {
   const double cell = std::max(1e-7 * diagonal_of(mesh), std::numeric_limits<double>::min());
   NumberTable first(mesh.vertices.size());
-  std::vector<std::array<std::int64_t, 3>> keys;  // of those that are kept
+  std::vector<std::array<std::int64_t, 3>> keys;  // Keys of the vertices that are kept.
   keys.reserve(mesh.vertices.size());
   std::vector<int> target(mesh.vertices.size());
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {

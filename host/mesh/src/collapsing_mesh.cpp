@@ -11,9 +11,11 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kRounding_mm = 1e-9;  // of one step, far above that of some hundred operations on lengths of metres
+// Far above the rounding of some hundred operations on lengths of metres, which is one step.
+constexpr double kRounding_mm = 1e-9;
 
-constexpr double kPrefersFlat = 3.0;  // of two shapes: a fourth of it is as good where nothing of the bound is used
+// A shape that uses all of the allowed deviation counts a fourth of one that uses none.
+constexpr double kPrefersFlat = 3.0;
 
 std::size_t corner_in(const std::array<int, 3>& face, int vertex) {
   return face[0] == vertex ? 0 : face[1] == vertex ? 1 : 2;
@@ -137,7 +139,7 @@ void CollapsingMesh::remove_face(int face, int vertex, int corner) {
   const auto f = faces_[at(face)];
   const auto sides = neighbours_[at(face)];
   const std::size_t v = corner_in(f, vertex), c = corner_in(f, corner), third = 3 - v - c;
-  const auto opposite = [&](std::size_t k) { return sides[(k + 1) % 3]; };  // of corner k
+  const auto opposite = [&](std::size_t k) { return sides[(k + 1) % 3]; };  // The neighbour opposite corner k.
   const int inner = opposite(c), outer = opposite(v);
   const auto join = [&](int one, int end, int other) {  // the side of `one` between `end` and the third corner
     point_side(one, end, f[third], other);

@@ -27,8 +27,8 @@ class CollapsingMesh {
   /// The best neighbour that a corner can be drawn onto within the bounds.
   struct Move {
     int onto = -1;                               ///< none: not within them
-    double deviation_mm = 0.0, border_mm = 0.0;  ///< of the new faces, of the new border edge
-    double needs_mm;  ///< least deviation of those that were possible but for that; infinity: none was
+    double deviation_mm = 0.0, border_mm = 0.0;  ///< deviation of the new faces and of the new border edge
+    double needs_mm;  ///< least deviation among moves that only the limit ruled out; infinity: there was none
   };
   [[nodiscard]] Move best_move(int vertex, double deviation_mm, double border_mm) const;
 
@@ -52,10 +52,10 @@ class CollapsingMesh {
   const std::vector<Vec3>& places_;
   std::vector<std::array<int, 3>> faces_, neighbours_;  // a face that is gone: corners −1
   std::size_t n_faces_;
-  std::vector<int> face_of_;      // vertex → one of its faces, −1: gone
-  std::vector<char> is_locked_;   // by vertex: its faces are no single fan
-  std::vector<float> deviation_;  // by face, upwards
-  std::vector<float> border_;     // by the vertex at which the border edge begins, upwards
+  std::vector<int> face_of_;      // Vertex → one of its faces, −1: removed.
+  std::vector<char> is_locked_;   // Indexed by vertex: its faces are not a single fan.
+  std::vector<float> deviation_;  // Indexed by face, rounded up.
+  std::vector<float> border_;     // Indexed by the vertex at which the border edge begins, rounded up.
 };
 
 }  // namespace triskin::geometry

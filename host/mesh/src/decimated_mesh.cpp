@@ -12,14 +12,14 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr int kLevels = 7;  // of the allowed deviation: with each an edge that follows a bend may be twice as long
-constexpr double kBetweenLevels = 4.0;  // times the deviation
-constexpr std::size_t kChunk = 512;     // corners that a thread takes at once
+constexpr int kLevels = 7;              // Each level lets an edge that follows a bend be twice as long.
+constexpr double kBetweenLevels = 4.0;  // The allowed deviation grows by this factor between levels.
+constexpr std::size_t kChunk = 512;     // A thread takes this many corners at once.
 constexpr std::size_t kFewFaces = 5000;
-constexpr double kWideFace_mm2 = 4.0;  // as wide as the cells in which closest points are looked for
-constexpr double kWorthwhile = 0.5;    // of the faces, that must be left at most
-constexpr double kOfLimit = 0.05;      // of the narrowest limit, that the deviation may take
-constexpr double kMinLimit = 0.5;      // of a limit, that is left
+constexpr double kWideFace_mm2 = 4.0;  // Such a face is as wide as the cells in which closest points are looked for.
+constexpr double kWorthwhile = 0.5;    // A decimated mesh with more than half of the faces is not worth it.
+constexpr double kOfLimit = 0.05;      // The deviation may take this share of the narrowest limit.
+constexpr double kMinLimit = 0.5;      // At least half of each limit is left.
 
 // Takes corners out in rounds: of each round no two are neighbours, so that what is known of one stays true when others
 // go. A corner that cannot go is not asked again until the faces round it change, or more deviation is allowed.
@@ -104,7 +104,7 @@ class Reducer {
   CollapsingMesh mesh_;
   double border_mm_;
   int threads_;
-  std::vector<float> needs_mm_;  // by vertex: deviation below which it need not be asked
+  std::vector<float> needs_mm_;  // Indexed by vertex: below this deviation no move is possible.
   std::vector<char> is_waiting_, is_blocked_;
   std::vector<int> waiting_, chosen_, changed_;
   std::vector<CollapsingMesh::Move> moves_;

@@ -19,11 +19,11 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kTolerance_mm = 0.02;     // by which the stated bound may exceed the largest distance
-constexpr int kMaxDivisions = 40'000;      // of triangles, in all; after that the bound is coarser, and still a bound
-constexpr std::size_t kBatch = 64;         // divided side by side, at least
-constexpr std::size_t kMinSteps = 20'000;  // before the clock is asked: some 0.1 s, and the bound is no guess
-constexpr std::size_t kMeanSamples = 20'000;  // middles of triangles for the mean
+constexpr double kTolerance_mm = 0.02;  // The stated bound may exceed the largest distance by this much.
+constexpr int kMaxDivisions = 40'000;   // After so many divisions of triangles the bound is coarser, and still a bound.
+constexpr std::size_t kBatch = 64;      // At least this many are divided side by side.
+constexpr std::size_t kMinSteps = 20'000;     // The clock is not read before: some 0.1 s, and the bound is no guess.
+constexpr std::size_t kMeanSamples = 20'000;  // Middles of triangles for the mean.
 
 using Triangle = std::array<Vec3, 3>;
 
@@ -57,13 +57,13 @@ std::vector<Key> keys_of(const Mesh& mesh) {
   return keys;
 }
 
-// Of the distances of all points of some triangles: a bound, and a distance that one of them has.
+// Upper bound of the distances of all points of some triangles, and the distance of one of them.
 struct Bounds {
   double upper = std::numeric_limits<double>::infinity(), lower = 0.0;
   Vec3 lower_at = Vec3::Zero();
 };
 
-// From the faces of one mesh that `wanted` names to another mesh. The same triangle of both is at distance 0.
+// Measures from the faces of one mesh that `wanted` names to another mesh. The same triangle of both is at distance 0.
 class Way {
  public:
   Way(const Mesh& from, const std::vector<bool>& wanted, const Mesh& to) : to_(to) {
@@ -78,7 +78,8 @@ class Way {
 
   [[nodiscard]] std::span<Triangle> changed() { return changed_; }
 
-  // Over the area, by the middles of the changed triangles; of many, by those at even steps of their area.
+  // Mean over the area from the middles of the changed triangles, or of a sample at even steps of area if there are
+  // many.
   [[nodiscard]] double mean() const {
     std::vector<double> until;  // area of the changed ones up to each
     double sum = 0.0;
@@ -97,14 +98,14 @@ class Way {
     return total / area_;
   }
 
-  // Of one triangle; ends early when the bound is at most `enough`.
+  // Bounds of one triangle; ends early when the bound is at most `enough`.
   [[nodiscard]] Bounds bounds_of(const Triangle& t, double enough) const {
     Bounds b;
     look_from(middle_of(t), {&t, 1}, b);
     for (std::size_t k = 0; k < 3 && b.upper > enough; ++k) look_from(t[k], {&t, 1}, b);
     return b;
   }
-  // Of several: from the corner nearest to the middle of their box.
+  // Bounds of several triangles, from the corner nearest to the middle of their box.
   [[nodiscard]] Bounds bounds_of(std::span<const Triangle> triangles) const {
     Eigen::AlignedBox3d box;
     for (const Triangle& t : triangles) box.extend(t[0]).extend(t[1]).extend(t[2]);

@@ -15,7 +15,7 @@
 namespace triskin::geometry {
 
 EdgeSides::EdgeSides(const Mesh& mesh) : sides_(3 * mesh.faces.size()) {
-  std::vector<std::size_t> begin(mesh.vertices.size() + 1, 0);  // of the sides of each low vertex
+  std::vector<std::size_t> begin(mesh.vertices.size() + 1, 0);  // Start of the sides of each low vertex.
   const auto low_of = [&](const std::array<int, 3>& f, std::size_t s) { return std::min(f[s], f[(s + 1) % 3]); };
   for (const auto& f : mesh.faces) {
     for (std::size_t s = 0; s < 3; ++s) ++begin[at(low_of(f, s)) + 1];

@@ -105,7 +105,7 @@ class Extractor {
     while (neighbour_[at(n)][at(back)] != f || !same_edge(f, s, n, back)) {
       if (++back == 3) return;
     }
-    const bool agrees = start(f, s) != start(n, back);  // as stored, before any flip
+    const bool agrees = start(f, s) != start(n, back);  // Compares the stored orientation, before any flip.
     const bool wanted = agrees ? flipped_[at(f)] : !flipped_[at(f)];
     if (component_[at(n)] < 0) {
       component_[at(n)] = id;
@@ -225,10 +225,11 @@ class Extractor {
   ExtractReport report_;
 };
 
-constexpr unsigned kWrap_s = 600;            // processor time
-constexpr double kShattered = 0.6;           // share of the area that the largest part should have
-constexpr double kRepairedFaces = 20'000.0;  // a second of the repair, measured: 44 µs of processor time each
-constexpr double kMaxReduced_mm = 1.0, kLooseShare = 0.05;  // of the area, that small parts may be
+constexpr unsigned kWrap_s = 600;   // processor time
+constexpr double kShattered = 0.6;  // The largest part should have this share of the area.
+// Faces per second of the repair (measured: 44 µs of processor time each).
+constexpr double kRepairedFaces = 20'000.0;
+constexpr double kMaxReduced_mm = 1.0, kLooseShare = 0.05;  // Small parts may make up this share of the area.
 
 double largest_share(const Mesh& mesh) {
   const Surface surface(mesh);

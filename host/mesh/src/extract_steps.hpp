@@ -19,9 +19,9 @@ class RepairTime {
  public:
   explicit RepairTime(const ExtractOptions& options);
 
-  /// Of the whole repair, s; ≤ 0 when it is over.
+  /// Time left for the whole repair, s; ≤ 0 when it is over.
   [[nodiscard]] double left_s() const { return end_s_ - clock_s_(); }
-  /// For a part that begins now: late after `share` (0 … 1) of the whole, and when the whole is over.
+  /// Limit of a part that begins now: late after `share` (0 … 1) of the whole, and when the whole is over.
   [[nodiscard]] IsLate part(double share) const;
   /// `share` of the whole as seconds of processor time for a child process, ≥ 1.
   [[nodiscard]] unsigned cpu_s(double share) const;

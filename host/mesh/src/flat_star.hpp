@@ -24,7 +24,7 @@ class FlatStar {
   struct Change {
     double deviation_mm;  ///< no point of the old faces is farther from the new ones, nor of the new from the old
     double border_mm;     ///< the same of the border; 0 for a closed star
-    double shape;         ///< of the worst new face: height over its longest edge, 0 … 0.87
+    double shape;         ///< shape of the worst new face: height over its longest edge, 0 … 0.87
   };
   /// The middle drawn onto ring[j]; of an open star the first or the last. None where the new faces would not lie side
   /// by side, or would be needles or lean more than the old ones do. Needs is_flat().
@@ -32,7 +32,7 @@ class FlatStar {
 
  private:
   struct Corner {
-    double x, y, z;  // from the middle; z along the mean normal
+    double x, y, z;  // Position relative to the middle; z along the mean normal.
   };
   struct Face {
     double shape, lean;  // lean: cosine between its normal and the mean
@@ -51,8 +51,8 @@ class FlatStar {
   std::size_t size_;
   bool is_open_, is_flat_ = false;
   std::array<Corner, kMaxCorners> ring_;
-  double old_shape_ = 1.0, old_lean_ = 1.0;  // of the worst old face
-  double border_mm_ = 0.0;                   // from the middle to the edge that replaces its two border edges
+  double old_shape_ = 1.0, old_lean_ = 1.0;  // Values of the worst old face.
+  double border_mm_ = 0.0;                   // Distance from the middle to the edge that replaces its two border edges.
 };
 
 }  // namespace triskin::geometry

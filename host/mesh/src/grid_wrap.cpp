@@ -18,8 +18,8 @@ namespace triskin::geometry {
 namespace {
 
 constexpr int kMargin = 3;          // empty cells around the mesh
-constexpr double kLevel = 0.9;      // of a cell: over half a body diagonal, so that no sheet slips between two nodes
-constexpr double kFromNode = 0.05;  // a corner of the result keeps this share of the edge away from the nodes
+constexpr double kLevel = 0.9;      // In cells: over half a body diagonal, so that no sheet slips between two nodes.
+constexpr double kFromNode = 0.05;  // A corner of the result keeps this share of the edge away from the nodes.
 constexpr int kBlock = 4;
 
 // Kuhn's six tetrahedra of a cube, as bits of x, y, z from its low corner.
@@ -158,7 +158,7 @@ class GridWrap {
   std::array<std::int64_t, 3> size_{};
   std::vector<float> value_;
   std::vector<std::uint8_t> outside_;
-  std::unordered_map<std::uint64_t, int> corner_of_;  // by the edge of the grid
+  std::unordered_map<std::uint64_t, int> corner_of_;  // Keyed by the edge of the grid.
   Mesh result_;
 };
 

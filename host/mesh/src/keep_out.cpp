@@ -42,7 +42,7 @@ class KeepOuts {
 };
 
 struct Reach {
-  double distance, radius;  // of the centroid, and from there to the farthest corner
+  double distance, radius;  // Distance of the centroid, and from there to the farthest corner.
 };
 
 Reach reach_of(const KeepOuts& outs, const Mesh& mesh, const std::array<int, 3>& f) {

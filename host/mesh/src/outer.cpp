@@ -23,11 +23,11 @@ using Triangles = std::vector<Kernel::Triangle_3>;
 using Tree =
     CGAL::AABB_tree<CGAL::AABB_traits<Kernel, CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>>>;
 
-constexpr double kStart_mm = 0.05;  // above the face
+constexpr double kStart_mm = 0.05;  // Rays start this far above the face.
 constexpr int kEvenPasses = 4;
-constexpr double kRaysPer_s = 8e5;        // of processor time, measured on scans of 50,000 … 120,000 faces
-constexpr double kMinVisibility_s = 0.2;  // of processor time: faces up to 1,250 are each asked
-constexpr double kSameDirection = 0.8;    // cosine between the normals of faces that share an answer
+constexpr double kRaysPer_s = 8e5;  // Rays per second of processor time, measured on scans of 50,000 … 120,000 faces.
+constexpr double kMinVisibility_s = 0.2;  // Processor time; it suffices to sample each of up to 1,250 faces.
+constexpr double kSameDirection = 0.8;    // Cosine between the normals of faces that share an answer.
 
 Kernel::Point_3 point(const Vec3& p) {
   return {p.x(), p.y(), p.z()};
@@ -70,7 +70,7 @@ std::vector<std::array<int, 3>> pairs_across(const Mesh& mesh) {
   std::vector<std::array<int, 3>> neighbour(mesh.faces.size(), {-1, -1, -1});
   const EdgeSides sides(mesh);
   sides.each_edge([&](std::span<const EdgeSide> edge) {
-    std::array<const EdgeSide*, 2> last{};  // from the low vertex, from the high one
+    std::array<const EdgeSide*, 2> last{};  // Sides that start at the low vertex, and at the high one.
     for (const EdgeSide& s : edge) {
       const std::size_t way = mesh.faces[at(s.face)][at(s.side)] == s.low ? 0 : 1;
       last[way] = &s;

@@ -42,7 +42,7 @@ void add_polygon(Mesh& mesh, std::vector<int> corners) {
   }
   const Vec3 normal = normal_of(mesh, corners);
   while (corners.size() > 3) {
-    std::size_t ear = 1;  // of a polygon without area any corner goes
+    std::size_t ear = 1;  // If the polygon has no area, any corner will do.
     for (std::size_t k = 0; k < corners.size(); ++k) {
       const std::size_t tried = (k + 1) % corners.size();
       if (!is_ear(mesh, corners, tried, normal)) continue;

@@ -26,26 +26,26 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kApart_mm = 0.01;              // between corners that would only touch
-constexpr int kRoundsApart = 5;                 // of moving corners; after that what touches is dropped
-constexpr int kRoundsDivided = 3;               // of dividing: rounded coordinates may cross again
-constexpr double kHiddenVisibility = 0.05;      // a part of the arrangement that sees less is inside
-constexpr std::size_t kVisibilitySamples = 48;  // faces of a part that are asked
-constexpr double kLooseShare = 0.05;  // of the area that may go with small parts before the input counts as shattered
-constexpr double kGoodDeviation_mm = 5.0, kGoodMean_mm = 0.2;  // up to which the next way is not tried
+constexpr double kApart_mm = 0.01;              // Corners that would only touch are moved apart by this.
+constexpr int kRoundsApart = 5;                 // Corners are moved this often; after that, what touches is dropped.
+constexpr int kRoundsDivided = 3;               // Dividing is repeated because rounded coordinates may cross again.
+constexpr double kHiddenVisibility = 0.05;      // A part of the arrangement that sees less is inside.
+constexpr std::size_t kVisibilitySamples = 48;  // This many faces of a part are sampled.
+constexpr double kLooseShare = 0.05;  // Losing more of the area with small parts, the input counts as shattered.
+constexpr double kGoodDeviation_mm = 5.0, kGoodMean_mm = 0.2;  // Up to these values the next way is not tried.
 constexpr double kSlitWidth_mm = 0.1;  // area of a border loop to its length: a hole of 0.4 mm across has this
 constexpr std::size_t kMaxSlitCorners = 60, kMaxSlits = 10;
 constexpr double kGridNodes = 1.5e6;
-constexpr double kGridCost_s = 1e-4;  // for each cell² of the area, with all that follows, measured
+constexpr double kGridCost_s = 1e-4;  // Measured time for each cell² of the area, with all that follows.
 constexpr double kMinCell_mm = 1.0;
 // Of the time, what each part may take at most; together more than all, since few meshes need all of them. That of the
 // dividing, on which the others rest, is processor time: on a busy machine it may take all the time.
 constexpr double kDivideShare = 0.4, kWrapShare = 0.4, kNearShare = 0.15, kSettleShare = 0.25, kMeasureShare = 0.12;
 constexpr double kMinGridShare = 0.2;
-constexpr double kNeedle = 1e-5;        // twice the area to the square of the longest side
-constexpr int kRoundsNear = 6;          // of drawing a grid's surface to the input
-constexpr double kWrapCost_s = 1.2e-3;  // of processor time for each alpha² of the area; measured: 0.1e-3 … 1.1e-3
-constexpr double kWelding = 1e-6;       // of the size: what welding moves vertices by, over all steps
+constexpr double kNeedle = 1e-5;        // Twice the area to the square of the longest side.
+constexpr int kRoundsNear = 6;          // A grid's surface is drawn to the input this often.
+constexpr double kWrapCost_s = 1.2e-3;  // Processor time for each alpha² of the area; measured: 0.1e-3 … 1.1e-3.
+constexpr double kWelding = 1e-6;       // Welding moves vertices by this share of the size, over all steps.
 
 using Pairs = std::vector<std::pair<int, int>>;
 
@@ -163,7 +163,7 @@ std::map<int, double> values_of(const Mesh& mesh, const Pairs& crossings, double
   return value;
 }
 
-// Of two faces that cross the one of less worth goes.
+// Removes the less valuable face of each crossing pair.
 Mesh without_crossings(const Mesh& mesh, const Pairs& crossings, double visibility_s, bool is_late) {
   const std::map<int, double> value = values_of(mesh, crossings, visibility_s, is_late);
   std::vector<bool> gone(mesh.faces.size(), false);
@@ -181,7 +181,8 @@ Mesh without_crossings(const Mesh& mesh, const Pairs& crossings, double visibili
 // nothing of those before it.
 std::optional<Mesh> divided(const Mesh& mesh, const RepairTime& time) {
   const double half_s = 0.5 * time.cpu_s(kDivideShare);
-  const auto used_s = [] { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; };  // of the child
+  // Processor time of the child.
+  const auto used_s = [] { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; };
   const auto work = [&] {
     Mesh m = mesh;
     for (int round = 0; round < kRoundsDivided && (round == 0 || used_s() < half_s); ++round) {

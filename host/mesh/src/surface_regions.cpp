@@ -19,11 +19,12 @@ namespace {
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr double kFreeRim_mm = 1.5, kFreeRimStep_mm = 0.5, kFreeStep_mm = 3.0;
 constexpr double kCoverStep_mm = 1.0, kWorthStep_mm = 3.0;
-constexpr double kBeside_mm = 75.0;  // of a module's corner from a place beside it: within_mm, a side, some height
-constexpr double kSheet_mm = 8.0;    // of height: what lies farther off is another sheet
-constexpr double kStretch = 1.5;     // of a way along a module, on the surface under it
+// Reach from a module's corner to a place beside it: within_mm, a side, some height.
+constexpr double kBeside_mm = 75.0;
+constexpr double kSheet_mm = 8.0;  // What lies higher or lower is another sheet.
+constexpr double kStretch = 1.5;   // The way on the surface may be this much longer than along the module.
 constexpr double kReachStep_mm = 0.005,
-                 kReachPart = 0.05;  // to which keep_out_mm() is found: of what is beyond 1 mm a part
+                 kReachPart = 0.05;  // keep_out_mm() is found to this share of what exceeds 1 mm.
 constexpr double kModuleRadius_mm = 2.0 * kHeight_mm / 3.0;
 
 double distance_to_segment(const Vec3& p, const std::array<Vec3, 2>& s) {

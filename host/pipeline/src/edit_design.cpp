@@ -38,7 +38,7 @@ void finish(design::Design& d, const geometry::Surface& surface, const geometry:
   d.report.seconds = seconds_since(start);
 }
 
-// By id: whether it is named, or with `others` whether it is not.
+// Indexed by id: true if it is named or, with `others`, if it is not.
 std::vector<bool> marked(const design::Design& d, const std::vector<int>& ids, bool others = false) {
   std::vector<bool> mark(d.layout.modules.size(), others);
   for (const int id : ids) {
@@ -222,6 +222,7 @@ EditedDesign mirror_design(const design::Design& design, const design::MirrorPla
   else
     d.name += kMirroredSuffix;
   d.surface = design::mirrored(d.surface, plane);
+  if (d.side) d.side->part = design::mirrored(d.side->part, plane);
   for (design::PlacedPiece& piece : d.pieces) piece = design::turned_over(std::move(piece));
   d.layout = design::mirrored(d.layout, plane);
   for (design::Alternative& a : d.alternatives) a.layout = design::mirrored(a.layout, plane);

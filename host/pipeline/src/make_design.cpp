@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <utility>
 
 #include "choose_layout.hpp"
 #include "resolve_regions.hpp"
@@ -17,6 +18,7 @@
 #include "triskin/lattice/map_modules.hpp"
 #include "triskin/mesh/decimated_mesh.hpp"
 #include "triskin/mesh/extract.hpp"
+#include "triskin/mesh/open_side.hpp"
 #include "triskin/mesh/surface.hpp"
 #include "triskin/placement/placement.hpp"
 #include "triskin/placement/polygon_io.hpp"
@@ -29,28 +31,36 @@
 namespace triskin::pipeline {
 namespace {
 
-constexpr double kRepairShare = 0.4;                             // of the time
-constexpr double kShortRepair_s = 2.0, kShortRepairShare = 0.7;  // what a short limit has for it: that, or that share
-constexpr double kUnfoldingShare = 0.3;                          // of what reading and repair leave
-constexpr double kUnfoldedFaces = 10'000.0;  // a second of the limit, above which it is less: most are given up
-constexpr double kMaxUnfolded = 2.0;         // times that, above which the first step would already take longer
-constexpr double kPiecesShare = 0.12;        // of the time; what the growth has left after it
-constexpr double kPieceLeast_s = 0.1;        // a piece gets, or what a short limit has for it
-constexpr double kMapped_s = 2.5e-4;         // of a module on a piece: its mapping and what follows; measured
-constexpr double kPlacingEnd = 0.65, kMappingEnd = 0.85;   // of the time: what is not begun by then is left out
-constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;  // up to which the limit binds
-constexpr double kMaxOver = 0.12, kMinGrowth_s = 0.1;      // of the limit, that it may be passed by for that share
-constexpr double kWorthGrowing = 0.1;                      // of the surface, uncovered by the pieces: all of that share
+constexpr double kRepairShare = 0.4;  // Repair gets this share of the time.
+// With a short limit, repair gets this time, or this share of the limit.
+constexpr double kShortRepair_s = 2.0, kShortRepairShare = 0.7;
+constexpr double kUnfoldingShare = 0.3;  // Unfolding gets this share of what reading and repair leave.
+// Above this many faces per second of the limit the share shrinks, since most such meshes are given up.
+constexpr double kUnfoldedFaces = 10'000.0;
+constexpr double kMaxUnfolded = 2.0;   // Above this multiple the first step alone would take longer.
+constexpr double kPiecesShare = 0.12;  // Pieces get this share of the time; the growth gets what is left after them.
+constexpr double kPieceLeast_s = 0.1;  // Each piece gets at least this time, or what a short limit allows.
+constexpr double kMapped_s = 2.5e-4;   // Measured time to map a module on a piece, with the steps that follow.
+// Work that has not started by this share of the time is left out.
+constexpr double kPlacingEnd = 0.65, kMappingEnd = 0.85;
+// The growth gets half of the time; a limit up to 3 s is binding for it.
+constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;
+// To give the growth its share, the limit may be exceeded by 12 %.
+constexpr double kMaxOver = 0.12, kMinGrowth_s = 0.1;
+// The growth gets all of its share if the pieces leave this much of the surface uncovered.
+constexpr double kWorthGrowing = 0.1;
 constexpr double kRoutingShare = 0.1, kRoutingMost_s = 2.0;
-// Of the layouts of a growth, for each module that the area has room for; measured: half of it.
+// Routing the layouts of a growth takes about 3 ms per module that the area has room for (measured); we reserve twice
+// that.
 constexpr double kRoutingLeast_s = 0.3, kRouting_s = 6.5e-3;
-constexpr double kMaxGrowth = 3.0;  // that the growth has so many times the modules of the pieces, at most
-// What follows the growth beside the division among controllers, in times of the mapping and pricing of as many modules
-// on pieces: its measurement; the wiring, with its failures, and the writing.
+// We assume that the growth finds at most this many times the modules of the pieces.
+constexpr double kMaxGrowth = 3.0;
+// Measuring and wiring the grown layout (with its failures) each take this multiple of the time that mapping and
+// pricing take for as many modules on pieces.
 constexpr double kMeasuringShare = 0.25, kWiringShare = 0.25;
-constexpr double kWritingShare = 0.8;  // of the time that reading took, that writing the surface takes; measured
-constexpr double kWriting_s = 5e-5;    // of a module with its alternatives; measured: 4 kB each
-constexpr double kPricing_s = 1.2e-4;  // of a module where no piece tells: its mapping and pricing; measured
+constexpr double kWritingShare = 0.8;  // Writing the surface takes 80 % of the time that reading took (measured).
+constexpr double kWriting_s = 5e-5;    // Measured time to write a module with its alternatives, 4 kB each.
+constexpr double kPricing_s = 1.2e-4;  // Measured time to map and price a module, used if no piece was timed.
 
 // With a fixed number of steps the repair's clock stands still: its result must not depend on the time.
 geometry::Extraction surface_of(const geometry::Mesh& mesh, const std::string& name, const DesignOptions& options,
@@ -68,6 +78,33 @@ geometry::Extraction surface_of(const geometry::Mesh& mesh, const std::string& n
   steps.repair_s = std::max(kRepairShare * limit_s, std::min(kShortRepair_s, kShortRepairShare * limit_s));
   steps.clock_s = [start, stands = options.iterations > 0] { return stands ? 0.0 : seconds_since(start); };
   return geometry::extract(mesh, steps, progress);
+}
+
+// The side that is covered, with its holes bridged; what it was taken from goes into the design, for the checker. False
+// where both sides look alike: the caller asks, and nothing is covered.
+bool take_surface(geometry::Extraction& extraction, const DesignOptions& options, design::Design& design,
+                  DesignNotes* notes) {
+  geometry::TakenSide taken = geometry::take_side(extraction.surface, options.side);
+  if (taken.is_undecided) {
+    if (notes == nullptr)
+      throw InputError("both sides of the part's wall look alike; say which one is wanted (DesignOptions::side)");
+    notes->side = std::move(taken);
+    notes->part = std::move(extraction.surface);
+    return false;
+  }
+  const geometry::Mesh part = std::exchange(extraction.surface, std::exchange(taken.surface, {}));
+  if (options.bridge_mm > 0.0) {
+    const geometry::BridgeReport bridges = geometry::bridge_holes(extraction.surface, part, options.bridge_mm);
+    if (notes != nullptr) notes->bridges = bridges;
+  }
+  if (taken.choice.has_wall) {
+    const bool both = options.side.wanted == geometry::SideWanted::kBoth;
+    design.side = design::PartSide{geometry::side_name(taken), taken.choice.is_certain, taken.choice.wall_mm,
+                   both ? geometry::Mesh{} : part};
+  }
+  design.surface = extraction.surface;
+  if (notes != nullptr) notes->side = std::move(taken);
+  return true;
 }
 
 double area_of(const geometry::Mesh& mesh) {
@@ -133,15 +170,15 @@ void require_places(const design::KindPlan& plan) {
   if (std::ranges::all_of(plan.regions, [](const auto& r) { return design::is_place(r.region); })) return;
   throw InputError(
       "kinds: a region names modules or an island, which have numbers only when the design is there; make it without "
-      "--kinds, then run triskin design DESIGN --kinds");
+      "--kinds, then run triskin edit DESIGN --kinds");
 }
 
 // What the pieces gave, from which the time of the growth and of what follows is told.
 struct PiecesDone {
-  double at_most;               // modules, by area
-  double uncovered;             // share of the surface, 0 … 1
-  double mapping_s, pricing_s;  // that a layout of the growth would take, were it like that of the pieces
-  double writing_s;             // of the design file
+  double at_most;               // Upper bound of the modules, by area.
+  double uncovered;             // Share of the surface, 0 … 1.
+  double mapping_s, pricing_s;  // Estimated for a layout of the growth, from the layout of the pieces.
+  double writing_s;             // Time to write the design file.
 
   [[nodiscard]] double wiring_s() const { return kWiringShare * (mapping_s + pricing_s) + writing_s; }
   [[nodiscard]] double after_growth_s(double limit_s) const {
@@ -236,6 +273,7 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   const geometry::MeshFile file = geometry::read_mesh(mesh, options.unit, options.object);
   const double reading_s = seconds_since(start);
   design.scale_to_mm = file.report.scale_to_mm;
+  if (notes != nullptr) notes->reading = file.report.notes;
   // Smaller than a module: nothing fits, whatever its faces do, and that is an answer.
   if (const double area_mm2 = area_of(file.mesh); area_mm2 < design::kModuleArea_mm2) {
     design.surface = file.mesh;
@@ -244,8 +282,9 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
     return design;
   }
   geometry::Extraction extraction = surface_of(file.mesh, mesh.string(), options, start, progress);
-  design.surface = extraction.surface;
+  if (options.flip) geometry::turn_over(extraction.surface);
   if (notes != nullptr) notes->extract = extraction.report;
+  if (!take_surface(extraction, options, design, notes)) return design;
   if (options.regions) design.regions = resolve_regions(mesh, file, extraction, *options.regions);
   const geometry::Surface surface(design.surface);
   const auto of_surface = regions_of(surface, design);
@@ -261,7 +300,8 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   report(progress, "mapping to the surface", -1.0);
   const double mapping_from_s = seconds_since(start);
   design::ModuleLayout mapped = mapped_layout(surface, searched, placed, options, regions, start);
-  if (searched.solver() != nullptr) design.pieces.clear();  // of faces that the design has not
+  // The pieces name faces of the solver's mesh, which the design does not contain.
+  if (searched.solver() != nullptr) design.pieces.clear();
   const double pricing_from_s = seconds_since(start);
   geometry::RoutingOptions routing = routing_options(design);
   routing.threads = options.threads;

@@ -12,7 +12,7 @@
 namespace triskin::pipeline {
 namespace {
 
-constexpr double kSame_mm = 0.01;  // between the middles of a face in the file and on the surface
+constexpr double kSame_mm = 0.01;  // The middles of a face in the file and on the surface may differ by this much.
 
 using Cell = std::array<long, 3>;
 

@@ -202,7 +202,6 @@ PYBIND11_MODULE(triskin, m) {
          double queue_s) { return std::make_unique<Skin>(file, link, scene, every, overload, queue_s); },
       py::arg("file"), py::kw_only(), py::arg("link") = "", py::arg("scene") = "", py::arg("every") = 0,
       py::arg("overload") = false, py::arg("queue_s") = 10.0,
-      "Opens the skin of a design file or of a robot file. link: as --link of the program; empty: of a design sim, of "
-      "a "
-      "robot what its file names. Raises BadInput, DeviceFailed.");
+      "Opens the skin of a design file or of a robot file. link: as --link of the program; empty: of a "
+      "robot what its file names, and refused for a design. Raises BadInput, DeviceFailed.");
 }

@@ -10,7 +10,7 @@
 namespace triskin::recording::mcap {
 namespace {
 
-constexpr std::uint64_t kMaxBytes = std::uint64_t{256} << 20;  // of one record
+constexpr std::uint64_t kMaxBytes = std::uint64_t{256} << 20;  // A single record may not be larger.
 
 class Reading {
  public:

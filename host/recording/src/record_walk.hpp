@@ -9,11 +9,11 @@
 
 namespace triskin::recording::mcap {
 
-/// Where a record lies in a file.
+/// Position of a record in a file.
 struct Place {
   Kind kind{};
-  std::uint64_t offset = 0;  ///< of its head
-  std::uint64_t length = 0;  ///< of its contents
+  std::uint64_t offset = 0;  ///< start of its head
+  std::uint64_t length = 0;  ///< length of its contents
   [[nodiscard]] std::uint64_t contents() const { return offset + kHeadBytes; }
   [[nodiscard]] std::uint64_t end() const { return offset + kHeadBytes + length; }
 };

@@ -4,15 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-
-#include "record_walk.hpp"
 
 namespace triskin::recording {
 namespace {
-
-// A writer that was killed leaves at most one open chunk and its index behind the last whole one.
-constexpr std::uint64_t kMaxOpenBytes = std::uint64_t{4} << 20;
 
 class Samples final : public mcap::Visitor {
  public:
@@ -71,37 +65,10 @@ class Samples final : public mcap::Visitor {
   const std::function<void(const ModuleSample&)>& handler_;
   std::map<std::uint16_t, std::string> schemas_;
   std::uint16_t raw_ = 0, readers_channel_ = 0;
-  std::vector<Reader> own_, readers_;  // by module; empty: the recording says nothing of it
+  std::vector<Reader> own_, readers_;  // Indexed by module; empty: the recording does not name the readers.
 };
 
 struct Reached {};  // ends read_origin
-
-void copy(const ByteSource& from, OutputFile& to, std::uint64_t bytes) {
-  std::vector<std::uint8_t> piece(std::size_t{1} << 20);
-  for (std::uint64_t at = 0; at < bytes;) {
-    const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(piece.size(), bytes - at));
-    if (!from.read(at, std::span(piece).first(n))) throw InputError("the recording cannot be read");
-    to.write(std::span(piece).first(n));
-    at += n;
-  }
-}
-
-// The index of the last chunk, where it is not whole.
-mcap::Buffer missing_index(const ByteSource& source, const mcap::ReadReport& report) {
-  if (report.unindexed_chunk == 0) return {};
-  const auto place = mcap::place_at(source, report.unindexed_chunk);
-  if (!place) return {};
-  const auto contents = mcap::contents_of(source, *place);
-  mcap::ChunkHead head;
-  if (!mcap::decode(contents, head)) return {};
-  return mcap::index_of(Bytes(contents).subspan(mcap::head_bytes(head)));
-}
-
-void complete(OutputFile& file, const mcap::Buffer& index) {
-  file.write(index.view());
-  mcap::finish_file(file, 0);
-  file.close();
-}
 
 }  // namespace
 
@@ -126,40 +93,6 @@ Summary read_origin(const std::filesystem::path& path) {
     summary.samples = 0;
   }
   return summary;
-}
-
-Recovery recover(const std::filesystem::path& path, const std::filesystem::path& output) {
-  const std::string name = path.string();
-  mcap::Visitor nobody;
-  mcap::ReadReport report;
-  mcap::Buffer index;
-  bool in_summary = false;
-  {
-    const InputFile source(path);
-    report = mcap::read_file(source, name, nobody);
-    index = missing_index(source, report);
-    const auto next = mcap::place_at(source, report.whole_bytes);
-    in_summary = next && next->kind == mcap::Kind::kDataEnd;
-  }
-  Recovery r{report.complete, report.messages, report.whole_bytes, report.file_bytes - report.whole_bytes,
-             report.problem};
-  if (report.complete && output.empty()) return r;
-  if (report.messages == 0) throw InputError(fmt::format("{}: holds no whole chunk ({})", name, report.problem));
-  if (!output.empty()) {
-    const InputFile source(path);
-    OutputFile file(output);
-    copy(source, file, report.whole_bytes);
-    complete(file, index);
-    return r;
-  }
-  if (r.dropped_bytes > kMaxOpenBytes && !in_summary)
-    throw InputError(
-        fmt::format("{}: {}, and {} bytes follow: this is damage, not a cut; give -o NEW, which gets what "
-                    "stands before it",
-                    name, report.problem, r.dropped_bytes));
-  OutputFile file(path, report.whole_bytes);
-  complete(file, index);
-  return r;
 }
 
 }  // namespace triskin::recording

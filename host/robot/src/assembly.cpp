@@ -10,7 +10,7 @@
 namespace triskin::robot {
 namespace {
 
-// By every sample of the full stream at the controllers' fastest clock.
+// Load by every sample of the full stream at the controllers' fastest clock.
 double load_of(std::size_t modules, std::uint64_t sample_ns) {
   return device::kFastestClock * wire::stream_load(modules, sample_ns, wire::sequence_us(wire::Decimation::k256));
 }

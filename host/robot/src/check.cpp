@@ -18,7 +18,7 @@ namespace {
 // CAN devices give them); USB 2.0 full speed: 5 m.
 constexpr double kMaxCan_mm = 25'000.0, kMaxStub_mm = 1'500.0, kMaxStubs_mm = 7'500.0, kMaxUsb_mm = 5'000.0;
 constexpr double kCableRate = 1e6;
-constexpr int kMaxEvery = 255;  // that a reader may ask for
+constexpr int kMaxEvery = 255;  // A reader cannot ask for fewer samples than every 255th.
 
 class Checker {
  public:
@@ -47,7 +47,7 @@ class Checker {
 
   void check_buses() {
     std::set<std::string> names;
-    std::map<std::string, std::string> links;  // of real wires and servers: who opens them
+    std::map<std::string, std::string> links;  // Keyed by real wire or server: the bus that opens it.
     for (const BusEntry& bus : robot_.buses) {
       if (!names.insert(bus.name).second)
         add("bus " + bus.name, "the name stands there twice", "give each bus a name of its own");

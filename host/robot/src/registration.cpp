@@ -20,10 +20,10 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Points = std::span<const Vector3d>;
 
-constexpr double kBetter = 0.5;           // another explanation must have at most this part of the residual
-constexpr double kExact_mm = 1.0;         // a touch is hardly better
-constexpr double kMinWidth_mm = 1.0;      // of the touches across their longest line
-constexpr double kMinThickness_mm = 3.0;  // less than a touch is exact to: their mirror image looks the same
+constexpr double kBetter = 0.5;           // Another explanation must leave at most this share of the residual.
+constexpr double kExact_mm = 1.0;         // A touch is hardly more accurate than this.
+constexpr double kMinWidth_mm = 1.0;      // The touches must spread this far across their longest line.
+constexpr double kMinThickness_mm = 3.0;  // Touches are less accurate than this, so their mirror image looks the same.
 
 Vector3d mean_of(Points points) {
   Vector3d sum = Vector3d::Zero();

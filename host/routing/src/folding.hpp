@@ -12,8 +12,8 @@ namespace triskin::geometry {
 struct Folding {
   std::vector<std::vector<int>> closed;  ///< parts that are settled in some optimal partition, local nodes
   std::vector<int> core;                 ///< nodes on cycles or between them; one node when the graph is a tree
-  std::vector<int> branch_weight;        ///< by node: weight of the branches that it keeps, 0 … capacity − 1
-  std::vector<std::vector<int>> branch;  ///< by node: the nodes of those branches
+  std::vector<int> branch_weight;        ///< indexed by node: weight of the branches it keeps, 0 … capacity − 1
+  std::vector<std::vector<int>> branch;  ///< indexed by node: the nodes of those branches
 };
 /// Folds the nodes with part_of[v] == part.
 [[nodiscard]] Folding fold(const LocalGraph& g, const std::vector<int>& part_of, int part, int capacity);

@@ -76,7 +76,7 @@ class FrontierProgramme {
   void expand(const State& state, int index, int v, const std::vector<int>& frontier, const std::vector<bool>& stays,
               int to_come) {
     const FrontierBlocks blocks = unpack_blocks(state.key, frontier.size());
-    std::array<int, 3> block_at{-1, -1, -1};  // by side; each block once
+    std::array<int, 3> block_at{-1, -1, -1};  // Block at each side; every block is listed once.
     for (std::size_t s = 0; s < 3; ++s) {
       const auto position = std::ranges::find(frontier, g_.neighbour[at(v)][s]);
       if (position == frontier.end()) continue;

@@ -168,7 +168,7 @@ std::int64_t IslandGroups::lacking(const State& state, const State& other) const
   return price_.of(parts, 0);
 }
 
-// At least, also for a state that the layer lacks.
+// Lower bound of the price to come, also for a state that the layer lacks.
 std::int64_t IslandGroups::to_come(const State& state, const Layer& layer, long& budget) const {
   std::int64_t least = filled(state, layer.weight_to_come);
   const auto alike = layer.alike.find(pattern_of(state));
@@ -205,7 +205,7 @@ bool IslandGroups::lay_out(long budget) {
   return true;
 }
 
-// From the states of the last layer to those of the next.
+// Makes the states of the next layer from those of the last one.
 bool IslandGroups::advance(Layer& next, long& budget, std::vector<Arc>& arcs) const {
   const Layer& now = layers_.back();
   ByKey<int> number;
@@ -262,7 +262,7 @@ bool IslandGroups::thin(Layer& layer, long& budget, std::vector<Arc>& arcs) cons
   return true;
 }
 
-// As lay_out(), but with the groups themselves in the states, so that what is known of them counts when they close.
+// Like lay_out(), but the states hold the groups themselves, so that known facts count when a group closes.
 std::optional<IslandGroups::Division> IslandGroups::cheapest(const Known& known, std::int64_t limit,
                                                              long& budget) const {
   if (layers_.empty()) return std::nullopt;

@@ -34,13 +34,13 @@ class IslandGroups {
     std::vector<IslandSet> groups;
   };
 
-  /// At most kMaxIslands islands, connected. Divisions that cost `limit` or more are left out. Cost: up to `budget`
-  /// transitions between states.
+  /// The graph is connected and has no more than kMaxIslands islands. Divisions that cost `limit` or more are left
+  /// out. Cost: up to `budget` transitions between states.
   IslandGroups(IslandGraph graph, int capacity, const IntegerPrice& price, std::int64_t limit, long budget);
 
   /// The least price by weights alone, or the limit; none where the budget ended first.
   [[nodiscard]] std::optional<std::int64_t> least() const;
-  /// Of one group, by its weight.
+  /// Price of one group, by its weight.
   [[nodiscard]] std::int64_t price_of(IslandSet group) const;
   /// The cheapest division below `limit`, which may not rise; without groups where there is none. Nothing where least()
   /// has no value or the budget, which is counted down, ended first.
@@ -52,11 +52,11 @@ class IslandGroups {
     int weight = 0;                      // modules
     auto operator<=>(const Group&) const = default;
   };
-  using State = std::vector<Group>;  // that can still grow, sorted
+  using State = std::vector<Group>;  // Holds only groups that can still grow, sorted.
   struct Way {
     State state;
     std::vector<IslandSet> closed;
-    std::int64_t price = 0;  // by weights, of what the transition adds
+    std::int64_t price = 0;  // Price, by the weights, of what the transition adds.
   };
   using Key = std::vector<IslandSet>;
   struct KeyHash {
@@ -65,12 +65,12 @@ class IslandGroups {
   template <typename Value>
   using ByKey = std::unordered_map<Key, Value, KeyHash>;
   struct Layer {
-    int island = -1;                           // that is placed next
-    IslandSet can_grow = 0;                    // islands with neighbours to come when it is
-    int weight_to_come = 0;                    // with it
-    std::vector<State> state;                  // by number
-    std::vector<std::int64_t> price, to_come;  // of the way there; at least of what follows
-    ByKey<std::vector<int>> alike;             // states by what can grow in each group
+    int island = -1;                           // Island that is placed next.
+    IslandSet can_grow = 0;                    // Islands that still have neighbours to come once it is placed.
+    int weight_to_come = 0;                    // Weight still to be placed, including this island.
+    std::vector<State> state;                  // Indexed by number.
+    std::vector<std::int64_t> price, to_come;  // Exact price so far, and a lower bound of what follows.
+    ByKey<std::vector<int>> alike;             // States, keyed by what can grow in each group.
   };
   struct Arc {
     int from, to;  // numbers of states in a layer and the next
@@ -78,7 +78,7 @@ class IslandGroups {
   };
   struct Best {
     std::int64_t price = 0;
-    const State* before = nullptr;  // of the layer before
+    const State* before = nullptr;  // State in the previous layer.
     std::vector<IslandSet> closed;
   };
 

@@ -11,8 +11,8 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr int kStarts = 24;    // of orders of the nodes
-constexpr int kMaxUnits = 40;  // of all slots, in the choice of an order
+constexpr int kStarts = 24;    // We try this many orders of the nodes.
+constexpr int kMaxUnits = 40;  // Caps the exponent of an order's cost, which is a power of two.
 
 // What a slot costs in the choice of an order; jumpers count less than joints since most of them are not fitted.
 struct SlotUnits {
@@ -53,7 +53,7 @@ class SlotOrder {
   }
 
  private:
-  // Of the units of all slots when v is placed.
+  // Change of the units of all slots when v is placed.
   [[nodiscard]] int change(int v) const {
     int units = 0;
     bool stays = false;
@@ -89,7 +89,7 @@ struct Step {
   std::vector<bool> kept_is_jumper;
   bool stays = false;       // the node is a slot itself
   int new_jumpers = 0;      // and so are its jumpers to nodes to come
-  int islands_to_come = 0;  // of which no node is placed
+  int islands_to_come = 0;  // Number of islands that have no placed node.
   bool between = false;     // every other island is placed
 };
 
@@ -200,7 +200,7 @@ class CheapestPartition {
       if ((forced.blocks >> b & 1) != 0) return;  // one jumper would do
       join(state, s, b, forced);
     }
-    std::array<int, 3> offered{kNoBlock, kNoBlock, kNoBlock};  // by side; each block once
+    std::array<int, 3> offered{kNoBlock, kNoBlock, kNoBlock};  // Block at each side; every block is listed once.
     for (std::size_t s = 0; s < 3; ++s) {
       const int b = step.over_joint[s] < 0 ? kNoBlock : state.labels.get(step.over_joint[s]);
       if (b == kNoBlock || std::ranges::count(offered, b) > 0) continue;
@@ -268,7 +268,7 @@ class CheapestPartition {
     keep(s);
   }
 
-  // Of equal labels those stay that none beats.
+  // Keeps only states that no state with equal labels beats.
   void keep(const JumperState& s) {
     --budget_;
     const auto [found, is_new] = buckets_.try_emplace(s.labels, static_cast<int>(lists_.size()));
@@ -319,7 +319,7 @@ class CheapestPartition {
 
 }  // namespace
 
-// Which order is good shows only in trying: all with a small budget, those that got far with a larger one.
+// Only trying shows which order is good: all get a small budget, those that got far a larger one.
 CheapestParts cheapest_parts(const JumperGraph& g, int capacity, const IntegerPrice& price, std::int64_t limit,
                              long& budget) {
   std::vector<NodeOrder> orders;

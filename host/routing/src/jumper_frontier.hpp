@@ -9,7 +9,7 @@ namespace triskin::geometry {
 
 struct CheapestParts {
   bool decided = false;      ///< false: the budget ended first
-  std::vector<int> part_of;  ///< by local node; empty: none is cheaper than the limit
+  std::vector<int> part_of;  ///< part of each local node; empty: none is cheaper than the limit
   int parts = 0;
 };
 

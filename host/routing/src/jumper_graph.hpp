@@ -10,9 +10,10 @@ namespace triskin::geometry {
 
 /// A connected set of modules whose joints are of two kinds.
 struct JumperGraph {
-  LocalGraph joined;                             ///< joints and jumpers
-  LocalGraph apart;                              ///< the same nodes, joints only
-  std::vector<std::array<bool, 3>> over_jumper;  ///< by local node and side: the neighbour in `joined` is over a jumper
+  LocalGraph joined;  ///< joints and jumpers
+  LocalGraph apart;   ///< the same nodes, joints only
+  /// Indexed by local node and side: the neighbour in `joined` is over a jumper.
+  std::vector<std::array<bool, 3>> over_jumper;
 };
 /// `without` must be `with` less its jumpers; `nodes` are connected in `with`.
 [[nodiscard]] JumperGraph jumper_graph(const ModuleGraph& with, const ModuleGraph& without,

@@ -46,7 +46,7 @@ class JumperPartitioner {
   [[nodiscard]] std::int64_t cost() const { return price_.of(best_.parts, best_.jumpers); }
   [[nodiscard]] bool met() const { return cost() <= bound_; }
   [[nodiscard]] bool is_late() const { return give_up_ && give_up_(); }
-  // For as many parts as the best has.
+  // Lower bound of the jumpers for as many parts as the best has.
   [[nodiscard]] int jumpers_bound() const {
     const std::int64_t of_jumpers = bound_ - price_.of(best_.parts, 0);
     const std::int64_t by_price = of_jumpers <= 0 ? 0 : (of_jumpers + price_.jumper - 1) / price_.jumper;
@@ -117,7 +117,7 @@ class JumperPartitioner {
     JumperGraph graph;  // `node` is the local node of the whole
     std::int64_t least = 0;
     JumperDivision best;
-    bool too_large = false;  // for the exact programme
+    bool too_large = false;  // True if the exact programme could not solve it because of its size.
   };
   [[nodiscard]] std::int64_t price_of(const JumperDivision& d) const { return price_.of(d.parts, d.jumpers); }
 
@@ -183,7 +183,7 @@ class JumperPartitioner {
   const std::function<bool()>& give_up_;
   Dice random_;
   std::vector<std::vector<int>> islands_;
-  std::vector<int> alone_;  // by island: no partition of it has fewer parts
+  std::vector<int> alone_;  // Indexed by island: no partition of the island has fewer parts.
   JumperDivision best_;
   int pieces_bound_ = 0;
   std::int64_t bound_ = 0;

@@ -9,7 +9,8 @@
 namespace triskin::geometry {
 
 struct JumperPartition {
-  std::vector<int> part_of;  ///< by local node; parts 0 … parts − 1, each connected in `joined` and ≤ capacity
+  /// Part of each local node, 0 … parts − 1; each part is connected in `joined` and ≤ capacity.
+  std::vector<int> part_of;
   int parts = 0, jumpers = 0;
   int parts_bound = 0;    ///< no partition has fewer parts, whatever its jumpers
   int jumpers_bound = 0;  ///< no partition into `parts` parts has fewer jumpers

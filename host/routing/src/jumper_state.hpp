@@ -30,14 +30,14 @@ struct SlotLabelsHash {
 
 struct JumperState {
   SlotLabels labels;
-  std::uint64_t weights = 0;  ///< 5 bits a block, the highest of them 0
-  std::int64_t cost = 0;      ///< of closed parts and of fitted jumpers
-  int before = -1;            ///< state of the layer before
+  std::uint64_t weights = 0;  ///< 5 bits per block, the highest of them 0
+  std::int64_t cost = 0;      ///< cost of closed parts and fitted jumpers
+  int before = -1;            ///< number of the state in the previous layer
   std::uint8_t blocks = 0;
   std::uint8_t joined = 0;  ///< sides over which the node joined a neighbour's part
 
   [[nodiscard]] int weight(int block) const { return static_cast<int>(weights >> (5 * block) & 31); }
-  /// With the same labels: whatever completes `other` completes this at no higher price.
+  /// True if, with the same labels, whatever completes `other` completes this at no higher price.
   [[nodiscard]] bool beats(const JumperState& other) const {
     constexpr std::uint64_t kGuards = 0x0842108421084210ULL;  // bit 4 of each of 12 fields
     return cost <= other.cost && (((other.weights | kGuards) - weights) & kGuards) == kGuards;

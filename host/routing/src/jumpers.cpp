@@ -12,10 +12,10 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kRounding_mm = 1e-9;  // of 32 steps
-constexpr int kSteps = 32;             // of a jumper, where its length is measured
-constexpr double kLayer_mm = 10.0;     // what lies farther off along the normal is not crossed
-constexpr double kReach_mm = 17.4;     // from a module's centroid to its corners
+constexpr double kRounding_mm = 1e-9;  // Rounding error of 32 steps.
+constexpr int kSteps = 32;             // We measure the length of a jumper in this many steps.
+constexpr double kLayer_mm = 10.0;     // A jumper does not cross what lies farther off along the normal.
+constexpr double kReach_mm = 17.4;     // The corners of a module are this far from its centroid.
 
 Vec3 normal_of(const std::array<Vec3, 3>& t) {
   return (t[1] - t[0]).cross(t[2] - t[0]).normalized();

@@ -10,7 +10,7 @@
 namespace triskin::geometry {
 
 struct LineAssignment {
-  std::vector<int> line;  ///< of each node; at most `per_line` nodes on a line
+  std::vector<int> line;  ///< line of each node; at most `per_line` nodes on a line
   int line_hops = 0;      ///< Σ over edges of the number of lines that are used below the edge
 };
 

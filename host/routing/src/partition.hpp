@@ -9,7 +9,7 @@
 namespace triskin::geometry {
 
 struct Partition {
-  std::vector<int> part_of;  ///< by local node; parts 0 … parts − 1, each connected and ≤ capacity
+  std::vector<int> part_of;  ///< part of each local node, 0 … parts − 1; each part is connected and ≤ capacity
   int parts = 0;
   int lower_bound = 0;
   PartitionProof proof = PartitionProof::kOpen;

@@ -204,7 +204,7 @@ int jumpers_within(const PartBits& bits, const PartSurroundings& around, std::ui
 
 // Modules lost beyond the failed one, over all single module failures, with `entry` and the best second entry.
 int lost_with_two_entries(const PartBits& bits, std::uint32_t part, int entry) {
-  std::array<std::uint32_t, 64> pieces;  // without the entry
+  std::array<std::uint32_t, 64> pieces;  // Pieces of the part without the entry.
   std::size_t count = 0;
   for (std::uint32_t left = part; left != 0; left &= left - 1) {
     std::uint32_t rest = part & ~(left & (~left + 1));

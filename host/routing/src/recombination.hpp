@@ -8,7 +8,7 @@ namespace triskin::geometry {
 /// Inputs of the secondary cost of a part, beside its joints.
 struct PartSurroundings {
   std::uint32_t border = 0;        ///< nodes with a side that a cable reaches
-  std::array<int, 32> cable_cm{};  ///< from the controller place, zeros when none is given
+  std::array<int, 32> cable_cm{};  ///< cable length to each node from the controller place; zeros if no place is given
   bool jumpers = false;
   std::array<std::uint32_t, 32> over_jumper{};  ///< neighbours of each node that a jumper leads to
 };

@@ -19,7 +19,7 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr int kMaxMoves = 5000;  // of recombination, an island: bounds the time of very large ones
+constexpr int kMaxMoves = 5000;  // Bounds the time of recombination for very large islands.
 
 void require_joints(const ModuleGraph& graph) {
   const int n = static_cast<int>(graph.nodes.size());
@@ -71,7 +71,7 @@ std::vector<Jumper> fitted_jumpers(const JumperGraph& g, const std::vector<Jumpe
 }
 
 struct IslandDivision {
-  std::vector<int> part_of;  // by local node
+  std::vector<int> part_of;  // Indexed by local node.
   int parts = 0, parts_bound = 0, jumpers_bound = 0;
   PartitionProof proof = PartitionProof::kOpen;
   bool price_proved = false;
@@ -206,10 +206,10 @@ class Router {
     graph_ = design::with_jumpers(apart_, fitted_);
   }
 
-  const ModuleGraph& apart_;    // without jumpers
-  ModuleGraph possible_;        // with one at each place
-  ModuleGraph graph_;           // with those that are fitted
-  std::vector<Jumper> places_;  // shortest first
+  const ModuleGraph& apart_;    // The graph without jumpers.
+  ModuleGraph possible_;        // The graph with a jumper at each possible place.
+  ModuleGraph graph_;           // The graph with the fitted jumpers.
+  std::vector<Jumper> places_;  // The shortest comes first.
   std::vector<Jumper> fitted_;
   bool price_proved_ = true;
   const RoutingOptions& options_;

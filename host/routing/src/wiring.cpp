@@ -15,7 +15,7 @@ using Key = std::array<int, 5>;
 struct RootedTree {
   std::vector<int> order;   // local nodes, parents first
   std::vector<int> parent;  // positions in `order`
-  std::vector<int> depth;   // by position
+  std::vector<int> depth;   // indexed by position in `order`
   int sum_of_depths = 0;
   int max_depth = 0;
 };
@@ -115,7 +115,7 @@ class Wirer {
     return state;
   }
 
-  // Of the joint from each node of the tree to its parent; -1: no jumper. Empty: none at all.
+  // Jumper length of the joint from each node of the tree to its parent; -1: no jumper. Empty: none at all.
   [[nodiscard]] std::vector<double> jumper_lengths_m() const {
     if (jumpers_.empty()) return {};
     std::vector<double> length_m(now_.order.size(), -1.0);
@@ -163,7 +163,7 @@ class Wirer {
   LocalGraph g_;
   const RoutingOptions& options_;
   LineAssigner& lines_;
-  std::vector<Jumper> jumpers_;  // that begin in this part
+  std::vector<Jumper> jumpers_;  // Jumpers that begin in this part.
   std::vector<std::vector<int>> tree_;
   bool has_border_ = false, found_ = false;
   RootedTree now_, best_;

@@ -58,7 +58,7 @@ void ClockFilter::arrived(std::uint64_t device_us, std::uint64_t link_us) {
   note(fact(device_us, since(link_origin_us_, link_us)));
 }
 
-// Of each quarter second the tightest fact stays; one outside of the polygon changes nothing.
+// Keeps the tightest fact of each quarter second; a fact outside the polygon changes nothing.
 void ClockFilter::note(const Fact& before) {
   newest_s_ = std::max(newest_s_, before.device_s);
   if (before_.empty() || before.device_s >= bucket_s_ + kBucket_s) {

@@ -117,9 +117,9 @@ class Scheduler {
   void wait_for_link(TaskLink& earliest) {
     try {
       if (const auto frame = link_.receive(earliest.wait_until_us())) return deliver(*frame);
-      for (const auto& task : tasks_) task->wake();  // a message channel has something, or the time has come
+      for (const auto& task : tasks_) task->wake();  // A message channel has something, or the time has come.
     } catch (...) {
-      earliest.fail(std::current_exception());  // as if it had waited alone
+      earliest.fail(std::current_exception());  // The task fails as if it had waited alone.
     }
   }
   void deliver(const wire::CanFrame& frame) {

@@ -18,8 +18,8 @@ namespace {
 constexpr std::uint8_t kLease_10ms = 100;
 constexpr std::uint64_t kLease_us = std::uint64_t{kLease_10ms} * 10'000;
 constexpr std::uint64_t kRenew_us = 200'000;
-constexpr std::uint64_t kSlice_us = 50'000;     // between two looks for silent controllers
-constexpr std::uint64_t kSilence_us = 400'000;  // with a slice below half a second
+constexpr std::uint64_t kSlice_us = 50'000;     // Time between two checks for silent controllers.
+constexpr std::uint64_t kSilence_us = 400'000;  // A slice and this time together stay below half a second.
 constexpr std::uint64_t kRest_us = 300'000;
 constexpr std::uint64_t kAskClock_us = 1'000'000, kAskClockAgain_us = 100'000;
 constexpr std::uint64_t kSettle_us = 2'000;  // a lease is on its way
@@ -73,7 +73,7 @@ Stream::Stream(Bus& bus, std::span<const design::Design* const> covers, OnFrame 
   }
 }
 
-// Where several covers share the bus a patch is named with its cover.
+// If several covers share the bus, the name of a patch includes its cover.
 std::string Stream::name_of(const Node& node) const {
   const std::string patch = fmt::format("patch {}", node.patch);
   return covers_.size() > 1 ? covers_[static_cast<std::size_t>(node.cover)] + ", " + patch : patch;
@@ -215,7 +215,7 @@ void Stream::ask_clock(std::uint8_t address, Node& node) {
   }
 }
 
-// Between two samples of a controller may be more than half a second, when few are wanted.
+// Two samples of a controller may be more than half a second apart if the reader asked for few.
 std::uint64_t Stream::silence_us(const Node& node) const {
   return std::max(kSilence_us,
                   3 * std::max(budget_.pace_us, node.interval_us * static_cast<std::uint64_t>(budget_.every)));
@@ -337,7 +337,7 @@ void Stream::finish() {
   bus_.on_stream({});
 }
 
-// On a dead link the lease ends by itself.
+// If the link is dead, the lease ends by itself.
 void Stream::give_back() {
   try {
     send_lease(0);

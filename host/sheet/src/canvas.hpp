@@ -59,7 +59,7 @@ class Canvas {
   void circle(const Vec2& center, double radius_mm, const Pen& pen);
   void fill_circle(const Vec2& center, double radius_mm, const Color& color);
   void text(const Vec2& at, const std::string& text, const TextLook& look);
-  /// Until end_clip() nothing is drawn outside of the rectangle.
+  /// Limits drawing to the rectangle until end_clip().
   void begin_clip(const Vec2& corner, const Vec2& size_mm);
   void end_clip();
   /// Until end_raster() all is drawn into a picture of `dots_per_mm`, which then fills the rectangle: for shapes that

@@ -92,7 +92,7 @@ void draw_jumper(const Drawing& d, const PageSide& at, const Side& side, int mod
 
 void draw_cable(const Drawing& d, const PageSide& at, const Side& side, int module) {
   if (!side.cable && !side.second_cable) return;
-  const double from_mm = is_joint(side) ? 4.0 : 9.0;  // over a joint the neighbour has the room
+  const double from_mm = is_joint(side) ? 4.0 : 9.0;  // At a joint the neighbour takes the room.
   draw_arrow(d.canvas, at.middle() + from_mm * at.outward, at.middle(), kBlue);
   const double align = at.outward.x() > 0.1 ? 0.0 : at.outward.x() < -0.1 ? 1.0 : 0.5;
   d.canvas.text(at.middle() + (from_mm + 1.0) * at.outward + Vec2(0, at.outward.y() > 0.9 ? 2.2 : 0.8),

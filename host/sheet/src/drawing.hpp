@@ -14,7 +14,7 @@ struct Drawing {
   const design::Design& design;
   const Plan& plan;
   const Page& page;
-  int number = 1;  ///< of the page
+  int number = 1;  ///< page number
 };
 
 /// Title, QR code and ruler, on every page.

@@ -266,7 +266,7 @@ void add_entry(Lines& lines, const design::Design& design, const Plan& plan, int
                               text_of(fix_of(plan.landmarks, at), plan.landmarks)));
 }
 
-// Which modules are of which kind, where there are several.
+// Lists the modules of each kind, if there are several.
 void add_kinds(Lines& lines, const design::Design& design, const design::Patch& patch) {
   for (std::size_t k = 0; !design.kinds.empty() && k <= design.kinds.kinds.size(); ++k) {
     std::string ids;

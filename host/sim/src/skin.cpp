@@ -130,7 +130,7 @@ Skin::Skin(const Scene& scene, SwitchedHardware* switched) : lines_(scene.design
   for (const Contact& contact : scene.contacts) press(contact);
 }
 
-// Where each chip is soldered, after the faults that move chips; then the chips that are there are attached.
+// Finds the place of each chip after the faults that move chips, then attaches the chips that exist.
 void Skin::place_chips(const Scene& scene, SwitchedHardware* switched) {
   struct Place {
     int patch, line, address;

@@ -102,7 +102,7 @@ void SwitchedHardware::add_joined_patches(const Scene& scene) {
   }
 }
 
-// Where the design has it, unless a wrong joint took its port.
+// Plugs the cable where the design has it, unless a wrong joint took its port.
 void SwitchedHardware::plug_second_cable(const design::Patch& designed, const std::vector<int>& rotations) {
   if (designed.second_entry < 0) return;
   const auto row = static_cast<std::size_t>(row_of(designed.second_entry));

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kHeadBytes = 48;
 constexpr std::uint32_t kSubmit = 1, kUnlink = 2, kSubmitReply = 3, kUnlinkReply = 4;
-constexpr std::size_t kMaxBytes = 1 << 20;  // of one transfer
+constexpr std::size_t kMaxBytes = 1 << 20;  // A single transfer may not be larger.
 constexpr int kFullSpeed = 2, kBus = 1, kFreePort = 4;
 
 // A free port for devices up to high speed: the controller's folder and the number.

@@ -22,7 +22,7 @@ constexpr std::uint64_t kBusyStepUs = 50;
 constexpr std::uint64_t kNeverUs = ~std::uint64_t{0};
 constexpr std::uint32_t kStreamMask = 0x1FFF0000;
 
-// Of the files that keep a controller's flash.
+// Name of the files that keep a controller's flash.
 std::string board_name(const Scene& scene, std::size_t patch) {
   if (scene.boards.empty()) return fmt::format("controller_{}", patch + 1);
   return fmt::format("{:02X}", fmt::join(scene.boards.at(patch), ""));
@@ -98,7 +98,8 @@ VirtualSkin::VirtualSkin(Scene scene, const std::filesystem::path& state_folder)
       pending_.push_back({frame, p});
       ++nodes_[p].in_buffers;
     };
-    // As the FDCAN of the microcontroller: what waits for the bus waits in three buffers, the rest in the controller.
+    // The FDCAN of the microcontroller has three buffers for frames that wait for the bus; the rest waits in the
+    // controller.
     node.board.room = [this, p] { return scene_.effects.bus_bit_rate == 0 || nodes_[p].in_buffers < kBuffers; };
     power_up(p);
   }

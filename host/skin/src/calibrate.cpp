@@ -53,7 +53,7 @@ class TaxelMeans {
   }
 
  private:
-  // By how much the pads that feel the temperature and no pressure read below what they read first, as in TouchMap.
+  // How far the pads that feel only the temperature read below their first value, as in TouchMap.
   double warming_of(const ModuleSample& f) {
     auto& first = pads_.at(static_cast<std::size_t>(f.module));
     double sum = 0.0;
@@ -68,7 +68,7 @@ class TaxelMeans {
     return known > 0 ? sum / known : 0.0;
   }
 
-  using Sum = CalibrationPoint;  // of samples instead of their mean
+  using Sum = CalibrationPoint;  // Holds sums of samples instead of their mean.
   using Module = std::array<std::vector<Sum>, layout::kTaxelsPerModule>;
   std::vector<Module> modules_;
   std::vector<std::array<std::optional<double>, layout::kTemperaturePads.size()>> pads_;

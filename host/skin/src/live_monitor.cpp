@@ -130,9 +130,9 @@ std::string LiveMonitor::cell(int module, PressureUnit unit, bool colour) const 
 }
 
 std::vector<std::string> LiveMonitor::picture(int patch, PressureUnit unit, bool colour) const {
-  // In half sides of a module: an up triangle of the lattice cell (i, j) has its centre at 2i + j + 1, the down one one
-  // further.
-  std::map<int, std::map<int, int>, std::greater<>> rows;  // by j, then by column: module
+  // Columns count half sides of a module: the up triangle of lattice cell (i, j) has its centre at 2i + j + 1, the
+  // down one at 2i + j + 2.
+  std::map<int, std::map<int, int>, std::greater<>> rows;  // Keyed by j, then by column: module.
   for (const auto& routed : modules_of(patch)) {
     const auto& tile = design_.layout.modules[static_cast<std::size_t>(routed.node)].tile;
     rows[tile.j][2 * tile.i + tile.j + (tile.up ? 1 : 2)] = routed.node;

@@ -9,8 +9,8 @@ namespace triskin::geometry {
 
 /// A connected set of faces with its own vertices, laid flat.
 struct FlatChart {
-  std::vector<int> faces;                       ///< of the surface
-  std::vector<std::array<int, 3>> local_faces;  ///< into `flat`, same corner order
+  std::vector<int> faces;                       ///< faces of the surface
+  std::vector<std::array<int, 3>> local_faces;  ///< indices into `flat`, same corner order
   std::vector<int> vertices;                    ///< surface vertex of each local vertex
   std::vector<Vec2> flat;                       ///< mm
 };

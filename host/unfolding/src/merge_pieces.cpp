@@ -94,7 +94,7 @@ class Merger {
   const TryPiece& try_piece_;
   const ProgressSink& progress_;
   std::vector<std::optional<Piece>> alive_;
-  std::vector<std::map<int, double>> seams_;  // by piece: neighbour → mm
+  std::vector<std::map<int, double>> seams_;  // Indexed by piece: neighbour → mm.
   std::priority_queue<std::tuple<double, int, int>> queue_;
 };
 

@@ -163,7 +163,7 @@ class Unfolder {
     };
     const int a = farthest(faces.front()), b = farthest(a);
     const auto da = distances(faces, a), db = distances(faces, b);
-    std::map<int, double> nearer_to_b;  // by group: > 0 goes to b
+    std::map<int, double> nearer_to_b;  // Keyed by group: if > 0, the group goes to b.
     for (const int f : faces) nearer_to_b[group_[at(f)]] += da[at(f)] - db[at(f)];
     nearer_to_b[group_[at(a)]] = -1.0;
     nearer_to_b[group_[at(b)]] = 1.0;

@@ -93,7 +93,7 @@ json jumpers_of(const design::ModuleLayout& layout) {
   return list;
 }
 
-// By module: N for a count of each taxel; null where numbers are counts.
+// Indexed by module: force of one count for each taxel, N; null if numbers are counts.
 json newton_per_count(const design::Design& design, const design::SkinCalibration& calibration) {
   if (!calibration.complete()) return nullptr;
   json modules = json::array();

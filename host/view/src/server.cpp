@@ -47,7 +47,7 @@ void Server::State::listen(std::uint16_t wanted) {
 void Server::State::accept() {
   acceptor.async_accept([this](const boost::system::error_code& error, tcp::socket socket) {
     if (error == asio::error::operation_aborted) return;
-    // Of too many connections the new one is closed: those that read on are not disturbed.
+    // If there are too many connections, the new one is closed, so that the others are not disturbed.
     if (!error && shared.connections < shared.limits.connections) serve_http(std::move(socket), shared);
     accept();
   });

@@ -8,8 +8,8 @@ namespace triskin::machine {
 
 /// Length of a frame on the wire, from its start bit to the end of the interframe space, with its stuff bits.
 struct CanBits {
-  std::uint32_t nominal = 0;  ///< at the nominal rate
-  std::uint32_t data = 0;     ///< of an FD frame: between the switch of the rate and the CRC delimiter
+  std::uint32_t nominal = 0;  ///< bits at the nominal rate
+  std::uint32_t data = 0;     ///< bits of an FD frame between the switch of the rate and the CRC delimiter
 };
 
 /// Bits of `frame` (ISO 11898-1): after five equal bits one of the other value, up to the CRC of a classic frame, up to

@@ -382,7 +382,7 @@ Machine::Core::Block Machine::Core::decode_block(std::uint32_t address, std::uin
   for (std::uint32_t k = 0; k + 1 < size; ++b.instructions) {
     const unsigned half = code[k] | static_cast<unsigned>(code[k + 1]) << 8;
     const bool wide = half >> 11 >= 0x1D;
-    b.ends_in_wait = half == 0xBF30;  // as an instruction: the second half of a wide one may look the same
+    b.ends_in_wait = half == 0xBF30;  // Compares a whole instruction: the second half of a wide one may look the same.
     if (wide && k + 3 < size) {
       const unsigned second = code[k + 2] | static_cast<unsigned>(code[k + 3]) << 8;
       b.floating_point =
@@ -466,7 +466,7 @@ void Machine::Core::make(Trouble trouble) {
   time_.after(17 * kMicrosecond, [this, trouble] { make(trouble); });
 }
 
-// On whichever line is busy.
+// Disturbs whichever line is busy.
 bool Machine::Core::disturb_any(Trouble trouble) {
   if (trouble == Trouble::kCanError) return spoil_frame();
   const std::size_t first = random_() % i2c_.size();

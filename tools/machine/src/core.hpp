@@ -60,7 +60,7 @@ class Machine::Core final : public Surroundings {
   struct Window {
     Peripheral* block;
     std::uint32_t base, size;
-    std::uint32_t enable_offset;  ///< in RCC; 0: no gate
+    std::uint32_t enable_offset;  ///< offset in RCC; 0: no gate
     unsigned enable_bit;
     const char* name;
   };
@@ -128,7 +128,7 @@ class Machine::Core final : public Surroundings {
   FdcanRam can_ram_;
   std::vector<Window> windows_;
   std::vector<std::uint8_t> ram_, code_ram_;
-  std::vector<Block> blocks_, code_ram_blocks_;  ///< by half-word; code elsewhere is not remembered
+  std::vector<Block> blocks_, code_ram_blocks_;  ///< indexed by half-word; code elsewhere is not remembered
   Block elsewhere_;
   std::vector<CellWrite> cell_writes_;
   std::mt19937_64 random_{setup_.disturbances.seed};

@@ -65,7 +65,7 @@ class Fdcan final : public Peripheral {
   bool bus_busy_ = false, own_frame_ = false, bus_off_ = false;
   std::uint32_t send_errors_ = 0, receive_errors_ = 0;
   std::uint64_t bus_offs_ = 0;
-  Time joins_at_ = 0;  // after bus-off: no frame before
+  Time joins_at_ = 0;  // After bus-off no frame is sent before this time.
   std::uint64_t generation_ = 0;
 };
 

@@ -2,8 +2,8 @@
 #pragma once
 #include <cstdint>
 
-/// Where the blocks of the STM32G474 lie, what switches their clocks, their interrupts, and what registers hold after a
-/// reset. Not shared with the firmware: tests/silicon holds both against the same facts.
+/// Addresses of the blocks of the STM32G474, their clock enables, interrupts and reset values. Not shared with the
+/// firmware: tests/silicon holds both against the same facts.
 namespace triskin::machine::map {
 
 // Base addresses

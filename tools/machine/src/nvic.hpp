@@ -26,7 +26,7 @@ class Nvic final : public Peripheral {
   /// The pending, enabled exception with the lowest priority number; 0: none.
   [[nodiscard]] int next() const;
   [[nodiscard]] int priority(int exception) const;
-  /// Of what runs now, masks left out; kIdlePriority in thread mode.
+  /// Priority of what runs now, masks left out; kIdlePriority in thread mode.
   [[nodiscard]] int running_priority() const;
   [[nodiscard]] int running() const { return active_.empty() ? 0 : active_.back(); }
   void enter(int exception);

@@ -11,12 +11,12 @@ namespace triskin::machine {
 /// What hangs at the pins of the crystal.
 struct CrystalSetup {
   std::uint64_t hz = 8'000'000;  ///< 0: none, or one that does not start
-  Time fails_at = kNever;        ///< since power-up: it stops for ever
+  Time fails_at = kNever;        ///< time after power-up when it stops for ever
 };
 
-/// Reset and clock control with power control's boost bit (RM0440 §7.4, §6.4). Oscillators need start-up times. A
-/// crystal that stops takes the core with it, unless clock security is on: then the core goes on with the internal
-/// oscillator and gets an NMI (§7.2.10).
+/// Reset and clock control with power control's boost bit (RM0440 §7.4, §6.4). Oscillators need their start-up
+/// times. A crystal that stops takes the core with it, unless clock security is on: then the core goes on with the
+/// internal oscillator and gets an NMI (§7.2.10).
 class Rcc final : public Peripheral {
  public:
   Rcc(Surroundings& around, const CrystalSetup& crystal) : Peripheral(around), crystal_(crystal) { reset(); }

@@ -22,7 +22,7 @@ class VirtualClock final : public fw::Clock {
  public:
   std::uint64_t now = 0;
   [[nodiscard]] std::uint64_t now_us() const override { return now; }
-  // For work that the processor waits for.
+  // Advances the time by work that the processor waits for.
   void spend(std::uint64_t ns) {
     rest_ns_ += ns;
     now += rest_ns_ / 1000;
@@ -195,7 +195,7 @@ class TimedFlash final : public fw::FlashArea {
   Wait wait_;
 };
 
-// Where the slots of the microcontroller stand: images are linked for these addresses.
+// Addresses of the microcontroller's slots; images are linked for them.
 constexpr std::array<std::uint32_t, 2> kSlotOrigins{0x08004000, 0x08040000};
 
 class Controller final : public VirtualController, private fw::Restart, private fw::BoardMonitor {
@@ -274,7 +274,7 @@ class Controller final : public VirtualController, private fw::Restart, private 
     if (start || clock_.now >= loader_end_us()) start_application();
   }
 
-  // As the loader does: an application that never confirms itself is started three times only.
+  // The loader behaves in the same way: an application that never confirms itself is started three times only.
   void start_application() {
     loader_.reset();
     running_slot_ = board_.slots != nullptr ? slots_.choose() : -1;

@@ -225,7 +225,8 @@ void Stm32CanPort::on_interrupt() {
   if ((flags & kRxLost) != 0) ++triskin_budget.can_lost;
   if ((flags & kRamFailed) != 0) {
     ram_failures_ = static_cast<std::uint16_t>(ram_failures_ + 1);
-    kCccr.clear(kRestricted);  // set by the block itself, which would neither acknowledge nor send for ever (§44.3.3)
+    // the block sets it by itself, and would neither acknowledge nor send for ever (§44.3.3)
+    kCccr.clear(kRestricted);
   }
   if ((flags & kBusOff) != 0 && kPsr.any(kPsrBusOff)) note_bus_off();
   for (std::uint32_t state = kRxf0s.read(); (state & kFifoLevelMask) != 0; state = kRxf0s.read()) {

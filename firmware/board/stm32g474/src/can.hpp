@@ -5,7 +5,7 @@
 
 namespace triskin::board {
 
-/// Which identifiers come through.
+/// Set of identifiers that the filters accept.
 enum class CanFilters : std::uint8_t {
   kLoader,       ///< requests, the loader's own, iCub commands
   kApplication,  ///< also discovery, assignment and leases

@@ -87,7 +87,7 @@ bool start_pll(std::uint32_t source, PllSetting setting) {
   return false;
 }
 
-// From the crystal when there is one that can be used. The reason why not stands in the result.
+// Uses the crystal if it works; otherwise the result holds the reason.
 wire::ClockState choose_pll() {
   constexpr PllSetting kInternal = pll_setting(16'000'000).value();
   wire::ClockState state;

@@ -13,7 +13,7 @@
 #include "triskin/layout/image_label.hpp"
 
 extern "C" {
-extern triskin::board::Survivor triskin_survivor;
+extern std::uint32_t triskin_survivor[];
 extern std::uint32_t triskin_stack_bottom, triskin_stack_top, triskin_code_start, triskin_code_end, triskin_image_end;
 void note_fault(const std::uint32_t* frame);
 }
@@ -25,7 +25,7 @@ constexpr std::uint32_t kMagic = 0x53555256, kMark = 0x6D61726B;
 // First word of a label, and the word that holds the version (layout/image_label.hpp).
 constexpr std::uint32_t kLabelMark = ByteReader(layout::kLabelMagic).le32();
 constexpr std::size_t kLabelVersionWord = 4;
-// Of an exception frame (ARMv7-M, B1.5.6), in words.
+// Positions in an exception frame (ARMv7-M, B1.5.6), in words.
 constexpr std::size_t kFrameLr = 5, kFramePc = 6, kFrameWords = 8;
 
 std::uint32_t address_of(const void* p) {
@@ -102,7 +102,7 @@ void note_bite(Survivor& s) {
 }  // namespace
 
 Survivor& survivor() {
-  return triskin_survivor;
+  return *reinterpret_cast<Survivor*>(triskin_survivor);
 }
 
 void fail(wire::CrashCause cause) {

@@ -73,7 +73,7 @@ bool in_flash(std::uint32_t address) {
   return address >= flash_map::kBase && address < flash_map::kEnd;
 }
 
-// With DBANK = 0 pages have 4 KB and another number: an erase would take a neighbour along.
+// With DBANK = 0 pages have 4 KB and another number: an erase would also clear a neighbour.
 bool two_banks() {
   return flash_reg::kOptr.any(flash_reg::kDualBank);
 }

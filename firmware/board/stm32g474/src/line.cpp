@@ -27,7 +27,8 @@ constexpr LinePlace kPlaces[4] = {
 constexpr std::uint32_t kInterrupts = kNackInterrupt | kStopInterrupt | kCompleteInterrupt | kErrorInterrupt;
 constexpr auto kTiming = compute_i2c_timing({});
 static_assert(kTiming.has_value());
-constexpr std::uint64_t kSlack_us = 800;  // above the bytes: slow edges, clock stretching, interrupt latency
+// Allows for slow edges, clock stretching and interrupt latency beside the bytes.
+constexpr std::uint64_t kSlack_us = 800;
 constexpr std::uint32_t kSclLowTimeout = kSysclk_hz / 1000 / 2048;  // 1.0 ms of SCL low, in units of 2048 clocks
 // The counters of the DMA stand still while two bytes that it sent ahead, an address and the first byte read are on the
 // line: four times 27 µs, and the 1.0 ms for which a chip may hold SCL low after each.

@@ -8,7 +8,7 @@
 
 namespace triskin::board {
 
-/// Where one I²C line is on the chip (data sheet DS12288, table 13).
+/// Pins and block of one I²C line on the chip (data sheet DS12288, table 13).
 struct LinePlace {
   unsigned index;
   std::uint32_t base;
@@ -34,7 +34,7 @@ class Stm32I2cLine final : public fw::I2cLine {
   [[nodiscard]] bool finished() const { return active_ && outcome_ != Outcome::kRunning; }
   /// SDA or SCL is low; asked while no transfer is under way.
   [[nodiscard]] bool low() const { return !Gpio(place_.scl).level() || !Gpio(place_.sda).level(); }
-  /// From the interrupt handlers.
+  /// Called by the interrupt handlers.
   void on_event();
   void on_error();
 

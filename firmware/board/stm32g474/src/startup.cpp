@@ -50,7 +50,9 @@ triskin::board::Budget triskin_budget;
 
 extern "C" {
 // The linker scripts of the loader and of the application put it at the same place, right behind the stack.
-[[gnu::section(".survivor")]] triskin::board::Survivor triskin_survivor;
+// Plain words: an object with initial values would get them at each start, and nothing would survive.
+[[gnu::section(".survivor")]] std::uint32_t triskin_survivor[sizeof(triskin::board::Survivor) / 4];
+static_assert(sizeof(triskin::board::Survivor) % 4 == 0 && alignof(triskin::board::Survivor) <= 4);
 // A stack that has overflowed cannot serve the handler of the fault.
 alignas(8) std::uint32_t triskin_fault_stack[128];
 // Objects live for ever: nothing is destroyed at an exit that does not come, and there is no heap to give back to.
@@ -146,7 +148,7 @@ namespace {
 
 void start_up() {
   using namespace triskin::board;
-  core_reg::kCpacr.set(core_reg::kFpuFull);  // before anything that may use it (ARMv7-M, B1.4.7)
+  core_reg::kCpacr.set(core_reg::kFpuFull);  // The FPU is enabled before any code may use it (ARMv7-M, B1.4.7).
   asm volatile("dsb\n isb" ::: "memory");
   core_reg::kVtor.write(reinterpret_cast<std::uint32_t>(&triskin_vectors));
   copy(&triskin_code_load, &triskin_code_start, &triskin_code_end);
@@ -182,7 +184,7 @@ void nmi_handler() {
   asm volatile("dsb" ::: "memory");  // the flag has fallen before the handler returns, else it would run again
 }
 
-// On a stack of its own, with the stack pointer of the fault as the argument.
+// Runs on its own stack and passes the stack pointer of the fault as the argument.
 [[gnu::naked]] void hard_fault_handler() {
   asm volatile(
       "mov r0, sp\n"

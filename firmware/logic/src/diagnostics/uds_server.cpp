@@ -106,7 +106,7 @@ std::uint8_t UdsServer::session_control(Bytes request, Out& out) {
   session_ = *wanted;
   out.u8(wire_number(session_));
   out.be16(static_cast<std::uint16_t>(kP2_us / 1000));
-  out.be16(static_cast<std::uint16_t>(kP2Star_us / 10'000));  // in 10 ms
+  out.be16(static_cast<std::uint16_t>(kP2Star_us / 10'000));  // ISO 14229 counts this time in 10 ms.
   return kDone;
 }
 
@@ -271,7 +271,7 @@ std::uint8_t UdsServer::transfer(Bytes request, Out& out) {
   } else if (request[1] != block_ || block_ == 0) {
     return nrc::kWrongBlock;
   }
-  const std::size_t start = (upload_at_ - 1) / kData * kData;  // of the block that ends at upload_at_
+  const std::size_t start = (upload_at_ - 1) / kData * kData;  // Start of the block that ends at upload_at_.
   out.bytes(upload_.subspan(start, upload_at_ - start));
   return kDone;
 }

@@ -91,7 +91,7 @@ void IcubBoard::set_board(const CanFrame& frame) {
   skin_type_ = known ? type : SkinType::kUncompensated;
   period_ms_ = frame.data[2];
   no_load_ = frame.data[3];
-  enabled_ = 0;  // until they are configured
+  enabled_ = 0;  // Triangles stay disabled until the host configures them.
   next_us_ = 0;
 }
 

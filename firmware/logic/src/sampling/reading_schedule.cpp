@@ -11,8 +11,8 @@ namespace {
 
 // A transfer of the status: two address bytes and a repeated start, then two bytes. The chip samples the status as the
 // high byte goes out.
-constexpr std::uint64_t kBeforeStatus_us = 120;  // from its start to that moment
-constexpr std::uint64_t kAfterStatus_us = 25;    // from there to its end
+constexpr std::uint64_t kBeforeStatus_us = 120;  // Time from the start of the transfer to that moment.
+constexpr std::uint64_t kAfterStatus_us = 25;    // Time from that moment to the end of the transfer.
 
 // The end of another chip's sequence that is nearest to the end of this one's.
 std::uint64_t end_near(const SequenceClock& clock, const SequenceClock& other) {
@@ -159,7 +159,7 @@ ReadingSchedule::Due ReadingSchedule::due(std::uint64_t now_us) {
   return reading;
 }
 
-// Of the readings that are due, the one whose sequence ends first.
+// Returns the due reading whose sequence ends first.
 ReadingSchedule::Due ReadingSchedule::due_reading(std::uint64_t now_us) const {
   Due first;
   std::uint64_t first_end_us = kNever_us;
@@ -198,7 +198,7 @@ void ReadingSchedule::pass_missed(Plan& plan, std::uint64_t now_us) const {
   plan.restart_us = now_us;
 }
 
-// On to the sequence that is to be sampled, or one before it when the period is not known that well.
+// Moves on to the sequence to be sampled, or the one before it if the period is not known well enough.
 void ReadingSchedule::advance(Plan& plan) {
   plan.passed = plan.clock.may_pass(std::max(plan.to_pass, std::uint32_t{1}));
   plan.to_pass -= std::min(plan.to_pass, plan.passed);
@@ -280,7 +280,8 @@ bool ReadingSchedule::would_miss(const Plan& plan) const {
     if (&other == &plan || !other.running) continue;
     const std::uint64_t e = end_near(plan.clock, other.clock);
     if (e > end) continue;
-    std::size_t at = count++;  // in order as they come; the library's sort calls itself, and the stack needs a bound
+    // We insert in order because the library's sort is recursive, and the stack needs a bound.
+    std::size_t at = count++;
     for (; at > 0 && ends[at - 1] > e; --at) ends[at] = ends[at - 1];
     ends[at] = e;
   }

@@ -12,14 +12,15 @@ namespace {
 
 // The longest that transfers whose moment counts last while nobody slows them down: 57 and 47 bits at 290 kHz.
 constexpr std::uint64_t kStatus_us = 200, kRestart_us = 170;
-constexpr int kMaxRepeats = 3;  // on a line that is slower the moment of a start is not known better
+// More repeats do not help: on a slower line the start time is not known more precisely.
+constexpr int kMaxRepeats = 3;
 
 }  // namespace
 
 void LineSampler::begin(I2cLine& line, std::uint8_t line_index, const Patch& patch, const Sampling& sampling,
                         std::uint64_t now_us) {
   const bool busy = job_ != Job::kIdle && line_ == &line;
-  ::new (static_cast<void*>(this)) LineSampler;  // in place: a copy would take a kilobyte of the stack
+  ::new (static_cast<void*>(this)) LineSampler;  // Constructed in place: a copy would take a kilobyte of the stack.
   if (busy) job_ = Job::kDrain;
   line_ = &line;
   line_index_ = line_index;

@@ -29,7 +29,7 @@ void SequenceClock::begin(std::uint64_t at_us) {
   contradictions_ = 0;
 }
 
-// By how much the period may have changed in so many sequences.
+// Bound of the change of the period over so many sequences.
 std::uint64_t SequenceClock::wander(std::uint64_t sequences) const {
   const std::uint64_t period = period_us();
   return ((period * kWander_ppm_per_s * (sequences * period) / 1'000'000) << kFraction) / 1'000'000;

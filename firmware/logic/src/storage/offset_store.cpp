@@ -43,7 +43,8 @@ void OffsetStore::read(std::size_t page, std::size_t slot, OffsetBook& book) {
   if (sequence <= newest_[place]) return;
   newest_[place] = sequence;
   const auto bit = static_cast<std::uint16_t>(1U << place);
-  elsewhere_ = static_cast<std::uint16_t>(page == 0 ? elsewhere_ & ~bit : elsewhere_ | bit);  // as if page_ were 0
+  // Stored as if page_ were 0; find_end() inverts it otherwise.
+  elsewhere_ = static_cast<std::uint16_t>(page == 0 ? elsewhere_ & ~bit : elsewhere_ | bit);
   PlaceOffsets& p = book[place];
   if (p.to_store) return;  // newer ones wait to be written
   p.device_id = r.le16();

@@ -49,8 +49,8 @@ void FullStream::drop_waiting() {
   size_ = 0;
 }
 
-// In the order of arrival a row whose samples come just before it has room would get less than one whose samples come
-// just after.
+// If rows were sent in the order of arrival, a row whose samples come just before it has room would get less than one
+// whose samples come just after.
 std::size_t FullStream::next_row() const {
   std::size_t row = turn_;
   do row = (row + 1) % rows_.size();

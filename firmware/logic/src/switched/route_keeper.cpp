@@ -16,7 +16,7 @@ void RouteKeeper::begin(const layout::PatchImage* table) {
   adoption_.count = 0;
   adoption_.out_of_reach = 0;
   request();
-  beyond_ = false;  // as after power-up: the neighbours may be in the middle of their looks
+  beyond_ = false;  // This is the state after power-up: the neighbours may be in the middle of their looks.
 }
 
 void RouteKeeper::request() {

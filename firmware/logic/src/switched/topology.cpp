@@ -509,7 +509,7 @@ bool Topology::activate(const Table& table, Report& report) {
   return up();
 }
 
-// Of the tree in parent_.
+// Depth of the tree in parent_.
 std::uint8_t Topology::depth() const {
   std::uint8_t deepest = 0;
   for (std::uint8_t m = 1; m < graph_.count; ++m) {

@@ -6,6 +6,7 @@
 namespace triskin::check {
 namespace {
 
+constexpr double kFacing = 0.05;    // cosine between the normals of an edge and of a side that faces it, at least
 constexpr double kSlack_mm = 1e-6;  // far above the rounding of plain doubles at 1e6 mm
 
 IntervalPoint scaled(const IntervalPoint& p, double sign) {
@@ -61,17 +62,20 @@ bool ProofPolygon::contains(double x, double y) const {
 }
 
 struct MotionRegion::Moved {
-  std::array<IntervalPoint, 2> end, end_turn;  // at the middle; derivative by the angle over the region
+  std::array<IntervalPoint, 2> end, end_turn;  // Values at the middle; derivative by the angle over the region.
   IntervalPoint normal, normal_range, normal_turn;
 };
 
 MotionRegion::MotionRegion(const ProofPolygon& polygon, const ProofBox& box)
-    : polygon_(polygon), x_(0.5 * (box.low[0] + box.high[0])), y_(0.5 * (box.low[1] + box.high[1])) {
+    : polygon_(polygon),
+      x_(0.5 * (box.low[0] + box.high[0])),
+      y_(0.5 * (box.low[1] + box.high[1])),
+      theta_(0.5 * (box.low[2] + box.high[2])) {
   const auto half = [&](std::size_t k, double center) {
     const double h = std::max(box.high[k] - center, center - box.low[k]);
     return h > 0.0 ? h * (1.0 + 1e-15) + std::abs(center) * 0x1p-52 : 0.0;
   };
-  const double theta = 0.5 * (box.low[2] + box.high[2]);
+  const double theta = theta_;
   half_x_ = half(0, x_);
   half_y_ = half(1, y_);
   half_theta_ = half(2, theta);
@@ -98,32 +102,39 @@ MotionRegion::Moved MotionRegion::moved(const ProofEdge& edge) const {
   return m;
 }
 
+MotionRegion::Verdict MotionRegion::one_side_frees(std::size_t side, const IntervalPoint& center, double sign,
+                                                   const Moved& m, double allowance_mm) const {
+  const ProofModule& module = polygon_.module();
+  const IntervalPoint n = scaled(module.normal[side], sign);
+  bool certain = true;
+  for (std::size_t e = 0; e < 2; ++e) {
+    const Interval value = dot(n, m.end[e] - center) - module.offset[side] + Interval(allowance_mm);
+    const double spread =
+        (n.x.magnitude() * half_x_ + n.y.magnitude() * half_y_ + dot(n, m.end_turn[e]).magnitude() * half_theta_) *
+        (1.0 + 1e-14);
+    if (value.high + spread < 0.0) return Verdict::kNever;
+    certain = certain && value.low - spread >= 0.0;
+  }
+  return certain ? Verdict::kAlways : Verdict::kMay;
+}
+
 // Does one of the module's sides separate it from the edge: always, for some motions, never?
 MotionRegion::Verdict MotionRegion::side_frees(const IntervalPoint& center, double sign, const Moved& m,
                                                double allowance_mm) const {
   Verdict best = Verdict::kNever;
-  const ProofModule& module = polygon_.module();
-  for (std::size_t k = 0; k < module.normal.size(); ++k) {
-    const IntervalPoint n = scaled(module.normal[k], sign);
-    bool possible = true, certain = true;
-    for (std::size_t e = 0; e < 2 && possible; ++e) {
-      const Interval value = dot(n, m.end[e] - center) - module.offset[k] + Interval(allowance_mm);
-      const double spread =
-          (n.x.magnitude() * half_x_ + n.y.magnitude() * half_y_ + dot(n, m.end_turn[e]).magnitude() * half_theta_) *
-          (1.0 + 1e-14);
-      possible = value.high + spread >= 0.0;
-      certain = certain && value.low - spread >= 0.0;
-    }
-    if (possible && certain) return Verdict::kAlways;
-    if (possible) best = Verdict::kMay;
+  for (std::size_t k = 0; k < polygon_.module().normal.size(); ++k) {
+    const Verdict here = one_side_frees(k, center, sign, m, allowance_mm);
+    if (here == Verdict::kAlways) return Verdict::kAlways;
+    if (here == Verdict::kMay) best = Verdict::kMay;
   }
   return best;
 }
 
 // The edge's own line: the whole module left of it, or the whole module right of it.
-MotionRegion::Verdict MotionRegion::line_frees(const IntervalPoint& center, double sign, const ProofEdge& edge,
-                                               const Moved& m, double allowance_mm) const {
-  bool left = true, right = true, always_left = true, always_right = true;
+MotionRegion::Ways MotionRegion::line_ways(const IntervalPoint& center, double sign, const ProofEdge& edge,
+                                           const Moved& m, double allowance_mm) const {
+  Ways ways;
+  bool always_left = true, always_right = true;
   const Interval allowance = Interval(allowance_mm) * Interval(edge.length_mm);
   for (const IntervalPoint& up_corner : polygon_.module().corner) {
     const IntervalPoint arm = center + scaled(up_corner, sign) - IntervalPoint{x_, y_};
@@ -132,13 +143,114 @@ MotionRegion::Verdict MotionRegion::line_frees(const IntervalPoint& center, doub
     const double spread = (m.normal_range.x.magnitude() * half_x_ + m.normal_range.y.magnitude() * half_y_ +
                            dot(m.normal_turn, wide_arm).magnitude() * half_theta_) *
                           (1.0 + 1e-14);
-    left = left && value.high + spread + allowance.high >= 0.0;
-    right = right && value.low - spread - allowance.high <= 0.0;
+    ways.left = ways.left && value.high + spread + allowance.high >= 0.0;
+    ways.right = ways.right && value.low - spread - allowance.high <= 0.0;
     always_left = always_left && value.low - spread + allowance.low >= 0.0;
     always_right = always_right && value.high + spread - allowance.low <= 0.0;
   }
-  if (edge.length_mm > 0.0 && (always_left || always_right)) return Verdict::kAlways;
-  return left || right ? Verdict::kMay : Verdict::kNever;
+  ways.always = edge.length_mm > 0.0 && (always_left || always_right);
+  return ways;
+}
+
+Need MotionRegion::line_need(std::uint32_t edge, double turn, const IntervalPoint& point) const {
+  const ProofEdge& e = polygon_.edges()[edge];
+  const Interval scale(turn / e.length_mm);
+  const IntervalPoint normal = quarter_turn(e.end[1] - e.end[0]);
+  const IntervalPoint from = point - IntervalPoint{x_, y_};
+  return {false,
+          edge,
+          {scale * normal.x, scale * normal.y},
+          point,
+          scale * e.offset,
+          std::hypot(from.x.magnitude() + half_x_, from.y.magnitude() + half_y_) * (1.0 + 1e-12)};
+}
+
+void MotionRegion::add_side_needs(const Candidate& module, std::uint32_t edge, std::size_t side,
+                                  std::vector<Need>& needs) const {
+  const IntervalPoint normal = scaled(polygon_.module().normal[side], module.tile.up ? 1.0 : -1.0);
+  const double shift = std::hypot(std::abs(x_) + half_x_, std::abs(y_) + half_y_) * (1.0 + 1e-12);
+  for (const IntervalPoint& end : polygon_.edges()[edge].end) {
+    needs.push_back({true, edge, normal, end, dot(normal, module.center) + polygon_.module().offset[side],
+                     shift + std::hypot(end.x.magnitude(), end.y.magnitude()) * (1.0 + 1e-12)});
+  }
+}
+
+// The edge may also lie beyond a side of the module that faces it. A point of the module whose foot is on the edge then
+// still lies on the same side of the edge's line (left: turn 1): the foot is beyond the side, the point is not, and the
+// side faces the line.
+void MotionRegion::add_needs_over(const Candidate& module, std::uint32_t edge, double turn,
+                                  std::vector<Need>& needs) const {
+  const ProofEdge& e = polygon_.edges()[edge];
+  const double dx = middle(e.end[1].x) - middle(e.end[0].x), dy = middle(e.end[1].y) - middle(e.end[0].y),
+               length = std::hypot(dx, dy);
+  const auto foot = [&](const IntervalPoint& p) {
+    const double gx = middle(p.x) - x_, gy = middle(p.y) - y_;
+    const double px = plain_cosine_ * gx + plain_sine_ * gy, py = -plain_sine_ * gx + plain_cosine_ * gy;
+    return ((px - middle(e.end[0].x)) * dx + (py - middle(e.end[0].y)) * dy) / length;
+  };
+  const double arm =
+      std::hypot(middle(module.center.x) - x_, middle(module.center.y) - y_) + polygon_.module().circumradius_high_mm;
+  const double spread = std::hypot(half_x_, half_y_) + arm * half_theta_ + kSlack_mm;
+  const auto& corners = polygon_.module().corner;
+  const double sign = module.tile.up ? 1.0 : -1.0;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const IntervalPoint a = module.center + scaled(corners[k], sign),
+                        b = module.center + scaled(corners[(k + 1) % corners.size()], sign);
+    const double at_a = foot(a), at_b = foot(b);
+    for (const double wanted : {std::clamp(at_a, spread, length - spread), std::clamp(at_b, spread, length - spread)}) {
+      if (!(spread <= length - spread) || (wanted - at_a) * (wanted - at_b) > 0.0) continue;
+      const double share = at_a == at_b ? 0.0 : std::clamp((wanted - at_a) / (at_b - at_a), 0.0, 1.0);
+      const Interval part(share);
+      needs.push_back(line_need(edge, turn, {a.x + part * (b.x - a.x), a.y + part * (b.y - a.y)}));
+      if (wanted == at_a && at_a == at_b) break;
+    }
+  }
+}
+
+void MotionRegion::add_needs(const Candidate& module, std::uint32_t edge, std::vector<Need>& needs) const {
+  const ProofEdge& e = polygon_.edges()[edge];
+  if (!(e.length_mm > 0.0)) return;
+  const Moved m = moved(e);
+  const double sign = module.tile.up ? 1.0 : -1.0;
+  Ways ways = line_ways(module.center, sign, e, m, 0.0);
+  Interval against(-1.0, -1.0);  // the normals of the sides along that of the edge, at least and at most
+  bool first = true;
+  for (std::size_t k = 0; k < polygon_.module().normal.size(); ++k) {
+    if (one_side_frees(k, module.center, sign, m, 0.0) == Verdict::kNever) continue;
+    ways.sides.push_back(k);
+    const Interval along = dot(scaled(polygon_.module().normal[k], sign), m.normal_range);
+    against = first ? along : Interval(std::min(against.low, along.low), std::max(against.high, along.high));
+    first = false;
+  }
+  const double facing = kFacing * e.length_mm;
+  if (ways.sides.empty()) {
+    if (ways.left == ways.right) return;
+    for (const IntervalPoint& corner : polygon_.module().corner)
+      needs.push_back(line_need(edge, ways.left ? 1.0 : -1.0, module.center + scaled(corner, sign)));
+    return;
+  }
+  if (ways.sides.size() == 1 && !ways.left && !ways.right) add_side_needs(module, edge, ways.sides.front(), needs);
+  if (!ways.right && against.high < -facing) add_needs_over(module, edge, 1.0, needs);
+  if (!ways.left && against.low > facing) add_needs_over(module, edge, -1.0, needs);
+}
+
+bool MotionRegion::never_met(const Need& need) const {
+  const IntervalPoint shift{Interval(-half_x_, half_x_), Interval(-half_y_, half_y_)};
+  Interval value, turn;
+  IntervalPoint normal = need.normal;
+  if (need.by_side) {
+    value = dot(normal, turned(need.point, cosine_, sine_) + IntervalPoint{x_, y_});
+    turn = dot(normal, quarter_turn(turned(need.point, cosine_range_, sine_range_)));
+  } else {
+    const IntervalPoint arm = need.point - IntervalPoint{x_, y_};
+    value = dot(turned(normal, cosine_, sine_), arm);
+    normal = turned(normal, cosine_range_, sine_range_);
+    turn = dot(quarter_turn(normal), arm + shift);
+  }
+  const double spread =
+      (normal.x.magnitude() * half_x_ + normal.y.magnitude() * half_y_ + turn.magnitude() * half_theta_) *
+      (1.0 + 1e-14);
+  return (value - need.constant).high + spread < 0.0;
 }
 
 MotionRegion::Verdict MotionRegion::cuts(const IntervalPoint& center, bool up, const ProofEdge& edge,
@@ -147,9 +259,9 @@ MotionRegion::Verdict MotionRegion::cuts(const IntervalPoint& center, bool up, c
   const double sign = up ? 1.0 : -1.0;
   const Verdict side = side_frees(center, sign, m, allowance_mm);
   if (side == Verdict::kAlways) return Verdict::kNever;
-  const Verdict line = line_frees(center, sign, edge, m, allowance_mm);
-  if (line == Verdict::kAlways) return Verdict::kNever;
-  return side == Verdict::kNever && line == Verdict::kNever ? Verdict::kAlways : Verdict::kMay;
+  const Ways line = line_ways(center, sign, edge, m, allowance_mm);
+  if (line.always) return Verdict::kNever;
+  return side == Verdict::kNever && !line.left && !line.right ? Verdict::kAlways : Verdict::kMay;
 }
 
 double MotionRegion::distance_mm(const IntervalPoint& center, const ProofEdge& edge) const {
@@ -167,15 +279,57 @@ bool MotionRegion::center_inside(const IntervalPoint& center) const {
   return polygon_.contains(plain_cosine_ * cx + plain_sine_ * cy, -plain_sine_ * cx + plain_cosine_ * cy);
 }
 
+// Of each row of the grid the part that the outline can reach: the centre of a module inside lies in it.
+std::vector<MotionRegion::Span> MotionRegion::row_spans(double first_y, double row_height, std::size_t rows) const {
+  std::vector<Span> spans(rows);
+  const double wider = reach_ + kSlack_mm;
+  const auto row = [&](double y) {
+    return static_cast<std::size_t>(std::clamp((y - first_y) / row_height, 0.0, static_cast<double>(rows) - 1.0));
+  };
+  const auto placed = [&](const IntervalPoint& p) {
+    const double px = middle(p.x), py = middle(p.y);
+    return std::array{plain_cosine_ * px - plain_sine_ * py + x_, plain_sine_ * px + plain_cosine_ * py + y_};
+  };
+  for (const ProofEdge& edge : polygon_.edges()) {
+    auto a = placed(edge.end[0]), b = placed(edge.end[1]);
+    if (a[1] > b[1]) std::swap(a, b);
+    const double slope = b[1] > a[1] ? (b[0] - a[0]) / (b[1] - a[1]) : 0.0;
+    for (std::size_t r = row(a[1] - wider); r <= row(b[1] + wider); ++r) {
+      // The part of the edge beside the row; the first and the last row have what lies beyond them too.
+      const double low = r == 0 ? a[1] : std::clamp(first_y + row_height * static_cast<double>(r) - wider, a[1], b[1]);
+      const double high =
+          r + 1 == rows ? b[1] : std::clamp(first_y + row_height * static_cast<double>(r + 1) + wider, a[1], b[1]);
+      for (const double x : {a[0] + (low - a[1]) * slope, a[1] < b[1] ? a[0] + (high - a[1]) * slope : b[0]}) {
+        spans[r].low = std::min(spans[r].low, x - wider);
+        spans[r].high = std::max(spans[r].high, x + wider);
+      }
+    }
+  }
+  return spans;
+}
+
 CandidateList MotionRegion::all() const {
   CandidateList list;
   for (std::uint32_t k = 0; k < polygon_.edges().size(); ++k) list.edges.push_back(k);
-  const double span = polygon_.radius_mm() + reach_ + polygon_.module().circumradius_high_mm + 1.0;
+  double low = 1e300, high = -1e300;
+  for (const ProofEdge& edge : polygon_.edges()) {
+    for (const IntervalPoint& end : edge.end) {
+      const double y = plain_sine_ * middle(end.x) + plain_cosine_ * middle(end.y) + y_;
+      low = std::min(low, y);
+      high = std::max(high, y);
+    }
+  }
   const double pitch = polygon_.pitch_mm(), height = pitch * polygon_.module().row_height.low,
                shift = polygon_.module().row_shift;
-  for (int j = static_cast<int>(std::floor((y_ - span) / height)) - 1; j * height <= y_ + span; ++j) {
-    const int first = static_cast<int>(std::floor((x_ - span) / pitch - shift * j)) - 2;
-    for (int i = first; pitch * (i + shift * j) <= x_ + span; ++i) {
+  const int first_row = static_cast<int>(std::floor((low - reach_) / height)) - 2,
+            last_row = static_cast<int>(std::ceil((high + reach_) / height)) + 2;
+  const std::vector<Span> spans =
+      row_spans(first_row * height, height, static_cast<std::size_t>(last_row - first_row + 1));
+  for (int j = first_row; j <= last_row; ++j) {
+    const Span& span = spans[static_cast<std::size_t>(j - first_row)];
+    if (span.low > span.high) continue;
+    const int first = static_cast<int>(std::floor(span.low / pitch - shift * j)) - 2;
+    for (int i = first; pitch * (i + shift * j) <= span.high; ++i) {
       for (int down = 0; down <= (polygon_.module().has_down ? 1 : 0); ++down) {
         const ProofTile tile{i, j, down == 0};
         list.tiles.push_back({tile, polygon_.center_of(tile), 0, static_cast<std::uint32_t>(list.edges.size()), false});

@@ -27,6 +27,17 @@ struct CandidateList {
   [[nodiscard]] int bound() const { return certain + static_cast<int>(tiles.size()); }
 };
 
+/// What a module needs in order to lie inside, whichever way it keeps clear of the edge, at every motion of a region:
+/// normal . R(-theta) (point - t) >= constant for a point of the module and the edge's line, and by a side of the
+/// module normal . (R(theta) point + t) >= constant for an end of the edge.
+struct Need {
+  bool by_side = false;
+  std::uint32_t edge = 0;
+  IntervalPoint normal, point;  ///< normal of about unit length
+  Interval constant;
+  double farthest_mm = 0.0;  ///< length of the longest vector that the normal is multiplied with
+};
+
 /// The problem in the checker's own terms.
 class ProofPolygon {
  public:
@@ -61,22 +72,42 @@ class MotionRegion {
   [[nodiscard]] CandidateList all() const;
   /// Drops what cannot lie inside and edges that cannot cut.
   [[nodiscard]] CandidateList filtered(const CandidateList& list) const;
-  /// For a region of one motion: does the module lie inside when it may stand over by `tolerance_mm`?
+  /// The angles of the region, rad, none left out.
+  [[nodiscard]] std::array<double, 2> angles() const { return {theta_ - half_theta_, theta_ + half_theta_}; }
+  /// Adds what the module needs because of one edge.
+  void add_needs(const Candidate& module, std::uint32_t edge, std::vector<Need>& needs) const;
+  /// Is the need met nowhere in the region?
+  [[nodiscard]] bool never_met(const Need& need) const;
+  /// True if the module lies inside and stands over by no more than `tolerance_mm`. The region must be one motion.
   [[nodiscard]] bool holds(const ProofTile& tile, double tolerance_mm) const;
 
  private:
   enum class Verdict { kNever, kMay, kAlways };
   struct Moved;
+  /// Ways in which a module can keep clear of an edge somewhere in the region.
+  struct Ways {
+    bool left = true, right = true, always = false;
+    std::vector<std::size_t> sides;
+  };
   [[nodiscard]] Moved moved(const ProofEdge& edge) const;
   [[nodiscard]] Verdict cuts(const IntervalPoint& center, bool up, const ProofEdge& edge, double allowance_mm) const;
   [[nodiscard]] Verdict side_frees(const IntervalPoint& center, double sign, const Moved& m, double allowance_mm) const;
-  [[nodiscard]] Verdict line_frees(const IntervalPoint& center, double sign, const ProofEdge& edge, const Moved& m,
-                                   double allowance_mm) const;
+  [[nodiscard]] Verdict one_side_frees(std::size_t side, const IntervalPoint& center, double sign, const Moved& m,
+                                       double allowance_mm) const;
+  [[nodiscard]] Ways line_ways(const IntervalPoint& center, double sign, const ProofEdge& edge, const Moved& m,
+                               double allowance_mm) const;
+  [[nodiscard]] Need line_need(std::uint32_t edge, double turn, const IntervalPoint& point) const;
+  void add_side_needs(const Candidate& module, std::uint32_t edge, std::size_t side, std::vector<Need>& needs) const;
+  void add_needs_over(const Candidate& module, std::uint32_t edge, double turn, std::vector<Need>& needs) const;
+  struct Span {
+    double low = 1e300, high = -1e300;
+  };
+  [[nodiscard]] std::vector<Span> row_spans(double first_y, double row_height, std::size_t rows) const;
   [[nodiscard]] double distance_mm(const IntervalPoint& center, const ProofEdge& edge) const;
   [[nodiscard]] bool center_inside(const IntervalPoint& center) const;
 
   const ProofPolygon& polygon_;
-  double x_, y_, half_x_, half_y_, half_theta_, reach_;
+  double x_, y_, theta_, half_x_, half_y_, half_theta_, reach_;
   double plain_cosine_, plain_sine_;
   Interval cosine_, sine_, cosine_range_, sine_range_;
 };

@@ -3,18 +3,24 @@
 
 #include <fmt/format.h>
 
+#include <bit>
 #include <chrono>
+#include <cmath>
 #include <set>
 
+#include "joint_bound.hpp"
 #include "motion_region.hpp"
+#include "ring_rules.hpp"
 #include "triskin/base/files.hpp"
 
 namespace triskin::check {
 namespace {
 
-constexpr double kListReach_mm = 40.0;  // above it the list of modules would be longer than the work it saves
+constexpr double kListReach_mm = 40.0;  // Above it the list of modules would take longer than the work it saves.
 constexpr int kDeepest = 26;            // halvings of one cell of the log
-constexpr double kSpare_mm = 1e-9;      // rounding of the placement itself, beside its tolerance
+constexpr int kJointEvery = 3;          // halvings between two looks for contradictions
+constexpr int kJointCredit = 6;         // looks at every region after one that helped
+constexpr double kSpare_mm = 1e-9;      // rounding of the placement itself, beside its tolerance; more far away
 
 struct Rejected {
   std::string reason;
@@ -64,7 +70,8 @@ class Checker {
     }
     const bool proves = !proved_ && list == &own && own.bound() <= log_.upper_bound;
     if (in_one) {
-      if (!proved_ && !proves) halve(region, list, kDeepest);
+      if (!proved_ && !proves && !(list == &own && joint_credit_ > 0 && closed_jointly(region, own, kDeepest)))
+        halve(region, list, kDeepest);
       return;
     }
     if (proves) proved_ = true;  // the parts must only be covered
@@ -140,15 +147,27 @@ class Checker {
       ProofBox part = box;
       (upper ? part.low : part.high)[axis] = middle;
       if (part.low[axis] > box.high[axis] || part.high[axis] < box.low[axis]) continue;
-      const CandidateList own = narrowed(part, list);
-      if (own.bound() > log_.upper_bound) halve(part, &own, deepest - 1);
+      CandidateList own = narrowed(part, list);
+      if (own.bound() <= log_.upper_bound || closed_jointly(part, own, deepest)) continue;
+      halve(part, &own, deepest - 1);
     }
+  }
+
+  // Needs of modules that contradict each other are looked for where halving alone has not helped.
+  // at first and where that is in vain seldom; more often after it has helped.
+  bool closed_jointly(const ProofBox& box, CandidateList& list, int deepest) {
+    if (joint_credit_ == 0 && (kDeepest - deepest) % kJointEvery != kJointEvery - 1) return false;
+    const MotionRegion region(polygon_, box);
+    const bool closed = JointBound(region, list).bound(list) <= log_.upper_bound;
+    joint_credit_ = closed ? kJointCredit : std::max(0, joint_credit_ - 1);
+    return closed;
   }
 
   const ProofLog& log_;
   const ProofPolygon& polygon_;
   std::int64_t& regions_;
   std::int64_t limit_ = 0;
+  int joint_credit_ = 0;
   bool proved_ = false;
 };
 
@@ -178,22 +197,86 @@ void require_placement(const ProofLog& log, const ProofPolygon& polygon) {
   if (std::set<ProofTile>(log.tiles.begin(), log.tiles.end()).size() != log.tiles.size())
     throw Rejected{"the placement lists a module twice"};
   const MotionRegion here(polygon, {log.motion, log.motion});
+  const double far_mm = polygon.radius_mm() + std::hypot(log.pivot[0], log.pivot[1]);
+  const double spare_mm = std::max(kSpare_mm, 4.0 * 0x1p-52 * far_mm);
   for (const ProofTile& t : log.tiles) {
     if (!t.up && !polygon.module().has_down) throw Rejected{"modules of this shape are never down"};
-    if (!here.holds(t, log.tolerance_mm + kSpare_mm))
+    if (!here.holds(t, log.tolerance_mm + spare_mm))
       throw Rejected{fmt::format("module ({}, {}, {}) does not lie inside", t.i, t.j, t.up ? "up" : "down")};
   }
 }
 
-ProofReport evaluate(const ProofLog& log, const std::vector<Ring>& rings) {
-  const auto start = std::chrono::steady_clock::now();
+// Shoelace formula about the first point; holes are the rings after the first.
+double area_of(const std::vector<Ring>& rings) {
+  double area = 0.0;
+  for (std::size_t r = 0; r < rings.size(); ++r) {
+    double twice = 0.0;
+    for (std::size_t k = 0; k < rings[r].size(); ++k) {
+      const PlanePoint &o = rings[r][0], &a = rings[r][k], &b = rings[r][(k + 1) % rings[r].size()];
+      twice += (a[0] - o[0]) * (b[1] - o[1]) - (b[0] - o[0]) * (a[1] - o[1]);
+    }
+    area += (r == 0 ? 0.5 : -0.5) * std::abs(twice);
+  }
+  return area;
+}
+
+std::string hash_of(const std::vector<std::array<PlanePoint, 2>>& edges) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const auto& edge : edges) {
+    for (const PlanePoint& p : edge) {
+      for (const double coordinate : p) {
+        const auto bits = std::bit_cast<std::uint64_t>(coordinate + 0.0);  // −0 is 0
+        for (int k = 0; k < 64; k += 8) hash = (hash ^ ((bits >> k) & 0xff)) * 0x100000001b3;
+      }
+    }
+  }
+  return fmt::format("{:016x}", hash);
+}
+
+ProofReport said_by(const ProofLog& log, const std::vector<Ring>& rings) {
   ProofReport report;
   report.modules = log.modules;
   report.upper_bound = log.upper_bound;
   report.cells = static_cast<std::int64_t>(log.cells.size());
+  report.tolerance_mm = log.tolerance_mm;
+  report.corner_cut_mm = log.corner_cut_mm;
+  report.outline_area_mm2 = area_of(rings);
+  report.outline_hash = hash_of(edge_set(rings));
+  if (!log.shape) return report;
+  report.shape = kProofShapeNames.name(*log.shape);
+  // Facing sides of triangles move apart by 1/√3 of what the pitch grows.
+  const double wider_mm = log.pitch_mm - proof_module(*log.shape, 0.0).min_pitch_mm;
+  report.gap_mm = std::max(0.0, *log.shape == ProofShape::kTriangle ? wider_mm / std::sqrt(3.0) : wider_mm);
+  if (report.gap_mm < 1e-9) report.gap_mm = 0.0;
+  return report;
+}
+
+void require_number(const char* what, const std::optional<double>& wanted, double is, double allowed) {
+  if (wanted && !(std::abs(*wanted - is) <= allowed))
+    throw Rejected{fmt::format("the proof is about {} {:g} mm, not {:g} mm", what, is, *wanted)};
+}
+
+void require_expected(const ProofReport& report, const ProofExpectation& expected) {
+  require_number("a tolerance of", expected.tolerance_mm, report.tolerance_mm, 1e-12 * report.tolerance_mm);
+  require_number("a gap of", expected.gap_mm, report.gap_mm, 1e-9);
+  require_number("a corner cut of", expected.corner_cut_mm, report.corner_cut_mm, 1e-12 * report.corner_cut_mm);
+  if (expected.shape && *expected.shape != report.shape)
+    throw Rejected{fmt::format("the proof is about the shape {}, not {}", report.shape, *expected.shape)};
+  if (expected.outline_hash && *expected.outline_hash != report.outline_hash)
+    throw Rejected{
+        fmt::format("the proof is about the outline {}, not {}", report.outline_hash, *expected.outline_hash)};
+  if (expected.modules && (*expected.modules != report.modules || *expected.modules != report.upper_bound))
+    throw Rejected{fmt::format("the proof is about {} modules and a bound of {}, not {}", report.modules,
+                               report.upper_bound, *expected.modules)};
+}
+
+ProofReport evaluate(const ProofLog& log, const std::vector<Ring>& rings, const ProofExpectation& expected) {
+  const auto start = std::chrono::steady_clock::now();
+  ProofReport report = said_by(log, rings);
   try {
     const auto edges = edge_set(rings);
     const ProofModule module = require_header(log, edges);
+    require_expected(report, expected);
     const ProofPolygon polygon(edges, log.pivot, module, log.pitch_mm);
     if (polygon.radius_mm() > 1e6) throw Rejected{"the pivot lies too far from the polygon"};
     require_placement(log, polygon);
@@ -208,12 +291,18 @@ ProofReport evaluate(const ProofLog& log, const std::vector<Ring>& rings) {
 
 }  // namespace
 
-ProofReport check_placement_proof_text(const std::string& log, const std::string& polygon) {
-  return evaluate(read_proof_log(log, "proof"), read_rings(polygon, "polygon"));
+ProofReport check_placement_proof_text(const std::string& log, const std::string& polygon,
+                                       const ProofExpectation& expected) {
+  const std::vector<Ring> rings = read_rings(polygon, "polygon");
+  require_valid_rings(rings, "polygon");
+  return evaluate(read_proof_log(log, "proof"), rings, expected);
 }
 
-ProofReport check_placement_proof(const std::filesystem::path& log, const std::filesystem::path& polygon) {
-  return evaluate(read_proof_log(read_file(log), log.string()), read_rings(read_file(polygon), polygon.string()));
+ProofReport check_placement_proof(const std::filesystem::path& log, const std::filesystem::path& polygon,
+                                  const ProofExpectation& expected) {
+  const std::vector<Ring> rings = read_rings(read_file(polygon), polygon.string());
+  require_valid_rings(rings, polygon.string());
+  return evaluate(read_proof_log(read_file(log), log.string()), rings, expected);
 }
 
 }  // namespace triskin::check

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <string_view>
 
 #include "triskin/base/error.hpp"
 #include "triskin/base/json_cause.hpp"
@@ -73,30 +75,61 @@ const json& find_polygon(const json& value, const std::string& name) {
   return type == "MultiPolygon" ? parts[0] : find_polygon(parts[0], name);
 }
 
-// POLYGON ((x y, …), (…)): numbers between parentheses, commas between points.
+// The type in front of the parentheses, in capitals and without spaces, SRID and byte order mark.
+std::string wkt_type(std::string_view text) {
+  if (const auto srid = text.find(';'); srid != std::string_view::npos && srid < text.find('('))
+    text.remove_prefix(srid + 1);
+  std::string type;
+  for (const char c : text.substr(0, text.find('('))) {
+    if (std::isalpha(static_cast<unsigned char>(c)) != 0) type += static_cast<char>(std::toupper(c));
+  }
+  return type;
+}
+
+// Numbers of a point as the letters of the type say; 0: two to four.
+std::size_t wkt_numbers(const std::string& type, const std::string& name) {
+  const std::string letters = type.substr(type.starts_with("MULTI") ? 12 : 7);
+  if (letters.empty()) return 0;
+  if (letters != "Z" && letters != "M" && letters != "ZM") fail(name, "not a WKT polygon");
+  return 2 + letters.size();
+}
+
+// POLYGON ((x y, …), (…)): numbers between parentheses, commas between points. A MULTIPOLYGON has a pair of
+// parentheses more.
 std::vector<Ring> wkt_rings(const std::string& text, const std::string& name) {
+  const std::string type = wkt_type(text);
+  if (!type.starts_with("POLYGON") && !type.starts_with("MULTIPOLYGON")) fail(name, "not a WKT polygon");
+  const int ring_depth = type.starts_with("MULTI") ? 3 : 2;
+  std::size_t expected = wkt_numbers(type, name);
   std::vector<Ring> rings;
-  int depth = 0;
+  int depth = 0, polygons = 0;
   std::vector<double> numbers;
   const auto end_point = [&] {
-    if (numbers.size() != 2) fail(name, "a WKT point must be two numbers");
+    if (expected == 0) expected = numbers.size();
+    if (numbers.size() != expected || expected < 2 || expected > 4)
+      fail(name, "a WKT point has another number of numbers");
     rings.back().push_back({numbers[0], numbers[1]});
     numbers.clear();
   };
   for (const char* at = text.c_str() + text.find('('); *at != '\0';) {
     if (*at == '(') {
-      if (++depth == 2) rings.emplace_back();
+      if (++depth == ring_depth) rings.emplace_back();
+      if (depth == ring_depth - 1 && ++polygons > 1) fail(name, "must hold exactly one polygon");
       ++at;
-    } else if (*at == ')' || (*at == ',' && depth == 2)) {
-      if (depth == 2) end_point();
+    } else if (*at == ')' || (*at == ',' && depth == ring_depth)) {
+      if (depth == ring_depth) end_point();
       if (*at == ')') --depth;
       ++at;
-    } else if (std::isspace(static_cast<unsigned char>(*at)) != 0 || *at == ',') {
+    } else if (std::isspace(static_cast<unsigned char>(*at)) != 0 || *at == ',' || (*at == ';' && depth == 0)) {
       ++at;
     } else {
+      constexpr std::string_view kDecimal = "+-.0123456789eE";
       char* end = nullptr;
       numbers.push_back(std::strtod(at, &end));
-      if (end == at || depth != 2 || !std::isfinite(numbers.back())) fail(name, "not a WKT polygon");
+      const bool is_decimal = std::all_of(static_cast<const char*>(at), static_cast<const char*>(end),
+                                          [&](char c) { return kDecimal.contains(c); });
+      if (end == at || !is_decimal || depth != ring_depth || !std::isfinite(numbers.back()))
+        fail(name, "not a WKT polygon");
       at = end;
     }
   }
@@ -104,9 +137,47 @@ std::vector<Ring> wkt_rings(const std::string& text, const std::string& name) {
   return rings;
 }
 
+// A key that stands twice in an object: one of the two would be dropped without a word.
 json parse(const std::string& text, const std::string& name) {
+  std::vector<std::set<std::string>> open;
+  const auto once = [&](int, json::parse_event_t event, json& value) {
+    if (event == json::parse_event_t::object_start) open.emplace_back();
+    if (event == json::parse_event_t::object_end) open.pop_back();
+    if (event == json::parse_event_t::key && !open.back().insert(value.get<std::string>()).second)
+      fail(name, fmt::format("the key \"{}\" stands twice in one object", value.get<std::string>()));
+    return true;
+  };
   try {
-    return json::parse(text);
+    return json::parse(text, once);
+  } catch (const json::exception& e) {
+    fail(name, fmt::format("not JSON ({})", json_cause(e.what())));
+  }
+}
+
+ProofBox box_of(const json& c, const std::string& name) {
+  if (!c.is_array() || c.size() != 6) fail(name, "a cell must be [x0, x1, y0, y1, theta0, theta1]");
+  ProofBox box;
+  for (std::size_t k = 0; k < 3; ++k) {
+    box.low[k] = number(c[2 * k], "cell", name);
+    box.high[k] = number(c[2 * k + 1], "cell", name);
+  }
+  return box;
+}
+
+// The cells are taken out one by one: a document of all of them would be ten times as long as the log.
+json parse_log(const std::string& text, const std::string& name, std::vector<ProofBox>& cells) {
+  bool in_cells = false;
+  const auto take = [&](int depth, json::parse_event_t event, json& parsed) {
+    if (depth == 1 && event == json::parse_event_t::key) in_cells = parsed == "cells";
+    const bool element =
+        depth == 2 && (event == json::parse_event_t::array_end || event == json::parse_event_t::value ||
+                       event == json::parse_event_t::object_end);
+    if (!in_cells || !element) return true;
+    cells.push_back(box_of(parsed, name));
+    return false;
+  };
+  try {
+    return json::parse(text, take);
   } catch (const json::exception& e) {
     fail(name, fmt::format("not JSON ({})", json_cause(e.what())));
   }
@@ -123,10 +194,10 @@ std::vector<Ring> read_rings(const std::string& text, const std::string& name) {
 }
 
 ProofLog read_proof_log(const std::string& text, const std::string& name) {
-  const json j = parse(text, name);
+  ProofLog log;
+  const json j = parse_log(text, name, log.cells);
   if (member(j, "format", name) != "triskin-placement-proof") fail(name, "not a placement proof (\"format\")");
   if (member(j, "version", name) != 1) fail(name, "unknown version of the proof format");
-  ProofLog log;
   log.rings = json_rings(member(j, "rings", name), name);
   const json& pivot = list(member(j, "pivot", name), "pivot", name);
   const json& motion = list(member(j, "motion", name), "motion", name);
@@ -148,15 +219,7 @@ ProofLog read_proof_log(const std::string& text, const std::string& name) {
       fail(name, "a tile must be [i, j, up]");
     log.tiles.push_back({t[0].get<int>(), t[1].get<int>(), t[2].get<int>() != 0});
   }
-  for (const json& c : list(member(j, "cells", name), "cells", name)) {
-    if (!c.is_array() || c.size() != 6) fail(name, "a cell must be [x0, x1, y0, y1, theta0, theta1]");
-    ProofBox box;
-    for (std::size_t k = 0; k < 3; ++k) {
-      box.low[k] = number(c[2 * k], "cell", name);
-      box.high[k] = number(c[2 * k + 1], "cell", name);
-    }
-    log.cells.push_back(box);
-  }
+  (void)list(member(j, "cells", name), "cells", name);
   return log;
 }
 

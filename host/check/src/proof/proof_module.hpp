@@ -11,15 +11,15 @@ inline constexpr double kModuleSide_mm = 30.0;
 
 /// A shape of module and its grid, as the checker knows them.
 struct ProofModule {
-  std::vector<IntervalPoint> normal, corner;  ///< of the up module around its centre, outward and of unit length; the
-                                              ///< down one is its mirror image in the centre
+  /// Up module around its centre, outward and of unit length; the down one is its mirror image in the centre.
+  std::vector<IntervalPoint> normal, corner;
   bool has_down = false;
-  std::vector<Interval> offset;  ///< of each side from the centre
+  std::vector<Interval> offset;  ///< offset of each side from the centre
   double inradius_low_mm = 0.0,  ///< least offset
       circumradius_high_mm = 0.0;
   double min_pitch_mm = 0.0;     ///< below it modules would overlap
-  Interval row_height;           ///< of the pitch
-  double row_shift = 0.0;        ///< of the pitch
+  Interval row_height;           ///< height of a row in pitches
+  double row_shift = 0.0;        ///< shift of a row in pitches
   double period_high_rad = 0.0;  ///< the grid is its own image after this turn, a hair less
 
   [[nodiscard]] IntervalPoint center(const ProofTile& tile, double pitch_mm) const;

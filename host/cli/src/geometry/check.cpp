@@ -44,6 +44,7 @@ const Registration kCheck{{
       app.add_option("DESIGN", *path, "design file")->required();
       return [path](Output& output) { return run(*path, output); };
     },
+    Group::kDesign,
 }};
 
 }  // namespace

@@ -9,14 +9,35 @@
 namespace triskin::cli::check_proof_command {
 namespace {
 
-int run(const std::string& log, const std::string& polygon, Output& output) {
-  const check::ProofReport r = check::check_placement_proof(log, polygon);
-  output.result = {{"accepted", r.accepted},       {"reason", r.reason}, {"modules", r.modules},
-                   {"upper_bound", r.upper_bound}, {"cells", r.cells},   {"regions", r.regions},
+struct Options {
+  std::string log, polygon;
+  check::ProofExpectation expected;
+};
+
+int run(const Options& options, Output& output) {
+  const check::ProofReport r = check::check_placement_proof(options.log, options.polygon, options.expected);
+  output.result = {{"accepted", r.accepted},
+                   {"reason", r.reason},
+                   {"modules", r.modules},
+                   {"upper_bound", r.upper_bound},
+                   {"tolerance_mm", r.tolerance_mm},
+                   {"shape", r.shape},
+                   {"gap_mm", r.gap_mm},
+                   {"corner_cut_mm", r.corner_cut_mm},
+                   {"weights", r.weights},
+                   {"outline", {{"hash", r.outline_hash}, {"area_mm2", r.outline_area_mm2}}},
+                   {"cells", r.cells},
+                   {"regions", r.regions},
                    {"seconds", r.seconds}};
   if (r.accepted) {
-    output.say(fmt::format("accepted: {} modules lie inside and no placement holds more than {}; {} cells, {:.3f} s",
-                           r.modules, r.upper_bound, r.cells, r.seconds));
+    output.say(
+        fmt::format("accepted: {} modules lie inside, none standing over by more than {:g} mm, and no placement holds "
+                    "more than {} that "
+                    "do not stand over; {} cells, {:.3f} s",
+                    r.modules, r.tolerance_mm, r.upper_bound, r.cells, r.seconds));
+    output.say(
+        fmt::format("modules: {}, gap {:g} mm, corner cut {:g} mm, counted without weights; outline: {:.6g} cm², {}",
+                    r.shape, r.gap_mm, r.corner_cut_mm, 0.01 * r.outline_area_mm2, r.outline_hash));
   } else {
     output.say("rejected: " + r.reason);
   }
@@ -29,11 +50,18 @@ const Registration kCheckProof{{
     "triskin place outline.geojson --proof outline.proof.json && triskin check-proof outline.proof.json "
     "outline.geojson",
     [](CLI::App& app) -> Run {
-      auto log = std::make_shared<std::string>();
-      auto polygon = std::make_shared<std::string>();
-      app.add_option("FILE", *log, "what place --proof wrote")->required();
-      app.add_option("POLYGON", *polygon, "the polygon that was placed, GeoJSON or WKT in mm")->required();
-      return [log, polygon](Output& output) { return run(*log, *polygon, output); };
+      auto options = std::make_shared<Options>();
+      check::ProofExpectation& expected = options->expected;
+      app.add_option("FILE", options->log, "what place --proof wrote")->required();
+      app.add_option("POLYGON", options->polygon, "the polygon that was placed, GeoJSON or WKT in mm")->required();
+      app.add_option("--expect-tolerance-mm", expected.tolerance_mm, "reject a proof of another tolerance");
+      app.add_option("--expect-shape", expected.shape, "reject a proof of another module")
+          ->check(CLI::IsMember({"triangle", "square", "hexagon"}));
+      app.add_option("--expect-gap-mm", expected.gap_mm, "reject a proof of another gap");
+      app.add_option("--expect-corner-cut-mm", expected.corner_cut_mm, "reject a proof of another corner cut");
+      app.add_option("--expect-modules", expected.modules, "reject a proof of another number, or of an open bound");
+      app.add_option("--expect-outline", expected.outline_hash, "reject a proof of an outline with another hash");
+      return [options](Output& output) { return run(*options, output); };
     },
 }};
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <map>
 #include <memory>
 #include <string>
@@ -9,7 +10,10 @@
 #include "corner_cut_option.hpp"
 #include "design_edit.hpp"
 #include "mesh_options.hpp"
+#include "read_text.hpp"
 #include "repair_text.hpp"
+#include "side_option.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/cli/bus_report.hpp"
 #include "triskin/cli/command.hpp"
@@ -21,6 +25,7 @@ namespace {
 struct Options {
   std::string mesh, output, regions;
   UnitOption unit;
+  SideOption side;
   pipeline::DesignOptions design;
   EditOptions edit;
 };
@@ -33,11 +38,17 @@ std::string reason_of_nothing(const design::Design& d, bool unit_given) {
     high = high.cwiseMax(v);
   }
   const design::Vec3 size = d.surface.vertices.empty() ? design::Vec3::Zero() : design::Vec3(high - low);
+  const geometry::OpenSide side = geometry::open_side_of(d.surface);
+  const std::string inward =
+      side.is_open && side.toward_middle > 0.5
+          ? "; its faces look at its own middle, where modules have less room: --flip takes the other side"
+          : "";
   return fmt::format(
-      "no module fits: the surface measures {:.4g} × {:.4g} × {:.4g} mm, a module is a triangle with sides of "
-      "30 mm{}; no design was written",
-      size.x(), size.y(), size.z(),
-      unit_given ? "" : "; the mesh was taken for mm: say --unit cm or --unit m if it is not");
+             "no module fits: the surface measures {:.4g} × {:.4g} × {:.4g} mm, a module is a triangle with sides of "
+             "30 mm{}; no design was written",
+             size.x(), size.y(), size.z(),
+             unit_given ? "" : "; the mesh was taken for mm: say --unit cm, m or in if it is not") +
+         inward;
 }
 
 nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& notes) {
@@ -72,6 +83,7 @@ nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& not
                          {"crossing_tested", notes.extract.tested},
                          {"solver_faces", notes.solver_faces},
                          {"solver_deviation_mm", notes.solver_deviation_mm},
+                         {"notes", notes.reading},
                          {"seconds", r.seconds}};
   if (d.layout.corner_cut_mm > 0.0) {
     keys["corner_cut_mm"] = d.layout.corner_cut_mm;
@@ -82,8 +94,12 @@ nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& not
 
 void say_layout(const design::Design& d, const pipeline::DesignNotes& notes, Output& output) {
   const auto& r = d.report;
+  for (const std::string& note : notes.reading) output.say(note);
+  if (const std::string side = side_text_of(geometry::open_side_of(d.surface)); !side.empty()) output.say(side);
   if (const std::string shortage = shortage_text(notes.extract); !shortage.empty()) output.say(shortage);
   if (const std::string change = repair_text(notes.extract, "repair"); !change.empty()) output.say(change);
+  if (const std::string side = side_text(notes.side); !side.empty()) output.say(side);
+  if (const std::string holes = bridge_text(notes.bridges); !holes.empty()) output.say(holes);
   if (notes.solver_deviation_mm > 0.0) {
     output.say(fmt::format("searched on {} of {} faces, which deviate by at most {:.3f} mm; measured on all",
                            notes.solver_faces, d.surface.faces.size(), notes.solver_deviation_mm));
@@ -115,16 +131,25 @@ void say_layout(const design::Design& d, const pipeline::DesignNotes& notes, Out
 
 int run(Options options, Output& output) {
   catch_interrupts();
-  if (options.edit.wanted(options.mesh))
+  require_writable(options.output);
+  if (options.edit.wanted(options.mesh)) {
+    std::fputs("triskin: a design is changed by triskin edit, with the same options; design loses them with 0.4\n",
+               stderr);
     return edit(options.mesh, options.output, options.edit, options.design, output);
+  }
   options.design.unit = options.unit.unit;
   if (!options.regions.empty()) options.design.regions = design::read_region_file(options.regions);
   options.design.kinds = options.edit.kind_plan();
+  options.design.side = options.side.options();
+  options.design.bridge_mm = options.side.bridge_mm();
   pipeline::DesignNotes notes;
   const design::Design d = pipeline::make_design(options.mesh, options.design, output.progress(), &notes);
+  if (notes.side.is_undecided) return report_undecided(notes.part, notes.side, options.output + ".svg", output);
   const bool nothing = d.layout.modules.empty();
   if (!nothing) design::write_design(options.output, d);
   output.result = keys_of(d, notes);
+  add_side_keys(notes.side, output);
+  if (options.design.bridge_mm > 0.0) output.result["bridged_holes"] = notes.bridges.bridged;
   say_layout(d, notes, output);
   if (nothing) {
     const std::string reason = reason_of_nothing(d, options.unit.unit.has_value());
@@ -193,12 +218,11 @@ const Registration kDesign{{
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       app.add_option("MESH", options->mesh,
-                     "OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF; mm unless --unit says otherwise; with --take, "
-                     "--remove, --add, --keep or --mirror a "
-                     "design")
+                     "OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF; mm unless --unit says otherwise")
           ->required();
       app.add_option("-o,--output", options->output, "design file")->required();
       options->edit.add_to(app);
+      EditOptions::hide(app);
       app.add_option("--repair", options->design.repair,
                      "auto: a mesh that crosses itself or is no manifold is made one that can be covered; never: it is "
                      "refused")
@@ -210,6 +234,8 @@ const Registration kDesign{{
       app.add_option("--seed", options->design.seed, "of every random choice")->capture_default_str();
       options->unit.add_to(app);
       add_object_option(app, options->design.object);
+      options->side.add_to(app);
+      app.add_flag("--flip", options->design.flip, "turn all faces over: the other side of an open part");
       add_limits(app, options->design.limits);
       add_corner_cut(app, options->design.corner_cut_mm);
       app.add_option("--bend-radius-mm", options->design.bend_radius_mm,
@@ -237,6 +263,7 @@ const Registration kDesign{{
         return run(*options, output);
       };
     },
+    Group::kDesign,
 }};
 
 }  // namespace

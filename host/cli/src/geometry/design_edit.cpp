@@ -139,15 +139,14 @@ int report_design(const design::Design& d, Output& output) {
 
 void EditOptions::add_to(CLI::App& app) {
   auto* take_option =
-      app.add_option("--take", take, "MESH is a design: take its alternative of this number, without a search")
-          ->check(CLI::Range(0, 1000));
-  auto* remove_option = app.add_option("--remove", remove, "MESH is a design: take these modules away, as 3,7-9");
-  auto* add_option = app.add_option(
-      "--add", add, "MESH is a design: a module at each of these free sides (MODULE.SIDE) or tiles (ISLAND:I/J/up)");
-  auto* keep_option = app.add_option(
-      "--keep", keep, "MESH is a design: these modules (as 0-40,52) stay exactly where they are, the rest is searched");
-  auto* mirror_option = app.add_option(
-      "--mirror", mirror, "MESH is a design: its mirror image at the plane x = 0 (x, y, z) or at NX,NY,NZ,D");
+      app.add_option("--take", take, "the alternative of this number, without a search")->check(CLI::Range(0, 1000));
+  auto* remove_option = app.add_option("--remove", remove, "take these modules away, as 3,7-9");
+  auto* add_option =
+      app.add_option("--add", add, "a module at each of these free sides (MODULE.SIDE) or tiles (ISLAND:I/J/up)");
+  auto* keep_option =
+      app.add_option("--keep", keep, "these modules (as 0-40,52) stay exactly where they are, the rest is searched");
+  auto* mirror_option =
+      app.add_option("--mirror", mirror, "the mirror image at the plane x = 0 (x, y, z) or at NX,NY,NZ,D");
   for (CLI::Option* a : {remove_option, add_option}) {
     for (CLI::Option* b : {take_option, keep_option, mirror_option}) a->excludes(b);
   }
@@ -157,6 +156,14 @@ void EditOptions::add_to(CLI::App& app) {
       "--kinds", kinds,
       "file that says which modules are of which kind (docs/kinds.md); of a design (.json) it changes nothing "
       "else; none: all are standard");
+}
+
+void EditOptions::hide(CLI::App& app) {
+  for (const char* name : {"--take", "--remove", "--add", "--keep", "--mirror"}) app.get_option(name)->group("");
+}
+
+bool EditOptions::any() const {
+  return take >= 0 || !(remove.empty() && add.empty() && keep.empty() && mirror.empty() && kinds.empty());
 }
 
 bool EditOptions::wanted(const std::string& from) const {

@@ -7,13 +7,17 @@
 
 namespace triskin::cli {
 
-/// Options of `triskin design` that make a design of a design.
+/// Options of `triskin edit`, which make a design of a design. `triskin design` takes them for one more release.
 struct EditOptions {
   int take = -1;
   std::string remove, add, keep, mirror;
   std::string kinds;  ///< file, or "none"; also beside a mesh
 
   void add_to(CLI::App& app);
+  /// Says nothing of them in --help, but for --kinds.
+  static void hide(CLI::App& app);
+  /// Whether any of them is given.
+  [[nodiscard]] bool any() const;
   /// Whether `from` is a design that is to be changed, not a mesh.
   [[nodiscard]] bool wanted(const std::string& from) const;
   /// Kinds of the file; none without one.

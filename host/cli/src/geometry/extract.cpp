@@ -4,17 +4,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
-#include <cmath>
 #include <map>
 #include <memory>
 #include <vector>
 
 #include "mesh_options.hpp"
+#include "number_list.hpp"
+#include "read_text.hpp"
 #include "repair_text.hpp"
+#include "side_option.hpp"
+#include "side_picture.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/cli/command.hpp"
+#include "triskin/mesh/mesh_io.hpp"
+#include "triskin/mesh/open_side.hpp"
 #include "triskin/mesh/surface.hpp"
 
 namespace triskin::cli::extract_command {
@@ -23,25 +28,13 @@ namespace {
 using When = geometry::ExtractOptions::When;
 
 struct Options {
-  std::string mesh, output, object, keep_out;
+  std::string mesh, output, object, keep_out, picture;
+  SideOption side;
   UnitOption unit;
   geometry::ExtractOptions steps;
   std::vector<std::string> spheres, boxes;
+  bool flip = false;
 };
-
-// Numbers between commas, all of the text; empty when it is not that.
-std::vector<double> numbers_of(const std::string& text) {
-  std::vector<double> numbers;
-  for (std::size_t from = 0; from <= text.size();) {
-    const std::size_t end = std::min(text.find(',', from), text.size());
-    double value = 0.0;
-    const auto [rest, error] = std::from_chars(text.data() + from, text.data() + end, value);
-    if (error != std::errc{} || rest != text.data() + end || !std::isfinite(value)) return {};
-    numbers.push_back(value);
-    from = end + 1;
-  }
-  return numbers;
-}
 
 void take_keep_outs(Options& o) {
   for (const std::string& text : o.spheres) {
@@ -62,18 +55,33 @@ void take_keep_outs(Options& o) {
 }
 
 int run(Options options, Output& output) {
+  geometry::require_mesh_output(options.output);
+  require_writable(options.output);
   take_keep_outs(options);
+  const geometry::SideOptions side_options = options.side.options();
   const auto start = std::chrono::steady_clock::now();
   const geometry::MeshFile file = geometry::read_mesh(options.mesh, options.unit.unit, options.object);
-  const geometry::Extraction e = geometry::extract(file.mesh, options.steps, output.progress());
-  geometry::write_obj(options.output, e.surface);
-  const double area_cm2 = geometry::Surface(e.surface).area_mm2() / 100.0;
+  say_notes(options.mesh, file.report.notes, output);
+  geometry::Extraction e = geometry::extract(file.mesh, options.steps, output.progress());
+  if (options.flip) geometry::turn_over(e.surface);
+  geometry::TakenSide taken = geometry::take_side(e.surface, side_options);
+  if (taken.is_undecided)
+    return report_undecided(e.surface, taken, options.picture.empty() ? options.output + ".svg" : options.picture,
+                            output);
+  if (!options.picture.empty()) write_output(options.picture, side_svg(e.surface, taken.choice));
+  geometry::BridgeReport bridges;
+  if (options.side.bridge_mm() > 0.0)
+    bridges = geometry::bridge_holes(taken.surface, e.surface, options.side.bridge_mm());
+  const geometry::OpenSide open_side = geometry::open_side_of(taken.surface);
+  geometry::write_mesh(options.output, taken.surface);
+  const geometry::Surface surface(taken.surface);
+  const double area_cm2 = surface.area_mm2() / 100.0;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  output.result = {{"faces", e.surface.faces.size()},
+  output.result = {{"faces", taken.surface.faces.size()},
                    {"area_cm2", area_cm2},
                    {"removed_components", e.report.removed_components},
                    {"enclosed_components", e.report.enclosed_components},
-                   {"boundary_loops", e.report.boundary_loops},
+                   {"boundary_loops", surface.border_loops().size()},
                    {"flipped_faces", e.report.flipped_faces},
                    {"components", e.report.components},
                    {"crowded_edges", e.report.non_manifold_edges},
@@ -87,12 +95,20 @@ int run(Options options, Output& output) {
                    {"mean_deviation_mm", e.report.deviation.mean_mm},
                    {"reduced_mm", e.report.reduced_mm},
                    {"crossing_tested", e.report.tested},
+                   {"notes", file.report.notes},
+                   {"open", open_side.is_open},
+                   {"toward_middle", open_side.toward_middle},
                    {"seconds", seconds}};
+  add_side_keys(taken, output);
+  output.result["bridged_holes"] = bridges.bridged;
+  if (const std::string text = side_text_of(open_side); !text.empty()) output.say(text);
   if (const std::string shortage = shortage_text(e.report); !shortage.empty()) output.say(shortage);
   if (const std::string change = repair_text(e.report, "outer"); !change.empty()) output.say(change);
+  if (const std::string side = side_text(taken); !side.empty()) output.say(side);
+  if (const std::string holes = bridge_text(bridges); !holes.empty()) output.say(holes);
   output.say(fmt::format("{} faces, {:.1f} cm², {} border loops; {} parts removed, {} faces turned; {:.2f} s",
-                         e.surface.faces.size(), area_cm2, e.report.boundary_loops, e.report.removed_components,
-                         e.report.flipped_faces, seconds));
+                         taken.surface.faces.size(), area_cm2, surface.border_loops().size(),
+                         e.report.removed_components, e.report.flipped_faces, seconds));
   return 0;
 }
 
@@ -103,9 +119,12 @@ const Registration kExtract{{
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       app.add_option("MESH", options->mesh, "OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF")->required();
-      app.add_option("-o,--output", options->output, "surface (OBJ, mm)")->required();
+      app.add_option("-o,--output", options->output, "surface (OBJ or STL, mm)")->required();
       options->unit.add_to(app);
       add_object_option(app, options->object);
+      options->side.add_to(app);
+      app.add_option("--picture", options->picture, "SVG of the part with its sides coloured");
+      app.add_flag("--flip", options->flip, "turn all faces over: the other side of an open part");
       const std::map<std::string, When> when{
           {"never", When::kNever}, {"auto", When::kWhenNeeded}, {"always", When::kAlways}};
       auto& s = options->steps;
@@ -134,6 +153,7 @@ const Registration kExtract{{
           ->capture_default_str();
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kDesign,
 }};
 
 }  // namespace

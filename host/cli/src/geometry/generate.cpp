@@ -41,7 +41,7 @@ int run(const Options& options, Output& output) {
   if (!shape) throw InputError(fmt::format("generate: no shape {}; there are\n{}", options.shape, shape_lines()));
   if (options.output.empty()) throw InputError("generate: -o FILE.obj is missing");
   const geometry::Mesh mesh = geometry::generate(*shape, options.mesh);
-  geometry::write_obj(options.output, mesh);
+  geometry::write_mesh(options.output, mesh);
   output.result = {{"faces", mesh.faces.size()}};
   output.say(fmt::format("{}: {} faces", options.output, mesh.faces.size()));
   return 0;

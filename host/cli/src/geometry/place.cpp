@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <memory>
 #include <set>
@@ -23,7 +25,7 @@ struct Options {
   std::string proof;
   std::string weights;
   std::string output;
-  int piece = -1;  // of a net; −1: all
+  int piece = -1;  // Number of a piece of the net; −1: all.
   std::vector<int> node{0, 0};
   geometry::PlacementOptions placement;
 };
@@ -53,6 +55,9 @@ nlohmann::json result_of(const geometry::Polygon& polygon, const geometry::Place
       {"modules", r.modules},
       {"upper_bound", r.upper_bound},
       {"proved", r.proved},
+      {"stopped", geometry::kSearchStopNames.name(r.stopped)},
+      {"modules_within_bound", r.modules_within_bound},
+      {"bound_inset_mm", -0.5 * r.tolerance_mm},
       {"clearance_mm", r.clearance_mm},
       {"clearance_bound_mm", r.clearance_bound_mm},
       {"tolerance_mm", r.tolerance_mm},
@@ -86,12 +91,22 @@ nlohmann::json result_of(const geometry::Polygon& polygon, const geometry::Place
 }
 
 void say_result(const geometry::PlacementResult& r, const Options& options, const Output& output) {
+  const bool exact = options.placement.method == PlacementMethod::kBranchAndBound;
   output.say(fmt::format("{} modules, upper bound {}{}; clearance {:.4f} mm at tolerance {:g} mm", r.modules,
                          r.upper_bound, r.proved ? " (proved optimal)" : "", without_sign_of_zero(r.clearance_mm, 5e-5),
                          r.tolerance_mm));
-  output.say(fmt::format("placement x {:.6f} mm, y {:.6f} mm, theta {:.9f} rad; {} cells, {:.3f} s",
+  if (exact && !options.placement.connected && !options.placement.weights && r.modules_within_bound < r.modules)
+    output.say(fmt::format("{} of them stand over by more than half the tolerance, where the bound does not reach",
+                           r.modules - r.modules_within_bound));
+  if (r.stopped != geometry::SearchStop::kNone)
+    output.say(fmt::format("the search ended at its limit of {}: the best that was found, and a bound that is open",
+                           geometry::kSearchStopNames.name(r.stopped)));
+  const std::string bound =
+      exact ? fmt::format("; none holds more than {} with insets from {:g} mm", r.upper_bound, -0.5 * r.tolerance_mm)
+            : "";
+  output.say(fmt::format("placement x {:.6f} mm, y {:.6f} mm, theta {:.9f} rad; {} cells, {:.3f} s{}",
                          without_sign_of_zero(r.placement.x_mm, 5e-7), without_sign_of_zero(r.placement.y_mm, 5e-7),
-                         without_sign_of_zero(r.placement.theta_rad, 5e-10), r.cells, r.seconds));
+                         without_sign_of_zero(r.placement.theta_rad, 5e-10), r.cells, r.seconds, bound));
   if (options.placement.weights) output.say(fmt::format("weight {:.6g}, none above {:.6g}", r.weight, r.weight_bound));
   if (r.deficit_mm)
     output.say(fmt::format("one module more would fit if every side gave way by {:.4f} mm, not by less than {:.4f} mm",
@@ -135,6 +150,24 @@ nlohmann::json total_of(const nlohmann::json& pieces) {
   return total;
 }
 
+// The pieces that are left share the time that is left.
+geometry::PlacementResult place_piece(const geometry::Polygon& polygon, const Options& options, std::size_t pieces_left,
+                                      std::chrono::steady_clock::time_point start, const Output& output) {
+  geometry::PlacementOptions placement = options.placement;
+  if (placement.time_limit_s > 0.0) {
+    const double used_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    placement.time_limit_s = std::max(1e-3, (placement.time_limit_s - used_s) / static_cast<double>(pieces_left));
+  }
+  if (options.proof.empty()) return geometry::place(polygon, placement, output.progress());
+  OutputFile file(options.proof);
+  geometry::ProofWriter writer([&](std::string_view part) { file.write(part); });
+  placement.proof_cell = [&](const geometry::ProofCell& cell) { writer.add_cell(cell); };
+  geometry::PlacementResult result = geometry::place(polygon, placement, output.progress());
+  writer.finish(polygon, result);
+  file.commit();
+  return result;
+}
+
 int run(const Options& options, Output& output) {
   if (!options.output.empty() && options.placement.shape != geometry::TileShape::kTriangle)
     throw InputError("-o: only triangles can be routed; leave --shape or -o out");
@@ -142,12 +175,12 @@ int run(const Options& options, Output& output) {
   std::vector<geometry::PlacementResult> results;
   nlohmann::json pieces = nlohmann::json::array();
   int modules = 0;
+  const auto start = std::chrono::steady_clock::now();
   for (const geometry::Polygon& polygon : polygons) {
-    results.push_back(geometry::place(polygon, options.placement, output.progress()));
+    results.push_back(place_piece(polygon, options, polygons.size() - results.size(), start, output));
     const geometry::PlacementResult& r = results.back();
     modules += r.modules;
     pieces.push_back(result_of(polygon, r, options, output));
-    if (!options.proof.empty()) write_output(options.proof, geometry::proof_text(polygon, r));
     if (!output.json()) say_result(r, options, output);
   }
   output.result = pieces.size() == 1 ? pieces[0] : total_of(pieces);
@@ -155,7 +188,10 @@ int run(const Options& options, Output& output) {
     output.say(fmt::format("{} modules on {} pieces, upper bound {}", modules, pieces.size(),
                            output.result["upper_bound"].get<int>()));
   if (modules == 0) {
-    output.say("no module fits: a module is a triangle with sides of 30 mm, and lengths are mm");
+    const bool open = std::ranges::any_of(results, [](const auto& r) { return r.upper_bound > 0; });
+    output.say(open ? "no placement with a module was found before the limit, and none was excluded: give more with "
+                      "--time-limit-s or --memory-mb"
+                    : "no module fits: a module is a triangle with sides of 30 mm, and lengths are mm");
     return 1;
   }
   if (!options.output.empty()) write_output(options.output, module_list(results));
@@ -212,7 +248,14 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--gap-mm", options.placement.gap_mm, "free space between facing sides of modules")
       ->capture_default_str();
   add_corner_cut(app, options.placement.corner_cut_mm);
-  app.add_option("--time-limit-s", options.placement.time_limit_s, "0: none")->capture_default_str();
+  app.add_option("--time-limit-s", options.placement.time_limit_s, "0: none; the pieces of a net share it")
+      ->capture_default_str();
+  app.add_option("--memory-mb", options.placement.memory_limit_mb,
+                 "for what the search keeps open; then it ends with the best that it has (method bnb)")
+      ->capture_default_str();
+  app.add_option("--proof-mb", options.placement.proof_limit_mb,
+                 "largest size of the file of --proof; before it the search ends with the best that it has")
+      ->capture_default_str();
   app.add_flag("!--no-clearance", options.placement.largest_clearance,
                "do not look for the placement with the largest clearance");
   app.add_flag("--connected", options.placement.connected, "the most modules that hang together by sides (method bnb)");
@@ -236,10 +279,9 @@ const Registration kPlace{{
       auto options = std::make_shared<Options>();
       add_options(app, *options);
       return [options](Output& output) {
-        options->placement.keep_proof = !options->proof.empty();
         options->placement.paper.node = {options->node[0], options->node[1]};
         const bool exact = options->placement.method == PlacementMethod::kBranchAndBound;
-        if (options->placement.keep_proof && !exact) throw InputError("--proof: only --method bnb proves its answer");
+        if (!options->proof.empty() && !exact) throw InputError("--proof: only --method bnb proves its answer");
         if (!options->weights.empty())
           options->placement.weights =
               std::make_shared<const geometry::WeightMap>(geometry::read_weight_map(options->weights));
@@ -247,6 +289,7 @@ const Registration kPlace{{
         return run(*options, output);
       };
     },
+    Group::kDesign,
 }};
 
 }  // namespace

@@ -267,6 +267,7 @@ const Registration kRoute{{
       add_options(app, *options);
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kDesign,
 }};
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "mesh_options.hpp"
 #include "net_picture.hpp"
+#include "read_text.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/mesh/extract.hpp"
@@ -50,7 +51,9 @@ json net_json(const geometry::Net& net) {
 
 int run(Options options, Output& output) {
   const auto start = std::chrono::steady_clock::now();
+  require_writable(options.output);
   const geometry::MeshFile file = geometry::read_mesh(options.surface, options.unit.unit, options.object);
+  say_notes(options.surface, file.report.notes, output);
   const geometry::Surface surface(geometry::extract(file.mesh).surface);
   if (!options.seams.empty())
     options.unfolding.seams =
@@ -108,6 +111,7 @@ const Registration kUnfold{{
       add_object_option(app, options->object);
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kDesign,
 }};
 
 }  // namespace

@@ -36,7 +36,7 @@ typedef struct triskin_skin triskin_skin;
 typedef struct triskin_options {
   size_t size;        ///< sizeof(triskin_options) of the caller: later versions append fields
   const char* link;   ///< as --link of the program: "sim", "sim:HOST:PORT", "can:IFACE", "hid", "usb" …; NULL: of a
-                      ///< design "sim", of a robot the links that its file names
+                      ///< robot the links that its file names, and no design can be opened
   const char* scene;  ///< scene file of "sim"; NULL: none
   int every;          ///< each n-th sample, 1 … 255; 0: the smallest n that fits the bus
   int overload;       ///< not 0: streams `every` also where it does not fit

@@ -10,8 +10,8 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kJitter = 0.28;  // of a grid cell
-constexpr double kSnap = 0.3;     // of an edge: a vertex nearer to the cut moves onto it, so that no sliver is cut off
+constexpr double kJitter = 0.28;  // Share of a grid cell.
+constexpr double kSnap = 0.3;     // A vertex this near to the cut moves onto it, so that no sliver is cut off.
 constexpr std::uint64_t kSeed = 7;
 
 std::size_t at(int k) {
@@ -72,7 +72,7 @@ class Grid {
     return uv_[at(a)] + t * (to - uv_[at(a)]);
   }
 
-  // Where `keep` changes its sign between a and b, as a share of the way.
+  // Share of the way from a to b at which `keep` changes its sign.
   [[nodiscard]] double root(int a, int b) const {
     double low = 0.0, high = 1.0;
     for (int k = 0; k < 40; ++k) {
@@ -83,7 +83,7 @@ class Grid {
   }
 
   void snap() {
-    std::map<int, std::pair<double, Vec2>> nearest;  // of a vertex: share of an edge, and where it goes
+    std::map<int, std::pair<double, Vec2>> nearest;  // Keyed by vertex: share of an edge, and the new position.
     for (const auto& f : faces_) {
       for (std::size_t s = 0; s < 3; ++s) {
         const int a = f[s], b = f[(s + 1) % 3];

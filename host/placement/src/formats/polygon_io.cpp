@@ -10,9 +10,10 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "polygon_rules.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
-#include "triskin/base/json_cause.hpp"
+#include "triskin/design/json_value.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -20,6 +21,7 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using nlohmann::json;
 constexpr double kLargestCoordinate_mm = 1e8;
+constexpr double kTouching_mm = 1e-9;  // far below every tolerance
 
 std::string ring_name(std::size_t ring) {
   return ring == 0 ? "outer ring" : fmt::format("hole {}", ring - 1);
@@ -48,7 +50,8 @@ void require_closed(const std::vector<Vec2>& ring, const std::string& name, std:
 }
 
 Polygon from_coordinates(const json& rings, const std::string& name) {
-  if (!rings.is_array() || rings.empty()) fail(name, "\"coordinates\" must be a list of rings");
+  if (!rings.is_array()) fail(name, "\"coordinates\" must be a list of rings");
+  if (rings.empty()) fail(name, "the polygon is empty: it has no rings");
   Polygon polygon;
   for (std::size_t r = 0; r < rings.size(); ++r) {
     if (!rings[r].is_array()) fail(name, ring_name(r) + ": must be a list of points");
@@ -82,24 +85,26 @@ Polygon from_geojson(const json& j, const std::string& name) {
   return from_coordinates(coordinates[0], name);
 }
 
-// POLYGON ((x y, x y, …), (…)) of OGC 06-103r4.
+// POLYGON ((x y, x y, …), (…)) of OGC 06-103r4, also with Z and M, which are left out, a MULTIPOLYGON of one, and SRID
+// as PostGIS writes it.
 class WktReader {
  public:
-  WktReader(const std::string& text, const std::string& name) : text_(text), name_(name) {}
+  WktReader(const std::string& text, const std::string& name) : text_(text), name_(name) {
+    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+    if (text.starts_with(kByteOrderMark)) at_ = kByteOrderMark.size();
+  }
 
   Polygon read() {
-    word("POLYGON");
-    Polygon polygon;
-    expect('(');
-    for (std::size_t r = 0; r == 0 || accept(','); ++r) {
-      std::vector<Vec2> points = ring(r);
-      require_closed(points, name_, r);
-      if (r == 0)
-        polygon.outer = std::move(points);
-      else
-        polygon.holes.push_back(std::move(points));
-    }
-    expect(')');
+    read_srid();
+    const std::string type = word();
+    const bool is_multi = type.starts_with("MULTIPOLYGON");
+    if (!is_multi && !type.starts_with("POLYGON")) fail_here("expected POLYGON (WKT) or a GeoJSON object");
+    read_dimension(type.substr(is_multi ? 12 : 7));
+    if (is_multi) expect('(');
+    Polygon polygon = rings();
+    if (is_multi && accept(',')) fail(name_, "a MULTIPOLYGON must hold exactly one polygon; place each one alone");
+    if (is_multi) expect(')');
+    (void)accept(';');
     skip();
     if (at_ != text_.size()) fail_here("unexpected text after the polygon");
     return polygon;
@@ -121,13 +126,35 @@ class WktReader {
   void expect(char c) {
     if (!accept(c)) fail_here(fmt::format("expected '{}'", c));
   }
-  void word(const std::string& expected) {
+  // Letters, in upper case.
+  std::string word() {
     skip();
-    for (const char c : expected) {
-      if (at_ >= text_.size() || std::toupper(static_cast<unsigned char>(text_[at_])) != c)
-        fail_here("expected POLYGON (WKT) or a GeoJSON object");
-      ++at_;
+    std::string word;
+    while (at_ < text_.size() && std::isalpha(static_cast<unsigned char>(text_[at_])) != 0)
+      word += static_cast<char>(std::toupper(static_cast<unsigned char>(text_[at_++])));
+    return word;
+  }
+  void read_srid() {
+    const std::size_t before = at_;
+    if (word() != "SRID") {
+      at_ = before;
+      return;
     }
+    const std::size_t end = text_.find(';', at_);
+    if (end == std::string::npos) fail_here("expected ';' behind SRID");
+    at_ = end + 1;
+  }
+  // Z, M, ZM or nothing, behind the type with a space or without, and EMPTY.
+  void read_dimension(std::string dimension) {
+    std::string next = dimension.empty() ? word() : dimension;
+    if (next == "Z" || next == "M" || next == "ZM") {
+      numbers_ = 2 + next.size();
+      next = word();
+    } else if (!dimension.empty()) {
+      fail_here("expected POLYGON (WKT) or a GeoJSON object");
+    }
+    if (next == "EMPTY") fail(name_, "the polygon is EMPTY: it has no rings");
+    if (!next.empty()) fail_here(fmt::format("\"{}\" is unknown here", next.substr(0, 20)));
   }
   double number() {
     skip();
@@ -138,20 +165,42 @@ class WktReader {
     at_ = static_cast<std::size_t>(end - text_.data());
     return value;
   }
-  std::vector<Vec2> ring(std::size_t) {
-    std::vector<Vec2> points;
+  Vec2 point() {
+    const double x = number();
+    const Vec2 p(x, number());
+    std::size_t count = 2;
+    for (skip(); at_ < text_.size() && text_[at_] != ',' && text_[at_] != ')'; skip(), ++count) (void)number();
+    if (numbers_ == 0) numbers_ = count;  // Older writers leave the letter out.
+    if (count != numbers_ || count > 4) fail_here(fmt::format("a point has {} numbers, not {}", count, numbers_));
+    return p;
+  }
+  Polygon rings() {
+    Polygon polygon;
+    if (const std::size_t before = at_; word() == "EMPTY")
+      fail(name_, "the polygon is EMPTY: it has no rings");
+    else
+      at_ = before;
     expect('(');
-    do {
-      const double x = number();
-      points.emplace_back(x, number());
-    } while (accept(','));
+    for (std::size_t r = 0; r == 0 || accept(','); ++r) {
+      std::vector<Vec2> points;
+      expect('(');
+      do {
+        points.push_back(point());
+      } while (accept(','));
+      expect(')');
+      require_closed(points, name_, r);
+      if (r == 0)
+        polygon.outer = std::move(points);
+      else
+        polygon.holes.push_back(std::move(points));
+    }
     expect(')');
-    return points;
+    return polygon;
   }
 
   const std::string& text_;
   const std::string& name_;
-  std::size_t at_ = 0;
+  std::size_t at_ = 0, numbers_ = 0;
 };
 
 void clean_ring(std::vector<Vec2>& ring, const std::string& name, std::size_t index) {
@@ -176,12 +225,26 @@ CGAL::Orientation side(const Edge& e, const Vec2& p) {
                            Kernel::Point_2(p.x(), p.y()));
 }
 
+double distance_mm(const Edge& e, const Vec2& p) {
+  const Vec2 along = e.b - e.a;
+  const double square = along.squaredNorm(),
+               t = square > 0.0 ? std::clamp((p - e.a).dot(along) / square, 0.0, 1.0) : 0.0;
+  return (p - e.a - t * along).norm();
+}
+
+// A vertex that was put on an edge and then rounded lies beside it by a few units in the last place.
+bool touches(const Edge& e, const Vec2& p) {
+  const double largest = std::max({e.a.cwiseAbs().maxCoeff(), e.b.cwiseAbs().maxCoeff(), p.cwiseAbs().maxCoeff()});
+  return distance_mm(e, p) <= std::max(kTouching_mm, 4.0 * 0x1p-52 * largest);
+}
+
 // Interiors cross: the ends of each edge lie strictly on both sides of the other. Touching is allowed.
 bool cross(const Edge& e, const Edge& f) {
   const auto s1 = side(e, f.a), s2 = side(e, f.b);
   if (s1 == CGAL::COLLINEAR || s1 == s2 || s2 == CGAL::COLLINEAR) return false;
   const auto s3 = side(f, e.a), s4 = side(f, e.b);
-  return s3 != CGAL::COLLINEAR && s4 != CGAL::COLLINEAR && s3 != s4;
+  if (s3 == CGAL::COLLINEAR || s4 == CGAL::COLLINEAR || s3 == s4) return false;
+  return !touches(e, f.a) && !touches(e, f.b) && !touches(f, e.a) && !touches(f, e.b);
 }
 
 void require_no_crossing(const Polygon& polygon, const std::string& name) {
@@ -210,7 +273,7 @@ bool inside_or_on(const std::vector<Vec2>& ring, const Vec2& p) {
   for (std::size_t k = 0; k < ring.size(); ++k) {
     const Edge e{ring[k], ring[(k + 1) % ring.size()], 0, 0};
     const auto s = side(e, p);
-    if (s == CGAL::COLLINEAR && (p - e.a).dot(p - e.b) <= 0.0) return true;
+    if (touches(e, p)) return true;
     if ((e.a.y() > p.y()) != (e.b.y() > p.y()) && (s == CGAL::LEFT_TURN) == (e.b.y() > e.a.y())) inside = !inside;
   }
   return inside;
@@ -239,6 +302,15 @@ std::vector<Polygon> pieces_of_net(const json& net, const std::string& name) {
     polygons.push_back(normalize_polygon(std::move(polygon), fmt::format("{}, piece {}", name, k)));
   }
   return polygons;
+}
+
+// A net may have cracks of zero width, which its pieces need; what a person draws may not.
+Polygon valid_polygon(Polygon polygon, const std::string& name) {
+  Polygon cleaned = polygon;
+  clean_ring(cleaned.outer, name, 0);
+  for (std::size_t h = 0; h < cleaned.holes.size(); ++h) clean_ring(cleaned.holes[h], name, h + 1);
+  require_valid_polygon(cleaned, name);
+  return normalize_polygon(std::move(cleaned), name);
 }
 
 }  // namespace
@@ -280,15 +352,10 @@ Polygon normalize_polygon(Polygon polygon, const std::string& name) {
 std::vector<Polygon> parse_polygons(const std::string& text, const std::string& name) {
   const auto first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
   if (first == std::string::npos) fail(name, "the file is empty; give a GeoJSON or WKT polygon in mm, or a net");
-  if (text[first] != '{') return {normalize_polygon(WktReader(text, name).read(), name)};
-  json document;
-  try {
-    document = json::parse(text.begin() + static_cast<std::ptrdiff_t>(first), text.end());
-  } catch (const json::exception& e) {
-    fail(name, fmt::format("not JSON ({})", json_cause(e.what())));
-  }
+  if (text[first] != '{') return {valid_polygon(WktReader(text, name).read(), name)};
+  const json document = design::parse_json(text.substr(first), name);
   if (document.value("format", json()) == "triskin-net") return pieces_of_net(document, name);
-  return {normalize_polygon(from_geojson(document, name), name)};
+  return {valid_polygon(from_geojson(document, name), name)};
 }
 
 Polygon parse_polygon(const std::string& text, const std::string& name) {

@@ -38,12 +38,12 @@ struct Lines {
 };
 
 struct Figures {
-  Vector left, right, low, high;  // boxes, mm
-  Vector first, rows;             // in the raster
+  Vector left, right, low, high;  // Boxes, mm.
+  Vector first, rows;             // Positions in the raster.
   Lines lower, upper;
 };
 
-// By reference: vectors passed by value would depend on the instruction set.
+// Passed by reference: vectors passed by value would depend on the instruction set.
 [[gnu::always_inline]] inline void load(const std::vector<double>& from, std::size_t at, Vector& to) {
   std::memcpy(&to, from.data() + at, sizeof to);
 }
@@ -56,7 +56,7 @@ struct Figures {
 [[gnu::always_inline]] inline void size_of(const Vector& v, Vector& to) {
   to = v < Vector{} ? -v : v;
 }
-// Of numbers over 0.
+// Requires numbers over 0.
 [[gnu::always_inline]] inline void round_down(const Vector& v, Vector& to) {
   to = __builtin_convertvector(__builtin_convertvector(v, Index), Vector);
 }

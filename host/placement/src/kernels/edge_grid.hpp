@@ -19,7 +19,7 @@ class EdgeGrid {
 
  private:
   double reach_mm_ = 0.0, origin_ = 0.0, scale_ = 1.0;
-  int buckets_ = 1;  // per axis
+  int buckets_ = 1;  // Number of buckets per axis.
   std::vector<std::uint32_t> first_, edges_;
 };
 

@@ -4,12 +4,6 @@
 #include <algorithm>
 
 namespace triskin::geometry {
-namespace {
-
-constexpr double kSlack_mm = 1e-9;  // far above the rounding of coordinates
-
-}  // namespace
-
 // Marks have room for every tile that an edge can cut. An edge that cuts a tile meets the tile grown by the inset: a
 // corner moves out more than a side, and where a side is level the tile reaches no farther than that.
 void Evaluator::set_frame(double inset_mm) {
@@ -22,7 +16,7 @@ void Evaluator::set_frame(double inset_mm) {
     high_y = std::max(high_y, v.y());
   }
   const double grown = 1.0 + std::max(0.0, inset_mm) / grid_.inradius_mm,
-               reach = grid_.circumradius_mm * grown + kSlack_mm;
+               reach = grid_.circumradius_mm * grown + polygon_.rounding_mm;
   low_x_ -= reach;
   first_row_ = static_cast<int>(std::floor((low_y - reach) / grid_.row_height_mm)) - 2;
   rows_ = static_cast<int>(std::floor((high_y + reach) / grid_.row_height_mm)) + 2 - first_row_;
@@ -39,9 +33,9 @@ void Evaluator::set_rows(int up, double grown) {
   rows.below = rows.above = half_width_ = 0.0;
   for (int k = 0; k < grid_.corners; ++k) {
     const Vec2 corner = rows.sign * grown * grid_.corner[static_cast<std::size_t>(k)];
-    rows.below = std::max(rows.below, -corner.y() + kSlack_mm);
-    rows.above = std::max(rows.above, corner.y() + kSlack_mm);
-    half_width_ = std::max(half_width_, std::abs(corner.x()) + kSlack_mm);
+    rows.below = std::max(rows.below, -corner.y() + polygon_.rounding_mm);
+    rows.above = std::max(rows.above, corner.y() + polygon_.rounding_mm);
+    half_width_ = std::max(half_width_, std::abs(corner.x()) + polygon_.rounding_mm);
   }
   rows.first_x.resize(static_cast<std::size_t>(rows_));
   for (int r = 0; r < rows_; ++r) {

@@ -26,9 +26,9 @@ class Evaluator {
 
   // One kind of tile in the window of the marks.
   struct Rows {
-    double sign = 1.0, first_y = 0.0;  // of the centres in row 0
-    double below = 0.0, above = 0.0;   // how far an edge that cuts may lie under and over the centre
-    std::vector<double> first_x;       // by row: of the centre in column 0
+    double sign = 1.0, first_y = 0.0;  // Centres in row 0.
+    double below = 0.0, above = 0.0;   // An edge that cuts may lie this far under and over the centre.
+    std::vector<double> first_x;       // Indexed by row: centre in column 0.
   };
   void mark(const Motion& motion, double inset_mm);
   void set_frame(double inset_mm);
@@ -47,7 +47,7 @@ class Evaluator {
   std::vector<Vec2> moved_;
   std::vector<std::uint8_t> marks_;
   CutPairs pairs_;
-  std::vector<std::uint32_t> mark_of_;  // by pair
+  std::vector<std::uint32_t> mark_of_;  // Indexed by pair.
   std::array<Rows, 2> kinds_;
   double half_width_ = 0.0;  // how far an edge that cuts may lie beside the centre
   double low_x_ = 0.0;

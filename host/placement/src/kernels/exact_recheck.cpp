@@ -42,7 +42,7 @@ void require_exact(const PreparedPolygon& polygon, const Motion& motion, const s
     edges.push_back({move(e[0]), move(e[1])});
   }
   // Shrinking by a little more than the tolerance leaves room for the rounding of the motion itself.
-  const double shrink = 1.0 - (tolerance_mm + 1e-9) / grid.inradius_mm;
+  const double shrink = 1.0 - (tolerance_mm + polygon.rounding_mm) / grid.inradius_mm;
   for (const Tile& tile : tiles) {
     const Vec2 middle = grid.center(tile);
     const double scale = tile.up ? shrink : -shrink;

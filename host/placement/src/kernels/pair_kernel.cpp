@@ -10,9 +10,6 @@ namespace {
 
 using Vector = double __attribute__((vector_size(8 * kLanes), may_alias));
 
-// Rounding of the first-order values, mm: coordinates reach some metres, sums have a handful of terms.
-constexpr double kRounding_mm = 1e-9;
-
 // Inputs of kLanes pairs: tile centre from the pivot, +1 up or −1 down; turned ends and turned normal of the edge,
 // its offset.
 struct Lanes {
@@ -20,7 +17,7 @@ struct Lanes {
       normal_y[kLanes], offset[kLanes];
 };
 
-// By reference: vectors passed by value would depend on the instruction set.
+// Passed by reference: vectors passed by value would depend on the instruction set.
 [[gnu::always_inline]] inline Vector& vector_at(double* lanes) {
   return *reinterpret_cast<Vector*>(lanes);
 }
@@ -237,7 +234,7 @@ void CellFrame::set(const PreparedPolygon& polygon, const TileGrid& grid, const 
   reach_mm = slide + polygon.radius_mm * half[2];
   // |second derivative by theta| is at most the lever arm, the mixed ones at most 1.
   const double lever = polygon.radius_mm + 2.0 * grid.circumradius_mm + reach_mm + std::abs(inset);
-  pad_mm = 0.5 * lever * half[2] * half[2] + slide * half[2] + kRounding_mm;
+  pad_mm = 0.5 * lever * half[2] * half[2] + slide * half[2] + polygon.rounding_mm;
   const std::size_t n = polygon.edges.size();
   x.resize(n);
   y.resize(n);

@@ -36,7 +36,7 @@ struct CellFrame {
   double reach_mm = 0.0;       ///< how far any point of the polygon moves inside the cell
   double pad_mm = 0.0;         ///< curvature and rounding of the first-order values
   double inset_mm = 0.0;       ///< below this separation a tile cannot count
-  double sufficient_mm = 0.0;  ///< from this separation on it counts
+  double sufficient_mm = 0.0;  ///< a tile with this separation or more counts
   double certain_mm = 0.0;     ///< a tile that keeps this separation in the whole cell is settled: it leaves the list
   std::vector<double> x, y;    ///< moved first end of each edge, without the shift
   std::vector<double> normal_x, normal_y;  ///< turned left normal of each edge
@@ -50,8 +50,9 @@ inline constexpr std::size_t kLanes = 8, kMaxCorners = 6;
 struct PairBlock {
   /// Offsets from the cell's centre outside which every direction fails; low > high: the edge always cuts the tile.
   alignas(64) std::array<std::array<double, kLanes>, 3> low, high;
-  alignas(64) std::array<double, kLanes> surest;  ///< at least sufficient + pad: one direction holds in the whole cell
-  alignas(64) std::array<double, kLanes> value;   ///< separation at the centre
+  /// With sufficient + pad or more, one direction holds in the whole cell.
+  alignas(64) std::array<double, kLanes> surest;
+  alignas(64) std::array<double, kLanes> value;  ///< separation at the centre
 
   /// Directions: [0] tile left of the line, [1] right of it, [2 + k] beyond side k. Negative room: it holds nowhere.
   alignas(64) std::array<std::array<double, kLanes>, 2 + kMaxCorners> room;

@@ -49,7 +49,7 @@ struct FewBlocks {
   ++few.blocks;
 }
 
-// To all planes.
+// Adds the counts to all planes.
 [[gnu::always_inline]] inline void flush(FewBlocks& few, std::uint32_t* planes, std::size_t count) {
   Words carry = {};
   for (std::size_t p = 0; p < count; ++p, planes += kLanes) {

@@ -77,7 +77,7 @@ void SliceRaster::scan_inside(const CellFrame& f, Kind& kind) {
                       bottom = top == k ? next : k;
     if (row_of_[top] == row_of_[bottom]) continue;
     const double slope = (f.x[bottom] - f.x[top]) / (f.y[bottom] - f.y[top]);
-    const double height = step_y_ * (kind.terms.row0 - row_of_[top]);  // of the row
+    const double height = step_y_ * (kind.terms.row0 - row_of_[top]);  // Height of the row.
     const double x = f.x[top] + (height - f.y[top]) * slope;
     const double step = step_y_ * slope / step_x_;
     double at = kind.terms.column0 - x / step_x_ + 1;

@@ -30,7 +30,7 @@ class SliceRaster {
   /// `frame`: of the slice, all translations of one lattice period. Counts the tiles that may hold in each part; a
   /// bound needs no more.
   void scan(const CellFrame& frame);
-  /// After scan() of the same frame: finds the tiles that hold in all parts and those that do not do the same in all.
+  /// Finds, after scan() of the same frame, the tiles that hold in all parts and those that do not do the same in all.
   void collect(const CellFrame& frame);
 
   /// Tiles that hold in all parts; 0 before collect().
@@ -62,7 +62,7 @@ class SliceRaster {
   double step_x_ = 0.0, step_y_ = 0.0;
   EdgeArrays edges_;
   std::array<Kind, 2> kinds_;
-  std::vector<int> row_of_;  // of each vertex: the first row of samples that is not above it
+  std::vector<int> row_of_;  // Indexed by vertex: the first row of samples that is not above it.
   std::vector<Border> border_;
   int certain_ = 0;
   std::array<BitCounts, 2> sums_;  // even and odd rows of tiles

@@ -18,7 +18,7 @@ struct TileGrid {
   double period_rad = 0.0;     ///< the lattice is its own image after this turn
   double inradius_mm = 0.0, circumradius_mm = 0.0, area_mm2 = 0.0;
   std::array<Vec2, 2> origin;          ///< centre of tile (0, 0): [1] up, [0] down
-  std::array<Vec2, 6> corner, normal;  ///< of the up tile around its centre, counter-clockwise; normals outward
+  std::array<Vec2, 6> corner, normal;  ///< corners of the up tile around its centre, counter-clockwise; normals outward
   std::array<double, 6> offset_mm{};   ///< distance of each side from the centre, none below inradius_mm
 
   [[nodiscard]] Vec2 center(const Tile& t) const {

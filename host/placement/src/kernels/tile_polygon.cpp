@@ -88,6 +88,8 @@ PreparedPolygon prepare(const Polygon& polygon) {
     for (Vec2& v : e) v -= p.center;
     p.radius_mm = std::max(p.radius_mm, e[0].norm());
   }
+  // Sums of some products of coordinates: six roundings of the radius, and five times as much to be sure.
+  p.rounding_mm = std::max(1e-9, 32.0 * 0x1p-52 * p.radius_mm);
   fill_slabs(p);
   fill_arrays(p, polygon);
   return p;

@@ -12,12 +12,14 @@ namespace triskin::geometry {
 struct PreparedPolygon {
   Vec2 first = Vec2::Zero();   ///< subtracted first: inputs may lie 1e6 mm away
   Vec2 center = Vec2::Zero();  ///< subtracted next: a short lever arm keeps rotation bounds tight
+  /// Rounding of a separation: 1e-9 mm, and in proportion to a radius above some 100 m.
+  double rounding_mm = 1e-9;
   std::vector<std::array<Vec2, 2>> edges;
   /// Edges as arrays, in the order of `edges`: first end, left unit normal, its product with the first end, the edge
   /// that starts at the second end.
   std::vector<double> x, y, normal_x, normal_y, line_offset;
   std::vector<std::uint32_t> next;
-  double radius_mm = 0.0;  ///< of a circle around the centre that holds the polygon
+  double radius_mm = 0.0;  ///< radius of a circle around the centre that holds the polygon
   /// Edges per horizontal slab, so that a point-in-polygon test reads only those that its ray may meet.
   double slab_low = 0.0, slab_height = 1.0;
   std::vector<std::vector<int>> slabs;

@@ -8,7 +8,7 @@ namespace triskin::geometry {
 enum class VectorUnit { kPlain, kAvx2, kAvx512 };
 [[nodiscard]] VectorUnit vector_unit();
 
-/// Of three builds of one function (plain, AVX2, AVX-512) the one for vector_unit().
+/// Selects the build of a function (plain, AVX2, AVX-512) for vector_unit().
 template <typename Function>
 Function fastest(Function plain, [[maybe_unused]] Function avx2, [[maybe_unused]] Function avx512) {
   switch (vector_unit()) {

@@ -21,8 +21,8 @@ class WeightedTiles final : public Objective {
  private:
   struct Term {
     double value;
-    std::array<double, 3> slope;  // by x, y, theta
-    double rest;                  // most that the first order leaves out in the cell
+    std::array<double, 3> slope;  // Slopes along x, y and theta.
+    double rest;                  // The first order leaves out at most this in the cell.
   };
   [[nodiscard]] Term term(const CellFrame& cell, const Vec2& center) const;
 

@@ -41,7 +41,7 @@ class LineByLine {
   using Point = typename Kernel::Point_2;
   using Line = typename Kernel::Line_2;
   using Segment = typename Kernel::Segment_2;
-  using Stretch = std::pair<Point, Point>;  // on the line, from left to right
+  using Stretch = std::pair<Point, Point>;  // Runs along the line, from left to right.
 
   // The placement in the numbers of the kernel, as coordinates (u, v) of the grid.
   void place(const std::vector<Vec2>& ring, const Polygon& polygon, const PivotedPlacement& at) {
@@ -107,7 +107,7 @@ class LineByLine {
       const Segment edge(p, q);
       if (!CGAL::do_intersect(line, edge)) continue;
       const CGAL::Oriented_side from = line.oriented_side(p);
-      if (from == CGAL::ON_ORIENTED_BOUNDARY) continue;  // of a stretch that began before
+      if (from == CGAL::ON_ORIENTED_BOUNDARY) continue;  // This vertex belongs to a stretch that began earlier.
       if (line.oriented_side(q) == CGAL::ON_ORIENTED_BOUNDARY) {
         visit_stretch(line, first, last, next, from);
         continue;
@@ -135,7 +135,7 @@ class LineByLine {
     if (options_.sides == ContainedSides::kDefinition5) contained_.push_back(s);
   }
 
-  GridFrame frame_;  // for the window, and what is beyond the paper
+  GridFrame frame_;  // Holds the window, and what the paper does not define.
   const Algorithm1Options& options_;
   const bool sides_first_;
   const Number touch_;

@@ -23,8 +23,8 @@ class GridFrame {
   /// Vertices of ring r: [ring_begin(r), ring_begin(r + 1)).
   [[nodiscard]] std::size_t rings() const { return begin_.size() - 1; }
   [[nodiscard]] std::size_t ring_begin(std::size_t ring) const { return begin_[ring]; }
-  /// By vertex: which line of the direction (a whole number: on that line), and where along it in sides (nodes are at
-  /// whole numbers).
+  /// Indexed by vertex: which line of the direction (a whole number: on that line), and where along it in sides (nodes
+  /// are at whole numbers).
   [[nodiscard]] const std::vector<double>& across(std::size_t direction) const { return across_[direction]; }
   [[nodiscard]] const std::vector<double>& along(std::size_t direction) const { return along_[direction]; }
   [[nodiscard]] const std::vector<double>& u() const { return u_; }
@@ -37,7 +37,7 @@ class GridFrame {
  private:
   void turn(double theta);
 
-  std::vector<Vec2> vertices_;  // from the first vertex of the outer ring
+  std::vector<Vec2> vertices_;  // Begins with the first vertex of the outer ring.
   std::vector<std::size_t> begin_;
   Vec2 first_;
   double touch_mm_;

@@ -8,8 +8,8 @@ namespace triskin::geometry::paper {
 namespace {
 
 struct Position {
-  Tile tile;           // that holds the point
-  double depth = 0.0;  // to its nearest side, in rows
+  Tile tile;           // Tile that holds the point.
+  double depth = 0.0;  // Depth to its nearest side, in rows.
 };
 
 Position locate(double u, double v) {

@@ -7,8 +7,8 @@
 
 namespace triskin::geometry::paper {
 
-/// Which of its three sides are contained, for each module of a window around the polygon (ns_j of Algorithm 1, one bit
-/// a direction: a side that lies in an interval and on an edge counts once).
+/// Marks the contained sides among the three of each module of a window around the polygon (ns_j of Algorithm 1, one
+/// bit a direction: a side that lies in an interval and on an edge counts once).
 class SideMarks {
  public:
   void reset(const GridFrame& frame);

@@ -17,9 +17,11 @@ namespace {
 
 constexpr std::size_t kMaxAsGood = 64;
 constexpr double kReach_mm = 9.0;   // how far from a tile its edges are looked up; children of slices move less
-constexpr double kSlice_mm = 2.5;   // how far the farthest vertex moves from one side of a slice to the other
-constexpr std::size_t kBatch = 16;  // cells refined together: fixed, so that the search does not depend on the threads
-constexpr std::size_t kTried = 16;  // slices whose most promising motion is tried before any is divided
+constexpr double kSlice_mm = 2.5;   // The farthest vertex moves this far from one side of a slice to the other.
+constexpr std::size_t kBatch = 16;  // Cells refined together: fixed, so that the search does not depend on the threads.
+constexpr double kLogged_s = 1.5e-6;  // Measured: 0.7e-6 s to write a cell to the log; we reserve twice that.
+constexpr std::int64_t kLong = 2000;  // After so many cells a search looks for constraints that contradict each other.
+constexpr std::size_t kTried = 16;    // slices whose most promising motion is tried before any is divided
 
 class BranchAndBound {
  public:
@@ -41,12 +43,12 @@ class BranchAndBound {
     add_roots();
     while (!open_.empty() && open_.begin()->first > result_.best) {
       result_.upper_bound = std::max(result_.best, open_.begin()->first);
-      // Some slices have a bound before the time can be over: then there is a motion to return.
-      if ((result_.cells > 0 && std::chrono::steady_clock::now() > goal_.deadline) ||
-          (demand_.rising && demand_.inset_mm > demand_.last_inset_mm))
-        break;
+      if (demand_.rising && demand_.inset_mm > demand_.last_inset_mm) break;
+      // Some slices have a bound before a limit can be reached: then there is a motion to return.
+      if (result_.cells > 0 && limit_reached()) break;
       report(progress_, "placing", -1.0, fmt::format("{} modules, bound {}", result_.best, result_.upper_bound));
       if (bounded(next())) seek_start();
+      demand_.conflicts = result_.cells >= kLong;
       take_batch();
       expand_batch();
       for (Expansion& e : expansions_) merge(e);
@@ -70,13 +72,39 @@ class BranchAndBound {
 
  private:
   void close(const MotionBox& box) {
-    if (goal_.cells != nullptr)
-      goal_.cells->push_back({box.low[0], box.high[0], box.low[1], box.high[1], box.low[2], box.high[2]});
+    if (!goal_.closed) return;
+    ++closed_;
+    goal_.closed({box.low[0], box.high[0], box.low[1], box.high[1], box.low[2], box.high[2]});
+  }
+
+  // Open cells end as cells of the proof, and that takes its time too.
+  bool limit_reached() {
+    const bool logged = static_cast<bool>(goal_.closed);
+    const std::chrono::duration<double> log_time(logged ? kLogged_s * static_cast<double>(open_cells_) : 0.0);
+    if (std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(log_time) >
+        goal_.deadline)
+      result_.stopped = SearchStop::kTime;
+    else if (open_bytes_ > goal_.memory_limit_bytes)
+      result_.stopped = SearchStop::kMemory;
+    else if (logged && closed_ + open_cells_ > goal_.max_closed)
+      result_.stopped = SearchStop::kProofSize;
+    return result_.stopped != SearchStop::kNone;
+  }
+
+  // The list may be shared by two cells and is then counted twice.
+  static double bytes_of(const Cell& cell) {
+    if (!cell.list) return sizeof(Cell);
+    return static_cast<double>(sizeof(Cell) + sizeof(CellList) + cell.list->tiles.capacity() * sizeof(OpenTile) +
+                               cell.list->pairs.capacity() * sizeof(Pair));
   }
 
   void push(Cell cell) {
     cell.bound = std::min(cell.bound, area_bound_);
-    if (cell.bound > result_.best) return open_[cell.bound].push_back(std::move(cell));
+    if (cell.bound > result_.best) {
+      ++open_cells_;
+      open_bytes_ += bytes_of(cell);
+      return open_[cell.bound].push_back(std::move(cell));
+    }
     if (!cell.list) tied_slices_.emplace_back(cell.bound, cell.box);
     close(cell.box);
   }
@@ -97,7 +125,7 @@ class BranchAndBound {
     // Inside a part no centre may move by as much as the inset leaves of the inradius.
     const double part = 0.5 * std::hypot(grid_.row_step_mm, grid_.row_height_mm) / SliceRaster::kSteps;
     const double width = std::min(kept * kSlice_mm, 2.0 * (0.9 * kept * grid_.inradius_mm - part));
-    const int n = std::clamp(static_cast<int>(std::ceil(period * polygon_.radius_mm / width)), 1, 1 << 16);
+    const int n = std::max(static_cast<int>(std::ceil(period * polygon_.radius_mm / width)), 1);
     for (int k = n - 1; k >= 0; --k) {
       Cell cell;
       cell.box.high = {grid_.row_step_mm, grid_.row_height_mm * (1.0 + 1e-12), period * (k + 1) / n};
@@ -118,6 +146,8 @@ class BranchAndBound {
     while (batch_.size() < kBatch && !open_.empty() && open_.begin()->first > result_.best &&
            bounded(next()) == all_bounded) {
       const auto bucket = open_.begin();
+      --open_cells_;
+      open_bytes_ -= bytes_of(bucket->second.back());
       batch_.push_back(std::move(bucket->second.back()));
       bucket->second.pop_back();
       if (bucket->second.empty()) open_.erase(bucket);
@@ -148,7 +178,8 @@ class BranchAndBound {
 
   void expand_batch() {
     const auto expand = [&](std::size_t k) {
-      expanders_.local().expand(std::move(batch_[k]), demand_, result_.best, goal_.cells != nullptr, expansions_[k]);
+      expanders_.local().expand(std::move(batch_[k]), demand_, result_.best, static_cast<bool>(goal_.closed),
+                                expansions_[k]);
     };
     if (goal_.threads == 1) {
       for (std::size_t k = 0; k < batch_.size(); ++k) expand(k);
@@ -192,6 +223,8 @@ class BranchAndBound {
   int area_bound_ = 0;
   bool started_ = false;
   int unresolved_bound_ = 0;
+  std::int64_t closed_ = 0, open_cells_ = 0;
+  double open_bytes_ = 0.0;
   SearchResult result_;
   std::vector<std::pair<int, MotionBox>> tied_slices_;
   std::map<int, std::vector<Cell>, std::greater<>> open_;

@@ -8,6 +8,7 @@
 #include "kernels/tile_polygon.hpp"
 #include "search/cell_expander.hpp"
 #include "triskin/base/progress.hpp"
+#include "triskin/placement/placement.hpp"
 
 namespace triskin::geometry {
 
@@ -18,8 +19,8 @@ struct SearchGoal {
   double tolerance_mm = 1e-6;   ///< a motion's value counts tiles with a separation of at least inset − tolerance
   double resolution_mm = 1e-8;  ///< cells smaller than this are not split: their bound stays open
   int known = 0;                ///< value that is already known: only better ones are of interest
-  std::vector<std::array<double, 6>>* cells =
-      nullptr;  ///< gets boxes that cover the period, each with a bound of at most upper_bound
+  std::function<void(const ProofCell&)>
+      closed;  ///< gets boxes that cover the period, each with a bound of at most upper_bound
   /// Set: values over `known` are not the aim but raise the inset: called with a motion of such a value, returns the
   /// inset (not less than before) and the tolerance to go on with. Above last_inset_mm the search ends.
   std::function<std::array<double, 2>(const Motion&)> raise;
@@ -28,6 +29,8 @@ struct SearchGoal {
   const std::vector<MotionBox>* slices = nullptr;
   int threads = 0;  ///< 0: all cores; no answer depends on it
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
+  double memory_limit_bytes = 2e9;      ///< memory of the cells that are open
+  std::int64_t max_closed = INT64_MAX;  ///< calls of `closed`, limited to about this number
 };
 
 struct SearchResult {
@@ -39,6 +42,7 @@ struct SearchResult {
   std::vector<Motion> as_good;         ///< some motions that reach `best` in the filtered lists; not counted exactly
   std::int64_t cells = 0;
   std::int64_t evaluations = 0;
+  SearchStop stopped = SearchStop::kNone;
 };
 
 /// Branch and bound over (x, y, theta): cells keep the undecided tiles, each with the edges that may still cut it.

@@ -9,8 +9,8 @@ namespace {
 
 constexpr int kMaxPasses = 4;
 constexpr double kWorthAnotherPass = 0.7;
-constexpr int kMaxPartsOfSlice = 8, kMaxPartsOfCube = 8;  // in one child
-constexpr int kWellFilled = 2;                            // one of so many parts open: a box is not divided further
+constexpr int kMaxPartsOfSlice = 8, kMaxPartsOfCube = 8;  // Limits for the parts of one child.
+constexpr int kWellFilled = 2;  // A box is not divided further if one of so many parts is open.
 
 using Index = std::array<int, 3>;
 
@@ -23,6 +23,15 @@ MotionBox part_box(const MotionBox& box, const Index& parts, const Index& low, c
     if (high[k] < parts[k]) part.high[k] = box.low[k] + step * high[k];
   }
   return part;
+}
+
+void add_tile(const CellList& from, std::size_t number, CellList& to) {
+  OpenTile tile = from.tiles[number];
+  const std::uint32_t first = tile.first;
+  tile.first = static_cast<std::uint32_t>(to.pairs.size());
+  for (std::uint32_t k = 0; k < tile.count; ++k)
+    to.pairs.push_back({static_cast<std::uint32_t>(to.tiles.size()), from.pairs[first + k].edge});
+  to.tiles.push_back(tile);
 }
 
 // Bits of the parts low ≤ index < high in the words of tiles.
@@ -174,7 +183,7 @@ int CellExpander::choose_border(const Index& low, const Index& high, std::size_t
   return certain;
 }
 
-// Of most children the best value found meanwhile makes an end: edges are looked up when one is opened.
+// Edges are looked up when a child is opened, since most children are pruned before by a better value.
 void CellExpander::add_slice_child(const Cell& cell, const MotionBox& box, const OpenParts& open,
                                    std::size_t first_chosen, int certain) {
   auto list = std::make_shared<CellList>();
@@ -251,15 +260,71 @@ void CellExpander::refine(Cell& cell) {
     to = to == &lists_[0] ? &lists_[1] : &lists_[0];
     if (std::ranges::max(weighted_half(cell.box)) > kWorthAnotherPass * before) break;
   }
-  look_ahead(cell, *source);
+  CellList& list = source == &lists_[0] ? lists_[0] : lists_[1];
+  if (demand_.conflicts && closed_by_conflicts(cell, list)) return;
+  look_ahead(cell, list);
+}
+
+// True: the cell is closed, or divided by its angles alone.
+bool CellExpander::closed_by_conflicts(Cell& cell, CellList& list) {
+  const ConflictBound::Verdict verdict = conflicts_.judge(frame_, list, best_ + 1 - cell.certain);
+  if (verdict == ConflictBound::Verdict::kClosed) {
+    close(cell.box);
+    return true;
+  }
+  drop_dead(list);
+  cell.bound = std::min(cell.bound, cell.certain + static_cast<int>(list.tiles.size()));
+  if (cell.bound <= best_) {
+    close(cell.box);
+    return true;
+  }
+  if (verdict == ConflictBound::Verdict::kOpen) return false;
+  halve_angles(cell, list);
+  return true;
+}
+
+// Applies to the list and to halves_, which has the constraints of the same tiles in the same order.
+void CellExpander::drop_dead(CellList& list) {
+  const std::vector<std::uint8_t>& dead = conflicts_.dead();
+  if (std::ranges::none_of(dead, [](std::uint8_t d) { return d != 0; })) return;
+  CellList kept;
+  std::size_t halves = 0, kept_halves = 0;
+  for (std::size_t t = 0; t < dead.size(); ++t) {
+    const std::size_t first = halves;
+    while ((halves_[halves++].ends & HalfSpace::kEndTile) == 0) continue;
+    if (dead[t] != 0) continue;
+    std::copy(halves_.begin() + static_cast<std::ptrdiff_t>(first),
+              halves_.begin() + static_cast<std::ptrdiff_t>(halves),
+              halves_.begin() + static_cast<std::ptrdiff_t>(kept_halves));
+    kept_halves += halves - first;
+    add_tile(list, t, kept);
+  }
+  halves_.resize(kept_halves);
+  list = std::move(kept);
+}
+
+void CellExpander::halve_angles(const Cell& cell, const CellList& list) {
+  if (unresolved(cell)) return;
+  chosen_.resize(list.tiles.size());
+  for (std::uint32_t t = 0; t < chosen_.size(); ++t) chosen_[t] = t;
+  const std::shared_ptr<const CellList> shared = chosen_list(list, 0);
+  chosen_.clear();
+  for (const int half : {1, 0}) {
+    const MotionBox box = part_box(cell.box, {1, 1, 2}, {0, 0, half}, {1, 1, half + 1});
+    result_->children.push_back({box, cell.certain, cell.bound, shared});
+  }
+}
+
+// Near the rounding pad a cell stays open in the bound.
+bool CellExpander::unresolved(const Cell& cell) {
+  if (std::ranges::max(weighted_half(cell.box)) >= demand_.resolution_mm) return false;
+  result_->unresolved_bound = std::max(result_->unresolved_bound, cell.bound);
+  close(cell.box);
+  return true;
 }
 
 void CellExpander::look_ahead(Cell& cell, const CellList& list) {
-  if (std::ranges::max(weighted_half(cell.box)) <
-      demand_.resolution_mm) {  // near the rounding pad: stays open in the bound
-    result_->unresolved_bound = std::max(result_->unresolved_bound, cell.bound);
-    return close(cell.box);
-  }
+  if (unresolved(cell)) return;
   PartsView view{.shift = {}, .half = {}, .sure_mm = frame_.certain_mm - frame_.inset_mm + 2.0 * frame_.pad_mm};
   for (std::size_t k = 0; k < 3; ++k) {
     view.shift[k] = cell.box.center(k) - frame_.center[k];
@@ -322,14 +387,7 @@ std::shared_ptr<const CellList> CellExpander::chosen_list(const CellList& list, 
   auto to = std::make_shared<CellList>();
   to->tiles.reserve(chosen_.size() - first_chosen);
   to->pairs.reserve(2 * (chosen_.size() - first_chosen));
-  for (std::size_t n = first_chosen; n < chosen_.size(); ++n) {
-    OpenTile tile = list.tiles[chosen_[n]];
-    const std::uint32_t first = tile.first;
-    tile.first = static_cast<std::uint32_t>(to->pairs.size());
-    for (std::uint32_t k = 0; k < tile.count; ++k)
-      to->pairs.push_back({static_cast<std::uint32_t>(to->tiles.size()), list.pairs[first + k].edge});
-    to->tiles.push_back(tile);
-  }
+  for (std::size_t n = first_chosen; n < chosen_.size(); ++n) add_tile(list, chosen_[n], *to);
   return to;
 }
 

@@ -9,6 +9,7 @@
 #include "kernels/evaluator.hpp"
 #include "kernels/slice_raster.hpp"
 #include "search/cell_list.hpp"
+#include "search/conflict_bound.hpp"
 
 namespace triskin::geometry {
 
@@ -20,7 +21,7 @@ struct Cell {
   int bound = 0;                         ///< no motion in it has a higher value
   std::shared_ptr<const CellList> list;  ///< none: a slice
   double reach_mm = 0.0;                 ///< > 0: the list has no edges yet, those within this of each tile may cut it
-  /// Of a slice whose bound is the highest of its parts: the middle of such a part. None: not bounded yet.
+  /// Middle of the part that gives a slice its bound. None: not bounded yet.
   std::optional<Motion> promising = std::nullopt;
 };
 
@@ -30,17 +31,18 @@ struct Demand {
   double inset_mm = 0.0, tolerance_mm = 0.0, resolution_mm = 0.0;
   double last_inset_mm = 0.0;  ///< the inset may be raised up to this: tiles that hold with less are kept in the lists
   bool rising = false;         ///< the inset is raised when more than `best` tiles hold; `best` stays
+  bool conflicts = false;      ///< constraints that contradict each other are looked for: worth it in long searches
 };
 
 /// Result of expanding one cell.
 struct Expansion {
   std::vector<Cell> children;
-  std::vector<MotionBox> closed;               ///< with the children they cover the cell; only when asked for
+  std::vector<MotionBox> closed;               ///< together with the children they cover the cell; only on request
   std::vector<Motion> as_good;                 ///< motions that reach `best` in the filtered lists; not counted exactly
   std::vector<std::pair<int, Motion>> better;  ///< counted, rising values
   std::vector<std::pair<int, MotionBox>> tied_slices;  ///< slices that may hold `best` tiles or more, with their bound
-  int best = 0;                                        ///< to which as_good refers
-  int unresolved_bound = 0;                            ///< of parts that are too small to be split
+  int best = 0;                                        ///< value to which as_good refers
+  int unresolved_bound = 0;                            ///< bound of the parts that are too small to be split
   int passes = 0;
 };
 
@@ -53,6 +55,7 @@ class CellExpander {
         filter_(polygon, grid),
         raster_(polygon, grid),
         evaluator_(polygon, grid),
+        conflicts_(polygon, grid),
         grid_(grid) {}
 
   /// Children are the parts of the cell that may hold more than `best` tiles.
@@ -67,6 +70,10 @@ class CellExpander {
   void close_clipped(MotionBox whole, const MotionBox& clipped);
   void bound_slice(Cell& cell);
   void refine_slice(Cell& cell);
+  [[nodiscard]] bool closed_by_conflicts(Cell& cell, CellList& list);
+  void drop_dead(CellList& list);
+  void halve_angles(const Cell& cell, const CellList& list);
+  [[nodiscard]] bool unresolved(const Cell& cell);
   void look_ahead(Cell& cell, const CellList& list);
   struct OpenParts;
   void note_tie(const Cell& cell);
@@ -91,6 +98,7 @@ class CellExpander {
   CellFilter filter_;
   SliceRaster raster_;
   Evaluator evaluator_;
+  ConflictBound conflicts_;
   const TileGrid& grid_;
   CellFrame frame_;
   std::array<CellList, 2> lists_;
@@ -99,8 +107,8 @@ class CellExpander {
   std::vector<HalfSpace> halves_;
   Lookahead lookahead_;
   std::vector<PartWord> words_;
-  std::vector<std::uint32_t> chosen_;  // stack of lists of tiles: those undecided in the parts that are being divided
-  std::array<int, 3> parts_{};         // per axis
+  std::vector<std::uint32_t> chosen_;  // Stack of lists of tiles: those undecided in the parts that are being divided.
+  std::array<int, 3> parts_{};         // Number of parts per axis.
   Demand demand_;
   int best_ = 0;
   bool keep_closed_ = false;

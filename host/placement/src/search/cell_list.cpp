@@ -36,7 +36,7 @@ void CellFilter::collect(const CellFrame& f, double sign, std::uint32_t edge, st
   for (std::size_t d = 0; d < 2 + corners; ++d) {
     if (!(block_.room[d][lane] >= 0.0)) continue;
     const bool line = d < 2;
-    const double turn = d == 0 ? -1.0 : 1.0;  // of the normal, and for direction 1 of the values
+    const double turn = d == 0 ? -1.0 : 1.0;  // Sign of the normal, and for direction 1 of the values.
     const Vec2 gradient =
         line ? Vec2(turn * f.normal_x[edge], turn * f.normal_y[edge]) : Vec2(sign * grid_.normal[d - 2]);
     const double slide = std::abs(gradient.x()) * f.half[0] + std::abs(gradient.y()) * f.half[1];

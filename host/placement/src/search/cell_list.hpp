@@ -34,7 +34,7 @@ class CellFilter {
 
   struct Outcome {
     int certain = 0;         ///< tiles that hold in the whole cell, of those that were undecided
-    int free_at_center = 0;  ///< of those still undecided: hold at the centre
+    int free_at_center = 0;  ///< number of those still undecided that hold at the centre
     bool alive = false;      ///< false: fewer than `least` tiles can hold; the other fields are then incomplete
   };
   /// Tiles of `from` that stay undecided go to `kept` and `boxes`. Ends early when fewer than `least` can hold.

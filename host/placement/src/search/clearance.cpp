@@ -27,9 +27,14 @@ Clearance largest_clearance(const PreparedPolygon& polygon, const TileGrid& grid
   Clearance best;
   best.inset_mm = goal.min_inset_mm;
   best.bound_mm = goal.max_inset_mm;
+  if (goal.known) {
+    best.found = true;
+    best.motion = *goal.known;
+  }
+  const auto next = [&] { return best.found ? best.inset_mm + more(best.inset_mm) : best.inset_mm; };
   const auto climb = [&](Motion at, double from) {
     const double reached = ascent.climb(at, from);
-    if (reached < from || (best.found && reached <= best.inset_mm)) return;
+    if (reached < std::max(from, goal.min_inset_mm) || (best.found && reached <= best.inset_mm)) return;
     best.found = true;
     best.inset_mm = reached;
     best.motion = at;
@@ -37,7 +42,6 @@ Clearance largest_clearance(const PreparedPolygon& polygon, const TileGrid& grid
   for (const Motion& start : ascent.max_promising(goal.starts, kMaxStarts, goal.min_inset_mm - kStartsMayStandOver_mm))
     climb(start, goal.min_inset_mm);
   for (bool open = true; open && Clock::now() < goal.deadline;) {
-    const auto next = [&] { return best.found ? best.inset_mm + more(best.inset_mm) : best.inset_mm; };
     const SearchGoal search{.inset_mm = next(),
                             .tolerance_mm = 0.5 * more(best.inset_mm),
                             .known = goal.modules - 1,
@@ -49,11 +53,13 @@ Clearance largest_clearance(const PreparedPolygon& polygon, const TileGrid& grid
                             .last_inset_mm = std::min(best.inset_mm + std::abs(best.inset_mm) + 0.1, goal.max_inset_mm),
                             .slices = goal.slices,
                             .threads = goal.threads,
-                            .deadline = goal.deadline};
+                            .deadline = goal.deadline,
+                            .memory_limit_bytes = goal.memory_limit_bytes};
     const SearchResult found = branch_and_bound(polygon, grid, search, progress);
     best.cells += found.cells;
     best.evaluations += found.evaluations;
-    open = next() > search.last_inset_mm && search.last_inset_mm < goal.max_inset_mm;
+    open =
+        found.stopped == SearchStop::kNone && next() > search.last_inset_mm && search.last_inset_mm < goal.max_inset_mm;
     if (found.upper_bound < goal.modules) best.bound_mm = next();
   }
   return best;

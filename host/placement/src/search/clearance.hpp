@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <chrono>
+#include <optional>
 #include <vector>
 
 #include "kernels/pair_kernel.hpp"
@@ -13,12 +14,14 @@ namespace triskin::geometry {
 /// of every tile are drawn in by its absolute value.
 struct ClearanceGoal {
   int modules = 0;
-  double min_inset_mm = 0.0;   ///< smaller insets are no answer; above −0.8 inradius
-  double max_inset_mm = 0.0;   ///< upper limit of the answer
-  std::vector<Motion> starts;  ///< motions to climb from
+  double min_inset_mm = 0.0;    ///< smaller insets are no answer; above −0.8 inradius
+  double max_inset_mm = 0.0;    ///< upper limit of the answer
+  std::optional<Motion> known;  ///< here Evaluator counts `modules` tiles with min_inset_mm: an answer, if the worst
+  std::vector<Motion> starts;   ///< motions to climb from
   const std::vector<MotionBox>* slices =
-      nullptr;      ///< set: only these are searched; outside them no inset ≥ 0 lets `modules` tiles fit
+      nullptr;      ///< if set, only these are searched; outside them no inset ≥ 0 lets `modules` tiles fit
   int threads = 0;  ///< 0: all cores; the answer does not depend on it
+  double memory_limit_bytes = 2e9;  ///< memory of the cells that are open
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
 };
 

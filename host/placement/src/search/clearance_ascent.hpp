@@ -12,7 +12,7 @@ class ClearanceAscent {
  public:
   ClearanceAscent(const PreparedPolygon& polygon, const TileGrid& grid, int modules);
 
-  /// Of the motions at which the tiles hold with `min_mm` the `n` with the largest clearance, no two of them close
+  /// Returns the `n` motions with the largest clearance, at which the tiles hold with `min_mm`; no two are close
   /// together.
   std::vector<Motion> max_promising(const std::vector<Motion>& motions, std::size_t n, double min_mm);
 
@@ -35,7 +35,7 @@ class ClearanceAscent {
   EdgeGrid edges_;
   std::size_t modules_;
   std::vector<OpenTile> tiles_;
-  std::vector<double> separation_;  // of each tile
+  std::vector<double> separation_;  // Separation of each tile.
   std::vector<Pair> pairs_;
   CellFrame frame_;
   PairBlock block_;

@@ -14,7 +14,8 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kRoot_mm = 8.0;         // how far a root cell goes along each axis
+constexpr double kRoot_mm = 8.0;  // how far a root cell goes along each axis
+constexpr double kCell_bytes = sizeof(MotionBox) + 48.0;
 constexpr double kResolution_mm = 1e-7;  // near the rounding pad: not halved any more
 
 // Tiles of a cell, certain and open; shared by its halves, which filter them again.
@@ -44,14 +45,18 @@ class ObjectiveSearch {
         evaluator_(polygon, grid),
         edges_(polygon, 2.0 * grid.circumradius_mm + 2.0 * kRoot_mm) {}
 
-  ObjectiveResult run(const Motion& first, double bound, std::chrono::steady_clock::time_point deadline,
-                      const ProgressSink& progress) {
+  ObjectiveResult run(const Motion& first, double bound, const ObjectiveLimits& limits, const ProgressSink& progress) {
     result_.motion = first;
     result_.value = value_at(first);
     add_roots(bound);
-    while (!open_.empty() && open_.top().bound > closed_level() && std::chrono::steady_clock::now() < deadline) {
+    while (!open_.empty() && open_.top().bound > closed_level()) {
+      if (std::chrono::steady_clock::now() >= limits.deadline) result_.stopped = SearchStop::kTime;
+      if (bytes_ + kCell_bytes * static_cast<double>(open_.size()) > limits.memory_bytes)
+        result_.stopped = SearchStop::kMemory;
+      if (result_.stopped != SearchStop::kNone) break;
       const ObjectiveCell cell = open_.top();
       open_.pop();
+      bytes_ -= 0.5 * bytes_of(cell.known);
       report(progress, "placing", -1.0, fmt::format("value {:.4f}, bound {:.4f}", result_.value, cell.bound));
       expand(cell);
     }
@@ -82,7 +87,15 @@ class ObjectiveSearch {
     }
   }
 
+  // Both halves of a cell share it.
+  static double bytes_of(const std::shared_ptr<const Known>& known) {
+    if (!known) return 0.0;
+    return static_cast<double>(sizeof(Known) + known->open.pairs.capacity() * sizeof(Pair) +
+                               (known->certain.capacity() + known->open.tiles.capacity()) * sizeof(OpenTile));
+  }
+
   void push(const MotionBox& box, double bound, std::shared_ptr<const Known> known) {
+    bytes_ += 0.5 * bytes_of(known);
     open_.push({box, bound, ++pushed_, std::move(known)});
   }
 
@@ -169,6 +182,7 @@ class ObjectiveSearch {
   std::vector<HalfSpace> halves_;
   std::priority_queue<ObjectiveCell> open_;
   std::int64_t pushed_ = 0;
+  double bytes_ = 0.0;
   double unresolved_ = 0.0, closed_bound_ = 0.0;
   ObjectiveResult result_;
 };
@@ -176,9 +190,9 @@ class ObjectiveSearch {
 }  // namespace
 
 ObjectiveResult search_objective(const PreparedPolygon& polygon, const TileGrid& grid, Objective& objective,
-                                 double tolerance_mm, const Motion& first, double bound,
-                                 std::chrono::steady_clock::time_point deadline, const ProgressSink& progress) {
-  return ObjectiveSearch(polygon, grid, objective, tolerance_mm).run(first, bound, deadline, progress);
+                                 double tolerance_mm, const Motion& first, double bound, const ObjectiveLimits& limits,
+                                 const ProgressSink& progress) {
+  return ObjectiveSearch(polygon, grid, objective, tolerance_mm).run(first, bound, limits, progress);
 }
 
 }  // namespace triskin::geometry

@@ -18,15 +18,21 @@ class Objective {
   /// No motion of the cell has a higher value: the certain tiles are inside, any of the open ones may be.
   virtual double bound(const CellFrame& cell, const std::vector<OpenTile>& certain,
                        const std::vector<OpenTile>& open) = 0;
-  /// At least so many of the open tiles of the last bound() must be inside for a value over `value`.
+  /// Number of open tiles of the last bound() that must be inside for a value over `value`.
   [[nodiscard]] virtual int needed(double value) const = 0;
   /// A bound of at most this much over `value` counts as proved.
   [[nodiscard]] virtual double slack(double value) const = 0;
 };
 
+struct ObjectiveLimits {
+  std::chrono::steady_clock::time_point deadline;
+  double memory_bytes = 0.0;  ///< memory of the cells that are open
+};
+
 struct ObjectiveResult {
   double value = 0.0, bound = 0.0;
   bool proved = false;
+  SearchStop stopped = SearchStop::kNone;
   Motion motion;
   std::int64_t cells = 0;
 };
@@ -37,7 +43,7 @@ struct ObjectiveResult {
 /// some microseconds a tile and cell.
 [[nodiscard]] ObjectiveResult search_objective(const PreparedPolygon& polygon, const TileGrid& grid,
                                                Objective& objective, double tolerance_mm, const Motion& first,
-                                               double bound, std::chrono::steady_clock::time_point deadline,
+                                               double bound, const ObjectiveLimits& limits,
                                                const ProgressSink& progress);
 
 }  // namespace triskin::geometry

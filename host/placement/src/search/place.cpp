@@ -20,8 +20,11 @@ namespace triskin::geometry {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+constexpr double kMaxCellText_bytes = 150.0;  // six numbers of up to 24 characters
+constexpr double kMaxRadius_mm = 1e6;
 constexpr double kMaxTiles = 1e6;
-constexpr double kMaxDeficit = 0.8;  // of the inradius: what is left of a module beyond that is not worth the search
+// Share of the inradius: what is left of a module beyond that is not worth the search.
+constexpr double kMaxDeficit = 0.8;
 
 Clock::time_point deadline_after(double seconds) {
   if (seconds <= 0.0) return Clock::time_point::max();
@@ -56,11 +59,37 @@ void require_sane(const PlacementOptions& o) {
   if (is_of_paper(o.method) && (o.shape != TileShape::kTriangle || o.gap_mm != 0.0))
     throw InputError("methods r1 … r7 place triangles without a gap; the scans take other shapes and gaps");
   if (o.connected && o.weights) throw InputError("connected modules and weights: one aim at a time");
-  if ((o.connected || o.weights) && (o.keep_proof || o.deficit))
+  if (!(o.memory_limit_mb >= 1.0))
+    throw InputError(fmt::format("memory limit {} MB: must be at least 1", o.memory_limit_mb));
+  if (!(o.proof_limit_mb >= 1.0 && o.proof_limit_mb <= 1e5))
+    throw InputError(fmt::format("size of the proof {} MB: must be in 1 … 100000", o.proof_limit_mb));
+  if ((o.connected || o.weights) && (o.keep_proof || o.proof_cell || o.deficit))
     throw InputError("connected modules and weights: there is no proof file and no deficit for them");
   const bool gap_in_range = o.gap_mm >= 0.0 && o.gap_mm <= 100.0;
   if (!gap_in_range) throw InputError(fmt::format("gap {} mm: must be in 0 … 100", o.gap_mm));
   require_corner_cut(o);
+}
+
+// Far from the centre, and of coordinates far from the origin, doubles are too coarse for the tolerance.
+void require_resolved(const PreparedPolygon& polygon, double tolerance_mm) {
+  if (polygon.radius_mm > kMaxRadius_mm) {
+    throw InputError(
+        fmt::format("polygon: reaches {:.4g} m from its centre, more than 1 km; are the coordinates in mm?",
+                    1e-3 * polygon.radius_mm));
+  }
+  const double offset_mm = (polygon.first + polygon.center).norm(), step_mm = 4.0 * 0x1p-52 * offset_mm;
+  if (tolerance_mm < 10.0 * polygon.rounding_mm) {
+    throw InputError(fmt::format(
+        "tolerance {} mm: an outline that reaches {:.4g} m from its centre is known to {:.1e} mm only; give "
+        "at least {:.1e} mm (--tolerance-mm)",
+        tolerance_mm, 1e-3 * polygon.radius_mm, polygon.rounding_mm, 10.0 * polygon.rounding_mm));
+  }
+  if (tolerance_mm < step_mm) {
+    throw InputError(fmt::format(
+        "tolerance {} mm: {:.4g} m from the origin a placement is known to {:.1e} mm only; move the outline to "
+        "the origin, or give at least as much tolerance (--tolerance-mm)",
+        tolerance_mm, 1e-3 * offset_mm, step_mm));
+  }
 }
 
 // One call of place().
@@ -70,24 +99,34 @@ struct Placing {
   const PlacementOptions& options;
   const ProgressSink& progress;
   Clock::time_point start, deadline;
-  double area_mm2;  // of the polygon
+  double area_mm2;  // Area of the polygon.
   PlacementResult result;
   Motion motion;
   std::vector<Motion> as_good;         // other motions that seem to hold as many tiles
   std::vector<MotionBox> tied_slices;  // elsewhere fewer hold
 
+  [[nodiscard]] double memory_limit_bytes() const { return 1e6 * options.memory_limit_mb; }
+
+  [[nodiscard]] std::function<void(const ProofCell&)> proof_sink() {
+    if (options.proof_cell || !options.keep_proof) return options.proof_cell;
+    return [this](const ProofCell& cell) { result.proof.cells.push_back(cell); };
+  }
+
   void certify_count() {
     const SearchGoal goal{.inset_mm = 0.0,
                           .tolerance_mm = options.tolerance_mm,
                           .known = 0,
-                          .cells = options.keep_proof ? &result.proof.cells : nullptr,
+                          .closed = proof_sink(),
                           .raise = {},
                           .threads = options.threads,
-                          .deadline = deadline};
+                          .deadline = deadline,
+                          .memory_limit_bytes = memory_limit_bytes(),
+                          .max_closed = static_cast<std::int64_t>(1e6 * options.proof_limit_mb / kMaxCellText_bytes)};
     SearchResult found = branch_and_bound(polygon, grid, goal, progress);
     result.modules = found.best;
     result.upper_bound = found.upper_bound;
     result.proved = found.best == found.upper_bound;
+    result.stopped = found.stopped;
     result.cells = found.cells;
     result.evaluations = found.evaluations;
     motion = found.motion;
@@ -103,15 +142,17 @@ struct Placing {
     if (options.deficit) find_deficit(std::move(starts));
   }
 
-  [[nodiscard]] Clearance clearance_of(int modules, double min_mm, double max_mm, std::vector<Motion> starts,
-                                       const std::vector<MotionBox>* slices) {
+  [[nodiscard]] Clearance clearance_of(int modules, double min_mm, double max_mm, std::optional<Motion> known,
+                                       std::vector<Motion> starts, const std::vector<MotionBox>* slices) {
     const Clearance c = largest_clearance(polygon, grid,
                                           {.modules = modules,
                                            .min_inset_mm = min_mm,
                                            .max_inset_mm = max_mm,
+                                           .known = known,
                                            .starts = std::move(starts),
                                            .slices = slices,
                                            .threads = options.threads,
+                                           .memory_limit_bytes = memory_limit_bytes(),
                                            .deadline = deadline},
                                           progress);
     result.cells += c.cells;
@@ -119,10 +160,10 @@ struct Placing {
     return c;
   }
 
-  // Of all placements of `modules` tiles one with the largest inset.
+  // Finds the placement of `modules` tiles with the largest inset.
   void enlarge_clearance() {
     const Clearance c =
-        clearance_of(result.modules, -options.tolerance_mm, grid.inradius_mm, std::move(as_good), &tied_slices);
+        clearance_of(result.modules, -options.tolerance_mm, grid.inradius_mm, motion, std::move(as_good), &tied_slices);
     result.clearance_bound_mm = c.bound_mm;
     if (!c.found) return;
     result.clearance_mm = c.inset_mm;
@@ -131,8 +172,8 @@ struct Placing {
 
   // Deficit: the least distance by which all sides must be drawn in until one module more fits.
   void find_deficit(std::vector<Motion> starts) {
-    const Clearance c =
-        clearance_of(result.modules + 1, -kMaxDeficit * grid.inradius_mm, 0.0, std::move(starts), nullptr);
+    const Clearance c = clearance_of(result.modules + 1, -kMaxDeficit * grid.inradius_mm, 0.0, std::nullopt,
+                                     std::move(starts), nullptr);
     result.deficit_bound_mm = -c.bound_mm;
     if (!c.found) return;
     result.deficit_mm = -c.inset_mm;
@@ -147,8 +188,9 @@ struct Placing {
     else
       objective = std::make_unique<ConnectedTiles>(grid);
     const double most = options.weights ? result.upper_bound * options.weights->most() : result.upper_bound;
-    const ObjectiveResult found =
-        search_objective(polygon, grid, *objective, options.tolerance_mm, motion, most, deadline, progress);
+    const ObjectiveResult found = search_objective(polygon, grid, *objective, options.tolerance_mm, motion, most,
+                                                   {deadline, memory_limit_bytes()}, progress);
+    if (found.stopped != SearchStop::kNone) result.stopped = found.stopped;
     motion = found.motion;
     result.cells += found.cells;
     result.proved = found.proved;
@@ -212,6 +254,7 @@ PlacementResult place(const Polygon& input, const PlacementOptions& options, con
   const auto start = Clock::now();
   const Polygon normalized = normalize_polygon(input, "polygon");
   const PreparedPolygon polygon = prepare(normalized);
+  require_resolved(polygon, options.tolerance_mm);
   const TileGrid grid = tile_grid(options.shape, options.gap_mm, options.corner_cut_mm);
   if (polygon_area(input) > kMaxTiles * grid.area_mm2) {
     throw InputError(fmt::format("polygon: {:.4g} m² would take more than {:.0g} modules; are the coordinates in mm?",
@@ -239,6 +282,7 @@ PlacementResult place(const Polygon& input, const PlacementOptions& options, con
     WeightedTiles weighted(polygon, grid, *options.weights);
     for (const Tile& t : result.tiles) result.tile_weights.push_back(weighted.value(placing.motion, {t}));
   }
+  result.modules_within_bound = Evaluator(polygon, grid).count(placing.motion, -0.5 * options.tolerance_mm);
   result.placement = to_placement(polygon, placing.motion);
   result.proof.shape = options.shape;
   result.proof.pivot = polygon.first + polygon.center;

@@ -19,7 +19,8 @@ inline constexpr std::uint32_t kMaxFirmwareImageBytes = 0x3C000 - kFlashPageByte
 
 struct PackageHead {
   std::uint32_t firmware_version = 0;
-  std::array<std::uint32_t, 2> size_bytes{}, crc{};  ///< of each slot's image; sizes are multiples of 8
+  /// Size and CRC of the image for each slot; sizes are multiples of 8.
+  std::array<std::uint32_t, 2> size_bytes{}, crc{};
   /// Offset of the image for a slot (0 or 1) in the package, bytes.
   [[nodiscard]] constexpr std::uint32_t offset(int slot) const {
     return static_cast<std::uint32_t>(kPackageHeadBytes) + (slot == 0 ? 0 : size_bytes[0]);

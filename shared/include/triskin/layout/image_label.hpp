@@ -9,7 +9,7 @@
 /// What an image of the application says about itself, behind its vectors. docs/firmware_board.md, "Label".
 namespace triskin::layout {
 
-/// Where the label stands in an image: behind the 118 vectors of the microcontroller.
+/// Position of the label in an image, after the 118 vectors of the microcontroller.
 inline constexpr std::size_t kLabelOffset = 0x1D8, kLabelBytes = 24;
 inline constexpr std::array<std::uint8_t, 4> kLabelMagic{'T', 'S', 'K', 'L'};
 inline constexpr std::uint8_t kLabelVersion = 1;

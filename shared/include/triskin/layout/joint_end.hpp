@@ -31,7 +31,7 @@ struct JointEnd {
   if (joint == 0) return {};
   return {static_cast<std::uint8_t>((joint - 1U) / kPorts), static_cast<std::uint8_t>((joint - 1U) % kPorts)};
 }
-/// Of a joint that exists.
+/// Requires a joint that exists.
 [[nodiscard]] constexpr std::size_t joint_row(std::uint8_t joint) {
   return joint_end(joint).module;
 }

@@ -29,11 +29,11 @@ inline constexpr std::uint16_t kPressureTaxels = [] {
 }();
 inline constexpr int kPressureTaxelsPerModule = kTaxelsPerModule - static_cast<int>(kTemperaturePads.size());
 
-inline constexpr std::size_t kPorts = 3;                        ///< of a module, one a side: A, B, C
-inline constexpr std::uint8_t kRotations = 3;                   ///< tile sides that port A may lie on
+inline constexpr std::size_t kPorts = 3;                        ///< A, B and C: one port on each side of a module
+inline constexpr std::uint8_t kRotations = 3;                   ///< number of tile sides that port A may lie on
 inline constexpr int kLines = 4;                                ///< I²C lines of a controller
 inline constexpr int kAddressesPerLine = 4;                     ///< the AD7147 has two address pins
-inline constexpr int kMaxModules = kLines * kAddressesPerLine;  ///< of a controller
+inline constexpr int kMaxModules = kLines * kAddressesPerLine;  ///< number of modules that one controller can read
 inline constexpr std::uint8_t kFirstCdcAddress = 0x2C;          ///< AD7147 data sheet: ADD1, ADD0 = 0
 
 /// Address of a converter on its line, 7 bits. `address`: 0 … kAddressesPerLine − 1, as in the table.

@@ -20,16 +20,17 @@ inline constexpr std::uint8_t kCable = kPorts;  ///< parent_port of the entry mo
 inline constexpr std::size_t kHeaderBytes = 32;
 inline constexpr std::size_t kRowBytes = 12;
 inline constexpr std::uint8_t kPositiveInput = 1;  ///< flag of the header
-/// Of a design with kinds of modules the three high bits of a module id are the number of the kind; a controller takes
-/// the whole as a number that means nothing to it.
+/// The three high bits of a module id are the number of the kind if the design has kinds; a controller does not
+/// interpret the id.
 inline constexpr unsigned kKindShift = 13;
-inline constexpr std::size_t kMaxKinds = 8;                    ///< with kind 0, the standard one
-inline constexpr unsigned kIdsBesideKinds = 1U << kKindShift;  ///< module ids that such a design can have
+inline constexpr std::size_t kMaxKinds = 8;  ///< includes kind 0, the standard kind
+/// Number of module ids that a design with kinds can have.
+inline constexpr unsigned kIdsBesideKinds = 1U << kKindShift;
 inline constexpr std::size_t kMaxImageBytes = kHeaderBytes + kMaxModules * kRowBytes;
 
 /// One module: address table and route table in one row, so that they cannot disagree.
 struct ModuleRow {
-  std::uint16_t module_id = 0;      ///< in the design file; with kinds also the kind (kKindShift)
+  std::uint16_t module_id = 0;      ///< id in the design file; designs with kinds also store the kind here (kKindShift)
   std::uint8_t line = 0;            ///< 0..3
   std::uint8_t address = 0;         ///< 0..3, CDC address cdc_address(address)
   std::uint8_t rotation = 0;        ///< 0..2, tile side of port A

@@ -3,7 +3,7 @@
 
 namespace triskin::layout {
 
-/// Where a taxel that nobody touches reads by design, counts of the converter: the middle of its range, to which the
+/// Nominal value of a taxel that nobody touches, counts of the converter: the middle of its range, to which the
 /// controller brings it by an offset (wire/offsets.hpp). Pressure lowers it.
 inline constexpr double kRestCounts = 0x8000;
 /// How far single taxels rest from it: one step of the offset.

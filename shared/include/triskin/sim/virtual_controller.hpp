@@ -24,7 +24,7 @@ struct VirtualBoard {
   wire::UniqueId unique_id{};
   std::function<void(const wire::CanFrame&)> send;  ///< frame leaves the controller
   bool can_fd = true;                               ///< the bus carries FD frames
-  ChainModel* chain = nullptr;                      ///< of switched modules; null: the board has no chain
+  ChainModel* chain = nullptr;                      ///< chain of the switched modules; null: the board has no chain
   FlashModel* slots = nullptr;  ///< the two application slots, one after the other; null: no loader, no firmware update
   std::function<bool()> room{};          ///< a transmit buffer is free; empty: there is always one
   wire::BoardHealth health = healthy();  ///< what the board says about itself

@@ -67,7 +67,7 @@ struct Adoption {
   static constexpr std::uint16_t kId = did::kAdoption;
   static constexpr std::size_t kMinBytes = 4, kAdoptedBytes = 4, kMaxAdopteds = layout::kMaxModules - 1,
                                kMaxBytes = kMinBytes + kAdoptedBytes * kMaxAdopteds;
-  std::uint8_t rows = 0;  ///< of the table
+  std::uint8_t rows = 0;  ///< number of rows in the controller's table
   std::uint16_t out_of_reach = 0;
   std::uint8_t list =
       0;  ///< number of the list of adopted modules, 1 … 255 and again; samples of adopted modules carry it. 0: none

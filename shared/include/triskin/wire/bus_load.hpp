@@ -33,7 +33,7 @@ struct FrameBits {
 /// Bit rates of a CAN bus, bit/s.
 struct BitRates {
   std::uint32_t nominal = 0;  ///< 0: not known, or frames take no time
-  std::uint32_t data = 0;     ///< of FD frames with rate switch; 0: as nominal
+  std::uint32_t data = 0;     ///< rate of FD frames with rate switch; 0: same as nominal
   bool operator==(const BitRates&) const = default;
 };
 /// What the controllers use on a real bus.

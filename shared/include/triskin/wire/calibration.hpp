@@ -33,14 +33,14 @@ struct PlaceSensitivity {
 /// FD0D: the calibration of the modules on a controller. Without rows it is none: written, it deletes what was kept.
 struct Calibration {
   static constexpr std::uint16_t kId = did::kCalibration;
-  static constexpr std::uint8_t kVersion = 1;  ///< of the value; others are refused
+  static constexpr std::uint8_t kVersion = 1;  ///< a value of another version is refused
   static constexpr std::uint8_t kMaxExponent = 30;
   static constexpr std::size_t kHeadBytes = 27, kRowBytes = 5 + 2 * layout::kTaxelsPerModule;
   static constexpr std::size_t kMinBytes = kHeadBytes, kMaxBytes = kHeadBytes + kRowBytes * layout::kMaxModules;
-  std::uint8_t exponent = 0;    ///< 0 … kMaxExponent, of the sensitivities
-  std::uint16_t revision = 1;   ///< ≥ 1, one more with each calibration of the controller
-  std::uint64_t design_id = 0;  ///< of the table that it was made with
-  std::uint16_t patch = 0;      ///< of that design, from 0
+  std::uint8_t exponent = 0;    ///< exponent of the sensitivities, 0 … kMaxExponent
+  std::uint16_t revision = 1;   ///< ≥ 1; each calibration of the controller adds 1
+  std::uint64_t design_id = 0;  ///< design of the table that the controller had during calibration
+  std::uint16_t patch = 0;      ///< number of the patch in that design, 0-based
   std::uint32_t made_unix_s = 0;
   CalibrationMethod method = CalibrationMethod::kSteps;
   std::uint32_t max_pa = 0;      ///< largest pressure that was applied

@@ -96,7 +96,7 @@ struct FaultList {
 
 /// State of affairs when a fault occurred first.
 struct Freeze {
-  std::uint32_t time_ms = 0;  ///< since power-up
+  std::uint32_t time_ms = 0;  ///< time since power-up
   std::uint32_t sample = 0;   ///< number of the module's sample
   bool operator==(const Freeze&) const = default;
 };

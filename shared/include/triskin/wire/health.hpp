@@ -21,11 +21,11 @@ enum class Crystal : std::uint8_t {
   kNotSaid,      ///< an older loader started the clocks
 };
 
-/// Where the clock of the controller comes from: the crystal with Crystal::kUsed, else the internal oscillator.
+/// Source of the controller's clock: the crystal with Crystal::kUsed, else the internal oscillator (± 1 %).
 struct ClockState {
   Crystal crystal = Crystal::kNotSaid;
   std::uint8_t crystal_mhz = 0;    ///< 0: the internal oscillator is used
-  std::uint16_t measured_khz = 0;  ///< of the crystal against the internal oscillator; 0: not measured
+  std::uint16_t measured_khz = 0;  ///< crystal frequency measured against the internal oscillator; 0: not measured
   bool operator==(const ClockState&) const = default;
 };
 
@@ -44,9 +44,9 @@ struct BoardHealth {
   static constexpr std::uint16_t kId = did::kBoardHealth;
   static constexpr std::size_t kMinBytes = 54, kMaxBytes = kMinBytes;
   ClockState clock;
-  std::uint8_t reset_cause = 0;                              ///< bits of wire::reset_cause, of the last reset
+  std::uint8_t reset_cause = 0;                              ///< bits of wire::reset_cause for the last reset
   std::uint16_t findings = 0;                                ///< bits, docs/bring_up.md
-  std::uint8_t crashes_in_row = 0;                           ///< without a minute of work between them
+  std::uint8_t crashes_in_row = 0;                           ///< crashes without a minute of work between them
   std::uint8_t can_send_errors = 0, can_receive_errors = 0;  ///< error counters of ISO 11898-1
   std::uint8_t can_state = 0;                                ///< bits of wire::can_state
   std::uint8_t can_last_error = 0;                           ///< code of the CAN controller, 0 none … 6, 7 none since
@@ -56,8 +56,8 @@ struct BoardHealth {
   std::uint32_t ecc_corrected = 0, ecc_detected = 0;  ///< flash units with one wrong bit, with two
   std::uint32_t flash_errors = 0;                     ///< erase or program refused
   std::uint32_t worst_loop_us = 0, worst_interrupt_us = 0;
-  std::uint16_t stack_bytes = 0, stack_free_bytes = 0;  ///< reserved, and never touched so far
-  std::uint16_t idle_permille = 0;                      ///< of the time since the last reset
+  std::uint16_t stack_bytes = 0, stack_free_bytes = 0;  ///< reserved size, and the part that was never touched
+  std::uint16_t idle_permille = 0;                      ///< idle share of the time since the last reset
 
   /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const {
@@ -125,7 +125,7 @@ struct Crash {
   std::uint32_t pc = 0, lr = 0;                           ///< addresses in the image at `origin`; 0: not known
   std::uint32_t sp = 0;                                   ///< stack pointer before the fault
   std::uint32_t fault_status = 0, hard_fault_status = 0;  ///< CFSR and HFSR of the processor
-  std::uint32_t address = 0;  ///< that could not be accessed, when fault_status says that it is valid; else 0
+  std::uint32_t address = 0;  ///< address that could not be accessed, if fault_status says that it is valid; else 0
   std::uint32_t uptime_ms = 0;
   std::uint32_t firmware_version = 0;
   std::uint32_t origin = 0;  ///< address that the image is linked for

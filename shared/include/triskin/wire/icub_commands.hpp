@@ -14,16 +14,17 @@ namespace triskin::wire::icub {
 inline constexpr std::uint32_t kPollingClass = 0x200, kLoaderClass = 0x700, kClassMask = 0x700;
 inline constexpr std::uint8_t kEverybody = 0xF;
 inline constexpr std::uint8_t kMaxBoard = 14;  ///< a controller with a higher node address is no iCub board
-inline constexpr int kTriangles = 16;          ///< of a board: 4 · line + address
+inline constexpr int kTriangles = 16;          ///< triangles of one board, numbered 4 · line + address
 
 /// Polling class; the highest bit of the command says nothing there.
 inline constexpr std::uint8_t kCommandMask = 0x7F;
 inline constexpr std::uint8_t kSetTransmission = 0x07;  ///< data 1: 0 starts, anything else stops
-inline constexpr std::uint8_t kGetVersion = 0x1C;       ///< wanted protocol, major and minor; answered
-inline constexpr std::uint8_t kSetAddress = 0x32;       ///< in both classes: new address; loader: also FF and a mask
-inline constexpr std::uint8_t kSetupObsolete = 0x4C;    ///< defaults at 40 ms; calibrates and starts
-inline constexpr std::uint8_t kSetBoard = 0x4D;         ///< skin type, period in ms, value at rest
-inline constexpr std::uint8_t kSetTriangles = 0x50;     ///< first, last, shift, bit 0 enabled, 16-bit offset
+inline constexpr std::uint8_t kGetVersion = 0x1C;       ///< data: wanted protocol, major and minor; the board answers
+/// Both classes: data is the new address; the loader also takes FF and a mask.
+inline constexpr std::uint8_t kSetAddress = 0x32;
+inline constexpr std::uint8_t kSetupObsolete = 0x4C;  ///< defaults at 40 ms; calibrates and starts
+inline constexpr std::uint8_t kSetBoard = 0x4D;       ///< skin type, period in ms, value at rest
+inline constexpr std::uint8_t kSetTriangles = 0x50;   ///< first, last, shift, bit 0 enabled, 16-bit offset
 
 /// Loader class.
 inline constexpr std::uint8_t kRestart = 0x00;
@@ -32,8 +33,8 @@ inline constexpr std::uint8_t kGetTimeOfLife = 0x0E;   ///< answered with µs si
 inline constexpr std::uint8_t kDiscover = 0xFF;        ///< answered with type and version
 
 inline constexpr std::uint8_t kBoardType = 11;                         ///< MTB4
-inline constexpr std::uint8_t kProtocolMajor = 2, kProtocolMinor = 0;  ///< of its CAN commands
-inline constexpr std::uint16_t kUsualOffset = 0x2200;                  ///< of the converter, as every host asks for
+inline constexpr std::uint8_t kProtocolMajor = 2, kProtocolMinor = 0;  ///< version of the board's CAN commands
+inline constexpr std::uint16_t kUsualOffset = 0x2200;                  ///< converter offset that every host asks for
 
 /// What is taken out of a taxel's value. Another number on the wire: as kUncompensated.
 enum class SkinType : std::uint8_t {

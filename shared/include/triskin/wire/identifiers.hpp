@@ -35,8 +35,8 @@ enum class Access : std::uint8_t {
 struct Identifier {
   std::uint16_t id;
   Access access;
-  std::size_t min_bytes, max_bytes;  ///< of the value
-  std::string_view header;           ///< of shared/include/triskin/wire that has its type
+  std::size_t min_bytes, max_bytes;  ///< size of the value
+  std::string_view header;           ///< header in shared/include/triskin/wire that defines its type
   std::string_view value;            ///< fields in order, (bytes of each); little-endian where nothing is said
 };
 
@@ -126,7 +126,8 @@ struct Routine {
   std::uint16_t id;
   std::string_view name;
   std::string_view does;
-  std::size_t result_bytes_least, result_bytes_most;  ///< after the identifier of the routine; 0, 0: no result
+  /// Size of the result after the routine's identifier; 0, 0: no result.
+  std::size_t result_bytes_least, result_bytes_most;
   std::string_view result;
 };
 

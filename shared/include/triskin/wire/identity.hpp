@@ -159,7 +159,7 @@ struct ImageState {
   std::uint8_t slot = 0;         ///< 0 or 1
   bool confirmed = false;        ///< it has said that it works
   std::uint32_t sequence = 0;    ///< one more than the other slot's
-  std::uint32_t size_bytes = 0;  ///< of the image
+  std::uint32_t size_bytes = 0;  ///< size of the image
   std::uint32_t record_crc = 0;  ///< layout::slot_crc() of the image
 
   /// Appends the value as it stands on the wire.

@@ -26,11 +26,11 @@ inline constexpr std::uint8_t kProtocol = 1;
 inline constexpr std::uint32_t kCommandId = 0x1BF40000;
 /// Data: kDataBase | slot << 16 | number of the first unit. Lower in priority than samples and requests.
 inline constexpr std::uint32_t kDataBase = 0x1BF80000, kDataMask = 0x1FFE0000;
-inline constexpr std::size_t kUnitBytes = 8;  ///< of the flash
+inline constexpr std::size_t kUnitBytes = 8;  ///< size of the flash's programming unit
 inline constexpr std::size_t kMaxUnits = layout::kMaxFirmwareImageBytes / kUnitBytes;
 /// A session ends after so much silence.
 inline constexpr std::uint64_t kPatience_us = 10'000'000;
-/// Between two data frames for one slot, for each unit of the first: the flash takes 82 µs, and the lines are served.
+/// Pause per unit between two data frames for one slot: the flash takes 82 µs, and the lines must be served.
 inline constexpr std::uint64_t kUnit_us = 110;
 
 enum class Command : std::uint8_t {
@@ -72,7 +72,7 @@ enum class Phase : std::uint8_t {
 struct Order {
   Command command = Command::kAsk;
   std::uint16_t session = 0;                ///< drawn by the host, not 0
-  std::array<std::uint8_t, 5> arguments{};  ///< as Command says, little-endian
+  std::array<std::uint8_t, 5> arguments{};  ///< layout depends on the command (see Command), little-endian
   bool operator==(const Order&) const = default;
 };
 
@@ -211,17 +211,17 @@ struct Who {
   std::uint32_t firmware_version = 0;
   bool operator==(const Who&) const = default;
 };
-/// Which image runs on a controller, to compare it with another.
+/// Identifies the image on a controller, to compare it with another.
 struct Image {
   std::uint32_t record_crc = 0;  ///< layout::slot_crc of it
-  std::uint32_t sequence = 0;    ///< of its commit record, modulo 2^24
+  std::uint32_t sequence = 0;    ///< sequence number in its commit record, modulo 2^24
   bool operator==(const Image&) const = default;
 };
 /// How an update stands on a controller.
 struct State {
   Phase phase = Phase::kIdle;
   Status status = Status::kOk;
-  std::uint16_t session = 0;  ///< that it takes part in; 0: none
+  std::uint16_t session = 0;  ///< session that the board takes part in; 0: none
   std::uint16_t count = 0;    ///< units missing, after kMissing; else pages still to be erased
   bool operator==(const State&) const = default;
 };

@@ -13,7 +13,7 @@ namespace triskin::wire {
 
 struct LineState {
   bool stuck = false;            ///< held low
-  std::uint32_t recoveries = 0;  ///< since power-up
+  std::uint32_t recoveries = 0;  ///< number since power-up
   bool operator==(const LineState&) const = default;
 };
 

@@ -12,7 +12,7 @@
 /// Offsets of the converters (FD0B) and the routine that searches them anew (0206). docs/protocol.md.
 namespace triskin::wire {
 
-/// Where the offsets of a chip come from.
+/// Source of a chip's offsets.
 enum class OffsetState : std::uint8_t {
   kNone = 0,       ///< no chip was found at this place since power-up, and none before
   kSearching = 1,  ///< they are being looked for
@@ -38,10 +38,11 @@ enum class Latching : std::uint8_t {
   return checked_enum(number, Latching::kEndOfSequence);
 }
 
-inline constexpr std::uint8_t kMaxOffset = 63;      ///< steps
-inline constexpr double kOffsetStep_pF = 0.32;      ///< capacitance that a step takes away, nominally
-inline constexpr std::uint16_t kRestLeast = 21846;  ///< the middle third of the results: a taxel rests from here
-inline constexpr std::uint16_t kRestMost = 43690;   ///< to here
+inline constexpr std::uint8_t kMaxOffset = 63;  ///< steps
+inline constexpr double kOffsetStep_pF = 0.32;  ///< capacitance that a step takes away, nominally
+/// A taxel rests in the middle third of the results; this is its lower end.
+inline constexpr std::uint16_t kRestLeast = 21846;
+inline constexpr std::uint16_t kRestMost = 43690;  ///< upper end of that third
 
 /// The offsets of one module.
 struct ModuleOffsets {

@@ -14,8 +14,8 @@ struct Statistics {
   static constexpr std::size_t kMinBytes = 16, kMaxBytes = 16;
   std::uint32_t sequences = 0;    ///< nominal sequences of the converters
   std::uint32_t bus_errors = 0;   ///< transfers without acknowledgement, all lines
-  std::uint32_t recoveries = 0;   ///< of lines that were held low
-  std::uint32_t lost_frames = 0;  ///< of the stream: the bus was slower than it
+  std::uint32_t recoveries = 0;   ///< number of times that a line held low was freed
+  std::uint32_t lost_frames = 0;  ///< stream frames lost because the bus was slower than the stream
 
   /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const {

@@ -16,11 +16,11 @@ namespace triskin::wire {
 /// sent, or waits: the four counts together grow by one with each.
 struct RowAccount {
   static constexpr std::size_t kBytes = 17;
-  std::uint32_t number = 0;   ///< of the latest sample: counts those that were due since sampling began
-  std::uint32_t unread = 0;   ///< the controller did not read them in time
-  std::uint32_t dropped = 0;  ///< read, and found no room: the bus is slower than the stream
-  std::uint32_t sent = 0;     ///< handed to the bus
-  std::uint8_t waiting = 0;   ///< for the bus, now
+  std::uint32_t number = 0;   ///< number of the latest sample; counts all samples due since sampling began
+  std::uint32_t unread = 0;   ///< samples that the controller did not read in time
+  std::uint32_t dropped = 0;  ///< samples that were read but found no room: the bus is slower than the stream
+  std::uint32_t sent = 0;     ///< samples handed to the bus
+  std::uint8_t waiting = 0;   ///< samples that wait for the bus now
   bool operator==(const RowAccount&) const = default;
 };
 

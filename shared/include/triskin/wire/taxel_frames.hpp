@@ -70,9 +70,9 @@ struct TaxelFrame {
   // The trailer: 0 in each field from a controller that does not know it.
   std::uint32_t dropped = 0;  ///< samples of this module that found no room before this one (RowAccount::dropped)
   std::uint16_t unread = 0;   ///< those that were not read in time, modulo 65536 (RowAccount::unread)
-  std::uint8_t starts = 0;    ///< how often sampling began anew, modulo 256 (StreamAccount::starts)
+  std::uint8_t starts = 0;    ///< number of times that sampling began anew, modulo 256 (StreamAccount::starts)
   std::uint8_t adopted_modules =
-      0;  ///< of a adopted module: the list that `module` refers to (Adoption::list); of a row: 0
+      0;  ///< adopted module: the list that `module` refers to (Adoption::list); row of the table: 0
   bool operator==(const TaxelFrame&) const = default;
 };
 inline constexpr std::uint32_t kFullBase = 0x18F00000;

@@ -23,11 +23,11 @@ struct FoundTopology {
   bool complete = false;      ///< false: the chain would not settle; what is here is certain, more may be there
   bool second_cable = false;  ///< module 0 is the second entry: nobody, or too few, answered at the first
   std::uint8_t count = 0;
-  std::uint8_t cable_port = 0;  ///< of module 0
+  std::uint8_t cable_port = 0;  ///< port of module 0 where the cable is connected
   /// layout::joint_to of the far end, 0: none.
   std::array<std::array<std::uint8_t, layout::kPorts>, layout::kMaxModules> joints{};
   std::array<std::uint8_t, layout::kMaxModules>
-      row{};  ///< of the table, or a adopted module's (Adoption); kNoRow: neither
+      row{};  ///< row of the module in the table, or of an adopted module (Adoption); kNoRow: neither
 
   /// Flags, count, cable port, then per module the far ends and the row.
   constexpr void encode(ByteWriter& out) const {
@@ -59,11 +59,11 @@ struct ActiveRoute {
   std::uint8_t shorts = 0;    ///< ports left closed because opening them broke the chain or held a line
   std::uint8_t unknown = 0;   ///< modules found that the table does not know; left closed
   std::uint8_t max_depth = 0;
-  std::uint16_t alive = 0;                                      ///< bit r: row r is in the tree
-  std::uint32_t reroutes = 0;                                   ///< since power-up
-  std::uint32_t repairs = 0;                                    ///< registers that had to be written again; no new tree
-  std::uint32_t last_us = 0;                                    ///< how long the last one took
-  std::uint8_t rows = 0;                                        ///< of the table; 0: none
+  std::uint16_t alive = 0;     ///< bit r: row r is in the tree
+  std::uint32_t reroutes = 0;  ///< number since power-up
+  std::uint32_t repairs = 0;   ///< number of times that registers were rewritten without a new tree
+  std::uint32_t last_us = 0;   ///< duration of the last reroute
+  std::uint8_t rows = 0;       ///< number of rows in the table; 0: there is no table
   std::array<std::uint8_t, layout::kMaxModules> parent{};       ///< row; kNoRow: the entry, or not in the tree
   std::array<std::uint8_t, layout::kMaxModules> parent_port{};  ///< layout::kCable where there is no parent
 

@@ -128,14 +128,14 @@ class Application final : private UdsHost, private PatchControl {
   std::uint64_t next_tick_us_ = 0;
   std::uint32_t sample_count_ = 0;
   wire::StreamMode stream_ = wire::StreamMode::kOff;
-  StreamQueue stream_queue_;  // of the iCub stream
-  std::uint8_t starts_ = 0;   // of the sampling since power-up, modulo 256
+  StreamQueue stream_queue_;  // Holds frames of the iCub stream.
+  std::uint8_t starts_ = 0;   // Number of times that sampling began since power-up, modulo 256.
   bool reset_requested_ = false, through_loader_ = false;
   bool read_a_module_ = false, proved_ = false;
   std::uint64_t reset_at_us_ = UINT64_MAX;
   IcubBoard icub_;
   IcubTriangles icub_triangles_;
-  Identifiers identifiers_;  // of everything above
+  Identifiers identifiers_;  // Reads and writes all members above.
 };
 
 }  // namespace triskin::fw

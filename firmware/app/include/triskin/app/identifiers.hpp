@@ -22,7 +22,8 @@
 
 namespace triskin::fw {
 
-inline constexpr std::uint32_t kFirmwareVersion = TRISKIN_FIRMWARE_VERSION;  ///< of the project (CMakeLists.txt)
+/// Version of the project (CMakeLists.txt).
+inline constexpr std::uint32_t kFirmwareVersion = TRISKIN_FIRMWARE_VERSION;
 
 /// What the identifiers read. Everything outlives them.
 struct PatchParts {
@@ -30,8 +31,9 @@ struct PatchParts {
   const TableStore& tables;
   const RouteKeeper& route;
   const std::array<LineSampler, layout::kLines>& lines;
-  const std::array<ModuleSample, layout::kMaxModules>& samples;    ///< as read last
-  const std::array<ModuleSample, layout::kMaxModules>& published;  ///< read before the last good check of the chain
+  const std::array<ModuleSample, layout::kMaxModules>& samples;  ///< latest samples
+  /// Samples read before the last good check of the chain.
+  const std::array<ModuleSample, layout::kMaxModules>& published;
   const OffsetBook& offsets;
   const wire::StreamMode& stream;
   const Sampling& sampling;
@@ -46,8 +48,8 @@ class PatchControl {
   virtual ~PatchControl() = default;
   /// Takes effect after the answer. Errors: kFlashFailed.
   virtual Status set_node_address(std::uint8_t address) = 0;
-  /// To the port that asked. Errors: kOutOfRange (the full stream on a classic bus; the iCub stream with a node
-  /// address above 14).
+  /// Streams to the port that sent the request. Errors: kOutOfRange (the full stream on a classic bus; the iCub stream
+  /// with a node address above 14).
   virtual Status set_stream(wire::StreamMode mode) = 0;
   /// Takes effect at once: every converter is configured anew. kOk always; the decoder has refused what cannot be set.
   virtual Status set_sampling(const wire::SamplingSetting& setting) = 0;

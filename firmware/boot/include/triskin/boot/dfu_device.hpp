@@ -68,7 +68,7 @@ class DfuDevice final : public wire::UsbFunction {
   std::uint32_t at_ = 0;  // bytes of the package that came
   std::array<std::uint8_t, 6> reply_{};
   std::uint64_t last_us_ = 0;
-  std::size_t erased_pages_ = 0;  // of the image's slot, besides that of the records
+  std::size_t erased_pages_ = 0;  // Erased pages of the image's slot, without those of the records.
   bool leaves_;
   bool heard_ = true, leave_ = false, committed_ = false;
 };

@@ -24,7 +24,7 @@ class ImageReceiver final : public fw::ImageUpdate {
   struct Self {
     wire::UniqueId unique_id;
     int running_slot;                ///< 0 or 1
-    std::uint32_t firmware_version;  ///< that runs
+    std::uint32_t firmware_version;  ///< version of the running firmware
   };
   /// `slots` and `restart` outlive the receiver.
   ImageReceiver(SlotStore& slots, fw::Restart& restart, const Self& self)

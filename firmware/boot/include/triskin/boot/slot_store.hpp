@@ -9,7 +9,7 @@
 
 namespace triskin::boot {
 
-inline constexpr int kMaxStarts = 3;  ///< of an application that does not confirm itself
+inline constexpr int kMaxStarts = 3;  ///< starts allowed to an application that does not confirm itself
 
 struct SlotState {
   bool valid = false;      ///< committed, CRC right, vectors point into the slot
@@ -21,7 +21,7 @@ struct SlotState {
   [[nodiscard]] bool startable() const { return valid && (confirmed || starts < kMaxStarts); }
 };
 
-/// For Restart::image_state(). `slot`: 0 or 1.
+/// Result for Restart::image_state(). `slot`: 0 or 1.
 [[nodiscard]] inline wire::ImageState image_state_of(int slot, const SlotState& state) {
   return {static_cast<std::uint8_t>(slot), state.confirmed, state.sequence, state.size_bytes, state.record_crc};
 }
@@ -42,7 +42,7 @@ class SlotStore {
   /// The slot to start: the newest startable one; without any the newest valid one, for a board whose only image was
   /// never confirmed must not be stranded by three power cuts. -1: none is valid.
   [[nodiscard]] int choose() const;
-  /// Before an unconfirmed application starts. False: all records are used, or the flash refused.
+  /// Call it before an unconfirmed application starts. False: all records are used, or the flash refused.
   bool note_start(int slot);
   /// Erases the records first, so that the slot does not count from the first moment.
   [[nodiscard]] Status erase(int slot);

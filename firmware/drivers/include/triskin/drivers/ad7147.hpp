@@ -25,13 +25,13 @@ inline constexpr std::uint16_t kId = 0x1470, kIdMask = 0xFFF0;  ///< low nibble:
 inline constexpr int kStages = layout::kTaxelsPerModule;
 using Results = std::array<std::uint16_t, kStages>;
 inline constexpr std::uint16_t kStageStride = 8, kOffsetInStage = 2;
-/// In kAmbientControl; clears itself: the sequence begins anew with stage 0, the results stay.
+/// Bit of kAmbientControl that restarts the sequence at stage 0, keeps the results and clears itself.
 inline constexpr std::uint16_t kConvReset = 0x8000;
 /// Offset of each stage, in steps of 0.32 pF: what the converter takes away from the electrode's capacitance.
 using Offsets = std::array<std::uint8_t, kStages>;
 inline constexpr std::uint8_t kMaxOffset = 63;
 inline constexpr unsigned kPositiveOffset = 8;       ///< bit of the register where the positive input's begins
-inline constexpr std::int32_t kOffsetCounts = 1311;  ///< by which a step moves the result: 0.32 pF of 8 pF / 32768
+inline constexpr std::int32_t kOffsetCounts = 1311;  ///< one step moves the result by this: 0.32 pF of 8 pF / 32768
 /// Conversion time of twelve stages (data sheet table 11), µs.
 [[nodiscard]] constexpr std::uint32_t sequence_us(wire::Decimation d) {
   return wire::sequence_us(d);

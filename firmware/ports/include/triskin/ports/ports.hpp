@@ -41,7 +41,7 @@ class I2cLine {
 class Clock {
  public:
   virtual ~Clock() = default;
-  [[nodiscard]] virtual std::uint64_t now_us() const = 0;  ///< since power-up, monotonic
+  [[nodiscard]] virtual std::uint64_t now_us() const = 0;  ///< time since power-up, monotonic
 };
 
 /// Frames to and from hosts: a CAN bus, or USB with the same frames in its packets.
@@ -95,11 +95,11 @@ class Restart {
 class BoardMonitor {
  public:
   virtual ~BoardMonitor() = default;
-  /// As it is now.
+  /// Returns the present state.
   [[nodiscard]] virtual wire::BoardHealth health() const = 0;
   /// What stopped the controller last. Empty: nothing since power-up, or it was forgotten.
   [[nodiscard]] virtual std::optional<wire::Crash> crash() const = 0;
-  /// With the fault memory, on a host's request.
+  /// Called when a host clears the fault memory.
   virtual void forget_crash() = 0;
 };
 
@@ -125,8 +125,8 @@ struct Ports {
   CanPort* can;
   FlashArea* flash;
   wire::UniqueId unique_id;
-  CanPort* usb = nullptr;           ///< null: a board without
-  RouteChain* chain = nullptr;      ///< of switched modules; null on a board without
+  CanPort* usb = nullptr;           ///< null: the board has no USB
+  RouteChain* chain = nullptr;      ///< chain of the switched modules; null: the board has none
   Restart* restart = nullptr;       ///< null: a reset only starts the application anew
   ImageUpdate* update = nullptr;    ///< null: new images come by the loader alone
   BoardMonitor* monitor = nullptr;  ///< null: nothing to say about the board

@@ -14,12 +14,37 @@ namespace triskin {
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes);
 
 /// Writes what a user asked for with -o, as the tools of coreutils would: "-" is standard output; a symbolic link is
-/// followed, and the file that it names appears whole or not at all; into a device or pipe the bytes are written.
+/// followed, also one whose file does not exist yet, and the file that it names appears whole or not at all, with the
+/// permissions that it had; into a device or pipe the bytes are written.
 /// Throws InputError naming the file and the cause, also for a folder.
 void write_output(const std::filesystem::path& path, std::string_view bytes);
 
+/// The same for text that is made part by part. Without commit() a file is as it was before; what went to standard
+/// output, a device or a pipe stays there. One thread.
+class OutputFile {
+ public:
+  /// Throws as write_output().
+  explicit OutputFile(const std::filesystem::path& path);
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  /// Throws InputError naming the file and the cause.
+  void write(std::string_view bytes);
+  /// Completes the file. Throws the same as write().
+  void commit();
+
+ private:
+  std::filesystem::path path_, target_;
+  std::string temporary_;  // empty: written in place
+  int fd_ = -1;
+};
+
+/// Throws InputError where write_output() could not write: before long work, not behind it. Leaves nothing behind.
+void require_writable(const std::filesystem::path& path);
+
 /// Folder for what the program keeps on this computer between two runs: $XDG_STATE_HOME/triskin, else
-/// ~/.local/state/triskin, else triskin in the temporary folder. The folder above it is made if it is not there.
+/// ~/.local/state/triskin, else triskin-<user number> in the temporary folder. The folder above it is made if it is not there.
 [[nodiscard]] std::filesystem::path state_home();
 
 }  // namespace triskin

@@ -11,8 +11,8 @@
 #include "triskin/bridge/dds.hpp"
 #include "triskin/recording/cdr.hpp"
 
-/// Services of the bridge, with the definitions of ros/triskin_msgs/srv. On the wire a request and its answer begin
-/// with who asks and the number of the request, 8 bytes each, as rmw_cyclonedds writes them.
+/// Services of the bridge, with the definitions of host/bridge/ros/triskin_msgs/srv. On the wire a request and its
+/// answer begin with who asks and the number of the request, 8 bytes each, as rmw_cyclonedds writes them.
 namespace triskin::bridge {
 
 /// Takes the present values of the taxels for those of a skin that nobody touches.
@@ -41,8 +41,8 @@ struct Reroute {
   struct Answer {
     bool success = false;
     std::string message;
-    std::vector<std::int32_t> patch;    ///< that were asked
-    std::vector<std::int32_t> modules;  ///< in the tree of each; −1: its modules have no switches
+    std::vector<std::int32_t> patch;    ///< patches that were asked
+    std::vector<std::int32_t> modules;  ///< modules in the tree of each patch; −1: its modules have no switches
     void write(recording::CdrWriter& w) const;
   };
 };
@@ -55,17 +55,17 @@ struct Identify {
   struct Answer {
     bool success = false;
     std::string message;
-    std::uint64_t design_id = 0;          ///< of the design that is published
-    std::vector<std::int32_t> patch;      ///< of each controller that answered, as all of these
-    std::vector<std::uint8_t> node;       ///< address
-    std::vector<std::string> serial;      ///< unique id
-    std::vector<std::string> firmware;    ///< version
+    std::uint64_t design_id = 0;        ///< id of the published design
+    std::vector<std::int32_t> patch;    ///< patch of each controller that answered; the lists below have the same order
+    std::vector<std::uint8_t> node;     ///< node address
+    std::vector<std::string> serial;    ///< unique id
+    std::vector<std::string> firmware;  ///< version
     std::vector<std::uint64_t> table_id;  ///< design of its table; 0: it has none
     void write(recording::CdrWriter& w) const;
   };
 };
 
-/// Which request an answer is for.
+/// Identifies the request that an answer belongs to.
 struct RequestId {
   std::uint64_t client = 0, number = 0;
   bool operator==(const RequestId&) const = default;

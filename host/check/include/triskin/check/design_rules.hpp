@@ -17,11 +17,11 @@ struct Violation {
 
 /// Result of a check: the design keeps all rules when `violations` is empty.
 struct DesignReport {
-  std::size_t modules = 0;         ///< of the design; without any there is nothing to break a rule
+  std::size_t modules = 0;         ///< number of modules in the design; without any, no rule can be broken
   std::vector<std::string> rules;  ///< every rule that was checked
   std::vector<Violation> violations;
-  std::vector<std::pair<std::string, double>> limits;  ///< of the file, name and value: what was measured against
-  double corner_cut_mm = 0.0;                          ///< of the modules that were measured; 0: whole triangles
+  std::vector<std::pair<std::string, double>> limits;  ///< name and value of each limit in the file that was checked
+  double corner_cut_mm = 0.0;  ///< corner cut of the modules that were measured; 0: whole triangles
 };
 
 /// Checks every rule of a design file against the mesh that the file holds. Shares no code with the solvers: own

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace triskin::check {
@@ -9,12 +10,28 @@ namespace triskin::check {
 /// Verdict on a placement proof.
 struct ProofReport {
   bool accepted = false;
-  std::string reason;        ///< why it was rejected; empty when accepted
-  int modules = 0;           ///< claimed and, when accepted, shown by the placement of the log
-  int upper_bound = 0;       ///< claimed and, when accepted, shown by the cells of the log
-  std::int64_t cells = 0;    ///< cells of the log
+  std::string reason;   ///< why it was rejected; empty when accepted
+  int modules = 0;      ///< claimed and, when accepted, shown by the placement of the log
+  int upper_bound = 0;  ///< claimed and, when accepted, shown by the cells of the log
+  // What the claims are about, as the log has it.
+  double tolerance_mm =
+      0.0;              ///< the modules of the placement may stand over by this; those of the bound may not at all
+  std::string shape;    ///< triangle, square or hexagon
+  double gap_mm = 0.0;  ///< free space between facing sides of modules
+  double corner_cut_mm = 0.0;     ///< cut off along each side from every corner
+  std::string weights = "none";   ///< a proof is always about the number of modules
+  double outline_area_mm2 = 0.0;  ///< area of the polygon in the file, less its holes
+  std::string outline_hash;  ///< hash of its edges (FNV-1a, 64 bits): equal for equal outlines, however rings begin
+  std::int64_t cells = 0;    ///< number of cells in the log
   std::int64_t regions = 0;  ///< boxes of motions whose bound was computed here
   double seconds = 0.0;
+};
+
+/// What the reader of a proof wants it to be about; what is not set is not compared.
+struct ProofExpectation {
+  std::optional<double> tolerance_mm, gap_mm, corner_cut_mm;  ///< compared to 1e-12 of the value, gaps to 1e-9 mm
+  std::optional<std::string> shape, outline_hash;
+  std::optional<int> modules;  ///< the bound and the placement must both have so many
 };
 
 /// Checks the log that `triskin place --proof` wrote against the polygon (docs/placement.md has the format): its
@@ -23,9 +40,12 @@ struct ProofReport {
 /// outward rounding; shares no code with the solver. Errors: InputError when a file cannot be read as polygon or
 /// log; a wrong proof is no error but a rejection with its reason. One thread; thread-safe.
 /// Cost: about as many boxes as the log has cells, each with the modules near the outline.
-[[nodiscard]] ProofReport check_placement_proof(const std::filesystem::path& log, const std::filesystem::path& polygon);
+/// A log that is about something else than `expected` is rejected.
+[[nodiscard]] ProofReport check_placement_proof(const std::filesystem::path& log, const std::filesystem::path& polygon,
+                                                const ProofExpectation& expected = {});
 
 /// The same from the texts of both files; messages call them "proof" and "polygon".
-[[nodiscard]] ProofReport check_placement_proof_text(const std::string& log, const std::string& polygon);
+[[nodiscard]] ProofReport check_placement_proof_text(const std::string& log, const std::string& polygon,
+                                                     const ProofExpectation& expected = {});
 
 }  // namespace triskin::check

@@ -13,7 +13,7 @@
 
 namespace triskin::cli {
 
-/// Which calibration a command uses.
+/// Options that select the calibration of a command.
 struct CalibrationOptions {
   /// Calibration file; empty: what the controllers keep, else what this computer keeps for them; "none": counts.
   std::string file;

@@ -24,6 +24,15 @@ class Output {
 
   /// True with --json: only the object may go to standard output.
   [[nodiscard]] bool json() const { return json_; }
+  /// Says once that what is told comes from the simulation `link`, not from hardware. From then on
+  /// every object of --json has "simulated": true.
+  void mark_simulated(const std::string& link);
+  /// The same for a command that has said it by itself.
+  void mark_quietly_simulated() { simulated_ = true; }
+  /// Ctrl-C is the usual end of the command: its status stays what the command returns.
+  void expect_interrupt() { expects_interrupt_ = true; }
+  [[nodiscard]] bool expects_interrupt() const { return expects_interrupt_; }
+  [[nodiscard]] bool simulated() const { return simulated_; }
   /// With --json: one object on a line of its own, at once; for commands that answer while they run.
   void each(const nlohmann::json& object) const;
   /// One line for a person: standard output, or standard error where the other is taken.
@@ -33,6 +42,8 @@ class Output {
 
  private:
   bool json_, messages_aside_;
+  bool simulated_ = false;
+  bool expects_interrupt_ = false;
 };
 
 /// Validator of an option that takes one of the names of `values`, in any case. --help lists the names, not the numbers
@@ -49,6 +60,9 @@ template <class Value>
 /// Runs a command and returns its exit status: 0 done, 1 done and the answer is bad. Throws triskin::Error for 2 and 3.
 using Run = std::function<int(Output&)>;
 
+/// What a command is for; --help lists the commands of a group together, in this order.
+enum class Group { kDesign, kHardware, kData, kDevelopment };
+
 /// One subcommand. `set_up` adds options to `app` and returns what runs them; options live in the returned closure
 /// (a shared_ptr to a struct), since CLI11 keeps references.
 struct Command {
@@ -56,6 +70,7 @@ struct Command {
   std::string summary;
   std::string example;  ///< shown by --help
   std::function<Run(CLI::App& app)> set_up;
+  Group group = Group::kDevelopment;
 };
 
 /// Each command's file holds one constant of this type at namespace scope; main finds all of them.

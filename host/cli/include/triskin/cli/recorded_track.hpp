@@ -14,15 +14,15 @@ namespace triskin::cli {
 struct RecordedSkin {
   design::Design design;
   design::SkinCalibration calibration;  ///< none: counts alone
-  std::vector<std::string> serials;     ///< of the controllers, by patch; empty text: not known
-  design::RestValues rest;              ///< empty: those by design
+  std::vector<std::string> serials;     ///< indexed by patch: serial of the controller; empty text: not known
+  design::RestValues rest;              ///< empty: the design's rest values
 };
 
 /// A recording as the page plays it.
 struct RecordedTrack {
   RecordedSkin skin;
   std::string frames;  ///< view::FrameTrack
-  std::string remark;  ///< for a person: what of the recording is not there; empty: it is all there
+  std::string remark;  ///< message about missing parts of the recording; empty: it is complete
 };
 
 /// True for the name of a recording: the extension is .mcap.

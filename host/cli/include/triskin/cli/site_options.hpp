@@ -23,10 +23,11 @@ void add_site_options(CLI::App& app, SiteOptions& options);
 /// A site with its links open.
 struct OpenSite {
   robot::Site site;
-  std::vector<std::unique_ptr<device::Link>> links;  ///< by bus
+  std::vector<std::unique_ptr<device::Link>> links;  ///< indexed by bus
 };
-/// Reads the file and opens the links. Throws as robot::read_site and device::open_bus do.
-[[nodiscard]] OpenSite open_site(const SiteOptions& options);
+/// Reads the file, opens the links, and says where one is a simulation. Throws as robot::read_site and device::open_bus
+/// do.
+[[nodiscard]] OpenSite open_site(const SiteOptions& options, Output& output);
 
 /// The one cover that is chosen of a site with one bus. Throws InputError naming `command` where there are several.
 [[nodiscard]] const robot::CoverConfig& one_cover(const robot::Site& site, std::string_view command);

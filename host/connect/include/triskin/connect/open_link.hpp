@@ -14,8 +14,8 @@ namespace triskin::device {
 
 /// What `--link` and `--scene` name.
 struct LinkOptions {
-  std::string link = "sim";
-  bool chosen = false;    ///< `link` was given; else a robot file says which
+  std::string link;       ///< empty: none was named, which only a robot file makes up for
+  bool chosen = false;    ///< `link` stands before what a robot file says
   std::string scene;      ///< scene file for `sim`; empty: the design, with nothing wrong
   bool switched = false;  ///< `sim` without a scene file has switched modules
   /// What the serial numbers of simulated boards are drawn from: 0: they ascend with the patches; empty: the scene's
@@ -32,10 +32,13 @@ struct LinkOptions {
 [[nodiscard]] std::unique_ptr<Link> simulate_here(const std::string& link, scene::Scene scene,
                                                   const std::filesystem::path& folder);
 
+/// Throws InputError where no link is named; it lists what is attached to this computer.
+void require_link(const LinkOptions& options);
+
 /// Opens `sim`, `sim-usb`, `sim:HOST:PORT`, `can:IFACE`, `hid[:SERIAL]` or `usb[:SERIAL]`, or several of the last
 /// three, joined by commas. `design` is what `sim` simulates when there is no scene; null where a command has none; not
 /// kept. From now on Ctrl-C only sets interrupt_request(), unless the options leave signals to the caller. Throws
-/// InputError (unknown link, no design or scene for `sim`, a scene of another design), DeviceError (cannot connect).
+/// InputError (no link or an unknown one, no design or scene for `sim`, a scene of another design), DeviceError (cannot connect).
 [[nodiscard]] std::unique_ptr<Link> open_link(const LinkOptions& options, const design::Design* design);
 
 }  // namespace triskin::device

@@ -25,9 +25,9 @@ struct BoardBackup {
   };
   std::string serial;               ///< unique id
   int node_address = 0;             ///< 1 … 126
-  std::vector<std::uint8_t> table;  ///< as flashed; empty: none
+  std::vector<std::uint8_t> table;  ///< table as it is flashed; empty: there is none
   std::map<std::uint16_t, std::vector<std::uint8_t>>
-      values;  ///< of every identifier of wire::kIdentifiers that it gave
+      values;  ///< value of every identifier in wire::kIdentifiers that the board returned
   std::vector<Fault> faults;
   /// What this computer keeps for the controller (CalibrationStore); none: nothing, also in files of older releases.
   std::optional<design::BoardCalibration> calibration{};
@@ -51,11 +51,12 @@ struct RestoreOptions {
 };
 /// What became of a board of the file.
 struct RestoredBoard {
-  std::string serial;     ///< of the controller that holds it now
-  std::string kept_from;  ///< of the controller that it was read from
+  std::string serial;     ///< serial of the controller that holds the data now
+  std::string kept_from;  ///< serial of the controller that the data was read from
   int node_address = 0;
-  std::size_t bytes = 0;  ///< of the table; 0: it had none, and what the controller holds stays
-  bool equal = false;     ///< table and address were there already
+  /// Size of the table; 0: the file has no table for it, and the controller keeps the one it holds.
+  std::size_t bytes = 0;
+  bool equal = false;  ///< table and address were the same already
   bool written = false;
   /// The calibration that was kept in the board of the file is in this one again; false: there was none, it was there
   /// already, or a dry run.

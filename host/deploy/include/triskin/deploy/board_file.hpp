@@ -9,10 +9,10 @@
 
 namespace triskin::device {
 
-/// Which controller serves which patch of a design, as `triskin identify` writes it (docs/which_board.md).
+/// Controller of each patch of a design, as `triskin identify` writes it (docs/which_board.md).
 struct BoardFile {
   std::uint64_t design_id = 0;
-  std::vector<FlashOptions::Assignment> boards;  ///< by patch, ascending; each patch and each controller once
+  std::vector<FlashOptions::Assignment> boards;  ///< sorted by patch; each patch and each controller occurs once
 };
 
 /// Reads such a file. Throws InputError naming file, place and remedy: no such file, another format or version, a patch

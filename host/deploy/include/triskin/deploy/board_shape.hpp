@@ -62,11 +62,11 @@ struct Seat {
   int patch = 0;  ///< 0-based in its design
 };
 
-/// Which board serves which seat, as far as shapes say it. Seats are meant by their number in the list.
+/// Seat of each board, if its shape settles it. Seats are numbered as in the list.
 struct ShapeAssignment {
-  std::vector<int> seat;                 ///< by board; −1: the shapes do not settle it
-  std::vector<std::vector<int>> likely;  ///< by board: the seats that it may have, ascending; empty: it looks like none
-  std::vector<bool> across;  ///< by board: it looks like one of them only with modules of the patches beside it
+  std::vector<int> seat;                 ///< seat of each board; −1: the shapes do not settle it
+  std::vector<std::vector<int>> likely;  ///< seats that each board may have, ascending; empty: it looks like none
+  std::vector<bool> across;  ///< per board: it looks like one of them only with modules of the patches beside it
   bool exact = false;        ///< shapes that are equal give as many boards as possible a seat each
 };
 

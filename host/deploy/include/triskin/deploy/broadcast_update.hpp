@@ -38,15 +38,15 @@ struct BoardUpdate {
   std::string serial;
   UpdateOutcome outcome = UpdateOutcome::kGivenUp;
   std::string why;        ///< a sentence; empty for kUpdated, kEqual, kWould
-  int slot = -1;          ///< that runs now; −1: not known
-  std::size_t bytes = 0;  ///< written
+  int slot = -1;          ///< slot that runs now; −1: not known
+  std::size_t bytes = 0;  ///< number of bytes written
 };
 
 struct BroadcastResult {
-  std::vector<BoardUpdate> boards;  ///< in the order given
+  std::vector<BoardUpdate> boards;  ///< same order as the boards given
   int rounds = 0;                   ///< how often missing units were asked for, on the bus with the most
   std::size_t frames = 0;           ///< data frames sent, all buses
-  std::size_t again = 0;            ///< of these sent once more
+  std::size_t again = 0;            ///< number of these that repeat an earlier frame
   double link_s = 0.0;              ///< time of the slowest bus
   /// True when every board has the image now, or had it.
   [[nodiscard]] bool complete() const;

@@ -27,7 +27,7 @@ struct FirmwarePackage {
 struct FirmwareResult {
   std::string serial;
   bool equal = false;  ///< the same image runs already; nothing was written
-  int slot = -1;       ///< that runs now
+  int slot = -1;       ///< slot that runs now
   std::size_t bytes = 0;
 };
 

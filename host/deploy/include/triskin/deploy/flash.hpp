@@ -32,9 +32,9 @@ struct FlashOptions {
   /// Controller of another design on the same bus, as a robot file names it.
   struct Neighbour {
     std::uint8_t node = 0;        ///< its node address
-    std::uint64_t design_id = 0;  ///< of its table
+    std::uint64_t design_id = 0;  ///< design of its table
     std::string serial;           ///< unique id as in Assignment; empty: not known
-    /// Where its design is at hand: fresh controllers that could be this one are told from those of the own patches.
+    /// Design of the neighbour, if available: it distinguishes fresh controllers of the neighbour from ours.
     const design::Design* design = nullptr;
     int patch = 0;
   };
@@ -44,8 +44,8 @@ struct FlashOptions {
   /// Controllers without a table are told apart by the shapes of their patches, before anything is written; those with
   /// equal shapes are refused. False: they get the patches in the order of their unique ids.
   bool recognise = false;
-  /// With `recognise`: the finger of a simulated link tells controllers with equal shapes apart; without effect on
-  /// other links.
+  /// Together with `recognise`, the finger of a simulated link distinguishes controllers of equal shape; other links
+  /// ignore it.
   bool touch = false;
   bool take_over = false;                       ///< controllers that hold a table of another design may be taken
   double wait_s = 0.0;                          ///< how long an unplugged cable is waited for before this is an error

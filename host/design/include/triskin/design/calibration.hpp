@@ -40,7 +40,7 @@ struct PlaceCalibration {
 /// The calibration of the modules that hang on one controller. It belongs to these modules and their skin.
 struct BoardCalibration {
   std::string serial;           ///< unique id of the controller, 24 hexadecimal digits
-  std::uint64_t design_id = 0;  ///< of the design when it was made
+  std::uint64_t design_id = 0;  ///< design at the time of the calibration
   int patch = 0;                ///< 0-based, in that design
   int revision = 1;             ///< ≥ 1, one more with each calibration of this controller
   std::string made;             ///< when, UTC: "2026-11-22T17:30:00Z"
@@ -50,7 +50,7 @@ struct BoardCalibration {
   std::vector<PlaceCalibration> places;
   bool operator==(const BoardCalibration&) const = default;
 
-  /// That of the module at a line and an address; null: it has none. Valid while `places` stays as it is.
+  /// Calibration of the module at a line and an address; null: it has none. Valid while `places` stays as it is.
   [[nodiscard]] const PlaceCalibration* at(int line, int address) const;
 };
 
@@ -64,11 +64,11 @@ struct BoardCalibration {
 
 /// How good the calibration of several taxels is, over those that have one.
 struct CalibrationQuality {
-  std::size_t taxels = 0;       ///< calibrated
-  std::size_t missing = 0;      ///< for pressure and not calibrated
-  double median_percent = 0.0;  ///< of error_percent
-  double worst_percent = 0.0;   ///< of error_percent
-  double residual_kpa = 0.0;    ///< largest
+  std::size_t taxels = 0;       ///< number of calibrated taxels
+  std::size_t missing = 0;      ///< number of pressure taxels that are not calibrated
+  double median_percent = 0.0;  ///< median of error_percent
+  double worst_percent = 0.0;   ///< largest error_percent
+  double residual_kpa = 0.0;    ///< largest residual
   double max_kpa = 0.0;         ///< least of the boards' largest pressures
 };
 /// Quality over all places of `boards`. Cost: O(n log n) in taxels.

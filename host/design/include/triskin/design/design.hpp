@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,16 +23,25 @@ struct Alternative {
   ModuleLayout layout;  ///< modules without metrics, no jumpers: both are computed when it is taken
   int patches = 0;
   int jumpers = 0;
-  double price = 0.0;         ///< in modules, by Design::price
-  double module_value = 0.0;  ///< of its modules by Design::regions; their number without regions
+  double price = 0.0;         ///< price in modules, by Design::price
+  double module_value = 0.0;  ///< value of its modules, by Design::regions; without regions, their number
+};
+
+/// Side of a part with a wall that the surface of a design was taken from (docs/side.md).
+struct PartSide {
+  std::string taken;  ///< outer, inner, both, 1 or 2 (of a picture), or from (what is seen from a point)
+  bool is_certain = true;
+  double wall_mm = 0.0;
+  Mesh part;  ///< the whole part, mm; empty with `both`
 };
 
 /// Design of a cover: the only thing that passes between geometry and the device side (docs/design_file.md has the
 /// schema). A module is named by its id = index in layout.modules; Patch speaks of nodes, which in a design are the
 /// same numbers.
 struct Design {
-  static constexpr int kVersion = 1;        ///< of a file without jumpers
-  static constexpr int kJumperVersion = 2;  ///< of a file with jumpers; a reader of version 1 would part its patches
+  static constexpr int kVersion = 1;  ///< version of a file without jumpers
+  /// Version of a file with jumpers; a reader of version 1 would split its patches.
+  static constexpr int kJumperVersion = 2;
 
   /// Figures of the whole design.
   struct Report {
@@ -39,13 +49,14 @@ struct Design {
     double coverage = 0.0;  ///< modules · 389.7 mm² / area
     int upper_bound = 0;    ///< modules by area, a yardstick and no proof (docs/lattice.md), ≥ their number
     int patches_lower_bound = 0;
-    int jumpers_lower_bound = 0;  ///< with as many patches no fewer jumpers do; in the file only beside jumpers
+    /// No division into as many patches needs fewer jumpers; in the file only beside jumpers.
+    int jumpers_lower_bound = 0;
     double max_edge_error_mm = 0.0, max_hinge_gap_mm = 0.0, max_center_gap_mm = 0.0;
-    /// Of corners and sides, above and under the surface; in the file beside their limits only.
+    /// Largest distances of corners and sides above and under the surface; in the file beside their limits only.
     double max_edge_lift_mm = 0.0, max_edge_depth_mm = 0.0;
     double seconds = 0.0;
-    double module_value = 0.0;         ///< of the modules by Design::regions; in the file beside regions only
-    std::vector<Uncovered> uncovered;  ///< must-cover regions that are not covered; in the file beside regions only
+    double module_value = 0.0;         ///< value of the modules, by Design::regions; in the file only beside regions
+    std::vector<Uncovered> uncovered;  ///< must-cover regions that are not covered; in the file only beside regions
     double coverage_cut = 0.0;  ///< modules · what corner cuts leave of 389.7 mm² / area; in the file only with a cut
   };
 
@@ -55,6 +66,7 @@ struct Design {
   double scale_to_mm = 1.0;
   std::uint64_t seed = 1;
   Mesh surface;  ///< mm
+  std::optional<PartSide> side;  ///< none, and no key in the file: the surface has no wall
   LayoutLimits limits;
   std::vector<PlacedPiece> pieces;
   ModuleLayout layout;  ///< module index = id
@@ -62,8 +74,8 @@ struct Design {
   /// Node address of the controller of each patch, 0 where it hangs on another bus than the one in hand; empty: patch p
   /// has p + 1. A robot file gives addresses (docs/robot_file.md); they are neither in the design file nor in its id.
   std::vector<std::uint8_t> node_addresses;
-  KindPlan kinds;   ///< of the modules; empty: all of the standard kind, and no key in the file
-  Price price;      ///< in the file only beside alternatives
+  KindPlan kinds;   ///< kinds of the modules; empty: all of the standard kind, and no key in the file
+  Price price;      ///< prices of controllers and jumpers; in the file only beside alternatives
   Regions regions;  ///< none: every place is worth the same; the file then has no such key
   /// Most modules first, falling price. `taken`: index of the one in `layout`, -1 where there are none.
   std::vector<Alternative> alternatives;

@@ -16,7 +16,7 @@ namespace triskin::design {
 struct ModuleKind {
   std::string name;                         ///< unique in a design, not empty
   int taxels = layout::kTaxelsPerModule;    ///< 1 … 12: inputs 0 … taxels − 1 of the converter are electrodes
-  std::string dielectric;                   ///< for the bill of materials; may be empty
+  std::string dielectric;                   ///< text for the bill of materials; may be empty
   double sensitivity_counts_per_kpa = 0.0;  ///< ≥ 0; 0: not stated
   bool operator==(const ModuleKind&) const = default;
 };
@@ -34,8 +34,8 @@ struct KindPlan {
   /// Name of kind 0.
   static constexpr std::string_view kStandard = "standard";
 
-  std::vector<ModuleKind> kinds;    ///< at most layout::kMaxKinds − 1
-  std::vector<KindRegion> regions;  ///< of regions that overlap the last one counts; elsewhere: kind 0
+  std::vector<ModuleKind> kinds;    ///< no more than layout::kMaxKinds − 1
+  std::vector<KindRegion> regions;  ///< the last one counts where regions overlap; elsewhere: kind 0
   /// No kinds: all modules are of the standard kind, and no file or table says a word of it.
   [[nodiscard]] bool empty() const { return kinds.empty(); }
   bool operator==(const KindPlan&) const = default;

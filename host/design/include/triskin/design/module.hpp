@@ -63,7 +63,8 @@ struct ModuleLayout {
   LayoutMethod method = LayoutMethod::kPieces;
   /// Modules that were refused, per limit that refused them (name → count), for the report.
   std::vector<std::pair<std::string, int>> refused;
-  double corner_cut_mm = 0.0;  ///< of every module (outline.hpp); corner_mm stay those of the whole triangle
+  /// Cut at every corner of every module (outline.hpp); corner_mm still describe the whole triangle.
+  double corner_cut_mm = 0.0;
   /// Joints between islands. PlacedModule::neighbour does not show them; graph_of() and joints_of() do.
   std::vector<Jumper> jumpers;
 };

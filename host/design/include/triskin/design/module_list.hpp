@@ -13,8 +13,8 @@ namespace triskin::design {
 /// Modules that no design holds, as `triskin route MODULES` reads them (docs/routing.md). Arrays by node: the module at
 /// node k has the file's id ids[k], which need not be k.
 struct ModuleList {
-  std::vector<int> ids;     ///< ids of the file by node: unique, ≥ 0, in any order
-  std::vector<Tile> tiles;  ///< by node
+  std::vector<int> ids;     ///< indexed by node: id in the file, unique, ≥ 0, in any order
+  std::vector<Tile> tiles;  ///< indexed by node
   ModuleGraph graph;        ///< joined where two tiles of one island share a side
 };
 

@@ -25,24 +25,25 @@ struct RoutedModule {
 /// Loss under one failure, in modules of the patch that are no longer read (the failed one included). Nodes as in
 /// RoutedModule.
 struct FailureLoss {
-  int node = -1;           ///< node of the failed module; for a joint: the child end in the tree, or either end
-  int other_node = -1;     ///< -1: module failure; else the node at the other end of the failed joint
-  int lost_strapped = 0;   ///< without rerouting: the subtree
-  int lost_rerouted = 0;   ///< switched modules, over the surviving joints from both entries: what `backup_tree` keeps
+  int node = -1;          ///< node of the failed module; for a joint: the child end in the tree, or either end
+  int other_node = -1;    ///< -1: module failure; else the node at the other end of the failed joint
+  int lost_strapped = 0;  ///< modules lost without rerouting: the subtree
+  /// Modules lost if switched modules are rerouted over the remaining joints from both entries (`backup_tree`).
+  int lost_rerouted = 0;
   int lost_backed_up = 0;  ///< also with the second entry and with adoption by neighbouring patches
   std::vector<std::array<int, 2>>
       backup_tree;  ///< (child, parent) nodes that differ from the normal tree; parent -1: the second entry
-  std::vector<std::array<int, 2>> adopted;  ///< (child, parent) where the child is read by another patch; parents first
-  int lost_one_entry = 0;  ///< as lost_rerouted from the first entry alone, which is what a prepared route reads
+  std::vector<std::array<int, 2>> adopted;  ///< (child, parent) if the child is read by another patch; parents first
+  int lost_one_entry = 0;  ///< modules lost if rerouting uses the first entry only, as a prepared route does
 };
 
 /// Electrical state of one line of a patch; docs/routing.md has formulas and sources.
 struct LineElectrical {
   int modules = 0;
   double capacitance_pf = 0.0;
-  double pull_up_min_ohm = 0.0;  ///< sink current
-  double pull_up_max_ohm = 0.0;  ///< rise time at the required bus speed
-  double rise_time_ns = 0.0;     ///< with the smallest pull-up
+  double pull_up_min_ohm = 0.0;  ///< lower limit, from the sink current
+  double pull_up_max_ohm = 0.0;  ///< upper limit, from the rise time at the required bus speed
+  double rise_time_ns = 0.0;     ///< rise time with the smallest pull-up
   double max_bus_hz = 0.0;       ///< highest safe standard speed; 0 when none is
 };
 

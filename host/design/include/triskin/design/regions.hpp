@@ -47,9 +47,9 @@ struct Regions {
 /// A must-cover region that is not covered everywhere.
 struct Uncovered {
   std::string region;
-  double share = 0.0;            ///< of its area, 0 … 1
+  double share = 0.0;            ///< uncovered share of its area, 0 … 1
   Vec3 place_mm = Vec3::Zero();  ///< the place farthest from the modules
-  double distance_mm = 0.0;      ///< of it from the nearest module; infinity: none near
+  double distance_mm = 0.0;      ///< distance of that place from the nearest module; infinity: none near
   std::string why;               ///< limit that refuses every module there (as Design: refused), or "room"
 };
 

@@ -11,7 +11,7 @@ namespace triskin::design {
 /// One of several covers and where it lies.
 struct PlacedCover {
   const Design* design = nullptr;
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< of its mesh frame in the common frame, mm
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< pose of its mesh frame in the common frame, mm
 };
 
 /// Ids of the modules, patches and islands of a cover in the joint design: its own plus these.

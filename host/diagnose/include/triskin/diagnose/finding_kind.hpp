@@ -8,8 +8,8 @@
 
 namespace triskin::device {
 
-/// In which way hardware differs from a design. The first group concerns controllers and their tables, the second what
-/// the controllers read, the third the modules and joints that the route chain shows (docs/verify.md,
+/// Kind of difference between hardware and design. The first group concerns controllers and their tables, the second
+/// what the controllers read, the third the modules and joints that the route chain shows (docs/verify.md,
 /// docs/switched_module.md).
 enum class FindingKind {
   kAbsentController,     ///< no controller answers at the node address of the patch

@@ -14,7 +14,7 @@ namespace triskin::device {
 /// of FindingKind, and kSwappedModules.
 struct TopologyDifference {
   FindingKind kind = FindingKind::kMissingModule;
-  int module = -1;  ///< of the design
+  int module = -1;  ///< module of the design
   int other = -1;   ///< the second module of a joint or an exchange
   int steps = 0;    ///< kRotatedModule: turned by this many times 120°, 1 or 2
   std::string text;
@@ -24,8 +24,8 @@ struct TopologyDifference {
 /// What was found, laid over one patch of a design.
 struct TopologyMatch {
   int patch = -1;
-  std::vector<int> module_of;  ///< by found number: module of the design, −1: none fits
-  int agreeing_joints = 0;     ///< joints that both have
+  std::vector<int> module_of;  ///< indexed by found number: module of the design, −1: none fits
+  int agreeing_joints = 0;     ///< number of joints that both have
   std::vector<TopologyDifference> differences;
   /// True: more differences than agreeing joints, so that this is hardly the patch.
   [[nodiscard]] bool another_patch() const { return static_cast<int>(differences.size()) > agreeing_joints + 1; }

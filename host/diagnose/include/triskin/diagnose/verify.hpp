@@ -19,10 +19,10 @@ struct Finding {
   int module = -1;  ///< -1: concerns a controller or a line
   int patch = -1;
   int other = -1;  ///< the module that answered instead, where there is one
-  int line = -1;   ///< where it was found, or the line itself
+  int line = -1;   ///< line where it was found, or the line itself
   int address = -1;
   int taxel = -1;
-  std::string place;  ///< of the module on the cover ("row 3, left rim"); empty without one
+  std::string place;  ///< place of the module on the cover ("row 3, left rim"); empty without a module
   std::string text;
   std::string remedy;
 };

@@ -12,7 +12,7 @@ namespace triskin::design {
 /// Skin as drawn for skinGui: triangles on a plane, and, where the file tells, the board that reads each.
 struct SkinGuiLayout {
   ModuleList list;         ///< islands are the drawing's connected groups; center_mm from the drawing
-  std::vector<int> board;  ///< of node k, −1 when unknown
+  std::vector<int> board;  ///< board of node k, −1 when unknown
   int boards = 0;
   int boards_apart = 0;  ///< boards whose triangles are not connected by joints
 };

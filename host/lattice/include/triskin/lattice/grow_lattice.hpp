@@ -23,17 +23,19 @@ struct SurfaceLatticeOptions {
   /// 1 … 256 chains, part of what a result depends on. Where each has room for 90 modules they change one layout
   /// together, each in a zone; else each has its own, and they exchange the best.
   int threads = 2;
-  Price price;                  ///< each 0 … 16 modules
-  double hinge_reward = 0.05;   ///< 0 … 16 modules a joint is worth
-  bool front = true;            ///< of grow_front(): layouts with other numbers of modules as well
+  Price price;                  ///< each component: 0 … 16 modules
+  double hinge_reward = 0.05;   ///< value of one joint, 0 … 16 modules
+  bool front = true;            ///< true: grow_front() also returns layouts with other numbers of modules
   double corner_lift_mm = 1.5;  ///< ≥ 0: how far corners may stand off a convex surface, so that the gap under the
                                 ///< centre stays in its limit
-  double corner_cut_mm = 0.0;   ///< 0 … design::kMaxCornerCut_mm: cut off along each side from every corner; overlap
-                                ///< and border are then those of what is left
-  const SurfaceRegions* regions = nullptr;  ///< of this surface, not owned: worth of places, what stays free, what must
-                                            ///< be covered; none: every place is worth 1 module
-  /// Of this surface, not owned: the search works on it in place of the surface and keeps the limits less its
-  /// deviation; the layouts are measured on the surface itself. None: the search works on the surface.
+  /// Cut off along each side from every corner, 0 … design::kMaxCornerCut_mm; the limits on overlap and border then
+  /// apply to the cut outline.
+  double corner_cut_mm = 0.0;
+  /// Regions of this surface (values, places that stay free, places that must be covered), not owned; null: every place
+  /// is worth 1 module.
+  const SurfaceRegions* regions = nullptr;
+  /// Decimated mesh of this surface, not owned. The search works on it and keeps the limits less its deviation; the
+  /// layouts are measured on the surface itself. Null: the search works on the surface.
   const DecimatedMesh* solver = nullptr;
   /// Modules that stay exactly where they are, with the joints among them: the first modules of every layout, in this
   /// order. They must keep the limits and have the corner cut of the others.

@@ -36,7 +36,7 @@ class CanLink final : public Link {
  private:
   class Channel;
   std::unique_ptr<CanSocket> open() const;
-  /// Until a frame or a message of a channel waits, or `wait_us` are over; true: a channel has something.
+  /// Waits until a frame or a message of a channel is there, or `wait_us` are over; true: a channel has something.
   [[nodiscard]] bool wait(std::uint64_t wait_us) const;
 
   std::string interface_, name_;

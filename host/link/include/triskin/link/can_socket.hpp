@@ -17,7 +17,7 @@ class CanSocket {
   /// What the controller chip of the interface has reported. Counts since the socket was opened.
   struct Errors {
     std::uint64_t frames = 0;     ///< error frames
-    bool bus_off = false;         ///< until the interface says that it was restarted
+    bool bus_off = false;         ///< true until the interface says that it was restarted
     bool passive = false;         ///< error passive or warning level
     bool unacknowledged = false;  ///< the last frame found nobody who acknowledged it
   };

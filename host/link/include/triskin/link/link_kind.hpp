@@ -12,6 +12,10 @@ inline constexpr const char *kSimulatedBus = "sim", *kSimulatedHub = "sim-usb";
 [[nodiscard]] constexpr bool is_in_process(std::string_view link) {
   return link == kSimulatedBus || link == kSimulatedHub;
 }
+/// True for these, and for a simulation that another process serves (`sim:HOST:PORT`): nothing behind it is hardware.
+[[nodiscard]] constexpr bool is_simulated(std::string_view link) {
+  return is_in_process(link) || link.starts_with("sim:");
+}
 /// True for USB devices, real ones (`usb`, `hid`) or simulated ones. Else it is a CAN bus, or a served simulation.
 [[nodiscard]] constexpr bool is_usb(std::string_view link) {
   return link.starts_with("usb") || link.starts_with("hid") || link == kSimulatedHub;

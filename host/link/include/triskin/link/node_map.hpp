@@ -8,7 +8,7 @@
 
 namespace triskin::device {
 
-/// Which of several wires leads to a node address, learned from received frames. Not thread-safe.
+/// Maps node addresses to one of several wires, learned from received frames. Not thread-safe.
 class NodeMap {
  public:
   /// Learns from a frame received on `wire` (>= 0): claims and answers name their node. An address that two wires claim

@@ -83,8 +83,8 @@ class UsbLink final : public Link {
     std::jthread reader;
     bool gone = false;
   };
-  static constexpr std::chrono::milliseconds kScanEvery{2000};  // where the driver reports no hot-plug events
-  static constexpr std::chrono::milliseconds kSlice{50};        // between two calls of UsbDriver::changed
+  static constexpr std::chrono::milliseconds kScanEvery{2000};  // Scan period if the driver reports no hot-plug events.
+  static constexpr std::chrono::milliseconds kSlice{50};        // Time between two calls of UsbDriver::changed.
 
   void open_new_devices();
   void read_all(Device& device, const std::stop_token& stop);

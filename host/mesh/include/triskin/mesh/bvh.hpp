@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -20,7 +21,8 @@ class Bvh {
   using Extent = std::array<Eigen::Array3d, 2>;  ///< low ≤ high corner of an item's box, mm
 
   Bvh() = default;
-  /// Of items 0 … n − 1, on `threads` (≥ 1), of which nothing depends. Cost: O(n log n).
+  /// Builds the tree of items 0 … n − 1 on `threads` (≥ 1); the result does not depend on their number. Cost:
+  /// O(n log n).
   explicit Bvh(const std::vector<Extent>& extents, int threads = 1);
 
   /// Calls `visit(item)` for each item whose box is nearer to the query than √best_squared (mm²), near boxes first;
@@ -43,6 +45,29 @@ class Bvh {
       const bool left_first = distance(left) <= distance(right);
       stack[top++] = left_first ? right : left;
       stack[top++] = left_first ? left : right;
+    }
+  }
+
+  /// Calls `visit(item)` for each item whose box the segment from + t · direction, 0 ≤ t ≤ end, passes through, near
+  /// boxes first; `visit` may lower `end`, and a negative one ends the search. Cost: O(log n + items visited) typical.
+  template <class Visit>
+  void along(const Vec3& from_mm, const Vec3& direction, double& end, Visit visit) const {
+    if (boxes_.empty()) return;
+    const Eigen::Array3d inverse = direction.array().inverse();
+    std::array<int, 128> stack;
+    std::size_t top = 1;
+    stack[0] = 0;
+    while (top > 0) {
+      const Box& box = boxes_[static_cast<std::size_t>(stack[--top])];
+      if (entry(box, from_mm, inverse) > end) continue;
+      if (box.left < 0) {
+        for (int k = box.first; k < box.end && end >= 0.0; ++k) visit(items_[static_cast<std::size_t>(k)]);
+        continue;
+      }
+      const auto entry_of = [&](int n) { return entry(boxes_[static_cast<std::size_t>(n)], from_mm, inverse); };
+      const bool left_first = entry_of(box.left) <= entry_of(box.left + 1);
+      stack[top++] = left_first ? box.left + 1 : box.left;
+      stack[top++] = left_first ? box.left : box.left + 1;
     }
   }
 
@@ -72,10 +97,11 @@ class Bvh {
  private:
   struct Box {
     int first = 0, end = 0;  ///< its items: [first, end)
-    int left = -1;           ///< of its two children, which are beside each other; −1: a leaf
+    int left = -1;           ///< index of the left child, which the right one follows; −1: a leaf
     Eigen::Array3d low = Eigen::Array3d::Zero(), high = Eigen::Array3d::Zero();
   };
   static double distance_squared(const Box& box, const Vec3& q);
+  static double entry(const Box& box, const Vec3& from, const Eigen::Array3d& inverse);
   void bound_and_part(Box& box, const std::vector<Extent>& extents);
   [[nodiscard]] std::span<const int> items_of(const Box& box) const {
     return std::span(items_).subspan(static_cast<std::size_t>(box.first),
@@ -92,6 +118,18 @@ inline double Bvh::distance_squared(const Box& box, const Vec3& q) {
   const double y = std::max(std::max(box.low[1] - q[1], q[1] - box.high[1]), 0.0);
   const double z = std::max(std::max(box.low[2] - q[2], q[2] - box.high[2]), 0.0);
   return x * x + y * y + z * z;
+}
+
+/// Where a ray enters a box, in lengths of its direction; infinity when it passes by. The quotient 0/0 of a ray in a
+/// side of the box is taken for inside.
+inline double Bvh::entry(const Box& box, const Vec3& from, const Eigen::Array3d& inverse) {
+  double enter = 0.0, leave = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double a = (box.low[axis] - from[axis]) * inverse[axis], b = (box.high[axis] - from[axis]) * inverse[axis];
+    enter = std::max(enter, std::min(a, b));
+    leave = std::min(leave, std::max(a, b));
+  }
+  return enter <= leave ? enter : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace triskin::geometry

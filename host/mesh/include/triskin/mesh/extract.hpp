@@ -18,10 +18,10 @@ namespace triskin::geometry {
 /// How far a repaired surface is from the outside of its input: from the faces of the input that see the share
 /// `visibility_fraction` of the sky to the surface, and from all of the surface to the input.
 struct Deviation {
-  double mean_mm = 0.0;     ///< over the area, of the direction in which it is larger
+  double mean_mm = 0.0;     ///< mean over the area, in the direction in which it is larger
   double largest_mm = 0.0;  ///< no point is farther: a proved bound
   double found_mm = 0.0;    ///< largest distance found, ≤ largest_mm; 0.02 mm below it unless time or parts ran out
-  Vec3 where_mm = Vec3::Zero();  ///< of the largest found
+  Vec3 where_mm = Vec3::Zero();  ///< place of the largest distance found
 };
 
 /// What extract() did to make a surface that design() takes, in the order in which it is tried.
@@ -46,11 +46,11 @@ struct ExtractReport {
   int components = 0;                   ///< connected parts that are left
   int enclosed_components = 0;          ///< parts in a closed part, dropped (beside removed_components); only with
                                         ///< ExtractOptions::repair, and `outer` not kNever
-  bool outer = false, wrapped = false;  ///< which of the steps on demand were taken
+  bool outer = false, wrapped = false;  ///< steps on demand that were taken
   double kept_out_mm2 = 0.0;            ///< area that the keep-outs took
-  Repair repair = Repair::kNone;        ///< what was needed; only with ExtractOptions::repair
+  Repair repair = Repair::kNone;        ///< the repair that was needed; only with ExtractOptions::repair
   int crossings = 0;        ///< pairs of faces of the raw or reduced mesh that pass through each other; likewise
-  Deviation deviation;      ///< of the repair; 0 with Repair::kNone and nothing reduced, before keep-outs
+  Deviation deviation;      ///< deviation of the repair; 0 with Repair::kNone and nothing reduced, before keep-outs
   double reduced_mm = 0.0;  ///< a mesh with more faces than the time of the repair is worth was reduced first, by no
                             ///< more than this, which the deviation has in it; 0: it was not
   double tested = 1.0;      ///< share of the faces that were tested for crossing others: less, the time was over and
@@ -72,8 +72,8 @@ struct ExtractOptions {
   /// When a step is taken.
   enum class When { kNever, kWhenNeeded, kAlways };
   bool repair = false;       ///< the result is one that usable() accepts, whatever the input; closed parts face outward
-  bool keep_usable = false;  ///< with `repair`: a mesh that usable() accepts takes no other step
-  double repair_s = 60.0;    ///< > 0: time of the repair; a coarser one where it does not suffice
+  bool keep_usable = false;  ///< with `repair`, a mesh that usable() accepts takes no other step
+  double repair_s = 60.0;    ///< > 0: time of the repair; if it does not suffice, a coarser one is used
   std::function<double()> clock_s{};  ///< seconds, from any start, for `repair_s`; none: the steady clock of this
                                       ///< computer. One that stands still makes the result independent of the load
   When outer = When::kNever;  ///< drop what sees little of the sky; needed: several large parts, or edges with more

@@ -15,8 +15,8 @@ enum class Shape : std::uint8_t { kForearm, kTorso, kHip, kThigh, kDirtyShell, k
 /// Row of the table of shapes: the one place where their names stand.
 struct ShapeInfo {
   Shape shape;
-  std::string_view name;     ///< as the command line and test names have it
-  std::string_view summary;  ///< what is hard about it
+  std::string_view name;     ///< name on the command line and in tests
+  std::string_view summary;  ///< what makes it hard
   double size_mm;            ///< largest side of the bounding box that generate() gives without a size
   int faces;                 ///< faces that it asks for without a count
 };

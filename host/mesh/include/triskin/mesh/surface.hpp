@@ -14,14 +14,14 @@ namespace triskin::geometry {
 struct SurfacePoint {
   Vec3 position_mm = Vec3::Zero();
   int face = -1;                    ///< index in Mesh::faces
-  Vec3 barycentric = Vec3::Zero();  ///< of `position_mm` in `face`
+  Vec3 barycentric = Vec3::Zero();  ///< coordinates of `position_mm` in `face`
   double distance_mm = std::numeric_limits<double>::infinity();
 };
 
 /// Closest point of one border edge.
 struct BorderPoint {
   SurfacePoint point;
-  int side = 0;                       ///< of the face: corner side → side + 1
+  int side = 0;                       ///< side of the face: corner side → side + 1
   std::array<int, 2> beyond{-1, -1};  ///< vertices of the border before and after the edge
 };
 

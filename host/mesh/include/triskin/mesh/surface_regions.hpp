@@ -36,8 +36,8 @@ class SurfaceRegions {
   struct MustCover {
     Vec3 point_mm;
     int region;        ///< index in regions().list
-    double within_mm;  ///< of a module
-    double share;      ///< of the region's area
+    double within_mm;  ///< a module must be this near
+    double share;      ///< share of the region's area
   };
   /// Places of the must-cover regions, at most `step_mm` > 0 apart (a region smaller than that has one).
   [[nodiscard]] std::vector<MustCover> must_cover(double step_mm) const;
@@ -62,7 +62,7 @@ class SurfaceRegions {
 
   const Surface& surface_;
   design::Regions regions_;
-  std::vector<Group> groups_;  // by region; empty for other shapes
+  std::vector<Group> groups_;  // Indexed by region; empty for other shapes.
   std::vector<Vec3> free_points_;
   bool has_weights_ = false;
 };

@@ -13,8 +13,8 @@ namespace triskin::pipeline {
 /// A design made of another one, and what became of its modules.
 struct EditedDesign {
   design::Design design;
-  /// By id in the old design: id in the new one, −1: no longer there. A module that has an id stands exactly where it
-  /// stood, or at its mirror image.
+  /// Indexed by the id in the old design: id in the new one, −1: removed. A module that has an id stands exactly
+  /// where it stood, or at its mirror image.
   std::vector<int> new_id;
   std::vector<int> added;  ///< ids in the new design of modules that the old one lacks
 };

@@ -8,9 +8,11 @@
 #include "triskin/base/progress.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/region_file.hpp"
+#include "triskin/mesh/bridge_holes.hpp"
 #include "triskin/mesh/decimated_mesh.hpp"
 #include "triskin/mesh/extract.hpp"
 #include "triskin/mesh/mesh_io.hpp"
+#include "triskin/mesh/side.hpp"
 
 namespace triskin::pipeline {
 
@@ -24,7 +26,10 @@ enum class RepairMode : std::uint8_t {
 struct DesignOptions {
   std::optional<geometry::LengthUnit> unit;  ///< of the mesh file; none: its own or mm
   std::string object;                        ///< of a mesh file with several, by its name; empty: all
+  bool flip = false;                         ///< turns all faces over: the other side of an open part
   RepairMode repair = RepairMode::kAuto;
+  geometry::SideOptions side;   ///< of a part with a wall
+  double bridge_mm = 0.0;       ///< >= 0: holes up to this diameter are closed; 0: none
   double time_limit_s = 20.0;   ///< > 0, of all steps together; what placement and wiring leave goes to the growth
   std::uint64_t seed = 1;       ///< of every random choice
   design::LayoutLimits limits;  ///< each > 0
@@ -37,18 +42,22 @@ struct DesignOptions {
   int iterations = 0;   ///< ≥ 0; > 0: the growth ends after so many steps: repeatable whatever the machine's load
   int threads = 2;      ///< 1 … 256 chains of the growth; part of what a result depends on
   design::Price price;  ///< each 0 … 16 modules; jumpers may be as long as limits.jumper_mm
-  /// Of the modules by place: spheres and boxes alone, since modules and islands have no numbers before.
+  /// Kinds of the modules by place. Only spheres and boxes are possible, since modules have no numbers yet.
   design::KindPlan kinds;
 };
 
 /// How a design came about: number of modules that each method gave (design::LayoutMethod), what was made of the mesh.
 struct DesignNotes {
+  std::vector<std::string> reading;  ///< what the reader of the mesh file noted (mesh_io.hpp)
   int pieces = 0, surface = 0;
-  int solver_faces = 0;              ///< of the mesh that was searched on; of the surface where that was it
-  double solver_deviation_mm = 0.0;  ///< of that mesh from the surface, proved; 0 where it is the surface
-  int pieces_left_out = 0;           ///< pieces that no time was left to place
+  int solver_faces = 0;              ///< faces of the mesh that was searched, which may be the surface itself
+  double solver_deviation_mm = 0.0;  ///< proved deviation of that mesh from the surface; 0 if it is the surface
+  int pieces_left_out = 0;           ///< pieces that were not placed because the time was over
   bool growth_left_out = false;      ///< no time was left for the growth
   geometry::ExtractReport extract;
+  geometry::TakenSide side;
+  geometry::BridgeReport bridges;
+  geometry::Mesh part;  ///< what the side was taken from; only where it is undecided
 };
 
 /// The design with the alternative `index` (0-based, design.alternatives) in place of its layout, measured and wired
@@ -61,9 +70,9 @@ struct DesignNotes {
 /// jumpers, controllers and wiring; of the pieces and the lattice grown on the surface the layout of higher value,
 /// worth of the modules less price, stays. What is reported is measured on the surface, also where the search had a
 /// mesh of its own; then the design has no `pieces`, which are made of faces of the surface. Fills `notes` when it is
-/// given. Errors: InputError for unusable meshes and options out of range. Deterministic for seed, threads and
-/// iterations unless the time limit cuts a search short. Cost: about time_limit_s, less where `iterations` ends the
-/// growth sooner.
+/// given. Where both sides of a part look alike (DesignNotes::side) the design has no modules. Errors: InputError for
+/// unusable meshes and options out of range. Deterministic for seed, threads and iterations unless the time limit cuts
+/// a search short. Cost: about time_limit_s, less where `iterations` ends the growth sooner.
 [[nodiscard]] design::Design make_design(const std::filesystem::path& mesh, const DesignOptions& options,
                                          const ProgressSink& progress = {}, DesignNotes* notes = nullptr);
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "triskin/base/names.hpp"
@@ -40,6 +42,18 @@ enum class TileShape { kTriangle, kHexagon, kSquare };
 inline constexpr NameTable kTileShapeNames{std::array<std::pair<TileShape, std::string_view>, 3>{
     {{TileShape::kTriangle, "triangle"}, {TileShape::kSquare, "square"}, {TileShape::kHexagon, "hexagon"}}}};
 
+/// What ended a search before value and bound met.
+enum class SearchStop { kNone, kTime, kMemory, kProofSize };
+/// Names in JSON: "none", "time", "memory", "proof size".
+inline constexpr NameTable kSearchStopNames{
+    std::array<std::pair<SearchStop, std::string_view>, 4>{{{SearchStop::kNone, "none"},
+                                                            {SearchStop::kTime, "time"},
+                                                            {SearchStop::kMemory, "memory"},
+                                                            {SearchStop::kProofSize, "proof size"}}}};
+
+/// Box of motions of a proof: x0, x1, y0, y1 in mm, theta0, theta1 in rad.
+using ProofCell = std::array<double, 6>;
+
 /// Options of place(). Out of range: InputError.
 struct PlacementOptions {
   PlacementMethod method = PlacementMethod::kBranchAndBound;
@@ -49,11 +63,17 @@ struct PlacementOptions {
   /// 0 … design::kMaxCornerCut_mm, triangles only: cut off along each side from every corner. Tiles then count when
   /// what is left of them lies inside.
   double corner_cut_mm = 0.0;
-  double time_limit_s = 60.0;  ///< ≤ 0: none
-  int threads = 0;             ///< 0: all cores; the answer does not depend on it
+  double time_limit_s = 60.0;       ///< ≤ 0: none
+  double memory_limit_mb = 2000.0;  ///< ≥ 1: for the cells that are open; then the search ends with what it has
+  /// 1 … 100,000: of the text of the proof (write_proof()); before it would be longer the search ends with what it has.
+  double proof_limit_mb = 300.0;
+  int threads = 0;  ///< 0: all cores; the answer does not depend on it
   std::uint64_t seed = 1;
   paper::HeuristicOptions paper;  ///< what the paper leaves open of R1 … R7; the seed is the one above
   bool keep_proof = false;        ///< fill PlacementResult::proof (branch and bound only)
+  /// Called with each cell of the proof as soon as it is closed; the cells are then not kept in the result. From the
+  /// thread that calls place(). Branch and bound only.
+  std::function<void(const ProofCell&)> proof_cell;
   bool largest_clearance = true;  ///< among the optima the placement with the largest clearance (branch and bound only)
   /// Objective (branch and bound only): the number of tiles; with `connected` the number of tiles connected by sides;
   /// with `weights` the sum of the weights of all tiles. The last two start from the answer of the first; clearance and
@@ -70,15 +90,20 @@ struct PlacementProof {
   Vec2 pivot = Vec2::Zero();
   double pitch_mm = kSide_mm;
   double corner_cut_mm = 0.0;
-  std::array<double, 3> motion{};            ///< x, y, theta of the answer
-  std::vector<std::array<double, 6>> cells;  ///< boxes x0, x1, y0, y1, theta0, theta1 that cover one period
+  std::array<double, 3> motion{};  ///< x, y, theta of the answer
+  std::vector<ProofCell> cells;    ///< they cover one period
 };
 
 /// Result of place().
 struct PlacementResult {
-  int modules = 0;            ///< tiles inside; with `connected` those of the largest connected set
-  int upper_bound = 0;        ///< no placement has more
-  bool proved = false;        ///< value and bound met before the time limit
+  int modules = 0;                         ///< tiles inside; with `connected` those of the largest connected set
+  int upper_bound = 0;                     ///< no placement has more
+  bool proved = false;                     ///< value and bound met before a limit
+  SearchStop stopped = SearchStop::kNone;  ///< the limit that came first
+  /// Of `tiles`, counted where the bound holds: with an inset of −tolerance/2 and more. Fewer than `modules`: the rest
+  /// stands over by more than half the tolerance, in the zone that the bound says nothing of (branch and bound, by
+  /// number).
+  int modules_within_bound = 0;
   double clearance_mm = 0.0;  ///< inset at which `modules` tiles still fit
   double clearance_bound_mm =
       0.0;  ///< no placement of `modules` tiles has a larger clearance (method bnb; the inradius when not proved)
@@ -86,28 +111,29 @@ struct PlacementResult {
   /// inradius, or not asked for); with less than deficit_bound_mm, in the separations of docs/placement.md, none does.
   std::optional<double> deficit_mm;
   double deficit_bound_mm = 0.0;
-  Placement deficit_placement;  ///< where one module more would fit
-  double weight = 0.0;          ///< with weights: their sum, to 1e-5 of it as large as any
+  Placement deficit_placement;  ///< place where one module more would fit
+  double weight = 0.0;          ///< sum of the weights, within 1e-5 of the largest
   double weight_bound = 0.0;    ///< no placement has more
   double tolerance_mm = 0.0;
   Placement placement;
-  std::optional<paper::PivotedPlacement> pivoted;  ///< methods R1 … R7: the placement as the paper has it
+  std::optional<paper::PivotedPlacement> pivoted;  ///< methods R1 … R7: the placement in the paper's form
   std::vector<Tile> tiles;                         ///< grid triangles wholly inside, sorted
-  std::vector<double> tile_weights;                ///< with weights: that of each of `tiles`
+  std::vector<double> tile_weights;                ///< weight of each of `tiles`, if weights are given
   std::int64_t evaluations = 0;
   std::int64_t cells = 0;
-  double search_seconds = 0.0;  ///< of that until value and bound stood
+  double search_seconds = 0.0;  ///< time until value and bound stood, which is part of `seconds`
   double seconds = 0.0;
   PlacementProof proof;
 };
 
 /// Places `polygon` (mm) on the isometric grid so that as many tiles as possible lie wholly inside; with branch and
 /// bound the upper bound is a proof over all translations and angles. Errors: InputError for self-intersecting, empty
-/// or non-finite rings (ring and vertex are named), for options out of range or that exclude each other, and for
-/// polygons that would take more than 10⁶ modules. std::logic_error if the exact check of the answer fails: a wrong
-/// answer is never returned. The answer is equal for every number of threads and every processor unless the time limit
-/// cuts the search short. Thread-safe. Cost: milliseconds to a minute; time_limit_s bounds the search. Source:
-/// docs/placement.md.
+/// or non-finite rings (ring and vertex are named), for options out of range or that exclude each other, for
+/// polygons that would take more than 10⁶ modules, that reach farther than 1 km from their centre, or that lie so far
+/// from the origin that a placement cannot be written down within the tolerance. std::logic_error if the exact check of
+/// the answer fails: a wrong answer is never returned. The answer is equal for every number of threads and every
+/// processor unless the time limit cuts the search short. Thread-safe. Cost: milliseconds to a minute; time_limit_s
+/// bounds the search. Source: docs/placement.md.
 [[nodiscard]] PlacementResult place(const Polygon& polygon, const PlacementOptions& options = {},
                                     const ProgressSink& progress = {});
 
@@ -120,5 +146,19 @@ struct PlacementResult {
 /// The log of `triskin place --proof` as JSON text (docs/placement.md), for the polygon that was placed. It holds cells
 /// only when PlacementOptions::keep_proof was set; without them the checker rejects it. Cost: linear in the cells.
 [[nodiscard]] std::string proof_text(const Polygon& polygon, const PlacementResult& result);
+
+/// The same text part by part while place() runs: add_cell() is for PlacementOptions::proof_cell, finish() is called
+/// once, after place(). `write` gets parts of some 64 KiB in their order. Not thread-safe.
+class ProofWriter {
+ public:
+  explicit ProofWriter(std::function<void(std::string_view)> write);
+  void add_cell(const ProofCell& cell);
+  void finish(const Polygon& polygon, const PlacementResult& result);
+
+ private:
+  std::function<void(std::string_view)> write_;
+  std::string part_;
+  bool first_ = true;
+};
 
 }  // namespace triskin::geometry

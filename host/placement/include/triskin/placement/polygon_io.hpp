@@ -9,8 +9,10 @@
 namespace triskin::geometry {
 
 /// Reads one polygon in mm, holes allowed: GeoJSON (Polygon, MultiPolygon of one, Feature or collection of one) or WKT
-/// (POLYGON). Result: normalized. Errors: InputError naming file, ring and vertex for what is not a polygon (see
-/// normalize_polygon), for an open ring and for a file that cannot be read. Thread-safe.
+/// (POLYGON, MULTIPOLYGON of one; Z and M are left out, SRID is skipped). Result: normalized. Errors: InputError naming
+/// file, ring and vertex for what is not a valid polygon by OGC 06-103r4 (rings that cross or touch themselves, rings
+/// that cross or share an edge, holes outside the outer ring or in each other, an inside in several parts), for an
+/// empty or open ring, a key that stands twice, and a file that cannot be read. Thread-safe.
 [[nodiscard]] Polygon read_polygon(const std::filesystem::path& path);
 
 /// The same from text; `name` stands for the file in messages.
@@ -23,7 +25,8 @@ namespace triskin::geometry {
 [[nodiscard]] std::vector<Polygon> parse_polygons(const std::string& text, const std::string& name);
 
 /// Drops closing and repeated vertices, orients the outer ring counter-clockwise and holes clockwise. Edges of one
-/// polygon may touch (a crack of zero width is a cut), but not cross. Errors: InputError naming `name`, ring and vertex
+/// polygon may touch (a crack of zero width is a cut; what crosses by no more than 1e-9 mm, or by the rounding of its
+/// coordinates, touches), but not cross. Errors: InputError naming `name`, ring and vertex
 /// for rings of fewer than three points, zero area, coordinates that are not finite or beyond ±1e8 mm, rings that
 /// cross, and holes outside the outer ring. Cost: O(n log n) for typical outlines, O(n²) at worst.
 [[nodiscard]] Polygon normalize_polygon(Polygon polygon, const std::string& name);

@@ -11,10 +11,10 @@ namespace triskin::geometry {
 struct WeightRegions {
   struct Region {
     std::vector<Vec2> outline_mm;  ///< simple ring in the frame of the polygon, either sense, at least three points
-    double weight = 0.0;           ///< 0 … 1e12: worth of a module whose centre lies in it
+    double weight = 0.0;           ///< 0 … 1e12: value of a module whose centre lies in it
   };
-  std::vector<Region> regions;  ///< of regions that overlap the last one counts
-  double elsewhere = 0.0;       ///< 0 … 1e12: worth of a module in no region
+  std::vector<Region> regions;  ///< the last one counts where regions overlap
+  double elsewhere = 0.0;       ///< 0 … 1e12: value of a module in no region
   double module_weight = 0.0;   ///< 0 to 1e12, in the same unit: taken off the worth of every module; what is then left
                                 ///< below 0 counts 0, as a module that is not built
   double step_mm = 5.0;         ///< > 0, of the raster; the worth changes over about two steps at the rim of a region

@@ -74,10 +74,11 @@ struct Metadata {
 
 /// Head of a chunk: what stands before its records.
 struct ChunkHead {
-  std::uint64_t start_ns = 0, end_ns = 0, size_bytes = 0;  ///< earliest and latest message; of the records
-  std::uint32_t crc = 0;                                   ///< of the records; 0: none
-  std::string compression;                                 ///< empty: none
-  std::uint64_t stored_bytes = 0;                          ///< of the records in the file
+  /// Times of the earliest and latest message; size of the records.
+  std::uint64_t start_ns = 0, end_ns = 0, size_bytes = 0;
+  std::uint32_t crc = 0;           ///< CRC of the records; 0: none
+  std::string compression;         ///< empty: none
+  std::uint64_t stored_bytes = 0;  ///< size of the records as they are stored in the file
 };
 
 /// Bytes that grow, with the types of the format.

@@ -13,7 +13,7 @@ namespace triskin::recording::mcap {
 
 /// When a chunk is closed and written: whichever comes first.
 struct ChunkLimits {
-  std::uint64_t span_ns = 500'000'000;  ///< from its first message to the next
+  std::uint64_t span_ns = 500'000'000;  ///< time from the chunk's first message, after which the next chunk begins
   std::size_t size_bytes = std::size_t{1} << 20;
 };
 
@@ -49,9 +49,9 @@ class Writer {
   ChunkLimits limits_;
   Buffer chunk_;
   std::uint64_t start_ns_ = 0, end_ns_ = 0, waiting_ = 0;
-  std::map<std::uint16_t, std::uint32_t> sequence_;  // by channel: of its next message
+  std::map<std::uint16_t, std::uint32_t> sequence_;  // Sequence number of the next message, keyed by channel.
   std::uint16_t schemas_ = 0;
-  std::uint32_t crc_ = 0;  // of everything so far
+  std::uint32_t crc_ = 0;  // CRC of everything written so far.
 };
 
 /// Ends a file whose last record belongs to the data section: end of data, summary with an index of all chunks, footer.
@@ -77,12 +77,12 @@ class Visitor {
 
 /// How far a file could be read.
 struct ReadReport {
-  bool complete = false;          ///< the file was ended in order
-  std::uint64_t messages = 0;     ///< that the visitor was told of
+  bool complete = false;          ///< the file was closed properly
+  std::uint64_t messages = 0;     ///< number of messages passed to the visitor
   std::uint64_t whole_bytes = 0;  ///< up to the end of the last whole record of the data section
   std::uint64_t file_bytes = 0;
-  std::uint64_t unindexed_chunk = 0;  ///< where the last chunk starts when its index is not whole, else 0
-  std::string problem;                ///< why it ends before the end of the file; empty: it does not
+  std::uint64_t unindexed_chunk = 0;  ///< start of the last chunk if its index is not whole, else 0
+  std::string problem;                ///< why the file ends early; empty: it does not
 };
 /// Reads all records up to the first that is cut or damaged; a chunk whose CRC is wrong is not passed on. Memory: one
 /// chunk, at most 256 MiB. Throws InputError naming `name` when it is no MCAP file or uses compression, which this

@@ -24,7 +24,7 @@ struct ModuleSample {
   std::uint64_t sampled_ns = 0;    ///< when it was taken, since 1970, within ± error_us; 0: not known
   std::uint32_t error_us = kNoBound;
   static constexpr std::uint32_t kNoBound = UINT32_MAX;
-  /// Of a recording that is read: patch whose controller read it in place of the module's own; -1: its own did, or the
+  /// Patch whose controller read the module in place of its own, in a recording that is read; -1: its own did, or the
   /// recording does not say so.
   int adopter = -1;
   bool operator==(const ModuleSample&) const = default;
@@ -33,18 +33,18 @@ struct ModuleSample {
 /// A taxel under pressure, mesh frame.
 struct PressedTaxel {
   int module = 0, taxel = 0;
-  double change_counts = 0.0;  ///< against rest, above 0
+  double change_counts = 0.0;  ///< change against the rest value, above 0
   design::Vec3 position_mm{0, 0, 0}, normal{0, 0, 0};
-  double force_n = 0.0;  ///< on the skin that it stands for, by its calibration; 0: it has none
+  double force_n = 0.0;  ///< force on the skin area of the taxel, by its calibration; 0: it has none
 };
 
 /// A region of the skin under pressure, mesh frame.
 struct Contact {
   design::Vec3 position_mm{0, 0, 0};  ///< mean of its taxels, weighted by their change
   design::Vec3 normal{0, 0, 0};       ///< outward unit vector, weighted likewise
-  double change_counts = 0.0;         ///< sum over its taxels
-  double force_n = 0.0;               ///< sum over its taxels, N; 0: without calibration
-  double area_mm2 = 0.0;              ///< of skin: what its taxels stand for
+  double change_counts = 0.0;         ///< sum over the taxels
+  double force_n = 0.0;               ///< sum over the taxels, N; 0: without calibration
+  double area_mm2 = 0.0;              ///< skin area that its taxels stand for
   std::vector<PressedTaxel> taxels;   ///< the strongest first; not empty
 };
 /// Farthest that two taxels of one contact lie from the next one: those of a module are 7 mm apart, those of neighbours
@@ -78,8 +78,8 @@ void put_header(CdrWriter& w, std::uint64_t stamp_ns, std::string_view frame_id)
                                                       std::string_view frame_id = kMeshFrame);
 /// What the counts of a contact are worth. Without either the unit of forces is "counts".
 struct Calibration {
-  double newton_per_count = 0.0;  ///< of the sum over a contact, > 0; 0: not known
-  bool by_taxel = false;          ///< the contacts have their force_n from the calibration of the skin; goes first
+  double newton_per_count = 0.0;  ///< force per count of the sum over a contact, > 0; 0: not known
+  bool by_taxel = false;  ///< the contacts have force_n from the calibration of the skin, which takes precedence
 };
 /// The message of contacts, lengths in m. Throws nothing of its own.
 [[nodiscard]] std::vector<std::uint8_t> encode_contacts(std::span<const Contact> contacts, std::uint64_t stamp_ns,
@@ -103,7 +103,7 @@ class PointCloud {
     std::uint16_t value = 0;
     bool valid = false;
   };
-  std::vector<std::array<Point, layout::kTaxelsPerModule>> points_;  // by module
+  std::vector<std::array<Point, layout::kTaxelsPerModule>> points_;  // Indexed by module.
 };
 
 }  // namespace triskin::recording

@@ -27,7 +27,7 @@ class RawFrames {
   void pass_on(std::uint64_t before_us);
   void pass_on(std::vector<ModuleSample>& frame);
   OnFrame handler_;
-  std::map<std::uint8_t, std::vector<ModuleSample>> frames_;  // by node: modules of its latest sample
+  std::map<std::uint8_t, std::vector<ModuleSample>> frames_;  // Keyed by node: modules of its latest sample.
   std::uint64_t next_sweep_us_ = 0;
 };
 

@@ -13,12 +13,12 @@ namespace triskin::recording {
 
 /// The controller that reads a module.
 struct Reader {
-  int patch = -1;         ///< that it serves; −1: none of this design
+  int patch = -1;         ///< patch that the controller serves; −1: none of this design
   std::uint8_t node = 0;  ///< its node address; 0: it hangs on another bus
   bool operator==(const Reader&) const = default;
 };
 
-/// Which controller reads each module, by the samples that come: its own, until one comes from another, which has
+/// Controller that reads each module, learned from the samples: its own, until one arrives from another, which has
 /// adopted it (docs/adoption.md). Threads: one.
 class Readers {
  public:
@@ -30,12 +30,12 @@ class Readers {
   [[nodiscard]] Reader of(const ModuleSample& sample) const {
     return {patch_at_[sample.sample.node_address], sample.sample.node_address};
   }
-  /// By module; valid as long as this.
+  /// Indexed by module; valid as long as this object.
   [[nodiscard]] std::span<const Reader> all() const { return readers_; }
 
  private:
   std::vector<Reader> readers_;
-  std::array<int, 256> patch_at_{};  // by node address; −1: none of this design
+  std::array<int, 256> patch_at_{};  // Indexed by node address; −1: none of this design.
 };
 
 /// The message that says who reads each module from `link_time_us` on.
@@ -44,7 +44,7 @@ class Readers {
 /// What such a message says.
 struct ReadersAt {
   std::uint64_t link_time_us = 0;
-  std::vector<Reader> readers;  ///< by module
+  std::vector<Reader> readers;  ///< indexed by module
 };
 /// Reads it; nullopt: it is malformed.
 [[nodiscard]] std::optional<ReadersAt> decode_readers(Bytes message);

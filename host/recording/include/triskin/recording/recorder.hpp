@@ -30,9 +30,9 @@ inline constexpr NameTable kFormatNames{
 struct Origin {
   std::string design_text;                   ///< the design file as it is
   std::uint64_t link_start_us = 0;           ///< clock of the link at the start
-  std::uint64_t unix_start_ns = 0;           ///< at the same moment, since 1970
+  std::uint64_t unix_start_ns = 0;           ///< time of that moment since 1970
   std::map<std::string, std::string> facts;  ///< further entries of the metadata: link, versions, firmware
-  std::uint64_t cloud_period_us = 0;         ///< between two point clouds; 0: none
+  std::uint64_t cloud_period_us = 0;         ///< time between two point clouds; 0: none
   /// The calibration file of the skin (docs/calibration.md), by which contacts have their force_n; empty: none, and
   /// forces are in counts.
   std::string calibration_text;
@@ -49,7 +49,7 @@ class Recorder {
   virtual void add(const ModuleSample& sample) = 0;
   /// Takes the taxels under pressure at a time of the link. Formats without contacts do nothing.
   virtual void add_contacts(std::uint64_t link_time_us, std::span<const Contact> contacts) = 0;
-  /// To be called now and then with a clock that always runs, µs: what has waited for 0.5 s is written.
+  /// Writes what has waited for 0.5 s. Call it regularly with a monotonic clock, µs.
   virtual void tick(std::uint64_t steady_us) = 0;
   /// Writes what waits and ends the file. `result` tells how the recording went. To be called once, also after a
   /// failure of the link.

@@ -25,7 +25,7 @@ inline constexpr const char *kCalibrationName = "calibration.json", *kRestName =
 struct ReaderChange {
   std::uint64_t link_time_us = 0;  ///< when its first sample came
   int module = 0;                  ///< id in the design
-  Reader reader;                   ///< from then on
+  Reader reader;                   ///< reader from this time on
   bool own = false;                ///< it is the module's own controller again
 };
 
@@ -36,8 +36,8 @@ struct Summary {
   std::string design_text;                    ///< the design file
   std::string calibration_text;               ///< the calibration file; empty: counts alone
   std::string rest_text;                      ///< the file of the rest values; empty: those by design
-  std::vector<ReaderChange> reader_changes;   ///< in the order of the file; none in recordings before 0.2
-  std::uint64_t samples = 0;                  ///< of modules
+  std::vector<ReaderChange> reader_changes;   ///< same order as in the file; recordings before 0.2 have none
+  std::uint64_t samples = 0;                  ///< number of module samples
   std::uint64_t first_us = 0, last_us = 0;    ///< link time of the first and the last sample
   mcap::ReadReport file;
 };
@@ -48,16 +48,29 @@ Summary read_recording(const std::filesystem::path& path, const std::function<vo
 /// The design and the facts, without the samples: reads up to the first sample. Throws InputError.
 [[nodiscard]] Summary read_origin(const std::filesystem::path& path);
 
+/// A place of a recording that is damaged.
+struct Loss {
+  std::uint64_t offset = 0, bytes = 0;  ///< position in the damaged file
+  std::string what;                     ///< "a chunk", "the index of a chunk" …
+  bool is_mended = false;               ///< it could be rebuilt from intact data, so nothing is missing
+  /// Time of the last message before the damage and the first one after it, since the first message; `to_s` < 0: there
+  /// is none after it.
+  double from_s = 0.0, to_s = 0.0;
+};
+
 /// What `recover` did.
 struct Recovery {
-  bool was_complete = false;  ///< nothing had to be done
+  bool was_complete = false;  ///< the file needed no repair
   std::uint64_t messages = 0, kept_bytes = 0, dropped_bytes = 0;
-  std::string problem;  ///< where the file was cut
+  std::string problem;       ///< place where the file was cut or damaged
+  std::vector<Loss> losses;  ///< same order as in the file
 };
-/// Makes a recording that was cut whole: keeps everything up to its last whole chunk and writes the index. With an
-/// empty `output` in the file itself, which then ends at the cut; else into a new file. Throws InputError when `path`
-/// is no MCAP file, when there is no whole chunk, or when more is damaged than the end (then it demands `output`);
-/// WriteFailed.
+/// Makes a damaged recording whole: keeps every chunk whose CRC holds, before and behind the damage, and writes the
+/// indexes and the summary again. A file that was only cut is completed in place when `output` is empty. Damage
+/// elsewhere, and a file that was closed, need `output`, so that no byte of the original is lost. Definitions of types
+/// and channels that are damaged come from the summary when its CRC holds; without them the messages of their channels
+/// are left out and counted as losses. Throws InputError when `path` is no MCAP file, is compressed, holds no whole
+/// message, or needs `output`; WriteFailed. Cost: linear; memory: one record. Threads: one.
 Recovery recover(const std::filesystem::path& path, const std::filesystem::path& output);
 
 }  // namespace triskin::recording

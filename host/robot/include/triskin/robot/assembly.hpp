@@ -15,7 +15,7 @@ namespace triskin::robot {
 struct Assembly {
   std::filesystem::path file;
   Robot robot;
-  std::vector<design::Design> designs;  ///< by cover
+  std::vector<design::Design> designs;  ///< indexed by cover
   std::optional<Frames> frames;         ///< empty: the robot file names no URDF
 };
 /// Reads a robot file, its designs and its URDF; nothing is held against each other yet. Throws InputError naming the
@@ -39,11 +39,11 @@ struct Problem {
 struct BusLoad {
   int controllers = 0;
   int modules = 0;
-  double full = 0.0;     ///< by every sample, 1 = all of the fullest wire of this bus
+  double full = 0.0;     ///< load if every sample is streamed, 1 = all of the fullest wire of this bus
   int every = 1;         ///< the smallest n whose n-th samples fit
   double rate_hz = 0.0;  ///< samples a second of each module that this gives
 };
-/// By bus. Cost: linear.
+/// Indexed by bus. Cost: linear.
 [[nodiscard]] std::vector<BusLoad> bus_loads(const Assembly& assembly);
 
 }  // namespace triskin::robot

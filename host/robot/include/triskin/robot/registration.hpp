@@ -23,7 +23,7 @@ inline constexpr std::size_t kMinTouches = 6;  ///< three fix a pose; the others
 
 /// A motion that carries points on points, and how well.
 struct Fit {
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< for a mirror image its rotation part mirrors
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< its rotation part mirrors if it describes a mirror image
   double rms_mm = 0.0;                                     ///< root of the mean squared distance
   double max_mm = 0.0;                                     ///< largest distance
   int worst = 0;                                           ///< its point, 0-based
@@ -39,10 +39,10 @@ struct NamedDesign {
   std::string name;
   const design::Design* design = nullptr;
 };
-/// Where a cover lies by touches, and what else they could mean.
+/// Pose of a cover found from touches, and what else they could mean.
 struct Registration {
   Fit fit;
-  double mirror_rms_mm = 0.0;  ///< of the mirror image
+  double mirror_rms_mm = 0.0;  ///< rms_mm of the best fit of the mirror image
   double thickness_mm = 0.0;   ///< root mean square distance of the touches from their best plane
   std::string exchanged_with;  ///< another cover fits better; empty: none does
   double exchanged_rms_mm = 0.0;

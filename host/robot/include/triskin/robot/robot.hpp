@@ -17,20 +17,20 @@ namespace triskin::robot {
 /// A bus of the robot: a CAN bus, or USB devices that are read as one bus.
 struct BusEntry {
   std::string name;
-  std::string link = "sim";  ///< as --link has it: can:IFACE, usb:SERIAL,…, sim:HOST:PORT, sim, sim-usb
-  wire::BitRates rates = wire::kControllerRates;  ///< of a CAN bus, bit/s
+  std::string link = "sim";  ///< same syntax as --link: can:IFACE, usb:SERIAL,…, sim:HOST:PORT, sim, sim-usb
+  wire::BitRates rates = wire::kControllerRates;  ///< bit rates of a CAN bus, bit/s
   int first_node = layout::kFirstNode;            ///< range of its node addresses, 1 … 126
   int last_node = layout::kLastNode;
-  double cable_mm = 0.0;  ///< from end to end; 0: not given
+  double cable_mm = 0.0;  ///< length from end to end; 0: not given
 };
 
 /// The controller of one patch.
 struct ControllerEntry {
-  int patch = 0;          ///< of the cover's design, 0-based
+  int patch = 0;          ///< patch of the cover's design, 0-based
   int node = 0;           ///< node address on its bus
   std::string serial;     ///< unique id, 24 upper-case hexadecimal digits; empty: not known yet
-  std::string bus;        ///< empty: that of its cover
-  double cable_mm = 0.0;  ///< from the bus, or the USB hub, to the controller; 0: not given
+  std::string bus;        ///< empty: the bus of its cover
+  double cable_mm = 0.0;  ///< length from the bus, or the USB hub, to the controller; 0: not given
 };
 
 /// How the pose of a cover was measured (docs/robot_file.md).
@@ -43,10 +43,10 @@ struct Measured {
 struct CoverEntry {
   std::string name;
   std::string design;           ///< file, relative to the robot file
-  std::uint64_t design_id = 0;  ///< of the design when it was added
-  std::string bus;              ///< of its controllers, unless they name another
+  std::uint64_t design_id = 0;  ///< id that the design had when it was added
+  std::string bus;              ///< bus of its controllers, unless they name another
   std::string frame;            ///< link of the robot that it is fixed to; empty: the robot's base
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< of the mesh frame in that link, mm
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< pose of the mesh frame in that link, mm
   /// x, y, z in mm, then roll, pitch, yaw in rad (fixed axes, as URDF has them), where the file gives the pose so.
   std::optional<std::array<double, 6>> xyz_rpy;
   std::optional<Measured> measured;

@@ -20,7 +20,7 @@ struct ElectricalModel {
   double sink_ma = 3.0;          ///< I²C I_OL
   double bus_hz = 400e3;         ///< required speed
   double cable_pf_per_m = 60.0;  ///< entry cable
-  double cable_m = 0.5;          ///< where no controller place is given
+  double cable_m = 0.5;          ///< length of the entry cable if no controller place is given
   double joint_pf = 2.0;
   double jumper_pf = 2.0;               ///< two plugs of a jumper, beside a joint's and that of its length of cable
   double pin_pf = 10.0;                 ///< converter and multiplexer of a module on the line
@@ -45,14 +45,14 @@ struct RoutingOptions {
   bool failure_analysis = true;  ///< fill Patch::failures, second entries, articulation, bridges
   RouteObjective objective = RouteObjective::kLossFirst;
   ElectricalModel electrical;
-  bool second_entry = true;                  ///< plan a second connector where it saves modules
-  bool adoption = true;                      ///< let neighbouring patches with free addresses read unreachable modules
-  int recombinations = 60;                   ///< secondary-cost moves a patch; 0: keep the first partition
-  bool has_controller_place = false;         ///< cable lengths count in the secondary cost
-  std::array<double, 3> controller_mm{};     ///< mesh frame
-  Price price;                               ///< of a controller and a jumper; read only where jumpers are possible
-  int threads = 1;                           ///< ≥ 1, that divide islands; the result does not depend on their number
-  std::shared_ptr<const Division> division;  ///< of a result for the same graph and places, or null
+  bool second_entry = true;               ///< plan a second connector where it saves modules
+  bool adoption = true;                   ///< let neighbouring patches with free addresses read unreachable modules
+  int recombinations = 60;                ///< secondary-cost moves a patch; 0: keep the first partition
+  bool has_controller_place = false;      ///< cable lengths count in the secondary cost
+  std::array<double, 3> controller_mm{};  ///< mesh frame
+  Price price;                            ///< price of a controller and a jumper; used only if jumpers are possible
+  int threads = 1;  ///< ≥ 1; threads that divide islands; the result does not depend on their number
+  std::shared_ptr<const Division> division;  ///< division of an earlier result for the same graph and places, or null
   /// Asked between the searches for a better division, by any of the threads: true, and the best so far is the answer,
   /// with bounds that hold.
   std::function<bool()> give_up{};

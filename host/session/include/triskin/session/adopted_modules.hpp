@@ -16,9 +16,8 @@ namespace triskin::device {
 /// Far ends of all ports of a design: design::module_ends.
 using ModuleEnds = std::vector<std::array<design::ModuleEnd, layout::kPorts>>;
 
-/// Which modules of the design the adopted modules of a controller are: what lies behind the ports that they hang on.
-/// `rows`: modules of its table, by row. −1 where the design has no module, or one that is turned otherwise. Cost:
-/// linear.
+/// Modules of the design that a controller has adopted, found from the ports that they are connected to. `rows`:
+/// modules of its table, by row. −1: the design has no module there, or one with another rotation. Cost: linear.
 [[nodiscard]] std::vector<int> adopted_modules(const ModuleEnds& ends, std::span<const int> rows,
                                                const wire::Adoption& adoption);
 
@@ -55,7 +54,7 @@ class AdoptedReader {
 
  private:
   std::uint8_t list_ = 0;
-  std::size_t first_ = 0;  // of the present list, in read_
+  std::size_t first_ = 0;  // Start of the present list in read_.
   std::vector<Read> read_;
   std::deque<Waiting> waiting_;
   std::uint64_t dropped_ = 0;

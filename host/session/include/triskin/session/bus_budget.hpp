@@ -12,23 +12,23 @@ namespace triskin::device {
 /// What one controller wants to send.
 struct StreamDemand {
   std::uint8_t node = 0;          ///< node address
-  std::size_t modules = 0;        ///< of its table
-  std::uint64_t interval_us = 0;  ///< between two samples of a module, nominal
+  std::size_t modules = 0;        ///< number of modules in its table
+  std::uint64_t interval_us = 0;  ///< nominal time between two samples of a module
 };
 
 /// Load of one wire.
 struct WireLoad {
   std::vector<std::uint8_t> nodes;
   std::size_t modules = 0;
-  double full = 0.0;  ///< by every sample, 1 = all of the wire; 0: the wire's rate is not known
+  double full = 0.0;  ///< load if every sample is streamed, 1 = all of the wire; 0: the wire's rate is not known
 };
 
 /// How the samples of a stream fit the wires of a link.
 struct BusBudget {
   std::vector<WireLoad> wires;
   int every = 1;      ///< each n-th sample is streamed
-  double full = 0.0;  ///< of the wire with the largest load, by every sample
-  double load = 0.0;  ///< the same, by each n-th sample
+  double full = 0.0;  ///< largest load of a wire if every sample is streamed
+  double load = 0.0;  ///< the same load if only each n-th sample is streamed
   bool fits = true;   ///< load is at most wire::kStreamShare
   std::uint64_t pace_us =
       0;  ///< least time between two samples of a module, so that all get an equal share; 0: all fit

@@ -35,9 +35,9 @@ class ClockFilter {
 
   /// Time of the link at `device_us` of the controller, at best within the last 20 s. Unbounded while nothing is known.
   [[nodiscard]] LinkTime at(std::uint64_t device_us) const;
-  /// As at(), of something that was here at `link_us`: the answer is not later than that.
+  /// Like at(), for an event whose frame arrived at `link_us`: the result is not later than that.
   [[nodiscard]] LinkTime at(std::uint64_t device_us, std::uint64_t link_us) const;
-  /// By how much the clock of the link runs faster than the controller's, parts per million; 0 while nothing is known.
+  /// How much faster the clock of the link runs than the controller's, parts per million; 0 while nothing is known.
   [[nodiscard]] double drift_ppm() const { return best_.drift_ppm; }
   /// True: an answer bounds the error.
   [[nodiscard]] bool bounded() const { return !after_.empty(); }
@@ -72,9 +72,9 @@ class ClockFilter {
   bool started_ = false;
   std::uint64_t device_origin_us_ = 0, link_origin_us_ = 0;
   double newest_s_ = 0.0, reference_s_ = 0.0, bucket_s_ = 0.0;
-  std::deque<Fact> before_;    // the tightest of each quarter second: the difference is at most this
-  std::deque<Fact> after_;     // of answers: at least this
-  std::vector<Line> polygon_;  // corners of what is possible
+  std::deque<Fact> before_;    // The tightest of each quarter second: the difference is at most this.
+  std::deque<Fact> after_;     // Answers: the difference is at least this.
+  std::vector<Line> polygon_;  // Corners of the region that is possible.
   Line best_;
   int restarts_ = 0, contradictions_ = 0;
 };

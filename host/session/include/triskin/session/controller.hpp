@@ -55,7 +55,7 @@ class Controller {
   /// Restarts the controller through its loader; returns when the request is confirmed, before the restart.
   void reset();
 
-  /// Of each row of the table. Throws Refused without a table.
+  /// State of each row of the table. Throws Refused without a table.
   wire::ModuleStates module_states();
   /// Scans the addresses of all lines; takes about two sample periods (75 ms).
   std::array<wire::LineReport, layout::kLines> discover();

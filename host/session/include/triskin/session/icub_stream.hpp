@@ -47,7 +47,7 @@ class IcubStream {
   Bus& bus_;
   OnTaxels handler_;
   std::vector<IcubBoardInfo> boards_;
-  std::map<std::uint32_t, wire::CanFrame> first_;  // of a pair, by identifier
+  std::map<std::uint32_t, wire::CanFrame> first_;  // First frame of each pair, keyed by identifier.
   std::uint64_t frames_ = 0, lost_ = 0;
 };
 

@@ -9,7 +9,7 @@
 
 namespace triskin::device {
 
-/// By which tree a design is read: the normal one, or the one that the design prepared for the failure of a module or
+/// Tree by which a design is read: the normal one, or the one that the design prepared for the failure of a module or
 /// of a joint.
 struct RouteChoice {
   int module = -1;  ///< −1: normal

@@ -11,8 +11,8 @@ namespace triskin::device {
 struct SampleCounts {
   std::uint64_t expected = 0;
   std::uint64_t received = 0;
-  std::uint64_t with_data = 0;   ///< of the received: at least one taxel is valid
-  std::uint64_t unread = 0;      ///< lost: the controller did not read them in time
+  std::uint64_t with_data = 0;   ///< received samples that have at least one valid taxel
+  std::uint64_t unread = 0;      ///< lost samples that the controller did not read in time
   std::uint64_t dropped = 0;     ///< lost: they found no room on the bus
   std::uint64_t on_the_way = 0;  ///< lost: sent, and not received here
   std::uint64_t silent = 0;      ///< lost: the controller was away; counted by the rate
@@ -62,10 +62,10 @@ class SampleAccount {
   bool started_ = false, ended_ = false;
   std::uint8_t starts_ = 0;
   Counters first_, last_;
-  std::uint32_t newest_ = 0;  // number of the latest sample that came
+  std::uint32_t newest_ = 0;  // Number of the latest sample that arrived.
   std::uint64_t device_time_us_ = 0, heard_us_ = 0;
-  std::uint64_t received_ = 0, with_data_ = 0;  // since the controller's last start
-  SampleCounts before_;                         // of earlier starts of the controller
+  std::uint64_t received_ = 0, with_data_ = 0;  // Counted since the controller's last start.
+  SampleCounts before_;                         // Counts from earlier starts of the controller.
 };
 
 }  // namespace triskin::device

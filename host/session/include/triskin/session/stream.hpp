@@ -29,8 +29,8 @@ struct ModuleSample {
   int module = 0;                  ///< id in the design; in the frame it is a row of the controller's table
   std::uint64_t link_time_us = 0;  ///< clock of the link when the frame came
   wire::TaxelFrame sample;
-  int cover = 0;       ///< which of the stream's designs
-  LinkTime sampled{};  ///< when the controller took it (ClockFilter)
+  int cover = 0;       ///< index among the designs of the stream
+  LinkTime sampled{};  ///< time at which the controller took it (ClockFilter)
   int adopter = -1;    ///< patch whose controller read it in place of the module's own; −1: its own did
 };
 
@@ -93,10 +93,10 @@ class Stream {
   struct Node {
     int cover = 0;
     int patch = 0;
-    std::vector<int> modules;           // of row k
-    std::vector<SampleAccount> counts;  // of row k
-    std::uint64_t interval_us = 0;      // between two samples of a module
-    std::uint64_t heard_us = 0;         // clock of the link at its latest frame
+    std::vector<int> modules;           // Module of each row.
+    std::vector<SampleAccount> counts;  // Counts of each row.
+    std::uint64_t interval_us = 0;      // Nominal time between two samples of a module.
+    std::uint64_t heard_us = 0;         // Time of its latest frame by the clock of the link.
     std::uint64_t begin_device_us = 0;
     ClockFilter clock;
     std::uint64_t asked_us = 0;          // clock of the link when its clock was asked for last
@@ -105,7 +105,8 @@ class Stream {
     AdoptedReader adopted_modules;
     bool silent = false;
     bool started = false;
-    std::deque<std::pair<wire::TaxelFrame, std::uint64_t>> early;  // before the account has begun, and when they came
+    // Frames that arrived before the account began, with their times.
+    std::deque<std::pair<wire::TaxelFrame, std::uint64_t>> early;
   };
   void find_controllers(const design::Design& design, int cover, std::optional<wire::Decimation> decimation);
   wire::SamplingSetting set_decimation(Controller& controller, const Node& node, wire::Decimation decimation);

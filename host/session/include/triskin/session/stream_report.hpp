@@ -14,7 +14,7 @@ struct ModuleCounts {
   int patch = 0;
   SampleCounts counts;
   bool slow = false;  ///< its controller took fewer than 0.9 of the samples that the rate says
-  int cover = 0;      ///< which of the stream's designs
+  int cover = 0;      ///< index among the designs of the stream
   /// True: samples were due and none with data came.
   [[nodiscard]] bool never_heard() const { return counts.expected > 0 && counts.with_data == 0; }
 };
@@ -23,26 +23,26 @@ struct ModuleCounts {
 /// Beside it the module has its account in StreamReport::modules, of its own controller.
 struct AdoptedCounts {
   int module = -1;  ///< id in the design; −1: the design has no module there
-  int patch = 0;    ///< of the controller that read it
+  int patch = 0;    ///< patch of the controller that read it
   SampleCounts counts;
-  bool now = false;  ///< its samples come still
-  int cover = 0;     ///< which of the stream's designs
+  bool now = false;  ///< its samples still arrive
+  int cover = 0;     ///< index among the designs of the stream
 };
 
 /// What is known of a controller's clock.
 struct ClockState {
-  int cover = 0;  ///< which of the stream's designs
+  int cover = 0;  ///< index among the designs of the stream
   int patch = 0;
   std::uint8_t node = 0;
-  double drift_ppm = 0.0;      ///< by how much the clock of the link runs faster
+  double drift_ppm = 0.0;      ///< how much faster the clock of the link runs
   std::uint32_t error_us = 0;  ///< bound of the time of its latest sample; LinkTime::kUnbounded: there is none
   int restarts = 0;            ///< times that its clock began anew or contradicted what was known
 };
 
 /// What a reader of the stream got of what was due.
 struct StreamReport {
-  std::vector<ModuleCounts> modules;   ///< by patch, then by row of the table
-  std::vector<AdoptedCounts> adopted;  ///< by patch, then in the order in which they were taken in
+  std::vector<ModuleCounts> modules;   ///< sorted by patch, then by row of the table
+  std::vector<AdoptedCounts> adopted;  ///< sorted by patch, then in the order in which they were adopted
   SampleCounts total;
   std::uint64_t lost_bus = 0;      ///< part of total.on_the_way: between controller and this computer
   std::uint64_t lost_host = 0;     ///< the rest of it: this computer threw them away, or let its lease lapse
@@ -50,8 +50,8 @@ struct StreamReport {
   std::vector<int> slow;           ///< modules of which fewer samples were taken than the rate says
   std::vector<int> starved;        ///< patches of which more than 1 % of the samples found no room on the bus
   std::vector<int> silent;         ///< patches whose controller was away
-  std::vector<ClockState> clocks;  ///< by node address
-  int lapses = 0;                  ///< times that this computer renewed its lease too late
+  std::vector<ClockState> clocks;  ///< sorted by node address
+  int lapses = 0;                  ///< number of times that this computer renewed its lease too late
   BusBudget budget;
   /// True: every sample that was due came, with data from every module.
   [[nodiscard]] bool complete() const {

@@ -12,7 +12,7 @@ namespace triskin::sheet {
 struct Landmark {
   std::string name;  ///< R1, R2, … on a rim; S1, … on a part without a rim
   design::Vec3 at_mm;
-  std::string where;  ///< for a person: which point of which rim it is
+  std::string where;  ///< text that says which point of which rim it is
 };
 
 /// Landmarks of a surface: of every rim (closed chain of edges with one face) of at least 30 mm the points farthest
@@ -21,7 +21,7 @@ struct Landmark {
 /// O(faces log faces).
 [[nodiscard]] std::vector<Landmark> landmarks_of(const design::Mesh& surface);
 
-/// Where a point lies: straight distances, as calipers measure them, from two landmarks.
+/// Position of a point by its straight distances from two landmarks, as calipers measure them.
 struct Fix {
   std::array<int, 2> landmark{-1, -1};  ///< index in landmarks_of(), −1: there are fewer
   std::array<double, 2> distance_mm{};

@@ -31,8 +31,8 @@ struct IslandPage {
   int island = 0;
   int part = 0, parts = 1;  ///< an island that is larger than the paper has several pages; every module is on one
   int sixths = 0;           ///< turned counter-clockwise by this many times 60°: an up tile lies up where it is even
-  design::Vec2 shift_mm{0, 0};  ///< of grid vertex (0, 0) on the page
-  std::vector<int> modules{};   ///< ids, rising
+  design::Vec2 shift_mm{0, 0};  ///< position of grid vertex (0, 0) on the page
+  std::vector<int> modules{};   ///< module ids, ascending
   /// Grid vertex (i, j) on the page, mm.
   [[nodiscard]] design::Vec2 at(const std::array<int, 2>& vertex) const;
   /// The corners of a tile on the page, mm; counter-clockwise as one sees it.
@@ -54,10 +54,10 @@ enum class PageKind { kOverview, kKey, kText, kIsland };
 struct Page {
   PageKind kind = PageKind::kText;
   std::string title{};
-  int patch = -1;  ///< for its QR code, −1: of none
+  int patch = -1;  ///< patch of the page's QR code, −1: it has none
   design::Vec2 size_mm{210, 297};
-  std::vector<TextLine> lines{};  ///< of a text page
-  IslandPage island{};            ///< of an island page
+  std::vector<TextLine> lines{};  ///< content of a text page
+  IslandPage island{};            ///< content of an island page
 };
 
 /// A point of an island that is measured on the part: a corner of a module, or where corners are cut the end of side
@@ -70,9 +70,9 @@ struct Anchor {
 /// All that the pages show, before anything is drawn.
 struct Plan {
   Sides sides;
-  std::vector<design::ModuleWiring> wiring;  ///< by module
+  std::vector<design::ModuleWiring> wiring;  ///< indexed by module
   std::vector<Landmark> landmarks;
-  std::vector<std::array<Anchor, 2>> anchors;  ///< by island; module −1 where an island has no module
+  std::vector<std::array<Anchor, 2>> anchors;  ///< indexed by island; module −1 if the island has no module
   std::vector<int> page_of_module;             ///< 1-based page that shows it at 1:1
   std::vector<Page> pages;
 };

@@ -93,7 +93,7 @@ class Ad7147 {
   [[nodiscard]] bool converting() const;
   struct Conversion {
     std::uint64_t at_us = kNever;  ///< when it ended; kNever: there was none since the restart
-    std::uint64_t number = 0;      ///< since the restart
+    std::uint64_t number = 0;      ///< number since the restart
   };
   /// The latest conversion of `stage` up to now.
   [[nodiscard]] Conversion last_conversion(int stage, std::uint64_t now_us) const;

@@ -50,7 +50,7 @@ class FlashMemory final : public sim::FlashModel {
   void store(std::size_t offset_bytes, std::size_t size_bytes);
 
   std::vector<std::uint8_t> bytes_;
-  std::vector<bool> programmed_;  // per program unit
+  std::vector<bool> programmed_;  // One flag per program unit.
   std::uint64_t operations_ = 0;
   std::uint64_t cut_at_ = kNever;
   Tear tear_ = Tear::kBefore;

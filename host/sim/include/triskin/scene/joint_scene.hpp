@@ -15,8 +15,8 @@ namespace triskin::scene {
 /// A cover on a simulated bus.
 struct SimulatedCover {
   std::string name;                    ///< unique on the robot; the electrodes of its modules are drawn from it
-  const design::Design* design;        ///< with the node addresses of this bus (Design::node_addresses)
-  std::vector<wire::UniqueId> boards;  ///< by patch; all 0: fresh, drawn from name, design and `board_seed`
+  const design::Design* design;        ///< design with the node addresses of this bus (Design::node_addresses)
+  std::vector<wire::UniqueId> boards;  ///< indexed by patch; all 0: fresh, drawn from name, design and `board_seed`
 };
 
 /// Several covers on one bus as one scene, in which nobody touches the skin and nothing is wrong.

@@ -42,7 +42,7 @@ class PressureCurve {
   explicit PressureCurve(std::vector<Point> points) : points_(std::move(points)) {}
   /// Pressure at a time, kPa. Cost: O(log points).
   [[nodiscard]] double kpa(std::uint64_t at_us) const;
-  /// From `at_us` on it is `kpa`, whatever was planned; times before stay as they were.
+  /// Sets the pressure to `kpa` from `at_us` on and drops later steps; earlier times keep their values.
   void step(std::uint64_t at_us, double kpa);
   [[nodiscard]] bool empty() const { return points_.empty(); }
 
@@ -106,25 +106,25 @@ struct Fault {
 /// Physical effects; but for the electrodes each is off, and costs nothing, unless the scene names it.
 struct Effects {
   double noise_counts = 0.0;            ///< standard deviation of a sample
-  double drift_counts_per_s = 0.0;      ///< of every taxel
-  double taxel_spread_counts = 0.0;     ///< half range of what is added to the electrodes
+  double drift_counts_per_s = 0.0;      ///< drift of every taxel
+  double taxel_spread_counts = 0.0;     ///< half range of the offset that is added to the electrodes
   double sensitivity_spread = 0.0;      ///< half range of the taxels' gains about kCountsPerKpa, as a share of it: < 1
-  double electrode_least_pf = 2.0;      ///< capacitance of an electrode, another for each taxel: between this
-  double electrode_most_pf = 18.0;      ///< and this
-  Ad7147Behaviour converter;            ///< of every chip; not in scene files
+  double electrode_least_pf = 2.0;      ///< smallest capacitance of an electrode; each taxel has its own
+  double electrode_most_pf = 18.0;      ///< largest capacitance of an electrode
+  Ad7147Behaviour converter;            ///< behaviour of every chip; not in scene files
   std::uint64_t bus_bit_rate = 0;       ///< 0: frames take no time
-  std::uint64_t bus_data_bit_rate = 0;  ///< of FD frames with rate switch; 0: as bus_bit_rate
-  double chain_bit_error_rate = 0.0;    ///< of the route chain: probability that a bit flips in one module
-  std::vector<double> clock_ppm{};      ///< of the controller of each patch: how much faster its clock runs
+  std::uint64_t bus_data_bit_rate = 0;  ///< rate of FD frames with rate switch; 0: same as bus_bit_rate
+  double chain_bit_error_rate = 0.0;    ///< probability that a bit on the route chain flips in one module
+  std::vector<double> clock_ppm{};      ///< indexed by patch: how much faster the controller's clock runs
 };
 
 struct Scene {
   design::Design design;
   bool switched = false;       ///< modules that the controller routes (docs/switched_module.md); false: strapped
-  bool border_joints = false;  ///< of switched modules: also between two patches that lie side by side
+  bool border_joints = false;  ///< switched modules only: adjacent patches are joined at their border, too
   std::uint64_t seed = 1;
   std::vector<Contact> contacts;
-  PressureCurve pressure;  ///< on every taxel, beside the contacts
+  PressureCurve pressure;  ///< pressure on every taxel in addition to the contacts
   std::vector<Fault> faults;
   Effects effects;
   /// Unique id of the controller of each patch; empty: made of the design's id. Where they are given the flash of a

@@ -55,11 +55,11 @@ class SimLink final : public InProcessLink {
 /// turn, so that none starves another. Frames, device states and descriptors are those of wire::UsbFunction.
 class SimUsbLink final : public InProcessLink {
  public:
-  /// As SimLink. Bit rates of the scene's bus have no effect.
+  /// Same as SimLink, but bit rates of the scene's bus have no effect.
   explicit SimUsbLink(scene::Scene scene, const std::filesystem::path& state_folder = {});
 
-  /// To the device that has answered from the node address of a request, everything else to all. Throws DeviceError for
-  /// a frame longer than frame_bytes().
+  /// Sends a request to the device that has answered from its node address, and everything else to all. Throws
+  /// DeviceError for a frame longer than frame_bytes().
   void send(const wire::CanFrame& frame) override;
   std::optional<wire::CanFrame> receive(std::uint64_t until_us) override;
   [[nodiscard]] std::uint8_t frame_bytes() const override { return wire::kUsbFrameBytes; }
@@ -77,8 +77,8 @@ class SimUsbLink final : public InProcessLink {
 
   std::deque<wire::CanFrame> inbox_;
   NodeMap nodes_;
-  std::vector<int> sessions_;  // by device; changes when it plugs itself in anew
-  std::size_t next_ = 0;       // device that is asked first
+  std::vector<int> sessions_;  // Indexed by device; the number changes when the device reconnects.
+  std::size_t next_ = 0;       // Device that is asked first.
   std::uint64_t hub_free_ns_ = 0;
   std::uint64_t packets_ = 0;
 };

@@ -38,18 +38,18 @@ class ModuleSkin final : public CapacitanceSource {
   /// Capacitance of taxel 0..11 without touch, drift and noise, counts.
   [[nodiscard]] double rest_counts(int taxel) const { return rest_counts_[static_cast<std::size_t>(taxel)]; }
 
-  /// By how many counts taxel 0..11 answers to 1 kPa.
+  /// Response of taxel 0..11 to 1 kPa, counts.
   [[nodiscard]] double counts_per_kpa(int taxel) const { return counts_per_kpa_[static_cast<std::size_t>(taxel)]; }
 
   /// A contact that may press the pads; it outlives its presence here.
   void add(const Touch& touch);
   /// Forgets a contact; without effect when it is not there.
   void remove(int touch_id);
-  /// From now on taxel 0..11 is at an end of its range.
+  /// Sets taxel 0..11 to an end of its range for good.
   void saturate(int taxel) { state_[static_cast<std::size_t>(taxel)] = State::kSaturated; }
-  /// From now on taxel 0..11 keeps its rest value.
+  /// Freezes taxel 0..11 at its rest value.
   void freeze(int taxel) { state_[static_cast<std::size_t>(taxel)] = State::kFrozen; }
-  /// From `at_us` on every pad is under `kpa`, beside the contacts.
+  /// Puts every pad under `kpa` from `at_us` on, in addition to the contacts.
   void pressurize(double kpa, std::uint64_t at_us) { pressure_.step(at_us, kpa); }
   /// From now on the pads are such that the converter reads `counts`, once the controller has found their offsets at
   /// layout::kRestCounts; nothing else has an effect on them.
@@ -85,8 +85,8 @@ class Skin {
   int press(const Contact& contact);
   /// Lifts the finger `id` at virtual time `now_us`; without effect when it is gone. Samples from before still see it.
   void release(int id, std::uint64_t now_us);
-  /// From virtual time `now_us` on every pad of a module (−1: of all) is under `kpa`, beside the contacts. Throws
-  /// std::out_of_range for a module that is not there. Cost: O(modules).
+  /// Puts every pad of a module (−1: all modules) under `kpa` from virtual time `now_us` on, in addition to the
+  /// contacts. Throws std::out_of_range for a module that is not there. Cost: O(modules).
   void pressurize(int module, double kpa, std::uint64_t now_us);
   /// ModuleSkin::show of a module. Throws std::out_of_range.
   void show(int module, const std::array<double, layout::kTaxelsPerModule>& counts) {

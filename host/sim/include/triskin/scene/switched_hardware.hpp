@@ -44,9 +44,9 @@ class SwitchedHardware {
 
   bool joined_ = false;
   std::deque<SwitchedPatch> patches_;
-  std::vector<design::PortEnds> joints_;  // of patches_
-  std::vector<int> patch_, row_;          // by module: index in patches_, and there
-  std::vector<Event> events_;             // by time
+  std::vector<design::PortEnds> joints_;  // Joints of patches_.
+  std::vector<int> patch_, row_;          // Indexed by module: index in patches_, and row there.
+  std::vector<Event> events_;             // Sorted by time.
   std::size_t next_ = 0;
 };
 

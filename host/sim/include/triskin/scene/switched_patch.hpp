@@ -18,7 +18,7 @@ namespace triskin::scene {
 /// the chain of controller 0.
 class SwitchedPatch final : public sim::ChainModel {
  public:
-  using End = design::PortEnd;  ///< by row of the patch
+  using End = design::PortEnd;  ///< refers to a row of the patch
   enum class JointFault : std::uint8_t { kNone, kOpen, kShort };
 
   /// `joints[m][p]`: far end of port p, row −1 for none; symmetric. Module 0 is the entry, its cable at
@@ -123,7 +123,7 @@ class SwitchedPatch final : public sim::ChainModel {
   std::vector<std::array<JointFault, layout::kPorts>> faults_;
   std::vector<Module> modules_;
   std::vector<Controller> controllers_;
-  std::deque<Chain> chains_;  // by controller
+  std::deque<Chain> chains_;  // Indexed by controller.
   double bit_errors_ = 0.0, time_us_ = 0.0;
   std::mt19937_64 random_, flips_;
 };

@@ -33,7 +33,7 @@ class VhciDevice {
  private:
   struct Transfer {
     std::uint32_t number = 0;
-    std::uint8_t endpoint = 0;  // with direction bit
+    std::uint8_t endpoint = 0;  // Includes the direction bit.
     std::size_t length = 0;
   };
   bool take_request();
@@ -62,7 +62,7 @@ class UsbServer final : public SkinServer {
   void wait(std::uint64_t timeout_us) override;
   void plug(std::size_t controller);
 
-  std::vector<int> sessions_;  // of what is plugged in: a controller may come back as another device
+  std::vector<int> sessions_;  // One per controller: it may come back as another device.
   std::vector<std::unique_ptr<VhciDevice>> devices_;
   int plugged_ = 0;  // how often: each time gets a number of its own
 };

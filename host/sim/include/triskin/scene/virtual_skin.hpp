@@ -56,7 +56,8 @@ class VirtualSkin {
   /// Lifts the finger with this id; without effect when it is gone.
   void release(int id) { skin_.release(id, now_us_); }
 
-  /// From now on the pads of a module (-1: of all) are under `kpa` ≥ 0, beside the fingers. Throws std::out_of_range.
+  /// Puts the pads of a module (-1: all modules) under `kpa` ≥ 0, in addition to the fingers. Throws
+  /// std::out_of_range.
   void pressurize(int module, double kpa) { skin_.pressurize(module, kpa, now_us_); }
 
   /// Flash of one controller, to cut its power; a controller that lost power is dead until it is powered again.
@@ -131,7 +132,7 @@ class VirtualSkin {
   OnFrame on_frame_;
   Hears hears_;
   std::deque<Pending> pending_;
-  std::vector<Pending> on_wire_;  // at most one frame, that occupies the bus until wire_free_us_
+  std::vector<Pending> on_wire_;  // Holds at most one frame, which occupies the bus until wire_free_us_.
   std::uint64_t wire_free_us_ = 0;
   std::uint64_t now_us_ = 0;
   std::uint64_t bus_frames_ = 0;
@@ -143,7 +144,7 @@ class VirtualSkin {
 /// Folder that keeps the flash of simulated controllers between processes; not created here:
 /// $XDG_STATE_HOME/triskin/sim, else ~/.local/state/…, else the temporary folder.
 [[nodiscard]] std::filesystem::path state_folder();
-/// Of those of a design: state_folder()/<design id>.
+/// Folder of one design: state_folder()/<design id>.
 [[nodiscard]] std::filesystem::path state_folder_of(const design::Design& design);
 
 }  // namespace triskin::scene

@@ -19,7 +19,7 @@ namespace triskin::device {
 struct CalibrationPoint {
   double pressure_kpa = 0.0;
   double value_counts = 0.0;  ///< mean; pressure lowers it
-  double samples = 0.0;       ///< that the mean was made of, > 0: its weight
+  double samples = 0.0;       ///< number of samples in the mean, > 0: its weight
 };
 /// A line through such points.
 struct SensitivityLine {
@@ -92,7 +92,7 @@ class CalibrationStore {
  public:
   /// Keeps them in `folder`; empty: state_home()/calibration.
   explicit CalibrationStore(std::filesystem::path folder = {});
-  /// That of a controller; nullopt: there is none. Throws InputError for a file that is damaged.
+  /// Calibration of a controller; nullopt: there is none. Throws InputError for a file that is damaged.
   [[nodiscard]] std::optional<design::BoardCalibration> read(const std::string& serial) const;
   /// Keeps it as it is, in place of an older one. Throws InputError when the file cannot be written.
   void write(const design::BoardCalibration& board) const;

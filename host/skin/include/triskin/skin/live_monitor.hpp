@@ -48,8 +48,8 @@ class LiveMonitor {
   struct Module {
     wire::ModuleState state = wire::ModuleState::kUnknown;
     bool heard = false;
-    std::uint64_t samples = 0;  // of this period
-    double rate_hz = 0.0;       // of the last one
+    std::uint64_t samples = 0;  // Samples of this period.
+    double rate_hz = 0.0;       // Rate in the last period.
   };
   [[nodiscard]] const std::vector<design::RoutedModule>& modules_of(int patch) const;
   [[nodiscard]] std::string cell(int module, PressureUnit unit, bool colour) const;

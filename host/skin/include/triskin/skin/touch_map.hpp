@@ -14,7 +14,7 @@ namespace triskin::device {
 /// A taxel under pressure, in the mesh frame.
 struct PressedTaxel {
   int module = 0, taxel = 0;                           ///< id in the design, 0..11
-  double change_counts = 0.0;                          ///< against the rest value, ≥ kPressed_counts
+  double change_counts = 0.0;                          ///< change against the rest value, ≥ kPressed_counts
   design::Vec3 position_mm{0, 0, 0}, normal{0, 0, 0};  ///< centre, outward unit normal
 };
 
@@ -36,8 +36,7 @@ class TouchMap {
   void set_rest(const design::RestValues& rest, int first_module);
   /// Takes a sample; invalid values are ignored.
   void add(const ModuleSample& frame);
-  /// From now on the median of the next three valid samples of each taxel is its rest value: nothing may touch the
-  /// skin.
+  /// Takes the median of the next three valid samples of each taxel as its rest value. Nothing may touch the skin.
   void tare();
   /// True when every taxel that gave valid samples since tare() has its rest value.
   [[nodiscard]] bool tared() const;
@@ -50,16 +49,16 @@ class TouchMap {
 
  private:
   struct Taxel {
-    std::array<double, kRestSamples> first{};  // valid samples of the tare
-    std::size_t seen = 0;                      // of them; kRestSamples: `rest` is known
+    std::array<double, kRestSamples> first{};  // Valid samples of the tare.
+    std::size_t seen = 0;                      // Number of samples in `first`; kRestSamples: `rest` is known.
     double rest = 0.0, now = 0.0;
     bool follows = false;  // upwards: away from pressure
     bool awaited = false;  // pressed from the start: its own rest is seen when it comes back into the band
   };
   struct Module {
     std::array<Taxel, layout::kTaxelsPerModule> taxels{};
-    double warming_counts = 0.0;  // by how much the pads for temperature read below their rest
-    bool by_design = true;        // its rest values are judged by the design
+    double warming_counts = 0.0;  // How far the temperature pads read below their rest values.
+    bool by_design = true;        // The design is the reference for its rest values.
   };
   static void take_pads(Module& module, const wire::TaxelFrame& sample);
   static void take(const Module& module, Taxel& taxel, double value);

@@ -30,7 +30,7 @@ class LiveSkin {
 
   /// How the link fares, for the status line of the page.
   struct Health {
-    std::string link;     ///< as --link has it
+    std::string link;     ///< same syntax as --link
     bool live = false;    ///< samples arrive
     std::string trouble;  ///< one sentence with the remedy; empty: none
     std::uint64_t frames = 0, lost = 0;
@@ -52,7 +52,7 @@ class LiveSkin {
 
  private:
   struct Module {
-    std::uint64_t number = 0;  // of its latest sample; 0: none came
+    std::uint64_t number = 0;  // Number of its latest sample; 0: none arrived.
     std::int64_t wall_time_us = 0;
     std::uint16_t valid = 0;
     wire::ModuleState state = wire::ModuleState::kUnknown;

@@ -42,14 +42,14 @@ class Server {
  public:
   /// Limits; each > 0. The defaults suit browsers on the same computer.
   struct Limits {
-    std::size_t connections = 32;                      ///< at once; further ones are closed
-    std::size_t header_bytes = 8192;                   ///< of a request
-    std::size_t message_bytes = 256;                   ///< of a message from the page
-    std::chrono::milliseconds request_time{5'000};     ///< until a request is whole
-    std::chrono::milliseconds write_time{5'000};       ///< until a reader has taken a frame or a document
-    std::chrono::milliseconds frame_interval{33};      ///< between two frames to a page
-    std::chrono::milliseconds health_interval{1'000};  ///< between two status messages
-    int send_buffer_bytes = 1 << 18;                   ///< of a live connection, in the kernel
+    std::size_t connections = 32;                      ///< simultaneous connections; further ones are closed
+    std::size_t header_bytes = 8192;                   ///< size of a request's header
+    std::size_t message_bytes = 256;                   ///< size of a message from the page
+    std::chrono::milliseconds request_time{5'000};     ///< longest time for a request to arrive in full
+    std::chrono::milliseconds write_time{5'000};       ///< longest time for a reader to take a frame or a document
+    std::chrono::milliseconds frame_interval{33};      ///< time between two frames to a page
+    std::chrono::milliseconds health_interval{1'000};  ///< time between two status messages
+    int send_buffer_bytes = 1 << 18;                   ///< kernel buffer of a live connection
   };
   using OnCommand = std::function<void(const Command&)>;
 

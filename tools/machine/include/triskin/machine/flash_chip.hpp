@@ -24,8 +24,8 @@ struct ElfImage {
 /// One operation of the silicon on its cells: erases a page, or programs a unit.
 struct FlashOperation {
   bool erase = false;
-  std::uint32_t index = 0;  ///< of the page, or of the unit
-  std::uint64_t value = 0;  ///< of the unit
+  std::uint32_t index = 0;  ///< index of the page, or of the unit
+  std::uint64_t value = 0;  ///< new value of the unit
 };
 
 /// The cells of the flash: they outlive the machine, as the real ones outlive a power cut.
@@ -50,7 +50,7 @@ class FlashChip {
   void apply(const FlashOperation& operation, bool torn);
 
   std::vector<std::uint8_t> bytes;
-  std::uint32_t options = 0xFFEFF8AA;  ///< user option bytes as they left the factory (RM0440 §3.4.1)
+  std::uint32_t options = 0xFFEFF8AA;  ///< user option bytes as they leave the factory (RM0440 §3.4.1)
   std::vector<bool> used;              ///< per unit: programmed since its erase
   std::set<std::uint32_t> torn;        ///< units (by index) whose ECC has two wrong bits
   std::uint64_t operations = 0;

@@ -32,9 +32,9 @@ struct Disturbances {
   double bus_errors = 0;          ///< spurious I²C bus errors (errata ES0430, 2.15.2)
   double arbitration_losses = 0;  ///< an I²C controller takes a disturbance for another master
   double clock_stretches = 0;     ///< a chip holds SCL low, for 60 … 400 µs
-  double can_errors = 0;          ///< a frame on the CAN bus is spoilt, and sent again
+  double can_errors = 0;          ///< a frame on the CAN bus is spoilt and sent again
   double no_acknowledges = 0;     ///< an acknowledge of a chip is spoilt on the wire
-  std::uint64_t seed = 20261122;  ///< of times and lines: equal seeds give equal ones
+  std::uint64_t seed = 20261122;  ///< seed of times and lines: equal seeds give equal disturbances
 };
 
 /// Hardware around the microcontroller. Everything must outlive the machine.
@@ -45,12 +45,12 @@ struct MachineSetup {
   std::function<void(const wire::CanFrame&, std::uint64_t now_us)> on_can;  ///< a frame has left the controller
   VcdTrace* trace = nullptr;                                                ///< may be null
   std::uint64_t crystal_hz = 8'000'000;                                     ///< 0: none, or one that does not start
-  std::uint64_t crystal_fails_at_us = ~std::uint64_t{0};                    ///< since power-up: it stops for ever
-  bool will_be_cut = false;          ///< power_cycle() will be used: reading is slower
+  std::uint64_t crystal_fails_at_us = ~std::uint64_t{0};  ///< time after power-up when it stops for ever
+  bool will_be_cut = false;                               ///< power_cycle() will be used: reading is slower
   bool watch_reads = false;          ///< loads from a bank that is written stall, too: reading is slower
-  sim::ChainModel* chain = nullptr;  ///< of switched modules; may be null
-  std::uint32_t scl_rise_ns = 0;     ///< of all lines, 30 to 70 %: SCL's period grows by 1.42 of it
-  Disturbances disturbances;         ///< at random times
+  sim::ChainModel* chain = nullptr;  ///< chain of the switched modules; may be null
+  std::uint32_t scl_rise_ns = 0;     ///< rise time of all lines, 30 to 70 %: SCL's period grows by 1.42 of it
+  Disturbances disturbances;         ///< disturbances at random times
   bool boot_pin_high = true;         ///< PB8 at a reset: the CAN transceiver's output, high on an idle bus
 };
 
@@ -64,8 +64,8 @@ struct MachineCounts {
   std::uint64_t flash_read_stalls = 0;         ///< loads among these, with MachineSetup::watch_reads
   std::array<std::uint64_t, 4> i2c_busy_us{};  ///< start to stop, summed
   std::uint64_t spurious_bus_errors = 0, arbitration_losses = 0, clock_stretches = 0, can_errors = 0,
-                no_acknowledges = 0;  ///< injected
-  std::uint64_t bus_offs = 0;         ///< of the CAN block
+                no_acknowledges = 0;  ///< number of injected disturbances of each kind
+  std::uint64_t bus_offs = 0;         ///< number of times that the CAN block went bus-off
 };
 
 /// An STM32G474 that runs an unmodified image (docs/machine.md). Deterministic. Not thread-safe; one instruction counts
@@ -118,7 +118,7 @@ class Machine {
   [[nodiscard]] std::uint64_t sysclk_hz() const;
   /// Reset found BOOT0 high and the option bits listening to it: the ROM's loader runs, nothing of ours does.
   [[nodiscard]] bool in_rom_loader() const;
-  [[nodiscard]] std::uint32_t vector_table() const;  ///< of the image that runs, in flash
+  [[nodiscard]] std::uint32_t vector_table() const;  ///< address of the running image's table, in flash
 
  private:
   std::unique_ptr<Core> core_;

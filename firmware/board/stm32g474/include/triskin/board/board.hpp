@@ -53,7 +53,7 @@ struct BusyWork {
 /// `work` outlives the calls that erase; null: the processor sleeps through an erase.
 void do_while_erasing(const BusyWork* work);
 
-/// Where the running image lies in the flash: its vectors stand there first.
+/// Address of the running image in the flash, which begins with its vectors.
 [[nodiscard]] std::uint32_t image_origin();
 
 /// Asks the loader to become a DFU device after the next reset; the loader takes the request once.

@@ -19,9 +19,9 @@ struct Survivor {
   std::uint32_t running;         ///< a mark: an application was started and has not ended on purpose
   std::uint32_t reset_flags;     ///< RCC_CSR as the last reset left it
   std::uint32_t crashes_in_row;  ///< set to 0 by an application that has worked for a minute
-  std::uint32_t crashes;         ///< since power-up
-  std::uint32_t crashes_seen;    ///< of these, by the loader
-  std::uint32_t uptime_ms;       ///< of the application, as of its last second
+  std::uint32_t crashes;         ///< number since power-up
+  std::uint32_t crashes_seen;    ///< number of crashes that the loader has seen
+  std::uint32_t uptime_ms;       ///< uptime of the application in its last second
   wire::ClockState clock;        ///< what start_clocks() chose
   wire::Crash crash;             ///< the last one; its cause is kNone when there was none
 };
@@ -37,7 +37,7 @@ void open_survivor();
 void note_application_starts();
 /// True when the reset pin was pressed twice: the second time before end_double_reset(). Asked once after a reset.
 [[nodiscard]] bool take_double_reset();
-/// From now on a reset by the pin is the first of two.
+/// Makes the next reset by the pin the first of two.
 void end_double_reset();
 
 /// Crash records of the image that runs; each resets the controller.

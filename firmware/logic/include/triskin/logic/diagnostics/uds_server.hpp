@@ -51,7 +51,7 @@ class UdsServer {
   void tick();
   /// A download or upload is under way: the bus belongs to it.
   [[nodiscard]] bool transferring() const { return transfer_ != Transfer::kNone; }
-  /// As after power-up: default session, locked, no transfer.
+  /// Restores the state after power-up: default session, locked, no transfer.
   void restart();
   /// The session that is active.
   [[nodiscard]] wire::Session session() const { return session_; }

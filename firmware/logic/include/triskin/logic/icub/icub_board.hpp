@@ -24,9 +24,9 @@ class IcubBoard {
   /// What a command sets off besides its answers.
   struct Reaction {
     std::optional<bool> transmit;              ///< start or stop the stream
-    bool calibrate = false;                    ///< the next reading of each triangle is at rest
-    bool restart = false;                      ///< as after power-up
-    std::optional<std::uint8_t> node_address;  ///< 1 … 14, to be kept
+    bool calibrate = false;                    ///< the next reading of each triangle becomes its value at rest
+    bool restart = false;                      ///< start anew as after power-up
+    std::optional<std::uint8_t> node_address;  ///< 1 … 14, to be stored
   };
   /// `frame` has an 11-bit identifier. Answers wait in reply().
   [[nodiscard]] Reaction handle(const wire::CanFrame& frame, const Self& self);

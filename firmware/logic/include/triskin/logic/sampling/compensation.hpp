@@ -17,8 +17,8 @@ class Compensation {
  public:
   using Taxels = std::array<std::uint16_t, layout::kTaxelsPerModule>;
   static constexpr const auto& kPads = layout::kTemperaturePads;
-  static constexpr unsigned kFraction = 16;  ///< bits after the point of a baseline
-  static constexpr unsigned kGainBits = 14;  ///< of a gain: 1 << 14 is 1
+  static constexpr unsigned kFraction = 16;  ///< fractional bits of a baseline
+  static constexpr unsigned kGainBits = 14;  ///< fractional bits of a gain: 1 << 14 is 1
   static constexpr unsigned kFollow = 10;
   static constexpr std::int32_t kTouch = 100;  ///< counts
   static constexpr std::int32_t kRest = 0x8000;

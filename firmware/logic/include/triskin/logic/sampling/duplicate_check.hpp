@@ -13,9 +13,10 @@ namespace triskin::fw {
 /// same counts cannot be told from one this way. Pure: results in, verdict out.
 class DuplicateCheck {
  public:
-  static constexpr std::uint32_t kMinDeficit = 32;  ///< mean counts missing from which on two chips are suspected
-  static constexpr int kMinSuspicions = 3;  ///< in a row: a release between the two readings looks the same once
-  static constexpr std::uint64_t kPause_us = 1'000'000;  ///< until a duplicate is checked again
+  static constexpr std::uint32_t kMinDeficit = 32;  ///< two chips are suspected from this mean deficit on, counts
+  /// Required in a row, since a release between the two readings looks the same once.
+  static constexpr int kMinSuspicions = 3;
+  static constexpr std::uint64_t kPause_us = 1'000'000;  ///< pause before a duplicate is checked again
 
   enum class Verdict : std::uint8_t {
     kSingle,

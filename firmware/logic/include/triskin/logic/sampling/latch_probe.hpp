@@ -13,8 +13,9 @@ namespace triskin::fw {
 /// results in, verdict out.
 class LatchProbe {
  public:
-  static constexpr std::uint32_t kBegin_percent = 55;  ///< of the nominal sequence after its start: the probe may begin
-  static constexpr std::uint32_t kEnd_percent = 96;    ///< the end of the sequence of the fastest oscillator
+  /// Share of the nominal sequence after which the probe may begin.
+  static constexpr std::uint32_t kBegin_percent = 55;
+  static constexpr std::uint32_t kEnd_percent = 96;      ///< share at which the fastest oscillator ends the sequence
   static constexpr int kStages = Ad7147::kOffsetStages;  ///< first stages, which have ended by then
   static constexpr int kMaxProbes = 3;
 

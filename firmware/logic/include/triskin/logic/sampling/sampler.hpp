@@ -39,8 +39,8 @@ class LineSampler {
  public:
   /// What all lines share. Samples and offsets outlive the sampler, the table need not.
   struct Patch {
-    std::span<const layout::ModuleRow> rows;  ///< of the table
-    std::span<ModuleSample> samples;          ///< one a row
+    std::span<const layout::ModuleRow> rows;  ///< rows of the table
+    std::span<ModuleSample> samples;          ///< one per row
     OffsetBook& offsets;
     bool positive_input = false;  ///< the electrodes hang there: results are turned round
   };
@@ -99,7 +99,7 @@ class LineSampler {
   // One address of the line that the table has a module at.
   struct ChipState {
     TableRow row{};
-    std::uint8_t address = 0;  // on the line, 0..3
+    std::uint8_t address = 0;  // Address on the line, 0..3.
     Phase phase = Phase::kFind, after_configuration = Phase::kFind;
     std::uint8_t configuration_step = 0;
     bool offsets_only = false;           // the configuration under way
@@ -174,8 +174,8 @@ class LineSampler {
   LineRecovery recovery_;
   Job job_ = Job::kIdle;
   bool pausing_ = false;
-  int repeats_ = 0;                                      // of the transfer that starts a sequence
-  std::uint32_t burst_us_ = ReadingSchedule::kBurst_us;  // the shortest so far: nobody slowed it down
+  int repeats_ = 0;                                      // Repeats of the transfer that starts a sequence.
+  std::uint32_t burst_us_ = ReadingSchedule::kBurst_us;  // The shortest burst so far: nobody slowed it down.
   std::uint64_t job_start_us_ = 0, read_ended_us_ = 0;
   std::uint64_t idle_until_us_ = 0;  // nothing is due before; 0: the schedule was not asked since something changed
   std::uint32_t bus_errors_ = 0;

@@ -19,9 +19,11 @@ namespace triskin::fw {
 /// counts: its results may then be of two sequences, but none is from before the start.
 class SequenceClock {
  public:
-  static constexpr std::uint32_t kTolerance_percent = 4;  ///< of the oscillator (AD7147 data sheet, table 1)
-  static constexpr std::uint64_t kFirstResult_us = 135;   ///< from the start of a burst to its first result: six bytes
-  static constexpr std::uint64_t kLastResult_us = 585;    ///< … to the high byte of its last one: 26 bytes
+  static constexpr std::uint32_t kTolerance_percent = 4;  ///< tolerance of the oscillator (AD7147 data sheet, table 1)
+  /// Time between the start of a burst and its first result: six bytes.
+  static constexpr std::uint64_t kFirstResult_us = 135;
+  /// Time between the start and the high byte of its last result: 26 bytes.
+  static constexpr std::uint64_t kLastResult_us = 585;
   static constexpr int kStages = 12;
 
   /// The sequence was started anew at `at_us`; nothing is known about the oscillator.
@@ -62,8 +64,8 @@ class SequenceClock {
   [[nodiscard]] bool uncertain() const;
 
  private:
-  static constexpr unsigned kFraction = 16;        // bits after the point of a microsecond
-  static constexpr std::uint64_t kMargin_us = 25;  // between what is known and the first and last burst
+  static constexpr unsigned kFraction = 16;        // Fractional bits of a microsecond.
+  static constexpr std::uint64_t kMargin_us = 25;  // Safety margin around the first and last burst.
   static constexpr std::uint64_t kSlack = 25ULL
                                           << kFraction;  // error of the time of a start or of a reading of the status
   static constexpr std::uint64_t kWanted_us = 120, kMaxGrowth_us = 300;
@@ -71,7 +73,7 @@ class SequenceClock {
   static constexpr std::uint32_t kAnchorFor = 64;         // sequences over which the period is measured
   static constexpr int kMaxContradictions = 4;
 
-  // Of 32 bits: the loop asks for it all the time, and the core divides no wider ones.
+  // 32 bits are used because the loop reads it all the time, and the core cannot divide wider numbers.
   [[nodiscard]] std::uint32_t stage_us() const { return sequence_us() / kStages; }
   [[nodiscard]] std::uint32_t sequence_us() const { return static_cast<std::uint32_t>(shortest_ >> kFraction); }
   [[nodiscard]] bool stage_by_stage() const { return latching_ == wire::Latching::kEachStage; }

@@ -15,16 +15,16 @@ namespace triskin::fw {
 /// What is known about the offsets of the chip at one place. A place is a line and an address: the chip itself has
 /// nothing that names it but the kind and revision in its device id.
 struct PlaceOffsets {
-  bool known = false;           ///< `steps` were right once
-  std::uint16_t device_id = 0;  ///< of the chip that they were found for
+  bool known = false;           ///< `steps` were right at least once
+  std::uint16_t device_id = 0;  ///< id of the chip that they were found for
   ad7147::Offsets steps{};      ///< 0 … ad7147::kMaxOffset
   bool to_store = false;        ///< newer than in the flash
   wire::OffsetState state = wire::OffsetState::kNone;
   wire::Latching latching = wire::Latching::kUnknown;
   std::uint16_t outside = 0;   ///< bit t: taxel t rests outside the middle third
-  std::uint32_t searches = 0;  ///< that have ended since power-up
+  std::uint32_t searches = 0;  ///< number of searches that ended since power-up
 };
-/// By place: kAddressesPerLine · line + address.
+/// Indexed by place: kAddressesPerLine · line + address.
 using OffsetBook = std::array<PlaceOffsets, layout::kMaxModules>;
 
 /// Keeps the offsets in flash: a log of records on two pages that are filled in turn (docs/flash_layout.md). The newest
@@ -32,9 +32,10 @@ using OffsetBook = std::array<PlaceOffsets, layout::kMaxModules>;
 /// loses at most the record that was being written. One step() writes one unit, so that no reading is late.
 class OffsetStore {
  public:
-  static constexpr std::size_t kFirstPage = 6;  ///< and the next one; a smaller flash keeps nothing
+  /// The store uses this page and the next one; a smaller flash keeps nothing.
+  static constexpr std::size_t kFirstPage = 6;
   static constexpr std::size_t kRecordBytes = 32;
-  static constexpr std::uint8_t kVersion = 1;  ///< of a record; others are not read
+  static constexpr std::uint8_t kVersion = 1;  ///< version of a record; others are not read
 
   /// Keeps its log in `flash`, which must outlive it; load() reads it.
   explicit OffsetStore(FlashArea& flash) : flash_(flash) {}
@@ -62,9 +63,9 @@ class OffsetStore {
   void write_unit(OffsetBook& book);
 
   FlashArea& flash_;
-  std::size_t page_ = 0, used_ = 0;                          // used_ slots of page_
-  std::uint32_t sequence_ = 0;                               // of the newest record
-  std::array<std::uint32_t, layout::kMaxModules> newest_{};  // record of each place that counts; 0: none
+  std::size_t page_ = 0, used_ = 0;                          // The first used_ slots of page_ hold records.
+  std::uint32_t sequence_ = 0;                               // Number of the newest record.
+  std::array<std::uint32_t, layout::kMaxModules> newest_{};  // Record of each place that is valid; 0: none.
   std::uint16_t elsewhere_ = 0;  // bit p: the record of place p that counts lies on the other page
   std::size_t writing_ = kNoPlace, written_ = 0;
   Record record_{};

@@ -78,8 +78,8 @@ class TableStore {
   int node_page_ = 0;
   std::array<std::uint8_t, layout::kMaxImageBytes> staged_{};
   std::size_t staged_size_ = 0, staged_at_ = 0;
-  std::size_t calibration_at_ = 0, calibration_bytes_ = 0;  // in the page of the active slot; 0 bytes: none
-  std::size_t free_at_ = 0;                                 // behind the records of that page
+  std::size_t calibration_at_ = 0, calibration_bytes_ = 0;  // Position in the page of the active slot; 0 bytes: none.
+  std::size_t free_at_ = 0;                                 // First free byte after the records of that page.
 };
 
 }  // namespace triskin::fw

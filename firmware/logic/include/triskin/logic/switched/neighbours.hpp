@@ -12,8 +12,8 @@ namespace triskin::fw {
 /// open() may take in their modules. Pure: time comes as an argument. docs/adoption.md.
 class Neighbours {
  public:
-  static constexpr std::uint64_t kRepeat_us = 1'000'000;  ///< between two frames of an owner that offers modules
-  static constexpr std::uint64_t kForget_us = 3'000'000;  ///< an offer that is not repeated ends
+  static constexpr std::uint64_t kRepeat_us = 1'000'000;  ///< time between two frames of an owner that offers modules
+  static constexpr std::uint64_t kForget_us = 3'000'000;  ///< an offer that is not repeated ends after this time
   static constexpr std::uint64_t kTurn_us = 100'000;      ///< adopters of one offer look one after the other
   static constexpr std::uint64_t kHandBack_us = 100'000;  ///< an owner waits so long before it takes its modules back
   static constexpr std::uint64_t kKeepAway_us = 300'000;  ///< nobody takes them in meanwhile: kHandBack_us and a look

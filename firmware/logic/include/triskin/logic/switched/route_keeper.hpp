@@ -23,9 +23,9 @@ class RouteKeeper {
   explicit RouteKeeper(RouteChain* chain)
       : topology_(chain == nullptr ? absent_ : *chain), present_(chain != nullptr) {}
 
-  /// After power-up or a new table (null: none). A rerouting is due.
+  /// Call it after power-up or with a new table (null: none). It makes a rerouting due.
   void begin(const layout::PatchImage* table);
-  /// On command: a rerouting is due now, and pauses begin anew.
+  /// Makes a rerouting due now and restarts the pauses; hosts can command it.
   void request();
   /// A line stays low, or is free again. A held one makes a rerouting due, once: what could not be freed is left alone.
   void line_state(std::uint8_t line, bool held);

@@ -17,12 +17,12 @@ using layout::kNoModule;
 /// Modules of a patch and the joints between their ports; module 0 has the cable. Symmetric.
 struct PatchGraph {
   std::uint8_t count = 0;
-  std::uint8_t cable_port = 0;  ///< of module 0
+  std::uint8_t cable_port = 0;  ///< port of module 0 where the cable is connected
   std::array<std::array<JointEnd, layout::kPorts>, layout::kMaxModules> joint{};
   bool operator==(const PatchGraph&) const = default;
 };
 
-/// Where a module is read: line and address on it. Unchanged when the tree changes.
+/// Line, and address on it, at which a module is read. They stay the same when the tree changes.
 struct LineAddress {
   std::uint8_t line = 0, address = 0;
 };
@@ -35,7 +35,7 @@ class ChainDriver {
   explicit ChainDriver(RouteChain& port) : port_(port) {}
   /// Closes everything, then lets the module at a cable (0, 1) in. False: no module answers.
   bool restart(std::uint8_t cable);
-  /// After restart() failed: a module is at that cable, and another controller holds it.
+  /// True if restart() failed because another controller holds the module at that cable.
   [[nodiscard]] bool refused() const { return refused_; }
   void set_address(std::uint8_t module, LineAddress address);
   /// Opens a port that is last in the chain; when a module comes in it gets the number `child`.
@@ -84,7 +84,7 @@ class Topology {
     bool complete = false;       ///< false: the chain would not settle; the graph is what was certain
     std::uint8_t shorts = 0;     ///< ports left closed because opening them broke the chain or held a line
     std::uint16_t alive = 0;     ///< reroute(): bit m: module m of the table is in the tree
-    std::uint8_t max_depth = 0;  ///< of the active tree
+    std::uint8_t max_depth = 0;  ///< depth of the active tree
     bool min_depth = false;      ///< reroute(): no tree over the joints that were found is less deep
     bool as_table = false;       ///< reroute(): the table's tree is up
     bool second_cable = false;   ///< module 0 is the one at the second cable
@@ -129,7 +129,7 @@ class Topology {
   static constexpr std::uint8_t kAllLayers = layout::kMaxModules;
   /// Cheap check before and after a sampling cycle; false: samples of the cycle are not to be trusted, reroute.
   bool intact() { return chain_.check(); }
-  /// After intact() failed: writes the registers again. True: that was all; the same modules are in the tree.
+  /// Writes the registers again after intact() failed. True: this was enough, and the tree has the same modules.
   bool refresh() { return chain_.check() && chain_.settle() && chain_.check(); }
   /// Row of a module of graph() after reroute(); of adopted module k the number of rows of the table + k; kNoTableRow
   /// for any other that the table does not know. Guests stand last in graph(), a parent before its children.
@@ -138,7 +138,7 @@ class Topology {
   [[nodiscard]] JointEnd parent_of(std::uint8_t module) const { return parent_[module]; }
   /// Modules that were taken in and that the table does not know.
   [[nodiscard]] std::uint8_t adopted_count() const { return adopted_count_; }
-  /// Where adopted module `k` < guest_count() hangs and is read.
+  /// Joint and address of adopted module `k` < guest_count().
   [[nodiscard]] wire::AdoptedModule adopted_module(std::uint8_t k) const;
 
  private:
@@ -195,14 +195,14 @@ class Topology {
   Exclusions bad_{};                                        // ports by discovery number, which repeats
   std::uint8_t shorts_ = 0, ends_left_ = 0;
   std::uint8_t first_tried_ = 0, cable_ = 0;  // cables: where explore() begins, and where it got in
-  std::uint8_t held_lines_ = 0;               // low already with the entry module alone
-  bool entry_held_ = false;                   // by another controller, at the first cable
-  const Table* expected_table_ = nullptr;     // during discover(); null: none
+  std::uint8_t held_lines_ = 0;               // Lines that were already low with the entry module alone.
+  bool entry_held_ = false;                   // Another controller holds the entry at the first cable.
+  const Table* expected_table_ = nullptr;     // Set during discover(); null: none.
   Look look_ = Look::kBeyond;
   std::array<std::uint8_t, layout::kMaxModules> expected_{};  // row by the table, if all is as it says; no module: none
   std::uint8_t adopted_count_ = 0;
   std::array<std::uint8_t, layout::kMaxModules> table_index_{};
-  std::array<LineAddress, layout::kMaxModules> address_{};  // by discovery number
+  std::array<LineAddress, layout::kMaxModules> address_{};  // Indexed by discovery number.
 };
 
 }  // namespace triskin::fw

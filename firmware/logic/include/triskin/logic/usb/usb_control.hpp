@@ -16,7 +16,7 @@ class UsbControl {
   void reset() { configuration_ = 0; }
   /// True once the host has chosen the configuration.
   [[nodiscard]] bool configured() const { return configuration_ != 0; }
-  /// As UsbFunction::control; class requests are not known here: stall.
+  /// Same as UsbFunction::control, except that it stalls class requests, which it does not know.
   std::optional<Bytes> handle(const wire::UsbSetup& setup);
 
  private:

@@ -51,7 +51,7 @@ class UsbDevice final : public wire::UsbFunction, public CanPort {
   Queue<wire::CanFrame, 32> received_;
   Queue<wire::UsbPacket, 32> waiting_;
   wire::UsbPacket leaving_;
-  std::uint8_t endpoint_ = 0;  // of the host's last packet; 0: none yet
+  std::uint8_t endpoint_ = 0;  // Endpoint of the host's last packet; 0: none yet.
   std::uint8_t idle_ = 0;
   bool detach_ = false;
 };

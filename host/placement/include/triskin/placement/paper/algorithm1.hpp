@@ -23,8 +23,8 @@ struct PivotedPlacement {
 /// The same motion without pivot. Throws std::out_of_range when `vertex` is no vertex.
 [[nodiscard]] Placement without_pivot(const Polygon& polygon, const PivotedPlacement& placement);
 
-/// Which module sides count as contained. The paper states it three times, and the three differ where edges of the
-/// polygon lie on a generating line.
+/// Rule for the module sides that count as contained. The paper states it three times, and the three differ where
+/// edges of the polygon lie on a generating line.
 enum class ContainedSides : std::uint8_t {
   kDefinition5,         ///< what of the line lies in cl(P): an interval with the edges that continue it is one segment
   kTheorem2,            ///< to the letter: a side lies in one containment interval or on one edge
@@ -55,7 +55,7 @@ class Algorithm1 {
   ~Algorithm1();
   /// Takes over the polygon and the memory of another; never throws. The other can only be assigned to or destroyed.
   Algorithm1(Algorithm1&&) noexcept;
-  /// As the constructor: takes over the polygon and the memory of another; never throws.
+  /// Takes over the polygon and the memory of another, like the constructor; never throws.
   Algorithm1& operator=(Algorithm1&&) noexcept;
 
   /// F, the number of modules. Throws std::out_of_range when `placement.vertex` is no vertex.

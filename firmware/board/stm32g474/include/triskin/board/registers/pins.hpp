@@ -2,7 +2,7 @@
 #pragma once
 #include "triskin/board/registers/gpio.hpp"
 
-/// Which pin carries what, and its alternate function: data sheet DS12288, table 13 (LQFP64 has all of them).
+/// Function of each pin, and its alternate function number: data sheet DS12288, table 13 (LQFP64 has all of them).
 namespace triskin::board::pins {
 
 inline constexpr Pin kScl1{'A', 15}, kSda1{'B', 7}, kScl2{'A', 9}, kSda2{'A', 8}, kScl3{'C', 8}, kSda3{'C', 9},

@@ -10,7 +10,7 @@ class Register {
  public:
   /// `address` of the register; a multiple of 4. Touches nothing.
   constexpr explicit Register(std::uint32_t address) : address_(address) {}
-  /// Where it is; touches nothing.
+  /// Address of the register; does not access it.
   [[nodiscard]] constexpr std::uint32_t address() const { return address_; }
   /// Value of the register, with the side effects that reading has there.
   [[nodiscard]] std::uint32_t read() const { return *pointer(); }

@@ -7,7 +7,7 @@ namespace triskin::board::spi_reg {
 
 inline constexpr std::uint32_t kSpi2 = 0x40003800;
 inline constexpr Register kCr1{kSpi2 + 0x00}, kCr2{kSpi2 + 0x04}, kSr{kSpi2 + 0x08};
-inline constexpr std::uint32_t kData = kSpi2 + 0x0C;  ///< as wide as the access: see put() and get()
+inline constexpr std::uint32_t kData = kSpi2 + 0x0C;  ///< the access may be 8 or 16 bits wide: see put() and get()
 inline constexpr std::uint32_t kMaster = bit(2), kClockBy64 = 5U << 3, kEnable = bit(6), kInternalSelect = bit(8),
                                kSoftwareSelect = bit(9);
 inline constexpr std::uint32_t kEightBits = 7U << 8, kReceiveByte = bit(12);  // DS, FRXTH

@@ -21,7 +21,7 @@ inline constexpr std::uint32_t kReset = bit(10), kSuspend = bit(11), kWakeUp = b
 inline constexpr std::uint32_t kReceived = bit(15), kReceiveToggle = bit(14), kReceiveMask = 3U << 12, kSetup = bit(11),
                                kSent = bit(7), kSendToggle = bit(6), kSendMask = 3U << 4, kPlain = 0x70F;
 inline constexpr std::uint32_t kBulk = 0U << 9, kControl = 1U << 9, kInterrupt = 3U << 9;
-inline constexpr std::uint32_t kStall = 1, kNak = 2, kValid = 3;  // of both status fields
+inline constexpr std::uint32_t kStall = 1, kNak = 2, kValid = 3;  // Both status fields use these values.
 inline constexpr unsigned kReceiveShift = 12, kSendShift = 4;
 inline constexpr std::uint32_t kEnableFunction = bit(7);  // DADDR
 inline constexpr std::uint32_t kPullUp = bit(15);         // BCDR

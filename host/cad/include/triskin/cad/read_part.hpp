@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "triskin/cad/part.hpp"
+
+namespace triskin::cad {
+
+/// Limits and wishes for reading a part.
+struct ReadOptions {
+  double unit_mm = 0.0;            ///< length of one unit of the file's numbers; 0: what the file says, else 1
+  double max_deviation_mm = 0.05;  ///< 0.001 … 10: largest distance of the mesh from the exact surface
+  double time_limit_s = 60.0;      ///< > 0, by the clock; damaged files of ordinary size end far below it
+  std::uint64_t memory_mb = 0;     ///< address space of the reader process; 0: 1,000, more for files above 20 MB
+};
+
+/// True when the bytes are those of a STEP or IGES file, or the file's name says so.
+[[nodiscard]] bool is_cad_file(const std::filesystem::path& path, std::string_view bytes);
+
+/// True when the program that reads CAD files is installed beside this one.
+[[nodiscard]] bool can_read_parts();
+
+/// Reads a STEP or IGES file and meshes it. The geometry kernel runs in a process of its own (`triskin-cad`) with
+/// limits of time and memory: whatever the file holds, this process goes on. Errors: InputError naming the file, the
+/// place and the remedy for what cannot be read, for files without geometry, for limits that are reached, and where the
+/// reader is not installed. What could be read in part has Part::faults. Cost: 0.1 … 2 s for covers. Thread-safe.
+[[nodiscard]] Part read_part(const std::filesystem::path& path, const ReadOptions& options = {});
+/// The same for bytes in memory; `name` stands in messages.
+[[nodiscard]] Part read_part_bytes(std::string_view bytes, const std::string& name, const ReadOptions& options = {});
+
+}  // namespace triskin::cad

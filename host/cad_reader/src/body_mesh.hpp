@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <BRepAdaptor_Surface.hxx>
+#include <Eigen/Core>
+#include <TopoDS_Face.hxx>
+#include <TopoDS_Shape.hxx>
+#include <array>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace triskin::cad_reader {
+
+using Vec2 = Eigen::Vector2d;  ///< parameters u, v of a surface
+using Vec3 = Eigen::Vector3d;  ///< mm
+
+/// A triangle of one face, counter-clockwise seen from outside.
+struct Triangle {
+  std::array<int, 3> corners{};  ///< indices into BodyMesh::points
+  std::array<Vec2, 3> uv;        ///< positions of the corners on the surface of the face
+  int face = 0;                  ///< index into BodyMesh::faces
+};
+
+/// An exact face and what was measured of its triangles.
+struct ExactFace {
+  TopoDS_Face face;
+  BRepAdaptor_Surface surface;
+  std::vector<double>
+      singular_v;  ///< sides of the parameters that are one point (a pole, a tip): u means nothing there
+  std::vector<double> singular_u;
+  double area_mm2 = 0.0;  ///< exact
+  double perimeter_mm = 0.0;
+  double deviation_mm = 0.0;  ///< largest distance found between triangles and surface
+  double mesh_area_mm2 = 0.0;
+  Vec3 worst_mm = Vec3::Zero();  ///< place of the deviation
+  std::string fault;             ///< empty: sound
+  bool is_badly_meshed = false;  ///< the fault is one of its triangles, not of the file's edges
+};
+
+/// Triangles of a body. Faces share the corners on their common edges.
+struct BodyMesh {
+  std::vector<Vec3> points;
+  std::vector<Triangle> triangles;
+  std::vector<ExactFace> faces;
+  std::set<std::pair<int, int>> free_sides;  ///< sides of triangles on edges of one face, lesser corner first
+  int free_edges = 0;
+  int open_edges = 0;
+};
+
+/// Faces of a body with their exact areas, without triangles. Cost: linear.
+[[nodiscard]] std::vector<ExactFace> exact_faces(const TopoDS_Shape& body);
+
+/// Meshes a body so that no triangle is farther than `max_deviation_mm` from the surface of its face, as far as that
+/// can be had: other step widths, then triangles of our own in the parameters of a face, where the kernel gives none or
+/// wrong ones. What is not right in the end has ExactFace::fault.
+[[nodiscard]] BodyMesh mesh_body(const TopoDS_Shape& body, double max_deviation_mm);
+
+/// Sum of the areas of the triangles, by face, and the sides without a neighbour. Called by mesh_body().
+void measure(BodyMesh& mesh, double max_deviation_mm);
+
+}  // namespace triskin::cad_reader

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <CGAL/AABB_traits.h>
+#include <CGAL/AABB_tree.h>
+#include <CGAL/AABB_triangle_primitive.h>
+#include <CGAL/Simple_cartesian.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "checked_design.hpp"
+
+namespace triskin::check {
+namespace {
+
+using Kernel = CGAL::Simple_cartesian<double>;
+using Triangles = std::vector<Kernel::Triangle_3>;
+using Primitive = CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>;
+using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
+
+constexpr double kMinWall_mm = 0.3, kMaxWall_mm = 8.0;  // as docs/side.md defines a wall
+constexpr double kOpposite = -0.7;                      // cosine between the normals of the two sides of a wall
+constexpr double kOff_mm = 0.02;                        // where a ray starts: a side it lies in would stop it
+constexpr int kRays = 96;
+// Two means of seven views of 96 rays each differ by chance by 0.03; both sides of a lid by less than 0.1.
+constexpr double kSeesMore = 0.1;
+constexpr int kMinPlaces = 3;       // of seven, that have a wall behind them
+constexpr double kReach_mm = 40.0;  // between the middles of two modules that overlap, and a wall
+constexpr int kMinBehind = 2;       // of ten places of a module, that lie over the other one
+
+Kernel::Point_3 point(const P3& p) {
+  return {p.x(), p.y(), p.z()};
+}
+P3 vector(const Kernel::Point_3& p) {
+  return {p.x(), p.y(), p.z()};
+}
+
+struct Place {
+  P3 point, normal;
+};
+
+/// The whole part, or the surface where the file has no part.
+class Part {
+ public:
+  explicit Part(const CheckedDesign& d)
+      : Part(d.part_faces.empty() ? d.vertices : d.part_vertices, d.part_faces.empty() ? d.faces : d.part_faces) {}
+
+  [[nodiscard]] std::optional<Place> below(const P3& p) const {
+    const auto [q, primitive] = tree_.closest_point_and_primitive(point(p));
+    return place(vector(q), primitive);
+  }
+
+  // The other side of the wall under a place.
+  [[nodiscard]] std::optional<Place> across(const Place& here) const {
+    const P3 from = here.point - kOff_mm * here.normal;
+    const Kernel::Segment_3 inward(point(from), point(here.point - kMaxWall_mm * here.normal));
+    std::vector<Tree::Intersection_and_primitive_id<Kernel::Segment_3>::Type> hits;
+    tree_.all_intersections(inward, std::back_inserter(hits));
+    std::optional<Place> nearest;
+    for (const auto& [where, primitive] : hits) {
+      const auto* q = boost::get<Kernel::Point_3>(&where);
+      if (q == nullptr) continue;
+      const auto found = place(vector(*q), primitive);
+      if (!found || (nearest && (found->point - from).norm() >= (nearest->point - from).norm())) continue;
+      nearest = found;
+    }
+    if (!nearest || (nearest->point - here.point).norm() < kMinWall_mm) return {};
+    return nearest->normal.dot(here.normal) < kOpposite ? nearest : std::nullopt;
+  }
+
+  // Share of the directions over a place in which nothing of the part is, weighted by their height.
+  [[nodiscard]] double openness(const Place& here) const {
+    const P3 x = here.normal.unitOrthogonal(), y = here.normal.cross(x);
+    const P3 from = here.point + kOff_mm * here.normal;
+    int open = 0;
+    for (int k = 0; k < kRays; ++k) {  // a Hammersley set: the height is the root of an even number
+      double mirrored = 0.0, digit = 0.5;
+      for (int bits = k; bits > 0; bits /= 2, digit /= 2) mirrored += bits % 2 * digit;
+      const double height = std::sqrt((k + 0.5) / kRays), angle = 2.0 * M_PI * mirrored;
+      const double across = std::sqrt(1.0 - height * height);
+      const P3 ray = across * (std::cos(angle) * x + std::sin(angle) * y) + height * here.normal;
+      open += tree_.do_intersect(Kernel::Ray_3(point(from), point(P3(from + ray)))) ? 0 : 1;
+    }
+    return static_cast<double>(open) / kRays;
+  }
+
+ private:
+  Part(const std::vector<P3>& vertices, const std::vector<std::array<int, 3>>& faces) {
+    for (const auto& f : faces) {
+      const auto corner = [&](std::size_t k) { return point(vertices[static_cast<std::size_t>(f[k])]); };
+      triangles_.emplace_back(corner(0), corner(1), corner(2));
+    }
+    tree_.insert(triangles_.cbegin(), triangles_.cend());
+    tree_.build();
+    tree_.accelerate_distance_queries();
+  }
+
+  static std::optional<Place> place(const P3& p, Triangles::const_iterator triangle) {
+    const P3 a = vector(triangle->vertex(0));
+    const P3 normal = (vector(triangle->vertex(1)) - a).cross(vector(triangle->vertex(2)) - a);
+    if (!(normal.norm() > 0.0)) return {};
+    return Place{p, normal.normalized()};
+  }
+
+  Triangles triangles_;
+  Tree tree_;
+};
+
+// The middle, and half-way to corners and sides.
+std::vector<P3> places_of(const Triangle3& t) {
+  const P3 c = centroid(t);
+  std::vector<P3> places{c};
+  for (std::size_t k = 0; k < 3; ++k) {
+    places.push_back(0.5 * (c + t[k]));
+    places.push_back(0.5 * (c + 0.5 * (t[k] + t[(k + 1) % 3])));
+  }
+  return places;
+}
+
+void check_inner(const CheckedDesign& d, const Part& part, Findings& f) {
+  f.rule("inner-side");
+  for (std::size_t k = 0; k < d.modules.size(); ++k) {
+    const Triangle3& corners = d.modules[k].corner;
+    double here = 0.0, there = 0.0;
+    int walled = 0;
+    for (const P3& p : places_of(corners)) {
+      const auto place = part.below(p);
+      if (!place || place->normal.dot(unit_normal(corners)) < 0.5) continue;
+      const auto other = part.across(*place);
+      if (!other) continue;
+      ++walled;
+      here += part.openness(*place);
+      there += part.openness(*other);
+    }
+    if (walled < kMinPlaces || there - here <= kSeesMore * walled) continue;
+    f.broken("inner-side", module_name(k),
+             fmt::format("sees {:.0f} % of its half sphere, the other side of the same wall {:.0f} %",
+                         100.0 * here / walled, 100.0 * there / walled));
+  }
+}
+
+bool lies_over(const P3& p, const Triangle3& t) {
+  const P3 normal = unit_normal(t);
+  for (std::size_t s = 0; s < 3; ++s) {
+    if (normal.dot((t[(s + 1) % 3] - t[s]).cross(p - t[s])) < 0.0) return false;
+  }
+  return true;
+}
+
+// Each behind the other, with no more than a wall between what they lie on.
+bool back_to_back(const Triangle3& a, const Triangle3& b, const Part& part) {
+  const P3 na = unit_normal(a), nb = unit_normal(b), between = centroid(b) - centroid(a);
+  if (between.norm() > kReach_mm || na.dot(nb) > -0.5 || between.dot(na) >= 0.0 || between.dot(nb) <= 0.0) return false;
+  int behind = 0;
+  for (const P3& p : places_of(a)) behind += lies_over(p, b) ? 1 : 0;
+  for (const P3& p : b) behind += lies_over(p, a) ? 1 : 0;
+  if (behind < kMinBehind) return false;
+  const auto under_a = part.below(centroid(a)), under_b = part.below(centroid(b));
+  return under_a && under_b && std::abs((under_a->point - under_b->point).dot(na)) <= kMaxWall_mm;
+}
+
+void check_backs(const CheckedDesign& d, const Part& part, Findings& f) {
+  f.rule("back-to-back");
+  for (std::size_t a = 0; a < d.modules.size(); ++a) {
+    for (std::size_t b = a + 1; b < d.modules.size(); ++b) {
+      if (back_to_back(d.modules[a].corner, d.modules[b].corner, part))
+        f.broken("back-to-back", module_name(a), fmt::format("lies back to back with {}", module_name(b)));
+    }
+  }
+}
+
+}  // namespace
+
+void check_side(const CheckedDesign& d, Findings& f) {
+  if (d.side == "both") return;  // asked for
+  const Part part(d);
+  if (d.side.empty() || (d.side == "outer" && d.is_side_certain)) check_inner(d, part, f);
+  check_backs(d, part, f);
+}
+
+}  // namespace triskin::check

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+namespace triskin::cli {
+
+/// Answers the hidden command `generate-docs`, which packages and pages are made with: `options [COMMAND]` prints the help
+/// in the words of CLI11, `man [COMMAND]` a manual page, `bash` a completion. Returns the exit status; nothing when the
+/// command line is for another command.
+[[nodiscard]] std::optional<int> answer_generate_docs(const CLI::App& program, int argc, const char* const* argv);
+
+/// The manual page (section 1, troff) of a command, or of the program itself.
+[[nodiscard]] std::string manual_page(const CLI::App& program, const CLI::App& command);
+
+/// Completion of commands, options and files for bash.
+[[nodiscard]] std::string bash_completion(const CLI::App& program);
+
+}  // namespace triskin::cli

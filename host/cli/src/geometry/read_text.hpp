@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <fmt/format.h>
+
+#include <string>
+#include <vector>
+
+#include "triskin/cli/command.hpp"
+#include "triskin/mesh/open_side.hpp"
+
+namespace triskin::cli {
+
+/// Says what the reader of a mesh file noted, each in a line, and keeps it in the result.
+inline void say_notes(const std::string& file, const std::vector<std::string>& notes, Output& output) {
+  for (const std::string& note : notes) output.say(fmt::format("{}: {}", file, note));
+}
+
+/// Which side of an open part gets the modules, and why; a question where its faces look at its own middle. Empty for
+/// a closed part, which has an outside.
+[[nodiscard]] inline std::string side_text_of(const geometry::OpenSide& side) {
+  constexpr double kNearlyAll = 0.95;
+  if (!side.is_open) return {};
+  std::string text = fmt::format(
+      "an open part: the modules go to the side to which its faces are wound, mean normal ({:.2f}, {:.2f}, {:.2f}); "
+      "--flip takes the other",
+      side.normal.x(), side.normal.y(), side.normal.z());
+  if (side.toward_middle > kNearlyAll)
+    text += ". All of its faces look at its own middle: is that the outside? If not, pass --flip";
+  return text;
+}
+
+}  // namespace triskin::cli

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "triskin/cli/command.hpp"
+#include "triskin/mesh/bridge_holes.hpp"
+#include "triskin/mesh/side.hpp"
+
+namespace triskin::cli {
+
+/// --side, --from and --bridge-mm, for every command that takes a surface of a part.
+class SideOption {
+ public:
+  void add_to(CLI::App& app);
+
+  /// Errors: InputError naming the option and what it takes.
+  [[nodiscard]] geometry::SideOptions options() const;
+  [[nodiscard]] double bridge_mm() const { return bridge_mm_; }
+
+ private:
+  std::string side_ = "auto", from_;
+  double bridge_mm_ = 0.0;
+};
+
+/// What was taken of the part, in one line; empty where there is no wall.
+[[nodiscard]] std::string side_text(const geometry::TakenSide& taken);
+/// What became of its holes, in one line; empty where none was asked for.
+[[nodiscard]] std::string bridge_text(const geometry::BridgeReport& report);
+
+/// Says that both sides look alike, draws them into `picture`, and adds the keys of the result. The exit status.
+int report_undecided(const geometry::Mesh& part, const geometry::TakenSide& taken, const std::string& picture,
+                     Output& output);
+
+/// Adds `side`, `side_certain` and `wall_mm` (0 without a wall) to the result.
+void add_side_keys(const geometry::TakenSide& taken, Output& output);
+
+}  // namespace triskin::cli

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace triskin::device {
+
+/// What a computer has that may lead to controllers.
+struct AttachedDevice {
+  std::string link;    ///< as `--link` has it: can:can0, hid:SERIAL, usb:SERIAL
+  std::string remark;  ///< for a person: "CAN interface, down"; never empty
+  bool usable = true;  ///< false: the remark says what is wrong (down, no permission)
+};
+
+/// The CAN interfaces and the USB boards of the computer whose file system begins at `root` ("/" for this one), as
+/// /sys and /dev show them; sorted by link. Nothing is opened or sent. A folder that is not there holds nothing.
+/// Cost: some reads of small files.
+[[nodiscard]] std::vector<AttachedDevice> attached_devices(const std::filesystem::path& root = "/");
+
+/// Why nothing was opened: no link was named. Lists `devices` and says how to name one of them, or the simulation.
+[[nodiscard]] std::string unnamed_link_text(const std::vector<AttachedDevice>& devices);
+
+}  // namespace triskin::device

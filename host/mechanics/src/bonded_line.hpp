@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "triskin/mechanics/contact.hpp"
+
+namespace triskin::mechanics {
+
+/// Line contact of press_bonded(): `force` in N/mm.
+[[nodiscard]] Contact press_bonded_line(const Layer& layer, double radius_mm, double force);
+
+}  // namespace triskin::mechanics

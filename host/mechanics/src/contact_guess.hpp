@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "taxel_model.hpp"
+
+namespace triskin::mechanics {
+
+struct ForceGuess {
+  Eigen::Vector2d position_mm;
+  double force_n = 0.0;
+};
+
+/// Contacts that a non-negative least-squares fit suggests, the strongest first. `signal_floor` is the change of
+/// capacitance below which a taxel does not count as pressed.
+[[nodiscard]] std::vector<ForceGuess> guess_contacts(const TaxelModel& model, const Eigen::VectorXd& observed,
+                                                     double signal_floor);
+
+}  // namespace triskin::mechanics

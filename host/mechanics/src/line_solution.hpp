@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <Eigen/Core>
+
+#include "quadrature.hpp"
+
+namespace triskin::mechanics {
+
+// Line contact of half width a on the bonded layer in plane strain; units as in radial_solution.hpp. The pressure is
+// Σ bₙ T₂ₙ(x/a) / √(1 − (x/a)²). The kernel −ln|x| is diagonal in these polynomials, and what the layer
+// adds to it is smooth (Jaffar, Int. J. Mech. Sci. 31 (1989) 229 solves the same equation).
+
+/// Solution under the parabola x² / 2 · curvature that presses with no pressure at its edges.
+class LineSolution {
+ public:
+  LineSolution(double poisson, double half_width, double curvature);
+  /// Force per length.
+  [[nodiscard]] double force() const;
+  [[nodiscard]] double indentation() const { return indentation_; }
+  [[nodiscard]] double centre_pressure() const;
+  /// Displacement at distance x outside the contact, up to half_width + 25.
+  [[nodiscard]] double displacement_outside(double x) const;
+  [[nodiscard]] double base_pressure(double x) const;
+
+ private:
+  [[nodiscard]] double smooth_part(double x) const;
+
+  double half_width_, indentation_ = 0.0;
+  Eigen::VectorXd coefficients_;
+  Eigen::ArrayXd points_, weighted_pressure_;  // nodes in −a … a, pressure times weight there
+  Quadrature spectrum_;
+  Eigen::ArrayXd smooth_terms_, base_terms_;
+};
+
+}  // namespace triskin::mechanics

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "triskin/mechanics/contact_table.hpp"
+
+namespace triskin::mechanics {
+
+/// A contact as the fit moves it.
+struct FitContact {
+  Eigen::Vector2d position_mm;
+  double log_force = 0.0, log_radius = 0.0;
+};
+
+inline constexpr int kParametersPerContact = 4;
+
+/// Values of the taxels and their derivatives: four columns a contact, by x, y, ln F and ln R.
+struct TaxelResponse {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd derivatives;
+};
+
+/// Profile of a displacement over the distance from the axis, sampled evenly for quick look-up.
+class SampledProfile {
+ public:
+  SampledProfile() = default;
+  SampledProfile(const ContactField& field, double reach_mm);
+  [[nodiscard]] double at(double r) const;
+
+ private:
+  double step_ = 1.0;
+  std::vector<double> values_;
+};
+
+/// The forward model: discs at given places under contacts of spheres whose displacements add up.
+class TaxelModel {
+ public:
+  TaxelModel(const ContactTable& table, std::vector<Eigen::Vector2d> positions_mm, double disc_radius_mm);
+  /// Nothing where a contact is outside of the table or reaches the base of the layer.
+  [[nodiscard]] std::optional<TaxelResponse> respond(std::span<const FitContact> contacts, bool with_derivatives) const;
+  [[nodiscard]] const ContactTable& table() const { return table_; }
+  [[nodiscard]] const std::vector<Eigen::Vector2d>& positions_mm() const { return positions_mm_; }
+  [[nodiscard]] double disc_radius_mm() const { return disc_radius_mm_; }
+
+ private:
+  struct Profiles;
+  class DiscSum;
+  [[nodiscard]] Profiles profiles_of(const FitContact& contact, bool with_derivatives) const;
+
+  const ContactTable& table_;
+  std::vector<Eigen::Vector2d> positions_mm_;
+  double disc_radius_mm_;
+};
+
+}  // namespace triskin::mechanics

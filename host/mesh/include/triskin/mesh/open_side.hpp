@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "triskin/design/design_types.hpp"
+
+namespace triskin::geometry {
+
+/// To which side the faces of a part with a border look. A closed part has an outside, an open one has two sides.
+struct OpenSide {
+  bool is_open = false;  ///< some edge has one face
+  design::Vec3 normal =
+      design::Vec3::Zero();    ///< mean of the unit normals over the area; shorter than 1 where they turn
+  double toward_middle = 0.0;  ///< 0 … 1: share of the area that looks at the middle of the part
+};
+
+/// Measures the side to which the faces of a mesh look. Cost: linear in the faces. Threads: any.
+[[nodiscard]] OpenSide open_side_of(const design::Mesh& mesh);
+
+/// Turns every face over.
+void turn_over(design::Mesh& mesh);
+
+}  // namespace triskin::geometry

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "mesh_source.hpp"
+
+namespace triskin::geometry {
+
+/// The JSON of a glTF 2.0 file with its buffers, whose every access is checked. Errors of all functions: InputError
+/// naming file and place.
+class GltfDocument {
+ public:
+  /// Reads the JSON, and the binary chunk of a GLB. Refuses other versions than 2 and extensions that the file requires
+  /// and this reader has not, naming them. `source` outlives the document.
+  explicit GltfDocument(const MeshSource& source);
+
+  /// The JSON of the file.
+  [[nodiscard]] const nlohmann::json& root() const { return json_; }
+  /// Element `index` of the top-level list `list` ("nodes").
+  [[nodiscard]] const nlohmann::json& element(const char* list, std::size_t index) const;
+  /// A whole number of an object, 0 …; `fallback` where the key is missing.
+  [[nodiscard]] std::size_t whole(const nlohmann::json& object, const char* key, std::size_t fallback) const;
+  /// The same, for a key that must be there.
+  [[nodiscard]] std::size_t whole(const nlohmann::json& object, const char* key) const;
+  /// Numbers of a list of `n` of them; empty where the key is missing.
+  [[nodiscard]] std::vector<double> numbers(const nlohmann::json& object, const char* key, std::size_t n) const;
+  /// Elements of accessor `index`, which must have `width` components each (1: SCALAR, 3: VEC3): integers are
+  /// normalized where the accessor says so (also KHR_mesh_quantization), sparse values are in place. Cost: linear.
+  [[nodiscard]] std::vector<double> accessor(std::size_t index, std::size_t width);
+
+  [[noreturn]] void fail(const std::string& what) const;
+
+ private:
+  struct View {
+    const std::string* bytes;
+    std::size_t offset, length, stride;
+  };
+  void read_json(std::string_view text);
+  void read_glb();
+  void require_known_extensions() const;
+  const std::string& buffer(std::size_t index);
+  std::string load(const nlohmann::json& buffer, std::size_t index) const;
+  View view(std::size_t index);
+  void read_elements(const View& view, std::size_t offset, std::size_t type, bool is_normalized, std::size_t width,
+                     std::vector<double>& values) const;
+  void put_sparse(const nlohmann::json& sparse, std::size_t type, bool is_normalized, std::size_t width,
+                  std::vector<double>& values);
+
+  const MeshSource& source_;
+  nlohmann::json json_;
+  std::string binary_;  // chunk of a GLB
+  bool has_binary_ = false;
+  std::vector<std::string> buffers_;
+  std::vector<bool> is_loaded_;
+};
+
+}  // namespace triskin::geometry

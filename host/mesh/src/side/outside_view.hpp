@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <vector>
+
+#include "ray_caster.hpp"
+
+namespace triskin::geometry {
+
+/// Convex hull of points as the half spaces of many directions, which it exceeds by little: on a sphere of radius r by
+/// r / 1,000.
+class HullDepth {
+ public:
+  /// Cost: O(n).
+  explicit HullDepth(const std::vector<Vec3>& points_mm);
+
+  /// Distance from a point along a unit normal to where it leaves the hull; 0 on the hull. Cost: constant.
+  [[nodiscard]] double along(const Vec3& point_mm, const Vec3& normal) const;
+
+ private:
+  std::vector<double> heights_mm_;  // of the hull in each direction
+  std::vector<Vec3> extremes_mm_;   // points of the hull, one or fewer a direction
+};
+
+/// Cosine-weighted share of the half sphere above a point, 0 … 1, in which no ray meets the part. `turn` (any number)
+/// turns the rays, so that the error of neighbouring points is not the same. Cost: `rays` rays.
+[[nodiscard]] double visibility_of(const RayCaster& part, const Vec3& point_mm, const Vec3& normal, int rays,
+                                   unsigned turn);
+
+}  // namespace triskin::geometry

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <limits>
+#include <vector>
+
+#include "triskin/design/design_types.hpp"
+#include "triskin/mesh/bvh.hpp"
+
+namespace triskin::geometry {
+
+/// First face that a ray meets.
+struct RayHit {
+  int face = -1;  ///< −1: none
+  double distance_mm = std::numeric_limits<double>::infinity();
+};
+
+/// Rays against the triangles of a mesh, which must outlive it. Queries are const and thread-safe.
+class RayCaster {
+ public:
+  /// Cost: O(n log n), on `threads` (≥ 1).
+  RayCaster(const Mesh& mesh, int threads);
+
+  [[nodiscard]] const Mesh& mesh() const { return mesh_; }
+  /// Unit normal of a face; zero for one without area.
+  [[nodiscard]] const Vec3& normal(int face) const { return normals_[static_cast<std::size_t>(face)]; }
+  [[nodiscard]] double area_mm2(int face) const { return areas_mm2_[static_cast<std::size_t>(face)]; }
+
+  /// The first face between two distances along a unit direction; `but_face` is not asked. Cost: O(log n) typical.
+  [[nodiscard]] RayHit first_hit(const Vec3& from_mm, const Vec3& direction, double nearest_mm, double farthest_mm,
+                                 int but_face) const;
+  /// Whether the ray leaves the part: no face within `farthest_mm`. Cost: O(log n) typical.
+  [[nodiscard]] bool is_free(const Vec3& from_mm, const Vec3& direction, double farthest_mm) const;
+
+ private:
+  const Mesh& mesh_;
+  Bvh tree_;
+  std::vector<Vec3> normals_;
+  std::vector<double> areas_mm2_;
+};
+
+}  // namespace triskin::geometry

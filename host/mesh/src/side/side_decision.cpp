@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "side_decision.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "triskin/base/index.hpp"
+
+namespace triskin::geometry {
+namespace {
+
+constexpr double kDecided = 0.15;  // |outwardness| from which a region is decided; see docs/side.md
+constexpr double kPocket = -0.3;   // outwardness under which the floor of a thick body is a pocket
+constexpr double kHiddenVisibility = 0.2;
+constexpr double kWalledRegion = 0.5;  // share of its area that has a wall
+// An edge weighs as much as a strip of this width: more where the sheets across the wall meet behind it too, so that
+// the wall as a whole turns there, which it does not at the foot of a rib.
+constexpr double kBesideWidth_mm = 12.0, kBendWidth_mm = 100.0;
+constexpr double kAcrossWeight = 1.0;
+constexpr double kRibFoot = 0.2;         // share of a rib's border that is its foot
+constexpr double kMaxRibFraction = 0.3;  // of the outer area: more is no rib
+constexpr double kBackToBack = 0.3;      // share of a region that has another outer one right behind it
+constexpr double kModuleInradius_mm = 8.66;
+constexpr double kRimSurroundings = 0.9;  // share of a strip's border that lies on outer regions
+constexpr double kMinUndecided_mm2 = 400.0, kMaxUndecidedFraction = 0.15, kLargeRegion = 0.05;
+constexpr double kMinWalledFraction = 0.25, kMinInnerFraction = 0.05;
+constexpr int kPasses = 400;
+constexpr double kSettled = 1e-5;
+
+class Decision {
+ public:
+  Decision(const SideEvidence& evidence, const SideOptions& options) : evidence_(evidence), options_(options) {}
+
+  SideDecision run() {
+    const std::size_t n = evidence_.regions.size();
+    out_.side.assign(n, FaceSide::kOuter);
+    out_.choice.assign(n, 0);
+    out_.outwardness.assign(n, 0.0);
+    if (!has_enough_wall()) return std::move(out_);
+    gather_bonds();
+    std::vector<double> wanted, weight;
+    for (const RegionEvidence& e : evidence_.regions) {
+      wanted.push_back(e.outwardness);
+      weight.push_back(e.outwardness_mm2 + 1e-6);
+    }
+    out_.outwardness = relaxed(wanted, weight);
+    label_regions();
+    label_strips();
+    label_ribs();
+    doubt();
+    judge();
+    return std::move(out_);
+  }
+
+ private:
+  struct Bond {
+    int other;
+    double weight, sign;  // sign −1: they should differ
+  };
+
+  [[nodiscard]] const RegionEvidence& region(int r) const { return evidence_.regions[at(r)]; }
+  [[nodiscard]] bool has_wall(int r) const {
+    const RegionEvidence& e = region(r);
+    return e.walled_mm2 - e.self_mm2 >= kWalledRegion * e.area_mm2;
+  }
+  // A strip as narrow as the wall is thick.
+  [[nodiscard]] bool is_strip(int r) const {
+    return !has_wall(r) && 2.0 * region(r).area_mm2 < options_.max_wall_mm * region(r).border_mm;
+  }
+  // No module fits on it, whatever side it is on.
+  [[nodiscard]] bool is_narrow(int r) const {
+    return 2.0 * region(r).area_mm2 < kModuleInradius_mm * region(r).border_mm;
+  }
+  [[nodiscard]] int count() const { return static_cast<int>(evidence_.regions.size()); }
+
+  [[nodiscard]] bool has_enough_wall() const {
+    double walled = 0.0, all = 0.0;
+    for (int r = 0; r < count(); ++r) {
+      all += region(r).area_mm2;
+      if (has_wall(r)) walled += region(r).area_mm2;
+    }
+    const bool is_closed = std::ranges::all_of(evidence_.is_component_closed, [](bool c) { return c; });
+    return walled >= (is_closed ? kMinInnerFraction : kMinWalledFraction) * all;
+  }
+
+  void gather_bonds() {
+    bonds_.resize(evidence_.regions.size());
+    partner_ = partners();
+    const auto bond = [&](const RegionPair& p, double weight, double sign) {
+      bonds_[at(p.first)].push_back({p.second, weight, sign});
+      bonds_[at(p.second)].push_back({p.first, weight, sign});
+    };
+    for (const auto& [pair, area] : evidence_.across_mm2) bond(pair, kAcrossWeight * area, -1.0);
+    for (const auto& [pair, length] : evidence_.beside_mm) {
+      if (!has_wall(pair.first) || !has_wall(pair.second)) continue;
+      bond(pair, (is_bend(pair) ? kBendWidth_mm : kBesideWidth_mm) * length, 1.0);
+    }
+  }
+
+  // The region that lies across the wall of most of each one's area; −1: none.
+  [[nodiscard]] std::vector<int> partners() const {
+    std::vector<int> partner(evidence_.regions.size(), -1);
+    std::vector<double> most(partner.size(), 0.0);
+    const auto take = [&](int r, int other, double area) {
+      if (area <= most[at(r)]) return;
+      most[at(r)] = area;
+      partner[at(r)] = other;
+    };
+    for (const auto& [pair, area] : evidence_.across_mm2) {
+      take(pair.first, pair.second, area);
+      take(pair.second, pair.first, area);
+    }
+    return partner;
+  }
+  [[nodiscard]] bool is_bend(const RegionPair& pair) const {
+    const int a = partner_[at(pair.first)], b = partner_[at(pair.second)];
+    return a >= 0 && b >= 0 && a != pair.second && a != b && evidence_.beside_mm.contains(std::minmax(a, b));
+  }
+
+  // Gauss, Seidel; the matrix is dominated by its diagonal.
+  [[nodiscard]] std::vector<double> relaxed(const std::vector<double>& wanted,
+                                            const std::vector<double>& weight) const {
+    std::vector<double> x = wanted;
+    for (int pass = 0; pass < kPasses; ++pass) {
+      double change = 0.0;
+      for (std::size_t r = 0; r < x.size(); ++r) {
+        double sum = weight[r] * wanted[r], total = weight[r];
+        for (const Bond& b : bonds_[r]) {
+          sum += b.weight * b.sign * x[at(b.other)];
+          total += b.weight;
+        }
+        const double next = sum / total;
+        change = std::max(change, std::abs(next - x[r]));
+        x[r] = next;
+      }
+      if (change < kSettled) break;
+    }
+    return x;
+  }
+
+  void label_regions() {
+    for (int r = 0; r < count(); ++r) {
+      const double x = out_.outwardness[at(r)];
+      FaceSide& side = out_.side[at(r)];
+      if (!options_.from_mm && region(r).visibility < kHiddenVisibility) {
+        side = FaceSide::kInner;
+      } else if (has_wall(r)) {
+        side = x >= kDecided ? FaceSide::kOuter : x <= -kDecided ? FaceSide::kInner : FaceSide::kUndecided;
+      } else if (is_strip(r)) {
+        side = FaceSide::kRim;
+      } else {
+        side = x <= kPocket ? FaceSide::kInner : FaceSide::kOuter;
+      }
+    }
+  }
+
+  // A chamfer between two outer faces is no rim.
+  void label_strips() {
+    std::vector<double> outer_mm(evidence_.regions.size(), 0.0);
+    for (const auto& [pair, length] : evidence_.beside_mm) {
+      if (out_.side[at(pair.first)] == FaceSide::kOuter) outer_mm[at(pair.second)] += length;
+      if (out_.side[at(pair.second)] == FaceSide::kOuter) outer_mm[at(pair.first)] += length;
+    }
+    for (int r = 0; r < count(); ++r) {
+      if (out_.side[at(r)] == FaceSide::kRim && outer_mm[at(r)] >= kRimSurroundings * region(r).border_mm)
+        out_.side[at(r)] = FaceSide::kOuter;
+    }
+  }
+
+  // What stands on the inner side alone is inside: a rib looks alike on both sides, the last one of a row even outer.
+  void label_ribs() {
+    std::vector<double> inner_mm(evidence_.regions.size(), 0.0), outer_mm = inner_mm;
+    const auto count_border = [&](int r, int other, double length) {
+      if (partner_[at(r)] == other || !has_wall(other)) return;
+      if (out_.side[at(other)] == FaceSide::kInner) inner_mm[at(r)] += length;
+      if (out_.side[at(other)] == FaceSide::kOuter) outer_mm[at(r)] += length;
+    };
+    for (const auto& [pair, length] : evidence_.beside_mm) {
+      count_border(pair.first, pair.second, length);
+      count_border(pair.second, pair.first, length);
+    }
+    const double most = kMaxRibFraction * area_of(FaceSide::kOuter);
+    for (int r = 0; r < count(); ++r) {
+      const bool stands = inner_mm[at(r)] >= kRibFoot * region(r).border_mm && outer_mm[at(r)] < inner_mm[at(r)];
+      FaceSide& side = out_.side[at(r)];
+      if (side == FaceSide::kUndecided && is_narrow(r)) side = FaceSide::kRim;
+      if (side == FaceSide::kUndecided || (side == FaceSide::kOuter && has_wall(r) && region(r).area_mm2 < most))
+        side = stands ? FaceSide::kInner : side;
+    }
+  }
+
+  // Regions that are outer by their neighbours alone, against their own evidence, and pairs that both are outer.
+  void doubt() {
+    for (int r = 0; r < count(); ++r) {
+      if (out_.side[at(r)] != FaceSide::kOuter || !has_wall(r) || region(r).outwardness > -kDecided) continue;
+      out_.side[at(r)] = is_narrow(r) ? FaceSide::kRim : FaceSide::kUndecided;
+      const int partner = partner_[at(r)];
+      if (partner >= 0 && partner_[at(partner)] == r && out_.side[at(r)] == FaceSide::kUndecided)
+        out_.side[at(partner)] = FaceSide::kUndecided;
+    }
+    for (const auto& [pair, area] : evidence_.across_mm2) {
+      auto [less, more] = pair;
+      if (out_.outwardness[at(less)] > out_.outwardness[at(more)]) std::swap(less, more);
+      const bool both = out_.side[at(less)] == FaceSide::kOuter && out_.side[at(more)] == FaceSide::kOuter;
+      if (both && area > kBackToBack * region(less).area_mm2) out_.side[at(less)] = FaceSide::kRim;
+    }
+  }
+
+  [[nodiscard]] double area_of(FaceSide side) const {
+    double area = 0.0;
+    for (int r = 0; r < count(); ++r) area += out_.side[at(r)] == side ? region(r).area_mm2 : 0.0;
+    return area;
+  }
+
+  void judge() {
+    const double outer = area_of(FaceSide::kOuter), inner = area_of(FaceSide::kInner),
+                 undecided = area_of(FaceSide::kUndecided), all = outer + inner + undecided + area_of(FaceSide::kRim);
+    out_.has_wall = inner + undecided >= kMinInnerFraction * all;
+    if (!out_.has_wall) {
+      out_.side.assign(out_.side.size(), FaceSide::kOuter);
+      return;
+    }
+    for (int r = 0; r < count(); ++r) {
+      const bool counts = out_.side[at(r)] == FaceSide::kOuter || out_.side[at(r)] == FaceSide::kUndecided;
+      if (counts && has_wall(r) && region(r).area_mm2 > kLargeRegion * outer)
+        out_.margin = std::min(out_.margin, std::abs(out_.outwardness[at(r)]));
+    }
+    number_choices();
+    out_.is_certain = 0.5 * undecided < std::max(kMinUndecided_mm2, kMaxUndecidedFraction * (outer + 0.5 * undecided));
+  }
+
+  // Which undecided regions belong together: the largest one is taken for the outer side, the others follow.
+  void number_choices() {
+    const auto is_open = [&](std::size_t r) { return out_.side[r] == FaceSide::kUndecided && out_.choice[r] == 0; };
+    for (;;) {
+      int seed = -1;
+      for (int r = 0; r < count(); ++r) {
+        if (is_open(at(r)) && (seed < 0 || region(r).area_mm2 > region(seed).area_mm2)) seed = r;
+      }
+      if (seed < 0) return;
+      std::vector<double> wanted(evidence_.regions.size(), 0.0), weight(evidence_.regions.size(), 1e-3);
+      wanted[at(seed)] = 1.0;
+      weight[at(seed)] = 1e12;
+      const std::vector<double> x = relaxed(wanted, weight);
+      double sum = 0.0;
+      for (std::size_t r = 0; r < x.size(); ++r) {
+        if (is_open(r)) sum += x[r] * evidence_.regions[r].area_mm2 * out_.outwardness[r];
+      }
+      const double sign = sum < 0.0 ? -1.0 : 1.0;
+      for (std::size_t r = 0; r < x.size(); ++r) {
+        if (is_open(r) && (std::abs(x[r]) > 1e-3 || static_cast<int>(r) == seed))
+          out_.choice[r] = sign * x[r] > 0.0 ? 1 : 2;
+      }
+    }
+  }
+
+  const SideEvidence& evidence_;
+  const SideOptions& options_;
+  std::vector<std::vector<Bond>> bonds_;
+  std::vector<int> partner_;
+  SideDecision out_;
+};
+
+}  // namespace
+
+SideDecision decide_sides(const SideEvidence& evidence, const SideOptions& options) {
+  return Decision(evidence, options).run();
+}
+
+}  // namespace triskin::geometry

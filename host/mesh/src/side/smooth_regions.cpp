@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "smooth_regions.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <queue>
+#include <tuple>
+
+#include "triskin/base/disjoint_sets.hpp"
+#include "triskin/base/index.hpp"
+
+namespace triskin::geometry {
+namespace {
+
+// A cylinder of 11 facets turns by 33° from facet to facet; the chamfer of an edge by 45°.
+constexpr double kSmoothCosine = 0.82;      // 35°
+constexpr double kMaxTurnCosine = 0.766;    // 40°: less than half of a rounded rim
+constexpr double kJoinedTurnCosine = 0.64;  // 50°: regions that meet above a rib, not across a rim
+constexpr double kWalled = 0.5;
+constexpr double kNeedleHeight_mm = 0.01;  // The normal of a lower triangle is mostly rounding.
+constexpr int kNeedlePasses = 4;
+
+class Division {
+ public:
+  Division(const RayCaster& part, const std::vector<std::array<int, 3>>& neighbours, const std::vector<double>& walled)
+      : neighbours_(neighbours), walled_(walled), sets_(neighbours.size()), source_(neighbours.size(), Vec3::Zero()) {
+    for (std::size_t f = 0; f < neighbours.size(); ++f) normals_.push_back(part.normal(static_cast<int>(f)));
+    smooth_needles(part);
+  }
+
+  SmoothRegions run() {
+    join_where([&](int a, int b) { return has_wall(a) && has_wall(b); });
+    grow();
+    join_where([&](int a, int b) { return is_reached(a) && is_reached(b) && turn(source_, a, b) > kJoinedTurnCosine; });
+    join_where([&](int a, int b) { return !is_reached(a) && !is_reached(b); });
+    return numbered();
+  }
+
+ private:
+  [[nodiscard]] bool has_wall(int f) const { return walled_[at(f)] >= kWalled; }
+  [[nodiscard]] bool is_reached(int f) const { return !source_[at(f)].isZero(); }
+  [[nodiscard]] static double turn(const std::vector<Vec3>& normals, int a, int b) {
+    return normals[at(a)].dot(normals[at(b)]);
+  }
+  [[nodiscard]] bool is_smooth(int a, int b) const { return turn(normals_, a, b) > kSmoothCosine; }
+
+  // A needle takes the normal of the face across its longest side, so that it parts nothing.
+  void smooth_needles(const RayCaster& part) {
+    const Mesh& mesh = part.mesh();
+    for (int pass = 0; pass < kNeedlePasses; ++pass) {
+      for (std::size_t f = 0; f < normals_.size(); ++f) {
+        std::size_t longest = 0;
+        double length = 0.0;
+        for (std::size_t s = 0; s < 3; ++s) {
+          const auto& c = mesh.faces[f];
+          const double l = (mesh.vertices[at(c[(s + 1) % 3])] - mesh.vertices[at(c[s])]).norm();
+          if (l > length) std::tie(length, longest) = std::tuple(l, s);
+        }
+        const int beyond = neighbours_[f][longest];
+        if (beyond >= 0 && 2.0 * part.area_mm2(static_cast<int>(f)) < kNeedleHeight_mm * length)
+          normals_[f] = normals_[at(beyond)];
+      }
+    }
+  }
+
+  void join_where(const std::function<bool(int, int)>& wanted) {
+    for (std::size_t f = 0; f < neighbours_.size(); ++f) {
+      for (const int n : neighbours_[f]) {
+        const int face = static_cast<int>(f);
+        if (n > face && is_smooth(face, n) && wanted(face, n)) sets_.join(n, face);
+      }
+    }
+  }
+
+  // Best first: a face goes to the region from which it turns least.
+  void grow() {
+    using Step = std::tuple<double, int, int>;  // cosine of the turn, face, face it is reached from
+    std::priority_queue<Step, std::vector<Step>, std::less<>> queue;
+    const auto look_around = [&](int f) {
+      for (const int n : neighbours_[at(f)]) {
+        if (n < 0 || is_reached(n) || has_wall(n) || !is_smooth(f, n)) continue;
+        const double cosine = normals_[at(n)].dot(source_[at(f)]);
+        if (cosine > kMaxTurnCosine) queue.emplace(cosine, n, f);
+      }
+    };
+    for (std::size_t f = 0; f < walled_.size(); ++f) {
+      if (has_wall(static_cast<int>(f))) source_[f] = normals_[f];
+    }
+    for (std::size_t f = 0; f < walled_.size(); ++f) {
+      if (has_wall(static_cast<int>(f))) look_around(static_cast<int>(f));
+    }
+    while (!queue.empty()) {
+      const auto [cosine, face, from] = queue.top();
+      queue.pop();
+      if (is_reached(face)) continue;
+      source_[at(face)] = source_[at(from)];
+      sets_.join(face, from);
+      look_around(face);
+    }
+  }
+
+  SmoothRegions numbered() {
+    SmoothRegions regions;
+    std::vector<int> number(neighbours_.size(), -1);
+    for (std::size_t f = 0; f < neighbours_.size(); ++f) {
+      int& n = number[at(sets_.find(static_cast<int>(f)))];
+      if (n < 0) n = regions.count++;
+      regions.of_face.push_back(n);
+    }
+    return regions;
+  }
+
+  const std::vector<std::array<int, 3>>& neighbours_;
+  const std::vector<double>& walled_;
+  DisjointSets sets_;
+  std::vector<Vec3> source_, normals_;  // source: normal of the walled face from which a face was reached
+};
+
+}  // namespace
+
+SmoothRegions smooth_regions(const RayCaster& part, const std::vector<std::array<int, 3>>& neighbours,
+                             const std::vector<double>& walled_fractions) {
+  return Division(part, neighbours, walled_fractions).run();
+}
+
+}  // namespace triskin::geometry

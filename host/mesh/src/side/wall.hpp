@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <vector>
+
+#include "ray_caster.hpp"
+#include "triskin/mesh/side.hpp"
+
+namespace triskin::geometry {
+
+/// A place on a face, and the place on the other sheet of the wall behind it.
+struct WallSample {
+  int face = -1;
+  Vec3 point_mm = Vec3::Zero();
+  double area_mm2 = 0.0;           ///< of the face that it stands for
+  int partner = -1;                ///< face across the wall; −1: no wall here
+  double wall_mm = 0.0;            ///< distance to it
+  Vec3 partner_mm = Vec3::Zero();  ///< where the ray meets it
+};
+
+/// Samples of all faces, one or more a face, in the order of the faces. The partner is the first face that a ray into
+/// the material meets, where it lies within the thickness of a wall and faces the opposite way. Cost: one ray a sample.
+[[nodiscard]] std::vector<WallSample> wall_samples(const RayCaster& part, const SideOptions& options);
+
+/// Share of the part's area that has a partner, 0 … 1, from some thousand faces at most. Cost: as many rays.
+[[nodiscard]] double walled_fraction_of_few(const RayCaster& part, const SideOptions& options);
+
+/// Share of each face's area, 0 … 1, that has a partner.
+[[nodiscard]] std::vector<double> walled_fractions(const std::vector<WallSample>& samples, std::size_t faces);
+
+}  // namespace triskin::geometry

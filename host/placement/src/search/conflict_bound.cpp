@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "search/conflict_bound.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace triskin::geometry {
+namespace {
+
+constexpr double kOpposed = -0.999;      // Two normals with a smaller cosine count as opposed.
+constexpr double kFacing = 0.1;          // A side that faces an edge has a normal with at least this against it.
+constexpr double kMinMultiplier = 0.05;  // Smaller multipliers of three constraints magnify rounding.
+constexpr std::size_t kMaxRowsOfTile = 24;
+
+Vec2 quarter_turn(const Vec2& v) {
+  return {-v.y(), v.x()};
+}
+double cross(const Vec2& a, const Vec2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+}  // namespace
+
+ConflictBound::Verdict ConflictBound::judge(const CellFrame& frame, const CellList& list, int need) {
+  dead_.assign(list.tiles.size(), 0);
+  if (static_cast<int>(list.tiles.size()) < need) return Verdict::kClosed;
+  set_cell(frame, list);
+  collect(frame, list);
+  if (survivors(list, 0.0, need) >= need) {
+    (void)survivors(list, 1.0, static_cast<int>(list.tiles.size()) + 1);
+    return Verdict::kOpen;
+  }
+  return survivors(list, 1.0, need) >= need ? Verdict::kNarrower : Verdict::kClosed;
+}
+
+void ConflictBound::set_cell(const CellFrame& frame, const CellList& list) {
+  pivot_ = Vec2::Zero();
+  for (const OpenTile& tile : list.tiles) pivot_ += tile.center;
+  pivot_ = pivot_ / static_cast<double>(std::max<std::size_t>(list.tiles.size(), 1)) -
+           Vec2(frame.center[0], frame.center[1]);
+  const double sine = std::sin(0.5 * frame.half[2]);
+  sigma_ = std::sin(frame.half[2]) * (1.0 + 1e-12);
+  curve_ = 2.0 * sine * sine * (1.0 + 1e-12);
+  slide_ = std::hypot(frame.half[0], frame.half[1]) * (1.0 + 1e-12);
+  shift_ = slide_ + pivot_.norm() * (sigma_ + curve_);
+}
+
+void ConflictBound::collect(const CellFrame& frame, const CellList& list) {
+  rows_.clear();
+  for (std::size_t first = 0; first < list.pairs.size(); first += kLanes) {
+    const std::size_t count = std::min(kLanes, list.pairs.size() - first);
+    evaluate_pairs(polygon_, grid_, frame, list.tiles.data(), list.pairs.data() + first, count, block_);
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      const Pair& pair = list.pairs[first + lane];
+      collect_pair(frame, list.tiles[pair.tile], pair, lane);
+    }
+  }
+}
+
+// What a tile needs whichever of the possible directions separates it from the edge.
+void ConflictBound::collect_pair(const CellFrame& frame, const OpenTile& tile, const Pair& pair, std::size_t lane) {
+  const auto corners = static_cast<std::size_t>(grid_.corners);
+  const bool left = block_.room[0][lane] >= 0.0, right = block_.room[1][lane] >= 0.0;
+  const Vec2 normal(frame.normal_x[pair.edge], frame.normal_y[pair.edge]);
+  std::size_t sides = 0, side = 0;
+  double facing = 1.0;
+  for (std::size_t k = 0; k < corners; ++k) {
+    if (!(block_.room[2 + k][lane] >= 0.0)) continue;
+    ++sides;
+    side = k;
+    facing = std::min(facing, (tile.tile.up ? -1.0 : 1.0) * grid_.normal[k].dot(normal) - frame.half[2]);
+  }
+  if (sides == 0 && left != right) {
+    for (std::size_t k = 0; k < corners; ++k)
+      add_line(frame, pair, left ? 1.0 : -1.0, tile.center + (tile.tile.up ? 1.0 : -1.0) * grid_.corner[k],
+               frame.inset_mm);
+    return;
+  }
+  if (sides == 1 && !left && !right) add_side(frame, tile, pair, side);
+  if (sides > 0 && !right && facing > kFacing) {
+    add_points_over_edge(frame, tile, pair, frame.inset_mm < 0.0 ? frame.inset_mm / facing : frame.inset_mm);
+  }
+}
+
+// The edge lies beyond a side that faces it, or the tile left of its line. Either way a point of the tile whose foot is
+// on the edge lies left of the line: with normal m, and the edge at least c beyond the side with normal n, by
+// c / -(n.m), since n.(foot - point) >= c and foot - point = -(height of the point) m.
+void ConflictBound::add_points_over_edge(const CellFrame& frame, const OpenTile& tile, const Pair& pair,
+                                         double min_mm) {
+  const std::size_t next = polygon_.next[pair.edge];
+  const Vec2 centre(frame.center[0], frame.center[1]), start(frame.x[pair.edge], frame.y[pair.edge]),
+      along(frame.normal_y[pair.edge], -frame.normal_x[pair.edge]);
+  const double length = along.dot(Vec2(frame.x[next], frame.y[next]) - start);
+  const double moved = slide_ + ((tile.center - centre).norm() + grid_.circumradius_mm) * frame.half[2] + 1e-6;
+  const auto corners = static_cast<std::size_t>(grid_.corners);
+  const double sign = tile.tile.up ? 1.0 : -1.0;
+  for (std::size_t k = 0; k < corners; ++k) {
+    const Vec2 a = tile.center + sign * grid_.corner[k], b = tile.center + sign * grid_.corner[(k + 1) % corners];
+    const double foot_a = along.dot(a - centre - start), step = along.dot(b - a);
+    double low = 0.0, high = 1.0;
+    for (const auto& [from, rate] : {std::pair{foot_a - moved, step}, {length - moved - foot_a, -step}}) {
+      if (rate > 1e-9)
+        low = std::max(low, -from / rate);
+      else if (rate < -1e-9)
+        high = std::min(high, -from / rate);
+      else if (from < 0.0)
+        high = -1.0;
+    }
+    if (low > high) continue;
+    add_line(frame, pair, 1.0, a + low * (b - a), min_mm);
+    if (high < 1.0) add_line(frame, pair, 1.0, a + high * (b - a), min_mm);
+  }
+}
+
+// A point of the tile at least `min_mm` left (turn 1) or right (−1) of the edge's line.
+void ConflictBound::add_line(const CellFrame& frame, const Pair& pair, double turn, const Vec2& point, double min_mm) {
+  const Vec2 normal(turn * frame.normal_x[pair.edge], turn * frame.normal_y[pair.edge]),
+      from(point.x() - frame.center[0], point.y() - frame.center[1]), arm = from - pivot_;
+  keep({pair.tile, pair.edge, false, normal,
+        normal.dot(from) - turn * polygon_.line_offset[pair.edge] - min_mm + polygon_.rounding_mm,
+        -normal.dot(quarter_turn(arm)), std::max(0.0, -normal.dot(arm)) * curve_});
+}
+
+// Both ends of the edge beyond a side of the tile. Linear in the translation itself, which is w where all normals of a
+// sum are of this kind and cancel; a sum of both kinds is not formed.
+void ConflictBound::add_side(const CellFrame& frame, const OpenTile& tile, const Pair& pair, std::size_t side) {
+  const Vec2 normal = (tile.tile.up ? 1.0 : -1.0) * grid_.normal[side],
+             from(tile.center.x() - frame.center[0], tile.center.y() - frame.center[1]);
+  for (const std::size_t end :
+       {static_cast<std::size_t>(pair.edge), static_cast<std::size_t>(polygon_.next[pair.edge])}) {
+    const Vec2 p(frame.x[end], frame.y[end]);
+    keep({pair.tile, pair.edge, true, -normal,
+          normal.dot(p - from) - grid_.offset_mm[side] - frame.inset_mm + polygon_.rounding_mm,
+          normal.dot(quarter_turn(p - pivot_)), std::max(0.0, -normal.dot(p + pivot_)) * curve_});
+  }
+}
+
+void ConflictBound::keep(const Row& row) {
+  if (row.level < shift_ + std::abs(row.slope) * sigma_) rows_.push_back(row);
+}
+
+bool ConflictBound::opposed(const Row& a, const Row& b) {
+  return a.by_side == b.by_side && a.edge != b.edge && a.normal.dot(b.normal) <= kOpposed;
+}
+
+// Upper bound of the tiles that can hold together by the constraints; ends below `need`.
+int ConflictBound::survivors(const CellList& list, double softness, int need) {
+  std::ranges::fill(dead_, 0);
+  int alive = static_cast<int>(list.tiles.size());
+  for (std::size_t first = 0, last = 0; first < rows_.size(); first = last) {
+    while (last < rows_.size() && rows_[last].tile == rows_[first].tile) ++last;
+    if (!holds_nowhere(first, last, softness)) continue;
+    dead_[rows_[first].tile] = 1;
+    if (--alive < need && softness == 0.0) return alive;
+  }
+  if (alive < need) return alive;
+  find_conflicts(softness);
+  return alive - matching(list.tiles.size());
+}
+
+bool ConflictBound::holds_nowhere(std::size_t first, std::size_t last, double softness) {
+  if (last - first < 2 || last - first > kMaxRowsOfTile) return false;
+  excluded_.clear();
+  add_pairs_of(first, last, softness);
+  if (angles_covered()) return true;
+  add_triples_of(first, last, softness);
+  return angles_covered();
+}
+
+void ConflictBound::add_pairs_of(std::size_t first, std::size_t last, double softness) {
+  for (std::size_t a = first; a < last; ++a) {
+    for (std::size_t b = a + 1; b < last; ++b) {
+      const Row &p = rows_[a], &q = rows_[b];
+      if (!opposed(p, q)) continue;
+      add_sum(p.level + q.level + softness * (p.soft + q.soft) + (p.normal + q.normal).norm() * shift_,
+              p.slope + q.slope);
+    }
+  }
+}
+
+// Three constraints whose normals surround the origin.
+void ConflictBound::add_triples_of(std::size_t first, std::size_t last, double softness) {
+  for (std::size_t a = first; a < last; ++a) {
+    for (std::size_t b = a + 1; b < last; ++b) {
+      const Row &p = rows_[a], &q = rows_[b];
+      const double r_part = cross(p.normal, q.normal);
+      if (p.by_side != q.by_side || p.edge == q.edge || std::abs(r_part) < kMinMultiplier) continue;
+      for (std::size_t c = b + 1; c < last; ++c) {
+        const Row& r = rows_[c];
+        const double p_part = cross(q.normal, r.normal) / r_part, q_part = cross(r.normal, p.normal) / r_part;
+        if (r.by_side != p.by_side || r.edge == p.edge || r.edge == q.edge || p_part < kMinMultiplier ||
+            q_part < kMinMultiplier)
+          continue;
+        const Vec2 rest = p_part * p.normal + q_part * q.normal + r.normal;
+        add_sum(p_part * p.level + q_part * q.level + r.level +
+                    softness * (p_part * p.soft + q_part * q.soft + r.soft) + rest.norm() * shift_,
+                p_part * p.slope + q_part * q.slope + r.slope);
+      }
+    }
+  }
+}
+
+// The constraints of the sum exclude each other if level + slope * sigma < 0.
+void ConflictBound::add_sum(double level, double slope) {
+  double low = -sigma_, high = sigma_;
+  const double end = -level;  // At this value of slope * sigma the sum is 0.
+  if (std::abs(slope) * sigma_ <= 1e-15) {
+    if (level >= -1e-14) return;
+  } else if (slope > 0.0) {
+    high = std::min(high, end / slope - 1e-15);
+  } else {
+    low = std::max(low, end / slope + 1e-15);
+  }
+  if (low < high) excluded_.push_back({low, high});
+}
+
+bool ConflictBound::angles_covered() {
+  std::ranges::sort(excluded_, {}, &Interval::low);
+  double reached = -sigma_;
+  for (const Interval& i : excluded_) {
+    if (i.low > reached) return false;
+    reached = std::max(reached, i.high);
+  }
+  return !excluded_.empty() && reached >= sigma_;
+}
+
+// Tiles that cannot hold together, at edges with opposed normals.
+void ConflictBound::find_conflicts(double softness) {
+  conflicts_.resize(dead_.size());
+  for (auto& list : conflicts_) list.clear();
+  by_edge_.clear();  // first rows of a tile at an edge
+  for (std::uint32_t k = 0; k < rows_.size(); ++k) {
+    const bool continued = k > 0 && rows_[k - 1].tile == rows_[k].tile && rows_[k - 1].edge == rows_[k].edge;
+    if (!continued && dead_[rows_[k].tile] == 0) by_edge_.push_back(k);
+  }
+  const auto end_of = [&](std::size_t k) {
+    const Row& row = rows_[k];
+    while (k < rows_.size() && rows_[k].tile == row.tile && rows_[k].edge == row.edge) ++k;
+    return k;
+  };
+  for (std::size_t m = 0; m < by_edge_.size(); ++m) {
+    for (std::size_t n = m + 1; n < by_edge_.size(); ++n) {
+      const std::uint32_t a = by_edge_[m], b = by_edge_[n];
+      if (rows_[a].tile == rows_[b].tile || !opposed(rows_[a], rows_[b])) continue;
+      if (!exclude_each_other(a, end_of(a), b, end_of(b), softness)) continue;
+      conflicts_[rows_[a].tile].push_back(rows_[b].tile);
+      conflicts_[rows_[b].tile].push_back(rows_[a].tile);
+    }
+  }
+}
+
+bool ConflictBound::exclude_each_other(std::size_t a, std::size_t a_end, std::size_t b, std::size_t b_end,
+                                       double softness) {
+  excluded_.clear();
+  for (std::size_t p = a; p < a_end; ++p) {
+    for (std::size_t q = b; q < b_end; ++q) {
+      add_sum(rows_[p].level + rows_[q].level + softness * (rows_[p].soft + rows_[q].soft) +
+                  (rows_[p].normal + rows_[q].normal).norm() * shift_,
+              rows_[p].slope + rows_[q].slope);
+    }
+  }
+  return angles_covered();
+}
+
+// Number of disjoint pairs of tiles that exclude each other: each such pair holds one tile at most. Largest in the
+// bipartite graph that is left after dropping conflicts inside a side.
+int ConflictBound::matching(std::size_t tiles) {
+  side_.assign(tiles, -1);
+  mate_.assign(tiles, -1);
+  std::vector<std::uint32_t> queue;
+  for (std::uint32_t root = 0; root < tiles; ++root) {
+    if (side_[root] >= 0 || conflicts_[root].empty()) continue;
+    side_[root] = 0;
+    queue.assign(1, root);
+    for (std::size_t k = 0; k < queue.size(); ++k) {
+      for (const std::uint32_t other : conflicts_[queue[k]]) {
+        if (side_[other] >= 0) continue;
+        side_[other] = 1 - side_[queue[k]];
+        queue.push_back(other);
+      }
+    }
+  }
+  int pairs = 0;
+  for (std::uint32_t t = 0; t < tiles; ++t) {
+    if (side_[t] != 0) continue;
+    seen_.assign(tiles, 0);
+    pairs += augment(t) ? 1 : 0;
+  }
+  return pairs;
+}
+
+bool ConflictBound::augment(std::uint32_t tile) {
+  for (const std::uint32_t other : conflicts_[tile]) {
+    if (side_[other] == side_[tile] || seen_[other] != 0) continue;
+    seen_[other] = 1;
+    if (mate_[other] >= 0 && !augment(static_cast<std::uint32_t>(mate_[other]))) continue;
+    mate_[other] = static_cast<std::int32_t>(tile);
+    return true;
+  }
+  return false;
+}
+
+}  // namespace triskin::geometry

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "kernels/pair_kernel.hpp"
+#include "search/cell_list.hpp"
+
+namespace triskin::geometry {
+
+/// Bound of a cell from constraints that contradict each other, although each of them alone can hold: a tile between
+/// two parallel edges that are a hair too close, or two tiles of which one needs the lower and the other the upper
+/// edge.
+///
+/// With w = R(-phi) * (t - centre) and sigma = sin(phi), phi the turn from the centre of the cell, a constraint between
+/// a point of a tile and the line of an edge is linear in w and sigma but for 1 - cos(phi). Where the normals of two or
+/// three constraints cancel, their weighted sum depends on the angle alone, whatever the translations of the cell: no
+/// box needs to be small along the free direction. One object per thread: it keeps its memory.
+class ConflictBound {
+ public:
+  ConflictBound(const PreparedPolygon& polygon, const TileGrid& grid) : polygon_(polygon), grid_(grid) {}
+
+  enum class Verdict {
+    kOpen,      ///< the constraints do not contradict each other enough
+    kNarrower,  ///< they would in a cell with a smaller range of angles
+    kClosed     ///< fewer than `need` tiles hold anywhere in the cell
+  };
+  /// Can `need` of the tiles of `list` hold at one motion of the cell? Cost: O(pairs + pairs of tiles at opposed
+  /// edges).
+  Verdict judge(const CellFrame& frame, const CellList& list, int need);
+  /// For each tile of the list that was judged last: not 0 when it holds nowhere in the cell.
+  [[nodiscard]] const std::vector<std::uint8_t>& dead() const { return dead_; }
+
+ private:
+  /// level - normal.w + slope * sigma >= 0, up to `soft`, which vanishes with the range of angles.
+  struct Row {
+    std::uint32_t tile = 0, edge = 0;
+    bool by_side = false;  // The point is an end of the edge, and the translation turns against the side's normal.
+    Vec2 normal;
+    double level = 0.0, slope = 0.0, soft = 0.0;
+  };
+  struct Interval {
+    double low = 0.0, high = 0.0;
+  };
+  void set_cell(const CellFrame& frame, const CellList& list);
+  void collect(const CellFrame& frame, const CellList& list);
+  void collect_pair(const CellFrame& frame, const OpenTile& tile, const Pair& pair, std::size_t lane);
+  void add_line(const CellFrame& frame, const Pair& pair, double turn, const Vec2& point, double min_mm);
+  void add_side(const CellFrame& frame, const OpenTile& tile, const Pair& pair, std::size_t side);
+  void add_points_over_edge(const CellFrame& frame, const OpenTile& tile, const Pair& pair, double min_mm);
+  void keep(const Row& row);
+  [[nodiscard]] static bool opposed(const Row& a, const Row& b);
+  int survivors(const CellList& list, double softness, int need);
+  [[nodiscard]] bool holds_nowhere(std::size_t first, std::size_t last, double softness);
+  void add_pairs_of(std::size_t first, std::size_t last, double softness);
+  void add_triples_of(std::size_t first, std::size_t last, double softness);
+  void add_sum(double level, double slope);
+  [[nodiscard]] bool angles_covered();
+  void find_conflicts(double softness);
+  [[nodiscard]] bool exclude_each_other(std::size_t a, std::size_t a_end, std::size_t b, std::size_t b_end,
+                                        double softness);
+  [[nodiscard]] int matching(std::size_t tiles);
+  bool augment(std::uint32_t tile);
+
+  const PreparedPolygon& polygon_;
+  const TileGrid& grid_;
+  PairBlock block_;
+  Vec2 pivot_;  // mean of the tiles' centres, from the centre of the cell: keeps 1 - cos(phi) times its arm small
+  double sigma_ = 0.0, curve_ = 0.0, slide_ = 0.0, shift_ = 0.0;  // ranges: sin phi, 1 - cos phi, translation, w
+  std::vector<Row> rows_;                                         // those of one tile stand together
+  std::vector<std::uint8_t> dead_;
+  std::vector<Interval> excluded_;  // Ranges of sigma.
+  std::vector<std::uint32_t> by_edge_;
+  std::vector<std::vector<std::uint32_t>> conflicts_;  // Indexed by tile.
+  std::vector<std::int32_t> side_, mate_;
+  std::vector<std::uint8_t> seen_;
+};
+
+}  // namespace triskin::geometry

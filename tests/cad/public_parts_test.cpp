@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Public robot parts, of a folder that is not part of the project: skipped and counted without it. The numbers are from
+// their list, made with other code.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "support/places.hpp"
+#include "triskin/cad/read_part.hpp"
+#include "triskin/base/error.hpp"
+
+namespace triskin::cad {
+namespace {
+
+struct PublicPart {
+  std::string file, unit;
+  int solids;
+  std::size_t faces;
+  double area_cm2;
+  design::Vec3 size_mm;
+};
+
+class PublicParts : public ::testing::TestWithParam<PublicPart> {};
+
+std::filesystem::path folder() {
+  const char* named = std::getenv("TRISKIN_DATA");
+  return std::filesystem::path(named != nullptr ? named : test::configured_data_folder()) / "step";
+}
+
+TEST_P(PublicParts, IsReadWhole) {
+  if (!std::filesystem::exists(folder()))
+    GTEST_SKIP() << "left out without data: " << folder() << " does not exist (TRISKIN_SHARED_DATA)";
+  const PublicPart& wanted = GetParam();
+  const Part part = read_part(folder() / wanted.file);
+  EXPECT_TRUE(part.faults.empty()) << (part.faults.empty() ? "" : part.faults.front());
+  EXPECT_EQ(part.unit, wanted.unit);
+  EXPECT_EQ(part.faces.size(), wanted.faces);
+  int solids = 0;
+  double area_cm2 = 0.0;
+  for (const Body& body : part.bodies) {
+    solids += body.is_solid ? 1 : 0;
+    area_cm2 += body.area_mm2 / 100.0;
+    EXPECT_EQ(body.open_edges, 0) << body.path;
+  }
+  EXPECT_EQ(solids, wanted.solids);
+  EXPECT_NEAR(area_cm2, wanted.area_cm2, 0.1);
+  EXPECT_LT((size_of(part) - wanted.size_mm).cwiseAbs().maxCoeff(), 0.2);
+  // Edges of some files lie up to a tenth of a millimetre beside their surfaces; the part says so.
+  EXPECT_LE(part.deviation_mm, part.warnings.empty() ? 0.05 : 0.1);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, PublicParts,
+    ::testing::Values(PublicPart{"main_body_front.stp", "inch", 1, 22, 1347.1, {145.0, 146.0, 146.0}},
+                      PublicPart{"palm_shell.step", "metre", 1, 118, 333.0, {103.3, 102.9, 66.5}},
+                      PublicPart{"top_shell.step", "metre", 1, 91, 233.0, {100.2, 104.9, 28.4}},
+                      PublicPart{"battery_lid.step", "millimetre", 1, 151, 255.8, {154.4, 82.8, 19.4}},
+                      PublicPart{"upper_arm_cover.step", "millimetre", 1, 263, 334.7, {79.0, 29.5, 124.7}},
+                      PublicPart{"motor_cover_ring.step", "millimetre", 1, 60, 231.1, {94.0, 92.9, 30.0}},
+                      PublicPart{"sheet_metal.stp", "inch", 1, 120, 3530.1, {485.4, 300.8, 162.5}},
+                      PublicPart{"compartment.step", "millimetre", 10, 141, 3153.3, {275.0, 210.0, 98.0}},
+                      PublicPart{"assembly_as1.stp", "millimetre", 18, 160, 1410.8, {200.0, 150.0, 84.0}},
+                      PublicPart{"upper_arm_link.step", "millimetre", 1, 326, 279.2, {142.2, 24.5, 67.3}},
+                      PublicPart{"cone_tip.step", "millimetre", 1, 12, 6.5, {9.5, 9.5, 14.4}},
+                      PublicPart{"blade_upper.iges", "millimetre", 0, 1, 82.9, {70.1, 103.1, 93.4}}),
+    [](const auto& info) { return info.param.file.substr(0, info.param.file.find('.')); });
+
+TEST(PublicAssembly, OfLinksAloneIsTold) {
+  if (!std::filesystem::exists(folder()))
+    GTEST_SKIP() << "left out without data: " << folder() << " does not exist (TRISKIN_SHARED_DATA)";
+  try {
+    (void)read_part(folder() / "links_only.step");
+    FAIL() << "accepted";
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("other files"), std::string::npos) << e.what();
+  }
+}
+
+}  // namespace
+}  // namespace triskin::cad

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// `triskin doctor` and `triskin list` on prepared computers: folders that stand for /sys, /proc, /etc and /dev.
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "cli/shell_case.hpp"
+
+namespace triskin::test {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::HasSubstr;
+
+constexpr const char* kSerial = "00112233445566778899AABB";
+
+class Doctor : public ShellCase {
+ protected:
+  void SetUp() override {
+    ShellCase::SetUp();
+    ::unsetenv("ROS_DOMAIN_ID");
+    ::unsetenv("CYCLONEDDS_URI");
+    make_healthy();
+  }
+  void TearDown() override {
+    ::unsetenv("ROS_DOMAIN_ID");
+    ::unsetenv("CYCLONEDDS_URI");
+    ShellCase::TearDown();
+  }
+
+  void write(const std::string& file, const std::string& text) const {
+    const fs::path path = folder_ / "root" / file;
+    fs::create_directories(path.parent_path());
+    std::ofstream(path) << text;
+  }
+  void write_interface(const json& changes) const {
+    json can = {{"ifname", "can0"},
+                {"flags", {"NOARP", "UP", "LOWER_UP"}},
+                {"mtu", 72},
+                {"txqlen", 128},
+                {"linkinfo",
+                 {{"info_kind", "can"},
+                  {"info_data",
+                   {{"state", "ERROR-ACTIVE"},
+                    {"berr_counter", {{"tx", 0}, {"rx", 0}}},
+                    {"bittiming", {{"bitrate", 1000000}}}}}}}};
+    can.merge_patch(changes);
+    write("ip.json", json::array({can}).dump());
+  }
+  // A computer with a CAN interface and a USB board, on which all is well.
+  void make_healthy() const {
+    write("etc/udev/rules.d/70-triskin.rules",
+          "SUBSYSTEM==\"usb\", ATTR{idVendor}==\"1209\", MODE=\"0660\"\nKERNEL==\"hidraw*\", "
+          "ATTRS{idVendor}==\"1209\"\n");
+    for (const char* module : {"can", "can_raw", "can_isotp", "vcan"})
+      fs::create_directories(folder_ / "root/sys/module" / module);
+    write("sys/class/net/can0/type", "280\n");
+    write("sys/class/net/can0/flags", "0x40c1\n");
+    write("sys/class/net/eth0/type", "1\n");
+    write("sys/bus/usb/devices/1-2/idVendor", "1209\n");
+    write("sys/bus/usb/devices/1-2/idProduct", "0001\n");
+    write("sys/bus/usb/devices/1-2/serial", std::string(kSerial) + "\n");
+    write("sys/bus/usb/devices/1-2/busnum", "1\n");
+    write("sys/bus/usb/devices/1-2/devnum", "7\n");
+    write("dev/bus/usb/001/007", "");
+    write("usr/bin/xdg-open", "");
+    write_interface(json::object());
+    write_boards(version());
+  }
+  void write_boards(const std::string& firmware) const {
+    write("boards.json",
+          json::array({{{"link", "can:can0"}, {"serial", "A0"}, {"firmware", version()}},
+                       {{"link", std::string("usb:") + kSerial}, {"serial", kSerial}, {"firmware", firmware}}})
+              .dump());
+  }
+  [[nodiscard]] std::string version() const {
+    const std::string text = run("--version").out;
+    return text.substr(0, text.find('\n'));
+  }
+  // The checks that are not ok, with their remedies.
+  [[nodiscard]] std::map<std::string, std::string> troubles(int status) const {
+    const Outcome o = run("doctor --root root --json");
+    EXPECT_EQ(o.status, status) << o.out << o.messages;
+    std::map<std::string, std::string> bad;
+    const json answer = json::parse(o.out);  // outlives the loop
+    for (const json& c : answer["checks"])
+      if (c["needed"].get<bool>() && !c["ok"].get<bool>()) bad[c["name"]] = c["remedy"];
+    return bad;
+  }
+  // Exactly one trouble, by name and with its command.
+  void expect_trouble(const std::string& name, const std::string& remedy) const {
+    const auto bad = troubles(1);
+    ASSERT_EQ(bad.size(), 1U) << name;
+    EXPECT_EQ(bad.begin()->first, name);
+    EXPECT_THAT(bad.begin()->second, HasSubstr(remedy));
+  }
+};
+
+TEST_F(Doctor, a_healthy_computer_has_no_trouble) {
+  EXPECT_TRUE(troubles(0).empty());
+  const Outcome o = run("list --root root --json");
+  const json answer = json::parse(o.out);
+  ASSERT_EQ(answer["links"].size(), 2U) << o.out;
+  EXPECT_EQ(answer["links"][0]["link"], "can:can0");
+  EXPECT_EQ(answer["links"][1]["link"], std::string("usb:") + kSerial);
+}
+
+TEST_F(Doctor, twelve_troubles_are_named_each_with_its_command) {
+  const std::string rules = read_file(folder_ / "root/etc/udev/rules.d/70-triskin.rules");
+  const auto usb_rule = rules.substr(0, rules.find('\n') + 1), hid_rule = rules.substr(rules.find('\n') + 1);
+  write("etc/udev/rules.d/70-triskin.rules", "# " + usb_rule + hid_rule);
+  expect_trouble("udev rule for USB", "sudo udevadm control --reload");
+  write("etc/udev/rules.d/70-triskin.rules", usb_rule);
+  expect_trouble("udev rule for HID", "hidraw");
+  write("etc/udev/rules.d/70-triskin.rules", rules);
+
+  fs::remove_all(folder_ / "root/sys/module/can_raw");
+  expect_trouble("kernel module can_raw", "sudo modprobe can_raw");
+  write("proc/sys/kernel/osrelease", "6.1.0\n");
+  write("lib/modules/6.1.0/modules.dep", "kernel/net/can/can-raw.ko: kernel/net/can/can.ko\n");
+  EXPECT_TRUE(troubles(0).empty());  // the kernel loads it when it is needed
+
+  write_interface({{"flags", {"NOARP"}}});
+  expect_trouble("interface can0", "sudo ip link set can0 up txqueuelen 128 type can bitrate 1000000");
+  write_interface({{"linkinfo", {{"info_data", {{"bittiming", {{"bitrate", 500000}}}}}}}});
+  expect_trouble("bit rate of can0", "bitrate 1000000");
+  write_interface({{"mtu", 16}});
+  expect_trouble("FD of can0", "fd on");
+  write_interface({{"txqlen", 10}});
+  expect_trouble("queue of can0", "sudo ip link set can0 txqueuelen 128");
+  write_interface({{"linkinfo", {{"info_data", {{"state", "BUS-OFF"}}}}}});
+  expect_trouble("errors of can0", "type can restart");
+  write_interface({{"linkinfo", {{"info_data", {{"state", "ERROR-PASSIVE"}}}}}});
+  expect_trouble("errors of can0", "60 ohm");
+  write_interface(json::object());
+
+  write_boards("0.1.0");
+  expect_trouble(std::string("firmware of ") + kSerial, "triskin flash DESIGN --link usb:");
+  write_boards(version());
+  ::setenv("ROS_DOMAIN_ID", "300", 1);
+  expect_trouble("DDS domain", "export ROS_DOMAIN_ID=");
+  ::unsetenv("ROS_DOMAIN_ID");
+  ::setenv("CYCLONEDDS_URI", "file:///etc/none.xml", 1);
+  expect_trouble("DDS configuration", "unset CYCLONEDDS_URI");
+  ::unsetenv("CYCLONEDDS_URI");
+  EXPECT_TRUE(troubles(0).empty());
+}
+
+TEST_F(Doctor, a_silent_bus_and_a_computer_without_hardware_are_troubles) {
+  write("boards.json", "[]");
+  const auto silent = troubles(1);
+  EXPECT_EQ(silent.size(), 2U);
+  EXPECT_TRUE(silent.contains("boards on can:can0"));
+  fs::remove_all(folder_ / "root/sys/class");
+  fs::remove_all(folder_ / "root/sys/bus");
+  write("ip.json", "[]");
+  expect_trouble("attached hardware", "lsusb");
+}
+
+TEST_F(Doctor, a_board_that_may_not_be_opened_is_a_trouble) {
+  if (::geteuid() == 0) fs::remove(folder_ / "root/dev/bus/usb/001/007");  // root may open whatever is there
+  fs::permissions(folder_ / "root/dev/bus/usb/001", fs::perms::owner_all);
+  if (::geteuid() != 0) fs::permissions(folder_ / "root/dev/bus/usb/001/007", fs::perms::none);
+  write("boards.json", json::array({{{"link", "can:can0"}, {"serial", "A0"}, {"firmware", version()}}}).dump());
+  expect_trouble(std::string("permission for usb:") + kSerial, "sudo usermod -aG plugdev");
+}
+
+}  // namespace
+}  // namespace triskin::test

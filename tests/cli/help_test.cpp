@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// --help, and what is said of a command line that cannot be read.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <regex>
+#include <sstream>
+#include <vector>
+
+#include "cli/shell_case.hpp"
+
+namespace triskin::test {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+class Help : public ShellCase {
+ protected:
+  void SetUp() override {
+    ShellCase::SetUp();
+    ::unsetenv("COLUMNS");
+  }
+  void TearDown() override {
+    ::unsetenv("COLUMNS");
+    ShellCase::TearDown();
+  }
+};
+
+std::size_t columns(const std::string& line) {
+  return static_cast<std::size_t>(std::ranges::count_if(line, [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+std::vector<std::string> commands_of(const std::string& help) {
+  static const std::regex row(R"(^  ([a-z][a-z-]*) {2,})");
+  std::vector<std::string> names;
+  std::smatch m;
+  for (const std::string& line : lines_of(help))
+    if (std::regex_search(line, m, row)) names.push_back(m[1]);
+  return names;
+}
+
+TEST_F(Help, commands_stand_in_groups) {
+  const std::string text = run("--help").out;
+  const auto design = text.find("\nDesign:"), hardware = text.find("\nHardware:"), data = text.find("\nData:"),
+             development = text.find("\nDevelopment:");
+  ASSERT_NE(development, std::string::npos) << text;
+  EXPECT_LT(design, hardware);
+  EXPECT_LT(hardware, data);
+  EXPECT_LT(data, development);
+  EXPECT_GT(text.find("\n  flash "), hardware);
+  EXPECT_LT(text.find("\n  flash "), data);
+  EXPECT_GT(text.find("\n  record "), data);
+}
+
+TEST_F(Help, every_command_fits_the_terminal_without_a_broken_word) {
+  const std::vector<std::string> commands = commands_of(run("--help").out);
+  ASSERT_GT(commands.size(), 10U);
+  for (const char* width : {"80", "60"}) {
+    ::setenv("COLUMNS", width, 1);
+    for (const std::string& command : commands) {
+      const Outcome o = run(command + " --help");
+      EXPECT_EQ(o.status, 0);
+      for (const std::string& line : lines_of(o.out))
+        EXPECT_TRUE(columns(line) <= std::stoul(width) ||
+                    line.find_first_of(' ', line.find_first_not_of(' ')) == std::string::npos)
+            << command << ": " << line;
+    }
+  }
+}
+
+// No word is lost or cut when the lines become shorter.
+TEST_F(Help, the_words_are_the_same_at_every_width) {
+  const auto words = [](std::string text) {
+    std::vector<std::string> list;
+    std::istringstream stream(text);
+    for (std::string word; stream >> word;)
+      if (word != "\\") list.push_back(word);
+    return list;
+  };
+  ::setenv("COLUMNS", "120", 1);
+  const auto wide = words(run("record --help").out);
+  ::setenv("COLUMNS", "50", 1);
+  EXPECT_EQ(words(run("record --help").out), wide);
+}
+
+TEST_F(Help, help_is_a_command_and_has_a_topic_for_links) {
+  EXPECT_EQ(run("help").out, run("--help").out);
+  EXPECT_EQ(run("help flash").out, run("flash --help").out);
+  EXPECT_THAT(run("help links").out, AllOf(HasSubstr("can:IFACE"), HasSubstr("TRISKIN_LINK")));
+  const Outcome o = run("help flsh");
+  EXPECT_EQ(o.status, 2);
+  EXPECT_THAT(o.messages, HasSubstr("did you mean flash?"));
+  EXPECT_EQ(run("-V").out, run("--version").out);
+}
+
+TEST_F(Help, a_slip_is_answered_in_the_first_line) {
+  EXPECT_THAT(lines_of(run("recrod").messages).at(0), HasSubstr("did you mean record?"));
+  EXPECT_THAT(lines_of(run("record s.json -o r.csv --secnods 1").messages).at(0), HasSubstr("did you mean --seconds?"));
+  EXPECT_THAT(run("").messages, StartsWith("triskin: no command is given"));
+}
+
+TEST_F(Help, a_range_is_said_in_short_numbers_with_its_unit) {
+  const Outcome o = run("bring-up s.json --link sim --seconds 5000");
+  EXPECT_EQ(o.status, 2);
+  EXPECT_THAT(o.messages, StartsWith("triskin: --seconds: 5000 is not between 0.2 and 3600 seconds\n"));
+  EXPECT_THAT(run("live s.json --link sim --taxel 12").messages, HasSubstr("--taxel: 12 is not between 0 and 11\n"));
+  EXPECT_THAT(run("live s.json --link sim --taxel x").messages, Not(HasSubstr("Could not convert")));
+  EXPECT_THAT(run("bring-up --help").out, HasSubstr("(0.2 to 3600)"));
+}
+
+}  // namespace
+}  // namespace triskin::test

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Which link a device command works on, and that a simulation is never taken for hardware.
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <nlohmann/json.hpp>
+
+#include "cli/shell_case.hpp"
+#include "support/strip_design.hpp"
+
+namespace triskin::test {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+class Links : public ShellCase {
+ protected:
+  void SetUp() override {
+    ShellCase::SetUp();
+    design::write_design(folder_ / "strip.json", strip(4, 4));
+    ::unsetenv("TRISKIN_LINK");
+  }
+  void TearDown() override {
+    ::unsetenv("TRISKIN_LINK");
+    ShellCase::TearDown();
+  }
+};
+
+TEST_F(Links, a_device_command_without_a_link_touches_nothing_and_says_how_to_name_one) {
+  for (const char* command :
+       {"flash strip.json", "verify strip.json", "live strip.json --seconds 0.1", "record strip.json -o r.mcap",
+        "view strip.json --no-open", "identify strip.json -o b.json", "calibrate strip.json", "discover",
+        "bridge strip.json --seconds 0.1", "bring-up strip.json --no-questions", "live --protocol icub"}) {
+    const Outcome o = run(command);
+    EXPECT_EQ(o.status, 2) << command << o.messages;
+    EXPECT_THAT(o.messages, AllOf(HasSubstr("no link is named"), HasSubstr("Attached here:"), HasSubstr("--link"),
+                                  HasSubstr("TRISKIN_LINK"), HasSubstr("--link sim simulates")))
+        << command;
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "state")) << command;
+  }
+}
+
+TEST_F(Links, the_environment_names_the_link_of_a_design_and_a_robot_file_names_its_own) {
+  ::setenv("TRISKIN_LINK", "sim", 1);
+  EXPECT_EQ(run("flash strip.json").status, 0);
+  ::setenv("TRISKIN_LINK", "can:nowhere", 1);
+  EXPECT_EQ(run("flash strip.json").status, 3);
+  EXPECT_EQ(run("flash strip.json --link sim").status, 0);
+  ASSERT_EQ(run("robot new r.json --name r --bus left=sim").status, 0);
+  ASSERT_EQ(run("robot add r.json strip.json --name strip --bus left").status, 0);
+  const Outcome o = run("flash r.json");
+  EXPECT_EQ(o.status, 0) << o.messages;
+  EXPECT_THAT(o.out, StartsWith("simulated: "));
+}
+
+TEST_F(Links, a_simulated_link_says_so_in_the_first_line_and_in_json) {
+  for (const char* command :
+       {"flash strip.json", "verify strip.json", "discover --design strip.json", "live strip.json --seconds 0.2",
+        "record strip.json -o r.mcap --seconds 0.2", "identify strip.json --patch 0 --limit-s 1 -o b.json"}) {
+    const Outcome text = run(std::string(command) + " --link sim");
+    EXPECT_THAT(text.out, StartsWith("simulated: sim is no hardware\n")) << command << text.messages;
+    const std::string lines = run(std::string(command) + " --link sim --json").out;
+    const auto last = lines.rfind('\n', lines.size() - 2);
+    const auto object = nlohmann::json::parse(lines.substr(last == std::string::npos ? 0 : last + 1));
+    EXPECT_EQ(object.value("simulated", false), true) << command << lines;
+  }
+}
+
+TEST_F(Links, a_recording_says_that_it_is_of_a_simulation) {
+  ASSERT_EQ(run("flash strip.json --link sim").status, 0);
+  ASSERT_EQ(run("record strip.json --link sim -o r.mcap --seconds 0.2").status, 0);
+  const std::string bytes = read_file(folder_ / "r.mcap");
+  EXPECT_THAT(bytes, HasSubstr("simulated"));
+}
+
+// Ends a command by Ctrl-C when it has printed `sign`; returns its status.
+int status_after_interrupt(const std::string& command, const std::filesystem::path& log, const std::string& sign) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::execl("/bin/sh", "sh", "-c", (command + " >'" + log.string() + "' 2>&1").c_str(), static_cast<char*>(nullptr));
+    std::_Exit(127);
+  }
+  while (!std::filesystem::exists(log) || read_file(log).find(sign) == std::string::npos) ::usleep(10'000);
+  ::kill(child, SIGINT);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+TEST_F(Links, ctrl_c_is_the_usual_end_of_live_and_view) {
+  ASSERT_EQ(run("flash strip.json --link sim").status, 0);
+  EXPECT_EQ(status_after_interrupt(line("live strip.json --link sim --json"), folder_ / "live", "frames"), 0);
+  EXPECT_EQ(status_after_interrupt(line("view strip.json --link sim --no-open"), folder_ / "view", "http://"), 0);
+}
+
+TEST_F(Links, a_missing_interface_leads_to_the_doctor) {
+  EXPECT_THAT(run("discover --link can:nowhere").messages, HasSubstr("run: triskin doctor"));
+}
+
+}  // namespace
+}  // namespace triskin::test

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Contacts from taxels: the open observations, and noisy draws whose truth is known.
+#include "triskin/mechanics/inverse.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <string>
+
+#include "support/places.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/mechanics/bonded_layer.hpp"
+#include "triskin/mechanics/inverse_file.hpp"
+#include "triskin/mechanics/taxel.hpp"
+
+namespace triskin::mechanics {
+namespace {
+
+std::filesystem::path observations_file() {
+  const char* named = std::getenv("TRISKIN_DATA");
+  const std::filesystem::path folder = named != nullptr ? named : test::configured_data_folder();
+  return folder / "mechanics" / "open_inverse.json";
+}
+
+// Taxels of a triangular lattice, as dense as on a module.
+std::vector<Eigen::Vector2d> lattice() {
+  std::vector<Eigen::Vector2d> taxels;
+  for (int row = 0; row < 9; ++row) {
+    for (int k = 0; k < 9; ++k) taxels.emplace_back(6.5 * k + 3.25 * (row % 2), 5.63 * row);
+  }
+  return taxels;
+}
+
+ContactEstimate tip(double x, double y, double force, double radius) {
+  ContactEstimate contact;
+  contact.position_mm = {x, y};
+  contact.force_n = force;
+  contact.tip_radius_mm = radius;
+  return contact;
+}
+
+std::vector<TaxelObservation> observed(const std::vector<Eigen::Vector2d>& taxels, const std::vector<double>& values) {
+  std::vector<TaxelObservation> list;
+  for (std::size_t t = 0; t < taxels.size(); ++t) list.push_back({taxels[t], values[t]});
+  return list;
+}
+
+const Layer kFabric{2.0, 0.1, 30.0};
+
+class Inverse : public testing::Test {
+ protected:
+  const ContactTable table{kFabric};
+};
+
+// The forward model of the fit against the exact contact and its own quadrature.
+TEST_F(Inverse, PredictionIsTheExactContact) {
+  const Contact exact = press_bonded(kFabric, {Shape::kSphere, 12.0}, 0.4);
+  const std::vector<Eigen::Vector2d> taxels = {{0, 0}, {2, 1}, {-3, 2}, {5, 0}, {0, 9}};
+  const std::vector<ContactEstimate> contacts = {tip(0.0, 0.0, 0.4, 12.0)};
+  const auto predicted = predict_taxels(table, taxels, contacts);
+  const double peak = taxel_dc_over_c(kFabric, exact, 0.0);
+  for (std::size_t t = 0; t < taxels.size(); ++t)
+    EXPECT_NEAR(predicted[t], taxel_dc_over_c(kFabric, exact, taxels[t].norm()), 4e-3 * peak);
+}
+
+TEST_F(Inverse, OpenCasesWithoutNoise) {
+  if (!std::filesystem::exists(observations_file()))
+    GTEST_SKIP() << "left out without data: " << observations_file() << " does not exist (TRISKIN_SHARED_DATA)";
+  const auto truth = nlohmann::json::parse(std::ifstream(observations_file())).at("truth");
+  for (const bool knows_count : {true, false}) {
+    auto cases = read_inverse_cases(observations_file());
+    for (InverseCase& one : cases) {
+      if (!knows_count) one.options.contacts.reset();
+    }
+    const auto results = solve_inverse_cases(cases);
+    ASSERT_EQ(results.size(), truth.size());
+    for (std::size_t k = 0; k < results.size(); ++k) {
+      const auto& contacts = truth[k].at("contacts");
+      ASSERT_EQ(results[k].contacts.size(), contacts.size());
+      for (const auto& t : contacts) {
+        const Eigen::Vector2d place(t["position_mm"][0], t["position_mm"][1]);
+        const auto found =
+            std::min_element(results[k].contacts.begin(), results[k].contacts.end(), [&](const auto& a, const auto& b) {
+              return (a.position_mm - place).norm() < (b.position_mm - place).norm();
+            });
+        EXPECT_LT((found->position_mm - place).norm(), 0.5) << truth[k]["id"];
+        EXPECT_NEAR(found->force_n / t["force_n"].get<double>(), 1.0, 0.05) << truth[k]["id"];
+      }
+    }
+  }
+}
+
+// Whitened scatter of an estimate: its error over the stated deviation has a mean square of about 1, and 95 % of errors
+// lie within 1.96 deviations. Bounds are those of 150 draws at 99.9 %.
+TEST_F(Inverse, StatedDeviationsAreTrue) {
+  std::mt19937_64 engine(7);
+  std::normal_distribution<double> noise(0.0, 0.01);
+  const auto taxels = lattice();
+  const ContactEstimate truth = tip(27.3, 21.8, 0.5, 15.0);
+  const std::vector<ContactEstimate> contacts = {truth};
+  const auto exact = predict_taxels(table, taxels, contacts);
+  int within = 0;
+  double squares = 0.0;
+  constexpr int kDraws = 50;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    auto values = exact;
+    for (double& v : values) v += noise(engine);
+    const InverseResult result = find_contacts(table, observed(taxels, values), {.noise_dc_over_c = 0.01});
+    ASSERT_EQ(result.contacts.size(), 1U) << draw;
+    const ContactEstimate& c = result.contacts[0];
+    const Eigen::Vector3d error(c.position_mm.x() - 27.3, c.position_mm.y() - 21.8, c.force_n - 0.5);
+    const Eigen::Vector3d sd(c.position_sd_mm.x(), c.position_sd_mm.y(), c.force_sd_n);
+    const Eigen::Array3d whitened = (error.array() / sd.array()).abs();
+    within += static_cast<int>((whitened < 1.96).count());
+    squares += whitened.square().sum();
+  }
+  EXPECT_GT(within, static_cast<int>(0.90 * 3 * kDraws));
+  EXPECT_GT(squares / (3 * kDraws), 0.6);
+  EXPECT_LT(squares / (3 * kDraws), 1.5);
+}
+
+TEST_F(Inverse, CountsTwoContactsAndNone) {
+  const auto taxels = lattice();
+  const std::vector<ContactEstimate> contacts = {tip(15.0, 15.0, 0.3, 8.0), tip(38.0, 30.0, 0.15, 8.0)};
+  std::mt19937_64 engine(3);
+  std::normal_distribution<double> noise(0.0, 0.005);
+  auto values = predict_taxels(table, taxels, contacts);
+  for (double& v : values) v += noise(engine);
+  const InverseOptions options{.noise_dc_over_c = 0.005};
+  const InverseResult two = find_contacts(table, observed(taxels, values), options);
+  ASSERT_EQ(two.contacts.size(), 2U);
+  EXPECT_LT((two.contacts[0].position_mm - contacts[0].position_mm).norm(), 1.0);
+  EXPECT_LT((two.contacts[1].position_mm - contacts[1].position_mm).norm(), 1.0);
+  for (double& v : values) v = noise(engine);
+  EXPECT_TRUE(find_contacts(table, observed(taxels, values), options).contacts.empty());
+  EXPECT_TRUE(find_contacts(table, {}, {}).contacts.empty());
+}
+
+// One pressed taxel cannot tell place, force and radius apart: the deviations have to say so.
+TEST_F(Inverse, SinglePressedTaxelHasWideDeviations) {
+  const std::vector<Eigen::Vector2d> taxels = {{0, 0}, {12, 0}, {-12, 0}, {0, 12}, {0, -12}};
+  const std::vector<ContactEstimate> contacts = {tip(1.0, 0.5, 0.05, 3.0)};
+  const auto values = predict_taxels(table, taxels, contacts);
+  const InverseResult result = find_contacts(table, observed(taxels, values), {.noise_dc_over_c = 0.01});
+  ASSERT_EQ(result.contacts.size(), 1U);
+  const ContactEstimate& c = result.contacts[0];
+  EXPECT_GT(c.position_sd_mm.x(), 0.5);
+  EXPECT_GT(c.force_sd_n / c.force_n, 0.2);
+}
+
+TEST_F(Inverse, DeadTaxelsAreLeftOut) {
+  const auto taxels = lattice();
+  const std::vector<ContactEstimate> contacts = {tip(20.0, 20.0, 0.5, 15.0)};
+  auto values = predict_taxels(table, taxels, contacts);
+  values[30] = std::nan("");
+  const InverseResult result = find_contacts(table, observed(taxels, values), {.noise_dc_over_c = 0.01});
+  ASSERT_EQ(result.contacts.size(), 1U);
+  EXPECT_LT((result.contacts[0].position_mm - contacts[0].position_mm).norm(), 0.3);
+}
+
+void expect_refused(const std::string& text, const char* words) {
+  const auto path = std::filesystem::temp_directory_path() / ("inverse." + std::to_string(::getpid()) + ".json");
+  std::ofstream(path) << text;
+  try {
+    (void)read_inverse_cases(path);
+    ADD_FAILURE() << "taken: " << text;
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr(words));
+    EXPECT_THAT(error.what(), testing::HasSubstr(path.string()));
+  }
+  std::filesystem::remove(path);
+}
+
+TEST(InverseFile, SaysWhatIsWrongAndWhere) {
+  const std::string modules = R"({"modules":[{"taxels_mm":[[0,0],[1,2]]}],"cases":)";
+  expect_refused("{", "no JSON at byte");
+  expect_refused("[]", "has no \"modules\"");
+  expect_refused(R"({"modules":[{"taxels_mm":[[0]]}]})", "a position is [x, y]");
+  expect_refused(modules + "5}", "cases: is no list");
+  expect_refused(modules + "[{}]}", "cases 0: has no \"material\"");
+  expect_refused(modules + R"([{"material":{"h_mm":2,"nu":0.1,"E_kpa":"soft"}}]})", "E_kpa: is no number");
+  expect_refused(modules + R"([{"material":{"h_mm":2,"nu":0.1,"E_kpa":30},"dC_over_C0":[]}]})", "0 rows for 1 modules");
+  expect_refused(modules + R"([{"material":{"h_mm":2,"nu":0.1,"E_kpa":30},"dC_over_C0":[[1]]}]})",
+                 "1 values for 2 taxels");
+  expect_refused(modules + R"([{"material":{"h_mm":2,"nu":0.1,"E_kpa":30},"dC_over_C0":[[1,"x"]]}]})",
+                 "1: is no number");
+}
+
+TEST(InverseFile, RefusesOptionsOutOfRange) {
+  const ContactTable table(kFabric);
+  EXPECT_THROW((void)find_contacts(table, {}, {.noise_dc_over_c = -1.0}), InputError);
+  EXPECT_THROW((void)find_contacts(table, {}, {.contacts = 99}), InputError);
+  EXPECT_THROW((void)find_contacts(table, {}, {.tip_radius_mm = 0.0}), InputError);
+}
+
+}  // namespace
+}  // namespace triskin::mechanics

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/mesh/side.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <map>
+#include <string>
+
+#include "triskin/base/error.hpp"
+#include "triskin/mesh/bridge_holes.hpp"
+#include "triskin/mesh/extract.hpp"
+#include "walled_parts.hpp"
+
+namespace triskin {
+namespace {
+
+using geometry::FaceSide;
+using geometry::Mesh;
+using geometry::SideWanted;
+using geometry::Vec3;
+using testing::SideTruth;
+using testing::WalledPart;
+
+double area_of(const Mesh& mesh, std::size_t face) {
+  const auto& f = mesh.faces[face];
+  const auto corner = [&](std::size_t k) { return mesh.vertices[static_cast<std::size_t>(f[k])]; };
+  return 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
+}
+
+const WalledPart& part_named(const std::string& name) {
+  static const std::vector<WalledPart> parts = testing::walled_parts();
+  const auto found = std::ranges::find(parts, name, &WalledPart::name);
+  if (found == parts.end()) throw InputError("no part " + name);
+  return *found;
+}
+
+/// Area in mm² by truth (−1, 0, 1) and by what was chosen.
+using Areas = std::map<int, std::map<FaceSide, double>>;
+Areas areas_of(const WalledPart& part, const geometry::SideChoice& choice) {
+  Areas areas;
+  for (std::size_t f = 0; f < part.mesh.faces.size(); ++f)
+    areas[part.side[f]][choice.side_of(static_cast<int>(f))] += area_of(part.mesh, f);
+  return areas;
+}
+double sum_of(const std::map<FaceSide, double>& by_side) {
+  double sum = 0.0;
+  for (const auto& [side, area] : by_side) sum += area;
+  return sum;
+}
+
+class WalledParts : public ::testing::TestWithParam<std::string> {};
+
+// Of a part that is called certain hardly anything inside is taken, and nearly all of the outside is.
+TEST_P(WalledParts, OuterSideIsTakenOrAsked) {
+  const WalledPart& part = part_named(GetParam());
+  const geometry::SideChoice choice = geometry::find_sides(part.mesh);
+  if (part.truth == SideTruth::kNoWall) {
+    EXPECT_FALSE(choice.has_wall);
+    EXPECT_TRUE(choice.is_certain);
+    return;
+  }
+  ASSERT_TRUE(choice.has_wall);
+  if (part.truth == SideTruth::kAlike) {
+    EXPECT_FALSE(choice.is_certain);
+    return;
+  }
+  if (!choice.is_certain) return;  // a question is no mistake; the next test counts them
+  Areas areas = areas_of(part, choice);
+  EXPECT_GE(areas[1][FaceSide::kOuter], 0.85 * sum_of(areas[1]));
+  EXPECT_LE(areas[-1][FaceSide::kOuter], 0.01 * sum_of(areas[1]));
+}
+
+// The thickness is that of the construction.
+TEST_P(WalledParts, PosesDoNotMatter) {
+  const WalledPart& part = part_named(GetParam());
+  const geometry::SideChoice choice = geometry::find_sides(part.mesh);
+  Mesh moved = part.mesh;
+  const Eigen::AngleAxisd turn(1.1, Vec3(1.0, 2.0, -0.5).normalized());
+  for (Vec3& v : moved.vertices) v = turn * v + Vec3(300.0, -200.0, 900.0);
+  const geometry::SideChoice again = geometry::find_sides(moved);
+  EXPECT_EQ(again.has_wall, choice.has_wall);
+  EXPECT_EQ(again.is_certain, choice.is_certain);
+  EXPECT_NEAR(again.wall_mm, choice.wall_mm, 0.01);
+}
+
+std::vector<std::string> names() {
+  std::vector<std::string> result;
+  for (const WalledPart& p : testing::walled_parts()) result.push_back(p.name);
+  return result;
+}
+INSTANTIATE_TEST_SUITE_P(All, WalledParts, ::testing::ValuesIn(names()), [](const auto& i) { return i.param; });
+
+// Few questions: of the parts that a person can tell all but the hat, whose brim sees more from below, and the trays
+// that stand too near to each other.
+TEST(Side, QuestionsAreFew) {
+  std::vector<std::string> asked;
+  for (const WalledPart& p : testing::walled_parts()) {
+    if (p.truth == SideTruth::kTold && !geometry::find_sides(p.mesh).is_certain) asked.push_back(p.name);
+  }
+  EXPECT_LE(asked.size(), 2U) << ::testing::PrintToString(asked);
+}
+
+// A plate of 2 mm: by the point that it is looked at from, one face of 150 × 100 mm or the other.
+TEST(Side, PointOfViewTellsALid) {
+  const WalledPart& lid = part_named("flat_lid");
+  for (const double z : {500.0, -500.0}) {
+    geometry::SideOptions options;
+    options.wanted = SideWanted::kOuter;
+    options.from_mm = Vec3(75.0, 50.0, z);
+    const geometry::TakenSide taken = geometry::take_side(lid.mesh, options);
+    EXPECT_NEAR(taken.taken_mm2, 15'000.0, 1.0);
+    for (const auto& f : taken.surface.faces) {
+      const auto corner = [&](std::size_t k) { return taken.surface.vertices[static_cast<std::size_t>(f[k])]; };
+      EXPECT_GT((corner(1) - corner(0)).cross(corner(2) - corner(0)).z() * z, 0.0);
+    }
+  }
+}
+
+TEST(Side, ChoicesOfALidAreItsTwoFaces) {
+  const WalledPart& lid = part_named("flat_lid");
+  EXPECT_TRUE(geometry::take_side(lid.mesh).is_undecided);
+  std::array<double, 2> height{};
+  for (const int number : {1, 2}) {
+    geometry::SideOptions options;
+    options.choice = number;
+    const geometry::TakenSide taken = geometry::take_side(lid.mesh, options);
+    EXPECT_FALSE(taken.is_undecided);
+    EXPECT_NEAR(taken.taken_mm2, 15'000.0, 1.0);
+    height[static_cast<std::size_t>(number - 1)] = taken.surface.vertices.front().z();
+  }
+  EXPECT_NEAR(std::abs(height[0] - height[1]), 2.0, 1e-9);
+}
+
+TEST(Side, InnerAndBothAreTakenOnDemand) {
+  const WalledPart& tray = part_named("tray");  // 160 × 120 × 25 mm outside, wall 2 mm
+  geometry::SideOptions options;
+  options.wanted = SideWanted::kInner;
+  EXPECT_NEAR(geometry::take_side(tray.mesh, options).taken_mm2, 156.0 * 116.0 + 2.0 * (156.0 + 116.0) * 23.0, 1.0);
+  options.wanted = SideWanted::kBoth;
+  EXPECT_EQ(geometry::take_side(tray.mesh, options).surface.faces, tray.mesh.faces);
+  options.wanted = SideWanted::kAuto;
+  const geometry::TakenSide outer = geometry::take_side(tray.mesh, options);
+  EXPECT_NEAR(outer.taken_mm2, 160.0 * 120.0 + 2.0 * (160.0 + 120.0) * 25.0, 1.0);
+  EXPECT_NEAR(outer.choice.wall_mm, 2.0, 1e-6);
+}
+
+// Four screw holes of 4 mm and a window of 35 × 25 mm in a half shell.
+TEST(Side, SmallHolesAreBridgedAndWindowsStay) {
+  const WalledPart& shell = part_named("half_shell_with_holes");
+  Mesh surface = geometry::take_side(shell.mesh).surface;
+  ASSERT_TRUE(geometry::usable(surface));
+  const geometry::BridgeReport report = geometry::bridge_holes(surface, shell.mesh, 8.0);
+  EXPECT_EQ(report.bridged, 6);
+  EXPECT_NEAR(report.area_mm2, 6 * 4.0 * 4.0, 3.0);
+  EXPECT_TRUE(geometry::usable(surface));
+  EXPECT_EQ(geometry::bridge_holes(surface, shell.mesh, 8.0).bridged, 0);
+}
+
+TEST(Side, AHeadOfAScrewKeepsItsHoleOpen) {
+  const WalledPart& shell = part_named("half_shell_with_holes");
+  Mesh surface = geometry::take_side(shell.mesh).surface;
+  Mesh with_heads = shell.mesh;  // one vertex 2 mm above the first hole
+  const double angle = 15.0 / 55.0;
+  with_heads.vertices.emplace_back(57.0 * std::sin(angle), 15.0, 57.0 * std::cos(angle));
+  const geometry::BridgeReport report = geometry::bridge_holes(surface, with_heads, 8.0);
+  EXPECT_EQ(report.bridged, 5);
+  EXPECT_EQ(report.kept_out, 1);
+}
+
+TEST(Side, WallsOutOfRangeAreRefused) {
+  geometry::SideOptions options;
+  options.max_wall_mm = 0.1;
+  EXPECT_THROW((void)geometry::find_sides(part_named("tray").mesh, options), InputError);
+}
+
+}  // namespace
+}  // namespace triskin

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Outlines in which every constraint alone can hold, but two or three together cannot. The values are worked by hand,
+// the bounds are shown by the checker, which shares no code with the search.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "polygons.hpp"
+#include "triskin/check/placement_proof.hpp"
+#include "triskin/placement/placement.hpp"
+
+namespace triskin::geometry {
+namespace {
+
+// Without contradictions some of these take millions of cells and do not end.
+constexpr std::int64_t kMaxCells = 60'000;
+
+std::string wkt(const Polygon& p) {
+  std::string text = "POLYGON ((";
+  for (const Vec2& v : p.outer) text += fmt::format("{} {}, ", v.x(), v.y());
+  return text + fmt::format("{} {}))", p.outer[0].x(), p.outer[0].y());
+}
+
+struct Answer {
+  PlacementResult placement;
+  check::ProofReport proof;
+};
+
+Answer place_and_check(const Polygon& p, double tolerance_mm) {
+  PlacementOptions options;
+  options.tolerance_mm = tolerance_mm;
+  options.keep_proof = true;
+  options.largest_clearance = false;
+  options.time_limit_s = 0.0;
+  Answer answer{place(p, options), {}};
+  answer.proof = check::check_placement_proof_text(proof_text(p, answer.placement), wkt(p));
+  return answer;
+}
+
+void expect_value(const Polygon& p, double tolerance_mm, int modules) {
+  const Answer a = place_and_check(p, tolerance_mm);
+  EXPECT_EQ(a.placement.modules, modules);
+  EXPECT_TRUE(a.placement.proved);
+  EXPECT_LT(a.placement.cells, kMaxCells);
+  EXPECT_TRUE(a.proof.accepted) << a.proof.reason;
+}
+
+Polygon rectangle(double length_mm, double width_mm) {
+  Polygon p;
+  p.outer = {{0, 0}, {length_mm, 0}, {length_mm, width_mm}, {0, width_mm}};
+  return p;
+}
+
+// The trapezoid of a row of n triangles, all its sides moved in by `inset_mm`.
+Polygon trapezoid(int n, double inset_mm) {
+  const double low_mm = kSide_mm * ((n + 1) / 2), high_mm = kSide_mm * (n / 2), d = inset_mm;
+  // A side that leans by 60° moves along the level sides by 2/√3 of the inset, and by 1/√3 more where it meets them.
+  const double acute = std::sqrt(3.0) * d, obtuse = d / std::sqrt(3.0);
+  const bool even = n % 2 == 0;
+  Polygon p;
+  p.outer = {{acute, d},
+             {low_mm - (even ? obtuse : acute), d},
+             {kSide_mm / 2 + high_mm - (even ? acute : obtuse), kHeight_mm - d},
+             {kSide_mm / 2 + obtuse, kHeight_mm - d}};
+  if (n == 1) p.outer = {{acute, d}, {low_mm - acute, d}, {kSide_mm / 2, kHeight_mm - 2.0 * d}};
+  return p;
+}
+
+// Teeth `width_mm` wide on a back of 20 mm, in which no module fits.
+Polygon comb(int teeth, double width_mm, double length_mm) {
+  constexpr double kBack_mm = 20.0, kBetween_mm = 17.0;
+  double x = teeth * width_mm + (teeth - 1) * kBetween_mm;
+  Polygon p;
+  p.outer = {{0.0, 0.0}, {x, 0.0}};
+  for (int k = 0; k < teeth; ++k) {
+    p.outer.emplace_back(x, kBack_mm + length_mm);
+    x -= width_mm;
+    p.outer.emplace_back(x, kBack_mm + length_mm);
+    if (k + 1 == teeth) break;
+    p.outer.emplace_back(x, kBack_mm);
+    x -= kBetween_mm;
+    p.outer.emplace_back(x, kBack_mm);
+  }
+  return p;
+}
+
+TEST(Conflicts, a_strip_a_hair_narrower_than_a_row_holds_nothing) {
+  int turn = 0;
+  for (const double length_mm : {300.0, 1000.0}) {
+    for (const double less_mm : {1e-1, 1e-4, 1e-7}) {
+      SCOPED_TRACE(fmt::format("{} x (h - {})", length_mm, less_mm));
+      expect_value(test::moved(rectangle(length_mm, kHeight_mm - less_mm), 0.3 * ++turn, {400.0, -70.0}), 1e-8, 0);
+    }
+  }
+}
+
+TEST(Conflicts, within_the_tolerance_the_row_fits) {
+  // 300 mm hold ten up triangles and the nine down ones between them.
+  expect_value(test::moved(rectangle(300.0, kHeight_mm - 1e-5), 0.7, {0, 0}), 1e-4, 19);
+  expect_value(test::moved(rectangle(300.0, kHeight_mm - 1e-7), 1.9, {0, 0}), 1e-6, 19);
+}
+
+TEST(Conflicts, a_trapezoid_of_modules_moved_in_by_a_hair_holds_nothing) {
+  for (const int n : {1, 2, 3, 7, 30}) {
+    for (const double inset_mm : {1e-3, 1e-7}) {
+      SCOPED_TRACE(fmt::format("{} modules, {} mm", n, inset_mm));
+      expect_value(test::moved(trapezoid(n, inset_mm), 0.4 + n, {-30, 11}), 1e-8, 0);
+      expect_value(test::moved(trapezoid(n, inset_mm), 0.9 + n, {-30, 11}), 4.0 * inset_mm, n);
+    }
+  }
+}
+
+// In a tooth two rows wide, less a hair, the lower row needs one side and the upper row the other.
+TEST(Conflicts, two_rows_of_a_tooth_exclude_each_other) {
+  for (const double less_mm : {1e-2, 1e-5}) {
+    const Polygon p = test::moved(comb(3, 2.0 * kHeight_mm - less_mm, 120.0), 0.2, {5, 5});
+    const Answer one = place_and_check(p, 1e-8), both = place_and_check(p, 2.0 * less_mm);
+    EXPECT_TRUE(one.placement.proved);
+    EXPECT_LT(one.placement.cells, kMaxCells);
+    EXPECT_TRUE(one.proof.accepted) << one.proof.reason;
+    EXPECT_TRUE(both.placement.proved);
+    EXPECT_GT(both.placement.modules, one.placement.modules);  // wider by the tolerance, the teeth hold two rows
+  }
+}
+
+}  // namespace
+}  // namespace triskin::geometry
