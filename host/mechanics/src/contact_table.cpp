@@ -56,7 +56,10 @@ Eigen::Vector3d gap_coefficients(const Indenter& indenter, double contact_radius
   return powers.partialPivLu().solve(gaps);
 }
 
-// Tables of one Poisson's ratio; each is made when it is first used.
+}  // namespace
+
+// Tables of one Poisson's ratio; each is made when it is first used. ContactTable::Impl holds them, so the class cannot
+// be local to this file.
 class SharedTables {
  public:
   const std::array<ProfileTable, 4>& round(double poisson) {
@@ -73,8 +76,6 @@ class SharedTables {
   std::optional<std::array<ProfileTable, 4>> round_;
   std::optional<ProfileTable> line_;
 };
-
-}  // namespace
 
 struct ContactTable::Impl {
   const std::array<ProfileTable, 4>& round() { return tables->round(layer.poisson); }

@@ -316,10 +316,10 @@ void Machine::Core::store(std::uint32_t address, std::uint32_t value) {
   std::memcpy(memory_at(address), &value, sizeof value);
 }
 
-// Through Unicorn, which forgets what it has translated from there.
+// Unicorn keeps what it has translated from writable memory until it is told.
 void Machine::Core::overwrite(std::uint32_t address, std::uint32_t value) {
-  (void)memory_at(address);
-  check(uc_mem_write(uc_, address, &value, sizeof value), "memory");
+  store(address, value);
+  check(uc_ctl_remove_cache(uc_, address, address + 4), "translated code");
   std::ranges::fill(code_ram_blocks_, Block{});
 }
 

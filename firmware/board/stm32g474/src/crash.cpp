@@ -13,7 +13,7 @@
 #include "triskin/layout/image_label.hpp"
 
 extern "C" {
-extern triskin::board::Survivor triskin_survivor;
+extern std::uint32_t triskin_survivor[];
 extern std::uint32_t triskin_stack_bottom, triskin_stack_top, triskin_code_start, triskin_code_end, triskin_image_end;
 void note_fault(const std::uint32_t* frame);
 }
@@ -102,7 +102,7 @@ void note_bite(Survivor& s) {
 }  // namespace
 
 Survivor& survivor() {
-  return triskin_survivor;
+  return *reinterpret_cast<Survivor*>(triskin_survivor);
 }
 
 void fail(wire::CrashCause cause) {

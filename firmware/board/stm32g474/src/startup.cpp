@@ -50,7 +50,9 @@ triskin::board::Budget triskin_budget;
 
 extern "C" {
 // The linker scripts of the loader and of the application put it at the same place, right behind the stack.
-[[gnu::section(".survivor")]] triskin::board::Survivor triskin_survivor;
+// Plain words: an object with initial values would get them at each start, and nothing would survive.
+[[gnu::section(".survivor")]] std::uint32_t triskin_survivor[sizeof(triskin::board::Survivor) / 4];
+static_assert(sizeof(triskin::board::Survivor) % 4 == 0 && alignof(triskin::board::Survivor) <= 4);
 // A stack that has overflowed cannot serve the handler of the fault.
 alignas(8) std::uint32_t triskin_fault_stack[128];
 // Objects live for ever: nothing is destroyed at an exit that does not come, and there is no heap to give back to.

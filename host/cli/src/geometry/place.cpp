@@ -55,7 +55,7 @@ nlohmann::json result_of(const geometry::Polygon& polygon, const geometry::Place
       {"modules", r.modules},
       {"upper_bound", r.upper_bound},
       {"proved", r.proved},
-      {"stopped", geometry::kSearchStopNames.name(r.stopped)},
+      {"stopped", std::string(geometry::kSearchStopNames.name(r.stopped))},
       {"modules_within_bound", r.modules_within_bound},
       {"bound_inset_mm", -0.5 * r.tolerance_mm},
       {"clearance_mm", r.clearance_mm},

@@ -19,8 +19,8 @@ struct SearchGoal {
   double tolerance_mm = 1e-6;   ///< a motion's value counts tiles with a separation of at least inset − tolerance
   double resolution_mm = 1e-8;  ///< cells smaller than this are not split: their bound stays open
   int known = 0;                ///< value that is already known: only better ones are of interest
-  std::function<void(const ProofCell&)>
-      closed;  ///< gets boxes that cover the period, each with a bound of at most upper_bound
+  std::function<void(const ProofCell&)> closed =
+      nullptr;  ///< gets boxes that cover the period, each with a bound of at most upper_bound
   /// Set: values over `known` are not the aim but raise the inset: called with a motion of such a value, returns the
   /// inset (not less than before) and the tolerance to go on with. Above last_inset_mm the search ends.
   std::function<std::array<double, 2>(const Motion&)> raise;

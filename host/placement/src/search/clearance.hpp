@@ -14,10 +14,11 @@ namespace triskin::geometry {
 /// of every tile are drawn in by its absolute value.
 struct ClearanceGoal {
   int modules = 0;
-  double min_inset_mm = 0.0;    ///< smaller insets are no answer; above −0.8 inradius
-  double max_inset_mm = 0.0;    ///< upper limit of the answer
-  std::optional<Motion> known;  ///< here Evaluator counts `modules` tiles with min_inset_mm: an answer, if the worst
-  std::vector<Motion> starts;   ///< motions to climb from
+  double min_inset_mm = 0.0;  ///< smaller insets are no answer; above −0.8 inradius
+  double max_inset_mm = 0.0;  ///< upper limit of the answer
+  std::optional<Motion> known =
+      std::nullopt;            ///< here Evaluator counts `modules` tiles with min_inset_mm: an answer, if the worst
+  std::vector<Motion> starts;  ///< motions to climb from
   const std::vector<MotionBox>* slices =
       nullptr;      ///< if set, only these are searched; outside them no inset ≥ 0 lets `modules` tiles fit
   int threads = 0;  ///< 0: all cores; the answer does not depend on it

@@ -29,9 +29,12 @@ struct ProofReport {
 
 /// What the reader of a proof wants it to be about; what is not set is not compared.
 struct ProofExpectation {
-  std::optional<double> tolerance_mm, gap_mm, corner_cut_mm;  ///< compared to 1e-12 of the value, gaps to 1e-9 mm
-  std::optional<std::string> shape, outline_hash;
-  std::optional<int> modules;  ///< the bound and the placement must both have so many
+  std::optional<double> tolerance_mm = std::nullopt;   ///< compared to 1e-12 of the value
+  std::optional<double> gap_mm = std::nullopt;         ///< compared to 1e-9 mm
+  std::optional<double> corner_cut_mm = std::nullopt;  ///< compared to 1e-12 of the value
+  std::optional<std::string> shape = std::nullopt;
+  std::optional<std::string> outline_hash = std::nullopt;
+  std::optional<int> modules = std::nullopt;  ///< the bound and the placement must both have so many
 };
 
 /// Checks the log that `triskin place --proof` wrote against the polygon (docs/placement.md has the format): its
