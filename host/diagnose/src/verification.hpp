@@ -54,7 +54,7 @@ struct PatchState {
 struct TouchOutcome {
   int module = -1;
   int answered = -1;           ///< module whose taxels changed most; -1: none
-  bool whole = false;          ///< as many of its taxels changed as a finger on its centre presses
+  bool whole = false;          ///< so many of its taxels changed that a finger pressed its centre
   unsigned silent_taxels = 0;  ///< bit t: a pressure taxel of the module that did not change while most others did
   int turned = 0;              ///< steps of 120° by which a tip on one taxel shows it turned; 0 also when not tried
 };
