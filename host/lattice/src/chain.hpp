@@ -70,7 +70,7 @@ class Chain {
   /// Makes complete layouts from several starts: place and turn of the first module decide more than later steps mend.
   /// The better half is improved for a while, and again its better half, until one is left.
   void build();
-  /// Divides what is left of the search into annealings; `chains` share the steps of each.
+  /// Divides the rest of the search into annealings; `chains` share the steps of each.
   void plan_runs(int chains);
   /// Makes another start where the next annealing is due.
   void begin_due_run();

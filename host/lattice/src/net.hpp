@@ -167,7 +167,7 @@ class LatticeMesh {
 
 /// A point over a module lies within this of its centre: 2h/3 = 17.3 mm along it, and its height.
 inline constexpr double kModuleReach_mm = 20.0;
-/// Whether a point lies over the whole triangle of a module, seen along its normal, at whatever height.
+/// True if a point lies over the whole triangle of a module, seen along its normal, at whatever height.
 [[nodiscard]] inline bool lies_over(const NetTriangle& t, const Vec3& p) {
   for (std::size_t k = 0; k < 3; ++k) {
     if (t.normal.cross(t.rigid[(k + 1) % 3] - t.rigid[k]).dot(p - t.rigid[k]) < 0) return false;

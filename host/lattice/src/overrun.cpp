@@ -147,7 +147,7 @@ class OverrunSearch {
   std::vector<BorderPoint> near_;  // Border near the point of the last may_exceed().
 };
 
-// Whether a part of the module, all within `reach` of a point, may stand over the border by more than is known. The
+// True if a part of the module, all within `reach` of a point, may stand over the border by more than is known. The
 // distances to the surface and to an edge change by no more than the way of the point, so an edge that is nearest to
 // some point of the part lies within twice the reach of being nearest here; the part may lie under another sheet of the
 // surface, so that it need not be the nearest one here. Of two edges at a corner one passes the test of the side.
@@ -215,7 +215,7 @@ std::pair<const Vec3&, const Vec3&> OverrunSearch::ends_of(const BorderPoint& b)
   return {corner(b.side), corner(b.side + 1)};
 }
 
-// Whether no point of a part can stand over the border by more than is known, by one face alone: then the part need not
+// True if no point of a part can stand over the border by more than is known, by one face alone: then the part need not
 // be divided where a border runs along the surface, as that of another sheet that ends there. The surface is no farther
 // than the face, and the distance to a face is largest at a corner of the part: no point stands over a border by more.
 bool OverrunSearch::is_close(const FacePrism& face, std::span<const Vec3> part) const {

@@ -22,7 +22,7 @@ class Relaxer {
   /// Takes back the last relax (triangles added before it stay).
   void undo(LatticeMesh& net) const;
   [[nodiscard]] const std::vector<int>& changed() const { return changed_; }
-  /// Pairs of triangles, not joined, of which one may have moved and that are near enough to overlap.
+  /// Pairs of unjoined triangles that are near enough to overlap, where one may have moved.
   [[nodiscard]] std::vector<Pair>& pairs() { return pairs_; }
 
  private:

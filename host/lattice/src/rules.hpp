@@ -50,7 +50,7 @@ class Rules {
   [[nodiscard]] Refusal evaluate(NearSurface& surface, const LatticeMesh& net, const std::vector<int>& triangles,
                                  std::vector<Pair>& pairs, std::vector<KnownSides>& known) const;
 
-  /// Whether a side stands over the border by more than is allowed, as it is measured at the end: evaluate() looks at
+  /// True if a side stands over the border by more than is allowed, as it is measured at the end: evaluate() looks at
   /// the border in steps. Cost: some 0.05 ms at the border, nothing far from it.
   [[nodiscard]] bool exceeds_overrun(NearSurface& surface, const NetTriangle& triangle) const;
 
