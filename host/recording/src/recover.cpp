@@ -158,7 +158,7 @@ bool is_only_cut(const mcap::Salvage& found, std::uint64_t file_bytes) {
   return found.losses.size() == 1 && reaches_end(last) && (last.is_mended || last.bytes <= kMaxOpenBytes);
 }
 
-// The end of what is kept in place, without the indexes of a last chunk, which are written again.
+// End of the data that stays in place; the indexes of a last chunk are excluded and written again.
 std::uint64_t end_of_records(const mcap::Salvage& found) {
   return found.records.empty() ? mcap::kMagic.size() : found.records.back().end();
 }
