@@ -81,7 +81,7 @@ class VirtualSkin {
   /// Asked for each receiver of each frame: false when it loses it. Empty: nobody loses any.
   void on_delivery(Hears hears) { hears_ = std::move(hears); }
 
-  /// Whether the bus carries FD frames (it does at first). Power-cycles the controllers.
+  /// True if the bus carries FD frames (it does at first). Power-cycles the controllers.
   void use_fd(bool fd);
 
   /// The USB device of a controller that has power; wake() after something was put into it.
