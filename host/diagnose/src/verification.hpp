@@ -41,7 +41,7 @@ struct PatchState {
     const unsigned id = image.modules[row].module_id;
     return static_cast<int>(with_kinds ? id % layout::kIdsBesideKinds : id);
   }
-  /// Whether the table has a module; a backup table leaves some out.
+  /// True if the table has a module; a backup table leaves some out.
   [[nodiscard]] bool reads(int id) const {
     for (std::size_t row = 0; row < image.module_count; ++row) {
       if (module(row) == id) return true;
