@@ -89,7 +89,7 @@ json vector_of(const Vec3& v) {
   return json::array({v.x(), v.y(), v.z()});
 }
 
-// Flat in metres, node frame: what is left of a module, as a fan of triangles.
+// Outline of a cut module as a fan of triangles, flat, in metres and the node frame.
 void add_module_shape(json& gltf, Buffer& buffer, double corner_cut_mm) {
   const std::array<Vec3, 3> corner_mm{Vec3(-kSide_mm / 2, -kHeight_mm / 3, 0), Vec3(kSide_mm / 2, -kHeight_mm / 3, 0),
                                       Vec3(0, 2 * kHeight_mm / 3, 0)};
