@@ -316,7 +316,7 @@ void Machine::Core::store(std::uint32_t address, std::uint32_t value) {
   std::memcpy(memory_at(address), &value, sizeof value);
 }
 
-// Unicorn keeps what it has translated from writable memory until it is told.
+// Unicorn keeps translated code of writable memory until it is told to drop it.
 void Machine::Core::overwrite(std::uint32_t address, std::uint32_t value) {
   store(address, value);
   check(uc_ctl_remove_cache(uc_, address, address + 4), "translated code");
