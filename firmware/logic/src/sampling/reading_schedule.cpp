@@ -271,7 +271,7 @@ void ReadingSchedule::refine(Plan& plan, std::uint16_t status) {
   plan.status_us = 0;
 }
 
-// Whether the readings before it, in the order in which the sequences end, leave this chip's next one too late.
+// True if the readings before it, in the order in which the sequences end, leave this chip's next one too late.
 bool ReadingSchedule::would_miss(const Plan& plan) const {
   const std::uint64_t end = plan.end_us, early = end - std::min(end, plan.open_us);
   std::array<std::uint64_t, kStations> ends{};

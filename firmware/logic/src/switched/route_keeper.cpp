@@ -72,8 +72,8 @@ void RouteKeeper::reroute(const Clock& clock) {
   if (!was_whole && whole()) neighbours_.look_again(clock.now_us());
 }
 
-// Only a patch of which nothing is missing takes others in: one at the wrong cable has a table of other modules. When
-// it is whole again it looks at what is offered then.
+// Only a complete patch adopts modules: one at the wrong cable has a table of other modules. When it is whole again it
+// looks at what is offered then.
 bool RouteKeeper::whole() const {
   return table_.graph.count > 0 && route_.alive == (1U << table_.graph.count) - 1U;
 }

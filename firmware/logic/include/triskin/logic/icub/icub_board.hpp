@@ -45,7 +45,7 @@ class IcubBoard {
   /// Value at rest.
   [[nodiscard]] int no_load() const { return no_load_; }
   [[nodiscard]] wire::icub::SkinType skin_type() const { return skin_type_; }
-  /// Whether a sample at `now_us` is to be sent; keeps the mean period that the host asked for.
+  /// True if a sample at `now_us` is to be sent; keeps the mean period that the host asked for.
   [[nodiscard]] bool due(std::uint64_t now_us);
   /// FD30.
   [[nodiscard]] wire::icub::State state(std::uint8_t node_address) const;

@@ -48,8 +48,8 @@ class ReadingSchedule {
   /// Once, before all else: sequences of `stations` chips last `nominal_us`, and each `every`-th (1..255) is sampled.
   void begin(std::size_t stations, std::uint32_t nominal_us, std::uint8_t every);
 
-  /// From now on there are `stations` chips, of which those from `first` on are new to the schedule. No transfer of
-  /// theirs is under way.
+  /// Sets the number of chips to `stations`; those from `first` on are new to the schedule and have no transfer under
+  /// way.
   void replace_from(std::size_t first, std::size_t stations);
 
   /// The station asks for a transfer of the caller's, not before `at_us`, that takes `length_us` at most. One at a

@@ -28,7 +28,7 @@ class SequenceClock {
 
   /// The sequence was started anew at `at_us`; nothing is known about the oscillator.
   void start(std::uint64_t at_us, std::uint32_t nominal_us, wire::Latching latching = wire::Latching::kEachStage);
-  /// When the chip shows its results, as was found out since the start.
+  /// Time at which the chip shows its results, measured since the start.
   void set_latching(wire::Latching latching) { latching_ = latching; }
   /// The same, of a chip whose oscillator is known from before; unless the status contradicted that.
   void restart(std::uint64_t at_us);
