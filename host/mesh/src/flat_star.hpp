@@ -18,7 +18,7 @@ class FlatStar {
   /// one border edge to the other.
   FlatStar(const Vec3& middle, std::span<const Vec3> ring, bool is_open);
 
-  /// Whether the faces lie side by side, none over another and none turned over: nothing is known of others.
+  /// True if the faces lie side by side, none over another and none turned over: nothing is known of others.
   [[nodiscard]] bool is_flat() const { return is_flat_; }
 
   struct Change {

@@ -383,7 +383,7 @@ class Repairer {
                  options_.outer == ExtractOptions::When::kAlways);
   }
 
-  // What follows a wrap takes as long again as its share; what is left of the time must hold both.
+  // The steps after a wrap take as long as its share; the remaining time must hold both.
   void wrap(double alpha_mm) {
     const double max_s = std::min(kWrapShare * options_.repair_s, 0.5 * time_.left_s());
     if (kWrapCost_s * area_of(reference_.mesh) / (alpha_mm * alpha_mm) > max_s) return;

@@ -12,7 +12,7 @@ namespace triskin::geometry {
 namespace {
 
 constexpr int kRays = 32;
-constexpr int kViews = 6'000;  // samples of which the view is taken
+constexpr int kViews = 6'000;  // The view is taken from this many samples.
 constexpr int kMinViewsPerRegion = 6;
 constexpr std::size_t kChunk = 16;
 constexpr double kFarthestOpposite_mm = 60.0;  // The other side of a thick body still says which one is a pocket.
