@@ -166,7 +166,7 @@ double Chain::heat() const {
   return race_heat_ > 0.0 ? race_heat_ : kHot * std::pow(kCold / kHot, fraction_);
 }
 
-// What a step compares.
+// Value that a step compares.
 double Chain::searched(const Value& value) const {
   const SearchPlan& plan = task_.plan;
   if (fraction_ >= plan.rounded_from) return value.rounded();

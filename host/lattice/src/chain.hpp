@@ -40,7 +40,7 @@ struct SearchPlan {
   [[nodiscard]] static SearchPlan of(double room_modules);
 };
 
-/// What all chains of a search have in common. Refers to what it is made of.
+/// Data that all chains of a search share. Refers to its arguments.
 struct GrowthTask {
   const Surface& surface;
   const Rules& rules;

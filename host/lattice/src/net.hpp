@@ -154,7 +154,7 @@ class LatticeMesh {
   std::vector<char> is_changed_;
   std::vector<int> search_of_;  // Work of part_island(): −1 outside it.
 
-  // What was there at begin(), of what was changed since.
+  // Former state, as of begin(), of everything that was changed since.
   bool is_recording_ = false;
   std::uint32_t recording_ = 0;
   std::vector<std::uint32_t> vertex_saved_in_, triangle_saved_in_;
