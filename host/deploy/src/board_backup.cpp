@@ -23,7 +23,7 @@ namespace {
 
 using Message = Bus::Message;
 
-// What says that two boards are of one kind.
+// Identifiers that are equal on two boards of one kind.
 constexpr std::array<std::uint16_t, 2> kKind{wire::did::kPartNumber, wire::did::kHardware};
 
 // Empty: the controller has no such value, as an older one, or one without a table.

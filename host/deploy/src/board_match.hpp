@@ -9,7 +9,7 @@
 
 namespace triskin::device {
 
-/// What is known of the boards on a bus, for all covers of one pass.
+/// Known facts about the boards on a bus, shared by all covers of one pass.
 struct BusBoards {
   /// Who answers, with the addresses that they have; nobody: not asked yet.
   std::vector<wire::NodeClaim> claims;

@@ -19,7 +19,7 @@
 namespace triskin::device {
 namespace {
 
-// What the image says about itself, before anything is sent.
+// Checks the image's label before anything is sent.
 void check_label(const FirmwarePackage& package, int slot) {
   const auto label = layout::decode_label(package.image(slot));
   if (!label) {

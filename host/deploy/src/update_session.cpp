@@ -309,7 +309,7 @@ struct SlotStream {
   std::size_t at = 0;
   std::uint64_t next_us = 0;
   [[nodiscard]] bool done() const { return at == units.size(); }
-  // How many units from `at` on follow each other, at most `most`.
+  // Number of consecutive units from `at` on, limited to `most`.
   [[nodiscard]] std::size_t run(std::size_t most) const {
     std::size_t n = 1;
     while (n < most && at + n < units.size() && units[at + n] == units[at] + n) ++n;

@@ -44,7 +44,7 @@ class UpdateSession {
     std::uint32_t id_crc = 0;
     bool under_way = false;  ///< takes part
     bool claims = false;     ///< has said who it is
-    // What came since forget():
+    // Answers since forget():
     std::optional<wire::update::Who> who;
     std::optional<wire::update::Image> image;
     std::optional<wire::update::State> state;

@@ -29,7 +29,8 @@ struct BoardBackup {
   std::map<std::uint16_t, std::vector<std::uint8_t>>
       values;  ///< value of every identifier in wire::kIdentifiers that the board returned
   std::vector<Fault> faults;
-  /// What this computer keeps for the controller (CalibrationStore); none: nothing, also in files of older releases.
+  /// Calibration that this computer keeps for the controller (CalibrationStore); none: it keeps none, or the file is
+  /// of an older release.
   std::optional<design::BoardCalibration> calibration{};
 };
 
@@ -49,7 +50,7 @@ struct RestoreOptions {
   std::map<std::string, std::string> onto;  ///< serial numbers: what the first held goes into the second
   int per_wire = kTasksPerWire;             ///< ≥ 1: controllers served at once on one wire
 };
-/// What became of a board of the file.
+/// Result of restoring one board of the file.
 struct RestoredBoard {
   std::string serial;     ///< serial of the controller that holds the data now
   std::string kept_from;  ///< serial of the controller that the data was read from

@@ -34,14 +34,14 @@ struct BringUpStep {
 /// The steps, in order.
 [[nodiscard]] const std::array<BringUpStep, 12>& bring_up_steps();
 
-/// What came of a step.
+/// Result of a step.
 struct StepReport {
   int number = 0;
   StepOutcome outcome = StepOutcome::kSkipped;
   std::string found;  ///< what the program or the person saw; why it was skipped
 };
 
-/// What a person says about a step that no link sees.
+/// A person's answer about a step that no link can observe.
 struct StepAnswer {
   StepOutcome outcome = StepOutcome::kSkipped;
   std::string found;

@@ -20,7 +20,7 @@ struct BroadcastOptions {
   bool force = false;        ///< write images that are equal, too
 };
 
-/// What became of one controller.
+/// Result for one controller.
 enum class UpdateOutcome : std::uint8_t {
   kUpdated,   ///< the new image runs
   kEqual,     ///< it ran already
