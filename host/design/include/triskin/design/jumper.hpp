@@ -7,7 +7,7 @@
 
 namespace triskin::design {
 
-/// How a jumper is made.
+/// Way in which a jumper is built.
 enum class JumperKind {
   kCable,  ///< short cable between the middles of two sides
 };

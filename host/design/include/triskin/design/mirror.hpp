@@ -8,8 +8,8 @@
 #include "triskin/design/piece.hpp"
 #include "triskin/design/regions.hpp"
 
-/// What is left is right in a mirror. A module is chiral: its corners run counter-clockwise seen from outside, so that
-/// its mirror image is a real module only when its corners are listed in another order. Exchanging the two axes of the
+/// A mirror swaps left and right. A module is chiral: its corners run counter-clockwise seen from outside, so that its
+/// mirror image is a real module only when its corners are listed in another order. Exchanging the two axes of the
 /// lattice, (i, j) → (j, i), does that for all modules of an island alike.
 namespace triskin::design {
 

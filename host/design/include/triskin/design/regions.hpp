@@ -26,7 +26,7 @@ struct FaceSet {
   std::vector<int> faces;
 };
 
-/// What is wanted of a part of the surface (docs/regions.md).
+/// Requirement for a part of the surface (docs/regions.md).
 struct Region {
   std::string name;  ///< unique, not empty
   std::variant<Sphere, Box, FaceSet> shape;
