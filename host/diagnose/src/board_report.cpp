@@ -17,7 +17,7 @@ extern char** environ;
 namespace triskin::device {
 namespace {
 
-// What a program writes; empty: it cannot be started, or it failed.
+// Output of a program; empty: it cannot be started, or it failed.
 std::optional<std::string> output_of(std::vector<std::string> words) {
   std::array<int, 2> pipe_ends{};
   if (::pipe(pipe_ends.data()) != 0) return std::nullopt;

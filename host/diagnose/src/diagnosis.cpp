@@ -287,7 +287,8 @@ std::vector<Diagnosis::Place> Diagnosis::unexpected(const PatchState& p) const {
   return places;
 }
 
-// What is left to explain when the module of `row` sits at `place`: causes first, then straps that differ.
+// Cost of the facts that stay unexplained if the module of `row` sits at `place`: causes first, then straps that
+// differ.
 double Diagnosis::cost_of_taking(const PatchState& p, const std::vector<std::size_t>& rows, std::size_t row,
                                  const Place& place) const {
   constexpr double kStrap = 0.3;

@@ -11,7 +11,7 @@
 namespace triskin::device {
 namespace {
 
-// What a person has to do at the patch.
+// Work that a person has to do at the patch.
 enum class Work {
   kNone,
   kFlash,       // the tables are wrong

@@ -50,7 +50,7 @@ struct PatchState {
   }
 };
 
-/// What happened when a module was pressed.
+/// Response to the press of a module.
 struct TouchOutcome {
   int module = -1;
   int answered = -1;           ///< module whose taxels changed most; -1: none

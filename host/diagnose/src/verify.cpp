@@ -159,7 +159,7 @@ void wait_until_checked(Bus& bus, const PatchState& p) {
   }
 }
 
-// What is remembered from before is read and deleted: only so it shows when the same comes again.
+// Reads and deletes the earlier faults, so that the same fault shows when it occurs again.
 void start_patch(Bus& bus, PatchState& p) {
   wait_until_checked(bus, p);
   Controller c = p.controller(bus);

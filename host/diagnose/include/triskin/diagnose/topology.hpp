@@ -21,7 +21,7 @@ struct TopologyDifference {
   std::string remedy;
 };
 
-/// What was found, laid over one patch of a design.
+/// Found topology matched to one patch of a design.
 struct TopologyMatch {
   int patch = -1;
   std::vector<int> module_of;  ///< indexed by found number: module of the design, −1: none fits

@@ -41,8 +41,8 @@ struct VerifyResult {
   int modules = 0;
   int touched = 0;  ///< modules that were pressed
   std::vector<Finding> findings;
-  /// What the controllers remember from before, and is not there now (kLostConfiguration, kIntermittentModule).
-  /// It was deleted from their memories, so that what comes again is found again.
+  /// Faults that the controllers recorded earlier and that are gone now (kLostConfiguration, kIntermittentModule). It
+  /// was deleted from their memories, so that what comes again is found again.
   std::vector<Finding> earlier;
   /// What came of the samples that were due in half a second at least; empty where the link carries no full stream, or
   /// a controller has no table or that of a failure.
