@@ -39,7 +39,7 @@ int write_bytes(int fd, std::string_view bytes) {
   return 0;
 }
 
-// The same, and on the disk.
+// Does the same and waits until the data is on the disk.
 int write_all(int fd, std::string_view bytes) {
   const int cause = write_bytes(fd, bytes);
   return cause != 0 || ::fsync(fd) == 0 ? cause : errno;

@@ -5,8 +5,8 @@
 
 namespace triskin {
 
-/// What a JSON parser complains about, for a person: the message of an exception without the name and number of its
-/// class ("[json.exception.parse_error.101] parse error at line 1, column 5: …" becomes "line 1, column 5: …").
+/// Message of a JSON parser for a person: the message of an exception without the name and number of its class
+/// ("[json.exception.parse_error.101] parse error at line 1, column 5: …" becomes "line 1, column 5: …").
 [[nodiscard]] inline std::string json_cause(std::string_view what) {
   if (what.starts_with("[json.exception")) {
     const auto end = what.find("] ");
