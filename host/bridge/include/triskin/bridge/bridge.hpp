@@ -45,7 +45,7 @@ class Bridge {
   void add_diagnostics(std::span<const Diagnosis> parts, std::uint64_t stamp_ns);
   /// Publishes what waits for samples that may still come.
   void flush();
-  /// What was published until now.
+  /// Counts of the messages published so far.
   [[nodiscard]] const Published& published() const { return published_; }
   /// Readers of its topics that match now, over all topics.
   [[nodiscard]] int readers() const;

@@ -17,7 +17,7 @@ namespace triskin::bridge {
 /// True: this program was built with Cyclone DDS. Else Domain says so when it is made.
 [[nodiscard]] bool dds_available();
 
-/// What a topic promises its readers. All of it is reliable.
+/// Delivery that a topic promises its readers. All of it is reliable.
 struct Delivery {
   int depth = 10;        ///< messages that are kept for a reader that is slow, ≥ 1
   bool latched = false;  ///< who comes late gets the last message too (transient local)

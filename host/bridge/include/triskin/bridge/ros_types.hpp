@@ -27,7 +27,7 @@ extern const RosType kRaw, kLayout, kContacts, kPoints, kDiagnostics, kTransform
 /// "triskin_msgs::srv::dds_::Tare" of "triskin_msgs/srv/Tare"; behind it stands "_Request_" or "_Response_".
 [[nodiscard]] std::string dds_service_name(std::string_view ros_name);
 
-/// How well a part of the skin does, of diagnostic_msgs/msg/DiagnosticStatus.
+/// State of a part of the skin, of diagnostic_msgs/msg/DiagnosticStatus.
 struct Diagnosis {
   enum class Level : std::uint8_t { kOk = 0, kWarn = 1, kError = 2, kStale = 3 };
   Level level = Level::kOk;
