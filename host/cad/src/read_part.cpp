@@ -41,7 +41,7 @@ bool has_step_name(const std::filesystem::path& path) {
   return extension == ".step" || extension == ".stp" || extension == ".p21";
 }
 
-// What a person can do about a hidden shape.
+// Remedy for a hidden shape.
 std::string no_geometry(const StepText& step) {
   if (!step.external_files.empty()) {
     const auto shown = std::min<std::size_t>(step.external_files.size(), 3);

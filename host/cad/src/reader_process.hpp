@@ -19,7 +19,7 @@ struct ProcessLimits {
 /// How a process ended.
 enum class ProcessEnd : std::uint8_t { kDone, kFailed, kCrashed, kOutOfTime };
 
-/// What a process wrote, and how it ended.
+/// Output of a process, and how it ended.
 struct ProcessResult {
   ProcessEnd end = ProcessEnd::kDone;
   int signal = 0;  ///< signal of kCrashed

@@ -6,7 +6,7 @@
 
 namespace triskin::cad {
 
-/// What the text of a STEP file says before any geometry is built.
+/// Content of a STEP file's text, read before any geometry is built.
 struct StepText {
   std::string text;    ///< the same file in the form that every reader takes: no comments, no white space between `#12`
                        ///< and `=`, no control characters in strings, strings in ASCII with \X2\ escapes
