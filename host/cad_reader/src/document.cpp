@@ -210,7 +210,8 @@ class LostEntities {
   std::string numbers_;
 };
 
-// What shape representations hold, by the number in the model: a file may keep entities that nothing uses.
+// Entities used by shape representations, indexed by the number in the model: a file may contain entities that nothing
+// uses.
 std::vector<bool> used_entities(const Handle(StepData_StepModel) & model) {
   const Interface_Graph graph(model, Standard_False);
   std::vector<bool> is_used(static_cast<std::size_t>(model->NbEntities()) + 1, false);
