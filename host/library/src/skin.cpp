@@ -125,7 +125,7 @@ void Skin::drop_old(double newest_s) {
   }
 }
 
-// What the slice brought, to those who wait for it.
+// Hands the samples of the slice to the readers that wait.
 void Skin::publish(std::size_t bus) {
   const device::SampleCounts counts = buses_[bus]->counts();
   std::vector<triskin_sample>& fresh = fresh_[bus];

@@ -23,7 +23,7 @@
 
 namespace triskin::library {
 
-/// What is opened: the covers of a robot on its buses, or the one of a design file.
+/// Covers that are opened: those of a robot on its buses, or the one of a design file.
 struct Source {
   robot::Site site;
   design::Design design;                     ///< all covers as one; of a design file itself
@@ -34,7 +34,7 @@ struct Source {
 /// Reads what `file` names. Throws InputError.
 [[nodiscard]] Source read_source(const std::string& file, const triskin_options& options);
 
-/// What the counts of a module are worth.
+/// Calibration of a module: value of its counts.
 struct ModuleCalibration {
   std::array<double, layout::kTaxelsPerModule> counts_per_kpa{};  ///< 0: not known
   double taxel_area_mm2 = 0.0;
