@@ -14,7 +14,7 @@ namespace triskin::device {
 /// A raw SocketCAN socket: classic and FD frames, error frames, bus-off. Threads: one.
 class CanSocket {
  public:
-  /// What the controller chip of the interface has reported. Counts since the socket was opened.
+  /// Errors that the interface's controller chip reported since the socket was opened.
   struct Errors {
     std::uint64_t frames = 0;     ///< error frames
     bool bus_off = false;         ///< true until the interface says that it was restarted
