@@ -6,7 +6,7 @@
 
 namespace triskin::device {
 
-/// What a computer has that may lead to controllers.
+/// Device of this computer that may lead to controllers.
 struct AttachedDevice {
   std::string link;    ///< same syntax as `--link`: can:can0, hid:SERIAL, usb:SERIAL
   std::string remark;  ///< text for a person ("CAN interface, down"); never empty

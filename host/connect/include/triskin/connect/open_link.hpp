@@ -12,14 +12,14 @@
 
 namespace triskin::device {
 
-/// What `--link` and `--scene` name.
+/// Values of `--link` and `--scene`.
 struct LinkOptions {
   std::string link;       ///< empty: none was named, which only a robot file makes up for
   bool chosen = false;    ///< `link` stands before what a robot file says
   std::string scene;      ///< scene file for `sim`; empty: the design, with nothing wrong
   bool switched = false;  ///< `sim` without a scene file has switched modules
-  /// What the serial numbers of simulated boards are drawn from: 0: they ascend with the patches; empty: the scene's
-  /// seed. Boards of a robot file are numbered by it.
+  /// Seed of the serial numbers of simulated boards: 0: they ascend with the patches; empty: the scene's seed. Boards
+  /// of a robot file are numbered by it.
   std::optional<std::uint64_t> board_seed{};
   bool own_interrupts = true;  ///< catch_interrupts(); false: signals are left to the caller
 };
@@ -38,7 +38,8 @@ void require_link(const LinkOptions& options);
 /// Opens `sim`, `sim-usb`, `sim:HOST:PORT`, `can:IFACE`, `hid[:SERIAL]` or `usb[:SERIAL]`, or several of the last
 /// three, joined by commas. `design` is what `sim` simulates when there is no scene; null where a command has none; not
 /// kept. From now on Ctrl-C only sets interrupt_request(), unless the options leave signals to the caller. Throws
-/// InputError (no link or an unknown one, no design or scene for `sim`, a scene of another design), DeviceError (cannot connect).
+/// InputError (no link or an unknown one, no design or scene for `sim`, a scene of another design), DeviceError (cannot
+/// connect).
 [[nodiscard]] std::unique_ptr<Link> open_link(const LinkOptions& options, const design::Design* design);
 
 }  // namespace triskin::device
