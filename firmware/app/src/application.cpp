@@ -93,7 +93,7 @@ void Application::place_adopted() {
   for (LineSampler& l : lines_) l.replace_adopted(own, now.list_of_adopted(), route_.kept_adopted(), now_us());
 }
 
-// What was read since the last check of the chain that passed may come from another module.
+// Samples read since the last passed check of the chain may come from another module.
 void Application::invalidate_samples() {
   for (auto* samples : {&samples_, &published_}) {
     for (ModuleSample& s : *samples) {

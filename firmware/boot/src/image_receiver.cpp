@@ -160,7 +160,7 @@ void ImageReceiver::check_next_piece() {
   enter(s == Status::kOk ? Phase::kReady : Phase::kRefused, s);
 }
 
-// What the host has said of the image must be what the image says itself.
+// The host's description of the image must agree with the image's label.
 Status ImageReceiver::check_label() const {
   const auto label = layout::decode_label(slots_.bytes(free_slot()).first(offer_.size_bytes));
   if (!label) return label.error();

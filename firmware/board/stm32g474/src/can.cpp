@@ -97,8 +97,8 @@ void write_element(std::uint32_t offset, const wire::CanFrame& f) {
   }
 }
 
-// What a patch listens to: diagnostics in 29 bits (physical and functional), discovery, assignment and leases, updates,
-// polling class 2 and management class 7 in 11 bits.
+// Frames that a patch receives: diagnostics in 29 bits (physical and functional), discovery, assignment and leases,
+// updates, polling class 2 and management class 7 in 11 bits.
 void write_filters(CanFilters filters) {
   constexpr std::uint32_t kRefuseOther = 2;
   word(kStandardFilters, kMaskFilter | kStandardToFifo0 | 0x200U << kFilterIdShift | 0x700U);

@@ -79,7 +79,7 @@ void sleep_until(std::uint64_t at_us) {
 namespace triskin::board {
 namespace {
 
-// What the loader does until an application starts.
+// Work of the loader until an application starts.
 class Waiting {
  public:
   Waiting() : loader_(application_slots, can, unique_id()), window_end_us_(microseconds() + wire::loader::kWindow_us) {}

@@ -50,7 +50,7 @@ class Stm32Restart final : public fw::Restart {
 Stm32Clock system_clock;
 Stm32Restart stm32_restart;
 
-// What the image says about itself (layout/image_label.hpp).
+// Label of the image (layout/image_label.hpp).
 struct Label {
   std::array<std::uint8_t, 4> magic = layout::kLabelMagic;
   std::uint8_t version = layout::kLabelVersion;

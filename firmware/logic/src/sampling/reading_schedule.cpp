@@ -90,7 +90,7 @@ std::uint64_t ReadingSchedule::reading_us(const Plan& plan) {
   return plan.running ? plan.open_us : kNever_us;
 }
 
-// What can be done between readings.
+// Time for other transfers between readings.
 std::uint64_t ReadingSchedule::other_us(const Plan& plan) {
   if (plan.transaction_us != kNever_us) return plan.transaction_us;
   if (plan.restart_wanted) return plan.restart_us;

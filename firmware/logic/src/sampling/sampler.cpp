@@ -225,7 +225,7 @@ void LineSampler::count_missed() {
   }
 }
 
-// What the transfer brought may come from another chip: it is asked for again.
+// The result of the transfer may come from another chip, so the transfer is repeated.
 void LineSampler::abandon_transfer() {
   if (job_ == Job::kScan)
     scan_.interrupt();

@@ -60,7 +60,7 @@ void SequenceClock::refine(std::uint64_t at_us, int stage, bool ended) {
   measure_period();
 }
 
-// What was known is wrong: the end is near this, and the period is not where it was.
+// Replaces what was known: the end is near `end`, and the period has changed.
 void SequenceClock::contradict(std::uint64_t end) {
   ++contradictions_;
   first_ = end - 2 * kSlack;

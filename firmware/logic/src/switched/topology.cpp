@@ -97,7 +97,7 @@ Topology::Pass Topology::probe(std::uint8_t module, std::uint8_t port) {
   }
   const bool full = graph_.count == layout::kMaxModules;
   const std::uint8_t child = graph_.count;
-  // What brings no module in is asked until two answers agree: a flipped bit could have opened another port.
+  // A port that brings no module in is asked until two answers agree: a flipped bit could have opened another port.
   ChainDriver::Answer answer = ChainDriver::Answer::kLost, before = answer;
   for (int k = 0; k < 4; ++k) {
     before = answer;

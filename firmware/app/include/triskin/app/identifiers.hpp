@@ -105,7 +105,7 @@ class Identifiers {
   [[nodiscard]] std::uint8_t rows() const {
     return parts_.tables.has_table() ? parts_.tables.table().module_count : std::uint8_t{0};
   }
-  /// What counts: with switched modules what was read before the last good check of the chain.
+  /// Valid samples: with switched modules, those read before the last good check of the chain.
   [[nodiscard]] const ModuleSample& shown(std::size_t row) const {
     return parts_.route.switched() ? parts_.published[row] : parts_.samples[row];
   }

@@ -38,7 +38,7 @@ class ImageReceiver final : public fw::ImageUpdate {
   [[nodiscard]] bool full() const override { return at_ < data_.size; }
   void step(fw::CanPort& port, std::uint64_t now_us) override;
   [[nodiscard]] std::uint64_t next_event_us(std::uint64_t now_us) const override;
-  /// How far it is.
+  /// Progress of the update.
   [[nodiscard]] wire::update::State state() const;
 
  private:

@@ -97,7 +97,7 @@ class BoardMonitor {
   virtual ~BoardMonitor() = default;
   /// Returns the present state.
   [[nodiscard]] virtual wire::BoardHealth health() const = 0;
-  /// What stopped the controller last. Empty: nothing since power-up, or it was forgotten.
+  /// Cause of the last crash. Empty: none since power-up, or it was cleared.
   [[nodiscard]] virtual std::optional<wire::Crash> crash() const = 0;
   /// Called when a host clears the fault memory.
   virtual void forget_crash() = 0;

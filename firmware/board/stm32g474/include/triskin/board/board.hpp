@@ -37,7 +37,7 @@ void feed_watchdog();
 /// Programs eight bytes at an address that is a multiple of 8, `low` first. False: as for erase_flash_page.
 [[nodiscard]] bool program_flash_unit(std::uint32_t address, std::uint32_t low, std::uint32_t high);
 
-/// What is wrong with this board: bits of `finding`. Reads the option bytes and the boot pin; at start, before CAN.
+/// Returns faults of this board as bits of `finding`. Reads the option bytes and the boot pin; at start, before CAN.
 [[nodiscard]] std::uint32_t inspect_board();
 /// Sets the option bits that start the flash whatever the boot pin says (nSWBOOT0 = 0, nBOOT0 = 1) and those that hold
 /// the chip in reset below 2.8 V: converters need 2.6 V. They count from the next power-up. A power cut within its 25

@@ -4,7 +4,7 @@
 
 namespace triskin::board {
 
-/// What is wrong with a board, found at its start: bits of Budget::findings. docs/bring_up.md says what to do.
+/// Faults of a board that are found at its start: bits of Budget::findings. docs/bring_up.md says what to do.
 namespace finding {
 inline constexpr std::uint32_t kSingleBank = 1;   ///< DBANK = 0: the flash has other pages, nothing is erased
 inline constexpr std::uint32_t kBootByPin = 2;    ///< nSWBOOT0 = 1: an idle CAN bus at BOOT0 starts the ROM's loader
@@ -14,7 +14,7 @@ inline constexpr std::uint32_t kNoCrystal = 16;        ///< the clock is not the
 inline constexpr std::uint32_t kLowBrownOut = 32;      ///< the chip would run below 2.8 V, where converters do not
 }  // namespace finding
 
-/// What the firmware measures about itself. At a fixed symbol (`triskin_budget`), so that a debugger or the modelled
+/// Measurements of the firmware about itself. At a fixed symbol (`triskin_budget`), so that a debugger or the modelled
 /// machine reads it.
 struct Budget {
   std::uint32_t loops = 0;          ///< passes of the main loop

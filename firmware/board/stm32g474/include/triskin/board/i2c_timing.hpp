@@ -14,7 +14,7 @@ inline constexpr std::uint64_t kLow_ns = 1300, kHigh_ns = 600, kSetup_ns = 100, 
 inline constexpr std::uint64_t kFilterMin_ns = 50, kFilterMax_ns = 260;
 }  // namespace i2c_limits
 
-/// What the wires and the clock allow. All times in ns.
+/// Limits of the wires and the clock. All times in ns.
 struct I2cTimingInput {
   std::uint32_t kernel_hz = kSysclk_hz;  ///< clock of the I²C block
   std::uint32_t bus_hz = 400'000;        ///< wanted, at most 400 kHz

@@ -10,8 +10,8 @@ namespace triskin::board {
 /// valid, and after as many more, or without another one, for a host that brings a better one.
 inline constexpr std::uint32_t kMaxCrashesInRow = 5;
 
-/// What a reset leaves in the RAM; power-up clears it. The loader and the application, which may be of different
-/// versions, share it: fields are only ever appended, and `magic` changes when one changes its meaning.
+/// Data in the RAM that survives a reset; power-up clears it. The loader and the application, which may be of
+/// different versions, share it: fields are only ever appended, and `magic` changes when one changes its meaning.
 struct Survivor {
   std::uint32_t magic;
   std::uint32_t dfu_request;     ///< a mark: the loader becomes a DFU device

@@ -20,7 +20,7 @@ class IcubTriangles {
   /// is at rest: a host takes zeros for full pressure.
   [[nodiscard]] wire::IcubTaxels taxels(std::size_t row, const ModuleSample& sample, const IcubBoard& board,
                                         std::size_t triangle) const;
-  /// What is sent for a place where the table has no module.
+  /// Frame content for a place where the table has no module.
   [[nodiscard]] static wire::IcubTaxels nobody(const IcubBoard& board, std::size_t triangle);
 
  private:

@@ -108,7 +108,8 @@ class ReadingSchedule {
     std::uint64_t restart_us = 0;  // Time at which the sequence is to be restarted.
     std::uint64_t transaction_us = kNever_us, transaction_length_us = 0;
     SequenceClock clock;
-    // What the clock says, asked once after each change: due() compares all the time, and the clock divides.
+    // Times from the clock, computed once after each change: due() compares them all the time, and the clock has to
+    // divide.
     std::uint64_t open_us = 0, close_us = 0, end_us = 0;  // Window of the reading, and end of the present sequence.
     bool uncertain = false;
     void clock_changed();

@@ -93,8 +93,8 @@ class LineSampler {
     kStatus,
     kRestart
   };
-  // What a chip is on the way to. Readings of kOther (the input that is not used), kShifted (the one that is, with
-  // other offsets) and kFirst (as it is used) are not published: they belong to the checks.
+  // Goal that a chip is on the way to. Readings of kOther (the input that is not used), kShifted (the one that is,
+  // with other offsets) and kFirst (as it is used) are not published: they belong to the checks.
   enum class Phase : std::uint8_t { kFind, kConfigure, kOther, kShifted, kFirst, kRun };
   // One address of the line that the table has a module at.
   struct ChipState {
