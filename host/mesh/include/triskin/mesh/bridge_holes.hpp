@@ -4,7 +4,7 @@
 
 namespace triskin::geometry {
 
-/// What bridge_holes() did.
+/// Result of bridge_holes().
 struct BridgeReport {
   int bridged = 0;        ///< holes that are closed now
   int kept_out = 0;       ///< holes left open because the part stands out of them, as the head of a screw does

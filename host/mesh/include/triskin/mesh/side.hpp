@@ -60,7 +60,7 @@ struct SideRegion {
   double outwardness = 0.0;      ///< −1 inner … 1 outer; near 0: both sides look alike
 };
 
-/// What find_sides() found.
+/// Result of find_sides().
 struct SideChoice {
   bool has_wall = false;  ///< false: every face is kOuter, nothing is left out
   bool is_certain = true;
