@@ -19,7 +19,7 @@ class CoverServices {
   /// `domain`, `design` and `touches` outlive it. Throws DeviceError.
   CoverServices(bridge::Domain& domain, const std::string& part, const design::Design& design,
                 device::TouchMap& touches);
-  /// A sample came that `touches` has.
+  /// Call it for each sample that `touches` has received.
   void add(const device::ModuleSample& frame);
   /// Does what was asked since the last call; talks to controllers. Throws DeviceError when DDS fails.
   void step(device::Bus& bus);

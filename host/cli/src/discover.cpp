@@ -25,14 +25,14 @@ struct Options {
   std::vector<std::string> designs;
 };
 
-// What answers on a link.
+// Devices that answer on a link.
 struct Found {
   nlohmann::json controllers = nlohmann::json::array();
   std::vector<std::string> lines;
   bool kernel = false;
 };
 
-// How the board is; nothing from a controller whose firmware does not know.
+// Adds the board's health, if the firmware of the controller reports it.
 void add_board(nlohmann::json& j, device::Controller& c, const std::string& elf) {
   const device::BoardReport report = device::report_board(c);
   if (!report.health) return;
@@ -128,7 +128,7 @@ std::string place_on(const robot::BusConfig& site, nlohmann::json& j) {
   return "  of no cover here";
 }
 
-// What the board says of itself that is not as it should be, a line each.
+// Problems that the board reports about itself, one line each.
 std::vector<std::string> remarks_of(const nlohmann::json& j) {
   return j.contains("remarks") ? j["remarks"].get<std::vector<std::string>>() : std::vector<std::string>{};
 }

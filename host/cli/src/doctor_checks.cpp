@@ -107,7 +107,7 @@ DoctorCheck state_check(const nlohmann::json& link, const std::string& name) {
   return good(title, counters);
 }
 
-// How to bring an interface up as the controllers need it.
+// Command that brings an interface up for the controllers.
 std::string up_command(const std::string& name, bool is_virtual) {
   if (is_virtual) return fmt::format("sudo ip link set {} mtu 72 up", name);
   return fmt::format(

@@ -30,7 +30,7 @@ struct OptionalPart {
   bool is_there = false;
 };
 
-/// What the checks may look at. A test gives a tree and answers of its own.
+/// Everything that the checks read. A test replaces it by its own tree and answers.
 struct Machine {
   std::filesystem::path root = "/";
   std::function<std::string(const std::string& name)> variable;  ///< value of an environment variable; empty: not set

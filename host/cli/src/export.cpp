@@ -68,7 +68,7 @@ std::string extension_of(const Format& format) {
   return extension_of(std::string("name") + format.suffix);  // ".svg" alone would be a hidden file without extension
 }
 
-// What is asked for by name, else by the extension of the file. An extension that says something else is refused.
+// Format given by name, else by the extension of the file. An extension that says something else is refused.
 const Format& format_of(const Options& options) {
   const bool has_file = !options.output.empty() && options.output != "-" && !extension_of(options.output).empty();
   if (options.format.empty()) {

@@ -39,7 +39,7 @@ struct Options {
   bool by_serial = false, no_touch = false;
 };
 
-// What became of a bus.
+// Result for one bus.
 struct BusOutcome {
   const robot::BusConfig* bus = nullptr;
   std::vector<std::pair<const robot::CoverConfig*, device::FlashResult>> covers;

@@ -12,7 +12,7 @@
 
 namespace triskin::cli {
 
-/// What a display says besides the skin itself.
+/// Text that a display shows beside the skin.
 struct LiveState {
   double time_s = 0.0;
   std::uint64_t frames = 0, lost = 0;
@@ -26,7 +26,7 @@ struct LiveState {
 /// --json.
 class LiveDisplay {
  public:
-  /// What the person asks for with a key.
+  /// Action that a person requests with a key.
   enum class Wish { kNothing, kTare, kEnd };
   virtual ~LiveDisplay() = default;
   /// Shows the present state; returns what was asked for since the last call.

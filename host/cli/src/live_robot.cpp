@@ -54,7 +54,7 @@ class BusShow {
     for (std::size_t c = 0; c < covers_.size(); ++c) reports_.push_back(stream.report(static_cast<int>(c)));
   }
 
-  // What became of each cover.
+  // Prints the result of each cover.
   [[nodiscard]] bool print_report(nlohmann::json& rows, Output& output) const {
     bool complete = true;
     for (std::size_t c = 0; c < covers_.size(); ++c) {

@@ -44,7 +44,7 @@ struct Options {
 
 constexpr std::uint64_t kSlice_us = 100'000;
 
-// What --to says, else the extension; one that says something else is refused.
+// Format given by --to, else by the extension; an extension that contradicts --to is refused.
 Format format_of(const Options& options, bool is_robot) {
   const std::string extension = std::filesystem::path(options.output).extension().string();
   const auto by_extension =

@@ -122,7 +122,7 @@ void set_serials(robot::CoverEntry& cover, const Options& options) {
   }
 }
 
-// What is left after a change must not be worse than nothing: a file that no command would take is not written.
+// A change must leave a usable file: one that no command would accept is not written.
 void write_checked(const Options& options, const robot::Robot& robot, Output& output) {
   robot::Assembly changed = robot::assemble(robot, options.robot);
   const auto problems = robot::check(changed);
@@ -251,7 +251,7 @@ int run_show(const Options& options, Output& output) {
   return problems.empty() ? 0 : 1;
 }
 
-// What the touches say against the cover; empty: nothing.
+// Doubt that the touches raise about the cover; empty: none.
 std::string doubt(const robot::Registration& r, const Options& options) {
   const double rms_mm = r.fit.rms_mm;
   if (!r.exchanged_with.empty())

@@ -95,7 +95,7 @@ int patch_of(const DesignArgument& argument, const design::Design& design, const
   return patch;
 }
 
-// What was found on one cover, told when all buses are done.
+// Findings on one cover, reported when all buses are done.
 struct Told {
   device::VerifyResult result;
   nlohmann::json keys;

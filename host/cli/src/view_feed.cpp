@@ -49,7 +49,7 @@ class Pace {
   std::int64_t wall_start_us_ = 0;
 };
 
-// What all buses tell the page of their links: trouble of one is trouble of the page.
+// Health of all links for the page: trouble on one bus is trouble of the page.
 class Health {
  public:
   Health(std::string link, std::size_t buses, view::LiveSkin& live)
@@ -107,7 +107,7 @@ class CoverTouches {
   std::uint64_t keep_us_ = 0;  // when the tare under way is to be kept; 0: none is
 };
 
-// What a stream counted counts also when its link fails.
+// Keeps the counts of a stream when its link fails.
 class KeptTotals {
  public:
   KeptTotals(const device::Stream& stream, FeedTotals& totals) : stream_(stream), totals_(totals) {}

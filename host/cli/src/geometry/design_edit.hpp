@@ -30,9 +30,9 @@ struct EditOptions {
 int edit(const std::string& from, const std::string& to, const EditOptions& options,
          const pipeline::DesignOptions& effort, Output& output);
 
-/// What the regions got. False: a place that must be covered is not.
+/// Reports the coverage of the regions. False: a place that must be covered is not.
 bool report_regions(const design::Design& design, Output& output);
-/// How many modules are of each kind; nothing for a design without kinds.
+/// Reports the number of modules of each kind; nothing for a design without kinds.
 void report_kinds(const design::Design& design, Output& output);
 
 /// Modules against price, the layout that is taken marked.

@@ -23,9 +23,9 @@ class SideOption {
   double bridge_mm_ = 0.0;
 };
 
-/// What was taken of the part, in one line; empty where there is no wall.
+/// Side that was taken of the part, in one line; empty if there is no wall.
 [[nodiscard]] std::string side_text(const geometry::TakenSide& taken);
-/// What became of its holes, in one line; empty where none was asked for.
+/// Result of closing holes, in one line; empty if it was not requested.
 [[nodiscard]] std::string bridge_text(const geometry::BridgeReport& report);
 
 /// Says that both sides look alike, draws them into `picture`, and adds the keys of the result. The exit status.

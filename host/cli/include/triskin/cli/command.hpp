@@ -11,7 +11,7 @@
 
 namespace triskin::cli {
 
-/// What a command answers with: one JSON object with --json, else text. Messages go to standard error.
+/// Result of a command: one JSON object with --json, else text. Messages go to standard error.
 class Output {
  public:
   /// `json`: the command was given --json.
@@ -60,7 +60,7 @@ template <class Value>
 /// Runs a command and returns its exit status: 0 done, 1 done and the answer is bad. Throws triskin::Error for 2 and 3.
 using Run = std::function<int(Output&)>;
 
-/// What a command is for; --help lists the commands of a group together, in this order.
+/// Purpose of a command; --help lists the commands of a group together, in this order.
 enum class Group { kDesign, kHardware, kData, kDevelopment };
 
 /// One subcommand. `set_up` adds options to `app` and returns what runs them; options live in the returned closure

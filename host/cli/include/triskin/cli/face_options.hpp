@@ -12,7 +12,7 @@ namespace triskin::cli {
 class FaceOptions {
  public:
   void add_to(CLI::App& app);
-  /// What they say. Errors: InputError naming the option for text that is not what it wants.
+  /// Selection that the options describe. Errors: InputError naming the option for text that is not what it wants.
   [[nodiscard]] cad::FaceSelection selection() const;
 
  private:
