@@ -17,6 +17,7 @@
 #include "text_readers.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/cad/read_part.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -84,15 +85,49 @@ Mesh read_any(const std::filesystem::path& path, const std::string& bytes, Objec
   return std::move(read.mesh);
 }
 
+cad::FaceSelection with_body(cad::FaceSelection faces, const std::string& object) {
+  if (!object.empty()) faces.bodies.push_back(object);
+  return faces;
+}
+
+MeshFile read_part_mesh(const std::filesystem::path& path, const std::string& bytes, std::optional<LengthUnit> unit,
+                        const cad::FaceSelection& faces) {
+  cad::ReadOptions options;
+  if (unit) options.unit_mm = scale_of(*unit);
+  const cad::Part part = cad::read_part_bytes(bytes, path.string(), options);
+  MeshFile file;
+  PartReport report{{}, static_cast<int>(part.faces.size()), part.deviation_mm, part.warnings, part.faults};
+  try {
+    report.faces = cad::select_faces(part, faces);
+  } catch (const InputError& e) {
+    throw InputError(fmt::format("{}: {}", path.string(), e.what()));
+  }
+  file.mesh = cad::mesh_of_faces(part, report.faces);
+  file.report.scale_to_mm = part.unit_mm;
+  file.report.unit_from_file = !part.unit.empty();
+  file.report.part = std::move(report);
+  clean(file.mesh, file.report, Corners::kKept);
+  if (file.mesh.faces.empty()) throw InputError(fmt::format("{}: no triangle with an area in it", path.string()));
+  require_size(path, file.mesh, unit.has_value() || file.report.unit_from_file);
+  return file;
+}
+
 }  // namespace
 
 double scale_of(LengthUnit unit) {
   if (unit == LengthUnit::kMetre) return 1000.0;
+  if (unit == LengthUnit::kInch) return 25.4;
   return unit == LengthUnit::kCentimetre ? 10.0 : 1.0;
 }
 
-MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit, const std::string& object) {
+MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit, const std::string& object,
+                   const cad::FaceSelection& faces) {
   const std::string bytes = read_file(path);  // names the file when it cannot be read
+  if (cad::is_cad_file(path, bytes)) return read_part_mesh(path, bytes, unit, with_body(faces, object));
+  if (!faces.is_empty()) {
+    throw InputError(fmt::format("{}: only STEP and IGES files have faces to choose; leave the options for faces out",
+                                 path.string()));
+  }
   if (bytes.empty()) throw InputError(fmt::format("{}: the file is empty", path.string()));
   MeshFile file;
   ObjectFilter objects{object, {}};

@@ -9,10 +9,12 @@
 #include "corner_cut_option.hpp"
 #include "design_edit.hpp"
 #include "mesh_options.hpp"
+#include "part_text.hpp"
 #include "repair_text.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/cli/bus_report.hpp"
 #include "triskin/cli/command.hpp"
+#include "triskin/cli/face_options.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::cli::design_command {
@@ -21,6 +23,7 @@ namespace {
 struct Options {
   std::string mesh, output, regions;
   UnitOption unit;
+  FaceOptions faces;
   pipeline::DesignOptions design;
   EditOptions edit;
 };
@@ -118,6 +121,7 @@ int run(Options options, Output& output) {
   if (options.edit.wanted(options.mesh))
     return edit(options.mesh, options.output, options.edit, options.design, output);
   options.design.unit = options.unit.unit;
+  options.design.faces = options.faces.selection();
   if (!options.regions.empty()) options.design.regions = design::read_region_file(options.regions);
   options.design.kinds = options.edit.kind_plan();
   pipeline::DesignNotes notes;
@@ -125,6 +129,7 @@ int run(Options options, Output& output) {
   const bool nothing = d.layout.modules.empty();
   if (!nothing) design::write_design(options.output, d);
   output.result = keys_of(d, notes);
+  const int part_status = report_part(notes.read, output);
   say_layout(d, notes, output);
   if (nothing) {
     const std::string reason = reason_of_nothing(d, options.unit.unit.has_value());
@@ -140,7 +145,7 @@ int run(Options options, Output& output) {
   report_alternatives(d, output);
   report_bus(d.layout.modules.size(), output);
   output.say(fmt::format("design {:016x} written to {} in {:.1f} s", d.design_id, options.output, d.report.seconds));
-  return is_covered ? 0 : 1;
+  return is_covered ? part_status : 1;
 }
 
 void add_limits(CLI::App& app, design::LayoutLimits& l) {
@@ -192,10 +197,11 @@ const Registration kDesign{{
     "triskin design forearm.obj -o forearm.design.json",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      app.add_option("MESH", options->mesh,
-                     "OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF; mm unless --unit says otherwise; with --take, "
-                     "--remove, --add, --keep or --mirror a "
-                     "design")
+      app.add_option(
+             "MESH", options->mesh,
+             "OBJ, STL, PLY, OFF, DAE, glTF, GLB, 3MF, STEP or IGES; mm unless --unit says otherwise; with --take, "
+             "--remove, --add, --keep or --mirror a "
+             "design")
           ->required();
       app.add_option("-o,--output", options->output, "design file")->required();
       options->edit.add_to(app);
@@ -210,6 +216,7 @@ const Registration kDesign{{
       app.add_option("--seed", options->design.seed, "of every random choice")->capture_default_str();
       options->unit.add_to(app);
       add_object_option(app, options->design.object);
+      options->faces.add_to(app);
       add_limits(app, options->design.limits);
       add_corner_cut(app, options->design.corner_cut_mm);
       app.add_option("--bend-radius-mm", options->design.bend_radius_mm,

@@ -12,9 +12,11 @@
 #include <vector>
 
 #include "mesh_options.hpp"
+#include "part_text.hpp"
 #include "repair_text.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/cli/command.hpp"
+#include "triskin/cli/face_options.hpp"
 #include "triskin/mesh/surface.hpp"
 
 namespace triskin::cli::extract_command {
@@ -25,6 +27,7 @@ using When = geometry::ExtractOptions::When;
 struct Options {
   std::string mesh, output, object, keep_out;
   UnitOption unit;
+  FaceOptions faces;
   geometry::ExtractOptions steps;
   std::vector<std::string> spheres, boxes;
 };
@@ -64,7 +67,8 @@ void take_keep_outs(Options& o) {
 int run(Options options, Output& output) {
   take_keep_outs(options);
   const auto start = std::chrono::steady_clock::now();
-  const geometry::MeshFile file = geometry::read_mesh(options.mesh, options.unit.unit, options.object);
+  const geometry::MeshFile file =
+      geometry::read_mesh(options.mesh, options.unit.unit, options.object, options.faces.selection());
   const geometry::Extraction e = geometry::extract(file.mesh, options.steps, output.progress());
   geometry::write_obj(options.output, e.surface);
   const double area_cm2 = geometry::Surface(e.surface).area_mm2() / 100.0;
@@ -88,12 +92,13 @@ int run(Options options, Output& output) {
                    {"reduced_mm", e.report.reduced_mm},
                    {"crossing_tested", e.report.tested},
                    {"seconds", seconds}};
+  const int status = report_part(file.report, output);
   if (const std::string shortage = shortage_text(e.report); !shortage.empty()) output.say(shortage);
   if (const std::string change = repair_text(e.report, "outer"); !change.empty()) output.say(change);
   output.say(fmt::format("{} faces, {:.1f} cm², {} border loops; {} parts removed, {} faces turned; {:.2f} s",
                          e.surface.faces.size(), area_cm2, e.report.boundary_loops, e.report.removed_components,
                          e.report.flipped_faces, seconds));
-  return 0;
+  return status;
 }
 
 const Registration kExtract{{
@@ -102,10 +107,11 @@ const Registration kExtract{{
     "triskin extract cover.stl -o surface.obj",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      app.add_option("MESH", options->mesh, "OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF")->required();
+      app.add_option("MESH", options->mesh, "OBJ, STL, PLY, OFF, DAE, glTF, GLB, 3MF, STEP or IGES")->required();
       app.add_option("-o,--output", options->output, "surface (OBJ, mm)")->required();
       options->unit.add_to(app);
       add_object_option(app, options->object);
+      options->faces.add_to(app);
       const std::map<std::string, When> when{
           {"never", When::kNever}, {"auto", When::kWhenNeeded}, {"always", When::kAlways}};
       auto& s = options->steps;

@@ -10,15 +10,16 @@
 
 namespace triskin::cli {
 
-/// --unit mm|cm|m, for every command that reads a mesh.
+/// --unit mm|cm|m|inch, for every command that reads a mesh.
 struct UnitOption {
   std::optional<geometry::LengthUnit> unit;
 
   void add_to(CLI::App& app) {
     static const std::map<std::string, geometry::LengthUnit> kUnits{{"mm", geometry::LengthUnit::kMillimetre},
                                                                     {"cm", geometry::LengthUnit::kCentimetre},
-                                                                    {"m", geometry::LengthUnit::kMetre}};
-    app.add_option("--unit", unit, "unit of the mesh's numbers: mm, cm or m")->transform(one_of(kUnits));
+                                                                    {"m", geometry::LengthUnit::kMetre},
+                                                                    {"inch", geometry::LengthUnit::kInch}};
+    app.add_option("--unit", unit, "unit of the mesh's numbers: mm, cm, m or inch")->transform(one_of(kUnits));
   }
 };
 

@@ -3,24 +3,36 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "triskin/cad/select_faces.hpp"
 #include "triskin/design/design_types.hpp"
 
 namespace triskin::geometry {
 
 /// Unit of the numbers in a mesh file.
-enum class LengthUnit { kMillimetre, kCentimetre, kMetre };
-/// Length of one unit in mm: 1, 10 or 1000.
+enum class LengthUnit { kMillimetre, kCentimetre, kMetre, kInch };
+/// Length of one unit in mm: 1, 10, 1000 or 25.4.
 [[nodiscard]] double scale_of(LengthUnit unit);
+
+/// What reading a CAD file gave beside its mesh.
+struct PartReport {
+  std::vector<int> faces;             ///< chosen, by their index in the part
+  int face_count = 0;                 ///< of the part
+  double deviation_mm = 0.0;          ///< largest, of the mesh from the exact surface
+  std::vector<std::string> warnings;  ///< one sentence each
+  std::vector<std::string> faults;    ///< one sentence each: something of the file is missing or not right
+};
 
 /// Changes that reading made to the file's triangles, for the report.
 struct MeshReadReport {
   double scale_to_mm = 1.0;
-  bool unit_from_file = false;  ///< the file said its unit (DAE, 3MF), or its format has one (glTF, GLB: metres)
-  int welded_vertices = 0;      ///< corners at the same place that became one vertex (relative 1e-7 of the size)
-  int degenerate_faces = 0;     ///< faces without area, dropped
-  int duplicate_faces = 0;      ///< faces with the same three vertices as an earlier one, dropped
-  int flipped_faces = 0;        ///< faces turned so that neighbours agree
+  bool unit_from_file = false;     ///< the file said its unit (DAE, 3MF), or its format has one (glTF, GLB: metres)
+  int welded_vertices = 0;         ///< corners at the same place that became one vertex (relative 1e-7 of the size)
+  int degenerate_faces = 0;        ///< faces without area, dropped
+  int duplicate_faces = 0;         ///< faces with the same three vertices as an earlier one, dropped
+  int flipped_faces = 0;           ///< faces turned so that neighbours agree
+  std::optional<PartReport> part;  ///< of STEP and IGES files only
 };
 
 /// Result of read_mesh().
@@ -29,15 +41,17 @@ struct MeshFile {
   MeshReadReport report;
 };
 
-/// Reads OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF (by content and extension); the first four and 3MF in the
-/// precision of the file. Without `unit` the file's numbers are mm, or in the unit of the file (DAE, 3MF) or format
+/// Reads OBJ, STL, PLY, OFF, DAE, glTF, GLB, 3MF, STEP or IGES (by content and extension); the first four and 3MF in
+/// the precision of the file. Without `unit` the file's numbers are mm, or in the unit of the file (DAE, 3MF) or format
 /// (glTF, GLB: m). With `object` the faces of one object alone: `o` and `g` of OBJ, `solid` of a text STL, nodes and
 /// meshes of DAE, glTF, GLB and 3MF. Errors: InputError naming the file for unreadable, empty, non-finite or face-less
 /// files, for sizes that cannot be a body part (under 20 mm, with a guess of the unit; over 5 m), over 3 m where nobody
 /// said the unit, and for an object that is not in it, naming those that are. Cost: O(n log n). Thread-safe. Formats
-/// that assimp reads are read in a child process: a crash of the library is an InputError.
+/// that assimp reads are read in a child process: a crash of the library is an InputError. Of STEP and IGES files
+/// (docs/cad.md) the mesh is that of the faces chosen by `faces`, `object` is a body, and corners of different bodies
+/// are not welded. Errors besides: InputError for a choice of faces in a file of another format.
 [[nodiscard]] MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit = std::nullopt,
-                                 const std::string& object = {});
+                                 const std::string& object = {}, const cad::FaceSelection& faces = {});
 
 /// The triangles of one group or object (`g`, `o`) of an OBJ file, as read_mesh() has them. Errors: InputError for
 /// other files and for a name that is not in it, naming those that are. Cost: linear.

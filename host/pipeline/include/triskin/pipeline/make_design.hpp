@@ -23,6 +23,7 @@ enum class RepairMode : std::uint8_t {
 /// Options of make_design(). Out of range: InputError.
 struct DesignOptions {
   std::optional<geometry::LengthUnit> unit;  ///< of the mesh file; none: its own or mm
+  cad::FaceSelection faces;  ///< of a STEP or IGES file; empty: all
   std::string object;                        ///< of a mesh file with several, by its name; empty: all
   RepairMode repair = RepairMode::kAuto;
   double time_limit_s = 20.0;   ///< > 0, of all steps together; what placement and wiring leave goes to the growth
@@ -49,6 +50,7 @@ struct DesignNotes {
   int pieces_left_out = 0;           ///< pieces that no time was left to place
   bool growth_left_out = false;      ///< no time was left for the growth
   geometry::ExtractReport extract;
+  geometry::MeshReadReport read;
 };
 
 /// The design with the alternative `index` (0-based, design.alternatives) in place of its layout, measured and wired
