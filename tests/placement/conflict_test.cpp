@@ -53,7 +53,7 @@ Polygon rectangle(double length_mm, double width_mm) {
 // The trapezoid of a row of n triangles, all its sides moved in by `inset_mm`.
 Polygon trapezoid(int n, double inset_mm) {
   const double low_mm = kSide_mm * ((n + 1) / 2), high_mm = kSide_mm * (n / 2), d = inset_mm;
-  // A side that leans by 60° moves along the level sides by 2/√3 of the inset, and by 1/√3 more where it meets them.
+  // A side that leans by 60° moves along the level sides by 2/√3 of the inset, and 1/√3 more where it meets them.
   const double acute = std::sqrt(3.0) * d, obtuse = d / std::sqrt(3.0);
   const bool even = n % 2 == 0;
   Polygon p;

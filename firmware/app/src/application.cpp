@@ -117,7 +117,7 @@ void Application::step() {
   if (pausing_) keep_route();
   if (now_us() >= next_tick_us_) tick();
   take_samples();
-  if (read_a_module_) prove();  // not inside publish(): the flash may be busy there
+  if (read_a_module_) prove();  // It is not inside publish(), where the flash may be busy.
   offset_store_.step(offsets_);
   send_pending();
   route_.send_status(*ports_.can, tables_.node_address(), now_us());
@@ -165,11 +165,12 @@ void Application::reset_when_answered() {
 std::uint64_t Application::next_event_us() const {
   std::uint64_t next =
       std::min({next_tick_us_, reset_at_us_,
-                pausing_ ? UINT64_MAX : route_.next_event_us()});  // pausing: the lines report their own ends
+                pausing_ ? UINT64_MAX : route_.next_event_us()});  // While pausing, the lines report their own ends.
   const std::uint64_t now = now_us();
   for (const Channel& c : channels()) {
-    if (!c.held) next = std::min(next, c.link.next_event_us());                           // else it waits for room
-    if (c.stream.next_event_us() > now) next = std::min(next, c.stream.next_event_us());  // else it waits for room
+    if (!c.held) next = std::min(next, c.link.next_event_us());  // A held frame waits for room.
+    // A stream whose time has passed waits for room.
+    if (c.stream.next_event_us() > now) next = std::min(next, c.stream.next_event_us());
   }
   for (const LineSampler& line : lines_) next = std::min(next, line.next_event_us(now));
   if (ports_.update != nullptr) next = std::min(next, ports_.update->next_event_us(now));
@@ -205,7 +206,7 @@ void Application::handle_frame(Channel& c, const wire::CanFrame& frame) {
 
 void Application::answer(Channel& c, Bytes request, bool functional) {
   asking_ = c.port;
-  prove();  // first: the answer may be about that
+  prove();  // Comes first because the answer may depend on it.
   const Bytes response = server_.handle(request, functional);
   if (!response.empty()) (void)c.link.send(response, now_us());
 }
@@ -318,7 +319,7 @@ void Application::take_samples() {
     ModuleSample& s = samples_[k];
     if (!s.fresh) continue;
     publish(k);
-    if (k >= rows()) continue;  // a adopted module's faults are its owner's
+    if (k >= rows()) continue;  // The faults of an adopted module are recorded by its owner.
     // Last: a full page of the fault memory is erased, and the module may have been read anew after that.
     faults_.note(table_row(k), s.state, {static_cast<std::uint32_t>(now_us() / 1000), s.number});
   }
@@ -336,7 +337,7 @@ void Application::tick() {
   ++sample_count_;
   for (std::size_t k = 0; k < modules(); ++k) {
     ModuleSample& s = samples_[k];
-    if (s.valid != 0 || ++s.unheard < 2) continue;  // one tick may just miss what the sampler says itself
+    if (s.valid != 0 || ++s.unheard < 2) continue;  // A single tick may just miss what the sampler reports itself.
     s.unheard = 1;
     ++s.number;
     s.time_us = now_us();
@@ -375,7 +376,7 @@ void Application::queue_icub() {
 }
 
 void Application::calibrate() {
-  for (ModuleSample& s : samples_) s.compensation.restart();  // the next reading becomes the baseline
+  for (ModuleSample& s : samples_) s.compensation.restart();  // The next reading becomes the baseline.
   icub_triangles_.calibrate();
 }
 
@@ -402,7 +403,7 @@ Status Application::set_sampling(const wire::SamplingSetting& setting) {
 
 Status Application::set_node_address(std::uint8_t address) {
   const Status s = tables_.set_node_address(address);
-  if (s == Status::kOk) reset_requested_ = true;  // answers under the old address first
+  if (s == Status::kOk) reset_requested_ = true;  // The answer still uses the old address.
   return s;
 }
 
@@ -447,7 +448,7 @@ Status Application::start_routine(std::uint16_t routine, Bytes, ByteWriter&) {
     case wire::routine::kActivate: {
       const Status s = tables_.activate(tables_.node_address());
       if (s != Status::kOk) return s;
-      (void)faults_.clear();  // its rows were those of the old table
+      (void)faults_.clear();  // Its rows refer to the old table.
       restart_sampling();
       return s;
     }

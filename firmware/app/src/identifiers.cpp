@@ -16,7 +16,7 @@ struct Identifiers::Row {
   std::uint16_t id;
   Read* read;
   Write* write;
-  bool writable;  // what the static assertion asks: comparing the pointer is no constant under gcc's sanitizer
+  bool writable;  // The static assertion uses it: comparing the pointer is no constant under gcc's sanitizer.
 
  private:
   static Status refuse(PatchControl&, Bytes) { return Status::kOutOfRange; }

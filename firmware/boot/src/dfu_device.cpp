@@ -98,7 +98,7 @@ DfuDevice::Error DfuDevice::take(Bytes data) {
     if (const Error error = erase_up_to(to - first); error != Error::kNone) return error;
   }
   for (std::uint32_t p = from; p < to; p += kUnit) {
-    if (p % kUnit != 0 || p + kUnit > at_ + data.size()) return Error::kFile;  // blocks are multiples of a unit
+    if (p % kUnit != 0 || p + kUnit > at_ + data.size()) return Error::kFile;  // Blocks are multiples of a unit.
     if (slots_.program(slot_, p - first, data.subspan(p - at_, kUnit)) != Status::kOk) return Error::kWrite;
   }
   at_ += static_cast<std::uint32_t>(data.size());

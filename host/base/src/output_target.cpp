@@ -28,7 +28,7 @@ TemporaryFile create_beside(const std::filesystem::path& target) {
 
 std::filesystem::path target_of(const std::filesystem::path& path) {
   namespace fs = std::filesystem;
-  constexpr int kMaxLinks = 40;  // as the kernel
+  constexpr int kMaxLinks = 40;  // The kernel has the same limit.
   fs::path target = path;
   std::error_code error;
   for (int k = 0; k < kMaxLinks && fs::is_symlink(target, error); ++k) {

@@ -8,7 +8,7 @@ namespace triskin {
 /// A file under another name beside the one that it will replace.
 struct TemporaryFile {
   int fd = -1;       ///< open for writing; -1: it could not be made, and errno says why
-  std::string path;  ///< in the folder of the target, with a name of its own that is short
+  std::string path;  ///< path in the folder of the target, with a short name of its own
 };
 
 /// Creates the temporary file of `target` with the permissions that the target has, or, where there is none, with those

@@ -11,9 +11,9 @@ namespace {
 
 // One message on its way. Cyclone counts who needs it.
 struct Message {
-  ddsi_serdata head;  // first: Cyclone knows it by this address
+  ddsi_serdata head;  // Declared first, because Cyclone knows it by this address.
   std::size_t size;
-  std::vector<std::uint8_t> bytes;  // up to a multiple of four: so many may be asked for
+  std::vector<std::uint8_t> bytes;  // Padded to a multiple of four, as Cyclone may ask for so many.
 };
 Message& message_of(const ddsi_serdata* d) {
   return *const_cast<Message*>(reinterpret_cast<const Message*>(d));
@@ -123,7 +123,7 @@ void free_type(ddsi_sertype* type) {
   delete type;
 }
 bool same_type(const ddsi_sertype* /*a*/, const ddsi_sertype* /*b*/) {
-  return true;  // the names were compared
+  return true;  // The names were compared.
 }
 std::uint32_t hash_type(const ddsi_sertype* /*type*/) {
   return 0;

@@ -22,8 +22,8 @@
 namespace triskin::cad {
 namespace {
 
-constexpr std::uint64_t kStack_bytes = 64ULL
-                                       << 20U;  // deep trees of a sound file need some; deep brackets never arrive
+// A sound file with deep trees needs some; deep brackets never arrive here.
+constexpr std::uint64_t kStack_bytes = 64ULL << 20U;
 
 // A file descriptor that is closed at the end.
 class Descriptor {

@@ -16,7 +16,7 @@
 namespace triskin::cad {
 namespace {
 
-constexpr std::size_t kMaxDepth = 64;  // real files nest control points three deep
+constexpr std::size_t kMaxDepth = 64;  // Real files nest control points three deep.
 // No unit makes a part of a robot of this; kernels search for its triangles until memory ends.
 constexpr double kMaxCoordinate = 1e9;
 
@@ -101,7 +101,7 @@ class Reader {
   }
 
   void magic() {
-    put(next());  // is_step() has seen it
+    put(next());  // is_step() has checked this token.
     end_statement();
   }
   void section() {

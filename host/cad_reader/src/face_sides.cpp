@@ -22,7 +22,7 @@ using Primitive = CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterato
 using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
 
 constexpr double kThickestWall_mm = 10.0;
-constexpr double kStandOff_mm = 1e-3;  // rays begin beside their triangle
+constexpr double kStandOff_mm = 1e-3;  // Rays begin this far beside their triangle.
 constexpr int kRays = 16;
 constexpr std::size_t kMaxPlaces = 12'000, kMaxPlacesAFace = 16, kMinPlacesAFace = 3;
 // Shares of free rays: a difference below the first says nothing at 16 places of 16 rays.
@@ -31,13 +31,13 @@ constexpr double kClearBulge_rad = 0.02;
 
 struct Place {
   Vec3 at, normal;
-  double free = 0.0;  // share of its rays
-  int behind = -1;    // triangle of the other sheet
+  double free = 0.0;  // Share of its rays that are free.
+  int behind = -1;    // Triangle of the other sheet.
 };
 struct FaceView {
   std::vector<Place> places;
   double free = 0.0;
-  double bulge_rad = 0.0;  // positive: its normals spread
+  double bulge_rad = 0.0;  // Positive if its normals spread.
 };
 
 Kernel::Point_3 point(const Vec3& p) {

@@ -35,7 +35,7 @@ class FrameWriter {
     const std::string bytes = cad::frame(kind, payload);
     for (std::size_t at = 0; at < bytes.size();) {
       const ssize_t n = ::write(out_, bytes.data() + at, bytes.size() - at);
-      if (n <= 0) std::_Exit(EXIT_FAILURE);  // the reader of the pipe has gone
+      if (n <= 0) std::_Exit(EXIT_FAILURE);  // The reader of the pipe has ended.
       at += static_cast<std::size_t>(n);
     }
   }

@@ -257,7 +257,7 @@ class Refiner {
 
   BodyMesh& mesh_;
   double limit_mm_;
-  std::unordered_map<std::uint64_t, int> marked_;  // the middle of each marked side
+  std::unordered_map<std::uint64_t, int> marked_;  // The middle of each marked side.
 };
 
 }  // namespace

@@ -72,10 +72,10 @@ struct CheckedDesign {
   };
   std::vector<P3> vertices;
   std::vector<std::array<int, 3>> faces;
-  std::string side;  ///< that was taken of a part with a wall; empty: the file does not say
+  std::string side;  ///< side that was taken of a part with a wall; empty: the file does not say
   bool is_side_certain = true;
   std::vector<P3> part_vertices;
-  std::vector<std::array<int, 3>> part_faces;  ///< of the whole part; empty: the surface is all there is
+  std::vector<std::array<int, 3>> part_faces;  ///< faces of the whole part; empty: the part has only the surface
   Limits limits;
   int islands;
   double corner_cut;  ///< mm; 0 where the file has none

@@ -20,15 +20,15 @@ using Triangles = std::vector<Kernel::Triangle_3>;
 using Primitive = CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>;
 using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
 
-constexpr double kMinWall_mm = 0.3, kMaxWall_mm = 8.0;  // as docs/side.md defines a wall
-constexpr double kOpposite = -0.7;                      // cosine between the normals of the two sides of a wall
-constexpr double kOff_mm = 0.02;                        // where a ray starts: a side it lies in would stop it
+constexpr double kMinWall_mm = 0.3, kMaxWall_mm = 8.0;  // docs/side.md defines a wall by these limits.
+constexpr double kOpposite = -0.7;                      // Cosine between the normals of the two sides of a wall.
+constexpr double kOff_mm = 0.02;  // Rays start this far off, or the side they start on would stop them.
 constexpr int kRays = 96;
 // Two means of seven views of 96 rays each differ by chance by 0.03; both sides of a lid by less than 0.1.
 constexpr double kSeesMore = 0.1;
-constexpr int kMinPlaces = 3;       // of seven, that have a wall behind them
-constexpr double kReach_mm = 40.0;  // between the middles of two modules that overlap, and a wall
-constexpr int kMinBehind = 2;       // of ten places of a module, that lie over the other one
+constexpr int kMinPlaces = 3;       // Of seven places at least this many must have a wall behind them.
+constexpr double kReach_mm = 40.0;  // The middles of two modules that overlap are nearer, even across a wall.
+constexpr int kMinBehind = 2;       // Of ten places of a module at least this many must lie over the other one.
 
 Kernel::Point_3 point(const P3& p) {
   return {p.x(), p.y(), p.z()};

@@ -113,7 +113,7 @@ class CoverFeed {
     diagnose(report, now_ns);
     report_ = report;
   }
-  // Adds what is told of the cover; returns the exit status.
+  // Adds the report of the cover; returns the exit status.
   int print_report(const robot::BusConfig& bus, nlohmann::json& rows, Output& output) const {
     nlohmann::json row = keys_of(bus, cover_);
     const bridge::Published& p = bridge_.published();

@@ -33,10 +33,10 @@ struct OptionalPart {
 /// What the checks may look at. A test gives a tree and answers of its own.
 struct Machine {
   std::filesystem::path root = "/";
-  std::function<std::string(const std::string& name)> variable;  ///< of the environment; empty: not set
-  std::function<bool(const std::string& program)> has_program;   ///< on the path
+  std::function<std::string(const std::string& name)> variable;  ///< value of an environment variable; empty: not set
+  std::function<bool(const std::string& program)> has_program;   ///< true if the program is on the path
   nlohmann::json interfaces = nlohmann::json::array();           ///< `ip -json -details link show`
-  std::vector<AnsweringBoard> boards;                            ///< of the links that can be opened
+  std::vector<AnsweringBoard> boards;                            ///< boards that answer on the links that can be opened
   std::vector<OptionalPart> parts;
   std::string program_version;
 };

@@ -43,7 +43,7 @@ struct Options {
 struct BusOutcome {
   const robot::BusConfig* bus = nullptr;
   std::vector<std::pair<const robot::CoverConfig*, device::FlashResult>> covers;
-  std::map<std::string, int> ended;  // calibrations that went with an old table: revision by serial number
+  std::map<std::string, int> ended;  // Revision of each calibration that was lost with an old table, by serial number.
 };
 
 std::string what_happened(const device::FlashResult::Patch& p, bool dry_run) {

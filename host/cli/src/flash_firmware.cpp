@@ -42,7 +42,8 @@ void update_one(device::Bus& bus, const wire::NodeClaim& claim, const device::Fi
                                       : std::string("would be written by its loader")));
 }
 
-// The same for one that a broadcast has left out. What goes wrong there is told of this one: the others have theirs.
+// Updates one that a broadcast has left out. An error here is reported for this board only: the others have their
+// image.
 void update_left_out(device::Bus& bus, const device::BoardUpdate& board, const device::FirmwarePackage& package,
                      const device::FlashOptions& flash, FirmwareReport& report, Output& output) {
   try {

@@ -42,7 +42,7 @@ std::string how(device::FoundBy by) {
   }
 }
 
-// What was found is kept at once, so that Ctrl-C loses nothing.
+// Each result is saved at once, so that Ctrl-C loses nothing.
 class Notes {
  public:
   Notes(std::string path, const design::Design& design) : path_(std::move(path)) {

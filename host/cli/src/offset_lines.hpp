@@ -9,8 +9,8 @@
 
 namespace triskin::cli {
 
-/// The offsets of the converters as JSON. Appends to `lines` what a person is told of them: a line a patch and one for
-/// each module with a taxel out of place. Asks the controllers. Throws as device::read_offsets().
+/// The offsets of the converters as JSON. Appends text for a person to `lines`: a line for each patch and one for each
+/// module with a taxel out of place. Asks the controllers. Throws as device::read_offsets().
 nlohmann::json read_offset_lines(device::Bus& bus, const design::Design& design, std::vector<std::string>& lines);
 
 }  // namespace triskin::cli

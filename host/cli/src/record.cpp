@@ -193,7 +193,7 @@ class BusRecording {
       files_[c]->end(trouble_, reports_.empty() ? lost_ : reports_[c].total.lost(), seconds_);
   }
 
-  // Adds what is told of each cover; returns the exit status.
+  // Adds the report of each cover; returns the exit status.
   int print_report(nlohmann::json& rows, Output& output) const {
     int status = trouble_ ? 3 : 0;
     for (std::size_t c = 0; c < files_.size(); ++c) {

@@ -22,7 +22,7 @@ struct Options {
   bool loop = false;
 };
 
-struct Ended {};  // a person ends the replay
+struct Ended {};  // Thrown when a person ends the replay.
 
 // Plays samples into the display of `live`, in the time in which they came.
 class Player {

@@ -25,9 +25,9 @@ namespace {
 constexpr double kReplaySlice_us = 10'000;
 constexpr std::uint64_t kReplayOffsets_us = 2'500'000;  // within which controllers find their offsets
 
-struct ReplayEnded {};  // a person ends it
+struct ReplayEnded {};  // Thrown when a person ends it.
 
-// Modules of which the recording has a sample: the others are not there. Stops at nothing: reads the whole file.
+// Modules with a sample in the recording; the others do not exist. Reads the whole file.
 std::set<int> heard_modules(const std::string& file) {
   std::set<int> heard;
   (void)recording::read_recording(file, [&](const recording::ModuleSample& s) { heard.insert(s.module); });

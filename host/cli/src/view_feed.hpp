@@ -13,7 +13,7 @@
 
 namespace triskin::cli {
 
-/// Commands of pages on their way to the threads of the links, each of which gets all of them. Thread-safe; of too many
+/// Commands of pages on their way to the threads of the links; each thread gets all of them. Thread-safe; of too many
 /// the oldest are dropped.
 class CommandQueue {
  public:

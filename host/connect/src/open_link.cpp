@@ -85,7 +85,7 @@ HostPort parse_host_port(const std::string& text) {
 
 namespace {
 
-// Empty: no real wire.
+// Empty if the link is no real wire.
 std::unique_ptr<Link> open_wire(const std::string& link) {
   if (link.starts_with("can:")) return std::make_unique<CanLink>(link.substr(4));
   return open_usb(link);

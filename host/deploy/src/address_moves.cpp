@@ -10,9 +10,9 @@
 namespace triskin::device {
 namespace {
 
-constexpr std::uint64_t kRestart_us = 20'000;  // a controller starts anew under its new address
+constexpr std::uint64_t kRestart_us = 20'000;  // Time in which a controller restarts under its new address.
 
-constexpr int kAssignRounds = 5;  // nobody confirms an assignment, and its frames or the claims after it may be lost
+constexpr int kAssignRounds = 5;  // Nobody confirms an assignment, and its frames or the claims after it may be lost.
 
 }  // namespace
 

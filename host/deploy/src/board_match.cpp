@@ -91,7 +91,7 @@ class Matcher {
       if (is_neighbour(candidate)) candidate.owner = Owner::kNeighbour;
       candidates_.push_back(candidate);
     }
-    if (silence && !any_answer) std::rethrow_exception(silence);  // the cable, rather than the boards
+    if (silence && !any_answer) std::rethrow_exception(silence);  // The cable is at fault rather than the boards.
   }
   // A controller whose address nobody shares can be asked which design it serves.
   void ask(Candidate& c, bool alone) {
@@ -194,7 +194,7 @@ class Matcher {
     if (options_.dry_run && share_addresses(free)) return;
     const Undecided alike = settle_by_shape(free, open, seats);
     std::erase_if(open, [&](int p) { return !wanted(p) || taken_.contains(p); });
-    if (open.empty() || alike.boards.empty()) return;  // nobody is left to tell apart
+    if (open.empty() || alike.boards.empty()) return;  // No board is left to distinguish.
     if (!options_.touch || options_.dry_run || bus_.link().finger() == nullptr) refuse_alike(open, alike.boards);
     touch(open, alike);
   }
@@ -221,7 +221,7 @@ class Matcher {
       if (own && wanted(patch)) {
         give(*free[k], patch, FoundBy::kShape);
       } else if (settled || elsewhere) {
-        free[k]->owner = Owner::kNeighbour;  // another patch's
+        free[k]->owner = Owner::kNeighbour;  // The board serves another patch.
       } else {
         alike.boards.push_back({free[k]->board.claim, shapes[k], std::move(likely), by_shape.across[k]});
         alike.candidates.push_back(free[k]);
@@ -340,7 +340,7 @@ class Matcher {
   // Patches without a controller, in the order of their node addresses; −1 stands for one of a neighbour. Where the
   // free controllers do not suffice for all covers of the bus, those of this design alone.
   [[nodiscard]] std::vector<int> seats(std::size_t n_free) const {
-    std::vector<std::pair<int, int>> own, all;  // node address, patch
+    std::vector<std::pair<int, int>> own, all;  // Pairs of node address and patch.
     for (const int patch : here_) {
       if (wanted(patch) && !taken_.contains(patch)) own.emplace_back(design::node_address_of(design_, patch), patch);
     }
@@ -428,11 +428,11 @@ class Matcher {
   const FlashOptions& options_;
   BusBoards& known_;
   const std::size_t n_patches_;
-  const std::vector<int> here_;  // ascending
+  const std::vector<int> here_;  // Sorted in ascending order.
   std::vector<Candidate> candidates_;
   std::set<int> taken_;
-  std::vector<std::string> silent_;     // serial numbers of those
-  std::map<int, std::string> missing_;  // patches without a controller, and why
+  std::vector<std::string> silent_;     // Serial numbers of the silent controllers.
+  std::map<int, std::string> missing_;  // Patches without a controller, with the reason.
 };
 
 }  // namespace

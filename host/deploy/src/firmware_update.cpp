@@ -16,9 +16,9 @@ namespace {
 using LoaderCommand = wire::loader::Command;
 
 constexpr std::uint64_t kHelloEvery_us = 4'000, kEnter_us = 500'000;
-constexpr int kResets = 6;  // the loader's window may pass before a busy host gets a word in
+constexpr int kResets = 6;  // The loader's window may pass before a busy host can answer.
 constexpr std::uint64_t kReply_us = 2'000'000, kErase_us = 8'000'000;
-constexpr std::uint64_t kStart_us = 200'000;  // loader's window and the application's first steps
+constexpr std::uint64_t kStart_us = 200'000;  // Covers the loader's window and the application's first steps.
 
 // The loader of one controller. Frames are not acknowledged one by one: after each 32 the loader says how many it has.
 class LoaderSession {

@@ -101,7 +101,7 @@ class FlashSession {
         throw;
       } catch (const DeviceError&) {
         if (covers.empty()) throw;
-        failures.push_back({name_of(k), std::current_exception()});  // those before it get their tables
+        failures.push_back({name_of(k), std::current_exception()});  // Earlier patches still get their tables.
         continue;
       }
       found_ = cover.found();

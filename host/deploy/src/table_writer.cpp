@@ -20,7 +20,7 @@ void write_and_compare(Controller& controller, Bus& bus, Bytes image, const std:
       if (attempt == kAttempts) throw;
     }
   }
-  const Bus::Uninterrupted guard(bus);  // what is active is known to be right before anything else
+  const Bus::Uninterrupted guard(bus);  // An interruption must not leave it unknown which table is active.
   const std::vector<std::uint8_t> back = controller.read_table(image.size());
   const auto [a, b] = std::mismatch(image.begin(), image.end(), back.begin(), back.end());
   if (a != image.end() || b != back.end()) {

@@ -12,7 +12,7 @@ namespace triskin::device {
 namespace {
 
 constexpr std::uint64_t kLook_us = 50'000;
-constexpr std::uint64_t kSample_us = 85'000;  // a conversion and a reading
+constexpr std::uint64_t kSample_us = 85'000;  // Time for a conversion and a reading.
 constexpr std::uint64_t kMaxOffsets_us = 1'500'000;
 constexpr double kFelt_counts = 400.0;  // Sum over the taxels of a module; noise is a few counts per taxel.
 constexpr double kClearly = 3.0;        // The touched board must respond this many times more strongly than any other.

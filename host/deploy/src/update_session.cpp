@@ -18,13 +18,13 @@ using wire::update::Phase;
 
 namespace {
 
-constexpr std::uint64_t kSilence_us = 20'000;  // longest, but for an erase of a page
+constexpr std::uint64_t kSilence_us = 20'000;  // Longest silence, except during an erase of a page.
 constexpr std::uint64_t kClaims_us = 60'000;
 constexpr std::uint64_t kErasePage_us = 23'000;  // 22 ms, and what happens between two pages
 constexpr std::uint64_t kBetweenPolls_us = 25'000;
 constexpr std::uint64_t kErasePatience_us = 2'000'000, kCheckPatience_us = 1'500'000, kStartPatience_us = 2'000'000;
-constexpr std::uint64_t kStarts_us = 40'000;        // queue, loader's window, check of both slots
-constexpr std::uint64_t kConfirmed_us = 2'500'000;  // an application has proved itself by then
+constexpr std::uint64_t kStarts_us = 40'000;  // Covers the queue, the loader's window and the check of both slots.
+constexpr std::uint64_t kConfirmed_us = 2'500'000;  // An application has proved itself by this time.
 constexpr int kTries = 3, kMaxRounds = 25;
 // A board that is slow, or whose answers were lost, has so many rounds to say what it misses.
 constexpr int kSilentRounds = 3;
@@ -77,7 +77,7 @@ UpdateSession::UpdateSession(Bus& bus, std::span<const wire::NodeClaim> boards, 
 
 void UpdateSession::send(const wire::update::Order& order) {
   wire::CanFrame f = wire::update::encode_order(order);
-  f.fd = f.bit_rate_switch = fd_;  // answers may be FD frames then
+  f.fd = f.bit_rate_switch = fd_;  // With FD, answers may be FD frames as well.
   bus_.link().send(f);
 }
 
@@ -447,7 +447,7 @@ bool UpdateSession::started(const Board& b) const {
 
 void UpdateSession::activate() {
   if (!any_under_way()) return;
-  const Bus::Uninterrupted together(bus_);  // all of them, or none
+  const Bus::Uninterrupted together(bus_);  // Either all of them are sent or none.
   send_to_all(Command::kActivate);
   listen(bus_.now_us() + kStarts_us);
   const std::uint64_t until_us = bus_.now_us() + kStartPatience_us;

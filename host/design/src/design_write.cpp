@@ -198,8 +198,8 @@ void write_design(const std::filesystem::path& path, const Design& design) {
     file["report"]["max_edge_depth_mm"] = design.report.max_edge_depth_mm;
   }
   if (design.side) file["side"] = side_json(*design.side);
-  if (is_cut) file["corner_cut_mm"] = design.layout.corner_cut_mm;  // files without a cut stay as they were
-  if (!design.kinds.empty()) {                                      // nor has a file without kinds a key of them
+  if (is_cut) file["corner_cut_mm"] = design.layout.corner_cut_mm;  // Files without a cut keep their format.
+  if (!design.kinds.empty()) {                                      // A file without kinds has no key of them.
     file["kinds"] = kind_plan_json(design.kinds);
     for (std::size_t k = 0; k < design.layout.modules.size(); ++k)
       file["modules"][k]["kind"] = kind_of(design.kinds, design.layout.modules[k].kind).name;

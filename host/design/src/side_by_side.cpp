@@ -27,7 +27,7 @@ void append_surface(Mesh& all, const Mesh& mesh, const Eigen::Isometry3d& pose) 
 
 PlacedModule moved(PlacedModule m, const CoverOffset& offset, const Eigen::Isometry3d& pose) {
   m.island += offset.island;
-  m.kind = 0;  // kinds of several covers have no common table
+  m.kind = 0;  // Kinds of several covers have no common table.
   for (Vec3& corner : m.corner_mm) corner = pose * corner;
   for (int& n : m.neighbour) n = shifted(n, offset.module);
   return m;

@@ -10,7 +10,7 @@ using wire::ModuleState;
 
 namespace {
 
-constexpr int kMinExplained = 3;  // fewer look like exchanged or wrongly strapped modules
+constexpr int kMinExplained = 3;  // Fewer modules look like exchanged or wrongly strapped ones.
 
 std::size_t index(int n) {
   return static_cast<std::size_t>(n);

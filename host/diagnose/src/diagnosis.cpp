@@ -128,8 +128,8 @@ void Diagnosis::examine_topology(const PatchState& p) {
   }
   for (const TopologyDifference& d : match.differences) {
     if (d.kind == FindingKind::kMissingModule && (!p.reads(d.module) || adopter_.contains(d.module))) continue;
-    const bool joint = d.kind == FindingKind::kMissingJoint ||
-                       d.kind == FindingKind::kExtraJoint;  // its modules may be read all the same
+    // Its modules may still be read.
+    const bool joint = d.kind == FindingKind::kMissingJoint || d.kind == FindingKind::kExtraJoint;
     Finding& f = add(d.kind, joint ? -1 : d.module, p.patch, fmt::format("patch {}: {}", p.patch, d.text), d.remedy);
     f.module = d.module;
     f.other = d.other;
@@ -191,7 +191,7 @@ void Diagnosis::examine_modules(const PatchState& p) {
         break;
       case ModuleState::kLostConfiguration:
       case ModuleState::kLineStuck:
-        break;  // examine_history and examine_lines report these
+        break;  // examine_history() and examine_lines() report these.
     }
   }
   examine_doubled(p, absent, doubled);
@@ -392,13 +392,13 @@ void Diagnosis::examine_history(const PatchState& p) {
     const auto f = remembered(p, fault);
     if (!f) continue;
     const auto line = static_cast<std::size_t>(wiring_[static_cast<std::size_t>(f->module)].routed.line);
-    const bool freed = p.line_states.lines[line].recoveries > 0;  // the line was held low: that is told already
+    const bool freed = p.line_states.lines[line].recoveries > 0;  // The line was held low, which is reported already.
     if (f->kind == FindingKind::kLostConfiguration)
       dipped.insert(f->module);
     else if (!freed)
       away.insert(f->module);
   }
-  for (const int m : away) dipped.erase(m);  // who was unplugged lost its supply too
+  for (const int m : away) dipped.erase(m);  // Unplugged modules lost their supply, too.
   examine_dips(p, away, dipped);
 }
 

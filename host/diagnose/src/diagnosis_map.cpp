@@ -13,7 +13,7 @@
 namespace triskin::device {
 namespace {
 
-constexpr double kSameDistance_mm = 2.0;  // an isometry of a patch on a curved cover
+constexpr double kSameDistance_mm = 2.0;  // Allows for patches that are bent on a curved cover.
 
 }  // namespace
 
@@ -155,7 +155,7 @@ void Diagnosis::examine_touch(const TouchOutcome& t) {
         "turn the module back, or compare it with the assembly sheet");
     return;
   }
-  if (explained_.contains(t.module)) return;  // absent, on a stuck line, or the other half of a swap
+  if (explained_.contains(t.module)) return;  // The module is absent, on a stuck line, or the other half of a swap.
   if (t.answered < 0 || !t.whole) {           // a neighbour that feels the rim of the finger is no answer
     add(FindingKind::kNoTouchResponse, t.module, patch,
         where(t.module) + ": answers, but none of its taxels changes under a finger",

@@ -188,7 +188,7 @@ class Overlay {
     const auto end = far(here);
     if (!end || *end < here) return;
     const auto a = side_of(here), b = side_of(*end);
-    if (!a || !b) return;  // kExtraModule reports this end
+    if (!a || !b) return;  // kExtraModule reports this end.
     if (across(*a) == b) {
       agreeing.insert(std::minmax(a->row, b->row));
       ++result_.agreeing_joints;

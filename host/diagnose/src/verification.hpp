@@ -41,7 +41,7 @@ struct PatchState {
     const unsigned id = image.modules[row].module_id;
     return static_cast<int>(with_kinds ? id % layout::kIdsBesideKinds : id);
   }
-  /// Whether the table has a module; a backup table leaves some out.
+  /// True if the table has a module; a backup table leaves some out.
   [[nodiscard]] bool reads(int id) const {
     for (std::size_t row = 0; row < image.module_count; ++row) {
       if (module(row) == id) return true;
@@ -54,7 +54,7 @@ struct PatchState {
 struct TouchOutcome {
   int module = -1;
   int answered = -1;           ///< module whose taxels changed most; -1: none
-  bool whole = false;          ///< as many of its taxels changed as a finger on its centre presses
+  bool whole = false;          ///< so many of its taxels changed that a finger pressed its centre
   unsigned silent_taxels = 0;  ///< bit t: a pressure taxel of the module that did not change while most others did
   int turned = 0;              ///< steps of 120° by which a tip on one taxel shows it turned; 0 also when not tried
 };
@@ -74,7 +74,7 @@ class TouchTest {
   struct Response {
     int module = -1;
     double strength = 0.0;
-    unsigned changed = 0;  // bit t
+    unsigned changed = 0;  // Bit t stands for taxel t.
     int taxel = -1;        // Taxel that changed most.
     double taxel_counts = 0.0;
   };
@@ -144,8 +144,8 @@ class Diagnosis {
   std::vector<TouchOutcome> touches_;
   std::vector<design::ModuleWiring> wiring_;
   std::vector<Finding> findings_;
-  std::set<int> bad_;           // modules that are not ok
-  std::set<int> explained_;     // modules whose missing touch response has a finding already
+  std::set<int> bad_;           // Modules that are not ok.
+  std::set<int> explained_;     // Modules whose missing touch response already has a finding.
   std::map<int, int> adopter_;  // Patch whose controller reads the module, for modules that were adopted.
 };
 

@@ -253,7 +253,7 @@ void watch_stream(Bus& bus, const design::Design& design, const VerifyOptions& o
   std::map<int, SampleCounts> patches;
   for (const ModuleCounts& m : result.stream->modules) patches[m.patch] += m.counts;
   for (const auto& [patch, c] : patches) {
-    const std::uint64_t lost = c.dropped + c.on_the_way + c.silent;  // what is not read has findings of its own
+    const std::uint64_t lost = c.dropped + c.on_the_way + c.silent;  // Unread samples have their own findings.
     if (lost == 0) continue;
     result.findings.push_back(controller_finding(
         FindingKind::kLostSamples, patch,

@@ -13,7 +13,7 @@ namespace {
 constexpr std::uint64_t kSettle_us = 85'000;
 constexpr std::uint64_t kPersonLimit_us = 15'000'000;
 constexpr std::uint64_t kPersonPoll_us = 50'000;
-constexpr double kTaxelChange = 60.0;    // counts; noise of the converter is a few counts
+constexpr double kTaxelChange = 60.0;    // Counts; the noise of the converter is a few counts.
 constexpr double kModuleChange = 400.0;  // Sum over the taxels of a module.
 constexpr int kMaxTaxels = 7;    // If this many of the ten pressure taxels change, the whole module was pressed.
 constexpr double kTip_mm = 2.5;  // The tip of a finger reaches this far.
@@ -126,7 +126,7 @@ std::optional<TouchOutcome> TouchTest::press(int module, const PatchState& patch
       bus_.listen(bus_.now_us() + kPersonPoll_us);
       best = strongest_anywhere(patch);
     }
-    bus_.listen(bus_.now_us() + kSettle_us);  // the finger is now all the way down
+    bus_.listen(bus_.now_us() + kSettle_us);  // The finger presses fully by then.
     const Response settled = strongest_anywhere(patch);
     if (settled.strength > best.strength) best = settled;
   }

@@ -29,7 +29,7 @@ class Buffer {
     json low = json::array(), high = json::array();
     for (int x = 0; x < 3; ++x) {
       const auto stored = points | std::views::transform([x](const Vec3& p) { return static_cast<float>(p[x]); });
-      low.push_back(std::ranges::min(stored));  // the bounds are those of the values that are stored
+      low.push_back(std::ranges::min(stored));  // The bounds are those of the values that are stored.
       high.push_back(std::ranges::max(stored));
     }
     const std::size_t start = bytes_.size();
@@ -89,7 +89,7 @@ json vector_of(const Vec3& v) {
   return json::array({v.x(), v.y(), v.z()});
 }
 
-// Flat in metres, node frame: what is left of a module, as a fan of triangles.
+// Outline of a cut module as a fan of triangles, flat, in metres and the node frame.
 void add_module_shape(json& gltf, Buffer& buffer, double corner_cut_mm) {
   const std::array<Vec3, 3> corner_mm{Vec3(-kSide_mm / 2, -kHeight_mm / 3, 0), Vec3(kSide_mm / 2, -kHeight_mm / 3, 0),
                                       Vec3(0, 2 * kHeight_mm / 3, 0)};

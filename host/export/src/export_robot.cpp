@@ -39,7 +39,7 @@ Pose pose_of(const PlacedModule& m) {
   const ModulePose frame = frame_of(m);
   return {numbers(frame.origin_mm * kMetres_per_mm), numbers(roll_pitch_yaw_of(frame.axes))};
 }
-// Height of what is left of a module over its side 0, mm.
+// Height of a cut module over its side 0, mm.
 double height_mm(double corner_cut_mm) {
   return kHeight_mm - cut_height_mm(corner_cut_mm);
 }

@@ -16,7 +16,7 @@
 namespace triskin::design {
 namespace {
 
-constexpr int kRepresentative = 3;  // the taxel at the centroid
+constexpr int kRepresentative = 3;  // This taxel lies at the centroid.
 constexpr int kTaxels = static_cast<int>(layout::kTaxelsPerModule);
 
 std::vector<ModuleWiring> wiring_for_icub(const Design& design) {

@@ -19,7 +19,7 @@ namespace {
 
 // Edge neighbours are drawn 18.5 apart, rounded to whole units; the next nearest lie 32 apart.
 constexpr double kNearest_mm = 15.0, kFarthest_mm = 22.0;
-constexpr double kTurn_rad = 35.0 * std::numbers::pi / 180.0;  // drawn directions are that far off at most
+constexpr double kTurn_rad = 35.0 * std::numbers::pi / 180.0;  // Drawn directions are wrong by this at most.
 
 struct Drawn {
   int id = 0;
@@ -40,7 +40,7 @@ std::vector<Drawn> read_ini(const std::string& text, const std::string& file) {
     if (!(words >> d.id >> d.x >> d.y) || !std::isfinite(d.x) || !std::isfinite(d.y)) {
       throw InputError(fmt::format("{} line {}: expected \"{} id x y orientation …\"", file, number, kind));
     }
-    d.board = d.id / 16;  // sixteen numbers a board, in order
+    d.board = d.id / 16;  // Each board has sixteen consecutive numbers.
     drawn.push_back(d);
   }
   return drawn;
@@ -152,7 +152,7 @@ class Layer {
   const std::string& file_;
   std::vector<std::vector<std::size_t>> near_;
   std::vector<Tile> place_;
-  std::vector<double> side0_;  // direction of side 0
+  std::vector<double> side0_;  // Direction of side 0 of each module.
 };
 
 void count_boards(SkinGuiLayout& layout) {

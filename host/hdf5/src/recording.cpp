@@ -73,8 +73,8 @@ Handle create(recording::OutputFile& file) {
   if (!file.can_read())
     throw InputError(file.name() +
                      ": HDF5 writes at any place of a file, which this does not allow; record to mcap or csv");
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // what failed is said by the exception
-  file.write({});                               // the file that stood there is emptied
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // The exception carries the message.
+  file.write({});                               // Empties a file that exists already.
   return {H5Fcreate(file.name().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose, file.name()};
 }
 

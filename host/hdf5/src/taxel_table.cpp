@@ -23,7 +23,7 @@ void write_table(hid_t file, const TableColumn& column, hsize_t rows, hsize_t co
   const hsize_t size[2]{rows, columns};
   const Handle space(H5Screate_simple(columns == 1 ? 1 : 2, size, nullptr), H5Sclose, column.name);
   const Handle wish(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, column.name);
-  require(H5Pset_obj_track_times(wish.id(), false), column.name);  // a time would make equal designs differ
+  require(H5Pset_obj_track_times(wish.id(), false), column.name);  // A time stamp would make equal designs differ.
   const Handle table(H5Dcreate2(file, column.name, stored, space.id(), H5P_DEFAULT, wish.id(), H5P_DEFAULT), H5Dclose,
                      column.name);
   require(H5Dwrite(table.id(), given, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), column.name);

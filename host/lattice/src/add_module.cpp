@@ -17,11 +17,11 @@ namespace {
 
 using surface_lattice::Triangle;
 
-constexpr double kFinalMargin = 0.98;  // another measurement must agree
+constexpr double kFinalMargin = 0.98;  // An independent measurement must agree.
 constexpr double kSnap_mm = 7.0;       // Neighbours in the lattice whose corners lie nearer pull the module to them.
 constexpr double kOutward = 0.6;       // The growth uses the same cosine between module and surface.
 constexpr double kMaxLift_mm = 1.5;
-constexpr double kFirstStep = 1.0, kLastStep = 0.02;  // mm
+constexpr double kFirstStep = 1.0, kLastStep = 0.02;  // Both are in mm.
 constexpr double kNear_mm = 45.0;                     // Modules whose centres are farther apart cannot overlap.
 constexpr double kEnough = 0.9;                       // The search stops when all limits are kept with 10 % to spare.
 // Further measurement of a bad place takes long, so one at 10 times a limit gets the cost kFar at once.

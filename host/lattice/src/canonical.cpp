@@ -63,7 +63,7 @@ void CanonicalCopy::choose_axes(const Mesh& original) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
   for (int k = 0; k < 3; ++k) {
     Vec3& axis = axis_[at(k)] = axes.eigenvectors().col(2 - k);
-    double lean = 0.0;  // the heavier tail shows the direction
+    double lean = 0.0;  // The heavier tail shows the direction.
     for (const auto& f : original.faces) {
       const Face t = face_of(original, f);
       lean += t.area() * mean_cube(axis.dot(t.a - middle_), axis.dot(t.b - middle_), axis.dot(t.c - middle_));

@@ -17,7 +17,7 @@ constexpr double kHot = 0.6, kCold = 0.05;  // A step may lose this many modules
 constexpr int kSmallIsland = 8;             // An island of up to 8 modules may be removed as a whole.
 constexpr double kIslandShare = 0.15;       // This share of the steps removes a whole island, if the tries find one.
 constexpr int kTriesForIsland = 9, kTriesForPlace = 8;
-constexpr double kMargin_mm = 40.0;  // round what was removed, in which islands grow
+constexpr double kMargin_mm = 40.0;  // Islands grow within this distance of what was removed.
 
 }  // namespace
 
@@ -32,7 +32,7 @@ SearchPlan SearchPlan::of(double room_modules) {
 }
 
 Value GrowthTask::value(LatticeMesh& net, NetPrice& price, PlaceValue& module_value) const {
-  if (net.size() == 0) return {};  // one module is better, although its controller costs more
+  if (net.size() == 0) return {};  // One module is better than none, although its controller costs more.
   return {module_value(net) + options.hinge_reward * net.joints(), price(net)};
 }
 
@@ -177,7 +177,7 @@ void Chain::step() {
   if (race_heat_ == 0.0 && grower_.zone().sides.empty()) begin_due_run();
   fraction_ = race_heat_ > 0.0 ? 0.0 : std::clamp(runs_done() - schedule_.run, 0.0, 1.0);
   if (now_.size() == 0) return grower_.fill(now_, {}, random_, 10);
-  if (samples_.empty()) return;  // a zone of next to nothing
+  if (samples_.empty()) return;  // The zone is almost empty.
   now_.begin();
   const Value value = ruin_and_recreate();
   if (grower_.late() || searched(value) < searched(value_) + heat() * std::log(std::max(1e-12, random_.unit())))

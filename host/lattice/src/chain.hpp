@@ -13,7 +13,7 @@
 
 namespace triskin::geometry::surface_lattice {
 
-inline constexpr double kNothing = -1e300;  // value of no layout
+inline constexpr double kNothing = -1e300;  // Value if there is no layout.
 
 /// Value of a layout less its price, in the forms that the search compares.
 struct Value {
@@ -70,7 +70,7 @@ class Chain {
   /// Makes complete layouts from several starts: place and turn of the first module decide more than later steps mend.
   /// The better half is improved for a while, and again its better half, until one is left.
   void build();
-  /// Divides what is left of the search into annealings; `chains` share the steps of each.
+  /// Divides the rest of the search into annealings; `chains` share the steps of each.
   void plan_runs(int chains);
   /// Makes another start where the next annealing is due.
   void begin_due_run();
@@ -95,7 +95,7 @@ class Chain {
 
  private:
   struct Schedule {
-    double begun_at = 0.0;  // fraction of the search
+    double begun_at = 0.0;  // Share of the search at which it began.
     int runs = 1, run = 0;
   };
   void set(LatticeMesh net);
@@ -126,7 +126,7 @@ class Chain {
   Grower grower_;
   std::vector<int> samples_;  // Samples of the task that lie in the zone.
   std::vector<int> pinned_;   // Triangles outside the zone.
-  LatticeMesh now_;           // what price_ knows
+  LatticeMesh now_;           // The lattice that price_ knows.
   NetCopy best_;
   LayoutFront front_;
   Value value_;

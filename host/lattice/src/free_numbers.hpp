@@ -18,7 +18,7 @@ class FreeNumbers {
     heap_.push_back(number);
     std::ranges::push_heap(heap_, std::greater{});
   }
-  /// The least number of which `is_free(number)` is true, or −1; lesser ones are dropped.
+  /// The smallest number for which `is_free(number)` is true, or −1; smaller ones are dropped.
   [[nodiscard]] int pop(const auto& is_free) {
     while (!heap_.empty()) {
       std::ranges::pop_heap(heap_, std::greater{});

@@ -129,7 +129,8 @@ void count_refusals(const GrowthTask& task, LatticeMesh& net, ModuleLayout& layo
 // far as the time goes.
 void certify_others(const GrowthTask& task, const Certifier& certifier, const LatticeMesh& best,
                     const std::vector<const LatticeMesh*>& found, std::vector<ModuleLayout>& layouts) {
-  const int full = (best.size() - 1) / kModulesAController * kModulesAController;  // what a controller less reads
+  // Number of modules that one controller less reads.
+  const int full = (best.size() - 1) / kModulesAController * kModulesAController;
   const std::vector<LatticeMesh> less = thinned(best, full, kThinned);
   std::vector<const LatticeMesh*> others;
   for (const LatticeMesh& l : less) others.push_back(&l);

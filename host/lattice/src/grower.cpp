@@ -10,16 +10,17 @@
 namespace triskin::geometry::surface_lattice {
 namespace {
 
-constexpr double kSnap_mm = 7.0;  // an apex this near to a corner of the same lattice point joins it
-constexpr double kRelaxRadius_mm = 60.0, kSecondRadius_mm = 90.0;  // what may give way, at the first and second try
+constexpr double kSnap_mm = 7.0;  // An apex this near to a corner of the same lattice point joins it.
+// Modules within these radii may give way, at the first and second try.
+constexpr double kRelaxRadius_mm = 60.0, kSecondRadius_mm = 90.0;
 constexpr int kRelaxSteps = 5, kSecondSteps = 6;
-constexpr double kCrowded_mm = 6.0;  // overlap that relaxing will not undo
-constexpr double kShort_mm = 6.0;    // an apex that the border holds back by more is not tried
+constexpr double kCrowded_mm = 6.0;  // Relaxing does not undo a larger overlap.
+constexpr double kShort_mm = 6.0;    // An apex that the border holds back by more is not tried.
 constexpr double kReach_mm = 45.0;
 constexpr double kCornerReach_mm =
     28.0;  // A vertex is 17.3 mm from the centre of its triangle; the rest allows for the largest edge error.
 constexpr double kSampleCell_mm = 20.0;
-constexpr double kSurroundings_mm = 45.0;  // farther modules hardly decide whether one more fits
+constexpr double kSurroundings_mm = 45.0;  // Farther modules hardly decide whether one more fits.
 
 NetTriangle loose(const Triangle& corners, double corner_cut_mm) {
   NetTriangle t;

@@ -28,7 +28,7 @@ class Grower {
   Grower(const Surface& surface, const Rules& rules, const std::vector<Sample>& samples, double corner_lift_mm,
          Clock::time_point end, std::function<Clock::time_point()> now = {});
 
-  Grower(const Grower&) = delete;  // the relaxer refers to surface_
+  Grower(const Grower&) = delete;  // Deleted because the relaxer refers to surface_.
   Grower& operator=(const Grower&) = delete;
 
   /// Region of work: modules whose centre lies in the ball.

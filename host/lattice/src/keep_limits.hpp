@@ -11,7 +11,7 @@ namespace triskin::geometry {
 /// measure_on_surface() of the modules from `first` on, on all processors.
 void measure_modules(const Surface& surface, ModuleLayout& layout, std::size_t first, const SurfaceRegions* regions);
 
-/// Whether the surface nearest to a module's middle faces another way: a rib, or the other side of a thin wall. The
+/// True if the surface nearest to a module's middle faces another way: a rib, or the other side of a thin wall. The
 /// module would be measured against that. Cost: a closest point.
 [[nodiscard]] bool is_turned(const Surface& surface, const PlacedModule& module);
 

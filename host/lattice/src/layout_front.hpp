@@ -25,7 +25,7 @@ struct FoundLayout {
 /// or are one layout: where there are more, the least valuable go. Work of one thread.
 class LayoutFront {
  public:
-  using Numbers = std::pair<int, int>;         // modules, islands
+  using Numbers = std::pair<int, int>;         // Numbers of modules and islands.
   static constexpr int kMaxModules = 200'000;  ///< some 100 MB
   explicit LayoutFront(int max_modules = kMaxModules) : max_modules_(max_modules) {}
 

@@ -134,7 +134,7 @@ class Mapper {
 
   // Pieces have no joints in common, so some are mapped after the others: those that have time.
   ModuleLayout run(const std::vector<TiledPiece>& pieces, const std::function<bool()>& give_up) {
-    constexpr std::size_t kTogether = 1000;  // modules, that all processors have work
+    constexpr std::size_t kTogether = 1000;  // This many modules give all processors work.
     std::size_t mapped = 0;
     int left_out = 0;
     for (std::size_t p = 0; p < pieces.size(); ++p) {

@@ -10,7 +10,7 @@
 namespace triskin::geometry::surface_lattice {
 namespace {
 
-constexpr double kMargin_mm = 12.0;  // queries farther out than this are rare: they ask the tree
+constexpr double kMargin_mm = 12.0;  // Queries farther out than this are rare and use the tree.
 constexpr double kLargestVoxel_mm = 3.0;
 constexpr double kSmallestVoxel_mm = 2.0;
 constexpr double kMaxVoxels = 6e6;
@@ -109,7 +109,8 @@ Foot NearSurface::closest(const Vec3& query_mm) {
   for (int k = voxel->first; k < voxel->first + voxel->count; ++k) {
     const auto [face, middle_mm] = candidates_[at(k)];
     const double at_least = middle_mm - off_middle_mm;
-    if (at_least > 0.0 && at_least * at_least > best_squared) break;  // sorted: so are all that follow
+    // The list is sorted, so all that follow are farther.
+    if (at_least > 0.0 && at_least * at_least > best_squared) break;
     const auto& f = mesh.faces[at(face)];
     const Vec3& a = mesh.vertices[at(f[0])];
     const double height = surface_.face_normal(face).dot(query_mm - a);

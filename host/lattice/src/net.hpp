@@ -148,11 +148,11 @@ class LatticeMesh {
   Buckets tiles_{64};  // Triangles, found by a hash of island and tile.
   std::vector<int> island_size_;
   FreeNumbers free_vertices_, free_islands_;
-  std::vector<int> loose_vertices_;  // whose triangles changed since separate()
-  std::vector<int> beside_removed_;  // triangles that lost a joint since separate()
+  std::vector<int> loose_vertices_;  // Vertices whose triangles changed since separate().
+  std::vector<int> beside_removed_;  // Triangles that lost a joint since separate().
   std::vector<int> changed_;
   std::vector<char> is_changed_;
-  std::vector<int> search_of_;  // work of part_island(): −1 outside it
+  std::vector<int> search_of_;  // Work of part_island(): −1 outside it.
 
   // What was there at begin(), of what was changed since.
   bool is_recording_ = false;
@@ -167,7 +167,7 @@ class LatticeMesh {
 
 /// A point over a module lies within this of its centre: 2h/3 = 17.3 mm along it, and its height.
 inline constexpr double kModuleReach_mm = 20.0;
-/// Whether a point lies over the whole triangle of a module, seen along its normal, at whatever height.
+/// True if a point lies over the whole triangle of a module, seen along its normal, at whatever height.
 [[nodiscard]] inline bool lies_over(const NetTriangle& t, const Vec3& p) {
   for (std::size_t k = 0; k < 3; ++k) {
     if (t.normal.cross(t.rigid[(k + 1) % 3] - t.rigid[k]).dot(p - t.rigid[k]) < 0) return false;

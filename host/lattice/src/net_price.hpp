@@ -32,7 +32,7 @@ struct EstimatedPrice {
   double rounded = 0.0;
 };
 
-/// Both prices of a net, of which it follows the changes. Islands are in one group where two free sides lie within
+/// Both prices of a net, updated from its changes. Islands are in one group where two free sides lie within
 /// `jumper_mm` and face each other. One object a thread. Cost: what changed since the last call, and a few ns for each
 /// module.
 class NetPrice {

@@ -9,7 +9,7 @@
 namespace triskin::geometry::surface_lattice {
 namespace {
 
-constexpr double kLayer_mm = 10.0;  // modules farther apart along the normal lie on different sheets
+constexpr double kLayer_mm = 10.0;  // Modules farther apart along the normal lie on different sheets.
 constexpr double kOpposite = -0.2;
 
 // Segment through the inside of a triangle: its ends lie on different sides of the plane, and the point between them,

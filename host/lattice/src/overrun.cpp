@@ -17,9 +17,9 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kStep_mm = 0.02;                           // the largest overrun is found to this
-constexpr double kFineSide_mm = 5e-4, kFineArea_mm = 4e-3;  // parts that reach no farther are not divided
-constexpr double kTouching_mm = 1e-7;                       // distances that count as equal
+constexpr double kStep_mm = 0.02;                           // The largest overrun is found with this accuracy.
+constexpr double kFineSide_mm = 5e-4, kFineArea_mm = 4e-3;  // Parts that reach no farther are not divided.
+constexpr double kTouching_mm = 1e-7;                       // Distances closer than this count as equal.
 
 /// A point of a module over surface and border.
 struct Stand {
@@ -65,7 +65,8 @@ double way_to_nearer(const Vec3& p, const Vec3& f, const Vec3& b) {
 /// One face of the surface with the planes through its sides, across it.
 class FacePrism {
  public:
-  static constexpr double kTouch_mm = 1e-6;  // a part may reach past a side by this: no splinters at the sides
+  // A part may reach past a side by this, which avoids splinters at the sides.
+  static constexpr double kTouch_mm = 1e-6;
 
   FacePrism(const Surface& surface, int face) : n_(surface.face_normal(face)) {
     const auto& f = surface.mesh().faces[at(face)];
@@ -86,7 +87,7 @@ class FacePrism {
   Vec3 n_;
 };
 
-using Polygon = std::vector<Vec3>;  // convex
+using Polygon = std::vector<Vec3>;  // All polygons are convex.
 
 // The two sides of a convex polygon at a line, given by its signed distance: negative, positive.
 std::pair<Polygon, Polygon> cut(const Polygon& polygon, const auto& distance) {
@@ -143,10 +144,10 @@ class OverrunSearch {
 
   const Surface& surface_;
   Overrun best_;
-  std::vector<BorderPoint> near_;  // the border near the point that may_exceed() was asked for last
+  std::vector<BorderPoint> near_;  // Border near the point of the last may_exceed().
 };
 
-// Whether a part of the module, all within `reach` of a point, may stand over the border by more than is known. The
+// True if a part of the module, all within `reach` of a point, may stand over the border by more than is known. The
 // distances to the surface and to an edge change by no more than the way of the point, so an edge that is nearest to
 // some point of the part lies within twice the reach of being nearest here; the part may lie under another sheet of the
 // surface, so that it need not be the nearest one here. Of two edges at a corner one passes the test of the side.
@@ -214,7 +215,7 @@ std::pair<const Vec3&, const Vec3&> OverrunSearch::ends_of(const BorderPoint& b)
   return {corner(b.side), corner(b.side + 1)};
 }
 
-// Whether no point of a part can stand over the border by more than is known, by one face alone: then the part need not
+// True if no point of a part can stand over the border by more than is known, by one face alone: then the part need not
 // be divided where a border runs along the surface, as that of another sheet that ends there. The surface is no farther
 // than the face, and the distance to a face is largest at a corner of the part: no point stands over a border by more.
 bool OverrunSearch::is_close(const FacePrism& face, std::span<const Vec3> part) const {
@@ -303,7 +304,7 @@ void OverrunSearch::area(const std::array<Vec3, 3>& part, const Near& near) {
     for (const auto& p : *beside) area(p, Near::beside(s, reach));
     return;
   }
-  std::size_t k = 0;  // the longest side, so that thin parts do not stay thin
+  std::size_t k = 0;  // The longest side is divided so that thin parts do not stay thin.
   for (const std::size_t other : {1UL, 2UL})
     if ((part[(other + 1) % 3] - part[other]).norm() > (part[(k + 1) % 3] - part[k]).norm()) k = other;
   const Vec3 &a = part[k], &b = part[(k + 1) % 3], &c = part[(k + 2) % 3], ab = 0.5 * (a + b);

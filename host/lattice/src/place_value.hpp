@@ -35,7 +35,7 @@ class PlaceValue {
  public:
   explicit PlaceValue(const CopiedRegions& regions) : regions_(regions) {}
   [[nodiscard]] double operator()(const LatticeMesh& net);
-  /// Whether a module lies near enough to a place that must be covered.
+  /// True if a module lies near enough to a place that must be covered.
   [[nodiscard]] static bool covered(const LatticeMesh& net, const SurfaceRegions::MustCover& place);
 
  private:

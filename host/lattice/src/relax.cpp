@@ -66,7 +66,7 @@ void Relaxer::choose(const LatticeMesh& net, int triangle, double radius_mm) {
   saved_.clear();
   changed_.clear();
   near_.clear();
-  is_local_[at(triangle)] = 1;  // also one between fixed modules, which has no corner to move
+  is_local_[at(triangle)] = 1;  // This includes a module between fixed ones, which has no corner to move.
   net.near(place, radius_mm + 2.0 * kReach_mm + kPair_mm, near_);
   Vec3 low = place, high = place;
   for (const int t : near_) {
@@ -103,7 +103,7 @@ void Relaxer::find_pairs(const LatticeMesh& net) {
   pairs_.clear();
   for (const int a : triangles_) {
     for (const int b : near_) {
-      if (b == a || (b < a && is_local_[at(b)])) continue;  // found from its own side
+      if (b == a || (b < a && is_local_[at(b)])) continue;  // The pair is found from its own side.
       if ((net.center(a) - net.center(b)).squaredNorm() < kPair_mm * kPair_mm && !net.joined(a, b)) {
         pairs_.push_back({a, b, net.in_fan(a, b)});
       }
@@ -120,7 +120,7 @@ void Relaxer::add_residual(double value, double weight, const std::array<int, 2>
     const Moving& m = moving_[at(r.local[k])];
     r.gradient[k] = {gradient[k].dot(m.x), gradient[k].dot(m.y)};
   }
-  if (r.local[0] == r.local[1]) return;  // a corner cannot part from itself
+  if (r.local[0] == r.local[1]) return;  // A corner cannot part from itself.
   if (r.local[0] < r.local[1]) {
     std::swap(r.local[0], r.local[1]);
     std::swap(r.gradient[0], r.gradient[1]);
@@ -171,7 +171,7 @@ void Relaxer::add_border(const LatticeMesh& net) {
 
 void Relaxer::add_side_at_border(const NetTriangle& triangle, std::size_t side) {
   const double cut = triangle.corner_cut_mm / kSide_mm;
-  const bool is_cut = cut > 0.0;  // else the end of the side is the start of the next
+  const bool is_cut = cut > 0.0;  // Without a cut, the end of the side is the start of the next.
   const double spacing = is_cut ? 0.25 * (1.0 - 2.0 * cut) : 0.2;
   for (int k = 0; k < 5;) {
     const double x = cut + k * spacing;

@@ -22,18 +22,18 @@ class Relaxer {
   /// Takes back the last relax (triangles added before it stay).
   void undo(LatticeMesh& net) const;
   [[nodiscard]] const std::vector<int>& changed() const { return changed_; }
-  /// Pairs of triangles, not joined, of which one may have moved and that are near enough to overlap.
+  /// Pairs of unjoined triangles that are near enough to overlap, where one may have moved.
   [[nodiscard]] std::vector<Pair>& pairs() { return pairs_; }
 
  private:
   struct Moving {
     int vertex;
-    double key;  // along the line that sorts them
-    Vec3 x, y;   // tangent frame
+    double key;  // Position along the line that sorts them.
+    Vec3 x, y;   // Axes of the tangent frame.
     Vec3 saved_point, saved_normal;
     double saved_lift_mm;
     double wanted_lift_mm;
-    bool is_lifted;  // or lowered, by the last apply_lift()
+    bool is_lifted;  // The last apply_lift() lifted or lowered it.
   };
   struct KnownGap {
     Vec3 center = Vec3::Zero();
@@ -41,7 +41,7 @@ class Relaxer {
   };
   struct Residual {
     double value, weight;
-    std::array<int, 2> local;  // moving vertices, −1: fixed; the first is never −1
+    std::array<int, 2> local;  // Moving vertices, −1: fixed; the first is never −1.
     std::array<std::array<double, 2>, 2> gradient;
   };
   void choose(const LatticeMesh& net, int triangle, double radius_mm);
@@ -64,12 +64,12 @@ class Relaxer {
   NearSurface& surface_;
   double lift_mm_;
   double overhang_mm_ = 0.0;  // Corners may extend over the border by this much because they are cut off.
-  std::vector<int> local_;    // vertex → index among the moving ones, or -1
+  std::vector<int> local_;    // Maps a vertex to its index among the moving ones, or -1.
   std::vector<Moving> moving_;
   std::vector<int> triangles_, near_, changed_;
   std::vector<ModuleShape> saved_;    // Former shapes of triangles_.
   std::vector<KnownGap> known_gaps_;  // Indexed by triangle: where its centre was measured last.
-  std::vector<char> is_local_;        // triangle → in triangles_
+  std::vector<char> is_local_;        // Indexed by triangle: true if it is in triangles_.
   std::vector<Pair> pairs_;
   std::vector<Residual> residuals_;
   std::vector<int> first_;

@@ -21,7 +21,7 @@ constexpr int kSideParts = 4;
 constexpr double kClear_mm = 5.0;  // A point farther from the border than a module may stand off is not over it.
 // A module whose centre is farther from the border does not reach over it.
 constexpr double kBorderFar_mm = 2.0 * kHeight_mm / 3.0 + kClear_mm;
-constexpr double kOutward = 0.6;  // cosine between module and surface
+constexpr double kOutward = 0.6;  // Cosine between module and surface.
 // Probes stand this far apart along the border, and beyond it at this multiple of the limit.
 constexpr double kProbeStep_mm = 1.0, kProbeOut = 1.01;
 constexpr double kProbeHeight_mm = 8.0;

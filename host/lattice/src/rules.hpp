@@ -50,7 +50,7 @@ class Rules {
   [[nodiscard]] Refusal evaluate(NearSurface& surface, const LatticeMesh& net, const std::vector<int>& triangles,
                                  std::vector<Pair>& pairs, std::vector<KnownSides>& known) const;
 
-  /// Whether a side stands over the border by more than is allowed, as it is measured at the end: evaluate() looks at
+  /// True if a side stands over the border by more than is allowed, as it is measured at the end: evaluate() looks at
   /// the border in steps. Cost: some 0.05 ms at the border, nothing far from it.
   [[nodiscard]] bool exceeds_overrun(NearSurface& surface, const NetTriangle& triangle) const;
 
@@ -65,7 +65,7 @@ class Rules {
 
   LayoutLimits limits_;  // The margin is already taken off.
   double fold_cosine_;
-  std::vector<Vec3> probes_;  // points just outside the border: no module may cover one
+  std::vector<Vec3> probes_;  // Points just outside the border, which no module may cover.
   PointGrid probe_grid_;
   std::vector<Vec3> free_points_;
   PointGrid free_grid_;

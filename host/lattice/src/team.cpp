@@ -7,8 +7,8 @@
 namespace triskin::geometry::surface_lattice {
 namespace {
 
-constexpr int kMinInAZone = 32;  // modules, the half of the band round it with them
-constexpr double kBehind = 0.5;  // modules, that the last annealing hardly makes good
+constexpr int kMinInAZone = 32;  // Counts modules, including half of the band around the zone.
+constexpr double kBehind = 0.5;  // The last annealing hardly makes up for a deficit of this many modules.
 
 }  // namespace
 

@@ -18,7 +18,7 @@ class Team {
   /// Gives every chain its zone. To be followed by a run of each, and merge().
   void divide_work();
   void merge();
-  /// Takes over what another team found, where that is better by more than the annealing would find.
+  /// Takes over the layout of another team if it is better by more than the annealing would gain.
   void catch_up(const Chain& best);
 
  private:
@@ -27,10 +27,10 @@ class Team {
   const GrowthTask& task_;
   std::deque<Chain>& chains_;
   std::size_t first_, count_;
-  std::size_t working_ = 1;  // chains in this round
+  std::size_t working_ = 1;  // Number of chains in this round.
 };
 
-/// The chains in teams of at most `most` ≥ 1, the last one of what is left.
+/// Divides the chains into teams of at most `most` ≥ 1; the last team gets the rest.
 [[nodiscard]] std::vector<Team> teams_of(const GrowthTask& task, std::deque<Chain>& chains, int most);
 
 }  // namespace triskin::geometry::surface_lattice

@@ -39,7 +39,7 @@ std::string why_uncovered(const Surface& surface, const LayoutLimits& limits, co
         LatticeMesh net(surface.mesh().vertices, options.corner_cut_mm);
         if (!grower.try_seed(net, corners)) continue;
         if (distance_beside(net.triangles()[0].rigid, options.corner_cut_mm, place_mm) <= within_mm) return "room";
-        ++grower.refused[static_cast<std::size_t>(Refusal::kOverrun)];  // the border pushed it away
+        ++grower.refused[static_cast<std::size_t>(Refusal::kOverrun)];  // The border pushed the module away.
       }
     }
   }

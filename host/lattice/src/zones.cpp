@@ -58,7 +58,7 @@ class Merge {
  private:
   static constexpr int kShared = -1;
   struct Entry {
-    int zone;  // kShared: in all zones, as it was
+    int zone;  // kShared: in all zones, unchanged.
     int triangle;
     int number = -1;  // Number in the merged lattice.
     int island = -1;  // An entry of the same island, which serves as its leader.
@@ -191,7 +191,7 @@ class Merge {
   const std::vector<ZoneNet>& zones_;
   std::vector<Entry> entries_;
   std::vector<int> first_corner_;  // Indexed by zone.
-  DisjointSets corners_;           // vertices of all zones
+  DisjointSets corners_;           // Joins the vertices of all zones.
 };
 
 }  // namespace

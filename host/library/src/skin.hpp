@@ -120,7 +120,7 @@ class Skin {
   const Source source_;
   const device::StreamOptions stream_options_;
   const double queue_s_;
-  const bool virtual_time_;  // time passes only when somebody waits
+  const bool virtual_time_;  // Time passes only when somebody waits.
   std::vector<std::unique_ptr<BusReader>> buses_;
   // Indexed by bus: samples of this slice, used only by the bus's receiving thread.
   std::vector<std::vector<triskin_sample>> fresh_;
@@ -134,7 +134,7 @@ class Skin {
   std::uint64_t lost_here_ = 0;
   std::exception_ptr failure_;
   bool running_ = false, ending_ = false;
-  bool started_ = false;  // once at least; the caller's thread alone
+  bool started_ = false;  // Used only by the caller's thread.
 };
 
 }  // namespace triskin::library

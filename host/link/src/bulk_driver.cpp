@@ -56,7 +56,8 @@ class BulkDriver final : public UsbDriver {
       throw DeviceError(fmt::format("usb: this computer has no USB ({})", ::libusb_error_name(error)));
     }
     constexpr int kEvents = LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED | LIBUSB_HOTPLUG_EVENT_DEVICE_LEFT;
-    if (::libusb_has_capability(LIBUSB_CAP_HAS_HOTPLUG) == 0) return;  // then the link scans for devices by itself
+    // Without hot-plug events the link scans for devices by itself.
+    if (::libusb_has_capability(LIBUSB_CAP_HAS_HOTPLUG) == 0) return;
     (void)::libusb_hotplug_register_callback(context_, kEvents, 0, wire::kUsbVendor, wire::kUsbProduct,
                                              LIBUSB_HOTPLUG_MATCH_ANY, note_change, this, nullptr);
   }

@@ -28,7 +28,7 @@ bool configure(int socket, bool fd) {
   options.flags = CAN_ISOTP_TX_PADDING;
   options.txpad_content = wire::IsoTp::kPadding;
   if (!set_option(socket, CAN_ISOTP_OPTS, options)) return false;
-  can_isotp_fc_options flow{};  // no pauses, no blocks: this computer is fast enough
+  can_isotp_fc_options flow{};  // This computer is fast enough to need neither pauses nor blocks.
   if (!set_option(socket, CAN_ISOTP_RECV_FC, flow)) return false;
   if (!fd) return true;
   can_isotp_ll_options frames{};

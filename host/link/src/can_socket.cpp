@@ -81,7 +81,7 @@ CanSocket::CanSocket(const std::string& interface) : interface_(interface) {
     (void)set_option(socket_, SOL_SOCKET, SO_RXQ_OVFL, on);
     if (fd_ && !set_option(socket_, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, on)) fd_ = false;
     (void)set_option(socket_, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, errors);
-    const int buffer_bytes = 4 << 20;  // a stream of 16 patches for a second
+    const int buffer_bytes = 4 << 20;  // Holds a stream of 16 patches for a second.
     if (!set_option(socket_, SOL_SOCKET, SO_RCVBUFFORCE, buffer_bytes))
       (void)set_option(socket_, SOL_SOCKET, SO_RCVBUF, buffer_bytes);
     sockaddr_can address{};

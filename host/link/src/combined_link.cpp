@@ -43,7 +43,7 @@ std::optional<wire::CanFrame> CombinedLink::receive(std::uint64_t until_us) {
     const std::uint64_t slice_us = std::min(kSlice_us, until_us - now);
     const std::uint64_t began_us = now;
     if (auto frame = receive_from(next_, slice_us)) return frame;
-    if (now_us() < began_us + slice_us) return std::nullopt;  // a channel of this link has a message
+    if (now_us() < began_us + slice_us) return std::nullopt;  // A channel of this link has a message.
   }
 }
 

@@ -26,7 +26,8 @@ class HidPipe final : public UsbPipe {
   HidPipe& operator=(const HidPipe&) = delete;
 
   void write(const wire::UsbPacket& packet) override {
-    std::array<std::uint8_t, wire::kUsbPacketBytes + 1> report{};  // the first byte is the report id: there are none
+    // The first byte is the report id, which is not used.
+    std::array<std::uint8_t, wire::kUsbPacketBytes + 1> report{};
     std::copy(packet.bytes.begin(), packet.bytes.end(), report.begin() + 1);
     if (::hid_write(device_, report.data(), report.size()) < 0)
       throw DeviceError("hid: " + serial_ + " cannot be written: unplugged");

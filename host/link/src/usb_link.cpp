@@ -81,7 +81,7 @@ void UsbLink::remove_gone() {
     const std::lock_guard lock(mutex_);
     return d->gone;
   });
-  if (devices_.empty()) open_new_devices();  // it may have come back under another address
+  if (devices_.empty()) open_new_devices();  // The device may have come back under another address.
 }
 
 void UsbLink::reconnect() {

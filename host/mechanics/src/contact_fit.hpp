@@ -12,7 +12,7 @@ namespace triskin::mechanics {
 struct FitPriors {
   double position_sd_mm = 5.0;
   double log_force_sd = 2.0;
-  double log_radius = 2.4849;  // ln 12 mm
+  double log_radius = 2.4849;  // This is ln 12 mm.
   double log_radius_sd = 1.0;
 };
 

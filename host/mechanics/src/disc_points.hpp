@@ -7,7 +7,7 @@ namespace triskin::mechanics {
 
 struct DiscPoint {
   Eigen::Vector2d position;  // Position in radii of the disc.
-  double weight;             // all add up to 1
+  double weight;             // All weights add up to 1.
 };
 
 /// Points whose weighted sum is the mean over a disc: six rings of Gauss in r² with sixteen points each, turned

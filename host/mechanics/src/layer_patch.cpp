@@ -93,7 +93,7 @@ double PressureSearch::step() {
   return (pressure_ - before).abs().sum() / sum_;
 }
 
-// Whether all of the contact lies so far inside that the copies of the patch around it do not matter.
+// True if all of the contact lies so far inside that the copies of the patch around it do not matter.
 bool is_clear_of_border(const Layer& layer, const PatchContact& contact) {
   const PatchGrid& grid = contact.grid;
   const int margin = static_cast<int>(std::ceil(kBorderThicknesses * layer.thickness_mm / grid.spacing_mm));

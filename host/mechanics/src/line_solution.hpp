@@ -27,7 +27,7 @@ class LineSolution {
 
   double half_width_, indentation_ = 0.0;
   Eigen::VectorXd coefficients_;
-  Eigen::ArrayXd points_, weighted_pressure_;  // nodes in −a … a, pressure times weight there
+  Eigen::ArrayXd points_, weighted_pressure_;  // Nodes in −a … a, and pressure times weight there.
   Quadrature spectrum_;
   Eigen::ArrayXd smooth_terms_, base_terms_;
 };

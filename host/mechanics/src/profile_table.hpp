@@ -15,7 +15,7 @@ inline constexpr double kProfileReach = 16.0;
 /// What one gap does at one contact radius. Profiles are sampled at the points of profile_points().
 struct TableRow {
   double indentation = 0.0, force = 0.0, peak = 0.0;
-  Eigen::ArrayXd displacement;  // outside the contact
+  Eigen::ArrayXd displacement;  // Displacement outside the contact.
   Eigen::ArrayXd base_outside, base_inside;
 
   TableRow& operator+=(const TableRow& other);

@@ -56,7 +56,7 @@ class RadialSystem {
 
   double poisson_, contact_radius_;
   Quadrature nodes_, spectrum_;
-  Eigen::MatrixXd cosines_;  // rows are wave numbers, columns are nodes
+  Eigen::MatrixXd cosines_;  // Rows are wave numbers, columns are nodes.
   Eigen::ArrayXd deficit_;   // N times the weights of the spectrum
   Eigen::PartialPivLU<Eigen::MatrixXd> factors_;
 };
@@ -66,7 +66,7 @@ struct FieldSpectrum {
   FieldSpectrum(const RadialSystem& system, double reach);
   Quadrature rule;
   Eigen::MatrixXd cosines;
-  Eigen::ArrayXd deficit, base;  // kernels times weights
+  Eigen::ArrayXd deficit, base;  // Kernels times weights.
 };
 
 /// Fields of a density, for distances up to the reach of the spectrum.
@@ -87,7 +87,7 @@ class RadialField {
   double contact_radius_;
   RadialDensity density_;
   NodeInterpolation interpolate_;
-  Eigen::ArrayXd wave_numbers_, deficit_terms_, base_terms_;  // kernel times transform of the pressure times weight
+  Eigen::ArrayXd wave_numbers_, deficit_terms_, base_terms_;  // Kernel times transform of the pressure times weight.
 };
 
 /// Sum of terms · J0(wave_numbers · r).

@@ -42,7 +42,7 @@ class Arrangement {
   }
 
  private:
-  using Line = std::pair<Point3, Point3>;  // twice the same: a point
+  using Line = std::pair<Point3, Point3>;  // A point is stored as a line with two equal ends.
 
   static Point3 exact(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
   [[nodiscard]] Kernel::Triangle_3 triangle(int face) const {
@@ -110,7 +110,7 @@ class Arrangement {
   }
 
   const Mesh& mesh_;
-  std::map<int, std::vector<Line>> lines_;  // face → what others draw on it
+  std::map<int, std::vector<Line>> lines_;  // Keyed by face: the lines that others draw on it.
   std::map<Point3, int> vertex_;
   Mesh result_;
 };

@@ -50,7 +50,7 @@ class CollapsingMesh {
   void point_side(int face, int from, int to, int neighbour);
 
   const std::vector<Vec3>& places_;
-  std::vector<std::array<int, 3>> faces_, neighbours_;  // a face that is gone: corners −1
+  std::vector<std::array<int, 3>> faces_, neighbours_;  // A removed face has corners −1.
   std::size_t n_faces_;
   std::vector<int> face_of_;      // Vertex → one of its faces, −1: removed.
   std::vector<char> is_locked_;   // Indexed by vertex: its faces are not a single fan.

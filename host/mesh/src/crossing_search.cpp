@@ -62,7 +62,7 @@ Height height_of(const Vec3& axis, const Vec3& p, const Vec3& from) {
   return {height - error, height + error};
 }
 
-// Whether all points of one lie above, along the axis, what all points of the other do.
+// True if all points of one lie above, along the axis, what all points of the other do.
 bool is_above(const Vec3& axis, std::span<const Vec3> one, std::span<const Vec3> other, const Vec3& from) {
   double least = std::numeric_limits<double>::infinity(), most = -least;
   for (const Vec3& p : one) least = std::min(least, height_of(axis, p, from).low);

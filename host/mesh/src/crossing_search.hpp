@@ -15,7 +15,7 @@ struct CrossingSearch {
   IsLate is_late{};      ///< ends the search; asked between some ten thousands of faces
 };
 
-/// What was found.
+/// Pairs of crossing faces, and the cost of the search.
 struct Crossings {
   std::vector<std::pair<int, int>> pairs;  ///< low and high number of two faces, sorted; one twice: it has no area
   std::size_t tested = 0;                  ///< faces that were tested against all others

@@ -81,7 +81,7 @@ class Way {
   // Mean over the area from the middles of the changed triangles, or of a sample at even steps of area if there are
   // many.
   [[nodiscard]] double mean() const {
-    std::vector<double> until;  // area of the changed ones up to each
+    std::vector<double> until;  // Area of the changed triangles up to each.
     double sum = 0.0;
     for (const Triangle& t : changed_) until.push_back(sum += area_of(t));
     if (!(sum > 0.0)) return 0.0;
@@ -147,9 +147,10 @@ class Way {
 
 // What is not settled yet: faces of a mesh, or one triangle that may be a part of a face.
 struct Open {
-  double upper = std::numeric_limits<double>::infinity();  // also of what it is a part of
+  // Bound that also holds for the triangle that it is a part of.
+  double upper = std::numeric_limits<double>::infinity();
   const Way* way = nullptr;
-  std::span<Triangle> faces{};  // more than one; else `part`
+  std::span<Triangle> faces{};  // Holds several faces; a single one is in `part`.
   Triangle part{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
 };
 

@@ -40,7 +40,7 @@ EdgeSides::EdgeSides(const Mesh& mesh) : sides_(3 * mesh.faces.size()) {
 std::vector<std::array<int, 3>> neighbours_of(const Mesh& mesh) {
   std::vector<std::array<int, 3>> neighbour(mesh.faces.size(), {-1, -1, -1});
   const auto start = [&](const EdgeSide& s) { return mesh.faces[at(s.face)][at(s.side)]; };
-  std::optional<EdgeSide> repeats;  // the first side with the direction of an earlier one
+  std::optional<EdgeSide> repeats;  // First side with the direction of an earlier one.
   const EdgeSides sides(mesh);
   sides.each_edge([&](std::span<const EdgeSide> edge) {
     for (std::size_t k = 1; k < edge.size(); ++k) {
@@ -61,7 +61,7 @@ std::vector<std::array<int, 3>> neighbours_of(const Mesh& mesh) {
 }
 
 std::vector<std::vector<int>> border_loops_of(const Mesh& mesh, const std::vector<std::array<int, 3>>& neighbours) {
-  std::multimap<int, int> next;  // border edges; a pinched vertex has several
+  std::multimap<int, int> next;  // Border edges by start vertex; a pinched vertex has several.
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     for (std::size_t s = 0; s < 3; ++s) {
       if (neighbours[f][s] < 0) next.emplace(mesh.faces[f][s], mesh.faces[f][(s + 1) % 3]);

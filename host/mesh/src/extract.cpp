@@ -220,12 +220,12 @@ class Extractor {
   std::vector<bool> keep_;
   Mesh result_;
   std::vector<int> fan_;
-  bool has_unjoined_ = false;                     // faces that meet at an edge and are not neighbours there
-  std::unordered_set<std::uint64_t> used_edges_;  // directed: from, to
+  bool has_unjoined_ = false;                     // Some faces meet at an edge and are not neighbours there.
+  std::unordered_set<std::uint64_t> used_edges_;  // Directed edges: from, to.
   ExtractReport report_;
 };
 
-constexpr unsigned kWrap_s = 600;   // processor time
+constexpr unsigned kWrap_s = 600;   // This limit is processor time.
 constexpr double kShattered = 0.6;  // The largest part should have this share of the area.
 // Faces per second of the repair (measured: 44 µs of processor time each).
 constexpr double kRepairedFaces = 20'000.0;

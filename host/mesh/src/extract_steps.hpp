@@ -80,7 +80,7 @@ inline constexpr double kVisibilityTimeShare = 0.12;
 /// is a manifold. Sorted. In a child process on one thread. Cost: O(n log n) typical.
 [[nodiscard]] std::vector<std::pair<int, int>> crossing_faces(const Mesh& mesh, int threads = all_threads());
 
-/// Whether there are any.
+/// True if there are any.
 [[nodiscard]] bool crosses_itself(const Mesh& surface);
 
 /// Distances both ways between the outside faces of the input and all of the result. largest_mm is a proved bound,

@@ -14,8 +14,8 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kNeedle = 0.03;  // height over longest edge; new faces are worse only where old ones are
-constexpr double kLean = 0.5;     // cosine between a face and the mean normal; likewise
+constexpr double kNeedle = 0.03;  // Height over longest edge; new faces are worse only if old ones are.
+constexpr double kLean = 0.5;  // Cosine between a face and the mean normal; new faces are worse only if old ones are.
 
 double squared(const auto& a, const auto& b) {
   return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y) + (a.z - b.z) * (a.z - b.z);

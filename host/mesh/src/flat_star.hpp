@@ -18,7 +18,7 @@ class FlatStar {
   /// one border edge to the other.
   FlatStar(const Vec3& middle, std::span<const Vec3> ring, bool is_open);
 
-  /// Whether the faces lie side by side, none over another and none turned over: nothing is known of others.
+  /// True if the faces lie side by side, none over another and none turned over: nothing is known of others.
   [[nodiscard]] bool is_flat() const { return is_flat_; }
 
   struct Change {
@@ -35,7 +35,7 @@ class FlatStar {
     double x, y, z;  // Position relative to the middle; z along the mean normal.
   };
   struct Face {
-    double shape, lean;  // lean: cosine between its normal and the mean
+    double shape, lean;  // Lean is the cosine between its normal and the mean.
   };
   [[nodiscard]] std::size_t faces() const { return is_open_ ? size_ - 1 : size_; }
   [[nodiscard]] std::size_t next(std::size_t k) const { return k + 1 == size_ ? 0 : k + 1; }

@@ -17,7 +17,7 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr int kMargin = 3;          // empty cells around the mesh
+constexpr int kMargin = 3;          // Number of empty cells around the mesh.
 constexpr double kLevel = 0.9;      // In cells: over half a body diagonal, so that no sheet slips between two nodes.
 constexpr double kFromNode = 0.05;  // A corner of the result keeps this share of the edge away from the nodes.
 constexpr int kBlock = 4;

@@ -26,7 +26,7 @@ constexpr unsigned kWallFactor = 10;
   setrlimit(RLIMIT_CPU, &limit);
   setrlimit(RLIMIT_CORE, &none);
   for (const int s : {SIGABRT, SIGSEGV, SIGFPE, SIGBUS}) std::signal(s, SIG_DFL);
-  if (std::freopen("/dev/null", "w", stderr) == nullptr) _exit(1);  // the library's last words
+  if (std::freopen("/dev/null", "w", stderr) == nullptr) _exit(1);  // Suppresses the library's last messages.
   const std::string bytes = work();
   for (std::size_t at = 0; at < bytes.size();) {
     const ssize_t n = ::write(pipe, bytes.data() + at, bytes.size() - at);
@@ -57,7 +57,7 @@ std::optional<std::string> run_isolated(const std::function<std::string()>& work
     pollfd ready{ends[0], POLLIN, 0};
     if (!is_ended && has_to_end()) {
       ::kill(pid, SIGKILL);
-      is_ended = true;  // and the pipe with it
+      is_ended = true;  // The pipe has ended as well.
     } else if (!is_ended && ::poll(&ready, 1, kPoll_ms) <= 0) {
       continue;
     }

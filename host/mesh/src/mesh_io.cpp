@@ -191,7 +191,8 @@ MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> 
   const std::string read = read_file(path);  // Once, because it may be a pipe.
   if (cad::is_cad_file(path, read)) return read_part_mesh(path, read, unit, with_body(faces, object));
   if (!faces.is_empty())
-    throw InputError(fmt::format("{}: only STEP and IGES files have faces to choose; leave the options for faces out", name));
+    throw InputError(
+        fmt::format("{}: only STEP and IGES files have faces to choose; leave the options for faces out", name));
   const std::string bytes = without_utf16(read);
   if (bytes.empty()) throw InputError(fmt::format("{}: the file is empty", name));
   if (const std::string what = foreign_content(bytes); !what.empty())

@@ -33,7 +33,7 @@ constexpr double kHiddenVisibility = 0.05;      // A part of the arrangement tha
 constexpr std::size_t kVisibilitySamples = 48;  // This many faces of a part are sampled.
 constexpr double kLooseShare = 0.05;  // Losing more of the area with small parts, the input counts as shattered.
 constexpr double kGoodDeviation_mm = 5.0, kGoodMean_mm = 0.2;  // Up to these values the next way is not tried.
-constexpr double kSlitWidth_mm = 0.1;  // area of a border loop to its length: a hole of 0.4 mm across has this
+constexpr double kSlitWidth_mm = 0.1;  // Area of a border loop to its length: a hole of 0.4 mm across has this.
 constexpr std::size_t kMaxSlitCorners = 60, kMaxSlits = 10;
 constexpr double kGridNodes = 1.5e6;
 constexpr double kGridCost_s = 1e-4;  // Measured time for each cell² of the area, with all that follows.
@@ -277,7 +277,7 @@ Mesh without_hidden_parts(const Mesh& mesh, double visibility_s) {
       sum += area * std::max(visibility[k].front, visibility[k].back);
       total += area;
     }
-    if (sum < kHiddenVisibility * total) continue;  // not so where none was asked
+    if (sum < kHiddenVisibility * total) continue;  // A part without samples is kept.
     for (const int f : parts[p]) result.faces.push_back(mesh.faces[at(f)]);
   }
   return result.faces.empty() ? mesh : result;
@@ -383,7 +383,7 @@ class Repairer {
                  options_.outer == ExtractOptions::When::kAlways);
   }
 
-  // What follows a wrap takes as long again as its share; what is left of the time must hold both.
+  // The steps after a wrap take as long as its share; the remaining time must hold both.
   void wrap(double alpha_mm) {
     const double max_s = std::min(kWrapShare * options_.repair_s, 0.5 * time_.left_s());
     if (kWrapCost_s * area_of(reference_.mesh) / (alpha_mm * alpha_mm) > max_s) return;

@@ -80,7 +80,7 @@ void Surface::compute_normals() {
 
 void Surface::find_border() {
   std::vector<int> before(mesh_.vertices.size(), -1),
-      after = before;  // along the border; of several at a vertex the last
+      after = before;  // The walk follows the border; of several edges at a vertex the last one counts.
   for (std::size_t f = 0; f < mesh_.faces.size(); ++f) {
     for (int s = 0; s < 3; ++s) {
       if (neighbour_[f][at(s)] >= 0) continue;

@@ -98,7 +98,7 @@ double SurfaceRegions::inside_mm(std::size_t region, const Vec3& p, int face) co
   if (const auto* b = std::get_if<design::Box>(&r.shape))
     return std::min((p - b->low_mm).minCoeff(), (b->high_mm - p).minCoeff());
   const Group& group = groups_[region];
-  double least = 1e6;  // the whole surface
+  double least = 1e6;  // Larger than any surface.
   for (const auto& edge : group.rim) least = std::min(least, distance_to_segment(p, edge));
   return group.holds[at(face)] ? least : -least;
 }

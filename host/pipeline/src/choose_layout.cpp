@@ -33,7 +33,7 @@ std::vector<WiredLayout> priced(const geometry::Surface& surface, std::vector<de
                                 const geometry::SurfaceRegions* regions, int threads) {
   std::vector<std::optional<WiredLayout>> done(layouts.size());
   geometry::RoutingOptions one_thread = routing;
-  if (layouts.size() > 1) one_thread.threads = 1;  // those of the layouts do
+  if (layouts.size() > 1) one_thread.threads = 1;  // The layouts already occupy the threads.
   in_parallel(threads, layouts.size(), [&](std::size_t k) {
     if (k == 0 || !routing.give_up || !routing.give_up())
       done[k] = priced(surface, std::move(layouts[k]), limits, one_thread, regions);

@@ -38,7 +38,7 @@ struct WiredLayout {
                                               const geometry::RoutingOptions& routing,
                                               const geometry::SurfaceRegions* regions, int threads);
 
-/// Those of which none is worth at least as much for a lower or equal price: the highest worth first.
+/// Layouts that no other beats in both value and price, the highest value first.
 [[nodiscard]] std::vector<design::Alternative> front_of(const std::vector<WiredLayout>& wired);
 
 }  // namespace triskin::pipeline

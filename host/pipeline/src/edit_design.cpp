@@ -132,7 +132,7 @@ std::vector<WiredLayout> choices_around(const design::Design& d, const geometry:
   lattice.regions = regions;
   const auto solver = geometry::solver_mesh_of(surface, d.limits, geometry::kSolverDeviation_mm, options.threads);
   lattice.solver = solver ? &*solver : nullptr;
-  constexpr double kWiring = 3.0;  // pricings that the layouts and the wiring take after the growth
+  constexpr double kWiring = 3.0;  // Layouts and wiring take this many times the pricing after the growth.
   lattice.time_limit_s = std::max(0.5 * options.time_limit_s, options.time_limit_s - kWiring * pricing_s);
   std::vector<design::ModuleLayout> grown = geometry::grow_front(surface, d.limits, lattice, progress);
   report(progress, "pricing", -1.0, fmt::format("{} layouts", grown.size()));

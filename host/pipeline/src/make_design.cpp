@@ -100,7 +100,7 @@ bool take_surface(geometry::Extraction& extraction, const DesignOptions& options
   if (taken.choice.has_wall) {
     const bool both = options.side.wanted == geometry::SideWanted::kBoth;
     design.side = design::PartSide{geometry::side_name(taken), taken.choice.is_certain, taken.choice.wall_mm,
-                   both ? geometry::Mesh{} : part};
+                                   both ? geometry::Mesh{} : part};
   }
   design.surface = extraction.surface;
   if (notes != nullptr) notes->side = std::move(taken);
@@ -155,7 +155,7 @@ std::vector<geometry::TiledPiece> place_pieces(design::Design& design, const geo
                  0.7 * (kPiecesShare * options.time_limit_s - seconds_since(start)) * area / std::max(area_left, 1.0));
     area_left -= area;
     geometry::PlacementResult result;
-    result.proved = true;  // a piece smaller than a module holds none
+    result.proved = true;  // A piece smaller than a module holds none.
     if (area >= design::module_area_mm2(options.corner_cut_mm)) result = geometry::place(piece.outline, p);
     report(progress, "placing", -1.0,
            fmt::format("{} modules on piece {} of {}", result.modules, design.pieces.size() + 1, net.pieces.size()));
@@ -173,7 +173,7 @@ void require_places(const design::KindPlan& plan) {
       "--kinds, then run triskin edit DESIGN --kinds");
 }
 
-// What the pieces gave, from which the time of the growth and of what follows is told.
+// Results of the pieces, from which the time of the growth and of later steps is estimated.
 struct PiecesDone {
   double at_most;               // Upper bound of the modules, by area.
   double uncovered;             // Share of the surface, 0 … 1.

@@ -90,7 +90,7 @@ class Skin {
 
   py::array_t<triskin_sample> read(double seconds) {
     constexpr double kSlice_s = 0.05;
-    constexpr double kLeast_s = 1e-5;  // seconds since 1970 are no finer than 0.24 µs, and links count whole µs
+    constexpr double kLeast_s = 1e-5;  // Seconds since 1970 are no finer than 0.24 µs, and links count whole µs.
     std::vector<triskin_sample> all;
     const double end_s = triskin_now_s(open()) + seconds;
     double rest_s = seconds;

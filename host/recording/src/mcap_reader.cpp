@@ -55,7 +55,7 @@ class Reading {
 
   bool read(const Place& place) {
     if (place.kind == Kind::kMessageIndex) return read_index(place);
-    due_.clear();  // other writers may leave the index out
+    due_.clear();  // Other writers may leave out the index.
     if (place.length > kMaxBytes) return fail(place, "a record is too long");
     const auto contents = contents_of(source_, place);
     if (contents.size() != place.length) return fail(place, "a record cannot be read");
@@ -77,7 +77,7 @@ class Reading {
         ++report_.messages;
         return pass<Message>(contents, &Visitor::on_message);
       default:
-        return static_cast<int>(kind) != 0;  // kinds that a later version adds are passed over
+        return static_cast<int>(kind) != 0;  // Kinds of a later version are skipped.
     }
   }
 
@@ -129,7 +129,7 @@ class Reading {
   Visitor& visitor_;
   ReadReport report_;
   Place chunk_;
-  std::set<std::uint16_t> due_;  // channels of the last chunk whose index has not come yet
+  std::set<std::uint16_t> due_;  // Channels of the last chunk that have no index yet.
 };
 
 }  // namespace

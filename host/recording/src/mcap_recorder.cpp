@@ -72,7 +72,7 @@ void McapRecorder::put_readers(std::uint64_t link_time_us) {
 
 void McapRecorder::add(const ModuleSample& sample) {
   if (readers_.add(sample)) {
-    frames_.flush();  // what stands before the message was read as the one before says
+    frames_.flush();  // Samples before the message belong to the previous readers.
     put_readers(sample.link_time_us);
   }
   frames_.add(sample);

@@ -29,7 +29,7 @@ class McapRecorder final : public Recorder {
   Readers readers_;
   std::optional<PointCloud> cloud_;
   std::uint64_t next_cloud_us_ = 0;
-  bool waiting_ = false;  // something came since the last flush
+  bool waiting_ = false;  // Data arrived since the last flush.
   std::optional<std::uint64_t> waiting_since_us_;
 };
 

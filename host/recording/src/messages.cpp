@@ -32,7 +32,8 @@ void take_times(CdrReader& r, std::vector<ModuleSample>& samples) {
   const std::uint64_t first_ns = r.u64();
   const std::uint32_t error_us = r.u32();
   for (ModuleSample& s : samples) {
-    const std::uint64_t later_us = s.sample.device_time_us - samples.front().sample.device_time_us;  // modulo 2⁶⁴
+    // The difference is taken modulo 2⁶⁴.
+    const std::uint64_t later_us = s.sample.device_time_us - samples.front().sample.device_time_us;
     s.sampled_ns = first_ns == 0 ? 0 : first_ns + later_us * 1000;
     s.error_us = error_us;
   }

@@ -68,7 +68,7 @@ class Samples final : public mcap::Visitor {
   std::vector<Reader> own_, readers_;  // Indexed by module; empty: the recording does not name the readers.
 };
 
-struct Reached {};  // ends read_origin
+struct Reached {};  // Thrown to end read_origin().
 
 }  // namespace
 

@@ -119,7 +119,7 @@ class Rescue {
   const mcap::Salvage& found_;
   OutputFile& file_;
   std::set<std::uint16_t> schemas_, channels_;
-  std::set<std::pair<mcap::Kind, std::uint16_t>> put_;  // definitions that are in the new file
+  std::set<std::pair<mcap::Kind, std::uint16_t>> put_;  // Definitions that the new file already has.
   std::uint64_t unreachable_ = 0;
 };
 
@@ -158,7 +158,7 @@ bool is_only_cut(const mcap::Salvage& found, std::uint64_t file_bytes) {
   return found.losses.size() == 1 && reaches_end(last) && (last.is_mended || last.bytes <= kMaxOpenBytes);
 }
 
-// The end of what is kept in place, without the indexes of a last chunk, which are written again.
+// End of the data that stays in place; the indexes of a last chunk are excluded and written again.
 std::uint64_t end_of_records(const mcap::Salvage& found) {
   return found.records.empty() ? mcap::kMagic.size() : found.records.back().end();
 }

@@ -360,7 +360,7 @@ class Walk {
     });
   }
 
-  // The records of the summary section, of which nothing is needed: recover writes them again.
+  // Skips the records of the summary section, since recover() writes them again.
   void check_summary_region() {
     if (!found_.has_data_end || found_.has_summary) return;
     const std::uint64_t from = data_end_place_.offset;

@@ -53,7 +53,7 @@ class Checker {
         add("bus " + bus.name, "the name stands there twice", "give each bus a name of its own");
       for (const auto part : std::views::split(bus.link, ',')) {
         const std::string link(part.begin(), part.end());
-        if (device::is_in_process(link)) continue;  // each bus has a simulation of its own
+        if (device::is_in_process(link)) continue;  // Each bus has its own simulation.
         const auto [first, fresh] = links.try_emplace(link, bus.name);
         if (!fresh)
           add("bus " + bus.name, fmt::format("opens {}, which bus {} opens too", link, first->second),

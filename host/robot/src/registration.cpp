@@ -137,7 +137,7 @@ Registration register_cover(const NamedDesign& cover, std::span<const NamedDesig
   r.mirror_rms_mm = fit_pose(*places, in_link, true).rms_mm;
   r.thickness_mm = std::min(extents_of(*places)[2], extents_of(in_link)[2]);
   r.mirror_unknown = r.thickness_mm < kMinThickness_mm;
-  if (r.fit.rms_mm < kExact_mm) return r;  // nothing is left to explain
+  if (r.fit.rms_mm < kExact_mm) return r;  // Nothing is left to explain.
   double best_mm = kBetter * r.fit.rms_mm;
   r.mirrored = !r.mirror_unknown && r.mirror_rms_mm < best_mm;
   for (const NamedDesign& other : others) {

@@ -73,7 +73,8 @@ Eigen::Isometry3d read_matrix(const JsonValue& v) {
     v.fail("mirrors the cover (determinant -1): a pose only turns and moves; use the design of the other side");
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = Eigen::Quaterniond(turn).normalized().toRotationMatrix();
-  if ((pose.linear() - turn).cwiseAbs().maxCoeff() < 1e-12) pose.linear() = turn;  // read back as it was written
+  // Gives back exactly what was written.
+  if ((pose.linear() - turn).cwiseAbs().maxCoeff() < 1e-12) pose.linear() = turn;
   pose.translation() = m.topRightCorner<3, 1>();
   return pose;
 }

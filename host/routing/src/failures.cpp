@@ -11,11 +11,11 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr int kBorderWorth = 6;  // modules
+constexpr int kBorderWorth = 6;  // Counted in modules.
 
 struct Failure {
-  int dead = -1;                      // local node
-  std::array<int, 2> broken{-1, -1};  // local (parent, child)
+  int dead = -1;                      // Local number of the failed node.
+  std::array<int, 2> broken{-1, -1};  // Local numbers of parent and child.
 };
 
 // Owner and depth of every node, shared by all patches of a result.
@@ -208,7 +208,7 @@ class PatchAnalysis {
     std::vector<int> adopter(at(g_.size()), -1), depth(at(g_.size()), 0);
     std::vector<std::array<int, 2>> taken;  // (patch, modules)
     for (;;) {
-      std::tuple<int, int, int> best{1 << 20, -1, -1};  // depth, unreachable module, parent node
+      std::tuple<int, int, int> best{1 << 20, -1, -1};  // Depth, unreachable module and parent node.
       for (int v = 0; v < g_.size(); ++v) {
         if (depth_[at(v)] >= 0 || v == f.dead || adopter[at(v)] >= 0) continue;
         for (const int node : graph_.nodes[at(g_.node[at(v)])].neighbour)

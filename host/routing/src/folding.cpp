@@ -102,7 +102,7 @@ class Folder {
   const std::vector<int>& part_of_;
   int part_, capacity_;
   std::vector<int> degree_;
-  std::vector<std::array<int, 3>> kept_;  // branches, lightest first, −1 when closed
+  std::vector<std::array<int, 3>> kept_;  // Branches, the lightest first, −1 when closed.
   std::vector<int> weight_;
   std::vector<bool> gone_;
   std::vector<int> closed_, core_;

@@ -13,8 +13,8 @@ namespace {
 struct State {
   FrontierKey key;
   int closed = 0;
-  int before = -1;      // state of the layer before
-  unsigned joined = 0;  // sides over which the node joined its neighbour's part
+  int before = -1;      // State of the previous layer.
+  unsigned joined = 0;  // Sides over which the node joined its neighbour's part.
   bool keeps_branch = true;
 };
 

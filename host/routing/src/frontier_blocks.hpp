@@ -55,7 +55,7 @@ struct NextFrontier {
   const std::size_t n = stays.size() - 1;
   std::array<int, kMaxFrontier + 2> renamed{};
   renamed.fill(-1);
-  const int fresh = kMaxFrontier + 1;  // the block of v
+  const int fresh = kMaxFrontier + 1;  // Number of the block of v.
   const auto block_of = [&](std::size_t position) {
     if (position == n) return fresh;
     for (std::size_t side = 0; side < 3; ++side) {

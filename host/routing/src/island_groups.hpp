@@ -48,8 +48,8 @@ class IslandGroups {
 
  private:
   struct Group {
-    IslandSet growing = 0, islands = 0;  // those with neighbours to come; all
-    int weight = 0;                      // modules
+    IslandSet growing = 0, islands = 0;  // Islands with neighbours to come, and all islands.
+    int weight = 0;                      // Counted in modules.
     auto operator<=>(const Group&) const = default;
   };
   using State = std::vector<Group>;  // Holds only groups that can still grow, sorted.
@@ -73,7 +73,7 @@ class IslandGroups {
     ByKey<std::vector<int>> alike;             // States, keyed by what can grow in each group.
   };
   struct Arc {
-    int from, to;  // numbers of states in a layer and the next
+    int from, to;  // Numbers of states in a layer and in the next one.
     std::int64_t price;
   };
   struct Best {
@@ -103,7 +103,7 @@ class IslandGroups {
   int capacity_;
   IntegerPrice price_;
   std::int64_t limit_;
-  std::vector<Layer> layers_;  // empty: the budget ended
+  std::vector<Layer> layers_;  // Empty if the budget ended.
 };
 
 }  // namespace triskin::geometry

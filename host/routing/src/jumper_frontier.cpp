@@ -22,7 +22,7 @@ struct SlotUnits {
 struct NodeOrder {
   std::vector<int> nodes;
   long cost = 0;
-  int reached = 0;  // nodes placed until the budget ended
+  int reached = 0;  // Nodes placed until the budget ended.
 };
 
 // An order of the nodes from each of some starts that keeps the slots few: the next node is the one after which they
@@ -79,23 +79,23 @@ class SlotOrder {
 };
 
 struct Slot {
-  int node, side;  // side −1: over its joints
+  int node, side;  // Side −1 means that it spans all joints.
 };
 
 // How a node meets the slots: the same for all states of a layer.
 struct Step {
-  std::array<int, 3> over_joint{-1, -1, -1}, over_jumper{-1, -1, -1};  // slots of placed neighbours, by side
-  std::vector<int> kept;                                               // slots of before that stay
+  std::array<int, 3> over_joint{-1, -1, -1}, over_jumper{-1, -1, -1};  // Slots of placed neighbours at each side.
+  std::vector<int> kept;                                               // Slots of the previous layer that stay.
   std::vector<bool> kept_is_jumper;
-  bool stays = false;       // the node is a slot itself
-  int new_jumpers = 0;      // and so are its jumpers to nodes to come
+  bool stays = false;       // The node itself becomes a slot.
+  int new_jumpers = 0;      // Jumpers to later nodes become slots, too.
   int islands_to_come = 0;  // Number of islands that have no placed node.
-  bool between = false;     // every other island is placed
+  bool between = false;     // Every other island is placed already.
 };
 
 // A way to join a node to the blocks of its neighbours.
 struct Choice {
-  unsigned sides = 0, blocks = 0, fitted = 0;  // bit sets; `fitted` of the new jumpers
+  unsigned sides = 0, blocks = 0, fitted = 0;  // All are bit sets; `fitted` holds the new jumpers.
   int weight = 1;
 };
 
@@ -197,14 +197,14 @@ class CheapestPartition {
     for (std::size_t s = 0; s < 3; ++s) {
       const int b = step.over_jumper[s] < 0 ? kNoBlock : state.labels.get(step.over_jumper[s]);
       if (b == kNoBlock) continue;
-      if ((forced.blocks >> b & 1) != 0) return;  // one jumper would do
+      if ((forced.blocks >> b & 1) != 0) return;  // A single jumper is enough.
       join(state, s, b, forced);
     }
     std::array<int, 3> offered{kNoBlock, kNoBlock, kNoBlock};  // Block at each side; every block is listed once.
     for (std::size_t s = 0; s < 3; ++s) {
       const int b = step.over_joint[s] < 0 ? kNoBlock : state.labels.get(step.over_joint[s]);
       if (b == kNoBlock || std::ranges::count(offered, b) > 0) continue;
-      if ((forced.blocks >> b & 1) != 0) return;  // the joint would do
+      if ((forced.blocks >> b & 1) != 0) return;  // The joint is enough.
       offered[s] = b;
     }
     for (unsigned sides = 0; sides < 8; ++sides) {
@@ -232,10 +232,11 @@ class CheapestPartition {
     s.before = index;
     s.joined = static_cast<std::uint8_t>(choice.sides);
     const bool full = choice.weight == capacity_;
-    const int fresh = kMaxBlocks;  // the node's block
+    const int fresh = kMaxBlocks;  // Number of the node's block.
     std::array<int, kMaxBlocks + 1> renamed{};
     renamed.fill(-1);
-    int slot = 0, open_weight = 0, mine_open = std::popcount(choice.fitted), open = mine_open;  // jumpers
+    // All but slot and weight count jumpers.
+    int slot = 0, open_weight = 0, mine_open = std::popcount(choice.fitted), open = mine_open;
     const auto label = [&](int b) {
       if (b == kNoBlock || (b == fresh && full)) return s.labels.set(slot++, kNoBlock);
       if (renamed[at(b)] < 0) {
@@ -255,8 +256,8 @@ class CheapestPartition {
       }
       label(mine ? fresh : b);
     }
-    if (choice.weight + mine_open > capacity_) return;  // no place for what hangs on the jumpers
-    if (step.between && open == 0) return;              // nothing joins the islands to come
+    if (choice.weight + mine_open > capacity_) return;  // There is no place for the modules behind the jumpers.
+    if (step.between && open == 0) return;              // Nothing would join the islands to come.
     if (step.stays) label(fresh);
     for (int k = 0; k < step.new_jumpers; ++k) label((choice.fitted >> k & 1) != 0 ? fresh : kNoBlock);
     int closed = renamed[at(fresh)] < 0 ? 1 : 0;

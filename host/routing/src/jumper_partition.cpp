@@ -14,9 +14,9 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr long kFirstGroupBudget = 30'000, kGroupBudget = 500'000;  // state transitions: about 0.3 s
-constexpr long kExactBudget = 4'000'000;                            // the same: about 0.3 s
-constexpr long kPeelBudget = 200'000;                               // node visits: about 3 ms
+constexpr long kFirstGroupBudget = 30'000, kGroupBudget = 500'000;  // State transitions, which take about 0.3 s.
+constexpr long kExactBudget = 4'000'000;                            // State transitions, which take about 0.3 s.
+constexpr long kPeelBudget = 200'000;                               // Node visits, which take about 3 ms.
 
 class JumperPartitioner {
  public:

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kTrees = 100;
 constexpr int kMovesAPart = 400, kMovesAQuestion = 64;
-constexpr long kAlwaysVisited = 300'000;  // nodes of trees, some 10 ms
+constexpr long kAlwaysVisited = 300'000;  // Nodes of search trees, which take some 10 ms.
 
 // A spanning tree of some nodes, and the most that can be saved by joining its nodes into parts.
 class TreeDivision {

@@ -39,7 +39,7 @@ struct JumperState {
   [[nodiscard]] int weight(int block) const { return static_cast<int>(weights >> (5 * block) & 31); }
   /// True if, with the same labels, whatever completes `other` completes this at no higher price.
   [[nodiscard]] bool beats(const JumperState& other) const {
-    constexpr std::uint64_t kGuards = 0x0842108421084210ULL;  // bit 4 of each of 12 fields
+    constexpr std::uint64_t kGuards = 0x0842108421084210ULL;  // Bit 4 of each of 12 fields.
     return cost <= other.cost && (((other.weights | kGuards) - weights) & kGuards) == kGuards;
   }
 };

@@ -26,7 +26,7 @@ class LineAssigner {
   [[nodiscard]] int bound(const std::vector<int>& parent) const;
 
  private:
-  using Fill = std::vector<int>;  // nodes on each line, largest first
+  using Fill = std::vector<int>;  // Nodes on each line, the largest first.
   struct Way {                    // a sum of two fills: line l of the second lies on line onto[l] of the first
     int sum = 0;
     std::vector<int> onto;

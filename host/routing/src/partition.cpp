@@ -9,8 +9,8 @@ namespace triskin::geometry {
 namespace {
 
 constexpr int kTrees = 24;
-constexpr long kPeelBudget = 1'000'000;   // node visits: about 15 ms
-constexpr long kExactBudget = 2'000'000;  // state transitions: about 0.3 s
+constexpr long kPeelBudget = 1'000'000;   // Node visits, which take about 15 ms.
+constexpr long kExactBudget = 2'000'000;  // State transitions, which take about 0.3 s.
 
 class Partitioner {
  public:

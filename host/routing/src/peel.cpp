@@ -7,7 +7,7 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr int kLeft = -1;  // part number of what is left
+constexpr int kLeft = -1;  // Part number of unassigned nodes.
 
 class Peeler {
  public:
@@ -27,7 +27,7 @@ class Peeler {
       if (done) continue;
       ++stuck;
       give_back(1 + stuck % 3);
-      if (stuck % 24 == 0) give_back(k_);  // start afresh around here
+      if (stuck % 24 == 0) give_back(k_);  // Start afresh in this region.
     }
     if (left_ == 0) return true;
     if (unused_.empty()) return false;
@@ -78,7 +78,7 @@ class Peeler {
     return below <= capacity_ ? below : left_ - below;
   }
 
-  // Makes the subtree of v, or all but it, a part; takes it back when what is left can then not do with k parts.
+  // Makes the subtree of v, or all but it, a part; undoes it if the remaining nodes then need more than k parts.
   bool take(int v) {
     const bool subtree = weight_[at(v)] <= capacity_;
     const int part = unused_.back();
@@ -101,7 +101,7 @@ class Peeler {
     return true;
   }
 
-  // Joins `count` parts that touch what is left to it.
+  // Gives `count` parts that touch the remaining nodes back to them.
   void give_back(int count) {
     for (int k = 0; k < count; ++k) {
       candidates_.clear();

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kJumper = 1'000'000, kNoBorder = 20'000, kLost = 24, kDepth = 3;
 constexpr int kFirstThreshold = 120;
-constexpr int kExchanges = 8;  // single modules tried on each pair of parts
+constexpr int kExchanges = 8;  // Single modules tried on each pair of parts.
 
 std::uint32_t bit(int v) {
   return 1U << v;
@@ -219,7 +219,7 @@ int lost_with_two_entries(const PartBits& bits, std::uint32_t part, int entry) {
   int best = all;
   if (count == 0) return 0;
   for (std::uint32_t seconds = part & ~bit(entry); seconds != 0; seconds &= seconds - 1) {
-    if (std::popcount(bits.joined[at(lowest(seconds))] & part) == 3) continue;  // no side for a connector
+    if (std::popcount(bits.joined[at(lowest(seconds))] & part) == 3) continue;  // No side remains for a connector.
     const std::uint32_t second = seconds & (~seconds + 1);
     int lost = all;
     for (std::size_t k = 0; k < count; ++k) lost -= (pieces[k] & second) != 0 ? std::popcount(pieces[k]) : 0;

@@ -8,7 +8,7 @@
 namespace triskin::geometry {
 namespace {
 
-// Decides joint by joint: into the tree unless it closes a cycle, out of it unless what is left falls apart.
+// Decides joint by joint: it joins the tree unless it closes a cycle, and is left out unless the rest falls apart.
 class Enumerator {
  public:
   Enumerator(const LocalGraph& g, const std::function<void(const std::vector<Joint>&)>& visit)

@@ -13,9 +13,9 @@ namespace {
 using Key = std::array<int, 5>;
 
 struct RootedTree {
-  std::vector<int> order;   // local nodes, parents first
-  std::vector<int> parent;  // positions in `order`
-  std::vector<int> depth;   // indexed by position in `order`
+  std::vector<int> order;   // Local nodes, parents first.
+  std::vector<int> parent;  // Positions in `order`.
+  std::vector<int> depth;   // Indexed by position in `order`.
   int sum_of_depths = 0;
   int max_depth = 0;
 };

@@ -68,7 +68,7 @@ bool answers(Bytes answer, Bytes request) {
       repeated = 0;
       break;
     default:
-      break;  // sub-function or block counter
+      break;  // Skips the sub-function or the block counter.
   }
   return answer.size() > repeated && request.size() > repeated &&
          std::ranges::equal(answer.subspan(1, repeated), request.subspan(1, repeated));

@@ -9,10 +9,10 @@ namespace triskin::device {
 namespace {
 
 constexpr double kWindow_s = 20.0, kBucket_s = 0.25;
-constexpr double kBack_s = 0.5;           // frames of one controller overtake each other by less
-constexpr double kResolution_us = 1.0;    // both clocks are read in whole µs
-constexpr double kFar_us = 1e9;           // no answer has bounded it: 1,000 s
-constexpr double kInternal_ppm = 20'000;  // a microcontroller without quartz
+constexpr double kBack_s = 0.5;           // Frames of one controller overtake each other by less than this.
+constexpr double kResolution_us = 1.0;    // Both clocks are read in whole µs.
+constexpr double kFar_us = 1e9;           // Stands for 1,000 s: no answer has bounded it.
+constexpr double kInternal_ppm = 20'000;  // Tolerance of a microcontroller without quartz.
 constexpr double kWanderShare_per_s = 5e-4;
 constexpr int kPatience = 2;
 constexpr double kSecond_us = 1e6;

@@ -28,15 +28,15 @@ std::vector<std::uint8_t> transfer_head(std::uint8_t service, std::uint32_t addr
   std::vector<std::uint8_t> r(11);
   ByteWriter w(r);
   w.u8(service);
-  w.u8(0x00);  // neither compressed nor encrypted
-  w.u8(0x44);  // four bytes of address, four of size
+  w.u8(0x00);  // The data is neither compressed nor encrypted.
+  w.u8(0x44);  // Address and size have four bytes each.
   w.be32(address);
   w.be32(size);
   return r;
 }
 
 constexpr std::size_t kBlockBytes = wire::memory::kMaxBlockBytes - 2U;
-constexpr std::size_t kRoutineHead = 3;  // sub-function and identifier before a result
+constexpr std::size_t kRoutineHead = 3;  // Sub-function and identifier before a result.
 
 // What `ask` returns; empty: the controller does not know the identifier, as with an older firmware, or has no value.
 template <class Ask>
@@ -187,7 +187,7 @@ void Controller::unlock(wire::Session session) {
     const Message m = bus_.request(node_, request_of({wire::service::kSecurity, 0x01}), Repeat::kSafe);
     if (m.size() != 5) malformed("security");
     const std::uint32_t seed = ByteReader(Bytes(m).subspan(1)).be32();
-    if (seed == 0) return;  // unlocked already
+    if (seed == 0) return;  // A seed of 0 says that it is unlocked already.
     std::array<std::uint8_t, 4> key{};
     ByteWriter(key).be32(wire::security_key(seed));
     try {
@@ -211,7 +211,7 @@ void Controller::write_table(Bytes image, const std::function<void(double)>& ste
     (void)bus_.request(node_, request_of({wire::service::kTransfer, block}, part), Repeat::kSafe);
     if (steps) steps(static_cast<double>(at + part.size()) / static_cast<double>(image.size()));
   }
-  const Bus::Uninterrupted guard(bus_);  // so that it is known which table is active
+  const Bus::Uninterrupted guard(bus_);  // An interruption must not leave it unknown which table is active.
   end_transfer();
   const auto id = wire::routine::kActivate;
   const Message m = bus_.request(node_, request_of({wire::service::kRoutine, 0x01, high(id), low(id)}), Repeat::kNever);

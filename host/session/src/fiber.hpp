@@ -53,8 +53,8 @@ class Fiber {
   // Not two semaphores: those of libstdc++ 12 spin, and on a busy computer a switch then costs milliseconds.
   std::mutex mutex_;
   std::condition_variable switched_;
-  bool running_ = false;  // the body's turn
-  std::jthread thread_;   // last: joined before the others go
+  bool running_ = false;  // True while it is the body's turn.
+  std::jthread thread_;   // Declared last, so that it is joined before the others are destroyed.
 };
 
 }  // namespace triskin::device

@@ -20,8 +20,8 @@ int row_of(const design::Patch& patch, int module) {
 
 // What remains of a patch after a failure, and how it hangs together then: the design's backup tree.
 struct Tree {
-  std::vector<design::RoutedModule> modules;  // parents before children
-  int cut_a = -1, cut_b = -1;                 // the failed joint
+  std::vector<design::RoutedModule> modules;  // Parents come before children.
+  int cut_a = -1, cut_b = -1;                 // Ends of the failed joint.
 };
 
 std::vector<int> parents_after(const design::Patch& patch, const design::FailureLoss& loss) {

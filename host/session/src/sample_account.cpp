@@ -6,7 +6,7 @@
 namespace triskin::device {
 namespace {
 
-constexpr std::uint64_t kAnswer_us = 1'000'000;  // an answer takes less, with repeats
+constexpr std::uint64_t kAnswer_us = 1'000'000;  // An answer takes less, even with repeats.
 
 }  // namespace
 

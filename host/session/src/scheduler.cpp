@@ -129,11 +129,11 @@ class Scheduler {
   Link& link_;
   const int per_wire_;
   std::vector<std::unique_ptr<TaskLink>> tasks_;
-  std::map<int, int> under_way_;  // tasks that have started and not ended, by wire
+  std::map<int, int> under_way_;  // Tasks that are running, by wire.
 };
 
 std::uint64_t TaskLink::answer_us() const {
-  constexpr std::uint64_t kLongest_us = 10'000;  // a block of a table in classic frames at 125 kbit/s
+  constexpr std::uint64_t kLongest_us = 10'000;  // A block of a table takes this long in classic frames at 125 kbit/s.
   return link_.answer_us() + static_cast<std::uint64_t>(scheduler_.under_way(wire_) - 1) * kLongest_us;
 }
 

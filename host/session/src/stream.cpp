@@ -22,9 +22,9 @@ constexpr std::uint64_t kSlice_us = 50'000;     // Time between two checks for s
 constexpr std::uint64_t kSilence_us = 400'000;  // A slice and this time together stay below half a second.
 constexpr std::uint64_t kRest_us = 300'000;
 constexpr std::uint64_t kAskClock_us = 1'000'000, kAskClockAgain_us = 100'000;
-constexpr std::uint64_t kSettle_us = 2'000;  // a lease is on its way
+constexpr std::uint64_t kSettle_us = 2'000;  // Time in which a lease arrives.
 constexpr int kAttempts = 5;
-constexpr std::size_t kMaxEarly = 512;  // samples of 16 modules in 0.3 s: far more than an answer takes
+constexpr std::size_t kMaxEarly = 512;  // Samples of 16 modules in 0.3 s, far more than arrive before an answer.
 
 std::uint32_t draw_reader() {
   std::random_device random;
@@ -284,7 +284,7 @@ void Stream::ask_adopted() {
     try {
       adoption = Controller(bus_, address).adoption();
     } catch (const NoAnswer&) {
-      continue;  // asked again with the next slice
+      continue;  // The question is repeated with the next slice.
     }
     const auto modules = adopted_modules(ends_[static_cast<std::size_t>(node.cover)], node.modules, adoption);
     for (const auto& [sample, heard_us] : node.adopted_modules.set(adoption, modules, budget_.every, node.interval_us))

@@ -23,7 +23,8 @@ std::vector<PieceCount> list_of(const std::map<int, int>& counts) {
 void count_sides(const Sides& sides, Bill& bill) {
   for (std::size_t k = 0; k < sides.of.size(); ++k) {
     for (const Side& side : sides.of[k]) {
-      if (side.other < static_cast<int>(k)) continue;  // once, from the lesser module; an outline has no other
+      // A pair is drawn once, from the lesser module; an outline has no other.
+      if (side.other < static_cast<int>(k)) continue;
       bill.kept_joints += side.kind == SideKind::kKept;
       bill.cut_joints += side.kind == SideKind::kCut;
       bill.apart_joints += side.kind == SideKind::kApart;

@@ -68,7 +68,7 @@ void draw_match(const Drawing& d, const PageSide& at, const Side& side, int modu
   const int other = match.module[match.module[0] == module ? 1 : 0];
   const bool slit = side.kind == SideKind::kSlit;
   const double out = slit ? -1.0 : 1.0;
-  const bool brief = slit || side.cable || side.second_cable;  // there is no room for more
+  const bool brief = slit || side.cable || side.second_cable;  // There is no room for more.
   const double part = side.cable || side.second_cable ? 0.8 : part_of_mark(d, at, side.match, other);
   const Vec2 foot = at.from + part * (at.to - at.from);
   d.canvas.line(foot, foot + out * 2.2 * at.outward, {0.5, kBlack, 0.0});
@@ -149,7 +149,7 @@ Vec2 outward_at(const Drawing& d, const Vec2& corner) {
     const auto corners = d.page.island.corners_of(d.design.layout.modules[index(id)].tile);
     const Vec2 center = (corners[0] + corners[1] + corners[2]) / 3.0;
     if ((corner - center).norm() < 0.6 * design::kSide_mm)
-      sum += corner - center;  // its corners lie at 0.577 of a side
+      sum += corner - center;  // Its corners lie at 0.577 of a side.
   }
   return sum.norm() > 0.1 * design::kSide_mm ? Vec2(sum.normalized()) : Vec2(Vec2(1.0, -1.0).normalized());
 }

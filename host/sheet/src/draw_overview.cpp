@@ -55,7 +55,7 @@ void draw_surface(const Drawing& d, const View& view) {
     std::array<Vec3, 3> p;
     for (std::size_t k = 0; k < 3; ++k) p[k] = d.design.surface.vertices.at(static_cast<std::size_t>(f[k]));
     const double facing = normal_of(p).dot(view.toward);
-    const double grey = facing > 0 ? 0.72 + 0.2 * facing : 0.5;  // its inside is darker
+    const double grey = facing > 0 ? 0.72 + 0.2 * facing : 0.5;  // The inside of the surface is darker.
     shapes.push_back(
         {view.toward.dot(p[0] + p[1] + p[2]), {view.flat(p[0]), view.flat(p[1]), view.flat(p[2])}, {grey, grey, grey}});
   }

@@ -76,7 +76,7 @@ Division divide(const design::Design& design, const std::vector<int>& modules, P
   const auto worse = [paper](const Division& d) {
     return std::pair(d.pages(), paper == Paper::kRoll ? d.box.sizes().y() : 0.0);
   };
-  return *std::ranges::min_element(ways, {}, worse);  // the first of equals: upright, not turned
+  return *std::ranges::min_element(ways, {}, worse);  // Among equals the first wins, which is upright and not turned.
 }
 
 // Modules by the part that holds their centre, row by row.

@@ -79,7 +79,7 @@ std::vector<FreeSide> free_sides(const design::Design& design, const Sides& side
     for (int s = 0; s < 3; ++s) {
       const SideKind kind = sides.of[k][index(s)].kind;
       if (kind != SideKind::kOutline && kind != SideKind::kSlit) continue;
-      if (sides.of[k][index(s)].jumper >= 0) continue;  // the jumper says what lies opposite
+      if (sides.of[k][index(s)].jumper >= 0) continue;  // The jumper says what lies opposite.
       const PlacedModule& m = design.layout.modules[k];
       const Vec3 middle = middle_of(m, s);
       free.push_back({static_cast<int>(k), s, middle, (middle - center_of(m)).normalized()});

@@ -103,7 +103,7 @@ void draw_ground(Canvas& canvas, const std::array<Vec2, 3>& corners, const Modul
   std::vector<Vec2> outline;
   for (const auto& p : shape.points()) outline.emplace_back(p.x(), p.y());
   canvas.fill(outline, color_of(marks.patch, 0.95));
-  canvas.outline(outline, {0.05, kGrey, 0.0});  // a hairline: what is cut or folded is drawn over it
+  canvas.outline(outline, {0.05, kGrey, 0.0});  // A hairline: what is cut or folded is drawn over it.
 }
 
 void draw_module(Canvas& canvas, const std::array<Vec2, 3>& corners, const ModuleMarks& marks) {

@@ -14,8 +14,8 @@ namespace triskin::sheet {
 namespace {
 
 using Lines = std::vector<TextLine>;
-constexpr std::size_t kLongestLine = 112;  // bytes; characters of 3.1 mm that fit on A4
-const std::vector<double> kBoxed_mm{6.0};  // text beside a box to tick
+constexpr std::size_t kLongestLine = 112;  // Bytes; this many characters of 3.1 mm fit on A4.
+const std::vector<double> kBoxed_mm{6.0};  // The text stands beside a box to tick.
 
 std::vector<std::string> wrapped(const std::string& text) {
   std::vector<std::string> lines;

@@ -150,7 +150,8 @@ void SimServer::write_client(Client& client) {
     else
       client.out.erase(client.out.begin(), client.out.begin() + n);
   }
-  if (client.out.size() > kMaxBacklogBytes) client.dead = true;  // does not read: it must not stop the others
+  // A client that does not read must not stop the others.
+  if (client.out.size() > kMaxBacklogBytes) client.dead = true;
 }
 
 void SimServer::drop_dead() {

@@ -6,7 +6,7 @@
 namespace triskin::device {
 namespace {
 
-constexpr std::uint64_t kAsk_us = 125;  // a device that has nothing is asked again in the next microframe
+constexpr std::uint64_t kAsk_us = 125;  // A device that has nothing is asked again in the next microframe.
 constexpr wire::UsbSetup kConfigure{.type = 0, .request = 9, .value = 1};  // SET_CONFIGURATION, USB 2.0 table 9-4
 constexpr int kNotConfigured = -1;
 
@@ -20,7 +20,7 @@ scene::Scene without_bus(scene::Scene scene) {
 
 SimUsbLink::SimUsbLink(scene::Scene scene, const std::filesystem::path& state_folder)
     : InProcessLink(without_bus(std::move(scene)), state_folder), sessions_(skin_.controllers(), kNotConfigured) {
-  skin_.on_delivery([](std::size_t, const wire::CanFrame&) { return false; });  // nothing hangs on the CAN ports
+  skin_.on_delivery([](std::size_t, const wire::CanFrame&) { return false; });  // The CAN ports are not connected.
 }
 
 // The host configures a device that is plugged in.
@@ -66,7 +66,7 @@ bool SimUsbLink::fetch() {
     if (!ready(device)) continue;
     const auto frame = wire::from_usb(skin_.usb(device).in(wire::kBulkIn));
     if (!frame) continue;
-    skin_.wake(device);  // it has room for another
+    skin_.wake(device);  // The device has room for another packet.
     nodes_.heard(*frame, static_cast<int>(device) + 1);
     inbox_.push_back(*frame);
     next_ = device + 1;

@@ -15,7 +15,8 @@ constexpr double kSaturatedCounts = -1e6;  // beyond the converter's range: a pa
 constexpr std::uint64_t kForgetAfterUs = 1'000'000;
 // An electrode that whole steps of the converter's offset take away.
 constexpr double kShownElectrode_counts = 20 * Ad7147Behaviour{}.afe_step_pf * kCountsPerPf;
-constexpr std::uint64_t kSensitivityStream = 0x100;  // its random numbers are others than those of the electrodes
+// A separate stream keeps the electrodes' random numbers unchanged.
+constexpr std::uint64_t kSensitivityStream = 0x100;
 
 // SplitMix64 (Steele, Lea, Flood 2014): one hash per sample, so that noise needs no state.
 std::uint64_t mix(std::uint64_t x) {
@@ -212,7 +213,7 @@ void Skin::apply(const Fault& f) {
     case FaultKind::kWrongId:
     case FaultKind::kFingerElsewhere:
     default:
-      break;  // done where chips are placed, or where the finger is
+      break;  // Such faults are handled where chips are placed, or at the finger.
   }
 }
 

@@ -94,7 +94,7 @@ void SwitchedHardware::add_joined_patches(const Scene& scene) {
     const SwitchedPatch::End cable = cable_at(p.entry, p.modules[0].rotation);
     int controller = 0;
     if (patches_.empty())
-      patches_.emplace_back(std::move(joints), cable.port, scene.seed);  // its module 0
+      patches_.emplace_back(std::move(joints), cable.port, scene.seed);  // The cable leads to module 0.
     else
       controller = patches_.back().add_controller(cable);
     if (p.second_entry >= 0)
@@ -149,7 +149,7 @@ void SwitchedHardware::apply(const Fault& f, bool begins) {
       joint(SwitchedPatch::JointFault::kShort);
       break;
     default:
-      break;  // not in the chain, or done when the patch was assembled
+      break;  // Such faults are not in the chain, or were applied when the patch was assembled.
   }
 }
 

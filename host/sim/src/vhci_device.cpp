@@ -130,7 +130,7 @@ void VhciDevice::submit(Bytes head, Bytes data) {
     waiting_.push_back({number, static_cast<std::uint8_t>(0x80 | endpoint), length});
     return;
   }
-  constexpr std::size_t kPacket = 64;  // longer transfers are several packets
+  constexpr std::size_t kPacket = 64;  // Longer transfers consist of several packets.
   for (std::size_t at = 0; at < data.size(); at += kPacket) {
     function_.out(static_cast<std::uint8_t>(endpoint), data.subspan(at, std::min(kPacket, data.size() - at)));
   }

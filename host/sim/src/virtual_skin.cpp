@@ -181,7 +181,7 @@ std::deque<VirtualSkin::Pending>::iterator VirtualSkin::winner() {
     const std::uint32_t base = p.frame.extended ? p.frame.id >> 18 : p.frame.id;
     return std::pair{(base << 1) | (p.frame.extended ? 1U : 0U), p.frame.id};
   };
-  std::vector<bool> heard(nodes_.size() + 1, false);  // the last one: the host
+  std::vector<bool> heard(nodes_.size() + 1, false);  // The last entry is the host.
   auto best = pending_.end();
   for (auto p = pending_.begin(); p != pending_.end(); ++p) {
     const std::size_t sender = std::min(p->from, nodes_.size());

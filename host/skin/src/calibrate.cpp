@@ -18,8 +18,8 @@ namespace triskin::device {
 namespace {
 
 constexpr std::uint64_t kUsPerS = 1'000'000;
-constexpr std::uint16_t kEndOfRange = 0xFFFF;  // what the converter gives beyond its range, as it gives 0
-constexpr std::size_t kRampBins = 32;          // pressures of a ramp are gathered to so many means
+constexpr std::uint16_t kEndOfRange = 0xFFFF;  // The converter gives this or 0 beyond its range.
+constexpr std::size_t kRampBins = 32;          // A ramp is reduced to this many means.
 
 std::uint64_t us_of(double seconds) {
   return static_cast<std::uint64_t>(std::llround(seconds * static_cast<double>(kUsPerS)));
@@ -206,7 +206,7 @@ std::optional<design::BoardCalibration> CalibrationStore::read(const std::string
 }
 
 void CalibrationStore::write(const design::BoardCalibration& board) const {
-  std::error_code none;  // writing the file says what is wrong
+  std::error_code none;  // Errors are ignored here because writing the file reports them.
   std::filesystem::create_directories(folder_, none);
   write_file_atomically(file_of(board.serial), design::calibration_text(std::span(&board, 1)));
 }

@@ -14,7 +14,7 @@ namespace {
 
 using wire::ModuleState;
 
-constexpr std::size_t kCellColumns = 6;  // the sign of the module, four characters, a space
+constexpr std::size_t kCellColumns = 6;  // Room for the sign of the module, four characters and a space.
 
 // Four characters that say what is wrong with a module; empty: nothing.
 std::string_view trouble_of(ModuleState state) {
@@ -53,7 +53,7 @@ int colour_of(double counts, bool trouble) {
     double from_counts;
     int colour;
   };
-  constexpr int kTrouble = 90, kRest = 236;  // purple, dark grey
+  constexpr int kTrouble = 90, kRest = 236;  // These colours are purple and dark grey.
   constexpr std::array<Step, 4> kSteps{
       {{8'000.0, 160}, {3'000.0, 172}, {1'000.0, 34}, {TouchMap::kPressed_counts, 22}}};
   if (trouble) return kTrouble;

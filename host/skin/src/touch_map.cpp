@@ -82,7 +82,7 @@ void TouchMap::add(const ModuleSample& frame) {
     if ((frame.sample.valid >> t & 1) != 0)
       take(module, taxel, frame.sample.value[t] + module.warming_counts);
     else
-      taxel.now = taxel.rest;  // an invalid taxel is unknown, not pressed
+      taxel.now = taxel.rest;  // An invalid taxel is unknown rather than pressed.
   }
 }
 

@@ -17,8 +17,9 @@ struct Reached {
 };
 
 struct Inside {
-  std::map<int, std::vector<std::pair<int, SurfaceEdge>>> from;  // edges between two faces of the set, both ways
-  std::set<int> border;                                          // vertices of the others
+  // Edges between two faces of the set, in both directions.
+  std::map<int, std::vector<std::pair<int, SurfaceEdge>>> from;
+  std::set<int> border;  // Vertices of the other edges.
 };
 
 Inside inside_of(const CutSurface& cut, const std::vector<int>& faces, const std::set<std::pair<int, int>>& uncut) {
@@ -55,7 +56,7 @@ std::vector<SurfaceEdge> deepest_dart(const CutSurface& cut, const std::vector<i
     const auto [distance, a] = queue.top();
     queue.pop();
     if (distance > reached[a].distance) continue;
-    if (distance > 0.0) deepest = a;  // they come in order
+    if (distance > 0.0) deepest = a;  // Vertices are visited in the order of their distance.
     const auto edges = in.from.find(a);
     if (edges == in.from.end()) continue;
     for (const auto& [b, edge] : edges->second) {

@@ -40,7 +40,7 @@ FlatChart make_chart(const CutSurface& cut, const std::vector<int>& faces) {
       const int id = static_cast<int>(c.vertices.size());
       const int vertex = s.mesh().faces[at(faces[k])][at(v)];
       c.vertices.push_back(vertex);
-      std::vector<int> fan{faces[k]};  // faces around the vertex that hang together by edges
+      std::vector<int> fan{faces[k]};  // Faces around the vertex that are connected by edges.
       std::set<int> seen{faces[k]};
       for (std::size_t f = 0; f < fan.size(); ++f) {
         const auto& corners = s.mesh().faces[at(fan[f])];
@@ -108,7 +108,7 @@ void unfold_start(const CutSurface& cut, FlatChart& c) {
 
 struct Solver {
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor;
-  std::vector<std::array<double, 3>> weight;  // cotangent of the angle opposite to side k
+  std::vector<std::array<double, 3>> weight;  // Cotangent of the angle opposite side k.
   std::vector<std::array<Vec2, 3>> own;
   std::vector<std::array<double, 3>> cotangent;
 };
@@ -121,7 +121,8 @@ void prepare_solver(const Surface& s, const FlatChart& c, Solver& solver) {
       const Vec2 u = solver.own[f][at(k)] - solver.own[f][at((k + 2) % 3)],
                  v = solver.own[f][at((k + 1) % 3)] - solver.own[f][at((k + 2) % 3)];
       const double area = std::abs(u.x() * v.y() - u.y() * v.x());
-      w[at(k)] = std::clamp(u.dot(v) / std::max(area, 1e-12), 0.05, 20.0);  // positive: the system stays definite
+      // Positive weights keep the system definite.
+      w[at(k)] = std::clamp(u.dot(v) / std::max(area, 1e-12), 0.05, 20.0);
     }
     solver.cotangent.push_back(w);
   }
@@ -143,7 +144,7 @@ void factorize(const FlatChart& c, const std::vector<double>& face_weight, Solve
       entries.emplace_back(j, i, -w);
     }
   }
-  entries.emplace_back(0, 0, 1.0);  // fixes the translation
+  entries.emplace_back(0, 0, 1.0);  // This equation fixes the translation.
   Eigen::SparseMatrix<double> matrix(static_cast<Eigen::Index>(c.flat.size()),
                                      static_cast<Eigen::Index>(c.flat.size()));
   matrix.setFromTriplets(entries.begin(), entries.end());
@@ -224,8 +225,8 @@ void even_out(FlatChart& c, Solver& solver, double limit_mm) {
 
 FlatChart flatten(const CutSurface& cut, const std::vector<int>& faces, int iterations, double limit_mm,
                   const std::function<bool()>& give_up) {
-  constexpr int kCheckEvery = 10;                 // steps between two measurements of the error
-  constexpr double kHopeless = 6.0, kNear = 2.5;  // times the limit
+  constexpr int kCheckEvery = 10;                 // The error is measured once in this many steps.
+  constexpr double kHopeless = 6.0, kNear = 2.5;  // Both are multiples of the limit.
   const Surface& surface = cut.surface();
   FlatChart chart = make_chart(cut, faces);
   unfold_start(cut, chart);
@@ -277,7 +278,7 @@ std::vector<std::vector<int>> chart_loops(const FlatChart& chart) {
   for (const auto& f : chart.local_faces) {
     for (int k = 0; k < 3; ++k) directed.emplace(f[at(k)], f[at((k + 1) % 3)]);
   }
-  std::map<int, int> next;  // vertices are split at pinches, so each has one border edge out
+  std::map<int, int> next;  // Vertices are split at pinches, so each has one border edge out.
   for (const auto& [a, b] : directed) {
     if (!directed.contains({b, a})) next[a] = b;
   }

@@ -36,7 +36,7 @@ class Merger {
       if (!alive_[at(a)] || !alive_[at(b)]) continue;
       std::vector<int> both;
       std::ranges::merge(alive_[at(a)]->faces, alive_[at(b)]->faces, std::back_inserter(both));
-      if (both.size() > left) continue;  // smaller pairs may still fit
+      if (both.size() > left) continue;  // Smaller pairs may still fit.
       left -= both.size();
       auto joined = try_piece_(both);
       if (!joined) continue;

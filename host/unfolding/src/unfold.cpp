@@ -106,7 +106,7 @@ class Unfolder {
     for (const auto& f : chart.local_faces)
       piece.flat.push_back({chart.flat[at(f[0])], chart.flat[at(f[1])], chart.flat[at(f[2])]});
     const auto loops = chart_loops(chart);
-    if (loops.empty()) return std::nullopt;  // closed
+    if (loops.empty()) return std::nullopt;  // The piece is closed.
     for (std::size_t k = 0; k < loops.size(); ++k) {
       std::vector<Vec2> ring;
       for (const int v : loops[k]) ring.push_back(chart.flat[at(v)]);
@@ -237,7 +237,7 @@ class Unfolder {
   // flat; all are taken back when they do not, or are longer than the seam that dividing needs.
   std::optional<Piece> darted(const std::vector<int>& faces) {
     if (faces.size() < 12 || turns_too_far(faces)) return std::nullopt;
-    double left_mm = 0.7 * std::sqrt(area_of(faces));  // a seam across the piece is longer
+    double left_mm = 0.7 * std::sqrt(area_of(faces));  // A seam across the piece is longer than this.
     std::vector<SurfaceEdge> made;
     for (int k = 0; k < options_.darts; ++k) {
       const std::vector<SurfaceEdge> dart = deepest_dart(cut_, faces, uncut_);

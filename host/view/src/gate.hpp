@@ -13,9 +13,9 @@ class Gate {
   /// `port`: that of the server; `token`: that of its address.
   Gate(std::uint16_t port, std::string token) : port_(port), token_(std::move(token)) {}
 
-  /// Whether a Host header names this server. A page of another host that resolves to 127.0.0.1 is refused by this.
+  /// True if a Host header names this server. This refuses pages of another host that resolves to 127.0.0.1.
   [[nodiscard]] bool host_is_ours(std::string_view host) const;
-  /// Whether an Origin header is a page of this server.
+  /// True if an Origin header is a page of this server.
   [[nodiscard]] bool origin_is_ours(std::string_view origin) const;
   /// Name of the document that a request target asks for: what follows "/TOKEN/". Empty: the token is missing or wrong.
   /// The name is looked up as it stands, so dots, escapes and queries lead nowhere.

@@ -47,7 +47,7 @@ class LiveConnection : public std::enable_shared_from_this<LiveConnection> {
  private:
   void read() {
     socket_.async_read(buffer_, [self = shared_from_this()](beast::error_code error, std::size_t) {
-      if (error) return self->close();  // closed, or a message over the limit
+      if (error) return self->close();  // It was closed, or a message exceeded the limit.
       self->take_message();
       self->read();
     });

@@ -17,7 +17,7 @@ namespace triskin::view {
 /// Random token of 32 hexadecimal digits. Throws DeviceError when the operating system has no random numbers.
 [[nodiscard]] std::string random_token();
 
-/// Whether two texts are equal; the time does not tell where they differ.
+/// True if two texts are equal; the time does not tell where they differ.
 [[nodiscard]] bool equal_in_constant_time(std::string_view a, std::string_view b);
 
 }  // namespace triskin::view

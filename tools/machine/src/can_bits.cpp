@@ -66,7 +66,7 @@ void put_data(Stuffer& out, const wire::CanFrame& f) {
 }  // namespace
 
 CanBits can_bits(const wire::CanFrame& frame) {
-  constexpr std::uint32_t kEnd = 2 + 7 + 3;  // acknowledge and its delimiter, end of frame, interframe space
+  constexpr std::uint32_t kEnd = 2 + 7 + 3;  // Acknowledge and its delimiter, end of frame, interframe space.
   Stuffer out;
   put_identifier(out, frame);
   if (!frame.fd) {
@@ -83,7 +83,7 @@ CanBits can_bits(const wire::CanFrame& frame) {
   const std::uint32_t crc = frame.size > 16 ? 21 : 17;
   const std::uint32_t field = 4 + crc, fixed = 1 + field / 4;  // stuff count and CRC; a stuff bit before each four bits
   const std::uint32_t before =
-      out.sent() - arbitration - (out.ends_stuffed() ? 1 : 0);  // the first fixed one does as well
+      out.sent() - arbitration - (out.ends_stuffed() ? 1 : 0);  // The first fixed one does as well.
   const std::uint32_t data = before + field + fixed + 1;
   return frame.bit_rate_switch ? CanBits{arbitration + kEnd, data} : CanBits{arbitration + kEnd + data, 0};
 }

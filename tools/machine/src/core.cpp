@@ -268,7 +268,7 @@ bool Machine::Core::boots_from_rom() const {
 void Machine::Core::reset_core() {
   time_.clear();
   nvic_.reset();
-  std::ranges::fill(code_ram_blocks_, Block{});  // the start-up code of another image may fill it anew
+  std::ranges::fill(code_ram_blocks_, Block{});  // The start-up code of another image may fill it anew.
   for (const Window& w : windows_) w.block->reset();
   gpio_.reset();
   gpio_.set_boot_pin(setup_.boot_pin_high);
@@ -279,7 +279,7 @@ void Machine::Core::reset_core() {
     book(t);
   sleeping_ = fp_active_ = nmi_ = reset_wanted_ = stalled_ = false;
   in_rom_loader_ = boots_from_rom();
-  sleeping_ = in_rom_loader_;  // it waits for a host on UART, I²C, SPI, USB or CAN, which nobody here is
+  sleeping_ = in_rom_loader_;  // It waits for a host on UART, I²C, SPI, USB or CAN, which nobody here is.
   reg(UC_ARM_REG_IPSR, 0);
   reg(UC_ARM_REG_CONTROL, 0);
   reg(UC_ARM_REG_PRIMASK, 0);
@@ -316,7 +316,7 @@ void Machine::Core::store(std::uint32_t address, std::uint32_t value) {
   std::memcpy(memory_at(address), &value, sizeof value);
 }
 
-// Unicorn keeps what it has translated from writable memory until it is told.
+// Unicorn keeps translated code of writable memory until it is told to drop it.
 void Machine::Core::overwrite(std::uint32_t address, std::uint32_t value) {
   store(address, value);
   check(uc_ctl_remove_cache(uc_, address, address + 4), "translated code");

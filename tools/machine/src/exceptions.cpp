@@ -109,7 +109,7 @@ void Machine::Core::leave_exception(std::uint32_t code) {
   }
   fp_active_ = extended;
   reg(UC_ARM_REG_SP, frame + (extended ? kExtendedFrame : kBasicFrame) + ((flags >> 9 & 1) != 0 ? 4 : 0));
-  reg(UC_ARM_REG_APSR_NZCVQ, flags & 0xF8000000);  // writing the whole XPSR would clear IPSR
+  reg(UC_ARM_REG_APSR_NZCVQ, flags & 0xF8000000);  // Writing the whole XPSR would clear IPSR.
   reg(UC_ARM_REG_PC, pc | 1);
   if (setup_.trace != nullptr) setup_.trace->exception(nvic_.running(), time_.now());
   time_.advance(kReturnCycles * kSecond / rcc_.sysclk_hz());

@@ -98,7 +98,7 @@ void Fdcan::rejoin() {
 
 bool Fdcan::spoil_frame() {
   if (!bus_busy_ || !running()) return false;
-  ++generation_;  // the frame does not end
+  ++generation_;  // The frame does not end.
   count_error();
   around_.time().after(nominal_bit() * kErrorFrameBits, [this, g = generation_] {
     if (g != generation_) return;

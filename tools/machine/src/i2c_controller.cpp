@@ -104,7 +104,7 @@ bool I2cController::holds_scl() const {
 
 bool I2cController::lose_arbitration() {
   if (!on_bus_ || (cr1_ & 1) == 0 || holds_scl()) return false;
-  ++generation_;  // nothing that was under way ends
+  ++generation_;  // Nothing that was under way ends.
   cr2_ &= ~kStartBit;
   tx_waits_ = shifting_ = stretched_ = on_bus_ = spoilt_ = false;
   busy_time_ += around_.time().now() - busy_since_;
@@ -227,7 +227,7 @@ void I2cController::begin() {
     return;
   }
   if (trace_ != nullptr) trace_->i2c_start(line_, around_.time().now());
-  after(scl_period() * 10, [this] { address_sent(); });  // start condition and nine bits
+  after(scl_period() * 10, [this] { address_sent(); });  // Start condition and nine bits.
 }
 
 // Nothing moves any more. With SCL low the time-out counter reports it; with SDA low nobody does.
@@ -287,7 +287,7 @@ void I2cController::shift_in() {
     if (trace_ != nullptr) trace_->i2c_byte(line_, held_, more, around_.time().now(), scl_period());
     ++moved_;
     if ((isr_ & kRxNe) != 0)
-      stretched_ = true;  // nobody has taken the byte before: SCL stays low
+      stretched_ = true;  // Nobody has taken the byte before: SCL stays low.
     else
       deliver();
   });

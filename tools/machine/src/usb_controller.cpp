@@ -194,7 +194,7 @@ UsbReply UsbController::setup(std::uint8_t address, std::span<const std::uint8_t
   if (r == nullptr || !control_type(*r) || receive_status(*r) == kDisabled || (*r & kReceived) != 0)
     return UsbReply::kNone;
   if (!store(index_of(r), bytes)) return UsbReply::kNone;
-  *r |= kReceived | kSetup | kReceiveToggle | kSendToggle;  // the next packet of either direction is DATA1
+  *r |= kReceived | kSetup | kReceiveToggle | kSendToggle;  // The next packet of either direction is DATA1.
   set_receive_status(*r, kNak);
   set_send_status(*r, kNak);
   update_irq();

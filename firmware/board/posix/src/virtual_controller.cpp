@@ -14,8 +14,8 @@
 namespace triskin::sim {
 namespace {
 
-constexpr std::uint64_t kByte_ns = 22'500;  // nine bits at 400 kHz
-constexpr std::uint64_t kBit_ns = 2'500;    // start, repeated start, stop
+constexpr std::uint64_t kByte_ns = 22'500;  // Nine bits at 400 kHz take this long.
+constexpr std::uint64_t kBit_ns = 2'500;    // A start, repeated start or stop takes this long.
 constexpr std::uint64_t kStuckTimeout_us = 1'000;
 
 class VirtualClock final : public fw::Clock {
@@ -262,7 +262,7 @@ class Controller final : public VirtualController, private fw::Restart, private 
   [[nodiscard]] std::uint64_t loader_end_us() const { return std::max(window_end_us_, loader_->stays_until_us()); }
   [[nodiscard]] bool wants_dfu() const { return usb_->wants_to_reconnect() && board_.slots != nullptr; }
   void step_dfu() {
-    can_.queue.clear();  // it is not on the CAN bus meanwhile
+    can_.queue.clear();  // The controller is not on the CAN bus meanwhile.
     dfu_->tick(clock_.now);
     if (!dfu_->wants_to_reconnect()) return;
     dfu_.reset();

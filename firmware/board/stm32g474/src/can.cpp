@@ -36,7 +36,7 @@ constexpr std::array<std::uint8_t, 16> kSizes{0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16,
 // the data phase; all of them before the sample point but a fifth.
 constexpr std::uint32_t kPrescaler = 2;
 struct BitTiming {
-  std::uint32_t bit_hz, prescaler, before, after;  // quanta up to the sample point without the first, and after it
+  std::uint32_t bit_hz, prescaler, before, after;  // Quanta up to the sample point without the first, and after it.
   [[nodiscard]] constexpr std::uint32_t quanta() const { return 1 + before + after; }
 };
 constexpr BitTiming kNominal{1'000'000, kPrescaler, 63, 16}, kData{2'000'000, kPrescaler, 31, 8};
@@ -44,7 +44,7 @@ static_assert(kNominal.prescaler == kData.prescaler);
 static_assert(kNominal.quanta() * kNominal.prescaler * kNominal.bit_hz == kSysclk_hz);
 static_assert(kData.quanta() * kData.prescaler * kData.bit_hz == kSysclk_hz);
 static_assert((1 + kNominal.before) * kData.quanta() ==
-              (1 + kData.before) * kNominal.quanta());  // the same sample point
+              (1 + kData.before) * kNominal.quanta());  // Both have the same sample point.
 // The loop delay of the transceiver is measured in each frame and the second sample point lies as far behind it as the
 // sample point lies in a bit, in clocks of the block. M_CAN allows this with a data prescaler of 1 or 2 only.
 static_assert(kData.prescaler <= 2);
@@ -105,7 +105,7 @@ void write_filters(CanFilters filters) {
   word(kStandardFilters + 4, kMaskFilter | kStandardToFifo0 | 0x700U << kFilterIdShift | 0x700U);
   word(kExtendedFilters, kExtendedToFifo0 | 0x18DA0000U);
   word(kExtendedFilters + 4, kMaskFilter | 0x1FFE0000U);
-  word(kExtendedFilters + 8, kExtendedToFifo0 | 0x1BF00000U);  // updates, by the loader and by the application
+  word(kExtendedFilters + 8, kExtendedToFifo0 | 0x1BF00000U);  // Updates by the loader and by the application.
   word(kExtendedFilters + 12, kMaskFilter | 0x1FF00000U);
   word(kExtendedFilters + 16, kExtendedToFifo0 | 0x18E00000U);  // 18E0 … 18E3
   word(kExtendedFilters + 20, kMaskFilter | 0x1FFC0000U);

@@ -26,7 +26,7 @@ constexpr std::uint32_t kCaptureLooks = 1'000;    // 300 µs; eight periods of t
 
 void raise_core_voltage() {
   rcc_reg::kApb1Enr1.set(rcc_reg::kPwr);
-  (void)rcc_reg::kApb1Enr1.read();  // the clock needs two cycles (§7.2.16)
+  (void)rcc_reg::kApb1Enr1.read();  // The clock needs two cycles (§7.2.16).
   pwr_reg::kCr5.clear(pwr_reg::kNoBoost);
 }
 
@@ -46,7 +46,7 @@ bool start_crystal() {
 std::optional<std::uint16_t> next_edge() {
   using namespace tim16_reg;
   if (!wait_for(kSr, kCaptured, kCaptureLooks)) return std::nullopt;
-  const auto count = static_cast<std::uint16_t>(kCcr1.read());  // reading takes the flag back
+  const auto count = static_cast<std::uint16_t>(kCcr1.read());  // Reading clears the flag.
   if (kSr.any(kOvercaptured)) return std::nullopt;
   return count;
 }
@@ -62,8 +62,8 @@ std::optional<std::uint32_t> measure_crystal_hz() {
   kCcmr1.write(kCaptureFromInput | kEachEighthEdge);
   kCcer.write(kCaptureOn);
   kCr1.write(kEnable);
-  kSr.write(0);       // edges that came before
-  (void)next_edge();  // may be one of before the edges counted
+  kSr.write(0);       // Clears edges that came before.
+  (void)next_edge();  // This edge may precede the ones counted.
   const auto first = next_edge();
   auto last = first;
   for (std::uint32_t k = 0; k < kCaptures && last; ++k) last = next_edge();
@@ -101,7 +101,7 @@ wire::ClockState choose_pll() {
     state.crystal = crystal_hz ? wire::Crystal::kUsed : wire::Crystal::kUnknown;
     if (crystal_hz && start_pll(rcc_reg::kPllFromHse, *pll_setting(*crystal_hz))) {
       state.crystal_mhz = static_cast<std::uint8_t>(*crystal_hz / 1'000'000);
-      rcc_reg::kCr.set(rcc_reg::kClockSecurity);  // a crystal that stops ends in an NMI, not in silence
+      rcc_reg::kCr.set(rcc_reg::kClockSecurity);  // A crystal that stops ends in an NMI instead of silence.
       return state;
     }
     if (crystal_hz) state.crystal = wire::Crystal::kNoLock;
@@ -129,7 +129,8 @@ void switch_to_pll() {
 }  // namespace
 
 void start_clocks() {
-  if ((rcc_reg::kCfgr.read() >> rcc_reg::kStatusShift & 3U) == rcc_reg::kSwitchPll) return;  // the loader did it
+  // The loader has switched already.
+  if ((rcc_reg::kCfgr.read() >> rcc_reg::kStatusShift & 3U) == rcc_reg::kSwitchPll) return;
   raise_core_voltage();
   survivor().clock = choose_pll();
   if (survivor().clock.crystal == wire::Crystal::kNoPll) fail(wire::CrashCause::kClock);
@@ -147,7 +148,7 @@ void start_microseconds() {
   (void)rcc_reg::kApb1Enr1.read();
   tim2_reg::kPsc.write(kSysclk_hz / 1'000'000 - 1);
   tim2_reg::kArr.write(0xFFFFFFFF);
-  tim2_reg::kEgr.write(tim2_reg::kUpdate);  // loads the prescaler
+  tim2_reg::kEgr.write(tim2_reg::kUpdate);  // Loads the prescaler.
   tim2_reg::kSr.write(0);
   tim2_reg::kCr1.write(tim2_reg::kEnable);
   counting = true;
@@ -164,7 +165,7 @@ std::uint64_t microseconds() {
 }
 
 void wake_at(std::uint64_t at_us) {
-  const InterruptLock lock;  // the handler changes the same registers
+  const InterruptLock lock;  // The handler changes the same registers.
   tim2_reg::kCcr1.write(static_cast<std::uint32_t>(at_us));
   tim2_reg::kSr.write(~tim2_reg::kCompare1);
   tim2_reg::kDier.set(tim2_reg::kCompare1);
@@ -214,5 +215,5 @@ extern "C" void serve_timer(const std::uint32_t* frame) {
   if ((tim2_reg::kSr.read() & tim2_reg::kDier.read() & tim2_reg::kCompare2) != 0) note_hang(frame);
   tim2_reg::kSr.write(~tim2_reg::kCompare1);
   tim2_reg::kDier.clear(tim2_reg::kCompare1);
-  asm volatile("dsb" ::: "memory");  // a store may not overlap the return (Cortex-M4 erratum 838869)
+  asm volatile("dsb" ::: "memory");  // A store may not overlap the return (Cortex-M4 erratum 838869).
 }

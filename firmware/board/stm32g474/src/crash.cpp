@@ -113,7 +113,7 @@ void fail(wire::CrashCause cause) {
 
 void note_hang(const std::uint32_t* frame) {
   wire::Crash crash = begin();
-  crash.exception = 0;  // the timer's own
+  crash.exception = 0;  // The exception is that of the timer.
   note_place(crash, frame);
   finish(crash, wire::CrashCause::kWatchdog);
 }
@@ -124,7 +124,7 @@ void open_survivor() {
   rcc_reg::kCsr.set(rcc_reg::kRemoveResetFlags);
   constexpr std::uint32_t kCauses = rcc_reg::kOptionReset | rcc_reg::kPinReset | rcc_reg::kPowerReset |
                                     rcc_reg::kSoftwareReset | rcc_reg::kWatchdogReset;
-  if ((flags & kCauses) == 0 && s.magic == kMagic) return;  // no reset since it was opened last
+  if ((flags & kCauses) == 0 && s.magic == kMagic) return;  // There was no reset since it was opened last.
   if (s.magic != kMagic || (flags & rcc_reg::kPowerReset) != 0) s = Survivor{};
   s.magic = kMagic;
   s.reset_flags = flags;
@@ -167,7 +167,7 @@ void end_double_reset() {
 void note_fault(const std::uint32_t* frame) {
   using namespace triskin::board;
   triskin::wire::Crash crash = begin();
-  crash.exception = 0;  // the fault's own
+  crash.exception = 0;  // The exception is that of the fault.
   crash.fault_status = core_reg::kCfsr.read();
   crash.hard_fault_status = core_reg::kHfsr.read();
   crash.address = fault_address(crash.fault_status);

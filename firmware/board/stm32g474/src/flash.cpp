@@ -33,7 +33,7 @@ void wait_ready() {
 void wait_through_erase() {
   while (flash_reg::kSr.any(flash_reg::kBusy)) {
     if (busy_work != nullptr) busy_work->step();
-    asm volatile("cpsid i" ::: "memory");  // nothing is slept through between the decision and WFI
+    asm volatile("cpsid i" ::: "memory");  // No interrupt may fall between the decision and WFI.
     const std::uint64_t now_us = microseconds(), next_us = busy_work != nullptr ? busy_work->next_us() : UINT64_MAX;
     if (next_us > now_us) {
       wake_at(std::min(next_us, now_us + kLook_us));
@@ -121,7 +121,7 @@ bool program_flash_unit(std::uint32_t address, std::uint32_t low, std::uint32_t 
   flash_reg::kSr.write(flash_reg::kErrors | flash_reg::kEndOfOperation);
   flash_reg::kCr.write(flash_reg::kProgram);
   {
-    const InterruptLock lock;  // nothing may come between the two halves of a unit
+    const InterruptLock lock;  // No other write may come between the two halves of a unit.
     Register(address).write(low);
     Register(address + 4).write(high);
   }

@@ -12,7 +12,7 @@ class InterruptTimer {
   ~InterruptTimer() {
     const std::uint32_t took = tim2_reg::kCnt.read() - start_;
     if (took > triskin_budget.worst_interrupt_us) triskin_budget.worst_interrupt_us = took;
-    asm volatile("dsb" ::: "memory");  // a store may not overlap the return (Cortex-M4 erratum 838869)
+    asm volatile("dsb" ::: "memory");  // A store may not overlap the return (Cortex-M4 erratum 838869).
   }
   InterruptTimer(const InterruptTimer&) = delete;
   InterruptTimer& operator=(const InterruptTimer&) = delete;

@@ -33,7 +33,7 @@ constexpr std::uint32_t kSclLowTimeout = kSysclk_hz / 1000 / 2048;  // 1.0 ms of
 // The counters of the DMA stand still while two bytes that it sent ahead, an address and the first byte read are on the
 // line: four times 27 µs, and the 1.0 ms for which a chip may hold SCL low after each.
 constexpr std::uint64_t kStill_us = 4'200;
-constexpr std::uint64_t kHalfPulse_us = 5;  // bus clear at 100 kHz
+constexpr std::uint64_t kHalfPulse_us = 5;  // Bus clear at 100 kHz.
 // Fast transients come in bursts of 15 ms (IEC 61000-4-4), which may spoil each transfer in them. Single disturbances
 // need 23 losses in a row to last that long, each within the 0.87 ms of a burst of results and its bus clear.
 constexpr std::uint64_t kRepeatFor_us = 20'000;
@@ -86,7 +86,7 @@ void Stm32I2cLine::pins_to_bus() const {
 }
 
 void Stm32I2cLine::enable() {
-  reg(kTimingr).write(kTiming->value());  // only while the block is off (§39.9.5)
+  reg(kTimingr).write(kTiming->value());  // The register accepts writes only while the block is off (§39.9.5).
   reg(kTimeoutr).write(kSclLowTimeout);
   reg(kTimeoutr).write(kSclLowTimeout | kTimeoutEnable);
   reg(kCr1).write(kEnable | kInterrupts | kSendByDma | kReceiveByDma);
@@ -118,7 +118,7 @@ void Stm32I2cLine::begin_transfer() {
   left_ = write_.size() + read_.size();
   deadline_us_ = microseconds() + (write_.size() + read_.size() + 2) * 23 + kSlack_us;
   if (reading_) return begin_reading();
-  asm volatile("dmb" ::: "memory");  // what was written to the buffer is there before the DMA looks
+  asm volatile("dmb" ::: "memory");  // The buffer must be written before the DMA reads it.
   sender().start(address_of(write_.data()), write_.size(), true);
   reg(kCr2).write(static_cast<std::uint32_t>(address_) << 1 | static_cast<std::uint32_t>(write_.size()) << kBytesShift |
                   (read_.empty() ? kAutoEnd : 0U) | kStart);
@@ -133,9 +133,9 @@ void Stm32I2cLine::begin_reading() {
 void Stm32I2cLine::on_event() {
   const std::uint32_t status = reg(kIsr).read();
   if ((status & kNack) != 0) {
-    reg(kIcr).write(kNack);  // the block sends the stop by itself
+    reg(kIcr).write(kNack);  // The block sends the stop by itself.
     sender().stop();
-    reg(kIsr).write(kTxFlush);  // a byte that the DMA had put there already would open the next transfer
+    reg(kIsr).write(kTxFlush);  // A byte that the DMA already put there would open the next transfer.
     nack_ = true;
   }
   if ((status & kComplete) != 0 && !reading_) {
@@ -181,7 +181,7 @@ std::optional<Status> Stm32I2cLine::poll() {
   const bool whole = (reading_ ? receiver() : sender()).remaining() == 0;
   receiver().stop();
   sender().stop();
-  asm volatile("dmb" ::: "memory");  // what the DMA wrote is read after this
+  asm volatile("dmb" ::: "memory");  // Data that the DMA wrote must be read after this.
   if (outcome_ == Outcome::kStuck || outcome_ == Outcome::kLost) {
     disable();
     enable();
@@ -229,7 +229,7 @@ Status Stm32I2cLine::recover() {
     scl.drive(true);
     wait_us(kHalfPulse_us);
   }
-  scl.drive(false);  // stop: SDA rises while SCL is high
+  scl.drive(false);  // Prepares a stop: SDA rises while SCL is high.
   sda.drive(false);
   wait_us(kHalfPulse_us);
   scl.drive(true);

@@ -60,7 +60,7 @@ class Stm32I2cLine final : public fw::I2cLine {
   bool reading_ = false, active_ = false, nack_ = false;
   volatile Outcome outcome_ = Outcome::kRunning;
   std::uint8_t refusals_ = 0;
-  std::size_t left_ = 0;  // bytes that had not moved when the deadline was set
+  std::size_t left_ = 0;  // Bytes that had not moved when the deadline was set.
   std::uint64_t deadline_us_ = 0, started_us_ = 0, ended_us_ = 0;
 };
 

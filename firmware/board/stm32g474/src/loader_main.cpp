@@ -43,7 +43,7 @@ void start_image() {
   const int slot = slot_to_start();
   if (slot < 0) return;
   if (!application_slots.inspect(slot).confirmed) (void)application_slots.note_start(slot);
-  feed_watchdog();  // a new application that hangs comes back here
+  feed_watchdog();  // A new application that hangs ends here again.
   note_application_starts();
   core_reg::reset_peripherals();
   start(slot);
@@ -111,7 +111,7 @@ class Waiting {
   }
   void start_or_wait() {
     start_image();
-    open_dfu(false);  // there is none that may start: it waits for as long as it takes
+    open_dfu(false);  // No application may start, so it waits without limit.
   }
   void serve_dfu(std::uint64_t can_until_us) {
     dfu_->tick(microseconds());

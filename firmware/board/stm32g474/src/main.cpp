@@ -22,9 +22,9 @@
 namespace triskin::board {
 namespace {
 
-constexpr std::uint64_t kLongestSleep_us = 100'000;    // the watchdog is fed at least this often
+constexpr std::uint64_t kLongestSleep_us = 100'000;    // The watchdog is fed at least this often.
 constexpr std::uint64_t kSupplyStands_us = 2'000'000;  // The supply counts as stable this long after power-up.
-constexpr std::uint64_t kWorksWell_us = 60'000'000;    // crashes before this are in a row
+constexpr std::uint64_t kWorksWell_us = 60'000'000;  // Crashes within this time after a start count as being in a row.
 
 class Stm32Clock final : public fw::Clock {
  public:

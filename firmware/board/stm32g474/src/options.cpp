@@ -14,7 +14,7 @@ std::uint32_t inspect_board() {
   (void)rcc_reg::kAhb2Enr.read();
   const Gpio boot_pin(pins::kCanReceive);
   if (boot_pin.analog()) boot_pin.mode(PinMode::kInput);
-  asm volatile("nop\n nop\n nop\n nop" ::: "memory");  // the input is sampled with the bus clock
+  asm volatile("nop\n nop\n nop\n nop" ::: "memory");  // The input is sampled with the bus clock.
   const std::uint32_t options = kOptr.read();
   triskin_budget.options = options;
   std::uint32_t found = 0;

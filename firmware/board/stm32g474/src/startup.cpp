@@ -83,7 +83,7 @@ struct Vectors {
   std::array<Handler, 15 + kInterrupts> handlers;
 };
 
-static_assert(sizeof(Vectors) == layout::kLabelOffset);  // the label of an application follows
+static_assert(sizeof(Vectors) == layout::kLabelOffset);  // The label of an application follows.
 
 consteval Vectors make_vectors() {
   Vectors v{&triskin_stack_top, {}};
@@ -181,7 +181,7 @@ void nmi_handler() {
   const std::uint32_t ecc = flash_reg::kEccr.read();
   flash_reg::kEccr.write(ecc & (flash_reg::kEccDetected | flash_reg::kEccDetectedHigh));
   if ((ecc & (flash_reg::kEccDetected | flash_reg::kEccDetectedHigh)) != 0) ++triskin_budget.ecc_faults;
-  asm volatile("dsb" ::: "memory");  // the flag has fallen before the handler returns, else it would run again
+  asm volatile("dsb" ::: "memory");  // The flag must fall before the handler returns, or it would run again.
 }
 
 // Runs on its own stack and passes the stack pointer of the fault as the argument.

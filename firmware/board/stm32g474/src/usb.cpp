@@ -79,7 +79,7 @@ void start_48_mhz() {
   }
   rcc_reg::kApb1Enr1.set(rcc_reg::kCrs | rcc_reg::kUsb);  // CCIPR.CLK48SEL is HSI48 after a reset
   (void)rcc_reg::kApb1Enr1.read();
-  crs_reg::kCr.set(crs_reg::kEnable | crs_reg::kAutomatic);  // its source is the start of frame after a reset
+  crs_reg::kCr.set(crs_reg::kEnable | crs_reg::kAutomatic);  // After a reset its source is the start of frame.
 }
 
 }  // namespace
@@ -88,7 +88,7 @@ void Stm32Usb::open(wire::UsbFunction& function, bool data_endpoints) {
   function_ = &function;
   data_endpoints_ = data_endpoints;
   start_48_mhz();
-  kCntr.write(kForceReset);  // powered, still in reset
+  kCntr.write(kForceReset);  // The block is powered and still in reset.
   for (const std::uint64_t until = microseconds() + 2;
        microseconds() < until;) {  // start-up time of the transceiver: 1 µs (data sheet)
   }
@@ -110,7 +110,7 @@ void Stm32Usb::close() {
 }
 
 void Stm32Usb::on_interrupt() {
-  kCntr.write(power_);  // silent until the loop has served it
+  kCntr.write(power_);  // The device stays silent until the loop has served it.
   pending_ = true;
 }
 
@@ -131,7 +131,7 @@ void Stm32Usb::reset() {
   address_ = 0;
   function_->reset();
   for (std::size_t n = 0; n < (data_endpoints_ ? kEndpoints : 1); ++n) {
-    endpoint(n).write(0);  // flags of before the reset
+    endpoint(n).write(0);  // Clears flags from before the reset.
     open_endpoint(n, true, true);
   }
   kDaddr.write(kEnableFunction);
@@ -141,7 +141,7 @@ void Stm32Usb::serve() {
   if (function_ == nullptr || !pending_) return;
   pending_ = false;
   const std::uint32_t events = kIstr.read();
-  kIstr.write(~(kReset | kSuspend | kWakeUp) | ~events);  // a zero clears
+  kIstr.write(~(kReset | kSuspend | kWakeUp) | ~events);  // Writing a zero clears a flag.
   if ((events & kReset) != 0) reset();
   if ((events & kSuspend) != 0) power_ = kForceSuspend;
   if ((events & (kWakeUp | kReset)) != 0) power_ = 0;
@@ -259,7 +259,7 @@ void Stm32Usb::run() {
   answer_ = result->first(std::min<std::size_t>(result->size(), setup_.length));
   short_packet_owed_ = answer_.size() < setup_.length && answer_.size() % kPacket == 0;
   stage_ = Stage::kDataIn;
-  receive_status(0, kValid);  // a host may end it early
+  receive_status(0, kValid);  // A host may end the transfer early.
   answer();
 }
 

@@ -60,7 +60,7 @@ class Stm32Usb {
   std::size_t received_ = 0;
   Bytes answer_;
   bool short_packet_owed_ = false;
-  std::uint8_t address_ = 0;  // taken when the status stage is through; 0: none
+  std::uint8_t address_ = 0;  // Takes effect after the status stage; 0: none.
 };
 
 extern Stm32Usb usb;

@@ -72,7 +72,7 @@ void FaultMemory::replay(std::size_t page) {
     const bool fault = r.u8() == kFaultMark && sealed(record);
     const std::size_t module = r.u8(), state = r.u8();
     if (!fault || module >= entries_.size() || state < kFirstFault || state >= kStates)
-      continue;  // torn by a cut of power
+      continue;  // A power failure tore the record.
     (void)r.u8();
     Entry& entry = entries_[module][state];
     entry.status = kConfirmed;
@@ -92,7 +92,7 @@ void FaultMemory::note(TableRow row, wire::ModuleState state, Freeze now) {
     e.status = kTestFailed | kConfirmed;
     if (!first) continue;
     e.freeze = now;
-    (void)append(row, s);  // a flash that refuses leaves the fault in RAM
+    (void)append(row, s);  // If the flash refuses, the fault stays in RAM.
   }
 }
 
@@ -113,7 +113,8 @@ bool FaultMemory::program(std::size_t page, std::size_t index, std::span<const s
 
 bool FaultMemory::append(TableRow row, std::size_t state) {
   if (!stored()) return false;
-  if (used_ == 0 || (used_ + 1) * kRecordBytes > flash_.page_bytes()) return start_page();  // takes the new entry along
+  // The new page also gets the new entry.
+  if (used_ == 0 || (used_ + 1) * kRecordBytes > flash_.page_bytes()) return start_page();
   return program(page_, used_++, fault_record(row, state, entries_[index_of(row)][state].freeze));
 }
 
@@ -123,7 +124,7 @@ bool FaultMemory::start_page() {
   const std::size_t next = 1 - page_;
   const bool blank = used_ == 0 && erased(flash_.bytes().subspan(page_offset(next), flash_.page_bytes()));
   if (!blank && !flash_.erase_page(page_offset(next)))
-    return false;  // a page of a new board needs none: erasing holds up the loop
+    return false;  // A page of a new board needs no erase, which would hold up the loop.
   std::size_t at = 1;
   for (std::size_t m = 0; m < entries_.size(); ++m) {
     for (std::size_t s = kFirstFault; s < kStates; ++s) {

@@ -9,7 +9,7 @@ using namespace wire;
 
 namespace {
 
-constexpr std::uint8_t kDone = 0;  // no negative response
+constexpr std::uint8_t kDone = 0;  // Stands for no negative response.
 constexpr std::uint8_t kSuppress = 0x80;
 constexpr int kMaxWrongKeys = 3;
 
@@ -135,7 +135,7 @@ std::uint8_t UdsServer::read(Bytes request, Out& out) {
     out.be16(did);
     out.bytes(w.written());
   }
-  if (!out.ok()) return 0x14;  // response too long
+  if (!out.ok()) return 0x14;  // The response is too long.
   return any ? kDone : nrc::kOutOfRange;
 }
 
@@ -173,7 +173,7 @@ std::uint8_t UdsServer::security(Bytes request, Out& out) {
   const bool right = key == security_key(seed_);
   seed_ = 0;
   if (!right) {
-    ++wrong_keys_;  // counts until reset
+    ++wrong_keys_;  // The counter is cleared only by a reset.
     return nrc::kInvalidKey;
   }
   wrong_keys_ = 0;
@@ -210,7 +210,7 @@ std::uint8_t UdsServer::faults(Bytes request, Out& out) {
     const bool known = (request[5] == 0x01 || request[5] == 0xFF) && host_.read_fault(dtc, out);
     return known ? kDone : nrc::kOutOfRange;
   }
-  if (kind != 0x02) return nrc::kSubFunctionNotSupported;  // report by status mask
+  if (kind != 0x02) return nrc::kSubFunctionNotSupported;  // Only the report by status mask is supported.
   if (request.size() != 3) return nrc::kWrongLength;
   out.u8(fault_status::kAvailable);
   host_.read_faults(request[2], out);
@@ -219,7 +219,8 @@ std::uint8_t UdsServer::faults(Bytes request, Out& out) {
 
 std::uint8_t UdsServer::clear(Bytes request, Out&) {
   if (request.size() != 4) return nrc::kWrongLength;
-  if (request[1] != 0xFF || request[2] != 0xFF || request[3] != 0xFF) return nrc::kOutOfRange;  // all groups
+  // Only all groups at once can be cleared.
+  if (request[1] != 0xFF || request[2] != 0xFF || request[3] != 0xFF) return nrc::kOutOfRange;
   return nrc_of(host_.clear_faults());
 }
 
@@ -256,7 +257,7 @@ std::uint8_t UdsServer::transfer(Bytes request, Out& out) {
   constexpr std::size_t kData = memory::kMaxBlockBytes - 2U;
   out.u8(request[1]);
   if (transfer_ == Transfer::kDownload) {
-    if (request[1] == block_ && block_ != 0) return kDone;  // our answer was lost: the block is in already
+    if (request[1] == block_ && block_ != 0) return kDone;  // Our answer was lost: the block has been stored already.
     if (request[1] != next) return nrc::kWrongBlock;
     if (request.size() == 2 || request.size() > kData + 2) return nrc::kWrongLength;
     if (tables_.append(request.subspan(2)) != Status::kOk) return nrc::kOutOfRange;

@@ -77,7 +77,7 @@ void IcubBoard::load(const CanFrame& frame, const Self& self, Reaction& reaction
   }
 }
 
-// Not the shifts: the other board keeps them too.
+// The shifts stay, as on the other board.
 void IcubBoard::set_defaults() {
   skin_type_ = SkinType::kCompensated;
   no_load_ = kNoLoad;

@@ -32,7 +32,7 @@ void set_taxel(wire::IcubTaxels& out, std::size_t taxel, int rise, int no_load, 
 }  // namespace
 
 void IcubTriangles::read(std::size_t row, const ModuleSample& sample) {
-  if (sample.compensation.restarts() != restarts_[row]) known_[row] = 0;  // the converter has other offsets now
+  if (sample.compensation.restarts() != restarts_[row]) known_[row] = 0;  // The converter has other offsets now.
   restarts_[row] = sample.compensation.restarts();
   for (std::size_t t = 0; t < sample.raw.size(); ++t) {
     const auto bit = static_cast<std::uint16_t>(1U << t);
@@ -44,7 +44,7 @@ void IcubTriangles::read(std::size_t row, const ModuleSample& sample) {
 
 // Pressure lowers the result of our converters and raises that of an MTB4 board.
 int IcubTriangles::rise(std::size_t row, const ModuleSample& sample, std::size_t taxel, SkinType type) const {
-  constexpr int kBeyond = 1 << 30;  // shifted limits are below
+  constexpr int kBeyond = 1 << 30;  // Shifted limits are smaller.
   const std::uint16_t raw = sample.raw[taxel];
   if (!ad7147::in_range(raw)) return raw == 0 ? kBeyond : -kBeyond;
   if ((known_[row] >> taxel & 1) == 0) return 0;

@@ -192,7 +192,7 @@ void ReadingSchedule::pass_missed(Plan& plan, std::uint64_t now_us) const {
     }
     advance(plan);
   }
-  if (plan.restart_wanted || !plan.uncertain) return;  // it is read no more as the window has gone
+  if (plan.restart_wanted || !plan.uncertain) return;  // The window has passed, so it is no longer read.
   plan.restart_wanted = true;
   plan.clear_wanted = false;
   plan.restart_us = now_us;
@@ -228,7 +228,7 @@ void ReadingSchedule::restarted(std::size_t station, std::uint64_t ended_us) {
   Plan& plan = plans_[station];
   plan.restart_wanted = false;
   plan.status_us = 0;
-  if (!plan.running) return;  // stopped meanwhile
+  if (!plan.running) return;  // It was stopped meanwhile.
   plan.clock.restart(ended_us);
   plan.clock_changed();
   plan.to_pass += plan.passed - 1;
@@ -245,7 +245,7 @@ void ReadingSchedule::failed(std::size_t station) {
 // The first reading clears what the status has of earlier sequences; each one after it may refine the clock.
 void ReadingSchedule::status_read(std::size_t station, std::uint16_t status, std::uint64_t ended_us) {
   Plan& plan = plans_[station];
-  if (!plan.running) return;  // stopped meanwhile
+  if (!plan.running) return;  // It was stopped meanwhile.
   const std::uint64_t sampled_us = ended_us - kAfterStatus_us;
   if (plan.clear_wanted) {
     plan.clear_wanted = false;
@@ -271,7 +271,7 @@ void ReadingSchedule::refine(Plan& plan, std::uint16_t status) {
   plan.status_us = 0;
 }
 
-// Whether the readings before it, in the order in which the sequences end, leave this chip's next one too late.
+// True if the readings before it, in the order in which the sequences end, leave this chip's next one too late.
 bool ReadingSchedule::would_miss(const Plan& plan) const {
   const std::uint64_t end = plan.end_us, early = end - std::min(end, plan.open_us);
   std::array<std::uint64_t, kStations> ends{};

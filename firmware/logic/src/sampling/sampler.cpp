@@ -53,14 +53,14 @@ void LineSampler::replace_adopted(std::size_t own_rows, std::span<const wire::Ad
   }
   schedule_.replace_from(first, station_count_);
   for (ChipState& station : stations().subspan(first)) {
-    place_of(station).known = false;  // what is kept of the place is another chip's
+    place_of(station).known = false;  // The stored offsets belong to another chip.
     find(station, now_us);
   }
 }
 
 void LineSampler::request_scan() {
   scan_.request();
-  recovery_.end_pause();  // also a line that is left alone
+  recovery_.end_pause();  // This applies even to a line that is left alone.
   idle_until_us_ = 0;
 }
 
@@ -372,7 +372,7 @@ void LineSampler::configure_offsets(Phase next) {
 
 void LineSampler::finish_configure() {
   ChipState& station = current();
-  if (station.phase != Phase::kConfigure) return;  // a new check was asked for meanwhile
+  if (station.phase != Phase::kConfigure) return;  // A new check was requested meanwhile.
   const bool last = station.configuration_step + 1 == configuration_steps();
   if (last && must_repeat_start()) return;
   if (station.offsets_only && station.configuration_step == 0) station.offsets_begun_us = line_->ended_us();
@@ -403,7 +403,7 @@ void LineSampler::start_probe() {
 }
 
 void LineSampler::finish_probe() {
-  if (current().phase != Phase::kFirst) return;  // a new check was asked for meanwhile
+  if (current().phase != Phase::kFirst) return;  // A new check was requested meanwhile.
   if (lasted_us() <= ReadingSchedule::kBurst_us) current().latch.store(chip_.results());
   schedule_.cancel_transaction(current_);
 }
@@ -427,7 +427,7 @@ void LineSampler::finish_read(std::uint64_t now_us) {
     default:
       break;
   }
-  if (station.phase != Phase::kRun) return;  // a new check was asked for
+  if (station.phase != Phase::kRun) return;  // A new check was requested meanwhile.
   if (positive_input_) {
     for (std::uint16_t& r : results_) r = static_cast<std::uint16_t>(~r);
   }
@@ -487,8 +487,8 @@ void LineSampler::begin_run() {
 }
 
 void LineSampler::finish_verify(Job job, std::uint64_t now_us) {
-  if (current().phase != Phase::kRun) return;                                  // a new check was asked for meanwhile
-  if (!chip_.configuration_holds()) return start(Job::kIdentifyUnconfigured);  // a power dip, or another chip
+  if (current().phase != Phase::kRun) return;                                  // A new check was requested meanwhile.
+  if (!chip_.configuration_holds()) return start(Job::kIdentifyUnconfigured);  // Power dipped, or this is another chip.
   current().configuration.confirmed();
   schedule_.cancel_transaction(current_);
   if (job == Job::kVerifyReading) use_results(now_us);
@@ -500,7 +500,7 @@ void LineSampler::use_results(std::uint64_t now_us) {
   const std::optional<std::uint64_t> end_us = schedule_.read(current_, now_us);
   if (!end_us) return;
   if (!whole) {
-    ++sample_of(station).number;  // lost
+    ++sample_of(station).number;  // The sample is lost.
     return;
   }
   sample_of(station).store(results_, station.frozen.add(results_));

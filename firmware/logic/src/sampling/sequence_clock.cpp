@@ -103,7 +103,7 @@ void SequenceClock::next(std::uint32_t count) {
 
 bool SequenceClock::uncertain() const {
   if (contradictions_ >= kMaxContradictions) return true;
-  constexpr std::uint64_t kRoom_us = 600;  // two bursts fit into it, nearly
+  constexpr std::uint64_t kRoom_us = 600;  // Two bursts nearly fit into it.
   return last_start_us() < read_us() + kRoom_us && 2 * (longest_ - shortest_ + 2 * kSlack) < last_ - first_;
 }
 

@@ -46,7 +46,7 @@ void OffsetStore::read(std::size_t page, std::size_t slot, OffsetBook& book) {
   // Stored as if page_ were 0; find_end() inverts it otherwise.
   elsewhere_ = static_cast<std::uint16_t>(page == 0 ? elsewhere_ & ~bit : elsewhere_ | bit);
   PlaceOffsets& p = book[place];
-  if (p.to_store) return;  // newer ones wait to be written
+  if (p.to_store) return;  // Newer ones wait to be written.
   p.device_id = r.le16();
   for (std::uint8_t& s : p.steps) s = std::min(r.u8(), ad7147::kMaxOffset);
   p.known = true;

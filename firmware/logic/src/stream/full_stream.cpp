@@ -85,7 +85,7 @@ void FullStream::tick(std::uint64_t now_us) {
 
 // Numbers that were left out belong to sequences that nobody read.
 void FullStream::count_unread(wire::RowAccount& row, std::uint32_t next_number) const {
-  constexpr std::uint32_t kMaxAtOnce = 10'000;  // six minutes: more were due while nobody read
+  constexpr std::uint32_t kMaxAtOnce = 10'000;  // Six minutes: more were due while nobody read.
   if (next_number - row.number > kMaxAtOnce) return;
   for (std::uint32_t n = row.number + 1; n != next_number; ++n) {
     if (want(n)) ++row.unread;

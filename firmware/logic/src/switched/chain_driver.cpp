@@ -7,7 +7,7 @@ namespace triskin::fw {
 namespace {
 
 constexpr std::uint8_t kMarker = 0x80;
-constexpr int kTries = 3;  // a marginal chain clock flips a bit now and then
+constexpr int kTries = 3;  // A marginal chain clock flips a bit now and then.
 
 // Neither constant nor periodic in a byte; the first bytes measure the length.
 constexpr std::array<std::uint8_t, layout::kMaxModules + 3> kPattern{
@@ -83,7 +83,7 @@ bool ChainDriver::write() {
   bool sure = false;
   (void)echo();
   for (int k = 0; k < kTries && !sure; ++k) sure = echo();
-  if (!sure) return false;  // never latch what did not arrive
+  if (!sure) return false;  // Data that did not arrive is never latched.
   port_.latch();
   order();
   return true;
@@ -139,7 +139,7 @@ bool ChainDriver::close(std::uint8_t module, std::uint8_t port) {
     (void)echo();
     port_.latch();
     if (!echo() && !echo()) continue;
-    port_.latch();  // what has been read back, in case the first one was disturbed
+    port_.latch();  // Latches what was read back, in case the first one was disturbed.
     return true;
   }
   return false;

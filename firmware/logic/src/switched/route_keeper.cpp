@@ -58,12 +58,12 @@ void RouteKeeper::reroute(const Clock& clock) {
   route_.reroutes = reroutes;
   route_.repairs = repairs;
   route_.switched =
-      topology_.graph().count > 0 || was_switched;  // a patch that has gone silent is still a switched one
+      topology_.graph().count > 0 || was_switched;  // A patch that has gone silent is still a switched one.
   complete_discovery_ = report.complete;
   if (has_table)
     note(report);
   else
-    topology_.let_go();  // joints lead into other patches, and what is held here their controllers would not find
+    topology_.let_go();  // Joints lead into other patches, whose controllers would not find modules held here.
   route_.last_us = static_cast<std::uint32_t>(clock.now_us() - start_us);
   plan_next(clock.now_us());
   if (has_table && route_.switched) offer(report, clock.now_us());
@@ -72,8 +72,8 @@ void RouteKeeper::reroute(const Clock& clock) {
   if (!was_whole && whole()) neighbours_.look_again(clock.now_us());
 }
 
-// Only a patch of which nothing is missing takes others in: one at the wrong cable has a table of other modules. When
-// it is whole again it looks at what is offered then.
+// Only a complete patch adopts modules: one at the wrong cable has a table of other modules. When it is whole again it
+// looks at what is offered then.
 bool RouteKeeper::whole() const {
   return table_.graph.count > 0 && route_.alive == (1U << table_.graph.count) - 1U;
 }
@@ -85,9 +85,10 @@ void RouteKeeper::offer(const Topology::Report& report, std::uint64_t now_us) {
   const auto missing = static_cast<std::uint16_t>(all & ~route_.alive);
   if (returned_) {
     reroute_at_us_ = now_us + Neighbours::kHandBack_us;
-    pause_us_ = std::max(pause_us_ / 2, kFirstPause_us);  // this look and the next one are one try
+    pause_us_ = std::max(pause_us_ / 2, kFirstPause_us);  // This look and the next one count as one try.
     route_.busy = true;
-    tell_at_us_ = 0;  // also when nothing was offered: since a restart the neighbours know more than this one
+    // It is sent even without an offer: after a restart the neighbours know more than this controller.
+    tell_at_us_ = 0;
   }
   set_offered(returned_ ? std::uint16_t{0} : missing);
 }
@@ -166,7 +167,7 @@ void RouteKeeper::plan_next(std::uint64_t now_us) {
 bool RouteKeeper::check(std::uint64_t now_us) {
   neighbours_.tick(adoption_.count > 0, now_us);
   check_at_us_ = now_us + kCheckEvery_us;
-  if (!route_.complete) return true;  // strapped, or EN is low and no module is reached
+  if (!route_.complete) return true;  // Modules are strapped, or EN is low and no module is reached.
   if (topology_.intact()) return true;
   // A flipped bit, or a leaf that was reset alone, needs no new tree.
   if (topology_.refresh()) {

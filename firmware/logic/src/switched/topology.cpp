@@ -4,7 +4,7 @@
 namespace triskin::fw {
 namespace {
 
-constexpr int kMaxPasses = 64;  // every pass but the last leaves one more port closed; 48 ports exist
+constexpr int kMaxPasses = 64;  // Every pass but the last leaves one more port closed; 48 ports exist.
 
 constexpr bool has(std::uint16_t set, std::uint8_t k) {
   return ((set >> k) & 1U) != 0;
@@ -64,7 +64,7 @@ Topology::Pass Topology::explore() {
     cable_ ^= 1U;
     if (!chain_.restart(cable_)) return Pass::kNobody;
   }
-  held_lines_ = chain_.stuck_lines();  // nothing can be left out that would free these
+  held_lines_ = chain_.stuck_lines();  // No exclusion could free these lines.
   graph_.count = 1;
   expected_[0] = expected_cable().module;
   std::array<std::uint8_t, layout::kMaxModules> next{};
@@ -134,7 +134,7 @@ Topology::Pass Topology::probe(std::uint8_t module, std::uint8_t port) {
 void Topology::note_answer(std::uint8_t module, std::uint8_t port, ChainDriver::Answer answer, bool beyond) {
   switch (answer) {
     case ChainDriver::Answer::kRefused:
-      port_[module][port] = beyond ? Port::kNothing : Port::kJoined;  // held by its own controller
+      port_[module][port] = beyond ? Port::kNothing : Port::kJoined;  // Its own controller holds the module.
       break;
     case ChainDriver::Answer::kNothing:
       port_[module][port] = Port::kNothing;
@@ -346,7 +346,7 @@ Topology::Table Topology::table_of(const layout::PatchImage& image) {
 
 Topology::Report Topology::reroute(const Table& table, Look look, std::uint8_t layers) {
   adopted_count_ = 0;
-  if (look == Look::kAdopt && table.graph.count == layout::kMaxModules) look = Look::kOwn;  // no address is free
+  if (look == Look::kAdopt && table.graph.count == layout::kMaxModules) look = Look::kOwn;  // No address is free.
   Report report = find(table, look);
   if (more_behind_second(table, report)) {
     const std::uint8_t unknown = report.unknown, count = graph_.count;
@@ -366,7 +366,7 @@ Topology::Report Topology::reroute(const Table& table, Look look, std::uint8_t l
       report.complete = activate(table, report);
   }
   if (!report.complete) {
-    chain_.silence();  // nothing of a half-open tree may answer
+    chain_.silence();  // A half-open tree must not answer.
     return report;
   }
   for (std::uint8_t m = 0; m < graph_.count - adopted_count_; ++m) {
@@ -505,7 +505,7 @@ bool Topology::activate(const Table& table, Report& report) {
     report.min_depth = true;
     return true;
   }
-  parent_ = as_found;  // every one of these joints has just carried a module
+  parent_ = as_found;  // Each of these joints has just carried a module.
   return up();
 }
 

@@ -69,8 +69,8 @@ bool Topology::take_in(std::uint8_t module, std::uint8_t port, std::uint8_t plac
   input_[adopted_module] = kNoModule;
   address_[adopted_module] = {static_cast<std::uint8_t>(place / layout::kAddressesPerLine),
                               static_cast<std::uint8_t>(place % layout::kAddressesPerLine)};
-  table_index_[adopted_module] =
-      adopted_module;  // every row of the table is in: adopted modules are the rows behind them
+  // All rows of the table are in use, and adopted modules follow them.
+  table_index_[adopted_module] = adopted_module;
   chain_.set_address(adopted_module, address_[adopted_module]);
   bool up = lines_free();
   for (std::uint8_t p = 0; up && p < layout::kPorts; ++p) up = ask(adopted_module, p);

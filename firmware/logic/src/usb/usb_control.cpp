@@ -33,7 +33,7 @@ std::optional<Bytes> UsbControl::descriptor(const wire::UsbSetup& s) {
       return text.empty() ? std::nullopt : std::optional(text);
     }
     default:
-      return std::nullopt;  // also the qualifier: full speed only
+      return std::nullopt;  // This includes the qualifier, as the device is full speed only.
   }
 }
 
@@ -45,7 +45,7 @@ std::optional<Bytes> UsbControl::handle(const wire::UsbSetup& s) {
   if (s.request == kGetDescriptor && (s.type == kDeviceIn || s.type == kInterfaceIn)) return descriptor(s);
   if (s.type == kVendorIn && s.request == usb::kMicrosoftCode && s.index == usb::kMicrosoftSet)
     return usb::microsoft_set(dfu_mode_);
-  if (s.request == kGetStatus && s.type == kDeviceIn) return answer({1, 0});  // self-powered
+  if (s.request == kGetStatus && s.type == kDeviceIn) return answer({1, 0});  // The device is self-powered.
   if (s.request == kGetStatus && (s.type == kInterfaceIn || s.type == kEndpointIn)) return answer({0, 0});
   if (s.type == kDeviceIn && s.request == kGetConfiguration) return answer({configuration_});
   if (s.type == kDeviceOut && s.request == kSetConfiguration) {
@@ -55,7 +55,7 @@ std::optional<Bytes> UsbControl::handle(const wire::UsbSetup& s) {
   }
   if (s.type == kInterfaceIn && s.request == kGetInterface && s.index < interfaces()) return answer({0});
   if (s.type == kInterfaceOut && s.request == kSetInterface && s.index < interfaces() && s.value == 0) return Bytes{};
-  if (s.type == kEndpointOut && s.request == kClearFeature && s.value == 0) return Bytes{};  // end points never halt
+  if (s.type == kEndpointOut && s.request == kClearFeature && s.value == 0) return Bytes{};  // End points never halt.
   return std::nullopt;
 }
 

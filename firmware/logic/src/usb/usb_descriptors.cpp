@@ -178,7 +178,7 @@ constexpr void put_text(ByteWriter& w, std::u16string_view text, std::size_t zer
 
 constexpr void put_header(ByteWriter& w, std::size_t total) {
   w.le16(kHeaderBytes);
-  w.le16(0);           // set header
+  w.le16(0);           // Size of the set's header.
   w.le32(0x06030000);  // Windows 8.1 and later
   w.le16(static_cast<std::uint16_t>(total));
 }
@@ -212,7 +212,7 @@ constexpr std::array<std::uint8_t, kRunTimeSetBytes> kRunTimeSet = [] {
   put_header(w, kRunTimeSetBytes);
   w.le16(kSubsetBytes);
   w.le16(1);
-  w.u8(0);  // index of the configuration
+  w.u8(0);  // Index of the configuration.
   w.u8(0);
   w.le16(kRunTimeSetBytes - kHeaderBytes);
   put_function(w, kBulkInterface);

@@ -56,7 +56,7 @@ void UsbDevice::out(std::uint8_t endpoint, Bytes packet) {
   const auto frame = wire::from_usb(packet);
   if (!control_.configured() || !frame || received_.full()) return;
   if (endpoint != wire::kHidOut && endpoint != wire::kBulkOut) return;
-  if (endpoint != endpoint_) waiting_ = {};  // meant for whoever used the other interface
+  if (endpoint != endpoint_) waiting_ = {};  // They were meant for the user of the other interface.
   endpoint_ = endpoint;
   received_.push(*frame);
 }
@@ -72,7 +72,7 @@ Bytes UsbDevice::in(std::uint8_t endpoint) {
 }
 
 bool UsbDevice::send(const wire::CanFrame& frame) {
-  if (!control_.configured() || endpoint_ == 0) return true;  // nobody listens: as on a bus, the frame is gone
+  if (!control_.configured() || endpoint_ == 0) return true;  // Nobody listens, so the frame is lost as on a bus.
   if (waiting_.full()) return false;
   if (const auto packet = wire::to_usb(frame)) waiting_.push(*packet);
   return true;

@@ -213,7 +213,7 @@ void MotionRegion::add_needs(const Candidate& module, std::uint32_t edge, std::v
   const Moved m = moved(e);
   const double sign = module.tile.up ? 1.0 : -1.0;
   Ways ways = line_ways(module.center, sign, e, m, 0.0);
-  Interval against(-1.0, -1.0);  // the normals of the sides along that of the edge, at least and at most
+  Interval against(-1.0, -1.0);  // Least and largest component of the sides' normals along that of the edge.
   bool first = true;
   for (std::size_t k = 0; k < polygon_.module().normal.size(); ++k) {
     if (one_side_frees(k, module.center, sign, m, 0.0) == Verdict::kNever) continue;

@@ -16,9 +16,9 @@ struct EditOptions {
   void add_to(CLI::App& app);
   /// Says nothing of them in --help, but for --kinds.
   static void hide(CLI::App& app);
-  /// Whether any of them is given.
+  /// True if any of them is given.
   [[nodiscard]] bool any() const;
-  /// Whether `from` is a design that is to be changed, not a mesh.
+  /// True if `from` is a design that is to be changed, not a mesh.
   [[nodiscard]] bool wanted(const std::string& from) const;
   /// Kinds of the file; none without one.
   [[nodiscard]] design::KindPlan kind_plan() const;

@@ -35,7 +35,7 @@ double without_sign_of_zero(double value, double least) {
   return std::abs(value) < least ? 0.0 : value;
 }
 
-// Coverage both ways: of the whole triangles, and of what is left of them.
+// Coverage of the whole triangles, and of the triangles with cut corners.
 void add_cut(const geometry::PlacementResult& r, double area_mm2, const Options& options, Output& output,
              nlohmann::json& result) {
   const double cut = options.placement.corner_cut_mm;

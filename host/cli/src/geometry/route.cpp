@@ -24,7 +24,7 @@ struct Options {
   std::string output;
   std::string module_output;
   std::string picture;
-  std::string checked;  // routes to check instead of solving
+  std::string checked;  // File of routes to check instead of solving.
   bool skingui = false;
   std::string part;
   bool hops_first = false;

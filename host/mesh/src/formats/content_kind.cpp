@@ -13,7 +13,7 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr std::size_t kLooked = 4096;  // bytes from the beginning
+constexpr std::size_t kLooked = 4096;  // The kind is recognised from this many bytes at the beginning.
 
 struct Sign {
   std::string_view bytes, what;

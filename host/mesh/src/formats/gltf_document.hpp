@@ -50,7 +50,7 @@ class GltfDocument {
 
   const MeshSource& source_;
   nlohmann::json json_;
-  std::string binary_;  // chunk of a GLB
+  std::string binary_;  // Binary chunk of a GLB.
   bool has_binary_ = false;
   std::vector<std::string> buffers_;
   std::vector<bool> is_loaded_;

@@ -107,7 +107,8 @@ std::string library_answer(const std::string& bytes, const std::string& extensio
   Mesh mesh = Collector(*scene, objects).run();
   const double unit_mm = extension == ".dae" ? dae_unit_mm : unit_of_scene_mm(*scene);
   if (extension == ".dae" && unit_mm > 0.0) {
-    for (Vec3& v : mesh.vertices) v *= 1000.0 / unit_mm;  // the library gives metres, this reader the file's numbers
+    // The library converts to metres, but this reader returns the file's numbers.
+    for (Vec3& v : mesh.vertices) v *= 1000.0 / unit_mm;
   }
   std::string names;
   for (const std::string& name : objects.names) names += name + '\n';

@@ -246,7 +246,7 @@ class PlyReader {
   const std::string& file_;
   std::vector<std::string>& notes_;
   std::string format_;
-  std::optional<bool> ends_in_cr_;  // of its first line
+  std::optional<bool> ends_in_cr_;  // True if its first line ends in CR.
   std::size_t at_ = 0;
   bool text_ = false, swapped_ = false;
   std::vector<Element> elements_;

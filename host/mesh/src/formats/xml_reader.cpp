@@ -96,7 +96,7 @@ class Parse {
       default:
         says("it is not well-formed XML");
     }
-    throw InputError(name_);  // not reached: says() throws
+    throw InputError(name_);  // Never reached, because says() throws.
   }
 
   template <class Call>

@@ -106,7 +106,7 @@ double between(Dice& dice, double low, double high) {
   return low * std::pow(high / low, dice.unit());
 }
 
-using Sides = std::map<std::pair<int, int>, std::size_t>;  // directed side → its face
+using Sides = std::map<std::pair<int, int>, std::size_t>;  // Maps a directed side to its face.
 
 Sides sides_of(const Mesh& m) {
   Sides sides;

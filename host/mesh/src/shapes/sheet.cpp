@@ -128,7 +128,7 @@ class Grid {
   std::vector<Vec2> uv_;
   std::vector<double> keep_;
   std::vector<std::array<int, 3>> faces_;
-  std::map<std::pair<int, int>, int> cuts_;  // vertex of an edge that is cut
+  std::map<std::pair<int, int>, int> cuts_;  // Vertex of each edge that is cut.
 };
 
 }  // namespace

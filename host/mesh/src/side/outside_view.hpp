@@ -18,7 +18,7 @@ class HullDepth {
   [[nodiscard]] double along(const Vec3& point_mm, const Vec3& normal) const;
 
  private:
-  std::vector<double> heights_mm_;  // of the hull in each direction
+  std::vector<double> heights_mm_;  // Height of the hull in each direction.
   std::vector<Vec3> extremes_mm_;   // points of the hull, one or fewer a direction
 };
 

@@ -28,7 +28,7 @@ class RayCaster {
   /// The first face between two distances along a unit direction; `but_face` is not asked. Cost: O(log n) typical.
   [[nodiscard]] RayHit first_hit(const Vec3& from_mm, const Vec3& direction, double nearest_mm, double farthest_mm,
                                  int but_face) const;
-  /// Whether the ray leaves the part: no face within `farthest_mm`. Cost: O(log n) typical.
+  /// True if the ray leaves the part: no face within `farthest_mm`. Cost: O(log n) typical.
   [[nodiscard]] bool is_free(const Vec3& from_mm, const Vec3& direction, double farthest_mm) const;
 
  private:

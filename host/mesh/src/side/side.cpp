@@ -31,7 +31,7 @@ double median_wall(const std::vector<WallSample>& samples) {
 // An open surface with less of a wall than this is a sheet with folds; a tenth below what the decision asks for.
 constexpr double kMinWalledOpen = 0.15;
 
-constexpr double kVisibility_s = 0.2;  // processor time for the view of faces that cross, of which there are hardly any
+constexpr double kVisibility_s = 0.2;  // Processor time for the view of crossing faces, which are rare.
 
 bool has_border(const std::vector<std::array<int, 3>>& neighbours) {
   return std::ranges::any_of(neighbours, [](const auto& n) { return n[0] < 0 || n[1] < 0 || n[2] < 0; });

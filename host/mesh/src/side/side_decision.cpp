@@ -21,7 +21,7 @@ constexpr double kWalledRegion = 0.5;  // share of its area that has a wall
 constexpr double kBesideWidth_mm = 12.0, kBendWidth_mm = 100.0;
 constexpr double kAcrossWeight = 1.0;
 constexpr double kRibFoot = 0.2;         // share of a rib's border that is its foot
-constexpr double kMaxRibFraction = 0.3;  // of the outer area: more is no rib
+constexpr double kMaxRibFraction = 0.3;  // A larger share of the outer area is no rib.
 constexpr double kBackToBack = 0.3;      // share of a region that has another outer one right behind it
 constexpr double kModuleInradius_mm = 8.66;
 constexpr double kRimSurroundings = 0.9;  // share of a strip's border that lies on outer regions

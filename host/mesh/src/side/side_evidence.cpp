@@ -12,10 +12,10 @@ namespace triskin::geometry {
 namespace {
 
 constexpr int kRays = 32;
-constexpr int kViews = 6'000;  // samples of which the view is taken
+constexpr int kViews = 6'000;  // The view is taken from this many samples.
 constexpr int kMinViewsPerRegion = 6;
 constexpr std::size_t kChunk = 16;
-constexpr double kFarthestOpposite_mm = 60.0;  // of a thick body: its other side still says which one is a pocket
+constexpr double kFarthestOpposite_mm = 60.0;  // The other side of a thick body still says which one is a pocket.
 // Less depth than this is the chord of a facet, or the play of a lid.
 constexpr double kMinDepthScale_mm = 1.0;
 // The views of two sides of a lid differ by some hundredths; a quarter is a difference beyond doubt.
@@ -26,8 +26,8 @@ constexpr double kHiddenOutwardness = -0.5;
 
 struct View {
   double visibility = 0.0;
-  double depth_mm = 0.0;        // under the hull of its own component
-  double whole_depth_mm = 0.0;  // under the hull of all components
+  double depth_mm = 0.0;        // Depth under the hull of its own component.
+  double whole_depth_mm = 0.0;  // Depth under the hull of all components.
 };
 
 // What one sample says of its side, and how much of its area counts.

@@ -26,7 +26,7 @@ double WeightedTiles::value(const Motion& m, const std::vector<Tile>& inside) {
 }
 
 // The centre of a tile, seen from the polygon, is q = Rᵀ(c − t): ∂q/∂t = −Rᵀ, ∂q/∂θ = (q_y, −q_x).
-// In the cell it moves by at most `far`, of which the first order leaves out `bend`.
+// It moves by at most `far` in the cell; the first order leaves out `bend` of that.
 WeightedTiles::Term WeightedTiles::term(const CellFrame& f, const Vec2& center) const {
   const Vec2 p = center - Vec2(f.center[0], f.center[1]);
   const Vec2 q(f.cosine * p.x() + f.sine * p.y(), -f.sine * p.x() + f.cosine * p.y());

@@ -65,7 +65,8 @@ class ConflictBound {
   const PreparedPolygon& polygon_;
   const TileGrid& grid_;
   PairBlock block_;
-  Vec2 pivot_;  // mean of the tiles' centres, from the centre of the cell: keeps 1 - cos(phi) times its arm small
+  // Mean of the tiles' centres, relative to the centre of the cell: keeps 1 - cos(phi) times its arm small.
+  Vec2 pivot_;
   double sigma_ = 0.0, curve_ = 0.0, slide_ = 0.0, shift_ = 0.0;  // ranges: sin phi, 1 - cos phi, translation, w
   std::vector<Row> rows_;                                         // those of one tile stand together
   std::vector<std::uint8_t> dead_;

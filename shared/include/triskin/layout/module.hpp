@@ -14,7 +14,7 @@ inline constexpr std::uint16_t kAllTaxels = (1U << kTaxelsPerModule) - 1U;
 /// Taxels that measure the temperature: they do not feel a finger. The others measure pressure.
 inline constexpr std::array<std::size_t, 2> kTemperaturePads{6, 10};
 
-/// Whether a taxel measures pressure. `taxel`: 0 … kTaxelsPerModule − 1.
+/// True if a taxel measures pressure. `taxel`: 0 … kTaxelsPerModule − 1.
 [[nodiscard]] constexpr bool measures_pressure(std::size_t taxel) {
   for (const std::size_t pad : kTemperaturePads) {
     if (pad == taxel) return false;

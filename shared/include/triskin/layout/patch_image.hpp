@@ -218,7 +218,7 @@ struct PatchImage {
     m.joints = {row[8], row[9], row[10]};
   }
   if (const Status s = check(image); s != Status::kOk) return std::unexpected(s);
-  const bool given = kept != decltype(kept){};  // all 0: the ports were left out
+  const bool given = kept != decltype(kept){};  // All 0: the ports were left out.
   if (given && kept != kept_ports(image)) return std::unexpected(Status::kBadTree);
   return image;
 }

@@ -31,7 +31,7 @@ struct PortInputs {
 [[nodiscard]] constexpr bool loses_grant(const PortInputs& in) {
   return in.grant != kNoGrant && ((in.en_in >> in.grant) & 1U) == 0;
 }
-/// Ports of which the arbiter may take any one.
+/// Ports from which the arbiter may take any one.
 [[nodiscard]] constexpr std::uint8_t may_be_granted(const PortInputs& in) {
   return in.grant == kNoGrant ? in.en_in : std::uint8_t{0};
 }

@@ -49,7 +49,7 @@ enum class SkinType : std::uint8_t {
   return message_class | static_cast<std::uint32_t>(source & 0xF) << 4 | (destination & 0xFU);
 }
 
-/// Whether the controller with this node address is an iCub board: frames of others would look like those of a board.
+/// True if the controller with this node address is an iCub board: frames of others would look like those of a board.
 [[nodiscard]] constexpr bool is_board(std::uint8_t node_address) {
   return node_address >= 1 && node_address <= kMaxBoard;
 }

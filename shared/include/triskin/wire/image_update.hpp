@@ -68,7 +68,7 @@ enum class Phase : std::uint8_t {
   kActivated = 7,  ///< committed; restarts
 };
 
-/// A command frame as it travels.
+/// A command frame in its wire format.
 struct Order {
   Command command = Command::kAsk;
   std::uint16_t session = 0;                ///< drawn by the host, not 0

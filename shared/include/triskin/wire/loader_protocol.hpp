@@ -29,6 +29,6 @@ enum class Command : std::uint8_t {
   return static_cast<Command>(number);
 }
 inline constexpr std::uint32_t kFramesPerReply = 32;
-inline constexpr std::uint64_t kWindow_us = 20'000;  ///< after a reset the loader waits this long for kHello
+inline constexpr std::uint64_t kWindow_us = 20'000;  ///< the loader waits this long for kHello after a reset
 
 }  // namespace triskin::wire::loader

@@ -68,9 +68,9 @@ class Application final : private UdsHost, private PatchControl {
   struct Channel {
     CanPort* port;
     wire::IsoTp link;
-    std::optional<wire::CanFrame> held{};  // sent by link, not yet taken by the port
+    std::optional<wire::CanFrame> held{};  // Sent by link, but not yet accepted by the port.
     std::array<wire::CanFrame, wire::kClaimFrames> claim{};
-    std::size_t claim_at = wire::kClaimFrames;  // next frame of claim to send
+    std::size_t claim_at = wire::kClaimFrames;  // Next frame of the claim to be sent.
     wire::IdFrames assignment{};
     FullStream stream{};
   };
@@ -115,13 +115,13 @@ class Application final : private UdsHost, private PatchControl {
   OffsetStore offset_store_;
   OffsetBook offsets_{};
   std::array<Channel, 2> channels_;  // CAN, USB
-  CanPort* asking_;                  // whose request is being answered
-  CanPort* stream_port_;             // who wanted the iCub stream
+  CanPort* asking_;                  // Port of the request that is being answered.
+  CanPort* stream_port_;             // Port that requested the iCub stream.
   std::array<LineSampler, layout::kLines> lines_;
   std::array<ModuleSample, layout::kMaxModules> samples_{};
   std::array<ModuleSample, layout::kMaxModules> published_{};
   RouteKeeper route_;
-  std::uint8_t adopted_list_ = 0;  // wire::Adoption::list that is sampled
+  std::uint8_t adopted_list_ = 0;  // Adoption::list that is being sampled.
   bool pausing_ = false;           ///< the lines end their transfers and begin none
   Sampling sampling_;
   wire::TaxelOutput output_ = wire::TaxelOutput::kRaw;

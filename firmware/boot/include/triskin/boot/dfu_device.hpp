@@ -65,7 +65,7 @@ class DfuDevice final : public wire::UsbFunction {
   Error error_ = Error::kNone;
   layout::PackageHead head_;
   int slot_ = -1;
-  std::uint32_t at_ = 0;  // bytes of the package that came
+  std::uint32_t at_ = 0;  // Bytes of the package received so far.
   std::array<std::uint8_t, 6> reply_{};
   std::uint64_t last_us_ = 0;
   std::size_t erased_pages_ = 0;  // Erased pages of the image's slot, without those of the records.

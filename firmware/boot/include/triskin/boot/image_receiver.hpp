@@ -73,21 +73,21 @@ class ImageReceiver final : public fw::ImageUpdate {
   Self self_;
   std::uint32_t id_crc_, answer_id_;
   wire::update::OfferParts parts_;
-  wire::update::Offer offered_, offer_;  // last one for the free slot; the one that it takes part with
+  wire::update::Offer offered_, offer_;  // The last offer for the free slot, and the one it takes part in.
   std::uint16_t offered_session_ = 0, session_ = 0;
   Phase phase_ = Phase::kIdle;
   Status status_ = Status::kOk;
-  std::uint64_t until_us_ = 0;  // the session's end, unless something comes
+  std::uint64_t until_us_ = 0;  // End of the session, unless a frame arrives.
   std::uint64_t restart_at_us_ = UINT64_MAX;
-  std::uint32_t work_at_ = 0;  // pages erased, or bytes checked
+  std::uint32_t work_at_ = 0;  // Number of pages erased, or of bytes checked.
   std::uint32_t image_crc_ = 0, record_crc_ = 0;
-  wire::CanFrame data_;  // units from at_ on wait
+  wire::CanFrame data_;  // Units from at_ on wait.
   std::uint8_t at_ = 0;
   bool who_due_ = false, image_due_ = false, state_due_ = false;
-  std::uint32_t search_at_ = kNotSearching;  // unit that is looked at next
+  std::uint32_t search_at_ = kNotSearching;  // Unit that is checked next.
   std::uint16_t missing_ = 0;
-  bool fd_ = false;       // answers may be FD frames
-  bool no_room_ = false;  // an answer waits for the port
+  bool fd_ = false;       // Answers may be FD frames.
+  bool no_room_ = false;  // An answer waits for the port.
 };
 
 }  // namespace triskin::boot

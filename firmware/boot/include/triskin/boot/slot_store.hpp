@@ -17,7 +17,7 @@ struct SlotState {
   int starts = 0;
   std::uint32_t sequence = 0, size_bytes = 0;
   std::uint32_t record_crc = 0;  ///< slot_crc() of what was committed
-  /// Whether it comes before the other slot: valid, and confirmed or tried fewer than kMaxStarts times.
+  /// True if it comes before the other slot: valid, and confirmed or tried fewer than kMaxStarts times.
   [[nodiscard]] bool startable() const { return valid && (confirmed || starts < kMaxStarts); }
 };
 

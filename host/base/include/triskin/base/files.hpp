@@ -36,7 +36,7 @@ class OutputFile {
 
  private:
   std::filesystem::path path_, target_;
-  std::string temporary_;  // empty: written in place
+  std::string temporary_;  // Empty if the file is written in place.
   int fd_ = -1;
 };
 

@@ -4,7 +4,7 @@
 
 namespace triskin {
 
-/// Vertices, faces and modules are numbered with int, of which −1 is none; vectors want something else.
+/// Vertices, faces and modules have int numbers, and −1 means none; vectors need std::size_t.
 [[nodiscard]] constexpr std::size_t at(int k) {
   return static_cast<std::size_t>(k);
 }

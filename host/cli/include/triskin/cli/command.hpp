@@ -24,8 +24,8 @@ class Output {
 
   /// True with --json: only the object may go to standard output.
   [[nodiscard]] bool json() const { return json_; }
-  /// Says once that what is told comes from the simulation `link`, not from hardware. From then on
-  /// every object of --json has "simulated": true.
+  /// Says once that all output comes from the simulation `link`, not from hardware. From then on every object of
+  /// --json has "simulated": true.
   void mark_simulated(const std::string& link);
   /// The same for a command that has said it by itself.
   void mark_quietly_simulated() { simulated_ = true; }

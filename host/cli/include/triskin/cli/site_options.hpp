@@ -41,7 +41,7 @@ void on_each_bus(OpenSite& open, const std::function<void(const robot::BusConfig
 /// Progress of one cover of a robot: with its name, and parts of its own. `sink` as it is for a design file.
 [[nodiscard]] ProgressSink progress_of(const robot::BusConfig& bus, const robot::CoverConfig& cover, ProgressSink sink);
 
-/// Keys "cover" and "bus" of what is told of a cover; an empty object for a design file.
+/// Keys "cover" and "bus" for the report of a cover; an empty object for a design file.
 [[nodiscard]] nlohmann::json keys_of(const robot::BusConfig& bus, const robot::CoverConfig& cover);
 
 }  // namespace triskin::cli

@@ -8,8 +8,8 @@ namespace triskin::device {
 
 /// What a computer has that may lead to controllers.
 struct AttachedDevice {
-  std::string link;    ///< as `--link` has it: can:can0, hid:SERIAL, usb:SERIAL
-  std::string remark;  ///< for a person: "CAN interface, down"; never empty
+  std::string link;    ///< same syntax as `--link`: can:can0, hid:SERIAL, usb:SERIAL
+  std::string remark;  ///< text for a person ("CAN interface, down"); never empty
   bool usable = true;  ///< false: the remark says what is wrong (down, no permission)
 };
 

@@ -66,8 +66,9 @@ struct Seat {
 struct ShapeAssignment {
   std::vector<int> seat;                 ///< seat of each board; −1: the shapes do not settle it
   std::vector<std::vector<int>> likely;  ///< seats that each board may have, ascending; empty: it looks like none
-  std::vector<bool> across;  ///< per board: it looks like one of them only with modules of the patches beside it
-  bool exact = false;        ///< shapes that are equal give as many boards as possible a seat each
+  /// One flag per board: it looks like one of them only with modules of the patches beside it.
+  std::vector<bool> across;
+  bool exact = false;  ///< shapes that are equal give as many boards as possible a seat each
 };
 
 /// Lays every shape over the patch of every seat (each once). A board may have any seat whose patch it equals; where

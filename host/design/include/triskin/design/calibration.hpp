@@ -22,7 +22,7 @@ inline constexpr NameTable kCalibrationMethodNames{
                                                                          {wire::CalibrationMethod::kWeights, "weights"},
                                                                          {wire::CalibrationMethod::kRamp, "ramp"}}}};
 
-/// How one taxel answers to pressure: change in counts = counts_per_kpa · kPa.
+/// Response of one taxel to pressure: change in counts = counts_per_kpa · kPa.
 struct TaxelSensitivity {
   double counts_per_kpa = 0.0;  ///< > 0; 0: not calibrated
   double error_percent = 0.0;  ///< bound of the relative error of counts_per_kpa (two standard errors, and the gauge's)

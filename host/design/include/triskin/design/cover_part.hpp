@@ -26,13 +26,13 @@ struct ModulePart {
 /// of one layout and hold no point.
 using CoverPart = std::variant<Sphere, Box, IslandPart, ModulePart>;
 
-/// Whether a part is a part of space.
+/// True if a part is a part of space.
 [[nodiscard]] inline bool is_place(const CoverPart& part) {
   return std::holds_alternative<Sphere>(part) || std::holds_alternative<Box>(part);
 }
-/// Whether a point (mesh frame, mm) lies in a part; never in an island or a list of modules. Constant cost.
+/// True if a point (mesh frame, mm) lies in a part; never in an island or a list of modules. Constant cost.
 [[nodiscard]] bool holds(const CoverPart& part, const Vec3& point_mm);
-/// Whether module `id` of a layout belongs to a part: of a part of space, when its centre lies in it. Errors:
+/// True if module `id` of a layout belongs to a part: of a part of space, when its centre lies in it. Errors:
 /// std::out_of_range for an id that the layout lacks. Cost: linear in a list of modules, else constant.
 [[nodiscard]] bool holds(const CoverPart& part, const ModuleLayout& layout, int id);
 

@@ -86,7 +86,7 @@ class JsonValue {
 /// (the parser recurses). Cost: linear.
 [[nodiscard]] nlohmann::json parse_json(const std::string& text, const std::string& file);
 
-/// Whether `v` is an object with `key`. Constant cost.
+/// True if `v` is an object with `key`. Constant cost.
 [[nodiscard]] inline bool has(const JsonValue& v, const char* key) {
   return v.raw().is_object() && v.raw().contains(key);
 }

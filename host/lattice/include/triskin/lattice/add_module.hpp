@@ -11,7 +11,7 @@ namespace triskin::geometry {
 
 /// A limit that a place for a module breaks.
 struct BrokenLimit {
-  std::string limit;      ///< as in design files, "outward": the angle to the surface, rad, or "keep_out": mm
+  std::string limit;      ///< name used in design files, "outward" (angle to the surface, rad) or "keep_out" (mm)
   double measured = 0.0;  ///< measured value in the unit of the limit
   double allowed = 0.0;   ///< limit for a new module: 98 % of the design's limit, so that other measurements agree
   int other = -1;         ///< module with which it is broken, where there is one

@@ -44,13 +44,12 @@ struct SurfaceLatticeOptions {
   std::function<std::chrono::steady_clock::time_point()> now{};
 };
 
-/// Grows the isometric lattice directly on the surface (docs/lattice.md): triangles are added edge by edge,
-/// their shared corners slide on the surface until every rigid module keeps the limits; what is left is filled with
+/// Grows the isometric lattice directly on the surface (docs/lattice.md): triangles are added edge by edge, their
+/// shared corners slide on the surface until every rigid module keeps the limits; remaining gaps are filled with
 /// further islands; then parts are removed and regrown as long as time permits. Every module of the result keeps every
 /// limit, measured by `measure` (map_modules.hpp). Deterministic for seed, threads and iterations when the time
-/// suffices. Empty when no module fits. Errors: InputError when an option or limit is out of
-/// range. Uses options.threads threads; thread-safe. Cost: time_limit_s, less where
-/// `iterations` ends it sooner.
+/// suffices. Empty when no module fits. Errors: InputError when an option or limit is out of range. Uses
+/// options.threads threads; thread-safe. Cost: time_limit_s, less where `iterations` ends it sooner.
 [[nodiscard]] ModuleLayout grow_lattice(const Surface& surface, const LayoutLimits& limits,
                                         const SurfaceLatticeOptions& options = {}, const ProgressSink& progress = {});
 

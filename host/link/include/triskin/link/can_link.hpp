@@ -41,7 +41,7 @@ class CanLink final : public Link {
 
   std::string interface_, name_;
   std::unique_ptr<CanSocket> socket_;
-  std::set<int> channels_;  // descriptors
+  std::set<int> channels_;  // File descriptors of the channels.
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 

@@ -37,7 +37,7 @@ class CombinedLink final : public Link {
 
   std::vector<std::unique_ptr<Link>> links_;
   NodeMap nodes_;
-  std::size_t next_ = 0;  // whose turn to be waited for
+  std::size_t next_ = 0;  // Link that is waited for next.
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 

@@ -95,13 +95,13 @@ class UsbLink final : public Link {
   std::unique_ptr<UsbDriver> driver_;
   std::string serial_, name_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), last_scan_ = start_;
-  mutable std::mutex mutex_;  // frames_, gone, lost_, nodes_
+  mutable std::mutex mutex_;  // Guards frames_, gone, lost_ and nodes_.
   std::condition_variable came_;
   std::deque<wire::CanFrame> frames_;
-  std::vector<std::string> lost_;  // serial numbers of devices that went away
+  std::vector<std::string> lost_;  // Serial numbers of devices that went away.
   NodeMap nodes_;
   int wires_ = 0;
-  std::vector<std::unique_ptr<Device>> devices_;  // last: its threads use what stands above
+  std::vector<std::unique_ptr<Device>> devices_;  // Declared last because its threads use the members above.
 };
 
 }  // namespace triskin::device

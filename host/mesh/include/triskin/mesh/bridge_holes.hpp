@@ -9,7 +9,7 @@ struct BridgeReport {
   int bridged = 0;        ///< holes that are closed now
   int kept_out = 0;       ///< holes left open because the part stands out of them, as the head of a screw does
   int left_open = 0;      ///< holes left open because their lid would cross the surface
-  double area_mm2 = 0.0;  ///< of the lids
+  double area_mm2 = 0.0;  ///< total area of the lids
 };
 
 /// Closes the holes of a surface whose border is nowhere wider than `diameter_mm` > 0 by flat lids, so that modules may

@@ -30,7 +30,7 @@ class Bvh {
   template <class Visit>
   void nearest(const Vec3& query_mm, double& best_squared, Visit visit) const {
     if (boxes_.empty()) return;
-    std::array<int, 128> stack;  // depth of a median split of 2^31 items is under 64
+    std::array<int, 128> stack;  // A median split of 2^31 items is less than 64 deep.
     std::size_t top = 1;
     stack[0] = 0;
     while (top > 0) {
@@ -110,7 +110,7 @@ class Bvh {
 
   std::vector<Box> boxes_;
   std::vector<int> items_;
-  std::vector<int> leaves_;  // boxes, in the order of their items
+  std::vector<int> leaves_;  // Boxes in the order of their items.
 };
 
 inline double Bvh::distance_squared(const Box& box, const Vec3& q) {

@@ -72,7 +72,7 @@ struct ExtractOptions {
   /// When a step is taken.
   enum class When { kNever, kWhenNeeded, kAlways };
   bool repair = false;       ///< the result is one that usable() accepts, whatever the input; closed parts face outward
-  bool keep_usable = false;  ///< with `repair`, a mesh that usable() accepts takes no other step
+  bool keep_usable = false;  ///< a mesh that usable() accepts takes no step other than `repair`
   double repair_s = 60.0;    ///< > 0: time of the repair; if it does not suffice, a coarser one is used
   std::function<double()> clock_s{};  ///< seconds, from any start, for `repair_s`; none: the steady clock of this
                                       ///< computer. One that stands still makes the result independent of the load

@@ -85,7 +85,7 @@ struct SideChoice {
 
 /// The surface that was taken of a part, and what to say of it.
 struct TakenSide {
-  SideOptions options;  ///< with which it was taken
+  SideOptions options;  ///< options that were used
   SideChoice choice;
   bool is_undecided = false;  ///< both sides look alike and nobody said which; `surface` is empty
   Mesh surface;               ///< the part itself, unchanged, without a wall or with SideWanted::kBoth

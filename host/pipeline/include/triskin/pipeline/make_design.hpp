@@ -24,18 +24,18 @@ enum class RepairMode : std::uint8_t {
 
 /// Options of make_design(). Out of range: InputError.
 struct DesignOptions {
-  std::optional<geometry::LengthUnit> unit;  ///< of the mesh file; none: its own or mm
-  cad::FaceSelection faces;  ///< of a STEP or IGES file; empty: all
-  std::string object;                        ///< of a mesh file with several, by its name; empty: all
+  std::optional<geometry::LengthUnit> unit;  ///< unit of the mesh file; none: the file's own unit, or mm
+  cad::FaceSelection faces;                  ///< chosen faces of a STEP or IGES file; empty: all
+  std::string object;                        ///< name of one object in a mesh file with several; empty: all
   bool flip = false;                         ///< turns all faces over: the other side of an open part
   RepairMode repair = RepairMode::kAuto;
-  geometry::SideOptions side;   ///< of a part with a wall
+  geometry::SideOptions side;   ///< choice of the side of a part with a wall
   double bridge_mm = 0.0;       ///< >= 0: holes up to this diameter are closed; 0: none
-  double time_limit_s = 20.0;   ///< > 0, of all steps together; what placement and wiring leave goes to the growth
-  std::uint64_t seed = 1;       ///< of every random choice
+  double time_limit_s = 20.0;   ///< > 0, limit for all steps together; the growth gets what placement and wiring leave
+  std::uint64_t seed = 1;       ///< seed of every random choice
   design::LayoutLimits limits;  ///< each > 0
   double bend_radius_mm = 0.0;  ///< > 0: pieces are parted from what bends more (bend_seams.hpp); 0: not for that alone
-  double corner_cut_mm = 0.0;   ///< 0 … design::kMaxCornerCut_mm: of every module
+  double corner_cut_mm = 0.0;   ///< corner cut of every module, 0 … design::kMaxCornerCut_mm
   /// >= 0: how far the mesh on which pieces and growth are searched may be from a surface with more faces than it needs
   /// (decimated_mesh.hpp); 0: they are searched on the surface.
   double solver_deviation_mm = geometry::kSolverDeviation_mm;

@@ -65,7 +65,8 @@ struct PlacementOptions {
   double corner_cut_mm = 0.0;
   double time_limit_s = 60.0;       ///< ≤ 0: none
   double memory_limit_mb = 2000.0;  ///< ≥ 1: for the cells that are open; then the search ends with what it has
-  /// 1 … 100,000: of the text of the proof (write_proof()); before it would be longer the search ends with what it has.
+  /// 1 … 100,000: limit of the text of the proof (write_proof()). The search ends with what it has before it is
+  /// exceeded.
   double proof_limit_mb = 300.0;
   int threads = 0;  ///< 0: all cores; the answer does not depend on it
   std::uint64_t seed = 1;
@@ -100,7 +101,7 @@ struct PlacementResult {
   int upper_bound = 0;                     ///< no placement has more
   bool proved = false;                     ///< value and bound met before a limit
   SearchStop stopped = SearchStop::kNone;  ///< the limit that came first
-  /// Of `tiles`, counted where the bound holds: with an inset of −tolerance/2 and more. Fewer than `modules`: the rest
+  /// Number of `tiles` where the bound holds: with an inset of −tolerance/2 and more. Fewer than `modules`: the rest
   /// stands over by more than half the tolerance, in the zone that the bound says nothing of (branch and bound, by
   /// number).
   int modules_within_bound = 0;

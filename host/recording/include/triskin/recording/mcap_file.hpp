@@ -59,7 +59,7 @@ class Writer {
 /// WriteFailed. Cost: reads the head of every record.
 void finish_file(OutputFile& file, std::uint32_t data_crc);
 
-/// What a reader is told, in the order of the file.
+/// Callbacks of a reader, in the order of the file.
 class Visitor {
  public:
   virtual ~Visitor() = default;

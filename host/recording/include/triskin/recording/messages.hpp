@@ -52,8 +52,8 @@ struct Contact {
 inline constexpr double kContactReach_mm = 12.0;
 /// Gathers taxels to contacts, the strongest first: two belong together when they lie within kContactReach_mm and do
 /// not face away from each other (the two sides of a thin part). Taxels that measure temperature are left out.
-/// `module_area_mm2`: of one module, of which each of its taxels for pressure stands for an equal share. Throws nothing
-/// of its own. Cost: O(taxels²).
+/// `module_area_mm2`: area of one module, which its pressure taxels share equally. Throws nothing of its own. Cost:
+/// O(taxels²).
 [[nodiscard]] std::vector<Contact> gather_contacts(std::span<const PressedTaxel> taxels, double module_area_mm2);
 
 /// Name and definition of a message type.

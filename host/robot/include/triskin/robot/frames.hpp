@@ -17,7 +17,7 @@ class Frames {
   /// read_urdf for the text of a file; errors name it `file`.
   [[nodiscard]] static Frames parse_urdf(const std::string& text, const std::string& file);
 
-  /// Whether the robot has a link `name`.
+  /// True if the robot has a link `name`.
   [[nodiscard]] bool has(const std::string& name) const { return poses_.contains(name); }
   /// Pose of link `name` in the base, translation in mm. Throws std::out_of_range for a link that is not there.
   [[nodiscard]] const Eigen::Isometry3d& pose(const std::string& name) const { return poses_.at(name); }

@@ -100,7 +100,7 @@ class Bus {
   // A claim has two frames of at most 160 bits: 16 ms between two whole claims at 20 kbit/s. 126 of them take 2 s
   // there.
   static constexpr std::uint64_t kClaimGap_us = 20'000, kLongestClaims_us = 2'500'000;
-  static constexpr std::uint64_t kInterruptPoll_us = 200'000;  // longest time between two checks for a request to end
+  static constexpr std::uint64_t kInterruptPoll_us = 200'000;  // Longest time between two checks for a request to end.
 
   wire::IsoTp& connection(std::uint8_t node);
   /// Sends once and waits; empty: no answer in time.
@@ -116,7 +116,7 @@ class Bus {
   Link& link_;
   OnFrame on_stream_;
   std::map<std::uint8_t, std::unique_ptr<wire::IsoTp>> connections_;
-  std::map<std::uint8_t, std::unique_ptr<MessageChannel>> channels_;  // null: none to be had
+  std::map<std::uint8_t, std::unique_ptr<MessageChannel>> channels_;  // Null if the kernel offers none.
   int held_ = 0;
 };
 

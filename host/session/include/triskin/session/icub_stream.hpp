@@ -37,7 +37,7 @@ class IcubStream {
   [[nodiscard]] const std::vector<IcubBoardInfo>& boards() const { return boards_; }
   /// Triangles received, that is complete pairs of frames.
   [[nodiscard]] std::uint64_t frames() const { return frames_; }
-  /// Pairs of frames of which one is missing.
+  /// Number of frame pairs with one frame missing.
   [[nodiscard]] std::uint64_t lost() const { return lost_; }
 
  private:

@@ -99,9 +99,9 @@ class Stream {
     std::uint64_t heard_us = 0;         // Time of its latest frame by the clock of the link.
     std::uint64_t begin_device_us = 0;
     ClockFilter clock;
-    std::uint64_t asked_us = 0;          // clock of the link when its clock was asked for last
-    std::uint64_t newest_device_us = 0;  // time stamp of its newest sample
-    std::uint64_t due = 0;               // samples of a module by the rate, known at the end
+    std::uint64_t asked_us = 0;          // Time of the last question about its clock, by the clock of the link.
+    std::uint64_t newest_device_us = 0;  // Time stamp of its newest sample.
+    std::uint64_t due = 0;               // Samples of a module that the rate gives, known at the end.
     AdoptedReader adopted_modules;
     bool silent = false;
     bool started = false;
@@ -132,8 +132,8 @@ class Stream {
   Bus& bus_;
   OnFrame handler_;
   std::function<void(const std::string&)> say_;
-  std::vector<std::string> covers_;  // their names
-  std::vector<ModuleEnds> ends_;     // their joints
+  std::vector<std::string> covers_;  // Names of the covers.
+  std::vector<ModuleEnds> ends_;     // Joints of the covers' modules.
   std::map<std::uint8_t, Node> nodes_;
   BusBudget budget_;
   std::uint32_t reader_ = 0;

@@ -46,9 +46,9 @@ struct StreamReport {
   SampleCounts total;
   std::uint64_t lost_bus = 0;      ///< part of total.on_the_way: between controller and this computer
   std::uint64_t lost_host = 0;     ///< the rest of it: this computer threw them away, or let its lease lapse
-  std::vector<int> never_heard;    ///< modules of which no sample with data came
-  std::vector<int> slow;           ///< modules of which fewer samples were taken than the rate says
-  std::vector<int> starved;        ///< patches of which more than 1 % of the samples found no room on the bus
+  std::vector<int> never_heard;    ///< modules without any sample that has data
+  std::vector<int> slow;           ///< modules that were sampled less often than the rate says
+  std::vector<int> starved;        ///< patches that lost over 1 % of their samples because the bus had no room
   std::vector<int> silent;         ///< patches whose controller was away
   std::vector<ClockState> clocks;  ///< sorted by node address
   int lapses = 0;                  ///< number of times that this computer renewed its lease too late
@@ -62,7 +62,7 @@ struct StreamReport {
 /// Fills everything that follows from `modules` and `adopted`. `thrown_away`: frames that this computer threw away.
 void sum_up(StreamReport& report, std::uint64_t thrown_away);
 
-/// What a person is told: the counts in one sentence, then one for each thing that is missing, with the remedy.
+/// Text for a person: the counts in one sentence, then one for each thing that is missing, with the remedy.
 [[nodiscard]] std::vector<std::string> sentences(const StreamReport& report);
 
 }  // namespace triskin::device

@@ -109,8 +109,8 @@ class Ad7147 {
   std::uint16_t device_id_;
   std::array<std::uint16_t, kSetupRegisters> setup_{};
   std::array<std::uint16_t, kStageRegisters> stage_{};
-  std::array<std::uint16_t, kStages> latched_{};     // results from before the last restart, or change of a setup
-  std::array<std::uint64_t, kStages> changed_us_{};  // when the setup of each stage changed last
+  std::array<std::uint16_t, kStages> latched_{};     // Results before the last restart or change of a setup.
+  std::array<std::uint64_t, kStages> changed_us_{};  // Time at which the setup of each stage changed last.
   bool shifted_ = false;
   Ad7147Behaviour behaviour_;
   int clock_ppm_ = 0;

@@ -46,7 +46,7 @@ class FlashMemory final : public sim::FlashModel {
 
  private:
   static constexpr std::uint64_t kNever = std::numeric_limits<std::uint64_t>::max();
-  [[nodiscard]] bool count_operation();  // true: power fails in this one
+  [[nodiscard]] bool count_operation();  // True if power fails during this operation.
   void store(std::size_t offset_bytes, std::size_t size_bytes);
 
   std::vector<std::uint8_t> bytes_;

@@ -76,7 +76,7 @@ class SwitchedPatch final : public sim::ChainModel {
   };
   struct Controller {
     std::array<End, 2> cables;
-    std::uint8_t enabled = 0;  // bit c: EN of cable c
+    std::uint8_t enabled = 0;  // Bit c: EN of cable c.
   };
   class Chain final : public sim::ChainModel {
    public:

@@ -64,7 +64,7 @@ class UsbServer final : public SkinServer {
 
   std::vector<int> sessions_;  // One per controller: it may come back as another device.
   std::vector<std::unique_ptr<VhciDevice>> devices_;
-  int plugged_ = 0;  // how often: each time gets a number of its own
+  int plugged_ = 0;  // Counts the connections: each gets its own number.
 };
 
 }  // namespace triskin::device

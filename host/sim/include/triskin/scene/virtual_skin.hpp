@@ -81,7 +81,7 @@ class VirtualSkin {
   /// Asked for each receiver of each frame: false when it loses it. Empty: nobody loses any.
   void on_delivery(Hears hears) { hears_ = std::move(hears); }
 
-  /// Whether the bus carries FD frames (it does at first). Power-cycles the controllers.
+  /// True if the bus carries FD frames (it does at first). Power-cycles the controllers.
   void use_fd(bool fd);
 
   /// The USB device of a controller that has power; wake() after something was put into it.
@@ -106,12 +106,12 @@ class VirtualSkin {
     sim::VirtualBoard board;
     std::unique_ptr<sim::VirtualController> controller;
     std::uint64_t run_again_us = 0;
-    std::size_t in_buffers = 0;  // frames that it has given to the bus and that wait for it
+    std::size_t in_buffers = 0;  // Frames given to the bus that still wait for it.
   };
   static constexpr std::size_t kBuffers = 3;
   struct Pending {
     wire::CanFrame frame;
-    std::size_t from;  // node, or kHost
+    std::size_t from;  // Number of a node, or kHost.
   };
   static constexpr std::size_t kHost = ~std::size_t{0};
 

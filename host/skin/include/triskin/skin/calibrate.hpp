@@ -55,7 +55,7 @@ class PressureRamp {
   [[nodiscard]] std::optional<double> kpa(double time_s) const;
 
  private:
-  std::vector<std::pair<double, double>> points_;  // s, kPa
+  std::vector<std::pair<double, double>> points_;  // Pairs of time (s) and pressure (kPa).
   bool by_calendar_ = false;
 };
 

@@ -52,8 +52,9 @@ class TouchMap {
     std::array<double, kRestSamples> first{};  // Valid samples of the tare.
     std::size_t seen = 0;                      // Number of samples in `first`; kRestSamples: `rest` is known.
     double rest = 0.0, now = 0.0;
-    bool follows = false;  // upwards: away from pressure
-    bool awaited = false;  // pressed from the start: its own rest is seen when it comes back into the band
+    bool follows = false;  // It follows upwards only, away from pressure.
+    // The taxel was pressed from the start: its rest value is known once it comes back into the band.
+    bool awaited = false;
   };
   struct Module {
     std::array<Taxel, layout::kTaxelsPerModule> taxels{};

@@ -51,7 +51,7 @@ class FlashChip {
 
   std::vector<std::uint8_t> bytes;
   std::uint32_t options = 0xFFEFF8AA;  ///< user option bytes as they leave the factory (RM0440 §3.4.1)
-  std::vector<bool> used;              ///< per unit: programmed since its erase
+  std::vector<bool> used;              ///< one flag per unit: programmed since its erase
   std::set<std::uint32_t> torn;        ///< units (by index) whose ECC has two wrong bits
   std::uint64_t operations = 0;
   std::uint64_t cut_at = ~std::uint64_t{0};

@@ -42,7 +42,7 @@ struct I2cTiming {
   if (in.bus_hz == 0 || in.bus_hz > 400'000 || in.kernel_hz < 8'000'000) return std::unexpected(Status::kOutOfRange);
   const std::uint64_t period_ps = 1'000'000'000'000ULL / in.bus_hz;
   const std::uint64_t clock_ps = 1'000'000'000'000ULL / in.kernel_hz;
-  const std::uint64_t sync_ps = 2 * (kFilterMin_ns * 1000 + 2 * clock_ps);  // both edges, at the least
+  const std::uint64_t sync_ps = 2 * (kFilterMin_ns * 1000 + 2 * clock_ps);  // Both edges take at least this long.
   for (std::uint64_t p = 0; p < 16; ++p) {
     const std::uint64_t unit_ps = (p + 1) * clock_ps;
     const auto units = [unit_ps](std::uint64_t ps) { return (ps + unit_ps - 1) / unit_ps; };

@@ -59,7 +59,7 @@ class FaultMemory {
 
   FlashArea& flash_;
   std::array<std::array<Entry, kStates>, layout::kMaxModules> entries_{};
-  std::size_t page_ = 0, used_ = 0;  // used_ records of page_; 0: no page is started
+  std::size_t page_ = 0, used_ = 0;  // Records used on page_; 0: no page is started.
   std::uint32_t sequence_ = 0;
 };
 

@@ -45,7 +45,7 @@ class IcubBoard {
   /// Value at rest.
   [[nodiscard]] int no_load() const { return no_load_; }
   [[nodiscard]] wire::icub::SkinType skin_type() const { return skin_type_; }
-  /// Whether a sample at `now_us` is to be sent; keeps the mean period that the host asked for.
+  /// True if a sample at `now_us` is to be sent; keeps the mean period that the host asked for.
   [[nodiscard]] bool due(std::uint64_t now_us);
   /// FD30.
   [[nodiscard]] wire::icub::State state(std::uint8_t node_address) const;
@@ -74,7 +74,7 @@ class IcubBoard {
   std::uint16_t enabled_ = 0xFFFF;
   std::uint64_t next_us_ = 0;
   std::uint8_t flags_ = 0, last_refused_ = 0, refused_ = 0;
-  std::array<wire::CanFrame, 16> replies_{};  // what finds no room is not answered: the host asks again
+  std::array<wire::CanFrame, 16> replies_{};  // A request that finds no room gets no answer: the host asks again.
   std::size_t reply_at_ = 0, reply_count_ = 0;
 };
 

@@ -29,7 +29,7 @@ class IcubTriangles {
 
   std::array<std::array<std::uint16_t, layout::kTaxelsPerModule>, layout::kMaxModules> rest_{};
   std::array<std::uint8_t, layout::kMaxModules> restarts_{};  // Restarts of the compensation when rest_ was taken.
-  std::array<std::uint16_t, layout::kMaxModules> known_{};    // bit t: taxel t has a value at rest
+  std::array<std::uint16_t, layout::kMaxModules> known_{};    // Bit t: taxel t has a value at rest.
 };
 
 }  // namespace triskin::fw

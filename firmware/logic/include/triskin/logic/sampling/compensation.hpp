@@ -48,10 +48,10 @@ class Compensation {
   }
   [[nodiscard]] std::int64_t pads_change(const Taxels& raw, std::uint16_t valid) const;
 
-  std::array<std::int64_t, layout::kTaxelsPerModule> baseline_{};  // counts · 2^kFraction
+  std::array<std::int64_t, layout::kTaxelsPerModule> baseline_{};  // Unit: counts · 2^kFraction.
   std::array<std::int16_t, layout::kTaxelsPerModule> gain_ = unity();
   std::array<std::uint16_t, kPads.size()> pad_baseline_{};
-  std::uint16_t known_ = 0;  // bit t: taxel t has a baseline
+  std::uint16_t known_ = 0;  // Bit t: taxel t has a baseline.
   Taxels output_{};
   bool started_ = false;
   std::uint8_t restarts_ = 0;

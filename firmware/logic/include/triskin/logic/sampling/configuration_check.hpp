@@ -23,7 +23,7 @@ class ConfigurationCheck {
   [[nodiscard]] bool due_after_reading() { return ++unchecked_ >= kEvery; }
 
  private:
-  std::uint8_t unchecked_ = 0;  // readings since the last check
+  std::uint8_t unchecked_ = 0;  // Readings since the last check.
   bool required_ = false;
 };
 

@@ -25,7 +25,7 @@ class FrozenTaxels {
 
  private:
   Taxels last_{};
-  std::array<std::uint16_t, layout::kTaxelsPerModule> still_{};  // changes of the other taxels since this one changed
+  std::array<std::uint16_t, layout::kTaxelsPerModule> still_{};  // Changes of the other taxels since this one changed.
 };
 
 }  // namespace triskin::fw

@@ -48,8 +48,8 @@ class ReadingSchedule {
   /// Once, before all else: sequences of `stations` chips last `nominal_us`, and each `every`-th (1..255) is sampled.
   void begin(std::size_t stations, std::uint32_t nominal_us, std::uint8_t every);
 
-  /// From now on there are `stations` chips, of which those from `first` on are new to the schedule. No transfer of
-  /// theirs is under way.
+  /// Sets the number of chips to `stations`; those from `first` on are new to the schedule and have no transfer under
+  /// way.
   void replace_from(std::size_t first, std::size_t stations);
 
   /// The station asks for a transfer of the caller's, not before `at_us`, that takes `length_us` at most. One at a
@@ -98,18 +98,18 @@ class ReadingSchedule {
 
  private:
   struct Plan {
-    bool running = false;  // read once a sequence
+    bool running = false;  // Read once per sequence.
     bool clear_wanted = false, restart_wanted = false;
-    int refine_stage = 0;          // whose end the status is to show next
-    std::uint32_t to_pass = 0;     // sequences until the one that is to be sampled: 0, the present one
-    std::uint32_t passed = 1;      // sequences that the clock went on by
-    std::uint32_t missed = 0;      // see take_missed()
-    std::uint64_t status_us = 0;   // when the status was read, and so cleared, in this sequence; 0: not yet
-    std::uint64_t restart_us = 0;  // when to begin the sequence anew
+    int refine_stage = 0;          // Stage whose end the next status is to show.
+    std::uint32_t to_pass = 0;     // Sequences until the one to be sampled; 0: the present one.
+    std::uint32_t passed = 1;      // Sequences by which the clock advanced.
+    std::uint32_t missed = 0;      // Returned by take_missed().
+    std::uint64_t status_us = 0;   // Time at which this sequence's status was read, and so cleared; 0: not yet.
+    std::uint64_t restart_us = 0;  // Time at which the sequence is to be restarted.
     std::uint64_t transaction_us = kNever_us, transaction_length_us = 0;
     SequenceClock clock;
     // What the clock says, asked once after each change: due() compares all the time, and the clock divides.
-    std::uint64_t open_us = 0, close_us = 0, end_us = 0;  // window of the reading; end of the present sequence
+    std::uint64_t open_us = 0, close_us = 0, end_us = 0;  // Window of the reading, and end of the present sequence.
     bool uncertain = false;
     void clock_changed();
   };

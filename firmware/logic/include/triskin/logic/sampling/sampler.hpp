@@ -102,8 +102,8 @@ class LineSampler {
     std::uint8_t address = 0;  // Address on the line, 0..3.
     Phase phase = Phase::kFind, after_configuration = Phase::kFind;
     std::uint8_t configuration_step = 0;
-    bool offsets_only = false;           // the configuration under way
-    std::uint64_t offsets_begun_us = 0;  // the restart before the offsets
+    bool offsets_only = false;           // The configuration under way sets offsets only.
+    std::uint64_t offsets_begun_us = 0;  // Time of the restart before the offsets.
     Presence presence;
     OffsetSearch offsets;
     DuplicateCheck duplicates;
@@ -166,7 +166,7 @@ class LineSampler {
   bool positive_input_ = false;
   Sampling sampling_;
   std::array<ChipState, layout::kAddressesPerLine> stations_{};
-  std::size_t station_count_ = 0, current_ = 0;  // current: whose transfer is under way
+  std::size_t station_count_ = 0, current_ = 0;  // current_ is the chip whose transfer is under way.
   Ad7147 chip_;
   ad7147::Results results_{};
   AddressScan scan_;
@@ -177,7 +177,7 @@ class LineSampler {
   int repeats_ = 0;                                      // Repeats of the transfer that starts a sequence.
   std::uint32_t burst_us_ = ReadingSchedule::kBurst_us;  // The shortest burst so far: nobody slowed it down.
   std::uint64_t job_start_us_ = 0, read_ended_us_ = 0;
-  std::uint64_t idle_until_us_ = 0;  // nothing is due before; 0: the schedule was not asked since something changed
+  std::uint64_t idle_until_us_ = 0;  // Nothing is due before; 0: the schedule has changed since it was asked.
   std::uint32_t bus_errors_ = 0;
 };
 

@@ -28,7 +28,7 @@ class SequenceClock {
 
   /// The sequence was started anew at `at_us`; nothing is known about the oscillator.
   void start(std::uint64_t at_us, std::uint32_t nominal_us, wire::Latching latching = wire::Latching::kEachStage);
-  /// When the chip shows its results, as was found out since the start.
+  /// Time at which the chip shows its results, measured since the start.
   void set_latching(wire::Latching latching) { latching_ = latching; }
   /// The same, of a chip whose oscillator is known from before; unless the status contradicted that.
   void restart(std::uint64_t at_us);
@@ -66,11 +66,11 @@ class SequenceClock {
  private:
   static constexpr unsigned kFraction = 16;        // Fractional bits of a microsecond.
   static constexpr std::uint64_t kMargin_us = 25;  // Safety margin around the first and last burst.
-  static constexpr std::uint64_t kSlack = 25ULL
-                                          << kFraction;  // error of the time of a start or of a reading of the status
+  // Error of the measured time of a start or of a reading of the status.
+  static constexpr std::uint64_t kSlack = 25ULL << kFraction;
   static constexpr std::uint64_t kWanted_us = 120, kMaxGrowth_us = 300;
-  static constexpr std::uint64_t kWander_ppm_per_s = 80;  // an oscillator that warms up
-  static constexpr std::uint32_t kAnchorFor = 64;         // sequences over which the period is measured
+  static constexpr std::uint64_t kWander_ppm_per_s = 80;  // Drift of an oscillator that warms up.
+  static constexpr std::uint32_t kAnchorFor = 64;         // The period is measured over this many sequences.
   static constexpr int kMaxContradictions = 4;
 
   // 32 bits are used because the loop reads it all the time, and the core cannot divide wider numbers.
@@ -82,9 +82,9 @@ class SequenceClock {
   void contradict(std::uint64_t end);
   void measure_period();
 
-  std::uint64_t first_ = 0, last_ = 0;                // the present sequence ends between these
-  std::uint64_t shortest_ = 0, longest_ = 0;          // the period lies between these
-  std::uint64_t anchor_first_ = 0, anchor_last_ = 0;  // an earlier end, or the start
+  std::uint64_t first_ = 0, last_ = 0;                // The present sequence ends between these.
+  std::uint64_t shortest_ = 0, longest_ = 0;          // The period lies between these.
+  std::uint64_t anchor_first_ = 0, anchor_last_ = 0;  // Bounds of an earlier end, or of the start.
   std::uint32_t since_anchor_ = 0, nominal_us_ = 0;
   int contradictions_ = 0;
   wire::Latching latching_ = wire::Latching::kEachStage;

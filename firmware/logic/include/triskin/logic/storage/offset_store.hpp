@@ -66,10 +66,10 @@ class OffsetStore {
   std::size_t page_ = 0, used_ = 0;                          // The first used_ slots of page_ hold records.
   std::uint32_t sequence_ = 0;                               // Number of the newest record.
   std::array<std::uint32_t, layout::kMaxModules> newest_{};  // Record of each place that is valid; 0: none.
-  std::uint16_t elsewhere_ = 0;  // bit p: the record of place p that counts lies on the other page
+  std::uint16_t elsewhere_ = 0;  // Bit p: the valid record of place p lies on the other page.
   std::size_t writing_ = kNoPlace, written_ = 0;
   Record record_{};
-  bool failed_ = false;  // the flash refused: nothing more is written until load()
+  bool failed_ = false;  // The flash refused a write, so nothing more is written until load().
 };
 
 }  // namespace triskin::fw

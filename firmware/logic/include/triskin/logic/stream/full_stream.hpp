@@ -84,13 +84,13 @@ class FullStream {
 
   StreamLeases leases_;
   bool held_ = false;
-  std::array<wire::TaxelFrame, kCapacity> waiting_{};  // a ring of kPerRow for each row
+  std::array<wire::TaxelFrame, kCapacity> waiting_{};  // Holds a ring of kPerRow for each row.
   std::array<std::uint8_t, layout::kMaxModules> first_{};
   std::size_t size_ = 0;
-  std::size_t turn_ = layout::kMaxModules - 1;  // row that sent last
+  std::size_t turn_ = layout::kMaxModules - 1;  // Row that sent last.
   std::array<wire::RowAccount, layout::kMaxModules> rows_{};
   std::uint32_t dropped_ = 0;
-  std::uint32_t gap_us_ = 0;  // least time between two frames, on the average
+  std::uint32_t gap_us_ = 0;  // Mean minimum time between two frames.
   std::uint64_t next_us_ = 0;
   std::uint8_t starts_ = 0;
 };

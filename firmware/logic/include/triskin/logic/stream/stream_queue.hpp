@@ -32,7 +32,7 @@ class StreamQueue {
   [[nodiscard]] std::uint32_t dropped() const { return dropped_; }
 
  private:
-  std::array<wire::CanFrame, kCapacity> frames_{};  // a ring
+  std::array<wire::CanFrame, kCapacity> frames_{};  // Used as a ring.
   std::size_t first_ = 0, size_ = 0;
   std::uint32_t dropped_ = 0;
 };

@@ -42,7 +42,7 @@ class Neighbours {
     std::uint16_t rows = 0;
     std::uint64_t until_us = 0;
   };
-  static constexpr std::size_t kMaxOffers = 4;  // a fifth owner is heard when one of these has got its modules back
+  static constexpr std::size_t kMaxOffers = 4;  // A fifth owner is heard when one of these has got its modules back.
   [[nodiscard]] bool any() const;
   void end(Offer& offer, bool adopted_modules, std::uint64_t now_us);
 

@@ -87,11 +87,11 @@ class RouteKeeper {
   Neighbours neighbours_;
   wire::Adoption adoption_;
   std::uint8_t kept_adopted_ = 0;
-  bool beyond_ = false;    // the next look is on command
-  bool returned_ = false;  // neighbours were asked to give modules back before this look
+  bool beyond_ = false;    // The next look was commanded.
+  bool returned_ = false;  // Neighbours were asked to give modules back before this look.
   std::uint64_t tell_at_us_ = UINT64_MAX;
   bool complete_discovery_ = false;
-  std::uint8_t held_lines_ = 0;  // reported already
+  std::uint8_t held_lines_ = 0;  // Lines that were reported already.
   std::uint64_t reroute_at_us_ = UINT64_MAX, check_at_us_ = 0;
   std::uint64_t pause_us_ = kFirstPause_us;
 };

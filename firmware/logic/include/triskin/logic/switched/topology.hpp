@@ -62,7 +62,7 @@ class ChainDriver {
 
  private:
   static constexpr std::size_t kMost = layout::kMaxModules + 3;
-  static constexpr std::size_t kNumbers = layout::kMaxModules + 1;  // one more, which is let go by shut()
+  static constexpr std::size_t kNumbers = layout::kMaxModules + 1;  // One more than modules; shut() releases it.
   std::size_t order();
   bool echo();
   [[nodiscard]] Answer measure();
@@ -189,17 +189,19 @@ class Topology {
   ChainDriver chain_;
   PatchGraph graph_;
   std::array<std::array<Port, layout::kPorts>, layout::kMaxModules> port_{};
-  std::array<JointEnd, layout::kMaxModules> parent_{};      // tree of the discovery; module and its output port
-  std::array<std::uint8_t, layout::kMaxModules> input_{};   // first port whose enable does nothing
-  std::array<std::uint8_t, layout::kMaxModules> inputs_{};  // bit p: all of them; more than one: an enable is broken
-  Exclusions bad_{};                                        // ports by discovery number, which repeats
+  std::array<JointEnd, layout::kMaxModules> parent_{};     // Tree of the discovery: module and its output port.
+  std::array<std::uint8_t, layout::kMaxModules> input_{};  // First port whose enable has no effect.
+  // Bit p stands for port p; more than one bit: an enable is broken.
+  std::array<std::uint8_t, layout::kMaxModules> inputs_{};
+  Exclusions bad_{};  // Ports by discovery number, which repeats.
   std::uint8_t shorts_ = 0, ends_left_ = 0;
-  std::uint8_t first_tried_ = 0, cable_ = 0;  // cables: where explore() begins, and where it got in
+  std::uint8_t first_tried_ = 0, cable_ = 0;  // Cables: where explore() begins, and where it found the patch.
   std::uint8_t held_lines_ = 0;               // Lines that were already low with the entry module alone.
   bool entry_held_ = false;                   // Another controller holds the entry at the first cable.
   const Table* expected_table_ = nullptr;     // Set during discover(); null: none.
   Look look_ = Look::kBeyond;
-  std::array<std::uint8_t, layout::kMaxModules> expected_{};  // row by the table, if all is as it says; no module: none
+  // Row in the table, if the patch agrees with it; no module: none.
+  std::array<std::uint8_t, layout::kMaxModules> expected_{};
   std::uint8_t adopted_count_ = 0;
   std::array<std::uint8_t, layout::kMaxModules> table_index_{};
   std::array<LineAddress, layout::kMaxModules> address_{};  // Indexed by discovery number.

@@ -30,7 +30,7 @@ class Channel {
   /// Moves `bytes` (1..65535) between `memory` and the data register; `from_memory`: towards the peripheral. Stops the
   /// channel first.
   void start(std::uint32_t memory, std::uint32_t bytes, bool from_memory) const {
-    stop();  // count and address are fixed while it is on
+    stop();  // Count and address can be changed only while it is off.
     Register(base_ + kCndtr).write(bytes);
     Register(base_ + kCmar).write(memory);
     const std::uint32_t control = kMemoryIncrement | (from_memory ? kFromMemory : 0U);

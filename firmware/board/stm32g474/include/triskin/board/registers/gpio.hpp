@@ -9,7 +9,7 @@ namespace gpio_reg {
 inline constexpr std::uint32_t kBase = 0x48000000, kStride = 0x400;
 inline constexpr std::uint32_t kModer = 0x00, kOtyper = 0x04, kOspeedr = 0x08, kPupdr = 0x0C, kIdr = 0x10, kBsrr = 0x18,
                                kAfrl = 0x20, kAfrh = 0x24;
-inline constexpr std::uint32_t kFieldMask = 3, kPullUp = 1, kPullDown = 2, kVeryHighSpeed = 3;  // fields of two bits
+inline constexpr std::uint32_t kFieldMask = 3, kPullUp = 1, kPullDown = 2, kVeryHighSpeed = 3;  // Fields have two bits.
 inline constexpr std::uint32_t kResetShift = 16;                                                // BSRR
 }  // namespace gpio_reg
 

@@ -26,7 +26,7 @@ inline constexpr std::uint32_t kEccDetected = bit(31), kEccCorrected = bit(30), 
 // OPTR: read protection, two banks; BOOT0 from the pin; BOOT0 of the option (inverted)
 inline constexpr std::uint32_t kReadProtectionMask = 0xFF, kNotProtected = 0xAA, kDualBank = bit(22),
                                kBootByPin = bit(26), kBootOptionFlash = bit(27), kBrownOutMask = 7U << 8,
-                               kBrownOut28 = 4U << 8;  // level 4: about 2.8 V
+                               kBrownOut28 = 4U << 8;  // Level 4 is about 2.8 V.
 }  // namespace flash_reg
 
 /// Power control, §6.4.
@@ -105,7 +105,7 @@ inline void set_priority(int irq, std::uint8_t priority) {
 inline void reset_peripherals() {
   for (std::uint32_t k = 0; k < 4; ++k) Register(kDisableFirst.address() + 4 * k).write(0xFFFFFFFF);
   for (std::uint32_t k = 0; k < 4; ++k) Register(kUnpendFirst.address() + 4 * k).write(0xFFFFFFFF);
-  using namespace rcc_reg;  // a block has the same bit in the reset register as in the enable register
+  using namespace rcc_reg;  // A block has the same bit in the reset register as in the enable register.
   kApb1Rstr1.write(kTim2 | kSpi2 | kUsb | kFdcan);
   kApb1Rstr1.write(0);
 }
