@@ -8,8 +8,8 @@
 #include <random>
 
 #include "step_edits.hpp"
-#include "triskin/cad/read_part.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/cad/read_part.hpp"
 
 namespace triskin::cad {
 namespace {

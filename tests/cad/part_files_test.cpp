@@ -6,11 +6,11 @@
 #include <filesystem>
 
 #include "step_edits.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/cad/part_picture.hpp"
 #include "triskin/cad/part_stream.hpp"
 #include "triskin/cad/read_part.hpp"
 #include "triskin/cad/select_faces.hpp"
-#include "triskin/base/error.hpp"
 
 namespace triskin::cad {
 namespace {

@@ -6,8 +6,8 @@
 #include <filesystem>
 
 #include "support/places.hpp"
-#include "triskin/cad/read_part.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/cad/read_part.hpp"
 
 namespace triskin::cad {
 namespace {

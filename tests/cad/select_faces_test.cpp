@@ -72,6 +72,28 @@ TEST(SelectFaces, OptionsNarrowEachOther) {
   EXPECT_THAT(select_faces(strip(), {.kinds = {SurfaceKind::kCylinder}, .without_holes_mm = 5.0}), ElementsAre(2));
 }
 
+TEST(SelectFaces, TheSelectionIsKeptAsText) {
+  const FaceSelection all{.indices = {1, 2},
+                          .names = {"middle"},
+                          .colours = {"red"},
+                          .kinds = {SurfaceKind::kCone},
+                          .bodies = {"left"},
+                          .min_area_cm2 = 1.5,
+                          .max_area_cm2 = 9.0,
+                          .from_point_mm = design::Vec3(1, 2, 3),
+                          .smooth_deg = 12.0,
+                          .only_outward = true,
+                          .without_holes_mm = 3.0,
+                          .without_bodies = {"right"}};
+  const FaceSelection read = parse_selection(selection_text(all));
+  EXPECT_EQ(selection_text(read), selection_text(all));
+  EXPECT_EQ(read.kinds, all.kinds);
+  EXPECT_EQ(read.from_point_mm, all.from_point_mm);
+  EXPECT_EQ(selection_text({}), "{}");
+  EXPECT_THROW((void)parse_selection("{\"kinds\":[\"ball\"]}"), InputError);
+  EXPECT_THROW((void)parse_selection("{"), InputError);
+}
+
 TEST(SelectFaces, WhatIsNotThereIsNamed) {
   const Part part = strip();
   for (const FaceSelection& wrong :

@@ -9,10 +9,10 @@
 #include <cstring>
 
 #include "reader_process.hpp"
-#include "triskin/cad/part_stream.hpp"
-#include "triskin/cad/step_text.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/cad/part_stream.hpp"
+#include "triskin/cad/step_text.hpp"
 
 namespace triskin::cad {
 namespace {
@@ -79,6 +79,10 @@ class PartReading {
     Part part = read(is_iges_file ? "iges" : "step", is_iges_file ? bytes_ : std::string_view(step_.text));
     part.format = is_iges_file ? "IGES" : "STEP " + step_.schema;
     part.warnings.insert(part.warnings.begin(), step_.warnings.begin(), step_.warnings.end());
+    if (!step_.external_files.empty()) {
+      part.warnings.push_back(fmt::format("the file refers to {} other files, which are not read, first {}",
+                                          step_.external_files.size(), step_.external_files.front()));
+    }
     if (part.mesh.faces.empty())
       fail(is_iges_file ? "has no faces; export the part as surfaces or solids" : nothing_left(part));
     for (Face& face : part.faces) clean_name(face.name);

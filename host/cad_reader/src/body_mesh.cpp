@@ -29,7 +29,6 @@
 namespace triskin::cad_reader {
 namespace {
 
-constexpr double kAngle_rad = 0.2;
 // Triangles within the deviation of a curved face lose this much of its area at most, beside a rim as wide as the
 // deviation: a chord of 0.2 rad loses 0.17 %.
 constexpr double kAreaFraction = 0.005;
@@ -253,7 +252,7 @@ BodyMesh mesh_body(const TopoDS_Shape& body, double max_deviation_mm) {
   for (const double step : kSteps) {
     const double deflection_mm = step * max_deviation_mm;
     BRepTools::Clean(body);
-    BRepMesh_IncrementalMesh(body, deflection_mm, Standard_False, kAngle_rad, Standard_False);
+    BRepMesh_IncrementalMesh(body, deflection_mm, Standard_False, kStepAngle_rad, Standard_False);
     BodyMesh mesh = assemble(body, faces, {}, deflection_mm, max_deviation_mm);
     if (!is_sound(mesh)) {
       BodyMesh patched = assemble(body, faces, failed_faces(mesh), deflection_mm, max_deviation_mm);

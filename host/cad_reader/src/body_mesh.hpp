@@ -14,6 +14,9 @@ namespace triskin::cad_reader {
 using Vec2 = Eigen::Vector2d;  ///< parameters u, v of a surface
 using Vec3 = Eigen::Vector3d;  ///< mm
 
+/// Largest turn of the surface over one step of the kernel's mesher.
+inline constexpr double kStepAngle_rad = 0.2;
+
 /// A triangle of one face, counter-clockwise seen from outside.
 struct Triangle {
   std::array<int, 3> corners{};  ///< indices into BodyMesh::points

@@ -10,11 +10,6 @@
 #include <limits>
 
 namespace triskin::cad_reader {
-namespace {
-
-constexpr double kAngle_rad = 0.2;
-
-}  // namespace
 
 EdgeNodes::EdgeNodes(const TopoDS_Shape& body, std::vector<Vec3>& points) : points_(points) {
   TopExp::MapShapes(body, TopAbs_EDGE, edges_);
@@ -74,7 +69,7 @@ std::vector<double> EdgeNodes::parameters(const TopoDS_Edge& edge, double deflec
     return known;
   }
   const BRepAdaptor_Curve curve(edge);
-  const GCPnts_TangentialDeflection steps(curve, first, last, kAngle_rad, deflection_mm, 3);
+  const GCPnts_TangentialDeflection steps(curve, first, last, kStepAngle_rad, deflection_mm, 3);
   for (int k = 1; k <= steps.NbPoints(); ++k) known.push_back(steps.Parameter(k));
   return known;
 }

@@ -59,7 +59,7 @@ std::string list_of(const CLI::App& program) {
   return text;
 }
 
-std::string options_of(const CLI::App& command) {
+std::string option_words(const CLI::App& command) {
   std::string words;
   for (const CLI::Option* option : command.get_options()) {
     if (option->get_group().empty()) continue;
@@ -98,7 +98,7 @@ std::string bash_completion(const CLI::App& program) {
   std::string names, cases;
   for (const CLI::App* c : commands_of(program)) {
     names += " " + c->get_name();
-    cases += fmt::format("    {}) options=\"{}\" ;;\n", c->get_name(), options_of(*c).substr(1));
+    cases += fmt::format("    {}) options=\"{}\" ;;\n", c->get_name(), option_words(*c).substr(1));
   }
   return fmt::format(
       "# bash completion of triskin, made by triskin generate-docs bash\n_triskin() {{\n"

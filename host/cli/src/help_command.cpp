@@ -44,7 +44,7 @@ std::optional<int> answer_help(const CLI::App& program, int argc, const char* co
   if (argc == 2) return print(program.help());
   const std::string topic = argv[2];
   if (topic == "links") return print(kLinks);
-  if (const CLI::App* command = find_command(program, topic)) return print(command->help("triskin"));
+  if (const CLI::App* command = find_command(program, topic)) return print(command->help(program.get_name()));
   const char* const asked[] = {argv[0], argv[2]};
   const std::string question = did_you_mean(program, 2, asked);
   std::fputs(fmt::format("triskin: there is no command {}{}\n", topic, question.empty() ? "" : "; " + question).c_str(),

@@ -118,7 +118,7 @@ int refuse(const CLI::App& program, const CLI::ParseError& error, int argc, cons
 
 int run_program(const std::string& description, int argc, char** argv) {
   CLI::App program{description};
-  program.name("triskin");
+  program.name(std::filesystem::path(argv[0]).filename().string());
   program.formatter(std::make_shared<HelpFormat>(help_columns()));
   program.set_version_flag("-V,--version", TRISKIN_VERSION);
   program.require_subcommand(1);

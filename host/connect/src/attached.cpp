@@ -35,7 +35,7 @@ std::vector<fs::path> entries_of(const fs::path& folder) {
 AttachedDevice can_interface(const fs::path& entry) {
   constexpr unsigned kUp = 1;
   const std::string flags = line_of(entry / "flags");
-  const bool up = !flags.empty() && (std::stoul("0" + flags.substr(1), nullptr, 16) & kUp) != 0;
+  const bool up = (std::strtoul(flags.c_str(), nullptr, 16) & kUp) != 0;
   std::error_code error;
   const bool is_virtual = fs::read_symlink(entry, error).string().find("/virtual/") != std::string::npos;
   const std::string name = entry.filename().string();

@@ -244,6 +244,18 @@ void check_head(const JsonValue& v) {
     v["version"].fail(fmt::format("is {}: version {} and no other has \"jumpers\"", version, Design::kJumperVersion));
 }
 
+std::optional<Design::PartSource> read_part_source(const JsonValue& source) {
+  if (!has(source, "part")) return std::nullopt;
+  const JsonValue v = source["part"];
+  Design::PartSource part;
+  part.face_count = v["face_count"].integer(1, kMaxCount);
+  part.deviation_mm = v["deviation_mm"].number();
+  part.faces = list(v["faces"], [&](const JsonValue& f) { return f.integer(0, part.face_count - 1); });
+  if (!v["selection"].raw().is_object()) v["selection"].fail("must be an object");
+  part.selection = v["selection"].raw().dump();
+  return part;
+}
+
 }  // namespace
 
 Design parse_design(const std::string& text, const std::string& file) {
@@ -256,6 +268,7 @@ Design parse_design(const std::string& text, const std::string& file) {
   d.seed = v["seed"].unsigned_integer();
   d.source_file = v["source"]["file"].text();
   d.scale_to_mm = number(v["source"]["scale_to_mm"]);
+  d.part = read_part_source(v["source"]);
   d.surface = read_surface(v["surface"]);
   if (has(v, "side")) d.side = read_side(v["side"]);
   read_limits(v["limits"], d.limits);

@@ -150,6 +150,16 @@ json report_json(const Design::Report& r, bool with_jumpers, bool is_cut) {
   return report;
 }
 
+json source_json(const Design& design) {
+  json source = {{"file", design.source_file}, {"scale_to_mm", design.scale_to_mm}};
+  if (!design.part) return source;
+  source["part"] = {{"faces", design.part->faces},
+                    {"face_count", design.part->face_count},
+                    {"deviation_mm", design.part->deviation_mm},
+                    {"selection", json::parse(design.part->selection)}};
+  return source;
+}
+
 }  // namespace
 
 void write_design(const std::filesystem::path& path, const Design& design) {
@@ -173,7 +183,7 @@ void write_design(const std::filesystem::path& path, const Design& design) {
                {"name", design.name},
                {"design_id", fmt::format("{:016x}", design.design_id)},
                {"seed", design.seed},
-               {"source", {{"file", design.source_file}, {"scale_to_mm", design.scale_to_mm}}},
+               {"source", source_json(design)},
                {"surface", surface_json(design.surface)},
                {"limits", limits_json(design.limits, with_jumpers)},
                {"method", kLayoutMethodNames.name(design.layout.method)},

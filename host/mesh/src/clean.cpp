@@ -119,9 +119,9 @@ double diagonal_of(const Mesh& mesh) {
 }
 
 // A vertex without a face may lie anywhere and must not tell the size by which the others are welded.
-void clean(Mesh& mesh, MeshReadReport& report) {
+void clean(Mesh& mesh, MeshReadReport& report, Corners corners) {
   drop_unused_vertices(mesh);
-  weld(mesh, report);
+  if (corners == Corners::kWelded) weld(mesh, report);
   drop_bad_faces(mesh, report);
   drop_unused_vertices(mesh);
 }

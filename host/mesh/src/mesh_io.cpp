@@ -22,6 +22,7 @@
 #include "formats/three_mf_reader.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/cad/read_part.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -141,6 +142,33 @@ std::filesystem::path folder_of(const std::filesystem::path& path) {
   return path.has_parent_path() ? path.parent_path() : ".";
 }
 
+cad::FaceSelection with_body(cad::FaceSelection faces, const std::string& object) {
+  if (!object.empty()) faces.bodies.push_back(object);
+  return faces;
+}
+
+MeshFile read_part_mesh(const std::filesystem::path& path, const std::string& bytes, std::optional<LengthUnit> unit,
+                        const cad::FaceSelection& faces) {
+  cad::ReadOptions options;
+  if (unit) options.unit_mm = scale_of(*unit);
+  const cad::Part part = cad::read_part_bytes(bytes, path.string(), options);
+  MeshFile file;
+  PartReport report{{}, static_cast<int>(part.faces.size()), part.deviation_mm, part.warnings, part.faults};
+  try {
+    report.faces = cad::select_faces(part, faces);
+  } catch (const InputError& e) {
+    throw InputError(fmt::format("{}: {}", path.string(), e.what()));
+  }
+  file.mesh = cad::mesh_of_faces(part, report.faces);
+  file.report.scale_to_mm = part.unit_mm;
+  file.report.unit_from_file = !part.unit.empty();
+  file.report.part = std::move(report);
+  clean(file.mesh, file.report, Corners::kKept);
+  if (file.mesh.faces.empty()) throw InputError(fmt::format("{}: no triangle with an area in it", path.string()));
+  require_size(path.string(), file.mesh, unit.has_value() || file.report.unit_from_file);
+  return file;
+}
+
 }  // namespace
 
 double scale_of(LengthUnit unit) {
@@ -157,9 +185,15 @@ double scale_of(LengthUnit unit) {
   return 1.0;
 }
 
-MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit, const std::string& object) {
+MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit, const std::string& object,
+                   const cad::FaceSelection& faces) {
   const std::string name = path == "-" ? "standard input" : path.string();
-  const std::string bytes = without_utf16(read_file(path));  // Read only once, as it may be a pipe.
+  const std::string read = read_file(path);  // Once, because it may be a pipe.
+  if (cad::is_cad_file(path, read)) return read_part_mesh(path, read, unit, with_body(faces, object));
+  if (!faces.is_empty())
+    throw InputError(
+        fmt::format("{}: only STEP and IGES files have faces to choose; leave the options for faces out", name));
+  const std::string bytes = without_utf16(read);
   if (bytes.empty()) throw InputError(fmt::format("{}: the file is empty", name));
   if (const std::string what = foreign_content(bytes); !what.empty())
     throw InputError(fmt::format("{}: is {}", name, what));
@@ -167,10 +201,10 @@ MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> 
   ObjectFilter objects{object, {}};
   const MeshSource source{bytes, name, folder_of(path), objects, file.report.notes};
   const std::string extension = extension_of(path);
-  MeshInUnit read = read_as(format_of(source, extension), source, extension);
-  file.mesh = std::move(read.mesh);
-  file.report.unit_from_file = read.unit_mm > 0.0;
-  if (file.report.unit_from_file) file.report.scale_to_mm = read.unit_mm;
+  MeshInUnit in_unit = read_as(format_of(source, extension), source, extension);
+  file.mesh = std::move(in_unit.mesh);
+  file.report.unit_from_file = in_unit.unit_mm > 0.0;
+  if (file.report.unit_from_file) file.report.scale_to_mm = in_unit.unit_mm;
   require_object(name, objects);
   if (unit) file.report.scale_to_mm = scale_of(*unit);
   require_bounded(name, file.mesh, file.report.scale_to_mm);

@@ -257,6 +257,13 @@ std::vector<design::ModuleLayout> grow(const geometry::Surface& surface, const g
   return geometry::grow_front(surface, options.limits, lattice, progress);
 }
 
+std::optional<design::Design::PartSource> part_source(const geometry::MeshReadReport& report,
+                                                      const cad::FaceSelection& faces) {
+  if (!report.part) return std::nullopt;
+  return design::Design::PartSource{report.part->faces, report.part->face_count, report.part->deviation_mm,
+                                    cad::selection_text(faces)};
+}
+
 }  // namespace
 
 design::Design make_design(const std::filesystem::path& mesh, const DesignOptions& options,
@@ -270,7 +277,9 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   design.price = options.price;
   design.kinds = options.kinds;
   require_places(options.kinds);
-  const geometry::MeshFile file = geometry::read_mesh(mesh, options.unit, options.object);
+  const geometry::MeshFile file = geometry::read_mesh(mesh, options.unit, options.object, options.faces);
+  design.part = part_source(file.report, options.faces);
+  if (notes != nullptr) notes->read = file.report;
   const double reading_s = seconds_since(start);
   design.scale_to_mm = file.report.scale_to_mm;
   if (notes != nullptr) notes->reading = file.report.notes;

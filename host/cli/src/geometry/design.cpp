@@ -11,12 +11,14 @@
 #include "design_edit.hpp"
 #include "mesh_options.hpp"
 #include "read_text.hpp"
+#include "part_text.hpp"
 #include "repair_text.hpp"
 #include "side_option.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/cli/bus_report.hpp"
 #include "triskin/cli/command.hpp"
+#include "triskin/cli/face_options.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::cli::design_command {
@@ -26,6 +28,7 @@ struct Options {
   std::string mesh, output, regions;
   UnitOption unit;
   SideOption side;
+  FaceOptions faces;
   pipeline::DesignOptions design;
   EditOptions edit;
 };
@@ -138,6 +141,7 @@ int run(Options options, Output& output) {
     return edit(options.mesh, options.output, options.edit, options.design, output);
   }
   options.design.unit = options.unit.unit;
+  options.design.faces = options.faces.selection();
   if (!options.regions.empty()) options.design.regions = design::read_region_file(options.regions);
   options.design.kinds = options.edit.kind_plan();
   options.design.side = options.side.options();
@@ -150,6 +154,7 @@ int run(Options options, Output& output) {
   output.result = keys_of(d, notes);
   add_side_keys(notes.side, output);
   if (options.design.bridge_mm > 0.0) output.result["bridged_holes"] = notes.bridges.bridged;
+  const int part_status = report_part(notes.read, output);
   say_layout(d, notes, output);
   if (nothing) {
     const std::string reason = reason_of_nothing(d, options.unit.unit.has_value());
@@ -165,7 +170,7 @@ int run(Options options, Output& output) {
   report_alternatives(d, output);
   report_bus(d.layout.modules.size(), output);
   output.say(fmt::format("design {:016x} written to {} in {:.1f} s", d.design_id, options.output, d.report.seconds));
-  return is_covered ? 0 : 1;
+  return is_covered ? part_status : 1;
 }
 
 void add_limits(CLI::App& app, design::LayoutLimits& l) {
@@ -218,7 +223,7 @@ const Registration kDesign{{
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       app.add_option("MESH", options->mesh,
-                     "OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF; mm unless --unit says otherwise")
+                     "OBJ, STL, PLY, OFF, DAE, glTF, GLB, 3MF, STEP or IGES; mm unless --unit says otherwise")
           ->required();
       app.add_option("-o,--output", options->output, "design file")->required();
       options->edit.add_to(app);
@@ -236,6 +241,7 @@ const Registration kDesign{{
       add_object_option(app, options->design.object);
       options->side.add_to(app);
       app.add_flag("--flip", options->design.flip, "turn all faces over: the other side of an open part");
+      options->faces.add_to(app);
       add_limits(app, options->design.limits);
       add_corner_cut(app, options->design.corner_cut_mm);
       app.add_option("--bend-radius-mm", options->design.bend_radius_mm,

@@ -12,6 +12,7 @@
 #include "mesh_options.hpp"
 #include "number_list.hpp"
 #include "read_text.hpp"
+#include "part_text.hpp"
 #include "repair_text.hpp"
 #include "side_option.hpp"
 #include "side_picture.hpp"
@@ -20,6 +21,7 @@
 #include "triskin/cli/command.hpp"
 #include "triskin/mesh/mesh_io.hpp"
 #include "triskin/mesh/open_side.hpp"
+#include "triskin/cli/face_options.hpp"
 #include "triskin/mesh/surface.hpp"
 
 namespace triskin::cli::extract_command {
@@ -31,6 +33,7 @@ struct Options {
   std::string mesh, output, object, keep_out, picture;
   SideOption side;
   UnitOption unit;
+  FaceOptions faces;
   geometry::ExtractOptions steps;
   std::vector<std::string> spheres, boxes;
   bool flip = false;
@@ -60,7 +63,8 @@ int run(Options options, Output& output) {
   take_keep_outs(options);
   const geometry::SideOptions side_options = options.side.options();
   const auto start = std::chrono::steady_clock::now();
-  const geometry::MeshFile file = geometry::read_mesh(options.mesh, options.unit.unit, options.object);
+  const geometry::MeshFile file = 
+      geometry::read_mesh(options.mesh, options.unit.unit, options.object, options.faces.selection());
   say_notes(options.mesh, file.report.notes, output);
   geometry::Extraction e = geometry::extract(file.mesh, options.steps, output.progress());
   if (options.flip) geometry::turn_over(e.surface);
@@ -102,6 +106,7 @@ int run(Options options, Output& output) {
   add_side_keys(taken, output);
   output.result["bridged_holes"] = bridges.bridged;
   if (const std::string text = side_text_of(open_side); !text.empty()) output.say(text);
+  const int status = report_part(file.report, output);
   if (const std::string shortage = shortage_text(e.report); !shortage.empty()) output.say(shortage);
   if (const std::string change = repair_text(e.report, "outer"); !change.empty()) output.say(change);
   if (const std::string side = side_text(taken); !side.empty()) output.say(side);
@@ -109,7 +114,7 @@ int run(Options options, Output& output) {
   output.say(fmt::format("{} faces, {:.1f} cm², {} border loops; {} parts removed, {} faces turned; {:.2f} s",
                          taken.surface.faces.size(), area_cm2, surface.border_loops().size(),
                          e.report.removed_components, e.report.flipped_faces, seconds));
-  return 0;
+  return status;
 }
 
 const Registration kExtract{{
@@ -118,13 +123,14 @@ const Registration kExtract{{
     "triskin extract cover.stl -o surface.obj",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      app.add_option("MESH", options->mesh, "OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF")->required();
+      app.add_option("MESH", options->mesh, "OBJ, STL, PLY, OFF, DAE, glTF, GLB, 3MF, STEP or IGES")->required();
       app.add_option("-o,--output", options->output, "surface (OBJ or STL, mm)")->required();
       options->unit.add_to(app);
       add_object_option(app, options->object);
       options->side.add_to(app);
       app.add_option("--picture", options->picture, "SVG of the part with its sides coloured");
       app.add_flag("--flip", options->flip, "turn all faces over: the other side of an open part");
+      options->faces.add_to(app);
       const std::map<std::string, When> when{
           {"never", When::kNever}, {"auto", When::kWhenNeeded}, {"always", When::kAlways}};
       auto& s = options->steps;

@@ -10,7 +10,7 @@
 
 namespace triskin::cli {
 
-/// --unit mm|cm|m|in, for every command that reads a mesh.
+/// --unit mm|cm|m|in|inch, for every command that reads a mesh.
 struct UnitOption {
   std::optional<geometry::LengthUnit> unit;
 
@@ -18,7 +18,8 @@ struct UnitOption {
     static const std::map<std::string, geometry::LengthUnit> kUnits{{"mm", geometry::LengthUnit::kMillimetre},
                                                                     {"cm", geometry::LengthUnit::kCentimetre},
                                                                     {"m", geometry::LengthUnit::kMetre},
-                                                                    {"in", geometry::LengthUnit::kInch}};
+                                                                    {"in", geometry::LengthUnit::kInch},
+                                                                    {"inch", geometry::LengthUnit::kInch}};
     app.add_option("--unit", unit, "unit of the mesh's numbers: mm, cm, m or in")->transform(one_of(kUnits));
   }
 };

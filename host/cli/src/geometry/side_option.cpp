@@ -56,6 +56,8 @@ geometry::SideOptions SideOption::options() const {
 }
 
 std::string side_text(const geometry::TakenSide& taken) {
+  if (taken.choice.has_loose_sheets)
+    return "the mesh has sheets back to back that no rim joins; all are kept (--side outer takes one side)";
   if (!taken.choice.has_wall) return {};
   const std::string areas = fmt::format("{} of {} cm², wall {:.1f} mm", whole_cm2(taken.taken_mm2),
                                         whole_cm2(taken.part_mm2), taken.choice.wall_mm);

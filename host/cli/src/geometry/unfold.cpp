@@ -8,8 +8,10 @@
 #include "mesh_options.hpp"
 #include "net_picture.hpp"
 #include "read_text.hpp"
+#include "part_text.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/cli/command.hpp"
+#include "triskin/cli/face_options.hpp"
 #include "triskin/mesh/extract.hpp"
 #include "triskin/unfolding/bend_seams.hpp"
 #include "triskin/unfolding/unfolding.hpp"
@@ -23,6 +25,7 @@ struct Options {
   std::string surface, output, picture, seams, uncut;
   std::string object;
   UnitOption unit;
+  FaceOptions faces;
   double bend_radius_mm = 0.0;
   geometry::UnfoldingOptions unfolding;
 };
@@ -52,7 +55,8 @@ json net_json(const geometry::Net& net) {
 int run(Options options, Output& output) {
   const auto start = std::chrono::steady_clock::now();
   require_writable(options.output);
-  const geometry::MeshFile file = geometry::read_mesh(options.surface, options.unit.unit, options.object);
+  const geometry::MeshFile file = 
+      geometry::read_mesh(options.surface, options.unit.unit, options.object, options.faces.selection());
   say_notes(options.surface, file.report.notes, output);
   const geometry::Surface surface(geometry::extract(file.mesh).surface);
   if (!options.seams.empty())
@@ -83,7 +87,7 @@ int run(Options options, Output& output) {
   output.say(fmt::format(
       "{} pieces, {:.1f} cm², edge error at most {:.3f} mm (rms {:.3f} mm) on 30 mm, {} overlaps; {:.2f} s",
       net.pieces.size(), surface.area_mm2() / 100.0, max_mm, std::sqrt(squares / faces), net.overlaps, seconds));
-  return 0;
+  return report_part(file.report, output);
 }
 
 const Registration kUnfold{{
@@ -92,7 +96,7 @@ const Registration kUnfold{{
     "triskin unfold surface.obj -o net.json",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      app.add_option("SURFACE", options->surface, "OBJ, STL, PLY, OFF or DAE")->required();
+      app.add_option("SURFACE", options->surface, "mesh, STEP or IGES, as extract reads them")->required();
       app.add_option("-o,--output", options->output, "net (JSON, docs/unfolding.md)")->required();
       app.add_option("--edge-error-mm", options->unfolding.edge_error_mm, "largest edge error on 30 mm")
           ->check(CLI::Range(1e-6, 30.0))
@@ -109,6 +113,7 @@ const Registration kUnfold{{
       app.add_option("--picture", options->picture, "also an SVG: pieces, triangles coloured by their edge error");
       options->unit.add_to(app);
       add_object_option(app, options->object);
+      options->faces.add_to(app);
       return [options](Output& output) { return run(*options, output); };
     },
     Group::kDesign,

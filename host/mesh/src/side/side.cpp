@@ -126,6 +126,7 @@ SideChoice find_sides(const Mesh& mesh, const SideOptions& options) {
   SideChoice choice;
   choice.has_wall = decision.has_wall;
   choice.is_certain = decision.is_certain;
+  choice.has_loose_sheets = decision.has_loose_sheets;
   choice.margin = decision.margin;
   choice.wall_mm = decision.has_wall ? median_wall(samples) : 0.0;
   for (std::size_t r = 0; r < evidence.regions.size(); ++r) {

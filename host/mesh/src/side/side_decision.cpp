@@ -2,7 +2,9 @@
 #include "side_decision.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "triskin/base/index.hpp"
@@ -25,6 +27,7 @@ constexpr double kModuleInradius_mm = 8.66;
 constexpr double kRimSurroundings = 0.9;  // share of a strip's border that lies on outer regions
 constexpr double kMinUndecided_mm2 = 400.0, kMaxUndecidedFraction = 0.15, kLargeRegion = 0.05;
 constexpr double kMinWalledFraction = 0.25, kMinInnerFraction = 0.05;
+constexpr double kJoinedFraction = 0.1;  // of a component's walled area, on its lesser side
 constexpr int kPasses = 400;
 constexpr double kSettled = 1e-5;
 
@@ -217,6 +220,9 @@ class Decision {
     const double outer = area_of(FaceSide::kOuter), inner = area_of(FaceSide::kInner),
                  undecided = area_of(FaceSide::kUndecided), all = outer + inner + undecided + area_of(FaceSide::kRim);
     out_.has_wall = inner + undecided >= kMinInnerFraction * all;
+    out_.has_loose_sheets =
+        out_.has_wall && options_.wanted == SideWanted::kAuto && options_.choice == 0 && !is_joined();
+    if (out_.has_loose_sheets) out_.has_wall = false;
     if (!out_.has_wall) {
       out_.side.assign(out_.side.size(), FaceSide::kOuter);
       return;
@@ -228,6 +234,24 @@ class Decision {
     }
     number_choices();
     out_.is_certain = 0.5 * undecided < std::max(kMinUndecided_mm2, kMaxUndecidedFraction * (outer + 0.5 * undecided));
+  }
+
+  // Whether most of the wall has both its sides in one component, as a solid has. Two sheets that no rim joins may as
+  // well be two surfaces, and the one that is inside would be gone without a question.
+  [[nodiscard]] bool is_joined() const {
+    std::map<int, std::array<double, 2>> sides;  // of a component: outer, other
+    for (int r = 0; r < count(); ++r) {
+      const FaceSide side = out_.side[at(r)];
+      if (has_wall(r) && side != FaceSide::kRim)
+        sides[region(r).component][side == FaceSide::kOuter ? 0 : 1] += region(r).area_mm2;
+    }
+    double joined = 0.0, all = 0.0;
+    for (const auto& [component, area] : sides) {
+      all += area[0] + area[1];
+      const bool is_solid = evidence_.is_component_closed[at(component)];
+      if (is_solid || std::min(area[0], area[1]) > kJoinedFraction * (area[0] + area[1])) joined += area[0] + area[1];
+    }
+    return joined >= 0.5 * all;
   }
 
   // Which undecided regions belong together: the largest one is taken for the outer side, the others follow.

@@ -10,6 +10,7 @@ struct SideDecision {
   std::vector<double> outwardness;   ///< −1 … 1, after regions have heard each other
   std::vector<std::uint8_t> choice;  ///< 1 or 2 of undecided regions, else 0
   bool has_wall = false, is_certain = true;
+  bool has_loose_sheets = false;
   double margin = 1.0;
 };
 

@@ -32,6 +32,11 @@ struct FaceSelection {
 /// Cost: linear; with a point O(n log n).
 [[nodiscard]] std::vector<int> select_faces(const Part& part, const FaceSelection& selection);
 
+/// The selection as a JSON object of what is asked for, under the names of the members. Cost: linear.
+[[nodiscard]] std::string selection_text(const FaceSelection& selection);
+/// The selection of selection_text(). Errors: InputError for text that is none.
+[[nodiscard]] FaceSelection parse_selection(const std::string& text);
+
 /// Triangles of these faces alone, without vertices that none uses. Errors: std::out_of_range for an index that is not
 /// there. Cost: linear.
 [[nodiscard]] design::Mesh mesh_of_faces(const Part& part, const std::vector<int>& faces);

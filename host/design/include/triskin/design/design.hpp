@@ -60,10 +60,19 @@ struct Design {
     double coverage_cut = 0.0;  ///< modules · what corner cuts leave of 389.7 mm² / area; in the file only with a cut
   };
 
+  /// Faces of a CAD part that the surface is made of.
+  struct PartSource {
+    std::vector<int> faces;     ///< chosen, by their index in the part
+    int face_count = 0;         ///< of the part
+    double deviation_mm = 0.0;  ///< of the surface from the exact one
+    std::string selection;      ///< JSON object: how they were chosen (docs/cad.md), to choose again in a later version
+  };
+
   std::string name;
   std::uint64_t design_id = 0;  ///< hash of modules and patches; flashed into every controller
   std::string source_file;      ///< name only, no folder
   double scale_to_mm = 1.0;
+  std::optional<PartSource> part;  ///< none: the source is a mesh, and the file has no such key
   std::uint64_t seed = 1;
   Mesh surface;  ///< mm
   std::optional<PartSide> side;  ///< none, and no key in the file: the surface has no wall

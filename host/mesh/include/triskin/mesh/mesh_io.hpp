@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "triskin/cad/select_faces.hpp"
 #include "triskin/design/design_types.hpp"
 
 namespace triskin::geometry {
@@ -13,6 +14,15 @@ namespace triskin::geometry {
 enum class LengthUnit { kMillimetre, kCentimetre, kInch, kMetre };
 /// Length of one unit in mm: 1, 10, 25.4 or 1000.
 [[nodiscard]] double scale_of(LengthUnit unit);
+
+/// What reading a CAD file gave beside its mesh.
+struct PartReport {
+  std::vector<int> faces;             ///< chosen, by their index in the part
+  int face_count = 0;                 ///< of the part
+  double deviation_mm = 0.0;          ///< largest, of the mesh from the exact surface
+  std::vector<std::string> warnings;  ///< one sentence each
+  std::vector<std::string> faults;    ///< one sentence each: something of the file is missing or not right
+};
 
 /// Changes that reading made to the file's triangles, for the report.
 struct MeshReadReport {
@@ -23,6 +33,7 @@ struct MeshReadReport {
   int duplicate_faces = 0;         ///< faces with the same three vertices as an earlier one, dropped
   int flipped_faces = 0;           ///< faces turned so that neighbours agree
   std::vector<std::string> notes;  ///< sentences without a subject for the user: what may be missing, what was left out
+  std::optional<PartReport> part;  ///< of STEP and IGES files only
 };
 
 /// Result of read_mesh().
@@ -31,7 +42,7 @@ struct MeshFile {
   MeshReadReport report;
 };
 
-/// Reads OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF, each in its own frame of axes (docs/meshes.md) and, DAE aside, in
+/// Reads OBJ, STL, PLY, OFF, DAE, glTF, GLB, 3MF, STEP or IGES, each in its own frame of axes (docs/meshes.md) and, DAE aside, in
 /// the precision of the file. The content says the format; a name that says another one is a note. `path` may be a pipe
 /// or "-" (standard input): the file is read once, from memory. Without `unit` the file's numbers are mm, or in the
 /// unit of the file (DAE, 3MF) or format (glTF, GLB: m). With `object` the faces of one object alone: `o` and `g` of
@@ -40,8 +51,10 @@ struct MeshFile {
 /// not finite or beyond ±1e10 mm, for sizes that cannot be a body part (under 20 mm, with the units that fit; over 5
 /// m), over 3 m where nobody said the unit, and for an object that is not in it, naming those that are. Cost: O(n log
 /// n). Thread-safe. DAE is read by a library in a child process: a crash of it is an InputError.
+/// Of STEP and IGES files (docs/cad.md) the mesh is that of the faces chosen by `faces`, `object` is a body, and corners
+/// of different bodies are not welded; choosing faces in a file of another format is an InputError.
 [[nodiscard]] MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit = std::nullopt,
-                                 const std::string& object = {});
+                                 const std::string& object = {}, const cad::FaceSelection& faces = {});
 
 /// The triangles of one group or object (`g`, `o`) of an OBJ file, as read_mesh() has them. Errors: InputError for
 /// other files and for a name that is not in it, naming those that are. Cost: linear.

@@ -64,6 +64,7 @@ struct SideRegion {
 struct SideChoice {
   bool has_wall = false;  ///< false: every face is kOuter, nothing is left out
   bool is_certain = true;
+  bool has_loose_sheets = false;  ///< a wall of two sheets that no rim joins: kAuto keeps both
   double wall_mm = 0.0;             ///< median thickness; 0 without a wall
   double margin = 1.0;              ///< 0 … 1: least |outwardness| of the regions that matter; 1 without a wall
   std::vector<int> region_of_face;  ///< index in `regions`

@@ -25,6 +25,7 @@ enum class RepairMode : std::uint8_t {
 /// Options of make_design(). Out of range: InputError.
 struct DesignOptions {
   std::optional<geometry::LengthUnit> unit;  ///< unit of the mesh file; none: the file's own unit, or mm
+  cad::FaceSelection faces;                  ///< chosen faces of a STEP or IGES file; empty: all
   std::string object;                        ///< name of one object in a mesh file with several; empty: all
   bool flip = false;                         ///< turns all faces over: the other side of an open part
   RepairMode repair = RepairMode::kAuto;
@@ -58,6 +59,7 @@ struct DesignNotes {
   geometry::TakenSide side;
   geometry::BridgeReport bridges;
   geometry::Mesh part;  ///< what the side was taken from; only where it is undecided
+  geometry::MeshReadReport read;
 };
 
 /// The design with the alternative `index` (0-based, design.alternatives) in place of its layout, measured and wired

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <fmt/format.h>
+
+#include "triskin/cli/command.hpp"
+#include "triskin/mesh/mesh_io.hpp"
+
+namespace triskin::cli {
+
+/// Says what reading a CAD part gave and adds it to the result as `part`; nothing for other files. Returns the exit
+/// status that follows: 1 where something of the part is missing.
+inline int report_part(const geometry::MeshReadReport& report, Output& output) {
+  if (!report.part) return 0;
+  const geometry::PartReport& part = *report.part;
+  output.result["part"] = {{"faces", part.faces},
+                           {"face_count", part.face_count},
+                           {"deviation_mm", part.deviation_mm},
+                           {"warnings", part.warnings},
+                           {"faults", part.faults}};
+  output.say(fmt::format("{} of {} faces of the part, meshed within {:.3f} mm", part.faces.size(), part.face_count,
+                         part.deviation_mm));
+  for (const std::string& warning : part.warnings) output.say("warning: " + warning);
+  for (const std::string& fault : part.faults) output.say("fault: " + fault);
+  return part.faults.empty() ? 0 : 1;
+}
+
+}  // namespace triskin::cli
