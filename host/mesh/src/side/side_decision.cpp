@@ -27,7 +27,7 @@ constexpr double kModuleInradius_mm = 8.66;
 constexpr double kRimSurroundings = 0.9;  // share of a strip's border that lies on outer regions
 constexpr double kMinUndecided_mm2 = 400.0, kMaxUndecidedFraction = 0.15, kLargeRegion = 0.05;
 constexpr double kMinWalledFraction = 0.25, kMinInnerFraction = 0.05;
-constexpr double kJoinedFraction = 0.1;  // of a component's walled area, on its lesser side
+constexpr double kJoinedFraction = 0.1;  // Share of a component's walled area, on its lesser side.
 constexpr int kPasses = 400;
 constexpr double kSettled = 1e-5;
 
@@ -239,7 +239,7 @@ class Decision {
   // Whether most of the wall has both its sides in one component, as a solid has. Two sheets that no rim joins may as
   // well be two surfaces, and the one that is inside would be gone without a question.
   [[nodiscard]] bool is_joined() const {
-    std::map<int, std::array<double, 2>> sides;  // of a component: outer, other
+    std::map<int, std::array<double, 2>> sides;  // Keyed by component: outer, other.
     for (int r = 0; r < count(); ++r) {
       const FaceSide side = out_.side[at(r)];
       if (has_wall(r) && side != FaceSide::kRim)

@@ -63,8 +63,8 @@ struct Design {
   /// Faces of a CAD part that the surface is made of.
   struct PartSource {
     std::vector<int> faces;     ///< chosen, by their index in the part
-    int face_count = 0;         ///< of the part
-    double deviation_mm = 0.0;  ///< of the surface from the exact one
+    int face_count = 0;         ///< number of faces of the part
+    double deviation_mm = 0.0;  ///< distance of the surface from the exact one
     std::string selection;      ///< JSON object: how they were chosen (docs/cad.md), to choose again in a later version
   };
 
@@ -74,7 +74,7 @@ struct Design {
   double scale_to_mm = 1.0;
   std::optional<PartSource> part;  ///< none: the source is a mesh, and the file has no such key
   std::uint64_t seed = 1;
-  Mesh surface;  ///< mm
+  Mesh surface;                  ///< mm
   std::optional<PartSide> side;  ///< none, and no key in the file: the surface has no wall
   LayoutLimits limits;
   std::vector<PlacedPiece> pieces;

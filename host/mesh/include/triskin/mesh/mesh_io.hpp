@@ -18,7 +18,7 @@ enum class LengthUnit { kMillimetre, kCentimetre, kInch, kMetre };
 /// What reading a CAD file gave beside its mesh.
 struct PartReport {
   std::vector<int> faces;             ///< chosen, by their index in the part
-  int face_count = 0;                 ///< of the part
+  int face_count = 0;                 ///< number of faces of the part
   double deviation_mm = 0.0;          ///< largest, of the mesh from the exact surface
   std::vector<std::string> warnings;  ///< one sentence each
   std::vector<std::string> faults;    ///< one sentence each: something of the file is missing or not right
@@ -33,7 +33,7 @@ struct MeshReadReport {
   int duplicate_faces = 0;         ///< faces with the same three vertices as an earlier one, dropped
   int flipped_faces = 0;           ///< faces turned so that neighbours agree
   std::vector<std::string> notes;  ///< sentences without a subject for the user: what may be missing, what was left out
-  std::optional<PartReport> part;  ///< of STEP and IGES files only
+  std::optional<PartReport> part;  ///< only for STEP and IGES files
 };
 
 /// Result of read_mesh().
@@ -42,17 +42,17 @@ struct MeshFile {
   MeshReadReport report;
 };
 
-/// Reads OBJ, STL, PLY, OFF, DAE, glTF, GLB, 3MF, STEP or IGES, each in its own frame of axes (docs/meshes.md) and, DAE aside, in
-/// the precision of the file. The content says the format; a name that says another one is a note. `path` may be a pipe
-/// or "-" (standard input): the file is read once, from memory. Without `unit` the file's numbers are mm, or in the
-/// unit of the file (DAE, 3MF) or format (glTF, GLB: m). With `object` the faces of one object alone: `o` and `g` of
-/// OBJ, `solid` of a text STL, nodes and meshes of DAE, glTF, GLB and 3MF. Errors: InputError naming the file for what
-/// is no mesh (saying what it is), for files that are empty, cut, damaged or without a face, for coordinates that are
-/// not finite or beyond ±1e10 mm, for sizes that cannot be a body part (under 20 mm, with the units that fit; over 5
-/// m), over 3 m where nobody said the unit, and for an object that is not in it, naming those that are. Cost: O(n log
-/// n). Thread-safe. DAE is read by a library in a child process: a crash of it is an InputError.
-/// Of STEP and IGES files (docs/cad.md) the mesh is that of the faces chosen by `faces`, `object` is a body, and corners
-/// of different bodies are not welded; choosing faces in a file of another format is an InputError.
+/// Reads OBJ, STL, PLY, OFF, DAE, glTF, GLB, 3MF, STEP or IGES, each in its own frame of axes (docs/meshes.md) and, DAE
+/// aside, in the precision of the file. The content says the format; a name that says another one is a note. `path` may
+/// be a pipe or "-" (standard input): the file is read once, from memory. Without `unit` the file's numbers are mm, or
+/// in the unit of the file (DAE, 3MF) or format (glTF, GLB: m). With `object` the faces of one object alone: `o` and
+/// `g` of OBJ, `solid` of a text STL, nodes and meshes of DAE, glTF, GLB and 3MF. Errors: InputError naming the file
+/// for what is no mesh (saying what it is), for files that are empty, cut, damaged or without a face, for coordinates
+/// that are not finite or beyond ±1e10 mm, for sizes that cannot be a body part (under 20 mm, with the units that fit;
+/// over 5 m), over 3 m where nobody said the unit, and for an object that is not in it, naming those that are. Cost:
+/// O(n log n). Thread-safe. DAE is read by a library in a child process: a crash of it is an InputError. Of STEP and
+/// IGES files (docs/cad.md) the mesh is that of the faces chosen by `faces`, `object` is a body, and corners of
+/// different bodies are not welded; choosing faces in a file of another format is an InputError.
 [[nodiscard]] MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit = std::nullopt,
                                  const std::string& object = {}, const cad::FaceSelection& faces = {});
 
