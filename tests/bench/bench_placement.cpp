@@ -54,7 +54,7 @@ nlohmann::json measure(const char* series, bool rough, int vertices, double area
     seconds = std::min(seconds, r.seconds);
     total += r.seconds;
   }
-  // Of weights the gap is relative.
+  // The gap of weights is relative.
   const double gap = options.weights ? r.weight_bound / r.weight - 1.0 : r.upper_bound - r.modules;
   return {{"series", series},
           {"outline", rough ? "rough" : "smooth"},

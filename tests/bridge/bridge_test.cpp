@@ -94,7 +94,7 @@ TEST_F(BridgeTest, a_reader_gets_every_raw_sample_and_the_type_hash) {
 
 TEST_F(BridgeTest, points_are_a_cloud_with_the_places_of_the_design) {
   Bridge bridge(*domain_, design_, options(), kStart_ns);
-  // As rviz and others ask for sensor data.
+  // rviz and others request sensor data with this quality of service.
   Reader<Cloud> reader(participant_, sensor_msgs_msg_dds__PointCloud2__desc, "rt/skin/arm/points", false, false);
   ASSERT_TRUE(wait_until([&] { return reader.matched(); }));
   EXPECT_EQ(reader.user_data(), "typehash=RIHS01_9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5;");

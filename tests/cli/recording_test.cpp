@@ -52,7 +52,7 @@ class Recordings : public ShellCase {
     ::waitpid(child, &status, 0);
     return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
   }
-  // Until a file is so long; a broken program ends the wait by the time limit of the test.
+  // Waits until a file has this length; a broken program ends the wait by the time limit of the test.
   void wait_for(const std::string& name, std::uintmax_t bytes) const {
     std::error_code none;
     while (!fs::exists(folder_ / name) || fs::file_size(folder_ / name, none) < bytes) ::usleep(5'000);

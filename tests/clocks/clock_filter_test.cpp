@@ -47,7 +47,7 @@ class Way {
         last_us_ = received;
         next_answer_us_ = t + kSecond_us;
       }
-      // In order, as a controller sends them.
+      // Frames arrive in order, as a controller sends them.
       last_us_ = std::max(last_us_, delivered(t));
       filter_.arrived(model_.device_us(t), whole(last_us_));
       check(t, filter_.at(model_.device_us(t), whole(last_us_)));

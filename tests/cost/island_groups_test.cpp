@@ -47,7 +47,7 @@ bool hang_together(const IslandGraph& g, IslandSet group) {
   return seen == group;
 }
 
-// By the definition: an island alone as it says, others by their weight and one jumper less than islands.
+// Price by the definition: an island alone as it says, others by their weight and one jumper less than islands.
 std::int64_t price_by_hand(const IslandGraph& g, IslandSet group, const IntegerPrice& price) {
   if (std::has_single_bit(group)) return price.part * g.alone[static_cast<std::size_t>(std::countr_zero(group))];
   int weight = 0;

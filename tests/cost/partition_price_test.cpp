@@ -183,7 +183,7 @@ struct Cheapest {
   auto operator<=>(const Cheapest&) const = default;
 };
 
-// Over all partitions: the lowest price, then fewest parts; and the fewest parts whatever they cost.
+// Searches all partitions: the lowest price, then fewest parts; and the fewest parts whatever they cost.
 std::pair<Cheapest, int> by_trying_everything(const IslandSet& set, int capacity, const Price& price) {
   const ModuleGraph joined = design::with_jumpers(set.graph, set.places);
   const unsigned all = (1U << set.graph.nodes.size()) - 1;
@@ -268,8 +268,8 @@ TEST(Cost, rings_large_islands_and_torn_patches_are_divided_as_cheaply_as_by_try
   EXPECT_GT(jumpers, 600);
 }
 
-// Over all partitions whose jumpers join all islands: the lowest price. Parts are taken one by one, each with the least
-// node that is left; `together` holds by island a number that joined islands share.
+// Searches all partitions whose jumpers join all islands for the lowest price. Parts are taken one by one, each with
+// the least node that is left; `together` holds by island a number that joined islands share.
 std::int64_t cheapest_joined(const IslandSet& set, const ModuleGraph& joined, int capacity, const IntegerPrice& price,
                              unsigned rest, const std::vector<int>& together) {
   constexpr std::int64_t kNone = std::int64_t{1} << 60;
@@ -303,7 +303,7 @@ TEST(Cost, the_exact_programme_finds_the_cheapest_that_joins_all_islands) {
     if (pieces(joined, all) != 1) continue;
     std::vector<int> nodes(set.graph.nodes.size());
     std::iota(nodes.begin(), nodes.end(), 0);
-    // By number of an island; numbers that no island has count as joined.
+    // Indexed by the number of an island; numbers that no island has count as joined.
     std::vector<int> islands(5, set.graph.nodes[0].island);
     for (const ModuleGraph::Node& n : set.graph.nodes) islands[static_cast<std::size_t>(n.island)] = n.island;
     const JumperGraph g = jumper_graph(joined, set.graph, nodes);

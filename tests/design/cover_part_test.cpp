@@ -43,7 +43,7 @@ TEST(CoverPart, holds_modules_by_centre_island_and_id) {
     return ids;
   };
   using Ids = std::vector<int>;
-  // From the centre of module 0: the others lie √(15² + (h/3)²) = 17.3 and 30 mm away.
+  // Measured from the centre of module 0, the others lie √(15² + (h/3)²) = 17.3 and 30 mm away.
   EXPECT_EQ(held(R"({"sphere":{"center_mm":[15,8.66025,0],"radius_mm":17}})"), (Ids{0}));
   EXPECT_EQ(held(R"({"sphere":{"center_mm":[15,8.66025,0],"radius_mm":18}})"), (Ids{0, 1}));
   EXPECT_EQ(held(R"({"box":{"low_mm":[29,0,-1],"high_mm":[46,10,1]}})"), (Ids{2}));

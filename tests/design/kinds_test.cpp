@@ -101,7 +101,7 @@ TEST_F(Kinds, stand_in_the_design_file_and_its_id) {
   other = d;
   other.kinds.kinds[0].taxels = 9;
   EXPECT_NE(design_id_of(other), d.design_id);
-  // Where they are not needed no file, id or list says a word of them.
+  // Files, ids and lists do not mention kinds that are not needed.
   other.kinds = {};
   assign_kinds(other.kinds, other.layout);
   EXPECT_EQ(design_id_of(other), test::strip(6).design_id);

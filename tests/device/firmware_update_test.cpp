@@ -20,7 +20,7 @@ namespace {
 using test::make_firmware;
 using test::package_bytes;
 
-// Without a label, as in version 0.1.
+// Makes a package without a label, as in version 0.1.
 FirmwarePackage make(std::uint32_t size, std::uint8_t fill) {
   return make_firmware({.size_bytes = size, .fill = fill, .labelled = false});
 }

@@ -168,7 +168,7 @@ TEST(TablePass, losses_a_dead_board_a_cut_supply_and_an_old_firmware) {
   }
 }
 
-// Which of the fresh boards is missing nobody can say: those that are certain are served, the others named.
+// Nobody can tell which of the fresh boards is missing: those that are certain are served, the others named.
 TEST(TablePass, boards_that_are_certain_do_not_wait_for_one_that_is_missing) {
   Boards boards(4);
   (void)boards.flash();

@@ -214,7 +214,7 @@ TEST(EditDesign, what_is_kept_stays_and_the_value_never_falls) {
            d.price.of(static_cast<int>(d.patches.size()), static_cast<int>(d.layout.jumpers.size()), d.layout.islands);
   };
   EXPECT_GE(value(e.design), value(before));
-  // Where all are kept and nothing fits beside them, the design stays what it was.
+  // If all are kept and nothing fits beside them, the design stays the same.
   const EditedDesign again = grow_around(e.design,
                                          [&] {
                                            std::vector<int> all(e.design.layout.modules.size());

@@ -34,7 +34,8 @@ struct Electrodes {
   }
 };
 
-// By hand: 2 pF at 31 steps (9.92 pF) is 7.92 pF too little, 24.75 steps: 6 steps are 1.92 pF, 0.08 pF of 8 remain.
+// Worked by hand: 2 pF at 31 steps (9.92 pF) is 7.92 pF too little, 24.75 steps: 6 steps are 1.92 pF, 0.08 pF of 8
+// remain.
 TEST(OffsetSearch, OneReadingTellsWhatIsTooMuch) {
   Electrodes e;
   e.pf.fill(2.0);

@@ -29,7 +29,7 @@ struct Chip {
     }
     clock.next(static_cast<std::uint32_t>(count));
   }
-  // As the sampler does: every third stage, later by up to 60 µs than it is best.
+  // Refines as the sampler does: at every third stage, up to 60 µs later than is best.
   void refine() {
     for (int stage = 2; stage < 12 && clock.refinement_wanted(); stage += 3) {
       const auto at = static_cast<std::uint64_t>(static_cast<double>(clock.stage_end_us(stage)) + uniform(0.0, 60.0));
@@ -126,7 +126,7 @@ TEST(SequenceClock, IsUncertainWhenLooksContradictAgainAndAgain) {
   EXPECT_NEAR(static_cast<double>(chip.clock.doubt_us()), 0.08 * 9'200 + 50, 2.0);
 }
 
-// By hand: started at 1 s, ± 4 % and 25 µs: the end lies in 1 008 807 … 1 009 593.
+// Worked by hand: started at 1 s, ± 4 % and 25 µs: the end lies in 1 008 807 … 1 009 593.
 TEST(SequenceClock, WindowOfABurstLiesBetweenTheStages) {
   SequenceClock clock;
   clock.start(1'000'000, 9'200);
@@ -139,7 +139,8 @@ TEST(SequenceClock, WindowOfABurstLiesBetweenTheStages) {
   EXPECT_NEAR(static_cast<double>(clock.doubt_us()), 9'225 - 8'807, 1.0);
 }
 
-// By hand, the same start: after the latest end, and before the earliest next one, 8,832 µs after the earliest end.
+// Worked by hand for the same start: after the latest end, and before the earliest next one, 8,832 µs after the
+// earliest end.
 TEST(SequenceClock, ResultsThatChangeAtTheEndAreReadBetweenTwoEnds) {
   for (const wire::Latching latching : {wire::Latching::kEndOfSequence, wire::Latching::kUnknown}) {
     SequenceClock clock;

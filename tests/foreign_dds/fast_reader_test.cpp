@@ -274,7 +274,7 @@ TEST(FastDds, losses_at_a_best_effort_reader_are_what_was_published_and_did_not_
     publish();
     if (number % 50 == 0) (void)wait_until([&] { return reader.take(count), newest == number; }, 0.05);
   }
-  // Until the last one came: what is lost behind the last message no reader can know.
+  // Reads until the last one: no reader can know what is lost after the last message.
   while (newest < number && number < 3100) {
     publish();
     (void)wait_until([&] { return reader.take(count), newest == number; }, 0.2);

@@ -18,7 +18,7 @@ inline std::string cyclone_settings(const std::string& more = "") {
          "</Discovery>" +
          more;
 }
-/// Of a hundred packets one is not sent.
+/// One packet in a hundred is not sent.
 inline const std::string kOnePercentLost = "<Internal><Test><XmitLossiness>10</XmitLossiness></Test></Internal>";
 
 /// A domain of this process alone; Cyclone DDS in it gets cyclone_settings(more).

@@ -303,7 +303,7 @@ void answer(Bytes bytes) {
   require(w.ok() && std::ranges::equal(w.written(), bytes));
 }
 
-// Of another wire version only the first bytes are read.
+// Only the first bytes of another wire version are read.
 void hello(Bytes bytes) {
   const auto h = wire::Hello::decode(bytes);
   if (h && h->wire_version == wire::kWireVersion) answer<wire::Hello>(bytes);

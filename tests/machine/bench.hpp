@@ -104,7 +104,7 @@ class Bench : public ::testing::Test {
   bool boot_pin_high = true;
   Disturbances disturbances;
   std::uint32_t scl_rise_ns = wanted_rise_ns();
-  /// Where the application lies: 0 is A. The whole suite runs from B with TRISKIN_SLOT=b in the environment.
+  /// Slot of the application: 0 is A. The whole suite runs from B with TRISKIN_SLOT=b in the environment.
   int running_slot = wanted_slot();
   bool watch_reads = false;  ///< loads from a busy bank stall, too
   bool on_posix = false;     ///< board/posix instead of the image in the machine; power_up() looks

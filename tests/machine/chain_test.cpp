@@ -110,7 +110,7 @@ TEST_F(SwitchedBench, forty_random_patches_are_found_within_50_ms) {
   std::printf("slowest way from power-up to a tree: %.1f ms of virtual time\n", slowest_us / 1000.0);
 }
 
-// At any moment of a cycle: samples of the others are back within 100 ms.
+// A module may die at any moment of a cycle: samples of the others are back within 100 ms.
 TEST_F(SwitchedBench, every_dead_module_is_left_out_within_100_ms) {
   std::mt19937_64 random(34);
   for (int trial = 0; trial < 3; ++trial) {

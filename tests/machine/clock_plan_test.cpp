@@ -6,7 +6,7 @@
 namespace triskin::board {
 namespace {
 
-// By hand: 320 MHz of 8, 16 and 24 MHz are 40 times 8 MHz; 25 MHz leave no such divisor but 5, 64 times 5 MHz.
+// Worked by hand: 320 MHz of 8, 16 and 24 MHz are 40 times 8 MHz; 25 MHz leave no such divisor but 5, 64 times 5 MHz.
 TEST(ClockPlan, WorkedByHand) {
   EXPECT_EQ(pll_setting(8'000'000), (PllSetting{1, 40}));
   EXPECT_EQ(pll_setting(16'000'000), (PllSetting{1, 20}));

@@ -125,8 +125,8 @@ TEST_P(Converter, RoutineSearchesThemAnew) {
   EXPECT_EQ(offsets().searches, 32U);
 }
 
-// As the installed iCub boards do: the electrodes at the positive input, the code turned round, so that pressure lowers
-// what hosts see.
+// The installed iCub boards do the same: the electrodes at the positive input, the code turned round, so that pressure
+// lowers what hosts see.
 TEST_P(Converter, PositiveInputIsTurnedRound) {
   begin(500, true);
   run_for(1'500'000);

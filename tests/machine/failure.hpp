@@ -23,7 +23,7 @@ inline constexpr std::array kAllFailures{Failure::kAbsent,    Failure::kMoved,  
 /// Module `m` of a bench with sixteen (line m % 4, address m / 4) fails on its line. A moved one is strapped as the
 /// next is.
 void inject(Failure failure, SkinLine& line, int m, std::uint64_t now_us);
-/// As it was before. A dip needs no repair: the chip waits to be configured.
+/// Restores the former state. A dip needs no repair: the chip waits to be configured.
 void repair(Failure failure, SkinLine& line, int m);
 
 }  // namespace triskin::machine

@@ -16,7 +16,7 @@ struct Measured {
 
 class Noise : public Sampling {
  protected:
-  // Of sixteen modules that nobody touches.
+  // Measures sixteen modules that nobody touches.
   Measured measure(wire::Decimation decimation) {
     start(16, {decimation, 1});
     constexpr std::uint64_t kRun_us = 3'000'000;

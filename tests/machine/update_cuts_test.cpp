@@ -40,7 +40,7 @@ class UpdateCuts : public Update, public ::testing::WithParamInterface<int> {
   // Writes the operations of an update into `slot` down, and cuts the power in those that `taken` names.
   template <class Way, class Taken>
   void cut_each(int slot, Way way, Taken taken);
-  // Until a controller answers what runs on it; empty after 300 ms.
+  // Waits until a controller answers what runs on it; empty after 300 ms.
   std::vector<std::uint8_t> boot_and_ask() {
     machine->power_cycle(torn_cells);
     frames.clear();

@@ -25,7 +25,7 @@ class UsbHost {
   bool out(std::uint8_t endpoint, Bytes packet);
   /// Empty: nothing within `wait_us`.
   std::vector<std::uint8_t> in(std::uint8_t endpoint, std::uint64_t wait_us);
-  /// As if the acknowledgement of the last packet had been lost: it is sent again.
+  /// Sends the last packet again, as if its acknowledgement had been lost.
   bool repeat_out(std::uint8_t endpoint, Bytes packet);
 
   [[nodiscard]] UsbWire& wire() { return machine_.usb(); }

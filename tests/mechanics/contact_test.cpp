@@ -128,9 +128,8 @@ TEST(BondedLayer, WideContactIsWinkler) {
   EXPECT_NEAR(winkler.contact_radius_mm / exact.contact_radius_mm, 1.0, 0.03);
 }
 
-// By hand: h 2, E 100, ν 0: K 100. A punch of 10 mm² area at 0.1 N has 10 kPa: Winkler 0.2 mm; columns with a
-// logarithm
-// 2·(1 − e^−0.1) = 0.190325 mm.
+// Worked by hand: h 2, E 100, ν 0: K 100. A punch of 10 mm² area at 0.1 N has 10 kPa: Winkler 0.2 mm; columns with a
+// logarithm 2·(1 − e^−0.1) = 0.190325 mm.
 TEST(Foundations, PunchByHand) {
   const Layer layer{2.0, 0.0, 100.0};
   const Indenter punch{Shape::kFlatPunch, std::sqrt(10.0 / pi)};

@@ -32,7 +32,7 @@ Mesh cube(double side_mm) {
   return m;
 }
 
-// Of n × n cells of 100/n mm, without the middle ninth.
+// A plate of n × n cells of 100/n mm, without the middle ninth.
 Mesh plate_with_hole(int n) {
   Mesh m = grid_mesh(n, n, [](double u, double v) { return Vec3(100 * u, 100 * v, 0.0); });
   std::erase_if(m.faces, [&](const auto& f) {
@@ -85,7 +85,7 @@ double distance_to_border(const Vec3& p, const Surface& s) {
   return best;
 }
 
-// At the corners and five places of each border edge of the first.
+// Measured at the corners and five places of each border edge of the first.
 double border_distance(const Surface& from, const Surface& to) {
   double most = 0.0;
   for (const auto& loop : from.border_loops()) {

@@ -57,7 +57,7 @@ inline double sampled_distance(const Mesh& from, const Mesh& to, Dice& random, i
   return most;
 }
 
-/// As a file holds it: coincident vertices are welded.
+/// Mesh as a file would hold it: coincident vertices are welded.
 inline Mesh read_back(const Mesh& mesh) {
   const std::filesystem::path path =
       std::filesystem::temp_directory_path() / fmt::format("triskin_repair_{}.obj", ::getpid());

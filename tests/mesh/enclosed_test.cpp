@@ -21,7 +21,7 @@ using When = ExtractOptions::When;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using CgalMesh = CGAL::Surface_mesh<Kernel::Point_3>;
 
-// As design() does.
+// Extracts with the options of design().
 Extraction extracted(const Mesh& mesh, When outer = When::kWhenNeeded) {
   ExtractOptions o;
   o.repair = o.keep_usable = true;
@@ -89,11 +89,11 @@ TEST(Enclosed, every_shell_but_the_outermost_goes_whatever_its_side) {
 }
 
 TEST(Enclosed, what_can_be_reached_stays) {
-  // In the hole of a ring: in its box, not in it.
+  // The cube lies in the hole of a ring, that is in its box and not in it.
   const Extraction in_hole = extracted(both(ring(150.0, 30.0), cube(Vec3::Zero(), 40.0)));
   EXPECT_EQ(in_hole.report.enclosed_components, 0);
   EXPECT_EQ(in_hole.report.components, 2);
-  // In a box without a lid.
+  // The part lies in a box without a lid.
   Mesh open = cube(Vec3::Zero(), 200.0);
   std::erase_if(open.faces, [&](const auto& f) {
     return std::ranges::all_of(f, [&](int v) { return open.vertices[static_cast<std::size_t>(v)].z() > 99.0; });

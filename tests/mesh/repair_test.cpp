@@ -38,7 +38,7 @@ struct Case {
   double repair_s = 20.0;
 };
 
-// Of this process and of the children that have ended.
+// Processor time of this process and of the children that have ended.
 double processor_s() {
   double sum = 0.0;
   for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {

@@ -53,7 +53,7 @@ Outcome repaired(const Mesh& mesh, const std::string& stage, double repair_s) {
   return {std::move(e), clock.asked_late};
 }
 
-// Of a result that came late: it is one, and the two ends of the interval hold.
+// Checks a late result: it is valid, and both ends of the interval hold.
 void expect_honest(const Outcome& run, const Mesh& input) {
   EXPECT_TRUE(geometry::usable(run.extraction.surface));
   const auto& d = run.extraction.report.deviation;

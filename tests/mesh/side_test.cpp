@@ -53,7 +53,7 @@ double sum_of(const std::map<FaceSide, double>& by_side) {
 
 class WalledParts : public ::testing::TestWithParam<std::string> {};
 
-// Of a part that is called certain hardly anything inside is taken, and nearly all of the outside is.
+// If a part is called certain, hardly any of its inside is taken, and nearly all of its outside.
 TEST_P(WalledParts, OuterSideIsTakenOrAsked) {
   const WalledPart& part = part_named(GetParam());
   const geometry::SideChoice choice = geometry::find_sides(part.mesh);

@@ -36,7 +36,7 @@ std::vector<int> values(Heuristic heuristic, const Polygon& p, const HeuristicOp
   });
   return all;
 }
-// As LH: 20 vertices, 57 cm².
+// Polygon like LH: 20 vertices, 57 cm².
 Polygon like_lh(std::mt19937_64& random) {
   return test::random_polygon(random, 20, 57, 0);
 }

@@ -196,7 +196,7 @@ TEST(RobotCheck, cables_have_their_longest) {
   EXPECT_THAT(only_problem(a), HasSubstr("5 m"));
 }
 
-// By hand: a sample takes 317.5 µs of 1 and 2 Mbit/s, converters run 4 % fast: 20 modules are
+// Worked by hand: a sample takes 317.5 µs of 1 and 2 Mbit/s, converters run 4 % fast: 20 modules are
 // 1.04 · 20 · 317.5 / 36,900 = 17.9 % of the bus. 101 modules are 90.4 % and no longer fit into 90 %.
 TEST(RobotCheck, the_samples_of_all_covers_of_a_bus_are_summed) {
   Assembly a = small_robot();

@@ -56,7 +56,8 @@ class SimulatedBus {
       counts[skin().scene().design.node_addresses[p]] = skin().flash(p).operations();
     return counts;
   }
-  /// Until the controllers have found and kept the offsets of their converters, and write nothing by themselves.
+  /// Waits until the controllers have found and stored the offsets of their converters, after which they write
+  /// nothing.
   void settle() { bus_.listen(bus_.now_us() + 3'000'000); }
 
  private:

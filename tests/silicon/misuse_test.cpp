@@ -244,7 +244,7 @@ TEST(Misuse, LineStartedWhileItsPinsAreSomethingElse) {
   around.expect("I2C3");
 }
 
-// On which a chip acknowledges everything.
+// Line on which a chip acknowledges everything.
 class WillingLine final : public QuietLine {
  public:
   bool start(std::uint8_t, std::uint64_t) override { return true; }

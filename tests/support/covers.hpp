@@ -70,7 +70,7 @@ inline std::optional<CoverFile> cover_file(const CoverName& cover) {
   return CoverFile(data_folder() / "parts" / (cover.name + ".obj"));
 }
 
-/// As the name of a test case, which takes no hyphen.
+/// Makes a name of a test case, which allows no hyphen.
 inline std::string case_name(std::string name) {
   std::ranges::replace(name, '-', '_');
   return name;

@@ -111,8 +111,8 @@ TEST_F(AdoptionRecording, says_who_read_each_module_at_each_time) {
     EXPECT_EQ(back.reader, (recording::Reader{unreachable_.patch, static_cast<std::uint8_t>(unreachable_.patch + 1)}));
     EXPECT_TRUE(back.own);
     EXPECT_GT(back.link_time_us, whole_us_);
-    // By time: whoever the changes name read every sample with data of the module. Until the stream knows who its
-    // adopter is, its own controller says that it does not reach it.
+    // Checks by time that the reader in the changes read every sample with data of the module. Until the stream knows
+    // who its adopter is, its own controller says that it does not reach it.
     for (const auto& [sample, adopter] : adopter_) {
       if (sample.first != m || empty_.contains(sample)) continue;
       const bool away = sample.second >= there.link_time_us && sample.second < back.link_time_us;

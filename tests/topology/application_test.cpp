@@ -44,7 +44,7 @@ class Fixture {
   }
 
   void listen_us(std::uint64_t us) { bus_.listen(bus_.now_us() + us); }
-  /// From now on times count.
+  /// Starts the measurement of times.
   void mark() { from_us_ = bus_.now_us(); }
   /// Time after mark() until the newest samples of all modules, each taken since, were valid for exactly these; −1:
   /// that did not come.

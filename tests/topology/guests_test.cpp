@@ -123,7 +123,7 @@ TEST(AdoptedModules, one_that_holds_a_line_stays_outside) {
   EXPECT_EQ(p.adopted_modules(), (std::vector<wire::AdoptedModule>{{1, kC, kA, 2}}));
   EXPECT_FALSE(p.model.reached(2));
   p.model.set_stuck_line(2, -1);
-  // Behind a adopted module as well.
+  // The port lies behind an adopted module.
   Patch q(Joints(4).join(0, kB, 1, kA).join(1, kB, 2, kC).join(0, kC, 3, kA), 1);
   q.model.set_stuck_line(2, 1);
   EXPECT_EQ(q.adopt().alive, 0b1);
@@ -131,7 +131,7 @@ TEST(AdoptedModules, one_that_holds_a_line_stays_outside) {
   EXPECT_EQ(q.model.stuck_lines(), 0);
 }
 
-// What a port of a adopted module leads to breaks the chain in its middle: nothing of it may be latched in the modules
+// What a port of an adopted module leads to breaks the chain in its middle: nothing of it may be latched in the modules
 // behind.
 TEST(AdoptedModules, shorts_and_open_ends_behind_a_adopted_cost_no_module) {
   const Joints joints = Joints(5).join(0, kB, 1, kA).join(0, kC, 2, kA).join(1, kB, 3, kA).join(3, kB, 4, kA);
@@ -165,7 +165,7 @@ TEST(AdoptedModules, are_none_that_somebody_holds) {
   (void)p.adopt();
   EXPECT_EQ(p.adopted_modules(), (std::vector<wire::AdoptedModule>{{1, kC, kA, 2}}));
   EXPECT_EQ(p.model.controller_of(2), 0);
-  // Taken away while it is a adopted module: the check sees it, and the own modules go on without it.
+  // Taken away while it is an adopted module: the check sees it, and the own modules go on without it.
   p.model.set_dead(2, true);
   EXPECT_FALSE(p.topology.intact());
   EXPECT_EQ(p.adopt().alive, 0b11);

@@ -83,7 +83,7 @@ class Fixture {
         topology(chain),
         table{table_of(patch), addresses_of(patch.size()), {}} {}
 
-  // After rerouting: exactly the best set is reached, least deep, each module at its own line and address.
+  // Checks after rerouting that exactly the best set is reached, least deep, each module at its own line and address.
   void expect_best(const std::vector<Failure>& failures) {
     const double start = model.time_us();
     const fw::Topology::Report report = topology.reroute(table);

@@ -16,7 +16,7 @@
 
 namespace triskin::test {
 
-/// Of a controller with 16 modules, by default: from one sample of a module to its next.
+/// Default time between two samples of a module, for a controller with 16 modules.
 inline constexpr double kSequence_us = 36'900.0;
 
 /// A module's sample: node address, row, number.

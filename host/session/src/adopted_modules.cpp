@@ -37,7 +37,7 @@ std::deque<AdoptedReader::Waiting> AdoptedReader::set(const wire::Adoption& adop
   return mine;
 }
 
-// What a adopted module gave before its first sample came here is not known: its account begins with that.
+// What an adopted module gave before its first sample came here is not known: its account begins with that.
 int AdoptedReader::add(std::size_t row, const wire::TaxelFrame& sample, std::uint64_t now_us) {
   constexpr std::size_t kMaxWaiting = 512;
   if (sample.adopted_modules == 0) return -1;

@@ -86,7 +86,7 @@ bool Topology::take_in(std::uint8_t module, std::uint8_t port, std::uint8_t plac
   return rebuild_all();
 }
 
-// What a port of a adopted module leads to. It lies anywhere in the chain: where nothing comes in the chain is broken
+// What a port of an adopted module leads to. It lies anywhere in the chain: where nothing comes in the chain is broken
 // there, and what the registers behind it have must not be latched. False: the tree is not up any more.
 bool Topology::ask(std::uint8_t adopted_module, std::uint8_t port) {
   const auto answer = chain_.open(adopted_module, port, graph_.count);

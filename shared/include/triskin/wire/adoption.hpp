@@ -52,7 +52,7 @@ struct Reach {
 
 /// A module of another patch that a controller reads: where it hangs, which tells what module it is.
 struct AdoptedModule {
-  std::uint8_t parent = 0;       ///< row of the table, or of a adopted module before this one
+  std::uint8_t parent = 0;       ///< row of the table, or of an adopted module before this one
   std::uint8_t parent_port = 0;  ///< 0..2: of the parent, leads to the adopted module
   std::uint8_t port = 0;         ///< 0..2: of the adopted module, leads to the parent
   std::uint8_t place = 0;        ///< 0..15: 4 × line + address

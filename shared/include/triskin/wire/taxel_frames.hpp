@@ -61,7 +61,7 @@ inline constexpr std::uint8_t kIcubFirst = 0x40, kIcubSecond = 0xC0;
 /// One module of one sample in full: a 48-byte CAN FD frame (fits no classic frame), id 0x18F0‹node›‹module›.
 struct TaxelFrame {
   std::uint8_t node_address = 0;
-  std::uint8_t module = 0;   ///< row in the table; from the number of its rows on a adopted module (Adoption)
+  std::uint8_t module = 0;   ///< row in the table; from the number of its rows on an adopted module (Adoption)
   std::uint32_t sample = 0;  ///< counts the module's samples that were due: a gap is a lost sample
   std::uint64_t device_time_us = 0;
   std::uint16_t valid = 0;  ///< bit t: taxel t

@@ -29,7 +29,7 @@ class AdoptedReader {
     wire::TaxelFrame sample;
     std::uint64_t heard_us = 0;
   };
-  /// Account of a module as long as it was a adopted module.
+  /// Account of a module as long as it was an adopted module.
   struct Read {
     int module = -1;
     SampleAccount counts;
@@ -42,7 +42,7 @@ class AdoptedReader {
   /// waited. Those of other lists came too late to be asked for: dropped().
   std::deque<Waiting> set(const wire::Adoption& adoption, std::span<const int> modules, int every,
                           std::uint64_t interval_us);
-  /// Counts a sample of a adopted module; `row`: of the adopted module among the adopted modules. Result: the module
+  /// Counts a sample of an adopted module; `row`: of the adopted module among the adopted modules. Result: the module
   /// that it belongs to, when the sample counts. −1: none; it may wait for its list.
   int add(std::size_t row, const wire::TaxelFrame& sample, std::uint64_t now_us);
   /// True: a sample of the module came since `since_us`.
