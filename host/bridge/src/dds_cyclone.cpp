@@ -132,8 +132,8 @@ class CycloneDomain final : public Domain {
   }
 
  private:
-  // By it a client knows that a reader of requests and a writer of answers are one service: an identifier of 16 bytes,
-  // of the participant and a number, as rmw_cyclonedds writes it.
+  // It tells a client that a reader of requests and a writer of answers are one service: an identifier of 16 bytes, of
+  // the participant and a number, as rmw_cyclonedds writes it.
   std::string next_service_id() {
     dds_guid_t guid{};
     (void)checked(dds_get_guid(participant_, &guid), "identifier of the participant");

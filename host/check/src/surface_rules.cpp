@@ -109,7 +109,7 @@ void check_against_surface(const CheckedDesign& d, Findings& f) {
   }
 }
 
-// Where two convex outlines overlap: the least distance that parts them, over the directions of their sides.
+// Overlap of two convex outlines: the least distance that separates them, over the directions of their sides.
 double overlap(const std::vector<P2>& a, const std::vector<P2>& b) {
   double least = std::numeric_limits<double>::infinity();
   const auto range_of = [](const std::vector<P2>& t, const P2& n) {

@@ -207,7 +207,7 @@ class BusFeed {
   std::uint64_t start_us_ = 0, start_ns_ = 0;
 };
 
-// By cover of the robot file; of a design file the one.
+// Indexed by cover of the robot file; a design file has one.
 std::vector<bridge::BridgeOptions> options_of(const Options& options, const robot::Site& site) {
   bridge::BridgeOptions common = options.bridge;
   common.pose = pose_of(options.pose);

@@ -62,8 +62,8 @@ bool settled(const device::PatchOffsets& patch) {
   });
 }
 
-// With a new table each controller looks for the offsets of its converters, and keeps them. That is over before the
-// command ends, so that what touches the skin later is not taken for its rest.
+// With a new table each controller looks for the offsets of its converters, and keeps them. The command waits for it,
+// so that later touches are not taken for rest values.
 void wait_for_offsets(device::Bus& bus, const design::Design& design) {
   constexpr std::uint64_t kMost_us = 1'500'000, kPause_us = 100'000;
   const std::uint64_t end_us = bus.now_us() + kMost_us;

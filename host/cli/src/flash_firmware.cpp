@@ -27,7 +27,7 @@ void add_row(FirmwareReport& report, const std::string& serial, UpdateOutcome ou
   if (!why.empty()) report.rows.back()["why"] = why;
 }
 
-// By its loader, from where the controller does not sample.
+// Updates through the loader, where the controller does not sample.
 void update_one(device::Bus& bus, const wire::NodeClaim& claim, const device::FirmwarePackage& package,
                 const device::FlashOptions& flash, FirmwareReport& report, Output& output) {
   const ProgressSink bars = output.progress();

@@ -24,7 +24,7 @@ struct Options {
   std::optional<std::uint64_t> board_seed;
 };
 
-// Without a client time is only a number: as fast as the computer is.
+// Without a client, time is only a number, so the simulation runs as fast as the computer can.
 void run_alone(scene::VirtualSkin& skin, double seconds, const ProgressSink& progress) {
   constexpr std::uint64_t kStep_us = 100'000;
   const auto end_us = static_cast<std::uint64_t>(seconds * 1e6);

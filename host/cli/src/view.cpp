@@ -70,7 +70,7 @@ void say_simulated_links(const device::LinkOptions& link, const robot::Site& sit
   }
 }
 
-// Where the page begins: at the entry of the controller that a code names.
+// Place where the page begins: the entry of the controller that a code names.
 std::string place_of(const DesignArgument& argument, const design::Design& design) {
   if (!argument.code || argument.code->patch < 0) return {};
   const auto patch = static_cast<std::size_t>(argument.code->patch);

@@ -31,8 +31,8 @@ inline constexpr std::size_t kRefusals = 11;
 /// Corners that no module has.
 inline const Triangle kNowhere{Vec3::Constant(1e300), Vec3::Constant(1e300), Vec3::Constant(1e300)};
 
-/// Where the sides of a triangle were last measured, and how far from a limit they were there: until they move by about
-/// as much they keep it.
+/// Last measurement of a triangle's sides and their distance from a limit: they keep it until they move by about as
+/// much.
 struct KnownSides {
   Triangle rigid = kNowhere;
   double room_mm = 0.0;

@@ -68,7 +68,7 @@ std::string fitting_units(double size_mm) {
   return fmt::format("are its numbers {}? Then pass {}", fmt::join(names, " or "), fmt::join(options, " or "));
 }
 
-// Without a unit from the person or the file, a size that no part has is a question.
+// Refuses a size that no part has, if neither the person nor the file gives a unit.
 void require_size(const std::string& name, const Mesh& mesh, bool unit_is_known) {
   const double size_mm = diagonal_of(mesh);
   if (size_mm < kSmallestPart_mm) {

@@ -38,7 +38,7 @@ constexpr std::size_t kMaxSlitCorners = 60, kMaxSlits = 10;
 constexpr double kGridNodes = 1.5e6;
 constexpr double kGridCost_s = 1e-4;  // Measured time for each cell² of the area, with all that follows.
 constexpr double kMinCell_mm = 1.0;
-// Of the time, what each part may take at most; together more than all, since few meshes need all of them. That of the
+// Largest share of the time for each part; they add up to more than 1, since few meshes need all of them. That of the
 // dividing, on which the others rest, is processor time: on a busy machine it may take all the time.
 constexpr double kDivideShare = 0.4, kWrapShare = 0.4, kNearShare = 0.15, kSettleShare = 0.25, kMeasureShare = 0.12;
 constexpr double kMinGridShare = 0.2;
@@ -393,7 +393,7 @@ class Repairer {
     if (mesh) try_settling(*mesh, Repair::kWrap, options_.outer != ExtractOptions::When::kNever);
   }
 
-  // As fine as the time allows that is left. A repair that has nothing yet takes a little more.
+  // Makes the grid as fine as the remaining time allows. A repair that has nothing yet takes a little more.
   void grid() {
     const double min_s = best_ ? 0.0 : kMinGridShare * options_.repair_s;
     const double left_s = std::max(min_s, time_.left_s());

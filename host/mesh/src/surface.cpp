@@ -13,8 +13,8 @@
 namespace triskin::geometry {
 namespace {
 
-// Of the sum of a vertex's angles, each times its normal: a shorter one is what rounding left of normals that cancel,
-// and would turn with the order of the sum.
+// Minimum length of the sum of a vertex's normals, weighted by angle. A shorter one is rounding of normals that
+// cancel, and its direction would depend on the order of the sum.
 constexpr double kCancelled_rad = 1e-6;
 
 // 0: at a … 1: at b.

@@ -61,8 +61,8 @@ IslandSet IslandGroups::growing(IslandSet placed) const {
   return growing;
 }
 
-// From each start: the next island is a neighbour after which fewest can grow, of those the one with most neighbours
-// placed. The order with the least Σ 4^(how many can grow) is taken.
+// Tries each start. The next island is the neighbour after which the fewest can grow; ties go to the one with most
+// neighbours placed. The order with the least Σ 4^(how many can grow) is taken.
 std::vector<int> IslandGroups::order() const {
   const int n = static_cast<int>(graph_.weight.size());
   double least = std::numeric_limits<double>::infinity();

@@ -62,8 +62,8 @@ class Canvas {
   /// Limits drawing to the rectangle until end_clip().
   void begin_clip(const Vec2& corner, const Vec2& size_mm);
   void end_clip();
-  /// Until end_raster() all is drawn into a picture of `dots_per_mm`, which then fills the rectangle: for shapes that
-  /// are too many to be written one by one. White where nothing is drawn.
+  /// Draws into a picture of `dots_per_mm` until end_raster(), which then fills the rectangle. Use it for too many
+  /// shapes to write one by one. White where nothing is drawn.
   void begin_raster(const Vec2& corner, const Vec2& size_mm, double dots_per_mm);
   void end_raster();
   /// Ends the drawing: the bytes of the file. Throws InputError when Cairo reports an error.

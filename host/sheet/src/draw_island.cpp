@@ -49,8 +49,8 @@ void write_along(const Drawing& d, const PageSide& at, double part, double out_m
   d.canvas.text(at.from + part * (at.to - at.from) + out_mm * at.outward + shift_mm * up, text, turned);
 }
 
-// Where the text of a mark stands along its side. In a notch of the outline the two sides of a mark meet: their texts
-// stand away from the corner, or they would run into each other (each is 20 mm long and 5 mm high with its distance).
+// Position of a mark's text along its side. In a notch of the outline the two sides of a mark meet: their texts stand
+// away from the corner, or they would run into each other (each is 20 mm long and 5 mm high with its distance).
 double part_of_mark(const Drawing& d, const PageSide& at, int match, int other) {
   constexpr double kAway = 4.0 / design::kSide_mm;
   if (d.design.layout.modules[index(other)].island != d.page.island.island) return 0.5;

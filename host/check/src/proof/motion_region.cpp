@@ -279,7 +279,7 @@ bool MotionRegion::center_inside(const IntervalPoint& center) const {
   return polygon_.contains(plain_cosine_ * cx + plain_sine_ * cy, -plain_sine_ * cx + plain_cosine_ * cy);
 }
 
-// Of each row of the grid the part that the outline can reach: the centre of a module inside lies in it.
+// Returns the part of each grid row that the outline can reach, where the centre of a module inside must lie.
 std::vector<MotionRegion::Span> MotionRegion::row_spans(double first_y, double row_height, std::size_t rows) const {
   std::vector<Span> spans(rows);
   const double wider = reach_ + kSlack_mm;
@@ -357,7 +357,7 @@ CandidateList MotionRegion::filtered(const CandidateList& list) const {
       if (verdict == Verdict::kMay) kept.edges.push_back(list.edges[k]);
       possible = verdict != Verdict::kAlways;
     }
-    // Where no edge passes the centre, inside and outside are the same for the whole region.
+    // If no edge passes the centre, inside and outside are the same for the whole region.
     if (possible && !tile.inside && nearest > reach_ + kSlack_mm) {
       tile.inside = center_inside(tile.center);
       possible = tile.inside;

@@ -95,7 +95,7 @@ class Checker {
     return parts;
   }
 
-  // Of some faces per axis the one that leaves the fewest cells on its fuller side.
+  // Picks, among some faces per axis, the one that leaves the fewest cells on its fuller side.
   [[nodiscard]] std::pair<std::size_t, double> best_face(const ProofBox& region,
                                                          const std::vector<std::uint32_t>& cells) const {
     std::size_t best_axis = 0, fewest = cells.size() * 2 + 2;

@@ -15,7 +15,7 @@ inline void say_notes(const std::string& file, const std::vector<std::string>& n
   for (const std::string& note : notes) output.say(fmt::format("{}: {}", file, note));
 }
 
-/// Which side of an open part gets the modules, and why; a question where its faces look at its own middle. Empty for
+/// Names the side of an open part that gets the modules, and why; asks if its faces look at its own middle. Empty for
 /// a closed part, which has an outside.
 [[nodiscard]] inline std::string side_text_of(const geometry::OpenSide& side) {
   constexpr double kNearlyAll = 0.95;

@@ -110,7 +110,7 @@ class View {
   double scale_ = 1.0;
 };
 
-// Of the faces in front of all others, far ones first.
+// Draws the faces in front of all others, far ones first.
 std::string faces_svg(const Mesh& part, const SideChoice& choice, const View& view, std::vector<int> shown) {
   std::ranges::sort(shown);
   shown.erase(std::unique(shown.begin(), shown.end()), shown.end());
@@ -136,7 +136,7 @@ std::string faces_svg(const Mesh& part, const SideChoice& choice, const View& vi
   return out;
 }
 
-// At the pixel of each choice that lies nearest to the middle of its pixels.
+// Puts each number at the pixel of the choice nearest to the middle of its pixels.
 std::string numbers_svg(const SideChoice& choice, const std::vector<int>& front) {
   std::string out;
   for (const int number : {1, 2}) {

@@ -170,7 +170,7 @@ class ThreeMf {
         fmt::format("{}: not a mesh that can be read ({}); repair or export it again", source_.name, what));
   }
 
-  // As the Open Packaging Conventions say: the relation of the package, not a name.
+  // Finds the root by the relation of the package rather than a name, as the Open Packaging Conventions require.
   std::string root_part() {
     const std::string relations = package_.read("_rels/.rels");
     std::string target;

@@ -108,7 +108,7 @@ TakenSide take_side(const Mesh& part, const SideOptions& options) {
   if (kept.faces.empty())
     throw InputError("side: nothing of the part lies on the side that was asked for; try --side both, or --from X,Y,Z");
   taken.surface = extract(kept).surface;
-  // Where only a corner joined two outer faces, their corners lie on each other now.
+  // Outer faces that were joined at a corner only now have coinciding corners.
   if (!usable(taken.surface)) taken.surface = remove_crossings(taken.surface, kVisibility_s).surface;
   return taken;
 }

@@ -254,7 +254,7 @@ class Decision {
     return joined >= 0.5 * all;
   }
 
-  // Which undecided regions belong together: the largest one is taken for the outer side, the others follow.
+  // Numbers the undecided regions that belong together: the largest one counts as the outer side, the others follow.
   void number_choices() {
     const auto is_open = [&](std::size_t r) { return out_.side[r] == FaceSide::kUndecided && out_.choice[r] == 0; };
     for (;;) {

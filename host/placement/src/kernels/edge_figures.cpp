@@ -197,7 +197,7 @@ struct Extremes {
   for (int k = 0; k < grid.corners; ++k) {
     const double x = t.sign * grid.normal[static_cast<std::size_t>(k)].x(),
                  y = t.sign * grid.normal[static_cast<std::size_t>(k)].y();
-    // To the right are lower columns.
+    // Lower columns lie to the right.
     if (std::abs(x) > kLevel) add_line(t, Vector{} + x, Vector{} + y, planes.side[k], outer, x < 0.0, f);
   }
   for (int k = 0; k < strips; ++k) {

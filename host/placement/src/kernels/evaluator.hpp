@@ -9,10 +9,9 @@
 
 namespace triskin::geometry {
 
-/// For many motions of one polygon, holes included: which tiles lie inside with a margin of
-/// `inset_mm` (negative: may stand over by that much). Keeps its memory from call to call: one object a thread.
-/// Cost of a call: O(edges · tiles they pass + tiles of the polygon's box); pairs of edge and tile are evaluated eight
-/// at once.
+/// Finds, for many motions of one polygon with its holes, the tiles that lie inside with a margin of `inset_mm`
+/// (negative: may stand over by that much). Keeps its memory from call to call: one object a thread. Cost of a call:
+/// O(edges · tiles they pass + tiles of the polygon's box); pairs of edge and tile are evaluated eight at once.
 class Evaluator {
  public:
   Evaluator(const PreparedPolygon& polygon, const TileGrid& grid) : polygon_(polygon), grid_(grid) {}

@@ -196,7 +196,7 @@ void CellExpander::add_slice_child(const Cell& cell, const MotionBox& box, const
     const SliceRaster::Border& border = raster_.border()[chosen_[n]];
     std::uint32_t may_not = 0;
     for (int y = open.low[1]; y < open.high[1]; ++y) may_not |= ~border.may[static_cast<std::size_t>(y)] & lanes;
-    // Where a tile may hold its centre is inside at the middle of the part, and so wherever in the part it holds.
+    // A tile that may hold has its centre inside at the middle of the part, and so wherever in the part it holds.
     list->tiles.push_back({grid_.center(border.tile), border.tile, may_not == 0, 0, 0});
   }
   result_->children.push_back(

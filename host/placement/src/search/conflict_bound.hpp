@@ -28,7 +28,7 @@ class ConflictBound {
   /// Can `need` of the tiles of `list` hold at one motion of the cell? Cost: O(pairs + pairs of tiles at opposed
   /// edges).
   Verdict judge(const CellFrame& frame, const CellList& list, int need);
-  /// For each tile of the list that was judged last: not 0 when it holds nowhere in the cell.
+  /// One entry per tile of the last list: not 0 if the tile holds nowhere in the cell.
   [[nodiscard]] const std::vector<std::uint8_t>& dead() const { return dead_; }
 
  private:

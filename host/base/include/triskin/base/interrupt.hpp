@@ -14,8 +14,7 @@ class Cancelled : public Error {
   [[nodiscard]] int exit_status() const override { return 3; }
 };
 
-/// From now on the first SIGINT, SIGTERM or SIGHUP only sets interrupt_request(); a second one ends the process at
-/// once.
+/// Makes the first SIGINT, SIGTERM or SIGHUP only set interrupt_request(); a second one then ends the process at once.
 void catch_interrupts();
 /// Number of the signal that was caught; 0: none. Lock-free.
 [[nodiscard]] int interrupt_signal();

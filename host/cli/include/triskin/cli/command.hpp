@@ -33,7 +33,7 @@ class Output {
   void expect_interrupt() { expects_interrupt_ = true; }
   [[nodiscard]] bool expects_interrupt() const { return expects_interrupt_; }
   [[nodiscard]] bool simulated() const { return simulated_; }
-  /// With --json: one object on a line of its own, at once; for commands that answer while they run.
+  /// Prints one object on its own line at once (--json), for commands that answer while they run.
   void each(const nlohmann::json& object) const;
   /// One line for a person: standard output, or standard error where the other is taken.
   void say(const std::string& line) const;

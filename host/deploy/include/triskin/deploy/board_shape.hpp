@@ -45,9 +45,9 @@ struct BoardShape {
 /// Asks a controller that nobody shares its address with. Sampling pauses for up to 60 ms. Throws as Controller does.
 [[nodiscard]] BoardShape read_shape(Controller& controller);
 
-/// In how many things a shape differs from patch `patch` (0-based): modules, joints, rotations and the place of the
-/// cable, or places with and without a chip. 0: none. -1: in so many that this is hardly the patch, or nothing answers.
-/// Throws std::out_of_range for a patch that the design lacks. Cost: match_topology.
+/// Number of differences between a shape and patch `patch` (0-based): modules, joints, rotations and the place of the
+/// cable, or places with and without a chip. 0: none. -1: in so many that this is hardly the patch, or nothing
+/// answers. Throws std::out_of_range for a patch that the design lacks. Cost: match_topology.
 [[nodiscard]] int shape_difference(const BoardShape& shape, const design::Design& design, int patch);
 
 /// The shape is what the controller of patch `patch` sees when its modules are joined to those of the patches beside

@@ -120,8 +120,8 @@ inline double Bvh::distance_squared(const Box& box, const Vec3& q) {
   return x * x + y * y + z * z;
 }
 
-/// Where a ray enters a box, in lengths of its direction; infinity when it passes by. The quotient 0/0 of a ray in a
-/// side of the box is taken for inside.
+/// Position where a ray enters a box, in lengths of its direction; infinity if it misses. A ray in a side of the box
+/// (0/0) counts as inside.
 inline double Bvh::entry(const Box& box, const Vec3& from, const Eigen::Array3d& inverse) {
   double enter = 0.0, leave = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) {

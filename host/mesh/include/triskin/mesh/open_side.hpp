@@ -4,7 +4,7 @@
 
 namespace triskin::geometry {
 
-/// To which side the faces of a part with a border look. A closed part has an outside, an open one has two sides.
+/// Side to which the faces of a part with a border look. A closed part has an outside, an open one has two sides.
 struct OpenSide {
   bool is_open = false;  ///< some edge has one face
   design::Vec3 normal =

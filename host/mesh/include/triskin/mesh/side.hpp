@@ -13,7 +13,7 @@
 
 namespace triskin::geometry {
 
-/// Where a face of a part with a wall lies.
+/// Position of a face on a part with a wall.
 enum class FaceSide : std::uint8_t {
   kOuter,      ///< on the side that the skin goes on, or on a surface that has no wall
   kInner,      ///< behind the wall, or hidden inside the part
@@ -26,7 +26,7 @@ inline constexpr NameTable kFaceSideNames{
                                                           {FaceSide::kRim, "rim"},
                                                           {FaceSide::kUndecided, "undecided"}}}};
 
-/// Which side of a part is taken.
+/// Side of a part to be taken.
 enum class SideWanted : std::uint8_t {
   kAuto,   ///< the outer side where it can be told, everything where there is no wall
   kOuter,  ///< the more likely side, also where it cannot be told
@@ -64,7 +64,7 @@ struct SideRegion {
 struct SideChoice {
   bool has_wall = false;  ///< false: every face is kOuter, nothing is left out
   bool is_certain = true;
-  bool has_loose_sheets = false;  ///< a wall of two sheets that no rim joins: kAuto keeps both
+  bool has_loose_sheets = false;    ///< a wall of two sheets that no rim joins: kAuto keeps both
   double wall_mm = 0.0;             ///< median thickness; 0 without a wall
   double margin = 1.0;              ///< 0 … 1: least |outwardness| of the regions that matter; 1 without a wall
   std::vector<int> region_of_face;  ///< index in `regions`

@@ -130,9 +130,9 @@ struct Scene {
   /// Unique id of the controller of each patch; empty: made of the design's id. Where they are given the flash of a
   /// controller is kept under its unique id. Not in scene files.
   std::vector<wire::UniqueId> boards;
-  /// Where `boards` is empty: what the unique ids are drawn from, beside the design's id, so that the boards do not
-  /// hang on the bus in the order of their ids, as on a workbench. Empty: they ascend with the patches. Scene and
-  /// design files are read with that of `seed`.
+  /// Seed of the unique ids if `boards` is empty, beside the design's id, so that the boards do not hang on the bus in
+  /// the order of their ids, as on a workbench. Empty: they ascend with the patches. Scene and design files are read
+  /// with that of `seed`.
   std::optional<std::uint64_t> board_seed{};
   /// What the electrodes and the noise of each module are drawn from, beside `seed`; empty: its id. Not in scene files.
   std::vector<std::uint64_t> module_seeds;

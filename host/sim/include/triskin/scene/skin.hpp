@@ -51,7 +51,7 @@ class ModuleSkin final : public CapacitanceSource {
   void freeze(int taxel) { state_[static_cast<std::size_t>(taxel)] = State::kFrozen; }
   /// Puts every pad under `kpa` from `at_us` on, in addition to the contacts.
   void pressurize(double kpa, std::uint64_t at_us) { pressure_.step(at_us, kpa); }
-  /// From now on the pads are such that the converter reads `counts`, once the controller has found their offsets at
+  /// Makes the pads such that the converter reads `counts`, once the controller has found their offsets at
   /// layout::kRestCounts; nothing else has an effect on them.
   void show(const std::array<double, layout::kTaxelsPerModule>& counts) { shown_counts_ = counts; }
   /// True: the contact can press a pad of this module at some time.

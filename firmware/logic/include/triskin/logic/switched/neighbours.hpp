@@ -31,7 +31,7 @@ class Neighbours {
   /// How many modules that look may take in one behind the other. One, until every neighbour has had its turn: so a
   /// neighbour takes first what touches it, and does not fill its few addresses with what others are nearer to.
   [[nodiscard]] std::uint8_t layers() const { return layers_; }
-  /// That look has left modules behind those that it took in: they are looked for when the others have had their turn.
+  /// Schedules another look for modules behind the adopted ones, once the other neighbours have had their turn.
   void look_further(std::uint64_t now_us);
   /// When a look is due because of the neighbours.
   [[nodiscard]] std::uint64_t look_us() const { return look_us_; }
