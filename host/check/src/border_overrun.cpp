@@ -10,8 +10,8 @@
 namespace triskin::check {
 namespace {
 
-constexpr double kTouch_mm = 1e-7;     // distances to surface and border that count as equal
-constexpr double kSmallest_mm = 1e-3;  // parts of a module are not divided below this radius
+constexpr double kTouch_mm = 1e-7;     // Distances to surface and border that differ by less count as equal.
+constexpr double kSmallest_mm = 1e-3;  // Parts of a module are not divided below this radius.
 // Three halvings at most halve the radius of a part, and a module is at most 120 mm across (surface_rules.cpp), so that
 // 3 log2(120 mm / 1 µm) = 51 of them end every branch; a face that divides a part may stand between two halvings.
 constexpr int kMaxDepth = 128;
@@ -129,7 +129,7 @@ class OverrunSearch {
     const double length = (e.b - e.a).norm(), slack = radius / length;
     const Sight s = sight_of(e, middle);
     const bool inside = s.along > slack && s.along < 1.0 - slack;
-    if (inside && s.off.dot(e.out) < past_mm_ - radius) return 0.0;  // the face of the edge is nearer, or too near
+    if (inside && s.off.dot(e.out) < past_mm_ - radius) return 0.0;  // The face of the edge is nearer, or too near.
     const double turn =
         (e.normal_b - e.normal_a).norm() / (length * std::max(0.1, (e.normal_a + e.normal_b).norm() / 2));
     const double turned = turn * radius * (s.off.norm() + radius);
@@ -169,7 +169,7 @@ class OverrunSearch {
   [[nodiscard]] bool is_covered(const Triangle3& face, const Outline3& part,
                                 const std::vector<const BorderEdge*>& near) const {
     const P3 normal = unit_normal(face);
-    if (lack_mm_ > 0.0 || !(normal.norm() > 0.5)) return false;  // no planes at a face without area
+    if (lack_mm_ > 0.0 || !(normal.norm() > 0.5)) return false;  // A face without area gives no planes.
     const auto height = [&](const P3& q) { return normal.dot(q - face[0]); };
     const auto of_part = std::ranges::minmax(part | std::views::transform(height));
     return std::ranges::none_of(near, [&](const BorderEdge* e) {
@@ -188,7 +188,7 @@ class OverrunSearch {
     for (const P3& q : part) radius = std::max(radius, (q - m).norm());
     const auto hit = surface_.closest(m);
     const double to_surface = (m - hit.point).norm();
-    std::vector<const BorderEdge*> near;  // all that may be nearest to a point of the part
+    std::vector<const BorderEdge*> near;  // All edges that may be nearest to a point of the part.
     for (const BorderEdge* e : candidates) {
       if (sight_of(*e, m).off.norm() <= to_surface + 2.0 * radius + lack_mm_ && may_be_nearest(*e, part, hit.point))
         near.push_back(e);

@@ -33,7 +33,7 @@ void check_limits(const CheckedDesign::Limits& l, bool with_jumpers, DesignRepor
   }
   for (const auto& [name, value] : limits) {
     report.limits.emplace_back(name, value);
-    constexpr double kMaxLimit = 1000.0;  // a metre limits no module of 30 mm
+    constexpr double kMaxLimit = 1000.0;  // A limit of a metre does not restrict modules of 30 mm.
     if (!(value >= 0.0 && value <= kMaxLimit))
       f.broken("limits", "design", fmt::format("{} is {:.6g}, not a limit", name, value));
   }

@@ -10,14 +10,14 @@
 namespace triskin::check {
 namespace {
 
-constexpr double kStated_mm = 0.01;  // closest points that tie may be chosen otherwise
+constexpr double kStated_mm = 0.01;  // Among closest points that tie, another may be chosen.
 constexpr double kBehind_mm = 0.5;   // a side may lie so far behind the other where the modules overlap
-constexpr double kLayer_mm = 10.0;   // what lies farther off along the normal is not crossed
+constexpr double kLayer_mm = 10.0;   // A jumper does not cross what lies farther off along the normal.
 constexpr int kSteps = 32;           // docs/design_file.md: where the length is measured
 
 struct Cable {
-  P3 a, b;          // middles of the sides
-  P3 out_a, out_b;  // unit, away from the centroids
+  P3 a, b;          // Middles of the sides.
+  P3 out_a, out_b;  // Unit directions away from the centroids.
   P3 normal_a, normal_b;
 };
 

@@ -160,7 +160,7 @@ class PatchChecker {
     int deepest = 0, hops = 0;
     for (const int m : p_.modules) {
       deepest = std::max(deepest, module(m).depth);
-      std::set<int> lines;  // lines that are used at or below m
+      std::set<int> lines;  // Lines that are used at or below m.
       for (const int v : p_.modules) {
         int u = v;
         for (std::size_t guard = 0; u >= 0 && u != m && guard < p_.modules.size(); ++guard) u = module(u).parent;

@@ -109,7 +109,7 @@ bool is_as_wide_as_its_faces(const CheckedDesign& d, const CheckedDesign::Piece&
   }
   Eigen::AlignedBox2d box;
   for (const Edge& e : edges_of(p)) box.extend(e.a);
-  constexpr double kStretch = 1.5;  // far above any edge error that a limit allows
+  constexpr double kStretch = 1.5;  // Far above any edge error that a limit allows.
   return !(box.diagonal().norm() > kStretch * length);
 }
 
@@ -158,7 +158,8 @@ int tiles_inside(const CheckedDesign::Piece& p, double cut) {
             up ? std::array{at(0, 0), at(1, 0), at(0, 1)} : std::array{at(1, 0), at(1, 1), at(0, 1)};
         const P2 middle = (whole[0] + whole[1] + whole[2]) / 3;
         std::vector<P2> t = without_corners(whole, cut);
-        for (P2& q : t) q = middle + (q - middle) * (1 - 1e-5 / 8.66);  // tolerance of the placement and rounding
+        // Allows for the tolerance of the placement and for rounding.
+        for (P2& q : t) q = middle + (q - middle) * (1 - 1e-5 / 8.66);
         bool free = inside(middle);
         for (std::size_t e = 0; free && e < edges.size(); ++e) free = free_of(t, edges[e]);
         count += free ? 1 : 0;

@@ -191,7 +191,7 @@ void read_jumpers(const json& list, CheckedDesign& d) {
     for (std::size_t k = 0; k < 2; ++k) {
       int& beside =
           d.modules[static_cast<std::size_t>(jumper.module[k])].beside[static_cast<std::size_t>(jumper.side[k])];
-      if (beside < 0) beside = jumper.module[1 - k];  // an occupied side is named by jumper-side
+      if (beside < 0) beside = jumper.module[1 - k];  // The rule jumper-side reports an occupied side.
     }
     d.jumpers.push_back(std::move(jumper));
   }
@@ -238,7 +238,7 @@ CheckedDesign read_all(const json& j) {
   if (d.faces.empty()) throw InputError("the surface has no faces");
   if (j.contains("side")) read_side(j.at("side"), d);
   const json& l = j.at("limits");
-  const bool with_lift = l.contains("lift_mm") || l.contains("depth_mm");  // both, or a file of before them
+  const bool with_lift = l.contains("lift_mm") || l.contains("depth_mm");  // A file has both, or is older than them.
   d.limits = {number(l.at("edge_error_mm")),
               number(l.at("hinge_gap_mm")),
               number(l.at("center_gap_mm")),

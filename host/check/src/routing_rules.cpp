@@ -136,7 +136,7 @@ class TreeRules {
 
   void totals() {
     int hops = 0, deepest = 0;
-    std::map<int, std::set<int>> lines_at;  // lines used at or below a module
+    std::map<int, std::set<int>> lines_at;  // Lines used at or below a module.
     for (const RouteRow& r : p_.rows) {
       deepest = std::max(deepest, r.depth);
       int v = r.id;

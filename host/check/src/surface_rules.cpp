@@ -12,7 +12,7 @@ namespace {
 // Stated and measured numbers may differ by how finely the sides are walked and by how normals are interpolated.
 constexpr double kStated_mm = 0.05;
 constexpr double kStatedHeight_mm = 0.1;
-constexpr double kStep_mm = 0.5;  // along the sides, for lift and depth
+constexpr double kStep_mm = 0.5;  // Step along the sides, for lift and depth.
 
 void within_limit(Findings& f, const char* rule, std::size_t module, double measured, double limit) {
   if (!(measured <= limit)) f.broken(rule, module_name(module), fmt::format("{:.3f} mm, limit {} mm", measured, limit));
@@ -173,7 +173,7 @@ bool pierces(const P3& a, const P3& b, const Outline3& t) {
 bool cross_in_space(const Triangle3& a, const Triangle3& b, double cut, double allowed_mm) {
   if ((centroid(a) - centroid(b)).norm() > 2.0 * kSide) return false;
   const Outline3 p = module_outline(a, cut, allowed_mm), q = module_outline(b, cut, allowed_mm);
-  if (p.size() < 3 || q.size() < 3) return false;  // a limit above the inner radius allows anything
+  if (p.size() < 3 || q.size() < 3) return false;  // A limit above the inner radius allows anything.
   const auto any_side = [](const Outline3& sides, const Outline3& through) {
     for (std::size_t k = 0; k < sides.size(); ++k) {
       if (pierces(sides[k], sides[(k + 1) % sides.size()], through)) return true;

@@ -32,7 +32,7 @@ struct Options {
   device::StreamOptions stream;
   CalibrationOptions calibration;
   bridge::BridgeOptions bridge;
-  std::vector<double> pose;  // x, y, z in m, then a quaternion x, y, z, w
+  std::vector<double> pose;  // Position x, y, z in m, then a quaternion x, y, z, w.
   double contacts_hz = 10.0;
   double seconds = 0.0;
   bool services = true;

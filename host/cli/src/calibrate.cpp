@@ -32,7 +32,7 @@ struct Options {
 
 constexpr double kNewtonPerGram = 9.80665e-3;
 constexpr double kKpaPerNewtonPerMm2 = 1000.0;
-constexpr std::size_t kMaxNamed = 12;  // taxels that are listed one by one
+constexpr std::size_t kMaxNamed = 12;  // More taxels are not listed one by one.
 
 // Pressure of a weight of 1 g on the foot.
 double kpa_per_gram(const Options& options, const design::Design& design) {

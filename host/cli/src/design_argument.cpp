@@ -20,7 +20,7 @@ bool is_design(const std::filesystem::path& path, std::uint64_t id) {
     return read_file(path).find(fmt::format("{:016x}", id)) != std::string::npos &&
            design::read_design(path).design_id == id;
   } catch (const InputError&) {
-    return false;  // another file with the extension .json
+    return false;  // The file is another one with the extension .json.
   }
 }
 

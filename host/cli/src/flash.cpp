@@ -162,10 +162,10 @@ void say_all(const std::vector<BusOutcome>& buses, const nlohmann::json& firmwar
       controllers += r.patches.size();
       sum.bytes += r.bytes;
       sum.skipped += r.skipped;
-      link_s = std::max(link_s, r.link_s);  // one pass for all
+      link_s = std::max(link_s, r.link_s);  // One pass serves all.
       modules += cover->design.layout.modules.size();
     }
-    sum.link_s = std::max(sum.link_s, link_s);  // buses are served side by side
+    sum.link_s = std::max(sum.link_s, link_s);  // Buses are served side by side.
   }
   output.result = {{"controllers", controllers}, {"bytes", sum.bytes},   {"seconds", seconds},
                    {"skipped", sum.skipped},     {"link_s", sum.link_s}, {"dry_run", options.flash.dry_run},
@@ -245,7 +245,7 @@ int run(Options options, Output& output) {
     // Controllers have addresses of their own by now: the tables were written before.
     if (firmware) updated = flash_firmware(open.links, *firmware, options.firmware, options.flash, output);
   } catch (const Error&) {
-    if (buses.size() > 1) say();  // what the other buses did
+    if (buses.size() > 1) say();  // Reports what the other buses did.
     throw;
   }
   say();

@@ -49,7 +49,7 @@ void update_left_out(device::Bus& bus, const device::BoardUpdate& board, const d
   try {
     update_one(bus, board.claim, package, flash, report, output);
   } catch (const device::Unreachable&) {
-    throw;  // the link is gone, and with it all that follow
+    throw;  // The link is gone, and with it all that follow.
   } catch (const DeviceError& e) {
     add_row(report, board.serial, UpdateOutcome::kGivenUp, board.slot, 0, e.what());
     output.say(fmt::format("controller {}  firmware given up: {}", board.serial, e.what()));

@@ -72,7 +72,7 @@ class Demonstrator {
 };
 
 int run_icub(const Options& options, Output& output) {
-  std::optional<design::Design> design;  // only the simulation needs one
+  std::optional<design::Design> design;  // Only the simulation needs a design.
   if (!options.site.file.empty()) design = design::read_intact_design(options.site.file);
   return live_icub(options.site.link, design ? &*design : nullptr, options.seconds, output);
 }

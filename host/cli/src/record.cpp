@@ -118,7 +118,8 @@ class CoverFile {
   }
 
   [[nodiscard]] std::uint64_t unix_ns_of(std::uint64_t link_us) const {
-    return origin_.unix_start_ns + (link_us - origin_.link_start_us) * 1000;  // also of times before the start
+    // The result may also lie before the start.
+    return origin_.unix_start_ns + (link_us - origin_.link_start_us) * 1000;
   }
 
   void slice(std::uint64_t now_us) {
@@ -185,7 +186,7 @@ class BusRecording {
     try {
       receive(bus, progress);
     } catch (const DeviceError& e) {
-      if (!files_.front()->started()) throw;  // the recording had not begun
+      if (!files_.front()->started()) throw;  // The recording had not begun.
       trouble_ = e.what();
     }
     seconds_ = static_cast<double>(bus.now_us() - start_us_) * 1e-6;

@@ -110,9 +110,9 @@ int run(const Options& options, Output& output) {
     summary = recording::read_recording(options.file, [&](const recording::ModuleSample& s) { player.take(s); });
     player.show_rest();
   } catch (const Ended&) {
-    summary.file.complete = true;  // how far it goes was not looked at
+    summary.file.complete = true;  // The extent of the file was not examined.
   }
-  display.reset();  // the page of the terminal goes away
+  display.reset();  // Leaves the page of the terminal.
   output.result = to_json(player.monitor(), player.state());
   output.result["samples"] = player.state().frames;
   output.result["seconds"] = player.state().time_s;

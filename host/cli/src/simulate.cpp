@@ -36,7 +36,7 @@ void run_alone(scene::VirtualSkin& skin, double seconds, const ProgressSink& pro
 
 // A simulated bus.
 struct SimulatedBus {
-  std::string name;  // empty: the one bus of a design
+  std::string name;  // Empty for the one bus of a design.
   std::unique_ptr<scene::VirtualSkin> skin;
   std::unique_ptr<device::SkinServer> server;
 };
@@ -73,7 +73,7 @@ void listen(std::vector<SimulatedBus>& buses, const std::string& at) {
     return;
   }
   const device::HostPort first = device::parse_host_port(at);
-  constexpr int kTries = 20;  // a free port may be followed by one that is taken
+  constexpr int kTries = 20;  // The port after a free one may be taken.
   for (int attempt = 0;; ++attempt) {
     try {
       int port = first.port;

@@ -25,7 +25,7 @@ class Terminal {
   [[nodiscard]] char key() const;
 
  private:
-  bool keys_ = false;  // standard input is a terminal too
+  bool keys_ = false;  // Standard input is a terminal as well.
   termios before_{};
 };
 

@@ -222,7 +222,8 @@ int run(Options options, Output& output) {
       buses[static_cast<std::size_t>(&bus - open.site.buses.data())] = verify_bus(bus, link, options, patch, progress);
     });
   } catch (const Error&) {
-    if (buses.size() > 1) (void)say_all(buses, open.site.is_robot, output);  // what was found on the other buses
+    // Reports what was found on the other buses.
+    if (buses.size() > 1) (void)say_all(buses, open.site.is_robot, output);
     throw;
   }
   return say_all(buses, open.site.is_robot, output);

@@ -90,7 +90,7 @@ design::SkinCalibration calibration_now(const Options& options, const std::optio
     device::Bus bus(*link);
     return calibration_for(options.calibration, bus, site->buses[0].covers[0], bus.discover(), aside);
   } catch (const DeviceError&) {
-    return {};  // the page says what is wrong with the link
+    return {};  // The page reports what is wrong with the link.
   }
 }
 

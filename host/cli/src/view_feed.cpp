@@ -101,10 +101,10 @@ class CoverTouches {
   }
 
  private:
-  static constexpr std::uint64_t kTare_us = 500'000;  // a controller that has been silent as long is called silent
+  static constexpr std::uint64_t kTare_us = 500'000;  // A controller that is silent this long is reported as silent.
   device::RestStore store_;
   device::TouchMap touches_;
-  std::uint64_t keep_us_ = 0;  // when the tare under way is to be kept; 0: none is
+  std::uint64_t keep_us_ = 0;  // Time at which the running tare is to be stored; 0: none is running.
 };
 
 // Keeps the counts of a stream when its link fails.
@@ -196,7 +196,7 @@ class Feed {
       if (own < 0 || own >= static_cast<int>(covers_[c]->design.layout.modules.size())) continue;
       return finger.press(covers_[c]->first_module + own, taxel);
     }
-    finger.lift();  // the finger is on another bus now
+    finger.lift();  // The finger is on another bus now.
   }
 
   const device::LinkOptions& options_;

@@ -7,7 +7,7 @@
 namespace triskin::check {
 namespace {
 
-constexpr double kOpposed = -0.998;      // cosine of two normals
+constexpr double kOpposed = -0.998;      // Cosine of two normals.
 constexpr double kMinMultiplier = 0.04;  // Needs of a triple with a smaller multiplier are ignored.
 constexpr int kMaxHalvings = 16;         // Bounds the halvings of a region's angles.
 constexpr std::size_t kMaxNeeds = 30;    // More needs of a module would give too many triples.
@@ -87,7 +87,7 @@ void JointBound::add_sum(std::span<const Need* const> needs, std::span<const dou
   AngleNeed sum;
   IntervalPoint rest{0.0, 0.0};
   const Need& last = *needs.back();
-  const Interval way(last.by_side ? -1.0 : 1.0);  // a side turns the edge's end, a line turns the module back
+  const Interval way(last.by_side ? -1.0 : 1.0);  // A side turns the edge's end, a line turns the module back.
   for (std::size_t k = 0; k < needs.size(); ++k) {
     const IntervalPoint normal = times(multipliers[k], needs[k]->normal), from_last = needs[k]->point - last.point;
     sum.cosine = sum.cosine + dot(normal, from_last);

@@ -7,7 +7,7 @@ namespace triskin::check {
 namespace {
 
 constexpr double kFacing = 0.05;    // cosine between the normals of an edge and of a side that faces it, at least
-constexpr double kSlack_mm = 1e-6;  // far above the rounding of plain doubles at 1e6 mm
+constexpr double kSlack_mm = 1e-6;  // Far above the rounding of plain doubles at 1e6 mm.
 
 IntervalPoint scaled(const IntervalPoint& p, double sign) {
   return sign > 0.0 ? p : IntervalPoint{-p.x, -p.y};

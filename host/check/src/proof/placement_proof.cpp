@@ -17,9 +17,9 @@ namespace triskin::check {
 namespace {
 
 constexpr double kListReach_mm = 40.0;  // Above it the list of modules would take longer than the work it saves.
-constexpr int kDeepest = 26;            // halvings of one cell of the log
-constexpr int kJointEvery = 3;          // halvings between two looks for contradictions
-constexpr int kJointCredit = 6;         // looks at every region after one that helped
+constexpr int kDeepest = 26;            // Largest number of halvings of one cell of the log.
+constexpr int kJointEvery = 3;          // Halvings between two searches for contradictions.
+constexpr int kJointCredit = 6;         // After a search that helped, this many regions are searched.
 constexpr double kSpare_mm = 1e-9;      // rounding of the placement itself, beside its tolerance; more far away
 
 struct Rejected {
@@ -74,7 +74,7 @@ class Checker {
         halve(region, list, kDeepest);
       return;
     }
-    if (proves) proved_ = true;  // the parts must only be covered
+    if (proves) proved_ = true;  // The parts must only be covered.
     for (const auto& [part, inner] : divided(region, cells)) cover(part, inner, list, list_reach);
     if (proves) proved_ = false;
   }

@@ -94,7 +94,7 @@ pipeline::EditedDesign edited(const design::Design& design, const EditOptions& o
   if (!options.keep.empty())
     return pipeline::grow_around(design, ids_of("--keep", options.keep),
                                  {effort.time_limit_s, effort.iterations, effort.threads}, progress);
-  if (options.remove.empty() && options.add.empty()) return {design, {}, {}};  // kinds alone
+  if (options.remove.empty() && options.add.empty()) return {design, {}, {}};  // Only kinds are changed.
   pipeline::LayoutEdit edit;
   edit.remove = ids_of("--remove", options.remove);
   for (const std::string& part : parts_of(options.add, ',')) edit.add.push_back(place_of(part));
@@ -243,7 +243,7 @@ int edit(const std::string& from, const std::string& to, const EditOptions& opti
          const pipeline::DesignOptions& effort, Output& output) {
   const design::Design before = design::read_design(from);
   output.result = nlohmann::json::object();
-  const design::KindPlan plan = options.kind_plan();  // refused before any work
+  const design::KindPlan plan = options.kind_plan();  // Bad kinds are refused before any work.
   pipeline::EditedDesign e = edited(before, options, effort, output.progress());
   if (!options.kinds.empty()) {
     e.design.kinds = plan;

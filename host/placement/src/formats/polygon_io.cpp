@@ -21,7 +21,7 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using nlohmann::json;
 constexpr double kLargestCoordinate_mm = 1e8;
-constexpr double kTouching_mm = 1e-9;  // far below every tolerance
+constexpr double kTouching_mm = 1e-9;  // Far below every tolerance.
 
 std::string ring_name(std::size_t ring) {
   return ring == 0 ? "outer ring" : fmt::format("hole {}", ring - 1);
@@ -318,7 +318,7 @@ Polygon valid_polygon(Polygon polygon, const std::string& name) {
 double ring_area(const std::vector<Vec2>& ring) {
   if (ring.empty()) return 0.0;
   double twice = 0.0;
-  const Vec2& origin = ring.front();  // offsets of 1e6 mm must not cost digits
+  const Vec2& origin = ring.front();  // Offsets of 1e6 mm must not cost digits.
   for (std::size_t k = 0; k < ring.size(); ++k) {
     const Vec2 a = ring[k] - origin, b = ring[(k + 1) % ring.size()] - origin;
     twice += a.x() * b.y() - a.y() * b.x();

@@ -216,7 +216,7 @@ class Rules {
   const Polygon& polygon_;
   const std::string& name_;
   std::vector<Edge> edges_;
-  std::map<ExactPoint, std::set<std::pair<std::size_t, std::size_t>>> touches_;  // rings that meet, by point
+  std::map<ExactPoint, std::set<std::pair<std::size_t, std::size_t>>> touches_;  // Rings that meet, by point.
   // Points of other rings on an edge, by ring and vertex of the edge.
   std::map<std::pair<std::size_t, std::size_t>, std::vector<std::pair<std::size_t, Vec2>>> on_;
 };

@@ -58,7 +58,7 @@ void ProofWriter::add_cell(const ProofCell& c) {
 
 void ProofWriter::finish(const Polygon& polygon, const PlacementResult& result) {
   part_ += "],";
-  part_ += claims(polygon, result).dump().substr(1);  // the cells have opened the object
+  part_ += claims(polygon, result).dump().substr(1);  // The cells have opened the object.
   part_ += "\n";
   write_(part_);
   part_.clear();

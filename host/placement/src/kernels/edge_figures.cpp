@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kEdges = EdgeArrays::kLanes;
 constexpr double kLevel = 1e-4;     // a normal's x from which on a half plane bounds columns
-constexpr double kSlack_mm = 1e-6;  // far above the rounding of coordinates and sample positions
+constexpr double kSlack_mm = 1e-6;  // Far above the rounding of coordinates and sample positions.
 constexpr double kNoBound = 1e9;
 
 using Vector = double __attribute__((vector_size(8 * kEdges), may_alias));
@@ -250,7 +250,7 @@ using Words = std::uint32_t __attribute__((vector_size(4 * kRows)));
     const Reals v = f.upper.at[k][lane] + f.upper.slope[k][lane] * row;
     high = v < high ? v : high;
   }
-  high = high < low ? low - 3.0F : high;  // none
+  high = high < low ? low - 3.0F : high;  // Marks an empty range.
   low = low < static_cast<float>(kNoBound) ? low : zero + static_cast<float>(kNoBound);
   const int room = outer ? 1 : 0;
   begin = __builtin_convertvector(low, Whole) + (1 - room);

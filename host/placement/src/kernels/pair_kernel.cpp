@@ -60,7 +60,7 @@ struct Direction {
   const Vector (&inverse_slope)[N];  // 1 / |slope|
   const Vector &gx, &gy;
   const Vector &inverse_x, &inverse_y;  // 1 / |gx|, 1 / |gy|
-  const Vector& reach;                  // most that x and y change the value inside the cell
+  const Vector& reach;                  // Largest change of the value by x and y inside the cell.
 };
 
 // Adds a direction to the hull and writes its room. In the clip of one axis the others are at their best.
@@ -83,7 +83,7 @@ template <int N>
   const Vector open_x = room * d.inverse_x - cell.hx, open_y = room * d.inverse_y - cell.hy;
   const Vector limit_x = open_x < full_x ? open_x : full_x, limit_y = open_y < full_y ? open_y : full_y;
   const Vector left_t = high_t - low_t;
-  room = left_t < room ? left_t : room;  // negative: the direction holds nowhere
+  room = left_t < room ? left_t : room;  // If negative, the direction holds nowhere.
   room_of = room;
   const Vector never_low = zero + 1e300, never_high = zero - 1e300;
   const Vector low_x = room >= zero ? (d.gx > zero ? -limit_x : -full_x) : never_low,

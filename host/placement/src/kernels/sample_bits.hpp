@@ -22,7 +22,7 @@ using BlockWords = std::uint32_t __attribute__((vector_size(64)));
 /// same bits.
 class SampleBits {
  public:
-  static constexpr int kBlock = 16, kWord = 32;  // rows and columns done at once
+  static constexpr int kBlock = 16, kWord = 32;  // Rows and columns that are processed at once.
 
   /// All bits off. `rows` is a multiple of kBlock.
   void clear(int rows, int words);
@@ -57,7 +57,7 @@ class BitCounts {
   void add_to(Counts& counts, int turn) const;
 
  private:
-  int most_ = 0;  // no count is higher
+  int most_ = 0;  // No count is higher than this.
   std::vector<std::array<std::uint32_t, SampleBits::kBlock>> planes_;
 };
 

@@ -65,7 +65,7 @@ class SliceRaster {
   std::vector<int> row_of_;  // Indexed by vertex: the first row of samples that is not above it.
   std::vector<Border> border_;
   int certain_ = 0;
-  std::array<BitCounts, 2> sums_;  // even and odd rows of tiles
+  std::array<BitCounts, 2> sums_;  // Even and odd rows of tiles.
   BitCounts::Counts counts_{};     // [x][y]
 };
 

@@ -7,7 +7,7 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kRounding = 1e-12;  // relative, of sums of some thousand terms
+constexpr double kRounding = 1e-12;  // Relative rounding of sums of some thousand terms.
 
 double spread(const std::array<double, 3>& slope, const std::array<double, 3>& half) {
   return std::abs(slope[0]) * half[0] + std::abs(slope[1]) * half[1] + std::abs(slope[2]) * half[2];

@@ -30,7 +30,7 @@ class WeightedTiles final : public Objective {
   const TileGrid& grid_;
   const WeightMap& map_;
   double certain_ = 0.0;
-  std::vector<double> open_;  // bounds of the open tiles
+  std::vector<double> open_;  // Bounds of the open tiles.
 };
 
 }  // namespace triskin::geometry

@@ -18,7 +18,7 @@ namespace {
 // are one stretch, which Definition 6 shrinks to a point.
 struct Stretch {
   int line = 0;
-  double low = 0.0, high = 0.0;  // along the line, in sides
+  double low = 0.0, high = 0.0;  // Positions along the line, in sides.
 };
 
 }  // namespace
@@ -27,7 +27,7 @@ struct Algorithm1::State {
   GridFrame frame;
   Algorithm1Options options;
   SideMarks marks;
-  std::vector<Stretch> cutting;  // intersections 𝕀ᶜ of all lines of one direction
+  std::vector<Stretch> cutting;  // Intersections 𝕀ᶜ of all lines of one direction.
 
   State(const Polygon& polygon, const Algorithm1Options& o) : frame(polygon, o.touch_mm), options(o) {}
 

@@ -335,7 +335,7 @@ void CellExpander::look_ahead(Cell& cell, const CellList& list) {
   for (std::uint32_t t = 0; t < list.tiles.size(); ++t) {
     chosen_.push_back(t);
     if (list.tiles[t].inside) continue;
-    for (std::uint32_t& word : words_[t]) word &= 0xffffU;  // free of all edges, but perhaps outside
+    for (std::uint32_t& word : words_[t]) word &= 0xffffU;  // The tile is free of all edges, but perhaps outside.
   }
   parts_ = {kPartsPerAxis, kPartsPerAxis, kPartsPerAxis};
   divide(cell, list, {0, 0, 0}, parts_, 0, 0);

@@ -7,7 +7,7 @@ namespace triskin::geometry {
 namespace {
 
 constexpr std::size_t kNoBlock = static_cast<std::size_t>(-1);
-constexpr double kSlack_mm = 1e-6;  // far above the rounding of distances
+constexpr double kSlack_mm = 1e-6;  // Far above the rounding of distances.
 
 }  // namespace
 
@@ -83,7 +83,7 @@ CellFilter::Fate CellFilter::evaluate_tile(const CellFrame& f, const CellList& f
   }
   const bool decided = kept.pairs.size() == kept_first;
   if (!tile.inside && decided && !center_inside(f, tile.center))
-    return Fate::kDead;  // no edge comes near: outside everywhere
+    return Fate::kDead;  // No edge comes near, so the tile is outside everywhere.
   return decided ? Fate::kDecided : Fate::kOpen;
 }
 

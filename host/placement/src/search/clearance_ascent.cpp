@@ -10,7 +10,7 @@ namespace {
 constexpr double kFirstRadius_mm = 1.0, kLargestRadius_mm = 4.0, kMinRadius_mm = 1e-5;
 constexpr double kMinGain_mm = 1e-5;
 constexpr int kMaxSteps = 60;
-constexpr double kApart_mm = 0.05;  // motions that are closer climb to the same place
+constexpr double kApart_mm = 0.05;  // Motions that are closer climb to the same place.
 
 }  // namespace
 

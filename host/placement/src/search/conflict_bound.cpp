@@ -229,7 +229,7 @@ bool ConflictBound::angles_covered() {
 void ConflictBound::find_conflicts(double softness) {
   conflicts_.resize(dead_.size());
   for (auto& list : conflicts_) list.clear();
-  by_edge_.clear();  // first rows of a tile at an edge
+  by_edge_.clear();  // Holds the first rows of a tile at each edge.
   for (std::uint32_t k = 0; k < rows_.size(); ++k) {
     const bool continued = k > 0 && rows_[k - 1].tile == rows_[k].tile && rows_[k - 1].edge == rows_[k].edge;
     if (!continued && dead_[rows_[k].tile] == 0) by_edge_.push_back(k);

@@ -68,7 +68,7 @@ class ConflictBound {
   // Mean of the tiles' centres, relative to the centre of the cell: keeps 1 - cos(phi) times its arm small.
   Vec2 pivot_;
   double sigma_ = 0.0, curve_ = 0.0, slide_ = 0.0, shift_ = 0.0;  // ranges: sin phi, 1 - cos phi, translation, w
-  std::vector<Row> rows_;                                         // those of one tile stand together
+  std::vector<Row> rows_;                                         // Rows of one tile are consecutive.
   std::vector<std::uint8_t> dead_;
   std::vector<Interval> excluded_;  // Ranges of sigma.
   std::vector<std::uint32_t> by_edge_;

@@ -14,9 +14,9 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kRoot_mm = 8.0;  // how far a root cell goes along each axis
+constexpr double kRoot_mm = 8.0;  // Extent of a root cell along each axis.
 constexpr double kCell_bytes = sizeof(MotionBox) + 48.0;
-constexpr double kResolution_mm = 1e-7;  // near the rounding pad: not halved any more
+constexpr double kResolution_mm = 1e-7;  // Cells near the rounding pad are not halved any more.
 
 // Tiles of a cell, certain and open; shared by its halves, which filter them again.
 struct Known {
@@ -27,8 +27,8 @@ struct Known {
 struct ObjectiveCell {
   MotionBox box;
   double bound = 0.0;
-  std::int64_t number = 0;             // the last one first among equals
-  std::shared_ptr<const Known> known;  // none: a root
+  std::int64_t number = 0;             // Among equals the last one comes first.
+  std::shared_ptr<const Known> known;  // Null for a root.
   bool operator<(const ObjectiveCell& other) const {
     return std::tie(bound, number) < std::tie(other.bound, other.number);
   }

@@ -20,7 +20,7 @@ namespace triskin::geometry {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr double kMaxCellText_bytes = 150.0;  // six numbers of up to 24 characters
+constexpr double kMaxCellText_bytes = 150.0;  // A cell is six numbers of up to 24 characters.
 constexpr double kMaxRadius_mm = 1e6;
 constexpr double kMaxTiles = 1e6;
 // Share of the inradius: what is left of a module beyond that is not worth the search.
@@ -102,8 +102,8 @@ struct Placing {
   double area_mm2;  // Area of the polygon.
   PlacementResult result;
   Motion motion;
-  std::vector<Motion> as_good;         // other motions that seem to hold as many tiles
-  std::vector<MotionBox> tied_slices;  // elsewhere fewer hold
+  std::vector<Motion> as_good;         // Other motions that seem to hold as many tiles.
+  std::vector<MotionBox> tied_slices;  // Fewer tiles hold elsewhere.
 
   [[nodiscard]] double memory_limit_bytes() const { return 1e6 * options.memory_limit_mb; }
 

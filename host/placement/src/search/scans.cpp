@@ -11,7 +11,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kDescents = 40;  // random starts of PlacementMethod::kDescent
+constexpr int kDescents = 40;  // Random starts of PlacementMethod::kDescent.
 
 class Scan {
  public:

@@ -44,7 +44,7 @@ class OutputFile {
 void require_writable(const std::filesystem::path& path);
 
 /// Folder for what the program keeps on this computer between two runs: $XDG_STATE_HOME/triskin, else
-/// ~/.local/state/triskin, else triskin-<user number> in the temporary folder. The folder above it is made if it is not there.
+/// ~/.local/state/triskin, else triskin-<user number> in the temporary folder. Creates the folder above it if missing.
 [[nodiscard]] std::filesystem::path state_home();
 
 }  // namespace triskin

@@ -48,8 +48,8 @@ class Bvh {
     }
   }
 
-  /// Calls `visit(item)` for each item whose box the segment from + t · direction, 0 ≤ t ≤ end, passes through, near
-  /// boxes first; `visit` may lower `end`, and a negative one ends the search. Cost: O(log n + items visited) typical.
+  /// Calls `visit(item)` for each item whose box the segment from + t · direction, 0 ≤ t ≤ end, meets, near boxes
+  /// first; `visit` may lower `end`, and a negative one ends the search. Cost: O(log n + items visited) typical.
   template <class Visit>
   void along(const Vec3& from_mm, const Vec3& direction, double& end, Visit visit) const {
     if (boxes_.empty()) return;
