@@ -85,7 +85,7 @@ Polygon from_geojson(const json& j, const std::string& name) {
   return from_coordinates(coordinates[0], name);
 }
 
-// POLYGON ((x y, x y, …), (…)) of OGC 06-103r4, also with Z and M, which are ignored, a MULTIPOLYGON of one, and SRID
+// POLYGON ((x y, x y, …), (…)) of OGC 06-103r4, also with Z and M, both ignored, a MULTIPOLYGON of one, and SRID
 // as PostGIS writes it.
 class WktReader {
  public:
