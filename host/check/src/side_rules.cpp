@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "checked_design.hpp"
@@ -171,10 +173,23 @@ void check_backs(const CheckedDesign& d, const Part& part, Findings& f) {
   }
 }
 
+// A surface with a border may be folded onto itself: its modules then lie back to back without a wall between them.
+bool is_closed(const CheckedDesign& d) {
+  std::set<std::pair<int, int>> open;
+  for (const auto& face : d.faces) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int a = static_cast<int>(face[k]), b = static_cast<int>(face[(k + 1) % 3]);
+      if (open.erase({b, a}) == 0) open.insert({a, b});
+    }
+  }
+  return open.empty();
+}
+
 }  // namespace
 
 void check_side(const CheckedDesign& d, Findings& f) {
   if (d.side == "both") return;  // asked for
+  if (d.side.empty() && !is_closed(d)) return;
   const Part part(d);
   if (d.side.empty() || (d.side == "outer" && d.is_side_certain)) check_inner(d, part, f);
   check_backs(d, part, f);
