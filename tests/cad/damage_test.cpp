@@ -194,7 +194,7 @@ TEST_P(DamagedPart, IsRefusedInOneSentenceOrReadWithAWord) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, DamagedPart, ::testing::ValuesIn(all_damage()),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& one) { return one.param.name; });
 
 TEST(DamagedParts, AreOfSixtyKinds) {
   EXPECT_GE(all_damage().size(), 60U);

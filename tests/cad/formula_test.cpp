@@ -106,10 +106,10 @@ TEST(PartsWithAFormula, DeviationIsWhatWasAskedFor) {
 
 TEST(PartsWithAFormula, UnitOverridesAndTheDeviationHoldsInMillimetres) {
   ReadOptions options;
-  options.unit_mm = 25.4;
+  options.unit_mm = 10.0;
   const Part part = read_part_bytes(test::part_file("sphere.step"), "sphere", options);
-  EXPECT_NEAR(part.faces[0].radius_mm, 50.0 * 25.4, 1e-9);
-  EXPECT_LE(deviation(part, "ball", [](const Vec3& p) { return p.norm() - 50.0 * 25.4; }), kLimit_mm);
+  EXPECT_NEAR(part.faces[0].radius_mm, 50.0 * 10.0, 1e-9);
+  EXPECT_LE(deviation(part, "ball", [](const Vec3& p) { return p.norm() - 50.0 * 10.0; }), kLimit_mm);
 }
 
 }  // namespace

@@ -63,7 +63,7 @@ INSTANTIATE_TEST_SUITE_P(
                       PublicPart{"upper_arm_link.step", "millimetre", 1, 326, 279.2, {142.2, 24.5, 67.3}},
                       PublicPart{"cone_tip.step", "millimetre", 1, 12, 6.5, {9.5, 9.5, 14.4}},
                       PublicPart{"blade_upper.iges", "millimetre", 0, 1, 82.9, {70.1, 103.1, 93.4}}),
-    [](const auto& info) { return info.param.file.substr(0, info.param.file.find('.')); });
+    [](const auto& one) { return one.param.file.substr(0, one.param.file.find('.')); });
 
 TEST(PublicAssembly, OfLinksAloneIsTold) {
   if (!std::filesystem::exists(folder()))

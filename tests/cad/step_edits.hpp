@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <string>
@@ -35,14 +36,14 @@ inline std::string with_all(std::string text, const std::string& from, const std
 /// The good part with the entity `number` (the digits alone) as `statement`.
 inline std::string with_entity(int number, const std::string& statement) {
   std::string text = good_part();
-  const std::string head = "\n#" + std::to_string(number) + " = ";
+  const std::string head = fmt::format("\n#{} = ", number);
   const std::size_t at = text.find(head);
   if (at == std::string::npos) {
     ADD_FAILURE() << "the good part has no " << head;
     return {};
   }
   const std::size_t end = text.find(";\n", at);
-  return text.replace(at + 1, end - at, "#" + std::to_string(number) + " = " + statement + ";");
+  return text.replace(at + 1, end - at, fmt::format("#{} = {};", number, statement));
 }
 
 }  // namespace triskin::test

@@ -45,7 +45,7 @@ TEST(StepText, SaysWhereAFileIsDamaged) {
   EXPECT_THAT(refusal_of(with_entity(27, "CIRCLE('',#26,80.)")), HasSubstr("circle"));
   EXPECT_THAT(refusal_of(with_entity(12, "X" + std::string(200'000, '(') + std::string(200'000, ')'))),
               HasSubstr("#12"));
-  EXPECT_THAT(refusal_of(with(good_part(), "#22 = ", "#23 = ")), HasSubstr("#23 is there twice"));
+  EXPECT_THAT(refusal_of(with(good_part(), "#24 = ", "#23 = ")), HasSubstr("#23 is there twice"));
   EXPECT_THAT(refusal_of(with(good_part(), "ENDSEC;\nEND-ISO",
                               "#401=NEXT_ASSEMBLY_USAGE_OCCURRENCE('','','',#5,#5,$);\nENDSEC;\nEND-ISO")),
               HasSubstr("circular assembly"));

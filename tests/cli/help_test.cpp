@@ -115,7 +115,9 @@ TEST_F(Help, a_range_is_said_in_short_numbers_with_its_unit) {
   EXPECT_THAT(o.messages, StartsWith("triskin: --seconds: 5000 is not between 0.2 and 3600 seconds\n"));
   EXPECT_THAT(run("live s.json --link sim --taxel 12").messages, HasSubstr("--taxel: 12 is not between 0 and 11\n"));
   EXPECT_THAT(run("live s.json --link sim --taxel x").messages, Not(HasSubstr("Could not convert")));
+  ::setenv("COLUMNS", "160", 1);  // At 80 columns the range is wrapped.
   EXPECT_THAT(run("bring-up --help").out, HasSubstr("(0.2 to 3600)"));
+  ::unsetenv("COLUMNS");
 }
 
 }  // namespace

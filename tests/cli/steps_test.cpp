@@ -82,7 +82,12 @@ TEST_F(Steps, a_design_is_changed_by_hand) {
   ASSERT_EQ(old.status, 0);
   EXPECT_THAT(old.messages, HasSubstr("triskin edit"));
   ASSERT_EQ(run("edit a.json --mirror 1,1,0,20 -o same.json").status, 0);
-  EXPECT_EQ(read_file(folder_ / "same.json"), read_file(folder_ / "c.json"));
+  const auto without_seconds = [&](const char* name) {
+    nlohmann::json design = nlohmann::json::parse(read_file(folder_ / name));
+    design["report"].erase("seconds");
+    return design;
+  };
+  EXPECT_EQ(without_seconds("same.json"), without_seconds("c.json"));
   EXPECT_EQ(run("check c.json").status, 0);
   write("kinds.json", R"({"format":"triskin-kinds","version":1,"kinds":[{"name":"soft","taxels":8}],
                           "regions":[{"kind":"soft","modules":[1]}]})");

@@ -340,7 +340,7 @@ void answers(Bytes input) {
 void firmware_package(Bytes input) {
   const auto head = layout::decode_package_head(input);
   if (head)
-    require(head->total() <= layout::kPackageHeadBytes + 2 * layout::kMaxImageBytes &&
+    require(head->total() <= layout::kPackageHeadBytes + 2 * layout::kMaxFirmwareImageBytes &&
             head->offset(1) > head->offset(0));
 }
 

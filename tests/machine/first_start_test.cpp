@@ -123,7 +123,7 @@ TEST_F(FirstStart, RandomResetsAndPowerCutsEndInTheApplication) {
     flash.cut_at = ~std::uint64_t{0};
     machine->power_cycle(fresh);
     const std::uint64_t begin_us = now_us();
-    for (unsigned k = 1 + random() % 5; k > 0; --k) {
+    for (auto k = 1 + random() % 5; k > 0; --k) {
       // Most while something is written and decided, which is soon after a start; some anywhere in the half minute.
       run_for(random() % 4 == 0 ? random() % 6'000'000 : random() % 60'000);
       if (now_us() > begin_us + 30'000'000) break;

@@ -15,7 +15,7 @@
 namespace triskin::pipeline {
 namespace {
 
-using geometry::at;
+using triskin::at;
 using geometry::Vec3;
 
 // A roof of two planes and a bent eave, 180 × 150 mm; 120 × 100 cells.

@@ -103,8 +103,8 @@ void expect_bounds_hold(const Surface& original, const DecimatedMesh& solver, do
   test::Dice random(7);
   EXPECT_LE(test::sampled_distance(original.mesh(), solver.mesh, random, 4000), solver.deviation_mm + kRounding_mm);
   EXPECT_LE(test::sampled_distance(solver.mesh, original.mesh(), random, 400), solver.deviation_mm + kRounding_mm);
-  EXPECT_LE(border_distance(original, reduced), solver.border_mm + kRounding_mm);
-  EXPECT_LE(border_distance(reduced, original), solver.border_mm + kRounding_mm);
+  EXPECT_LE(border_distance(original, decimated), solver.border_mm + kRounding_mm);
+  EXPECT_LE(border_distance(decimated, original), solver.border_mm + kRounding_mm);
   EXPECT_LE(solver.deviation_mm, asked_mm);
   EXPECT_LE(solver.border_mm, kSolverBorder_mm);
 }
@@ -154,9 +154,9 @@ TEST(DecimatedMesh, a_hole_stays) {
   ASSERT_EQ(original.border_loops().size(), 2U);
   const DecimatedMesh solver = decimate(original);
   const Surface decimated(solver.mesh);
-  EXPECT_EQ(reduced.border_loops().size(), 2U);
+  EXPECT_EQ(decimated.border_loops().size(), 2U);
   EXPECT_EQ(solver.mesh.faces.size(), 8U);  // eight corners, and a ring has as many faces
-  EXPECT_NEAR(reduced.area_mm2(), original.area_mm2(), 1e-6);
+  EXPECT_NEAR(decimated.area_mm2(), original.area_mm2(), 1e-6);
   expect_bounds_hold(original, solver, kSolverDeviation_mm);
 }
 
@@ -178,8 +178,8 @@ TEST(DecimatedMesh, a_slit_stays) {
   ASSERT_EQ(original.border_loops().size(), 2U);
   const DecimatedMesh solver = decimate(original);
   const Surface decimated(solver.mesh);
-  ASSERT_EQ(reduced.border_loops().size(), 2U);
-  EXPECT_EQ(reduced.border_loops()[0].size() + reduced.border_loops()[1].size(), 7U);
+  ASSERT_EQ(decimated.border_loops().size(), 2U);
+  EXPECT_EQ(decimated.border_loops()[0].size() + decimated.border_loops()[1].size(), 7U);
   expect_bounds_hold(original, solver, kSolverDeviation_mm);
 }
 

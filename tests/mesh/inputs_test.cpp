@@ -228,7 +228,7 @@ TEST_F(Inputs, what_is_no_mesh_is_called_what_it_is) {
       {"<robot name='r'/>", "URDF"},
       {"<sdf version='1.7'/>", "SDF"},
       {"<svg xmlns='http://www.w3.org/2000/svg'/>", "SVG"},
-      {"ISO-10303-21;\nHEADER;", "STEP"},
+      {"ISO-10303-21;\nHEADER;", "it was cut"},
       {"%PDF-1.7", "PDF"},
       {"\x89PNG\r\n\x1A\n", "PNG"},
       {"{\"type\":\"Polygon\",\"coordinates\":[]}", "GeoJSON"},

@@ -174,8 +174,8 @@ TEST(PlaceInput, names_ring_and_vertex) {
   EXPECT_TRUE(has(message("POLYGON ((0 0, 10 0, 5 9, 1 1))"), "vertex 3: the ring is open"));
   EXPECT_TRUE(has(message("POLYGON ((0 0, 10 10, 10 0, 0 10, 0 0))"), "crosses"));
   EXPECT_TRUE(has(message("POLYGON ((0 0, nan 0, 5 9, 0 0))"), "vertex 1"));
-  EXPECT_TRUE(has(message("POLYGON ((0 0, 1 0, 2 0, 0 0))"), "no area"));
-  EXPECT_TRUE(has(message("POLYGON ((0 0, 10 0, 5 9, 0 0), (20 20, 21 20, 20 21, 20 20))"), "hole 0, vertex 0"));
+  EXPECT_TRUE(has(message("POLYGON ((0 0, 1 0, 2 0, 0 0))"), "traced twice"));
+  EXPECT_TRUE(has(message("POLYGON ((0 0, 10 0, 5 9, 0 0), (20 20, 21 20, 20 21, 20 20))"), "hole 0 lies outside"));
   EXPECT_TRUE(has(message("{\"type\":\"Point\",\"coordinates\":[1,2]}"), "Polygon"));
   EXPECT_TRUE(has(message("{\"type\":\"Polygon\",\"coordinates\":[[[0,0],[1,\"x\"],[1,1],[0,0]]]}"), "vertex 1"));
   EXPECT_TRUE(has(message(""), "empty"));

@@ -83,6 +83,10 @@ class PartReading {
       part.warnings.push_back(fmt::format("the file refers to {} other files, which are not read, first {}",
                                           step_.external_files.size(), step_.external_files.front()));
     }
+    if (!is_iges_file && part.faces.size() < static_cast<std::size_t>(step_.faces)) {
+      part.warnings.push_back(fmt::format("the file holds {} faces, of which {} belong to no body that could be read",
+                                          step_.faces, static_cast<std::size_t>(step_.faces) - part.faces.size()));
+    }
     if (part.mesh.faces.empty())
       fail(is_iges_file ? "has no faces; export the part as surfaces or solids" : nothing_left(part));
     for (Face& face : part.faces) clean_name(face.name);

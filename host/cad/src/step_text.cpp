@@ -218,7 +218,9 @@ class Reader {
     put(next());
   }
   void value(const StepToken& token) {
-    if (token.kind == Kind::kReference) entity_.references.push_back(id_of(token));
+    // Some CAD programs write the largest 64-bit number, that is −1, where there is nothing to refer to.
+    constexpr std::string_view kNowhere = "#18446744073709551615";
+    if (token.kind == Kind::kReference && token.text != kNowhere) entity_.references.push_back(id_of(token));
     if (token.kind == Kind::kString && first_string_.empty()) first_string_ = decode_step_string(token.text, encoding_);
     if (token.kind == Kind::kNumber) number(token);
   }

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "checked_design.hpp"
@@ -15,10 +17,10 @@
 namespace triskin::check {
 namespace {
 
-using Kernel = CGAL::Simple_cartesian<double>;
-using Triangles = std::vector<Kernel::Triangle_3>;
-using Primitive = CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>;
-using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
+using RayKernel = CGAL::Simple_cartesian<double>;
+using Triangles = std::vector<RayKernel::Triangle_3>;
+using RayPrimitive = CGAL::AABB_triangle_primitive<RayKernel, Triangles::const_iterator>;
+using RayTree = CGAL::AABB_tree<CGAL::AABB_traits<RayKernel, RayPrimitive>>;
 
 constexpr double kMinWall_mm = 0.3, kMaxWall_mm = 8.0;  // docs/side.md defines a wall by these limits.
 constexpr double kOpposite = -0.7;                      // Cosine between the normals of the two sides of a wall.
@@ -30,10 +32,10 @@ constexpr int kMinPlaces = 3;       // Of seven places at least this many must h
 constexpr double kReach_mm = 40.0;  // The middles of two modules that overlap are nearer, even across a wall.
 constexpr int kMinBehind = 2;       // Of ten places of a module at least this many must lie over the other one.
 
-Kernel::Point_3 point(const P3& p) {
+RayKernel::Point_3 point(const P3& p) {
   return {p.x(), p.y(), p.z()};
 }
-P3 vector(const Kernel::Point_3& p) {
+P3 vector(const RayKernel::Point_3& p) {
   return {p.x(), p.y(), p.z()};
 }
 
@@ -55,12 +57,12 @@ class Part {
   // The other side of the wall under a place.
   [[nodiscard]] std::optional<Place> across(const Place& here) const {
     const P3 from = here.point - kOff_mm * here.normal;
-    const Kernel::Segment_3 inward(point(from), point(here.point - kMaxWall_mm * here.normal));
-    std::vector<Tree::Intersection_and_primitive_id<Kernel::Segment_3>::Type> hits;
+    const RayKernel::Segment_3 inward(point(from), point(here.point - kMaxWall_mm * here.normal));
+    std::vector<RayTree::Intersection_and_primitive_id<RayKernel::Segment_3>::Type> hits;
     tree_.all_intersections(inward, std::back_inserter(hits));
     std::optional<Place> nearest;
     for (const auto& [where, primitive] : hits) {
-      const auto* q = boost::get<Kernel::Point_3>(&where);
+      const auto* q = boost::get<RayKernel::Point_3>(&where);
       if (q == nullptr) continue;
       const auto found = place(vector(*q), primitive);
       if (!found || (nearest && (found->point - from).norm() >= (nearest->point - from).norm())) continue;
@@ -81,7 +83,7 @@ class Part {
       const double height = std::sqrt((k + 0.5) / kRays), angle = 2.0 * M_PI * mirrored;
       const double across = std::sqrt(1.0 - height * height);
       const P3 ray = across * (std::cos(angle) * x + std::sin(angle) * y) + height * here.normal;
-      open += tree_.do_intersect(Kernel::Ray_3(point(from), point(P3(from + ray)))) ? 0 : 1;
+      open += tree_.do_intersect(RayKernel::Ray_3(point(from), point(P3(from + ray)))) ? 0 : 1;
     }
     return static_cast<double>(open) / kRays;
   }
@@ -105,7 +107,7 @@ class Part {
   }
 
   Triangles triangles_;
-  Tree tree_;
+  RayTree tree_;
 };
 
 // The middle, and half-way to corners and sides.
@@ -171,10 +173,23 @@ void check_backs(const CheckedDesign& d, const Part& part, Findings& f) {
   }
 }
 
+// A surface with a border may be folded onto itself: its modules then lie back to back without a wall between them.
+bool is_closed(const CheckedDesign& d) {
+  std::set<std::pair<int, int>> open;
+  for (const auto& face : d.faces) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int a = static_cast<int>(face[k]), b = static_cast<int>(face[(k + 1) % 3]);
+      if (open.erase({b, a}) == 0) open.insert({a, b});
+    }
+  }
+  return open.empty();
+}
+
 }  // namespace
 
 void check_side(const CheckedDesign& d, Findings& f) {
   if (d.side == "both") return;  // asked for
+  if (d.side.empty() && !is_closed(d)) return;
   const Part part(d);
   if (d.side.empty() || (d.side == "outer" && d.is_side_certain)) check_inner(d, part, f);
   check_backs(d, part, f);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <deque>
 #include <map>
 #include <memory>
@@ -36,8 +37,21 @@ struct Options {
   double contacts_hz = 10.0;
   double seconds = 0.0;
   bool services = true;
-  std::uint32_t domain = 0;
+  std::optional<std::uint32_t> domain;
 };
+
+// What --domain says, else the environment. CLI11 would refuse every command for a bad variable.
+std::uint32_t domain_of(const Options& options) {
+  if (options.domain) return *options.domain;
+  const char* text = std::getenv("ROS_DOMAIN_ID");
+  if (text == nullptr || *text == '\0') return 0;
+  constexpr unsigned long kMaxDomain = 232;
+  char* end = nullptr;
+  const unsigned long id = std::strtoul(text, &end, 10);
+  if (*end != '\0' || id > kMaxDomain)
+    throw InputError(fmt::format("ROS_DOMAIN_ID is {}, not 0 to {}; run: triskin doctor", text, kMaxDomain));
+  return static_cast<std::uint32_t>(id);
+}
 
 bridge::Pose pose_of(const std::vector<double>& numbers) {
   bridge::Pose pose;
@@ -237,13 +251,14 @@ int run(const Options& options, Output& output) {
   robot::Site site = robot::read_site(options.site.file);
   robot::choose(site, options.site.cover);
   const std::vector<bridge::BridgeOptions> by_cover = options_of(options, site);
-  const auto domain = bridge::join_domain(options.domain);
+  const std::uint32_t domain_id = domain_of(options);
+  const auto domain = bridge::join_domain(domain_id);
   OpenSite open{std::move(site), {}};
   open.links = device::open_buses(open.site, options.site.link);
   say_simulated(open.links, output);
   std::deque<BusFeed> feeds;
   for (const robot::BusConfig& bus : open.site.buses) feeds.emplace_back(options, bus);
-  output.say(fmt::format("publishing /skin/… in domain {}; end with Ctrl-C", options.domain));
+  output.say(fmt::format("publishing /skin/… in domain {}; end with Ctrl-C", domain_id));
   on_each_bus(open, [&](const robot::BusConfig& bus, device::Link& link) {
     feeds[static_cast<std::size_t>(&bus - open.site.buses.data())].run(link, *domain, by_cover, output);
   });
@@ -269,10 +284,8 @@ const Registration kBridge{{
       app.add_option(
           "--part", options->bridge.part,
           "name in the topics /skin/PART/…; default: that of the design. Of a robot: the names of its covers");
-      app.add_option("--domain", options->domain, "DDS domain")
-          ->envname("ROS_DOMAIN_ID")
-          ->check(CLI::Range(0, 232))
-          ->capture_default_str();
+      app.add_option("--domain", options->domain, "DDS domain; default: ROS_DOMAIN_ID of the environment, else 0")
+          ->check(CLI::Range(0, 232));
       app.add_option("--points-hz", options->bridge.points_hz, "point clouds a second; 0: none")
           ->check(CLI::Range(0.0, 100.0))
           ->capture_default_str();

@@ -29,7 +29,7 @@ design::Vec3 point_of(const std::string& text) {
 }  // namespace
 
 void FaceOptions::add_to(CLI::App& app) {
-  const std::string kGroup = "Faces of a STEP or IGES file (each option narrows the choice; triskin faces lists them)";
+  const std::string kGroup = "Faces of a STEP or IGES file (see triskin faces)";
   const auto add = [&](CLI::Option* option) { return option->group(kGroup); };
   add(app.add_option("--face", chosen_.indices, "by index, as many as wanted"))->delimiter(',');
   add(app.add_option("--face-name", chosen_.names, "by name; may be repeated"))->expected(1)->take_all();

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <ranges>
 
 #include "triskin/base/interrupt.hpp"
@@ -68,19 +67,6 @@ std::unique_ptr<Link> simulate_here(const std::string& link, scene::Scene scene,
 std::optional<std::uint64_t> board_seed_of(std::optional<std::uint64_t> asked, std::uint64_t by_default) {
   const std::uint64_t seed = asked.value_or(by_default);
   return seed == 0 ? std::nullopt : std::optional(seed);
-}
-
-HostPort parse_host_port(const std::string& text) {
-  const std::size_t colon = text.rfind(':');
-  HostPort result;
-  if (colon != std::string::npos) {
-    result.host = text.substr(0, colon);
-    const char* first = text.data() + colon + 1;
-    const char* last = text.data() + text.size();
-    const auto [end, error] = std::from_chars(first, last, result.port);
-    if (error == std::errc{} && end == last && !result.host.empty()) return result;
-  }
-  throw InputError(fmt::format("\"{}\" is no HOST:PORT, for example 127.0.0.1:7000", text));
 }
 
 namespace {

@@ -11,6 +11,7 @@
 
 #include <array>
 #include <cerrno>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 
@@ -18,6 +19,19 @@
 #include "triskin/core/bytes.hpp"
 
 namespace triskin::device {
+
+HostPort parse_host_port(const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  HostPort result;
+  if (colon != std::string::npos) {
+    result.host = text.substr(0, colon);
+    const char* first = text.data() + colon + 1;
+    const char* last = text.data() + text.size();
+    const auto [end, error] = std::from_chars(first, last, result.port);
+    if (error == std::errc{} && end == last && !result.host.empty()) return result;
+  }
+  throw InputError(fmt::format("\"{}\" is no HOST:PORT, for example 127.0.0.1:7000", text));
+}
 
 namespace record {
 namespace {

@@ -147,7 +147,8 @@ class Unfolder {
     } catch (const InputError&) {
       return false;
     }
-    return std::abs(polygon_area(piece.outline) - area) <= 1e-6 * area;
+    // What a reader lets pass as touching is still a crossing of two pieces of surface here.
+    return !crosses_itself(piece.outline) && std::abs(polygon_area(piece.outline) - area) <= 1e-6 * area;
   }
 
   // Two faces far apart over the dual graph, then each face (with those it must stay joined to) to the nearer one.

@@ -22,7 +22,8 @@
 namespace triskin::board {
 namespace {
 
-constexpr std::uint64_t kLongestSleep_us = 100'000;    // The watchdog is fed at least this often.
+// The watchdog is fed at least this often, and no step of the light's pattern (100 ms) is slept through.
+constexpr std::uint64_t kLongestSleep_us = 50'000;
 constexpr std::uint64_t kSupplyStands_us = 2'000'000;  // The supply counts as stable this long after power-up.
 constexpr std::uint64_t kWorksWell_us = 60'000'000;  // Crashes within this time after a start count as being in a row.
 

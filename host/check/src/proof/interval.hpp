@@ -49,6 +49,11 @@ inline Interval sine(const Interval& angle) {
   return around(std::sin(middle), half + std::abs(middle) * 0x1p-52);
 }
 
+/// Middle of an interval, rounded: a place to look at, never part of a bound.
+inline double middle(const Interval& i) {
+  return 0.5 * (i.low + i.high);
+}
+
 struct IntervalPoint {
   Interval x, y;
 };

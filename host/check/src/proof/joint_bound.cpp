@@ -12,9 +12,6 @@ constexpr double kMinMultiplier = 0.04;  // Needs of a triple with a smaller mul
 constexpr int kMaxHalvings = 16;         // Bounds the halvings of a region's angles.
 constexpr std::size_t kMaxNeeds = 30;    // More needs of a module would give too many triples.
 
-double middle(const Interval& i) {
-  return 0.5 * (i.low + i.high);
-}
 double turn_between(const Need& a, const Need& b) {
   return middle(a.normal.x) * middle(b.normal.y) - middle(a.normal.y) * middle(b.normal.x);
 }

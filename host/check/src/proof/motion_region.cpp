@@ -12,9 +12,6 @@ constexpr double kSlack_mm = 1e-6;  // Far above the rounding of plain doubles a
 IntervalPoint scaled(const IntervalPoint& p, double sign) {
   return sign > 0.0 ? p : IntervalPoint{-p.x, -p.y};
 }
-double middle(const Interval& i) {
-  return 0.5 * (i.low + i.high);
-}
 
 }  // namespace
 

@@ -15,10 +15,10 @@
 namespace triskin::check {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_exact_constructions_kernel;
-using Point = Kernel::Point_2;
-using Segment = Kernel::Segment_2;
-using Outline = CGAL::Polygon_2<Kernel>;
+using ExactKernel = CGAL::Exact_predicates_exact_constructions_kernel;
+using ExactPoint = ExactKernel::Point_2;
+using Segment = ExactKernel::Segment_2;
+using Outline = CGAL::Polygon_2<ExactKernel>;
 
 constexpr double kMaxCoordinate_mm = 1e8;
 
@@ -57,7 +57,7 @@ class ValidRings {
     for (std::size_t k = 0; k + 1 < ring.size(); ++k) {
       if (!(std::abs(ring[k][0]) <= kMaxCoordinate_mm && std::abs(ring[k][1]) <= kMaxCoordinate_mm))
         refuse(r, "has a coordinate beyond ±1e8 mm");
-      if (ring[k] != ring[k + 1]) outline.push_back(Point(ring[k][0], ring[k][1]));
+      if (ring[k] != ring[k + 1]) outline.push_back(ExactPoint(ring[k][0], ring[k][1]));
     }
     if (outline.size() < 3) refuse(r, "has fewer than three corners");
     for (std::size_t k = 0; k < outline.size(); ++k) {
@@ -71,7 +71,7 @@ class ValidRings {
     if (!CGAL::do_overlap(e.box, f.box)) return;
     const auto common = CGAL::intersection(e.segment, f.segment);
     if (!common) return;
-    const Point* point = boost::get<Point>(&*common);
+    const ExactPoint* point = boost::get<ExactPoint>(&*common);
     if (point == nullptr) refuse(f.ring, e.ring == f.ring ? "is traced twice" : "shares an edge with another ring");
     const auto is_end = [&](const Edge& g) { return *point == g.segment.source() || *point == g.segment.target(); };
     if (e.ring == f.ring) {
@@ -89,11 +89,12 @@ class ValidRings {
   [[nodiscard]] bool has_part(std::size_t ring, std::size_t other, CGAL::Bounded_side side) const {
     return std::ranges::any_of(edges_, [&](const Edge& e) {
       if (e.ring != ring) return false;
-      std::vector<Point> stops{e.segment.source(), e.segment.target()};
+      std::vector<ExactPoint> stops{e.segment.source(), e.segment.target()};
       for (const auto& [point, rings] : meetings_) {
         if (rings.contains(ring) && rings.contains(other) && e.segment.has_on(point)) stops.push_back(point);
       }
-      std::ranges::sort(stops, [](const Point& a, const Point& b) { return CGAL::compare_xy(a, b) == CGAL::SMALLER; });
+      std::ranges::sort(
+          stops, [](const ExactPoint& a, const ExactPoint& b) { return CGAL::compare_xy(a, b) == CGAL::SMALLER; });
       for (std::size_t k = 0; k + 1 < stops.size(); ++k) {
         if (outlines_[other].bounded_side(CGAL::midpoint(stops[k], stops[k + 1])) == side) return true;
       }
@@ -109,7 +110,7 @@ class ValidRings {
       if (!seen.contains(r)) walk(r, nullptr, seen);
     }
   }
-  void walk(std::size_t ring, const Point* from, std::set<std::size_t>& seen) const {
+  void walk(std::size_t ring, const ExactPoint* from, std::set<std::size_t>& seen) const {
     if (!seen.insert(ring).second) refuse(ring, "cuts the polygon in two with others that it touches");
     for (const auto& [point, rings] : meetings_) {
       if (&point == from || !rings.contains(ring)) continue;
@@ -122,7 +123,7 @@ class ValidRings {
   const std::string& name_;
   std::vector<Outline> outlines_;
   std::vector<Edge> edges_;
-  std::map<Point, std::set<std::size_t>> meetings_;
+  std::map<ExactPoint, std::set<std::size_t>> meetings_;
 };
 
 }  // namespace

@@ -98,7 +98,8 @@ nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& not
 void say_layout(const design::Design& d, const pipeline::DesignNotes& notes, Output& output) {
   const auto& r = d.report;
   for (const std::string& note : notes.reading) output.say(note);
-  if (const std::string side = side_text_of(geometry::open_side_of(d.surface)); !side.empty()) output.say(side);
+  const std::string open_side = notes.side.choice.has_wall ? "" : side_text_of(geometry::open_side_of(d.surface));
+  if (!open_side.empty()) output.say(open_side);
   if (const std::string shortage = shortage_text(notes.extract); !shortage.empty()) output.say(shortage);
   if (const std::string change = repair_text(notes.extract, "repair"); !change.empty()) output.say(change);
   if (const std::string side = side_text(notes.side); !side.empty()) output.say(side);

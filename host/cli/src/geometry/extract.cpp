@@ -105,7 +105,8 @@ int run(Options options, Output& output) {
                    {"seconds", seconds}};
   add_side_keys(taken, output);
   output.result["bridged_holes"] = bridges.bridged;
-  if (const std::string text = side_text_of(open_side); !text.empty()) output.say(text);
+  const std::string open_text = taken.choice.has_wall ? "" : side_text_of(open_side);
+  if (!open_text.empty()) output.say(open_text);
   const int status = report_part(file.report, output);
   if (const std::string shortage = shortage_text(e.report); !shortage.empty()) output.say(shortage);
   if (const std::string change = repair_text(e.report, "outer"); !change.empty()) output.say(change);

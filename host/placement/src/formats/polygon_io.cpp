@@ -239,15 +239,19 @@ bool touches(const Edge& e, const Vec2& p) {
 }
 
 // Interiors cross: the ends of each edge lie strictly on both sides of the other. Touching is allowed.
-bool cross(const Edge& e, const Edge& f) {
+bool cross_exactly(const Edge& e, const Edge& f) {
   const auto s1 = side(e, f.a), s2 = side(e, f.b);
   if (s1 == CGAL::COLLINEAR || s1 == s2 || s2 == CGAL::COLLINEAR) return false;
   const auto s3 = side(f, e.a), s4 = side(f, e.b);
-  if (s3 == CGAL::COLLINEAR || s4 == CGAL::COLLINEAR || s3 == s4) return false;
-  return !touches(e, f.a) && !touches(e, f.b) && !touches(f, e.a) && !touches(f, e.b);
+  return s3 != CGAL::COLLINEAR && s4 != CGAL::COLLINEAR && s3 != s4;
 }
 
-void require_no_crossing(const Polygon& polygon, const std::string& name) {
+bool cross(const Edge& e, const Edge& f) {
+  return cross_exactly(e, f) && !touches(e, f.a) && !touches(e, f.b) && !touches(f, e.a) && !touches(f, e.b);
+}
+
+// The first two edges that cross, as `do_cross` says.
+std::optional<std::pair<Edge, Edge>> find_crossing(const Polygon& polygon, bool (*do_cross)(const Edge&, const Edge&)) {
   std::vector<Edge> edges;
   const auto add = [&](const std::vector<Vec2>& ring, std::size_t index) {
     for (std::size_t v = 0; v < ring.size(); ++v) edges.push_back({ring[v], ring[(v + 1) % ring.size()], index, v});
@@ -258,14 +262,19 @@ void require_no_crossing(const Polygon& polygon, const std::string& name) {
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const double right = std::max(edges[i].a.x(), edges[i].b.x());
     for (std::size_t k = i + 1; k < edges.size() && std::min(edges[k].a.x(), edges[k].b.x()) <= right; ++k) {
-      if (!cross(edges[i], edges[k])) continue;
-      fail(name,
-           fmt::format(
-               "the edge after vertex {} of the {} crosses the edge after vertex {} of the {}; the outline must not "
-               "intersect itself",
-               edges[i].vertex, ring_name(edges[i].ring), edges[k].vertex, ring_name(edges[k].ring)));
+      if (do_cross(edges[i], edges[k])) return std::pair(edges[i], edges[k]);
     }
   }
+  return std::nullopt;
+}
+
+void require_no_crossing(const Polygon& polygon, const std::string& name) {
+  const auto found = find_crossing(polygon, cross);
+  if (!found) return;
+  const auto& [e, f] = *found;
+  fail(name, fmt::format("the edge after vertex {} of the {} crosses the edge after vertex {} of the {}; the outline "
+                         "must not intersect itself",
+                         e.vertex, ring_name(e.ring), f.vertex, ring_name(f.ring)));
 }
 
 bool inside_or_on(const std::vector<Vec2>& ring, const Vec2& p) {
@@ -330,6 +339,10 @@ double polygon_area(const Polygon& polygon) {
   double area = std::abs(ring_area(polygon.outer));
   for (const auto& hole : polygon.holes) area -= std::abs(ring_area(hole));
   return area;
+}
+
+bool crosses_itself(const Polygon& polygon) {
+  return find_crossing(polygon, cross_exactly).has_value();
 }
 
 Polygon normalize_polygon(Polygon polygon, const std::string& name) {

@@ -69,9 +69,9 @@ struct Face {
 
 /// A solid, or faces that hang together without closing. Its faces follow each other in Part::faces.
 struct Body {
-  std::string name;  ///< name of the product in the file
-  std::string path;  ///< names of the assemblies that hold it and its own name, joined by '/'
-  std::string colour;
+  std::string name{};  ///< name of the product in the file
+  std::string path{};  ///< names of the assemblies that hold it and its own name, joined by '/'
+  std::string colour{};
   bool is_solid = false;
   int first_face = 0, face_count = 0;
   int free_edges = 0;  ///< edges of one face in the file: the border of an open surface

@@ -28,7 +28,7 @@ struct InverseOptions {
 
 /// One contact with standard deviations.
 struct ContactEstimate {
-  Eigen::Vector2d position_mm, position_sd_mm;
+  Eigen::Vector2d position_mm = Eigen::Vector2d::Zero(), position_sd_mm = Eigen::Vector2d::Zero();
   double force_n = 0.0, force_sd_n = 0.0;
   double tip_radius_mm = 0.0, tip_radius_sd_mm = 0.0;
   double contact_radius_mm = 0.0, indentation_mm = 0.0;

@@ -24,6 +24,10 @@ namespace triskin::geometry {
 /// The same from text.
 [[nodiscard]] std::vector<Polygon> parse_polygons(const std::string& text, const std::string& name);
 
+/// True if two edges of the polygon cross in their interiors, decided exactly. Unlike the readers it does not take edges
+/// that cross by no more than 1e-9 mm for touching ones. Cost: O(n log n) typical.
+[[nodiscard]] bool crosses_itself(const Polygon& polygon);
+
 /// Drops closing and repeated vertices, orients the outer ring counter-clockwise and holes clockwise. Edges of one
 /// polygon may touch (a crack of zero width is a cut; what crosses by no more than 1e-9 mm, or by the rounding of its
 /// coordinates, touches), but not cross. Errors: InputError naming `name`, ring and vertex
