@@ -15,8 +15,8 @@
 namespace triskin::pipeline {
 namespace {
 
-using triskin::at;
 using geometry::Vec3;
+using triskin::at;
 
 // A roof of two planes and a bent eave, 180 × 150 mm; 120 × 100 cells.
 geometry::Mesh roof() {

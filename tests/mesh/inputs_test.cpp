@@ -119,9 +119,10 @@ std::string gltf_of(const Mesh& mesh, const std::string& uri, const std::string&
 std::string model_of(const Mesh& mesh, const std::string& prefix, const std::string& item,
                      const std::string& attributes = "", const std::string& type = "model") {
   const std::string p = prefix.empty() ? "" : prefix + ":", declared = prefix.empty() ? "" : ":" + prefix;
-  std::string text = fmt::format(
-      R"(<?xml version="1.0"?><{0}model unit="millimeter" xmlns{1}="http://schemas.microsoft.com/3dmanufacturing/core/2015/02" {2}><{0}resources><{0}object id="1" type="{3}"><{0}mesh><{0}vertices>)",
-      p, declared, attributes, type);
+  std::string text = fmt::format(R"(<?xml version="1.0"?><{0}model unit="millimeter" xmlns{1}=)"
+                                 R"("http://schemas.microsoft.com/3dmanufacturing/core/2015/02" {2}>)"
+                                 R"(<{0}resources><{0}object id="1" type="{3}"><{0}mesh><{0}vertices>)",
+                                 p, declared, attributes, type);
   for (const Vec3& v : mesh.vertices)
     text += fmt::format(R"(<{}vertex x="{}" y="{}" z="{}"/>)", p, v.x(), v.y(), v.z());
   text += fmt::format("</{0}vertices><{0}triangles>", p);
@@ -312,8 +313,10 @@ TEST_F(Inputs, quantized_positions_are_read) {
     for (const int v : f) put(bytes, static_cast<std::uint16_t>(v));
   (void)file("q.bin", bytes);
   const std::string json = fmt::format(
-      R"({{"asset":{{"version":"2.0"}},"extensionsUsed":["KHR_mesh_quantization"],"extensionsRequired":["KHR_mesh_quantization"],
-"nodes":[{{"mesh":0,"scale":[1e-5,1e-5,1e-5]}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1}}]}}],
+      R"({{"asset":{{"version":"2.0"}},"extensionsUsed":["KHR_mesh_quantization"],
+"extensionsRequired":["KHR_mesh_quantization"],
+"nodes":[{{"mesh":0,"scale":[1e-5,1e-5,1e-5]}}],
+"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1}}]}}],
 "accessors":[{{"bufferView":0,"componentType":5122,"count":{0},"type":"VEC3"}},
 {{"bufferView":1,"componentType":5123,"count":{1},"type":"SCALAR"}}],
 "bufferViews":[{{"buffer":0,"byteLength":{2},"byteStride":8}},{{"buffer":0,"byteOffset":{2},"byteLength":{3}}}],

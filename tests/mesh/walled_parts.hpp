@@ -24,8 +24,8 @@ struct WalledPart {
 };
 
 /// Trays, rings, half shells, boxes with a lid, ribs, bosses, honeycombs, engraved letters, fillets, screw holes,
-/// two-part shells, lids that are alike on both sides, scans: closed solids with walls of 1 … 5 mm unless the name says
-/// otherwise. Always the same.
+/// two-part shells, lids that are alike on both sides, scans: closed solids with walls of 1 … 5 mm unless the name
+/// says otherwise. Always the same.
 [[nodiscard]] std::vector<WalledPart> walled_parts();
 
 }  // namespace triskin::testing

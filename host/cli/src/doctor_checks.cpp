@@ -15,9 +15,11 @@ namespace fs = std::filesystem;
 
 constexpr const char* kRuleFile = "/etc/udev/rules.d/70-triskin.rules";
 constexpr const char* kUsbRule =
-    R"(SUBSYSTEM=="usb", ATTR{idVendor}=="1209", ATTR{idProduct}=="0001|0002", MODE="0660", GROUP="plugdev", TAG+="uaccess")";
+    R"(SUBSYSTEM=="usb", ATTR{idVendor}=="1209", ATTR{idProduct}=="0001|0002", MODE="0660", )"
+    R"(GROUP="plugdev", TAG+="uaccess")";
 constexpr const char* kHidRule =
-    R"(KERNEL=="hidraw*", ATTRS{idVendor}=="1209", ATTRS{idProduct}=="0001", MODE="0660", GROUP="plugdev", TAG+="uaccess")";
+    R"(KERNEL=="hidraw*", ATTRS{idVendor}=="1209", ATTRS{idProduct}=="0001", MODE="0660", )"
+    R"(GROUP="plugdev", TAG+="uaccess")";
 
 std::string text_of(const fs::path& file) {
   std::ifstream stream(file);

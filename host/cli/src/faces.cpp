@@ -6,12 +6,12 @@
 #include <map>
 #include <memory>
 
+#include "triskin/base/files.hpp"
 #include "triskin/cad/part_picture.hpp"
 #include "triskin/cad/read_part.hpp"
 #include "triskin/cad/select_faces.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/cli/face_options.hpp"
-#include "triskin/base/files.hpp"
 
 namespace triskin::cli::faces_command {
 namespace {
@@ -121,9 +121,10 @@ void say_part(const cad::Part& part, const std::vector<int>& chosen, const json&
   }
   const design::Vec3 size = cad::size_of(part);
   output.say(fmt::format(
-      "{}, unit {}: {:.1f} × {:.1f} × {:.1f} mm, {} bodies, {} faces of {:.3f} cm²; {} chosen, {:.3f} cm²", part.format,
-      part.unit.empty() ? "not named" : part.unit, size.x(), size.y(), size.z(), part.bodies.size(), part.faces.size(),
-      totals["area_cm2"].get<double>(), chosen.size(), totals["chosen_cm2"].get<double>()));
+      "{}, unit {}: {:.1f} × {:.1f} × {:.1f} mm, {} bodies, {} faces of {:.3f} cm²; {} chosen, "
+      "{:.3f} cm²",
+      part.format, part.unit.empty() ? "not named" : part.unit, size.x(), size.y(), size.z(), part.bodies.size(),
+      part.faces.size(), totals["area_cm2"].get<double>(), chosen.size(), totals["chosen_cm2"].get<double>()));
   output.say(fmt::format("{} triangles within {:.3f} mm of the exact surface; {:.2f} s", part.mesh.faces.size(),
                          part.deviation_mm, totals["seconds"].get<double>()));
   for (const std::string& warning : part.warnings) output.say("warning: " + warning);

@@ -6,9 +6,9 @@
 
 namespace triskin::cli {
 
-/// Answers the hidden command `generate-docs`, which packages and pages are made with: `options [COMMAND]` prints the help
-/// in the words of CLI11, `man [COMMAND]` a manual page, `bash` a completion. Returns the exit status; nothing when the
-/// command line is for another command.
+/// Answers the hidden command `generate-docs`, which packages and pages are made with: `options [COMMAND]` prints the
+/// help in the words of CLI11, `man [COMMAND]` a manual page, `bash` a completion. Returns the exit status; nothing
+/// when the command line is for another command.
 [[nodiscard]] std::optional<int> answer_generate_docs(const CLI::App& program, int argc, const char* const* argv);
 
 /// The manual page (section 1, troff) of a command, or of the program itself.

@@ -30,8 +30,9 @@ void say_loss(const recording::Loss& loss, Output& output) {
   if (loss.bytes == 0) return output.say(fmt::format("  lost: {}", loss.what));
   const std::string times = loss.to_s < 0.0 ? fmt::format("behind {:.2f} s", loss.from_s)
                                             : fmt::format("between {:.2f} s and {:.2f} s", loss.from_s, loss.to_s);
-  output.say(fmt::format("  {}: {}, bytes {} … {}, {}", loss.is_mended ? "made again" : "lost", loss.what, loss.offset,
-                         loss.offset + loss.bytes - 1, times));
+  const char* fate = loss.is_mended ? "made again" : "lost";
+  output.say(
+      fmt::format("  {}: {}, bytes {} … {}, {}", fate, loss.what, loss.offset, loss.offset + loss.bytes - 1, times));
 }
 
 int run(const Options& options, Output& output) {

@@ -102,8 +102,8 @@ class BulkDriver final : public UsbDriver {
                                            const std::string& serial, const std::string& place, std::string& refused) {
     libusb_device_handle* handle = nullptr;
     if (const int error = ::libusb_open(device, &handle); error != 0) {
-      refused = fmt::format("the controller at {} may not be opened ({}); run: triskin doctor",
-                            place, ::libusb_error_name(error));
+      refused = fmt::format("the controller at {} may not be opened ({}); run: triskin doctor", place,
+                            ::libusb_error_name(error));
       return nullptr;
     }
     std::array<unsigned char, 64> text{};

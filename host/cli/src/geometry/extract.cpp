@@ -11,17 +11,17 @@
 
 #include "mesh_options.hpp"
 #include "number_list.hpp"
-#include "read_text.hpp"
 #include "part_text.hpp"
+#include "read_text.hpp"
 #include "repair_text.hpp"
 #include "side_option.hpp"
 #include "side_picture.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/cli/command.hpp"
+#include "triskin/cli/face_options.hpp"
 #include "triskin/mesh/mesh_io.hpp"
 #include "triskin/mesh/open_side.hpp"
-#include "triskin/cli/face_options.hpp"
 #include "triskin/mesh/surface.hpp"
 
 namespace triskin::cli::extract_command {
@@ -63,7 +63,7 @@ int run(Options options, Output& output) {
   take_keep_outs(options);
   const geometry::SideOptions side_options = options.side.options();
   const auto start = std::chrono::steady_clock::now();
-  const geometry::MeshFile file = 
+  const geometry::MeshFile file =
       geometry::read_mesh(options.mesh, options.unit.unit, options.object, options.faces.selection());
   say_notes(options.mesh, file.report.notes, output);
   geometry::Extraction e = geometry::extract(file.mesh, options.steps, output.progress());

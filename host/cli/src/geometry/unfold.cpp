@@ -7,8 +7,8 @@
 
 #include "mesh_options.hpp"
 #include "net_picture.hpp"
-#include "read_text.hpp"
 #include "part_text.hpp"
+#include "read_text.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/cli/face_options.hpp"
@@ -55,7 +55,7 @@ json net_json(const geometry::Net& net) {
 int run(Options options, Output& output) {
   const auto start = std::chrono::steady_clock::now();
   require_writable(options.output);
-  const geometry::MeshFile file = 
+  const geometry::MeshFile file =
       geometry::read_mesh(options.surface, options.unit.unit, options.object, options.faces.selection());
   say_notes(options.surface, file.report.notes, output);
   const geometry::Surface surface(geometry::extract(file.mesh).surface);

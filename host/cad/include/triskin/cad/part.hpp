@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "triskin/design/mesh.hpp"
 #include "triskin/base/names.hpp"
+#include "triskin/design/mesh.hpp"
 
 /// Parts as mechanical designers hand them over: bodies of exact faces in STEP or IGES files (docs/cad.md).
 namespace triskin::cad {

@@ -55,9 +55,9 @@ struct InverseResult {
 /// deviations are as wide as the priors.
 ///
 /// `observations`: taxels that feel pressure, any number; those that are not finite are left out. Throws InputError
-/// when an option is out of range. Cost: 10 … 300 ms for 120 taxels beside the table, which is made once. Thread-safe.
-/// Source: Lawson and Hanson, Solving Least Squares Problems (1974), chapter 23; Chen and Chen, Biometrika 95 (2008)
-/// 759.
+/// when an option is out of range. Cost: 10 … 300 ms for 120 taxels beside the table, which is made once.
+/// Thread-safe. Source: Lawson and Hanson, Solving Least Squares Problems (1974), chapter 23; Chen and Chen,
+/// Biometrika 95 (2008) 759.
 [[nodiscard]] InverseResult find_contacts(const ContactTable& table, std::span<const TaxelObservation> observations,
                                           const InverseOptions& options);
 

@@ -24,8 +24,8 @@ namespace triskin::geometry {
 /// The same from text.
 [[nodiscard]] std::vector<Polygon> parse_polygons(const std::string& text, const std::string& name);
 
-/// True if two edges of the polygon cross in their interiors, decided exactly. Unlike the readers it does not take edges
-/// that cross by no more than 1e-9 mm for touching ones. Cost: O(n log n) typical.
+/// True if two edges of the polygon cross in their interiors, decided exactly. Unlike the readers it does not take
+/// edges that cross by no more than 1e-9 mm for touching ones. Cost: O(n log n) typical.
 [[nodiscard]] bool crosses_itself(const Polygon& polygon);
 
 /// Drops closing and repeated vertices, orients the outer ring counter-clockwise and holes clockwise. Edges of one
