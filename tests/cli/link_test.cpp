@@ -34,7 +34,7 @@ class Links : public ShellCase {
 TEST_F(Links, a_device_command_without_a_link_touches_nothing_and_says_how_to_name_one) {
   for (const char* command :
        {"flash strip.json", "verify strip.json", "live strip.json --seconds 0.1", "record strip.json -o r.mcap",
-        "view strip.json --no-open", "identify strip.json -o b.json", "calibrate strip.json --steps 0,10", "discover",
+        "view strip.json --no-open", "identify strip.json -o b.json", "calibrate strip.json --steps 5,10", "discover",
         "bridge strip.json --seconds 0.1", "bring-up strip.json --no-questions", "live --protocol icub"}) {
     const Outcome o = run(command);
     EXPECT_EQ(o.status, 2) << command << o.messages;

@@ -102,7 +102,8 @@ TEST_P(Erase, OfAPageWhileAUsbHostReadsLosesNoSequenceBeyondTheOneUnderWay) {
   for (int k = 0; k < kErases; ++k) record_and_clear(static_cast<std::uint64_t>(k) * 1'700);
   EXPECT_EQ(erases(), kErases);
   EXPECT_EQ(samples().size(), 16U);
-  EXPECT_LE(worst_gap_us(), 2 * kSequence_us);
+  constexpr std::uint64_t kUsbFrame_us = 1'000;  // A sample waits up to a frame for the host to fetch it.
+  EXPECT_LE(worst_gap_us(), 2 * kSequence_us + kUsbFrame_us);
   for (const auto& [m, list] : samples()) {
     for (std::size_t k = 1; k < list.size(); ++k) EXPECT_LE(list[k].sample, list[k - 1].sample + 2) << m;
   }

@@ -43,7 +43,7 @@ void wait_through_erase() {
   }
 }
 
-bool finish() {
+bool end_operation() {
   wait_ready();
   const std::uint32_t status = flash_reg::kSr.read();
   flash_reg::kSr.write(flash_reg::kErrors | flash_reg::kEndOfOperation);
@@ -97,7 +97,7 @@ bool erase_flash_page(std::uint32_t address) {
   flash_reg::kCr.write(command);
   flash_reg::kCr.write(command | flash_reg::kStart);
   wait_through_erase();
-  return finish();
+  return end_operation();
 }
 
 bool write_flash_options(std::uint32_t options) {
@@ -110,7 +110,7 @@ bool write_flash_options(std::uint32_t options) {
   flash_reg::kOptr.write(options);
   flash_reg::kCr.write(flash_reg::kOptionStart);
   wait_through_erase();
-  return finish();
+  return end_operation();
 }
 
 bool program_flash_unit(std::uint32_t address, std::uint32_t low, std::uint32_t high) {
@@ -125,7 +125,7 @@ bool program_flash_unit(std::uint32_t address, std::uint32_t low, std::uint32_t 
     Register(address).write(low);
     Register(address + 4).write(high);
   }
-  return finish();
+  return end_operation();
 }
 
 }  // namespace triskin::board
