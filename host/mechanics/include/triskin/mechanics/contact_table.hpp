@@ -27,7 +27,8 @@ class ContactTable {
   [[nodiscard]] const Layer& layer() const;
   /// The contact under `force` (N; of a line N/mm). Throws InputError as mechanics::press() and outside the table.
   [[nodiscard]] Contact press(const Indenter& indenter, double force) const;
-  /// The contact with a given contact radius; its force follows. Not for punches and lines. Cost: some 10 µs.
+  /// The contact with a given contact radius; its force follows. Not for punches and lines. Throws InputError outside
+  /// the table. Cost: some 10 µs.
   [[nodiscard]] Contact press_to_radius(const Indenter& indenter, double contact_radius_mm) const;
 
  private:

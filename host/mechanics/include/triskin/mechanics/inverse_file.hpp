@@ -24,7 +24,8 @@ struct InverseCase {
 /// stand beside `cases`, too. Throws InputError with the file, the place and what is expected.
 [[nodiscard]] std::vector<InverseCase> read_inverse_cases(const std::filesystem::path& path);
 
-/// Contacts of each case, as find_contacts(); cases of one Poisson's ratio share a table.
+/// Contacts of each case, as find_contacts(); cases of one Poisson's ratio share a table. Throws InputError as
+/// find_contacts() does.
 [[nodiscard]] std::vector<InverseResult> solve_inverse_cases(const std::vector<InverseCase>& cases);
 
 }  // namespace triskin::mechanics

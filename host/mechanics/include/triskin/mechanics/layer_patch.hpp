@@ -39,7 +39,8 @@ struct PatchContact {
 [[nodiscard]] PatchContact press_on_patch(const Layer& layer, const PatchGrid& grid, const Eigen::ArrayXXd& gap_mm,
                                           double force_n);
 
-/// The same on a patch that is chosen for the body: it grows until it holds the contact.
+/// The same on a patch that is chosen for the body: it grows until it holds the contact. Throws InputError as
+/// press_on_patch() does.
 [[nodiscard]] PatchContact press_body(const Layer& layer, const Body& body, double force_n, double spacing_mm);
 
 /// Displacement at a point by cubic interpolation between the patch's points, mm; 0 outside.
