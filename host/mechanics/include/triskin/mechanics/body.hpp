@@ -19,7 +19,8 @@ class Body {
   /// Box of the given edge lengths about the origin, turned by `rotation`. Throws InputError for a length that is not
   /// positive.
   [[nodiscard]] static Body box(const Eigen::Vector3d& size_mm, const Eigen::Matrix3d& rotation);
-  /// Closed or open triangle mesh. Each triangle is seen from below. Throws InputError for a vertex that does not exist.
+  /// Closed or open triangle mesh. Each triangle is seen from below. Throws InputError for a vertex that does not
+  /// exist.
   [[nodiscard]] static Body mesh(std::vector<Eigen::Vector3d> vertices, std::vector<std::array<int, 3>> triangles);
 
   /// Height in mm of the lower surface over (x, y), or infinity. Cost: constant, for a capsule some 60 evaluations of a
