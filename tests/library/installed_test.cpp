@@ -43,8 +43,8 @@ TEST(Installed, a_C_program_finds_it_by_pkg_config) {
                      (kHere / "read_touch.c").string() + "' -o '" + program +
                      "' \\$(pkg-config --cflags --libs triskin) -lm\"");
   ASSERT_EQ(built, 0) << text;
-  const auto [status, said] = shell(sim, "TRISKIN_LINK=sim LD_LIBRARY_PATH='" + lib + "' '" + program + "' '" +
-                                             sim.design_file() + "' '" + sim.scene_file() + "'");
+  const auto [status, said] = shell(
+      sim, "LD_LIBRARY_PATH='" + lib + "' '" + program + "' '" + sim.design_file() + "' '" + sim.scene_file() + "'");
   EXPECT_EQ(status, 0) << said;
   EXPECT_EQ(said, kWanted);
 }
@@ -57,7 +57,7 @@ TEST(Installed, a_CMake_project_finds_it_by_find_package) {
                                             prefix + "' && cmake --build '" + build + "'");
   ASSERT_EQ(built, 0) << text;
   const auto [status, said] =
-      shell(sim, "TRISKIN_LINK=sim '" + build + "/read_touch' '" + sim.design_file() + "' '" + sim.scene_file() + "'");
+      shell(sim, "'" + build + "/read_touch' '" + sim.design_file() + "' '" + sim.scene_file() + "'");
   EXPECT_EQ(status, 0) << said;
   EXPECT_EQ(said, kWanted);
 }
