@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <utility>
 
 #include "triskin/base/error.hpp"
@@ -26,7 +27,14 @@ device::StreamOptions stream_options(const triskin_options& options) {
 device::LinkOptions link_options(const triskin_options& options) {
   device::LinkOptions link;
   link.chosen = options.link != nullptr;
-  if (link.chosen) link.link = options.link;
+  // As on the command line: a named link, else the environment, else a scene asks for the simulation.
+  const char* named = std::getenv("TRISKIN_LINK");
+  if (link.chosen)
+    link.link = options.link;
+  else if (named != nullptr && *named != '\0')
+    link.link = named;
+  else if (options.scene != nullptr)
+    link.link = "sim";
   if (options.scene != nullptr) link.scene = options.scene;
   link.own_interrupts = false;
   return link;
