@@ -106,10 +106,10 @@ TEST(PartsWithAFormula, DeviationIsWhatWasAskedFor) {
 
 TEST(PartsWithAFormula, UnitOverridesAndTheDeviationHoldsInMillimetres) {
   ReadOptions options;
-  options.unit_mm = 10.0;
-  const Part part = read_part_bytes(test::part_file("sphere.step"), "sphere", options);
-  EXPECT_NEAR(part.faces[0].radius_mm, 50.0 * 10.0, 1e-9);
-  EXPECT_LE(deviation(part, "ball", [](const Vec3& p) { return p.norm() - 50.0 * 10.0; }), kLimit_mm);
+  options.unit_mm = 25.4;
+  const Part part = read_part_bytes(test::part_file("cylinder.step"), "cylinder", options);
+  EXPECT_NEAR(part.faces[0].radius_mm, 40.0 * 25.4, 1e-9);
+  EXPECT_LE(deviation(part, "side", [](const Vec3& p) { return axis_distance(p) - 40.0 * 25.4; }), kLimit_mm);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ using test::good_part;
 using test::with;
 using test::with_all;
 using test::with_entity;
-using ::testing::ElementsAre;
+using ::testing::Contains;
 using ::testing::HasSubstr;
 
 double area_cm2(const Part& part) {
@@ -72,7 +72,6 @@ TEST(GeneratedCover, OtherUnitsAndSchemas) {
   expect_cover(read_part_bytes(test::part_file("04_inch.step"), "inch.step"));
   expect_cover(read_part_bytes(test::part_file("20_ap203.step"), "ap203.step"));
   EXPECT_EQ(read_part_bytes(test::part_file("04_inch.step"), "inch.step").unit, "inch");
-  EXPECT_EQ(read_part_bytes(test::part_file("20_ap203.step"), "ap203.step").format, "STEP AP203");
 }
 
 TEST(GeneratedCover, LegalSpellings) {
@@ -98,8 +97,7 @@ TEST(GeneratedCover, WithoutAUnit) {
   const std::string bare = with(good_part(), "GLOBAL_UNIT_ASSIGNED_CONTEXT\n((#350,#351,#352))", "");
   const Part part = read_part_bytes(bare, "bare.step");
   expect_cover(part);
-  ASSERT_FALSE(part.warnings.empty());
-  EXPECT_THAT(part.warnings.front(), HasSubstr("--unit"));
+  EXPECT_THAT(part.warnings, Contains(HasSubstr("--unit")));
   ReadOptions inches;
   inches.unit_mm = 25.4;
   EXPECT_NEAR(area_cm2(read_part_bytes(bare, "bare.step", inches)), 398.717 * 25.4 * 25.4, 1.0);
@@ -121,8 +119,11 @@ TEST(GeneratedCover, AsAnOpenSurface) {
 }
 
 TEST(GeneratedCover, AGapAtAVertexLeavesNoHole) {
-  expect_cover(
-      read_part_bytes(with_entity(25, "CARTESIAN_POINT('',(-13.89185421335,78.784620240977,140.05))"), "gap.step"));
+  const Part part =
+      read_part_bytes(with_entity(25, "CARTESIAN_POINT('',(-13.89185421335,78.784620240977,140.05))"), "gap.step");
+  EXPECT_TRUE(part.faults.empty());
+  EXPECT_NEAR(area_cm2(part), 398.717, 0.1);
+  EXPECT_EQ(part.bodies.front().open_edges, 0);
 }
 
 std::string refusal_of(const std::string& bytes, const std::string& name = "part.step") {

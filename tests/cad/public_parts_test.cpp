@@ -76,5 +76,52 @@ TEST(PublicAssembly, OfLinksAloneIsTold) {
   }
 }
 
+struct OddPart {
+  std::string file, said;  // empty: the whole cover is read
+};
+
+void PrintTo(const OddPart& part, std::ostream* out) {
+  *out << part.file;
+}
+
+class OddParts : public ::testing::TestWithParam<OddPart> {};
+
+std::string outcome_of(const std::filesystem::path& file) {
+  try {
+    const Part part = read_part(file);
+    double area_cm2 = 0.0;
+    for (const Face& face : part.faces) area_cm2 += face.area_mm2 / 100.0;
+    std::string faults;
+    for (const std::string& fault : part.faults) faults += fault + "; ";
+    if (!faults.empty()) return faults;
+    return std::abs(area_cm2 - 398.717) < 0.01 && part.faces.size() == 6 ? "" : std::to_string(area_cm2);
+  } catch (const InputError& e) {
+    return e.what();
+  }
+}
+
+TEST_P(OddParts, IsReadOrToldAsItsListWants) {
+  if (!std::filesystem::exists(folder()))
+    GTEST_SKIP() << "left out without data: " << folder() << " does not exist (TRISKIN_SHARED_DATA)";
+  const std::string outcome = outcome_of(folder() / "odd" / (GetParam().file + ".step"));
+  if (GetParam().said.empty())
+    EXPECT_EQ(outcome, "");
+  else
+    EXPECT_NE(outcome.find(GetParam().said), std::string::npos) << outcome;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, OddParts,
+    ::testing::Values(OddPart{"00_good_mm", ""}, OddPart{"01_truncated", "ends within #196"},
+                      OddPart{"02_wrong_header", "looks like an STL"}, OddPart{"03_empty", "is empty"},
+                      OddPart{"04_inch", ""}, OddPart{"06_no_unit", ""}, OddPart{"07_nan", "#23"},
+                      OddPart{"08_face_without_bounds", "#139"}, OddPart{"09_open_shell", "195.47"},
+                      OddPart{"10_self_reference", "#21"}, OddPart{"10c_assembly_in_itself", "circular assembly"},
+                      OddPart{"11d_deep_brackets", "brackets"}, OddPart{"12_noise", "not a STEP file"},
+                      OddPart{"13_crlf_utf8_names", ""}, OddPart{"15_escaped_names", ""},
+                      OddPart{"16_hostile_names", ""}, OddPart{"18_gap_at_a_vertex", ""},
+                      OddPart{"19b_line_breaks_anywhere", ""}, OddPart{"20_ap203", ""}, OddPart{"20_ap242", ""}),
+    [](const auto& entry) { return "part_" + entry.param.file; });
+
 }  // namespace
 }  // namespace triskin::cad

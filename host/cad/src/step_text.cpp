@@ -154,6 +154,7 @@ class Reader {
     entity_ = {};
     entity_.id = id_of(name);
     traits_ = 0;
+    number_count_ = 0;
     first_string_.clear();
     put(name);
     expect(Kind::kEquals, "`=`");
@@ -218,11 +219,10 @@ class Reader {
     put(next());
   }
   void value(const StepToken& token) {
-    // Some CAD programs write the largest 64-bit number, that is −1, where there is nothing to refer to.
-    constexpr std::string_view kNowhere = "#18446744073709551615";
-    if (token.kind == Kind::kReference && token.text != kNowhere) entity_.references.push_back(id_of(token));
+    if (token.kind == Kind::kReference) entity_.references.push_back(reference_of(token));
     if (token.kind == Kind::kString && first_string_.empty()) first_string_ = decode_step_string(token.text, encoding_);
     if (token.kind == Kind::kNumber) number(token);
+    number_count_ += token.kind == Kind::kNumber ? 1 : 0;
   }
   void number(const StepToken& token) const {
     double value = 0.0;
@@ -235,6 +235,12 @@ class Reader {
     if ((traits_ & kPoint) != 0 && std::abs(value) > kMaxCoordinate)
       fail(fmt::format("the coordinate {} is no place on a part", token.shown()));
   }
+  // Programs write −1 for a reference to nothing, as a number of 64 bits; it leads nowhere.
+  static std::int64_t reference_of(const StepToken& token) {
+    std::int64_t id = 0;
+    const auto [rest, error] = std::from_chars(token.text.data() + 1, token.text.data() + token.text.size(), id);
+    return error == std::errc{} && id <= INT32_MAX ? id : 0;
+  }
   std::int64_t id_of(const StepToken& token) const {
     std::int64_t id = 0;
     const auto [rest, error] = std::from_chars(token.text.data() + 1, token.text.data() + token.text.size(), id);
@@ -245,6 +251,8 @@ class Reader {
 
   // Files hold millions of entities: what is kept of one is its references and its traits.
   void keep() {
+    if ((traits_ & kPoint) != 0 && (number_count_ < 1 || number_count_ > 3))
+      fail(fmt::format("a point has {} coordinates", number_count_));
     if (std::ranges::find(entity_.references, entity_.id) != entity_.references.end())
       fail("it refers to itself; export the part again");
     out_.faces += (traits_ & kFace) != 0 ? 1 : 0;
@@ -260,6 +268,7 @@ class Reader {
 
   void finish() {
     entity_ = {};
+    if (ids_.empty()) throw InputError("the file has no entities; export the part again");
     if (const auto twice = graph_.defined_twice(); twice)
       throw InputError(fmt::format("#{} is there twice; export the part again", *twice));
     if (const auto circle = assemblies_.circle(); !circle.empty())
@@ -294,6 +303,7 @@ class Reader {
   StepText out_;
   Entity entity_;
   std::uint8_t traits_ = 0;
+  std::size_t number_count_ = 0;  // of the entity
   std::string first_string_;
   std::vector<std::int64_t> ids_, length_units_, used_units_;
   ReferenceGraph graph_, assemblies_;

@@ -33,6 +33,8 @@ namespace {
 // deviation: a chord of 0.2 rad loses 0.17 %.
 constexpr double kAreaFraction = 0.005;
 // Step widths, in deviations, that are tried while faces fail. A face may fail at one and not at its neighbours.
+// A plane without bounds has 8e98 mm² for the kernel; a part of 5 m has less than this.
+constexpr double kUnbounded_mm2 = 1e9;
 constexpr int kSideSteps = 4;
 constexpr double kStill = 1e-9;
 // The mesh follows the edges of the file; edges of public parts lie up to 0.1 mm beside their surfaces.
@@ -168,7 +170,10 @@ void judge(ExactFace& face, double max_deviation_mm) {
   std::array<char, 120> text{};
   const double allowed = kAreaFraction * face.area_mm2 + face.perimeter_mm * max_deviation_mm;
   face.is_badly_meshed = true;
-  if (face.mesh_area_mm2 <= 0.0) {
+  if (!(face.area_mm2 < kUnbounded_mm2)) {
+    face.fault = "has no bounds";
+    face.area_mm2 = 0.0;
+  } else if (face.mesh_area_mm2 <= 0.0) {
     face.fault = "has no triangles";
   } else if (!(std::abs(face.mesh_area_mm2 - face.area_mm2) <= allowed)) {
     std::snprintf(text.data(), text.size(), "has %.4g mm² of triangles for %.4g mm²", face.mesh_area_mm2,

@@ -210,26 +210,35 @@ class LostEntities {
   std::string numbers_;
 };
 
-// Entities used by shape representations, indexed by the number in the model: a file may contain entities that nothing
-// uses.
-std::vector<bool> used_entities(const Handle(StepData_StepModel) & model) {
+// How shape representations use an entity.
+struct Use {
+  bool is_used = false;
+  bool is_shape = false;  // True under an item of a representation, false for contexts, units and the like.
+};
+
+// Uses indexed by the number in the model: a file may contain entities that nothing uses.
+std::vector<Use> uses_of(const Handle(StepData_StepModel) & model) {
   const Interface_Graph graph(model, Standard_False);
-  std::vector<bool> is_used(static_cast<std::size_t>(model->NbEntities()) + 1, false);
+  std::vector<Use> uses(static_cast<std::size_t>(model->NbEntities()) + 1);
   std::vector<int> todo;
-  const auto use = [&](int e) {
-    if (e <= 0 || is_used[static_cast<std::size_t>(e)]) return;
-    is_used[static_cast<std::size_t>(e)] = true;
+  const auto use = [&](int e, bool is_shape) {
+    Use& now = uses[static_cast<std::size_t>(std::max(e, 0))];
+    if (e <= 0 || (now.is_used && (now.is_shape || !is_shape))) return;
+    now = {true, is_shape};
     todo.push_back(e);
   };
   for (int e = 1; e <= model->NbEntities(); ++e) {
-    if (model->Value(e)->IsKind(STANDARD_TYPE(StepShape_ShapeRepresentation))) use(e);
+    if (model->Value(e)->IsKind(STANDARD_TYPE(StepShape_ShapeRepresentation))) use(e, false);
   }
   while (!todo.empty()) {
-    Interface_EntityIterator below = graph.Shareds(model->Value(todo.back()));
+    const int e = todo.back();
     todo.pop_back();
-    for (below.Start(); below.More(); below.Next()) use(model->Number(below.Value()));
+    const bool is_shape = uses[static_cast<std::size_t>(e)].is_shape ||
+                          model->Value(e)->IsKind(STANDARD_TYPE(StepRepr_RepresentationItem));
+    Interface_EntityIterator below = graph.Shareds(model->Value(e));
+    for (below.Start(); below.More(); below.Next()) use(model->Number(below.Value()), is_shape);
   }
-  return is_used;
+  return uses;
 }
 
 bool has_face(const TopoDS_Shape& shape) {
@@ -256,25 +265,33 @@ void match_names(const Handle(StepData_StepModel) & model, const Handle(Transfer
   }
 }
 
-// Entities of the shapes that the kernel could not read, and faces that it dropped: it goes on without a word.
+bool is_open_solid(const Handle(Standard_Transient) & entity, const TopoDS_Shape& shape) {
+  return entity->IsKind(STANDARD_TYPE(StepShape_ManifoldSolidBrep)) && has_face(shape) &&
+         !TopExp_Explorer(shape, TopAbs_SOLID).More();
+}
+
+// Entities that the kernel could not read, faces that it dropped, solids that it left open: it goes on without a word.
 void find_lost(const Handle(StepData_StepModel) & model, const Handle(Transfer_TransientProcess) & transferred,
                Document& out) {
-  const std::vector<bool> is_used = used_entities(model);
-  LostEntities lost, broken;
+  const std::vector<Use> uses = uses_of(model);
+  LostEntities lost, broken, beside, open;
   for (int e = 1; e <= model->NbEntities(); ++e) {
-    if (!is_used[static_cast<std::size_t>(e)]) continue;
+    const Use& use = uses[static_cast<std::size_t>(e)];
+    if (!use.is_used) continue;
     const Handle(Standard_Transient) entity = model->Value(e);
-    if (model->IsUnknownEntity(e) || model->IsErrorEntity(e)) broken.add(number_of(model, entity));
-    if (entity->IsKind(STANDARD_TYPE(StepShape_FaceSurface)) &&
-        !has_face(TransferBRep::ShapeResult(transferred, entity)))
-      lost.add(number_of(model, entity));
+    if (model->IsUnknownEntity(e) || model->IsErrorEntity(e))
+      (use.is_shape ? broken : beside).add(number_of(model, entity));
+    const TopoDS_Shape shape = TransferBRep::ShapeResult(transferred, entity);
+    if (entity->IsKind(STANDARD_TYPE(StepShape_FaceSurface)) && !has_face(shape)) lost.add(number_of(model, entity));
+    if (is_open_solid(entity, shape)) open.add(number_of(model, entity));
   }
-  if (lost.count() > 0) {
-    out.faults.push_back(std::to_string(lost.count()) +
-                         " of the file's faces could not be built and are missing: " + lost.list());
-  }
-  if (broken.count() > 0)
-    out.faults.push_back(std::to_string(broken.count()) + " entities of the shapes are damaged: " + broken.list());
+  const auto tell = [](const LostEntities& some, const char* what, std::vector<std::string>& to) {
+    if (some.count() > 0) to.push_back(std::to_string(some.count()) + what + some.list());
+  };
+  tell(lost, " of the file's faces could not be built and are missing: ", out.faults);
+  tell(broken, " entities of the shapes are damaged: ", out.faults);
+  tell(open, " solids of the file are not closed: ", out.faults);
+  tell(beside, " entities beside the shapes could not be read: ", out.warnings);
 }
 
 Handle(TDocStd_Document) new_document() {

@@ -26,6 +26,7 @@ struct Document {
   double unit_mm = 1.0;  ///< length of one unit that the kernel applied
   std::vector<PlacedBody> bodies;
   std::unordered_map<const void*, Label> labels;  ///< keyed by the shared shape of a face
+  std::vector<std::string> warnings;              ///< one sentence each: what could not be read beside the shapes
   std::vector<std::string> faults;                ///< one sentence each: entities that gave no shape
 };
 

@@ -154,6 +154,7 @@ cad::Part build_part(const Document& document, const BuildOptions& options, cons
   part.unit = document.unit;
   part.unit_mm = unit_mm;
   part.unit_given = options.unit_mm > 0.0;
+  part.warnings = document.warnings;
   part.faults = document.faults;
   stage("looking which faces are outside");
   set_places(part);

@@ -50,23 +50,12 @@ double distance_to_surface(const ExactFace& face, const Vec3& place, Vec2 uv) {
   return best;
 }
 
-// Distance of a point from a triangle (Ericson, Real-Time Collision Detection, 5.1.5: Voronoi regions).
-double distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const auto to_side = [&](const Vec3& from, const Vec3& to) {
-    const Vec3 side = to - from;
-    const double length2 = side.squaredNorm();
-    const double t = length2 > 0.0 ? std::clamp((p - from).dot(side) / length2, 0.0, 1.0) : 0.0;
-    return (p - from - t * side).norm();
-  };
+// Distance of a point of the surface from the plane of its triangle. What lies beside it in the plane does not count:
+// parameters of an edge may be off along the surface.
+double distance_to_plane(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 normal = (b - a).cross(c - a);
   const double length = normal.norm();
-  if (length > 0.0) {
-    const auto is_inside = [&](const Vec3& from, const Vec3& to) {
-      return (to - from).cross(p - from).dot(normal) >= 0.0;
-    };
-    if (is_inside(a, b) && is_inside(b, c) && is_inside(c, a)) return std::abs((p - a).dot(normal)) / length;
-  }
-  return std::min({to_side(a, b), to_side(b, c), to_side(c, a)});
+  return length > 0.0 ? std::abs((p - a).dot(normal)) / length : 0.0;
 }
 
 bool is_on(const std::vector<double>& sides, double parameter) {
@@ -113,7 +102,7 @@ class Refiner {
     return mesh_.points[static_cast<std::size_t>(t.corners[k])];
   }
   [[nodiscard]] double deviation(const Triangle& t, const ExactFace& face, const Vec3& place, const Vec2& uv) const {
-    const double from_surface = distance_to_triangle(value(face, uv), at(t, 0), at(t, 1), at(t, 2));
+    const double from_surface = distance_to_plane(value(face, uv), at(t, 0), at(t, 1), at(t, 2));
     return std::max(from_surface, distance_to_surface(face, place, uv));
   }
 

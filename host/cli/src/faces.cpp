@@ -157,7 +157,7 @@ const Registration kFaces{{
                      "largest distance of the mesh from the exact surface")
           ->check(CLI::Range(0.001, 10.0))
           ->capture_default_str();
-      app.add_option("--time-limit-s", options->read.time_limit_s, "after this the reader is ended")
+      app.add_option("--time-limit-s", options->read.time_limit_s, "processor time after which the reader is ended")
           ->check(CLI::Range(0.1, 1e5))
           ->capture_default_str();
       app.add_option("--picture", options->picture, "SVG of the part from two sides with the index of each face");

@@ -13,8 +13,9 @@ namespace triskin::cad {
 struct ReadOptions {
   double unit_mm = 0.0;            ///< length of one unit of the file's numbers; 0: what the file says, else 1
   double max_deviation_mm = 0.05;  ///< 0.001 … 10: largest distance of the mesh from the exact surface
-  double time_limit_s = 60.0;      ///< > 0, by the clock; damaged files of ordinary size end far below it
-  std::uint64_t memory_mb = 0;     ///< address space of the reader process; 0: 1,000, more for files above 20 MB
+  /// > 0, of the processor, three times as much by the clock; at most 7 s and 6 s per MB of the file.
+  double time_limit_s = 60.0;
+  std::uint64_t memory_mb = 0;  ///< address space of the reader process; 0: 1,000, more for files above 20 MB
 };
 
 /// True when the bytes are those of a STEP or IGES file, or the file's name says so.
