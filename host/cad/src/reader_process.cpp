@@ -53,6 +53,15 @@ int file_in_memory(std::string_view bytes) {
   return fd;
 }
 
+// The address sanitizer reserves terabytes of addresses, so a build with it cannot limit them.
+#if defined(__SANITIZE_ADDRESS__)
+constexpr bool kAddressSanitizer = true;
+#elif defined(__has_feature)
+constexpr bool kAddressSanitizer = __has_feature(address_sanitizer);
+#else
+constexpr bool kAddressSanitizer = false;
+#endif
+
 void set_limit(int resource, std::uint64_t soft, std::uint64_t hard) {
   const rlimit limit{soft, hard};
   (void)::setrlimit(static_cast<__rlimit_resource_t>(resource), &limit);
@@ -69,7 +78,7 @@ void set_limit(int resource, std::uint64_t soft, std::uint64_t hard) {
   (void)::dup2(nothing, STDERR_FILENO);
   const auto seconds = static_cast<std::uint64_t>(std::max(1.0, std::ceil(limits.processor_s)));
   set_limit(RLIMIT_CPU, seconds, seconds + 1);
-  set_limit(RLIMIT_AS, limits.memory_bytes, limits.memory_bytes);
+  if (!kAddressSanitizer) set_limit(RLIMIT_AS, limits.memory_bytes, limits.memory_bytes);
   set_limit(RLIMIT_STACK, kStack_bytes, kStack_bytes);
   set_limit(RLIMIT_CORE, 0, 0);
   set_limit(RLIMIT_FSIZE, 0, 0);

@@ -154,7 +154,7 @@ class Reader {
     entity_ = {};
     entity_.id = id_of(name);
     traits_ = 0;
-    number_count_ = 0;
+    numbers_in_entity_ = 0;
     first_string_.clear();
     put(name);
     expect(Kind::kEquals, "`=`");
@@ -222,7 +222,7 @@ class Reader {
     if (token.kind == Kind::kReference) entity_.references.push_back(reference_of(token));
     if (token.kind == Kind::kString && first_string_.empty()) first_string_ = decode_step_string(token.text, encoding_);
     if (token.kind == Kind::kNumber) number(token);
-    number_count_ += token.kind == Kind::kNumber ? 1 : 0;
+    numbers_in_entity_ += token.kind == Kind::kNumber ? 1 : 0;
   }
   void number(const StepToken& token) const {
     double value = 0.0;
@@ -251,8 +251,8 @@ class Reader {
 
   // Files hold millions of entities: what is kept of one is its references and its traits.
   void keep() {
-    if ((traits_ & kPoint) != 0 && (number_count_ < 1 || number_count_ > 3))
-      fail(fmt::format("a point has {} coordinates", number_count_));
+    if ((traits_ & kPoint) != 0 && (numbers_in_entity_ < 1 || numbers_in_entity_ > 3))
+      fail(fmt::format("a point has {} coordinates", numbers_in_entity_));
     if (std::ranges::find(entity_.references, entity_.id) != entity_.references.end())
       fail("it refers to itself; export the part again");
     out_.faces += (traits_ & kFace) != 0 ? 1 : 0;
@@ -303,7 +303,7 @@ class Reader {
   StepText out_;
   Entity entity_;
   std::uint8_t traits_ = 0;
-  std::size_t number_count_ = 0;  // of the entity
+  std::size_t numbers_in_entity_ = 0;
   std::string first_string_;
   std::vector<std::int64_t> ids_, length_units_, used_units_;
   ReferenceGraph graph_, assemblies_;

@@ -257,7 +257,7 @@ BodyMesh mesh_body(const TopoDS_Shape& body, double max_deviation_mm) {
   for (const double step : kSteps) {
     const double deflection_mm = step * max_deviation_mm;
     BRepTools::Clean(body);
-    BRepMesh_IncrementalMesh(body, deflection_mm, Standard_False, kStepAngle_rad, Standard_False);
+    const BRepMesh_IncrementalMesh mesher(body, deflection_mm, Standard_False, kStepAngle_rad, Standard_False);
     BodyMesh mesh = assemble(body, faces, {}, deflection_mm, max_deviation_mm);
     if (!is_sound(mesh)) {
       BodyMesh patched = assemble(body, faces, failed_faces(mesh), deflection_mm, max_deviation_mm);
