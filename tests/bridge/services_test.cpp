@@ -132,11 +132,20 @@ TEST_F(ServicesTest, an_answer_names_the_request_and_both_ends_name_the_service)
 class Stranger {
  public:
   explicit Stranger(dds_entity_t participant) {
-    dds_topic_descriptor_t type = triskin_msgs_srv_dds__AnyRequest__desc;
-    type.m_typename = triskin_msgs_srv_dds__Reroute_Request__desc.m_typename;
-    type.m_flagset &= ~static_cast<std::uint32_t>(DDS_TOPIC_XTYPES_METADATA);
-    type.type_information = {};
-    type.type_mapping = {};
+    // The same name of a type with other members, and without the description that would tell them apart.
+    const dds_topic_descriptor_t& any = triskin_msgs_srv_dds__AnyRequest__desc;
+    const dds_topic_descriptor_t type{any.m_size,
+                                      any.m_align,
+                                      any.m_flagset & ~static_cast<std::uint32_t>(DDS_TOPIC_XTYPES_METADATA),
+                                      any.m_nkeys,
+                                      triskin_msgs_srv_dds__Reroute_Request__desc.m_typename,
+                                      any.m_keys,
+                                      any.m_nops,
+                                      any.m_ops,
+                                      any.m_meta,
+                                      {},
+                                      {},
+                                      any.restrict_data_representation};
     dds_qos_t* qos = dds_create_qos();
     dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
     dds_qset_history(qos, DDS_HISTORY_KEEP_ALL, 0);

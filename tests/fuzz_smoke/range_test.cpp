@@ -90,7 +90,7 @@ class Ranges : public testing::Test {
 TEST_F(Ranges, no_number_crashes_or_stops_a_reader_or_the_checker) {
   ASSERT_TRUE(is_taken(good_));
   std::vector<json::json_pointer> numbers;
-  collect(good_, {}, numbers);
+  collect(good_, json::json_pointer(), numbers);
   ASSERT_GT(numbers.size(), 200U);
   const std::vector<json> extremes{
       -1e308, 1e308, 1e15, -1e12, 1e12,        1e9,    -1e9,         1e6, 1e-300, -1e-300,
@@ -158,7 +158,7 @@ TEST_F(Ranges, derived_values_are_compared_by_all) {
   changes[4]["modules"][1]["depth"] = 2;
   changes[5]["modules"][0]["overrun_mm"] = -1.0;
   for (std::size_t k = 0; k < changes.size(); ++k) {
-    if (k != 4) EXPECT_TRUE(is_refused(changes[k])) << k;
+    EXPECT_TRUE(k == 4 || is_refused(changes[k])) << k;  // The depth of a module is not read twice.
     EXPECT_TRUE(checker_refuses(changes[k])) << k;
   }
 }

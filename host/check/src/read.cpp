@@ -472,8 +472,9 @@ CheckedDesign read_checked_design(const std::filesystem::path& path) {
   try {
     const json document = json::parse(text);
     require_bounded(document, "", kMaxNumber);
+    CheckedDesign design = read_all(document);
     require_known_keys(document);
-    return read_all(document);
+    return design;
   } catch (const json::exception& e) {
     throw InputError(fmt::format("{}: not a design file of this version ({}); make it again with triskin design",
                                  path.string(), json_cause(e.what())));

@@ -322,10 +322,6 @@ void require_derived(const JsonValue& v, const PlacedModule& module, const Modul
 }
 
 void check_head(const JsonValue& v) {
-  only_keys(v, {"format", "version", "name",   "design_id",     "seed",    "source",  "surface",     "limits",
-                "method", "islands", "pieces", "modules",       "patches", "refused", "report",      "side",
-                "kinds",  "jumpers", "price",  "corner_cut_mm", "taken",   "regions", "alternatives"},
-            kDesignPage);
   if (v["format"].text() != "triskin-design") v["format"].fail("must be \"triskin-design\"");
   const int version = v["version"].integer(0, kMaxCount);
   if (version != Design::kVersion && version != Design::kJumperVersion) {
@@ -335,6 +331,10 @@ void check_head(const JsonValue& v) {
   }
   if (has(v, "jumpers") != (version == Design::kJumperVersion))
     v["version"].fail(fmt::format("is {}: version {} and no other has \"jumpers\"", version, Design::kJumperVersion));
+  only_keys(v, {"format", "version", "name",   "design_id",     "seed",    "source",  "surface",     "limits",
+                "method", "islands", "pieces", "modules",       "patches", "refused", "report",      "side",
+                "kinds",  "jumpers", "price",  "corner_cut_mm", "taken",   "regions", "alternatives"},
+            kDesignPage);
 }
 
 std::optional<Design::PartSource> read_part_source(const JsonValue& source) {
