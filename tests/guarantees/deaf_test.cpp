@@ -139,8 +139,9 @@ TEST_F(Deaf, the_first_ctrl_c_ends_every_command_in_a_flood) {
                                 "record strip.json -o r.mcap", "flash strip.json", "view strip.json --no-open"}) {
       const std::uint64_t before = server.sent_bytes();
       Running program(line(fmt::format("{} --link {}", command, server.link())), folder_ / "log");
-      while (server.sent_bytes() < before + 300'000 && program.text().find("triskin: ") == std::string::npos)
-        ::usleep(10'000);
+      (void)wait_until([&] {
+        return server.sent_bytes() > before + 300'000 || program.text().find("triskin: ") != std::string::npos;
+      });
       program.signal(SIGINT);
       EXPECT_TRUE(program.ends()) << command << " is deaf to Ctrl-C while frames 0x" << std::hex << id << " come\n"
                                   << program.text();

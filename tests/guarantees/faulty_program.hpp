@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -10,6 +11,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <stdexcept>
 #include <string>
 
@@ -20,6 +22,15 @@ namespace triskin::test {
 /// The library that shifts the clock and fills the disk of a program.
 inline std::string fault_library() {
   return (std::filesystem::path(program_file()).parent_path() / "libtriskin_test_faults.so").string();
+}
+
+/// Waits until `done`, at most half a minute; false: it was not.
+inline bool wait_until(const std::function<bool()>& done) {
+  for (int k = 0; k < 3000; ++k) {
+    if (done()) return true;
+    ::usleep(10'000);
+  }
+  return false;
 }
 
 /// What the environment says to that library. The address sanitizer wants to be the first library, and is not here.
@@ -60,7 +71,8 @@ class Running {
     std::filesystem::remove(log_);
     pid_ = ::fork();
     if (pid_ == 0) {
-      const std::string command = "exec setpriv --pdeathsig KILL -- " + line + " >'" + log_.string() + "' 2>&1";
+      (void)::prctl(PR_SET_PDEATHSIG, SIGKILL);
+      const std::string command = (line.starts_with("cd ") ? "" : "exec ") + line + " >'" + log_.string() + "' 2>&1";
       ::execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
       std::_Exit(127);
     }
@@ -77,18 +89,14 @@ class Running {
   [[nodiscard]] std::string text() const { return std::filesystem::exists(log_) ? read_file(log_) : ""; }
   /// Waits until it has printed `sign`; false: it ended before, or half a minute passed.
   bool says(const std::string& sign) {
-    for (int k = 0; k < 3000; ++k) {
-      if (text().find(sign) != std::string::npos) return true;
-      if (has_ended()) return text().find(sign) != std::string::npos;
-      ::usleep(10'000);
-    }
-    return false;
+    const auto said = [&] { return text().find(sign) != std::string::npos; };
+    (void)wait_until([&] { return said() || has_ended(); });
+    return said();
   }
   /// True when it ends within half a minute, which is far above what a loaded machine needs: a program that is deaf to
   /// signals would run for ever.
   bool ends() {
-    for (int k = 0; k < 3000 && !has_ended(); ++k) ::usleep(10'000);
-    return ended_;
+    return wait_until([this] { return has_ended(); });
   }
   /// Waits for its end; the exit status as a shell has it.
   int status() {

@@ -42,7 +42,7 @@ class Writers : public ShellCase {
 TEST_F(Writers, a_second_recorder_is_told_who_writes_the_file) {
   const ServedSimulation served(path("strip.json"));
   Running first(line("record strip.json --seconds 60 --link " + served.link() + " -o r.mcap"), folder_ / "log");
-  while (kept("r.mcap").size() < 100) ::usleep(10'000);
+  ASSERT_TRUE(wait_until([&] { return kept("r.mcap").size() > 100; })) << first.text();
   const Outcome second = run("record strip.json --link sim --seconds 0.1 -o r.mcap");
   EXPECT_EQ(second.status, 2);
   EXPECT_THAT(second.messages, AllOf(HasSubstr("r.mcap"), HasSubstr(fmt::format("process {}", first.pid())),

@@ -48,7 +48,7 @@ TEST(SampleAccount, what_is_none_of_the_lease_counts_for_nothing) {
   EXPECT_EQ(a.counts(), (SampleCounts{2, 2, 2, 0, 0, 0, 0}));
 }
 
-// At 1 kHz the 32 bits of a number wrap after 49 days. Both sides of the wrap occur: 2^32 − 2, 2^32 − 1, 0, 1, 2.
+// At 1 kHz the 32 bits of a number wrap after 49 days. On both sides of the wrap: 2^32 − 2, 2^32 − 1, 0, 1, 2.
 TEST(SampleAccount, goes_on_where_the_numbers_wrap) {
   SampleAccount a(1, kInterval_us);
   a.begin(0, {0xFFFF'FFFDU, 0, 0, 0, 0}, 0);
