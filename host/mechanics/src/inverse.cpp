@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "contact_count.hpp"
 #include "contact_fit.hpp"
 #include "contact_guess.hpp"
 #include "contact_posterior.hpp"
@@ -17,16 +18,21 @@
 namespace triskin::mechanics {
 namespace {
 
-// The table and the superposition are exact to about this share of the peak; smaller residuals say nothing.
+// The superposition is exact to about this share of the peak; smaller residuals do not call for another contact.
 constexpr double kModelErrorShare = 1e-3;
 // The table is exact to about this share, so no fit is trusted further.
 constexpr double kTableErrorShare = 5e-5;
-// Beyond these deviations the posterior is no longer normal, and samples take the place of the Gauss-Newton matrix.
-constexpr double kWidePosition_mm = 0.3, kWideLogForce = 0.1;
 // Noise that is assumed in the first fits where none is stated, as a share of the peak.
 constexpr double kFirstNoiseShare = 0.01;
-constexpr double kSignalShare = 0.02;
+// A taxel counts as pressed above this share of the peak and so many deviations of a stated noise.
+constexpr double kSignalShare = 0.02, kSignalDeviations = 3.5;
 constexpr double kKnownRadiusSd = 1e-3;
+// Steps of a fit from each start, and how many of the fits go on.
+constexpr int kFirstSteps = 8;
+constexpr std::size_t kFinalists = 3;
+// One more contact that gains less than this share of what it should is the last one that is tried: a further one would
+// have to gain the rest.
+constexpr double kHopelessShare = 0.5;
 
 using Starts = std::vector<std::vector<FitContact>>;
 
@@ -72,46 +78,54 @@ std::vector<ForceGuess> merged(std::vector<ForceGuess> guesses, std::size_t coun
 
 class ContactSearch {
  public:
-  ContactSearch(const TaxelModel& model, Eigen::VectorXd observed, const InverseOptions& options)
-      : model_(model), observed_(std::move(observed)), options_(options) {
+  ContactSearch(const TaxelModel& model, const Eigen::VectorXd& observed, const InverseOptions& options)
+      : model_(model), observed_(observed), options_(options), priors_(priors_for(model.table().layer())) {
     peak_ = observed_.size() == 0 ? 0.0 : std::max(0.0, observed_.maxCoeff());
     noise_ = std::max(options.noise_dc_over_c.value_or(kFirstNoiseShare * peak_), kTableErrorShare * peak_);
     if (options.tip_radius_mm) {
       priors_.log_radius = std::log(*options.tip_radius_mm);
       priors_.log_radius_sd = kKnownRadiusSd;
     }
-    if (peak_ > 0.0) guesses_ = guess_contacts(model, observed_, std::max(kSignalShare * peak_, 2.5 * stated_noise()));
+    const double floor = std::max(kSignalShare * peak_, kSignalDeviations * options.noise_dc_over_c.value_or(0.0));
+    if (peak_ > floor) guesses_ = guess_contacts(model, observed_, floor);
   }
   InverseResult run();
 
  private:
-  [[nodiscard]] double stated_noise() const { return options_.noise_dc_over_c.value_or(0.0); }
-  [[nodiscard]] double criterion(double residual_sum, int contacts) const;
-  [[nodiscard]] Starts starts(std::size_t count, const Fit* fewer) const;
+  [[nodiscard]] FitProblem problem(double noise) const { return {model_, observed_, noise, priors_}; }
+  [[nodiscard]] double gain_share(const Fit& more, const Fit& fewer) const;
+  [[nodiscard]] Starts starts(std::size_t count, const Fit& fewer) const;
   [[nodiscard]] Starts added(const Fit& fewer) const;
   [[nodiscard]] std::vector<double> radii(std::size_t count) const;
-  [[nodiscard]] std::optional<Fit> best_fit(const Starts& starts, double noise) const;
-  [[nodiscard]] ContactMoments moments(const Fit& fit, std::size_t contact) const;
+  [[nodiscard]] std::optional<Fit> first_fit(std::vector<FitContact> start) const;
+  [[nodiscard]] std::optional<Fit> best_fit(const Starts& starts) const;
+  [[nodiscard]] Fit search() const;
+  [[nodiscard]] Fit with_found_noise(Fit fit) const;
   [[nodiscard]] InverseResult report(const Fit& fit) const;
   [[nodiscard]] double found_noise(const Fit& fit) const;
 
   const TaxelModel& model_;
-  Eigen::VectorXd observed_;
+  const Eigen::VectorXd& observed_;
   const InverseOptions& options_;
   FitPriors priors_;
   double peak_ = 0.0, noise_ = 0.0;
   std::vector<ForceGuess> guesses_;
 };
 
-// Extended Bayesian information criterion (Chen and Chen, Biometrika 95 (2008) 759): a new contact may appear at any
-// taxel, which costs 2 ln n beside its parameters. The error of the model stands beside the noise, so that exact data
-// does not call for more and more contacts.
-double ContactSearch::criterion(double residual_sum, int contacts) const {
+// What the likelihood ratio gains of what so many more contacts have to gain: above 1 they count. The error of the model
+// stands beside the noise, so that exact data does not call for more and more contacts. Where the noise is not stated,
+// the logarithm of the ratio takes the place of the gain, with Bartlett's factor for the parameters that the fit spends.
+double ContactSearch::gain_share(const Fit& more, const Fit& fewer) const {
   const auto n = static_cast<double>(observed_.size());
-  const double floor = kModelErrorShare * peak_;
-  const double penalty = (kParametersPerContact + 2) * contacts * std::log(n);
-  if (options_.noise_dc_over_c) return residual_sum / (stated_noise() * stated_noise() + floor * floor) + penalty;
-  return n * std::log(residual_sum / n + floor * floor) + penalty;
+  const auto further = static_cast<double>(more.contacts.size() - fewer.contacts.size());
+  const double wanted = further * count_threshold(n), floor = kModelErrorShare * peak_;
+  if (options_.noise_dc_over_c) {
+    const double variance = *options_.noise_dc_over_c * *options_.noise_dc_over_c + floor * floor;
+    return (fewer.residual_sum - more.residual_sum) / (wanted * variance);
+  }
+  const double spent = kParametersPerContact * (static_cast<double>(more.contacts.size()) - further / 2.0) + 1.0;
+  const double ratio = (fewer.residual_sum + n * floor * floor) / (more.residual_sum + n * floor * floor);
+  return std::max(1.0, n - spent) * std::log(ratio) / wanted;
 }
 
 std::vector<double> ContactSearch::radii(std::size_t count) const {
@@ -123,13 +137,11 @@ std::vector<double> ContactSearch::radii(std::size_t count) const {
 Starts ContactSearch::added(const Fit& fewer) const {
   Starts starts;
   const auto response = model_.respond(fewer.contacts, false);
-  Eigen::Index worst = 0;
   if (!response || fewer.contacts.empty()) return starts;
-  (observed_ - response->values).maxCoeff(&worst);
-  double radius = priors_.log_radius;
-  std::vector<FitContact> more = fewer.contacts;
-  more.push_back({model_.positions_mm()[static_cast<std::size_t>(worst)], fewer.contacts[0].log_force - 1.5, radius});
-  starts.push_back(more);
+  for (const ForceGuess& guess : guess_peak(model_, observed_ - response->values)) {
+    starts.push_back(fewer.contacts);
+    starts.back().push_back({guess.position_mm, std::log(guess.force_n), priors_.log_radius});
+  }
   const auto strongest = std::max_element(fewer.contacts.begin(), fewer.contacts.end(),
                                           [](const auto& a, const auto& b) { return a.log_force < b.log_force; });
   for (const Eigen::Vector2d& offset : {Eigen::Vector2d(3.5, 0.0), Eigen::Vector2d(0.0, 3.5)}) {
@@ -145,34 +157,44 @@ Starts ContactSearch::added(const Fit& fewer) const {
   return starts;
 }
 
-Starts ContactSearch::starts(std::size_t count, const Fit* fewer) const {
-  Starts starts;
-  if (guesses_.size() >= count) {
-    const std::vector<ForceGuess> strongest(guesses_.begin(), guesses_.begin() + static_cast<std::ptrdiff_t>(count));
-    for (const double r : radii(count)) {
-      starts.push_back(with_radius(merged(guesses_, count), r));
-      if (count < guesses_.size()) starts.push_back(with_radius(strongest, r));
+Starts ContactSearch::starts(std::size_t count, const Fit& fewer) const {
+  Starts starts = added(fewer);
+  for (const double r : radii(count)) {
+    if (guesses_.size() >= count) {
+      const std::vector<ForceGuess> best(guesses_.begin(), guesses_.begin() + static_cast<std::ptrdiff_t>(count));
+      starts.push_back(with_radius(best, r));
+      if (count < guesses_.size()) starts.push_back(with_radius(merged(guesses_, count), r));
     }
-  }
-  if (fewer != nullptr) {
-    for (auto& start : added(*fewer)) starts.push_back(std::move(start));
+    if (count > 1) continue;
+    for (const ForceGuess& guess : guess_peak(model_, observed_)) starts.push_back(with_radius({guess}, r));
   }
   return starts;
 }
 
-std::optional<Fit> ContactSearch::best_fit(const Starts& starts, double noise) const {
-  std::optional<Fit> best;
-  for (std::vector<FitContact> start : starts) {
-    std::optional<Fit> fit;
-    // A guess of the force may push a small tip through the layer: a blunter one holds it.
-    for (int attempt = 0; attempt < 6 && !fit; ++attempt) {
-      fit = fit_contacts(model_, observed_, start, start, noise, priors_);
-      for (FitContact& c : start)
-        (options_.tip_radius_mm ? c.log_force : c.log_radius) += options_.tip_radius_mm ? -0.5 : 0.6;
-    }
-    if (fit && (!best || fit->objective < best->objective)) best = std::move(fit);
+// A guess of the force may push a small tip through the layer: a blunter one holds it.
+std::optional<Fit> ContactSearch::first_fit(std::vector<FitContact> start) const {
+  for (int attempt = 0; attempt < 6; ++attempt) {
+    if (auto fit = fit_contacts(problem(noise_), start, kFirstSteps)) return fit;
+    for (FitContact& c : start)
+      (options_.tip_radius_mm ? c.log_force : c.log_radius) += options_.tip_radius_mm ? -0.5 : 0.6;
   }
-  return best;
+  return std::nullopt;
+}
+
+// All starts go a few steps, the most promising go on to their minimum.
+std::optional<Fit> ContactSearch::best_fit(const Starts& starts) const {
+  std::vector<Fit> fits;
+  for (const std::vector<FitContact>& start : starts) {
+    if (auto fit = first_fit(start)) fits.push_back(*std::move(fit));
+  }
+  const auto by_objective = [](const Fit& a, const Fit& b) { return a.objective < b.objective; };
+  std::sort(fits.begin(), fits.end(), by_objective);
+  if (fits.size() > kFinalists) fits.resize(kFinalists);
+  for (Fit& fit : fits) {
+    if (auto further = fit_contacts(problem(noise_), fit.contacts)) fit = *std::move(further);
+  }
+  const auto best = std::min_element(fits.begin(), fits.end(), by_objective);
+  return best == fits.end() ? std::nullopt : std::optional<Fit>(*best);
 }
 
 double ContactSearch::found_noise(const Fit& fit) const {
@@ -182,24 +204,14 @@ double ContactSearch::found_noise(const Fit& fit) const {
   return std::sqrt(fit.residual_sum / std::max(1.0, freedom));
 }
 
-ContactMoments ContactSearch::moments(const Fit& fit, std::size_t contact) const {
-  const FitContact& k = fit.contacts[contact];
-  const auto block = static_cast<Eigen::Index>(kParametersPerContact * contact);
-  const Eigen::Vector4d sd = fit.covariance.diagonal().segment<4>(block).cwiseSqrt();
-  if (sd.head<2>().maxCoeff() > kWidePosition_mm || sd[2] > kWideLogForce) {
-    if (const auto sampled = sample_posterior(model_, observed_, fit, contact, priors_)) return *sampled;
-  }
-  const double force = std::exp(k.log_force), radius = std::exp(k.log_radius);
-  return {{k.position_mm.x(), k.position_mm.y(), force, radius}, {sd[0], sd[1], force * sd[2], radius * sd[3]}};
-}
-
 InverseResult ContactSearch::report(const Fit& fit) const {
   InverseResult result;
   result.noise_dc_over_c = found_noise(fit);
   result.residual_dc_over_c =
       std::sqrt(fit.residual_sum / static_cast<double>(std::max<Eigen::Index>(1, observed_.size())));
+  const std::vector<ContactMoments> moments = posterior_moments(problem(fit.noise), fit);
   for (std::size_t c = 0; c < fit.contacts.size(); ++c) {
-    const ContactMoments m = moments(fit, c);
+    const ContactMoments& m = moments[c];
     const FitContact& k = fit.contacts[c];
     const Contact pressed = model_.table().press({Shape::kSphere, std::exp(k.log_radius)}, std::exp(k.log_force));
     result.contacts.push_back({m.mean.head<2>(), m.deviation.head<2>(), m.mean[2], m.deviation[2], m.mean[3],
@@ -210,32 +222,35 @@ InverseResult ContactSearch::report(const Fit& fit) const {
   return result;
 }
 
-InverseResult ContactSearch::run() {
-  Fit best;
+// More and more contacts until none more explains enough, or as many as are asked for.
+Fit ContactSearch::search() const {
+  Fit best, fewer;
   best.residual_sum = observed_.squaredNorm();
-  if (guesses_.empty() || options_.contacts == 0) return report(best);
-  double best_criterion = criterion(best.residual_sum, 0);
-  std::optional<Fit> fewer;
+  fewer = best;
   const int most = options_.contacts.value_or(options_.max_contacts);
-  int failures = 0;
-  for (int count = 1; count <= most && failures < 2; ++count) {
-    std::optional<Fit> fit = best_fit(starts(static_cast<std::size_t>(count), fewer ? &*fewer : nullptr), noise_);
-    if (!fit) continue;
-    const double value = criterion(fit->residual_sum, count);
-    const bool is_wanted = options_.contacts ? count == most : value < best_criterion;
-    if (is_wanted) {
-      best = *fit;
-      best_criterion = value;
-    }
-    failures = is_wanted || options_.contacts ? 0 : failures + 1;
-    fewer = std::move(fit);
+  for (int count = 1; count <= most; ++count) {
+    std::optional<Fit> fit = best_fit(starts(static_cast<std::size_t>(count), fewer));
+    if (!fit) break;
+    const double share = options_.contacts ? 1.0 : gain_share(*fit, best);
+    if (share >= 1.0) best = *fit;
+    if (share < kHopelessShare) break;
+    fewer = std::move(*fit);
   }
-  if (best.contacts.empty() && options_.contacts && fewer) best = *fewer;
-  if (!options_.noise_dc_over_c && !best.contacts.empty()) {
-    const double noise = std::max(found_noise(best), kTableErrorShare * peak_);
-    if (auto again = fit_contacts(model_, observed_, best.contacts, best.prior_centres, noise, priors_)) best = *again;
-  }
-  return report(best);
+  return best;
+}
+
+Fit ContactSearch::with_found_noise(Fit fit) const {
+  if (options_.noise_dc_over_c || fit.contacts.empty()) return fit;
+  const double noise = std::max(found_noise(fit), kTableErrorShare * peak_);
+  auto again = fit_contacts(problem(noise), fit.contacts);
+  return again ? *std::move(again) : fit;
+}
+
+InverseResult ContactSearch::run() {
+  Fit none;
+  none.residual_sum = observed_.squaredNorm();
+  if (guesses_.empty() || options_.contacts == 0) return report(none);
+  return report(with_found_noise(search()));
 }
 
 }  // namespace
