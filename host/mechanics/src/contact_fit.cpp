@@ -30,8 +30,8 @@ class Search {
     auto response = problem_.model.respond(contacts, true);
     if (!response) return false;
     const Eigen::VectorXd residual = response->values - problem_.observed;
-    const double objective = residual.squaredNorm() * weight() +
-                             prior_objective(problem_.priors, problem_.model.positions_mm(), contacts);
+    const double objective =
+        residual.squaredNorm() * weight() + prior_objective(problem_.priors, problem_.model.positions_mm(), contacts);
     if (!(objective < objective_)) return false;
     at_ = place;
     objective_ = objective;

@@ -148,8 +148,8 @@ std::vector<ForceGuess> guess_peak(const TaxelModel& model, const Eigen::VectorX
   const Eigen::Vector2d centre = taxels[static_cast<std::size_t>(peak)];
   const Eigen::VectorXd u = displacements(model, observed);
   const Layer& layer = model.table().layer();
-  const double stiffness = cell_mm2(taxels, static_cast<std::size_t>(peak)) * confined_modulus_kpa(layer) /
-                           layer.thickness_mm / kKpaMm2PerN;
+  const double stiffness =
+      cell_mm2(taxels, static_cast<std::size_t>(peak)) * confined_modulus_kpa(layer) / layer.thickness_mm / kKpaMm2PerN;
   double sum = 0.0;
   Eigen::Vector2d centroid = Eigen::Vector2d::Zero();
   for (std::size_t t = 0; t < taxels.size(); ++t) {

@@ -13,6 +13,8 @@ namespace triskin::mechanics {
 namespace {
 
 constexpr int kWarmUpSteps = 100, kSteps = 800;
+// Around a single taxel the matrix knows no bound for a place.
+constexpr double kMaxStep_mm = 2.0;
 constexpr std::uint64_t kSeed = 20190814;
 // The objective is looked at so many deviations from its minimum, and may differ by so much of its quadratic growth.
 constexpr double kLookDeviations = 1.5, kMaxCurvatureError = 0.25;
@@ -47,9 +49,11 @@ class Chain {
       : problem_(problem), at_(parameters_of(fit.contacts)), objective_(fit.objective), dice_(kSeed) {
     joint_ = root_of(inverse_of(fit.precision));
     for (std::size_t c = 0; c < fit.contacts.size(); ++c) {
-      ridges_.emplace_back(problem, fit, c);
+      proposals_.emplace_back(problem, fit, c);
       const auto at = static_cast<Eigen::Index>(kParametersPerContact * c);
-      steps_.push_back(root_of(inverse_of(fit.precision.block<4, 4>(at, at))));
+      Matrix precision = fit.precision.block<4, 4>(at, at);
+      precision.diagonal().head<2>().array() += 1.0 / (kMaxStep_mm * kMaxStep_mm);
+      steps_.push_back(root_of(inverse_of(precision)));
     }
   }
   [[nodiscard]] std::vector<ContactMoments> sample() {
@@ -73,20 +77,20 @@ class Chain {
  private:
   static Matrix root_of(const Matrix& covariance) { return covariance.llt().matrixL(); }
   void sweep() {
-    for (std::size_t c = 0; c < ridges_.size(); ++c) {
-      jump_on_ridge(c);
+    for (std::size_t c = 0; c < proposals_.size(); ++c) {
+      jump(c);
       Vector step = Vector::Zero(at_.size());
       step.segment<4>(static_cast<Eigen::Index>(kParametersPerContact * c)) = drawn(steps_[c]);
       move(at_ + step, 0.0);
     }
-    if (ridges_.size() > 1) move(at_ + drawn(joint_), 0.0);
+    if (proposals_.size() > 1) move(at_ + drawn(joint_), 0.0);
   }
-  void jump_on_ridge(std::size_t contact) {
+  void jump(std::size_t contact) {
     const auto at = static_cast<Eigen::Index>(kParametersPerContact * contact);
-    const ContactVector here = at_.segment<4>(at), there = ridges_[contact].draw(dice_);
+    const ContactVector here = at_.segment<4>(at), there = proposals_[contact].draw(dice_);
     Vector place = at_;
     place.segment<4>(at) = there;
-    move(place, ridges_[contact].log_density(here) - ridges_[contact].log_density(there));
+    move(place, proposals_[contact].log_density(here) - proposals_[contact].log_density(there));
   }
   // A step as long as Gelman, Roberts and Gilks advise: 2.4 deviations over the root of the dimension.
   Vector drawn(const Matrix& root) {
@@ -115,7 +119,7 @@ class Chain {
   Dice dice_;
   Matrix joint_;
   std::vector<Matrix> steps_;
-  std::vector<ContactRidge> ridges_;
+  std::vector<ContactProposal> proposals_;
 };
 
 }  // namespace

@@ -11,30 +11,38 @@ namespace triskin::mechanics {
 /// Four parameters of one contact: x, y, ln F, ln R.
 using ContactVector = Eigen::Vector4d;
 
-/// The ridge of the posterior of one contact, the others as fitted: for each tip radius the best place and force, and
-/// their normal distribution there. A blunt tip far away and a sharp one near by explain few taxels alike, so the ridge
-/// is long and bent, and a distribution that follows it proposes samples that are taken.
-class ContactRidge {
+/// Proposals for one contact, the others as fitted. A blunt tip far away and a sharp one near by explain few taxels
+/// alike, so the posterior is a long, bent ridge: for each tip radius there is a best place and force, with their
+/// normal distribution about it. Where a contact presses one taxel only, ridges on several sides of the taxel stand
+/// side by side. A distribution that follows them proposes samples that are taken.
+class ContactProposal {
  public:
-  ContactRidge(const FitProblem& problem, const Fit& fit, std::size_t contact);
+  ContactProposal(const FitProblem& problem, const Fit& fit, std::size_t contact);
   [[nodiscard]] ContactVector draw(Dice& dice) const;
-  /// Logarithm of the density that draw() has, but for a constant; minus infinity beside the ridge.
+  /// Logarithm of the density that draw() has, but for a constant; minus infinity beside the ridges.
   [[nodiscard]] double log_density(const ContactVector& at) const;
 
  private:
-  // Cells of equal width in ln R; each has the optimum at its centre, the root of the covariance and its share of draws.
+  // The optimum at one ln R, the root of the covariance there and the share of draws.
   struct Cell {
     double log_radius, objective;
     Eigen::Vector3d place;
     Eigen::Matrix3d root;
     double share = 0.0;
   };
-  [[nodiscard]] std::vector<Cell> follow(const FitProblem& problem, Fit fit, std::size_t contact, double step) const;
+  // Cells of equal width in ln R.
+  struct Ridge {
+    double width = 0.0, share = 0.0;
+    std::vector<Cell> cells;
+    [[nodiscard]] Eigen::Vector3d place_at(std::size_t cell, double log_radius) const;
+    [[nodiscard]] double density(const ContactVector& at) const;
+  };
+  [[nodiscard]] static std::vector<Fit> modes(const FitProblem& problem, const Fit& fit, std::size_t contact);
+  [[nodiscard]] static std::vector<Cell> followed(const FitProblem& problem, Fit fit, std::size_t contact, double step);
+  [[nodiscard]] static Ridge ridge_from(const FitProblem& problem, const Fit& fit, std::size_t contact);
   void share_out();
-  [[nodiscard]] Eigen::Vector3d place_at(std::size_t cell, double log_radius) const;
 
-  double width_ = 0.0;
-  std::vector<Cell> cells_;
+  std::vector<Ridge> ridges_;
 };
 
 /// A standard normal number by Box and Muller's transform: equal on every compiler.

@@ -112,9 +112,10 @@ class ContactSearch {
   std::vector<ForceGuess> guesses_;
 };
 
-// What the likelihood ratio gains of what so many more contacts have to gain: above 1 they count. The error of the model
-// stands beside the noise, so that exact data does not call for more and more contacts. Where the noise is not stated,
-// the logarithm of the ratio takes the place of the gain, with Bartlett's factor for the parameters that the fit spends.
+// What the likelihood ratio gains of what so many more contacts have to gain: above 1 they count. The error of the
+// model stands beside the noise, so that exact data does not call for more and more contacts. Where the noise is not
+// stated, the logarithm of the ratio takes the place of the gain, with Bartlett's factor for the parameters that the
+// fit spends.
 double ContactSearch::gain_share(const Fit& more, const Fit& fewer) const {
   const auto n = static_cast<double>(observed_.size());
   const auto further = static_cast<double>(more.contacts.size() - fewer.contacts.size());

@@ -16,6 +16,8 @@ constexpr double kSampleStep_mm = 0.05;
 constexpr double kReachThicknesses = 8.0;
 // Displacements below this share of the peak are left out: less than the table is exact to.
 constexpr double kLeastShare = 1e-5;
+// So far from its edge, in thicknesses, a contact bends the surface only gently.
+constexpr double kSmoothThicknesses = 0.3;
 constexpr double kLogStep = 1e-3;
 constexpr std::size_t kRemembered = 16;
 // So near to the axis the displacement has no slope.
@@ -47,7 +49,7 @@ struct TaxelModel::Profiles {
   double log_force, log_radius;
   bool has_derivatives;
   SampledProfile displacement, more_force, less_force, more_radius, less_radius;
-  double reach_mm = 0.0;
+  double contact_radius_mm = 0.0, reach_mm = 0.0;
 };
 
 TaxelModel::TaxelModel(const ContactTable& table, std::vector<Eigen::Vector2d> positions_mm, double disc_radius_mm)
@@ -62,7 +64,9 @@ TaxelModel::SharedProfiles TaxelModel::profiles_of(const FitContact& contact, bo
   const double reach = pressed.contact_radius_mm + kReachThicknesses * table_.layer().thickness_mm;
   const auto sample = [&](const Contact& c) { return SampledProfile(*c.field, reach); };
   const auto pressed_by = [&](double force, double radius) { return sample(press_tip(table_, force, radius)); };
-  auto profiles = std::make_shared<Profiles>(Profiles{f, r, with_derivatives, sample(pressed), {}, {}, {}, {}, 0.0});
+  auto profiles =
+      std::make_shared<Profiles>(Profiles{f, r, with_derivatives, sample(pressed), {}, {}, {}, {}, 0.0, 0.0});
+  profiles->contact_radius_mm = pressed.contact_radius_mm;
   profiles->reach_mm = profiles->displacement.reach_mm();
   if (with_derivatives) {
     profiles->more_force = pressed_by(f + kLogStep, r);
@@ -84,11 +88,15 @@ class TaxelModel::DiscSum {
 
   bool add_taxel(Eigen::Index taxel, const Eigen::Vector2d& centre, double disc_radius_mm) {
     near_.clear();
+    bool is_smooth = true;
     for (std::size_t c = 0; c < contacts_.size(); ++c) {
-      if ((centre - contacts_[c].position_mm).norm() < profiles_[c]->reach_mm + disc_radius_mm) near_.push_back(c);
+      const double distance = (centre - contacts_[c].position_mm).norm() - disc_radius_mm;
+      if (distance < profiles_[c]->reach_mm) near_.push_back(c);
+      is_smooth = is_smooth && distance > profiles_[c]->contact_radius_mm + kSmoothThicknesses * thickness_mm_;
     }
     if (near_.empty()) return true;
-    return std::all_of(disc_points().begin(), disc_points().end(), [&](const DiscPoint& p) {
+    const std::vector<DiscPoint>& points = is_smooth ? coarse_disc_points() : disc_points();
+    return std::all_of(points.begin(), points.end(), [&](const DiscPoint& p) {
       return add_point(taxel, centre + disc_radius_mm * p.position, p.weight);
     });
   }
