@@ -57,7 +57,8 @@ const Layer kFabric{2.0, 0.1, 30.0};
 
 class Inverse : public testing::Test {
  protected:
-  const ContactTable table{kFabric};
+  // It takes most of a second to make and serves all tests.
+  static inline const ContactTable table{kFabric};
 };
 
 // The forward model of the fit against the exact contact and its own quadrature.
@@ -168,18 +169,18 @@ TEST_F(Inverse, NoiseAtTheEdgeOfTheSkinDoesNotMislead) {
 }
 
 TEST_F(Inverse, StudyCoversTheTruth) {
-  const InverseStudy study = study_inverse(20, 3);
+  const InverseStudy study = study_inverse(10, 3);
   ASSERT_EQ(study.rows.size(), 2U);
   int covered = 0, values = 0;
   for (const StudyRow& row : study.rows) {
-    EXPECT_EQ(row.draws, 10);
+    EXPECT_EQ(row.draws, 5);
     EXPECT_LE(row.wrong_counts, 1) << row.contacts;
     EXPECT_EQ(row.estimates, row.contacts * (row.draws - row.wrong_counts));
     covered += static_cast<int>(std::lround(row.covered * 3 * row.estimates));
     values += 3 * row.estimates;
   }
   EXPECT_GT(covered, 0.85 * values);
-  EXPECT_NE(study_text(study).find("| 2 | 10 |"), std::string::npos);
+  EXPECT_NE(study_text(study).find("| 2 | 5 |"), std::string::npos);
   EXPECT_THROW((void)study_inverse(1, 3), InputError);
 }
 
@@ -212,15 +213,22 @@ TEST_F(Inverse, SinglePressedTaxelHasWideDeviations) {
   EXPECT_GT(c.force_sd_n / c.force_n, 0.2);
 }
 
+// One of the pressed taxels is dead. Exact values say that they are exact and give the place; with a stated noise of
+// 0.01 the same values leave a wide posterior, whose mean is the estimate.
 TEST_F(Inverse, DeadTaxelsAreLeftOut) {
   const auto taxels = lattice();
   const std::vector<ContactEstimate> contacts = {tip(20.0, 20.0, 0.5, 15.0)};
   auto values = predict_taxels(table, taxels, contacts);
   values[30] = std::nan("");
-  const InverseResult result = find_contacts(table, observed(taxels, values), {.noise_dc_over_c = 0.01});
-  ASSERT_EQ(result.contacts.size(), 1U);
-  const ContactEstimate& c = result.contacts[0];
-  EXPECT_LT((c.position_mm - contacts[0].position_mm).norm(), 0.3);
+  const InverseResult exact = find_contacts(table, observed(taxels, values), {});
+  ASSERT_EQ(exact.contacts.size(), 1U);
+  EXPECT_LT((exact.contacts[0].position_mm - contacts[0].position_mm).norm(), 0.3);
+  EXPECT_NEAR(exact.contacts[0].force_n, 0.5, 0.02);
+  const InverseResult noisy = find_contacts(table, observed(taxels, values), {.noise_dc_over_c = 0.01});
+  ASSERT_EQ(noisy.contacts.size(), 1U);
+  const ContactEstimate& c = noisy.contacts[0];
+  EXPECT_LT((c.position_mm - contacts[0].position_mm).norm(), 1.96 * c.position_sd_mm.norm());
+  EXPECT_LT(std::abs(c.force_n - 0.5), 1.96 * c.force_sd_n);
 }
 
 void expect_refused(const std::string& text, const char* words) {

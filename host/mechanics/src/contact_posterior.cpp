@@ -6,7 +6,6 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "contact_ridge.hpp"
 #include "triskin/base/dice.hpp"
 
 namespace triskin::mechanics {
@@ -49,7 +48,7 @@ class Chain {
       : problem_(problem), at_(parameters_of(fit.contacts)), objective_(fit.objective), dice_(kSeed) {
     joint_ = root_of(inverse_of(fit.precision));
     for (std::size_t c = 0; c < fit.contacts.size(); ++c) {
-      proposals_.emplace_back(problem, fit, c);
+      proposals_.emplace_back(problem, fit, c, ContactProposal::Sides::kAll);
       const auto at = static_cast<Eigen::Index>(kParametersPerContact * c);
       Matrix precision = fit.precision.block<4, 4>(at, at);
       precision.diagonal().head<2>().array() += 1.0 / (kMaxStep_mm * kMaxStep_mm);
@@ -123,6 +122,13 @@ class Chain {
 };
 
 }  // namespace
+
+std::vector<ContactMoments> ridge_moments(const FitProblem& problem, const Fit& fit) {
+  std::vector<ContactMoments> moments;
+  for (std::size_t c = 0; c < fit.contacts.size(); ++c)
+    moments.push_back(ContactProposal(problem, fit, c, ContactProposal::Sides::kOne).moments());
+  return moments;
+}
 
 std::vector<ContactMoments> posterior_moments(const FitProblem& problem, const Fit& fit) {
   if (fit.contacts.empty()) return {};

@@ -74,8 +74,9 @@ double standard_normal(Dice& dice) {
   return radius * std::cos(2.0 * std::numbers::pi * dice.unit());
 }
 
-ContactProposal::ContactProposal(const FitProblem& problem, const Fit& fit, std::size_t contact) {
-  for (const Fit& mode : modes(problem, fit, contact)) ridges_.push_back(ridge_from(problem, mode, contact));
+ContactProposal::ContactProposal(const FitProblem& problem, const Fit& fit, std::size_t contact, Sides sides) {
+  const std::vector<Fit> starts = sides == Sides::kAll ? modes(problem, fit, contact) : std::vector<Fit>{fit};
+  for (const Fit& mode : starts) ridges_.push_back(ridge_from(problem, mode, contact));
   share_out();
 }
 
@@ -185,6 +186,30 @@ double ContactProposal::log_density(const ContactVector& at) const {
   double sum = 0.0;
   for (const Ridge& r : ridges_) sum += r.density(at);
   return std::log(sum);
+}
+
+ContactMoments ContactProposal::moments() const {
+  double lowest = std::numeric_limits<double>::infinity(), sum = 0.0;
+  for (const Ridge& r : ridges_) {
+    for (const Cell& c : r.cells) lowest = std::min(lowest, c.objective);
+  }
+  Eigen::Vector4d mean = Eigen::Vector4d::Zero(), square = Eigen::Vector4d::Zero();
+  for (const Ridge& r : ridges_) {
+    for (const Cell& c : r.cells) {
+      const double weight = r.width * std::exp(-0.5 * (c.objective - lowest)) * c.root.diagonal().prod();
+      const Eigen::Vector3d variance = c.root.rowwise().squaredNorm();
+      // The force is lognormal about its optimum.
+      const double force = std::exp(c.place[2] + variance[2] / 2.0), radius = std::exp(c.log_radius);
+      const Eigen::Vector4d value(c.place[0], c.place[1], force, radius);
+      const double radius_variance = radius * radius * r.width * r.width / 12.0;
+      const Eigen::Vector4d spread(variance[0], variance[1], force * force * std::expm1(variance[2]), radius_variance);
+      sum += weight;
+      mean += weight * value;
+      square += weight * (value.cwiseAbs2() + spread);
+    }
+  }
+  mean /= sum;
+  return {mean, (square / sum - mean.cwiseAbs2()).cwiseMax(0.0).cwiseSqrt()};
 }
 
 }  // namespace triskin::mechanics
