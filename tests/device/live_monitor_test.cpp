@@ -168,15 +168,16 @@ TEST(LiveMonitor, islands_of_a_patch_stand_side_by_side_and_never_on_each_other)
   // Three islands of two modules, each with the same places in its own lattice.
   for (int m = 0; m < 6; ++m) {
     design.layout.modules[static_cast<std::size_t>(m)].island = m / 2;
-    design.layout.modules[static_cast<std::size_t>(m)].tile = design.layout.modules[static_cast<std::size_t>(m % 2)].tile;
+    design.layout.modules[static_cast<std::size_t>(m)].tile =
+        design.layout.modules[static_cast<std::size_t>(m % 2)].tile;
   }
   const LiveMonitor monitor(design);
   const auto picture = [&](int columns) { return monitor.picture(0, PressureUnit::kCounts, false, columns); };
-  EXPECT_THAT(picture(80), ElementsAre("island 0       island 1       island 2",
-                                       "▲  -- ▼  --    ▲  -- ▼  --    ▲  -- ▼  -- "));
+  EXPECT_THAT(picture(80),
+              ElementsAre("island 0       island 1       island 2", "▲  -- ▼  --    ▲  -- ▼  --    ▲  -- ▼  -- "));
   EXPECT_EQ(picture(140), picture(80));
-  EXPECT_THAT(picture(30), ElementsAre("island 0       island 1", "▲  -- ▼  --    ▲  -- ▼  -- ", "island 2",
-                                       "▲  -- ▼  -- "));
+  EXPECT_THAT(picture(30),
+              ElementsAre("island 0       island 1", "▲  -- ▼  --    ▲  -- ▼  -- ", "island 2", "▲  -- ▼  -- "));
 }
 
 TEST(LiveMonitor, says_what_is_wrong_and_how_fast_samples_come) {

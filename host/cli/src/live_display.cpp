@@ -39,8 +39,8 @@ class Lines final : public LiveDisplay {
     if (pressed.empty() && state.time_s < spoke_s_ + kHeartbeat_s) return Wish::kNothing;
     spoke_s_ = state.time_s;
     if (pressed.empty()) {
-      output_.say(fmt::format("{:7.2f} s  nothing is pressed; {} samples, {} lost", state.time_s, state.frames,
-                              state.lost));
+      output_.say(
+          fmt::format("{:7.2f} s  nothing is pressed; {} samples, {} lost", state.time_s, state.frames, state.lost));
       return Wish::kNothing;
     }
     const auto& first = pressed.front();
@@ -156,9 +156,8 @@ class Screen final : public LiveDisplay {
   }
 
   [[nodiscard]] std::string line_of(const LiveMonitor& monitor, int patch) const {
-    return fmt::format("{} patch {:3}  {:2} modules  {:5.1f}/s  {} faults  {} never heard",
-                       patch == patch_ ? ">" : " ", patch,
-                       design_.patches[static_cast<std::size_t>(patch)].modules.size(), monitor.rate_hz(patch),
+    return fmt::format("{} patch {:3}  {:2} modules  {:5.1f}/s  {} faults  {} never heard", patch == patch_ ? ">" : " ",
+                       patch, design_.patches[static_cast<std::size_t>(patch)].modules.size(), monitor.rate_hz(patch),
                        monitor.faults(patch), monitor.unheard(patch));
   }
 

@@ -165,10 +165,10 @@ void draw_captions(const Drawing& d) {
   const auto& anchors = d.plan.anchors[index(d.island->island)];
   if (d.page.islands.size() == 1) {
     for (std::size_t k = 0; k < 2; ++k)
-      d.canvas.text({kMargin_mm, kMargin_mm + 20.0 + 4.0 * static_cast<double>(k)},
-                    fmt::format("Point {} on the part: {}.", text_of_point(d, k),
-                                text_of(anchors[k].fix, d.plan.landmarks)),
-                    {.size_mm = 2.6});
+      d.canvas.text(
+          {kMargin_mm, kMargin_mm + 20.0 + 4.0 * static_cast<double>(k)},
+          fmt::format("Point {} on the part: {}.", text_of_point(d, k), text_of(anchors[k].fix, d.plan.landmarks)),
+          {.size_mm = 2.6});
     return;
   }
   const Vec2& at = d.island->caption_mm;
@@ -190,7 +190,8 @@ void draw_anchors(const Drawing& d, const std::set<int>& here) {
   }
 }
 
-// The real module bends along the surface where the drawn triangle is flat: the radius stands in the corner that is free.
+// The real module bends along the surface where the drawn triangle is flat: the radius stands in the corner that is
+// free.
 void draw_bend(const Drawing& d, int module) {
   const double radius_mm = bend_radius_of_depth(d.design.layout.modules[index(module)].edge_depth_mm);
   if (radius_mm >= kPaperBendRadius_mm) return;

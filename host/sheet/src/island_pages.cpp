@@ -126,7 +126,7 @@ struct OpenPage {
   }
 };
 
-constexpr double kCaption_mm = 14.0;           // Name of an island and its two points.
+constexpr double kCaption_mm = 14.0;  // Name of an island and its two points.
 constexpr double kCaptionWidth_mm = 96.0;
 
 // Room that an island takes on a page that it shares.
@@ -196,7 +196,8 @@ Page page_alone(const design::Design& design, IslandPage island, const Division&
 bool may_share(const design::Design& design, const Page& page) {
   const IslandPage& island = page.islands[0];
   const Vec2 cell = cell_of(box_of(design, island.modules, island).sizes()), room = shared_room(page.size_mm);
-  return island.parts == 1 && page.size_mm.y() > page.size_mm.x() && cell.x() <= room.x() && cell.y() <= 0.75 * room.y();
+  return island.parts == 1 && page.size_mm.y() > page.size_mm.x() && cell.x() <= room.x() &&
+         cell.y() <= 0.75 * room.y();
 }
 
 }  // namespace

@@ -68,7 +68,8 @@ std::vector<Page> label_pages(const design::Design& design, const Plan& plan, Pa
 void draw_labels(const Drawing& d) {
   const std::size_t columns = columns_on(d.page.size_mm);
   for (std::size_t k = 0; k < d.page.labels.size(); ++k) {
-    const Vec2 place(kLabel_mm.x() * static_cast<double>(k % columns), kLabel_mm.y() * static_cast<double>(k / columns));
+    const Vec2 place(kLabel_mm.x() * static_cast<double>(k % columns),
+                     kLabel_mm.y() * static_cast<double>(k / columns));
     draw_label(d, Vec2(kMargin_mm, kMargin_mm + kHead_mm) + place, d.page.labels[k]);
   }
 }

@@ -197,9 +197,9 @@ std::string text_of_anchor(const Anchor& anchor, const Plan& plan) {
   std::string text = fmt::format("module {}:", anchor.module);
   for (std::size_t k = 0; k < 2; ++k) {
     if (anchor.fix.landmark[k] >= 0)
-      text += fmt::format("{} {} {:.1f}", k == 0 ? "" : ",",
-                          plan.landmarks[static_cast<std::size_t>(anchor.fix.landmark[k])].name,
-                          anchor.fix.distance_mm[k]);
+      text +=
+          fmt::format("{} {} {:.1f}", k == 0 ? "" : ",",
+                      plan.landmarks[static_cast<std::size_t>(anchor.fix.landmark[k])].name, anchor.fix.distance_mm[k]);
   }
   return text;
 }
@@ -235,9 +235,10 @@ void add_bends(Lines& lines, const design::Design& design) {
   for (std::size_t k = 0; k < std::min(kMaxNamed, bends.size()); ++k)
     text += fmt::format("{}{} ({})", k == 0 ? "" : ", ", bends[k].second, bend_text(bends[k].first));
   if (bends.size() > kMaxNamed) text += ", …";
-  add_text(lines, fmt::format("{} modules are bent to a radius of less than {:.0f} mm, and have it written in red (mm): {}. "
-                              "Ask whether the circuit board and its solder joints stand that.",
-                              bends.size(), kPaperBendRadius_mm, text));
+  add_text(lines,
+           fmt::format("{} modules are bent to a radius of less than {:.0f} mm, and have it written in red (mm): {}. "
+                       "Ask whether the circuit board and its solder joints stand that.",
+                       bends.size(), kPaperBendRadius_mm, text));
 }
 
 void add_jumpers(Lines& lines, const design::Design& design, const Plan& plan) {
@@ -309,9 +310,10 @@ void add_entry(Lines& lines, const design::Design& design, const Plan& plan, int
   const auto& m = design.layout.modules.at(static_cast<std::size_t>(module));
   const int rotation = plan.wiring[static_cast<std::size_t>(module)].routed.rotation;
   const design::Vec3 at = middle_of(m, side);
-  add_text(lines, fmt::format("{}: module {}, port {} (page {}). The middle of this side lies at {}.", what, module,
-                              port_at(side, rotation), plan.page_of_module[static_cast<std::size_t>(module)],
-                              text_of(fix_of(plan.landmarks, at), plan.landmarks)),
+  add_text(lines,
+           fmt::format("{}: module {}, port {} (page {}). The middle of this side lies at {}.", what, module,
+                       port_at(side, rotation), plan.page_of_module[static_cast<std::size_t>(module)],
+                       text_of(fix_of(plan.landmarks, at), plan.landmarks)),
            kBesideCode);
 }
 

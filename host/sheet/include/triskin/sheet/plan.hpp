@@ -31,8 +31,8 @@ struct IslandPage {
   int island = 0;
   int part = 0, parts = 1;  ///< an island that is larger than the paper has several pages; every module is on one
   int sixths = 0;           ///< turned counter-clockwise by this many times 60°: an up tile lies up where it is even
-  design::Vec2 shift_mm{0, 0};  ///< position of grid vertex (0, 0) on the page
-  std::vector<int> modules{};   ///< module ids, ascending
+  design::Vec2 shift_mm{0, 0};    ///< position of grid vertex (0, 0) on the page
+  std::vector<int> modules{};     ///< module ids, ascending
   design::Vec2 caption_mm{0, 0};  ///< where its name and points stand on a page of several islands
   /// Grid vertex (i, j) on the page, mm.
   [[nodiscard]] design::Vec2 at(const std::array<int, 2>& vertex) const;
@@ -55,7 +55,7 @@ struct Label {
   int patch = -1;  ///< of the code, −1: none
   std::string name, first, second;
 };
-inline constexpr design::Vec2 kLabel_mm{48.0, 20.0};
+inline const design::Vec2 kLabel_mm{48.0, 20.0};
 
 /// What a page shows.
 enum class PageKind { kOverview, kKey, kText, kLabels, kIsland };
@@ -65,7 +65,7 @@ struct Page {
   std::string title{};
   int patch = -1;  ///< patch of the page's QR code, −1: it has none
   design::Vec2 size_mm{210, 297};
-  std::vector<TextLine> lines{};  ///< content of a text page
+  std::vector<TextLine> lines{};      ///< content of a text page
   std::vector<IslandPage> islands{};  ///< content of an island page: one, or several small ones
   std::vector<Label> labels{};        ///< content of a page of labels
 };
@@ -92,8 +92,8 @@ inline constexpr double kPaperBendRadius_mm = 50.0;
 /// A side of 30 mm is a chord with that sagitta.
 [[nodiscard]] double bend_radius_of_depth(double depth_mm);
 
-/// Plans the sheet: overview, key, parts, order of work, labels, one table a controller, islands. Errors: InputError for a
-/// design without modules. Cost: O(n log n) beside sides_of().
+/// Plans the sheet: overview, key, parts, order of work, labels, one table a controller, islands. Errors: InputError
+/// for a design without modules. Cost: O(n log n) beside sides_of().
 [[nodiscard]] Plan plan_of(const design::Design& design, Paper paper);
 
 }  // namespace triskin::sheet

@@ -43,8 +43,8 @@ class LiveMonitor {
   /// Modules of a patch that never sent a sample.
   [[nodiscard]] int unheard(int patch) const;
   /// The patch in its shape, the highest row first: a cell a module, which points up or down as the module does, with
-  /// the largest pressure of its taxels, or what is wrong. `colour`: with the colours of a terminal. `columns`: width of
-  /// the picture in characters (0: any). Where a patch lies on several islands, they stand side by side as the width
+  /// the largest pressure of its taxels, or what is wrong. `colour`: with the colours of a terminal. `columns`: width
+  /// of the picture in characters (0: any). Where a patch lies on several islands, they stand side by side as the width
   /// permits, each under its name. Where an island is wider than that, cells first lose the space between them and then
   /// have one character: tenths of the range, 0 … 9, ! for a fault; what is still wider is cut at the right and ends in
   /// "…".
