@@ -174,10 +174,12 @@ TEST(LiveMonitor, islands_of_a_patch_stand_side_by_side_and_never_on_each_other)
   const LiveMonitor monitor(design);
   const auto picture = [&](int columns) { return monitor.picture(0, PressureUnit::kCounts, false, columns); };
   EXPECT_THAT(picture(80),
-              ElementsAre("island 0       island 1       island 2", "▲  -- ▼  --    ▲  -- ▼  --    ▲  -- ▼  -- "));
+              ElementsAre("island 0       island 1       island 2",  // Three of 12 characters.
+                          "▲  -- ▼  --    ▲  -- ▼  --    ▲  -- ▼  -- "));
   EXPECT_EQ(picture(140), picture(80));
   EXPECT_THAT(picture(30),
-              ElementsAre("island 0       island 1", "▲  -- ▼  --    ▲  -- ▼  -- ", "island 2", "▲  -- ▼  -- "));
+              ElementsAre("island 0       island 1",  // Two in a row.
+                          "▲  -- ▼  --    ▲  -- ▼  -- ", "island 2", "▲  -- ▼  -- "));
 }
 
 TEST(LiveMonitor, says_what_is_wrong_and_how_fast_samples_come) {

@@ -56,7 +56,7 @@ function moduleRows(model, k, m) {
   for (const j of model.data.jumpers) {
     if (j.modules.includes(k)) rows.push(["jumper", `to module ${j.modules[0] === k ? j.modules[1] : j.modules[0]}, ${j.length_mm} mm`]);
   }
-  model.data.metrics.forEach((metric, row) => rows.push([metric.name, `${m.metrics[row]} ${metric.unit}` + (metric.limit ? ` of ${metric.limit}` : "")]));
+  model.data.metrics.forEach((metric, row) => rows.push([metric.name, `${m.metrics[row]}${metric.limit ? ` of ${metric.limit}` : ""} ${metric.unit}`]));
   return rows;
 }
 

@@ -246,7 +246,7 @@ const Registration kDesign{{
       add_limits(app, options->design.limits);
       add_corner_cut(app, options->design.corner_cut_mm);
       app.add_option("--bend-radius-mm", options->design.bend_radius_mm,
-                     "no module is bent to a smaller radius, as in the reference paper at 50: parts the pieces there and "
+                     "no module is bent to a smaller radius, as in the reference paper at 50: parts the pieces and "
                      "limits depth and lift to 112.5/radius (0: no)")
           ->check(CLI::Range(0.0, 1e4))
           ->capture_default_str();

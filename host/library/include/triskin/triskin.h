@@ -138,7 +138,8 @@ TRISKIN_API triskin_status triskin_verify(triskin_skin* skin, const char** repor
 /// TRISKIN_DEVICE_FAILED: another process simulates these boards now.
 TRISKIN_API triskin_status triskin_flash_simulation(const char* file);
 
-/// A region of the skin under pressure: taxels that lie within 12 mm of each other and do not face away from each other.
+/// A region of the skin under pressure: taxels that lie within 12 mm of each other and do not face away from each
+/// other.
 typedef struct triskin_contact {
   double position_mm[3];  ///< mean of its taxels, weighted by their change
   double normal[3];       ///< outward unit vector, weighted likewise
@@ -148,10 +149,11 @@ typedef struct triskin_contact {
   int32_t module, taxel;  ///< the strongest
   int32_t taxels;         ///< how many
 } triskin_contact;
-/// Gathers the taxels that read 200 counts and more below rest to contacts, the strongest first, as `live` and the page
-/// do. `xyz_mm`, `normals`: as triskin_positions_mm and triskin_normals write them; `change_counts`: 12 a module.
-/// `counts_per_kpa` and `taxel_area_mm2`: as triskin_calibration writes them, both NULL: without forces. `module_count`:
-/// number of modules. Writes at most `capacity` contacts and sets *count to the number that there are.
+/// Gathers the taxels that read 200 counts and more below rest to contacts, the strongest first, as `live` and the
+/// page do. `xyz_mm`, `normals`: as triskin_positions_mm and triskin_normals write them; `change_counts`: 12 a module.
+/// `counts_per_kpa` and `taxel_area_mm2`: as triskin_calibration writes them, both NULL: without forces.
+/// `module_count`: number of modules. Writes at most `capacity` contacts and sets *count to the number that there are.
+/// TRISKIN_BAD_INPUT: an argument is NULL that may not be.
 TRISKIN_API triskin_status triskin_contacts(const double* xyz_mm, const double* normals, const double* change_counts,
                                             const double* counts_per_kpa, const double* taxel_area_mm2,
                                             size_t module_count, triskin_contact* contacts, size_t capacity,
@@ -160,7 +162,8 @@ TRISKIN_API triskin_status triskin_contacts(const double* xyz_mm, const double* 
 /// A recording that `triskin record` wrote, whole in memory.
 typedef struct triskin_recording triskin_recording;
 /// Reads FILE.mcap. On success *recording is to be closed by triskin_recording_close; else it is NULL. A file that was
-/// cut is read up to its last whole chunk. TRISKIN_BAD_INPUT: it is no recording of triskin. Memory: 168 bytes a sample.
+/// cut is read up to its last whole chunk. TRISKIN_BAD_INPUT: it is no recording of triskin. Memory: 168 bytes a
+/// sample.
 TRISKIN_API triskin_status triskin_recording_open(const char* file, triskin_recording** recording);
 /// Forgets it; NULL is allowed.
 TRISKIN_API void triskin_recording_close(triskin_recording* recording);
@@ -171,8 +174,8 @@ TRISKIN_API size_t triskin_recording_sample_count(const triskin_recording* recor
 TRISKIN_API const char* triskin_recording_name(const triskin_recording* recording);
 /// Not 0: the samples are of a simulation.
 TRISKIN_API int triskin_recording_is_simulated(const triskin_recording* recording);
-/// As triskin_positions_mm, triskin_normals (both `n` doubles, 36 a module) and triskin_patches (one a module); any may be
-/// NULL.
+/// As triskin_positions_mm, triskin_normals (both `n` doubles, 36 a module) and triskin_patches (one a module); any may
+/// be NULL. TRISKIN_BAD_INPUT: `n` is another.
 TRISKIN_API triskin_status triskin_recording_geometry(const triskin_recording* recording, double* xyz_mm,
                                                       double* normals, int32_t* patches, size_t n);
 /// Writes all samples in the order of the file, and by how many counts each taxel read below its rest value then (12 a

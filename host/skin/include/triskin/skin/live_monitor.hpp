@@ -46,8 +46,8 @@ class LiveMonitor {
   /// the largest pressure of its taxels, or what is wrong. `colour`: with the colours of a terminal. `columns`: width
   /// of the picture in characters (0: any). Where a patch lies on several islands, they stand side by side as the width
   /// permits, each under its name. Where an island is wider than that, cells first lose the space between them and then
-  /// have one character: tenths of the range, 0 … 9, ! for a fault; what is still wider is cut at the right and ends in
-  /// "…".
+  /// have one character: tenths of the range, 0 … 9, ! for a fault; what is still wider is cut at the right and ends
+  /// in "…".
   [[nodiscard]] std::vector<std::string> picture(int patch, PressureUnit unit, bool colour, int columns = 0) const;
 
  private:
