@@ -276,8 +276,8 @@ TEST(Plan, says_to_what_radius_a_module_is_bent) {
       for (const std::string& cell : line.cells) text += cell + " ";
     }
   }
-  EXPECT_THAT(text, HasSubstr("1 modules are bent to a radius of less than 50 mm"));
-  EXPECT_THAT(text, HasSubstr("2 (R 28)"));
+  EXPECT_THAT(text, HasSubstr("Modules bent to a radius of less than 50 mm"));
+  EXPECT_THAT(text, HasSubstr("2 (R 28); 1 in all"));
 }
 
 TEST(Plan, names_the_landmarks_that_the_overview_draws) {

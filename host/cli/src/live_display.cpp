@@ -8,9 +8,10 @@
 #include <chrono>
 #include <numeric>
 #include <set>
-#include <thread>
 
 #include "terminal.hpp"
+#include "triskin/base/pace.hpp"
+#include "triskin/base/terminal_text.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -81,7 +82,7 @@ class Screen final : public LiveDisplay {
     }
     terminal_.draw(page(monitor, state));
     // A simulation of our own is faster than a person can look.
-    std::this_thread::sleep_until(start_ + std::chrono::microseconds(static_cast<std::int64_t>(state.time_s * 1e6)));
+    (void)triskin::sleep_until(start_ + std::chrono::microseconds(static_cast<std::int64_t>(state.time_s * 1e6)));
     return wish;
   }
 
@@ -106,8 +107,8 @@ class Screen final : public LiveDisplay {
   [[nodiscard]] std::vector<std::string> page(const LiveMonitor& monitor, const LiveState& state) const {
     const Terminal::Size size = Terminal::size();
     std::vector<std::string> lines;
-    lines.push_back(fmt::format("{}  {:.1f} s  {} samples, {} lost{}", design_.name, state.time_s, state.frames,
-                                state.lost, force_of(monitor)));
+    lines.push_back(fmt::format("{}  {:.1f} s  {} samples, {} lost{}", for_terminal(design_.name), state.time_s,
+                                state.frames, state.lost, force_of(monitor)));
     std::vector<std::string> below = monitor.picture(patch_, unit(monitor), true, size.columns);
     below.emplace_back();
     const auto pressed = monitor.touches().pressed();
@@ -116,7 +117,7 @@ class Screen final : public LiveDisplay {
     if (pressed.size() > kMaxTaxels) below.push_back(fmt::format("+{} taxels", pressed.size() - kMaxTaxels));
     for (const device::AdoptedCounts& a : state.adopted)
       below.push_back(fmt::format("module {} is read by the controller of patch {}", a.module, a.patch));
-    if (!state.note.empty()) below.push_back(state.note);
+    if (!state.note.empty()) below.push_back(for_terminal(state.note));
     below.push_back(fmt::format("n, p: patch  u: unit ({})  t: tare, nobody touches  q: end", name_of(unit(monitor))));
     const int room = size.rows - static_cast<int>(lines.size() + below.size()) - 2;
     for (std::string& line : patch_lines(monitor, std::max(room, kMinPatchLines))) lines.push_back(std::move(line));

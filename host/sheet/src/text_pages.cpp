@@ -236,9 +236,9 @@ void add_bends(Lines& lines, const design::Design& design) {
     text += fmt::format("{}{} ({})", k == 0 ? "" : ", ", bends[k].second, bend_text(bends[k].first));
   if (bends.size() > kMaxNamed) text += ", …";
   add_text(lines,
-           fmt::format("{} modules are bent to a radius of less than {:.0f} mm, and have it written in red (mm): {}. "
+           fmt::format("Modules bent to a radius of less than {:.0f} mm, which is written in red (mm): {}; {} in all. "
                        "Ask whether the circuit board and its solder joints stand that.",
-                       bends.size(), kPaperBendRadius_mm, text));
+                       kPaperBendRadius_mm, text, bends.size()));
 }
 
 void add_jumpers(Lines& lines, const design::Design& design, const Plan& plan) {
