@@ -59,7 +59,7 @@ PARTS = [
     Part("host/sheet", "sheet", "base design core wire layout", HOST_BASE + " cairo", "triskin_sheet"),
     Part("host/hdf5", "hdf5", "base design core wire layout recording", HOST_BASE + " HDF5", "triskin_hdf5"),
     # The header of the library is its own: <triskin/triskin.h> has no prefix.
-    Part("host/library", "", "base design core wire layout link session diagnose deploy skin robot connect scene", "fmt", "triskin_library"),
+    Part("host/library", "", "base design core wire layout link session diagnose deploy skin robot connect scene recording", "fmt", "triskin_library"),
     Part("host/python", "", "", "pybind11", "triskin_python"),
     Part("host/cli/src/geometry", "",
          "cli base design export mesh placement unfolding lattice routing pipeline check core wire layout sim scene recording link session "

@@ -73,6 +73,27 @@ TEST(Installed, Python_reads_a_served_simulation) {
   EXPECT_EQ(status, 0) << said;
 }
 
+// The script of the docs: from a surface to a plot.
+TEST(Installed, the_hour_of_a_researcher_ends_with_a_plot) {
+  const FlashedSim sim;
+  if (std::system(TRISKIN_PYTHON " -c 'import numpy' > /dev/null 2>&1") != 0)
+    GTEST_SKIP() << "numpy is not installed; run tools/setup test";
+  const fs::path folder = sim.folder() / "hour";
+  fs::create_directories(folder);
+  const auto [status, said] =
+      shell(sim, "PYTHONPATH='" TRISKIN_PYTHON_FOLDER "' '" TRISKIN_PYTHON "' '" +
+                     (fs::path(test::source_folder()) / "docs/examples/researcher_hour.py").string() + "' '" +
+                     test::program_file() + "' '" + folder.string() + "'");
+  EXPECT_EQ(status, 0) << said;
+  EXPECT_NE(said.find("contact at module 3: "), std::string::npos) << said;
+  EXPECT_NE(said.find("the hardware is the design"), std::string::npos) << said;
+  EXPECT_NE(said.find("of a simulation; module 3 is pressed"), std::string::npos) << said;
+  const auto drawn = [&](const char* name) {
+    return fs::exists(folder / name) && fs::file_size(folder / name) > 5'000;
+  };
+  EXPECT_TRUE(drawn("touch.svg") || drawn("touch.png")) << said;
+}
+
 // 30,840 taxels: 161 controllers on two served simulations.
 TEST(Installed, Python_reads_161_controllers_for_a_minute) {
   const FlashedSim sim;

@@ -246,7 +246,8 @@ const Registration kDesign{{
       add_limits(app, options->design.limits);
       add_corner_cut(app, options->design.corner_cut_mm);
       app.add_option("--bend-radius-mm", options->design.bend_radius_mm,
-                     "part the pieces from what bends more than this, as the reference paper does at 50 (0: no)")
+                     "no module is bent to a smaller radius, as in the reference paper at 50: parts the pieces and "
+                     "limits depth and lift to 112.5/radius (0: no)")
           ->check(CLI::Range(0.0, 1e4))
           ->capture_default_str();
       app.add_option("--solver-deviation-mm", options->design.solver_deviation_mm,
