@@ -136,7 +136,8 @@ TEST(TimedFaults, a_turned_module_feels_a_tip_with_another_taxel) {
 }
 
 TEST(TimedFaults, power_dips_end) {
-  const Scene scene = with({});
+  Scene scene;
+  scene.design = test::strip(1);
   const Skin skin(scene);
   Ad7147 chip(skin.module(0));
   chip.schedule_power_dip(1'000, 1'000, 2'500);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/scenario/running_skin.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "tapped_link.hpp"

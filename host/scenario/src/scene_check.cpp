@@ -56,7 +56,7 @@ class Watch {
   [[nodiscard]] ExpectationResult result() const {
     const bool held = expectation_.kind == Kind::kSilent ? samples_ == 0
                                                          : samples_ > 0 && (expectation_.once ? any_held_ : all_held_);
-    return {expectation_, held, samples_, seen()};
+    return {expectation_, held, samples_, seen(held)};
   }
 
  private:
@@ -111,17 +111,17 @@ class Watch {
   }
   static std::string name_of(wire::ModuleState state) { return std::string(scene::kModuleStateNames.name(state)); }
 
-  [[nodiscard]] std::string seen() const {
+  [[nodiscard]] std::string seen(bool held) const {
     if (samples_ == 0)
       return awaited_.empty() ? "no sample came" : fmt::format("no sample came of {} modules", awaited_.size());
     const std::string number = samples_ == 1 ? "1 sample" : fmt::format("{} samples", samples_);
     if (expectation_.kind == Kind::kSilent) return number + " came";
     const std::string when =
-        all_held_ ? "" : fmt::format(", not as expected from {:g} s on", static_cast<double>(first_failure_us_) * 1e-6);
+        held ? "" : fmt::format(", not as expected from {:g} s on", static_cast<double>(first_failure_us_) * 1e-6);
     if (expectation_.kind == Kind::kState) return fmt::format("{}: {}{}", number, state_names_, when);
     const char* unit = is_force(expectation_.kind) ? "N" : "counts";
-    if (max_ - min_ < 5e-4) return fmt::format("{}: {:.3g} {}{}", number, max_, unit, when);
-    return fmt::format("{}: {:.3g} … {:.3g} {}{}", number, min_, max_, unit, when);
+    if (max_ - min_ < 5e-4) return fmt::format("{}: {:.4g} {}{}", number, max_, unit, when);
+    return fmt::format("{}: {:.4g} … {:.4g} {}{}", number, min_, max_, unit, when);
   }
 
   Expectation expectation_;

@@ -17,7 +17,8 @@ void remove_from(std::vector<ChipPlace>& places, const Scene& scene, std::uint64
 }
 
 bool moves_chips(const Fault& f) {
-  return f.kind == FaultKind::kRemovedChip || f.kind == FaultKind::kMovedChip || f.kind == FaultKind::kSwappedChips;
+  return f.module >= 0 &&
+         (f.kind == FaultKind::kRemovedChip || f.kind == FaultKind::kMovedChip || f.kind == FaultKind::kSwappedChips);
 }
 
 void apply_to(std::vector<ChipPlace>& places, const Fault& f) {
