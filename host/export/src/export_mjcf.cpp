@@ -82,8 +82,7 @@ std::string sensors(const Design& design, const std::string& name, MjcfTouch tou
 std::string fixing(const Design& design, const std::string& name, const std::string& robot_body) {
   const std::string body = escape_markup(robot_body);
   std::string xml = fmt::format(
-      "  <equality>\n    <weld name=\"{0}_fixing\" body1=\"{1}\" body2=\"{0}\" relpose=\"0 0 0 1 0 0 0\" "
-      "solref=\"0.004 1\"/>\n"
+      "  <equality>\n    <weld name=\"{0}_fixing\" body1=\"{1}\" body2=\"{0}\" relpose=\"0 0 0 1 0 0 0\"/>\n"
       "  </equality>\n  <contact>\n",
       name, body);
   for (std::size_t m = 0; m < design.layout.modules.size(); ++m)

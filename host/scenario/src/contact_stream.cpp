@@ -177,6 +177,9 @@ ContactStream::ContactStream(scene::Scene scene) : answer_(std::make_unique<Answ
       [answer](const wire::CanFrame& frame, std::uint64_t at_us) {
         if (answer->rest != nullptr) answer->frames.push_back(frame_json(frame, at_us));
       });
+  // A touch while the controllers find the offsets of their converters would become the rest value.
+  constexpr std::uint64_t kStarted_us = 1'000'000;
+  skin_->run_until(kStarted_us);
   answer_->rest = &skin_->rest();
 }
 
