@@ -166,6 +166,13 @@ class Client {
   int socket_;
 };
 
+TEST(ContactServer, serves_this_computer_only) {
+  ContactStream stream(strip_scene());
+  const std::atomic<bool> stop = true;
+  EXPECT_THROW(serve_contacts(stream, {"0.0.0.0", 0}, stop, 0.0, {}), InputError);
+  EXPECT_NO_THROW(serve_contacts(stream, {"127.0.0.1", 0}, stop, 0.0, {}));
+}
+
 TEST(ContactServer, refuses_a_client_and_serves_the_next) {
   ContactStream stream(strip_scene());
   std::atomic<bool> stop = false;

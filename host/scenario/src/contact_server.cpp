@@ -10,6 +10,7 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <cstdint>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
@@ -39,13 +40,27 @@ class Socket {
   int descriptor_;
 };
 
+bool is_of_this_computer(const sockaddr& address) {
+  if (address.sa_family == AF_INET6)
+    return IN6_IS_ADDR_LOOPBACK(&reinterpret_cast<const sockaddr_in6&>(address).sin6_addr) != 0;
+  const std::uint32_t v4 = ntohl(reinterpret_cast<const sockaddr_in&>(address).sin_addr.s_addr);
+  return address.sa_family == AF_INET && v4 >> 24 == IN_LOOPBACKNET;
+}
+
 int listen_at(const device::HostPort& at) {
-  const std::string name = fmt::format("{}:{}", at.host, at.port);
+  const std::string name = device::host_port_text(at);
   addrinfo hints{}, *found = nullptr;
   hints.ai_socktype = SOCK_STREAM;
   hints.ai_flags = AI_PASSIVE;
   if (const int error = ::getaddrinfo(at.host.c_str(), std::to_string(at.port).c_str(), &hints, &found); error != 0)
     throw DeviceError(fmt::format("{}: cannot find the host: {}", name, ::gai_strerror(error)));
+  if (!is_of_this_computer(*found->ai_addr)) {
+    ::freeaddrinfo(found);
+    throw InputError(
+        fmt::format("{}: contacts are taken from this computer only, since nothing asks a client who it is; listen on "
+                    "127.0.0.1",
+                    name));
+  }
   const int listener = ::socket(found->ai_family, found->ai_socktype | SOCK_CLOEXEC, found->ai_protocol);
   const int on = 1;
   if (listener >= 0) (void)::setsockopt(listener, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);

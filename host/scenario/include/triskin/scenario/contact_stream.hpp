@@ -42,7 +42,8 @@ class ContactStream {
 
 /// Serves a stream at `at` (port 0 takes a free one), one client after the other, until `stop` is set or `seconds` of
 /// wall time have passed (0: no limit). A line that is refused is answered by {"error": …}, and the client is let go.
-/// `listening` is called once with the port. Throws DeviceError when the address cannot be used.
+/// `listening` is called once with the port. Throws InputError for an address that other computers could reach,
+/// DeviceError when the address cannot be used.
 void serve_contacts(ContactStream& stream, const device::HostPort& at, const std::atomic<bool>& stop, double seconds,
                     const std::function<void(int port)>& listening);
 
