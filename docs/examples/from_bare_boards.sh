@@ -10,10 +10,10 @@ cd "$folder"
 export XDG_STATE_HOME="$folder/state" # where the simulated boards keep their flash
 say() { printf '$ triskin %s\n' "$*"; "$triskin" "$@"; }
 
-# A mistake of the bench each: a dead chip, a wrong strap, a module that feels nothing, two modules at each other's place.
+# A mistake of the bench each: a dead chip, a module that is turned by 120°, a shorted taxel, two modules at each other's place.
 mistakes=(
   '{"kind":"removed_chip","module":3}'
-  '{"kind":"moved_chip","module":6,"line":3,"address":3}'
+  '{"kind":"rotated_module","module":6,"value":1}'
   '{"kind":"saturated_taxel","module":8,"taxel":2}'
   '{"kind":"swapped_chips","module":1,"other":10}'
 )
@@ -33,7 +33,7 @@ mend() { # FINDING: takes away the mistake whose module the finding names
 }
 
 say generate hip -o hip.obj --size-mm 110 --faces 300
-say design hip.obj -o hip.json --time-limit-s 1
+say design hip.obj -o hip.json --iterations 60 --threads 1 # the same cover on every machine
 write_bench
 say flash hip.json --scene bench.json
 say verify hip.json --scene bench.json | grep -v '^ ' || true
@@ -41,6 +41,7 @@ say verify hip.json --scene bench.json | grep -v '^ ' || true
 # The technician reads what repair says and answers each of its questions with Enter.
 printf '$ triskin repair hip.json --scene bench.json\n'
 coproc REPAIR { "$triskin" repair hip.json --scene bench.json 2> /dev/null; }
+repair_pid=$REPAIR_PID
 finding= expects_finding=0
 while IFS= read -r line <&"${REPAIR[0]}"; do
   if ((expects_finding)); then finding="$line"; fi
@@ -52,7 +53,7 @@ while IFS= read -r line <&"${REPAIR[0]}"; do
   esac
   case "$line" in " "*) ;; *) printf '%s\n' "$line" ;; esac
 done
-wait "$REPAIR_PID" 2> /dev/null || true
+wait "$repair_pid"
 
 say calibrate hip.json --scene bench.json --steps 5,10,20,30,40
 say verify hip.json --scene bench.json

@@ -71,10 +71,9 @@ TEST(Installed, the_program_comes_with_pages_rules_and_completion) {
   ASSERT_EQ(status, 0) << text;
   const auto [said, version] = shell(sim, "'" + (prefix / "bin/triskin").string() + "' --version");
   EXPECT_EQ(said, 0) << version;
-  for (const char* file :
-       {"share/man/man1/triskin.1.gz", "share/man/man1/triskin-verify.1.gz", "share/man/man1/triskin-repair.1.gz",
-        "share/bash-completion/completions/triskin", "lib/udev/rules.d/70-triskin.rules",
-        "share/triskin/ros/triskin_msgs/package.xml"})
+  for (const char* file : {"share/man/man1/triskin.1.gz", "share/man/man1/triskin-verify.1.gz",
+                           "share/man/man1/triskin-repair.1.gz", "share/bash-completion/completions/triskin",
+                           "lib/udev/rules.d/70-triskin.rules", "share/triskin/ros/triskin_msgs/package.xml"})
     EXPECT_TRUE(fs::exists(prefix / file)) << file;
   const fs::path doc = prefix / "share/doc" / TRISKIN_PACKAGE;
   for (const char* file : {"copyright", "changelog.gz", "docs/start_flash.md", "examples/from_bare_boards.sh"})
