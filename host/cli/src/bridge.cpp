@@ -17,6 +17,7 @@
 #include "bridge_services.hpp"
 #include "contacts.hpp"
 #include "triskin/base/interrupt.hpp"
+#include "triskin/base/pace.hpp"
 #include "triskin/base/wall_clock.hpp"
 #include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/site_options.hpp"
@@ -119,12 +120,18 @@ class CoverFeed {
     bridge_.add_contacts(contacts_of(touches_, cover_.design, calibration_), now_ns);
     if (services_) services_->step(bus);
   }
-  void diagnose(const device::StreamReport& report, std::uint64_t now_ns) {
-    bridge_.add_diagnostics(bridge_command::diagnose(report, part_), now_ns);
+  void diagnose(const device::StreamReport& report, std::uint64_t now_ns, const Output& output) {
+    auto parts = bridge_command::diagnose(report, part_);
+    const int others = bridge_.other_publishers();
+    if (others > 0)
+      parts.push_back({bridge::Diagnosis::Level::kError, fmt::format("skin {}", part_), in_words(), "", {}});
+    if (others > 0 && others_ == 0) output.say(in_words());
+    others_ = std::max(others_, others);
+    bridge_.add_diagnostics(parts, now_ns);
   }
-  void end(const device::StreamReport& report, std::uint64_t now_ns) {
+  void end(const device::StreamReport& report, std::uint64_t now_ns, const Output& output) {
     bridge_.flush();
-    diagnose(report, now_ns);
+    diagnose(report, now_ns, output);
     report_ = report;
   }
   // Adds the report of the cover; returns the exit status.
@@ -134,6 +141,7 @@ class CoverFeed {
     for (const std::string& line : sentences(report_)) output.say(prefix_of(cover_) + line);
     add_stream_keys(report_, row);
     row["part"] = part_;
+    row["other_publishers"] = others_;
     row["calibration"] = calibration_keys(calibration_);
     row["published"] = {{"raw", p.raw},
                         {"samples", p.samples},
@@ -147,8 +155,17 @@ class CoverFeed {
   }
 
  private:
+  [[nodiscard]] std::string in_words() const {
+    return fmt::format(
+        "another program publishes /skin/{} in this domain too, and readers get both mixed; end one of them, or give "
+        "it "
+        "another --part or --domain",
+        part_);
+  }
+
   const robot::CoverConfig& cover_;
   std::string part_;
+  int others_ = 0;  // Largest number of other programs that published the part.
   device::TouchMap touches_;
   design::SkinCalibration calibration_;
   bridge::Bridge bridge_;
@@ -181,10 +198,10 @@ class BusFeed {
           covers_[static_cast<std::size_t>(f.cover)]->add(f, ns_of(f.sampled.link_us));
         },
         robot::stream_options(site_, designs, speaking(options_.stream)));
-    feed(bus, stream);
+    feed(bus, stream, output);
     stream.finish();
     for (std::size_t c = 0; c < covers_.size(); ++c)
-      covers_[c]->end(stream.report(static_cast<int>(c)), ns_of(bus.now_us()));
+      covers_[c]->end(stream.report(static_cast<int>(c)), ns_of(bus.now_us()), output);
   }
   int print_report(nlohmann::json& rows, Output& output) const {
     int status = 0;
@@ -197,17 +214,26 @@ class BusFeed {
 
   [[nodiscard]] std::uint64_t ns_of(std::uint64_t link_us) const { return start_ns_ + (link_us - start_us_) * 1000; }
 
-  void feed(device::Bus& bus, device::Stream& stream) {
+  // Subscribers get the samples as the skin takes them, also those of a simulation that could be faster.
+  static void run_paced(device::Bus& bus, device::Stream& stream, std::uint64_t until_us, Pace& pace) {
+    constexpr std::uint64_t kPaced_us = 10'000;
+    while (bus.now_us() < until_us && !interrupt_request()) {
+      stream.run_until(std::min(until_us, bus.now_us() + kPaced_us));
+      pace.hold(bus.now_us());
+    }
+  }
+  void feed(device::Bus& bus, device::Stream& stream, const Output& output) {
     const auto end_us = options_.seconds > 0.0 ? start_us_ + static_cast<std::uint64_t>(options_.seconds * 1e6) : 0;
     const auto slice_us = static_cast<std::uint64_t>(1e6 / options_.contacts_hz);
     std::uint64_t diagnostics_us = 0;
+    Pace pace(bus.now_us());
     try {
       while ((end_us == 0 || bus.now_us() < end_us) && !interrupt_request()) {
-        stream.run_until(bus.now_us() + slice_us);
+        run_paced(bus, stream, bus.now_us() + slice_us, pace);
         for (const auto& cover : covers_) cover->slice(bus, ns_of(bus.now_us()));
         if (bus.now_us() < diagnostics_us) continue;
         for (std::size_t c = 0; c < covers_.size(); ++c)
-          covers_[c]->diagnose(stream.report(static_cast<int>(c)), ns_of(bus.now_us()));
+          covers_[c]->diagnose(stream.report(static_cast<int>(c)), ns_of(bus.now_us()), output);
         diagnostics_us = bus.now_us() + kDiagnostics_us;
       }
     } catch (const Cancelled&) {

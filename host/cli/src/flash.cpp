@@ -229,7 +229,7 @@ int run(Options options, Output& output) {
   }
   options.flash.recognise = !options.by_serial;
   options.flash.touch = !options.no_touch;
-  options.flash.say = [](const std::string& text) { std::fputs(("triskin: " + text + "\n").c_str(), stderr); };
+  options.flash.say = say_aside;
   std::vector<BusOutcome> buses(open.site.buses.size());
   const ProgressSink progress = output.progress();
   FirmwareReport updated;

@@ -64,7 +64,7 @@ void add_backup_options(CLI::App& app, BackupOptions& options) {
 }
 
 void save_backup(OpenSite& open, const BackupOptions& options, Output& output) {
-  const auto say = [](const std::string& text) { std::fputs(("triskin: " + text + "\n").c_str(), stderr); };
+  const auto say = say_aside;
   std::vector<std::vector<device::BoardBackup>> buses(open.site.buses.size());
   on_each_bus(open, [&](const robot::BusConfig& bus, device::Link& link) {
     device::Bus own(link);

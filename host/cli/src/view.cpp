@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
-#include <spawn.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <memory>
@@ -18,6 +16,7 @@
 #include "triskin/connect/open_bus.hpp"
 #include "triskin/robot/site.hpp"
 #include "triskin/session/bus.hpp"
+#include "triskin/view/browser.hpp"
 #include "triskin/view/frame_track.hpp"
 #include "view_feed.hpp"
 
@@ -33,13 +32,10 @@ struct Options {
   bool no_open = false;
 };
 
-// The address holds the token, and standard output is the only place that prints it. A missing browser is no error.
-void open_browser(std::string address) {
-  if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return;
-  std::string program = "xdg-open";
-  char* const arguments[] = {program.data(), address.data(), nullptr};
-  pid_t child = 0;
-  (void)::posix_spawnp(&child, program.c_str(), nullptr, nullptr, arguments, environ);
+// A missing browser is no error.
+std::optional<view::BrowserStart> open_browser(const Options& options, const std::string& address) {
+  if (options.no_open || (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr)) return {};
+  return std::optional<view::BrowserStart>(std::in_place, address);
 }
 
 void wait_for_interrupt() {
@@ -104,7 +100,7 @@ int play(const Options& options, Output& output) {
   const view::Server server(view::site_of(track.skin.design, std::move(track.frames), track.skin.calibration), live,
                             options.port, [](const view::Command&) {}, {});
   output.say(server.address());
-  if (!options.no_open) open_browser(server.address());
+  const auto browser = open_browser(options, server.address());
   wait_for_interrupt();
   output.result = {{"port", server.port()}, {"bytes", bytes}};
   return 0;
@@ -128,7 +124,7 @@ int run(const Options& options, Output& output) {
                             [&](const view::Command& c) { commands.push(c); }, {});
   const std::string address = server.address() + place_of(argument, shown.design);
   output.say(address);
-  if (!options.no_open) open_browser(address);
+  const auto browser = open_browser(options, address);
   FeedTotals totals;
   if (site) {
     totals = feed(options.link, options.stream, *site, shown.offsets, live, commands);

@@ -4,9 +4,9 @@
 #include <chrono>
 #include <mutex>
 #include <span>
-#include <thread>
 
 #include "triskin/base/interrupt.hpp"
+#include "triskin/base/pace.hpp"
 #include "triskin/robot/bus_threads.hpp"
 #include "triskin/session/stream.hpp"
 #include "triskin/skin/rest_store.hpp"
@@ -16,38 +16,10 @@ namespace triskin::cli {
 namespace {
 
 using std::chrono::microseconds;
-using Clock = std::chrono::system_clock;
+using Clock = std::chrono::steady_clock;
 
 constexpr std::uint64_t kSlice_us = 10'000;
-constexpr microseconds kHealthEvery{250'000}, kRetryAfter{1'000'000}, kPoll{50'000};
-constexpr std::int64_t kMaxBehind_us = 200'000;
-
-std::int64_t wall_us() {
-  return std::chrono::duration_cast<microseconds>(Clock::now().time_since_epoch()).count();
-}
-
-// Time of the link against the clock on the wall. A simulation in this process is as fast as the computer: it waits.
-// One that is slower than real time falls behind, and the difference is taken as it is.
-class Pace {
- public:
-  explicit Pace(std::uint64_t link_us) { anchor(link_us); }
-  [[nodiscard]] std::int64_t wall_of(std::uint64_t link_us) const {
-    return wall_start_us_ + static_cast<std::int64_t>(link_us - link_start_us_);
-  }
-  void hold(std::uint64_t link_us) {
-    const std::int64_t ahead_us = wall_of(link_us) - wall_us();
-    if (ahead_us > 0) std::this_thread::sleep_for(microseconds(ahead_us));
-    if (ahead_us < -kMaxBehind_us) anchor(link_us);
-  }
-
- private:
-  void anchor(std::uint64_t link_us) {
-    link_start_us_ = link_us;
-    wall_start_us_ = wall_us();
-  }
-  std::uint64_t link_start_us_ = 0;
-  std::int64_t wall_start_us_ = 0;
-};
+constexpr microseconds kHealthEvery{250'000}, kRetryAfter{1'000'000};
 
 // Health of all links for the page: trouble on one bus is trouble of the page.
 class Health {
@@ -157,18 +129,18 @@ class Feed {
         bus, designs_,
         [&](const device::ModuleSample& f) {
           const auto cover = static_cast<std::size_t>(f.cover);
-          live_.add(first_[cover] + f.module, touches_[cover].take(f), pace.wall_of(f.link_time_us));
+          live_.add(first_[cover] + f.module, touches_[cover].take(f), pace.unix_us(f.link_time_us));
         },
         stream_options);
     const KeptTotals kept(stream, before_);
-    std::int64_t next_health_us = 0;
+    Clock::time_point next_health{};
     while (!interrupt_request()) {
       obey(link->finger(), bus.now_us());
       stream.run_until(bus.now_us() + kSlice_us);
       for (CoverTouches& cover : touches_) cover.keep_rest(bus.now_us());
       pace.hold(bus.now_us());
-      if (wall_us() < next_health_us) continue;
-      next_health_us = wall_us() + kHealthEvery.count();
+      if (Clock::now() < next_health) continue;
+      next_health = Clock::now() + kHealthEvery;
       state(true, link->trouble(), stream.frames(), stream.lost());
     }
   }
@@ -213,11 +185,6 @@ class Feed {
   FeedTotals before_;
 };
 
-void wait_for_retry() {
-  for (microseconds waited{0}; waited < kRetryAfter && !interrupt_request(); waited += kPoll)
-    std::this_thread::sleep_for(kPoll);
-}
-
 }  // namespace
 
 void CommandQueue::push(const view::Command& command) {
@@ -254,7 +221,7 @@ FeedTotals feed(const device::LinkOptions& options, const device::StreamOptions&
         break;  // Ctrl-C is the usual end
       } catch (const DeviceError& e) {
         feed.state(false, e.what());
-        wait_for_retry();
+        (void)sleep_until(Clock::now() + kRetryAfter);
       }
     }
     totals[b] = feed.totals();

@@ -15,8 +15,11 @@ struct HostPort {
   std::string host;
   std::uint16_t port = 0;
 };
-/// Splits "HOST:PORT", port 0..65535. Throws InputError.
+/// Splits "HOST:PORT", port 0 … 65535; an IPv6 address stands in brackets, "[::1]:7000", as in a URL, and `host` is
+/// without them. Throws InputError.
 [[nodiscard]] HostPort parse_host_port(const std::string& text);
+/// The text that parse_host_port() reads.
+[[nodiscard]] std::string host_port_text(const HostPort& at);
 
 /// Records between `sim:HOST:PORT` and `triskin simulate --listen`: 4 bytes length of what follows (little-endian), 1
 /// byte kind, then the contents. Both sides refuse records longer than kMaxBytes.
@@ -52,7 +55,8 @@ struct Record {
 /// A simulation that runs in another process (`triskin simulate SCENE --listen HOST:PORT`), in real time. Threads: one.
 class TcpLink final : public Link, private Finger {
  public:
-  /// Connects. Throws DeviceError when nobody listens there.
+  /// Connects. Throws DeviceError when nobody listens there or answers within 5 s. Afterwards send() throws DeviceError
+  /// when the simulation takes nothing for 2 s, Cancelled when the process is asked to end meanwhile.
   explicit TcpLink(const HostPort& to);
   ~TcpLink() override;
   TcpLink(const TcpLink&) = delete;
@@ -73,6 +77,9 @@ class TcpLink final : public Link, private Finger {
   void lift() override;
   void pressurize(int module, double kpa) override;
   void write_all(const std::vector<std::uint8_t>& bytes);
+  /// The next frame among the bytes that have come; empty: none is whole.
+  std::optional<wire::CanFrame> frame_received();
+  void read_chunk();
   [[noreturn]] void fail(const std::string& what) const;
 
   std::string name_;
