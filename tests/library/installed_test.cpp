@@ -62,6 +62,24 @@ TEST(Installed, a_CMake_project_finds_it_by_find_package) {
   EXPECT_EQ(said, kWanted);
 }
 
+// What the Debian packages bring besides the program.
+TEST(Installed, the_program_comes_with_pages_rules_and_completion) {
+  const FlashedSim sim;
+  const fs::path prefix = sim.folder() / "installed";
+  const auto [status, text] =
+      shell(sim, "cmake --install '" TRISKIN_BUILD "' --component program --prefix '" + prefix.string() + "'");
+  ASSERT_EQ(status, 0) << text;
+  const auto [said, version] = shell(sim, "'" + (prefix / "bin/triskin").string() + "' --version");
+  EXPECT_EQ(said, 0) << version;
+  for (const char* file : {"share/man/man1/triskin.1.gz", "share/man/man1/triskin-verify.1.gz",
+                           "share/man/man1/triskin-repair.1.gz", "share/bash-completion/completions/triskin",
+                           "lib/udev/rules.d/70-triskin.rules", "share/triskin/ros/triskin_msgs/package.xml"})
+    EXPECT_TRUE(fs::exists(prefix / file)) << file;
+  const fs::path doc = prefix / "share/doc" / TRISKIN_PACKAGE;
+  for (const char* file : {"copyright", "changelog.gz", "docs/start_flash.md", "examples/from_bare_boards.sh"})
+    EXPECT_TRUE(fs::exists(doc / file)) << file;
+}
+
 #ifdef TRISKIN_PYTHON
 TEST(Installed, Python_reads_a_served_simulation) {
   const FlashedSim sim;
