@@ -55,11 +55,13 @@ PARTS = [
     Part("host/robot", "robot", "base design core wire layout link session deploy", HOST_BASE + " boost", "triskin_robot"),
     Part("host/sim", "scene", "base design core wire layout sim link", HOST_BASE, "triskin_sim"),
     Part("host/connect", "connect", "base design core wire layout sim scene link session robot", HOST_BASE, "triskin_connect"),
+    Part("host/scenario", "scenario",
+         "base design core wire layout sim scene link session diagnose deploy skin recording mechanics", HOST_BASE, "triskin_scenario"),
     Part("host/view", "view", "base design core wire layout", HOST_BASE + " boost_beast", "triskin_view"),
     Part("host/sheet", "sheet", "base design core wire layout", HOST_BASE + " cairo", "triskin_sheet"),
     Part("host/hdf5", "hdf5", "base design core wire layout recording", HOST_BASE + " HDF5", "triskin_hdf5"),
     # The header of the library is its own: <triskin/triskin.h> has no prefix.
-    Part("host/library", "", "base design core wire layout link session diagnose deploy skin robot connect scene", "fmt", "triskin_library"),
+    Part("host/library", "", "base design core wire layout link session diagnose deploy skin robot connect scene recording", "fmt", "triskin_library"),
     Part("host/python", "", "", "pybind11", "triskin_python"),
     Part("host/cli/src/geometry", "",
          "cli base design export mesh placement unfolding lattice routing pipeline check core wire layout sim scene recording link session "
@@ -67,7 +69,7 @@ PARTS = [
          HOST_BASE + " CLI"),
     Part("host/cli", "cli",
          "base design export core wire layout sim scene recording link session diagnose deploy skin robot connect view sheet hdf5 bridge "
-         "mechanics cad",
+         "mechanics cad scenario",
          HOST_BASE + " CLI", "triskin"),
     Part("tools/machine", "machine", "base core wire layout sim", "fmt unicorn", "triskin_machine"),
 ]

@@ -24,7 +24,7 @@ class OutputFiles : public ShellCase {
     design::write_design(folder_ / "strip.json", strip(4, 4));
   }
   [[nodiscard]] unsigned mode_of(const std::string& name) const {
-    struct stat found {};
+    struct stat found{};
     return ::stat((folder_ / name).c_str(), &found) == 0 ? found.st_mode & 0777 : 0;
   }
   [[nodiscard]] Outcome export_to(const std::string& name) const {
@@ -84,12 +84,13 @@ class MeshStreams : public OutputFiles {
  protected:
   void SetUp() override {
     OutputFiles::SetUp();
-    ASSERT_EQ(run("generate forearm --size-mm 150 --faces 600 -o part.obj").status, 0) << read_file(folder_ / "messages");
+    ASSERT_EQ(run("generate forearm --size-mm 150 --faces 600 -o part.obj").status, 0)
+        << read_file(folder_ / "messages");
     ASSERT_EQ(run("extract part.obj -o file.obj").status, 0) << read_file(folder_ / "messages");
   }
   [[nodiscard]] int shell(const std::string& before, const std::string& arguments) const {
-    const std::string command = "cd '" + folder_.string() + "' && " + before + " " + program_file() + " " + arguments +
-                                " >out 2>messages";
+    const std::string command =
+        "cd '" + folder_.string() + "' && " + before + " " + program_file() + " " + arguments + " >out 2>messages";
     return WEXITSTATUS(std::system(command.c_str()));
   }
 };

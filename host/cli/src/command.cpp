@@ -118,12 +118,14 @@ void Output::mark_simulated(const std::string& link) {
 }
 
 void Output::say(const std::string& line) const {
+  if (is_silent_) return;
   std::FILE* out = messages_aside_ ? stderr : stdout;
   std::fputs((for_terminal(line) + "\n").c_str(), out);
   std::fflush(out);
 }
 
 ProgressSink Output::progress() const {
+  if (is_silent_) return {};
   auto bar = std::make_shared<Bar>();
   return [bar](const Progress& p) { bar->show(p); };
 }

@@ -12,6 +12,7 @@
 #include "triskin/base/files.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/base/wall_clock.hpp"
+#include "triskin/bridge/bridge.hpp"
 #include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
@@ -19,6 +20,7 @@
 #include "triskin/hdf5/taxel_table.hpp"
 #include "triskin/recording/recorder.hpp"
 #include "triskin/recording/recording.hpp"
+#include "triskin/robot/assembly.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/firmware_version.hpp"
 #include "triskin/skin/rest_store.hpp"
@@ -39,7 +41,7 @@ struct Options {
   device::StreamOptions stream;
   CalibrationOptions calibration;
   double seconds = 10.0;
-  double cloud_hz = 0.0;
+  double cloud_hz = 5.0;
 };
 
 constexpr std::uint64_t kSlice_us = 100'000;
@@ -72,12 +74,40 @@ std::string firmware_of(device::Bus& bus, std::uint8_t node) {
   return device::firmware_version_text(device::Controller(bus, node).hello().firmware_version);
 }
 
+// Where a cover is on its robot, for viewers.
+struct CoverPlace {
+  std::string part, parent_frame;
+  recording::Pose pose;
+};
+
+// Indexed by cover: its frame in the base of the robot with all joints at 0.
+std::vector<CoverPlace> places_of(const robot::Assembly& assembly) {
+  constexpr double kMetre_mm = 1000.0;
+  std::vector<CoverPlace> places;
+  for (const robot::CoverEntry& cover : assembly.robot.covers) {
+    const bool known = assembly.frames && assembly.frames->has(cover.frame);
+    const Eigen::Isometry3d at = known ? assembly.frames->pose(cover.frame) * cover.pose : cover.pose;
+    const Eigen::Quaterniond q(at.linear());
+    CoverPlace place{bridge::part_name(cover.name), known ? assembly.frames->base() : "base_link", {}};
+    for (int axis = 0; axis < 3; ++axis)
+      place.pose.translation_m[static_cast<std::size_t>(axis)] = at.translation()[axis] / kMetre_mm;
+    place.pose.rotation = {q.x(), q.y(), q.z(), q.w()};
+    places.push_back(std::move(place));
+  }
+  return places;
+}
+
 // The recording of one cover.
 class CoverFile {
  public:
   CoverFile(const robot::CoverConfig& cover, const std::string& path, Format format)
       : cover_(cover), format_(format), file_(path) {}
 
+  void place(const CoverPlace& place) {
+    origin_.part = place.part;
+    origin_.parent_frame = place.parent_frame;
+    origin_.pose = place.pose;
+  }
   void describe(device::Bus& bus, std::span<const wire::NodeClaim> claims, const Options& options,
                 const Output& output) {
     origin_.design_text = read_file(cover_.design_file);
@@ -170,10 +200,14 @@ std::string file_of(const Options& options, Format format, const robot::CoverCon
 class BusRecording {
  public:
   // Files are opened before anything is asked of the controllers.
-  BusRecording(const Options& options, const robot::BusConfig& site, Format format) : options_(options), site_(site) {
+  // `places`: indexed by cover; empty for a design file.
+  BusRecording(const Options& options, const robot::BusConfig& site, Format format,
+               const std::vector<CoverPlace>& places)
+      : options_(options), site_(site) {
     for (const robot::CoverConfig& cover : site.covers) {
       if (!cover.chosen) continue;
       files_.push_back(std::make_unique<CoverFile>(cover, file_of(options, format, cover, site), format));
+      if (!places.empty()) files_.back()->place(places.at(static_cast<std::size_t>(cover.cover)));
       designs_.push_back(&cover.design);
     }
   }
@@ -323,10 +357,12 @@ int run(const Options& options, Output& output) {
   if (format == Format::kHdf5) require_hdf5(options.output);
   if (site.is_robot) make_folder(options.output);
   if (!site.is_robot) device::require_link(options.site.link);
+  std::vector<CoverPlace> places;
+  if (site.is_robot) places = places_of(robot::read_assembly(options.site.file));
   OpenSite open{std::move(site), {}};
   std::vector<std::unique_ptr<BusRecording>> buses;
   for (const robot::BusConfig& bus : open.site.buses)
-    buses.push_back(std::make_unique<BusRecording>(options, bus, format));
+    buses.push_back(std::make_unique<BusRecording>(options, bus, format, places));
   open.links = device::open_buses(open.site, options.site.link);
   say_simulated(open.links, output);
   const ProgressSink progress = output.progress();
@@ -354,7 +390,7 @@ const Registration kRecord{{
       app.add_option("--seconds", options->seconds, "of the link's time")
           ->check(CLI::Range(0.0, 1e6))
           ->capture_default_str();
-      app.add_option("--cloud-hz", options->cloud_hz, "mcap: also sensor_msgs/PointCloud2, so often")
+      app.add_option("--cloud-hz", options->cloud_hz, "mcap: points with their values, so often (0: none)")
           ->check(CLI::Range(0.0, 100.0))
           ->capture_default_str();
       return [options](Output& output) { return run(*options, output); };

@@ -10,6 +10,8 @@
 #include "triskin/cli/command.hpp"
 #include "triskin/connect/open_bus.hpp"
 #include "triskin/robot/bus_threads.hpp"
+#include "triskin/scenario/contact_stream.hpp"
+#include "triskin/scenario/scene_check.hpp"
 #include "triskin/scene/sim_server.hpp"
 #include "triskin/scene/skin_server.hpp"
 #include "triskin/session/controller.hpp"
@@ -19,9 +21,9 @@ namespace {
 
 struct Options {
   std::string scene;
-  std::string listen;
+  std::string listen, contacts;
   double seconds = -1.0;
-  bool fresh = false, switched = false, expose = false;
+  bool fresh = false, switched = false, expose = false, check = false;
   std::optional<std::uint64_t> board_seed;
 };
 
@@ -129,7 +131,48 @@ void serve(std::vector<SimulatedBus>& buses, const Options& options, std::size_t
                      [&](std::size_t k) { buses[k].server->run(interrupt_request(), std::max(0.0, options.seconds)); });
 }
 
+int run_check(const Options& options, Output& output) {
+  if (robot::is_robot_file(options.scene))
+    throw InputError(fmt::format("{}: --check takes a scene file, not a robot file", options.scene));
+  scene::Scene scene = scene::read_scene(options.scene);
+  scene.switched = scene.switched || options.switched;
+  const scenario::SceneCheck check = scenario::check_scene(std::move(scene), output.progress());
+  nlohmann::json list = nlohmann::json::array();
+  for (const scenario::ExpectationResult& r : check.results) {
+    const std::string expected = scene::text_of(r.expectation);
+    output.say(fmt::format("{}  {}: {} ({})", r.held ? "ok    " : "FAILED", r.expectation.place, expected, r.seen));
+    list.push_back({{"place", r.expectation.place},
+                    {"expected", expected},
+                    {"held", r.held},
+                    {"samples", r.samples},
+                    {"seen", r.seen}});
+  }
+  output.result.update(
+      {{"expectations", std::move(list)}, {"failed", check.failed()}, {"virtual_s", check.simulated_s}});
+  output.say(fmt::format("{} of {} expectations held in {:.3g} s of virtual time",
+                         check.results.size() - check.failed(), check.results.size(), check.simulated_s));
+  return check.failed() == 0 ? 0 : 1;
+}
+
+int run_contacts(const Options& options, Output& output) {
+  if (robot::is_robot_file(options.scene))
+    throw InputError(fmt::format("{}: --contacts takes a scene or a design, not a robot file", options.scene));
+  const device::HostPort at = device::parse_host_port(options.contacts);
+  scene::Scene scene = scene::read_scene(options.scene);
+  scene.switched = scene.switched || options.switched;
+  catch_interrupts();
+  scenario::ContactStream stream(std::move(scene));
+  output.expect_interrupt();
+  scenario::serve_contacts(stream, at, interrupt_request(), std::max(0.0, options.seconds), [&](int port) {
+    output.say(fmt::format("contacts at {}:{}; end with Ctrl-C", at.host, port));
+  });
+  output.result["virtual_s"] = stream.time_s();
+  return 0;
+}
+
 int run(const Options& options, Output& output) {
+  if (!options.contacts.empty()) return run_contacts(options, output);
+  if (options.check) return run_check(options, output);
   std::vector<SimulatedBus> buses = buses_of(options);
   std::size_t modules = 0, controllers = 0;
   for (const SimulatedBus& bus : buses) {
@@ -188,6 +231,16 @@ const Registration kSimulate{{
       app.add_option("--board-seed", options->board_seed,
                      "serial numbers of the boards are drawn from this; 0: they ascend with the patches; default: the "
                      "scene's seed");
+      app.add_option("--contacts", options->contacts,
+                     "HOST:PORT (port 0 takes a free one): another simulator tells where it touches the skin and gets "
+                     "the frames of the controllers (docs/contact_stream.md)")
+          ->excludes("--listen");
+      app.add_flag("--check", options->check,
+                   "run the scene and hold what the skin reports against its \"expect\"; status 1 if it differs "
+                   "(docs/scene_check.md)")
+          ->excludes("--listen")
+          ->excludes("--contacts")
+          ->excludes("--seconds");
       app.add_flag("--fresh", options->fresh, "boards that were never flashed, kept in memory only");
       return [options](Output& output) { return run(*options, output); };
     },

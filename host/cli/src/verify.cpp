@@ -12,16 +12,19 @@
 #include <mutex>
 #include <utility>
 
+#include "finding_lines.hpp"
 #include "offset_lines.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/cli/design_argument.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
+#include "triskin/diagnose/design_files.hpp"
 #include "triskin/diagnose/repair.hpp"
 #include "triskin/diagnose/verify_report.hpp"
 #include "triskin/link/cover_link.hpp"
 #include "triskin/session/controller_calibration.hpp"
+#include "triskin/skin/rest_store.hpp"
 
 namespace triskin::cli::verify_command {
 namespace {
@@ -32,18 +35,6 @@ struct Options {
   bool no_touch = false;
   std::string report;
 };
-
-nlohmann::json to_json(const device::Finding& f) {
-  nlohmann::json j = {{"kind", device::kFindingKindNames.name(f.kind)}, {"text", f.text}, {"remedy", f.remedy}};
-  j["module"] = f.module >= 0 ? nlohmann::json(f.module) : nlohmann::json(nullptr);
-  j["patch"] = f.patch >= 0 ? nlohmann::json(f.patch) : nlohmann::json(nullptr);
-  if (f.other >= 0) j["other"] = f.other;
-  if (f.line >= 0) j["line"] = f.line;
-  if (f.address >= 0) j["address"] = f.address;
-  if (f.taxel >= 0) j["taxel"] = f.taxel;
-  if (!f.place.empty()) j["place"] = f.place;
-  return j;
-}
 
 // A person presses real modules: Enter first, then the finger; the program sees the touch by itself. One question at a
 // time, also where several buses are verified.
@@ -110,23 +101,20 @@ std::string arguments_of(const Options& options, const robot::CoverConfig& cover
          (link.scene.empty() ? "" : " --scene " + link.scene);
 }
 
-// One repair at a time: the steps of the first finding are said, those of all stand in --json and in the report.
+// Each finding with the steps that mend it, as the report and --json have them.
 Told print_report(const robot::CoverConfig& cover, device::VerifyResult r, device::Bus& bus,
                   const std::string& arguments) {
   Told told;
   const std::string name = prefix_of(cover);
   nlohmann::json findings = nlohmann::json::array(), earlier = nlohmann::json::array();
-  std::vector<std::string> first;
   for (const auto& f : r.findings) {
-    findings.push_back(to_json(f));
-    findings.back()["repair"] = device::repair_steps(cover.design, f, arguments);
-    if (&f == &r.findings.front()) first = findings.back()["repair"].get<std::vector<std::string>>();
-    const std::string place = f.place.empty() ? "" : fmt::format("\n    on the cover: {}", f.place);
-    told.lines.push_back(
-        fmt::format("{}{}: {}{}\n    {}", name, device::kFindingKindNames.name(f.kind), f.text, place, f.remedy));
+    const std::vector<std::string> steps = device::repair_steps(cover.design, f, arguments);
+    findings.push_back(finding_json(f));
+    findings.back()["repair"] = steps;
+    for (const std::string& line : finding_lines(f, steps)) told.lines.push_back(name + line);
   }
   for (const auto& f : r.earlier) {
-    earlier.push_back(to_json(f));
+    earlier.push_back(finding_json(f));
     told.lines.push_back(fmt::format("{}remembered from before, not there now: {}", name, f.text));
   }
   std::vector<std::string> rest;
@@ -149,8 +137,7 @@ Told print_report(const robot::CoverConfig& cover, device::VerifyResult r, devic
     for (std::string& line : sentences(*r.stream)) rest.push_back(std::move(line));
   }
   for (const std::string& line : rest) told.lines.push_back(name + line);
-  if (!first.empty()) told.lines.push_back(name + "to mend the first finding:");
-  for (std::size_t k = 0; k < first.size(); ++k) told.lines.push_back(fmt::format("  {}. {}", k + 1, first[k]));
+  if (!r.findings.empty()) told.lines.push_back(name + "mend one finding after the other: triskin repair " + arguments);
   told.result = std::move(r);
   return told;
 }
@@ -167,6 +154,7 @@ std::vector<Told> verify_bus(const robot::BusConfig& site, device::Link& link, c
     // The virtual finger costs nobody anything, so it always tries every module.
     if (own.finger() != nullptr) verify.touch = !options.no_touch;
     verify.neighbours = robot::other_demands(site, std::array{&std::as_const(cover.design)});
+    verify.rest = device::RestStore(cover.design, bus.discover()).read();
     const auto wiring = design::wiring_of(cover.design);
     // A person at one patch is asked for its modules only.
     verify.ask = [&](int module) {
@@ -174,6 +162,7 @@ std::vector<Told> verify_bus(const robot::BusConfig& site, device::Link& link, c
       return is_asked && ask_person(prefix_of(cover), module);
     };
     device::VerifyResult result = device::verify(bus, cover.design, verify, progress_of(site, cover, progress));
+    device::name_files(result.findings, options.site.file);
     if (patch >= 0) std::ranges::stable_partition(result.findings, [=](const auto& f) { return f.patch == patch; });
     const std::string arguments = arguments_of(options, cover);
     all.push_back(print_report(cover, std::move(result), bus, arguments));

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/design_argument.hpp"
@@ -28,6 +29,7 @@ struct Options {
   device::LinkOptions link;
   device::StreamOptions stream;
   CalibrationOptions calibration;
+  std::string findings;
   std::uint16_t port = 0;
   bool no_open = false;
 };
@@ -46,14 +48,28 @@ void wait_for_interrupt() {
 struct Shown {
   design::Design design;
   std::vector<design::CoverOffset> offsets;  // Indexed by cover.
+  view::Notes notes{};
 };
+
+// Names and coverage of the covers of a robot.
+std::vector<view::CoverNote> covers_of(const robot::Assembly& assembly, std::span<const design::CoverOffset> offsets) {
+  std::vector<view::CoverNote> notes;
+  for (std::size_t c = 0; c < offsets.size(); ++c) {
+    const design::Design& d = assembly.designs[c];
+    notes.push_back({assembly.robot.covers[c].name, offsets[c].module, offsets[c].patch, offsets[c].island,
+                     static_cast<int>(d.layout.modules.size()), d.report.area_cm2, d.report.coverage});
+  }
+  return notes;
+}
 
 Shown shown_of(const std::string& file, bool has_link) {
   if (robot::is_robot_file(file)) {
-    design::SideBySide joint = robot::in_base(robot::read_assembly(file));
-    return {std::move(joint.design), std::move(joint.offsets)};
+    const robot::Assembly assembly = robot::read_assembly(file);
+    design::SideBySide joint = robot::in_base(assembly);
+    view::Notes notes{covers_of(assembly, joint.offsets), {}};
+    return {std::move(joint.design), std::move(joint.offsets), std::move(notes)};
   }
-  return {has_link ? design::read_intact_design(file) : design::read_design(file), {{}}};
+  return {has_link ? design::read_intact_design(file) : design::read_design(file), {{}}, {}};
 }
 
 // Standard output is for the address alone.
@@ -111,7 +127,10 @@ int run(const Options& options, Output& output) {
   if (is_recording(options.design)) return play(options, output);
   const DesignArgument argument = find_design(options.design);
   const bool has_link = options.link.link != "none";
-  const Shown shown = shown_of(argument.path, has_link);
+  Shown shown = shown_of(argument.path, has_link);
+  if (!options.findings.empty())
+    shown.notes.findings =
+        view::findings_in(read_file(options.findings), options.findings, shown.design, shown.notes.covers);
   std::optional<robot::Site> site;
   if (has_link) site = robot::read_site(argument.path);
   if (site && !site->is_robot) device::require_link(options.link);
@@ -120,8 +139,8 @@ int run(const Options& options, Output& output) {
   live.set_health({options.link.link, false, "", 0, 0});
   CommandQueue commands(site ? site->buses.size() : 1);
   catch_interrupts();
-  const view::Server server(view::site_of(shown.design, {}, calibration_now(options, site, output)), live, options.port,
-                            [&](const view::Command& c) { commands.push(c); }, {});
+  const view::Server server(view::site_of(shown.design, {}, calibration_now(options, site, output), shown.notes), live,
+                            options.port, [&](const view::Command& c) { commands.push(c); }, {});
   const std::string address = server.address() + place_of(argument, shown.design);
   output.say(address);
   const auto browser = open_browser(options, address);
@@ -150,6 +169,8 @@ const Registration kView{{
                                             "; none: the design without live samples");
       add_decimation_option(app, options->stream);
       add_calibration_options(app, options->calibration);
+      app.add_option("--findings", options->findings,
+                     "report of triskin verify (--report FILE.json): its findings are shown at their modules");
       app.add_option("--port", options->port, "of the page on 127.0.0.1; 0 takes a free one")->capture_default_str();
       app.add_flag("--no-open", options->no_open, "do not start a browser");
       return [options](Output& output) { return run(*options, output); };

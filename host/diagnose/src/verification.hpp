@@ -94,7 +94,9 @@ class TouchTest {
 /// cause explains. The likeliest explanation stands first.
 class Diagnosis {
  public:
-  Diagnosis(const design::Design& design, std::vector<PatchState> patches, std::vector<TouchOutcome> touches);
+  /// `rest`: where the taxels rest, or empty. Everything that is given outlives the diagnosis or is taken.
+  Diagnosis(const design::Design& design, std::vector<PatchState> patches, std::vector<TouchOutcome> touches,
+            const design::RestValues& rest);
   void run(VerifyResult& result);
 
  private:
@@ -126,7 +128,10 @@ class Diagnosis {
   void examine_absent(const PatchState& p, const std::vector<std::size_t>& rows);
   void examine_taxels(const PatchState& p, std::size_t row);
   void examine_topology(const PatchState& p);
+  void note_adopted();
   void examine_adoption();
+  void examine_missing(const PatchState& p, const std::set<int>& missing);
+  void examine_rest();
   void examine_history(const PatchState& p);
   [[nodiscard]] std::vector<Finding> examine_earlier() const;
   [[nodiscard]] std::optional<Finding> remembered(const PatchState& p, const wire::FaultRecord& fault) const;
@@ -142,6 +147,7 @@ class Diagnosis {
   const design::Design& design_;
   std::vector<PatchState> patches_;
   std::vector<TouchOutcome> touches_;
+  const design::RestValues& rest_;
   std::vector<design::ModuleWiring> wiring_;
   std::vector<Finding> findings_;
   std::set<int> bad_;           // Modules that are not ok.

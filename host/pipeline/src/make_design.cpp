@@ -264,11 +264,22 @@ std::optional<design::Design::PartSource> part_source(const geometry::MeshReadRe
                                     cad::selection_text(faces)};
 }
 
+// Limits of the lattice for a bending radius: a side of a module is a chord, whose sagitta is a²/(8R)
+// (docs/bending.md).
+DesignOptions with_bend_limits(DesignOptions options) {
+  if (options.bend_radius_mm <= 0.0) return options;
+  const double sagitta_mm = design::kSide_mm * design::kSide_mm / (8.0 * options.bend_radius_mm);
+  options.limits.depth_mm = std::min(options.limits.depth_mm, sagitta_mm);
+  options.limits.lift_mm = std::min(options.limits.lift_mm, sagitta_mm);
+  return options;
+}
+
 }  // namespace
 
-design::Design make_design(const std::filesystem::path& mesh, const DesignOptions& options,
-                           const ProgressSink& progress, DesignNotes* notes) {
+design::Design make_design(const std::filesystem::path& mesh, const DesignOptions& given, const ProgressSink& progress,
+                           DesignNotes* notes) {
   const auto start = Clock::now();
+  const DesignOptions options = with_bend_limits(given);
   design::Design design;
   design.name = mesh.stem().string();
   design.source_file = mesh.filename().string();

@@ -56,10 +56,11 @@ std::string cover_text(const CoverEntry& c) {
   std::vector<std::string> controllers;
   for (const ControllerEntry& e : c.controllers) controllers.push_back(controller_line(e));
   return fmt::format(
-      "{{\"name\":{},\"design\":{},\"design_id\":\"{:016x}\",\"bus\":{}{}{},\n   \"pose\":{}{},\n"
+      "{{\"name\":{},\"design\":{},\"design_id\":\"{:016x}\",\"bus\":{}{}{}{}{},\n"
       "   \"controllers\":[\n{}]}}",
       quoted(c.name), quoted(c.design), c.design_id, quoted(c.bus), optional_text("frame", c.frame),
-      c.rate_hz > 0.0 ? fmt::format(",\"rate_hz\":{}", c.rate_hz) : "", pose_text(c),
+      c.rate_hz > 0.0 ? fmt::format(",\"rate_hz\":{}", c.rate_hz) : "",
+      c.has_pose ? ",\n   \"pose\":" + pose_text(c) : "",
       c.measured ? fmt::format(",\"measured\":{{\"points\":{},\"rms_mm\":{}}}", c.measured->points, c.measured->rms_mm)
                  : "",
       fmt::join(controllers, ",\n"));

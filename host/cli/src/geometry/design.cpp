@@ -20,6 +20,8 @@
 #include "triskin/cli/command.hpp"
 #include "triskin/cli/face_options.hpp"
 #include "triskin/pipeline/make_design.hpp"
+#include "verbosity.hpp"
+#include "why_few.hpp"
 
 namespace triskin::cli::design_command {
 namespace {
@@ -31,28 +33,8 @@ struct Options {
   FaceOptions faces;
   pipeline::DesignOptions design;
   EditOptions edit;
+  Verbosity verbosity;
 };
-
-// Why nothing fits: most often the mesh is in another unit than the one it was read in.
-std::string reason_of_nothing(const design::Design& d, bool unit_given) {
-  design::Vec3 low = design::Vec3::Constant(1e300), high = -low;
-  for (const auto& v : d.surface.vertices) {
-    low = low.cwiseMin(v);
-    high = high.cwiseMax(v);
-  }
-  const design::Vec3 size = d.surface.vertices.empty() ? design::Vec3::Zero() : design::Vec3(high - low);
-  const geometry::OpenSide side = geometry::open_side_of(d.surface);
-  const std::string inward =
-      side.is_open && side.toward_middle > 0.5
-          ? "; its faces look at its own middle, where modules have less room: --flip takes the other side"
-          : "";
-  return fmt::format(
-             "no module fits: the surface measures {:.4g} × {:.4g} × {:.4g} mm, a module is a triangle with sides of "
-             "30 mm{}; no design was written",
-             size.x(), size.y(), size.z(),
-             unit_given ? "" : "; the mesh was taken for mm: say --unit cm, m or in if it is not") +
-         inward;
-}
 
 nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& notes) {
   const auto& r = d.report;
@@ -95,33 +77,13 @@ nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& not
   return keys;
 }
 
-void say_layout(const design::Design& d, const pipeline::DesignNotes& notes, Output& output) {
-  const auto& r = d.report;
+// What a person has to know before using the design.
+void say_warnings(const design::Design& d, const pipeline::DesignNotes& notes, Output& output) {
   for (const std::string& note : notes.reading) output.say(note);
-  const std::string open_side = notes.side.choice.has_wall ? "" : side_text_of(geometry::open_side_of(d.surface));
-  if (!open_side.empty()) output.say(open_side);
   if (const std::string shortage = shortage_text(notes.extract); !shortage.empty()) output.say(shortage);
   if (const std::string change = repair_text(notes.extract, "repair"); !change.empty()) output.say(change);
   if (const std::string side = side_text(notes.side); !side.empty()) output.say(side);
   if (const std::string holes = bridge_text(notes.bridges); !holes.empty()) output.say(holes);
-  if (notes.solver_deviation_mm > 0.0) {
-    output.say(fmt::format("searched on {} of {} faces, which deviate by at most {:.3f} mm; measured on all",
-                           notes.solver_faces, d.surface.faces.size(), notes.solver_deviation_mm));
-  }
-  output.say(fmt::format("{}: {:.0f} cm², {} modules placed (at most {} by area), coverage {:.1f} %", d.name,
-                         r.area_cm2, d.layout.modules.size(), r.upper_bound, 100.0 * r.coverage));
-  if (d.layout.corner_cut_mm > 0.0) {
-    output.say(fmt::format("corners cut by {:g} mm: coverage {:.1f} % of cut modules", d.layout.corner_cut_mm,
-                           100.0 * r.coverage_cut));
-    say_cut_pads(d.layout.corner_cut_mm, output);
-  }
-  output.say(fmt::format(
-      "{} islands, {} patches (lower bound {}), {} jumpers (lower bound {}); edge error ≤ {:.2f} mm, hinge "
-      "gap ≤ {:.2f} mm, centre gap ≤ {:.2f} mm, sides lift ≤ {:.2f} mm, depth ≤ {:.2f} mm",
-      d.layout.islands, d.patches.size(), r.patches_lower_bound, d.layout.jumpers.size(), r.jumpers_lower_bound,
-      r.max_edge_error_mm, r.max_hinge_gap_mm, r.max_center_gap_mm, r.max_edge_lift_mm, r.max_edge_depth_mm));
-  output.say(fmt::format("pieces give {} modules, growth on the surface {}: {} taken", notes.pieces, notes.surface,
-                         design::kLayoutMethodNames.name(d.layout.method)));
   std::vector<std::string> left_out;
   if (notes.pieces_left_out > 0) left_out.push_back(fmt::format("{} pieces", notes.pieces_left_out));
   if (notes.growth_left_out) left_out.emplace_back("the growth on the surface");
@@ -129,13 +91,43 @@ void say_layout(const design::Design& d, const pipeline::DesignNotes& notes, Out
     output.say(fmt::format("no time was left for {}; a longer --time-limit-s may give more modules",
                            fmt::join(left_out, " and ")));
   }
+  if (d.layout.corner_cut_mm > 0.0) say_cut_pads(d.layout.corner_cut_mm, output);
+}
+
+void say_layout(const design::Design& d, Output& output) {
+  const auto& r = d.report;
+  const std::string cut = d.layout.corner_cut_mm > 0.0 ? fmt::format(", {:.1f} % with corners cut by {:g} mm",
+                                                                     100.0 * r.coverage_cut, d.layout.corner_cut_mm)
+                                                       : "";
+  output.say(fmt::format("{}: {:.0f} cm², {} modules placed (at most {} by area), coverage {:.1f} %{}", d.name,
+                         r.area_cm2, d.layout.modules.size(), r.upper_bound, 100.0 * r.coverage, cut));
+  output.say(fmt::format("{} controllers (lower bound {}), {} jumpers (lower bound {}), {} islands", d.patches.size(),
+                         r.patches_lower_bound, d.layout.jumpers.size(), r.jumpers_lower_bound, d.layout.islands));
+}
+
+// With -v: how the result came about.
+void say_details(const design::Design& d, const pipeline::DesignNotes& notes, Output& output) {
+  const auto& r = d.report;
+  const std::string open_side = notes.side.choice.has_wall ? "" : side_text_of(geometry::open_side_of(d.surface));
+  if (!open_side.empty()) output.say(open_side);
+  if (notes.solver_deviation_mm > 0.0) {
+    output.say(fmt::format("searched on {} of {} faces, which deviate by at most {:.3f} mm; measured on all",
+                           notes.solver_faces, d.surface.faces.size(), notes.solver_deviation_mm));
+  }
+  output.say(fmt::format(
+      "edge error ≤ {:.2f} mm, hinge gap ≤ {:.2f} mm, centre gap ≤ {:.2f} mm, sides lift ≤ {:.2f} mm, "
+      "depth ≤ {:.2f} mm",
+      r.max_edge_error_mm, r.max_hinge_gap_mm, r.max_center_gap_mm, r.max_edge_lift_mm, r.max_edge_depth_mm));
+  output.say(fmt::format("pieces give {} modules, growth on the surface {}: {} taken", notes.pieces, notes.surface,
+                         design::kLayoutMethodNames.name(d.layout.method)));
   for (const auto& [limit, count] : d.layout.refused)
-    output.say(fmt::format("  {} refused {} further modules", limit, count));
+    output.say(fmt::format("{} refused {} further modules", limit, count));
 }
 
 int run(Options options, Output& output) {
   catch_interrupts();
   require_writable(options.output);
+  options.verbosity.apply(output);
   if (options.edit.wanted(options.mesh)) {
     std::fputs("triskin: a design is changed by triskin edit, with the same options; design loses them with 0.4\n",
                stderr);
@@ -156,21 +148,28 @@ int run(Options options, Output& output) {
   add_side_keys(notes.side, output);
   if (options.design.bridge_mm > 0.0) output.result["bridged_holes"] = notes.bridges.bridged;
   const int part_status = report_part(notes.read, output);
-  say_layout(d, notes, output);
+  say_warnings(d, notes, output);
   if (nothing) {
-    const std::string reason = reason_of_nothing(d, options.unit.unit.has_value());
+    const std::string reason = reason_of_nothing(d, options.unit.unit.has_value(), output);
     output.result["reason"] = reason;
     output.say(reason);
     return 1;
   }
+  say_layout(d, output);
   if (interrupt_signal() > 0)
     output.say(fmt::format("ended before its time: the best layout so far, with {} modules, is kept",
                            d.layout.modules.size()));
   report_kinds(d, output);
   const bool is_covered = report_regions(d, output);
-  report_alternatives(d, output);
-  report_bus(d.layout.modules.size(), output);
   output.say(fmt::format("design {:016x} written to {} in {:.1f} s", d.design_id, options.output, d.report.seconds));
+  if (const std::string low = low_coverage_text(d); !low.empty()) output.say(low);
+  report_alternatives(d, output);
+  if (options.verbosity.verbose) {
+    say_details(d, notes, output);
+    report_bus(d.layout.modules.size(), output);
+  } else {
+    add_bus_keys(d.layout.modules.size(), output);
+  }
   return is_covered ? part_status : 1;
 }
 
@@ -246,7 +245,8 @@ const Registration kDesign{{
       add_limits(app, options->design.limits);
       add_corner_cut(app, options->design.corner_cut_mm);
       app.add_option("--bend-radius-mm", options->design.bend_radius_mm,
-                     "part the pieces from what bends more than this, as the reference paper does at 50 (0: no)")
+                     "no module is bent to a smaller radius, as in the reference paper at 50: parts the pieces and "
+                     "limits depth and lift to 112.5/radius (0: no)")
           ->check(CLI::Range(0.0, 1e4))
           ->capture_default_str();
       app.add_option("--solver-deviation-mm", options->design.solver_deviation_mm,
@@ -258,6 +258,7 @@ const Registration kDesign{{
                      "file of weights, keep-outs and places that must be covered (docs/regions.md)")
           ->check(CLI::ExistingFile);
       add_price(app, options->design.limits, options->design.price);
+      options->verbosity.add_to(app);
       app.add_option("--threads", options->design.threads, "chains of the growth; part of what a result depends on")
           ->check(CLI::Range(1, 256))
           ->capture_default_str();

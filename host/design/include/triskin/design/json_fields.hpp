@@ -46,7 +46,7 @@ inline void only_keys(const JsonValue& v, std::initializer_list<std::string_view
   if (!v.raw().is_object()) v.fail("must be an object");
   for (const auto& [key, value] : v.raw().items()) {
     if (std::find(allowed.begin(), allowed.end(), key) == allowed.end())
-      v.fail(fmt::format("key \"{}\" is unknown here; see {}", key, page));
+      v.fail_at_key(key, fmt::format("key \"{}\" is unknown here; see {}", key, page));
   }
 }
 

@@ -74,6 +74,9 @@ class Link {
   [[nodiscard]] virtual std::string name() const = 0;
   /// One sentence on what the link has noticed (bus errors, unplugged devices) and the remedy; empty: nothing.
   [[nodiscard]] virtual std::string trouble() const { return {}; }
+  /// From now on receive() also returns what other hosts send, where the link can hear it: on a CAN bus. Throws as send
+  /// does.
+  virtual void receive_from_all() {}
   /// The finger of a simulated link, owned by the link; null: the link has none.
   [[nodiscard]] virtual Finger* finger() { return nullptr; }
   /// A connection on which the operating system segments messages; the link outlives it. `tx_id`, `rx_id`: 29-bit

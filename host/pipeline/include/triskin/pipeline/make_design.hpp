@@ -34,8 +34,10 @@ struct DesignOptions {
   double time_limit_s = 20.0;   ///< > 0, limit for all steps together; the growth gets what placement and wiring leave
   std::uint64_t seed = 1;       ///< seed of every random choice
   design::LayoutLimits limits;  ///< each > 0
-  double bend_radius_mm = 0.0;  ///< > 0: pieces are parted from what bends more (bend_seams.hpp); 0: not for that alone
-  double corner_cut_mm = 0.0;   ///< corner cut of every module, 0 … design::kMaxCornerCut_mm
+  /// > 0: no module is bent to a smaller radius: pieces are parted from what bends more (bend_seams.hpp), and depth and
+  /// lift of modules are limited to the sagitta of a side, 112.5 mm² / radius; 0: not for that alone.
+  double bend_radius_mm = 0.0;
+  double corner_cut_mm = 0.0;  ///< corner cut of every module, 0 … design::kMaxCornerCut_mm
   /// >= 0: how far the mesh on which pieces and growth are searched may be from a surface with more faces than it needs
   /// (decimated_mesh.hpp); 0: they are searched on the surface.
   double solver_deviation_mm = geometry::kSolverDeviation_mm;

@@ -18,7 +18,7 @@ class SimServer final : public SkinServer {
 
   /// Port that it listens on.
   [[nodiscard]] std::uint16_t port() const { return port_; }
-  [[nodiscard]] std::string link_name() const override { return name_ + std::to_string(port_); }
+  [[nodiscard]] std::string link_name() const override { return "sim:" + host_port_text({host_, port_}); }
   /// True: other computers can reach it, and nothing asks them who they are.
   [[nodiscard]] bool is_exposed() const override { return is_exposed_; }
 
@@ -40,7 +40,7 @@ class SimServer final : public SkinServer {
   void pressurize(const record::Record& record);
   void drop_dead();
 
-  std::string name_;
+  std::string host_;
   int listener_ = -1;
   std::uint16_t port_ = 0;
   bool is_exposed_ = false;

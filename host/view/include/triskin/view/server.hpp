@@ -11,6 +11,7 @@
 #include "triskin/design/calibration.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/view/live_skin.hpp"
+#include "triskin/view/notes.hpp"
 
 namespace triskin::view {
 
@@ -78,6 +79,6 @@ class Server {
 /// The page's files, the model of a design and, where `track` is not empty, a recording (FrameTrack) that the page
 /// plays instead of a live skin. Throws InputError when the program has no page.
 [[nodiscard]] Site site_of(const design::Design& design, std::string track = {},
-                           const design::SkinCalibration& calibration = {});
+                           const design::SkinCalibration& calibration = {}, const Notes& notes = {});
 
 }  // namespace triskin::view
