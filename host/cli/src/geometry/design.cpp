@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -19,13 +20,14 @@
 #include "triskin/cli/bus_report.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/cli/face_options.hpp"
+#include "triskin/export/revision_picture.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::cli::design_command {
 namespace {
 
 struct Options {
-  std::string mesh, output, regions;
+  std::string mesh, output, regions, like;
   UnitOption unit;
   SideOption side;
   FaceOptions faces;
@@ -133,6 +135,24 @@ void say_layout(const design::Design& d, const pipeline::DesignNotes& notes, Out
     output.say(fmt::format("  {} refused {} further modules", limit, count));
 }
 
+// Modules that stayed, and what changed as a picture beside the design.
+void report_revision(const design::Design& old, const design::Design& d, const pipeline::Revision& revision,
+                     const std::string& design_file, Output& output) {
+  const auto gone = std::ranges::count(revision.new_id, -1);
+  const auto stay = static_cast<std::ptrdiff_t>(revision.new_id.size()) - gone;
+  const auto tables =
+      static_cast<std::ptrdiff_t>(revision.new_patch.size()) - std::ranges::count(revision.new_patch, -1);
+  const std::string picture = design_file + ".changes.svg";
+  write_output(picture, design::revision_svg(old, d, revision.new_id, revision.added));
+  output.result["revision"] = {{"map", revision.new_id}, {"added", revision.added},
+                               {"gone", gone},           {"patches", revision.new_patch},
+                               {"kept", stay},           {"picture", picture}};
+  output.say(fmt::format(
+      "{} of {} modules stand where they stood, {} gone, {} new; {} of {} controllers are wired as they "
+      "were; {} shows what changed",
+      stay, revision.new_id.size(), gone, revision.added.size(), tables, revision.new_patch.size(), picture));
+}
+
 int run(Options options, Output& output) {
   catch_interrupts();
   require_writable(options.output);
@@ -147,6 +167,8 @@ int run(Options options, Output& output) {
   options.design.kinds = options.edit.kind_plan();
   options.design.side = options.side.options();
   options.design.bridge_mm = options.side.bridge_mm();
+  if (!options.like.empty())
+    options.design.like = std::make_shared<const design::Design>(design::read_design(options.like));
   pipeline::DesignNotes notes;
   const design::Design d = pipeline::make_design(options.mesh, options.design, output.progress(), &notes);
   if (notes.side.is_undecided) return report_undecided(notes.part, notes.side, options.output + ".svg", output);
@@ -166,6 +188,7 @@ int run(Options options, Output& output) {
   if (interrupt_signal() > 0)
     output.say(fmt::format("ended before its time: the best layout so far, with {} modules, is kept",
                            d.layout.modules.size()));
+  if (notes.revision) report_revision(*options.design.like, d, *notes.revision, options.output, output);
   report_kinds(d, output);
   const bool is_covered = report_regions(d, output);
   report_alternatives(d, output);
@@ -229,6 +252,11 @@ const Registration kDesign{{
       app.add_option("-o,--output", options->output, "design file")->required();
       options->edit.add_to(app);
       EditOptions::hide(app);
+      app.add_option(
+             "--like", options->like,
+             "design of an older version of the part: its modules stay where the surface lets them, its limits, "
+             "price, seed and kinds are taken")
+          ->check(CLI::ExistingFile);
       app.add_option("--repair", options->design.repair,
                      "auto: a mesh that crosses itself or is no manifold is made one that can be covered; never: it is "
                      "refused")
