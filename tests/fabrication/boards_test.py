@@ -313,7 +313,8 @@ def check_boards(folder, design):
         for layer, length in (("Edge.Cuts", outline * (SIDE - 2 * cut) + 3 * len(modules) * cut),
                               ("User.1", fold * (SIDE - 2 * cut)), ("User.2", slit * (SIDE - 2 * cut))):
             expect(abs(sum(board.lines[layer]) - length) < 1e-3, f"{layer}: {sum(board.lines[layer])} of {length} mm")
-    print(f"{len(islands_of(design))} boards with {len(design['modules'])} modules are wired as the design is")
+    if not failures:
+        print(f"{len(islands_of(design))} boards with {len(design['modules'])} modules are wired as the design is")
 
 
 def check_drawings(folder, design, ezdxf):
