@@ -140,8 +140,7 @@ TEST(ModuleBoard, PlatedHolesStayClearOfTheTaxels) {
   }
 }
 
-// Across a shared side any port meets any other: the contact at +x of one is that at −x of its neighbour, at as much on
-// the other side.
+// Across a shared side any port meets any other: the contact at +x of one faces that at −x of its neighbour.
 TEST(ModuleBoard, EveryPortFitsEveryOther) {
   for (std::size_t a = 0; a < 3; ++a) {
     for (std::size_t b = 0; b < 3; ++b) {
@@ -210,8 +209,8 @@ TEST(Layer, OfAPlateIsExact) {
   EXPECT_EQ(layer.folded_faces, 0);
 }
 
-// A roof of 135° whose faces meet at the ridge under equal angles: the vertices of the ridge move by 1 / cos 22.5°, and
-// both planes are as far away as they should be.
+// A roof of 135° whose faces meet at the ridge under equal angles: the ridge moves by 1 / cos 22.5°, so that both
+// planes are as far away as they should be.
 TEST(Layer, OfARoofIsExact) {
   design::Mesh roof;
   roof.vertices = {{0, 0, 0}, {30, 0, 0}, {30, 10, 10}, {0, 10, 10}, {30, 30, 10}, {0, 30, 10}};

@@ -149,7 +149,7 @@ class Board {
     return net_of({strap.name + ".1", PadLayer::kBack, {}, {}, 0.0}, setting);
   }
 
-  // Straight tracks over every kept fold, drawn from the lesser module. A contact at +x meets that at −x of the other.
+  // Straight tracks over every kept fold, drawn from the lesser module. A contact at +x meets the other's at −x.
   void add_joints(int id, const ModuleSetting& setting, const Pose& pose) {
     for (int s = 0; s < 3; ++s) {
       const sheet::Side& side = sides_.of[static_cast<std::size_t>(id)][static_cast<std::size_t>(s)];
