@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <map>
 #include <numbers>
 #include <random>
@@ -304,6 +305,21 @@ TEST(Fabricate, AssemblyIsReadBackWithNamesColoursAndVolumes) {
   }
   EXPECT_EQ(names, (std::set<std::string>{"cover", "M0", "M1", "M2", "M3", "M4"}));
   EXPECT_NEAR(part.unit_mm, 1.0, 1e-12);
+}
+
+// A build without the geometry kernel: all else is written and the gap is said; who asks for STEP alone gets the
+// reason.
+TEST(Fabricate, SaysSoWithoutTheProgramForCadFiles) {
+  const char* before = std::getenv("TRISKIN_CAD_READER");
+  const std::string named = before == nullptr ? "" : before;
+  ::setenv("TRISKIN_CAD_READER", "/nowhere/triskin-cad", 1);
+  const Folder folder;
+  const auto report = fabricate(test::strip(2), folder.path() / "all", {{}, 1.0, 2.0, 2.0});
+  EXPECT_EQ(report.left_out.size(), 1U);
+  EXPECT_FALSE(fs::exists(folder.path() / "all/strip.step"));
+  EXPECT_TRUE(fs::exists(folder.path() / "all/parts.csv"));
+  EXPECT_THROW((void)fabricate(test::strip(2), folder.path() / "step", {{Product::kStep}, 1.0, 2.0, 2.0}), InputError);
+  before == nullptr ? ::unsetenv("TRISKIN_CAD_READER") : ::setenv("TRISKIN_CAD_READER", named.c_str(), 1);
 }
 
 TEST(Fabricate, WritesAllOrNothing) {

@@ -57,7 +57,7 @@ enum class PadLayer {
 
 /// One pad in the frame of the module.
 struct ModulePad {
-  std::string name;  ///< contacts A1 … C10, each twice; taxels T0 … T11; U1.1 … U1.25; C1.1 …; straps SDA0.1 …
+  std::string name;  ///< contacts A1 … C10, each twice; taxels T0 … T11; U1.1 … U1.25; C1.1 …; SDA0.1 …
   PadLayer layer = PadLayer::kBack;
   design::Vec2 at_mm;
   design::Vec2 size_mm;    ///< equal: a circle on kThrough and kTouch; on kBack a rectangle
