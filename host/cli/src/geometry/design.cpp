@@ -15,6 +15,7 @@
 #include "read_text.hpp"
 #include "repair_text.hpp"
 #include "side_option.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/cli/bus_report.hpp"
@@ -240,6 +241,21 @@ void add_price(CLI::App& app, design::LayoutLimits& l, design::Price& price) {
       ->capture_default_str();
 }
 
+// What an older design says already.
+void require_like_alone(const CLI::App& app) {
+  if (app.get_option("--like")->count() == 0) return;
+  for (const char* name :
+       {"--edge-error-mm", "--hinge-gap-mm", "--center-gap-mm", "--fold-rad", "--penetration-mm", "--overrun-mm",
+        "--lift-mm", "--depth-mm", "--jumper-mm", "--controller-cost", "--jumper-cost", "--island-cost", "--seed",
+        "--kinds", "--corner-cut-mm", "--bend-radius-mm", "--solver-deviation-mm"}) {
+    if (app.get_option(name)->count() > 0)
+      throw InputError(
+          fmt::format("{} has no effect with --like, whose design says it; leave it out, or make the design "
+                      "without --like",
+                      name));
+  }
+}
+
 const Registration kDesign{{
     "design",
     "cover a mesh with modules: surface, layout, controllers, wiring",
@@ -295,6 +311,7 @@ const Registration kDesign{{
           ->capture_default_str();
       return [options, &app](Output& output) {
         options->edit.require_fitting(app, options->mesh);
+        require_like_alone(app);
         return run(*options, output);
       };
     },
