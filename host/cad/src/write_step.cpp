@@ -13,35 +13,35 @@
 namespace triskin::cad {
 namespace {
 
-using Json = nlohmann::json;
+using WriterJson = nlohmann::json;
 
 // A face takes about a millisecond and 40 kB, of which the written file is 2 kB.
-constexpr double kProcessor_s = 20.0, kProcessorPerFace_s = 0.02, kWallTimes = 3.0;
-constexpr std::uint64_t kMemory_bytes = 1'000'000'000, kMemoryPerFace_bytes = 100'000;
-constexpr std::uint64_t kFile_bytes = 100'000'000, kFilePerFace_bytes = 10'000;
+constexpr double kWriting_s = 20.0, kWritingPerFace_s = 0.02, kWritingWallTimes = 3.0;
+constexpr std::uint64_t kWritingMemory_bytes = 1'000'000'000, kMemoryPerFace_bytes = 100'000;
+constexpr std::uint64_t kWritingFile_bytes = 100'000'000, kFilePerFace_bytes = 10'000;
 
-ProcessLimits limits_for(const std::vector<StepBody>& bodies) {
+ProcessLimits writing_limits(const std::vector<StepBody>& bodies) {
   std::size_t faces = 0;
   for (const StepBody& body : bodies) faces += body.faces.size();
   ProcessLimits limits;
-  limits.processor_s = kProcessor_s + kProcessorPerFace_s * static_cast<double>(faces);
-  limits.wall_s = kWallTimes * limits.processor_s;
-  limits.memory_bytes = kMemory_bytes + kMemoryPerFace_bytes * faces;
-  limits.file_bytes = kFile_bytes + kFilePerFace_bytes * faces;
+  limits.processor_s = kWriting_s + kWritingPerFace_s * static_cast<double>(faces);
+  limits.wall_s = kWritingWallTimes * limits.processor_s;
+  limits.memory_bytes = kWritingMemory_bytes + kMemoryPerFace_bytes * faces;
+  limits.file_bytes = kWritingFile_bytes + kFilePerFace_bytes * faces;
   return limits;
 }
 
-Json body_json(const StepBody& body) {
-  Json vertices = Json::array();
+WriterJson step_body_json(const StepBody& body) {
+  WriterJson vertices = WriterJson::array();
   for (const design::Vec3& v : body.vertices) vertices.push_back({v.x(), v.y(), v.z()});
   return {{"name", body.name}, {"colour", body.colour}, {"vertices", vertices}, {"faces", body.faces}};
 }
 
-StepBody body_of(const Json& json) {
+StepBody step_body_of(const WriterJson& json) {
   StepBody body;
   body.name = json.at("name");
   body.colour = json.at("colour");
-  for (const Json& v : json.at("vertices")) body.vertices.emplace_back(v.at(0), v.at(1), v.at(2));
+  for (const WriterJson& v : json.at("vertices")) body.vertices.emplace_back(v.at(0), v.at(1), v.at(2));
   body.faces = json.at("faces").get<std::vector<std::vector<int>>>();
   for (const auto& face : body.faces) {
     for (const int v : face) {
@@ -55,15 +55,15 @@ StepBody body_of(const Json& json) {
 }  // namespace
 
 std::string encode_bodies(const std::string& assembly, const std::vector<StepBody>& bodies) {
-  Json list = Json::array();
-  for (const StepBody& body : bodies) list.push_back(body_json(body));
-  return Json{{"name", assembly}, {"bodies", list}}.dump();
+  WriterJson list = WriterJson::array();
+  for (const StepBody& body : bodies) list.push_back(step_body_json(body));
+  return WriterJson{{"name", assembly}, {"bodies", list}}.dump();
 }
 
 StepAssembly bodies_of(std::string_view bytes) {
-  const Json json = Json::parse(bytes);
+  const WriterJson json = WriterJson::parse(bytes);
   StepAssembly assembly{json.at("name"), {}};
-  for (const Json& body : json.at("bodies")) assembly.bodies.push_back(body_of(body));
+  for (const WriterJson& body : json.at("bodies")) assembly.bodies.push_back(step_body_of(body));
   return assembly;
 }
 
@@ -75,7 +75,7 @@ std::string write_step(const std::string& assembly, const std::vector<StepBody>&
         "this triskin was built without the program for CAD files, so it cannot write STEP; install the package "
         "libocct-data-exchange-dev and build again, or leave STEP out");
   const ProcessResult result =
-      run_limited(*program, {"write-step"}, encode_bodies(assembly, bodies), limits_for(bodies));
+      run_limited(*program, {"write-step"}, encode_bodies(assembly, bodies), writing_limits(bodies));
   ReaderOutput said = parse_frames(result.output);
   if (said.part) return std::move(*said.part);
   throw InputError(fmt::format("the assembly cannot be written as STEP: {}",
