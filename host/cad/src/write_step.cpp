@@ -37,12 +37,12 @@ WriterJson step_body_json(const StepBody& body) {
   return {{"name", body.name}, {"colour", body.colour}, {"vertices", vertices}, {"faces", body.faces}};
 }
 
-StepBody step_body_of(const WriterJson& json) {
+StepBody step_body_of(const WriterJson& fields) {
   StepBody body;
-  body.name = json.at("name");
-  body.colour = json.at("colour");
-  for (const WriterJson& v : json.at("vertices")) body.vertices.emplace_back(v.at(0), v.at(1), v.at(2));
-  body.faces = json.at("faces").get<std::vector<std::vector<int>>>();
+  body.name = fields.at("name");
+  body.colour = fields.at("colour");
+  for (const WriterJson& v : fields.at("vertices")) body.vertices.emplace_back(v.at(0), v.at(1), v.at(2));
+  body.faces = fields.at("faces").get<std::vector<std::vector<int>>>();
   for (const auto& face : body.faces) {
     for (const int v : face) {
       if (v < 0 || static_cast<std::size_t>(v) >= body.vertices.size())
@@ -61,9 +61,9 @@ std::string encode_bodies(const std::string& assembly, const std::vector<StepBod
 }
 
 StepAssembly bodies_of(std::string_view bytes) {
-  const WriterJson json = WriterJson::parse(bytes);
-  StepAssembly assembly{json.at("name"), {}};
-  for (const WriterJson& body : json.at("bodies")) assembly.bodies.push_back(step_body_of(body));
+  const WriterJson fields = WriterJson::parse(bytes);
+  StepAssembly assembly{fields.at("name"), {}};
+  for (const WriterJson& body : fields.at("bodies")) assembly.bodies.push_back(step_body_of(body));
   return assembly;
 }
 
