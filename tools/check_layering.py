@@ -43,6 +43,7 @@ PARTS = [
     Part("host/routing", "routing", "base design mesh", "Eigen fmt tbb", "triskin_routing"),
     Part("host/lattice", "lattice", "base design mesh routing", "Eigen fmt CGAL tbb boost", "triskin_lattice"),
     Part("host/pipeline", "pipeline", "base design mesh placement unfolding lattice routing", HOST_BASE, "triskin_pipeline"),
+    Part("host/fabrication", "fabrication", "base design cad sheet layout", HOST_BASE + " minizip", "triskin_fabrication"),
     Part("host/check", "check", "base", "Eigen nlohmann fmt CGAL boost", "triskin_check"),
     Part("host/mechanics", "mechanics", "base", HOST_BASE, "triskin_mechanics"),
     Part("host/recording", "recording", "base design core wire layout", HOST_BASE, "triskin_recording"),
@@ -65,7 +66,7 @@ PARTS = [
     Part("host/python", "", "", "pybind11", "triskin_python"),
     Part("host/cli/src/geometry", "",
          "cli base design export mesh placement unfolding lattice routing pipeline check core wire layout sim scene recording link session "
-         "diagnose deploy skin robot connect view sheet hdf5 bridge cad",
+         "diagnose deploy skin robot connect view sheet hdf5 bridge cad fabrication",
          HOST_BASE + " CLI"),
     Part("host/cli", "cli",
          "base design export core wire layout sim scene recording link session diagnose deploy skin robot connect view sheet hdf5 bridge "
@@ -86,7 +87,7 @@ HEAVY = {"OCCT": r"^TK[A-Z0-9]", "CGAL": r"CGAL", "TBB": r"TBB|tbb", "assimp": r
 ON_MESHES = {"triskin_mesh", "triskin_unfolding", "triskin_routing", "triskin_lattice", "triskin_pipeline", "triskin"}
 MAY_BE_HEAVY = {"OCCT": {"triskin_cad_reader"}, "CGAL": ON_MESHES | {"triskin_placement", "triskin_check", "triskin_cad_reader"},
                 "TBB": ON_MESHES | {"triskin_placement"},
-                "assimp": ON_MESHES, "minizip": ON_MESHES, "Cbc": set()}
+                "assimp": ON_MESHES, "minizip": ON_MESHES | {"triskin_fabrication"}, "Cbc": set()}
 # Targets without a prefix of their own that parts may link.
 NEUTRAL = {"triskin_options"}
 # What implements an interface of shared for a part: stated for its place on the linker's line, not for the part's use.

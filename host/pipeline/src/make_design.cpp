@@ -274,6 +274,24 @@ DesignOptions with_bend_limits(DesignOptions options) {
   return options;
 }
 
+// Faces that were asked for, or those that an older version of the part was covered on.
+cad::FaceSelection faces_of(const DesignOptions& options) {
+  const bool is_asked = cad::selection_text(options.faces) != cad::selection_text({});
+  if (is_asked || options.like == nullptr || !options.like->part) return options.faces;
+  return cad::parse_selection(options.like->part->selection);
+}
+
+design::Design revised(design::Design part, const DesignOptions& options, Clock::time_point start,
+                       const ProgressSink& progress, DesignNotes* notes) {
+  Revision revision;
+  const GrowAroundOptions effort{std::max(kMinGrowth_s, options.time_limit_s - seconds_since(start)),
+                                 options.iterations, options.threads};
+  design::Design design = revise_design(*options.like, std::move(part), effort, revision, progress);
+  design.report.seconds = seconds_since(start);
+  if (notes != nullptr) notes->revision = std::move(revision);
+  return design;
+}
+
 }  // namespace
 
 design::Design make_design(const std::filesystem::path& mesh, const DesignOptions& given, const ProgressSink& progress,
@@ -288,8 +306,9 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   design.price = options.price;
   design.kinds = options.kinds;
   require_places(options.kinds);
-  const geometry::MeshFile file = geometry::read_mesh(mesh, options.unit, options.object, options.faces);
-  design.part = part_source(file.report, options.faces);
+  const cad::FaceSelection faces = faces_of(options);
+  const geometry::MeshFile file = geometry::read_mesh(mesh, options.unit, options.object, faces);
+  design.part = part_source(file.report, faces);
   if (notes != nullptr) notes->read = file.report;
   const double reading_s = seconds_since(start);
   design.scale_to_mm = file.report.scale_to_mm;
@@ -306,6 +325,7 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   if (notes != nullptr) notes->extract = extraction.report;
   if (!take_surface(extraction, options, design, notes)) return design;
   if (options.regions) design.regions = resolve_regions(mesh, file, extraction, *options.regions);
+  if (options.like != nullptr) return revised(std::move(design), options, start, progress, notes);
   const geometry::Surface surface(design.surface);
   const auto of_surface = regions_of(surface, design);
   const geometry::SurfaceRegions* const regions = of_surface.get();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -14,11 +15,13 @@
 #include "read_text.hpp"
 #include "repair_text.hpp"
 #include "side_option.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/cli/bus_report.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/cli/face_options.hpp"
+#include "triskin/export/revision_picture.hpp"
 #include "triskin/pipeline/make_design.hpp"
 #include "verbosity.hpp"
 #include "why_few.hpp"
@@ -27,7 +30,7 @@ namespace triskin::cli::design_command {
 namespace {
 
 struct Options {
-  std::string mesh, output, regions;
+  std::string mesh, output, regions, like;
   UnitOption unit;
   SideOption side;
   FaceOptions faces;
@@ -124,6 +127,24 @@ void say_details(const design::Design& d, const pipeline::DesignNotes& notes, Ou
     output.say(fmt::format("{} refused {} further modules", limit, count));
 }
 
+// Modules that stayed, and what changed as a picture beside the design.
+void report_revision(const design::Design& old, const design::Design& d, const pipeline::Revision& revision,
+                     const std::string& design_file, Output& output) {
+  const auto gone = std::ranges::count(revision.new_id, -1);
+  const auto stay = static_cast<std::ptrdiff_t>(revision.new_id.size()) - gone;
+  const auto tables =
+      static_cast<std::ptrdiff_t>(revision.new_patch.size()) - std::ranges::count(revision.new_patch, -1);
+  const std::string picture = design_file + ".changes.svg";
+  write_output(picture, design::revision_svg(old, d, revision.new_id, revision.added));
+  output.result["revision"] = {{"map", revision.new_id}, {"added", revision.added},
+                               {"gone", gone},           {"patches", revision.new_patch},
+                               {"kept", stay},           {"picture", picture}};
+  output.say(fmt::format(
+      "{} of {} modules stand where they stood, {} gone, {} new; {} of {} controllers are wired as they "
+      "were; {} shows what changed",
+      stay, revision.new_id.size(), gone, revision.added.size(), tables, revision.new_patch.size(), picture));
+}
+
 int run(Options options, Output& output) {
   catch_interrupts();
   require_writable(options.output);
@@ -139,6 +160,8 @@ int run(Options options, Output& output) {
   options.design.kinds = options.edit.kind_plan();
   options.design.side = options.side.options();
   options.design.bridge_mm = options.side.bridge_mm();
+  if (!options.like.empty())
+    options.design.like = std::make_shared<const design::Design>(design::read_design(options.like));
   pipeline::DesignNotes notes;
   const design::Design d = pipeline::make_design(options.mesh, options.design, output.progress(), &notes);
   if (notes.side.is_undecided) return report_undecided(notes.part, notes.side, options.output + ".svg", output);
@@ -159,6 +182,7 @@ int run(Options options, Output& output) {
   if (interrupt_signal() > 0)
     output.say(fmt::format("ended before its time: the best layout so far, with {} modules, is kept",
                            d.layout.modules.size()));
+  if (notes.revision) report_revision(*options.design.like, d, *notes.revision, options.output, output);
   report_kinds(d, output);
   const bool is_covered = report_regions(d, output);
   output.say(fmt::format("design {:016x} written to {} in {:.1f} s", d.design_id, options.output, d.report.seconds));
@@ -216,6 +240,21 @@ void add_price(CLI::App& app, design::LayoutLimits& l, design::Price& price) {
       ->capture_default_str();
 }
 
+// What an older design says already.
+void require_like_alone(const CLI::App& app) {
+  if (app.get_option("--like")->count() == 0) return;
+  for (const char* name :
+       {"--edge-error-mm", "--hinge-gap-mm", "--center-gap-mm", "--fold-rad", "--penetration-mm", "--overrun-mm",
+        "--lift-mm", "--depth-mm", "--jumper-mm", "--controller-cost", "--jumper-cost", "--island-cost", "--seed",
+        "--kinds", "--corner-cut-mm", "--bend-radius-mm", "--solver-deviation-mm"}) {
+    if (app.get_option(name)->count() > 0)
+      throw InputError(
+          fmt::format("{} has no effect with --like, whose design says it; leave it out, or make the design "
+                      "without --like",
+                      name));
+  }
+}
+
 const Registration kDesign{{
     "design",
     "cover a mesh with modules: surface, layout, controllers, wiring",
@@ -228,6 +267,11 @@ const Registration kDesign{{
       app.add_option("-o,--output", options->output, "design file")->required();
       options->edit.add_to(app);
       EditOptions::hide(app);
+      app.add_option(
+             "--like", options->like,
+             "design of an older version of the part: its modules stay where the surface lets them, its limits, "
+             "price, seed and kinds are taken")
+          ->check(CLI::ExistingFile);
       app.add_option("--repair", options->design.repair,
                      "auto: a mesh that crosses itself or is no manifold is made one that can be covered; never: it is "
                      "refused")
@@ -268,6 +312,7 @@ const Registration kDesign{{
           ->capture_default_str();
       return [options, &app](Output& output) {
         options->edit.require_fitting(app, options->mesh);
+        require_like_alone(app);
         return run(*options, output);
       };
     },
