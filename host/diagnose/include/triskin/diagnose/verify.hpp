@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -33,7 +34,9 @@ struct VerifyOptions {
   /// Asks a person to press a module and to say when; false: skip this module. Needed for touch on real links.
   std::function<bool(int module)> ask;
   std::vector<StreamDemand> neighbours;  ///< StreamOptions::neighbours
-  double watch_s = 2.0;                  ///< shortest time over which intermittent faults are collected, s, ≥ 0
+  /// Image of the firmware with debug information: names function and line of a crash; empty: addresses only.
+  std::filesystem::path elf;
+  double watch_s = 2.0;  ///< shortest time over which intermittent faults are collected, s, ≥ 0
 };
 
 struct VerifyResult {
@@ -41,8 +44,8 @@ struct VerifyResult {
   int modules = 0;
   int touched = 0;  ///< modules that were pressed
   std::vector<Finding> findings;
-  /// Faults that the controllers recorded earlier and that are gone now (kLostConfiguration, kIntermittentModule). It
-  /// was deleted from their memories, so that what comes again is found again.
+  /// Faults that the controllers recorded earlier and that are gone now (kLostConfiguration, kIntermittentModule). They
+  /// were deleted from their memories, so that what comes again is found again.
   std::vector<Finding> earlier;
   /// What came of the samples that were due in half a second at least; empty where the link carries no full stream, or
   /// a controller has no table or that of a failure.
