@@ -29,8 +29,8 @@ struct CodePlace {
 /// InputError when the file is no image or none of these programs is installed.
 [[nodiscard]] CodePlace code_place(const std::filesystem::path& elf, std::uint32_t address);
 
-/// "was stopped by a stack overflow after 3.2 s in …": a sentence about a crash, its subject is the controller. `elf` as
-/// for board_remarks(). Throws InputError as code_place() does.
+/// "was stopped by a stack overflow after 3.2 s in …": a sentence about a crash, its subject is the controller. `elf`
+/// as for board_remarks(). Throws InputError as code_place() does.
 [[nodiscard]] std::string crash_text(const wire::Crash& crash, const std::filesystem::path& elf = {});
 
 /// `text` with function and line in place of each address that a log names (`@0800abcd`). Throws InputError as
