@@ -159,7 +159,10 @@ def behind_arguments(mangled: str, at: int) -> int:
         if m := re.match(r"\d+", mangled[at:]):
             at += len(m[0]) + int(m[0])
             continue
-        depth += mangled[at] in "INL"
+        if mangled[at] == "L":  # a number, with its type
+            at = mangled.index("E", at) + 1
+            continue
+        depth += mangled[at] in "IN"
         depth -= mangled[at] == "E"
         at += 1
         if depth == 0:
