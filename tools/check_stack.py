@@ -152,13 +152,33 @@ def disassemble(objdump: str, elf: str) -> dict[str, Function]:
     return functions
 
 
+def behind_arguments(mangled: str, at: int) -> int:
+    """Behind the arguments of a template that begin at `at`, with the I."""
+    depth = 0
+    while at < len(mangled):
+        if m := re.match(r"\d+", mangled[at:]):
+            at += len(m[0]) + int(m[0])
+            continue
+        if mangled[at] == "L":  # a number, with its type
+            at = mangled.index("E", at) + 1
+            continue
+        depth += mangled[at] in "IN"
+        depth -= mangled[at] == "E"
+        at += 1
+        if depth == 0:
+            break
+    return at
+
+
 def unqualified(mangled: str) -> str:
-    """Name of a member function without its classes."""
+    """Name of a member function without its classes and their template arguments."""
     at, name = re.search(r"N[KVRO]*(?=\d|St|12_GLOBAL)", mangled), ""
     at = at.end() if at else 0
     while m := re.match(r"(\d+)", mangled[at:]):
         at += len(m[1])
         name, at = mangled[at:at + int(m[1])], at + int(m[1])
+        if name and at < len(mangled) and mangled[at] == "I":
+            at = behind_arguments(mangled, at)
     return name
 
 

@@ -19,7 +19,7 @@ import sys
 import check_stack
 
 # Functions that begin an erase or a program operation and wait for it, which stalls the bank in the same way.
-ROOTS = r"N7triskin5board(16erase_flash_page|18program_flash_unit|19write_flash_options)"
+ROOTS = r"N7triskin5board(16erase_flash_page|18program_flash_unit|19write_flash_options|22write_flash_protection)"
 # Reset the controller: nobody waits for them.
 NOT_FOLLOWED = r"^(default_handler|hard_fault_handler|note_fault)$|N7triskin5board(4fail|9note_hang)|12_GLOBAL__N_16finish"
 # Constants that are reached through a pointer in RAM.

@@ -98,6 +98,29 @@ TEST_F(CommandLine, the_program_and_its_controllers_say_one_version) {
   for (const auto& c : controllers) EXPECT_EQ(c["firmware"].get<std::string>() + "\n", version);
 }
 
+TEST_F(CommandLine, log_shows_what_controllers_write) {
+  const Outcome o = run("log strip.json --link sim --seconds 1 --json");
+  EXPECT_EQ(o.status, 0) << o.messages;
+  const auto result = nlohmann::json::parse(o.out);
+  EXPECT_TRUE(result["crashes"].empty());
+  EXPECT_EQ(result["lost"], 0);
+  bool started = false;
+  for (const auto& line : result["lines"]) {
+    EXPECT_EQ(line["node_address"], 1);
+    started = started || line["text"].get<std::string>().starts_with("started: firmware ");
+  }
+  EXPECT_TRUE(started) << o.out;
+  EXPECT_EQ(run("log strip.json --link sim --seconds 0.1 --node 9").status, 3);
+  EXPECT_EQ(run("log strip.json --link sim --seconds 0.1 --level loud").status, 2);
+}
+
+// A simulated board has no pages to protect, and says so.
+TEST_F(CommandLine, protect_names_a_board_that_cannot) {
+  const Outcome o = run("protect --link sim");
+  EXPECT_NE(o.status, 0);
+  EXPECT_FALSE(o.messages.empty());
+}
+
 TEST_F(CommandLine, a_design_that_was_changed_by_hand_is_not_deployed) {
   design::Design changed = strip(4, 4);
   changed.layout.modules[1].corner_mm[0].x() += 5.0;  // its id is still that of the strip

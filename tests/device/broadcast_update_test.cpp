@@ -59,7 +59,7 @@ FirmwarePackage old_firmware() {
 }
 
 // What the flash of one board takes at least: each page of the image and that of the records erased, each unit
-// programmed, nothing at the same time (docs/firmware_board.md).
+// programmed, nothing at the same time (docs/firmware_images.md).
 double flash_floor_s(std::uint32_t bytes) {
   constexpr std::uint32_t kPage = 2048, kUnit = 8;
   const std::uint64_t pages = (bytes + kPage - 1) / kPage + 1, units = bytes / kUnit + 2;

@@ -56,6 +56,39 @@ TEST(Verify, names_a_table_of_another_design) {
   expect_one(r, FindingKind::kWrongTable, -1);
 }
 
+wire::Crash a_crash() {
+  wire::Crash c;
+  c.cause = wire::CrashCause::kStackOverflow;
+  c.lr = 0x08005679;
+  c.uptime_ms = 3200;
+  c.number = 1;
+  return c;
+}
+
+// Also when its power has gone since; told once, and found again when it happens again.
+TEST(Verify, names_a_controller_that_crashed) {
+  Fixture fixture(6);
+  fixture.flash();
+  ASSERT_TRUE(fixture.verify(false).findings.empty());
+  for (int again = 0; again < 2; ++again) {
+    fixture.skin().crash(0, a_crash());
+    if (again == 1) {
+      fixture.bus().listen(fixture.bus().now_us() + 100'000);
+      fixture.skin().power_cycle(0);
+    }
+    const VerifyResult r = fixture.verify(false);
+    expect_one(r, FindingKind::kCrashedController, -1);
+    EXPECT_EQ(r.findings[0].patch, 0);
+    EXPECT_NE(
+        r.findings[0].text.find("controller 1 was stopped by a stack overflow after 3.2 s in what was called from "
+                                "08005676"),
+        std::string::npos)
+        << r.findings[0].text;
+    EXPECT_EQ(r.modules_ok, 6) << "its modules work";
+    EXPECT_TRUE(fixture.verify(false).findings.empty()) << "told once";
+  }
+}
+
 TEST(Verify, names_a_removed_chip) {
   for (const int module : {0, 3, 5}) {
     const VerifyResult r = verify_with({fault(FaultKind::kRemovedChip, module)});

@@ -67,7 +67,7 @@ TEST(Identifiers, only_those_that_may_be_written_are) {
     const bool taken = bench.ask(value).at(0) == 0x6E;
     EXPECT_EQ(taken, i.access == wire::Access::kReadWrite);
     bench.unlock();
-    value.push_back(0);
+    value.resize(3 + i.max_bytes + 1);
     EXPECT_EQ(bench.ask(value), (Message{0x7F, 0x2E, wire::nrc::kOutOfRange})) << "a byte too many";
   }
 }

@@ -350,5 +350,57 @@ TEST(ReadingSchedule, ABurstThatEndedTooLateIsNotInTime) {
   EXPECT_FALSE(schedule.in_time(0, clock.last_start_us() + 640 + 21, 640));
 }
 
+// By a timer the first reading is due when the slowest converter has ended its sequence, 105 % of the nominal one after
+// the start (9,660), and then one each 9,200. One that would end within the next one is missed: 8,400 later.
+ReadingSchedule by_timer(std::size_t stations, std::uint8_t every = 1) {
+  ReadingSchedule schedule;
+  schedule.begin(stations, kNominal_us, every, wire::SamplingTiming::kTimer);
+  return schedule;
+}
+
+TEST(ReadingByTimer, IsDueOnceANominalSequenceAndAsksForNothingElse) {
+  ReadingSchedule schedule = by_timer(1);
+  schedule.start(0, kT);
+  EXPECT_EQ(schedule.next_us(kT), kT + 9'660) << "no status, no restart";
+  EXPECT_EQ(schedule.due(kT + 9'659), kNothing);
+  EXPECT_EQ(schedule.due(kT + 9'660), (Due{Action::kRead, 0}));
+  EXPECT_TRUE(schedule.in_time(0, kT + 100'000, 700)) << "nobody asks what the chip converts meanwhile";
+  EXPECT_EQ(schedule.read(0, kT + 10'400), kT + 10'400) << "its time is that of the reading";
+  EXPECT_EQ(schedule.next_us(kT + 10'400), kT + 18'860);
+  schedule.status_read(0, 0xFFF, kT + 11'000);
+  EXPECT_EQ(schedule.next_us(kT + 11'000), kT + 18'860);
+}
+
+TEST(ReadingByTimer, OneThatComesTooLateIsMissed) {
+  ReadingSchedule schedule = by_timer(1);
+  schedule.start(0, kT);
+  EXPECT_EQ(schedule.due(kT + 18'060), (Due{Action::kRead, 0}));
+  EXPECT_EQ(schedule.due(kT + 18'061), kNothing);
+  EXPECT_EQ(schedule.take_missed(0), 1U);
+  EXPECT_EQ(schedule.next_us(kT + 18'061), kT + 18'860);
+}
+
+TEST(ReadingByTimer, EachThirdOneOnly) {
+  ReadingSchedule schedule = by_timer(1, 3);
+  schedule.start(0, kT);
+  EXPECT_TRUE(schedule.read(0, kT + 9'660));
+  EXPECT_EQ(schedule.next_us(kT + 10'000), kT + 9'660 + 27'600);
+  EXPECT_TRUE(schedule.read(0, kT + 37'260));
+}
+
+// Four chips that were started one after the other are read one after the other, and what a caller plans has its place
+// between them.
+TEST(ReadingByTimer, SharesTheLineAmongItsChips) {
+  ReadingSchedule schedule = by_timer(2);
+  schedule.start(0, kT);
+  schedule.start(1, kT + 300);
+  schedule.plan_transaction(1, kT, ReadingSchedule::kShort_us);
+  EXPECT_EQ(schedule.due(kT + 1'000), (Due{Action::kTransaction, 1}));
+  EXPECT_EQ(schedule.due(kT + 9'500), kNothing) << "it would end after a reading falls due";
+  EXPECT_EQ(schedule.due(kT + 9'960), (Due{Action::kRead, 0}));
+  EXPECT_TRUE(schedule.read(0, kT + 10'700));
+  EXPECT_EQ(schedule.due(kT + 10'700), (Due{Action::kRead, 1}));
+}
+
 }  // namespace
 }  // namespace triskin::fw

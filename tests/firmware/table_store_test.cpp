@@ -389,5 +389,80 @@ TEST(FaultMemory, APowerCutLosesAtMostTheLastEntry) {
   }
 }
 
+wire::Crash a_crash(std::uint32_t number) {
+  wire::Crash c;
+  c.cause = wire::CrashCause::kFault;
+  c.pc = 0x08001234;
+  c.lr = 0x08005677;
+  c.uptime_ms = 1500;
+  c.number = number;
+  return c;
+}
+
+// Beside the faults of modules, until all is cleared; the faults of another table's rows go alone.
+TEST(FaultMemory, KeepsTheLastCrashUntilItIsCleared) {
+  Flash flash;
+  FaultMemory faults(flash);
+  faults.load();
+  EXPECT_TRUE(faults.note_crash(a_crash(1)));
+  faults.note(table_row(3), wire::ModuleState::kAbsent, {1500, 40});
+  EXPECT_TRUE(faults.note_crash(a_crash(2)));
+  const auto after = [&] {
+    FaultMemory again(flash);
+    again.load();
+    return again.crash();
+  };
+  EXPECT_EQ(after(), a_crash(2));
+  EXPECT_TRUE(faults.clear_modules());
+  EXPECT_EQ(after(), a_crash(2));
+  EXPECT_FALSE(faults.snapshot(wire::FaultCode{wire::ModuleState::kAbsent, 3}.dtc()));
+  EXPECT_TRUE(faults.clear());
+  EXPECT_FALSE(after());
+}
+
+// Pages fill up: 127 records beside the head, five a crash.
+TEST(FaultMemory, CrashesFillOnePageAfterTheOther) {
+  Flash flash;
+  FaultMemory faults(flash);
+  faults.load();
+  for (std::uint32_t k = 1; k <= 100; ++k) {
+    ASSERT_TRUE(faults.note_crash(a_crash(k)));
+    FaultMemory again(flash);
+    again.load();
+    ASSERT_EQ(again.crash(), a_crash(k));
+  }
+}
+
+// Power fails in each operation of the second crash: the first one is kept, or the second.
+TEST(FaultMemory, APowerCutLosesAtMostTheNewCrash) {
+  for (const Tear tear : {Tear::kNothing, Tear::kHalf, Tear::kAll}) {
+    int cuts = 0;
+    for (int operation = 0;; ++operation, ++cuts) {
+      Flash flash;
+      FaultMemory faults(flash);
+      faults.load();
+      ASSERT_TRUE(faults.note_crash(a_crash(1)));
+      flash.cut_after(operation, tear);
+      bool cut = false;
+      try {
+        (void)faults.note_crash(a_crash(2));
+      } catch (const sim::PowerLost&) {
+        cut = true;
+      }
+      flash.never_cut();
+      FaultMemory after(flash);
+      after.load();
+      ASSERT_TRUE(after.crash()) << operation;
+      EXPECT_TRUE(*after.crash() == a_crash(1) || *after.crash() == a_crash(2)) << operation;
+      EXPECT_TRUE(after.note_crash(a_crash(3))) << operation;
+      FaultMemory last(flash);
+      last.load();
+      EXPECT_EQ(last.crash(), a_crash(3)) << operation;
+      if (!cut) break;
+    }
+    EXPECT_EQ(cuts, 10) << "two units a record";
+  }
+}
+
 }  // namespace
 }  // namespace triskin::fw

@@ -22,6 +22,7 @@
 #include "triskin/wire/identity.hpp"
 #include "triskin/wire/iso_tp.hpp"
 #include "triskin/wire/lines.hpp"
+#include "triskin/wire/log.hpp"
 #include "triskin/wire/live_taxels.hpp"
 #include "triskin/wire/module_state.hpp"
 #include "triskin/wire/node_claim.hpp"
@@ -326,6 +327,8 @@ constexpr std::array kAnswers{hello,
                               answer<wire::LiveTaxels>,
                               answer<wire::RerouteResult>,
                               answer<wire::ActivationResult>,
+                              answer<wire::ProtectionResult>,
+                              answer<wire::LogSetting>,
                               answer<wire::FaultList>,
                               answer<wire::FreezeFrame>,
                               answer<wire::FoundTopology>,

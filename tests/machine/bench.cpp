@@ -10,7 +10,24 @@
 namespace triskin::machine {
 
 std::filesystem::path firmware(const char* name) {
-  return std::filesystem::path(TRISKIN_FIRMWARE) / name;
+  // The suite also runs with an image that was built with other options.
+  const char* other = std::getenv("TRISKIN_IMAGE");
+  return std::filesystem::path(other != nullptr ? other : TRISKIN_FIRMWARE) / name;
+}
+
+BenchBoard nucleo_board() {
+  return {firmware, {}};
+}
+
+BenchBoard icub_patch_board() {
+  BoardPins pins;
+  pins.lines[0].sda = {1, 9};
+  pins.lines[2].sda = {2, 11};
+  pins.can_receive = {0, 11};
+  pins.can_send = {0, 12};
+  pins.log = {1, 3};
+  pins.one_scl = true;
+  return {[](const char* name) { return std::filesystem::path(TRISKIN_ICUB_PATCH) / name; }, pins};
 }
 
 std::vector<std::uint8_t> whole_blocks(const ElfImage& image) {
@@ -59,6 +76,7 @@ void Bench::power_up(bool will_be_cut) {
   setup.will_be_cut = will_be_cut;
   setup.watch_reads = watch_reads;
   setup.boot_pin_high = boot_pin_high;
+  setup.pins = board.pins;
   setup.scl_rise_ns = scl_rise_ns;
   setup.disturbances = disturbances;
   machine = std::make_unique<Machine>(setup);
@@ -157,7 +175,8 @@ std::optional<wire::BoardHealth> Bench::health() {
 }
 
 std::optional<wire::Crash> Bench::crash() {
-  return value_of<wire::Crash>(request({0x22, 0xFD, 0x12}));
+  const auto last = value_of<wire::Crash>(request({0x22, 0xFD, 0x12}));
+  return last && last->cause != wire::CrashCause::kNone ? last : std::nullopt;
 }
 
 bool Bench::confirmed() {

@@ -23,6 +23,16 @@ namespace triskin::machine {
 /// File of the built image; absent without the cross compiler.
 [[nodiscard]] std::filesystem::path firmware(const char* name);
 
+/// A board of firmware/board/stm32g474/boards: its images, and where it has what.
+struct BenchBoard {
+  std::filesystem::path (*file)(const char* name);
+  BoardPins pins;
+};
+/// The board that all tests use that say nothing of another one.
+[[nodiscard]] BenchBoard nucleo_board();
+/// The board for installed iCub patches: one SCL, no USB.
+[[nodiscard]] BenchBoard icub_patch_board();
+
 /// The image filled up to blocks of 32 frames with eight bytes, as the loader acknowledges them.
 [[nodiscard]] std::vector<std::uint8_t> whole_blocks(const ElfImage& image);
 
@@ -51,14 +61,14 @@ namespace triskin::machine {
 class Bench : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!std::filesystem::exists(firmware("triskin_app_a.elf")))
+    if (!std::filesystem::exists(board.file("triskin_app_a.elf")))
       GTEST_SKIP() << "no firmware image: install gcc-arm-none-eabi and build again";
     for (int k = 0; k < layout::kMaxModules; ++k)
       lines[static_cast<std::size_t>(k % layout::kLines)].add(static_cast<std::uint8_t>(k / layout::kLines), k);
     behave(wanted_behaviour());
-    flash.program_file(firmware(running_slot == 0 ? "triskin_factory.hex" : "triskin_factory_b.hex"));
+    flash.program_file(board.file(running_slot == 0 ? "triskin_factory.hex" : "triskin_factory_b.hex"));
     flash.options = (flash.options & ~(1U << 26 | 7U << 8)) | 4U << 8;  // the board was brought up (docs/bring_up.md)
-    application = read_elf(firmware(running_slot == 0 ? "triskin_app_a.elf" : "triskin_app_b.elf"));
+    application = read_elf(board.file(running_slot == 0 ? "triskin_app_a.elf" : "triskin_app_b.elf"));
   }
   void power_up(bool will_be_cut = false);
   /// All chips behave so. Before power-up.
@@ -94,6 +104,7 @@ class Bench : public ::testing::Test {
     for (const Violation& v : machine->violations()) ADD_FAILURE() << v.at_us << " us: " << v.what;
   }
 
+  BenchBoard board = nucleo_board();
   std::array<SkinLine, layout::kLines> lines;
   FlashChip flash;
   ElfImage application;

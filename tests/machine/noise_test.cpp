@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sample rate against noise: the table of docs/firmware_board.md, which tools/make_noise_table writes from what is
+// Sample rate against noise: the table of docs/firmware_budgets.md, which tools/make_noise_table writes from what is
 // printed here.
 #include <algorithm>
 #include <cmath>

@@ -11,6 +11,7 @@ struct SamplingSetup {
   wire::Decimation decimation = wire::Decimation::k256;
   std::uint8_t every = 1;
   wire::TaxelOutput output = wire::TaxelOutput::kRaw;
+  wire::SamplingTiming timing = wire::SamplingTiming::kTracked;
 };
 
 /// A patch that streams in full.
@@ -22,10 +23,11 @@ class Sampling : public Bench {
     power_up();
     run_for(100'000);
     unlock();
-    ASSERT_EQ(request({0x2E, 0xFD, 0x0A, static_cast<std::uint8_t>(setup.decimation), setup.every,
-                       static_cast<std::uint8_t>(setup.output)})
-                  .at(0),
-              0x6E);
+    std::vector<std::uint8_t> write{0x2E,        0xFD,
+                                    0x0A,        static_cast<std::uint8_t>(setup.decimation),
+                                    setup.every, static_cast<std::uint8_t>(setup.output)};
+    if (setup.timing != wire::SamplingTiming::kTracked) write.push_back(static_cast<std::uint8_t>(setup.timing));
+    ASSERT_EQ(request(write).at(0), 0x6E);
     ASSERT_EQ(request({0x2E, 0xFD, 0x05, 0x02}).at(0), 0x6E);
     run_for(setup.decimation == wire::Decimation::k256 ? 1'000'000 : 500'000);
     frames.clear();

@@ -14,6 +14,7 @@
 #include "triskin/wire/identity.hpp"
 #include "triskin/wire/lines.hpp"
 #include "triskin/wire/live_taxels.hpp"
+#include "triskin/wire/log.hpp"
 #include "triskin/wire/module_state.hpp"
 #include "triskin/wire/offsets.hpp"
 #include "triskin/wire/sampling.hpp"
@@ -122,6 +123,9 @@ BoardHealth health(const Vector& v) {
   for (std::size_t k = 0; k < std::size(halves); ++k) *halves[k] = static_cast<std::uint16_t>(shares.at(k));
   return h;
 }
+LogSetting log_setting(const Vector& v) {
+  return {static_cast<LogLevel>(byte(v, "wanted")), static_cast<LogLevel>(byte(v, "compiled"))};
+}
 Crash crash(const Vector& v) {
   Crash c;
   c.cause = static_cast<CrashCause>(byte(v, "cause"));
@@ -219,9 +223,12 @@ ActiveTable active_table(const Vector& v) {
 ImageState image_state(const Vector& v) {
   return {byte(v, "slot"), v.number("confirmed") != 0, word(v, "sequence"), word(v, "size"), word(v, "crc")};
 }
+SamplingTiming timing_of(const Vector& v) {
+  return v.has("timing") ? static_cast<SamplingTiming>(byte(v, "timing")) : SamplingTiming::kTracked;
+}
 SamplingSetting sampling(const Vector& v) {
   return {static_cast<Decimation>(v.number("decimation")), byte(v, "every"),
-          static_cast<TaxelOutput>(v.number("output"))};
+          static_cast<TaxelOutput>(v.number("output")), timing_of(v)};
 }
 FreezeFrame freeze(const Vector& v) {
   return {fault_list(v).records[0], {word(v, "time_ms"), word(v, "sample")}};
@@ -275,6 +282,9 @@ RerouteResult reroute(const Vector& v) {
 OffsetResult offset_result(const Vector& v) {
   return {v.number("done") != 0};
 }
+ProtectionResult protection(const Vector& v) {
+  return {static_cast<Status>(byte(v, "result"))};
+}
 ActivationResult activation(const Vector& v) {
   return {static_cast<Status>(v.number("table_status"))};
 }
@@ -299,10 +309,12 @@ const std::map<std::string, Check> kChecks{{"session", checked<ActiveSession, se
                                            {"live_taxels", checked<LiveTaxels, live_taxels>},
                                            {"health", checked<BoardHealth, health>},
                                            {"crash", checked<Crash, crash>},
+                                           {"log", checked<LogSetting, log_setting>},
                                            {"offsets", checked<Offsets, offsets>},
                                            {"calibration", checked<Calibration, calibration>},
                                            {"offset_result", checked<OffsetResult, offset_result>},
                                            {"reroute", checked<RerouteResult, reroute>},
+                                           {"protection", checked<ProtectionResult, protection>},
                                            {"activation", checked<ActivationResult, activation>},
                                            {"faults", checked<FaultList, fault_list>},
                                            {"freeze", checked<FreezeFrame, freeze>}};
@@ -336,6 +348,7 @@ static_assert(encodes_to(NodeAddress{}, {0x01}));
 static_assert(encodes_to(ActiveSession{}, {0x01}));
 static_assert(encodes_to(FirmwareVersion{0x00010203}, {0x00, 0x01, 0x02, 0x03}));
 static_assert(encodes_to(ActivationResult{Status::kWrongTarget}, {0x09}));
+static_assert(encodes_to(ProtectionResult{Status::kOk}, {0x00}));
 static_assert(encodes_to(RerouteResult{true}, {0x01}));
 static_assert(encodes_to(SelfTestResult{true, {1, {ModuleState::kFrozen}}}, {0x01, 0x06}));
 static_assert(FaultCode{ModuleState::kFrozen, 15}.dtc() == 0x96000F);

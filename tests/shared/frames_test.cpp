@@ -4,6 +4,7 @@
 
 #include "triskin/wire/adoption.hpp"
 #include "triskin/wire/bus_load.hpp"
+#include "triskin/wire/log.hpp"
 #include "triskin/wire/node_claim.hpp"
 #include "triskin/wire/stream_lease.hpp"
 #include "triskin/wire/usb_packet.hpp"
@@ -63,6 +64,99 @@ TEST(FrameVectors, what_a_controller_reaches) {
     const Reach reach{byte("node"), static_cast<std::uint16_t>(v.number("rows")), byte("guests"), byte("list")};
     expect_frames(v, std::array{encode_reach(reach)});
     EXPECT_EQ(decode_reach(frame_of(v.one("frame"))), reach);
+  }
+}
+
+LogLine log_line_of(const Vector& v) {
+  LogLine line;
+  line.level = static_cast<LogLevel>(v.number("level"));
+  line.number = static_cast<std::uint8_t>(v.number("number"));
+  line.time_ms = static_cast<std::uint32_t>(v.number("time_ms"));
+  for (const char c : v.one("text")) line.text[line.size++] = c;
+  return line;
+}
+
+TEST(FrameVectors, lines_of_the_log) {
+  for (const auto& [name, frame_bytes] :
+       {std::pair{"a line of the log", 8}, {"a line of the log in an FD frame", 64}}) {
+    const Vector v = vector_named(name);
+    const LogLine line = log_line_of(v);
+    const auto bytes = static_cast<std::uint8_t>(frame_bytes);
+    LogEncoder encoder;
+    LogDecoder decoder;
+    std::vector<CanFrame> frames;
+    std::optional<LogLine> decoded;
+    for (bool done = false; !done;) {
+      frames.push_back(encoder.frame(line, static_cast<std::uint8_t>(v.number("node")), bytes));
+      EXPECT_FALSE(decoded) << "before its last frame";
+      decoded = decoder.add(frames.back());
+      done = encoder.sent(line, bytes);
+    }
+    expect_frames(v, frames);
+    EXPECT_EQ(decoded, line);
+  }
+}
+
+// The second of four frames is lost: nothing comes of this line, and the next one is whole.
+TEST(Log, a_line_with_a_lost_frame_is_dropped) {
+  const LogLine line = log_line_of(vector_named("a line of the log"));
+  LogEncoder encoder;
+  LogDecoder decoder;
+  std::vector<LogLine> lines;
+  for (int k = 0; k < 8; ++k) {
+    const CanFrame f = encoder.frame(line, 5, 8);
+    if (k != 1) {
+      if (const auto whole = decoder.add(f)) lines.push_back(*whole);
+    }
+    EXPECT_EQ(encoder.sent(line, 8), k % 4 == 3);
+  }
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_EQ(lines[0], line);
+}
+
+TEST(Log, frames_of_others_and_damaged_ones_are_ignored) {
+  const LogLine line = log_line_of(vector_named("a line of the log in an FD frame"));
+  const CanFrame good = LogEncoder{}.frame(line, 5, 64);
+  const auto reads = [](const CanFrame& f) { return LogDecoder{}.add(f).has_value(); };
+  ASSERT_TRUE(reads(good));
+  CanFrame f = good;
+  f.id = kReachBase | 5;
+  EXPECT_FALSE(reads(f));
+  f = good;
+  f.extended = false;
+  EXPECT_FALSE(reads(f));
+  f = good;
+  f.data[1] = 5;  // no level
+  EXPECT_FALSE(reads(f));
+  f = good;
+  f.size = 6;  // not even a head
+  EXPECT_FALSE(reads(f));
+  f = good;
+  f.size = 0;
+  EXPECT_FALSE(reads(f));
+}
+
+// An empty line is one frame, and the longest line arrives whole.
+TEST(Log, any_length_of_text_arrives) {
+  for (std::size_t size = 0; size <= kMaxLogText; ++size) {
+    for (const std::uint8_t bytes : {std::uint8_t{8}, std::uint8_t{48}, std::uint8_t{64}}) {
+      LogLine line;
+      for (std::size_t k = 0; k < size; ++k) line.text[line.size++] = static_cast<char>('a' + k % 26);
+      LogEncoder encoder;
+      LogDecoder decoder;
+      std::optional<LogLine> got;
+      int frames = 0;
+      for (bool done = false; !done; ++frames) {
+        const CanFrame f = encoder.frame(line, 1, bytes);
+        ASSERT_LE(f.size, std::min<int>(bytes, kUsbFrameBytes));
+        got = decoder.add(f);
+        done = encoder.sent(line, bytes);
+      }
+      ASSERT_EQ(got, line) << size << " bytes in frames of " << int{bytes};
+      const std::size_t room = std::min<std::size_t>(bytes, kUsbFrameBytes);
+      const std::size_t rest = size > room - 7 ? size - (room - 7) : 0;
+      EXPECT_EQ(frames, 1 + static_cast<int>((rest + room - 2) / (room - 1)));
+    }
   }
 }
 

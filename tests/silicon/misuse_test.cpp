@@ -144,6 +144,33 @@ TEST_F(FlashMisuse, OptionsCountWhenTheyAreWritten) {
   EXPECT_TRUE(around.violations.empty());
 }
 
+// The loader has pages 0 … 7 of bank 1; the page behind them and bank 2 are written as before.
+TEST_F(FlashMisuse, WriteProtectedPagesStay) {
+  chip.write_protection = 7U << 16;
+  flash.reset();
+  flash.write(kAcr, kNoDataCache, 4);
+  for (const std::uint32_t page : {0U, 7U}) {
+    around.violations.clear();
+    unlock();
+    flash.write(kCr, kErase | page << 3, 4);
+    flash.write(kCr, kErase | page << 3 | kStart, 4);
+    around.expect("write-protected");
+    EXPECT_EQ(flash.read(0x10, 4) & 0x10, 0x10U) << "WRPERR";
+    flash.write(kCr, 1U << 31, 4);
+    flash.write(0x10, 0x10, 4);
+  }
+  around.violations.clear();
+  unlock();
+  flash.write(kCr, kErase | 8 << 3, 4);
+  flash.write(kCr, kErase | 8 << 3 | kStart, 4);
+  EXPECT_TRUE(around.violations.empty());
+  around.pass(FlashController::kEraseTime);
+  flash.write(kCr, kProgram, 4);
+  flash.cell_write(0x08000000, 1, 4);
+  flash.cell_write(0x08000004, 1, 4);
+  around.expect("write-protected");
+}
+
 TEST(Misuse, VectorsThatAreNotAligned) {
   Around around;
   Nvic nvic(around);

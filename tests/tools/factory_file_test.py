@@ -22,7 +22,7 @@ def main(objcopy: str) -> int:
         loader, application = bytes(range(256)) * 3, bytes(reversed(range(256))) * 300 + b"\x01\x02\x03"
         (folder / "loader.bin").write_bytes(loader)
         (folder / "application.bin").write_bytes(application)
-        pins = ROOT / "firmware/board/stm32g474/include/triskin/board/registers/pins.hpp"
+        pins = ROOT / "firmware/board/stm32g474/boards/nucleo_g474re/triskin/board/board_config.hpp"
         subprocess.run([sys.executable, str(ROOT / "tools/make_factory_file"), str(folder / "loader.bin"),
                         str(folder / "application.bin"), f"{SLOT:#x}", str(folder / "factory"), "1.2.3", str(pins)], check=True)
         subprocess.run([objcopy, "-I", "ihex", "-O", "binary", "--gap-fill", "0xFF", str(folder / "factory.hex"),

@@ -11,6 +11,9 @@ using wire::StreamMode;
 
 namespace {
 
+// Half of the bytes that a serial port of 115,200 baud keeps have left it after so much time.
+constexpr std::uint64_t kSerialRoom_us = 350;
+
 wire::IsoTp make_link(std::uint8_t node, std::uint8_t frame_bytes) {
   return {wire::physical_id(wire::kTesterAddress, node), wire::physical_id(node, wire::kTesterAddress), frame_bytes};
 }
@@ -27,10 +30,15 @@ Application::Application(const Ports& ports)
       asking_(ports.can),
       stream_port_(ports.can),
       route_(ports.chain),
-      identifiers_({ports_, tables_, route_, lines_, samples_, published_, offsets_, stream_, sampling_, output_,
-                    sample_count_, icub_},
-                   *this) {
+      serial_log_(ports.serial),
+      identifiers_(parts(), *this),
+      journal_(log_, parts()) {
   restart();
+}
+
+PatchParts Application::parts() const {
+  return {ports_,   tables_, faults_,   route_,  lines_,        samples_, published_,
+          offsets_, stream_, sampling_, output_, sample_count_, icub_};
 }
 
 // Restores the state after power-up: the newest table, nothing known about the modules.
@@ -54,6 +62,7 @@ void Application::restart_sampling() {
   icub_triangles_.calibrate();
   route_.begin(tables_.has_table() ? &tables_.table() : nullptr);
   next_tick_us_ = now_us() + ad7147::sequence_us(sampling_.decimation);
+  if (started_) journal_.table();
   const auto rows = tables_.has_table() ? tables_.table().rows() : std::span<const layout::ModuleRow>{};
   for (std::size_t l = 0; l < lines_.size(); ++l) {
     lines_[l].begin(*ports_.lines[l], static_cast<std::uint8_t>(l),
@@ -118,11 +127,28 @@ void Application::step() {
   if (now_us() >= next_tick_us_) tick();
   take_samples();
   if (read_a_module_) prove();  // It is not inside publish(), where the flash may be busy.
+  note_start();
   offset_store_.step(offsets_);
   send_pending();
   route_.send_status(*ports_.can, tables_.node_address(), now_us());
   if (ports_.update != nullptr) ports_.update->step(*ports_.can, now_us());
+  step_log();
   reset_when_answered();
+}
+
+// The RAM forgets a crash with the power, the fault memory does not.
+void Application::note_start() {
+  if (started_) return;
+  started_ = true;
+  journal_.started();
+  journal_.table();
+  const auto crash = ports_.monitor != nullptr ? ports_.monitor->crash() : std::nullopt;
+  if (crash && crash != faults_.crash()) (void)faults_.note_crash(*crash);
+}
+
+void Application::step_log() {
+  serial_log_.step(log_);
+  for (Channel& c : channels()) c.log.step(log_, *c.port, tables_.node_address(), now_us());
 }
 
 void Application::prove() {
@@ -154,7 +180,10 @@ void Application::reset_when_answered() {
   reset_requested_ = through_loader_ = false;
   stream_ = StreamMode::kOff;
   // Constructed in place like the links, since a copy would need too much of the stack.
-  for (Channel& c : channels()) ::new (static_cast<void*>(&c.stream)) FullStream;
+  for (Channel& c : channels()) {
+    ::new (static_cast<void*>(&c.stream)) FullStream;
+    c.log.set(wire::LogLevel::kOff, 8);
+  }
   sampling_ = {};
   output_ = wire::TaxelOutput::kRaw;
   server_.restart();
@@ -173,6 +202,8 @@ std::uint64_t Application::next_event_us() const {
     if (c.stream.next_event_us() > now) next = std::min(next, c.stream.next_event_us());
   }
   for (const LineSampler& line : lines_) next = std::min(next, line.next_event_us(now));
+  for (const Channel& c : channels()) next = std::min(next, c.log.next_us(log_));
+  if (serial_log_.waits(log_)) next = std::min(next, now + kSerialRoom_us);
   if (ports_.update != nullptr) next = std::min(next, ports_.update->next_event_us(now));
   return offset_store_.busy(offsets_) ? now : next;
 }
@@ -200,6 +231,7 @@ void Application::handle_frame(Channel& c, const wire::CanFrame& frame) {
       answer(c, single.message(), true);
     return;
   }
+  c.fd = frame.fd;
   c.link.set_frame_bytes(frame.fd ? c.port->frame_bytes() : 8);
   if (c.link.receive(frame, now_us()) == wire::IsoTp::Event::kReceived) answer(c, c.link.message(), false);
 }
@@ -333,6 +365,7 @@ void Application::take_samples() {
 void Application::tick() {
   const std::uint32_t sequence_us = ad7147::sequence_us(sampling_.decimation);
   next_tick_us_ = std::max(next_tick_us_ + sequence_us, now_us());
+  journal_.look();
   if (!tables_.has_table()) return;
   ++sample_count_;
   for (std::size_t k = 0; k < modules(); ++k) {
@@ -394,7 +427,7 @@ bool Application::read_fault(std::uint32_t dtc, ByteWriter& out) {
 // Takes effect at once: every converter is configured anew.
 Status Application::set_sampling(const wire::SamplingSetting& setting) {
   output_ = setting.output;
-  const Sampling wanted{setting.decimation, setting.every};
+  const Sampling wanted{setting.decimation, setting.every, setting.timing};
   if (wanted == sampling_) return Status::kOk;
   sampling_ = wanted;
   restart_sampling();
@@ -413,13 +446,19 @@ Status Application::set_stream(StreamMode mode) {
   stream_port_ = asking_;
   stream_queue_.clear();
   stream_ = mode;
+  journal_.stream(mode);
   for (Channel& c : channels()) c.stream.hold(mode == StreamMode::kFull && c.port == asking_);
   return Status::kOk;
 }
 
+Status Application::set_log(wire::LogLevel level) {
+  Channel& c = channel_of(asking_);
+  c.log.set(level, c.fd ? c.port->frame_bytes() : std::uint8_t{8});
+  return Status::kOk;
+}
+
 wire::StreamAccount Application::stream_account() const {
-  const auto asking = std::ranges::find(channels(), asking_, &Channel::port);
-  return asking->stream.account(rows(), now_us());
+  return channel_of(asking_).stream.account(rows(), now_us());
 }
 
 std::uint32_t Application::dropped_samples() const {
@@ -428,7 +467,13 @@ std::uint32_t Application::dropped_samples() const {
   return dropped;
 }
 
-Status Application::start_routine(std::uint16_t routine, Bytes, ByteWriter&) {
+Status Application::protect_loader(Bytes option) {
+  const auto on = option.size() == 1 ? wire::checked_bool(option[0]) : std::unexpected(Status::kBadLength);
+  if (!on) return on.error();
+  return ports_.monitor != nullptr && ports_.monitor->protect_loader(*on) ? Status::kOk : Status::kFlashFailed;
+}
+
+Status Application::start_routine(std::uint16_t routine, Bytes option, ByteWriter&) {
   switch (routine) {
     case wire::routine::kDiscover:
       for (LineSampler& l : lines_) l.request_scan();
@@ -445,10 +490,12 @@ Status Application::start_routine(std::uint16_t routine, Bytes, ByteWriter&) {
     case wire::routine::kReroute:
       route_.request();
       return Status::kOk;
+    case wire::routine::kProtectLoader:
+      return protect_loader(option);
     case wire::routine::kActivate: {
       const Status s = tables_.activate(tables_.node_address());
       if (s != Status::kOk) return s;
-      (void)faults_.clear();  // Its rows refer to the old table.
+      (void)faults_.clear_modules();  // Its rows refer to the old table.
       restart_sampling();
       return s;
     }

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "triskin/logic/diagnostics/log.hpp"
+
 namespace triskin::fw {
 
 struct Identifiers::Row {
@@ -60,6 +62,8 @@ struct Identifiers::Table {
   static Status set_stream(PatchControl& c, const wire::StreamSetting& s) { return c.set_stream(s.mode); }
   static Status set_sampling(PatchControl& c, const wire::SamplingSetting& s) { return c.set_sampling(s); }
 
+  static Status set_log(PatchControl& c, const wire::LogSetting& s) { return c.set_log(s.wanted); }
+
   static constexpr std::array kRows{
       Row{wire::did::kSerialNumber, read<&Identifiers::serial_number>},
       Row{wire::did::kPartNumber, part_number},
@@ -83,6 +87,7 @@ struct Identifiers::Table {
       Row{wire::did::kLiveTaxels, read<&Identifiers::live_taxels>},
       Row{wire::did::kBoardHealth, read<&Identifiers::health>},
       Row{wire::did::kCrash, read<&Identifiers::crash>},
+      Row{wire::did::kLog, read<&Identifiers::log>, write<wire::LogSetting, set_log>},
       Row{wire::did::kIcub, read<&Identifiers::icub>},
   };
   /// Every identifier of the wire that is not the server's or of freeze data has its row, in order, and may be written
@@ -192,11 +197,16 @@ std::optional<wire::BoardHealth> Identifiers::health() const {
 
 std::optional<wire::Crash> Identifiers::crash() const {
   if (parts_.ports.monitor == nullptr) return std::nullopt;
-  return parts_.ports.monitor->crash();
+  if (const auto last = parts_.ports.monitor->crash()) return last;
+  return parts_.faults.crash().value_or(wire::Crash{});
+}
+
+wire::LogSetting Identifiers::log() const {
+  return {control_.log_level(), kCompiledLogLevel};
 }
 
 wire::SamplingSetting Identifiers::sampling() const {
-  return {parts_.sampling.decimation, parts_.sampling.every, parts_.output};
+  return {parts_.sampling.decimation, parts_.sampling.every, parts_.output, parts_.sampling.timing};
 }
 
 wire::Offsets Identifiers::offsets() const {

@@ -3,8 +3,8 @@ set(triskin_board ${CMAKE_CURRENT_SOURCE_DIR}/board/stm32g474)
 
 add_library(triskin_fw_board STATIC ${triskin_board}/src/clock.cpp ${triskin_board}/src/flash.cpp ${triskin_board}/src/flash_area.cpp
             ${triskin_board}/src/can.cpp ${triskin_board}/src/usb.cpp ${triskin_board}/src/line.cpp ${triskin_board}/src/options.cpp ${triskin_board}/src/chain.cpp
-            ${triskin_board}/src/crash.cpp ${triskin_board}/src/health.cpp)
-target_include_directories(triskin_fw_board PUBLIC ${triskin_board}/include ${triskin_board}/src)
+            ${triskin_board}/src/crash.cpp ${triskin_board}/src/health.cpp ${triskin_board}/src/serial.cpp)
+target_include_directories(triskin_fw_board PUBLIC ${triskin_board}/include ${triskin_board}/src ${triskin_board_folder})
 target_link_libraries(triskin_fw_board PUBLIC triskin_fw_boot)
 add_dependencies(triskin_fw_board triskin_layering)
 set_target_properties(triskin_fw_board PROPERTIES UNITY_BUILD OFF)  # blocks have registers and bits of the same names
@@ -62,7 +62,7 @@ add_custom_target(triskin_firmware_package ALL
 
 # What a programmer writes into a new board. The tests program both: with the application in slot A, as it is delivered, and
 # in slot B, where an update puts it.
-set(triskin_pins ${triskin_board}/include/triskin/board/registers/pins.hpp)
+set(triskin_pins ${triskin_board_folder}/triskin/board/board_config.hpp)
 add_custom_target(triskin_factory_file ALL
   COMMAND ${CMAKE_OBJCOPY} -O binary $<TARGET_FILE:triskin_loader> triskin_loader.bin
   COMMAND ${Python3_EXECUTABLE} ${CMAKE_SOURCE_DIR}/tools/make_factory_file triskin_loader.bin triskin_app_a.bin 0x08004000 triskin_factory ${PROJECT_VERSION} ${triskin_pins}

@@ -44,6 +44,15 @@ void add_decimation_option(CLI::App& app, device::StreamOptions& options) {
          "readings that a converter adds up for a sample: 256, 128 or 64 for 27, 54 or 108 samples a second, with more "
          "noise; the controllers keep it until they lose power; default: as they are set")
       ->check(CLI::IsMember({256, 128, 64}));
+  app.add_option_function<std::string>(
+         "--readings",
+         [&options](const std::string& name) {
+           options.timing = name == "timer" ? wire::SamplingTiming::kTimer : wire::SamplingTiming::kTracked;
+         },
+         "tracked: a converter is read when its twelve results belong together; timer: as installed iCub boards do, "
+         "for "
+         "comparison; the controllers keep it until they lose power; default: as they are set")
+      ->check(CLI::IsMember({"tracked", "timer"}));
 }
 
 void add_stream_options(CLI::App& app, device::StreamOptions& options) {

@@ -229,6 +229,8 @@ const Registration kVerify{{
                    "press every module in turn; simulated links have a finger of their own and always do");
       app.add_flag("--no-touch", options->no_touch, "only ask, also on a simulated link");
       app.add_option("--report", options->report, "also write a report: FILE.txt, FILE.html to print, or FILE.json");
+      app.add_option("--elf", options->verify.elf,
+                     "image of the firmware (triskin_app_a.elf or _b): names function and line of a crash");
       app.add_option("--watch-s", options->verify.watch_s, "least time in which faults that come and go are collected")
           ->check(CLI::Range(0.0, 86400.0))
           ->capture_default_str();

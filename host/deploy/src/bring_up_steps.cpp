@@ -18,7 +18,7 @@ const std::array<BringUpStep, 12>& bring_up_steps() {
        "0xFBEFFCAA on a new chip", "otherwise an idle CAN bus starts the ROM's loader and the board looks dead"},
       {5,
        "Erase the chip and program triskin_factory.hex: openocd -f firmware/board/stm32g474/openocd.cfg -c "
-       "\"triskin_program build/firmware/bin/triskin_factory.hex\"; docs/bring_up.md has the lines for probe-rs, "
+       "\"triskin_program build/firmware/bin/triskin_factory.hex\"; docs/program_board.md has the lines for probe-rs, "
        "pyOCD, "
        "st-flash and STM32CubeProgrammer.",
        "triskin_budget by the debugger", "loops counts up, findings is 0 or 4",

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <regex>
 #include <string_view>
 
 #include "triskin/base/error.hpp"
@@ -69,19 +70,6 @@ std::string_view cause_text(wire::CrashCause cause) {
   return "something that it does not know";
 }
 
-std::string crash_text(const wire::Crash& c, const std::filesystem::path& elf) {
-  std::string text = fmt::format("was stopped by {} after {:.1f} s", cause_text(c.cause), c.uptime_ms / 1000.0);
-  if (c.pc != 0) text += " at " + place_text(elf, c.pc);
-  // A return address stands behind the call: the place before it is the call.
-  if (c.lr != 0)
-    text += fmt::format("{} {}", c.pc != 0 ? ", called from" : " in what was called from",
-                        place_text(elf, (c.lr & ~1U) - 2));
-  if (c.address != 0) text += fmt::format(", accessing {:08x}", c.address);
-  if (c.firmware_version != 0) text += ", firmware " + firmware_version_text(c.firmware_version);
-  if (c.number > 1) text += fmt::format(", {} times since power-up", c.number);
-  return text;
-}
-
 void add_can_remarks(const wire::BoardHealth& h, std::vector<std::string>& out) {
   if (h.bus_offs > 0)
     out.push_back(fmt::format("left the CAN bus {} times (bus-off): check termination, H and L, bit rate", h.bus_offs));
@@ -126,6 +114,33 @@ CodePlace code_place(const std::filesystem::path& elf, std::uint32_t address) {
       fmt::format("{}: no addr2line reads it; install binutils-arm-none-eabi, and give an ARM image with "
                   "debug information",
                   elf.string()));
+}
+
+std::string crash_text(const wire::Crash& c, const std::filesystem::path& elf) {
+  std::string text = fmt::format("was stopped by {} after {:.1f} s", cause_text(c.cause), c.uptime_ms / 1000.0);
+  if (c.pc != 0) text += " at " + place_text(elf, c.pc);
+  // A return address stands behind the call: the place before it is the call.
+  if (c.lr != 0)
+    text += fmt::format("{} {}", c.pc != 0 ? ", called from" : " in what was called from",
+                        place_text(elf, (c.lr & ~1U) - 2));
+  if (c.address != 0) text += fmt::format(", accessing {:08x}", c.address);
+  if (c.firmware_version != 0) text += ", firmware " + firmware_version_text(c.firmware_version);
+  if (c.number > 1) text += fmt::format(", {} times since power-up", c.number);
+  return text;
+}
+
+std::string name_places(const std::string& text, const std::filesystem::path& elf) {
+  static const std::regex kAddress("@([0-9a-f]{8})");
+  std::string out;
+  auto rest = text.begin();
+  for (std::sregex_iterator at(text.begin(), text.end(), kAddress), end; at != end; ++at) {
+    out.append(rest, text.begin() + at->position());
+    const CodePlace place = code_place(elf, static_cast<std::uint32_t>(std::stoul((*at)[1].str(), nullptr, 16)));
+    out += fmt::format("{} ({})", place.function, place.line);
+    rest = text.begin() + at->position() + at->length();
+  }
+  out.append(rest, text.end());
+  return out;
 }
 
 std::string clock_text(const wire::ClockState& clock) {

@@ -22,8 +22,9 @@ struct PatchState {
   wire::ModuleStates states;
   std::array<wire::LineReport, layout::kLines> lines{};
   wire::LineStates line_states;
-  wire::FaultList earlier;  ///< remembered when the verification began
-  wire::FaultList faults;   ///< faults noted during the verification
+  std::optional<wire::Crash> crash;  ///< last crash of its controller
+  wire::FaultList earlier;           ///< remembered when the verification began
+  wire::FaultList faults;            ///< faults noted during the verification
   wire::LiveTaxels now, rest;
   wire::FoundTopology topology;  ///< topology that switched modules found
   wire::ActiveRoute route;

@@ -8,6 +8,7 @@
 
 #include "controller_check.hpp"
 #include "cover_place.hpp"
+#include "triskin/diagnose/board_report.hpp"
 #include "triskin/session/scheduler.hpp"
 #include "triskin/session/stream.hpp"
 #include "verification.hpp"
@@ -43,7 +44,8 @@ void start_patch(Bus& bus, PatchState& p) {
   wait_until_checked(bus, p);
   Controller c = p.controller(bus);
   p.earlier = c.faults();
-  if (p.earlier.count > 0) c.clear_faults();
+  p.crash = c.crash();
+  if (p.earlier.count > 0 || p.crash) c.clear_faults();
 }
 
 // Modules that were taken in belong to another patch: what was found of this one is the rest.
@@ -80,12 +82,26 @@ void read_patch(Bus& bus, PatchState& p) {
   Controller c = p.controller(bus);
   p.states = c.module_states();
   p.faults = c.faults();
+  if (const auto crash = c.crash()) p.crash = crash;
   p.line_states = c.line_states();
   p.note(c.adoption());
   p.now = c.taxels();
   if (p.states.count != p.image.module_count || p.now.count != p.image.module_count) {
     throw DeviceError(fmt::format("{}: controller {} changed its table while it was verified; run verify again",
                                   bus.link().name(), c.node()));
+  }
+}
+
+void add_crashes(const std::vector<PatchState>& patches, const VerifyOptions& options, VerifyResult& result) {
+  for (const PatchState& p : patches) {
+    if (!p.crash) continue;
+    result.findings.push_back(controller_finding(
+        FindingKind::kCrashedController, p.patch,
+        fmt::format("patch {}: controller {} {}", p.patch, p.image.node_address, crash_text(*p.crash, options.elf)),
+        options.elf.empty()
+            ? "run triskin verify again and let it work; if it comes back, send this line and the firmware "
+              "version to who makes the firmware, or find function and line with --elf"
+            : "the record is deleted now; if it comes back, send this line to who makes the firmware"));
   }
 }
 
@@ -205,6 +221,7 @@ VerifyResult verify(Bus& bus, const design::Design& design, const VerifyOptions&
     bus.listen(start_us + watch_us);
   }
   ask_all(bus, patches, read_patch);
+  add_crashes(patches, options, result);
   result.touched = static_cast<int>(touches.size());
   Diagnosis(design, std::move(patches), std::move(touches), options.rest).run(result);
   add_places(design, result.findings);

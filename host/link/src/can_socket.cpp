@@ -20,6 +20,7 @@
 
 #include "triskin/link/link.hpp"
 #include "triskin/wire/loader_protocol.hpp"
+#include "triskin/wire/log.hpp"
 #include "triskin/wire/node_claim.hpp"
 #include "triskin/wire/taxel_frames.hpp"
 #include "triskin/wire/uds.hpp"
@@ -115,10 +116,11 @@ void CanSocket::filter_for_host() {
   const auto wide = [](std::uint32_t id, std::uint32_t free_bits) {
     return can_filter{id | CAN_EFF_FLAG, kAll & ~free_bits};
   };
-  const std::array<can_filter, 6> filters{{
+  const std::array<can_filter, 7> filters{{
       wide(wire::physical_id(wire::kTesterAddress, 0), 0xFF),
       wide(wire::kClaimBase, wire::kClaimMask),
       wide(wire::kFullBase, 0xFFFF),
+      wide(wire::kLogBase, 0xFF),
       wide(wire::loader::kReplyId, 0),
       {0x400, kAll11 | 0x700},  // taxels of iCub boards
       {0x700, kAll11 | 0x700},  // and what they answer in the loader class

@@ -223,6 +223,22 @@ void Controller::write_table(Bytes image, const std::function<void(double)>& ste
   }
 }
 
+void Controller::protect_loader(bool on) {
+  unlock(wire::Session::kExtended);
+  const auto id = wire::routine::kProtectLoader;
+  const auto option = static_cast<std::uint8_t>(on ? 1 : 0);
+  const Message m =
+      bus_.request(node_, request_of({wire::service::kRoutine, 0x01, high(id), low(id), option}), Repeat::kSafe);
+  const auto result = wire::ProtectionResult::decode(Bytes(m).subspan(std::min(m.size(), kRoutineHead)));
+  if (!result) malformed("protection");
+  if (result->status == Status::kOk) return;
+  throw DeviceError(
+      fmt::format("{}: controller {} did not {} its loader: {}; it needs two seconds after its start, two banks "
+                  "(DBANK) and no read "
+                  "protection (triskin discover shows its findings)",
+                  bus_.link().name(), node_, on ? "protect" : "release", describe(result->status)));
+}
+
 wire::ModuleStates Controller::module_states() {
   return value<wire::ModuleStates>("modules");
 }
@@ -281,7 +297,8 @@ std::optional<wire::BoardHealth> Controller::health() {
 }
 
 std::optional<wire::Crash> Controller::crash() {
-  return unless_unknown([&] { return value<wire::Crash>("crash"); });
+  const auto last = unless_unknown([&] { return value<wire::Crash>("crash"); });
+  return last && last->cause != wire::CrashCause::kNone ? last : std::nullopt;
 }
 
 void Controller::reset() {
@@ -346,6 +363,14 @@ bool Controller::set_calibration(const wire::Calibration& calibration) {
 
 void Controller::set_sampling(const wire::SamplingSetting& setting) {
   write(setting);
+}
+
+void Controller::set_log(wire::LogLevel level) {
+  write(wire::LogSetting{level, wire::LogLevel::kOff});
+}
+
+wire::LogSetting Controller::log() {
+  return value<wire::LogSetting>("log");
 }
 
 void Controller::set_stream(wire::StreamMode mode) {

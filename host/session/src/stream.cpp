@@ -59,7 +59,7 @@ Stream::Stream(Bus& bus, std::span<const design::Design* const> covers, OnFrame 
   for (const design::Design* design : covers) {
     covers_.push_back(design->name);
     ends_.push_back(design::module_ends(*design));
-    find_controllers(*design, static_cast<int>(covers_.size()) - 1, options.decimation);
+    find_controllers(*design, static_cast<int>(covers_.size()) - 1, options);
   }
   choose_rate(options);
   thrown_away_before_ = bus_.link().thrown_away();
@@ -80,21 +80,24 @@ std::string Stream::name_of(const Node& node) const {
   return covers_.size() > 1 ? covers_[static_cast<std::size_t>(node.cover)] + ", " + patch : patch;
 }
 
-// Samples of other readers would come at another rate, and they would not know why.
-wire::SamplingSetting Stream::set_decimation(Controller& controller, const Node& node, wire::Decimation decimation) {
-  wire::SamplingSetting sampling = controller.sampling();
-  if (sampling.decimation == decimation) return sampling;
+// Samples of other readers would come in another way, and they would not know why.
+wire::SamplingSetting Stream::set_sampling(Controller& controller, const Node& node, const StreamOptions& options) {
+  const wire::SamplingSetting before = controller.sampling();
+  wire::SamplingSetting wanted = before;
+  wanted.decimation = options.decimation.value_or(before.decimation);
+  wanted.timing = options.timing.value_or(before.timing);
+  if (wanted == before) return before;
   if (controller.stream_account().readers > 0) {
     throw DeviceError(
-        fmt::format("{}: others read the controller of {} at decimation {}; end them first, or read at it",
-                    bus_.link().name(), name_of(node), wire::readings_added(sampling.decimation)));
+        fmt::format("{}: others read the controller of {} at decimation {}{}; end them first, or read at it",
+                    bus_.link().name(), name_of(node), wire::readings_added(before.decimation),
+                    before.timing == wire::SamplingTiming::kTimer ? ", by a timer" : ""));
   }
-  sampling.decimation = decimation;
-  controller.set_sampling(sampling);
-  return sampling;
+  controller.set_sampling(wanted);
+  return wanted;
 }
 
-void Stream::find_controllers(const design::Design& design, int cover, std::optional<wire::Decimation> decimation) {
+void Stream::find_controllers(const design::Design& design, int cover, const StreamOptions& options) {
   for (const int p : design::patches_here(design)) {
     const layout::PatchImage image = image_of(design, p);
     Node node;
@@ -107,7 +110,7 @@ void Stream::find_controllers(const design::Design& design, int cover, std::opti
           fmt::format("{}: the controller of {} does not hold the table of this design; run triskin flash first",
                       bus_.link().name(), name_of(node)));
     }
-    const wire::SamplingSetting sampling = decimation ? set_decimation(c, node, *decimation) : c.sampling();
+    const wire::SamplingSetting sampling = set_sampling(c, node, options);
     node.interval_us = std::uint64_t{wire::sequence_us(sampling.decimation)} * sampling.every;
     for (const auto& row : image.rows()) node.modules.push_back(module_of(design, row));
     nodes_[image.node_address] = std::move(node);

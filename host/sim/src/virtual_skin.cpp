@@ -148,6 +148,13 @@ void VirtualSkin::power_up(std::size_t patch) {
   }
 }
 
+void VirtualSkin::crash(std::size_t patch, const wire::Crash& crash) {
+  Node& node = nodes_.at(patch);
+  node.board.crash = crash;
+  power_cycle(patch);
+  node.board.crash.reset();  // The next start is one after a loss of power.
+}
+
 void VirtualSkin::power_cycle(std::size_t patch) {
   nodes_.at(patch).controller.reset();
   power_up(patch);

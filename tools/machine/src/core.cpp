@@ -114,7 +114,7 @@ Machine::Core::Core(const MachineSetup& setup)
       flash_(*this, *setup.flash, rcc_,
              [this](std::uint32_t address, std::uint32_t size) { cells_changed(address, size); }),
       chain_(setup.chain),
-      gpio_(*this, rcc_, setup.lines, chain_),
+      gpio_(*this, rcc_, setup.lines, chain_, setup.pins),
       spi_(
           *this, [this](std::uint8_t byte) { return chain_.exchange(byte); },
           [this] {
@@ -122,6 +122,7 @@ Machine::Core::Core(const MachineSetup& setup)
             return gpio_.alternate(1, 13, kFunction) && gpio_.alternate(1, 14, kFunction) &&
                    gpio_.alternate(1, 15, kFunction);
           }),
+      usart_(*this, [this] { return gpio_.log_ready(); }),
       dma_(*this,
            [this](std::uint32_t address) {
              return address >= kRamBase && address < kRamBase + kRamBytes ? &ram_[address - kRamBase] : nullptr;
@@ -145,9 +146,15 @@ Machine::Core::Core(const MachineSetup& setup)
                                               dma_, setup.trace, [this, k] { return gpio_.line_ready(k); });
     i2c_[k]->set_rise(setup.scl_rise_ns);
   }
+  for (std::size_t k = 0; setup.pins.one_scl && k < 4; ++k) {
+    i2c_[k]->share_scl([this, k] {
+      return std::ranges::any_of(i2c_, [&](const auto& other) { return other != i2c_[k] && other->on_bus(); });
+    });
+  }
   windows_ = {{&tim2_, map::kTim2, 0x400, map::kApb1, map::kTim2Bit, "TIM2"},
               {&iwdg_, map::kIwdg, 0x400, 0, 0, "IWDG"},
               {&spi_, map::kSpi2, 0x400, map::kApb1, map::kSpi2Bit, "SPI2"},
+              {&usart_, map::kUsart2, 0x400, map::kApb1, map::kUsart2Bit, "USART2"},
               {i2c_[0].get(), map::kI2c1, 0x400, map::kApb1, map::kI2c1Bit, "I2C1"},
               {i2c_[1].get(), map::kI2c2, 0x400, map::kApb1, map::kI2c2Bit, "I2C2"},
               {&crs_, map::kCrs, 0x400, map::kApb1, map::kCrsBit, "CRS"},

@@ -13,6 +13,7 @@
 #include "spi_controller.hpp"
 #include "system_blocks.hpp"
 #include "triskin/machine/machine.hpp"
+#include "usart.hpp"
 #include "usb_controller.hpp"
 
 namespace triskin::machine {
@@ -27,6 +28,7 @@ class Machine::Core final : public Surroundings {
   void power_cycle(const FlashChip& cells);
   void press_reset();
   [[nodiscard]] Gpio& gpio() { return gpio_; }
+  [[nodiscard]] const std::string& serial_text() const { return usart_.text(); }
   void receive(const wire::CanFrame& frame) { can_.from_bus(frame); }
   [[nodiscard]] std::size_t frames_waiting() const { return can_.waiting(); }
   bool disturb(std::size_t line, Trouble trouble, Time stretch);
@@ -118,6 +120,7 @@ class Machine::Core final : public Surroundings {
   RouteChainPins chain_;
   Gpio gpio_;
   SpiController spi_;
+  Usart usart_;
   Dma dma_;
   DmaMux dma_mux_;
   std::array<std::unique_ptr<I2cController>, 4> i2c_;

@@ -12,7 +12,8 @@ constexpr std::uint32_t kOptionLock = 1U << 30, kOptionStart = 1U << 17, kDataCa
                         kDataCacheReset = 1U << 12, kInstructionCache = 1U << 9, kInstructionCacheReset = 1U << 11,
                         kDebugger = 1U << 18, kErrorInterrupt = 1U << 25;
 constexpr std::uint32_t kLock = 1U << 31, kBusy = 1U << 16, kStart = 1U << 16, kEcc = 1U << 31;
-constexpr std::uint32_t kProgError = 1U << 3, kAlignError = 1U << 5, kSizeError = 1U << 6, kSequenceError = 1U << 7;
+constexpr std::uint32_t kProgError = 1U << 3, kProtectionError = 1U << 4, kAlignError = 1U << 5, kSizeError = 1U << 6,
+                        kSequenceError = 1U << 7;
 
 }  // namespace
 
@@ -24,6 +25,7 @@ void FlashController::reset() {
   cr_ = map::kFlashCrReset;
   keys_ = option_keys_ = 0;
   options_ = chip_.options;
+  protection_ = protected_now_ = chip_.write_protection;
   locked_out_ = half_waits_ = busy_ = stale_ = false;
 }
 
@@ -39,6 +41,8 @@ std::uint32_t FlashController::read(std::uint32_t offset, unsigned) {
       return eccr_;
     case 0x20:
       return options_;
+    case 0x2C:
+      return protection_;
     default:
       return 0;
   }
@@ -102,9 +106,10 @@ void FlashController::start_options() {
   busy_ = true;
   busy_bank_ = 0;
   busy_until_ = around_.time().now() + kEraseTime;
-  around_.time().after(kEraseTime, [this, g = generation_, options = options_] {
+  around_.time().after(kEraseTime, [this, g = generation_, options = options_, protection = protection_] {
     if (g != generation_) return;
     chip_.options = options;
+    chip_.write_protection = protection;
     busy_ = false;
     sr_ &= ~kBusy;
   });
@@ -126,6 +131,12 @@ void FlashController::write(std::uint32_t offset, std::uint32_t value, unsigned)
         around_.violation("FLASH_OPTR written while locked");
       else
         options_ = value;
+      break;
+    case 0x2C:
+      if ((cr_ & kOptionLock) != 0)
+        around_.violation("FLASH_WRP1AR written while locked");
+      else
+        protection_ = value;
       break;
     case 0x10:
       sr_ &= ~(value & 0xC3FB);
@@ -187,8 +198,15 @@ void FlashController::begin(Time duration, const FlashOperation& operation) {
   });
 }
 
+// Area A of bank 1 (§3.7.11); what it protects follows the option bytes as they were loaded last.
+bool FlashController::is_protected(std::uint32_t page) const {
+  return page >= (protected_now_ & 127) && page <= (protected_now_ >> 16 & 127);
+}
+
 void FlashController::start_erase() {
   if (!two_banks()) around_.violation("page erase with DBANK = 0: pages have 4 KB, a neighbour is erased along");
+  if ((cr_ >> 11 & 1) == 0 && is_protected(cr_ >> 3 & 127))
+    return error(kProtectionError, "erase of a write-protected page");
   begin(kEraseTime, {true, (cr_ >> 3 & 127) + ((cr_ >> 11 & 1) != 0 ? 128 : 0), 0});
 }
 
@@ -227,6 +245,8 @@ void FlashController::cell_write(std::uint32_t address, std::uint32_t value, uns
 // Erased units only; all zeros may be written over anything (§3.3.8).
 void FlashController::program_unit() {
   const std::uint32_t unit = (half_address_ - FlashChip::kBase) / FlashChip::kUnit;
+  if (is_protected(unit * FlashChip::kUnit / FlashChip::kPage))
+    return error(kProtectionError, "flash unit of a write-protected page programmed");
   if (chip_.used[unit] && (words_[0] | words_[1]) != 0) {
     error(kProgError, "flash unit programmed twice");
     return;

@@ -47,6 +47,7 @@ class FlashController final : public Peripheral {
   void write_key(std::uint32_t value);
   void write_control(std::uint32_t value);
   void start_erase();
+  [[nodiscard]] bool is_protected(std::uint32_t page) const;
   void program_unit();
   void begin(Time duration, const FlashOperation& operation);
   void error(std::uint32_t flag, const char* what);
@@ -55,7 +56,7 @@ class FlashController final : public Peripheral {
   Rcc& rcc_;
   Changed changed_;
   std::uint32_t acr_ = 0, sr_ = 0, cr_ = 0, eccr_ = 0;
-  std::uint32_t options_ = 0;
+  std::uint32_t options_ = 0, protection_ = 0, protected_now_ = 0;
   int keys_ = 0, option_keys_ = 0;
   bool locked_out_ = false, power_lost_ = false;
   bool busy_ = false, stale_ = false;

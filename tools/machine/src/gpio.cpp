@@ -8,15 +8,6 @@
 #include "map.hpp"
 
 namespace triskin::machine {
-namespace {
-
-struct LinePins {
-  unsigned scl_port, scl, sda_port, sda;
-};
-constexpr std::array<LinePins, 4> kLines{{{0, 15, 1, 7}, {0, 9, 0, 8}, {2, 8, 2, 9}, {2, 6, 2, 7}}};
-
-}  // namespace
-
 // Pins float at a reset; the pull-downs of the patch end EN and latch.
 void Gpio::reset() {
   ports_ = {};
@@ -41,8 +32,12 @@ bool Gpio::alternate(unsigned port, unsigned pin, unsigned function) const {
   return (p.moder >> (2 * pin) & 3) == 2 && ((pin < 8 ? p.afrl : p.afrh) >> (4 * (pin % 8)) & 15) == function;
 }
 
+bool Gpio::log_ready() const {
+  return alternate(pins_.log.port, pins_.log.number, map::kFunctionUsart2);
+}
+
 bool Gpio::line_ready(std::size_t line) const {
-  const LinePins& l = kLines[line];
+  const LinePins l = pins_of(line);
   const unsigned function = line < 2 ? map::kFunctionI2cFirst : map::kFunctionI2cSecond;
   const bool open_drain =
       (ports_[l.scl_port].otyper >> l.scl & 1) != 0 && (ports_[l.sda_port].otyper >> l.sda & 1) != 0;
@@ -50,7 +45,8 @@ bool Gpio::line_ready(std::size_t line) const {
 }
 
 bool Gpio::can_ready() const {
-  return alternate(1, 8, map::kFunctionCan) && alternate(1, 9, map::kFunctionCan);
+  return alternate(pins_.can_receive.port, pins_.can_receive.number, map::kFunctionCan) &&
+         alternate(pins_.can_send.port, pins_.can_send.number, map::kFunctionCan);
 }
 
 void Gpio::follow_chain() {
@@ -71,9 +67,10 @@ std::uint32_t Gpio::levels(unsigned port) const {
     if (drives_low(port, pin)) v &= ~(1U << pin);
   }
   if (port == 1 && !boot_pin_high_) v &= ~(1U << 8);
-  for (std::size_t k = 0; k < kLines.size(); ++k) {
-    if (kLines[k].scl_port == port && !buses_[k]->scl()) v &= ~(1U << kLines[k].scl);
-    if (kLines[k].sda_port == port && !buses_[k]->sda()) v &= ~(1U << kLines[k].sda);
+  for (std::size_t k = 0; k < buses_.size(); ++k) {
+    const LinePins l = pins_of(k);
+    if (l.scl_port == port && !buses_[k]->scl()) v &= ~(1U << l.scl);
+    if (l.sda_port == port && !buses_[k]->sda()) v &= ~(1U << l.sda);
   }
   return v;
 }
@@ -107,8 +104,8 @@ std::uint32_t Gpio::read(std::uint32_t offset, unsigned) {
 // A line without pull-ups of its own floats, unless the chip pulls it up.
 void Gpio::follow_pulls() {
   const auto up = [this](unsigned port, unsigned pin) { return (ports_[port].pupdr >> (2 * pin) & 3) == 1; };
-  for (std::size_t k = 0; k < kLines.size(); ++k) {
-    const LinePins& l = kLines[k];
+  for (std::size_t k = 0; k < buses_.size(); ++k) {
+    const LinePins l = pins_of(k);
     buses_[k]->controller_pulls_up(up(l.scl_port, l.scl) && up(l.sda_port, l.sda));
   }
 }
@@ -116,8 +113,8 @@ void Gpio::follow_pulls() {
 // A rising SCL is one pulse; a rising SDA while SCL is high is a stop.
 void Gpio::follow_lines(const std::array<Port, 3>& before) {
   const std::array<Port, 3> after = ports_;
-  for (std::size_t k = 0; k < kLines.size(); ++k) {
-    const LinePins& l = kLines[k];
+  for (std::size_t k = 0; k < buses_.size(); ++k) {
+    const LinePins l = pins_of(k);
     ports_ = before;
     const bool scl_was_low = drives_low(l.scl_port, l.scl), sda_was_low = drives_low(l.sda_port, l.sda);
     ports_ = after;

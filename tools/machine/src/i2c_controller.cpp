@@ -24,7 +24,7 @@ void I2cController::reset() {
   update_irqs();
 }
 
-// SCLL + SCLH and the synchronization of both edges: filter 50 ns and two kernel clocks each (§41.4.10). The high time
+// SCLL + SCLH and the synchronization of both edges: filter 50 ns and two kernel clocks each (§39.4.10). The high time
 // is counted from where the pin reads high: a line that charges through its pull-up is at 70 % after ln(1 / 0.3) of its
 // time constant, and takes ln(0.7 / 0.3) of it from 30 to 70 %.
 Time I2cController::scl_period() const {
@@ -52,7 +52,7 @@ void I2cController::after(Time delay, std::function<void()> action) {
   });
 }
 
-// With DMA on, bytes move without the processor (§41.4.17).
+// With DMA on, bytes move without the processor (§39.7).
 void I2cController::serve_dma() {
   constexpr std::uint32_t kTxDma = 1U << 14, kRxDma = 1U << 15;
   while ((cr1_ & kTxDma) != 0 && (isr_ & kTxIs) != 0) {
@@ -221,6 +221,8 @@ void I2cController::begin() {
   isr_ = (isr_ & ~(kTc | kTxIs | kRxNe)) | kBusy;
   if (!pins_ready_())
     around_.violation(fmt::format("I2C{}: start while a pin is not its open-drain alternate function", line_ + 1));
+  if (others_busy_ && others_busy_())
+    around_.violation(fmt::format("I2C{}: start while another master drives the same SCL", line_ + 1));
   if (!std::exchange(on_bus_, true)) busy_since_ = around_.time().now();
   if (!lines_free()) {
     hang();

@@ -9,7 +9,7 @@
 
 namespace triskin::machine {
 
-/// I²C version 2 as a master (RM0440 §41.9): timing from TIMINGR, data register and shift register, automatic end,
+/// I²C version 2 as a master (RM0440 §39.9): timing from TIMINGR, data register and shift register, automatic end,
 /// NACK and stop, SCL time-out, DMA requests. The bytes go to an I2cBus. Its pins can be taken away by the GPIO block
 /// (bus clear).
 class I2cController final : public Peripheral {
@@ -46,6 +46,9 @@ class I2cController final : public Peripheral {
   [[nodiscard]] Time scl_period() const;
   /// Rise time of SCL from 30 to 70 %, ns, as UM10204 counts it.
   void set_rise(std::uint32_t rise_ns) { rise_ns_ = rise_ns; }
+  /// SCL is the wire of other controllers, too: `others_busy` says whether one of them drives it.
+  void share_scl(std::function<bool()> others_busy) { others_busy_ = std::move(others_busy); }
+  [[nodiscard]] bool on_bus() const { return on_bus_; }
 
  private:
   void after(Time delay, std::function<void()> action);
@@ -74,7 +77,7 @@ class I2cController final : public Peripheral {
   int event_irq_, error_irq_;
   Dma& dma_;
   VcdTrace* trace_;
-  std::function<bool()> pins_ready_;
+  std::function<bool()> pins_ready_, others_busy_;
   std::uint32_t cr1_ = 0, cr2_ = 0, timing_ = 0, timeout_ = 0, isr_ = 1;
   std::uint8_t rx_ = 0, tx_ = 0, held_ = 0;
   bool reading_ = false, tx_waits_ = false, shifting_ = false, stretched_ = false;

@@ -49,6 +49,9 @@ void Machine::write_word(std::uint32_t address, std::uint32_t value) {
 std::uint32_t Machine::read_register(std::uint32_t address) const {
   return core_->peek(address);
 }
+const std::string& Machine::serial_text() const {
+  return core_->serial_text();
+}
 const std::vector<Violation>& Machine::violations() const {
   return core_->violations_;
 }

@@ -5,11 +5,11 @@
 
 #include "interrupt_timer.hpp"
 #include "triskin/board/board.hpp"
+#include "triskin/board/board_config.hpp"
 #include "triskin/board/budget.hpp"
 #include "triskin/board/clock_plan.hpp"
 #include "triskin/board/priorities.hpp"
 #include "triskin/board/registers/fdcan.hpp"
-#include "triskin/board/registers/pins.hpp"
 #include "triskin/board/registers/system.hpp"
 
 namespace triskin::board {
@@ -130,11 +130,11 @@ void fill_transmit_buffers() {
 }  // namespace
 
 void Stm32CanPort::open(CanFilters filters) {
-  rcc_reg::kAhb2Enr.set(rcc_reg::kGpioB);
   rcc_reg::kCcipr.set(rcc_reg::kFdcanFromPclk1);
   rcc_reg::kApb1Enr1.set(rcc_reg::kFdcan);
   (void)rcc_reg::kApb1Enr1.read();
   for (const Pin pin : {pins::kCanReceive, pins::kCanSend}) {
+    open_port(pin);
     Gpio(pin).very_high_speed();
     Gpio(pin).alternate(pins::kFunctionCan);
     Gpio(pin).mode(PinMode::kAlternate);

@@ -3,7 +3,7 @@
 
 #include "line.hpp"
 #include "triskin/board/board.hpp"
-#include "triskin/board/registers/pins.hpp"
+#include "triskin/board/board_config.hpp"
 #include "triskin/board/registers/spi.hpp"
 #include "triskin/board/registers/system.hpp"
 
@@ -25,7 +25,9 @@ void settle() {
 Stm32RouteChain route_chain;
 
 void Stm32RouteChain::open() {
-  rcc_reg::kAhb2Enr.set(rcc_reg::kGpioB);
+  for (const Pin pin :
+       {pins::kChainClock, pins::kChainIn, pins::kChainOut, pins::kChainEnable, pins::kChainEnable2, pins::kChainLatch})
+    open_port(pin);
   rcc_reg::kApb1Enr1.set(rcc_reg::kSpi2);
   for (const Gpio& pin : {kEnable, kEnable2, kLatch}) {
     pin.drive(false);

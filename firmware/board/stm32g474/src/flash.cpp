@@ -78,6 +78,20 @@ bool two_banks() {
   return flash_reg::kOptr.any(flash_reg::kDualBank);
 }
 
+// RM0440 §3.4.2. The chip follows the new bytes after its next power-up.
+bool write_option(Register option, std::uint32_t value) {
+  wait_ready();
+  const DataCacheOff data_cache_off;
+  const Unlocked unlocked;
+  flash_reg::kOptKeyr.write(flash_reg::kOptionKey1);
+  flash_reg::kOptKeyr.write(flash_reg::kOptionKey2);
+  flash_reg::kSr.write(flash_reg::kErrors | flash_reg::kEndOfOperation);
+  option.write(value);
+  flash_reg::kCr.write(flash_reg::kOptionStart);
+  wait_through_erase();
+  return end_operation();
+}
+
 }  // namespace
 
 void do_while_erasing(const BusyWork* work) {
@@ -101,16 +115,11 @@ bool erase_flash_page(std::uint32_t address) {
 }
 
 bool write_flash_options(std::uint32_t options) {
-  wait_ready();
-  const DataCacheOff data_cache_off;
-  const Unlocked unlocked;
-  flash_reg::kOptKeyr.write(flash_reg::kOptionKey1);
-  flash_reg::kOptKeyr.write(flash_reg::kOptionKey2);
-  flash_reg::kSr.write(flash_reg::kErrors | flash_reg::kEndOfOperation);
-  flash_reg::kOptr.write(options);
-  flash_reg::kCr.write(flash_reg::kOptionStart);
-  wait_through_erase();
-  return end_operation();
+  return write_option(flash_reg::kOptr, options);
+}
+
+bool write_flash_protection(std::uint32_t pages) {
+  return write_option(flash_reg::kWrp1Ar, pages);
 }
 
 bool program_flash_unit(std::uint32_t address, std::uint32_t low, std::uint32_t high) {

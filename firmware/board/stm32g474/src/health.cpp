@@ -70,6 +70,12 @@ std::optional<wire::Crash> Stm32Monitor::crash() const {
   return c.cause == wire::CrashCause::kNone ? std::nullopt : std::optional(c);
 }
 
+// A power cut while options are written may leave the chip read protected: the supply must have stood for a while.
+bool Stm32Monitor::protect_loader(bool on) {
+  constexpr std::uint64_t kSupplyStands_us = 2'000'000;
+  return microseconds() > kSupplyStands_us && board::protect_loader(on);
+}
+
 void Stm32Monitor::forget_crash() {
   survivor().crash = {};
 }

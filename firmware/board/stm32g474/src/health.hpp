@@ -10,6 +10,7 @@ class Stm32Monitor final : public fw::BoardMonitor {
   [[nodiscard]] wire::BoardHealth health() const override;
   [[nodiscard]] std::optional<wire::Crash> crash() const override;
   void forget_crash() override;
+  bool protect_loader(bool on) override;
 };
 
 extern Stm32Monitor monitor;

@@ -2,8 +2,8 @@
 #pragma once
 #include <cstdint>
 
+#include "triskin/board/board_config.hpp"
 #include "triskin/board/registers/gpio.hpp"
-#include "triskin/board/registers/pins.hpp"
 #include "triskin/board/registers/system.hpp"
 
 namespace triskin::board {
@@ -19,15 +19,14 @@ enum class Light : std::uint16_t {
 };
 
 inline void open_light() {
-  rcc_reg::kAhb2Enr.set(rcc_reg::kGpioA);
-  (void)rcc_reg::kAhb2Enr.read();
+  open_port(pins::kLight);
   Gpio(pins::kLight).mode(PinMode::kOutput);
 }
 
 /// Called at least ten times a second.
 inline void show(Light light, std::uint64_t now_us) {
   const auto step = static_cast<unsigned>(now_us / 100'000 % 10);
-  Gpio(pins::kLight).drive((static_cast<unsigned>(light) >> step & 1U) != 0);
+  Gpio(pins::kLight).drive(((static_cast<unsigned>(light) >> step & 1U) != 0) == config::kLightOnWhenHigh);
 }
 
 }  // namespace triskin::board

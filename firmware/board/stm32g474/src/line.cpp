@@ -3,11 +3,11 @@
 
 #include "interrupt_timer.hpp"
 #include "triskin/board/board.hpp"
+#include "triskin/board/board_config.hpp"
 #include "triskin/board/budget.hpp"
 #include "triskin/board/i2c_timing.hpp"
 #include "triskin/board/priorities.hpp"
 #include "triskin/board/registers/i2c.hpp"
-#include "triskin/board/registers/pins.hpp"
 #include "triskin/board/registers/system.hpp"
 
 namespace triskin::board {
@@ -56,7 +56,10 @@ void wait_us(std::uint64_t us) {
 
 void open_lines() {
   rcc_reg::kAhb1Enr.set(rcc_reg::kDma1 | rcc_reg::kDmaMux);
-  rcc_reg::kAhb2Enr.set(rcc_reg::kGpioA | rcc_reg::kGpioB | rcc_reg::kGpioC);
+  for (const LinePlace& place : kPlaces) {
+    open_port(place.scl);
+    open_port(place.sda);
+  }
   rcc_reg::kApb1Enr1.set(rcc_reg::kI2c1 | rcc_reg::kI2c2 | rcc_reg::kI2c3);
   rcc_reg::kApb1Enr2.set(rcc_reg::kI2c4);
   (void)rcc_reg::kApb1Enr2.read();

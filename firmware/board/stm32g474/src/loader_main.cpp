@@ -8,6 +8,7 @@
 #include "flash_area.hpp"
 #include "light.hpp"
 #include "triskin/board/board.hpp"
+#include "triskin/board/board_config.hpp"
 #include "triskin/board/flash_map.hpp"
 #include "triskin/board/registers/system.hpp"
 #include "triskin/board/survivor.hpp"
@@ -66,7 +67,7 @@ void start_on_request() {
 // Interrupts stay off between the decision and WFI, which wakes all the same.
 void sleep_until(std::uint64_t at_us) {
   asm volatile("cpsid i" ::: "memory");
-  if (!can.frame_waits() && !usb.work_waits()) {
+  if (!can.frame_waits() && !(config::kUsb && usb.work_waits())) {
     wake_at(std::min(at_us, microseconds() + kLook_us));
     asm volatile("dsb\n wfi" ::: "memory");
   }
@@ -90,21 +91,28 @@ class Waiting {
       while (const auto frame = can.receive()) {
         if (loader_.handle(*frame, microseconds())) start_on_request();
       }
-      usb.serve();
+      if constexpr (config::kUsb) usb.serve();
       can.step(microseconds());
       const std::uint64_t end_us = std::max(window_end_us_, loader_.stays_until_us());
       if (dfu_)
         serve_dfu(end_us);
       else if (microseconds() >= end_us)
         start_or_wait();
-      if (dfu_) show(Light::kLoader, microseconds());
+      if (dfu_ || waits_) show(Light::kLoader, microseconds());
       feed_watchdog();
       sleep_until(dfu_ ? std::max(end_us, dfu_->next_event_us()) : end_us);
     }
   }
 
  private:
+  // A board without USB waits on CAN, and looks again in a while.
   void open_dfu(bool leaves) {
+    if constexpr (!config::kUsb) {
+      constexpr std::uint64_t kLookAgain_us = 15'000'000;
+      waits_ = true;
+      window_end_us_ = microseconds() + kLookAgain_us;
+      return;
+    }
     dfu_.emplace(application_slots, unique_id(), leaves);
     dfu_->tick(microseconds());
     usb.open(*dfu_, false);
@@ -122,6 +130,7 @@ class Waiting {
   boot::Loader loader_;
   std::optional<boot::DfuDevice> dfu_;
   std::uint64_t window_end_us_;
+  bool waits_ = false;
 };
 
 }  // namespace

@@ -8,13 +8,16 @@
 #include "health.hpp"
 #include "light.hpp"
 #include "line.hpp"
+#include "serial.hpp"
 #include "triskin/app/application.hpp"
 #include "triskin/board/board.hpp"
+#include "triskin/board/board_config.hpp"
 #include "triskin/board/budget.hpp"
 #include "triskin/board/flash_map.hpp"
 #include "triskin/board/registers/system.hpp"
 #include "triskin/board/survivor.hpp"
 #include "triskin/boot/image_receiver.hpp"
+#include "triskin/drivers/shared_clock.hpp"
 #include "triskin/layout/image_label.hpp"
 #include "triskin/logic/usb/usb_device.hpp"
 #include "usb.hpp"
@@ -68,19 +71,19 @@ extern "C" const char triskin_vectors;
 fw::Application* sampling = nullptr;
 constexpr BusyWork kSampling{[] {
                                sampling->step_during_flash();
-                               usb.stream();
+                               if constexpr (config::kUsb) usb.stream();
                              },
                              [] {
                                if (std::ranges::any_of(lines, [](const Stm32I2cLine& l) { return l.finished(); }))
                                  return std::uint64_t{0};
                                std::uint64_t next = sampling->next_during_flash_us();
                                for (const Stm32I2cLine& line : lines) next = std::min(next, line.deadline_us());
-                               const std::uint64_t look_us = usb.stream_again_us();
+                               const std::uint64_t look_us = config::kUsb ? usb.stream_again_us() : UINT64_MAX;
                                return look_us == UINT64_MAX ? next : std::min(next, microseconds() + look_us);
                              }};
 
 bool work_waits(const fw::Application& application) {
-  return can.frame_waits() || usb.work_waits() || application.frames_wait() ||
+  return can.frame_waits() || (config::kUsb && usb.work_waits()) || application.frames_wait() ||
          std::ranges::any_of(lines, [](const Stm32I2cLine& l) { return l.finished(); });
 }
 
@@ -133,6 +136,16 @@ class Milestones {
   bool options_set_ = false, counted_ = false;
 };
 
+// Each line as it is, or one at a time where they share a clock wire.
+std::array<fw::I2cLine*, layout::kLines> application_lines() {
+  if constexpr (config::kOneScl) {
+    static fw::SharedClock<Stm32I2cLine> shared{std::span(lines)};
+    return {&shared.line(0), &shared.line(1), &shared.line(2), &shared.line(3)};
+  } else {
+    return {&lines[0], &lines[1], &lines[2], &lines[3]};
+  }
+}
+
 Light light_of(fw::Application::Condition condition) {
   using enum fw::Application::Condition;
   switch (condition) {
@@ -152,11 +165,13 @@ Light light_of(fw::Application::Condition condition) {
   Milestones milestones;
   for (;;) {
     const std::uint64_t start = microseconds();
-    usb.serve();
+    if constexpr (config::kUsb) usb.serve();
     can.step(start);
     application.step();
-    usb.send();
-    if (device.wants_to_reconnect() && usb.idle()) enter_dfu();
+    if constexpr (config::kUsb) {
+      usb.send();
+      if (device.wants_to_reconnect() && usb.idle()) enter_dfu();
+    }
     feed_watchdog();
     milestones.look(start);
     show(light_of(application.condition()), start);
@@ -184,21 +199,19 @@ int main() {
   open_light();
   open_lines();
   can.open(CanFilters::kApplication);
-  route_chain.open();
+  triskin::fw::RouteChain* chain = nullptr;
+  if constexpr (triskin::fw::kSwitchedModules) {
+    route_chain.open();
+    chain = &route_chain;
+  }
+  serial.open();
   static triskin::fw::UsbDevice device(unique_id());
-  usb.open(device, true);
+  if constexpr (config::kUsb) usb.open(device, true);
   static triskin::boot::ImageReceiver receiver(application_slots, stm32_restart,
                                                {unique_id(), running_slot(), triskin::fw::kFirmwareVersion});
-  static triskin::fw::Application application({{&lines[0], &lines[1], &lines[2], &lines[3]},
-                                               &system_clock,
-                                               &can,
-                                               &table_flash,
-                                               unique_id(),
-                                               &device,
-                                               &route_chain,
-                                               &stm32_restart,
-                                               running_slot() >= 0 ? &receiver : nullptr,
-                                               &monitor});
+  static triskin::fw::Application application({application_lines(), &system_clock, &can, &table_flash, unique_id(),
+                                               config::kUsb ? &device : nullptr, chain, &stm32_restart,
+                                               running_slot() >= 0 ? &receiver : nullptr, &monitor, &serial});
   sampling = &application;
   do_while_erasing(&kSampling);
   run(application, device);

@@ -7,7 +7,7 @@ namespace triskin::fw {
 namespace {
 
 constexpr std::uint32_t kPageMagic = 0x474F4C46;  // "FLOG"
-constexpr std::uint8_t kFaultMark = 0xFA;
+constexpr std::uint8_t kFaultMark = 0xFA, kCrashMark = 0xFC;
 
 using Record = std::array<std::uint8_t, FaultMemory::kRecordBytes>;
 
@@ -52,6 +52,8 @@ bool FaultMemory::page_valid(std::size_t page, std::uint32_t& sequence) const {
 
 void FaultMemory::load() {
   entries_ = {};
+  crash_.reset();
+  crash_part_ = 0;
   used_ = 0;
   if (!stored()) return;
   for (std::size_t page = 0; page < 2; ++page) {
@@ -64,21 +66,64 @@ void FaultMemory::load() {
   if (used_ != 0) replay(page_);
 }
 
+// A record that a power failure tore has a wrong CRC and is passed over.
 void FaultMemory::replay(std::size_t page) {
   for (; (used_ + 1) * kRecordBytes <= flash_.page_bytes(); ++used_) {
     const Bytes record = record_at(page, used_);
     if (erased(record)) return;
-    ByteReader r(record);
-    const bool fault = r.u8() == kFaultMark && sealed(record);
-    const std::size_t module = r.u8(), state = r.u8();
-    if (!fault || module >= entries_.size() || state < kFirstFault || state >= kStates)
-      continue;  // A power failure tore the record.
-    (void)r.u8();
-    Entry& entry = entries_[module][state];
-    entry.status = kConfirmed;
-    entry.freeze.time_ms = r.le32();
-    entry.freeze.sample = r.le32();
+    if (!sealed(record)) continue;
+    if (record[0] == kFaultMark) replay_fault(record);
+    if (record[0] == kCrashMark) replay_crash(record);
   }
+}
+
+void FaultMemory::replay_fault(Bytes record) {
+  ByteReader r(record);
+  (void)r.u8();
+  const std::size_t module = r.u8(), state = r.u8();
+  if (module >= entries_.size() || state < kFirstFault || state >= kStates) return;
+  (void)r.u8();
+  Entry& entry = entries_[module][state];
+  entry.status = kConfirmed;
+  entry.freeze.time_ms = r.le32();
+  entry.freeze.sample = r.le32();
+}
+
+// Only a crash of which every part stands replaces the one before.
+void FaultMemory::replay_crash(Bytes record) {
+  const std::size_t part = record[1];
+  if (part == 0) crash_part_ = 0;
+  if (part != crash_part_ || part >= kCrashRecords) return;
+  std::ranges::copy(record.subspan(2, kCrashPartBytes),
+                    crash_parts_.begin() + static_cast<std::ptrdiff_t>(part * kCrashPartBytes));
+  if (++crash_part_ < kCrashRecords) return;
+  crash_part_ = 0;
+  if (const auto crash = wire::Crash::decode(Bytes(crash_parts_).first(wire::Crash::kMaxBytes))) crash_ = *crash;
+}
+
+bool FaultMemory::program_crash(std::size_t page, std::size_t index) {
+  std::array<std::uint8_t, kCrashRecords * kCrashPartBytes> parts{};
+  ByteWriter all(parts);
+  crash_->encode(all);
+  for (std::size_t part = 0; part < kCrashRecords; ++part) {
+    Record record{};
+    ByteWriter w(record);
+    w.u8(kCrashMark);
+    w.u8(static_cast<std::uint8_t>(part));
+    w.bytes(Bytes(parts).subspan(part * kCrashPartBytes, kCrashPartBytes));
+    seal(record);
+    if (!program(page, index + part, record)) return false;
+  }
+  return true;
+}
+
+bool FaultMemory::note_crash(const wire::Crash& crash) {
+  crash_ = crash;
+  if (!stored()) return false;
+  if (used_ == 0 || (used_ + kCrashRecords) * kRecordBytes > flash_.page_bytes()) return start_page();
+  const std::size_t at = used_;
+  used_ += kCrashRecords;
+  return program_crash(page_, at);
 }
 
 void FaultMemory::note(TableRow row, wire::ModuleState state, Freeze now) {
@@ -97,6 +142,12 @@ void FaultMemory::note(TableRow row, wire::ModuleState state, Freeze now) {
 }
 
 bool FaultMemory::clear() {
+  const bool crashed = crash_.has_value();
+  crash_.reset();
+  return clear_modules() && (!crashed || !stored() || start_page());
+}
+
+bool FaultMemory::clear_modules() {
   const bool any = std::ranges::any_of(
       entries_, [](const auto& m) { return std::ranges::any_of(m, [](const Entry& e) { return e.status != 0; }); });
   entries_ = {};
@@ -131,6 +182,10 @@ bool FaultMemory::start_page() {
       if ((entries_[m][s].status & kConfirmed) == 0) continue;
       if (!program(next, at++, fault_record(table_row(m), s, entries_[m][s].freeze))) return false;
     }
+  }
+  if (crash_) {
+    if (!program_crash(next, at)) return false;
+    at += kCrashRecords;
   }
   Record head{};
   ByteWriter w(head);

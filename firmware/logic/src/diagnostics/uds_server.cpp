@@ -191,7 +191,8 @@ std::uint8_t UdsServer::routine(Bytes request, Out& out) {
   out.be16(id);
   if (kind == 0x03) return nrc_of(host_.routine_result(id, out));
   if (kind != 0x01) return nrc::kSubFunctionNotSupported;
-  if (id != routine::kActivate) return nrc_of(host_.start_routine(id, request.subspan(4), out));
+  if (id != routine::kActivate && id != routine::kProtectLoader)
+    return nrc_of(host_.start_routine(id, request.subspan(4), out));
   if (const std::uint8_t code = need_unlocked(); code != kDone) return code;
   // The reason travels in the result byte, so that the host can name it.
   const Status s = host_.start_routine(id, request.subspan(4), out);

@@ -14,6 +14,9 @@ namespace {
 constexpr std::uint64_t kBeforeStatus_us = 120;  // Time from the start of the transfer to that moment.
 constexpr std::uint64_t kAfterStatus_us = 25;    // Time from that moment to the end of the transfer.
 
+// The first sequence of the slowest converter is over.
+constexpr std::uint32_t kSurelyOver_percent = 105;
+
 // The end of another chip's sequence that is nearest to the end of this one's.
 std::uint64_t end_near(const SequenceClock& clock, const SequenceClock& other) {
   const std::uint64_t end = clock.end_us(), period = other.period_us();
@@ -37,7 +40,9 @@ void ReadingSchedule::Plan::clock_changed() {
   uncertain = clock.uncertain();
 }
 
-void ReadingSchedule::begin(std::size_t stations, std::uint32_t nominal_us, std::uint8_t every) {
+void ReadingSchedule::begin(std::size_t stations, std::uint32_t nominal_us, std::uint8_t every,
+                            wire::SamplingTiming timing) {
+  by_timer_ = timing == wire::SamplingTiming::kTimer;
   count_ = stations;
   nominal_us_ = nominal_us;
   every_ = every;
@@ -60,12 +65,21 @@ void ReadingSchedule::cancel_transaction(std::size_t station) {
 void ReadingSchedule::start(std::size_t station, std::uint64_t at_us, wire::Latching latching) {
   Plan& plan = plans_[station];
   plan = Plan{};
-  plan.running = plan.clear_wanted = true;
+  plan.running = true;
+  if (by_timer_) return set_timer(plan, at_us + nominal_us_ / 100 * kSurelyOver_percent);
+  plan.clear_wanted = true;
   plan.clock.start(at_us, nominal_us_, latching);
   plan.clock_changed();
 }
 
+// A reading at `at_us`, which is missed when the next one would fall due before its end.
+void ReadingSchedule::set_timer(Plan& plan, std::uint64_t at_us) const {
+  plan.open_us = plan.end_us = at_us;
+  plan.close_us = at_us + nominal_us_ - kBurst_us;
+}
+
 void ReadingSchedule::set_latching(std::size_t station, wire::Latching latching) {
+  if (by_timer_) return;
   plans_[station].clock.set_latching(latching);
   plans_[station].clock_changed();
 }
@@ -199,7 +213,12 @@ void ReadingSchedule::pass_missed(Plan& plan, std::uint64_t now_us) const {
 }
 
 // Moves on to the sequence to be sampled, or the one before it if the period is not known well enough.
-void ReadingSchedule::advance(Plan& plan) {
+void ReadingSchedule::advance(Plan& plan) const {
+  if (by_timer_) {
+    const std::uint32_t passed = std::max(plan.to_pass, std::uint32_t{1});
+    plan.to_pass = 0;
+    return set_timer(plan, plan.open_us + std::uint64_t{passed} * nominal_us_);
+  }
   plan.passed = plan.clock.may_pass(std::max(plan.to_pass, std::uint32_t{1}));
   plan.to_pass -= std::min(plan.to_pass, plan.passed);
   plan.clock.next(plan.passed);
@@ -212,10 +231,11 @@ std::optional<std::uint64_t> ReadingSchedule::read(std::size_t station, std::uin
   Plan& plan = plans_[station];
   std::optional<std::uint64_t> sampled;
   if (plan.to_pass == 0) {
-    sampled = plan.end_us;
+    sampled = by_timer_ ? now_us : plan.end_us;
     plan.to_pass = every_;
   }
   advance(plan);
+  if (by_timer_) return sampled;
   plan.clear_wanted = plan.clock.refinement_wanted();
   plan.restart_wanted = would_miss(plan) || plan.uncertain;
   if (!plan.restart_wanted) return sampled;

@@ -35,7 +35,7 @@ void LineSampler::begin(I2cLine& line, std::uint8_t line_index, const Patch& pat
     station.row = table_row(k);
     station.address = patch.rows[k].address;
   }
-  schedule_.begin(station_count_, sequence_us(), sampling.every);
+  schedule_.begin(station_count_, sequence_us(), sampling.every, sampling.timing);
   for (ChipState& station : stations()) find(station, now_us);
 }
 

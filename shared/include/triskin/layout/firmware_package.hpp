@@ -6,7 +6,7 @@
 #include "triskin/core/bytes.hpp"
 #include "triskin/core/status.hpp"
 
-/// A firmware file: the application linked for slot A, and for slot B. docs/firmware_board.md, "Firmware package".
+/// A firmware file: the application linked for slot A, and for slot B. docs/firmware_images.md, "Firmware package".
 namespace triskin::layout {
 
 /// Page of the flash, the least that is erased at once (RM0440 §3, as sim/flash_model.hpp has it).

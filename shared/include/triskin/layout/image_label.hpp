@@ -6,7 +6,7 @@
 #include "triskin/core/bytes.hpp"
 #include "triskin/core/status.hpp"
 
-/// What an image of the application says about itself, behind its vectors. docs/firmware_board.md, "Label".
+/// What an image of the application says about itself, behind its vectors. docs/firmware_images.md, "Label".
 namespace triskin::layout {
 
 /// Position of the label in an image, after the 118 vectors of the microcontroller.

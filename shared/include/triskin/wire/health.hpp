@@ -115,7 +115,7 @@ enum class CrashCause : std::uint8_t {
   kProgram,        ///< the program stopped itself: a call of nothing, the end of main
 };
 
-/// FD12: kept over resets, lost with the power.
+/// FD12: kept over resets, and in the fault memory when the power goes. Without one the cause is kNone.
 struct Crash {
   static constexpr std::uint16_t kId = did::kCrash;
   static constexpr std::size_t kMinBytes = 44, kMaxBytes = kMinBytes;

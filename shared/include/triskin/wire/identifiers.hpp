@@ -17,12 +17,12 @@ inline constexpr std::uint16_t kActiveSession = 0xF186, kSerialNumber = 0xF18C, 
                                kLineStates = 0xFD06, kTopology = 0xFD07, kRoute = 0xFD08, kImageState = 0xFD09,
                                kSampling = 0xFD0A, kOffsets = 0xFD0B, kStreamAccount = 0xFD0C, kCalibration = 0xFD0D,
                                kAdoption = 0xFD0E, kLiveTaxels = 0xFD10, kBoardHealth = 0xFD11, kCrash = 0xFD12,
-                               kFreezeTime = 0xFD21, kFreezeSample = 0xFD22, kIcub = 0xFD30;
+                               kLog = 0xFD13, kFreezeTime = 0xFD21, kFreezeSample = 0xFD22, kIcub = 0xFD30;
 }  // namespace did
 
 namespace routine {
 inline constexpr std::uint16_t kDiscover = 0x0201, kSelfTest = 0x0202, kCalibrate = 0x0203, kReroute = 0x0204,
-                               kActivate = 0x0205, kOffsets = 0x0206;
+                               kActivate = 0x0205, kOffsets = 0x0206, kProtectLoader = 0x0207;
 }  // namespace routine
 
 /// Who may do what with an identifier.
@@ -40,11 +40,11 @@ struct Identifier {
   std::string_view value;            ///< fields in order, (bytes of each); little-endian where nothing is said
 };
 
-inline constexpr std::array<Identifier, 26> kIdentifiers{{
+inline constexpr std::array<Identifier, 27> kIdentifiers{{
     {did::kActiveSession, Access::kRead, 1, 1, "identity.hpp", "session (1): 1 default, 2 programming, 3 extended"},
     {did::kSerialNumber, Access::kRead, 12, 12, "identity.hpp", "unique id (12)"},
-    {did::kPartNumber, Access::kRead, 8, 8, "identity.hpp", "\"TRISKIN1\""},
-    {did::kHardware, Access::kRead, 8, 8, "identity.hpp", "\"TRISKIN1\""},
+    {did::kPartNumber, Access::kRead, 8, 8, "identity.hpp", "\"TRISKIN1\"; the last character is the kind of board"},
+    {did::kHardware, Access::kRead, 8, 8, "identity.hpp", "\"TRISKIN1\"; likewise"},
     {did::kFirmware, Access::kRead, 4, 4, "identity.hpp", "firmware version, big-endian: major, minor, patch, build"},
     {did::kHello, Access::kRead, 23, 23, "identity.hpp",
      "wire version (2), layout version (2), firmware version (4), node address (1), unique id (12), most modules (1), "
@@ -73,9 +73,11 @@ inline constexpr std::array<Identifier, 26> kIdentifiers{{
     {did::kImageState, Access::kRead, 14, 14, "identity.hpp",
      "slot that runs (1): 0 or 1, confirmed (1), sequence (4), bytes (4), CRC-32 of its record (4); refused when not "
      "started from a slot"},
-    {did::kSampling, Access::kReadWrite, 3, 3, "sampling.hpp",
+    {did::kSampling, Access::kReadWrite, 3, 4, "sampling.hpp",
      "decimation (1): 0 256, 1 128, 2 64; every n-th sequence (1): 1 … 255; output (1): 0 the converter's result, 1 "
-     "compensated, 8000 at rest; as after power-up: 0, 1, 0"},
+     "compensated, 8000 at rest; as after power-up: 0, 1, 0; reading (1; may be left out): 0 in the window in which "
+     "the "
+     "results belong together, 1 by a timer, as installed iCub boards do"},
     {did::kOffsets, Access::kRead, 5, 261, "offsets.hpp",
      "electrodes at the positive input (1): 0 or 1, searches that have ended since power-up (4), then per row of the "
      "table: state (1): 0 none, 1 searching, 2 kept from the flash, 3 found since power-up, 4 a taxel rests outside "
@@ -109,10 +111,14 @@ inline constexpr std::array<Identifier, 26> kIdentifiers{{
      "bytes reserved, bytes never used (2 each); idle time in ‰ (2); reserved (6); refused where the board has none "
      "of it"},
     {did::kCrash, Access::kRead, 44, 44, "health.hpp",
-     "what stopped the controller last: cause (1): 1 fault, 2 stack overflow, 3 watchdog, 4 clock, 5 interrupt, 6 "
+     "what stopped the controller last: cause (1): 0 none, 1 fault, 2 stack overflow, 3 watchdog, 4 clock, 5 "
+     "interrupt, 6 "
      "program; a page was being erased (1), exception that ran (2; 0 the loop), PC, LR, SP, CFSR, HFSR, address of the "
-     "access, ms since its start, firmware version, origin of the image, crashes since power-up (4 each); lost with "
-     "the power; refused without one"},
+     "access, ms since its start, firmware version, origin of the image, crashes since power-up (4 each); kept in the "
+     "fault memory; zeros without one; refused where the board has none of it"},
+    {did::kLog, Access::kReadWrite, 2, 2, "log.hpp",
+     "log to who asks, over this port, until the controller starts anew: level (1): 0 off, 1 errors, 2 warnings, 3 "
+     "information, 4 debug; most that the image has (1; ignored when written)"},
     {did::kIcub, Access::kRead, 9, 9, "icub_commands.hpp",
      "flags (1; 1: the node address is above 14, so this is no iCub board, 2: an offset of the converter was asked for "
      "and not written, 4: an address was refused, 8: a command was refused), command refused last (1), commands "
@@ -131,7 +137,7 @@ struct Routine {
   std::string_view result;
 };
 
-inline constexpr std::array<Routine, 6> kRoutines{{
+inline constexpr std::array<Routine, 7> kRoutines{{
     {routine::kDiscover, "discover", "looks at all four addresses of the four lines, also without a table", 13, 13,
      "done (1), per line: held low (1), answering addresses (1, a bit each), those with another device id (1, a bit "
      "each)"},
@@ -148,6 +154,11 @@ inline constexpr std::array<Routine, 6> kRoutines{{
      "forgets the offsets of all converters and searches them anew; nothing should touch "
      "the skin meanwhile",
      1, 1, "done (1); then read FD0B"},
+    {routine::kProtectLoader, "protect loader",
+     "option (1): 1 protects the pages of the loader against being written, 0 releases them, from the next power-up "
+     "on; "
+     "needs the key, and two seconds since the start",
+     1, 1, "Status (1), in the answer to the start"},
 }};
 
 /// Never defined: a call ends the evaluation of a constant expression.

@@ -64,8 +64,13 @@ struct SerialNumber {
 };
 static_assert(kLengthsAsInTable<SerialNumber>);
 
+/// Kind of the board, a letter or digit: an image for another one is refused (docs/port_a_board.md).
+#ifndef TRISKIN_BOARD_KIND
+#define TRISKIN_BOARD_KIND '1'
+#endif
+
 /// F190 and F191: the same text on every board of this kind.
-inline constexpr std::array<std::uint8_t, 8> kPartNumber{'T', 'R', 'I', 'S', 'K', 'I', 'N', '1'};
+inline constexpr std::array<std::uint8_t, 8> kPartNumber{'T', 'R', 'I', 'S', 'K', 'I', 'N', TRISKIN_BOARD_KIND};
 static_assert(identifier(did::kPartNumber).max_bytes == kPartNumber.size());
 static_assert(identifier(did::kHardware).max_bytes == kPartNumber.size());
 
@@ -187,5 +192,24 @@ struct ImageState {
   bool operator==(const ImageState&) const = default;
 };
 static_assert(kLengthsAsInTable<ImageState>);
+
+/// Routine 0207: kOk, or kFlashFailed when the board cannot, or not yet.
+struct ProtectionResult {
+  static constexpr std::uint16_t kId = routine::kProtectLoader;
+  static constexpr std::size_t kMinBytes = 1, kMaxBytes = 1;
+  Status status = Status::kEmpty;
+
+  /// Appends the value as it stands on the wire.
+  constexpr void encode(ByteWriter& out) const { out.u8(wire_number(status)); }
+  /// Errors: kBadLength, kOutOfRange.
+  [[nodiscard]] static constexpr Result<ProtectionResult> decode(Bytes bytes) {
+    if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
+    const auto status = to_status(bytes[0]);
+    if (!status) return std::unexpected(status.error());
+    return ProtectionResult{*status};
+  }
+  bool operator==(const ProtectionResult&) const = default;
+};
+static_assert(kResultAsInTable<ProtectionResult>);
 
 }  // namespace triskin::wire

@@ -4,7 +4,7 @@
 #include <optional>
 
 /// What the loader speaks on CAN: classic frames, 29-bit identifiers. FROZEN: loaders in the field are never replaced,
-/// so nothing here changes; new functions go into the application's UDS. docs/firmware_board.md has the sequence of an
+/// so nothing here changes; new functions go into the application's UDS. docs/firmware_images.md has the sequence of an
 /// update.
 namespace triskin::wire::loader {
 

@@ -33,6 +33,12 @@ enum class TaxelOutput : std::uint8_t {
   kCompensated = 1,  ///< 0x8000 at rest; baseline and temperature taken away
 };
 
+/// When a converter is read.
+enum class SamplingTiming : std::uint8_t {
+  kTracked = 0,  ///< in the window in which its twelve results are of one sequence
+  kTimer = 1,    ///< each nominal sequence by a timer, as installed iCub boards do: results of two sequences may mix
+};
+
 /// Stream mode of a number from the wire.
 /// Errors: kOutOfRange.
 [[nodiscard]] constexpr Result<StreamMode> to_stream_mode(std::uint8_t number) {
@@ -71,27 +77,31 @@ struct StreamSetting {
 };
 static_assert(kLengthsAsInTable<StreamSetting>);
 
-/// FD0A. After power-up as here.
+/// FD0A. After power-up as here. The fourth byte is left out where it says nothing new: hosts and firmware of before
+/// know three.
 struct SamplingSetting {
   static constexpr std::uint16_t kId = did::kSampling;
-  static constexpr std::size_t kMinBytes = 3, kMaxBytes = 3;
+  static constexpr std::size_t kMinBytes = 3, kMaxBytes = 4;
   Decimation decimation = Decimation::k256;
   std::uint8_t every = 1;  ///< 1 … 255: each n-th sequence is read
   TaxelOutput output = TaxelOutput::kRaw;
+  SamplingTiming timing = SamplingTiming::kTracked;
 
   /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const {
     out.u8(wire_number(decimation));
     out.u8(every);
     out.u8(wire_number(output));
+    if (timing != SamplingTiming::kTracked) out.u8(wire_number(timing));
   }
   /// Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<SamplingSetting> decode(Bytes bytes) {
-    if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
+    if (bytes.size() < kMinBytes || bytes.size() > kMaxBytes) return std::unexpected(Status::kBadLength);
     const auto decimation = to_decimation(bytes[0]);
     const auto output = to_taxel_output(bytes[2]);
-    if (!decimation || !output || bytes[1] == 0) return std::unexpected(Status::kOutOfRange);
-    return SamplingSetting{*decimation, bytes[1], *output};
+    const auto timing = checked_enum(bytes.size() > kMinBytes ? bytes[3] : std::uint8_t{0}, SamplingTiming::kTimer);
+    if (!decimation || !output || !timing || bytes[1] == 0) return std::unexpected(Status::kOutOfRange);
+    return SamplingSetting{*decimation, bytes[1], *output, *timing};
   }
   bool operator==(const SamplingSetting&) const = default;
 };

@@ -6,7 +6,9 @@
 #include <span>
 
 #include "triskin/app/identifiers.hpp"
+#include "triskin/app/journal.hpp"
 #include "triskin/logic/diagnostics/fault_memory.hpp"
+#include "triskin/logic/diagnostics/log_sender.hpp"
 #include "triskin/logic/diagnostics/uds_server.hpp"
 #include "triskin/logic/icub/icub_board.hpp"
 #include "triskin/logic/icub/icub_triangles.hpp"
@@ -15,7 +17,7 @@
 #include "triskin/logic/storage/table_store.hpp"
 #include "triskin/logic/stream/full_stream.hpp"
 #include "triskin/logic/stream/stream_queue.hpp"
-#include "triskin/logic/switched/route_keeper.hpp"
+#include "triskin/logic/switched/route.hpp"
 #include "triskin/ports/ports.hpp"
 #include "triskin/wire/iso_tp.hpp"
 #include "triskin/wire/node_claim.hpp"
@@ -52,16 +54,22 @@ class Application final : private UdsHost, private PatchControl {
   Status routine_result(std::uint16_t routine, ByteWriter& out) override {
     return identifiers_.routine_result(routine, out);
   }
+  Status protect_loader(Bytes option);
   Status set_node_address(std::uint8_t address) override;
   Status set_stream(wire::StreamMode mode) override;
   Status set_sampling(const wire::SamplingSetting& setting) override;
   Status set_calibration(Bytes value) override { return tables_.set_calibration(value); }
+  Status set_log(wire::LogLevel level) override;
+  [[nodiscard]] wire::LogLevel log_level() const override { return channel_of(asking_).log.level(); }
   [[nodiscard]] wire::StreamAccount stream_account() const override;
   [[nodiscard]] std::uint32_t dropped_samples() const override;
   Status clear_faults() override;
   void read_faults(std::uint8_t mask, ByteWriter& out) override { faults_.report(mask, out); }
   bool read_fault(std::uint32_t dtc, ByteWriter& out) override;
-  void request_reset() override { reset_requested_ = through_loader_ = true; }
+  void request_reset() override {
+    journal_.restart();
+    reset_requested_ = through_loader_ = true;
+  }
   [[nodiscard]] std::uint64_t now_us() const override { return ports_.clock->now_us(); }
 
   /// A way to a host: a port and the one connection that a tester has over it.
@@ -73,12 +81,21 @@ class Application final : private UdsHost, private PatchControl {
     std::size_t claim_at = wire::kClaimFrames;  // Next frame of the claim to be sent.
     wire::IdFrames assignment{};
     FullStream stream{};
+    LogSender log{};
+    bool fd = false;  // The last request came in an FD frame.
   };
   static constexpr std::size_t kCan = 0;
 
   void restart();
+  [[nodiscard]] PatchParts parts() const;
   /// The image has done its work once: it has read a module, or a host has reached it and may replace it.
   void prove();
+  void note_start();
+  void step_log();
+  [[nodiscard]] Channel& channel_of(const CanPort* port) { return channels_[port == channels_[kCan].port ? kCan : 1]; }
+  [[nodiscard]] const Channel& channel_of(const CanPort* port) const {
+    return channels_[port == channels_[kCan].port ? kCan : 1];
+  }
   void reset_when_answered();
   void restart_sampling();
   void keep_route();
@@ -120,7 +137,7 @@ class Application final : private UdsHost, private PatchControl {
   std::array<LineSampler, layout::kLines> lines_;
   std::array<ModuleSample, layout::kMaxModules> samples_{};
   std::array<ModuleSample, layout::kMaxModules> published_{};
-  RouteKeeper route_;
+  Route route_;
   std::uint8_t adopted_list_ = 0;  // Adoption::list that is being sampled.
   bool pausing_ = false;           ///< the lines end their transfers and begin none
   Sampling sampling_;
@@ -131,11 +148,14 @@ class Application final : private UdsHost, private PatchControl {
   StreamQueue stream_queue_;  // Holds frames of the iCub stream.
   std::uint8_t starts_ = 0;   // Number of times that sampling began since power-up, modulo 256.
   bool reset_requested_ = false, through_loader_ = false;
-  bool read_a_module_ = false, proved_ = false;
+  bool read_a_module_ = false, proved_ = false, started_ = false;
   std::uint64_t reset_at_us_ = UINT64_MAX;
   IcubBoard icub_;
   IcubTriangles icub_triangles_;
+  Log log_;
+  SerialLog serial_log_;
   Identifiers identifiers_;  // Reads and writes all members above.
+  Journal journal_;
 };
 
 }  // namespace triskin::fw

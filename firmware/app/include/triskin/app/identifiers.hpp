@@ -4,16 +4,18 @@
 #include <cstdint>
 #include <optional>
 
+#include "triskin/logic/diagnostics/fault_memory.hpp"
 #include "triskin/logic/icub/icub_board.hpp"
 #include "triskin/logic/sampling/sampler.hpp"
 #include "triskin/logic/storage/offset_store.hpp"
 #include "triskin/logic/storage/table_store.hpp"
-#include "triskin/logic/switched/route_keeper.hpp"
+#include "triskin/logic/switched/route.hpp"
 #include "triskin/ports/ports.hpp"
 #include "triskin/wire/health.hpp"
 #include "triskin/wire/identity.hpp"
 #include "triskin/wire/lines.hpp"
 #include "triskin/wire/live_taxels.hpp"
+#include "triskin/wire/log.hpp"
 #include "triskin/wire/offsets.hpp"
 #include "triskin/wire/statistics.hpp"
 #include "triskin/wire/stream_account.hpp"
@@ -29,7 +31,8 @@ inline constexpr std::uint32_t kFirmwareVersion = TRISKIN_FIRMWARE_VERSION;
 struct PatchParts {
   const Ports& ports;
   const TableStore& tables;
-  const RouteKeeper& route;
+  const FaultMemory& faults;
+  const Route& route;
   const std::array<LineSampler, layout::kLines>& lines;
   const std::array<ModuleSample, layout::kMaxModules>& samples;  ///< latest samples
   /// Samples read before the last good check of the chain.
@@ -55,6 +58,10 @@ class PatchControl {
   virtual Status set_sampling(const wire::SamplingSetting& setting) = 0;
   /// Keeps a calibration with the table. Errors: those of TableStore::set_calibration.
   virtual Status set_calibration(Bytes value) = 0;
+  /// Sends the log to the port that asks; kOff ends it.
+  virtual Status set_log(wire::LogLevel level) = 0;
+  /// What the port that asks gets of the log.
+  [[nodiscard]] virtual wire::LogLevel log_level() const = 0;
   /// Account of the full stream over the port that asks.
   [[nodiscard]] virtual wire::StreamAccount stream_account() const = 0;
   /// Samples and iCub frames that found no room since power-up, all ports.
@@ -98,6 +105,7 @@ class Identifiers {
   [[nodiscard]] wire::LiveTaxels live_taxels() const;
   [[nodiscard]] std::optional<wire::BoardHealth> health() const;
   [[nodiscard]] std::optional<wire::Crash> crash() const;
+  [[nodiscard]] wire::LogSetting log() const;
   [[nodiscard]] wire::icub::State icub() const { return parts_.icub.state(parts_.tables.node_address()); }
   [[nodiscard]] wire::Discovery discovery() const;
   [[nodiscard]] wire::SelfTestResult self_test() const;

@@ -59,6 +59,14 @@ class CanPort {
   virtual std::optional<wire::CanFrame> receive() = 0;
 };
 
+/// A serial port for text to a person.
+class SerialPort {
+ public:
+  virtual ~SerialPort() = default;
+  /// False: there is no room; try again later.
+  virtual bool send(std::uint8_t byte) = 0;
+};
+
 /// Non-volatile memory with the rules of the silicon: erase by page to ones, program aligned units once.
 class FlashArea {
  public:
@@ -97,10 +105,13 @@ class BoardMonitor {
   virtual ~BoardMonitor() = default;
   /// Returns the present state.
   [[nodiscard]] virtual wire::BoardHealth health() const = 0;
-  /// Cause of the last crash. Empty: none since power-up, or it was cleared.
+  /// The crash that a reset has left behind. Empty: none since power-up, or it was cleared.
   [[nodiscard]] virtual std::optional<wire::Crash> crash() const = 0;
   /// Called when a host clears the fault memory.
   virtual void forget_crash() = 0;
+  /// Protects the loader against being written, or ends that, from the next power-up on. Takes 25 ms. False: the board
+  /// cannot, or not now.
+  virtual bool protect_loader(bool) { return false; }
 };
 
 /// Takes another image of the application while this one runs (wire/image_update.hpp). Its calls and the work inside
@@ -130,6 +141,7 @@ struct Ports {
   Restart* restart = nullptr;       ///< null: a reset only starts the application anew
   ImageUpdate* update = nullptr;    ///< null: new images come by the loader alone
   BoardMonitor* monitor = nullptr;  ///< null: nothing to say about the board
+  SerialPort* serial = nullptr;     ///< port for the log; null: the board has none
 };
 
 }  // namespace triskin::fw

@@ -19,6 +19,7 @@ enum class FindingKind {
   kWrongKind,            ///< its table has the modules of the design, this one of another kind
   kBackupRoute,          ///< it holds the table that the design prepared for a failure
   kLostSamples,          ///< samples of the stream did not arrive
+  kCrashedController,    ///< something stopped the controller: a fault, its watchdog, its clock
   kWrongPatch,           ///< its cable leads to the modules of another patch
 
   kAbsentModule,        ///< no chip answers at the module's place
@@ -60,6 +61,7 @@ inline constexpr NameTable kFindingKindNames{std::array<std::pair<FindingKind, s
     {FindingKind::kWrongKind, "wrong_kind"},
     {FindingKind::kBackupRoute, "backup_route"},
     {FindingKind::kLostSamples, "lost_samples"},
+    {FindingKind::kCrashedController, "crashed_controller"},
     {FindingKind::kWrongPatch, "wrong_patch"},
     {FindingKind::kAbsentModule, "absent_module"},
     {FindingKind::kWrongAddress, "wrong_address"},

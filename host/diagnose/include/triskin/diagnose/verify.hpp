@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -41,7 +42,9 @@ struct VerifyOptions {
   std::function<bool(int module)> ask;
   std::vector<StreamDemand> neighbours;  ///< StreamOptions::neighbours
   design::RestValues rest;               ///< where every taxel rests, as kept on this computer; empty: not known
-  double watch_s = 2.0;                  ///< shortest time over which intermittent faults are collected, s, ≥ 0
+  /// Image of the firmware with debug information: names function and line of a crash; empty: addresses only.
+  std::filesystem::path elf;
+  double watch_s = 2.0;  ///< shortest time over which intermittent faults are collected, s, ≥ 0
 };
 
 struct VerifyResult {
@@ -49,8 +52,8 @@ struct VerifyResult {
   int modules = 0;
   int touched = 0;  ///< modules that were pressed
   std::vector<Finding> findings;
-  /// Faults that the controllers recorded earlier and that are gone now (kLostConfiguration, kIntermittentModule). It
-  /// was deleted from their memories, so that what comes again is found again.
+  /// Faults that the controllers recorded earlier and that are gone now (kLostConfiguration, kIntermittentModule). They
+  /// were deleted from their memories, so that what comes again is found again.
   std::vector<Finding> earlier;
   /// What came of the samples that were due in half a second at least; empty where the link carries no full stream, or
   /// a controller has no table or that of a failure.

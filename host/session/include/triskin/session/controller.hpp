@@ -15,6 +15,7 @@
 #include "triskin/wire/identity.hpp"
 #include "triskin/wire/lines.hpp"
 #include "triskin/wire/live_taxels.hpp"
+#include "triskin/wire/log.hpp"
 #include "triskin/wire/offsets.hpp"
 #include "triskin/wire/sampling.hpp"
 #include "triskin/wire/statistics.hpp"
@@ -50,8 +51,12 @@ class Controller {
   std::optional<wire::ImageState> image_state();
   /// How its board is: clock, CAN, flash, stack. Empty: its firmware does not know that.
   std::optional<wire::BoardHealth> health();
-  /// What stopped it last. Empty: nothing since power-up, or its firmware does not know that.
+  /// What stopped it last, also before its power went. Empty: nothing since its fault memory was cleared, or its
+  /// firmware does not know that.
   std::optional<wire::Crash> crash();
+  /// Write-protects the pages of its loader, or releases them, from its next power-up on. Throws Refused when its
+  /// firmware cannot, DeviceError with the reason when its board cannot, or not yet.
+  void protect_loader(bool on);
   /// Restarts the controller through its loader; returns when the request is confirmed, before the restart.
   void reset();
 
@@ -94,6 +99,11 @@ class Controller {
   /// What became of each module's samples, and who reads them over this link. Throws DeviceError naming the remedy when
   /// the firmware is too old to say so.
   wire::StreamAccount stream_account();
+  /// Lets it send its log over this link, up to `level` and from the oldest line that it has, until it starts anew or
+  /// kOff is set.
+  void set_log(wire::LogLevel level);
+  /// The level that is sent over this link, and the most that its firmware has.
+  wire::LogSetting log();
   /// Switches the data stream on or off, for all readers of the link and without a lease.
   void set_stream(wire::StreamMode mode);
 

@@ -38,6 +38,8 @@ struct StreamOptions {
   /// How many readings a converter adds up: 36.9, 18.4 or 9.2 ms a sample. Empty: as the controllers are set. They keep
   /// it until they are set anew or lose power.
   std::optional<wire::Decimation> decimation;
+  /// When the converters are read; empty: as the controllers are set.
+  std::optional<wire::SamplingTiming> timing;
   int every = 0;  ///< each n-th sample, 1 … 255; 0: the smallest n that fits the bus
   /// Controllers of other designs on the same bus. A lease is for all that hear it, so they stream too and count in the
   /// budget; their samples are ignored. Interval 0: that of the default sampling.
@@ -58,9 +60,9 @@ class Stream {
 
   /// Takes a lease from every controller of the design. `bus` outlives the stream; `handler` is called inside the
   /// waiting calls of the bus, with samples of the lease only. Throws DeviceError when a controller is missing, holds
-  /// another table, has a firmware that keeps no account, serves as many readers as it can, or is to sample at another
-  /// decimation while others read it; InputError when the link
-  /// cannot carry the full stream (no FD frames) or what `options` asks for does not fit the bus.
+  /// another table, has a firmware that keeps no account, serves as many readers as it can, or is to sample in another
+  /// way while others read it; InputError when the link cannot carry the full stream (no FD frames) or what `options`
+  /// asks for does not fit the bus.
   Stream(Bus& bus, const design::Design& design, OnFrame handler, StreamOptions options = {});
   /// The same for several designs (docs/robot_file.md), one rate and one budget for all of them: `covers` need not
   /// outlive the call, their names stand in messages. ModuleSample::cover and ModuleCounts::cover count in their order.
@@ -108,8 +110,8 @@ class Stream {
     // Frames that arrived before the account began, with their times.
     std::deque<std::pair<wire::TaxelFrame, std::uint64_t>> early;
   };
-  void find_controllers(const design::Design& design, int cover, std::optional<wire::Decimation> decimation);
-  wire::SamplingSetting set_decimation(Controller& controller, const Node& node, wire::Decimation decimation);
+  void find_controllers(const design::Design& design, int cover, const StreamOptions& options);
+  wire::SamplingSetting set_sampling(Controller& controller, const Node& node, const StreamOptions& options);
   [[nodiscard]] StreamReport report_of(int cover) const;
   [[nodiscard]] std::string name_of(const Node& node) const;
   void choose_rate(const StreamOptions& options);

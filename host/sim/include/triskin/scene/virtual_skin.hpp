@@ -68,6 +68,9 @@ class VirtualSkin {
   [[nodiscard]] bool alive(std::size_t patch) const { return nodes_[patch].controller != nullptr; }
   /// Takes the controller's power and gives it back; its flash stays.
   void power_cycle(std::size_t patch);
+  /// Something stops the controller of a patch: it starts anew and knows what it was. The crash is also in its fault
+  /// memory after that.
+  void crash(std::size_t patch, const wire::Crash& crash);
   /// Virtual time at which the clock of a controller shows `shown_us`, since its last power-up.
   [[nodiscard]] std::uint64_t time_us(std::size_t patch, std::uint64_t shown_us) const {
     return nodes_.at(patch).clock.time_us(shown_us);

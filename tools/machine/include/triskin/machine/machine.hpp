@@ -37,6 +37,21 @@ struct Disturbances {
   std::uint64_t seed = 20261122;  ///< seed of times and lines: equal seeds give equal disturbances
 };
 
+/// A pin of the chip: port 0 is A.
+struct MachinePin {
+  unsigned port = 0, number = 0;
+};
+
+/// Where a board has what; at first as firmware/board/stm32g474/boards/nucleo_g474re.
+struct BoardPins {
+  struct Line {
+    MachinePin scl, sda;
+  };
+  std::array<Line, 4> lines{{{{0, 15}, {1, 7}}, {{0, 9}, {0, 8}}, {{2, 8}, {2, 9}}, {{2, 6}, {2, 7}}}};
+  MachinePin can_receive{1, 8}, can_send{1, 9}, log{0, 2};
+  bool one_scl = false;  ///< the SCL pins of all lines are one wire: two masters at once are a violation
+};
+
 /// Hardware around the microcontroller. Everything must outlive the machine.
 struct MachineSetup {
   std::array<sim::I2cBus*, 4> lines{};  ///< none null
@@ -51,6 +66,7 @@ struct MachineSetup {
   sim::ChainModel* chain = nullptr;  ///< chain of the switched modules; may be null
   std::uint32_t scl_rise_ns = 0;     ///< rise time of all lines, 30 to 70 %: SCL's period grows by 1.42 of it
   Disturbances disturbances;         ///< disturbances at random times
+  BoardPins pins{};                  ///< of the board
   bool boot_pin_high = true;         ///< PB8 at a reset: the CAN transceiver's output, high on an idle bus
 };
 
@@ -110,6 +126,8 @@ class Machine {
   void write_word(std::uint32_t address, std::uint32_t value);
   /// A register of a block as a load of 32 bits finds it, its clock on or off; of a data register this takes a byte.
   [[nodiscard]] std::uint32_t read_register(std::uint32_t address) const;
+  /// What a terminal at USART2's sender (PA2), 115,200 baud, has shown since power-up.
+  [[nodiscard]] const std::string& serial_text() const;
   /// What the image has done so far that the silicon would refuse, in order of time; empty: nothing.
   [[nodiscard]] const std::vector<Violation>& violations() const;
   /// Instructions, interrupts, idle time and bus time since power-up.

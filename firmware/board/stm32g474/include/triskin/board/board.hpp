@@ -44,6 +44,10 @@ void feed_watchdog();
 /// ms may leave the chip read protected: only while the supply stands. False: not allowed on this chip, or refused.
 [[nodiscard]] bool set_options_of_a_board();
 [[nodiscard]] bool write_flash_options(std::uint32_t options);
+[[nodiscard]] bool write_flash_protection(std::uint32_t pages);
+/// Protects the pages of the loader against erasing and programming, or releases them, from the next power-up on.
+/// False: as for set_options_of_a_board(), and as careful: only while the supply stands.
+[[nodiscard]] bool protect_loader(bool on);
 
 /// What goes on while an erase lasts. Neither function may read the flash or write it.
 struct BusyWork {

@@ -12,6 +12,7 @@ inline constexpr std::uint32_t kBootPinHigh = 4;  ///< PB8 was high at start
 inline constexpr std::uint32_t kOptionsProtected = 8;  ///< read protected: the options are left alone
 inline constexpr std::uint32_t kNoCrystal = 16;        ///< the clock is not the crystal's: FD11 says why
 inline constexpr std::uint32_t kLowBrownOut = 32;      ///< the chip would run below 2.8 V, where converters do not
+inline constexpr std::uint32_t kLoaderProtected = 64;  ///< the loader's pages are write-protected, for information
 }  // namespace finding
 
 /// Measurements of the firmware about itself. At a fixed symbol (`triskin_budget`), so that a debugger or the modelled

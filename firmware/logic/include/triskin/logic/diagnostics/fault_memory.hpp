@@ -10,13 +10,15 @@
 #include "triskin/logic/sampling/table_row.hpp"
 #include "triskin/ports/ports.hpp"
 #include "triskin/wire/faults.hpp"
+#include "triskin/wire/health.hpp"
 
 namespace triskin::fw {
 
 /// Diagnostic trouble codes of the modules (wire::FaultCode). A fault that came and went stays confirmed until it is
 /// cleared, over a loss of power too. With each goes what was at its first occurrence. Kept in flash as a log on two
 /// pages that are filled in turn (docs/flash_layout.md); a cut of power loses at most the last entry. A fault is
-/// written once until it is cleared, so that a loose contact does not wear the flash.
+/// written once until it is cleared, so that a loose contact does not wear the flash. The last crash of the controller
+/// is kept beside them, in records of its own.
 class FaultMemory {
  public:
   static constexpr std::size_t kFirstPage =
@@ -31,8 +33,14 @@ class FaultMemory {
   void load();
   /// Notes the present state of a module; its earlier faults stay confirmed.
   void note(TableRow row, wire::ModuleState state, Freeze now);
-  /// Forgets all faults. False: the flash refused.
+  /// Keeps a crash in place of the one before. False: the flash refused; it stays in RAM.
+  bool note_crash(const wire::Crash& crash);
+  /// The last crash that was kept. Empty: none since the memory was cleared.
+  [[nodiscard]] const std::optional<wire::Crash>& crash() const { return crash_; }
+  /// Forgets all faults and the crash. False: the flash refused.
   bool clear();
+  /// Forgets the faults of the modules, whose rows have a new meaning with a new table. False: the flash refused.
+  bool clear_modules();
   /// DTC and status of every entry that has one of the bits of `mask`.
   void report(std::uint8_t mask, ByteWriter& out) const;
   /// Status and freeze data of one DTC. Empty: no such entry.
@@ -41,6 +49,8 @@ class FaultMemory {
  private:
   static constexpr std::uint8_t kTestFailed = wire::fault_status::kFailsNow,
                                 kConfirmed = wire::fault_status::kConfirmed;
+  static constexpr std::size_t kCrashPartBytes = 10;  // A record without mark, number and CRC.
+  static constexpr std::size_t kCrashRecords = (wire::Crash::kMaxBytes + kCrashPartBytes - 1) / kCrashPartBytes;
   static constexpr std::size_t kStates = wire::kModuleStateCount;
   static constexpr auto kFirstFault = static_cast<std::size_t>(wire::kFirstFaultState);
   struct Entry {
@@ -54,11 +64,17 @@ class FaultMemory {
   [[nodiscard]] bool page_valid(std::size_t page, std::uint32_t& sequence) const;
   [[nodiscard]] bool program(std::size_t page, std::size_t index, std::span<const std::uint8_t, kRecordBytes> record);
   void replay(std::size_t page);
+  void replay_fault(Bytes record);
+  void replay_crash(Bytes record);
+  [[nodiscard]] bool program_crash(std::size_t page, std::size_t index);
   bool append(TableRow row, std::size_t state);
   bool start_page();
 
   FlashArea& flash_;
   std::array<std::array<Entry, kStates>, layout::kMaxModules> entries_{};
+  std::optional<wire::Crash> crash_;
+  std::array<std::uint8_t, kCrashRecords * kCrashPartBytes> crash_parts_{};  // Parts that replay() has read so far.
+  std::size_t crash_part_ = 0;                                               // Part that comes next.
   std::size_t page_ = 0, used_ = 0;  // Records used on page_; 0: no page is started.
   std::uint32_t sequence_ = 0;
 };

@@ -9,6 +9,7 @@
 
 #include "triskin/layout/patch_image.hpp"
 #include "triskin/logic/sampling/sequence_clock.hpp"
+#include "triskin/wire/sampling.hpp"
 
 namespace triskin::fw {
 
@@ -18,6 +19,9 @@ namespace triskin::fw {
 /// verify), restarts of a sequence, and readings of the status, which refine the clocks. When three chips of a line
 /// come to end at the same time, so that one could not be read in its window, one begins its next sequence anew a
 /// little later.
+///
+/// With SamplingTiming::kTimer none of that is done: each chip is read once a nominal sequence, whatever it converts
+/// then. That is for comparison with installed boards.
 ///
 /// Pure: it makes no transfer and knows no clock but `now_us`. Stations are numbered from 0 in the order in which the
 /// caller keeps them; a station that is neither started nor has an transaction asks for nothing. The earliest end goes
@@ -46,7 +50,8 @@ class ReadingSchedule {
   };
 
   /// Once, before all else: sequences of `stations` chips last `nominal_us`, and each `every`-th (1..255) is sampled.
-  void begin(std::size_t stations, std::uint32_t nominal_us, std::uint8_t every);
+  void begin(std::size_t stations, std::uint32_t nominal_us, std::uint8_t every,
+             wire::SamplingTiming timing = wire::SamplingTiming::kTracked);
 
   /// Sets the number of chips to `stations`; those from `first` on are new to the schedule and have no transfer under
   /// way.
@@ -81,10 +86,10 @@ class ReadingSchedule {
   /// nobody slows down lasts `burst_us`. One that a chip has slowed down, or that was made again, may not be.
   [[nodiscard]] bool in_time(std::size_t station, std::uint64_t ended_us, std::uint32_t burst_us) const {
     constexpr std::uint64_t kLatency_us = 20;
-    return ended_us <= plans_[station].close_us + burst_us + kLatency_us;
+    return by_timer_ || ended_us <= plans_[station].close_us + burst_us + kLatency_us;
   }
-  /// The results of the present sequence stand, at `now_us`. Result: when it ended, µs; empty: it is not one that is
-  /// sampled.
+  /// The results of the present sequence stand, at `now_us`. Result: when it ended, µs (by a timer: now); empty: it is
+  /// not one that is sampled.
   [[nodiscard]] std::optional<std::uint64_t> read(std::size_t station, std::uint64_t now_us);
   /// The transfer of the status ended on the line at `ended_us`; bit s of `status`: stage s was converted since the
   /// last one.
@@ -127,7 +132,8 @@ class ReadingSchedule {
   void pass_missed(Plan& plan, std::uint64_t now_us) const;
   static void plan_refinement(Plan& plan);
   static void refine(Plan& plan, std::uint16_t status);
-  static void advance(Plan& plan);
+  void advance(Plan& plan) const;
+  void set_timer(Plan& plan, std::uint64_t at_us) const;
   [[nodiscard]] bool would_miss(const Plan& plan) const;
   [[nodiscard]] std::uint64_t restart_moment_us(const Plan& plan, std::uint64_t now_us) const;
   [[nodiscard]] std::span<const Plan> plans() const { return {plans_.data(), count_}; }
@@ -136,6 +142,7 @@ class ReadingSchedule {
   std::size_t count_ = 0;
   std::uint32_t nominal_us_ = 0;
   std::uint8_t every_ = 1;
+  bool by_timer_ = false;
 };
 
 }  // namespace triskin::fw

@@ -27,6 +27,7 @@ namespace triskin::fw {
 struct Sampling {
   wire::Decimation decimation = wire::Decimation::k256;
   std::uint8_t every = 1;  ///< 1..255: each n-th sequence is read
+  wire::SamplingTiming timing = wire::SamplingTiming::kTracked;
   bool operator==(const Sampling&) const = default;
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "triskin/board/registers/gpio.hpp"
 #include "triskin/board/registers/register.hpp"
 
 namespace triskin::board {
@@ -8,7 +9,7 @@ namespace triskin::board {
 namespace flash_reg {
 inline constexpr std::uint32_t kBase = 0x40022000;
 inline constexpr Register kAcr{kBase + 0x00}, kKeyr{kBase + 0x08}, kOptKeyr{kBase + 0x0C}, kSr{kBase + 0x10},
-    kCr{kBase + 0x14}, kEccr{kBase + 0x18}, kOptr{kBase + 0x20};
+    kCr{kBase + 0x14}, kEccr{kBase + 0x18}, kOptr{kBase + 0x20}, kWrp1Ar{kBase + 0x2C};
 inline constexpr std::uint32_t kKey1 = 0x45670123, kKey2 = 0xCDEF89AB;              // §3.7.3
 inline constexpr std::uint32_t kOptionKey1 = 0x08192A3B, kOptionKey2 = 0x4C5D6E7F;  // §3.7.4
 // ACR
@@ -27,6 +28,8 @@ inline constexpr std::uint32_t kEccDetected = bit(31), kEccCorrected = bit(30), 
 inline constexpr std::uint32_t kReadProtectionMask = 0xFF, kNotProtected = 0xAA, kDualBank = bit(22),
                                kBootByPin = bit(26), kBootOptionFlash = bit(27), kBrownOutMask = 7U << 8,
                                kBrownOut28 = 4U << 8;  // Level 4 is about 2.8 V.
+// WRP1AR: first and last page of bank 1 that is not written; a first page behind the last one protects nothing
+inline constexpr std::uint32_t kProtectedPageMask = 0x7F, kLastProtectedShift = 16, kProtectsNothing = 0x7F;
 }  // namespace flash_reg
 
 /// Power control, §6.4.
@@ -52,15 +55,22 @@ inline constexpr std::uint32_t kPllFromHse = 3, kPllFromHsi = 2, kPllMShift = 4,
                                kPllSourceMask = 3, kPllMMask = 0xF, kPllNMask = 0x7F;
 inline constexpr std::uint32_t kDma1 = bit(0), kDmaMux = bit(2), kFlashClock = bit(8), kGpioA = bit(0), kGpioB = bit(1),
                                kGpioC = bit(2);
-inline constexpr std::uint32_t kTim2 = bit(0), kCrs = bit(8), kSpi2 = bit(14), kI2c1 = bit(21), kI2c2 = bit(22),
-                               kUsb = bit(23), kFdcan = bit(25), kPwr = bit(28), kI2c3 = bit(30);  // APB1ENR1
-inline constexpr std::uint32_t kI2c4 = bit(1);                                                     // APB1ENR2
-inline constexpr std::uint32_t kTim16 = bit(17);                                                   // APB2ENR
-inline constexpr std::uint32_t kFdcanFromPclk1 = 2U << 24;                                         // CCIPR.FDCANSEL
+inline constexpr std::uint32_t kTim2 = bit(0), kCrs = bit(8), kSpi2 = bit(14), kUsart2 = bit(17), kI2c1 = bit(21),
+                               kI2c2 = bit(22), kUsb = bit(23), kFdcan = bit(25), kPwr = bit(28),
+                               kI2c3 = bit(30);             // APB1ENR1
+inline constexpr std::uint32_t kI2c4 = bit(1);              // APB1ENR2
+inline constexpr std::uint32_t kTim16 = bit(17);            // APB2ENR
+inline constexpr std::uint32_t kFdcanFromPclk1 = 2U << 24;  // CCIPR.FDCANSEL
 inline constexpr std::uint32_t kHsi48On = bit(0), kHsi48Ready = bit(1);
 inline constexpr std::uint32_t kRemoveResetFlags = bit(23), kOptionReset = bit(25), kPinReset = bit(26),
                                kPowerReset = bit(27), kSoftwareReset = bit(28), kWatchdogReset = bit(29);
 }  // namespace rcc_reg
+
+/// Gives the port of a pin its clock; before anything else is done to the pin.
+inline void open_port(Pin pin) {
+  rcc_reg::kAhb2Enr.set(rcc_reg::kGpioA << static_cast<unsigned>(pin.port - 'A'));
+  (void)rcc_reg::kAhb2Enr.read();
+}
 
 /// General-purpose timer with 32 bits, §30.5 (TIM2).
 namespace tim2_reg {
@@ -106,7 +116,7 @@ inline void reset_peripherals() {
   for (std::uint32_t k = 0; k < 4; ++k) Register(kDisableFirst.address() + 4 * k).write(0xFFFFFFFF);
   for (std::uint32_t k = 0; k < 4; ++k) Register(kUnpendFirst.address() + 4 * k).write(0xFFFFFFFF);
   using namespace rcc_reg;  // A block has the same bit in the reset register as in the enable register.
-  kApb1Rstr1.write(kTim2 | kSpi2 | kUsb | kFdcan);
+  kApb1Rstr1.write(kTim2 | kSpi2 | kUsart2 | kUsb | kFdcan);
   kApb1Rstr1.write(0);
 }
 /// System reset, after all stores have reached memory.
