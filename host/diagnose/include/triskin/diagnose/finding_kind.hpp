@@ -53,7 +53,7 @@ enum class FindingKind {
 };
 
 /// Names in reports and in --json.
-inline constexpr NameTable kFindingKindNames{std::array<std::pair<FindingKind, std::string_view>, 35>{{
+inline constexpr NameTable kFindingKindNames{std::array<std::pair<FindingKind, std::string_view>, 36>{{
     {FindingKind::kAbsentController, "absent_controller"},
     {FindingKind::kDuplicateController, "duplicate_controller"},
     {FindingKind::kNotFlashed, "not_flashed"},
