@@ -19,8 +19,8 @@ class I2cLineModel final : public sim::I2cBus {
 
   /// Connects a chip at the 7-bit address `address`; `chip` outlives the line.
   void attach(Ad7147& chip, std::uint8_t address) { chips_.push_back({&chip, address}); }
-  /// Connects a chip whose place changes: `address_at` gives its 7-bit address at a virtual time in µs, and −1 while it
-  /// is not on this line.
+  /// Connects a chip whose place changes: `address_at` gives its 7-bit address at a virtual time in µs, and −1 while
+  /// it is not on this line.
   void attach(Ad7147& chip, std::function<int(std::uint64_t)> address_at) {
     chips_.push_back({&chip, 0, std::move(address_at)});
   }
