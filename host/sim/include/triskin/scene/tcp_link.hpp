@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "triskin/link/link.hpp"
+#include "triskin/link/touch_actuator.hpp"
 #include "triskin/wire/bus_load.hpp"
 
 namespace triskin::device {
@@ -50,7 +51,7 @@ struct Record {
 }  // namespace record
 
 /// A simulation that runs in another process (`triskin simulate SCENE --listen HOST:PORT`), in real time. Threads: one.
-class TcpLink final : public Link, private Finger {
+class TcpLink final : public Link, public TouchActuator {
  public:
   /// Connects. Throws DeviceError when nobody listens there.
   explicit TcpLink(const HostPort& to);
@@ -64,14 +65,13 @@ class TcpLink final : public Link, private Finger {
   [[nodiscard]] bool fd() const override { return true; }
   [[nodiscard]] std::uint64_t answer_us() const override { return 2'000'000; }
   [[nodiscard]] std::string name() const override { return name_; }
-  [[nodiscard]] Finger* finger() override { return this; }
+  void press(int module, int taxel) override;
+  void lift() override;
+  void pressurize(int module, double kpa) override;
   /// Known once the first frame has come.
   [[nodiscard]] std::uint64_t sample_ns(std::uint8_t) const override { return wire::full_sample_ns(rates_); }
 
  private:
-  void press(int module, int taxel) override;
-  void lift() override;
-  void pressurize(int module, double kpa) override;
   void write_all(const std::vector<std::uint8_t>& bytes);
   [[noreturn]] void fail(const std::string& what) const;
 
