@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "step_edits.hpp"
+#include "triskin/base/address_sanitizer.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/cad/part_picture.hpp"
 #include "triskin/cad/part_stream.hpp"
@@ -157,9 +158,7 @@ TEST(PartStream, DamagedAnswersAreRefused) {
 }
 
 TEST(ReaderProcess, LimitsEndIt) {
-#if defined(__SANITIZE_ADDRESS__)
-  GTEST_SKIP() << "the address sanitizer cannot live with a limit of addresses";
-#endif
+  if (kAddressSanitizer) GTEST_SKIP() << "the address sanitizer cannot live with a limit of addresses";
   ReadOptions tight;
   tight.memory_mb = 40;
   EXPECT_THROW((void)read_part_bytes(good_part(), "part.step", tight), InputError);

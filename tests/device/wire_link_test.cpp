@@ -124,6 +124,17 @@ TEST(WireLink, a_dead_link_is_a_device_error) {
   EXPECT_THROW((void)parse_host_port(":7"), InputError);
 }
 
+// RFC 3986 puts an IPv6 address into brackets, since its colons would hide that of the port.
+TEST(WireLink, an_ipv6_address_stands_in_brackets) {
+  const HostPort at = parse_host_port("[::1]:7000");
+  EXPECT_EQ(at.host, "::1");
+  EXPECT_EQ(at.port, 7000);
+  EXPECT_EQ(host_port_text(at), "[::1]:7000");
+  EXPECT_EQ(host_port_text({"localhost", 80}), "localhost:80");
+  for (const char* text : {"::1:7000", "[::1]", "[]:7", "[::1]:", "[::1]7000"})
+    EXPECT_THROW((void)parse_host_port(text), InputError) << text;
+}
+
 TEST(WireLink, records_survive_the_way_and_truncated_ones_wait) {
   wire::CanFrame frame;
   frame.id = 0x18DA01F1;

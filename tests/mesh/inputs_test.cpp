@@ -131,6 +131,23 @@ std::string model_of(const Mesh& mesh, const std::string& prefix, const std::str
                             p, item);
 }
 
+// A COLLADA file in mm with one node, which has `transform` in it.
+std::string dae_of(const Mesh& mesh, const std::string& up_axis, const std::string& transform = "") {
+  std::string points, corners;
+  for (const Vec3& v : mesh.vertices) points += fmt::format("{} {} {} ", v.x(), v.y(), v.z());
+  for (const auto& f : mesh.faces) corners += fmt::format("{} {} {} ", f[0], f[1], f[2]);
+  return fmt::format(
+      R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit name="millimeter" meter="0.001"/><up_axis>{0}</up_axis></asset><library_geometries><geometry id="g"><mesh>
+<source id="s"><float_array id="a" count="{1}">{2}</float_array><technique_common><accessor source="#a" count="{3}"
+stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor>
+</technique_common></source><vertices id="v"><input semantic="POSITION" source="#s"/></vertices>
+<triangles count="{4}"><input semantic="VERTEX" source="#v" offset="0"/><p>{5}</p></triangles></mesh></geometry>
+</library_geometries><library_visual_scenes><visual_scene id="w"><node id="n">{6}<instance_geometry url="#g"/></node>
+</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#w"/></scene></COLLADA>)",
+      up_axis, 3 * mesh.vertices.size(), points, mesh.vertices.size(), mesh.faces.size(), corners, transform);
+}
+
 class Inputs : public ::testing::Test {
  protected:
   Inputs() : folder_(fs::temp_directory_path() / fmt::format("inputs.{}", ::getpid())) {
@@ -183,6 +200,29 @@ TEST_F(Inputs, a_mirrored_node_or_item_turns_its_faces) {
   EXPECT_EQ(open_side_of(reversed).toward_middle, 1.0);
   EXPECT_LT(open_side_of(reversed).normal.z(), -0.8);
   EXPECT_TRUE(open_side_of(pipe_).is_open);
+}
+
+// RViz and MoveIt turn nothing, whichever axis the file calls up.
+TEST_F(Inputs, collada_keeps_the_numbers_of_the_file) {
+  for (const char* up : {"X_UP", "Y_UP", "Z_UP"}) {
+    const fs::path path = file(fmt::format("{}.dae", up), dae_of(pipe_, up));
+    expect_pipe(path);
+    const Mesh read = read_mesh(path).mesh;
+    for (std::size_t f = 0; f < read.faces.size(); ++f) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3& is = read.vertices[static_cast<std::size_t>(read.faces[f][k])];
+        const Vec3& wanted = pipe_.vertices[static_cast<std::size_t>(pipe_.faces[f][k])];
+        // The library stores single precision: 60 mm have 24 bits.
+        EXPECT_LT((is - wanted).norm(), 1e-5) << up << ", face " << f;
+      }
+    }
+  }
+}
+TEST_F(Inputs, a_mirrored_collada_node_turns_its_faces) {
+  expect_pipe(file("mirrored.dae", dae_of(pipe_, "Z_UP", "<scale>-1 1 1</scale>")));
+  expect_pipe(file("twice.dae", dae_of(pipe_, "Z_UP", "<scale>-1 -1 1</scale>")));
+  const MeshFile moved = read_mesh(file("moved.dae", dae_of(pipe_, "Y_UP", "<translate>5 0 0</translate>")));
+  EXPECT_NEAR(moved.mesh.vertices[0].x(), pipe_.vertices[0].x() + 5.0, 1e-5);
 }
 
 TEST_F(Inputs, line_ends_marks_and_notations_of_numbers) {

@@ -17,6 +17,7 @@
 #include <csignal>
 #include <cstdlib>
 
+#include "triskin/base/address_sanitizer.hpp"
 #include "triskin/base/error.hpp"
 
 namespace triskin::cad {
@@ -52,15 +53,6 @@ int file_in_memory(std::string_view bytes) {
   if (fd < 0 || ::lseek(fd, 0, SEEK_SET) != 0) throw InputError("no file in memory can be made; close other programs");
   return fd;
 }
-
-// The address sanitizer reserves terabytes of addresses, so a build with it cannot limit them.
-#if defined(__SANITIZE_ADDRESS__)
-constexpr bool kAddressSanitizer = true;
-#elif defined(__has_feature)
-constexpr bool kAddressSanitizer = __has_feature(address_sanitizer);
-#else
-constexpr bool kAddressSanitizer = false;
-#endif
 
 void set_limit(int resource, std::uint64_t soft, std::uint64_t hard) {
   const rlimit limit{soft, hard};

@@ -23,7 +23,7 @@ std::string link_of(const robot::Site& site, std::size_t bus, const LinkOptions&
                     options.link, site.file.string(), site.buses.size()));
   }
   const HostPort at = parse_host_port(options.link.substr(4));
-  return fmt::format("sim:{}:{}", at.host, at.port + site.buses[bus].number);
+  return "sim:" + host_port_text({at.host, static_cast<std::uint16_t>(at.port + site.buses[bus].number)});
 }
 
 }  // namespace

@@ -39,7 +39,8 @@ Mesh wrap_of(const Mesh& mesh, double alpha_mm, double offset_mm) {
 
 std::optional<Mesh> wrapped(const Mesh& mesh, double alpha_mm, double offset_mm, unsigned cpu_s,
                             const IsLate& is_late) {
-  const auto answer = run_isolated([&] { return bytes_of(wrap_of(mesh, alpha_mm, offset_mm)); }, cpu_s, is_late);
+  const auto answer =
+      run_isolated([&] { return bytes_of(wrap_of(mesh, alpha_mm, offset_mm)); }, {.cpu_s = cpu_s}, is_late);
   if (!answer) return std::nullopt;
   return mesh_of(*answer);
 }

@@ -10,7 +10,10 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
+#include <fstream>
 
+#include "triskin/base/address_sanitizer.hpp"
 #include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
@@ -21,9 +24,20 @@ constexpr int kPoll_ms = 20;
 // tenth of a processor.
 constexpr unsigned kWallFactor = 10;
 
-[[noreturn]] void child(const std::function<std::string()>& work, int pipe, unsigned cpu_s) {
-  const rlimit limit{cpu_s, cpu_s + 1}, none{0, 0};
+// What the parent has mapped is mapped here too, so the limit comes on top of it.
+void limit_memory(std::uint64_t bytes) {
+  std::ifstream statm("/proc/self/statm");
+  std::uint64_t pages = 0;
+  if (kAddressSanitizer || !(statm >> pages)) return;
+  const rlim_t all = pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) + bytes;
+  const rlimit limit{all, all};
+  setrlimit(RLIMIT_AS, &limit);
+}
+
+[[noreturn]] void child(const std::function<std::string()>& work, int pipe, const IsolatedLimits& limits) {
+  const rlimit limit{limits.cpu_s, limits.cpu_s + 1}, none{0, 0};
   setrlimit(RLIMIT_CPU, &limit);
+  if (limits.memory_bytes > 0) limit_memory(limits.memory_bytes);
   setrlimit(RLIMIT_CORE, &none);
   for (const int s : {SIGABRT, SIGSEGV, SIGFPE, SIGBUS}) std::signal(s, SIG_DFL);
   if (std::freopen("/dev/null", "w", stderr) == nullptr) _exit(1);  // Suppresses the library's last messages.
@@ -38,17 +52,17 @@ constexpr unsigned kWallFactor = 10;
 
 }  // namespace
 
-std::optional<std::string> run_isolated(const std::function<std::string()>& work, unsigned cpu_s,
+std::optional<std::string> run_isolated(const std::function<std::string()>& work, const IsolatedLimits& limits,
                                         const std::function<bool()>& is_late) {
   std::array<int, 2> ends{};
   if (::pipe(ends.data()) != 0) throw InputError("no pipe to a child process can be made; close other programs");
   const pid_t pid = ::fork();
   if (pid == 0) {
     ::close(ends[0]);
-    child(work, ends[1], cpu_s);
+    child(work, ends[1], limits);
   }
   ::close(ends[1]);
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(kWallFactor * cpu_s);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(kWallFactor * limits.cpu_s);
   const auto has_to_end = [&] { return (is_late && is_late()) || std::chrono::steady_clock::now() > end; };
   std::string bytes;
   std::array<char, 65536> buffer;

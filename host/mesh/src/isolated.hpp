@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
 
 namespace triskin::geometry {
 
-/// Does `work` in a child process and returns its bytes; empty when the child crashed, was ended by the library, used
-/// more than `cpu_s` seconds of processor time or ten times that on the clock, or `is_late` (may be empty; asked every
-/// 20 ms) says that it has to end. `work` must not throw and must not wait for other threads.
-[[nodiscard]] std::optional<std::string> run_isolated(const std::function<std::string()>& work, unsigned cpu_s,
+struct IsolatedLimits {
+  unsigned cpu_s = 1;              ///< The child may use so much processor time, and ten times that on the clock.
+  std::uint64_t memory_bytes = 0;  ///< It may allocate so much beside what this process has; 0 sets no limit.
+};
+
+/// Does `work` in a child process and returns its bytes. Returns nothing when the child crashed, was ended by the
+/// library, exceeded a limit, or when `is_late` (may be empty; asked every 20 ms) says that it has to end. `work` must
+/// not throw and must not wait for other threads. Throws InputError when no child process can be started.
+[[nodiscard]] std::optional<std::string> run_isolated(const std::function<std::string()>& work,
+                                                      const IsolatedLimits& limits,
                                                       const std::function<bool()>& is_late = {});
 
 }  // namespace triskin::geometry

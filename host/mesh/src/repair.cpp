@@ -206,7 +206,7 @@ std::optional<Mesh> divided(const Mesh& mesh, const RepairTime& time) {
           return {};
         }
       },
-      time.cpu_s(kDivideShare), time.part(1.0));
+      {.cpu_s = time.cpu_s(kDivideShare)}, time.part(1.0));
   if (!answer || answer->empty()) return std::nullopt;
   return mesh_of(*answer);
 }

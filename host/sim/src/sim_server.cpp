@@ -31,8 +31,8 @@ std::uint16_t port_of(int socket) {
 
 }  // namespace
 
-SimServer::SimServer(scene::VirtualSkin& skin, const HostPort& at) : SkinServer(skin), name_("sim:" + at.host + ":") {
-  const std::string name = fmt::format("{}:{}", at.host, at.port);
+SimServer::SimServer(scene::VirtualSkin& skin, const HostPort& at) : SkinServer(skin), host_(at.host) {
+  const std::string name = host_port_text(at);
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   hints.ai_flags = AI_PASSIVE;

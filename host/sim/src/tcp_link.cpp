@@ -25,12 +25,21 @@ HostPort parse_host_port(const std::string& text) {
   HostPort result;
   if (colon != std::string::npos) {
     result.host = text.substr(0, colon);
+    const bool is_bracketed = result.host.starts_with('[') && result.host.ends_with(']');
+    if (is_bracketed) result.host = result.host.substr(1, result.host.size() - 2);
+    if (!is_bracketed && result.host.find(':') != std::string::npos)
+      throw InputError(fmt::format("\"{}\": an IPv6 address stands in brackets, for example [::1]:7000", text));
     const char* first = text.data() + colon + 1;
     const char* last = text.data() + text.size();
     const auto [end, error] = std::from_chars(first, last, result.port);
     if (error == std::errc{} && end == last && !result.host.empty()) return result;
   }
-  throw InputError(fmt::format("\"{}\" is no HOST:PORT, for example 127.0.0.1:7000", text));
+  throw InputError(fmt::format("\"{}\" is no HOST:PORT, for example 127.0.0.1:7000 or [::1]:7000", text));
+}
+
+std::string host_port_text(const HostPort& at) {
+  const bool is_ipv6 = at.host.find(':') != std::string::npos;
+  return is_ipv6 ? fmt::format("[{}]:{}", at.host, at.port) : fmt::format("{}:{}", at.host, at.port);
 }
 
 namespace record {
@@ -87,7 +96,7 @@ wire::CanFrame frame_of(const Record& r) {
 
 }  // namespace record
 
-TcpLink::TcpLink(const HostPort& to) : name_(fmt::format("sim:{}:{}", to.host, to.port)) {
+TcpLink::TcpLink(const HostPort& to) : name_("sim:" + host_port_text(to)) {
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
@@ -104,8 +113,8 @@ TcpLink::TcpLink(const HostPort& to) : name_(fmt::format("sim:{}:{}", to.host, t
   }
   ::freeaddrinfo(found);
   if (socket_ < 0)
-    fail(fmt::format("cannot connect: {}; start triskin simulate SCENE --listen {}:{}", std::strerror(error), to.host,
-                     to.port));
+    fail(fmt::format("cannot connect: {}; start triskin simulate SCENE --listen {}", std::strerror(error),
+                     host_port_text(to)));
   const int on = 1;
   (void)::setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
 }

@@ -52,6 +52,7 @@ class Decision {
     label_strips();
     label_ribs();
     doubt();
+    drop_lone_strips();
     judge();
     return std::move(out_);
   }
@@ -158,7 +159,7 @@ class Decision {
     }
   }
 
-  // A chamfer between two outer faces is no rim.
+  // A chamfer between two outer faces is no rim, and a strip beside anything else is one.
   void label_strips() {
     std::vector<double> outer_mm(evidence_.regions.size(), 0.0);
     for (const auto& [pair, length] : evidence_.beside_mm) {
@@ -166,8 +167,9 @@ class Decision {
       if (out_.side[at(pair.second)] == FaceSide::kOuter) outer_mm[at(pair.first)] += length;
     }
     for (int r = 0; r < count(); ++r) {
-      if (out_.side[at(r)] == FaceSide::kRim && outer_mm[at(r)] >= kRimSurroundings * region(r).border_mm)
-        out_.side[at(r)] = FaceSide::kOuter;
+      FaceSide& side = out_.side[at(r)];
+      if (!is_strip(r) || (side != FaceSide::kRim && side != FaceSide::kOuter)) continue;
+      side = outer_mm[at(r)] >= kRimSurroundings * region(r).border_mm ? FaceSide::kOuter : FaceSide::kRim;
     }
   }
 
@@ -208,6 +210,35 @@ class Decision {
       const bool both = out_.side[at(less)] == FaceSide::kOuter && out_.side[at(more)] == FaceSide::kOuter;
       if (both && area > kBackToBack * region(less).area_mm2) out_.side[at(less)] = FaceSide::kRim;
     }
+  }
+
+  // The last rib of a row may see as much as the outer side does. No module fits on it, and none reaches it from
+  // outer regions on which one fits without crossing a rim, so it is left out.
+  void drop_lone_strips() {
+    const auto is_outer = [&](int r) { return out_.side[at(r)] == FaceSide::kOuter; };
+    std::vector<std::vector<int>> beside(evidence_.regions.size());
+    for (const auto& [pair, length] : evidence_.beside_mm) {
+      beside[at(pair.first)].push_back(pair.second);
+      beside[at(pair.second)].push_back(pair.first);
+    }
+    std::vector<int> reached;
+    std::vector<bool> is_reached(evidence_.regions.size(), false);
+    for (int r = 0; r < count(); ++r) {
+      if (is_outer(r) && !is_narrow(r)) reached.push_back(r);
+    }
+    if (reached.empty()) return;
+    for (const int r : reached) is_reached[at(r)] = true;
+    for (std::size_t k = 0; k < reached.size(); ++k) {
+      for (const int next : beside[at(reached[k])]) {
+        if (!is_outer(next) || is_strip(next) || is_reached[at(next)]) continue;
+        is_reached[at(next)] = true;
+        reached.push_back(next);
+      }
+    }
+    for (int r = 0; r < count(); ++r) {
+      if (is_outer(r) && has_wall(r) && !is_reached[at(r)]) out_.side[at(r)] = FaceSide::kRim;
+    }
+    label_strips();
   }
 
   [[nodiscard]] double area_of(FaceSide side) const {

@@ -42,7 +42,7 @@ struct MeshFile {
   MeshReadReport report;
 };
 
-/// Reads OBJ, STL, PLY, OFF, DAE, glTF, GLB, 3MF, STEP or IGES, each in its own frame of axes (docs/meshes.md) and, DAE
+/// Reads OBJ, STL, PLY, OFF, DAE, glTF, GLB, 3MF, STEP or IGES, each in its own frame (docs/mesh_files.md) and, DAE
 /// aside, in the precision of the file. The content says the format; a name that says another one is a note. `path` may
 /// be a pipe or "-" (standard input): the file is read once, from memory. Without `unit` the file's numbers are mm, or
 /// in the unit of the file (DAE, 3MF) or format (glTF, GLB: m). With `object` the faces of one object alone: `o` and

@@ -17,7 +17,7 @@ class SimServer final : public SkinServer {
 
   /// Port that it listens on.
   [[nodiscard]] std::uint16_t port() const { return port_; }
-  [[nodiscard]] std::string link_name() const override { return name_ + std::to_string(port_); }
+  [[nodiscard]] std::string link_name() const override { return "sim:" + host_port_text({host_, port_}); }
 
  private:
   struct Client {
@@ -37,7 +37,7 @@ class SimServer final : public SkinServer {
   void pressurize(const record::Record& record);
   void drop_dead();
 
-  std::string name_;
+  std::string host_;
   int listener_ = -1;
   std::uint16_t port_ = 0;
   std::vector<Client> clients_;

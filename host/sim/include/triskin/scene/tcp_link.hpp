@@ -16,8 +16,11 @@ struct HostPort {
   std::string host;
   std::uint16_t port = 0;
 };
-/// Splits "HOST:PORT", port 0..65535. Throws InputError.
+/// Splits "HOST:PORT", port 0 … 65535; an IPv6 address stands in brackets, "[::1]:7000", as in a URL, and `host` is
+/// without them. Throws InputError.
 [[nodiscard]] HostPort parse_host_port(const std::string& text);
+/// The text that parse_host_port() reads.
+[[nodiscard]] std::string host_port_text(const HostPort& at);
 
 /// Records between `sim:HOST:PORT` and `triskin simulate --listen`: 4 bytes length of what follows (little-endian), 1
 /// byte kind, then the contents. Both sides refuse records longer than kMaxBytes.
