@@ -26,10 +26,9 @@ class DesignMeshExample : public testing::Test {
   std::pair<int, std::string> run(const std::string& mesh) {
     write_file_atomically(folder_ / "plate.obj", mesh);
     const std::string out = folder_ / "out";
-    const int status =
-        std::system(fmt::format("'{}' '{}' '{}' > '{}' 2>&1", TRISKIN_EXAMPLE, (folder_ / "plate.obj").string(),
-                                design_file(), out)
-                        .c_str());
+    const int status = std::system(
+        fmt::format("'{}' '{}' '{}' > '{}' 2>&1", TRISKIN_EXAMPLE, (folder_ / "plate.obj").string(), design_file(), out)
+            .c_str());
     return {WEXITSTATUS(status), read_file(out)};
   }
   [[nodiscard]] std::string design_file() const { return folder_ / "plate.json"; }

@@ -23,7 +23,8 @@ namespace {
 
 constexpr int kModules = 8, kPressed = 5, kTaxel = 3;
 
-// A design of eight modules on two simulated controllers that hold its tables; what is kept goes to a folder of the test.
+// A design of eight modules on two simulated controllers that hold its tables; what is kept goes to a folder of the
+// test.
 class LiveSkins : public testing::Test {
  protected:
   void SetUp() override {

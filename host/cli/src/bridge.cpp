@@ -15,6 +15,7 @@
 
 #include "bridge_services.hpp"
 #include "contacts.hpp"
+#include "triskin/base/pace.hpp"
 #include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
@@ -109,12 +110,18 @@ class CoverFeed {
     bridge_.add_contacts(contacts_of(cover_.touches(), cover_.design(), cover_.calibration()), now_ns);
     if (services_) services_->step(bus.bus());
   }
-  void diagnose(const device::StreamReport& report, std::uint64_t now_ns) {
-    bridge_.add_diagnostics(bridge_command::diagnose(report, part_), now_ns);
+  void diagnose(const device::StreamReport& report, std::uint64_t now_ns, const Output& output) {
+    auto parts = bridge_command::diagnose(report, part_);
+    const int others = bridge_.other_publishers();
+    if (others > 0)
+      parts.push_back({bridge::Diagnosis::Level::kError, fmt::format("skin {}", part_), in_words(), "", {}});
+    if (others > 0 && others_ == 0) output.say(in_words());
+    others_ = std::max(others_, others);
+    bridge_.add_diagnostics(parts, now_ns);
   }
-  void end(const device::StreamReport& report, std::uint64_t now_ns) {
+  void end(const device::StreamReport& report, std::uint64_t now_ns, const Output& output) {
     bridge_.flush();
-    diagnose(report, now_ns);
+    diagnose(report, now_ns, output);
     report_ = report;
   }
   // Adds the report of the cover; returns the exit status.
@@ -125,6 +132,7 @@ class CoverFeed {
     for (const std::string& line : sentences(report_)) output.say(prefix_of(cover) + line);
     add_stream_keys(report_, row);
     row["part"] = part_;
+    row["other_publishers"] = others_;
     row["calibration"] = calibration_keys(cover_.calibration());
     row["published"] = {{"raw", p.raw},
                         {"samples", p.samples},
@@ -138,8 +146,17 @@ class CoverFeed {
   }
 
  private:
+  [[nodiscard]] std::string in_words() const {
+    return fmt::format(
+        "another program publishes /skin/{} in this domain too, and readers get both mixed; end one of them, or give "
+        "it "
+        "another --part or --domain",
+        part_);
+  }
+
   device::LiveCover& cover_;
   std::string part_;
+  int others_ = 0;  // Largest number of other programs that published the part.
   bridge::Bridge bridge_;
   std::optional<CoverServices> services_;
   device::StreamReport report_;
@@ -161,13 +178,9 @@ class BusFeed {
     }
     bus_.start(speaking(options_.stream),
                [this](const device::LiveSample& s) { covers_[static_cast<std::size_t>(s.cover)]->add(s); });
-    device::LiveRun run;
-    if (options_.seconds > 0.0) run.until_us = start_us + static_cast<std::uint64_t>(options_.seconds * 1e6);
-    run.slice_us = static_cast<std::uint64_t>(1e6 / options_.contacts_hz);
-    run.after_slice = [this] { return slice(); };
-    bus_.run(run);
+    feed(start_us, output);
     bus_.finish();
-    for (std::size_t c = 0; c < covers_.size(); ++c) covers_[c]->end(bus_.report(c), now_ns());
+    for (std::size_t c = 0; c < covers_.size(); ++c) covers_[c]->end(bus_.report(c), now_ns(), output);
   }
   int print_report(nlohmann::json& rows, Output& output) const {
     int status = 0;
@@ -180,12 +193,30 @@ class BusFeed {
 
   [[nodiscard]] std::uint64_t now_ns() const { return bus_.unix_ns(bus_.now_us()); }
 
-  bool slice() {
+  // Subscribers get the samples as the skin takes them, also those of a simulation that could be faster.
+  void feed(std::uint64_t start_us, const Output& output) {
+    constexpr std::uint64_t kPaced_us = 10'000;
+    const auto contacts_us = static_cast<std::uint64_t>(1e6 / options_.contacts_hz);
+    std::uint64_t next_us = bus_.now_us() + contacts_us;
+    Pace pace(bus_.now_us());
+    device::LiveRun run;
+    if (options_.seconds > 0.0) run.until_us = start_us + static_cast<std::uint64_t>(options_.seconds * 1e6);
+    run.before_slice = [&] { run.slice_us = std::min(kPaced_us, next_us - bus_.now_us()); };
+    run.after_slice = [&] {
+      pace.hold(bus_.now_us());
+      if (bus_.now_us() < next_us) return true;
+      slice(output);
+      next_us = bus_.now_us() + contacts_us;
+      return true;
+    };
+    bus_.run(run);
+  }
+
+  void slice(const Output& output) {
     for (const auto& cover : covers_) cover->slice(bus_, now_ns());
-    if (bus_.now_us() < diagnostics_us_) return true;
-    for (std::size_t c = 0; c < covers_.size(); ++c) covers_[c]->diagnose(bus_.report(c), now_ns());
+    if (bus_.now_us() < diagnostics_us_) return;
+    for (std::size_t c = 0; c < covers_.size(); ++c) covers_[c]->diagnose(bus_.report(c), now_ns(), output);
     diagnostics_us_ = bus_.now_us() + kDiagnostics_us;
-    return true;
   }
 
   const Options& options_;

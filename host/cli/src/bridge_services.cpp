@@ -39,8 +39,9 @@ CoverServices::CoverServices(bridge::Domain& domain, const std::string& part, de
 
 void CoverServices::step(device::Bus& bus) {
   step_tare(bus.now_us());
-  while (const auto asked = reroute_.take()) reroute_.answer(asked->id, reroute(bus, asked->request.patch));
-  while (const auto asked = identify_.take()) identify_.answer(asked->id, identify(bus));
+  // One of each a step: who asks all the time must not keep the samples from the others.
+  if (const auto asked = reroute_.take()) reroute_.answer(asked->id, reroute(bus, asked->request.patch));
+  if (const auto asked = identify_.take()) identify_.answer(asked->id, identify(bus));
 }
 
 // Those who ask while one is under way get the answer of the one that then begins anew.

@@ -50,7 +50,7 @@ std::string request_of(const device::PressureStep& step, double kpa_of_gram) {
 
 // A person brings the steps about, and says so with Enter.
 void ask_person(const std::string& request) {
-  std::fputs(("triskin: " + request + ", then press Enter\n").c_str(), stderr);
+  say_aside(request + ", then press Enter");
   std::string line;
   if (!std::getline(std::cin, line))
     throw InputError("calibrate waits for Enter after each step, and standard input has ended; run it in a terminal");

@@ -8,6 +8,7 @@
 
 #include "topology_report.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/base/writer_lock.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/deploy/board_shape.hpp"
 #include "triskin/diagnose/board_report.hpp"
@@ -152,6 +153,7 @@ Found look_at(device::LiveBus& live, const std::string& elf) {
 
 // Serial numbers of the controllers that serve a cover, into the robot file.
 int note_serials(const std::string& file, const nlohmann::json& controllers) {
+  const WriterLock lock(file);
   robot::Robot robot = robot::read_robot(file);
   int noted = 0;
   for (const nlohmann::json& c : controllers) {

@@ -217,7 +217,7 @@ int run(Options options, Output& output) {
     return 0;
   }
   options.flash.recognise = !options.by_serial;
-  options.flash.say = [](const std::string& text) { std::fputs(("triskin: " + text + "\n").c_str(), stderr); };
+  options.flash.say = say_aside;
   std::vector<BusOutcome> buses(skin.buses().size());
   const ProgressSink progress = output.progress();
   FirmwareReport updated;

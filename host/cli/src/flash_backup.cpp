@@ -64,9 +64,8 @@ void add_backup_options(CLI::App& app, BackupOptions& options) {
 }
 
 void save_backup(device::LiveSkin& skin, const BackupOptions& options, Output& output) {
-  const auto say = [](const std::string& text) { std::fputs(("triskin: " + text + "\n").c_str(), stderr); };
   std::vector<std::vector<device::BoardBackup>> buses(skin.buses().size());
-  skin.on_each_bus([&](device::LiveBus& bus) { buses[bus.index()] = device::save_boards(bus.bus(), say); });
+  skin.on_each_bus([&](device::LiveBus& bus) { buses[bus.index()] = device::save_boards(bus.bus(), say_aside); });
   std::vector<device::BoardBackup> all;
   for (auto& bus : buses) std::ranges::move(bus, std::back_inserter(all));
   const device::CalibrationStore calibrations;

@@ -27,7 +27,7 @@ struct Options {
 constexpr double kDefaultLimit_s = 60.0;
 
 void tell_person(const std::string& text) {
-  std::fputs(("triskin: " + text + "\n").c_str(), stderr);
+  say_aside(text);
 }
 
 std::string how(device::FoundBy by) {

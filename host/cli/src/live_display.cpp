@@ -6,9 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <thread>
 
 #include "terminal.hpp"
+#include "triskin/base/pace.hpp"
+#include "triskin/base/terminal_text.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -70,7 +71,7 @@ class Screen final : public LiveDisplay {
     }
     terminal_.draw(page(monitor, state));
     // A simulation of our own is faster than a person can look.
-    std::this_thread::sleep_until(start_ + std::chrono::microseconds(static_cast<std::int64_t>(state.time_s * 1e6)));
+    (void)triskin::sleep_until(start_ + std::chrono::microseconds(static_cast<std::int64_t>(state.time_s * 1e6)));
     return wish;
   }
 
@@ -94,8 +95,8 @@ class Screen final : public LiveDisplay {
 
   [[nodiscard]] std::vector<std::string> page(const LiveMonitor& monitor, const LiveState& state) const {
     std::vector<std::string> lines;
-    lines.push_back(fmt::format("{}  {:.1f} s  {} samples, {} lost{}", design_.name, state.time_s, state.frames,
-                                state.lost, force_of(monitor)));
+    lines.push_back(fmt::format("{}  {:.1f} s  {} samples, {} lost{}", for_terminal(design_.name), state.time_s,
+                                state.frames, state.lost, force_of(monitor)));
     for (int p = 0; p < static_cast<int>(design_.patches.size()); ++p) lines.push_back(line_of(monitor, p));
     lines.emplace_back();
     for (std::string& line : monitor.picture(patch_, unit(monitor), true)) lines.push_back(std::move(line));
@@ -107,7 +108,7 @@ class Screen final : public LiveDisplay {
     if (pressed.size() > kMaxTaxels) lines.push_back(fmt::format("+{} taxels", pressed.size() - kMaxTaxels));
     for (const device::AdoptedCounts& a : state.adopted)
       lines.push_back(fmt::format("module {} is read by the controller of patch {}", a.module, a.patch));
-    if (!state.note.empty()) lines.push_back(state.note);
+    if (!state.note.empty()) lines.push_back(for_terminal(state.note));
     lines.push_back(fmt::format("n, p: patch   u: unit ({})   t: tare, nobody may touch the skin   q: end",
                                 name_of(unit(monitor))));
     return lines;

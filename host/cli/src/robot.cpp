@@ -11,6 +11,7 @@
 
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/base/writer_lock.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/robot/assembly.hpp"
 #include "triskin/robot/edit.hpp"
@@ -361,9 +362,10 @@ const cli::Registration kRobot{{
       app.add_flag("--dry-run", o->dry_run, "register: say the result, write nothing");
       return [o, &app](Output& output) {
         require_known(app, o->action);
+        if (o->action == "show") return run_show(*o, output);
+        const WriterLock lock(o->robot);  // A change that another program makes meanwhile would be lost.
         if (o->action == "new") return run_new(*o, output);
         if (o->action == "add") return run_add(*o, output);
-        if (o->action == "show") return run_show(*o, output);
         return run_register(*o, output);
       };
     },

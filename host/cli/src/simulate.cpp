@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "expose_option.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/connect/open_bus.hpp"
@@ -20,7 +21,7 @@ struct Options {
   std::string scene;
   std::string listen;
   double seconds = -1.0;
-  bool fresh = false, switched = false;
+  bool fresh = false, switched = false, expose = false;
   std::optional<std::uint64_t> board_seed;
 };
 
@@ -67,9 +68,9 @@ std::vector<SimulatedBus> buses_of(const Options& options) {
 }
 
 // Buses of a robot get ports that follow each other, so that one --link names all of them.
-void listen(std::vector<SimulatedBus>& buses, const std::string& at) {
+void listen(std::vector<SimulatedBus>& buses, const std::string& at, device::Reach reach) {
   if (buses.size() == 1) {
-    buses[0].server = device::open_server(*buses[0].skin, at);
+    buses[0].server = device::open_server(*buses[0].skin, at, reach);
     return;
   }
   const device::HostPort first = device::parse_host_port(at);
@@ -79,7 +80,7 @@ void listen(std::vector<SimulatedBus>& buses, const std::string& at) {
       int port = first.port;
       for (SimulatedBus& bus : buses) {
         auto server = std::make_unique<device::SimServer>(
-            *bus.skin, device::HostPort{first.host, static_cast<std::uint16_t>(port)});
+            *bus.skin, device::HostPort{first.host, static_cast<std::uint16_t>(port)}, reach);
         port = server->port() + 1;
         bus.server = std::move(server);
       }
@@ -110,7 +111,8 @@ void tell_boards(const std::vector<SimulatedBus>& buses, Output& output) {
 }
 
 void serve(std::vector<SimulatedBus>& buses, const Options& options, std::size_t modules, Output& output) {
-  listen(buses, options.listen);
+  listen(buses, options.listen, reach_of(options.expose));
+  if (buses[0].server->is_exposed()) warn_exposed(buses[0].server->link_name());
   std::vector<std::string> names;
   std::size_t controllers = 0;
   for (const SimulatedBus& bus : buses) {
@@ -178,6 +180,7 @@ const Registration kSimulate{{
       app.add_option("--listen", options->listen,
                      "serve in real time: HOST:PORT (port 0 takes a free one and prints it), can:IFACE, or usb "
                      "(devices in vhci-hcd)");
+      add_expose_option(app, options->expose);
       app.add_option("--seconds", options->seconds, "how long; default 1 s of virtual time, with --listen until Ctrl-C")
           ->check(CLI::Range(0.0, 1e7));
       app.add_flag("--switched", options->switched,

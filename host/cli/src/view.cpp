@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
-#include <spawn.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <memory>
@@ -16,6 +14,7 @@
 #include "triskin/cli/recorded_track.hpp"
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/skin/live_skin.hpp"
+#include "triskin/view/browser.hpp"
 #include "triskin/view/frame_track.hpp"
 #include "view_feed.hpp"
 
@@ -31,13 +30,10 @@ struct Options {
   bool no_open = false;
 };
 
-// The address holds the token, and standard output is the only place that prints it. A missing browser is no error.
-void open_browser(std::string address) {
-  if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return;
-  std::string program = "xdg-open";
-  char* const arguments[] = {program.data(), address.data(), nullptr};
-  pid_t child = 0;
-  (void)::posix_spawnp(&child, program.c_str(), nullptr, nullptr, arguments, environ);
+// A missing browser is no error.
+std::optional<view::BrowserStart> open_browser(const Options& options, const std::string& address) {
+  if (options.no_open || (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr)) return {};
+  return std::optional<view::BrowserStart>(std::in_place, address);
 }
 
 void wait_for_interrupt() {
@@ -107,7 +103,7 @@ int play(const Options& options, Output& output) {
   const view::Server server(view::site_of(track.skin.design, std::move(track.frames), track.skin.calibration), live,
                             options.port, [](const view::Command&) {}, {});
   output.say(server.address());
-  if (!options.no_open) open_browser(server.address());
+  const auto browser = open_browser(options, server.address());
   wait_for_interrupt();
   output.result = {{"port", server.port()}, {"bytes", bytes}};
   return 0;
@@ -131,7 +127,7 @@ int run(const Options& options, Output& output) {
                             [&](const view::Command& c) { commands.push(c); }, {});
   const std::string address = server.address() + place_of(argument, shown.design);
   output.say(address);
-  if (!options.no_open) open_browser(address);
+  const auto browser = open_browser(options, address);
   device::LiveTotals totals;
   if (skin) {
     const bool by_file = skin->site().is_robot && !options.link.chosen;

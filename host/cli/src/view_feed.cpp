@@ -4,45 +4,18 @@
 #include <chrono>
 #include <mutex>
 #include <optional>
-#include <thread>
 #include <vector>
+
+#include "triskin/base/pace.hpp"
 
 namespace triskin::cli {
 namespace {
 
 using std::chrono::microseconds;
-using Clock = std::chrono::system_clock;
+using Clock = std::chrono::steady_clock;
 
 constexpr std::uint64_t kSlice_us = 10'000;
 constexpr microseconds kHealthEvery{250'000};
-constexpr std::int64_t kMaxBehind_us = 200'000;
-
-std::int64_t wall_us() {
-  return std::chrono::duration_cast<microseconds>(Clock::now().time_since_epoch()).count();
-}
-
-// Time of the link against the clock on the wall. A simulation in this process is as fast as the computer: it waits.
-// One that is slower than real time falls behind, and the difference is taken as it is.
-class Pace {
- public:
-  explicit Pace(std::uint64_t link_us) { anchor(link_us); }
-  [[nodiscard]] std::int64_t wall_of(std::uint64_t link_us) const {
-    return wall_start_us_ + static_cast<std::int64_t>(link_us - link_start_us_);
-  }
-  void hold(std::uint64_t link_us) {
-    const std::int64_t ahead_us = wall_of(link_us) - wall_us();
-    if (ahead_us > 0) std::this_thread::sleep_for(microseconds(ahead_us));
-    if (ahead_us < -kMaxBehind_us) anchor(link_us);
-  }
-
- private:
-  void anchor(std::uint64_t link_us) {
-    link_start_us_ = link_us;
-    wall_start_us_ = wall_us();
-  }
-  std::uint64_t link_start_us_ = 0;
-  std::int64_t wall_start_us_ = 0;
-};
 
 // Health of all links for the page: trouble on one bus is trouble of the page.
 class Health {
@@ -108,13 +81,13 @@ class Feed {
   }
   void show(const device::LiveSample& s) {
     const int module = first_module(bus_.covers()[static_cast<std::size_t>(s.cover)]) + s.module;
-    live_.add(module, {s.raw.sample.state, s.valid, s.change_counts}, pace().wall_of(s.raw.link_time_us));
+    live_.add(module, {s.raw.sample.state, s.valid, s.change_counts}, pace().unix_us(s.raw.link_time_us));
   }
   bool slice() {
     std::erase_if(taring_, keep_rest);
     pace().hold(bus_.now_us());
-    if (wall_us() < next_health_us_) return true;
-    next_health_us_ = wall_us() + kHealthEvery.count();
+    if (Clock::now() < next_health_) return true;
+    next_health_ = Clock::now() + kHealthEvery;
     state(true, bus_.link().trouble());
     return true;
   }
@@ -158,7 +131,7 @@ class Feed {
   Health& health_;
   CommandQueue& commands_;
   std::optional<Pace> pace_;  // Set while samples arrive.
-  std::int64_t next_health_us_ = 0;
+  Clock::time_point next_health_{};
   std::vector<device::LiveCover*> taring_;  // Covers whose new rest values are to be kept.
 };
 

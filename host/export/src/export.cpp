@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "triskin/base/csv_field.hpp"
 #include "triskin/base/markup.hpp"
 #include "triskin/design/outline.hpp"
 
@@ -166,7 +167,7 @@ std::string picture_svg(const Design& design) {
   svg += fmt::format(
       "<text x=\"{:.1f}\" y=\"{:.1f}\" font-family=\"sans-serif\" font-size=\"{:.1f}\">{}: {} modules, {} controllers, "
       "{}</text>\n</svg>\n",
-      low.x() + 10, low.y() + size.y() - 10, size.x() / 32, design.name, design.layout.modules.size(),
+      low.x() + 10, low.y() + size.y() - 10, size.x() / 32, escape_markup(design.name), design.layout.modules.size(),
       design.patches.size(), coverage_text(design));
   return svg;
 }
@@ -181,7 +182,7 @@ std::string taxels_csv(const Design& design) {
       const auto& [p, n] = taxels[t];
       csv += fmt::format("{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.6f},{:.6f},{:.6f}", k, t, wiring[k].patch,
                          wiring[k].routed.line, wiring[k].routed.address, p.x(), p.y(), p.z(), n.x(), n.y(), n.z());
-      csv += design.kinds.empty() ? "\n" : fmt::format(",{}\n", kind_name(design, static_cast<int>(k)));
+      csv += design.kinds.empty() ? "\n" : fmt::format(",{}\n", csv_field(kind_name(design, static_cast<int>(k))));
     }
   }
   return csv;
@@ -195,7 +196,7 @@ std::string assembly_html(const Design& design) {
       "td,th{{border:1px solid #888;padding:2px 8px;text-align:right}}</style>\n<h1>{0}: assembly</h1>\n<p>Design "
       "{1:016x}, {2} modules on {3} controllers. "
       "Port A of a module is its input; it faces the parent, at the entry the cable.</p>\n",
-      design.name, design.design_id, design.layout.modules.size(), design.patches.size());
+      escape_markup(design.name), design.design_id, design.layout.modules.size(), design.patches.size());
   html += cutting_html(design.layout.corner_cut_mm);
   for (std::size_t p = 0; p < design.patches.size(); ++p) {
     const Patch& patch = design.patches[p];

@@ -4,13 +4,19 @@
 
 #include <nlohmann/json.hpp>
 
+#include "triskin/base/error.hpp"
+#include "triskin/base/terminal_text.hpp"
 #include "triskin/robot/robot.hpp"
 
 namespace triskin::robot {
 namespace {
 
 std::string quoted(const std::string& text) {
-  return nlohmann::json(text).dump();
+  try {
+    return nlohmann::json(text).dump();
+  } catch (const nlohmann::json::type_error&) {
+    throw InputError(fmt::format("{}: is no UTF-8, so a robot file cannot name it; rename it", for_terminal(text)));
+  }
 }
 
 std::string optional_text(const char* key, const std::string& text) {

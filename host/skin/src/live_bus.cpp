@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <chrono>
-#include <thread>
 #include <utility>
 
 #include "receive.hpp"
 #include "triskin/base/interrupt.hpp"
+#include "triskin/base/pace.hpp"
 #include "triskin/base/wall_clock.hpp"
 #include "triskin/session/controller_calibration.hpp"
 #include "triskin/session/stream.hpp"
@@ -15,12 +15,7 @@ namespace triskin::device {
 namespace {
 
 constexpr std::uint64_t kTareSlice_us = 200'000;
-
-void wait_for_retry() {
-  constexpr std::chrono::milliseconds kRetryAfter{1000}, kPoll{50};
-  for (std::chrono::milliseconds waited{0}; waited < kRetryAfter && !interrupt_request(); waited += kPoll)
-    std::this_thread::sleep_for(kPoll);
-}
+constexpr std::chrono::seconds kRetryAfter{1};
 
 }  // namespace
 
@@ -132,7 +127,7 @@ void LiveBus::follow(const StreamOptions& options, const OnSample& on_sample, co
       break;
     } catch (const DeviceError& e) {
       on_cut(e.what());
-      wait_for_retry();
+      (void)sleep_until(std::chrono::steady_clock::now() + kRetryAfter);
     }
   }
   close();

@@ -46,6 +46,12 @@ class Output {
   bool expects_interrupt_ = false;
 };
 
+/// An object as one line of JSON. Bytes that are no UTF-8, as a file name may have, become U+FFFD.
+[[nodiscard]] std::string json_line(const nlohmann::json& object);
+
+/// One line "triskin: TEXT" on standard error, for a person.
+void say_aside(const std::string& text);
+
 /// Validator of an option that takes one of the names of `values`, in any case. --help lists the names, not the numbers
 /// behind them.
 template <class Value>

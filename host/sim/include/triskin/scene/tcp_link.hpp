@@ -56,7 +56,8 @@ struct Record {
 /// A simulation that runs in another process (`triskin simulate SCENE --listen HOST:PORT`), in real time. Threads: one.
 class TcpLink final : public Link, public TouchActuator {
  public:
-  /// Connects. Throws DeviceError when nobody listens there.
+  /// Connects. Throws DeviceError when nobody listens there or answers within 5 s. Afterwards send() throws DeviceError
+  /// when the simulation takes nothing for 2 s, Cancelled when the process is asked to end meanwhile.
   explicit TcpLink(const HostPort& to);
   ~TcpLink() override;
   TcpLink(const TcpLink&) = delete;
@@ -76,6 +77,9 @@ class TcpLink final : public Link, public TouchActuator {
 
  private:
   void write_all(const std::vector<std::uint8_t>& bytes);
+  /// The next frame among the bytes that have come; empty: none is whole.
+  std::optional<wire::CanFrame> frame_received();
+  void read_chunk();
   [[noreturn]] void fail(const std::string& what) const;
 
   std::string name_;

@@ -42,7 +42,8 @@ class Server {
  public:
   /// Limits; each > 0. The defaults suit browsers on the same computer.
   struct Limits {
-    std::size_t connections = 32;                      ///< simultaneous connections; further ones are closed
+    std::size_t connections = 32;                      ///< connections that have shown the token; others get 503
+    std::size_t strangers = 32;                        ///< connections that have not; beyond it the oldest is closed
     std::size_t header_bytes = 8192;                   ///< size of a request's header
     std::size_t message_bytes = 256;                   ///< size of a message from the page
     std::chrono::milliseconds request_time{5'000};     ///< longest time for a request to arrive in full
