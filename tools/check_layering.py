@@ -52,10 +52,10 @@ PARTS = [
     Part("host/session", "session", "base design core wire layout link", HOST_BASE + " boost_fiber", "triskin_session"),
     Part("host/diagnose", "diagnose", "base design core wire layout link session", HOST_BASE, "triskin_diagnose"),
     Part("host/deploy", "deploy", "base design core wire layout link session diagnose", HOST_BASE, "triskin_deploy"),
-    Part("host/skin", "skin", "base design core wire layout link session", HOST_BASE, "triskin_skin"),
     Part("host/robot", "robot", "base design core wire layout link session deploy", HOST_BASE + " boost", "triskin_robot"),
     Part("host/sim", "scene", "base design core wire layout sim link", HOST_BASE, "triskin_sim"),
     Part("host/connect", "connect", "base design core wire layout sim scene link session robot", HOST_BASE, "triskin_connect"),
+    Part("host/skin", "skin", "base design core wire layout link session robot connect", HOST_BASE, "triskin_skin"),
     Part("host/scenario", "scenario",
          "base design core wire layout sim scene link session diagnose deploy skin recording mechanics", HOST_BASE, "triskin_scenario"),
     Part("host/view", "view", "base design core wire layout", HOST_BASE + " boost_beast", "triskin_view"),
@@ -80,6 +80,16 @@ FOREIGN = {"CGAL": r"^CGAL/", "Eigen": r"^Eigen/", "nlohmann": r"^nlohmann/", "f
            "boost_beast": r"^boost/(beast|asio)/", "cairo": r"^(cairo|fontconfig|qrencode)", "HDF5": r"^(hdf5|H5)", "CLI": r"^CLI/",
            "libusb": r"^libusb", "hidapi": r"^hidapi", "unicorn": r"^unicorn/",
            "OCCT": r"^[A-Za-z0-9_]+\.hxx$", "pybind11": r"^pybind11/", "dds": r"^dds/", "vendor": r"(?i)^(stm32|cmsis|core_cm)"}
+# What one part offers to a few others alone: header, and the folders that may include it.
+RESERVED = {
+    # A reader of samples takes them from host/skin; verify and bring_up measure the stream itself.
+    "triskin/session/stream.hpp": ["host/session", "host/skin", "host/diagnose", "host/deploy"],
+    "triskin/session/icub_stream.hpp": ["host/session", "host/skin"],
+}
+# Who answers on a bus is asked for by host/skin; these ask without one: they flash, verify or list boards that may be no skin yet.
+BUS_DISCOVERY = re.compile(r"(\.|->)discover\(\)")
+MAY_DISCOVER = ["host/session/", "host/skin/", "host/diagnose/", "host/deploy/", "host/cli/src/discover.cpp",
+                "host/cli/src/doctor.cpp", "host/cli/src/flash_firmware.cpp"]
 # No heap, no operating system in what also runs on the microcontroller (the posix board is there for simulations).
 HOSTED = re.compile(r"^(iostream|fstream|sstream|thread|mutex|chrono|future|regex|filesystem)$")
 # Link names of libraries that only some targets may reach, and which ones.
@@ -107,6 +117,8 @@ def part_of(name):
 def crosses(part, name, target):
     if target.startswith(".."):
         return True
+    if target in RESERVED and part.folder not in RESERVED[target]:
+        return True
     ours = re.match(r"^triskin/([a-z0-9_]+)/", target)
     if ours:
         return ours.group(1) not in part.prefixes + part.uses
@@ -129,6 +141,9 @@ def check_includes(root):
                 continue
             for number, line in enumerate(path.read_text(errors="replace").splitlines(), 1):
                 found = INCLUDE.match(line)
+                if BUS_DISCOVERY.search(line) and name.startswith("host/") and not name.startswith(tuple(MAY_DISCOVER)):
+                    print(f"{name}:{number}: asks a bus who is there; take LiveBus::find_controllers (docs/live_skin.md)")
+                    bad += 1
                 if found and crosses(part, name, found.group(1)):
                     print(f"{name}:{number}: include of {found.group(1)} crosses a seam; see docs/architecture.md")
                     bad += 1

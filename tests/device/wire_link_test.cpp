@@ -15,6 +15,7 @@
 #include "fixture.hpp"
 #include "support/places.hpp"
 #include "triskin/scene/tcp_link.hpp"
+#include "triskin/session/stream.hpp"
 #include "triskin/skin/touch_map.hpp"
 
 namespace triskin::device {
@@ -183,7 +184,7 @@ TEST(LiveStream, finds_the_pressed_taxel_at_its_place_and_loses_nothing) {
   stream.run_until(fixture.bus().now_us() + 500'000);
   EXPECT_TRUE(map.pressed().empty());
   for (const auto& [module, taxel] : {std::pair{0, 3}, {13, 9}, {19, 1}}) {
-    fixture.bus().link().finger()->press(module, taxel);
+    touch_actuator_of(fixture.bus().link())->press(module, taxel);
     stream.run_until(fixture.bus().now_us() + 100'000);
     const auto pressed = map.pressed();
     ASSERT_EQ(pressed.size(), 1U);

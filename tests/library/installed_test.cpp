@@ -49,6 +49,25 @@ TEST(Installed, a_C_program_finds_it_by_pkg_config) {
   EXPECT_EQ(said, kWanted);
 }
 
+// docs/examples/read_samples.cpp, which is shown to readers.
+TEST(Installed, the_first_example_prints_the_pressed_taxel) {
+  const FlashedSim sim;
+  const std::string prefix = install(sim), lib = prefix + "/" TRISKIN_LIBDIR, program = sim.folder() / "read_samples";
+  const auto [built, text] =
+      shell(sim, "PKG_CONFIG_PATH='" + lib +
+                     "/pkgconfig' sh -c \"" TRISKIN_CXX_COMPILER " -std=c++17 -Wall -Wextra -pedantic -Werror '" +
+                     test::source_folder() + "/docs/examples/read_samples.cpp' -o '" + program +
+                     "' \\$(pkg-config --cflags --libs triskin)\"");
+  ASSERT_EQ(built, 0) << text;
+  const auto [status, said] = shell(sim, "LD_LIBRARY_PATH='" + lib + "' '" + program + "' '" + sim.design_file() +
+                                             "' sim '" + sim.scene_file() + "'");
+  EXPECT_EQ(status, 0) << said;
+  EXPECT_NE(said.find("module 5 taxel 3 at ("), std::string::npos) << said;
+  // The scene presses no other module.
+  for (std::size_t at = 0, end = 0; (end = said.find('\n', at)) != std::string::npos; at = end + 1)
+    EXPECT_EQ(said.compare(at, 15, "module 5 taxel "), 0) << said.substr(at, end - at);
+}
+
 TEST(Installed, a_CMake_project_finds_it_by_find_package) {
   const FlashedSim sim;
   const std::string prefix = install(sim), build = sim.folder() / "build";

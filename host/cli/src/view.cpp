@@ -14,9 +14,7 @@
 #include "triskin/cli/link_options.hpp"
 #include "triskin/cli/recorded_track.hpp"
 #include "triskin/cli/stream_options.hpp"
-#include "triskin/connect/open_bus.hpp"
-#include "triskin/robot/site.hpp"
-#include "triskin/session/bus.hpp"
+#include "triskin/skin/live_skin.hpp"
 #include "triskin/view/browser.hpp"
 #include "triskin/view/frame_track.hpp"
 #include "view_feed.hpp"
@@ -93,17 +91,22 @@ std::string place_of(const DesignArgument& argument, const design::Design& desig
 
 // The page shows N where the controllers answer and have a calibration; of a robot it shows counts. Standard output is
 // for the address alone.
-design::SkinCalibration calibration_now(const Options& options, const std::optional<robot::Site>& site,
+design::SkinCalibration calibration_now(const Options& options, std::optional<device::LiveSkin>& skin,
                                         const Output& output) {
-  if (!site || site->is_robot) return {};
+  if (!skin || skin->site().is_robot) return {};
   const Output aside(output.json(), true);
+  device::LiveBus& bus = *skin->buses().front();
+  design::SkinCalibration calibration;
   try {
-    const auto link = device::open_bus(*site, 0, options.link);
-    device::Bus bus(*link);
-    return calibration_for(options.calibration, bus, site->buses[0].covers[0], bus.discover(), aside);
+    bus.open();
+    bus.find_controllers(device::RestSource::kNone);
+    calibrate_cover(options.calibration, bus, bus.covers().front(), aside);
+    calibration = bus.covers().front().calibration();
   } catch (const DeviceError&) {
-    return {};  // The page reports what is wrong with the link.
+    // The page reports what is wrong with the link.
   }
+  bus.close();
+  return calibration;
 }
 
 // A recording is played by the page itself: the server has no live skin then.
@@ -131,22 +134,25 @@ int run(const Options& options, Output& output) {
   if (!options.findings.empty())
     shown.notes.findings =
         view::findings_in(read_file(options.findings), options.findings, shown.design, shown.notes.covers);
-  std::optional<robot::Site> site;
-  if (has_link) site = robot::read_site(argument.path);
-  if (site && !site->is_robot) device::require_link(options.link);
-  if (site) say_simulated_links(options.link, *site, output);
+  std::optional<device::LiveSkin> skin;
+  if (has_link) skin.emplace(robot::read_site(argument.path), options.link);
+  if (skin && !skin->site().is_robot) device::require_link(options.link);
+  if (skin) say_simulated_links(options.link, skin->site(), output);
   view::LiveSkin live(shown.design.layout.modules.size());
   live.set_health({options.link.link, false, "", 0, 0});
-  CommandQueue commands(site ? site->buses.size() : 1);
+  CommandQueue commands(skin ? skin->buses().size() : 1);
   catch_interrupts();
-  const view::Server server(view::site_of(shown.design, {}, calibration_now(options, site, output), shown.notes), live,
-                            options.port, [&](const view::Command& c) { commands.push(c); }, {});
+  const view::Server server(
+      view::site_of(shown.design, {}, calibration_now(options, skin, output), shown.notes), live, options.port,
+      [&](const view::Command& c) { commands.push(c); }, {});
   const std::string address = server.address() + place_of(argument, shown.design);
   output.say(address);
   const auto browser = open_browser(options, address);
-  FeedTotals totals;
-  if (site) {
-    totals = feed(options.link, options.stream, *site, shown.offsets, live, commands);
+  device::LiveTotals totals;
+  if (skin) {
+    const bool by_file = skin->site().is_robot && !options.link.chosen;
+    totals =
+        feed(*skin, by_file ? skin->site().name : options.link.link, options.stream, shown.offsets, live, commands);
   } else {
     wait_for_interrupt();
   }

@@ -60,11 +60,12 @@ struct TouchOutcome {
   int turned = 0;              ///< steps of 120° by which a tip on one taxel shows it turned; 0 also when not tried
 };
 
-/// Presses the modules of all usable patches; waits for a person where the link has no finger.
+/// Presses the modules of all usable patches; waits for a person where there is no actuator.
 class TouchTest {
  public:
-  TouchTest(Bus& bus, const design::Design& design, std::vector<PatchState>& patches)
-      : bus_(bus), design_(design), patches_(patches), wiring_(design::wiring_of(design)) {}
+  /// `actuator`: presses the modules of the design; null: a person does.
+  TouchTest(Bus& bus, TouchActuator* actuator, const design::Design& design, std::vector<PatchState>& patches)
+      : bus_(bus), actuator_(actuator), design_(design), patches_(patches), wiring_(design::wiring_of(design)) {}
   /// Empty: the person skipped the module.
   std::optional<TouchOutcome> press(int module, const PatchState& patch, const VerifyOptions& options);
   void finish();
@@ -82,9 +83,10 @@ class TouchTest {
   [[nodiscard]] Response strongest(const PatchState& patch) const;
   Response strongest_anywhere(const PatchState& first);
   [[nodiscard]] Response response_of(const PatchState& patch, std::size_t row, const wire::LiveTaxels& now) const;
-  [[nodiscard]] int turned(Finger& finger, int module, const PatchState& patch);
+  [[nodiscard]] int turned(TouchActuator& actuator, int module, const PatchState& patch);
 
   Bus& bus_;
+  TouchActuator* actuator_;
   const design::Design& design_;
   std::vector<PatchState>& patches_;
   std::vector<design::ModuleWiring> wiring_;

@@ -119,7 +119,7 @@ void ask_all(Bus& bus, std::vector<PatchState>& patches, const std::function<voi
 std::vector<TouchOutcome> touch_all(Bus& bus, const design::Design& design, std::vector<PatchState>& patches,
                                     const VerifyOptions& options, const ProgressSink& progress) {
   std::vector<TouchOutcome> outcomes;
-  TouchTest test(bus, design, patches);
+  TouchTest test(bus, options.actuator, design, patches);
   test.take_rest();
   std::size_t total = 0;
   for (const PatchState& p : patches) total += p.usable ? p.image.module_count : 0;

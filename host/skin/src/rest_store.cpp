@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/skin/rest_store.hpp"
+#include "rest_store.hpp"
 
 #include <fmt/format.h>
 

@@ -11,6 +11,7 @@
 #include "triskin/design/design.hpp"
 #include "triskin/design/rest_values.hpp"
 #include "triskin/diagnose/finding_kind.hpp"
+#include "triskin/link/touch_actuator.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/stream_report.hpp"
 
@@ -36,9 +37,11 @@ struct Finding {
 };
 
 struct VerifyOptions {
-  /// Press every module in turn: with the finger of a simulated link, otherwise by the person who is asked.
+  /// Press every module in turn: by `actuator`, otherwise by the person who is asked.
   bool touch = false;
-  /// Asks a person to press a module and to say when; false: skip this module. Needed for touch on real links.
+  /// Presses modules of the design; null: `ask` has a person do it.
+  TouchActuator* actuator = nullptr;
+  /// Asks a person to press a module and to say when; false: skip this module. Needed for touch without an actuator.
   std::function<bool(int module)> ask;
   std::vector<StreamDemand> neighbours;  ///< StreamOptions::neighbours
   design::RestValues rest;               ///< where every taxel rests, as kept on this computer; empty: not known

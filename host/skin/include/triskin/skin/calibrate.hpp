@@ -10,6 +10,7 @@
 
 #include "triskin/design/calibration.hpp"
 #include "triskin/session/bus.hpp"
+#include "triskin/session/stream_options.hpp"
 #include "triskin/skin/touch_map.hpp"
 
 /// Makes calibrations of a skin, from pressures that are known (docs/calibration.md).

@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "triskin/design/calibration.hpp"
@@ -29,6 +30,8 @@ class LiveMonitor {
   void add(const ModuleSample& frame);
   [[nodiscard]] TouchMap& touches() { return touches_; }
   [[nodiscard]] const TouchMap& touches() const { return touches_; }
+  /// Gives counts a value from now on.
+  void set_calibration(design::SkinCalibration calibration) { calibration_ = std::move(calibration); }
   /// What the counts are worth.
   [[nodiscard]] const design::SkinCalibration& calibration() const { return calibration_; }
   /// Force on all taxels under pressure together, against their normals, N; 0 without a complete calibration.
