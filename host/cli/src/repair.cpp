@@ -14,7 +14,6 @@
 #include "triskin/deploy/flash.hpp"
 #include "triskin/diagnose/design_files.hpp"
 #include "triskin/diagnose/read_rest.hpp"
-#include "triskin/link/cover_link.hpp"
 #include "triskin/skin/rest_store.hpp"
 
 namespace triskin::cli::repair_command {
@@ -75,22 +74,23 @@ class Repair {
   }
 
  private:
-  [[nodiscard]] const robot::CoverConfig& cover() const { return one_cover(open_->site, "repair"); }
+  [[nodiscard]] device::LiveCover& live_cover() const { return one_cover(*skin_, "repair"); }
+  [[nodiscard]] const robot::CoverConfig& cover() const { return live_cover().config(); }
+  [[nodiscard]] device::Bus& bus() const { return skin_->buses().at(0)->bus(); }
 
   // The supply was off meanwhile, and a USB board is another device afterwards.
   void open() {
-    open_.reset();
-    open_ = std::make_unique<OpenSite>(open_site(options_.site, output_));
-    link_ = std::make_unique<device::CoverLink>(*open_->links.at(0), cover().first_module);
-    bus_ = std::make_unique<device::Bus>(*link_);
+    skin_.reset();
+    skin_ = std::make_unique<device::LiveSkin>(open_skin(options_.site, output_));
   }
 
   std::vector<device::Finding> check(const device::Finding* about = nullptr) {
     device::VerifyOptions verify = options_.verify;
-    if (link_->finger() != nullptr) verify.touch = !options_.no_touch;
-    verify.rest = device::RestStore(cover().design, bus_->discover()).read();
+    verify.actuator = live_cover().actuator();
+    if (verify.actuator != nullptr) verify.touch = !options_.no_touch;
+    verify.rest = device::RestStore(cover().design, bus().discover()).read();
     verify.ask = [&](int module) { return asks_for(about, module) && ask_for_press(module); };
-    device::VerifyResult result = device::verify(*bus_, cover().design, verify, output_.progress());
+    device::VerifyResult result = device::verify(bus(), cover().design, verify, output_.progress());
     device::name_files(result.findings, options_.site.file);
     json_ = nlohmann::json::array();
     for (const device::Finding& f : result.findings) {
@@ -142,9 +142,10 @@ class Repair {
     } else {
       open();
       device::FlashOptions flash;
-      flash.recognise = flash.touch = true;
+      flash.recognise = true;
+      flash.actuator = live_cover().actuator();
       try {
-        (void)device::flash(*bus_, cover().design, flash, output_.progress());
+        (void)device::flash(bus(), cover().design, flash, output_.progress());
       } catch (const DeviceError& e) {
         output_.say(fmt::format("not flashed: {}", e.what()));
       }
@@ -162,8 +163,8 @@ class Repair {
 
   // Modules that were exchanged rest elsewhere. Only what is in order is tared.
   void tare() {
-    const device::RestStore store(cover().design, bus_->discover());
-    store.write(device::read_rest(*bus_, cover().design, store.read()));
+    const device::RestStore store(cover().design, bus().discover());
+    store.write(device::read_rest(bus(), cover().design, store.read()));
     needs_tare_ = false;
     tared_ = true;
     output_.say("tared");
@@ -171,9 +172,7 @@ class Repair {
 
   const Options& options_;
   Output& output_;
-  std::unique_ptr<OpenSite> open_;
-  std::unique_ptr<device::CoverLink> link_;
-  std::unique_ptr<device::Bus> bus_;
+  std::unique_ptr<device::LiveSkin> skin_;
   std::vector<device::Finding> skipped_;
   nlohmann::json json_;
   int mended_ = 0;
