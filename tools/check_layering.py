@@ -82,14 +82,14 @@ FOREIGN = {"CGAL": r"^CGAL/", "Eigen": r"^Eigen/", "nlohmann": r"^nlohmann/", "f
            "OCCT": r"^[A-Za-z0-9_]+\.hxx$", "pybind11": r"^pybind11/", "dds": r"^dds/", "vendor": r"(?i)^(stm32|cmsis|core_cm)"}
 # What one part offers to a few others alone: header, and the folders that may include it.
 RESERVED = {
-    # A reader of samples takes them from host/skin; verify and bring_up measure the stream itself.
-    "triskin/session/stream.hpp": ["host/session", "host/skin", "host/diagnose", "host/deploy"],
+    # A reader of samples takes them from host/skin; verify and bring_up measure the stream itself, scenarios stream from memory.
+    "triskin/session/stream.hpp": ["host/session", "host/skin", "host/diagnose", "host/deploy", "host/scenario"],
     "triskin/session/icub_stream.hpp": ["host/session", "host/skin"],
 }
 # Who answers on a bus is asked for by host/skin; these ask without one: they flash, verify or list boards that may be no skin yet.
 BUS_DISCOVERY = re.compile(r"(\.|->)discover\(\)")
 MAY_DISCOVER = ["host/session/", "host/skin/", "host/diagnose/", "host/deploy/", "host/cli/src/discover.cpp",
-                "host/cli/src/doctor.cpp", "host/cli/src/flash_firmware.cpp"]
+                "host/cli/src/doctor.cpp", "host/cli/src/flash_firmware.cpp", "host/cli/src/log.cpp", "host/cli/src/protect.cpp"]
 # No heap, no operating system in what also runs on the microcontroller (the posix board is there for simulations).
 HOSTED = re.compile(r"^(iostream|fstream|sstream|thread|mutex|chrono|future|regex|filesystem)$")
 # Link names of libraries that only some targets may reach, and which ones.

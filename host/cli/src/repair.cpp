@@ -14,7 +14,6 @@
 #include "triskin/deploy/flash.hpp"
 #include "triskin/diagnose/design_files.hpp"
 #include "triskin/diagnose/read_rest.hpp"
-#include "triskin/skin/rest_store.hpp"
 
 namespace triskin::cli::repair_command {
 namespace {
@@ -76,7 +75,8 @@ class Repair {
  private:
   [[nodiscard]] device::LiveCover& live_cover() const { return one_cover(*skin_, "repair"); }
   [[nodiscard]] const robot::CoverConfig& cover() const { return live_cover().config(); }
-  [[nodiscard]] device::Bus& bus() const { return skin_->buses().at(0)->bus(); }
+  [[nodiscard]] device::LiveBus& live_bus() const { return *skin_->buses().at(0); }
+  [[nodiscard]] device::Bus& bus() const { return live_bus().bus(); }
 
   // The supply was off meanwhile, and a USB board is another device afterwards.
   void open() {
@@ -88,7 +88,8 @@ class Repair {
     device::VerifyOptions verify = options_.verify;
     verify.actuator = live_cover().actuator();
     if (verify.actuator != nullptr) verify.touch = !options_.no_touch;
-    verify.rest = device::RestStore(cover().design, bus().discover()).read();
+    live_bus().find_controllers();
+    verify.rest = live_cover().kept_rest();
     verify.ask = [&](int module) { return asks_for(about, module) && ask_for_press(module); };
     device::VerifyResult result = device::verify(bus(), cover().design, verify, output_.progress());
     device::name_files(result.findings, options_.site.file);
@@ -163,8 +164,8 @@ class Repair {
 
   // Modules that were exchanged rest elsewhere. Only what is in order is tared.
   void tare() {
-    const device::RestStore store(cover().design, bus().discover());
-    store.write(device::read_rest(bus(), cover().design, store.read()));
+    live_bus().find_controllers();
+    live_cover().keep_rest(device::read_rest(bus(), cover().design, live_cover().kept_rest()));
     needs_tare_ = false;
     tared_ = true;
     output_.say("tared");

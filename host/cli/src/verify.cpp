@@ -23,7 +23,6 @@
 #include "triskin/diagnose/repair.hpp"
 #include "triskin/diagnose/verify_report.hpp"
 #include "triskin/session/controller_calibration.hpp"
-#include "triskin/skin/rest_store.hpp"
 
 namespace triskin::cli::verify_command {
 namespace {
@@ -146,6 +145,7 @@ Told print_report(const robot::CoverConfig& cover, device::VerifyResult r, devic
 std::vector<Told> verify_bus(device::LiveBus& live, const Options& options, int patch, const ProgressSink& progress) {
   std::vector<Told> all;
   const robot::BusConfig& site = live.config();
+  live.find_controllers();
   for (device::LiveCover& own : live.covers()) {
     const robot::CoverConfig& cover = own.config();
     device::VerifyOptions verify = options.verify;
@@ -153,7 +153,7 @@ std::vector<Told> verify_bus(device::LiveBus& live, const Options& options, int 
     // A simulated touch costs nobody anything, so every module is tried.
     if (verify.actuator != nullptr) verify.touch = !options.no_touch;
     verify.neighbours = robot::other_demands(site, std::array{&std::as_const(cover.design)});
-    verify.rest = device::RestStore(cover.design, live.bus().discover()).read();
+    verify.rest = own.kept_rest();
     const auto wiring = design::wiring_of(cover.design);
     // A person at one patch is asked for its modules only.
     verify.ask = [&](int module) {
