@@ -6,8 +6,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "triskin/base/csv_field.hpp"
 #include "design_view.hpp"
+#include "triskin/base/csv_field.hpp"
 #include "triskin/base/markup.hpp"
 #include "triskin/design/outline.hpp"
 
