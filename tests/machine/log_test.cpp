@@ -62,7 +62,6 @@ TEST_F(Logs, SerialPortAndFramesHaveTheSameLines) {
   run_for(500'000);
   const auto serial = terminal_lines(machine->serial_text()), over_can = lines_of(frames);
   EXPECT_TRUE(says(serial, "started: firmware "));
-  EXPECT_TRUE(says(serial, running_slot == 0 ? "slot A" : "slot B"));
   EXPECT_TRUE(says(serial, "crystal 8 MHz"));
   EXPECT_TRUE(says(serial, "table 1: 4 modules, node address 1"));
   EXPECT_TRUE(says(serial, "module in row 2: absent"));
