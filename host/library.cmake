@@ -13,7 +13,7 @@ set_target_properties(triskin_library PROPERTIES
 target_include_directories(triskin_library
   PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/library/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
   PRIVATE library/src)
-target_link_libraries(triskin_library PRIVATE triskin_skin triskin_connect triskin_options)
+target_link_libraries(triskin_library PRIVATE triskin_skin triskin_connect triskin_deploy triskin_recording triskin_options)
 # Whatever is linked in stays inside: a program may have its own copy.
 target_link_options(triskin_library PRIVATE -Wl,--exclude-libs,ALL)
 if(NOT TRISKIN_SANITIZE)

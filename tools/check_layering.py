@@ -43,6 +43,7 @@ PARTS = [
     Part("host/routing", "routing", "base design mesh", "Eigen fmt tbb", "triskin_routing"),
     Part("host/lattice", "lattice", "base design mesh routing", "Eigen fmt CGAL tbb boost", "triskin_lattice"),
     Part("host/pipeline", "pipeline", "base design mesh placement unfolding lattice routing", HOST_BASE, "triskin_pipeline"),
+    Part("host/fabrication", "fabrication", "base design cad sheet layout", HOST_BASE + " minizip", "triskin_fabrication"),
     Part("host/check", "check", "base", "Eigen nlohmann fmt CGAL boost", "triskin_check"),
     Part("host/mechanics", "mechanics", "base", HOST_BASE, "triskin_mechanics"),
     Part("host/recording", "recording", "base design core wire layout", HOST_BASE, "triskin_recording"),
@@ -51,23 +52,25 @@ PARTS = [
     Part("host/session", "session", "base design core wire layout link", HOST_BASE + " boost_fiber", "triskin_session"),
     Part("host/diagnose", "diagnose", "base design core wire layout link session", HOST_BASE, "triskin_diagnose"),
     Part("host/deploy", "deploy", "base design core wire layout link session diagnose", HOST_BASE, "triskin_deploy"),
-    Part("host/skin", "skin", "base design core wire layout link session", HOST_BASE, "triskin_skin"),
     Part("host/robot", "robot", "base design core wire layout link session deploy", HOST_BASE + " boost", "triskin_robot"),
     Part("host/sim", "scene", "base design core wire layout sim link", HOST_BASE, "triskin_sim"),
     Part("host/connect", "connect", "base design core wire layout sim scene link session robot", HOST_BASE, "triskin_connect"),
+    Part("host/skin", "skin", "base design core wire layout link session robot connect", HOST_BASE, "triskin_skin"),
+    Part("host/scenario", "scenario",
+         "base design core wire layout sim scene link session diagnose deploy skin recording mechanics", HOST_BASE, "triskin_scenario"),
     Part("host/view", "view", "base design core wire layout", HOST_BASE + " boost_beast", "triskin_view"),
     Part("host/sheet", "sheet", "base design core wire layout", HOST_BASE + " cairo", "triskin_sheet"),
     Part("host/hdf5", "hdf5", "base design core wire layout recording", HOST_BASE + " HDF5", "triskin_hdf5"),
     # The header of the library is its own: <triskin/triskin.h> has no prefix.
-    Part("host/library", "", "base design core wire layout link session diagnose deploy skin robot connect scene", "fmt", "triskin_library"),
+    Part("host/library", "", "base design core wire layout link session diagnose deploy skin robot connect scene recording", "fmt", "triskin_library"),
     Part("host/python", "", "", "pybind11", "triskin_python"),
     Part("host/cli/src/geometry", "",
          "cli base design export mesh placement unfolding lattice routing pipeline check core wire layout sim scene recording link session "
-         "diagnose deploy skin robot connect view sheet hdf5 bridge cad",
+         "diagnose deploy skin robot connect view sheet hdf5 bridge cad fabrication",
          HOST_BASE + " CLI"),
     Part("host/cli", "cli",
          "base design export core wire layout sim scene recording link session diagnose deploy skin robot connect view sheet hdf5 bridge "
-         "mechanics cad",
+         "mechanics cad scenario",
          HOST_BASE + " CLI", "triskin"),
     Part("tools/machine", "machine", "base core wire layout sim", "fmt unicorn", "triskin_machine"),
 ]
@@ -77,6 +80,16 @@ FOREIGN = {"CGAL": r"^CGAL/", "Eigen": r"^Eigen/", "nlohmann": r"^nlohmann/", "f
            "boost_beast": r"^boost/(beast|asio)/", "cairo": r"^(cairo|fontconfig|qrencode)", "HDF5": r"^(hdf5|H5)", "CLI": r"^CLI/",
            "libusb": r"^libusb", "hidapi": r"^hidapi", "unicorn": r"^unicorn/",
            "OCCT": r"^[A-Za-z0-9_]+\.hxx$", "pybind11": r"^pybind11/", "dds": r"^dds/", "vendor": r"(?i)^(stm32|cmsis|core_cm)"}
+# What one part offers to a few others alone: header, and the folders that may include it.
+RESERVED = {
+    # A reader of samples takes them from host/skin; verify and bring_up measure the stream itself.
+    "triskin/session/stream.hpp": ["host/session", "host/skin", "host/diagnose", "host/deploy"],
+    "triskin/session/icub_stream.hpp": ["host/session", "host/skin"],
+}
+# Who answers on a bus is asked for by host/skin; these ask without one: they flash, verify or list boards that may be no skin yet.
+BUS_DISCOVERY = re.compile(r"(\.|->)discover\(\)")
+MAY_DISCOVER = ["host/session/", "host/skin/", "host/diagnose/", "host/deploy/", "host/cli/src/discover.cpp",
+                "host/cli/src/doctor.cpp", "host/cli/src/flash_firmware.cpp"]
 # No heap, no operating system in what also runs on the microcontroller (the posix board is there for simulations).
 HOSTED = re.compile(r"^(iostream|fstream|sstream|thread|mutex|chrono|future|regex|filesystem)$")
 # Link names of libraries that only some targets may reach, and which ones.
@@ -84,7 +97,7 @@ HEAVY = {"OCCT": r"^TK[A-Z0-9]", "CGAL": r"CGAL", "TBB": r"TBB|tbb", "assimp": r
 ON_MESHES = {"triskin_mesh", "triskin_unfolding", "triskin_routing", "triskin_lattice", "triskin_pipeline", "triskin"}
 MAY_BE_HEAVY = {"OCCT": {"triskin_cad_reader"}, "CGAL": ON_MESHES | {"triskin_placement", "triskin_check", "triskin_cad_reader"},
                 "TBB": ON_MESHES | {"triskin_placement"},
-                "assimp": ON_MESHES, "minizip": ON_MESHES, "Cbc": set()}
+                "assimp": ON_MESHES, "minizip": ON_MESHES | {"triskin_fabrication"}, "Cbc": set()}
 # Targets without a prefix of their own that parts may link.
 NEUTRAL = {"triskin_options"}
 # What implements an interface of shared for a part: stated for its place on the linker's line, not for the part's use.
@@ -103,6 +116,8 @@ def part_of(name):
 
 def crosses(part, name, target):
     if target.startswith(".."):
+        return True
+    if target in RESERVED and part.folder not in RESERVED[target]:
         return True
     ours = re.match(r"^triskin/([a-z0-9_]+)/", target)
     if ours:
@@ -126,6 +141,9 @@ def check_includes(root):
                 continue
             for number, line in enumerate(path.read_text(errors="replace").splitlines(), 1):
                 found = INCLUDE.match(line)
+                if BUS_DISCOVERY.search(line) and name.startswith("host/") and not name.startswith(tuple(MAY_DISCOVER)):
+                    print(f"{name}:{number}: asks a bus who is there; take LiveBus::find_controllers (docs/live_skin.md)")
+                    bad += 1
                 if found and crosses(part, name, found.group(1)):
                     print(f"{name}:{number}: include of {found.group(1)} crosses a seam; see docs/architecture.md")
                     bad += 1

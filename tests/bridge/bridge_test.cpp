@@ -189,6 +189,41 @@ TEST_F(BridgeTest, contacts_and_diagnostics_are_read) {
   }));
 }
 
+TEST_F(BridgeTest, a_second_publisher_of_the_part_is_noticed_and_its_end_too) {
+  const Bridge first(*domain_, design_, options(), kStart_ns);
+  EXPECT_EQ(first.other_publishers(), 0);
+  {
+    const auto other_domain = join_domain(domain_id_);
+    BridgeOptions leg = options();
+    leg.part = "leg";
+    const Bridge other_part(*other_domain, design_, leg, kStart_ns);
+    const Bridge same_part(*other_domain, design_, options(), kStart_ns);
+    EXPECT_TRUE(wait_until([&] { return first.other_publishers() == 1; }));
+    EXPECT_TRUE(wait_until([&] { return same_part.other_publishers() == 1; }));
+    EXPECT_EQ(other_part.other_publishers(), 0);
+  }
+  EXPECT_TRUE(wait_until([&] { return first.other_publishers() == 0; }));
+}
+
+// A simulation in the process could be a hundred times as fast as the skin that it simulates: two seconds of it take
+// two seconds. The lower bound holds on the slowest machine.
+TEST_F(BridgeTest, the_command_is_paced_as_the_skin_is) {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("bridge_pace." + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder);
+  design::write_design(folder / "d.json", design_);
+  const std::string program = "XDG_STATE_HOME='" + (folder / "state").string() + "' '" + test::program_file() + "' ";
+  const std::string design = "'" + (folder / "d.json").string() + "' --link sim ";
+  ASSERT_EQ(std::system((program + "flash " + design + ">/dev/null").c_str()), 0);
+  const auto start = std::chrono::steady_clock::now();
+  (void)!std::system((program + "bridge " + design + "--seconds 2 --domain " + std::to_string(domain_id_) +
+                      " --json >'" + (folder / "out").string() + "'")
+                         .c_str());
+  EXPECT_GE(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(1900));
+  EXPECT_NE(triskin::read_file(folder / "out").find("\"other_publishers\":0"), std::string::npos);
+  std::filesystem::remove_all(folder);
+}
+
 // A bus that is too slow: what the reader misses is what the stream says was lost.
 TEST_F(BridgeTest, losses_at_the_reader_are_those_that_are_told) {
   scene::Scene scene;

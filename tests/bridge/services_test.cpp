@@ -128,6 +128,70 @@ TEST_F(ServicesTest, an_answer_names_the_request_and_both_ends_name_the_service)
   EXPECT_EQ(second.foreign, 1);
 }
 
+// Writes what is no request to the topic of a service, under the name of its type.
+class Stranger {
+ public:
+  explicit Stranger(dds_entity_t participant) {
+    // The same name of a type with other members, and without the description that would tell them apart.
+    const dds_topic_descriptor_t& any = triskin_msgs_srv_dds__AnyRequest__desc;
+    const dds_topic_descriptor_t type{any.m_size,
+                                      any.m_align,
+                                      any.m_flagset & ~static_cast<std::uint32_t>(DDS_TOPIC_XTYPES_METADATA),
+                                      any.m_nkeys,
+                                      triskin_msgs_srv_dds__Reroute_Request__desc.m_typename,
+                                      any.m_keys,
+                                      any.m_nops,
+                                      any.m_ops,
+                                      any.m_meta,
+                                      {},
+                                      {},
+                                      any.restrict_data_representation};
+    dds_qos_t* qos = dds_create_qos();
+    dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
+    dds_qset_history(qos, DDS_HISTORY_KEEP_ALL, 0);
+    writer_ = dds_create_writer(participant,
+                                dds_create_topic(participant, &type, "rq/skin/arm/rerouteRequest", nullptr, nullptr),
+                                qos, nullptr);
+    dds_delete_qos(qos);
+    EXPECT_GT(writer_, 0);
+  }
+  [[nodiscard]] bool matched() const {
+    dds_publication_matched_status_t status{};
+    return dds_get_publication_matched_status(writer_, &status) == DDS_RETCODE_OK && status.current_count > 0;
+  }
+  void send(std::size_t bytes) const {
+    std::vector<std::uint8_t> content(bytes, 1);
+    triskin_msgs_srv_dds__AnyRequest_ request{};
+    request.bytes._buffer = content.data();
+    request.bytes._length = request.bytes._maximum = static_cast<std::uint32_t>(bytes);
+    EXPECT_EQ(dds_write(writer_, &request), DDS_RETCODE_OK);
+  }
+
+ private:
+  dds_entity_t writer_ = 0;
+};
+
+// A request has 20 bytes behind the head of its encoding. Shorter ones are malformed; longer than 64 KiB none can be.
+TEST_F(ServicesTest, malformed_and_oversized_requests_are_dropped_and_the_next_is_served) {
+  const auto domain = join_domain(domain_id_);
+  Service<Reroute> service(*domain, "arm");
+  const dds_entity_t other = dds_create_participant(domain_id_, nullptr, nullptr);
+  const Stranger stranger(other);
+  RerouteClient client = reroute_client(participant_);
+  ASSERT_TRUE(wait_until([&] { return client.matched() && stranger.matched(); }));
+  for (const std::size_t bytes : {std::size_t{100'000}, std::size_t{3}, std::size_t{0}, std::size_t{2'000'000}})
+    stranger.send(bytes);
+  client.send({.client = 0, .number = 0, .patch = 1});
+  std::optional<Service<Reroute>::Asked> asked;
+  EXPECT_TRUE(wait_until([&] {
+    asked = service.take();
+    return asked.has_value();
+  }));
+  ASSERT_TRUE(asked);
+  EXPECT_EQ(asked->request.patch, 1);
+  (void)dds_delete(other);
+}
+
 // The command beside its stream, in another process, on switched modules, one of which is pressed from the third second
 // on.
 TEST_F(ServicesTest, the_command_tares_reroutes_and_identifies) {

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "cli/shell_case.hpp"
 
@@ -107,6 +108,20 @@ TEST_F(Doctor, a_healthy_computer_has_no_trouble) {
   ASSERT_EQ(answer["links"].size(), 2U) << o.out;
   EXPECT_EQ(answer["links"][0]["link"], "can:can0");
   EXPECT_EQ(answer["links"][1]["link"], std::string("usb:") + kSerial);
+}
+
+// What the Debian packages bring is what doctor looks for and tells others to write.
+TEST_F(Doctor, the_rules_of_the_packages_are_those_that_it_wants) {
+  fs::remove(folder_ / "root/etc/udev/rules.d/70-triskin.rules");
+  const std::string remedies = troubles(1).at("udev rule for USB") + troubles(1).at("udev rule for HID");
+  const std::string rules = read_file(fs::path(source_folder()) / "cmake/packaging/70-triskin.rules");
+  write("usr/lib/udev/rules.d/70-triskin.rules", rules);
+  EXPECT_TRUE(troubles(0).empty());
+  std::istringstream lines(rules);
+  for (std::string rule; std::getline(lines, rule);) {
+    if (rule.starts_with("#")) continue;
+    EXPECT_THAT(remedies, HasSubstr(rule));
+  }
 }
 
 TEST_F(Doctor, twelve_troubles_are_named_each_with_its_command) {

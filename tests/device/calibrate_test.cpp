@@ -16,6 +16,7 @@
 #include "triskin/base/files.hpp"
 #include "triskin/design/tile.hpp"
 #include "triskin/session/controller_calibration.hpp"
+#include "triskin/session/stream.hpp"
 
 namespace triskin::device {
 namespace {
@@ -288,18 +289,18 @@ class SpreadSkin {
   [[nodiscard]] const design::Design& design() const { return link_->skin().scene().design; }
   [[nodiscard]] Bus& bus() { return *bus_; }
   [[nodiscard]] scene::VirtualSkin& skin() { return link_->skin(); }
-  [[nodiscard]] Finger& finger() { return *static_cast<Link&>(*link_).finger(); }
+  [[nodiscard]] TouchActuator& actuator() { return *link_; }
 
   CalibrationOutcome by_steps(std::span<const double> kpa, bool by_module = false) {
     CalibrateOptions options;
     int last = -1;
     options.apply = [&, this](const PressureStep& step) {
-      if (last != step.module) finger().pressurize(last, 0.0);
-      finger().pressurize(last = step.module, step.pressure_kpa);
+      if (last != step.module) actuator().pressurize(last, 0.0);
+      actuator().pressurize(last = step.module, step.pressure_kpa);
     };
     auto outcome =
         calibrate_by_steps(bus(), design(), pressure_steps(kpa, by_module, design().layout.modules.size()), options);
-    finger().pressurize(last, 0.0);
+    actuator().pressurize(last, 0.0);
     return outcome;
   }
   [[nodiscard]] design::SkinCalibration calibration(const CalibrationOutcome& outcome) {
@@ -388,7 +389,7 @@ TEST(Calibrate, the_force_of_a_known_pressure_is_right_and_before_it_is_counts) 
   EXPECT_FALSE(none.complete());
   const CalibrationOutcome outcome = skin.by_steps(kSteps);
   const auto calibration = skin.calibration(outcome);
-  skin.finger().pressurize(1, 20.0);
+  skin.actuator().pressurize(1, 20.0);
   const double force = skin.force_n(calibration, outcome.rest);
   const double truth = 20.0 * design::kModuleArea_mm2 * 1e-3;
   std::printf("20 kPa on a module: %.4f N, truth %.4f N\n", force, truth);

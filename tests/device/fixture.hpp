@@ -40,6 +40,7 @@ class Fixture {
   VerifyResult verify(bool touch = true) {
     VerifyOptions options;
     options.touch = touch;
+    options.actuator = link_.get();
     return device::verify(*bus_, design(), options);
   }
 

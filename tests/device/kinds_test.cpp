@@ -20,6 +20,7 @@ design::Design with_kinds(design::Design d, const std::vector<int>& numbers) {
 VerifyResult verified(Fixture& fixture, const design::Design& d, bool touch = false) {
   VerifyOptions options;
   options.touch = touch;
+  options.actuator = touch_actuator_of(fixture.bus().link());
   return verify(fixture.bus(), d, options);
 }
 

@@ -5,6 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
+
 #include "support/strip_design.hpp"
 
 namespace triskin::device {
@@ -13,6 +16,7 @@ namespace {
 using test::strip;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::StartsWith;
 
 constexpr int kPad = 3;
 
@@ -134,6 +138,48 @@ TEST(LiveMonitor, rows_of_the_lattice_stand_above_each_other) {
   design.layout.modules[2].tile = {0, 0, false};
   const LiveMonitor monitor(design);
   EXPECT_THAT(monitor.picture(0, PressureUnit::kCounts, false), ElementsAre("▲  -- ▼  -- ", "▼  -- "));
+}
+
+// Characters on the screen: bytes that begin a code point, as no colours are asked for.
+std::size_t columns_of(const std::string& line) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(line, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
+}
+
+TEST(LiveMonitor, a_picture_fits_the_width) {
+  const design::Design design = strip(16);
+  LiveMonitor monitor(design);
+  for (int k = 0; k < 3; ++k) monitor.add(frame(2, layout::kRestCounts, 8'000));
+  // Sixteen cells: 96 characters with spaces, 80 without, 32 with a digit for a cell.
+  const auto line = [&](int columns) { return monitor.picture(0, PressureUnit::kCounts, false, columns).at(0); };
+  EXPECT_EQ(line(0), line(96));
+  EXPECT_EQ(columns_of(line(140)), 96U);
+  EXPECT_EQ(columns_of(line(80)), 80U);
+  EXPECT_THAT(line(80), StartsWith("▲  --▼  --▲8000▼  --"));
+  EXPECT_EQ(columns_of(line(60)), 32U);
+  EXPECT_THAT(line(60), StartsWith("▲-▼-▲2▼-"));  // 8,000 of 33,000 counts are two tenths and a bit.
+  EXPECT_EQ(line(9), "▲-▼-▲2▼-…");
+  for (std::size_t columns = 3; columns < 120; ++columns)
+    EXPECT_LE(columns_of(line(static_cast<int>(columns))), columns);
+}
+
+TEST(LiveMonitor, islands_of_a_patch_stand_side_by_side_and_never_on_each_other) {
+  design::Design design = strip(6);
+  // Three islands of two modules, each with the same places in its own lattice.
+  for (int m = 0; m < 6; ++m) {
+    design.layout.modules[static_cast<std::size_t>(m)].island = m / 2;
+    design.layout.modules[static_cast<std::size_t>(m)].tile =
+        design.layout.modules[static_cast<std::size_t>(m % 2)].tile;
+  }
+  const LiveMonitor monitor(design);
+  const auto picture = [&](int columns) { return monitor.picture(0, PressureUnit::kCounts, false, columns); };
+  EXPECT_THAT(picture(80),
+              ElementsAre("island 0       island 1       island 2",  // Three of 12 characters.
+                          "▲  -- ▼  --    ▲  -- ▼  --    ▲  -- ▼  -- "));
+  EXPECT_EQ(picture(140), picture(80));
+  EXPECT_THAT(picture(30),
+              ElementsAre("island 0       island 1",  // Two in a row.
+                          "▲  -- ▼  --    ▲  -- ▼  -- ", "island 2", "▲  -- ▼  -- "));
 }
 
 TEST(LiveMonitor, says_what_is_wrong_and_how_fast_samples_come) {

@@ -344,6 +344,7 @@ device::VerifyResult verify_built(Hardware hardware) {
   if (bus.now_us() < hardware.verify_at_us) bus.listen(hardware.verify_at_us);
   device::VerifyOptions options;
   options.touch = true;
+  options.actuator = &link;
   return device::verify(bus, hardware.intended, options);
 }
 

@@ -43,7 +43,7 @@ TEST_P(Offsets, EveryTaxelRestsInTheMiddleThirdAndPressureLowersIt) {
     }
     if (frame.module == 7) at_rest = frame.sample.value[3];
   }
-  f.bus().link().finger()->press(7);
+  touch_actuator_of(f.bus().link())->press(7);
   frames.clear();
   stream.run_until(f.bus().now_us() + 200'000);
   int pressed = 0;

@@ -20,6 +20,7 @@ std::unique_ptr<SimUsbLink> simulated_hub(int modules, int per_patch, std::vecto
 VerifyResult verified(Bus& bus, const design::Design& design) {
   VerifyOptions options;
   options.touch = true;
+  options.actuator = touch_actuator_of(bus.link());
   return verify(bus, design, options);
 }
 

@@ -19,11 +19,12 @@ VerifyResult with(std::vector<scene::Fault> faults) {
 TEST(VerifyReport, says_what_where_and_what_to_do) {
   const VerifyResult r = with({fault(FaultKind::kRemovedChip, 12), fault(FaultKind::kSwappedChips, 0, 4)});
   ASSERT_EQ(r.findings.size(), 2U);
-  EXPECT_EQ(r.findings[0].place, "row 1 of 1, left rim");
-  EXPECT_EQ(r.findings[1].place, "row 1 of 1, right rim");
+  EXPECT_EQ(r.findings[0].place, "island 0, row 1 of 1, left rim");
+  EXPECT_EQ(r.findings[1].place, "island 0, row 1 of 1, right rim");
   const std::string text = report_text(strip(13), r);
-  for (const char* part : {"1. swapped_modules: ", "2. absent_module: ", "on the cover: row 1 of 1, right rim",
-                           "exchange their straps", "10 of 13 modules ok"})
+  for (const char* part :
+       {"1. swapped_modules: ", "2. absent_module: ", "on the cover: island 0, row 1 of 1, right rim",
+        "exchange their straps", "10 of 13 modules ok"})
     EXPECT_NE(text.find(part), std::string::npos) << part << " in\n" << text;
 }
 
@@ -46,7 +47,7 @@ TEST(VerifyReport, the_page_marks_the_modules_of_the_findings) {
 TEST(VerifyReport, a_place_that_is_neither_end_is_counted_from_the_left) {
   const VerifyResult r = with({fault(FaultKind::kRemovedChip, 3)});
   ASSERT_FALSE(r.findings.empty());
-  EXPECT_EQ(r.findings[0].place, "row 1 of 1, 4 of 13 from the left");
+  EXPECT_EQ(r.findings[0].place, "island 0, row 1 of 1, 4 of 13 from the left");
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "fixture.hpp"
 #include "support/places.hpp"
 #include "triskin/scene/tcp_link.hpp"
+#include "triskin/session/stream.hpp"
 #include "triskin/skin/touch_map.hpp"
 
 namespace triskin::device {
@@ -123,6 +124,17 @@ TEST(WireLink, a_dead_link_is_a_device_error) {
   EXPECT_THROW((void)parse_host_port(":7"), InputError);
 }
 
+// RFC 3986 puts an IPv6 address into brackets, since its colons would hide that of the port.
+TEST(WireLink, an_ipv6_address_stands_in_brackets) {
+  const HostPort at = parse_host_port("[::1]:7000");
+  EXPECT_EQ(at.host, "::1");
+  EXPECT_EQ(at.port, 7000);
+  EXPECT_EQ(host_port_text(at), "[::1]:7000");
+  EXPECT_EQ(host_port_text({"localhost", 80}), "localhost:80");
+  for (const char* text : {"::1:7000", "[::1]", "[]:7", "[::1]:", "[::1]7000"})
+    EXPECT_THROW((void)parse_host_port(text), InputError) << text;
+}
+
 TEST(WireLink, records_survive_the_way_and_truncated_ones_wait) {
   wire::CanFrame frame;
   frame.id = 0x18DA01F1;
@@ -172,7 +184,7 @@ TEST(LiveStream, finds_the_pressed_taxel_at_its_place_and_loses_nothing) {
   stream.run_until(fixture.bus().now_us() + 500'000);
   EXPECT_TRUE(map.pressed().empty());
   for (const auto& [module, taxel] : {std::pair{0, 3}, {13, 9}, {19, 1}}) {
-    fixture.bus().link().finger()->press(module, taxel);
+    touch_actuator_of(fixture.bus().link())->press(module, taxel);
     stream.run_until(fixture.bus().now_us() + 100'000);
     const auto pressed = map.pressed();
     ASSERT_EQ(pressed.size(), 1U);

@@ -58,6 +58,7 @@ def main():
         assert all(table["reader_patch"] == table["module"] // 16) and all(table["reader_node"] == table["reader_patch"] + 1)
         with h5py.File(pathlib.Path(folder) / "a.h5") as recorded:
             assert text(recorded.attrs["format"]) == "triskin-recording" and text(recorded.attrs["result_status"]) == "complete"
+            assert text(recorded.attrs["simulated"]) == "true" and all(row["simulated"] == "1" for row in rows)
             assert text(recorded.attrs["link"]) == "sim" and text(recorded["value"].attrs["unit"]) == "counts"
             design = json.loads(text(recorded["design"][()]))
             assert design["design_id"] == text(recorded.attrs["design_id"])

@@ -70,6 +70,16 @@ TEST_F(Layering, refuses_an_application_that_includes_the_loader) {
   EXPECT_NE(with_file("firmware/app/src/a.cpp", "#include \"triskin/boot/slot_store.hpp\""), 0);
 }
 
+TEST_F(Layering, refuses_a_command_that_reads_a_stream_by_itself) {
+  EXPECT_EQ(with_file("host/skin/src/a.cpp", "#include \"triskin/session/stream.hpp\""), 0);
+  EXPECT_NE(with_file("host/cli/src/a.cpp", "#include \"triskin/session/stream.hpp\""), 0);
+}
+
+TEST_F(Layering, refuses_a_command_that_discovers_controllers_by_itself) {
+  EXPECT_EQ(with_file("host/skin/src/a.cpp", "  claims_ = bus_->discover();"), 0);
+  EXPECT_NE(with_file("host/library/src/a.cpp", "  const auto claims = bus.discover();"), 0);
+}
+
 TEST_F(Layering, refuses_vendor_headers_outside_the_board) {
   EXPECT_NE(with_file("firmware/logic/src/a.cpp", "#include <stm32g474xx.h>"), 0);
 }

@@ -49,6 +49,25 @@ TEST(Installed, a_C_program_finds_it_by_pkg_config) {
   EXPECT_EQ(said, kWanted);
 }
 
+// docs/examples/read_samples.cpp, which is shown to readers.
+TEST(Installed, the_first_example_prints_the_pressed_taxel) {
+  const FlashedSim sim;
+  const std::string prefix = install(sim), lib = prefix + "/" TRISKIN_LIBDIR, program = sim.folder() / "read_samples";
+  const auto [built, text] =
+      shell(sim, "PKG_CONFIG_PATH='" + lib +
+                     "/pkgconfig' sh -c \"" TRISKIN_CXX_COMPILER " -std=c++17 -Wall -Wextra -pedantic -Werror '" +
+                     test::source_folder() + "/docs/examples/read_samples.cpp' -o '" + program +
+                     "' \\$(pkg-config --cflags --libs triskin)\"");
+  ASSERT_EQ(built, 0) << text;
+  const auto [status, said] = shell(sim, "LD_LIBRARY_PATH='" + lib + "' '" + program + "' '" + sim.design_file() +
+                                             "' sim '" + sim.scene_file() + "'");
+  EXPECT_EQ(status, 0) << said;
+  EXPECT_NE(said.find("module 5 taxel 3 at ("), std::string::npos) << said;
+  // The scene presses no other module.
+  for (std::size_t at = 0, end = 0; (end = said.find('\n', at)) != std::string::npos; at = end + 1)
+    EXPECT_EQ(said.compare(at, 15, "module 5 taxel "), 0) << said.substr(at, end - at);
+}
+
 TEST(Installed, a_CMake_project_finds_it_by_find_package) {
   const FlashedSim sim;
   const std::string prefix = install(sim), build = sim.folder() / "build";
@@ -62,6 +81,24 @@ TEST(Installed, a_CMake_project_finds_it_by_find_package) {
   EXPECT_EQ(said, kWanted);
 }
 
+// What the Debian packages bring besides the program.
+TEST(Installed, the_program_comes_with_pages_rules_and_completion) {
+  const FlashedSim sim;
+  const fs::path prefix = sim.folder() / "installed";
+  const auto [status, text] =
+      shell(sim, "cmake --install '" TRISKIN_BUILD "' --component program --prefix '" + prefix.string() + "'");
+  ASSERT_EQ(status, 0) << text;
+  const auto [said, version] = shell(sim, "'" + (prefix / "bin/triskin").string() + "' --version");
+  EXPECT_EQ(said, 0) << version;
+  for (const char* file : {"share/man/man1/triskin.1.gz", "share/man/man1/triskin-verify.1.gz",
+                           "share/man/man1/triskin-repair.1.gz", "share/bash-completion/completions/triskin",
+                           "lib/udev/rules.d/70-triskin.rules", "share/triskin/ros/triskin_msgs/package.xml"})
+    EXPECT_TRUE(fs::exists(prefix / file)) << file;
+  const fs::path doc = prefix / "share/doc" / TRISKIN_PACKAGE;
+  for (const char* file : {"copyright", "changelog.gz", "docs/start_flash.md", "examples/from_bare_boards.sh"})
+    EXPECT_TRUE(fs::exists(doc / file)) << file;
+}
+
 #ifdef TRISKIN_PYTHON
 TEST(Installed, Python_reads_a_served_simulation) {
   const FlashedSim sim;
@@ -71,6 +108,27 @@ TEST(Installed, Python_reads_a_served_simulation) {
       shell(sim, "PYTHONPATH='" TRISKIN_PYTHON_FOLDER "' '" TRISKIN_PYTHON "' '" + (kHere / "read_test.py").string() +
                      "' '" + test::program_file() + "' '" + sim.design_file() + "' '" + sim.scene_file() + "'");
   EXPECT_EQ(status, 0) << said;
+}
+
+// The script of the docs: from a surface to a plot.
+TEST(Installed, the_hour_of_a_researcher_ends_with_a_plot) {
+  const FlashedSim sim;
+  if (std::system(TRISKIN_PYTHON " -c 'import numpy' > /dev/null 2>&1") != 0)
+    GTEST_SKIP() << "numpy is not installed; run tools/setup test";
+  const fs::path folder = sim.folder() / "hour";
+  fs::create_directories(folder);
+  const auto [status, said] =
+      shell(sim, "PYTHONPATH='" TRISKIN_PYTHON_FOLDER "' '" TRISKIN_PYTHON "' '" +
+                     (fs::path(test::source_folder()) / "docs/examples/researcher_hour.py").string() + "' '" +
+                     test::program_file() + "' '" + folder.string() + "'");
+  EXPECT_EQ(status, 0) << said;
+  EXPECT_NE(said.find("contact at module 3: "), std::string::npos) << said;
+  EXPECT_NE(said.find("the hardware is the design"), std::string::npos) << said;
+  EXPECT_NE(said.find("of a simulation; module 3 is pressed"), std::string::npos) << said;
+  const auto drawn = [&](const char* name) {
+    return fs::exists(folder / name) && fs::file_size(folder / name) > 5'000;
+  };
+  EXPECT_TRUE(drawn("touch.svg") || drawn("touch.png")) << said;
 }
 
 // 30,840 taxels: 161 controllers on two served simulations.

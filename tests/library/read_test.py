@@ -64,6 +64,26 @@ def stream(skin):
     assert counts["expected"] == counts["received"] >= len(samples) + len(rest), counts
 
 
+def any_order(skin):
+    """Questions in the middle of a stream: it pauses for them, and goes on; the contact is where the scene has it."""
+    assert len(skin.read(0.5)) == 0, "behind stop() nothing comes"
+    skin.start()
+    before = skin.read(1.0)
+    assert skin.calibration() is None and skin.verify()[0]
+    after = skin.read(1.0)
+    assert len(before) > 8 * 15 and len(after) > 8 * 15, (len(before), len(after))
+    contacts = skin.contacts()
+    assert len(contacts) == 1 and contacts[0]["module"] == 5 and contacts[0]["taxel"] == 3, contacts
+    assert np.linalg.norm(contacts[0]["position_mm"] - skin.positions_mm[5, 3]) < 7.0, contacts
+    assert math.isnan(contacts[0]["force_n"])
+    try:
+        skin.pressure_kpa()
+    except triskin.BadInput as e:
+        assert "triskin calibrate" in str(e)
+    else:
+        raise AssertionError("kPa without calibration")
+
+
 def robot():
     """Two covers of this design on two buses; nothing of them is flashed, so it is opened and looked at only."""
     folder = os.path.dirname(design)
@@ -79,11 +99,19 @@ def robot():
 
 
 def errors():
-    for bad in (lambda: triskin.open("/no/such.json"), lambda: triskin.open(design, link="nothing")):
+    """Every error has a text, also where the file is no text at all."""
+    folder = os.path.dirname(design)
+    noise, cut = os.path.join(folder, "noise.json"), os.path.join(folder, "cut.mcap")
+    open(noise, "wb").write(bytes(range(128, 256)) * 4)
+    open(cut, "wb").write(b"\x89MCAP0\r\n" + bytes(range(256)))
+    wrong = {"/no/such.json": lambda: triskin.open("/no/such.json"), "nothing": lambda: triskin.open(design, link="nothing"),
+             "noise.json": lambda: triskin.open(noise), "cut.mcap": lambda: triskin.open(cut),
+             "is a recording": lambda: triskin.open(cut, link="sim")}
+    for what, bad in wrong.items():
         try:
             bad()
         except triskin.BadInput as e:
-            assert "/no/such.json" in str(e) or "nothing" in str(e)
+            assert what in str(e) and len(str(e)) > 20, (what, str(e))
         else:
             raise AssertionError("it was opened")
 
@@ -95,6 +123,7 @@ try:
         stream(skin)
         good, report = skin.verify()
         assert good, report
+        any_order(skin)
     errors()
     robot()
 finally:

@@ -18,6 +18,7 @@
 #include "triskin/base/error.hpp"
 #include "triskin/mechanics/bonded_layer.hpp"
 #include "triskin/mechanics/inverse_file.hpp"
+#include "triskin/mechanics/inverse_study.hpp"
 #include "triskin/mechanics/taxel.hpp"
 
 namespace triskin::mechanics {
@@ -56,7 +57,8 @@ const Layer kFabric{2.0, 0.1, 30.0};
 
 class Inverse : public testing::Test {
  protected:
-  const ContactTable table{kFabric};
+  // It takes most of a second to make and serves all tests.
+  static inline const ContactTable table{kFabric};
 };
 
 // The forward model of the fit against the exact contact and its own quadrature.
@@ -97,42 +99,89 @@ TEST_F(Inverse, OpenCasesWithoutNoise) {
   }
 }
 
-// Whitened scatter of an estimate: its error over the stated deviation has a mean square of about 1, and 95 % of errors
-// lie within 1.96 deviations. Bounds are those of 150 draws at 99.9 %.
-TEST_F(Inverse, StatedDeviationsAreTrue) {
+struct Scatter {
+  int draws = 0, miscounted = 0, within = 0;
+  double squares = 0.0;
+  [[nodiscard]] double coverage() const { return within / (3.0 * (draws - miscounted)); }
+  [[nodiscard]] double mean_square() const { return squares / (3.0 * (draws - miscounted)); }
+};
+
+// Noisy draws of one contact: errors of x, y and force over their stated deviations.
+Scatter scatter_of(const ContactTable& table, const ContactEstimate& truth, int draws) {
   std::mt19937_64 engine(7);
   std::normal_distribution<double> noise(0.0, 0.01);
   const auto taxels = lattice();
-  const ContactEstimate truth = tip(27.3, 21.8, 0.5, 15.0);
   const std::vector<ContactEstimate> contacts = {truth};
   const auto exact = predict_taxels(table, taxels, contacts);
-  int within = 0, miscounted = 0;
-  double squares = 0.0;
-  constexpr int kDraws = 50;
-  for (int draw = 0; draw < kDraws; ++draw) {
+  Scatter scatter;
+  for (scatter.draws = 0; scatter.draws < draws; ++scatter.draws) {
     auto values = exact;
     for (double& v : values) v += noise(engine);
     const InverseResult result = find_contacts(table, observed(taxels, values), {.noise_dc_over_c = 0.01});
-    // A draw with a wrong number of contacts counts as one whose deviations do not hold.
     if (result.contacts.size() != 1U) {
-      ++miscounted;
+      ++scatter.miscounted;
       continue;
     }
     const ContactEstimate& c = result.contacts[0];
-    const Eigen::Vector3d error(c.position_mm.x() - 27.3, c.position_mm.y() - 21.8, c.force_n - 0.5);
-    const Eigen::Vector3d sd(c.position_sd_mm.x(), c.position_sd_mm.y(), c.force_sd_n);
-    const Eigen::Array3d whitened = (error.array() / sd.array()).abs();
-    within += static_cast<int>((whitened < 1.96).count());
-    squares += whitened.square().sum();
+    const Eigen::Vector2d offset = c.position_mm - truth.position_mm;
+    const Eigen::Array3d error(offset.x(), offset.y(), c.force_n - truth.force_n);
+    const Eigen::Array3d deviation(c.position_sd_mm.x(), c.position_sd_mm.y(), c.force_sd_n);
+    scatter.within += static_cast<int>(((error / deviation).abs() < 1.96).count());
+    scatter.squares += (error / deviation).square().sum();
   }
-  const double mean_square = squares / (3.0 * (kDraws - miscounted));
-  const bool holds = within > static_cast<int>(0.90 * 3 * kDraws) && miscounted <= kDraws / 20 && mean_square < 1.5;
-  if (!holds) {
-    GTEST_SKIP() << "known shortfall (docs/mechanics.md): of " << kDraws << " noisy draws " << miscounted
-                 << " have a wrong number of contacts, and errors over deviations have a mean square of "
-                 << mean_square;
+  return scatter;
+}
+
+// Three taxels are pressed, and place, force and radius trade against each other along a bent ridge, so that the
+// curvature at the best fit says too little. A true deviation makes the mean square 1 and covers 95 %.
+TEST_F(Inverse, StatedDeviationsAreTrue) {
+  const Scatter scatter = scatter_of(table, tip(27.3, 21.8, 0.5, 15.0), 50);
+  // The test for one more contact lets noise pass once in a thousand draws.
+  EXPECT_EQ(scatter.miscounted, 0);
+  EXPECT_GT(scatter.coverage(), 0.90);
+  EXPECT_GT(scatter.mean_square(), 0.6);
+  EXPECT_LT(scatter.mean_square(), 1.5);
+}
+
+// Where many taxels are pressed the posterior is normal, and the bound of Cramér and Rao is reached.
+TEST_F(Inverse, WideContactReachesTheCramerRaoBound) {
+  const Scatter scatter = scatter_of(table, tip(26.0, 21.0, 1.4, 43.0), 50);
+  EXPECT_EQ(scatter.miscounted, 0);
+  EXPECT_GT(scatter.coverage(), 0.90);
+  EXPECT_GT(scatter.mean_square(), 0.6);
+  EXPECT_LT(scatter.mean_square(), 1.5);
+}
+
+// A signal of 0.03 at the end of the skin, three deviations of the noise, asks for a huge force beside the skin; no
+// search may begin there (it did, and ended as two contacts).
+TEST_F(Inverse, NoiseAtTheEdgeOfTheSkinDoesNotMislead) {
+  const auto taxels = lattice();
+  const std::vector<ContactEstimate> contacts = {tip(27.3, 21.8, 0.5, 15.0)};
+  auto values = predict_taxels(table, taxels, contacts);
+  values[8] += 0.03;
+  values[72] += 0.03;
+  const InverseResult result = find_contacts(table, observed(taxels, values), {.noise_dc_over_c = 0.01});
+  ASSERT_EQ(result.contacts.size(), 1U);
+  EXPECT_LT((result.contacts[0].position_mm - contacts[0].position_mm).norm(), 0.5);
+  const InverseResult told = find_contacts(table, observed(taxels, values), {.noise_dc_over_c = 0.01, .contacts = 1});
+  ASSERT_EQ(told.contacts.size(), 1U);
+  EXPECT_LT((told.contacts[0].position_mm - contacts[0].position_mm).norm(), 0.5);
+}
+
+TEST_F(Inverse, StudyCoversTheTruth) {
+  const InverseStudy study = study_inverse(10, 3);
+  ASSERT_EQ(study.rows.size(), 2U);
+  int covered = 0, values = 0;
+  for (const StudyRow& row : study.rows) {
+    EXPECT_EQ(row.draws, 5);
+    EXPECT_LE(row.wrong_counts, 1) << row.contacts;
+    EXPECT_EQ(row.estimates, row.contacts * (row.draws - row.wrong_counts));
+    covered += static_cast<int>(std::lround(row.covered * 3 * row.estimates));
+    values += 3 * row.estimates;
   }
-  EXPECT_GT(mean_square, 0.6);
+  EXPECT_GT(covered, 0.85 * values);
+  EXPECT_NE(study_text(study).find("| 2 | 5 |"), std::string::npos);
+  EXPECT_THROW((void)study_inverse(1, 3), InputError);
 }
 
 TEST_F(Inverse, CountsTwoContactsAndNone) {
@@ -164,15 +213,22 @@ TEST_F(Inverse, SinglePressedTaxelHasWideDeviations) {
   EXPECT_GT(c.force_sd_n / c.force_n, 0.2);
 }
 
+// One of the pressed taxels is dead. Exact values say that they are exact and give the place; with a stated noise of
+// 0.01 the same values leave a wide posterior, whose mean is the estimate.
 TEST_F(Inverse, DeadTaxelsAreLeftOut) {
   const auto taxels = lattice();
   const std::vector<ContactEstimate> contacts = {tip(20.0, 20.0, 0.5, 15.0)};
   auto values = predict_taxels(table, taxels, contacts);
   values[30] = std::nan("");
-  const InverseResult result = find_contacts(table, observed(taxels, values), {.noise_dc_over_c = 0.01});
-  ASSERT_EQ(result.contacts.size(), 1U);
-  const ContactEstimate& c = result.contacts[0];
-  EXPECT_LT((c.position_mm - contacts[0].position_mm).norm(), 2.0 * c.position_sd_mm.norm());
+  const InverseResult exact = find_contacts(table, observed(taxels, values), {});
+  ASSERT_EQ(exact.contacts.size(), 1U);
+  EXPECT_LT((exact.contacts[0].position_mm - contacts[0].position_mm).norm(), 0.3);
+  EXPECT_NEAR(exact.contacts[0].force_n, 0.5, 0.02);
+  const InverseResult noisy = find_contacts(table, observed(taxels, values), {.noise_dc_over_c = 0.01});
+  ASSERT_EQ(noisy.contacts.size(), 1U);
+  const ContactEstimate& c = noisy.contacts[0];
+  EXPECT_LT((c.position_mm - contacts[0].position_mm).norm(), 1.96 * c.position_sd_mm.norm());
+  EXPECT_LT(std::abs(c.force_n - 0.5), 1.96 * c.force_sd_n);
 }
 
 void expect_refused(const std::string& text, const char* words) {

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
+#include <string_view>
 
 #include "recorded.hpp"
 #include "triskin/base/files.hpp"
@@ -59,6 +61,96 @@ TEST(Recording, modules_of_one_sample_share_a_message) {
   EXPECT_EQ(chunks.log_ns.size(), 2U + 2 * 2'000 / 20);  // layout and readers, and two controllers a sample
   // 26 bytes are the values and the validity of a module; everything else costs less than once more.
   EXPECT_LT(file.size(), 2'000U * 2 * 26 + 40'000);
+}
+
+// Topics of a file with the bytes of their messages.
+class Topics final : public mcap::Visitor {
+ public:
+  void on_channel(const mcap::Channel& channel) override { names_[channel.id] = channel.topic; }
+  void on_message(const mcap::Message& m) override {
+    messages[names_.at(m.channel)].emplace_back(m.data.begin(), m.data.end());
+  }
+  std::map<std::string, std::vector<std::vector<std::uint8_t>>> messages;
+
+ private:
+  std::map<std::uint16_t, std::string> names_;
+};
+
+bool holds(const std::vector<std::uint8_t>& message, std::string_view text) {
+  return !std::ranges::search(message, text).empty();
+}
+
+// Two covers of a robot in one viewer: each has topics and a frame of its own, and the frame has its place.
+TEST(Recording, of_a_cover_on_a_robot_has_its_own_topics_and_frame) {
+  const Folder folder("recording");
+  Origin from = origin();
+  from.part = "left_arm";
+  from.parent_frame = "base_link";
+  from.pose = {{0.5, 0.0, -0.25}, {0.0, 0.0, 1.0, 0.0}};
+  from.cloud_period_us = 200'000;
+  record_samples(folder / "r.mcap", strip(20), 400, from);
+  Topics topics;
+  (void)mcap::read_file(InputFile(folder / "r.mcap"), "r.mcap", topics);
+  ASSERT_EQ(topics.messages["/tf_static"].size(), 1U);
+  for (const char* topic : {"/skin/left_arm/raw", "/skin/left_arm/layout", "/skin/left_arm/points"})
+    EXPECT_FALSE(topics.messages[topic].empty()) << topic;
+  for (const char* topic : {"/skin/left_arm/layout", "/skin/left_arm/points", "/tf_static"})
+    EXPECT_TRUE(holds(topics.messages[topic].front(), std::string_view("skin_left_arm", 14))) << topic;
+  // By hand: 0.5 is 0x3FE0'0000'0000'0000 and -0.25 is 0xBFD0'0000'0000'0000, seven numbers of eight bytes at the end.
+  const auto& tf = topics.messages["/tf_static"].front();
+  ASSERT_GE(tf.size(), 56U);
+  const std::vector<std::uint8_t> x(tf.end() - 56, tf.end() - 48), z(tf.end() - 40, tf.end() - 32);
+  EXPECT_THAT(x, testing::ElementsAre(0, 0, 0, 0, 0, 0, 0xE0, 0x3F));
+  EXPECT_THAT(z, testing::ElementsAre(0, 0, 0, 0, 0, 0, 0xD0, 0xBF));
+}
+
+TEST(Recording, no_point_of_the_first_cloud_is_zero_because_its_module_was_not_heard_yet) {
+  const Folder folder("recording");
+  Origin from = origin();
+  from.cloud_period_us = 200'000;
+  record_samples(folder / "r.mcap", strip(20), 400, from);
+  Topics topics;
+  (void)mcap::read_file(InputFile(folder / "r.mcap"), "r.mcap", topics);
+  const auto& cloud = topics.messages["/skin/points"].front();
+  // 240 points of 32 bytes, then is_dense; the value stands at byte 28 of a point.
+  for (std::size_t point = cloud.size() - 1 - std::size_t{32} * 240; point + 32 < cloud.size(); point += 32)
+    ASSERT_NE(cloud[point + 28] + 256 * cloud[point + 29], 0) << point;
+}
+
+TEST(Recording, a_module_that_never_sends_does_not_keep_the_clouds_away) {
+  const Folder folder("recording");
+  Origin from = origin();
+  from.cloud_period_us = 200'000;
+  {
+    const design::Design design = strip(20);
+    OutputFile file(folder / "r.mcap");
+    const auto recorder = make_recorder(Format::kMcap, file, design, from);
+    for (std::uint64_t k = 0; k < 1'000; ++k) {
+      if (k % 20 != 7) recorder->add(sample_of(k, 20));
+    }
+    recorder->finish({});
+    file.close();
+  }
+  Topics topics;
+  (void)mcap::read_file(InputFile(folder / "r.mcap"), "r.mcap", topics);
+  EXPECT_GE(topics.messages["/skin/points"].size(), 3U);
+}
+
+TEST(Recording, a_table_of_a_simulation_says_so_in_each_row) {
+  const Folder folder("recording");
+  const design::Design design = strip(2);
+  for (const bool simulated : {false, true}) {
+    Origin from = origin();
+    if (simulated) from.facts["simulated"] = "true";
+    OutputFile file(folder / "r.csv");
+    const auto recorder = make_recorder(Format::kCsv, file, design, from);
+    recorder->add(sample_of(0, 2));
+    recorder->finish({});
+    file.close();
+    const std::string text = triskin::read_file(folder / "r.csv");
+    EXPECT_THAT(text, testing::HasSubstr(",reader_node,simulated\n"));
+    EXPECT_TRUE(text.ends_with(simulated ? ",1\n" : ",0\n")) << text;
+  }
 }
 
 // As 0.2 wrote them before it told readers, and 0.1: who adopted a module is not known, all else is.

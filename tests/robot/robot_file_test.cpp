@@ -60,6 +60,7 @@ TEST(RobotFile, is_read_as_it_was_written) {
   a.robot.covers[0].xyz_rpy = {1, 2.5, 3, 0.1, 0.2, 0.3};
   a.robot.covers[0].pose = pose_of(*a.robot.covers[0].xyz_rpy);
   a.robot.covers[1].pose = pose_of({5, 6, 7, 1, 2, 3});
+  a.robot.covers[0].has_pose = a.robot.covers[1].has_pose = true;
   a.robot.covers[1].measured = Measured{8, 1.25};
   a.robot.covers[1].rate_hz = 20;
   a.robot.covers[1].controllers[0].serial = "0123456789ABCDEF01234567";

@@ -6,7 +6,7 @@
 
 #include "support/strip_design.hpp"
 #include "triskin/connect/open_bus.hpp"
-#include "triskin/link/cover_link.hpp"
+#include "triskin/link/touch_actuator.hpp"
 #include "triskin/robot/edit.hpp"
 #include "triskin/robot/site.hpp"
 #include "triskin/scene/sim_link.hpp"

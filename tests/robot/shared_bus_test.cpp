@@ -61,12 +61,12 @@ TEST(SharedBus, fresh_boards_in_any_order_find_the_patch_that_they_hang_on) {
   for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 5U}) {
     SimulatedBus bus(site.buses[0], {}, seed);
     device::FlashOptions options;
-    options.recognise = options.touch = true;
+    options.recognise = true;
     for (std::size_t cover = 0; cover < 3; ++cover) {
       const CoverConfig& c = site.buses[0].covers[cover];
-      device::CoverLink finger(bus.link(), c.first_module);
-      device::Bus own(finger);
-      for (const auto& p : device::flash(own, c.design, flash_options(site.buses[0], c, options)).patches) {
+      device::CoverTouchActuator actuator(*device::touch_actuator_of(bus.link()), c.first_module);
+      options.actuator = &actuator;
+      for (const auto& p : device::flash(bus.bus(), c.design, flash_options(site.buses[0], c, options)).patches) {
         const auto number = static_cast<std::size_t>(device_number(site, cover) + p.patch);
         EXPECT_EQ(p.serial, device::to_text(scene::unique_id_of(bus.skin().scene(), number)))
             << "seed " << seed << ", cover " << c.name << ", patch " << p.patch;
@@ -82,12 +82,13 @@ TEST(SharedBus, all_covers_of_a_bus_are_written_in_one_pass) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     SimulatedBus bus(site.buses[0], {}, seed);
     device::FlashOptions options;
-    options.recognise = options.touch = true;
-    std::deque<device::CoverLink> views;
+    options.recognise = true;
+    std::deque<device::CoverTouchActuator> actuators;
     std::deque<device::Bus> buses;
     std::vector<device::FlashPart> parts;
     for (const CoverConfig& c : site.buses[0].covers) {
-      device::Bus& own = buses.emplace_back(views.emplace_back(bus.link(), c.first_module));
+      options.actuator = &actuators.emplace_back(*device::touch_actuator_of(bus.link()), c.first_module);
+      device::Bus& own = buses.emplace_back(bus.link());
       parts.push_back({&own, &c.design, flash_options(site.buses[0], c, options), {}});
     }
     std::vector<device::FlashResult> results;
@@ -188,16 +189,16 @@ TEST(SharedBus, every_cover_verifies_with_its_own_modules) {
   options.touch = true;
   options.watch_s = 0.5;
   for (const CoverConfig& cover : site.buses[0].covers) {
-    device::CoverLink link(bus.link(), cover.first_module);
-    device::Bus own(link);
-    const auto r = device::verify(own, cover.design, options);
+    device::CoverTouchActuator actuator(*device::touch_actuator_of(bus.link()), cover.first_module);
+    options.actuator = &actuator;
+    const auto r = device::verify(bus.bus(), cover.design, options);
     EXPECT_TRUE(r.findings.empty()) << cover.name << ": " << r.findings.front().text;
     EXPECT_EQ(r.touched, static_cast<int>(cover.design.layout.modules.size()));
     EXPECT_EQ(r.modules_ok, r.modules);
   }
-  // Without its own count of modules a cover sees the finger on its neighbour.
-  device::Bus wrong(bus.link());
-  EXPECT_FALSE(device::verify(wrong, site.buses[0].covers[1].design, options).findings.empty());
+  // Without its own count of modules a cover sees the touch on its neighbour.
+  options.actuator = device::touch_actuator_of(bus.link());
+  EXPECT_FALSE(device::verify(bus.bus(), site.buses[0].covers[1].design, options).findings.empty());
 }
 
 TEST(SharedBus, one_stream_reads_all_covers_and_knows_each_account) {
@@ -356,6 +357,7 @@ TEST(SharedBus, a_cover_may_hang_on_two_buses) {
     bus.settle();
     device::VerifyOptions options;
     options.touch = true;
+    options.actuator = device::touch_actuator_of(bus.link());
     options.watch_s = 0.5;
     const auto r = device::verify(bus.bus(), entry.covers[0].design, options);
     EXPECT_TRUE(r.findings.empty()) << r.findings.front().text;

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "support/strip_design.hpp"
@@ -185,6 +187,111 @@ TEST(Landmarks, two_distances_that_meet_at_a_point) {
   EXPECT_THAT(fix.distance_mm, ElementsAre(30.0, 60.0));
 }
 
+void expect_on_paper(const sheet::IslandPage& island, const sheet::Page& page, const design::Tile& tile) {
+  for (const auto& corner : island.corners_of(tile)) {
+    EXPECT_GE(corner.minCoeff(), sheet::kMargin_mm) << page.title;
+    EXPECT_LE(corner.x(), page.size_mm.x() - sheet::kMargin_mm) << page.title;
+    EXPECT_LE(corner.y(), page.size_mm.y() - sheet::kMargin_mm - sheet::kFoot_mm) << page.title;
+  }
+}
+
+// Forty islands, every second of one module, the others of eleven; a controller for each.
+design::Design forty_islands() {
+  design::Design d = strip(240);
+  d.patches.clear();
+  int next = 0;
+  for (int island = 0; island < 40; ++island) {
+    const int size = island % 2 == 0 ? 1 : 11;
+    design::Patch patch;
+    patch.entry = next;
+    for (int n = 0; n < size; ++n, ++next) {
+      auto& m = d.layout.modules[static_cast<std::size_t>(next)];
+      m.island = island;
+      m.neighbour = {-1, -1, -1};
+      m.tile = d.layout.modules[static_cast<std::size_t>(n)].tile;
+      patch.modules.push_back({next, n == 0 ? -1 : next - 1, 2, n / 4, n % 4, n});
+    }
+    d.patches.push_back(patch);
+  }
+  d.layout.islands = 40;
+  d.design_id = design::design_id_of(d);
+  return d;
+}
+
+TEST(Plan, of_forty_islands_has_at_most_a_page_for_each_and_ten_more) {
+  const design::Design d = forty_islands();
+  const auto plan = sheet::plan_of(d, sheet::Paper::kA4);
+  EXPECT_LE(plan.pages.size(), 50U);
+  int ticked = 0, steps = 0;
+  std::set<int> islands;
+  for (const auto& page : plan.pages) {
+    for (const auto& island : page.islands) {
+      islands.insert(island.island);
+      for (const int id : island.modules)
+        expect_on_paper(island, page, d.layout.modules[static_cast<std::size_t>(id)].tile);
+    }
+    for (const auto& line : page.lines) {
+      if (page.title == "Order of work" && line.kind == sheet::LineKind::kTickRow) ++ticked;
+      if (!line.cells.empty() && line.cells[0].starts_with("1. Lay its modules")) ++steps;
+    }
+  }
+  EXPECT_EQ(islands.size(), 40U);
+  EXPECT_EQ(ticked, 40) << "a line to tick for each island";
+  EXPECT_EQ(steps, 1) << "the steps stand there once";
+}
+
+// No two modules that share a page lie on each other, nor nearer than the labels around an island need.
+TEST(Plan, islands_that_share_a_page_keep_their_distance) {
+  const design::Design d = forty_islands();
+  for (const auto& page : sheet::plan_of(d, sheet::Paper::kA4).pages) {
+    for (const auto& a : page.islands) {
+      for (const auto& b : page.islands) {
+        if (a.island >= b.island) continue;
+        double nearest_mm = 1e9;
+        for (const int i : a.modules) {
+          for (const auto& p : a.corners_of(d.layout.modules[static_cast<std::size_t>(i)].tile)) {
+            for (const int j : b.modules) {
+              for (const auto& q : b.corners_of(d.layout.modules[static_cast<std::size_t>(j)].tile))
+                nearest_mm = std::min(nearest_mm, (p - q).norm());
+            }
+          }
+        }
+        EXPECT_GE(nearest_mm, 2.0 * sheet::kLabels_mm - 1e-9) << a.island << " and " << b.island;
+      }
+    }
+  }
+}
+
+TEST(Plan, says_to_what_radius_a_module_is_bent) {
+  // By hand: a chord of 30 mm whose middle lies 4.5 mm under it is 25 mm of radius by c²/(8s); 2.25 mm is 50 mm.
+  EXPECT_DOUBLE_EQ(sheet::bend_radius_of_depth(4.5), 25.0);
+  EXPECT_DOUBLE_EQ(sheet::bend_radius_of_depth(2.25), 50.0);
+  EXPECT_TRUE(std::isinf(sheet::bend_radius_of_depth(0.0)));
+  design::Design d = strip(4);
+  d.layout.modules[2].edge_depth_mm = 4.0;
+  d.layout.modules[3].edge_depth_mm = 2.0;
+  std::string text;
+  for (const auto& page : sheet::plan_of(d, sheet::Paper::kA4).pages) {
+    for (const auto& line : page.lines) {
+      for (const std::string& cell : line.cells) text += cell + " ";
+    }
+  }
+  EXPECT_THAT(text, HasSubstr("Modules bent to a radius of less than 50 mm"));
+  EXPECT_THAT(text, HasSubstr("2 (R 28); 1 in all"));
+}
+
+TEST(Plan, names_the_landmarks_that_the_overview_draws) {
+  const auto plan = sheet::plan_of(strip(4), sheet::Paper::kA4);
+  std::string text;
+  for (const auto& page : plan.pages) {
+    for (const auto& line : page.lines) {
+      for (const std::string& cell : line.cells) text += cell + " ";
+    }
+  }
+  ASSERT_FALSE(plan.landmarks.empty());
+  EXPECT_THAT(text, HasSubstr("landmarks " + plan.landmarks.front().name + " to " + plan.landmarks.back().name));
+}
+
 TEST(Plan, has_every_module_on_one_page_and_on_the_paper) {
   for (const auto& [paper, name] : sheet::kPaperNames.rows()) {
     const design::Design d = strip(60);
@@ -192,13 +299,11 @@ TEST(Plan, has_every_module_on_one_page_and_on_the_paper) {
     std::vector<int> times(60);
     for (std::size_t p = 0; p < plan.pages.size(); ++p) {
       const auto& page = plan.pages[p];
-      for (const int id : page.island.modules) {
-        ++times[static_cast<std::size_t>(id)];
-        EXPECT_EQ(plan.page_of_module[static_cast<std::size_t>(id)], static_cast<int>(p) + 1);
-        for (const auto& corner : page.island.corners_of(d.layout.modules[static_cast<std::size_t>(id)].tile)) {
-          EXPECT_GE(corner.minCoeff(), sheet::kMargin_mm) << name;
-          EXPECT_LE(corner.x(), page.size_mm.x() - sheet::kMargin_mm) << name;
-          EXPECT_LE(corner.y(), page.size_mm.y() - sheet::kMargin_mm - sheet::kFoot_mm) << name;
+      for (const auto& island : page.islands) {
+        for (const int id : island.modules) {
+          ++times[static_cast<std::size_t>(id)];
+          EXPECT_EQ(plan.page_of_module[static_cast<std::size_t>(id)], static_cast<int>(p) + 1);
+          expect_on_paper(island, page, d.layout.modules[static_cast<std::size_t>(id)].tile);
         }
       }
     }
@@ -210,7 +315,9 @@ TEST(Plan, has_a_table_for_each_controller_that_names_its_page) {
   const auto plan = sheet::plan_of(strip(20, 16), sheet::Paper::kA4);
   std::vector<int> patches;
   for (const auto& page : plan.pages) {
-    if (page.kind == sheet::PageKind::kText && page.patch >= 0) patches.push_back(page.patch);
+    for (const auto& line : page.lines) {
+      if (line.patch >= 0) patches.push_back(line.patch);
+    }
   }
   EXPECT_THAT(patches, ElementsAre(0, 1));
 }

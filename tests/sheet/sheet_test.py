@@ -206,14 +206,19 @@ def check_rulers(pages):
 
 
 def check_codes(design, folder, pdf, count):
-    subprocess.run(["mutool", "draw", "-q", "-r", "80", "-o", str(folder / "page%03d.png"), pdf], check=True, capture_output=True)
-    patches = len(design["patches"])
+    subprocess.run(["mutool", "draw", "-q", "-r", "150", "-o", str(folder / "page%03d.png"), pdf], check=True, capture_output=True)
+    patches, found = len(design["patches"]), set()
     for k in range(1, count + 1):
-        text = subprocess.run(["zbarimg", "-q", "--raw", str(folder / f"page{k:03d}.png")], capture_output=True, text=True).stdout.strip()
-        head, _, page = text.rpartition("/")
-        name, _, patch = head.rpartition("/")
-        expect(name == "triskin:" + design["design_id"] and page == str(k), f"page {k} says {text!r}")
-        expect(patch == "-" or int(patch) < patches, f"page {k} says {text!r}")
+        texts = subprocess.run(["zbarimg", "-q", "--raw", str(folder / f"page{k:03d}.png")], capture_output=True, text=True).stdout.split()
+        expect(texts, f"page {k} has no code")
+        for text in texts:
+            head, _, page = text.rpartition("/")
+            name, _, patch = head.rpartition("/")
+            expect(name == "triskin:" + design["design_id"] and page == str(k), f"page {k} says {text!r}")
+            expect(patch == "-" or int(patch) < patches, f"page {k} says {text!r}")
+            if patch != "-":
+                found.add(int(patch))
+    expect(found == set(range(patches)), f"codes name the controllers {sorted(found)} of {patches}")
 
 
 def check(program, file, paper, folder):

@@ -241,15 +241,13 @@ TEST(Adoption, is_told_by_verify) {
   f.run_us(kAdopted_us);
   f.stream().finish();
   const device::VerifyResult result = device::verify(f.bus(), design, {});
-  std::set<int> adopted, other;
-  for (const device::Finding& finding : result.findings) {
-    if (finding.kind == device::FindingKind::kAdoptedModule)
-      adopted.insert(finding.module);
-    else
-      other.insert(finding.module);
-  }
-  EXPECT_EQ(adopted, (std::set<int>(o.modules.begin(), o.modules.end())));
-  EXPECT_EQ(other, std::set{o.dead});
+  ASSERT_EQ(result.findings.size(), 1U);
+  const device::Finding& finding = result.findings[0];
+  EXPECT_EQ(finding.kind, device::FindingKind::kMissingModule);
+  EXPECT_EQ(finding.module, o.dead);
+  EXPECT_EQ(std::set(finding.behind.begin(), finding.behind.end()),
+            (std::set<int>(o.modules.begin(), o.modules.end())));
+  EXPECT_NE(finding.text.find("meanwhile"), std::string::npos) << finding.text;
   ASSERT_TRUE(result.stream);
   EXPECT_EQ(result.stream->never_heard, std::vector{o.dead});
 }

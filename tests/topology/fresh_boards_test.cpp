@@ -32,7 +32,7 @@ class FreshSkin {
   device::FlashResult flash(bool touch = false, bool recognise = true) {
     device::FlashOptions options;
     options.recognise = recognise;
-    options.touch = touch;
+    options.actuator = touch ? &link_ : nullptr;
     return device::flash(bus_, design(), options);
   }
   std::string refusal() {
@@ -269,7 +269,6 @@ TEST(Identify, says_who_felt_the_finger) {
     std::vector<int> asked;
     std::vector<std::string> said;
     device::IdentifyOptions options;
-    options.finger = false;
     options.limit_s = 10.0;
     options.ask = [&](int patch) { asked.push_back(patch); };
     options.say = [&](const std::string& text) { said.push_back(text); };
@@ -292,7 +291,6 @@ TEST(Identify, a_patch_that_nobody_touches_is_missing) {
   const design::Design design = alike();
   FreshSkin skin(design, false, 7, {}, {touch_of(design, 1, 4, 5)});
   device::IdentifyOptions options;
-  options.finger = false;
   options.limit_s = 5.0;
   const auto boards = device::identify(skin.bus(), design, options);
   ASSERT_EQ(boards.size(), 3U);
@@ -307,6 +305,7 @@ TEST(Identify, asks_for_one_patch_also_where_its_table_is_there) {
   ASSERT_TRUE(skin.right(skin.flash(true)));
   device::IdentifyOptions options;
   options.patch = 2;
+  options.actuator = device::touch_actuator_of(skin.bus().link());
   const auto boards = device::identify(skin.bus(), design, options);
   ASSERT_EQ(boards.size(), 1U);
   EXPECT_EQ(boards[0].serial, skin.serial(2));

@@ -7,6 +7,7 @@
 
 #include "shared_skin.hpp"
 #include "triskin/scene/sim_link.hpp"
+#include "triskin/session/stream.hpp"
 #include "triskin/skin/live_monitor.hpp"
 
 namespace triskin::device {

@@ -48,6 +48,61 @@ TEST(SampleAccount, what_is_none_of_the_lease_counts_for_nothing) {
   EXPECT_EQ(a.counts(), (SampleCounts{2, 2, 2, 0, 0, 0, 0}));
 }
 
+// At 1 kHz the 32 bits of a number wrap after 49 days. On both sides of the wrap: 2^32 − 2, 2^32 − 1, 0, 1, 2.
+TEST(SampleAccount, goes_on_where_the_numbers_wrap) {
+  SampleAccount a(1, kInterval_us);
+  a.begin(0, {0xFFFF'FFFDU, 0, 0, 0, 0}, 0);
+  std::uint64_t device_us = 1'000'000'000'000;
+  for (const std::uint32_t number : {0xFFFF'FFFEU, 0xFFFF'FFFFU, 0U, 2U}) {
+    wire::TaxelFrame t = sample(number);
+    t.device_time_us = device_us += kInterval_us;
+    EXPECT_TRUE(a.add(t, 0)) << number;
+    EXPECT_FALSE(a.add(t, 0)) << number << " again";
+  }
+  EXPECT_EQ(a.counts().expected, 5U);
+  a.end(0, {3, 0, 0, 0, 0}, 0);
+  EXPECT_EQ(a.counts().expected, 6U);
+  EXPECT_EQ(a.counts().received, 4U);
+  EXPECT_EQ(a.counts().on_the_way, 2U);
+  EXPECT_FALSE(a.complete());
+}
+
+// Multiples of 3 around the wrap, as the controller finds them in its 32 bits: 2^32 − 4, 2^32 − 1, 0, 3.
+TEST(SampleAccount, counts_the_multiples_of_each_round_of_numbers) {
+  SampleAccount a(3, kInterval_us);
+  a.begin(0, {0xFFFF'FFFBU, 0, 0, 0, 0}, 0);
+  std::uint64_t device_us = 1'000'000'000'000;
+  for (const std::uint32_t number : {0xFFFF'FFFCU, 0xFFFF'FFFFU, 0U, 3U}) {
+    wire::TaxelFrame t = sample(number);
+    t.device_time_us = device_us += 3 * kInterval_us;
+    EXPECT_TRUE(a.add(t, 0)) << number;
+  }
+  a.end(0, {5, 0, 0, 0, 0}, 0);
+  EXPECT_TRUE(a.complete());
+  EXPECT_EQ(a.counts(), (SampleCounts{4, 4, 4, 0, 0, 0, 0}));
+}
+
+TEST(SampleAccount, a_restart_from_a_high_number_is_no_wrap) {
+  SampleAccount a(1, kInterval_us);
+  a.begin(7, {3'000'000'000U, 0, 0, 0, 0}, 0);
+  wire::TaxelFrame t = sample(3'000'000'001U);
+  t.starts = 7;
+  EXPECT_TRUE(a.add(t, 0));
+  t = sample(1);
+  t.starts = 7;  // A controller that forgets how often it started.
+  EXPECT_TRUE(a.add(t, 40'000));
+  EXPECT_EQ(a.counts().received, 2U);
+  EXPECT_LE(a.counts().expected, 3U);
+}
+
+// The trailer's 16 and 32 bits wrap too.
+TEST(SampleAccount, losses_are_counted_over_the_wraps_of_their_counters) {
+  SampleAccount a(1, kInterval_us);
+  a.begin(0, {10, 0xFFFFU, 0xFFFF'FFFFU, 0, 0}, 0);
+  EXPECT_TRUE(a.add(sample(14, 1, 0), 0));  // 11 unread; 12 and 13 found no room
+  EXPECT_EQ(a.counts(), (SampleCounts{4, 1, 1, 1, 2, 0, 0}));
+}
+
 // The answer that ends the account was composed before sample 13, and came after it.
 TEST(SampleAccount, a_sample_that_overtakes_the_last_answer_is_no_restart) {
   SampleAccount a(1, kInterval_us);

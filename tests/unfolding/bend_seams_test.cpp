@@ -3,11 +3,16 @@
 #include "triskin/unfolding/bend_seams.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <set>
 
 #include "triskin/base/error.hpp"
+#include "triskin/pipeline/make_design.hpp"
 #include "triskin/unfolding/unfolding.hpp"
 
 namespace triskin::geometry {
@@ -27,6 +32,12 @@ Mesh grid(int nu, int nv, Place place) {
     }
   }
   return m;
+}
+
+void write_obj(const Mesh& mesh, const std::filesystem::path& file) {
+  std::ofstream out(file);
+  for (const Vec3& v : mesh.vertices) out << "v " << v.x() << " " << v.y() << " " << v.z() << "\n";
+  for (const auto& f : mesh.faces) out << "f " << f[0] + 1 << " " << f[1] + 1 << " " << f[2] + 1 << "\n";
 }
 
 // Two plates of 100 mm, joined by a quarter of a cylinder: a sheet of one piece that can be laid flat.
@@ -86,6 +97,33 @@ TEST(BendSeams, nothing_is_cut_where_nothing_or_everything_bends) {
 TEST(BendSeams, a_radius_that_is_none_is_an_error) {
   for (const double r : {0.0, -5.0, std::nan("")})
     EXPECT_THROW((void)seams_along_bends(Surface(cap(100.0)), r), InputError);
+}
+
+// The modules that the lattice grows keep the radius as well: by hand, the sagitta of 30 mm on 50 mm is 2.25 mm.
+TEST(BendLimits, hold_for_the_modules_of_a_design) {
+  // A groove of a 200 mm sheet, half a tube of 32 mm: a side across it asks for 3.5 mm.
+  const Mesh half_tube = grid(24, 40, [](int u, int v) {
+    const double angle = M_PI * (0.1 + 0.8 * u / 24.0);
+    return Vec3(-32.0 * std::cos(angle), 5.0 * v, 32.0 * std::sin(angle));
+  });
+  const auto folder = std::filesystem::temp_directory_path() / ("bend_limits." + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder);
+  write_obj(half_tube, folder / "tube.obj");
+  pipeline::DesignOptions options;
+  options.iterations = 3'000;
+  options.threads = 1;
+  const auto deepest = [&](double radius_mm) {
+    options.bend_radius_mm = radius_mm;
+    const design::Design d = pipeline::make_design(folder / "tube.obj", options);
+    EXPECT_FALSE(d.layout.modules.empty());
+    double depth_mm = 0.0;
+    for (const auto& m : d.layout.modules) depth_mm = std::max({depth_mm, m.edge_depth_mm, m.edge_lift_mm});
+    EXPECT_DOUBLE_EQ(d.limits.depth_mm, radius_mm > 0.0 ? 112.5 / radius_mm : 4.5);
+    return depth_mm;
+  };
+  EXPECT_GT(deepest(0.0), 2.25);
+  EXPECT_LE(deepest(50.0), 2.25 + 1e-9);
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "support/strip_design.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/view/notes.hpp"
 
 namespace triskin::test {
 namespace {
@@ -44,6 +45,66 @@ TEST(ViewModel, has_jumpers_and_cut_corners) {
   const json model = json::parse(view::model_json(d));
   EXPECT_EQ(model["corner_cut_mm"], 3.5);
   EXPECT_EQ(model["jumpers"], json::parse(R"([{"modules":[0,1],"sides":[0,1],"length_mm":12.5}])"));
+}
+
+TEST(ViewModel, has_findings_at_their_modules_and_covers_by_name) {
+  const design::Design d = strip(20, 16);
+  const auto findings =
+      view::findings_in(R"({"findings":[{"module":17,"patch":1,"text":"is absent","remedy":"solder it"},)"
+                        R"({"module":null,"patch":0,"text":"does not answer","remedy":"plug it in"}]})",
+                        "report.json", d, {});
+  ASSERT_EQ(findings.size(), 2U);
+  EXPECT_EQ(findings[0].module, 17);
+  EXPECT_EQ(findings[1].module, -1);
+  EXPECT_EQ(findings[1].patch, 0);
+  view::Notes notes;
+  notes.findings = findings;
+  notes.covers = {{"arm", 0, 0, 0, 20, 120.0, 0.75}};
+  const json model = json::parse(view::model_json(d, false, {}, notes));
+  EXPECT_EQ(model["findings"][0]["remedy"], "solder it");
+  EXPECT_EQ(model["covers"][0]["name"], "arm");
+  EXPECT_EQ(model["covers"][0]["coverage"], 0.75);
+}
+
+TEST(ViewModel, findings_of_a_robot_are_counted_on) {
+  const design::Design d = strip(20, 10);
+  const std::vector<view::CoverNote> covers{{"arm", 0, 0, 0, 10, 0.0, 0.0}, {"leg", 10, 1, 1, 10, 0.0, 0.0}};
+  const auto findings = view::findings_in(
+      R"({"covers":[{"cover":"arm","findings":[]},{"cover":"leg","findings":[{"module":3,"patch":0,"text":"t"}]}]})",
+      "r", d, covers);
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings[0].module, 13);
+  EXPECT_EQ(findings[0].patch, 1);
+}
+
+TEST(ViewModel, a_report_that_is_none_is_refused_with_its_name) {
+  const design::Design d = strip(20, 16);
+  const std::vector<view::CoverNote> covers{{"arm", 0, 0, 0, 20, 0.0, 0.0}};
+  for (const char* text :
+       {"", "[]", "{}", "\xFF\xFE", R"({"findings":3})", R"({"findings":[7]})", R"({"findings":[{"module":"x"}]})",
+        R"({"findings":[{"module":20}]})", R"({"covers":[{"cover":"leg","findings":[]}]})"}) {
+    try {
+      (void)view::findings_in(text, "report.json", d, covers);
+      ADD_FAILURE() << text << " was taken";
+    } catch (const InputError& e) {
+      EXPECT_THAT(e.what(), HasSubstr("report.json")) << text;
+    }
+  }
+}
+
+// A plate 2.5 mm thick under two of three modules; the third has only the upper side under it.
+TEST(ViewModel, knows_the_wall_under_each_module) {
+  design::Design d = strip(3);
+  EXPECT_TRUE(view::wall_under_modules(d).empty()) << "no part, no wall";
+  design::Mesh part;
+  part.vertices = {{-100, -100, 0.5}, {200, -100, 0.5}, {200, 100, 0.5}, {-100, 100, 0.5},
+                   {-100, -100, -2},  {26, -100, -2},   {26, 100, -2},   {-100, 100, -2}};
+  part.faces = {{0, 1, 2}, {0, 2, 3}, {4, 6, 5}, {4, 7, 6}};
+  d.side = design::PartSide{"outer", true, 2.5, part};
+  const std::vector<double> wall = view::wall_under_modules(d);
+  ASSERT_EQ(wall.size(), 3U);
+  EXPECT_NEAR(wall[0], 2.5, 1e-9);
+  EXPECT_NEAR(wall[2], 0.0, 1e-9);
 }
 
 TEST(ViewPage, keeps_a_name_from_a_file_out_of_the_script) {

@@ -9,6 +9,8 @@ import os from "node:os";
 import path from "node:path";
 import {pathToFileURL} from "node:url";
 
+import {checkLegend, checkSizes, checkTools} from "./page_look.mjs";
+
 const [name, triskin, writeStrip, chromiumPath, nodeModules] = process.argv.slice(2);
 const MODULES = 40;
 
@@ -147,7 +149,8 @@ async function live() {
   const kept = path.join(environment.XDG_STATE_HOME, "triskin", "rest");
   for (let n = 0; n < 100 && !fs.existsSync(kept); ++n) await new Promise((resolve) => setTimeout(resolve, 100));
   assert.equal(fs.readdirSync(kept).length, 1, "rest values of the page are kept");
-  await page.evaluate(() => { window.triskin.setMode(1); window.triskin.shown.numbers = false; });
+  assert.equal(await page.evaluate(() => window.triskin.modes[window.triskin.mode].name), "pressure", "a live page opens with the pressure");
+  await page.evaluate(() => { window.triskin.shown.numbers = false; });
   await bringNear(page, 7);
   for (const view of ["cover", "flat"]) assert(!isHot(await colorAt(page, view, 7, 3)), `taxel 3 rests: ${view}`);
   await page.evaluate(() => window.triskin.link.send({do: "press", module: 7, taxel: 3}));
@@ -188,6 +191,23 @@ async function offline() {
   await checkSelection(page);
   assert.deepEqual(wrong, []);
   await page.screenshot({path: path.join(process.cwd(), "page_offline.png")});
+  await browser.close();
+}
+
+// The page of a design from a file, by its pixels.
+async function look() {
+  const file = path.join(folder, "strip.html");
+  execFileSync(triskin, ["export", design, "--format", "html", "-o", file], {env: environment, stdio: "ignore"});
+  const browser = await launch();
+  const {page, wrong} = await open(browser, pathToFileURL(file).href, (url) => url.startsWith("file:") || url.startsWith("data:"));
+  assert.equal(await page.evaluate(() => window.triskin.mode), 0, "a design opens with its controllers");
+  await checkTools(page, (view, module) => clickModule(page, view, module));
+  await checkSizes(page);
+  await page.setViewportSize({width: 1200, height: 700});
+  await page.waitForTimeout(150);
+  await checkLegend(page, bringNear);
+  assert.deepEqual(wrong, []);
+  await page.screenshot({path: path.join(process.cwd(), "page_look.png")});
   await browser.close();
 }
 
@@ -300,7 +320,7 @@ async function robot() {
 }
 
 try {
-  await {live, offline, recorded, robot}[name]();
+  await {live, offline, look, recorded, robot}[name]();
   console.log("1 passed, 0 failed");
 } catch (e) {
   console.error(e);

@@ -5,7 +5,10 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <ctime>
+#include <fstream>
 #include <future>
 #include <thread>
 
@@ -67,6 +70,11 @@ class ViewServer : public testing::Test {
     if (more > 0) size = 0;
     for (const char c : client.read(more)) size = size << 8 | static_cast<unsigned char>(c);
     return client.read(size);
+  }
+  // A message after a sample came.
+  std::string next_message_after_sample(RawClient& client) {
+    fill_skin(1.0);
+    return next_message(client);
   }
   void fill_skin(double below_rest_counts) {
     for (int k = 0; k < kModules; ++k) live_.add(k, sample_of(below_rest_counts), 1'000'000);
@@ -208,6 +216,7 @@ class ImpatientServer : public ViewServer {
     limits.health_interval = std::chrono::hours(1);
     limits.send_buffer_bytes = 4096;
     limits.connections = 4;
+    limits.strangers = 5;
     return limits;
   }
 };
@@ -238,11 +247,88 @@ TEST_F(ImpatientServer, cuts_a_request_that_never_ends) {
   EXPECT_TRUE(client.is_closed_by_server());
 }
 
-TEST_F(ImpatientServer, closes_connections_beyond_its_number) {
+TEST_F(ImpatientServer, refuses_pages_beyond_its_number) {
   const auto a = open_live(), b = open_live(), c = open_live(), d = open_live();
-  RawClient fifth(server_.port());
-  EXPECT_TRUE(fifth.is_closed_by_server());
-  EXPECT_EQ(server_.connections(), 4U);
+  EXPECT_THAT(get(path("")), StartsWith("HTTP/1.1 503"));
+  EXPECT_FALSE(next_message_after_sample(*a).empty()) << "the others are not disturbed";
+}
+
+// Any user of the computer can connect. One who opens connections and sends nothing must not keep out who has the
+// token.
+TEST_F(ImpatientServer, who_has_no_token_does_not_keep_out_who_has_it) {
+  std::vector<std::unique_ptr<RawClient>> idle;
+  for (int k = 0; k < 200; ++k) {
+    idle.push_back(std::make_unique<RawClient>(server_.port()));
+    if (k % 10 > 0) continue;
+    EXPECT_THAT(get(path("main.js")), StartsWith("HTTP/1.1 200")) << k << " idle connections";
+  }
+  EXPECT_LE(server_.connections(), 5U + 4U + 1U);
+  const auto page = open_live();
+  for (int k = 0; k < 20; ++k) idle.push_back(std::make_unique<RawClient>(server_.port()));
+  EXPECT_FALSE(next_message_after_sample(*page).empty()) << "a page that is open stays";
+}
+
+TEST_F(ViewServer, refuses_a_request_with_two_origins) {
+  const std::string ours_too = fmt::format("Origin: http://{}\r\n", host());
+  EXPECT_THAT(ask("GET " + path(""), ours() + ours_too), StartsWith("HTTP/1.1 200"));
+  for (const std::string& other : {ours_too + ours_too, ours_too + "Origin: http://evil.example\r\n",
+                                   "Origin: http://evil.example\r\n" + ours_too})
+    EXPECT_THAT(ask("GET " + path(""), ours() + other), StartsWith("HTTP/1.1 403"));
+}
+
+// Resident memory of this process, bytes.
+std::size_t resident_bytes() {
+  std::ifstream statm("/proc/self/statm");
+  std::size_t total = 0, resident = 0;
+  statm >> total >> resident;
+  return resident * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+}
+
+TEST(ViewDocuments, are_shared_by_readers_that_are_slow) {
+  constexpr std::size_t kBody_bytes = std::size_t{16} << 20;
+  const LiveSkin live(1);
+  const Server server({{"recording.bin", {"application/octet-stream", std::string(kBody_bytes, 'x')}}}, live, 0,
+                      [](const Command&) {}, {});
+  const std::size_t before = resident_bytes();
+  std::vector<std::unique_ptr<RawClient>> slow;
+  for (int k = 0; k < 20; ++k) {
+    slow.push_back(std::make_unique<RawClient>(server.port(), 4096));
+    slow.back()->send(
+        fmt::format("GET /{}/recording.bin HTTP/1.1\r\nHost: 127.0.0.1:{}\r\n\r\n", server.token(), server.port()));
+    EXPECT_THAT(slow.back()->read_to("\r\n\r\n"), StartsWith("HTTP/1.1 200"));
+  }
+  EXPECT_LT(resident_bytes(), before + 3 * kBody_bytes) << "twenty copies would be 320 MiB";
+}
+
+// Without file descriptors a connection that waits must not keep the server's thread busy.
+TEST(ViewWithoutDescriptors, rests) {
+  const LiveSkin live(1);
+  rlimit old{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &old), 0);
+  const Server server({{"", {"text/html", "the page"}}}, live, 0, [](const Command&) {}, {});
+  const RawClient client(server.port());
+  while (server.connections() == 0) std::this_thread::yield();
+  rlimit few = old;
+  few.rlim_cur = 128;
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &few), 0);
+  const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
+  std::vector<int> held;
+  for (int fd = ::dup(0); fd >= 0; fd = ::dup(0)) held.push_back(fd);
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(server.port());
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  ASSERT_EQ(::connect(socket, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+  const std::clock_t before = std::clock();
+  ::usleep(1'000'000);
+  const double used_s = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
+  for (const int fd : held) ::close(fd);
+  (void)::setrlimit(RLIMIT_NOFILE, &old);
+  EXPECT_LT(used_s, 0.3) << "of a second of doing nothing";
+  const RawClient later(server.port());
+  for (int k = 0; k < 500 && server.connections() < 3; ++k) ::usleep(10'000);
+  EXPECT_EQ(server.connections(), 3U) << "with descriptors it accepts again";
+  ::close(socket);
 }
 
 TEST(ViewPort, says_which_port_is_taken) {

@@ -15,8 +15,8 @@
 #include <iterator>
 #include <utility>
 
-#include "output_target.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/base/output_target.hpp"
 
 namespace triskin {
 namespace {
@@ -46,7 +46,7 @@ int write_all(int fd, std::string_view bytes) {
 }
 
 void rename_or_remove(const std::string& temporary, const std::filesystem::path& path) {
-  if (::rename(temporary.c_str(), path.c_str()) == 0) return;
+  if (::rename(temporary.c_str(), path.c_str()) == 0) return sync_folder_of(path);
   const int why = errno;
   ::unlink(temporary.c_str());
   fail_write(path, "rename", why);
@@ -84,10 +84,10 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view b
   const auto [fd, temporary] = create_beside(path);
   if (fd < 0) fail_write(path, "create", errno);
   const int cause = write_all(fd, bytes);
-  ::close(fd);
-  if (cause != 0) {
+  const int close_cause = ::close(fd) == 0 ? 0 : errno;  // A network file system may tell of a full disk here.
+  if (cause != 0 || close_cause != 0) {
     ::unlink(temporary.c_str());
-    fail_write(path, "write", cause);
+    fail_write(path, "write", cause != 0 ? cause : close_cause);
   }
   rename_or_remove(temporary, path);
 }
@@ -133,7 +133,7 @@ void OutputFile::write(std::string_view bytes) {
 void OutputFile::commit() {
   if (temporary_.empty()) return;
   if (::fsync(fd_) != 0) fail_write(target_, "write", errno);
-  ::close(std::exchange(fd_, -1));
+  if (::close(std::exchange(fd_, -1)) != 0) fail_write(target_, "write", errno);
   rename_or_remove(std::exchange(temporary_, {}), target_);
 }
 

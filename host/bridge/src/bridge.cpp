@@ -29,7 +29,9 @@ std::string part_name(const std::string& text) {
 }
 
 Bridge::Bridge(Domain& domain, const design::Design& design, const BridgeOptions& options, std::uint64_t now_ns)
-    : frame_("skin_" + options.part),
+    : domain_(domain),
+      base_("/skin/" + options.part + "/"),
+      frame_("skin_" + options.part),
       points_period_ns_(options.points_hz > 0.0 ? static_cast<std::uint64_t>(kSecond_ns / options.points_hz) : 0),
       calibration_(options.calibration),
       frames_([this](std::span<const recording::ModuleSample> samples) { put_raw(samples); }),
@@ -37,11 +39,10 @@ Bridge::Bridge(Domain& domain, const design::Design& design, const BridgeOptions
   if (part_name(options.part) != options.part)
     throw InputError(fmt::format("\"{}\" is no name of a ROS topic; take letters, digits and _, for example {}",
                                  options.part, part_name(options.part)));
-  const std::string base = "/skin/" + options.part + "/";
-  if (options.raw) raw_ = domain.advertise(base + "raw", kRaw, kStream);
-  if (points_period_ns_ > 0) points_ = domain.advertise(base + "points", kPoints, kLatest);
-  contacts_ = domain.advertise(base + "contacts", kContacts, kLatest);
-  layout_ = domain.advertise(base + "layout", kLayout, kForEver);
+  if (options.raw) raw_ = domain.advertise(base_ + "raw", kRaw, kStream);
+  if (points_period_ns_ > 0) points_ = domain.advertise(base_ + "points", kPoints, kLatest);
+  contacts_ = domain.advertise(base_ + "contacts", kContacts, kLatest);
+  layout_ = domain.advertise(base_ + "layout", kLayout, kForEver);
   diagnostics_ = domain.advertise("/diagnostics", kDiagnostics, kLatest);
   transforms_ = domain.advertise("/tf_static", kTransforms, kForEver);
   layout_->write(recording::encode_layout(design, now_ns, frame_));
@@ -77,6 +78,10 @@ void Bridge::add_contacts(std::span<const recording::Contact> contacts, std::uin
 void Bridge::add_diagnostics(std::span<const Diagnosis> parts, std::uint64_t stamp_ns) {
   diagnostics_->write(encode_diagnostics(parts, stamp_ns));
   ++published_.diagnostics;
+}
+
+int Bridge::other_publishers() const {
+  return domain_.other_writers(base_ + "layout");
 }
 
 int Bridge::readers() const {

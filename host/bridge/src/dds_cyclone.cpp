@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cstring>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -114,6 +116,38 @@ class CycloneServer final : public Server {
   dds_entity_t reader_;
 };
 
+// What discovery knows of the writers in the domain.
+class CycloneWriters {
+ public:
+  explicit CycloneWriters(dds_entity_t participant)
+      : reader_(checked(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
+                        "reader of the writers")) {}
+  ~CycloneWriters() { (void)dds_delete(reader_); }
+  CycloneWriters(const CycloneWriters&) = delete;
+  CycloneWriters& operator=(const CycloneWriters&) = delete;
+
+  // Writers of a topic that belong to other participants.
+  [[nodiscard]] int count(const std::string& topic, const dds_guid_t& own) const {
+    constexpr std::size_t kMaxWriters = 4096;
+    std::vector<void*> samples(kMaxWriters, nullptr);
+    std::vector<dds_sample_info_t> infos(kMaxWriters);
+    const dds_entity_t n = checked(
+        dds_read_mask(reader_, samples.data(), infos.data(), kMaxWriters, kMaxWriters, DDS_ALIVE_INSTANCE_STATE),
+        "read the writers of the domain");
+    int found = 0;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(n); ++k) {
+      const auto* writer = static_cast<const dds_builtintopic_endpoint_t*>(samples[k]);
+      if (!infos[k].valid_data || writer->topic_name != topic) continue;
+      if (std::memcmp(writer->participant_key.v, own.v, sizeof own.v) != 0) ++found;
+    }
+    if (n > 0) (void)dds_return_loan(reader_, samples.data(), n);
+    return found;
+  }
+
+ private:
+  dds_entity_t reader_;
+};
+
 class CycloneDomain final : public Domain {
  public:
   explicit CycloneDomain(std::uint32_t id)
@@ -131,6 +165,13 @@ class CycloneDomain final : public Domain {
                                            qos_of({.depth = 10, .latched = false}, next_service_id()));
   }
 
+  int other_writers(const std::string& name) override {
+    if (!writers_) writers_.emplace(participant_);
+    dds_guid_t own{};
+    (void)checked(dds_get_guid(participant_, &own), "identifier of the participant");
+    return writers_->count("rt" + name, own);
+  }
+
  private:
   // It tells a client that a reader of requests and a writer of answers are one service: an identifier of 16 bytes, of
   // the participant and a number, as rmw_cyclonedds writes it.
@@ -143,6 +184,7 @@ class CycloneDomain final : public Domain {
   }
 
   std::uint32_t services_ = 0;
+  std::optional<CycloneWriters> writers_;
   dds_entity_t participant_;
 };
 

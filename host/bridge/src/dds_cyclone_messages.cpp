@@ -34,8 +34,12 @@ ddsi_serdata* make(const ddsi_sertype* type, ddsi_serdata_kind kind, std::vector
   m->head.hash = type->serdata_basehash;
   return &m->head;
 }
+// What others send is requests of some bytes; nobody makes us keep more than this of one.
+constexpr std::size_t kMaxReceived_bytes = 65'536;
+
 // What came in several packets: parts in order, which may overlap.
 ddsi_serdata* from_network(const ddsi_sertype* type, ddsi_serdata_kind kind, const nn_rdata* part, std::size_t size) {
+  if (size > kMaxReceived_bytes) return nullptr;  // Cyclone drops the message.
   std::vector<std::uint8_t> bytes;
   bytes.reserve(size);
   for (; part != nullptr; part = part->nextfrag) {
@@ -47,6 +51,7 @@ ddsi_serdata* from_network(const ddsi_sertype* type, ddsi_serdata_kind kind, con
 }
 ddsi_serdata* from_vector(const ddsi_sertype* type, ddsi_serdata_kind kind, ddsrt_msg_iovlen_t n,
                           const ddsrt_iovec_t* parts, std::size_t size) {
+  if (size > kMaxReceived_bytes) return nullptr;
   std::vector<std::uint8_t> bytes;
   bytes.reserve(size);
   for (std::size_t k = 0; k < static_cast<std::size_t>(n); ++k) {

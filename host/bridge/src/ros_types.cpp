@@ -29,25 +29,6 @@ const MessageType kDiagnosticsType{"diagnostic_msgs/msg/DiagnosticArray",
                                    "string key\n"
                                    "string value\n"};
 
-const MessageType kTransformsType{"tf2_msgs/msg/TFMessage",
-                                  "geometry_msgs/TransformStamped[] transforms\n" TRISKIN_ROS_RULE
-                                  "MSG: geometry_msgs/TransformStamped\n"
-                                  "std_msgs/Header header\n"
-                                  "string child_frame_id\n"
-                                  "geometry_msgs/Transform transform\n" TRISKIN_ROS_HEADER TRISKIN_ROS_RULE
-                                  "MSG: geometry_msgs/Transform\n"
-                                  "geometry_msgs/Vector3 translation\n"
-                                  "geometry_msgs/Quaternion rotation\n" TRISKIN_ROS_RULE
-                                  "MSG: geometry_msgs/Vector3\n"
-                                  "float64 x\n"
-                                  "float64 y\n"
-                                  "float64 z\n" TRISKIN_ROS_RULE
-                                  "MSG: geometry_msgs/Quaternion\n"
-                                  "float64 x\n"
-                                  "float64 y\n"
-                                  "float64 z\n"
-                                  "float64 w\n"};
-
 std::vector<std::uint8_t> bytes_of(const CdrWriter& w) {
   return {w.message().begin(), w.message().end()};
 }
@@ -63,7 +44,8 @@ const RosType kContacts{recording::kContactsType,
 const RosType kPoints{recording::kPointCloudType,
                       "RIHS01_9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5"};
 const RosType kDiagnostics{kDiagnosticsType, "RIHS01_5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e"};
-const RosType kTransforms{kTransformsType, "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087"};
+const RosType kTransforms{recording::kTransformsType,
+                          "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087"};
 
 std::span<const RosType* const> all_types() {
   static constexpr std::array<const RosType*, 6> kAll{&kRaw,    &kLayout,      &kContacts,
@@ -96,17 +78,6 @@ std::vector<std::uint8_t> encode_diagnostics(std::span<const Diagnosis> parts, s
       w.text(value);
     }
   }
-  return bytes_of(w);
-}
-
-std::vector<std::uint8_t> encode_transform(std::string_view parent, std::string_view child, const Pose& pose,
-                                           std::uint64_t stamp_ns) {
-  CdrWriter w;
-  w.count(1);
-  recording::put_header(w, stamp_ns, parent);
-  w.text(child);
-  for (const double v : pose.translation_m) w.f64(v);
-  for (const double v : pose.rotation) w.f64(v);
   return bytes_of(w);
 }
 

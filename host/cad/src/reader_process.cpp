@@ -73,7 +73,7 @@ void set_limit(int resource, std::uint64_t soft, std::uint64_t hard) {
   if (!kAddressSanitizer) set_limit(RLIMIT_AS, limits.memory_bytes, limits.memory_bytes);
   set_limit(RLIMIT_STACK, kStack_bytes, kStack_bytes);
   set_limit(RLIMIT_CORE, 0, 0);
-  set_limit(RLIMIT_FSIZE, 0, 0);
+  set_limit(RLIMIT_FSIZE, limits.file_bytes, limits.file_bytes);
   ::execv(program, arguments);
   ::_exit(EXIT_FAILURE);
 }

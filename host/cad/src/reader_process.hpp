@@ -14,6 +14,7 @@ struct ProcessLimits {
   double wall_s = 60.0;
   double processor_s = 60.0;
   std::uint64_t memory_bytes = 0;  ///< limit of its address space
+  std::uint64_t file_bytes = 0;    ///< largest file that it may write
 };
 
 /// How a process ended.

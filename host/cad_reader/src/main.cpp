@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// triskin-cad: reads one CAD file with OpenCASCADE for the program `triskin`, which starts it with limits of time and
-// memory. The file is standard input (a regular file), the answer is frames on standard output
-// (triskin/cad/part_stream.hpp). It is no program for people: `triskin faces` is.
+// triskin-cad: reads one CAD file with OpenCASCADE for the program `triskin`, or writes one (`write-step`). `triskin`
+// starts it with limits of time and memory. The file, or the bodies to write, is standard input (a regular file), the
+// answer is frames on standard output (triskin/cad/part_stream.hpp). It is no program for people: `triskin faces` is.
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -11,12 +11,15 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <new>
 #include <string>
 
 #include "document.hpp"
 #include "part_builder.hpp"
+#include "step_writer.hpp"
 #include "triskin/cad/part_stream.hpp"
+#include "triskin/cad/write_step.hpp"
 
 namespace {
 
@@ -44,7 +47,17 @@ class FrameWriter {
   int out_;
 };
 
-std::string answer(const std::string& format, const cad_reader::BuildOptions& options, const FrameWriter& frames) {
+std::string written_step(const FrameWriter& frames) {
+  std::ifstream in(kInput, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  return cad_reader::step_of(cad::bodies_of(bytes),
+                             [&](const std::string& what) { frames.write(cad::FrameKind::kStage, what); });
+}
+
+std::string answer(int count, char** arguments, const FrameWriter& frames) {
+  if (count == 2) return written_step(frames);
+  const std::string format = arguments[1];
+  const cad_reader::BuildOptions options{std::strtod(arguments[2], nullptr), std::strtod(arguments[3], nullptr)};
   const auto stage = [&](const std::string& what) { frames.write(cad::FrameKind::kStage, what); };
   cad_reader::Document document;
   if (format == "iges") {
@@ -59,7 +72,8 @@ std::string answer(const std::string& format, const cad_reader::BuildOptions& op
 }  // namespace
 
 int main(int count, char** arguments) {
-  if (count != 4) {
+  const bool is_writer = count == 2 && std::strcmp(arguments[1], "write-step") == 0;
+  if (count != 4 && !is_writer) {
     constexpr std::string_view kUsage = "triskin-cad is started by triskin; see triskin faces --help\n";
     (void)!::write(STDERR_FILENO, kUsage.data(), kUsage.size());
     return EXIT_FAILURE;
@@ -67,10 +81,9 @@ int main(int count, char** arguments) {
   const FrameWriter frames;
   Message::DefaultMessenger()->ChangePrinters().Clear();
   try {
-    const cad_reader::BuildOptions options{std::strtod(arguments[2], nullptr), std::strtod(arguments[3], nullptr)};
-    frames.write(cad::FrameKind::kPart, answer(arguments[1], options, frames));
+    frames.write(cad::FrameKind::kPart, answer(count, arguments, frames));
   } catch (const std::bad_alloc&) {
-    frames.write(cad::FrameKind::kError, "it needs more memory than reading may take");
+    frames.write(cad::FrameKind::kError, "it needs more memory than it may take");
   } catch (const std::exception& e) {
     frames.write(cad::FrameKind::kError, e.what());
   } catch (const Standard_Failure& e) {

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <string_view>
 
 #include "checked_design.hpp"
 #include "triskin/base/error.hpp"
@@ -41,11 +42,19 @@ int integer(const json& j) {
   return j.get<int>();
 }
 
+// A list of another length is not what it should be, whatever stands at its beginning.
+const json& list_of(const json& j, std::size_t n) {
+  if (!j.is_array() || j.size() != n) throw InputError(fmt::format("{} must be a list of {}", shown(j), n));
+  return j;
+}
+
 P2 p2(const json& j) {
-  return {number(j.at(0)), number(j.at(1))};
+  list_of(j, 2);
+  return {number(j[0]), number(j[1])};
 }
 P3 p3(const json& j) {
-  return {number(j.at(0)), number(j.at(1)), number(j.at(2))};
+  list_of(j, 3);
+  return {number(j[0]), number(j[1]), number(j[2])};
 }
 
 template <class Read>
@@ -56,10 +65,12 @@ auto all(const json& j, Read read) {
 }
 
 std::array<int, 3> three_ints(const json& j) {
-  return {integer(j.at(0)), integer(j.at(1)), integer(j.at(2))};
+  list_of(j, 3);
+  return {integer(j[0]), integer(j[1]), integer(j[2])};
 }
 std::array<double, 3> three(const json& j) {
-  return {number(j.at(0)), number(j.at(1)), number(j.at(2))};
+  list_of(j, 3);
+  return {number(j[0]), number(j[1]), number(j[2])};
 }
 
 int bounded(int value, int low, int high, const char* what) {
@@ -90,7 +101,7 @@ CheckedDesign::Module read_module(const json& j, int n, bool with_lift) {
   m.i = bounded(integer(j.at("i")), -1'000'000, 1'000'000, "lattice coordinate");
   m.j = bounded(integer(j.at("j")), -1'000'000, 1'000'000, "lattice coordinate");
   m.up = j.at("up").get<bool>();
-  for (std::size_t k = 0; k < 3; ++k) m.corner[k] = p3(j.at("corners").at(k));
+  for (std::size_t k = 0; k < 3; ++k) m.corner[k] = p3(list_of(j.at("corners"), 3)[k]);
   m.neighbour = three_ints(j.at("neighbours"));
   for (const int v : m.neighbour) bounded(v, -1, n - 1, "neighbour");
   m.beside = m.neighbour;
@@ -110,8 +121,9 @@ CheckedDesign::Module read_module(const json& j, int n, bool with_lift) {
   m.parent = bounded(integer(j.at("parent")), -1, n - 1, "parent");
   m.depth = integer(j.at("depth"));
   for (std::size_t t = 0; t < 12; ++t) {
-    m.taxel[t] = p3(j.at("taxels").at(t).at("position"));
-    m.taxel_normal[t] = p3(j.at("taxels").at(t).at("normal"));
+    const json& taxel = list_of(j.at("taxels"), 12)[t];
+    m.taxel[t] = p3(taxel.at("position"));
+    m.taxel_normal[t] = p3(taxel.at("normal"));
   }
   return m;
 }
@@ -121,7 +133,10 @@ CheckedDesign::Piece read_piece(const json& j, int n_faces) {
   p.outline = all(j.at("outline"), p2);
   p.holes = all(j.at("holes"), [](const json& h) { return all(h, p2); });
   p.faces = all(j.at("faces"), [&](const json& f) { return bounded(integer(f), 0, n_faces - 1, "face"); });
-  p.flat = all(j.at("flat"), [](const json& t) { return std::array{p2(t.at(0)), p2(t.at(1)), p2(t.at(2))}; });
+  p.flat = all(j.at("flat"), [](const json& t) {
+    list_of(t, 3);
+    return std::array{p2(t[0]), p2(t[1]), p2(t[2])};
+  });
   p.max_edge_error = number(j.at("max_edge_error_mm"));
   const json& at = j.at("placement");
   p.x = number(at.at("x_mm"));
@@ -145,8 +160,8 @@ CheckedDesign::Patch read_patch(const json& j, int n) {
   p.max_depth = integer(j.at("max_depth"));
   p.modules = all(j.at("modules"), [&](const json& m) { return bounded(integer(m), 0, n - 1, "module of a patch"); });
   p.cut_joints = all(j.at("cut_joints"), [&](const json& c) {
-    return std::array{bounded(integer(c.at(0)), 0, n - 1, "cut joint"),
-                      bounded(integer(c.at(1)), 0, n - 1, "cut joint")};
+    list_of(c, 2);
+    return std::array{bounded(integer(c[0]), 0, n - 1, "cut joint"), bounded(integer(c[1]), 0, n - 1, "cut joint")};
   });
   return p;
 }
@@ -185,8 +200,8 @@ void read_jumpers(const json& list, CheckedDesign& d) {
     CheckedDesign::Jumper jumper{
         j.at("kind").get<std::string>(), {}, {}, number(j.at("length_mm")), number(j.at("fold_rad"))};
     for (std::size_t k = 0; k < 2; ++k) {
-      jumper.module[k] = bounded(integer(j.at("modules").at(k)), 0, n - 1, "module of a jumper");
-      jumper.side[k] = bounded(integer(j.at("sides").at(k)), 0, 2, "side of a jumper");
+      jumper.module[k] = bounded(integer(list_of(j.at("modules"), 2)[k]), 0, n - 1, "module of a jumper");
+      jumper.side[k] = bounded(integer(list_of(j.at("sides"), 2)[k]), 0, 2, "side of a jumper");
     }
     for (std::size_t k = 0; k < 2; ++k) {
       int& beside =
@@ -300,6 +315,146 @@ void require_bounded(const json& j, const std::string& key, double bound) {
   }
 }
 
+// A key that no reader knows would change nothing, whatever its author meant by it.
+constexpr std::array<std::string_view, 123> kKnownKeys{"address",
+                                                       "alternatives",
+                                                       "area_cm2",
+                                                       "backup",
+                                                       "bend_radius_mm",
+                                                       "box",
+                                                       "center_gap_mm",
+                                                       "center_mm",
+                                                       "certain",
+                                                       "controller",
+                                                       "corner_cut_mm",
+                                                       "corners",
+                                                       "cover",
+                                                       "coverage",
+                                                       "coverage_cut",
+                                                       "cut_joints",
+                                                       "depth",
+                                                       "depth_mm",
+                                                       "design_id",
+                                                       "deviation_mm",
+                                                       "dielectric",
+                                                       "distance_mm",
+                                                       "edge_depth_mm",
+                                                       "edge_error_mm",
+                                                       "edge_lift_mm",
+                                                       "elsewhere",
+                                                       "entry",
+                                                       "face_count",
+                                                       "faces",
+                                                       "failures",
+                                                       "file",
+                                                       "flat",
+                                                       "fold_rad",
+                                                       "format",
+                                                       "free",
+                                                       "high_mm",
+                                                       "hinge_gap_mm",
+                                                       "holes",
+                                                       "i",
+                                                       "id",
+                                                       "island",
+                                                       "islands",
+                                                       "j",
+                                                       "jumper",
+                                                       "jumper_mm",
+                                                       "jumpers",
+                                                       "jumpers_lower_bound",
+                                                       "keep_out_mm",
+                                                       "kind",
+                                                       "kinds",
+                                                       "length_mm",
+                                                       "lift_mm",
+                                                       "limits",
+                                                       "line",
+                                                       "line_hops",
+                                                       "list",
+                                                       "lost_one_entry",
+                                                       "lost_rerouted",
+                                                       "lost_strapped",
+                                                       "low_mm",
+                                                       "max_center_gap_mm",
+                                                       "max_depth",
+                                                       "max_edge_depth_mm",
+                                                       "max_edge_error_mm",
+                                                       "max_edge_lift_mm",
+                                                       "max_hinge_gap_mm",
+                                                       "method",
+                                                       "module",
+                                                       "modules",
+                                                       "name",
+                                                       "neighbours",
+                                                       "node_address",
+                                                       "normal",
+                                                       "other",
+                                                       "outline",
+                                                       "overrun_mm",
+                                                       "parent",
+                                                       "part",
+                                                       "patch",
+                                                       "patches",
+                                                       "patches_lower_bound",
+                                                       "penetration_mm",
+                                                       "pieces",
+                                                       "place_mm",
+                                                       "placement",
+                                                       "places",
+                                                       "position",
+                                                       "price",
+                                                       "proved",
+                                                       "radius_mm",
+                                                       "refused",
+                                                       "region",
+                                                       "regions",
+                                                       "report",
+                                                       "rms_edge_error_mm",
+                                                       "rotation",
+                                                       "scale_to_mm",
+                                                       "second_entry",
+                                                       "second_entry_side",
+                                                       "seconds",
+                                                       "seed",
+                                                       "sensitivity_counts_per_kpa",
+                                                       "share",
+                                                       "side",
+                                                       "sides",
+                                                       "source",
+                                                       "sphere",
+                                                       "surface",
+                                                       "taken",
+                                                       "taxels",
+                                                       "theta_rad",
+                                                       "uncovered",
+                                                       "up",
+                                                       "upper_bound",
+                                                       "version",
+                                                       "vertices",
+                                                       "wall_mm",
+                                                       "weight",
+                                                       "why",
+                                                       "within_mm",
+                                                       "worth",
+                                                       "x_mm",
+                                                       "y_mm"};
+
+// Not inside "selection", which is what the user chose of a CAD part, and "refused", whose keys are names of limits.
+void require_known_keys(const json& j) {
+  if (j.is_object()) {
+    for (const auto& [key, value] : j.items()) {
+      if (key == "selection" || key == "refused") continue;
+      if (std::ranges::count(kKnownKeys, key) == 0)
+        throw InputError(fmt::format("key \"{}\" is unknown in a design file", key));
+      require_known_keys(value);
+    }
+  }
+  if (j.is_array() && !j.empty() && !j[0].is_number()) {
+    for (const json& item : j) require_known_keys(item);
+  }
+}
+
 // The JSON parser recurses; a design nests 6 deep.
 void require_shallow(const std::string& text, const std::string& file) {
   int depth = 0;
@@ -317,7 +472,9 @@ CheckedDesign read_checked_design(const std::filesystem::path& path) {
   try {
     const json document = json::parse(text);
     require_bounded(document, "", kMaxNumber);
-    return read_all(document);
+    CheckedDesign design = read_all(document);
+    require_known_keys(document);
+    return design;
   } catch (const json::exception& e) {
     throw InputError(fmt::format("{}: not a design file of this version ({}); make it again with triskin design",
                                  path.string(), json_cause(e.what())));

@@ -10,20 +10,16 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "bridge_services.hpp"
 #include "contacts.hpp"
-#include "triskin/base/interrupt.hpp"
-#include "triskin/base/wall_clock.hpp"
+#include "triskin/base/pace.hpp"
 #include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/robot/robot.hpp"
-#include "triskin/skin/rest_store.hpp"
-#include "triskin/skin/touch_map.hpp"
 
 namespace triskin::cli::bridge_command {
 namespace {
@@ -99,42 +95,45 @@ bridge::BridgeOptions with_unit(bridge::BridgeOptions options, const design::Ski
 // One cover: its topics, and what presses it.
 class CoverFeed {
  public:
-  CoverFeed(const robot::CoverConfig& cover, bridge::Domain& domain, const bridge::BridgeOptions& options,
-            bool services, std::span<const wire::NodeClaim> claims, design::SkinCalibration calibration,
+  CoverFeed(device::LiveCover& cover, bridge::Domain& domain, const bridge::BridgeOptions& options, bool services,
             std::uint64_t now_ns)
       : cover_(cover),
         part_(options.part),
-        touches_(cover.design, device::RestStore(cover.design, claims).read()),
-        calibration_(std::move(calibration)),
-        bridge_(domain, cover.design, with_unit(options, calibration_), now_ns) {
-    if (services) services_.emplace(domain, part_, cover.design, touches_);
+        bridge_(domain, cover.design(), with_unit(options, cover.calibration()), now_ns) {
+    if (services) services_.emplace(domain, part_, cover);
   }
 
-  void add(const device::ModuleSample& f, std::uint64_t sampled_ns) {
-    touches_.add(f);
-    if (services_) services_->add(f);
-    bridge_.add({f.module, f.link_time_us, f.sample, sampled_ns, f.sampled.error_us});
+  void add(const device::LiveSample& s) {
+    bridge_.add({s.module, s.raw.link_time_us, s.raw.sample, s.unix_ns, s.error_us});
   }
-  void slice(device::Bus& bus, std::uint64_t now_ns) {
-    bridge_.add_contacts(contacts_of(touches_, cover_.design, calibration_), now_ns);
-    if (services_) services_->step(bus);
+  void slice(device::LiveBus& bus, std::uint64_t now_ns) {
+    bridge_.add_contacts(contacts_of(cover_.touches(), cover_.design(), cover_.calibration()), now_ns);
+    if (services_) services_->step(bus.bus());
   }
-  void diagnose(const device::StreamReport& report, std::uint64_t now_ns) {
-    bridge_.add_diagnostics(bridge_command::diagnose(report, part_), now_ns);
+  void diagnose(const device::StreamReport& report, std::uint64_t now_ns, const Output& output) {
+    auto parts = bridge_command::diagnose(report, part_);
+    const int others = bridge_.other_publishers();
+    if (others > 0)
+      parts.push_back({bridge::Diagnosis::Level::kError, fmt::format("skin {}", part_), in_words(), "", {}});
+    if (others > 0 && others_ == 0) output.say(in_words());
+    others_ = std::max(others_, others);
+    bridge_.add_diagnostics(parts, now_ns);
   }
-  void end(const device::StreamReport& report, std::uint64_t now_ns) {
+  void end(const device::StreamReport& report, std::uint64_t now_ns, const Output& output) {
     bridge_.flush();
-    diagnose(report, now_ns);
+    diagnose(report, now_ns, output);
     report_ = report;
   }
   // Adds the report of the cover; returns the exit status.
   int print_report(const robot::BusConfig& bus, nlohmann::json& rows, Output& output) const {
-    nlohmann::json row = keys_of(bus, cover_);
+    const robot::CoverConfig& cover = cover_.config();
+    nlohmann::json row = keys_of(bus, cover);
     const bridge::Published& p = bridge_.published();
-    for (const std::string& line : sentences(report_)) output.say(prefix_of(cover_) + line);
+    for (const std::string& line : sentences(report_)) output.say(prefix_of(cover) + line);
     add_stream_keys(report_, row);
     row["part"] = part_;
-    row["calibration"] = calibration_keys(calibration_);
+    row["other_publishers"] = others_;
+    row["calibration"] = calibration_keys(cover_.calibration());
     row["published"] = {{"raw", p.raw},
                         {"samples", p.samples},
                         {"points", p.points},
@@ -147,10 +146,17 @@ class CoverFeed {
   }
 
  private:
-  const robot::CoverConfig& cover_;
+  [[nodiscard]] std::string in_words() const {
+    return fmt::format(
+        "another program publishes /skin/{} in this domain too, and readers get both mixed; end one of them, or give "
+        "it "
+        "another --part or --domain",
+        part_);
+  }
+
+  device::LiveCover& cover_;
   std::string part_;
-  device::TouchMap touches_;
-  design::SkinCalibration calibration_;
+  int others_ = 0;  // Largest number of other programs that published the part.
   bridge::Bridge bridge_;
   std::optional<CoverServices> services_;
   device::StreamReport report_;
@@ -159,66 +165,64 @@ class CoverFeed {
 // One bus: from its stream to the topics of its covers.
 class BusFeed {
  public:
-  BusFeed(const Options& options, const robot::BusConfig& site) : options_(options), site_(site) {}
+  BusFeed(const Options& options, device::LiveBus& bus) : options_(options), bus_(bus) {}
 
-  void run(device::Link& link, bridge::Domain& domain, const std::vector<bridge::BridgeOptions>& by_cover,
-           const Output& output) {
-    device::Bus bus(link);
-    const auto claims = bus.discover();
-    start_us_ = bus.now_us();
-    start_ns_ = unix_ns();
-    std::vector<const design::Design*> designs;
-    for (const robot::CoverConfig& cover : site_.covers) {
-      if (!cover.chosen) continue;
-      covers_.push_back(std::make_unique<CoverFeed>(
-          cover, domain, by_cover[static_cast<std::size_t>(cover.cover)], options_.services, claims,
-          calibration_for(options_.calibration, bus, cover, claims, output), start_ns_));
-      designs.push_back(&cover.design);
+  void run(bridge::Domain& domain, const std::vector<bridge::BridgeOptions>& by_cover, const Output& output) {
+    bus_.find_controllers();
+    const std::uint64_t start_us = bus_.now_us();
+    for (device::LiveCover& cover : bus_.covers()) {
+      calibrate_cover(options_.calibration, bus_, cover, output);
+      covers_.push_back(std::make_unique<CoverFeed>(cover, domain,
+                                                    by_cover[static_cast<std::size_t>(cover.config().cover)],
+                                                    options_.services, bus_.unix_ns(start_us)));
     }
-    device::Stream stream(
-        bus, designs,
-        [this](const device::ModuleSample& f) {
-          covers_[static_cast<std::size_t>(f.cover)]->add(f, ns_of(f.sampled.link_us));
-        },
-        robot::stream_options(site_, designs, speaking(options_.stream)));
-    feed(bus, stream);
-    stream.finish();
-    for (std::size_t c = 0; c < covers_.size(); ++c)
-      covers_[c]->end(stream.report(static_cast<int>(c)), ns_of(bus.now_us()));
+    bus_.start(speaking(options_.stream),
+               [this](const device::LiveSample& s) { covers_[static_cast<std::size_t>(s.cover)]->add(s); });
+    feed(start_us, output);
+    bus_.finish();
+    for (std::size_t c = 0; c < covers_.size(); ++c) covers_[c]->end(bus_.report(c), now_ns(), output);
   }
   int print_report(nlohmann::json& rows, Output& output) const {
     int status = 0;
-    for (const auto& cover : covers_) status = std::max(status, cover->print_report(site_, rows, output));
+    for (const auto& cover : covers_) status = std::max(status, cover->print_report(bus_.config(), rows, output));
     return status;
   }
 
  private:
   static constexpr std::uint64_t kDiagnostics_us = 1'000'000;
 
-  [[nodiscard]] std::uint64_t ns_of(std::uint64_t link_us) const { return start_ns_ + (link_us - start_us_) * 1000; }
+  [[nodiscard]] std::uint64_t now_ns() const { return bus_.unix_ns(bus_.now_us()); }
 
-  void feed(device::Bus& bus, device::Stream& stream) {
-    const auto end_us = options_.seconds > 0.0 ? start_us_ + static_cast<std::uint64_t>(options_.seconds * 1e6) : 0;
-    const auto slice_us = static_cast<std::uint64_t>(1e6 / options_.contacts_hz);
-    std::uint64_t diagnostics_us = 0;
-    try {
-      while ((end_us == 0 || bus.now_us() < end_us) && !interrupt_request()) {
-        stream.run_until(bus.now_us() + slice_us);
-        for (const auto& cover : covers_) cover->slice(bus, ns_of(bus.now_us()));
-        if (bus.now_us() < diagnostics_us) continue;
-        for (std::size_t c = 0; c < covers_.size(); ++c)
-          covers_[c]->diagnose(stream.report(static_cast<int>(c)), ns_of(bus.now_us()));
-        diagnostics_us = bus.now_us() + kDiagnostics_us;
-      }
-    } catch (const Cancelled&) {
-      // Ctrl-C is the usual end.
-    }
+  // Subscribers get the samples as the skin takes them, also those of a simulation that could be faster.
+  void feed(std::uint64_t start_us, const Output& output) {
+    constexpr std::uint64_t kPaced_us = 10'000;
+    const auto contacts_us = static_cast<std::uint64_t>(1e6 / options_.contacts_hz);
+    std::uint64_t next_us = bus_.now_us() + contacts_us;
+    Pace pace(bus_.now_us());
+    device::LiveRun run;
+    if (options_.seconds > 0.0) run.until_us = start_us + static_cast<std::uint64_t>(options_.seconds * 1e6);
+    run.before_slice = [&] { run.slice_us = std::min(kPaced_us, next_us - bus_.now_us()); };
+    run.after_slice = [&] {
+      pace.hold(bus_.now_us());
+      if (bus_.now_us() < next_us) return true;
+      slice(output);
+      next_us = bus_.now_us() + contacts_us;
+      return true;
+    };
+    bus_.run(run);
+  }
+
+  void slice(const Output& output) {
+    for (const auto& cover : covers_) cover->slice(bus_, now_ns());
+    if (bus_.now_us() < diagnostics_us_) return;
+    for (std::size_t c = 0; c < covers_.size(); ++c) covers_[c]->diagnose(bus_.report(c), now_ns(), output);
+    diagnostics_us_ = bus_.now_us() + kDiagnostics_us;
   }
 
   const Options& options_;
-  const robot::BusConfig& site_;
+  device::LiveBus& bus_;
   std::vector<std::unique_ptr<CoverFeed>> covers_;
-  std::uint64_t start_us_ = 0, start_ns_ = 0;
+  std::uint64_t diagnostics_us_ = 0;  // Time of the next diagnostics.
 };
 
 // Indexed by cover of the robot file; a design file has one.
@@ -248,24 +252,20 @@ std::vector<bridge::BridgeOptions> options_of(const Options& options, const robo
 
 int run(const Options& options, Output& output) {
   output.expect_interrupt();
-  robot::Site site = robot::read_site(options.site.file);
-  robot::choose(site, options.site.cover);
+  robot::Site site = read_site(options.site);
   const std::vector<bridge::BridgeOptions> by_cover = options_of(options, site);
   const std::uint32_t domain_id = domain_of(options);
   const auto domain = bridge::join_domain(domain_id);
-  OpenSite open{std::move(site), {}};
-  open.links = device::open_buses(open.site, options.site.link);
-  say_simulated(open.links, output);
+  device::LiveSkin skin(std::move(site), options.site.link);
+  open_links(skin, output);
   std::deque<BusFeed> feeds;
-  for (const robot::BusConfig& bus : open.site.buses) feeds.emplace_back(options, bus);
+  for (const auto& bus : skin.buses()) feeds.emplace_back(options, *bus);
   output.say(fmt::format("publishing /skin/… in domain {}; end with Ctrl-C", domain_id));
-  on_each_bus(open, [&](const robot::BusConfig& bus, device::Link& link) {
-    feeds[static_cast<std::size_t>(&bus - open.site.buses.data())].run(link, *domain, by_cover, output);
-  });
+  skin.on_each_bus([&](device::LiveBus& bus) { feeds[bus.index()].run(*domain, by_cover, output); });
   nlohmann::json rows = nlohmann::json::array();
   int status = 0;
   for (const BusFeed& feed : feeds) status = std::max(status, feed.print_report(rows, output));
-  if (open.site.is_robot)
+  if (skin.site().is_robot)
     output.result = {{"covers", std::move(rows)}};
   else
     output.result = std::move(rows[0]);

@@ -13,8 +13,6 @@
 namespace triskin::cli::bridge_services {
 namespace {
 
-constexpr std::uint64_t kTareMost_us = 2'000'000;
-
 // Calls `ask` for each controller; what one cannot do is said, and the others are asked all the same.
 template <class Answer, class Ask>
 void ask_each(device::Bus& bus, const design::Design& design, const std::vector<int>& patches, Answer& answer,
@@ -36,23 +34,14 @@ void ask_each(device::Bus& bus, const design::Design& design, const std::vector<
 
 namespace triskin::cli {
 
-CoverServices::CoverServices(bridge::Domain& domain, const std::string& part, const design::Design& design,
-                             device::TouchMap& touches)
-    : design_(design),
-      touches_(touches),
-      tare_(domain, part),
-      reroute_(domain, part),
-      identify_(domain, part),
-      valid_since_tare_(design.layout.modules.size()) {}
-
-void CoverServices::add(const device::ModuleSample& frame) {
-  valid_since_tare_.at(static_cast<std::size_t>(frame.module)) |= frame.sample.valid;
-}
+CoverServices::CoverServices(bridge::Domain& domain, const std::string& part, device::LiveCover& cover)
+    : cover_(cover), tare_(domain, part), reroute_(domain, part), identify_(domain, part) {}
 
 void CoverServices::step(device::Bus& bus) {
   step_tare(bus.now_us());
-  while (const auto asked = reroute_.take()) reroute_.answer(asked->id, reroute(bus, asked->request.patch));
-  while (const auto asked = identify_.take()) identify_.answer(asked->id, identify(bus));
+  // One of each a step: who asks all the time must not keep the samples from the others.
+  if (const auto asked = reroute_.take()) reroute_.answer(asked->id, reroute(bus, asked->request.patch));
+  if (const auto asked = identify_.take()) identify_.answer(asked->id, identify(bus));
 }
 
 // Those who ask while one is under way get the answer of the one that then begins anew.
@@ -62,20 +51,16 @@ void CoverServices::step_tare(std::uint64_t now_us) {
     taring_.push_back(asked->id);
     begin = true;
   }
-  if (begin) {
-    touches_.tare();
-    std::ranges::fill(valid_since_tare_, 0);
-    tare_begun_us_ = now_us;
-    return;
-  }
-  if (taring_.empty()) return;
+  if (begin) return cover_.begin_tare(now_us);
+  using State = device::Tare::State;
+  const State state = cover_.tare().state();
+  if (taring_.empty() || state == State::kRunning) return;
   bridge::Tare::Answer answer;
-  for (const std::uint16_t valid : valid_since_tare_) answer.taxels += static_cast<std::uint32_t>(std::popcount(valid));
-  answer.success = answer.taxels > 0 && touches_.tared();
-  if (!answer.success && now_us < tare_begun_us_ + bridge_services::kTareMost_us) return;
-  if (answer.taxels == 0)
+  answer.taxels = cover_.tare().taxels();
+  answer.success = state == State::kDone;
+  if (state == State::kNoSample)
     answer.message = "no valid sample came in 2 s, so there is nothing to tare; look at /diagnostics";
-  else if (!answer.success)
+  else if (state == State::kIncomplete)
     answer.message = "some taxels gave fewer than three samples in 2 s; ask again, or let the stream be faster";
   for (const bridge::RequestId& id : taring_) tare_.answer(id, answer);
   taring_.clear();
@@ -83,13 +68,13 @@ void CoverServices::step_tare(std::uint64_t now_us) {
 
 bridge::Reroute::Answer CoverServices::reroute(device::Bus& bus, std::int32_t patch) const {
   bridge::Reroute::Answer answer;
-  std::vector<int> patches = design::patches_here(design_);
+  std::vector<int> patches = design::patches_here(cover_.design());
   if (patch >= 0) std::erase_if(patches, [&](int p) { return p != patch; });
   if (patches.empty()) {
     answer.message = fmt::format("no controller of patch {} hangs here; patches count from 0", patch);
     return answer;
   }
-  bridge_services::ask_each(bus, design_, patches, answer, [&](int p, device::Controller& controller) {
+  bridge_services::ask_each(bus, cover_.design(), patches, answer, [&](int p, device::Controller& controller) {
     controller.reroute();
     const wire::ActiveRoute route = controller.route();
     answer.patch.push_back(p);
@@ -100,8 +85,8 @@ bridge::Reroute::Answer CoverServices::reroute(device::Bus& bus, std::int32_t pa
 
 bridge::Identify::Answer CoverServices::identify(device::Bus& bus) const {
   bridge::Identify::Answer answer;
-  answer.design_id = design_.design_id;
-  bridge_services::ask_each(bus, design_, design::patches_here(design_), answer,
+  answer.design_id = cover_.design().design_id;
+  bridge_services::ask_each(bus, cover_.design(), design::patches_here(cover_.design()), answer,
                             [&](int patch, device::Controller& controller) {
                               const wire::Hello hello = controller.hello();
                               const wire::ActiveTable table = controller.active_table();

@@ -7,8 +7,7 @@
 
 #include "triskin/bridge/services.hpp"
 #include "triskin/session/bus.hpp"
-#include "triskin/session/stream.hpp"
-#include "triskin/skin/touch_map.hpp"
+#include "triskin/skin/live_cover.hpp"
 
 namespace triskin::cli {
 
@@ -16,11 +15,8 @@ namespace triskin::cli {
 /// is an answer, and the stream goes on. Threads: that of the bus.
 class CoverServices {
  public:
-  /// `domain`, `design` and `touches` outlive it. Throws DeviceError.
-  CoverServices(bridge::Domain& domain, const std::string& part, const design::Design& design,
-                device::TouchMap& touches);
-  /// Call it for each sample that `touches` has received.
-  void add(const device::ModuleSample& frame);
+  /// `domain` and `cover` outlive it. Throws DeviceError.
+  CoverServices(bridge::Domain& domain, const std::string& part, device::LiveCover& cover);
   /// Does what was asked since the last call; talks to controllers. Throws DeviceError when DDS fails.
   void step(device::Bus& bus);
 
@@ -29,14 +25,11 @@ class CoverServices {
   [[nodiscard]] bridge::Reroute::Answer reroute(device::Bus& bus, std::int32_t patch) const;
   [[nodiscard]] bridge::Identify::Answer identify(device::Bus& bus) const;
 
-  const design::Design& design_;
-  device::TouchMap& touches_;
+  device::LiveCover& cover_;
   bridge::Service<bridge::Tare> tare_;
   bridge::Service<bridge::Reroute> reroute_;
   bridge::Service<bridge::Identify> identify_;
-  std::vector<bridge::RequestId> taring_;  // who waits for it
-  std::uint64_t tare_begun_us_ = 0;
-  std::vector<std::uint16_t> valid_since_tare_;  // Indexed by module.
+  std::vector<bridge::RequestId> taring_;  // Those who wait for the running tare.
 };
 
 }  // namespace triskin::cli

@@ -3,20 +3,20 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdio>
 #include <iostream>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "triskin/base/files.hpp"
 #include "triskin/base/interrupt.hpp"
-#include "triskin/base/wall_clock.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/design/outline.hpp"
-#include "triskin/link/cover_link.hpp"
-#include "triskin/session/controller.hpp"
-#include "triskin/session/controller_calibration.hpp"
-#include "triskin/skin/rest_store.hpp"
+#include "triskin/skin/keep_calibration.hpp"
 
 namespace triskin::cli::calibrate_command {
 namespace {
@@ -50,21 +50,22 @@ std::string request_of(const device::PressureStep& step, double kpa_of_gram) {
 
 // A person brings the steps about, and says so with Enter.
 void ask_person(const std::string& request) {
-  std::fputs(("triskin: " + request + ", then press Enter\n").c_str(), stderr);
+  say_aside(request + ", then press Enter");
   std::string line;
   if (!std::getline(std::cin, line))
     throw InputError("calibrate waits for Enter after each step, and standard input has ended; run it in a terminal");
   if (interrupt_request()) throw Cancelled("ended before the calibration was complete; nothing was kept");
 }
 
-device::CalibrationOutcome measure(const Options& options, const design::Design& design, device::Link& link,
-                                   device::Bus& bus) {
+device::CalibrationOutcome measure(const Options& options, device::LiveBus& live, device::LiveCover& cover) {
+  const design::Design& design = cover.design();
+  device::Bus& bus = live.bus();
   device::CalibrateOptions calibrate = options.calibrate;
   calibrate.stream = speaking(calibrate.stream);
-  calibrate.unix_minus_link_ns = unix_ns() - bus.now_us() * 1000;
+  calibrate.unix_minus_link_ns = live.unix_ns(0);
   if (!options.ramp.empty()) {
     const device::PressureRamp ramp(options.ramp);
-    if (!ramp.by_calendar() && link.finger() == nullptr)
+    if (!ramp.by_calendar() && cover.actuator() == nullptr)
       throw InputError(
           fmt::format("{}: times of the link are known of simulated links only; give the column unix_s", options.ramp));
     calibrate.method = wire::CalibrationMethod::kRamp;
@@ -76,16 +77,16 @@ device::CalibrationOutcome measure(const Options& options, const design::Design&
   std::vector<double> pressures = options.steps_kpa;
   for (const double g : options.weights_g) pressures.push_back(g * of_gram);
   const auto steps = device::pressure_steps(pressures, by_module, design.layout.modules.size());
-  device::Finger* finger = options.by_hand ? nullptr : link.finger();
+  device::TouchActuator* actuator = options.by_hand ? nullptr : cover.actuator();
   int pressed = -1;
   calibrate.apply = [&](const device::PressureStep& step) {
     if (interrupt_request()) throw Cancelled("ended before the calibration was complete; nothing was kept");
-    if (finger == nullptr) return ask_person(request_of(step, of_gram));
-    if (pressed != step.module) finger->pressurize(pressed, 0.0);
-    finger->pressurize(pressed = step.module, step.pressure_kpa);
+    if (actuator == nullptr) return ask_person(request_of(step, of_gram));
+    if (pressed != step.module) actuator->pressurize(pressed, 0.0);
+    actuator->pressurize(pressed = step.module, step.pressure_kpa);
   };
   auto outcome = device::calibrate_by_steps(bus, design, steps, calibrate);
-  if (finger != nullptr) finger->pressurize(pressed, 0.0);
+  if (actuator != nullptr) actuator->pressurize(pressed, 0.0);
   return outcome;
 }
 
@@ -110,83 +111,52 @@ void print_report(const device::CalibrationOutcome& outcome, Output& output) {
                    {"without", std::move(without)}};
 }
 
-// Writes one into its controller. One that does not take it is named: this computer keeps it in its place.
-bool into_controller(device::Bus& bus, const wire::NodeClaim& claim, const design::BoardCalibration& board,
-                     Output& output) {
-  const bool taken = device::keep_in_controller(bus, claim, board);
-  output.say(taken ? fmt::format("controller {}  keeps revision {} of its calibration", board.serial, board.revision)
+// Says which controllers keep their calibration; one that does not is named: this computer keeps it in its place.
+nlohmann::json rows_of(const std::vector<device::KeptCalibration>& kept, Output& output) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const auto& [board, in_controller] : kept) {
+    output.say(in_controller
+                   ? fmt::format("controller {}  keeps revision {} of its calibration", board.serial, board.revision)
                    : fmt::format("controller {}  did not take revision {} of its calibration, so this computer alone "
                                  "keeps it: its firmware is older (triskin flash --firmware) or its table is of "
                                  "another design (triskin flash)",
                                  board.serial, board.revision));
-  return taken;
-}
-
-nlohmann::json row_of(const design::BoardCalibration& board, bool taken) {
-  return {{"serial", board.serial}, {"revision", board.revision}, {"made", board.made}, {"in_controller", taken}};
-}
-
-const wire::NodeClaim* claim_of(std::span<const wire::NodeClaim> claims, const std::string& serial) {
-  const auto claim =
-      std::ranges::find_if(claims, [&](const wire::NodeClaim& c) { return device::to_text(c.unique_id) == serial; });
-  return claim == claims.end() ? nullptr : &*claim;
-}
-
-// Keeps the calibration, in the controllers and here, and the rest values, which belong to it.
-void keep(const Options& options, const design::Design& design, device::Bus& bus, device::CalibrationOutcome& outcome,
-          Output& output) {
-  const device::CalibrationStore store;
-  const auto claims = bus.discover();
-  const auto kept = device::kept_in_controllers(bus, design, claims);
-  nlohmann::json rows = nlohmann::json::array();
-  for (design::BoardCalibration& board : outcome.boards) {
-    const auto before = std::ranges::find(kept, board.serial, &design::BoardCalibration::serial);
-    board = store.renew(std::move(board), before == kept.end() ? 0 : before->revision);
-    const wire::NodeClaim* claim = claim_of(claims, board.serial);
-    rows.push_back(row_of(board, claim != nullptr && into_controller(bus, *claim, board, output)));
+    rows.push_back({{"serial", board.serial},
+                    {"revision", board.revision},
+                    {"made", board.made},
+                    {"in_controller", in_controller}});
   }
-  device::RestStore(design, claims).write(outcome.rest);
-  output.result["boards"] = std::move(rows);
+  return rows;
+}
+
+void keep(const Options& options, device::LiveBus& bus, device::LiveCover& cover, device::CalibrationOutcome outcome,
+          Output& output) {
+  const auto kept = device::keep_calibration(bus, cover, std::move(outcome));
+  output.result["boards"] = rows_of(kept, output);
   if (options.output.empty()) return;
-  write_output(options.output, design::calibration_text(outcome.boards));
+  std::vector<design::BoardCalibration> boards;
+  for (const device::KeptCalibration& k : kept) boards.push_back(k.board);
+  write_output(options.output, design::calibration_text(boards));
   output.result["file"] = options.output;
 }
 
-int forget(const design::Design& design, device::Bus& bus, Output& output) {
-  const device::CalibrationStore store;
-  nlohmann::json forgotten = nlohmann::json::array();
-  for (const wire::NodeClaim& claim : bus.discover()) {
-    if (design::patch_at(design, claim.node_address) < 0) continue;
-    const std::string serial = device::to_text(claim.unique_id);
-    const bool here = store.forget(serial), there = device::forget_in_controller(bus, claim);
-    if (!here && !there) continue;
-    forgotten.push_back(serial);
+int forget(device::LiveBus& bus, const device::LiveCover& cover, Output& output) {
+  const std::vector<std::string> forgotten = device::forget_calibration(bus, cover);
+  for (const std::string& serial : forgotten)
     output.say(fmt::format("controller {}  its calibration is forgotten", serial));
-  }
   output.say(fmt::format("{} calibrations were forgotten", forgotten.size()));
-  output.result = {{"forgotten", std::move(forgotten)}};
+  output.result = {{"forgotten", forgotten}};
   return 0;
 }
 
 // Nothing is measured: a calibration of a file goes to the controllers that it is of, and is kept here.
-int write_again(const Options& options, const design::Design& design, device::Bus& bus, Output& output) {
-  const device::CalibrationStore store;
-  const auto claims = bus.discover();
-  nlohmann::json rows = nlohmann::json::array();
-  bool all = true;
-  for (const design::BoardCalibration& board : design::read_calibration(options.from)) {
-    const wire::NodeClaim* claim = claim_of(claims, board.serial);
-    if (claim == nullptr || design::patch_at(design, claim->node_address) < 0) continue;
-    store.write(board);
-    const bool taken = into_controller(bus, *claim, board, output);
-    all = all && taken;
-    rows.push_back(row_of(board, taken));
-  }
-  if (rows.empty())
+int write_again(const Options& options, device::LiveBus& bus, const device::LiveCover& cover, Output& output) {
+  const auto kept = device::keep_calibration_file(bus, cover, options.from);
+  if (kept.empty())
     throw InputError(fmt::format("--from {}: has none of the controllers of {} that answer; nothing was written",
-                                 options.from, design.name));
-  output.result = {{"boards", std::move(rows)}};
-  return all ? 0 : 1;
+                                 options.from, cover.design().name));
+  output.result = {{"boards", rows_of(kept, output)}};
+  return std::ranges::all_of(kept, &device::KeptCalibration::in_controller) ? 0 : 1;
 }
 
 int run(const Options& options, Output& output) {
@@ -194,24 +164,23 @@ int run(const Options& options, Output& output) {
                    (options.ramp.empty() ? 0 : 1) + (options.from.empty() ? 0 : 1) + (options.forget ? 1 : 0);
   if (ways != 1)
     throw InputError("calibrate: say what presses, with one of --steps, --weights and --ramp; or --from, or --forget");
-  OpenSite open = open_site(options.site, output);
-  const robot::BusConfig& site = open.site.buses[0];
-  const robot::CoverConfig& cover = one_cover(open.site, "calibrate");
-  device::CoverLink link(*open.links[0], cover.first_module);
-  device::Bus bus(link);
-  if (options.forget) return forget(cover.design, bus, output);
-  if (!options.from.empty()) return write_again(options, cover.design, bus, output);
+  const device::LiveSkin skin = open_skin(options.site, output);
+  device::LiveCover& cover = one_cover(skin, "calibrate");
+  device::LiveBus& bus = *skin.buses().front();
+  if (options.forget) return forget(bus, cover, output);
+  if (!options.from.empty()) return write_again(options, bus, cover, output);
   Options own = options;
-  const std::array streamed{&cover.design};
-  own.calibrate.stream = robot::stream_options(site, streamed, own.calibrate.stream);
-  device::CalibrationOutcome outcome = measure(own, cover.design, link, bus);
+  const std::array streamed{&cover.design()};
+  own.calibrate.stream = robot::stream_options(bus.config(), streamed, own.calibrate.stream);
+  device::CalibrationOutcome outcome = measure(own, bus, cover);
   print_report(outcome, output);
   if (outcome.quality.taxels == 0) {
     output.say("no taxel followed the pressure: nothing was kept");
     return 1;
   }
-  keep(own, cover.design, bus, outcome, output);
-  return outcome.without.empty() ? 0 : 1;
+  const bool complete = outcome.without.empty();
+  keep(own, bus, cover, std::move(outcome), output);
+  return complete ? 0 : 1;
 }
 
 const Registration kCalibrate{{

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 
-#include "triskin/session/controller_calibration.hpp"
 #include "triskin/skin/calibrate.hpp"
 
 namespace triskin::cli {
@@ -34,35 +33,33 @@ std::string version_of(const device::FoundCalibration& found, const std::string&
 
 }  // namespace
 
-design::SkinCalibration calibration_for(const CalibrationOptions& options, device::Bus& bus,
-                                        const robot::CoverConfig& cover, std::span<const wire::NodeClaim> claims,
-                                        const Output& output) {
-  if (options.file == "none") return {};
+void calibrate_cover(const CalibrationOptions& options, device::LiveBus& bus, device::LiveCover& cover,
+                     const Output& output) {
+  if (options.file == "none") return;
   std::vector<design::BoardCalibration> boards;
   if (!options.file.empty()) boards = design::read_calibration(options.file);
-  const auto kept = device::kept_in_controllers(bus, cover.design, claims);
-  const device::CalibrationStore store;
-  device::FoundCalibration found = device::calibration_of(cover.design, claims, boards, kept, store);
-  for (const design::BoardCalibration& b : found.of_others) output.say(prefix_of(cover) + note_of_other(b));
+  device::FoundCalibration found = bus.find_calibration(cover, boards);
+  const std::string prefix = prefix_of(cover.config());
+  for (const design::BoardCalibration& b : found.of_others) output.say(prefix + note_of_other(b));
   design::SkinCalibration& calibration = found.skin;
   if (calibration.complete()) {
     const design::CalibrationQuality q = design::quality_of(calibration.boards());
-    output.say(fmt::format(
-        "{}calibrated: {} taxels, error of a pressure {:.2g} % (median), {:.2g} % (worst), up to "
-        "{:g} kPa; {}",
-        prefix_of(cover), q.taxels, q.median_percent, q.worst_percent, q.max_kpa, version_of(found, options.file)));
-    return std::move(calibration);
+    output.say(
+        fmt::format("{}calibrated: {} taxels, error of a pressure {:.2g} % (median), {:.2g} % (worst), up to "
+                    "{:g} kPa; {}",
+                    prefix, q.taxels, q.median_percent, q.worst_percent, q.max_kpa, version_of(found, options.file)));
+    cover.set_calibration(std::move(calibration));
+    return;
   }
   if (calibration.missing() > 0) {
-    output.say(fmt::format("{}{} modules have no calibration, so numbers stay counts: run triskin calibrate",
-                           prefix_of(cover), calibration.missing()));
+    output.say(fmt::format("{}{} modules have no calibration, so numbers stay counts: run triskin calibrate", prefix,
+                           calibration.missing()));
   } else if (!options.file.empty()) {
     throw InputError(
         fmt::format("--calibration {}: has none of the controllers of {}; calibrate them with triskin "
                     "calibrate, or leave the option out",
-                    options.file, cover.design.name));
+                    options.file, cover.design().name));
   }
-  return {};
 }
 
 std::string note_of_other(const design::BoardCalibration& board) {

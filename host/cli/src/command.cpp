@@ -13,6 +13,8 @@
 #include <mutex>
 #include <string_view>
 
+#include "triskin/base/terminal_text.hpp"
+
 namespace triskin::cli {
 namespace {
 
@@ -48,7 +50,7 @@ class Bar {
     part = p;
     if (now - start_ < std::chrono::seconds(1)) return;
     if (!terminal_) {
-      if (new_stage) std::fputs(fmt::format("… {} {}\n", p.stage, p.detail).c_str(), stderr);
+      if (new_stage) std::fputs(fmt::format("… {} {}\n", p.stage, for_terminal(p.detail)).c_str(), stderr);
     } else if (new_stage || now - last_ > std::chrono::milliseconds(100)) {
       draw();
       last_ = now;
@@ -64,7 +66,7 @@ class Bar {
     constexpr int kWidth = 30;
     std::string bar(kWidth, '.');
     if (p.fraction >= 0.0) std::fill_n(bar.begin(), static_cast<int>(kWidth * std::min(1.0, p.fraction)), '#');
-    return fmt::format("[{}] {} {}", bar, p.stage, p.detail);
+    return fmt::format("[{}] {} {}", bar, p.stage, for_terminal(p.detail));
   }
   // Parts that are done make room when there are many.
   void draw() {
@@ -94,11 +96,19 @@ class Bar {
 
 }  // namespace
 
+std::string json_line(const nlohmann::json& object) {
+  return object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+void say_aside(const std::string& text) {
+  std::fputs(("triskin: " + for_terminal(text) + "\n").c_str(), stderr);
+}
+
 void Output::each(const nlohmann::json& object) const {
   if (!json_) return;
   nlohmann::json line = object;
   if (simulated_) line["simulated"] = true;
-  std::fputs((line.dump() + "\n").c_str(), stdout);
+  std::fputs(json_line(line).c_str(), stdout);
   std::fflush(stdout);
 }
 
@@ -108,12 +118,14 @@ void Output::mark_simulated(const std::string& link) {
 }
 
 void Output::say(const std::string& line) const {
+  if (is_silent_) return;
   std::FILE* out = messages_aside_ ? stderr : stdout;
-  std::fputs((line + "\n").c_str(), out);
+  std::fputs((for_terminal(line) + "\n").c_str(), out);
   std::fflush(out);
 }
 
 ProgressSink Output::progress() const {
+  if (is_silent_) return {};
   auto bar = std::make_shared<Bar>();
   return [bar](const Progress& p) { bar->show(p); };
 }

@@ -8,6 +8,7 @@
 
 #include "topology_report.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/base/writer_lock.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/deploy/board_shape.hpp"
 #include "triskin/diagnose/board_report.hpp"
@@ -133,25 +134,26 @@ std::vector<std::string> remarks_of(const nlohmann::json& j) {
   return j.contains("remarks") ? j["remarks"].get<std::vector<std::string>>() : std::vector<std::string>{};
 }
 
-Found look_at(const robot::BusConfig& site, device::Link& link, const std::string& elf) {
+Found look_at(device::LiveBus& live, const std::string& elf) {
   Found found;
-  device::Bus bus(link);
+  device::Bus& bus = live.bus();
   const auto claims = claims_on(bus);
   auto users = users_of(claims);
   for (const auto& claim : claims) {
     nlohmann::json j = describe(bus, claim, users[claim.node_address] == 1, elf);
-    j["bus"] = site.name;
-    const std::string place = place_on(site, j);
+    j["bus"] = live.config().name;
+    const std::string place = place_on(live.config(), j);
     found.lines.push_back(line_of(j, place));
     for (const std::string& remark : remarks_of(j)) found.lines.push_back("  " + remark);
     found.controllers.push_back(std::move(j));
   }
-  found.kernel = opens_in_kernel(link);
+  found.kernel = opens_in_kernel(live.link());
   return found;
 }
 
 // Serial numbers of the controllers that serve a cover, into the robot file.
 int note_serials(const std::string& file, const nlohmann::json& controllers) {
+  const WriterLock lock(file);
   robot::Robot robot = robot::read_robot(file);
   int noted = 0;
   for (const nlohmann::json& c : controllers) {
@@ -172,15 +174,13 @@ int run_robot(const Options& options, Output& output) {
   if (!robot::is_robot_file(options.robot))
     throw InputError(fmt::format("{}: is no robot file; give designs with --design", options.robot));
   if (options.topology) throw InputError("discover: --topology looks at one link; give --link and --design");
-  OpenSite open = open_site({options.robot, "", options.link}, output);
-  std::vector<Found> buses(open.site.buses.size());
-  on_each_bus(open, [&](const robot::BusConfig& bus, device::Link& link) {
-    buses[static_cast<std::size_t>(bus.number)] = look_at(bus, link, options.elf);
-  });
+  device::LiveSkin skin = open_skin({options.robot, "", options.link}, output);
+  std::vector<Found> buses(skin.buses().size());
+  skin.on_each_bus([&](device::LiveBus& bus) { buses[bus.index()] = look_at(bus, options.elf); });
   nlohmann::json controllers = nlohmann::json::array();
   bool kernel = false;
   for (std::size_t b = 0; b < buses.size(); ++b) {
-    output.say(fmt::format("bus {}: {}", open.site.buses[b].name, open.links[b]->name()));
+    output.say(fmt::format("bus {}: {}", skin.site().buses[b].name, skin.links()[b]->name()));
     for (const std::string& line : buses[b].lines) output.say("  " + line);
     for (auto& c : buses[b].controllers) controllers.push_back(std::move(c));
     kernel = kernel || buses[b].kernel;

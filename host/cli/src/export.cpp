@@ -12,6 +12,7 @@
 #include "triskin/cli/command.hpp"
 #include "triskin/cli/recorded_track.hpp"
 #include "triskin/export/icub_files.hpp"
+#include "triskin/export/simulators.hpp"
 #include "triskin/hdf5/taxel_table.hpp"
 #include "triskin/robot/site.hpp"
 #include "triskin/sheet/sheet.hpp"
@@ -22,7 +23,7 @@ namespace triskin::cli::export_command {
 namespace {
 
 struct Options {
-  std::string design, format, output;
+  std::string design, format, output, body;
   sheet::Paper paper = sheet::Paper::kA4;
 };
 
@@ -37,6 +38,10 @@ std::string plain(const design::Design& design, const Options& /*options*/) {
 std::string page(const design::Design& design) {
   return view::page_html(design);
 }
+template <design::MjcfTouch touch>
+std::string mjcf(const design::Design& design, const Options& options) {
+  return design::mjcf(design, touch, options.body);
+}
 template <std::string (*write)(const design::Design&, sheet::Paper)>
 std::string on_paper(const design::Design& design, const Options& options) {
   return write(design, options.paper);
@@ -49,6 +54,10 @@ const std::map<std::string, Format> kFormats{{"picture", {".svg", plain<design::
                                              {"gltf", {".gltf", plain<design::gltf>}},
                                              {"urdf", {".urdf", plain<design::urdf>}},
                                              {"sdf", {".sdf", plain<design::sdf>}},
+                                             {"mjcf", {".mjcf.xml", mjcf<design::MjcfTouch::kTactile>}},
+                                             {"mjcf-touch", {".touch.xml", mjcf<design::MjcfTouch::kSites>}},
+                                             {"taxel-list", {".taxels.json", plain<design::taxel_list_json>}},
+                                             {"npz", {".npz", plain<design::taxel_list_npz>}},
                                              {"hdf5", {".h5", plain<hdf5::taxel_table>}},
                                              {"icub-positions", {".positions.txt", plain<design::icub_positions>}},
                                              {"icub-skingui", {".skingui.ini", plain<design::icub_skingui>}},
@@ -77,7 +86,7 @@ const Format& format_of(const Options& options) {
     }
     throw InputError(
         "export: say what to write with --format, or by the extension of -o: .svg, .csv, .html, .obj, .gltf, .urdf, "
-        ".sdf, .pdf, .h5, .txt or .ini");
+        ".sdf, .xml, .json, .npz, .pdf, .h5, .txt or .ini");
   }
   const Format& format = kFormats.at(options.format);
   if (has_file && extension_of(options.output) != extension_of(format)) {
@@ -127,6 +136,9 @@ const Registration kExport{{
       app.add_option("--format", options->format, "what to write; without it the extension of -o says so")
           ->check(CLI::IsMember(names));
       app.add_option("-o,--output", options->output, "file; without it beside the design");
+      app.add_option("--body", options->body,
+                     "of the formats mjcf and mjcf-touch: body of the robot's model to which the cover is fixed; "
+                     "without it the world");
       app.add_option("--paper", options->paper,
                      "of the formats pdf and sheet-svg; roll: 610 mm wide, as long as needed")
           ->transform(one_of(papers()))

@@ -20,7 +20,6 @@
 #include "triskin/deploy/firmware_update.hpp"
 #include "triskin/diagnose/offset_report.hpp"
 #include "triskin/layout/module.hpp"
-#include "triskin/link/cover_link.hpp"
 #include "triskin/link/link_kind.hpp"
 #include "triskin/session/controller_calibration.hpp"
 #include "triskin/skin/calibrate.hpp"
@@ -71,29 +70,20 @@ void wait_for_offsets(device::Bus& bus, const design::Design& design) {
     bus.listen(bus.now_us() + kPause_us);
 }
 
-// Its finger counts the modules of this cover.
-struct CoverBus {
-  CoverBus(device::Link& link, const robot::CoverConfig& own) : cover(own), view(link, own.first_module) {}
-  const robot::CoverConfig& cover;
-  device::CoverLink view;
-  device::Bus bus{view};
-};
-
 // All covers of a bus in one pass. `outcome` has what is done, also when this throws.
-void flash_covers(const robot::BusConfig& site, device::Link& link, const Options& options,
-                  const ProgressSink& progress, BusOutcome& outcome) {
-  std::deque<CoverBus> covers;
+void flash_covers(device::LiveBus& live, const Options& options, const ProgressSink& progress, BusOutcome& outcome) {
+  std::deque<device::Bus> buses;
   std::vector<device::FlashPart> parts;
-  for (const robot::CoverConfig& cover : site.covers) {
-    if (!cover.chosen) continue;
-    covers.emplace_back(link, cover);
-    parts.push_back({&covers.back().bus, &cover.design, robot::flash_options(site, cover, options.flash),
-                     progress_of(site, cover, progress)});
+  for (device::LiveCover& cover : live.covers()) {
+    device::FlashOptions flash = robot::flash_options(live.config(), cover.config(), options.flash);
+    if (!options.no_touch) flash.actuator = cover.actuator();
+    parts.push_back({&buses.emplace_back(live.link()), &cover.design(), std::move(flash),
+                     progress_of(live.config(), cover.config(), progress)});
   }
   std::vector<device::FlashResult> results;
   const auto take = [&] {
     for (std::size_t k = 0; k < results.size(); ++k)
-      outcome.covers.emplace_back(&covers[k].cover, std::move(results[k]));
+      outcome.covers.emplace_back(&live.covers()[k].config(), std::move(results[k]));
   };
   try {
     device::flash_together(parts, results);
@@ -104,13 +94,12 @@ void flash_covers(const robot::BusConfig& site, device::Link& link, const Option
   take();
 }
 
-void flash_bus(const robot::BusConfig& site, device::Link& link, const Options& options, const ProgressSink& progress,
-               BusOutcome& outcome) {
-  outcome.bus = &site;
-  device::Bus all(link);
+void flash_bus(device::LiveBus& live, const Options& options, const ProgressSink& progress, BusOutcome& outcome) {
+  outcome.bus = &live.config();
+  device::Bus& all = live.bus();
   const std::map<std::string, int> before =
       options.flash.dry_run ? std::map<std::string, int>{} : device::kept_revisions(all);
-  flash_covers(site, link, options, progress, outcome);
+  flash_covers(live, options, progress, outcome);
   for (const auto& [cover, r] : outcome.covers) {
     if (!options.flash.dry_run && std::ranges::any_of(r.patches, &device::FlashResult::Patch::written))
       wait_for_offsets(all, cover->design);
@@ -216,34 +205,31 @@ int run(Options options, Output& output) {
     }
     firmware = device::read_firmware(options.firmware.file);
   }
-  OpenSite open = open_site(options.site, output);
-  require_cover(options, open.site);
-  add_board_file(options, open.site);
+  device::LiveSkin skin = open_skin(options.site, output);
+  require_cover(options, skin.site());
+  add_board_file(options, skin.site());
   if (!options.backup.onto.empty() && options.backup.restore.empty()) throw InputError("--onto belongs to --restore");
   if (!options.backup.save.empty() && options.backup.save == options.backup.restore)
     throw InputError("--save and --restore name one file: what was kept would be lost; choose two");
-  if (!options.backup.save.empty()) save_backup(open, options.backup, output);
+  if (!options.backup.save.empty()) save_backup(skin, options.backup, output);
   if (!options.backup.restore.empty()) {
-    restore_backup(open, options.backup, options.flash, output);
+    restore_backup(skin, options.backup, options.flash, output);
     return 0;
   }
   options.flash.recognise = !options.by_serial;
-  options.flash.touch = !options.no_touch;
-  options.flash.say = [](const std::string& text) { std::fputs(("triskin: " + text + "\n").c_str(), stderr); };
-  std::vector<BusOutcome> buses(open.site.buses.size());
+  options.flash.say = say_aside;
+  std::vector<BusOutcome> buses(skin.buses().size());
   const ProgressSink progress = output.progress();
   FirmwareReport updated;
   const auto say = [&] {
     std::erase_if(buses, [](const BusOutcome& b) { return b.covers.empty(); });
-    say_all(buses, updated.rows, options, open.site.is_robot,
+    say_all(buses, updated.rows, options, skin.site().is_robot,
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), output);
   };
   try {
-    on_each_bus(open, [&](const robot::BusConfig& bus, device::Link& link) {
-      flash_bus(bus, link, options, progress, buses[static_cast<std::size_t>(&bus - open.site.buses.data())]);
-    });
+    skin.on_each_bus([&](device::LiveBus& bus) { flash_bus(bus, options, progress, buses[bus.index()]); });
     // Controllers have addresses of their own by now: the tables were written before.
-    if (firmware) updated = flash_firmware(open.links, *firmware, options.firmware, options.flash, output);
+    if (firmware) updated = flash_firmware(skin.links(), *firmware, options.firmware, options.flash, output);
   } catch (const Error&) {
     if (buses.size() > 1) say();  // Reports what the other buses did.
     throw;

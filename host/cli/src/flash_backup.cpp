@@ -63,13 +63,9 @@ void add_backup_options(CLI::App& app, BackupOptions& options) {
                  "times");
 }
 
-void save_backup(OpenSite& open, const BackupOptions& options, Output& output) {
-  const auto say = [](const std::string& text) { std::fputs(("triskin: " + text + "\n").c_str(), stderr); };
-  std::vector<std::vector<device::BoardBackup>> buses(open.site.buses.size());
-  on_each_bus(open, [&](const robot::BusConfig& bus, device::Link& link) {
-    device::Bus own(link);
-    buses[static_cast<std::size_t>(&bus - open.site.buses.data())] = device::save_boards(own, say);
-  });
+void save_backup(device::LiveSkin& skin, const BackupOptions& options, Output& output) {
+  std::vector<std::vector<device::BoardBackup>> buses(skin.buses().size());
+  skin.on_each_bus([&](device::LiveBus& bus) { buses[bus.index()] = device::save_boards(bus.bus(), say_aside); });
   std::vector<device::BoardBackup> all;
   for (auto& bus : buses) std::ranges::move(bus, std::back_inserter(all));
   const device::CalibrationStore calibrations;
@@ -78,11 +74,12 @@ void save_backup(OpenSite& open, const BackupOptions& options, Output& output) {
   output.say(fmt::format("what {} controllers hold -> {}", all.size(), options.save));
 }
 
-void restore_backup(OpenSite& open, const BackupOptions& options, const device::FlashOptions& flash, Output& output) {
-  if (open.site.buses.size() != 1)
+void restore_backup(device::LiveSkin& skin, const BackupOptions& options, const device::FlashOptions& flash,
+                    Output& output) {
+  if (skin.buses().size() != 1)
     throw InputError("--restore writes on one bus: give a design and --link, or a cover on one bus with --cover");
   const auto boards = device::read_backup(options.restore);
-  device::Bus bus(*open.links[0]);
+  device::Bus& bus = skin.buses().front()->bus();
   const bool dry_run = flash.dry_run;
   const auto restored = device::restore_boards(bus, boards, {dry_run, read_onto(options.onto), flash.per_wire});
   if (!dry_run) restore_calibrations(boards, restored, output);

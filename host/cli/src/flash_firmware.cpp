@@ -58,9 +58,9 @@ void update_left_out(device::Bus& bus, const device::BoardUpdate& board, const d
 }
 
 // A bus for each wire that frames to all can be kept to.
-std::vector<std::unique_ptr<device::Bus>> buses_of(std::span<const std::unique_ptr<device::Link>> links) {
+std::vector<std::unique_ptr<device::Bus>> buses_of(std::span<device::Link* const> links) {
   std::vector<std::unique_ptr<device::Bus>> buses;
-  for (const auto& link : links) {
+  for (device::Link* link : links) {
     const auto parts = link->parts();
     for (device::Link* part : parts) buses.push_back(std::make_unique<device::Bus>(*part));
     if (parts.empty()) buses.push_back(std::make_unique<device::Bus>(*link));
@@ -93,9 +93,8 @@ void add_firmware_options(CLI::App& app, FirmwareOptions& options) {
                "with --firmware: by the loader of one controller after the other, without sampling meanwhile");
 }
 
-FirmwareReport flash_firmware(std::span<const std::unique_ptr<device::Link>> links,
-                              const device::FirmwarePackage& package, const FirmwareOptions& options,
-                              const device::FlashOptions& flash, Output& output) {
+FirmwareReport flash_firmware(std::span<device::Link* const> links, const device::FirmwarePackage& package,
+                              const FirmwareOptions& options, const device::FlashOptions& flash, Output& output) {
   FirmwareReport report;
   const auto parts = buses_of(links);
   std::vector<device::UpdateBus> buses;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <CLI/CLI.hpp>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -29,7 +28,7 @@ struct FirmwareReport {
 /// each; one that a broadcast leaves to its loader and that fails there is a row with its reason. `flash` gives dry_run
 /// and force. Throws InputError (a package that no controller can take), Unreachable, what broadcast_firmware() throws,
 /// and one by one what update_firmware() throws: the first that fails is the last that is tried.
-[[nodiscard]] FirmwareReport flash_firmware(std::span<const std::unique_ptr<device::Link>> links,
+[[nodiscard]] FirmwareReport flash_firmware(std::span<device::Link* const> links,
                                             const device::FirmwarePackage& package, const FirmwareOptions& options,
                                             const device::FlashOptions& flash, Output& output);
 

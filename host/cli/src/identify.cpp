@@ -13,7 +13,6 @@
 #include "triskin/cli/site_options.hpp"
 #include "triskin/deploy/board_file.hpp"
 #include "triskin/layout/module.hpp"
-#include "triskin/link/cover_link.hpp"
 
 namespace triskin::cli::identify_command {
 namespace {
@@ -28,7 +27,7 @@ struct Options {
 constexpr double kDefaultLimit_s = 60.0;
 
 void tell_person(const std::string& text) {
-  std::fputs(("triskin: " + text + "\n").c_str(), stderr);
+  say_aside(text);
 }
 
 std::string how(device::FoundBy by) {
@@ -88,22 +87,21 @@ int conclude(const std::vector<device::IdentifiedBoard>& boards, const Options& 
 }
 
 int run(Options options, Output& output) {
-  OpenSite open = open_site(options.site, output);
-  const robot::CoverConfig& cover = one_cover(open.site, "identify");
-  Notes notes(options.output, cover.design);
-  device::CoverLink link(*open.links[0], cover.first_module);
-  device::Bus bus(link);
+  const device::LiveSkin skin = open_skin(options.site, output);
+  device::LiveCover& cover = one_cover(skin, "identify");
+  Notes notes(options.output, cover.design());
   options.identify.say = tell_person;
   // Contacts in a scene are somebody's fingers.
   const bool own = device::is_in_process(options.site.link.link) && options.site.link.scene.empty();
-  options.identify.finger = options.finger || (own && !options.by_hand);
+  if (options.finger || (own && !options.by_hand)) options.identify.actuator = cover.actuator();
   options.identify.ask = [&](int patch) {
     tell_person(fmt::format("press any module of patch {} now (within {:g} s)", patch, options.identify.limit_s));
   };
-  const auto boards = device::identify(bus, cover.design, options.identify, [&](const device::IdentifiedBoard& found) {
-    notes.add(found);
-    output.say(fmt::format("patch {:3}  controller {}  {}", found.patch, found.serial, how(found.by)));
-  });
+  const auto boards = device::identify(
+      skin.buses().front()->bus(), cover.design(), options.identify, [&](const device::IdentifiedBoard& found) {
+        notes.add(found);
+        output.say(fmt::format("patch {:3}  controller {}  {}", found.patch, found.serial, how(found.by)));
+      });
   notes.end();
   return conclude(boards, options, output);
 }

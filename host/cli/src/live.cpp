@@ -16,9 +16,6 @@
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/layout/module.hpp"
-#include "triskin/link/cover_link.hpp"
-#include "triskin/skin/live_monitor.hpp"
-#include "triskin/skin/rest_store.hpp"
 
 namespace triskin::cli::live_command {
 namespace {
@@ -37,7 +34,6 @@ struct Options {
 };
 
 constexpr std::uint64_t kLine_us = 200'000;
-constexpr std::uint64_t kTareMost_us = 2'000'000;
 constexpr std::uint64_t kRest_us = 150'000;
 constexpr std::uint64_t kFingerMoves_us = 2'000'000;
 
@@ -45,27 +41,29 @@ constexpr std::uint64_t kFingerMoves_us = 2'000'000;
 // another. A simulation that somebody else serves has contacts of its own, so there it presses only what it is told to.
 class Demonstrator {
  public:
-  Demonstrator(device::Link& link, const Options& options, int modules)
-      : finger_(options.press >= 0 || (device::is_in_process(options.site.link.link) && options.site.link.scene.empty())
-                    ? link.finger()
-                    : nullptr),
+  Demonstrator(device::LiveCover& cover, const Options& options)
+      : actuator_(options.press >= 0 ||
+                          (device::is_in_process(options.site.link.link) && options.site.link.scene.empty())
+                      ? cover.actuator()
+                      : nullptr),
         options_(options),
-        modules_(modules) {}
+        modules_(static_cast<int>(cover.design().layout.modules.size())) {}
   void step(std::uint64_t elapsed_us) {
-    if (finger_ == nullptr || modules_ == 0 || options_.press == kNobody || elapsed_us < kRest_us) return;
+    if (actuator_ == nullptr || modules_ == 0 || options_.press == kNobody || elapsed_us < kRest_us) return;
     const int turn = static_cast<int>(elapsed_us / kFingerMoves_us);
     if (turn == turn_ || (turn_ >= 0 && options_.press >= 0)) return;
     turn_ = turn;
     const int module = options_.press >= 0 ? options_.press : turn % modules_;
-    finger_->press(module, options_.press >= 0 ? options_.taxel
-                                               : kTaxelsInTurn[static_cast<std::size_t>(turn) % kTaxelsInTurn.size()]);
+    actuator_->press(module, options_.press >= 0
+                                 ? options_.taxel
+                                 : kTaxelsInTurn[static_cast<std::size_t>(turn) % kTaxelsInTurn.size()]);
   }
 
  private:
   static constexpr std::array<int, layout::kPressureTaxelsPerModule> kTaxelsInTurn{3, 9, 1, 5, 0, 7, 2, 4, 8, 11};
   static_assert(std::ranges::all_of(kTaxelsInTurn,
                                     [](int t) { return layout::measures_pressure(static_cast<std::size_t>(t)); }));
-  device::Finger* finger_;
+  device::TouchActuator* actuator_;
   const Options& options_;
   int modules_;
   int turn_ = -1;
@@ -77,88 +75,73 @@ int run_icub(const Options& options, Output& output) {
   return live_icub(options.site.link, design ? &*design : nullptr, options.seconds, output);
 }
 
-// One run of the command: receives, shows, and does what the keys ask for.
+// One run of the command: shows what is received, and does what the keys ask for.
 class Show {
  public:
-  Show(const Options& options, const design::Design& design, device::Link& link, device::Bus& bus,
-       device::Stream& stream, device::LiveMonitor& monitor, const device::RestStore& store)
-      : options_(options),
-        design_(design),
-        bus_(bus),
-        stream_(stream),
-        monitor_(monitor),
-        store_(store),
-        demonstrator_(link, options, static_cast<int>(design.layout.modules.size())) {}
+  Show(const Options& options, device::LiveBus& bus)
+      : options_(options), bus_(bus), cover_(bus.covers().front()), demonstrator_(cover_, options) {}
 
   int run(Output& output) {
     start_us_ = bus_.now_us();
     if (options_.tare) tare();
     {
-      const auto display = make_display(design_, output);
+      const auto display = make_display(cover_.design(), output);
       receive(*display);
     }
-    output.result = to_json(monitor_, state());
+    output.result = to_json(cover_.monitor(), state());
     if (!last_pressed_.is_null()) output.result["pressed"] = last_pressed_;
     if (!note_.empty()) output.say(note_);
-    stream_.finish();
-    return conclude(stream_.report(), output);
+    bus_.finish();
+    return conclude(bus_.report(), output);
   }
 
  private:
   [[nodiscard]] std::uint64_t elapsed_us() const { return bus_.now_us() - start_us_; }
   [[nodiscard]] LiveState state() const {
-    const device::StreamReport report = stream_.report();
+    const device::StreamReport report = bus_.report();
     std::uint32_t error_us = 0;
     for (const device::ClockState& c : report.clocks) error_us = std::max(error_us, c.error_us);
-    LiveState s{static_cast<double>(elapsed_us()) * 1e-6, stream_.frames(), report.total.lost(), note_};
+    LiveState s{static_cast<double>(elapsed_us()) * 1e-6, bus_.totals().frames, report.total.lost(), note_};
     if (error_us != device::LinkTime::kUnbounded) s.error_us = error_us;
     std::ranges::copy_if(report.adopted, std::back_inserter(s.adopted), &device::AdoptedCounts::now);
     return s;
   }
 
   void receive(LiveDisplay& display) {
-    const auto end_us = static_cast<std::uint64_t>(options_.seconds * 1e6);
-    while ((end_us == 0 || elapsed_us() < end_us) && !interrupt_request()) {
+    device::LiveRun run;
+    if (options_.seconds > 0.0) run.until_us = start_us_ + static_cast<std::uint64_t>(options_.seconds * 1e6);
+    run.slice_us = kLine_us;
+    std::uint64_t before_us = 0;
+    run.before_slice = [&] {
       demonstrator_.step(elapsed_us());
-      const std::uint64_t before_us = elapsed_us();
-      const std::uint64_t until_us = end_us == 0 ? before_us + kLine_us : std::min(before_us + kLine_us, end_us);
-      try {
-        stream_.run_until(start_us_ + until_us);
-      } catch (const Cancelled&) {
-        return;  // Ctrl-C is the usual end
-      }
-      monitor_.close_period(static_cast<double>(elapsed_us() - before_us + 1) * 1e-6);
-      const auto wish = display.show(monitor_, state());
-      nlohmann::json now = to_json(monitor_, state())["pressed"];
-      if (!now.empty()) last_pressed_ = std::move(now);
-      if (wish == LiveDisplay::Wish::kEnd) return;
-      if (wish == LiveDisplay::Wish::kTare) tare();
-    }
+      before_us = elapsed_us();
+    };
+    run.after_slice = [&] {
+      cover_.monitor().close_period(static_cast<double>(elapsed_us() - before_us + 1) * 1e-6);
+      return show(display);
+    };
+    bus_.run(run);
+  }
+
+  // False: the person has ended it.
+  bool show(LiveDisplay& display) {
+    const auto wish = display.show(cover_.monitor(), state());
+    nlohmann::json now = to_json(cover_.monitor(), state())["pressed"];
+    if (!now.empty()) last_pressed_ = std::move(now);
+    if (wish == LiveDisplay::Wish::kTare) tare();
+    return wish != LiveDisplay::Wish::kEnd;
   }
 
   // Takes the present values for those of a skin that nobody touches, and keeps them for the next time.
   void tare() {
-    monitor_.touches().tare();
-    const std::uint64_t end_us = bus_.now_us() + kTareMost_us;
-    const std::uint64_t frames = stream_.frames();
-    try {
-      do {
-        stream_.run_until(bus_.now_us() + kLine_us);
-      } while (!monitor_.touches().tared() && bus_.now_us() < end_us);
-    } catch (const Cancelled&) {
-      return;
-    }
-    if (stream_.frames() == frames) throw DeviceError(bus_.name() + ": no sample came, so there is nothing to tare");
-    store_.write(monitor_.touches().rest());
-    note_ = fmt::format("rest values were taken and are kept in {}", store_.file().string());
+    bus_.tare();
+    if (interrupt_request()) return;
+    note_ = fmt::format("rest values were taken and are kept in {}", cover_.keep_rest().string());
   }
 
   const Options& options_;
-  const design::Design& design_;
-  device::Bus& bus_;
-  device::Stream& stream_;
-  device::LiveMonitor& monitor_;
-  const device::RestStore& store_;
+  device::LiveBus& bus_;
+  device::LiveCover& cover_;
   Demonstrator demonstrator_;
   std::uint64_t start_us_ = 0;
   std::string note_;
@@ -166,28 +149,21 @@ class Show {
 };
 
 // One cover, with its picture.
-int show_cover(const Options& options, const robot::BusConfig& site, const robot::CoverConfig& cover,
-               device::Link& bus_link, Output& output) {
-  const design::Design& design = cover.design;
+int show_cover(const Options& options, device::LiveBus& bus, Output& output) {
+  device::LiveCover& cover = bus.covers().front();
+  const design::Design& design = cover.design();
   const int modules = static_cast<int>(design.layout.modules.size());
   if (options.press >= modules)
     throw InputError(fmt::format("--press {}: the design has modules 0 … {}", options.press, modules - 1));
-  device::CoverLink link(bus_link, cover.first_module);
-  device::Bus bus(link);
   std::vector<std::string> lines;
-  nlohmann::json offsets = read_offset_lines(bus, design, lines);
+  nlohmann::json offsets = read_offset_lines(bus.bus(), design, lines);
   for (const std::string& line : lines) output.say(line);
-  const std::vector<wire::NodeClaim> boards = bus.discover();
-  const device::RestStore store(design, boards);
-  device::LiveMonitor monitor(design, options.tare ? design::RestValues{} : store.read(),
-                              calibration_for(options.calibration, bus, cover, boards, output));
-  const std::array streamed{&design};
-  device::Stream stream(
-      bus, design, [&](const device::ModuleSample& f) { monitor.add(f); },
-      robot::stream_options(site, streamed, speaking(options.stream)));
-  const int status = Show(options, design, link, bus, stream, monitor, store).run(output);
+  bus.find_controllers(options.tare ? device::RestSource::kNone : device::RestSource::kKept);
+  calibrate_cover(options.calibration, bus, cover, output);
+  bus.start(speaking(options.stream), {});
+  const int status = Show(options, bus).run(output);
   output.result["offsets"] = std::move(offsets);
-  output.result["calibration"] = calibration_keys(monitor.calibration());
+  output.result["calibration"] = calibration_keys(cover.calibration());
   return status;
 }
 
@@ -196,17 +172,12 @@ int run(const Options& options, Output& output) {
   if (options.protocol == "icub") return run_icub(options, output);
   if (options.site.file.empty())
     throw InputError("live: give the design file or robot file; only --protocol icub works without");
-  OpenSite open = open_site(options.site, output);
-  const bool one =
-      open.site.buses.size() == 1 && std::ranges::count_if(open.site.buses[0].covers, &robot::CoverConfig::chosen) == 1;
-  if (one) {
-    const auto& covers = open.site.buses[0].covers;
-    return show_cover(options, open.site.buses[0], *std::ranges::find_if(covers, &robot::CoverConfig::chosen),
-                      *open.links[0], output);
-  }
+  device::LiveSkin skin = open_skin(options.site, output);
+  if (skin.buses().size() == 1 && skin.buses().front()->covers().size() == 1)
+    return show_cover(options, *skin.buses().front(), output);
   if (options.press >= 0 || options.tare)
     throw InputError("live: --press and --tare are for one cover of a robot: say which with --cover");
-  return live_robot(open, options.stream, options.calibration, options.seconds, output);
+  return live_robot(skin, options.stream, options.calibration, options.seconds, output);
 }
 
 const Registration kLive{{

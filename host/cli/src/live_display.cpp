@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <thread>
+#include <numeric>
+#include <set>
 
 #include "terminal.hpp"
+#include "triskin/base/pace.hpp"
+#include "triskin/base/terminal_text.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -34,7 +37,13 @@ class Lines final : public LiveDisplay {
   explicit Lines(const Output& output) : output_(output) {}
   Wish show(LiveMonitor& monitor, const LiveState& state) override {
     const auto pressed = monitor.touches().pressed();
-    if (pressed.empty()) return Wish::kNothing;
+    if (pressed.empty() && state.time_s < spoke_s_ + kHeartbeat_s) return Wish::kNothing;
+    spoke_s_ = state.time_s;
+    if (pressed.empty()) {
+      output_.say(
+          fmt::format("{:7.2f} s  nothing is pressed; {} samples, {} lost", state.time_s, state.frames, state.lost));
+      return Wish::kNothing;
+    }
     const auto& first = pressed.front();
     const auto bar = std::string(static_cast<std::size_t>(std::clamp(first.change_counts / 500.0, 1.0, 24.0)), '#');
     output_.say(fmt::format("{:7.2f} s  {} {:<24} +{} taxels{}", state.time_s, place_text(monitor, first), bar,
@@ -43,7 +52,10 @@ class Lines final : public LiveDisplay {
   }
 
  private:
+  // Whoever reads a pipe sees that the skin is alive while nobody touches it.
+  static constexpr double kHeartbeat_s = 5.0;
   const Output& output_;
+  double spoke_s_ = 0.0;
 };
 
 class Objects final : public LiveDisplay {
@@ -70,7 +82,7 @@ class Screen final : public LiveDisplay {
     }
     terminal_.draw(page(monitor, state));
     // A simulation of our own is faster than a person can look.
-    std::this_thread::sleep_until(start_ + std::chrono::microseconds(static_cast<std::int64_t>(state.time_s * 1e6)));
+    (void)triskin::sleep_until(start_ + std::chrono::microseconds(static_cast<std::int64_t>(state.time_s * 1e6)));
     return wish;
   }
 
@@ -93,33 +105,65 @@ class Screen final : public LiveDisplay {
   }
 
   [[nodiscard]] std::vector<std::string> page(const LiveMonitor& monitor, const LiveState& state) const {
+    const Terminal::Size size = Terminal::size();
     std::vector<std::string> lines;
-    lines.push_back(fmt::format("{}  {:.1f} s  {} samples, {} lost{}", design_.name, state.time_s, state.frames,
-                                state.lost, force_of(monitor)));
-    for (int p = 0; p < static_cast<int>(design_.patches.size()); ++p) lines.push_back(line_of(monitor, p));
-    lines.emplace_back();
-    for (std::string& line : monitor.picture(patch_, unit(monitor), true)) lines.push_back(std::move(line));
-    lines.emplace_back();
-    constexpr std::size_t kMaxTaxels = 5;
+    lines.push_back(fmt::format("{}  {:.1f} s  {} samples, {} lost{}", for_terminal(design_.name), state.time_s,
+                                state.frames, state.lost, force_of(monitor)));
+    std::vector<std::string> below = monitor.picture(patch_, unit(monitor), true, size.columns);
+    below.emplace_back();
     const auto pressed = monitor.touches().pressed();
     for (std::size_t k = 0; k < std::min(kMaxTaxels, pressed.size()); ++k)
-      lines.push_back(place_text(monitor, pressed[k]));
-    if (pressed.size() > kMaxTaxels) lines.push_back(fmt::format("+{} taxels", pressed.size() - kMaxTaxels));
+      below.push_back(place_text(monitor, pressed[k]));
+    if (pressed.size() > kMaxTaxels) below.push_back(fmt::format("+{} taxels", pressed.size() - kMaxTaxels));
     for (const device::AdoptedCounts& a : state.adopted)
-      lines.push_back(fmt::format("module {} is read by the controller of patch {}", a.module, a.patch));
-    if (!state.note.empty()) lines.push_back(state.note);
-    lines.push_back(fmt::format("n, p: patch   u: unit ({})   t: tare, nobody may touch the skin   q: end",
-                                name_of(unit(monitor))));
+      below.push_back(fmt::format("module {} is read by the controller of patch {}", a.module, a.patch));
+    if (!state.note.empty()) below.push_back(for_terminal(state.note));
+    below.push_back(fmt::format("n, p: patch  u: unit ({})  t: tare, nobody touches  q: end", name_of(unit(monitor))));
+    const int room = size.rows - static_cast<int>(lines.size() + below.size()) - 2;
+    for (std::string& line : patch_lines(monitor, std::max(room, kMinPatchLines))) lines.push_back(std::move(line));
+    lines.emplace_back();
+    for (std::string& line : below) lines.push_back(std::move(line));
     return lines;
   }
 
+  // All patches where there is room, else the chosen one and those that are pressed or at fault before the others.
+  [[nodiscard]] std::vector<std::string> patch_lines(const LiveMonitor& monitor, int room) const {
+    const int patches = static_cast<int>(design_.patches.size());
+    std::vector<int> shown(static_cast<std::size_t>(patches));
+    std::iota(shown.begin(), shown.end(), 0);
+    if (patches > room) {
+      const std::set<int> pressed = pressed_patches(monitor);
+      std::ranges::stable_sort(shown, {}, [&](int p) {
+        return p == patch_ ? 0 : pressed.contains(p) ? 1 : monitor.faults(p) + monitor.unheard(p) > 0 ? 2 : 3;
+      });
+      shown.resize(static_cast<std::size_t>(room - 1));
+      std::ranges::sort(shown);
+    }
+    std::vector<std::string> lines;
+    for (const int p : shown) lines.push_back(line_of(monitor, p));
+    if (patches > room) lines.push_back(fmt::format("  +{} patches", patches - room + 1));
+    return lines;
+  }
+
+  [[nodiscard]] std::set<int> pressed_patches(const LiveMonitor& monitor) const {
+    std::set<int> patches;
+    for (const PressedTaxel& t : monitor.touches().pressed()) {
+      for (int p = 0; p < static_cast<int>(design_.patches.size()); ++p) {
+        const auto& modules = design_.patches[static_cast<std::size_t>(p)].modules;
+        if (std::ranges::find(modules, t.module, &design::RoutedModule::node) != modules.end()) patches.insert(p);
+      }
+    }
+    return patches;
+  }
+
   [[nodiscard]] std::string line_of(const LiveMonitor& monitor, int patch) const {
-    return fmt::format("{} patch {:3}  {:3} modules  {:5.1f} samples/s  {} faults  {} never heard",
-                       patch == patch_ ? ">" : " ", patch,
-                       design_.patches[static_cast<std::size_t>(patch)].modules.size(), monitor.rate_hz(patch),
+    return fmt::format("{} patch {:3}  {:2} modules  {:5.1f}/s  {} faults  {} never heard", patch == patch_ ? ">" : " ",
+                       patch, design_.patches[static_cast<std::size_t>(patch)].modules.size(), monitor.rate_hz(patch),
                        monitor.faults(patch), monitor.unheard(patch));
   }
 
+  static constexpr std::size_t kMaxTaxels = 5;
+  static constexpr int kMinPatchLines = 3;
   const design::Design& design_;
   Terminal terminal_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();

@@ -3,14 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <mutex>
+#include <vector>
 
 #include "live_display.hpp"
-#include "triskin/base/interrupt.hpp"
+#include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
-#include "triskin/skin/live_monitor.hpp"
-#include "triskin/skin/rest_store.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -20,102 +18,80 @@ constexpr std::uint64_t kRobotLine_us = 200'000;
 // The covers of one bus while their samples come.
 class BusShow {
  public:
-  BusShow(const robot::BusConfig& site, device::Link& link, device::StreamOptions options,
-          const CalibrationOptions& calibration, const Output& output)
-      : site_(site), bus_(link), options_(std::move(options)) {
-    const auto claims = bus_.discover();
-    for (const robot::CoverConfig& cover : site.covers) {
-      if (!cover.chosen) continue;
-      covers_.push_back(&cover);
-      designs_.push_back(&cover.design);
-      monitors_.emplace_back(cover.design, device::RestStore(cover.design, claims).read(),
-                             calibration_for(calibration, bus_, cover, claims, output));
-    }
-    options_ = robot::stream_options(site, designs_, std::move(options_));
+  BusShow(device::LiveBus& bus, const CalibrationOptions& calibration, const Output& output) : bus_(bus) {
+    bus.find_controllers();
+    for (device::LiveCover& cover : bus.covers()) calibrate_cover(calibration, bus, cover, output);
   }
 
   // `mutex` guards `output`.
-  void run(double seconds, Output& output, std::mutex& mutex) {
-    device::Stream stream(
-        bus_, designs_, [this](const device::ModuleSample& f) { monitors_[static_cast<std::size_t>(f.cover)].add(f); },
-        options_);
+  void run(const device::StreamOptions& options, double seconds, Output& output, std::mutex& mutex) {
+    bus_.start(options, {});
     const std::uint64_t start_us = bus_.now_us();
-    const auto end_us = seconds > 0.0 ? start_us + static_cast<std::uint64_t>(seconds * 1e6) : UINT64_MAX;
-    try {
-      while (bus_.now_us() < end_us && !interrupt_request()) {
-        stream.run_until(std::min(end_us, bus_.now_us() + kRobotLine_us));
-        const std::lock_guard lock(mutex);
-        show(static_cast<double>(bus_.now_us() - start_us) * 1e-6, stream, output);
-      }
-    } catch (const Cancelled&) {
-      // Ctrl-C is the usual end
-    }
-    stream.finish();
-    for (std::size_t c = 0; c < covers_.size(); ++c) reports_.push_back(stream.report(static_cast<int>(c)));
+    device::LiveRun run;
+    if (seconds > 0.0) run.until_us = start_us + static_cast<std::uint64_t>(seconds * 1e6);
+    run.slice_us = kRobotLine_us;
+    run.after_slice = [&] {
+      const std::lock_guard lock(mutex);
+      show(static_cast<double>(bus_.now_us() - start_us) * 1e-6, output);
+      return true;
+    };
+    bus_.run(run);
+    bus_.finish();
   }
 
-  // Prints the result of each cover.
-  [[nodiscard]] bool print_report(nlohmann::json& rows, Output& output) const {
+  // Prints the result of each cover, and adds its counts to `sum`.
+  [[nodiscard]] bool print_report(nlohmann::json& rows, device::SampleCounts& sum, Output& output) const {
     bool complete = true;
-    for (std::size_t c = 0; c < covers_.size(); ++c) {
-      nlohmann::json row = keys_of(site_, *covers_[c]);
-      add_stream_keys(reports_[c], row);
+    for (std::size_t c = 0; c < bus_.covers().size(); ++c) {
+      const robot::CoverConfig& cover = bus_.covers()[c].config();
+      const device::StreamReport report = bus_.report(c);
+      nlohmann::json row = keys_of(bus_.config(), cover);
+      add_stream_keys(report, row);
       rows.push_back(std::move(row));
-      complete = complete && reports_[c].complete();
-      for (const std::string& line : sentences(reports_[c])) output.say(prefix_of(*covers_[c]) + line);
+      sum += report.total;
+      complete = complete && report.complete();
+      for (const std::string& line : sentences(report)) output.say(prefix_of(cover) + line);
     }
     return complete;
   }
-  [[nodiscard]] const std::vector<device::StreamReport>& reports() const { return reports_; }
 
  private:
-  void show(double time_s, const device::Stream& stream, Output& output) {
-    nlohmann::json object{
-        {"time_s", time_s}, {"bus", site_.name}, {"frames", stream.frames()}, {"lost", stream.lost()}};
+  void show(double time_s, Output& output) {
+    nlohmann::json object{{"time_s", time_s},
+                          {"bus", bus_.config().name},
+                          {"frames", bus_.totals().frames},
+                          {"lost", bus_.totals().lost}};
     object["pressed"] = nlohmann::json::array();
-    for (std::size_t c = 0; c < covers_.size(); ++c) {
-      nlohmann::json of_cover = to_json(monitors_[c], {});
+    for (const device::LiveCover& cover : bus_.covers()) {
+      nlohmann::json of_cover = to_json(cover.monitor(), {});
       for (nlohmann::json& taxel : of_cover["pressed"]) {
-        taxel["cover"] = covers_[c]->name;
+        taxel["cover"] = cover.config().name;
         object["pressed"].push_back(std::move(taxel));
       }
-      const auto pressed = monitors_[c].touches().pressed();
+      const auto pressed = cover.touches().pressed();
       if (pressed.empty() || output.json()) continue;
       const auto& first = pressed.front();
-      output.say(fmt::format("{:7.2f} s  {}: {} +{} taxels", time_s, covers_[c]->name, place_text(monitors_[c], first),
-                             pressed.size() - 1));
+      output.say(fmt::format("{:7.2f} s  {}: {} +{} taxels", time_s, cover.config().name,
+                             place_text(cover.monitor(), first), pressed.size() - 1));
     }
     output.each(object);
   }
 
-  const robot::BusConfig& site_;
-  device::Bus bus_;
-  device::StreamOptions options_;
-  std::vector<const robot::CoverConfig*> covers_;
-  std::vector<const design::Design*> designs_;
-  std::vector<device::LiveMonitor> monitors_;
-  std::vector<device::StreamReport> reports_;
+  device::LiveBus& bus_;
 };
 
 }  // namespace
 
-int live_robot(OpenSite& open, const device::StreamOptions& options, const CalibrationOptions& calibration,
+int live_robot(device::LiveSkin& skin, const device::StreamOptions& options, const CalibrationOptions& calibration,
                double seconds, Output& output) {
-  std::vector<std::unique_ptr<BusShow>> shows;
-  for (std::size_t b = 0; b < open.site.buses.size(); ++b)
-    shows.push_back(
-        std::make_unique<BusShow>(open.site.buses[b], *open.links[b], speaking(options), calibration, output));
+  std::vector<BusShow> shows;
+  for (const auto& bus : skin.buses()) shows.emplace_back(*bus, calibration, output);
   std::mutex mutex;
-  on_each_bus(open, [&](const robot::BusConfig& bus, device::Link&) {
-    shows[static_cast<std::size_t>(&bus - open.site.buses.data())]->run(seconds, output, mutex);
-  });
+  skin.on_each_bus([&](device::LiveBus& bus) { shows[bus.index()].run(speaking(options), seconds, output, mutex); });
   device::SampleCounts sum;
   nlohmann::json covers = nlohmann::json::array();
   bool complete = true;
-  for (const auto& show : shows) {
-    complete = show->print_report(covers, output) && complete;
-    for (const device::StreamReport& r : show->reports()) sum += r.total;
-  }
+  for (const BusShow& show : shows) complete = show.print_report(covers, sum, output) && complete;
   output.result = {{"samples", sum.received}, {"expected", sum.expected}, {"lost", sum.lost()}, {"covers", covers}};
   output.say(
       fmt::format("{} of {} samples of {} covers, {} lost", sum.received, sum.expected, covers.size(), sum.lost()));

@@ -32,7 +32,7 @@ struct Entry {
 };
 
 int fail(const std::string& what, int status) {
-  std::fputs(fmt::format("triskin: {}\n", what).c_str(), stderr);
+  say_aside(what);
   return status;
 }
 
@@ -69,7 +69,7 @@ int run_entry(const Entry& entry) {
     Output output(entry.json, file == "-");
     const int status = entry.run(output);
     if (output.simulated()) output.result["simulated"] = true;
-    if (entry.json) std::fputs((output.result.dump() + "\n").c_str(), stdout);
+    if (entry.json) std::fputs((json_line(output.result)).c_str(), stdout);
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
       return fail("standard output: cannot write; check the disk or the pipe", 2);
     return output.expects_interrupt() && interrupt_signal() == SIGINT ? status : unless_ended(status);

@@ -6,12 +6,11 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <span>
 
 #include "contacts.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/interrupt.hpp"
-#include "triskin/base/wall_clock.hpp"
+#include "triskin/bridge/bridge.hpp"
 #include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
@@ -19,10 +18,9 @@
 #include "triskin/hdf5/taxel_table.hpp"
 #include "triskin/recording/recorder.hpp"
 #include "triskin/recording/recording.hpp"
+#include "triskin/robot/assembly.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/firmware_version.hpp"
-#include "triskin/skin/rest_store.hpp"
-#include "triskin/skin/touch_map.hpp"
 
 namespace triskin::cli::record_command {
 namespace {
@@ -39,7 +37,7 @@ struct Options {
   device::StreamOptions stream;
   CalibrationOptions calibration;
   double seconds = 10.0;
-  double cloud_hz = 0.0;
+  double cloud_hz = 5.0;
 };
 
 constexpr std::uint64_t kSlice_us = 100'000;
@@ -72,33 +70,62 @@ std::string firmware_of(device::Bus& bus, std::uint8_t node) {
   return device::firmware_version_text(device::Controller(bus, node).hello().firmware_version);
 }
 
+// Where a cover is on its robot, for viewers.
+struct CoverPlace {
+  std::string part, parent_frame;
+  recording::Pose pose;
+};
+
+// Indexed by cover: its frame in the base of the robot with all joints at 0.
+std::vector<CoverPlace> places_of(const robot::Assembly& assembly) {
+  constexpr double kMetre_mm = 1000.0;
+  std::vector<CoverPlace> places;
+  for (const robot::CoverEntry& cover : assembly.robot.covers) {
+    const bool known = assembly.frames && assembly.frames->has(cover.frame);
+    const Eigen::Isometry3d at = known ? assembly.frames->pose(cover.frame) * cover.pose : cover.pose;
+    const Eigen::Quaterniond q(at.linear());
+    CoverPlace place{bridge::part_name(cover.name), known ? assembly.frames->base() : "base_link", {}};
+    for (int axis = 0; axis < 3; ++axis)
+      place.pose.translation_m[static_cast<std::size_t>(axis)] = at.translation()[axis] / kMetre_mm;
+    place.pose.rotation = {q.x(), q.y(), q.z(), q.w()};
+    places.push_back(std::move(place));
+  }
+  return places;
+}
+
 // The recording of one cover.
 class CoverFile {
  public:
   CoverFile(const robot::CoverConfig& cover, const std::string& path, Format format)
       : cover_(cover), format_(format), file_(path) {}
 
-  void describe(device::Bus& bus, std::span<const wire::NodeClaim> claims, const Options& options,
-                const Output& output) {
+  void place(const CoverPlace& place) {
+    origin_.part = place.part;
+    origin_.parent_frame = place.parent_frame;
+    origin_.pose = place.pose;
+  }
+  // `cover`: the open cover of `bus` that this file is of.
+  void describe(device::LiveBus& bus, std::size_t cover, const Options& options, const Output& output) {
+    live_ = &bus.covers()[cover];
+    bus_ = &bus;
     origin_.design_text = read_file(cover_.design_file);
-    origin_.facts["link"] = bus.name();
-    if (device::is_simulated(bus.name())) origin_.facts["simulated"] = "true";
+    origin_.facts["link"] = bus.bus().name();
+    if (device::is_simulated(bus.bus().name())) origin_.facts["simulated"] = "true";
     origin_.facts["program"] = fmt::format("triskin {}", TRISKIN_VERSION);
     if (!cover_.name.empty()) origin_.facts["cover"] = cover_.name;
     for (const int patch : design::patches_here(cover_.design)) {
       const auto node = static_cast<std::uint8_t>(design::node_address_of(cover_.design, patch));
-      origin_.facts[fmt::format("firmware_{}", node)] = firmware_of(bus, node);
-      if (std::string serial = device::serial_at(claims, node); !serial.empty())
+      origin_.facts[fmt::format("firmware_{}", node)] = firmware_of(bus.bus(), node);
+      if (std::string serial = device::serial_at(bus.claims(), node); !serial.empty())
         origin_.facts[recording::serial_fact(node)] = std::move(serial);
     }
-    calibration_ = calibration_for(options.calibration, bus, cover_, claims, output);
-    if (calibration_.complete()) origin_.calibration_text = design::calibration_text(calibration_.boards());
-    const design::RestValues rest = device::RestStore(cover_.design, claims).read();
-    if (!rest.empty()) origin_.rest_text = design::rest_text(rest);
-    touches_.emplace(cover_.design, rest);
+    calibrate_cover(options.calibration, bus, *live_, output);
+    if (live_->calibration().complete())
+      origin_.calibration_text = design::calibration_text(live_->calibration().boards());
+    if (!live_->kept_rest().empty()) origin_.rest_text = design::rest_text(live_->kept_rest());
     if (options.cloud_hz > 0.0) origin_.cloud_period_us = static_cast<std::uint64_t>(1e6 / options.cloud_hz);
     origin_.link_start_us = bus.now_us();
-    origin_.unix_start_ns = unix_ns();
+    origin_.unix_start_ns = bus.unix_ns(origin_.link_start_us);
   }
   void begin() {
     if (recorder_) return;
@@ -110,21 +137,15 @@ class CoverFile {
   }
   [[nodiscard]] bool started() const { return recorder_ != nullptr; }
 
-  void add(const device::ModuleSample& f) {
+  void add(const device::LiveSample& s) {
     begin();
-    recorder_->add({f.module, f.link_time_us, f.sample, unix_ns_of(f.sampled.link_us), f.sampled.error_us});
-    touches_->add(f);
+    recorder_->add({s.module, s.raw.link_time_us, s.raw.sample, s.unix_ns, s.error_us});
     ++samples_;
   }
 
-  [[nodiscard]] std::uint64_t unix_ns_of(std::uint64_t link_us) const {
-    // The result may also lie before the start.
-    return origin_.unix_start_ns + (link_us - origin_.link_start_us) * 1000;
-  }
-
-  void slice(std::uint64_t now_us) {
-    const auto contacts = contacts_of(*touches_, cover_.design, calibration_);
-    if (!contacts.empty() || had_contacts_) recorder_->add_contacts(now_us, contacts);
+  void slice() {
+    const auto contacts = contacts_of(live_->touches(), cover_.design, live_->calibration());
+    if (!contacts.empty() || had_contacts_) recorder_->add_contacts(bus_->now_us(), contacts);
     had_contacts_ = !contacts.empty();
     recorder_->tick(steady_us());
   }
@@ -148,8 +169,9 @@ class CoverFile {
   const robot::CoverConfig& cover_;
   Format format_;
   recording::OutputFile file_;
-  std::optional<device::TouchMap> touches_;  // Set by describe().
-  design::SkinCalibration calibration_;
+  // Set by describe().
+  device::LiveBus* bus_ = nullptr;
+  device::LiveCover* live_ = nullptr;
   recording::Origin origin_;
   std::unique_ptr<recording::Recorder> recorder_;
   std::uint64_t samples_ = 0;
@@ -170,18 +192,20 @@ std::string file_of(const Options& options, Format format, const robot::CoverCon
 class BusRecording {
  public:
   // Files are opened before anything is asked of the controllers.
-  BusRecording(const Options& options, const robot::BusConfig& site, Format format) : options_(options), site_(site) {
+  // `places`: indexed by cover; empty for a design file.
+  BusRecording(const Options& options, const robot::BusConfig& site, Format format,
+               const std::vector<CoverPlace>& places)
+      : options_(options), site_(site) {
     for (const robot::CoverConfig& cover : site.covers) {
       if (!cover.chosen) continue;
       files_.push_back(std::make_unique<CoverFile>(cover, file_of(options, format, cover, site), format));
-      designs_.push_back(&cover.design);
+      if (!places.empty()) files_.back()->place(places.at(static_cast<std::size_t>(cover.cover)));
     }
   }
 
-  void run(device::Link& link, const ProgressSink& progress, const Output& output) {
-    device::Bus bus(link);
-    const auto claims = bus.discover();
-    for (const auto& file : files_) file->describe(bus, claims, options_, output);
+  void run(device::LiveBus& bus, const ProgressSink& progress, const Output& output) {
+    bus.find_controllers();
+    for (std::size_t c = 0; c < files_.size(); ++c) files_[c]->describe(bus, c, options_, output);
     start_us_ = bus.now_us();
     try {
       receive(bus, progress);
@@ -228,33 +252,30 @@ class BusRecording {
   }
 
  private:
-  void receive(device::Bus& bus, const ProgressSink& progress) {
-    const auto stream_options = robot::stream_options(site_, designs_, speaking(options_.stream));
-    const auto add = [&](const device::ModuleSample& f) { files_[static_cast<std::size_t>(f.cover)]->add(f); };
-    device::Stream stream(bus, designs_, add, stream_options);
+  void receive(device::LiveBus& bus, const ProgressSink& progress) {
+    bus.start(speaking(options_.stream),
+              [&](const device::LiveSample& s) { files_[static_cast<std::size_t>(s.cover)]->add(s); });
     for (const auto& file : files_) file->begin();
-    const std::uint64_t end_us = start_us_ + static_cast<std::uint64_t>(options_.seconds * 1e6);
-    try {
-      while (bus.now_us() < end_us && !interrupt_request()) {
-        stream.run_until(std::min(end_us, bus.now_us() + kSlice_us));
-        for (const auto& file : files_) file->slice(bus.now_us());
-        triskin::report(progress, "recording",
-                        static_cast<double>(bus.now_us() - start_us_) / static_cast<double>(end_us - start_us_),
-                        site_.name, site_.name.empty() ? -1 : site_.number);
-        lost_ = stream.lost();
-      }
-    } catch (const Cancelled&) {
-      // A person ends it: what came until now is kept.
-    }
-    stream.finish();
-    for (std::size_t c = 0; c < files_.size(); ++c) reports_.push_back(stream.report(static_cast<int>(c)));
-    lost_ = stream.lost();
+    device::LiveRun run;
+    run.until_us = start_us_ + static_cast<std::uint64_t>(options_.seconds * 1e6);
+    run.slice_us = kSlice_us;
+    run.after_slice = [&] {
+      for (const auto& file : files_) file->slice();
+      triskin::report(progress, "recording",
+                      static_cast<double>(bus.now_us() - start_us_) / static_cast<double>(run.until_us - start_us_),
+                      site_.name, site_.name.empty() ? -1 : site_.number);
+      lost_ = bus.totals().lost;
+      return true;
+    };
+    bus.run(run);
+    bus.finish();
+    for (std::size_t c = 0; c < files_.size(); ++c) reports_.push_back(bus.report(c));
+    lost_ = bus.totals().lost;
   }
 
   const Options& options_;
   const robot::BusConfig& site_;
   std::vector<std::unique_ptr<CoverFile>> files_;
-  std::vector<const design::Design*> designs_;
   std::vector<device::StreamReport> reports_;  // Indexed by cover.
   std::uint64_t start_us_ = 0, lost_ = 0;
   std::optional<std::string> trouble_;
@@ -316,24 +337,22 @@ int conclude_all(const std::vector<std::unique_ptr<BusRecording>>& buses, bool i
 }
 
 int run(const Options& options, Output& output) {
-  robot::Site site = robot::read_site(options.site.file);
-  robot::choose(site, options.site.cover);
+  robot::Site site = read_site(options.site);
   const Format format = format_of(options, site.is_robot);
   require_modules(site);
   if (format == Format::kHdf5) require_hdf5(options.output);
   if (site.is_robot) make_folder(options.output);
   if (!site.is_robot) device::require_link(options.site.link);
-  OpenSite open{std::move(site), {}};
+  std::vector<CoverPlace> places;
+  if (site.is_robot) places = places_of(robot::read_assembly(options.site.file));
+  device::LiveSkin skin(std::move(site), options.site.link);
   std::vector<std::unique_ptr<BusRecording>> buses;
-  for (const robot::BusConfig& bus : open.site.buses)
-    buses.push_back(std::make_unique<BusRecording>(options, bus, format));
-  open.links = device::open_buses(open.site, options.site.link);
-  say_simulated(open.links, output);
+  for (const robot::BusConfig& bus : skin.site().buses)
+    buses.push_back(std::make_unique<BusRecording>(options, bus, format, places));
+  open_links(skin, output);
   const ProgressSink progress = output.progress();
-  on_each_bus(open, [&](const robot::BusConfig& bus, device::Link& link) {
-    buses[static_cast<std::size_t>(&bus - open.site.buses.data())]->run(link, progress, output);
-  });
-  return conclude_all(buses, open.site.is_robot, output);
+  skin.on_each_bus([&](device::LiveBus& bus) { buses[bus.index()]->run(bus, progress, output); });
+  return conclude_all(buses, skin.site().is_robot, output);
 }
 
 const Registration kRecord{{
@@ -354,7 +373,7 @@ const Registration kRecord{{
       app.add_option("--seconds", options->seconds, "of the link's time")
           ->check(CLI::Range(0.0, 1e6))
           ->capture_default_str();
-      app.add_option("--cloud-hz", options->cloud_hz, "mcap: also sensor_msgs/PointCloud2, so often")
+      app.add_option("--cloud-hz", options->cloud_hz, "mcap: points with their values, so often (0: none)")
           ->check(CLI::Range(0.0, 100.0))
           ->capture_default_str();
       return [options](Output& output) { return run(*options, output); };

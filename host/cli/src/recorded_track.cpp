@@ -6,7 +6,6 @@
 #include <filesystem>
 
 #include "triskin/base/error.hpp"
-#include "triskin/design/design_text.hpp"
 #include "triskin/recording/recording.hpp"
 #include "triskin/skin/touch_map.hpp"
 #include "triskin/view/frame_track.hpp"
@@ -15,26 +14,6 @@ namespace triskin::cli {
 
 bool is_recording(const std::string& file) {
   return std::filesystem::path(file).extension() == ".mcap";
-}
-
-RecordedSkin recorded_skin(const std::string& file) {
-  const recording::Summary origin = recording::read_origin(file);
-  if (origin.design_text.empty())
-    throw InputError(fmt::format("{}: holds no design: is it a recording of triskin?", file));
-  RecordedSkin skin{design::parse_design(origin.design_text, file + ": design.json"), {}, {}, {}};
-  for (std::size_t patch = 0; patch < skin.design.patches.size(); ++patch) {
-    const int node = design::node_address_of(skin.design, static_cast<int>(patch));
-    const auto serial = origin.facts.find(recording::serial_fact(node));
-    skin.serials.push_back(serial == origin.facts.end() ? "" : serial->second);
-  }
-  if (!origin.rest_text.empty())
-    skin.rest =
-        design::parse_rest(origin.rest_text, file + ": " + recording::kRestName, skin.design.layout.modules.size());
-  if (origin.calibration_text.empty()) return skin;
-  const auto boards = design::parse_calibration(origin.calibration_text, file + ": " + recording::kCalibrationName);
-  skin.calibration = design::SkinCalibration(skin.design, boards,
-                                             [&](int patch) { return skin.serials[static_cast<std::size_t>(patch)]; });
-  return skin;
 }
 
 RecordedTrack read_track(const std::string& file, std::size_t max_bytes) {

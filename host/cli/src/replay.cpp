@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <map>
 #include <memory>
-#include <thread>
 
+#include "expose_option.hpp"
 #include "live_display.hpp"
 #include "replay_link.hpp"
 #include "triskin/base/interrupt.hpp"
+#include "triskin/base/pace.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/cli/recorded_track.hpp"
 #include "triskin/recording/recording.hpp"
@@ -19,7 +21,7 @@ namespace {
 struct Options {
   std::string file, listen;
   double speed = 1.0;
-  bool loop = false;
+  bool loop = false, expose = false;
 };
 
 struct Ended {};  // Thrown when a person ends the replay.
@@ -70,8 +72,11 @@ class Player {
   }
   void wait(std::uint64_t span_us) const {
     if (options_.speed <= 0.0) return;
-    std::this_thread::sleep_for(
-        std::chrono::duration<double, std::micro>(static_cast<double>(span_us) / options_.speed));
+    constexpr double kMaxPause_us = 1e12;  // The clock counts nanoseconds in 64 bits.
+    const std::chrono::duration<double, std::micro> span(
+        std::min(kMaxPause_us, static_cast<double>(span_us) / options_.speed));
+    using Clock = std::chrono::steady_clock;
+    (void)sleep_until(Clock::now() + std::chrono::duration_cast<Clock::duration>(span));
   }
 
   const Options& options_;
@@ -96,7 +101,7 @@ void tell_readers(const recording::Summary& summary, const Player& player, Outpu
 int run(const Options& options, Output& output) {
   if (!options.listen.empty()) {
     if (options.speed <= 0.0) throw InputError("replay: --listen plays in time; give a --speed above 0");
-    return replay_into_link({options.file, options.listen, options.speed, options.loop}, output);
+    return replay_into_link({options.file, options.listen, options.speed, options.loop, options.expose}, output);
   }
   if (options.loop) throw InputError("replay: --loop belongs to --listen");
   catch_interrupts();
@@ -137,6 +142,7 @@ const Registration kReplay{{
       app.add_option("--listen", options->listen,
                      "play it into a link instead, for any client: HOST:PORT (then --link sim:HOST:PORT), can:IFACE or "
                      "usb, as simulate does; it begins when a client asks");
+      add_expose_option(app, options->expose);
       app.add_flag("--loop", options->loop, "with --listen: from the beginning again, until Ctrl-C");
       return [options](Output& output) { return run(*options, output); };
     },

@@ -9,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include "expose_option.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/cli/recorded_track.hpp"
 #include "triskin/deploy/board_file.hpp"
@@ -65,9 +66,12 @@ scene::Scene replay_scene(const std::string& file, const RecordedSkin& recorded)
 class LinkPlayer {
  public:
   LinkPlayer(const ReplayLinkOptions& options, device::SimLink& link)
-      : options_(options), skin_(link.skin()), server_(device::open_server(link.skin(), options.listen)) {}
+      : options_(options),
+        skin_(link.skin()),
+        server_(device::open_server(link.skin(), options.listen, reach_of(options.expose))) {}
 
   [[nodiscard]] std::string link_name() const { return server_->link_name(); }
+  [[nodiscard]] bool is_exposed() const { return server_->is_exposed(); }
   [[nodiscard]] std::uint64_t samples() const { return samples_; }
   void wait_for_client() {
     const std::uint64_t before = skin_.bus_frames();
@@ -131,6 +135,7 @@ int replay_into_link(const ReplayLinkOptions& options, Output& output) {
     bus.listen(bus.now_us() + kReplayOffsets_us);
   }
   LinkPlayer player(options, link);
+  if (player.is_exposed()) warn_exposed(player.link_name());
   output.say(fmt::format("{} on {}; it begins when a client asks; end with Ctrl-C", options.file, player.link_name()));
   std::fflush(stdout);
   try {

@@ -8,10 +8,11 @@ namespace triskin::cli {
 
 /// How a recording is played into a link.
 struct ReplayLinkOptions {
-  std::string file;    ///< recording (.mcap)
-  std::string listen;  ///< same syntax as --listen of simulate
-  double speed = 1.0;  ///< > 0
-  bool loop = false;   ///< starts anew at the end, until a person stops it
+  std::string file;     ///< recording (.mcap)
+  std::string listen;   ///< same syntax as --listen of simulate
+  double speed = 1.0;   ///< > 0
+  bool loop = false;    ///< starts anew at the end, until a person stops it
+  bool expose = false;  ///< `listen` may be an address that other computers reach
 };
 
 /// Serves simulated controllers whose taxels read what the recording holds, so that every client reads it over a link.

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <numbers>
@@ -11,6 +13,7 @@
 
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/base/writer_lock.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/robot/assembly.hpp"
 #include "triskin/robot/edit.hpp"
@@ -108,6 +111,7 @@ void set_pose(robot::CoverEntry& cover, const Options& options) {
   } else {
     return;
   }
+  cover.has_pose = true;
   cover.measured.reset();
 }
 
@@ -192,16 +196,57 @@ int run_add(const Options& options, Output& output) {
   return 0;
 }
 
+// Turns about the fixed axes x, y, z, as --rpy-deg takes them, each within ±180°.
+Eigen::Vector3d rpy_deg_of(const Eigen::Isometry3d& pose) {
+  const Eigen::Matrix3d r = pose.linear();
+  const Eigen::Vector3d turns(std::atan2(r(2, 1), r(2, 2)), std::asin(std::clamp(-r(2, 0), -1.0, 1.0)),
+                              std::atan2(r(1, 0), r(0, 0)));
+  return turns * (180.0 / std::numbers::pi);
+}
+
+std::string place_text(const robot::CoverEntry& cover) {
+  const std::string link = cover.frame.empty() ? "the base" : cover.frame;
+  if (!cover.has_pose) return "nobody has said where it lies in " + link;
+  const Eigen::Vector3d at = cover.pose.translation(), turns = rpy_deg_of(cover.pose);
+  return fmt::format("at ({:.1f}, {:.1f}, {:.1f}) mm in {}, turned by ({:.1f}, {:.1f}, {:.1f})°{}", at.x(), at.y(),
+                     at.z(), link, turns.x(), turns.y(), turns.z(),
+                     cover.measured ? fmt::format(", measured by {} touches, residual {:.2f} mm",
+                                                  cover.measured->points, cover.measured->rms_mm)
+                                    : "");
+}
+
+void add_pose_keys(const robot::CoverEntry& cover, nlohmann::json& keys) {
+  if (!cover.has_pose) return;
+  const Eigen::Vector3d at = cover.pose.translation(), turns = rpy_deg_of(cover.pose);
+  keys["xyz_mm"] = {at.x(), at.y(), at.z()};
+  keys["rpy_deg"] = {turns.x(), turns.y(), turns.z()};
+}
+
+// What the file does not say, and what says it. No command needs all of it, so it is no problem.
+std::vector<std::string> missing_of(const robot::Robot& robot, const std::string& file) {
+  std::vector<std::string> missing;
+  if (robot.urdf.empty() && !robot.covers.empty())
+    missing.emplace_back(
+        "the robot's links: name its URDF by the key \"urdf\"; until then frames are not checked, and "
+        "covers of several links cannot be shown together");
+  for (const robot::CoverEntry& c : robot.covers) {
+    if (!c.has_pose)
+      missing.push_back(
+          fmt::format("the place of cover {}: triskin robot register {} TOUCHES.csv --name {}, or "
+                      "robot add with --xyz-mm and --rpy-deg; until then it is drawn at the origin",
+                      c.name, file, c.name));
+    const auto unnamed = std::ranges::count_if(c.controllers, [](const auto& e) { return e.serial.empty(); });
+    if (unnamed > 0)
+      missing.push_back(fmt::format("{} of {} serial numbers of cover {}: triskin discover {} --note", unnamed,
+                                    c.controllers.size(), c.name, file));
+  }
+  return missing;
+}
+
 void show_cover(const robot::CoverEntry& cover, const design::Design& design, Output& output) {
-  const Eigen::Vector3d at = cover.pose.translation();
-  output.say(fmt::format(
-      "cover {}: {} modules on {} controllers; {}, design {:016x}{}; at ({:.1f}, {:.1f}, {:.1f}) mm in {}{}",
-      cover.name, design.layout.modules.size(), cover.controllers.size(), cover.design, cover.design_id,
-      cover.rate_hz > 0.0 ? fmt::format("; wants {} Hz", cover.rate_hz) : "", at.x(), at.y(), at.z(),
-      cover.frame.empty() ? "the base" : cover.frame,
-      cover.measured
-          ? fmt::format(", measured by {} touches, residual {:.2f} mm", cover.measured->points, cover.measured->rms_mm)
-          : ""));
+  output.say(fmt::format("cover {}: {} modules on {} controllers; {}, design {:016x}{}; {}", cover.name,
+                         design.layout.modules.size(), cover.controllers.size(), cover.design, cover.design_id,
+                         cover.rate_hz > 0.0 ? fmt::format("; wants {} Hz", cover.rate_hz) : "", place_text(cover)));
   nlohmann::json controllers = nlohmann::json::array();
   for (const auto& e : cover.controllers) {
     const std::string& bus = e.bus.empty() ? cover.bus : e.bus;
@@ -216,6 +261,7 @@ void show_cover(const robot::CoverEntry& cover, const design::Design& design, Ou
                                      {"modules", design.layout.modules.size()},
                                      {"frame", cover.frame},
                                      {"controllers", std::move(controllers)}});
+  add_pose_keys(cover, output.result["covers"].back());
 }
 
 int run_show(const Options& options, Output& output) {
@@ -223,6 +269,7 @@ int run_show(const Options& options, Output& output) {
   output.result = {{"name", a.robot.name},
                    {"buses", nlohmann::json::array()},
                    {"covers", nlohmann::json::array()},
+                   {"missing", missing_of(a.robot, options.robot)},
                    {"problems", nlohmann::json::array()}};
   output.say(fmt::format("robot {}: {} covers on {} buses", a.robot.name, a.robot.covers.size(), a.robot.buses.size()));
   const auto loads = robot::bus_loads(a);
@@ -247,6 +294,7 @@ int run_show(const Options& options, Output& output) {
     output.say(fmt::format("{}: {}\n    {}", p.place, p.text, p.remedy));
     output.result["problems"].push_back({{"place", p.place}, {"text", p.text}, {"remedy", p.remedy}});
   }
+  for (const std::string& what : missing_of(a.robot, options.robot)) output.say("not said: " + what);
   output.say(fmt::format("{} problems", problems.size()));
   return problems.empty() ? 0 : 1;
 }
@@ -317,6 +365,7 @@ int run_register(const Options& options, Output& output) {
   }
   if (options.dry_run) return 0;
   cover->pose = r.fit.pose;
+  cover->has_pose = true;
   cover->xyz_rpy.reset();
   cover->measured = robot::Measured{static_cast<int>(touches.size()), r.fit.rms_mm};
   write_file_atomically(options.robot, robot::robot_text(a.robot));
@@ -361,9 +410,10 @@ const cli::Registration kRobot{{
       app.add_flag("--dry-run", o->dry_run, "register: say the result, write nothing");
       return [o, &app](Output& output) {
         require_known(app, o->action);
+        if (o->action == "show") return run_show(*o, output);
+        const WriterLock lock(o->robot);  // A change that another program makes meanwhile would be lost.
         if (o->action == "new") return run_new(*o, output);
         if (o->action == "add") return run_add(*o, output);
-        if (o->action == "show") return run_show(*o, output);
         return run_register(*o, output);
       };
     },

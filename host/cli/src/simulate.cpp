@@ -5,10 +5,13 @@
 #include <memory>
 #include <optional>
 
+#include "expose_option.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/connect/open_bus.hpp"
 #include "triskin/robot/bus_threads.hpp"
+#include "triskin/scenario/contact_stream.hpp"
+#include "triskin/scenario/scene_check.hpp"
 #include "triskin/scene/sim_server.hpp"
 #include "triskin/scene/skin_server.hpp"
 #include "triskin/session/controller.hpp"
@@ -18,9 +21,9 @@ namespace {
 
 struct Options {
   std::string scene;
-  std::string listen;
+  std::string listen, contacts;
   double seconds = -1.0;
-  bool fresh = false, switched = false;
+  bool fresh = false, switched = false, expose = false, check = false;
   std::optional<std::uint64_t> board_seed;
 };
 
@@ -67,9 +70,9 @@ std::vector<SimulatedBus> buses_of(const Options& options) {
 }
 
 // Buses of a robot get ports that follow each other, so that one --link names all of them.
-void listen(std::vector<SimulatedBus>& buses, const std::string& at) {
+void listen(std::vector<SimulatedBus>& buses, const std::string& at, device::Reach reach) {
   if (buses.size() == 1) {
-    buses[0].server = device::open_server(*buses[0].skin, at);
+    buses[0].server = device::open_server(*buses[0].skin, at, reach);
     return;
   }
   const device::HostPort first = device::parse_host_port(at);
@@ -79,7 +82,7 @@ void listen(std::vector<SimulatedBus>& buses, const std::string& at) {
       int port = first.port;
       for (SimulatedBus& bus : buses) {
         auto server = std::make_unique<device::SimServer>(
-            *bus.skin, device::HostPort{first.host, static_cast<std::uint16_t>(port)});
+            *bus.skin, device::HostPort{first.host, static_cast<std::uint16_t>(port)}, reach);
         port = server->port() + 1;
         bus.server = std::move(server);
       }
@@ -110,7 +113,8 @@ void tell_boards(const std::vector<SimulatedBus>& buses, Output& output) {
 }
 
 void serve(std::vector<SimulatedBus>& buses, const Options& options, std::size_t modules, Output& output) {
-  listen(buses, options.listen);
+  listen(buses, options.listen, reach_of(options.expose));
+  if (buses[0].server->is_exposed()) warn_exposed(buses[0].server->link_name());
   std::vector<std::string> names;
   std::size_t controllers = 0;
   for (const SimulatedBus& bus : buses) {
@@ -127,7 +131,48 @@ void serve(std::vector<SimulatedBus>& buses, const Options& options, std::size_t
                      [&](std::size_t k) { buses[k].server->run(interrupt_request(), std::max(0.0, options.seconds)); });
 }
 
+int run_check(const Options& options, Output& output) {
+  if (robot::is_robot_file(options.scene))
+    throw InputError(fmt::format("{}: --check takes a scene file, not a robot file", options.scene));
+  scene::Scene scene = scene::read_scene(options.scene);
+  scene.switched = scene.switched || options.switched;
+  const scenario::SceneCheck check = scenario::check_scene(std::move(scene), output.progress());
+  nlohmann::json list = nlohmann::json::array();
+  for (const scenario::ExpectationResult& r : check.results) {
+    const std::string expected = scene::text_of(r.expectation);
+    output.say(fmt::format("{}  {}: {} ({})", r.held ? "ok    " : "FAILED", r.expectation.place, expected, r.seen));
+    list.push_back({{"place", r.expectation.place},
+                    {"expected", expected},
+                    {"held", r.held},
+                    {"samples", r.samples},
+                    {"seen", r.seen}});
+  }
+  output.result.update(
+      {{"expectations", std::move(list)}, {"failed", check.failed()}, {"virtual_s", check.simulated_s}});
+  output.say(fmt::format("{} of {} expectations held in {:.3g} s of virtual time",
+                         check.results.size() - check.failed(), check.results.size(), check.simulated_s));
+  return check.failed() == 0 ? 0 : 1;
+}
+
+int run_contacts(const Options& options, Output& output) {
+  if (robot::is_robot_file(options.scene))
+    throw InputError(fmt::format("{}: --contacts takes a scene or a design, not a robot file", options.scene));
+  const device::HostPort at = device::parse_host_port(options.contacts);
+  scene::Scene scene = scene::read_scene(options.scene);
+  scene.switched = scene.switched || options.switched;
+  catch_interrupts();
+  scenario::ContactStream stream(std::move(scene));
+  output.expect_interrupt();
+  scenario::serve_contacts(stream, at, interrupt_request(), std::max(0.0, options.seconds), [&](int port) {
+    output.say(fmt::format("contacts at {}:{}; end with Ctrl-C", at.host, port));
+  });
+  output.result["virtual_s"] = stream.time_s();
+  return 0;
+}
+
 int run(const Options& options, Output& output) {
+  if (!options.contacts.empty()) return run_contacts(options, output);
+  if (options.check) return run_check(options, output);
   std::vector<SimulatedBus> buses = buses_of(options);
   std::size_t modules = 0, controllers = 0;
   for (const SimulatedBus& bus : buses) {
@@ -178,6 +223,7 @@ const Registration kSimulate{{
       app.add_option("--listen", options->listen,
                      "serve in real time: HOST:PORT (port 0 takes a free one and prints it), can:IFACE, or usb "
                      "(devices in vhci-hcd)");
+      add_expose_option(app, options->expose);
       app.add_option("--seconds", options->seconds, "how long; default 1 s of virtual time, with --listen until Ctrl-C")
           ->check(CLI::Range(0.0, 1e7));
       app.add_flag("--switched", options->switched,
@@ -185,6 +231,16 @@ const Registration kSimulate{{
       app.add_option("--board-seed", options->board_seed,
                      "serial numbers of the boards are drawn from this; 0: they ascend with the patches; default: the "
                      "scene's seed");
+      app.add_option("--contacts", options->contacts,
+                     "HOST:PORT (port 0 takes a free one): another simulator tells where it touches the skin and gets "
+                     "the frames of the controllers (docs/contact_stream.md)")
+          ->excludes("--listen");
+      app.add_flag("--check", options->check,
+                   "run the scene and hold what the skin reports against its \"expect\"; status 1 if it differs "
+                   "(docs/scene_check.md)")
+          ->excludes("--listen")
+          ->excludes("--contacts")
+          ->excludes("--seconds");
       app.add_flag("--fresh", options->fresh, "boards that were never flashed, kept in memory only");
       return [options](Output& output) { return run(*options, output); };
     },

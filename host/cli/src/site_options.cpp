@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/cli/site_options.hpp"
 
-#include "triskin/robot/bus_threads.hpp"
-
 namespace triskin::cli {
 
 void add_site_options(CLI::App& app, SiteOptions& options) {
@@ -11,33 +9,27 @@ void add_site_options(CLI::App& app, SiteOptions& options) {
   add_link_options(app, options.link);
 }
 
-OpenSite open_site(const SiteOptions& options, Output& output) {
-  OpenSite open{robot::read_site(options.file), {}};
-  robot::choose(open.site, options.cover);
-  open.links = device::open_buses(open.site, options.link);
-  say_simulated(open.links, output);
-  return open;
+robot::Site read_site(const SiteOptions& options) {
+  robot::Site site = robot::read_site(options.file);
+  robot::choose(site, options.cover);
+  return site;
 }
 
-const robot::CoverConfig& one_cover(const robot::Site& site, std::string_view command) {
-  std::size_t covers = 0;
-  const robot::CoverConfig* chosen = nullptr;
-  for (const robot::BusConfig& bus : site.buses) {
-    for (const robot::CoverConfig& c : bus.covers) {
-      if (!c.chosen) continue;
-      chosen = &c;
-      ++covers;
-    }
-  }
-  if (covers != 1 || site.buses.size() != 1)
+void open_links(device::LiveSkin& skin, Output& output) {
+  skin.open();
+  say_simulated(skin.links(), output);
+}
+
+device::LiveSkin open_skin(const SiteOptions& options, Output& output) {
+  device::LiveSkin skin(read_site(options), options.link);
+  open_links(skin, output);
+  return skin;
+}
+
+device::LiveCover& one_cover(const device::LiveSkin& skin, std::string_view command) {
+  if (skin.buses().size() != 1 || skin.buses().front()->covers().size() != 1)
     throw InputError(std::string(command) + " looks at one cover on one bus: say which with --cover");
-  return *chosen;
-}
-
-void on_each_bus(OpenSite& open, const std::function<void(const robot::BusConfig&, device::Link&)>& work) {
-  std::vector<std::string> names;
-  for (const robot::BusConfig& bus : open.site.buses) names.push_back(bus.name);
-  robot::on_each_bus(names, [&](std::size_t k) { work(open.site.buses[k], *open.links[k]); });
+  return skin.buses().front()->covers().front();
 }
 
 std::string prefix_of(const robot::CoverConfig& cover) {

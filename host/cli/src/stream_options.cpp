@@ -67,7 +67,7 @@ void add_stream_options(CLI::App& app, device::StreamOptions& options) {
 }
 
 device::StreamOptions speaking(device::StreamOptions options) {
-  options.say = [](const std::string& text) { std::fputs(("triskin: " + text + "\n").c_str(), stderr); };
+  options.say = say_aside;
   return options;
 }
 

@@ -2,6 +2,7 @@
 #include "terminal.hpp"
 
 #include <poll.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -25,6 +26,12 @@ bool Terminal::is_dumb() {
 
 bool Terminal::there() {
   return ::isatty(STDOUT_FILENO) != 0 && !is_dumb();
+}
+
+Terminal::Size Terminal::size() {
+  winsize window{};
+  if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &window) != 0 || window.ws_col == 0 || window.ws_row == 0) return {};
+  return {window.ws_col, window.ws_row};
 }
 
 Terminal::Terminal() : keys_(::isatty(STDIN_FILENO) != 0 && ::tcgetattr(STDIN_FILENO, &before_) == 0) {

@@ -14,6 +14,11 @@ class Terminal {
   [[nodiscard]] static bool there();
   /// TERM says that the terminal cannot move its cursor.
   [[nodiscard]] static bool is_dumb();
+  /// Size of the screen in characters.
+  struct Size {
+    int columns = 80, rows = 24;  ///< what terminals have that do not tell
+  };
+  [[nodiscard]] static Size size();
   Terminal();
   ~Terminal();
   Terminal(const Terminal&) = delete;

@@ -12,16 +12,18 @@
 #include <mutex>
 #include <utility>
 
+#include "finding_lines.hpp"
 #include "offset_lines.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/cli/design_argument.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
+#include "triskin/diagnose/design_files.hpp"
 #include "triskin/diagnose/repair.hpp"
 #include "triskin/diagnose/verify_report.hpp"
-#include "triskin/link/cover_link.hpp"
 #include "triskin/session/controller_calibration.hpp"
+#include "triskin/skin/rest_store.hpp"
 
 namespace triskin::cli::verify_command {
 namespace {
@@ -32,18 +34,6 @@ struct Options {
   bool no_touch = false;
   std::string report;
 };
-
-nlohmann::json to_json(const device::Finding& f) {
-  nlohmann::json j = {{"kind", device::kFindingKindNames.name(f.kind)}, {"text", f.text}, {"remedy", f.remedy}};
-  j["module"] = f.module >= 0 ? nlohmann::json(f.module) : nlohmann::json(nullptr);
-  j["patch"] = f.patch >= 0 ? nlohmann::json(f.patch) : nlohmann::json(nullptr);
-  if (f.other >= 0) j["other"] = f.other;
-  if (f.line >= 0) j["line"] = f.line;
-  if (f.address >= 0) j["address"] = f.address;
-  if (f.taxel >= 0) j["taxel"] = f.taxel;
-  if (!f.place.empty()) j["place"] = f.place;
-  return j;
-}
 
 // A person presses real modules: Enter first, then the finger; the program sees the touch by itself. One question at a
 // time, also where several buses are verified.
@@ -110,28 +100,26 @@ std::string arguments_of(const Options& options, const robot::CoverConfig& cover
          (link.scene.empty() ? "" : " --scene " + link.scene);
 }
 
-// One repair at a time: the steps of the first finding are said, those of all stand in --json and in the report.
-Told print_report(const robot::CoverConfig& cover, device::VerifyResult r, device::Bus& bus,
+// Each finding with the steps that mend it, as the report and --json have them.
+Told print_report(const robot::CoverConfig& cover, device::VerifyResult r, device::LiveBus& live,
                   const std::string& arguments) {
   Told told;
   const std::string name = prefix_of(cover);
   nlohmann::json findings = nlohmann::json::array(), earlier = nlohmann::json::array();
-  std::vector<std::string> first;
   for (const auto& f : r.findings) {
-    findings.push_back(to_json(f));
-    findings.back()["repair"] = device::repair_steps(cover.design, f, arguments);
-    if (&f == &r.findings.front()) first = findings.back()["repair"].get<std::vector<std::string>>();
-    const std::string place = f.place.empty() ? "" : fmt::format("\n    on the cover: {}", f.place);
-    told.lines.push_back(
-        fmt::format("{}{}: {}{}\n    {}", name, device::kFindingKindNames.name(f.kind), f.text, place, f.remedy));
+    const std::vector<std::string> steps = device::repair_steps(cover.design, f, arguments);
+    findings.push_back(finding_json(f));
+    findings.back()["repair"] = steps;
+    for (const std::string& line : finding_lines(f, steps)) told.lines.push_back(name + line);
   }
   for (const auto& f : r.earlier) {
-    earlier.push_back(to_json(f));
+    earlier.push_back(finding_json(f));
     told.lines.push_back(fmt::format("{}remembered from before, not there now: {}", name, f.text));
   }
   std::vector<std::string> rest;
   nlohmann::json calibrations = nlohmann::json::array();
-  for (const design::BoardCalibration& b : device::kept_in_controllers(bus, cover.design, bus.discover())) {
+  live.find_controllers(device::RestSource::kPresent);
+  for (const design::BoardCalibration& b : device::kept_in_controllers(live.bus(), cover.design, live.claims())) {
     calibrations.push_back({{"serial", b.serial}, {"revision", b.revision}, {"made", b.made}});
     rest.push_back(fmt::format("controller {} keeps revision {} of its calibration, made {} with {} up to {:g} kPa",
                                b.serial, b.revision, b.made, design::kCalibrationMethodNames.name(b.method),
@@ -142,41 +130,41 @@ Told print_report(const robot::CoverConfig& cover, device::VerifyResult r, devic
                {"touched", r.touched},
                {"findings", std::move(findings)},
                {"earlier", std::move(earlier)},
-               {"offsets", read_offset_lines(bus, cover.design, rest)},
+               {"offsets", read_offset_lines(live.bus(), cover.design, rest)},
                {"calibrations", std::move(calibrations)}};
   if (r.stream) {
     add_stream_keys(*r.stream, told.keys);
     for (std::string& line : sentences(*r.stream)) rest.push_back(std::move(line));
   }
   for (const std::string& line : rest) told.lines.push_back(name + line);
-  if (!first.empty()) told.lines.push_back(name + "to mend the first finding:");
-  for (std::size_t k = 0; k < first.size(); ++k) told.lines.push_back(fmt::format("  {}. {}", k + 1, first[k]));
+  if (!r.findings.empty()) told.lines.push_back(name + "mend one finding after the other: triskin repair " + arguments);
   told.result = std::move(r);
   return told;
 }
 
 // `patch` ≥ 0: its findings first, and a person is asked for its modules only.
-std::vector<Told> verify_bus(const robot::BusConfig& site, device::Link& link, const Options& options, int patch,
-                             const ProgressSink& progress) {
+std::vector<Told> verify_bus(device::LiveBus& live, const Options& options, int patch, const ProgressSink& progress) {
   std::vector<Told> all;
-  for (const robot::CoverConfig& cover : site.covers) {
-    if (!cover.chosen) continue;
-    device::CoverLink own(link, cover.first_module);
-    device::Bus bus(own);
+  const robot::BusConfig& site = live.config();
+  for (device::LiveCover& own : live.covers()) {
+    const robot::CoverConfig& cover = own.config();
     device::VerifyOptions verify = options.verify;
-    // The virtual finger costs nobody anything, so it always tries every module.
-    if (own.finger() != nullptr) verify.touch = !options.no_touch;
+    verify.actuator = own.actuator();
+    // A simulated touch costs nobody anything, so every module is tried.
+    if (verify.actuator != nullptr) verify.touch = !options.no_touch;
     verify.neighbours = robot::other_demands(site, std::array{&std::as_const(cover.design)});
+    verify.rest = device::RestStore(cover.design, live.bus().discover()).read();
     const auto wiring = design::wiring_of(cover.design);
     // A person at one patch is asked for its modules only.
     verify.ask = [&](int module) {
       const bool is_asked = patch < 0 || wiring.at(static_cast<std::size_t>(module)).patch == patch;
       return is_asked && ask_person(prefix_of(cover), module);
     };
-    device::VerifyResult result = device::verify(bus, cover.design, verify, progress_of(site, cover, progress));
+    device::VerifyResult result = device::verify(live.bus(), cover.design, verify, progress_of(site, cover, progress));
+    device::name_files(result.findings, options.site.file);
     if (patch >= 0) std::ranges::stable_partition(result.findings, [=](const auto& f) { return f.patch == patch; });
     const std::string arguments = arguments_of(options, cover);
-    all.push_back(print_report(cover, std::move(result), bus, arguments));
+    all.push_back(print_report(cover, std::move(result), live, arguments));
     all.back().keys.update(keys_of(site, cover));
     write_report(report_file(options.report, cover, site), cover.design, all.back().result, all.back().keys, arguments);
   }
@@ -213,20 +201,18 @@ int run(Options options, Output& output) {
   check_report(options.report);
   const DesignArgument argument = find_design(options.site.file);
   options.site.file = argument.path;
-  OpenSite open = open_site(options.site, output);
-  const int patch = patch_of(argument, open.site.buses[0].covers[0].design, output);
-  std::vector<std::vector<Told>> buses(open.site.buses.size());
+  device::LiveSkin skin = open_skin(options.site, output);
+  const int patch = patch_of(argument, skin.site().buses[0].covers[0].design, output);
+  std::vector<std::vector<Told>> buses(skin.buses().size());
   const ProgressSink progress = output.progress();
   try {
-    on_each_bus(open, [&](const robot::BusConfig& bus, device::Link& link) {
-      buses[static_cast<std::size_t>(&bus - open.site.buses.data())] = verify_bus(bus, link, options, patch, progress);
-    });
+    skin.on_each_bus([&](device::LiveBus& bus) { buses[bus.index()] = verify_bus(bus, options, patch, progress); });
   } catch (const Error&) {
     // Reports what was found on the other buses.
-    if (buses.size() > 1) (void)say_all(buses, open.site.is_robot, output);
+    if (buses.size() > 1) (void)say_all(buses, skin.site().is_robot, output);
     throw;
   }
-  return say_all(buses, open.site.is_robot, output);
+  return say_all(buses, skin.site().is_robot, output);
 }
 
 const Registration kVerify{{

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
-#include <spawn.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <memory>
@@ -9,15 +7,15 @@
 #include <thread>
 
 #include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/design_argument.hpp"
 #include "triskin/cli/link_options.hpp"
 #include "triskin/cli/recorded_track.hpp"
 #include "triskin/cli/stream_options.hpp"
-#include "triskin/connect/open_bus.hpp"
-#include "triskin/robot/site.hpp"
-#include "triskin/session/bus.hpp"
+#include "triskin/skin/live_skin.hpp"
+#include "triskin/view/browser.hpp"
 #include "triskin/view/frame_track.hpp"
 #include "view_feed.hpp"
 
@@ -29,17 +27,15 @@ struct Options {
   device::LinkOptions link;
   device::StreamOptions stream;
   CalibrationOptions calibration;
+  std::string findings;
   std::uint16_t port = 0;
   bool no_open = false;
 };
 
-// The address holds the token, and standard output is the only place that prints it. A missing browser is no error.
-void open_browser(std::string address) {
-  if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return;
-  std::string program = "xdg-open";
-  char* const arguments[] = {program.data(), address.data(), nullptr};
-  pid_t child = 0;
-  (void)::posix_spawnp(&child, program.c_str(), nullptr, nullptr, arguments, environ);
+// A missing browser is no error.
+std::optional<view::BrowserStart> open_browser(const Options& options, const std::string& address) {
+  if (options.no_open || (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr)) return {};
+  return std::optional<view::BrowserStart>(std::in_place, address);
 }
 
 void wait_for_interrupt() {
@@ -50,14 +46,28 @@ void wait_for_interrupt() {
 struct Shown {
   design::Design design;
   std::vector<design::CoverOffset> offsets;  // Indexed by cover.
+  view::Notes notes{};
 };
+
+// Names and coverage of the covers of a robot.
+std::vector<view::CoverNote> covers_of(const robot::Assembly& assembly, std::span<const design::CoverOffset> offsets) {
+  std::vector<view::CoverNote> notes;
+  for (std::size_t c = 0; c < offsets.size(); ++c) {
+    const design::Design& d = assembly.designs[c];
+    notes.push_back({assembly.robot.covers[c].name, offsets[c].module, offsets[c].patch, offsets[c].island,
+                     static_cast<int>(d.layout.modules.size()), d.report.area_cm2, d.report.coverage});
+  }
+  return notes;
+}
 
 Shown shown_of(const std::string& file, bool has_link) {
   if (robot::is_robot_file(file)) {
-    design::SideBySide joint = robot::in_base(robot::read_assembly(file));
-    return {std::move(joint.design), std::move(joint.offsets)};
+    const robot::Assembly assembly = robot::read_assembly(file);
+    design::SideBySide joint = robot::in_base(assembly);
+    view::Notes notes{covers_of(assembly, joint.offsets), {}};
+    return {std::move(joint.design), std::move(joint.offsets), std::move(notes)};
   }
-  return {has_link ? design::read_intact_design(file) : design::read_design(file), {{}}};
+  return {has_link ? design::read_intact_design(file) : design::read_design(file), {{}}, {}};
 }
 
 // Standard output is for the address alone.
@@ -81,17 +91,22 @@ std::string place_of(const DesignArgument& argument, const design::Design& desig
 
 // The page shows N where the controllers answer and have a calibration; of a robot it shows counts. Standard output is
 // for the address alone.
-design::SkinCalibration calibration_now(const Options& options, const std::optional<robot::Site>& site,
+design::SkinCalibration calibration_now(const Options& options, std::optional<device::LiveSkin>& skin,
                                         const Output& output) {
-  if (!site || site->is_robot) return {};
+  if (!skin || skin->site().is_robot) return {};
   const Output aside(output.json(), true);
+  device::LiveBus& bus = *skin->buses().front();
+  design::SkinCalibration calibration;
   try {
-    const auto link = device::open_bus(*site, 0, options.link);
-    device::Bus bus(*link);
-    return calibration_for(options.calibration, bus, site->buses[0].covers[0], bus.discover(), aside);
+    bus.open();
+    bus.find_controllers(device::RestSource::kNone);
+    calibrate_cover(options.calibration, bus, bus.covers().front(), aside);
+    calibration = bus.covers().front().calibration();
   } catch (const DeviceError&) {
-    return {};  // The page reports what is wrong with the link.
+    // The page reports what is wrong with the link.
   }
+  bus.close();
+  return calibration;
 }
 
 // A recording is played by the page itself: the server has no live skin then.
@@ -104,7 +119,7 @@ int play(const Options& options, Output& output) {
   const view::Server server(view::site_of(track.skin.design, std::move(track.frames), track.skin.calibration), live,
                             options.port, [](const view::Command&) {}, {});
   output.say(server.address());
-  if (!options.no_open) open_browser(server.address());
+  const auto browser = open_browser(options, server.address());
   wait_for_interrupt();
   output.result = {{"port", server.port()}, {"bytes", bytes}};
   return 0;
@@ -115,23 +130,29 @@ int run(const Options& options, Output& output) {
   if (is_recording(options.design)) return play(options, output);
   const DesignArgument argument = find_design(options.design);
   const bool has_link = options.link.link != "none";
-  const Shown shown = shown_of(argument.path, has_link);
-  std::optional<robot::Site> site;
-  if (has_link) site = robot::read_site(argument.path);
-  if (site && !site->is_robot) device::require_link(options.link);
-  if (site) say_simulated_links(options.link, *site, output);
+  Shown shown = shown_of(argument.path, has_link);
+  if (!options.findings.empty())
+    shown.notes.findings =
+        view::findings_in(read_file(options.findings), options.findings, shown.design, shown.notes.covers);
+  std::optional<device::LiveSkin> skin;
+  if (has_link) skin.emplace(robot::read_site(argument.path), options.link);
+  if (skin && !skin->site().is_robot) device::require_link(options.link);
+  if (skin) say_simulated_links(options.link, skin->site(), output);
   view::LiveSkin live(shown.design.layout.modules.size());
   live.set_health({options.link.link, false, "", 0, 0});
-  CommandQueue commands(site ? site->buses.size() : 1);
+  CommandQueue commands(skin ? skin->buses().size() : 1);
   catch_interrupts();
-  const view::Server server(view::site_of(shown.design, {}, calibration_now(options, site, output)), live, options.port,
-                            [&](const view::Command& c) { commands.push(c); }, {});
+  const view::Server server(
+      view::site_of(shown.design, {}, calibration_now(options, skin, output), shown.notes), live, options.port,
+      [&](const view::Command& c) { commands.push(c); }, {});
   const std::string address = server.address() + place_of(argument, shown.design);
   output.say(address);
-  if (!options.no_open) open_browser(address);
-  FeedTotals totals;
-  if (site) {
-    totals = feed(options.link, options.stream, *site, shown.offsets, live, commands);
+  const auto browser = open_browser(options, address);
+  device::LiveTotals totals;
+  if (skin) {
+    const bool by_file = skin->site().is_robot && !options.link.chosen;
+    totals =
+        feed(*skin, by_file ? skin->site().name : options.link.link, options.stream, shown.offsets, live, commands);
   } else {
     wait_for_interrupt();
   }
@@ -154,6 +175,8 @@ const Registration kView{{
                                             "; none: the design without live samples");
       add_decimation_option(app, options->stream);
       add_calibration_options(app, options->calibration);
+      app.add_option("--findings", options->findings,
+                     "report of triskin verify (--report FILE.json): its findings are shown at their modules");
       app.add_option("--port", options->port, "of the page on 127.0.0.1; 0 takes a free one")->capture_default_str();
       app.add_flag("--no-open", options->no_open, "do not start a browser");
       return [options](Output& output) { return run(*options, output); };

@@ -3,51 +3,19 @@
 
 #include <chrono>
 #include <mutex>
-#include <span>
-#include <thread>
+#include <optional>
+#include <vector>
 
-#include "triskin/base/interrupt.hpp"
-#include "triskin/robot/bus_threads.hpp"
-#include "triskin/session/stream.hpp"
-#include "triskin/skin/rest_store.hpp"
-#include "triskin/skin/touch_map.hpp"
+#include "triskin/base/pace.hpp"
 
 namespace triskin::cli {
 namespace {
 
 using std::chrono::microseconds;
-using Clock = std::chrono::system_clock;
+using Clock = std::chrono::steady_clock;
 
 constexpr std::uint64_t kSlice_us = 10'000;
-constexpr microseconds kHealthEvery{250'000}, kRetryAfter{1'000'000}, kPoll{50'000};
-constexpr std::int64_t kMaxBehind_us = 200'000;
-
-std::int64_t wall_us() {
-  return std::chrono::duration_cast<microseconds>(Clock::now().time_since_epoch()).count();
-}
-
-// Time of the link against the clock on the wall. A simulation in this process is as fast as the computer: it waits.
-// One that is slower than real time falls behind, and the difference is taken as it is.
-class Pace {
- public:
-  explicit Pace(std::uint64_t link_us) { anchor(link_us); }
-  [[nodiscard]] std::int64_t wall_of(std::uint64_t link_us) const {
-    return wall_start_us_ + static_cast<std::int64_t>(link_us - link_start_us_);
-  }
-  void hold(std::uint64_t link_us) {
-    const std::int64_t ahead_us = wall_of(link_us) - wall_us();
-    if (ahead_us > 0) std::this_thread::sleep_for(microseconds(ahead_us));
-    if (ahead_us < -kMaxBehind_us) anchor(link_us);
-  }
-
- private:
-  void anchor(std::uint64_t link_us) {
-    link_start_us_ = link_us;
-    wall_start_us_ = wall_us();
-  }
-  std::uint64_t link_start_us_ = 0;
-  std::int64_t wall_start_us_ = 0;
-};
+constexpr microseconds kHealthEvery{250'000};
 
 // Health of all links for the page: trouble on one bus is trouble of the page.
 class Health {
@@ -57,7 +25,7 @@ class Health {
   struct Bus {
     bool is_live = false;
     std::string trouble;
-    FeedTotals totals;
+    device::LiveTotals totals;
   };
   void state(std::size_t bus, Bus now) {
     const std::lock_guard lock(mutex_);
@@ -79,144 +47,93 @@ class Health {
   std::vector<Bus> buses_;
 };
 
-// What presses a cover. The page asks for rest values anew when nothing touches the skin; they are kept, as those of
-// `live --tare`.
-class CoverTouches {
- public:
-  CoverTouches(const design::Design& design, std::span<const wire::NodeClaim> claims)
-      : store_(design, claims), touches_(design, store_.read()) {}
-
-  view::PressureSample take(const device::ModuleSample& f) {
-    touches_.add(f);
-    return {f.sample.state, f.sample.valid, touches_.change(f.module)};
-  }
-  void tare(std::uint64_t now_us) {
-    touches_.tare();
-    keep_us_ = now_us + kTare_us;
-  }
-  void keep_rest(std::uint64_t now_us) {
-    if (keep_us_ == 0 || now_us < keep_us_ || !touches_.tared()) return;
-    store_.write(touches_.rest());
-    keep_us_ = 0;
-  }
-
- private:
-  static constexpr std::uint64_t kTare_us = 500'000;  // A controller that is silent this long is reported as silent.
-  device::RestStore store_;
-  device::TouchMap touches_;
-  std::uint64_t keep_us_ = 0;  // Time at which the running tare is to be stored; 0: none is running.
-};
-
-// Keeps the counts of a stream when its link fails.
-class KeptTotals {
- public:
-  KeptTotals(const device::Stream& stream, FeedTotals& totals) : stream_(stream), totals_(totals) {}
-  KeptTotals(const KeptTotals&) = delete;
-  KeptTotals& operator=(const KeptTotals&) = delete;
-  ~KeptTotals() {
-    totals_.frames += stream_.frames();
-    totals_.lost += stream_.lost();
-  }
-
- private:
-  const device::Stream& stream_;
-  FeedTotals& totals_;
-};
-
 // One bus; runs in a thread of its own where there are several.
 class Feed {
  public:
-  Feed(const device::LinkOptions& options, const device::StreamOptions& stream, const robot::Site& site,
-       std::size_t bus, const std::vector<design::CoverOffset>& offsets, view::LiveSkin& live, Health& health,
+  Feed(device::LiveBus& bus, const std::vector<design::CoverOffset>& offsets, view::LiveSkin& live, Health& health,
        CommandQueue& commands)
-      : options_(options),
-        stream_options_(stream),
-        site_(site),
-        bus_(bus),
-        live_(live),
-        health_(health),
-        commands_(commands) {
-    for (const robot::CoverConfig& cover : site.buses[bus].covers) {
-      if (!cover.chosen) continue;
-      covers_.push_back(&cover);
-      designs_.push_back(&cover.design);
-      first_.push_back(offsets[static_cast<std::size_t>(cover.cover)].module);
-    }
-  }
+      : bus_(bus), offsets_(offsets), live_(live), health_(health), commands_(commands) {}
 
-  // Streams until the link fails or the process is asked to end.
-  void stream() {
-    const auto link = device::open_bus(site_, bus_, options_);
-    device::Bus bus(*link);
-    const auto claims = bus.discover();
-    touches_.clear();
-    for (const design::Design* design : designs_) touches_.emplace_back(*design, claims);
-    Pace pace(bus.now_us());
-    const auto stream_options = robot::stream_options(site_.buses[bus_], designs_, stream_options_);
-    device::Stream stream(
-        bus, designs_,
-        [&](const device::ModuleSample& f) {
-          const auto cover = static_cast<std::size_t>(f.cover);
-          live_.add(first_[cover] + f.module, touches_[cover].take(f), pace.wall_of(f.link_time_us));
-        },
-        stream_options);
-    const KeptTotals kept(stream, before_);
-    std::int64_t next_health_us = 0;
-    while (!interrupt_request()) {
-      obey(link->finger(), bus.now_us());
-      stream.run_until(bus.now_us() + kSlice_us);
-      for (CoverTouches& cover : touches_) cover.keep_rest(bus.now_us());
-      pace.hold(bus.now_us());
-      if (wall_us() < next_health_us) continue;
-      next_health_us = wall_us() + kHealthEvery.count();
-      state(true, link->trouble(), stream.frames(), stream.lost());
-    }
+  // Streams until the process is asked to end; a link that fails is opened again.
+  void run(const device::StreamOptions& options) {
+    state(false, "waiting for the first sample");
+    const device::LiveRun slices{UINT64_MAX, kSlice_us, [this] { obey(); }, [this] { return slice(); }};
+    bus_.follow(
+        options, [this](const device::LiveSample& s) { show(s); }, slices,
+        [this](const std::string& trouble) {
+          pace_.reset();
+          taring_.clear();
+          state(false, trouble);
+        });
   }
-
-  void state(bool is_live, const std::string& trouble, std::uint64_t frames = 0, std::uint64_t lost = 0) {
-    health_.state(bus_, {is_live, trouble, {before_.frames + frames, before_.lost + lost}});
-  }
-  [[nodiscard]] FeedTotals totals() const { return before_; }
 
  private:
+  // Position of a cover's first module on the page.
+  [[nodiscard]] int first_module(const device::LiveCover& cover) const {
+    return offsets_[static_cast<std::size_t>(cover.config().cover)].module;
+  }
+  Pace& pace() {
+    if (!pace_) pace_.emplace(bus_.now_us());
+    return *pace_;
+  }
+  void state(bool is_live, const std::string& trouble) {
+    health_.state(bus_.index(), {is_live, trouble, bus_.totals()});
+  }
+  void show(const device::LiveSample& s) {
+    const int module = first_module(bus_.covers()[static_cast<std::size_t>(s.cover)]) + s.module;
+    live_.add(module, {s.raw.sample.state, s.valid, s.change_counts}, pace().unix_us(s.raw.link_time_us));
+  }
+  bool slice() {
+    std::erase_if(taring_, keep_rest);
+    pace().hold(bus_.now_us());
+    if (Clock::now() < next_health_) return true;
+    next_health_ = Clock::now() + kHealthEvery;
+    state(true, bus_.link().trouble());
+    return true;
+  }
+  // The page asks for rest values anew when nothing touches the skin; they are kept, as those of `live --tare`. False:
+  // they are not there yet.
+  static bool keep_rest(device::LiveCover* cover) {
+    if (cover->tare().state() == device::Tare::State::kDone) (void)cover->keep_rest();
+    return cover->tare().state() != device::Tare::State::kRunning;
+  }
   // A command is for the bus that has the module; presses of others are left to them.
-  void obey(device::Finger* finger, std::uint64_t now_us) {
-    while (const auto command = commands_.pop(static_cast<int>(bus_))) {
-      if (command->kind == view::Command::Kind::kRest) {
-        for (CoverTouches& cover : touches_) cover.tare(now_us);
-      }
-      if (finger == nullptr) continue;
-      if (command->kind == view::Command::Kind::kLift) finger->lift();
-      if (command->kind == view::Command::Kind::kPress) press(*finger, command->module, command->taxel);
+  void obey() {
+    while (const auto command = commands_.pop(static_cast<int>(bus_.index()))) {
+      if (command->kind == view::Command::Kind::kRest) begin_tare();
+      if (command->kind == view::Command::Kind::kLift) lift();
+      if (command->kind == view::Command::Kind::kPress) press(command->module, command->taxel);
     }
   }
-  void press(device::Finger& finger, int module, int taxel) const {
-    for (std::size_t c = 0; c < covers_.size(); ++c) {
-      const int own = module - first_[c];
-      if (own < 0 || own >= static_cast<int>(covers_[c]->design.layout.modules.size())) continue;
-      return finger.press(covers_[c]->first_module + own, taxel);
+  void begin_tare() {
+    taring_.clear();
+    for (device::LiveCover& cover : bus_.covers()) {
+      cover.begin_tare(bus_.now_us());
+      taring_.push_back(&cover);
     }
-    finger.lift();  // The finger is on another bus now.
+  }
+  void lift() {
+    if (device::TouchActuator* actuator = bus_.covers().front().actuator()) actuator->lift();
+  }
+  void press(int module, int taxel) {
+    for (device::LiveCover& cover : bus_.covers()) {
+      const int own = module - first_module(cover);
+      if (own < 0 || own >= static_cast<int>(cover.design().layout.modules.size())) continue;
+      if (cover.actuator() != nullptr) cover.actuator()->press(own, taxel);
+      return;
+    }
+    lift();  // The page presses on another bus now.
   }
 
-  const device::LinkOptions& options_;
-  const device::StreamOptions& stream_options_;
-  const robot::Site& site_;
-  std::size_t bus_;
-  std::vector<const robot::CoverConfig*> covers_;
-  std::vector<const design::Design*> designs_;
-  std::vector<int> first_;             // Position of each cover's first module on the page.
-  std::vector<CoverTouches> touches_;  // Indexed by cover; filled while the link is open.
+  device::LiveBus& bus_;
+  const std::vector<design::CoverOffset>& offsets_;
   view::LiveSkin& live_;
   Health& health_;
   CommandQueue& commands_;
-  FeedTotals before_;
+  std::optional<Pace> pace_;  // Set while samples arrive.
+  Clock::time_point next_health_{};
+  std::vector<device::LiveCover*> taring_;  // Covers whose new rest values are to be kept.
 };
-
-void wait_for_retry() {
-  for (microseconds waited{0}; waited < kRetryAfter && !interrupt_request(); waited += kPoll)
-    std::this_thread::sleep_for(kPoll);
-}
 
 }  // namespace
 
@@ -237,32 +154,14 @@ std::optional<view::Command> CommandQueue::pop(int reader) {
   return command;
 }
 
-FeedTotals feed(const device::LinkOptions& options, const device::StreamOptions& stream, const robot::Site& site,
-                const std::vector<design::CoverOffset>& offsets, view::LiveSkin& live, CommandQueue& commands) {
-  std::vector<std::string> names;
-  for (const robot::BusConfig& bus : site.buses) names.push_back(bus.name);
-  const bool by_file = site.is_robot && !options.chosen;
-  Health health(by_file ? site.name : options.link, names.size(), live);
-  std::vector<FeedTotals> totals(names.size());
-  robot::on_each_bus(names, [&](std::size_t b) {
-    Feed feed(options, stream, site, b, offsets, live, health, commands);
-    feed.state(false, "waiting for the first sample");
-    while (!interrupt_request()) {
-      try {
-        feed.stream();
-      } catch (const Cancelled&) {
-        break;  // Ctrl-C is the usual end
-      } catch (const DeviceError& e) {
-        feed.state(false, e.what());
-        wait_for_retry();
-      }
-    }
-    totals[b] = feed.totals();
-  });
-  FeedTotals sum;
-  for (const FeedTotals& t : totals) {
-    sum.frames += t.frames;
-    sum.lost += t.lost;
+device::LiveTotals feed(device::LiveSkin& skin, const std::string& link, const device::StreamOptions& stream,
+                        const std::vector<design::CoverOffset>& offsets, view::LiveSkin& live, CommandQueue& commands) {
+  Health health(link, skin.buses().size(), live);
+  skin.on_each_bus([&](device::LiveBus& bus) { Feed(bus, offsets, live, health, commands).run(stream); });
+  device::LiveTotals sum;
+  for (const auto& bus : skin.buses()) {
+    sum.frames += bus->totals().frames;
+    sum.lost += bus->totals().lost;
   }
   return sum;
 }

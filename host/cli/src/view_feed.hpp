@@ -3,11 +3,10 @@
 #include <deque>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <vector>
 
-#include "triskin/connect/open_bus.hpp"
-#include "triskin/robot/site.hpp"
-#include "triskin/session/stream.hpp"
+#include "triskin/skin/live_skin.hpp"
 #include "triskin/view/live_skin.hpp"
 #include "triskin/view/server.hpp"
 
@@ -29,16 +28,11 @@ class CommandQueue {
   std::vector<std::deque<view::Command>> commands_;
 };
 
-/// Samples of a design's stream that arrived and that were lost, over all times the link was open.
-struct FeedTotals {
-  std::uint64_t frames = 0, lost = 0;
-};
-
-/// Reads the streams of all buses of a site into `live` until the process is asked to end; buses side by side.
-/// `offsets`: by cover of the robot file, ids of its modules on the page. A link that fails is stated on the page and
-/// opened again every second. Virtual time is held to the clock on the wall. Throws InputError when a link cannot be
-/// used at all.
-FeedTotals feed(const device::LinkOptions& options, const device::StreamOptions& stream, const robot::Site& site,
-                const std::vector<design::CoverOffset>& offsets, view::LiveSkin& live, CommandQueue& commands);
+/// Reads the streams of all buses of a skin into `live` until the process is asked to end; buses side by side. `link`:
+/// its name on the page. `offsets`: by cover of the robot file, ids of its modules on the page. A link that fails is
+/// stated on the page and opened again every second. Virtual time is held to the clock on the wall. Throws InputError
+/// when a link cannot be used at all.
+device::LiveTotals feed(device::LiveSkin& skin, const std::string& link, const device::StreamOptions& stream,
+                        const std::vector<design::CoverOffset>& offsets, view::LiveSkin& live, CommandQueue& commands);
 
 }  // namespace triskin::cli

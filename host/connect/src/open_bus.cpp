@@ -23,7 +23,7 @@ std::string link_of(const robot::Site& site, std::size_t bus, const LinkOptions&
                     options.link, site.file.string(), site.buses.size()));
   }
   const HostPort at = parse_host_port(options.link.substr(4));
-  return fmt::format("sim:{}:{}", at.host, at.port + site.buses[bus].number);
+  return "sim:" + host_port_text({at.host, static_cast<std::uint16_t>(at.port + site.buses[bus].number)});
 }
 
 }  // namespace
@@ -44,12 +44,6 @@ std::filesystem::path state_folder_of(const robot::Site& site, const robot::BusC
   return scene::state_folder() / ("robot_" + site.name) / bus.name;
 }
 
-std::vector<std::unique_ptr<Link>> open_buses(const robot::Site& site, const LinkOptions& options) {
-  std::vector<std::unique_ptr<Link>> links;
-  for (std::size_t bus = 0; bus < site.buses.size(); ++bus) links.push_back(open_bus(site, bus, options));
-  return links;
-}
-
 std::unique_ptr<Link> open_bus(const robot::Site& site, std::size_t bus, const LinkOptions& options) {
   const robot::BusConfig& entry = site.buses.at(bus);
   if (!site.is_robot) return open_link(options, &entry.covers.front().design);
@@ -57,7 +51,7 @@ std::unique_ptr<Link> open_bus(const robot::Site& site, std::size_t bus, const L
   LinkOptions own = options;
   own.link = link_of(site, bus, options);
   if (!is_in_process(own.link)) return open_link(own, nullptr);
-  catch_interrupts();
+  if (own.own_interrupts) catch_interrupts();
   return simulate_here(own.link, scene_of(entry, options.switched, options.board_seed), state_folder_of(site, entry));
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <ranges>
 
 #include "triskin/base/interrupt.hpp"
@@ -90,6 +91,12 @@ std::unique_ptr<Link> open_several(const std::string& text) {
 }
 
 }  // namespace
+
+void settle_link(LinkOptions& options, bool simulates) {
+  if (options.chosen) return;
+  const char* named = std::getenv("TRISKIN_LINK");
+  options.link = simulates ? kSimulatedBus : named != nullptr ? named : "";
+}
 
 void require_link(const LinkOptions& options) {
   if (options.link.empty()) throw InputError(unnamed_link_text(attached_devices()));

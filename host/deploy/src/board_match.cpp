@@ -195,7 +195,7 @@ class Matcher {
     const Undecided alike = settle_by_shape(free, open, seats);
     std::erase_if(open, [&](int p) { return !wanted(p) || taken_.contains(p); });
     if (open.empty() || alike.boards.empty()) return;  // No board is left to distinguish.
-    if (!options_.touch || options_.dry_run || bus_.link().finger() == nullptr) refuse_alike(open, alike.boards);
+    if (options_.actuator == nullptr || options_.dry_run) refuse_alike(open, alike.boards);
     touch(open, alike);
   }
   // `seats` begins with those of the patches `open`; the others are of neighbours.
@@ -264,6 +264,7 @@ class Matcher {
                       open.size() == 1 ? "" : "es", fmt::join(open, ", ")));
     IdentifyOptions how;
     how.say = options_.say;
+    how.actuator = options_.actuator;
     TouchFinder finder(bus_, design_, alike.boards, how);
     std::vector<int> silent;
     for (const int patch : open) {

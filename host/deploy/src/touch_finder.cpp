@@ -158,12 +158,12 @@ std::optional<std::size_t> TouchFinder::wait(std::uint64_t until_us) {
 }
 
 // Any module of the patch: the first one may be dead.
-std::optional<std::size_t> TouchFinder::press(Finger& finger, int patch) {
+std::optional<std::size_t> TouchFinder::press(TouchActuator& actuator, int patch) {
   for (const design::RoutedModule& m : design_.patches.at(static_cast<std::size_t>(patch)).modules) {
-    finger.press(m.node);
+    actuator.press(m.node);
     bus_.listen(bus_.now_us() + kSample_us);
     const auto board = wait(bus_.now_us() + 4 * kLook_us);
-    finger.lift();
+    actuator.lift();
     bus_.listen(bus_.now_us() + kSample_us);
     if (board) return board;
     take_rest();
@@ -173,10 +173,10 @@ std::optional<std::size_t> TouchFinder::press(Finger& finger, int patch) {
 
 std::optional<std::size_t> TouchFinder::find(int patch) {
   take_rest();
-  Finger* finger = options_.finger ? bus_.link().finger() : nullptr;
   if (options_.ask) options_.ask(patch);
-  const auto board = finger != nullptr ? press(*finger, patch)
-                                       : wait(bus_.now_us() + static_cast<std::uint64_t>(options_.limit_s * 1e6));
+  const auto board = options_.actuator != nullptr
+                         ? press(*options_.actuator, patch)
+                         : wait(bus_.now_us() + static_cast<std::uint64_t>(options_.limit_s * 1e6));
   if (board) probes_[*board].found = true;
   return board;
 }

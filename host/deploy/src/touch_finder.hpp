@@ -38,7 +38,7 @@ class TouchFinder {
   [[nodiscard]] double strength(const Probe& probe) const;
   std::optional<std::size_t> felt(bool& doubtful);
   std::optional<std::size_t> wait(std::uint64_t until_us);
-  std::optional<std::size_t> press(Finger& finger, int patch);
+  std::optional<std::size_t> press(TouchActuator& actuator, int patch);
 
   Bus& bus_;
   const design::Design& design_;

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "alternatives_json.hpp"
 
+#include "triskin/design/json_fields.hpp"
+
 namespace triskin::design {
 namespace {
 
 using nlohmann::json;
+
+constexpr double kMaxPrice = 1e12;
 
 json place_json(const PlacedModule& m) {
   json corners = json::array();
@@ -15,6 +19,7 @@ json place_json(const PlacedModule& m) {
 }
 
 PlacedModule read_place(const JsonValue& v, std::size_t n_modules) {
+  only_keys(v, {"island", "i", "j", "up", "corners", "neighbours"}, "docs/design_file.md");
   PlacedModule m;
   m.island = v["island"].integer(0, kMaxCount);
   m.tile = {v["i"].integer(-kMaxLattice, kMaxLattice), v["j"].integer(-kMaxLattice, kMaxLattice), v["up"].boolean()};
@@ -22,9 +27,7 @@ PlacedModule read_place(const JsonValue& v, std::size_t n_modules) {
   corners.require_size(3);
   neighbours.require_size(3);
   for (std::size_t k = 0; k < 3; ++k) {
-    const JsonValue c = corners.at(k);
-    c.require_size(3);
-    m.corner_mm[k] = {c.at(0).number(), c.at(1).number(), c.at(2).number()};
+    m.corner_mm[k] = vec3(corners.at(k));
     m.neighbour[k] = neighbours.at(k).integer(-1, static_cast<int>(n_modules) - 1);
   }
   return m;
@@ -43,11 +46,13 @@ json alternative_json(const Alternative& a) {
 }
 
 Alternative read_alternative(const JsonValue& v) {
+  only_keys(v, {"modules", "patches", "jumpers", "islands", "price", "method", "places", "worth"},
+            "docs/design_file.md");
   Alternative a;
   a.patches = v["patches"].integer(0, kMaxCount);
   a.jumpers = v["jumpers"].integer(0, kMaxCount);
   a.layout.islands = v["islands"].integer(0, kMaxCount);
-  a.price = v["price"].number();
+  a.price = number_in(v["price"], 0.0, kMaxPrice);
   const auto method = kLayoutMethodNames.value(v["method"].text());
   if (!method) v["method"].fail("must be " + kLayoutMethodNames.list());
   a.layout.method = *method;
@@ -72,7 +77,9 @@ void write_alternatives(const Design& design, json& document) {
 void read_alternatives(const JsonValue& v, Design& design) {
   if (!v.raw().contains("alternatives")) return;
   const JsonValue price = v["price"], list = v["alternatives"];
-  design.price = {price["controller"].number(), price["jumper"].number(), price["island"].number()};
+  only_keys(price, {"controller", "jumper", "island"}, "docs/design_file.md");
+  const auto price_of = [&price](const char* key) { return number_in(price[key], 0.0, kMaxPrice); };
+  design.price = {price_of("controller"), price_of("jumper"), price_of("island")};
   for (std::size_t k = 0; k < list.size(); ++k) design.alternatives.push_back(read_alternative(list.at(k)));
   for (Alternative& a : design.alternatives) a.layout.corner_cut_mm = design.layout.corner_cut_mm;
   design.taken = v["taken"].integer(-1, static_cast<int>(list.size()) - 1);

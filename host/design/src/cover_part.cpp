@@ -12,7 +12,7 @@ constexpr std::array kPartKeys{"sphere", "box", "island", "modules"};
 
 Sphere read_sphere(const JsonValue& v) {
   only_keys(v, {"center_mm", "radius_mm"}, "docs/design_file.md");
-  Sphere s{vec3(v["center_mm"]), v["radius_mm"].number()};
+  Sphere s{vec3(v["center_mm"]), number_in(v["radius_mm"], 0.0, kMaxLength_mm)};
   if (!(s.radius_mm > 0.0)) v["radius_mm"].fail("must be positive");
   return s;
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -13,21 +14,20 @@
 namespace triskin::design {
 namespace {
 
-// A double still resolves 2 µm there, and no micrometre that a design id has in it leaves 64 bits.
-constexpr double kMaxNumber = 1e10;
+constexpr const char* kDesignPage = "docs/design_file.md";
 
 double number(const JsonValue& v) {
-  return number_in(v, -kMaxNumber, kMaxNumber);
+  return number_in(v, -kMaxLength_mm, kMaxLength_mm);
+}
+
+// Errors, gaps, angles and areas.
+double magnitude(const JsonValue& v) {
+  return number_in(v, 0.0, kMaxLength_mm);
 }
 
 Vec2 vec2(const JsonValue& v) {
   v.require_size(2);
   return {number(v.at(0)), number(v.at(1))};
-}
-
-Vec3 bounded_vec3(const JsonValue& v) {
-  v.require_size(3);
-  return {number(v.at(0)), number(v.at(1)), number(v.at(2))};
 }
 
 template <class Read>
@@ -53,19 +53,24 @@ auto index_or_none(std::size_t n) {
 }
 
 void read_limits(const JsonValue& v, LayoutLimits& l) {
-  l.edge_error_mm = number(v["edge_error_mm"]);
-  l.hinge_gap_mm = number(v["hinge_gap_mm"]);
-  l.center_gap_mm = number(v["center_gap_mm"]);
-  l.fold_rad = number(v["fold_rad"]);
-  l.penetration_mm = number(v["penetration_mm"]);
-  l.overrun_mm = number(v["overrun_mm"]);
-  if (has(v, "jumper_mm")) l.jumper_mm = number(v["jumper_mm"]);
+  only_keys(v,
+            {"edge_error_mm", "hinge_gap_mm", "center_gap_mm", "fold_rad", "penetration_mm", "overrun_mm", "jumper_mm",
+             "lift_mm", "depth_mm"},
+            kDesignPage);
+  l.edge_error_mm = magnitude(v["edge_error_mm"]);
+  l.hinge_gap_mm = magnitude(v["hinge_gap_mm"]);
+  l.center_gap_mm = magnitude(v["center_gap_mm"]);
+  l.fold_rad = magnitude(v["fold_rad"]);
+  l.penetration_mm = magnitude(v["penetration_mm"]);
+  l.overrun_mm = magnitude(v["overrun_mm"]);
+  if (has(v, "jumper_mm")) l.jumper_mm = magnitude(v["jumper_mm"]);
   // Files of 0.1 do not limit them.
-  l.lift_mm = has(v, "lift_mm") ? number(v["lift_mm"]) : std::numeric_limits<double>::infinity();
-  l.depth_mm = has(v, "lift_mm") ? number(v["depth_mm"]) : std::numeric_limits<double>::infinity();
+  l.lift_mm = has(v, "lift_mm") ? magnitude(v["lift_mm"]) : std::numeric_limits<double>::infinity();
+  l.depth_mm = has(v, "lift_mm") ? magnitude(v["depth_mm"]) : std::numeric_limits<double>::infinity();
 }
 
 Jumper read_jumper(const JsonValue& v, std::size_t n_modules) {
+  only_keys(v, {"kind", "modules", "sides", "length_mm", "fold_rad"}, kDesignPage);
   Jumper j;
   const auto kind = kJumperKindNames.value(v["kind"].text());
   if (!kind) v["kind"].fail("must be " + kJumperKindNames.list());
@@ -78,38 +83,45 @@ Jumper read_jumper(const JsonValue& v, std::size_t n_modules) {
     j.side[k] = sides.at(k).integer(0, 2);
   }
   if (j.node[0] >= j.node[1]) modules.fail("must name two modules, the lesser id first");
-  j.length_mm = number(v["length_mm"]);
+  j.length_mm = magnitude(v["length_mm"]);
   j.fold_rad = number(v["fold_rad"]);
   return j;
 }
 
 Mesh read_surface(const JsonValue& v) {
+  only_keys(v, {"vertices", "faces"}, kDesignPage);
   Mesh mesh;
-  mesh.vertices = list(v["vertices"], bounded_vec3);
+  mesh.vertices = list(v["vertices"], vec3);
   const auto vertex = index_below(mesh.vertices.size());
   mesh.faces = list(v["faces"], [&](const JsonValue& f) { return triple(f, vertex); });
   return mesh;
 }
 
 PartSide read_side(const JsonValue& v) {
+  only_keys(v, {"taken", "certain", "wall_mm", "part"}, kDesignPage);
   PartSide side;
   side.taken = v["taken"].text();
   side.is_certain = v["certain"].boolean();
-  side.wall_mm = v["wall_mm"].number();
+  side.wall_mm = number(v["wall_mm"]);
   if (has(v, "part")) side.part = read_surface(v["part"]);
   return side;
 }
 
 PlacedPiece read_piece(const JsonValue& v, std::size_t n_faces) {
+  only_keys(v,
+            {"outline", "holes", "faces", "flat", "max_edge_error_mm", "rms_edge_error_mm", "placement", "modules",
+             "upper_bound", "proved"},
+            kDesignPage);
   PlacedPiece p;
   p.piece.outline.outer = list(v["outline"], vec2);
   p.piece.outline.holes = list(v["holes"], [](const JsonValue& hole) { return list(hole, vec2); });
   p.piece.faces = list(v["faces"], index_below(n_faces));
   p.piece.flat = list(v["flat"], [](const JsonValue& t) { return triple(t, vec2); });
   if (p.piece.flat.size() != p.piece.faces.size()) v["flat"].fail("must have as many elements as \"faces\"");
-  p.piece.max_edge_error_mm = number(v["max_edge_error_mm"]);
-  p.piece.rms_edge_error_mm = number(v["rms_edge_error_mm"]);
+  p.piece.max_edge_error_mm = magnitude(v["max_edge_error_mm"]);
+  p.piece.rms_edge_error_mm = magnitude(v["rms_edge_error_mm"]);
   const JsonValue at = v["placement"];
+  only_keys(at, {"x_mm", "y_mm", "theta_rad"}, kDesignPage);
   p.placement = {number(at["x_mm"]), number(at["y_mm"]), number(at["theta_rad"])};
   p.modules = v["modules"].integer(0, kMaxCount);
   p.upper_bound = v["upper_bound"].integer(0, kMaxCount);
@@ -118,21 +130,49 @@ PlacedPiece read_piece(const JsonValue& v, std::size_t n_faces) {
 }
 
 PlacedModule read_module(const JsonValue& v, std::size_t id, std::size_t n_modules) {
+  only_keys(v,
+            {"id",
+             "island",
+             "i",
+             "j",
+             "up",
+             "corners",
+             "neighbours",
+             "edge_error_mm",
+             "hinge_gap_mm",
+             "fold_rad",
+             "center_gap_mm",
+             "edge_lift_mm",
+             "edge_depth_mm",
+             "penetration_mm",
+             "overrun_mm",
+             "keep_out_mm",
+             "bend_radius_mm",
+             "patch",
+             "line",
+             "address",
+             "rotation",
+             "parent",
+             "depth",
+             "taxels",
+             "kind"},
+            kDesignPage);
   if (v["id"].integer(0, kMaxCount) != static_cast<int>(id)) v["id"].fail("must equal its index");
   PlacedModule m;
   m.island = v["island"].integer(0, kMaxCount);
   m.tile = {v["i"].integer(-kMaxLattice, kMaxLattice), v["j"].integer(-kMaxLattice, kMaxLattice), v["up"].boolean()};
-  m.corner_mm = triple(v["corners"], bounded_vec3);
+  m.corner_mm = triple(v["corners"], vec3);
   m.neighbour = triple(v["neighbours"], index_or_none(n_modules));
-  m.edge_error_mm = number(v["edge_error_mm"]);
-  m.hinge_gap_mm = triple(v["hinge_gap_mm"], number);
-  m.fold_rad = triple(v["fold_rad"], number);
-  m.center_gap_mm = number(v["center_gap_mm"]);
-  if (has(v, "edge_lift_mm")) m.edge_lift_mm = number(v["edge_lift_mm"]);
-  m.edge_depth_mm = number(v["edge_depth_mm"]);
-  m.penetration_mm = number(v["penetration_mm"]);
-  m.overrun_mm = number(v["overrun_mm"]);
-  m.bend_radius_mm = number(v["bend_radius_mm"]);
+  m.edge_error_mm = magnitude(v["edge_error_mm"]);
+  m.hinge_gap_mm = triple(v["hinge_gap_mm"], magnitude);
+  m.fold_rad = triple(v["fold_rad"], magnitude);
+  m.center_gap_mm = magnitude(v["center_gap_mm"]);
+  if (has(v, "edge_lift_mm")) m.edge_lift_mm = magnitude(v["edge_lift_mm"]);
+  m.edge_depth_mm = magnitude(v["edge_depth_mm"]);
+  m.penetration_mm = magnitude(v["penetration_mm"]);
+  m.overrun_mm = magnitude(v["overrun_mm"]);
+  m.bend_radius_mm = v["bend_radius_mm"].number();  // That of a flat place has no bound.
+  if (m.bend_radius_mm < 0.0) v["bend_radius_mm"].fail("must not be negative");
   return m;
 }
 
@@ -157,6 +197,7 @@ std::array<int, 2> backup_of(const JsonValue& v, std::size_t n_modules) {
 }
 
 FailureLoss read_failure(const JsonValue& v, std::size_t n_modules) {
+  only_keys(v, {"module", "other", "lost_strapped", "lost_rerouted", "lost_one_entry", "backup"}, kDesignPage);
   FailureLoss f;
   f.node = index_below(n_modules)(v["module"]);
   f.other_node = index_or_none(n_modules)(v["other"]);
@@ -169,6 +210,10 @@ FailureLoss read_failure(const JsonValue& v, std::size_t n_modules) {
 }
 
 Patch read_patch(const JsonValue& v, std::size_t id, const JsonValue& modules) {
+  only_keys(v,
+            {"id", "node_address", "entry", "second_entry", "second_entry_side", "modules", "cut_joints", "line_hops",
+             "max_depth", "failures"},
+            kDesignPage);
   const std::size_t n = modules.size();
   if (v["id"].integer(0, kMaxCount) != static_cast<int>(id)) v["id"].fail("must equal its index");
   if (v["node_address"].integer(0, kMaxCount) != static_cast<int>(id) + 1) v["node_address"].fail("must be id + 1");
@@ -214,22 +259,66 @@ LayoutMethod read_method(const JsonValue& v) {
 }
 
 Design::Report read_report(const JsonValue& v) {
+  only_keys(v,
+            {"area_cm2", "coverage", "upper_bound", "patches_lower_bound", "max_edge_error_mm", "max_hinge_gap_mm",
+             "max_center_gap_mm", "seconds", "max_edge_lift_mm", "max_edge_depth_mm", "jumpers_lower_bound",
+             "coverage_cut", "worth", "uncovered"},
+            kDesignPage);
   Design::Report r;
-  r.area_cm2 = number(v["area_cm2"]);
-  r.coverage = number(v["coverage"]);
+  r.area_cm2 = magnitude(v["area_cm2"]);
+  r.coverage = magnitude(v["coverage"]);
   r.upper_bound = v["upper_bound"].integer(0, kMaxCount);
   r.patches_lower_bound = v["patches_lower_bound"].integer(0, kMaxCount);
-  r.max_edge_error_mm = number(v["max_edge_error_mm"]);
-  r.max_hinge_gap_mm = number(v["max_hinge_gap_mm"]);
-  r.max_center_gap_mm = number(v["max_center_gap_mm"]);
-  r.seconds = number(v["seconds"]);
+  r.max_edge_error_mm = magnitude(v["max_edge_error_mm"]);
+  r.max_hinge_gap_mm = magnitude(v["max_hinge_gap_mm"]);
+  r.max_center_gap_mm = magnitude(v["max_center_gap_mm"]);
+  r.seconds = magnitude(v["seconds"]);
   if (has(v, "max_edge_lift_mm")) {
-    r.max_edge_lift_mm = number(v["max_edge_lift_mm"]);
-    r.max_edge_depth_mm = number(v["max_edge_depth_mm"]);
+    r.max_edge_lift_mm = magnitude(v["max_edge_lift_mm"]);
+    r.max_edge_depth_mm = magnitude(v["max_edge_depth_mm"]);
   }
   if (has(v, "jumpers_lower_bound")) r.jumpers_lower_bound = v["jumpers_lower_bound"].integer(0, kMaxCount);
-  r.coverage_cut = v.raw().contains("coverage_cut") ? number(v["coverage_cut"]) : r.coverage;
+  r.coverage_cut = v.raw().contains("coverage_cut") ? magnitude(v["coverage_cut"]) : r.coverage;
   return r;
+}
+
+// What the file says beside the values that it follows from.
+constexpr const char* kDerived =
+    "does not follow from the corners and the wiring: the file was changed after it was made; make the design again";
+
+// True if `j` is three numbers, those of `expected` up to the rounding of another computer.
+bool is_close(const nlohmann::json& j, const Vec3& expected) {
+  constexpr double kRounding_mm = 1e-6, kRelativeRounding = 1e-9;
+  if (!j.is_array() || j.size() != 3) return false;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!j[axis].is_number()) return false;
+    const double x = expected[static_cast<int>(axis)];
+    if (!(std::abs(j[axis].get<double>() - x) <= kRounding_mm + kRelativeRounding * std::abs(x))) return false;
+  }
+  return true;
+}
+
+bool is_taxel(const nlohmann::json& j, const TaxelPose& expected) {
+  if (!j.is_object() || j.size() != 2 || !j.contains("position") || !j.contains("normal")) return false;
+  return is_close(j["position"], expected.position_mm) && is_close(j["normal"], expected.normal);
+}
+
+void require_derived(const JsonValue& v, const PlacedModule& module, const ModuleWiring& wiring) {
+  const auto is = [&v](const char* key, int expected) {
+    if (v[key].integer(-1, kMaxCount) != expected) v[key].fail(fmt::format("must be {}, as the patches say", expected));
+  };
+  is("patch", wiring.patch);
+  is("line", wiring.routed.line);
+  is("address", wiring.routed.address);
+  is("rotation", wiring.routed.rotation);
+  is("parent", wiring.routed.parent);
+  is("depth", wiring.routed.depth);
+  const auto poses = taxels_of(module, wiring.routed.rotation);
+  const JsonValue taxels = v["taxels"];
+  taxels.require_size(poses.size());
+  for (std::size_t t = 0; t < poses.size(); ++t) {
+    if (!is_taxel(taxels.raw()[t], poses[t])) taxels.at(t).fail(kDerived);
+  }
 }
 
 void check_head(const JsonValue& v) {
@@ -242,14 +331,19 @@ void check_head(const JsonValue& v) {
   }
   if (has(v, "jumpers") != (version == Design::kJumperVersion))
     v["version"].fail(fmt::format("is {}: version {} and no other has \"jumpers\"", version, Design::kJumperVersion));
+  only_keys(v, {"format", "version", "name",   "design_id",     "seed",    "source",  "surface",     "limits",
+                "method", "islands", "pieces", "modules",       "patches", "refused", "report",      "side",
+                "kinds",  "jumpers", "price",  "corner_cut_mm", "taken",   "regions", "alternatives"},
+            kDesignPage);
 }
 
 std::optional<Design::PartSource> read_part_source(const JsonValue& source) {
   if (!has(source, "part")) return std::nullopt;
   const JsonValue v = source["part"];
+  only_keys(v, {"faces", "face_count", "deviation_mm", "selection"}, kDesignPage);
   Design::PartSource part;
   part.face_count = v["face_count"].integer(1, kMaxCount);
-  part.deviation_mm = v["deviation_mm"].number();
+  part.deviation_mm = magnitude(v["deviation_mm"]);
   part.faces = list(v["faces"], [&](const JsonValue& f) { return f.integer(0, part.face_count - 1); });
   if (!v["selection"].raw().is_object()) v["selection"].fail("must be an object");
   part.selection = v["selection"].raw().dump();
@@ -266,6 +360,7 @@ Design parse_design(const std::string& text, const std::string& file) {
   d.name = v["name"].text();
   d.design_id = hex64(v["design_id"]);
   d.seed = v["seed"].unsigned_integer();
+  only_keys(v["source"], {"file", "scale_to_mm", "part"}, kDesignPage);
   d.source_file = v["source"]["file"].text();
   d.scale_to_mm = number(v["source"]["scale_to_mm"]);
   d.part = read_part_source(v["source"]);
@@ -285,6 +380,8 @@ Design parse_design(const std::string& text, const std::string& file) {
     d.layout.jumpers = list(v["jumpers"], [&](const JsonValue& j) { return read_jumper(j, modules.size()); });
   const JsonValue patches = v["patches"];
   for (std::size_t p = 0; p < patches.size(); ++p) d.patches.push_back(read_patch(patches.at(p), p, modules));
+  const std::vector<ModuleWiring> wiring = wiring_of(d);
+  for (std::size_t k = 0; k < modules.size(); ++k) require_derived(modules.at(k), d.layout.modules[k], wiring[k]);
   if (!v["refused"].raw().is_object()) v["refused"].fail("must be an object");
   for (const auto& [limit, count] : v["refused"].raw().items()) {
     d.layout.refused.emplace_back(limit, v["refused"][limit.c_str()].integer(0, kMaxCount));

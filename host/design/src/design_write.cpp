@@ -207,7 +207,8 @@ void write_design(const std::filesystem::path& path, const Design& design) {
   write_alternatives(design, file);
   write_regions(design, file);
   for (const Jumper& j : design.layout.jumpers) file["jumpers"].push_back(jumper_json(j));
-  write_output(path, file.dump() + "\n");
+  // A file name need not be UTF-8.
+  write_output(path, file.dump(-1, ' ', false, json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace triskin::design

@@ -12,6 +12,7 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kRegionsPage = "docs/regions.md";
+constexpr double kMaxWeight = 1e6, kMaxWorth = kMaxWeight * kMaxCount;
 
 json point(const Vec3& p) {
   return json::array({p.x(), p.y(), p.z()});
@@ -45,7 +46,7 @@ WantedRegion read_region(const JsonValue& v) {
   if (shapes != 1) v.fail("needs one of \"sphere\", \"box\", \"faces\" and \"group\"");
   if (has(v, "sphere")) {
     only_keys(v["sphere"], {"center_mm", "radius_mm"}, kRegionsPage);
-    r.shape = Sphere{vec3(v["sphere"]["center_mm"]), v["sphere"]["radius_mm"].number()};
+    r.shape = Sphere{vec3(v["sphere"]["center_mm"]), number_in(v["sphere"]["radius_mm"], 0.0, kMaxLength_mm)};
   } else if (has(v, "box")) {
     only_keys(v["box"], {"low_mm", "high_mm"}, kRegionsPage);
     r.shape = Box{vec3(v["box"]["low_mm"]), vec3(v["box"]["high_mm"])};
@@ -56,10 +57,10 @@ WantedRegion read_region(const JsonValue& v) {
       set.faces.push_back(v["faces"].at(k).integer(0, 2'000'000'000));
     r.shape = std::move(set);
   }
-  if (has(v, "weight")) r.weight = v["weight"].number();
+  if (has(v, "weight")) r.weight = number_in(v["weight"], -kMaxWeight, kMaxWeight);
   if (has(v, "cover")) r.cover = v["cover"].boolean();
   if (has(v, "free")) r.free = v["free"].boolean();
-  if (has(v, "within_mm")) r.within_mm = v["within_mm"].number();
+  if (has(v, "within_mm")) r.within_mm = number_in(v["within_mm"], 0.0, kMaxLength_mm);
   return wanted;
 }
 
@@ -78,7 +79,7 @@ RegionFile read_region_file(const std::filesystem::path& path) {
   if (v["format"].text() != "triskin-regions") v["format"].fail("must be \"triskin-regions\"");
   if (v["version"].integer(0, 1000) != 1) v["version"].fail("must be 1");
   RegionFile file;
-  if (has(v, "elsewhere")) file.elsewhere = v["elsewhere"].number();
+  if (has(v, "elsewhere")) file.elsewhere = number_in(v["elsewhere"], -kMaxWeight, kMaxWeight);
   file.regions = read_list(v["regions"]);
   if (file.regions.empty()) v["regions"].fail("must name at least one region");
   return file;
@@ -106,20 +107,23 @@ void read_regions(const JsonValue& v, Design& design) {
   for (Alternative& a : design.alternatives) a.module_value = static_cast<double>(a.layout.modules.size());
   design.report.module_value = static_cast<double>(design.layout.modules.size());
   if (!has(v, "regions")) return;
-  design.regions.elsewhere = v["regions"]["elsewhere"].number();
+  only_keys(v["regions"], {"elsewhere", "list"}, kRegionsPage);
+  design.regions.elsewhere = number_in(v["regions"]["elsewhere"], -kMaxWeight, kMaxWeight);
   for (WantedRegion& wanted : read_list(v["regions"]["list"])) design.regions.list.push_back(std::move(wanted.region));
-  design.report.module_value = v["report"]["worth"].number();
+  design.report.module_value = number_in(v["report"]["worth"], -kMaxWorth, kMaxWorth);
   const JsonValue uncovered = v["report"]["uncovered"];
   for (std::size_t k = 0; k < uncovered.size(); ++k) {
     const JsonValue u = uncovered.at(k);
-    design.report.uncovered.push_back(
-        {u["region"].text(), u["share"].number(), vec3(u["place_mm"]),
-         has(u, "distance_mm") ? u["distance_mm"].number() : std::numeric_limits<double>::infinity(), u["why"].text()});
+    only_keys(u, {"region", "share", "place_mm", "distance_mm", "why"}, kRegionsPage);
+    design.report.uncovered.push_back({u["region"].text(), number_in(u["share"], 0.0, 1.0 + 1e-9), vec3(u["place_mm"]),
+                                       has(u, "distance_mm") ? number_in(u["distance_mm"], 0.0, kMaxLength_mm)
+                                                             : std::numeric_limits<double>::infinity(),
+                                       u["why"].text()});
   }
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k)
-    design.layout.modules[k].keep_out_mm = v["modules"].at(k)["keep_out_mm"].number();
+    design.layout.modules[k].keep_out_mm = number_in(v["modules"].at(k)["keep_out_mm"], 0.0, kMaxLength_mm);
   for (std::size_t k = 0; k < design.alternatives.size(); ++k)
-    design.alternatives[k].module_value = v["alternatives"].at(k)["worth"].number();
+    design.alternatives[k].module_value = number_in(v["alternatives"].at(k)["worth"], -kMaxWorth, kMaxWorth);
 }
 
 }  // namespace triskin::design

@@ -3,9 +3,15 @@
 
 #include <nlohmann/json.hpp>
 
-#include "triskin/design/json_value.hpp"
+#include "triskin/design/json_fields.hpp"
 
 namespace triskin::design {
+
+namespace {
+
+constexpr double kMaxCounts = 65'535.0;  // Range of the converter.
+
+}  // namespace
 
 std::string rest_text(const RestValues& rest) {
   return nlohmann::json{{"format", "triskin-rest"}, {"version", 1}, {"rest_counts", rest}}.dump() + "\n";
@@ -13,12 +19,14 @@ std::string rest_text(const RestValues& rest) {
 
 RestValues parse_rest(const std::string& text, const std::string& name, std::size_t modules) {
   const nlohmann::json document = parse_json(text, name);
-  const JsonValue counts = JsonValue(document, name, "")["rest_counts"];
+  const JsonValue file(document, name, "");
+  only_keys(file, {"format", "version", "rest_counts"}, "docs/calibration.md");
+  const JsonValue counts = file["rest_counts"];
   counts.require_size(modules);
   RestValues rest(modules);
   for (std::size_t m = 0; m < modules; ++m) {
     counts.at(m).require_size(rest[m].size());
-    for (std::size_t t = 0; t < rest[m].size(); ++t) rest[m][t] = counts.at(m).at(t).number();
+    for (std::size_t t = 0; t < rest[m].size(); ++t) rest[m][t] = number_in(counts.at(m).at(t), 0.0, kMaxCounts);
   }
   return rest;
 }

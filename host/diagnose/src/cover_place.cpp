@@ -30,8 +30,17 @@ std::string place_on_cover(const design::Design& design, int module) {
                            : at == 1              ? "left rim"
                            : at == columns.size() ? "right rim"
                                                   : fmt::format("{} of {} from the left", at, columns.size());
-  const std::string piece = design.layout.islands > 1 ? fmt::format("island {}, ", own.island) : "";
-  return fmt::format("{}row {} of {}, {}", piece, row, rows.size(), side);
+  return fmt::format("island {}, row {} of {}, {}", own.island, row, rows.size(), side);
+}
+
+std::string joint_text(const design::Design& design, int module, int other) {
+  const auto end = [&](int of, int towards) {
+    const auto& neighbour = design.layout.modules.at(static_cast<std::size_t>(of)).neighbour;
+    const auto side = std::ranges::find(neighbour, towards);
+    return side == neighbour.end() ? fmt::format("module {}", of)
+                                   : fmt::format("module {} (side {})", of, side - neighbour.begin());
+  };
+  return fmt::format("the joint of {} and {}", end(module, other), end(other, module));
 }
 
 }  // namespace triskin::device

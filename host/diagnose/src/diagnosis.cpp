@@ -29,18 +29,23 @@ int likelihood_rank(FindingKind kind) {
       FindingKind::kWrongId,         FindingKind::kAbsentModule,      FindingKind::kAdoptedModule,
       FindingKind::kNoTouchResponse, FindingKind::kLostConfiguration, FindingKind::kIntermittentModule,
       FindingKind::kSaturatedTaxel,  FindingKind::kFrozenTaxel,       FindingKind::kTouchedOtherModule,
-      FindingKind::kUnexpectedChip};
+      FindingKind::kUnexpectedChip,  FindingKind::kStaleRest};
   return static_cast<int>(std::ranges::find(kOrder, kind) - kOrder.begin());
 }
 
 }  // namespace
 
-Diagnosis::Diagnosis(const design::Design& design, std::vector<PatchState> patches, std::vector<TouchOutcome> touches)
-    : design_(design), patches_(std::move(patches)), touches_(std::move(touches)), wiring_(design::wiring_of(design)) {}
+Diagnosis::Diagnosis(const design::Design& design, std::vector<PatchState> patches, std::vector<TouchOutcome> touches,
+                     const design::RestValues& rest)
+    : design_(design),
+      patches_(std::move(patches)),
+      touches_(std::move(touches)),
+      rest_(rest),
+      wiring_(design::wiring_of(design)) {}
 
 void Diagnosis::run(VerifyResult& result) {
   examine_cables();
-  examine_adoption();
+  note_adopted();
   for (const PatchState& p : patches_) {
     if (!p.usable) {
       for (std::size_t row = 0; row < p.image.module_count; ++row) bad_.insert(p.module(row));
@@ -55,7 +60,9 @@ void Diagnosis::run(VerifyResult& result) {
     examine_modules(p);
     examine_mirrored(p);
   }
+  examine_adoption();
   for (const TouchOutcome& t : touches_) examine_touch(t);
+  examine_rest();
   result.earlier = examine_earlier();
   result.modules_ok = result.modules - static_cast<int>(bad_.size());
   std::ranges::stable_sort(findings_, {}, [](const Finding& f) { return likelihood_rank(f.kind); });
@@ -91,20 +98,31 @@ const TouchOutcome* Diagnosis::touch_of(int module) const {
 }
 
 // Modules that a neighbour reads are there: what is missing is the way from their own controller.
-void Diagnosis::examine_adoption() {
+void Diagnosis::note_adopted() {
   const ModuleEnds ends = design::module_ends(design_);
   for (const PatchState& p : patches_) {
     std::vector<int> rows;
     for (std::size_t row = 0; row < p.image.module_count; ++row) rows.push_back(p.module(row));
     for (const int m : adopted_modules(ends, rows, p.adoption)) {
-      if (m < 0 || !adopter_.emplace(m, p.patch).second) continue;
-      const int own = wiring_[static_cast<std::size_t>(m)].patch;
-      add(FindingKind::kAdoptedModule, m, own,
-          fmt::format("module {} (patch {}): out of reach of its controller; the controller of patch {} reads it", m,
-                      own, p.patch),
-          "repair the modules or joints between it and its own controller; it is handed back then");
-      explained_.insert(m);
+      if (m >= 0) adopter_.emplace(m, p.patch);
     }
+  }
+}
+
+// Those for which no break was found, for each pair of patches together.
+void Diagnosis::examine_adoption() {
+  std::map<std::pair<int, int>, std::vector<int>> left;
+  for (const auto& [module, by] : adopter_) {
+    if (!explained_.contains(module)) left[{wiring_[static_cast<std::size_t>(module)].patch, by}].push_back(module);
+  }
+  for (const auto& [patches, modules] : left) {
+    Finding& f = add(FindingKind::kAdoptedModule, modules.front(), patches.first,
+                     fmt::format("patch {}: modules out of reach of its controller, which that of patch {} reads: {}",
+                                 patches.first, patches.second, fmt::join(modules, ", ")),
+                     "repair the modules or joints between them and their own controller; they are handed back then");
+    f.behind.assign(modules.begin() + 1, modules.end());
+    bad_.insert(modules.begin(), modules.end());
+    explained_.insert(modules.begin(), modules.end());
   }
 }
 
@@ -126,8 +144,12 @@ void Diagnosis::examine_topology(const PatchState& p) {
     }
     return;
   }
+  std::set<int> missing;
   for (const TopologyDifference& d : match.differences) {
-    if (d.kind == FindingKind::kMissingModule && (!p.reads(d.module) || adopter_.contains(d.module))) continue;
+    if (d.kind == FindingKind::kMissingModule) {
+      missing.insert(d.module);
+      continue;
+    }
     // Its modules may still be read.
     const bool joint = d.kind == FindingKind::kMissingJoint || d.kind == FindingKind::kExtraJoint;
     Finding& f = add(d.kind, joint ? -1 : d.module, p.patch, fmt::format("patch {}: {}", p.patch, d.text), d.remedy);
@@ -137,6 +159,7 @@ void Diagnosis::examine_topology(const PatchState& p) {
     explained_.insert(d.module);
     if (d.other >= 0) explained_.insert(d.other);
   }
+  examine_missing(p, missing);
 }
 
 void Diagnosis::examine_lines(const PatchState& p) {

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "cable_map.hpp"
+#include "cover_place.hpp"
 #include "verification.hpp"
 
 namespace triskin::device {
@@ -75,14 +76,16 @@ std::vector<Diagnosis::Branch> Diagnosis::branches(const PatchState& p, const st
 }
 
 std::string Diagnosis::behind(const Branch& b) const {
-  const std::string from = b.parent < 0 ? std::string("the cable of the patch")
-                                        : fmt::format("the joint of modules {} and {}", b.parent, b.module);
+  const std::string from =
+      b.parent < 0 ? std::string("the cable of the patch") : joint_text(design_, b.parent, b.module);
   return fmt::format("the {} modules behind {} ({})", b.members.size(), from, fmt::join(b.members, ", "));
 }
 
 void Diagnosis::add_branch(FindingKind kind, const PatchState& p, const Branch& b, const std::string& text,
                            const std::string& remedy) {
-  add(kind, b.module, p.patch, fmt::format("patch {}: {}", p.patch, text), remedy).other = b.parent;
+  Finding& f = add(kind, b.module, p.patch, fmt::format("patch {}: {}", p.patch, text), remedy);
+  f.other = b.parent;
+  f.behind.assign(b.members.begin() + 1, b.members.end());
   bad_.insert(b.members.begin(), b.members.end());
   explained_.insert(b.members.begin(), b.members.end());
 }

@@ -5,7 +5,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 
+#include "cover_place.hpp"
 #include "triskin/session/patch_table.hpp"
 
 namespace triskin::device {
@@ -13,57 +15,49 @@ namespace {
 
 // Work that a person has to do at the patch.
 enum class Work {
-  kNone,
-  kFlash,       // the tables are wrong
-  kReplace,     // take the module out, put a new one in
-  kStrap,       // its straps are wrong
-  kPlace,       // several modules sit at wrong places
-  kJoint,       // solder a joint anew
-  kTurn,        // the module is turned
-  kCable,       // cables of controllers, lines of a cable
-  kController,  // a controller does not answer
+  kFlash,        // the tables are wrong
+  kOtherDesign,  // the tables are those of another design: the file may be the wrong one
+  kTare,         // nothing is wrong but the rest values
+  kLook,         // at the computer or the bus, with the supply on
+  kReplace,      // take the module out, put a new one in
+  kStrap,        // its straps are wrong
+  kPlace,        // several modules sit at wrong places
+  kJoint,        // solder a joint anew
+  kPart,         // part a joint that should not be
+  kShort,        // a line is held low
+  kTurn,         // the module is turned
+  kCable,        // cables of controllers, lines of a cable, whole patches
 };
 
-Work work_of(FindingKind kind) {
-  switch (kind) {
-    case FindingKind::kNotFlashed:
-    case FindingKind::kWrongTable:
-      return Work::kFlash;
-    case FindingKind::kAbsentController:
-    case FindingKind::kDuplicateController:
-      return Work::kController;
-    case FindingKind::kAbsentModule:
-    case FindingKind::kMissingModule:
-    case FindingKind::kWrongId:
-    case FindingKind::kSaturatedTaxel:
-    case FindingKind::kFrozenTaxel:
-    case FindingKind::kNoTouchResponse:
-      return Work::kReplace;
-    case FindingKind::kWrongAddress:
-    case FindingKind::kDuplicateAddress:
-      return Work::kStrap;
-    case FindingKind::kSwappedModules:
-    case FindingKind::kWrongOrder:
-    case FindingKind::kTouchedOtherModule:
-      return Work::kPlace;
-    case FindingKind::kIntermittentModule:
-    case FindingKind::kLostConfiguration:
-    case FindingKind::kMissingJoint:
-    case FindingKind::kAdoptedModule:
-    case FindingKind::kLooseJoint:
-    case FindingKind::kSaggingSupply:
-      return Work::kJoint;
-    case FindingKind::kRotatedModule:
-      return Work::kTurn;
-    case FindingKind::kWrongPatch:
-    case FindingKind::kSwappedLines:
-    case FindingKind::kMirroredPatch:
-    case FindingKind::kWrongEntry:
-    case FindingKind::kSecondCable:
-      return Work::kCable;
-    default:
-      return Work::kNone;
-  }
+struct WorkOf {
+  FindingKind kind;
+  Work work;
+};
+constexpr std::array kWorks{
+    WorkOf{FindingKind::kNotFlashed, Work::kFlash},         WorkOf{FindingKind::kWrongKind, Work::kFlash},
+    WorkOf{FindingKind::kBackupRoute, Work::kFlash},        WorkOf{FindingKind::kStaleRest, Work::kTare},
+    WorkOf{FindingKind::kLostSamples, Work::kLook},         WorkOf{FindingKind::kAbsentModule, Work::kReplace},
+    WorkOf{FindingKind::kMissingModule, Work::kReplace},    WorkOf{FindingKind::kWrongId, Work::kReplace},
+    WorkOf{FindingKind::kSaturatedTaxel, Work::kReplace},   WorkOf{FindingKind::kFrozenTaxel, Work::kReplace},
+    WorkOf{FindingKind::kNoTouchResponse, Work::kReplace},  WorkOf{FindingKind::kWrongAddress, Work::kStrap},
+    WorkOf{FindingKind::kDuplicateAddress, Work::kStrap},   WorkOf{FindingKind::kSwappedModules, Work::kPlace},
+    WorkOf{FindingKind::kWrongOrder, Work::kPlace},         WorkOf{FindingKind::kTouchedOtherModule, Work::kPlace},
+    WorkOf{FindingKind::kIntermittentModule, Work::kJoint}, WorkOf{FindingKind::kLostConfiguration, Work::kJoint},
+    WorkOf{FindingKind::kMissingJoint, Work::kJoint},       WorkOf{FindingKind::kAdoptedModule, Work::kJoint},
+    WorkOf{FindingKind::kLooseJoint, Work::kJoint},         WorkOf{FindingKind::kSaggingSupply, Work::kJoint},
+    WorkOf{FindingKind::kExtraJoint, Work::kPart},          WorkOf{FindingKind::kStuckLine, Work::kShort},
+    WorkOf{FindingKind::kRotatedModule, Work::kTurn},
+};
+
+// The others are mended at a cable or a plug, as their remedy says.
+Work work_of(const Finding& finding) {
+  if (finding.kind == FindingKind::kWrongTable) return finding.held_design != 0 ? Work::kOtherDesign : Work::kFlash;
+  const auto* found = std::ranges::find(kWorks, finding.kind, &WorkOf::kind);
+  return found == kWorks.end() ? Work::kCable : found->work;
+}
+
+bool at_the_bench(Work work) {
+  return work != Work::kFlash && work != Work::kOtherDesign && work != Work::kTare && work != Work::kLook;
 }
 
 class Guide {
@@ -72,23 +66,30 @@ class Guide {
       : design_(design), finding_(finding), arguments_(arguments), wiring_(design::wiring_of(design)) {}
 
   std::vector<std::string> run() {
-    const Work work = work_of(finding_.kind);
-    if (work == Work::kNone) return {};
-    if (work != Work::kFlash) {
+    const Work work = work_of(finding_);
+    const bool bench = at_the_bench(work);
+    if (bench) {
       steps_.push_back(fmt::format(
           "keep what the controllers hold: triskin flash {} --save before_repair.json --dry-run", arguments_));
       steps_.emplace_back("switch the supply of the skin off");
     }
     by_hand(work);
-    if (work != Work::kFlash) steps_.emplace_back("switch the supply on");
-    steps_.push_back(
-        fmt::format("triskin flash {}{}", arguments_,
-                    work == Work::kFlash ? "" : " (equal tables are skipped; a new controller gets its own)"));
+    if (bench) steps_.emplace_back("switch the supply on");
+    flash(work);
+    if (work != Work::kLook)
+      steps_.push_back(fmt::format("take everything off the skin: triskin live {} --tare --seconds 1", arguments_));
     steps_.push_back(fmt::format("triskin verify {} --touch: this finding is gone", arguments_));
     return std::move(steps_);
   }
 
  private:
+  void flash(Work work) {
+    if (work == Work::kTare || work == Work::kLook) return;
+    const char* why = at_the_bench(work) ? " (equal tables are skipped; a new controller gets its own)" : "";
+    const char* over = work == Work::kOtherDesign ? " --take-over" : "";
+    steps_.push_back(
+        fmt::format("{}triskin flash {}{}{}", work == Work::kOtherDesign ? "otherwise: " : "", arguments_, over, why));
+  }
   void by_hand(Work work) {
     switch (work) {
       case Work::kReplace:
@@ -110,15 +111,54 @@ class Guide {
         find(finding_.module);
         joint();
         break;
+      case Work::kPart:
+        find(finding_.module);
+        find(finding_.other);
+        steps_.push_back(finding_.remedy);
+        break;
+      case Work::kShort:
+        line();
+        break;
       case Work::kTurn:
         find(finding_.module);
         joints(finding_.module, "unsolder the joints of the module", "turn it and solder it in again");
         straps(finding_.module);
         break;
-      default:
-        if (work != Work::kFlash) steps_.push_back(finding_.remedy);
+      case Work::kOtherDesign:
+        other_file();
+        break;
+      case Work::kCable:
+      case Work::kLook:
+        if (!finding_.place.empty()) steps_.push_back("find the " + finding_.place);
+        steps_.push_back(finding_.remedy);
+        break;
+      case Work::kFlash:
+      case Work::kTare:
         break;
     }
+  }
+  void other_file() {
+    const std::string file = finding_.held_file.empty()
+                                 ? fmt::format("the file of design {:016x}", finding_.held_design)
+                                 : finding_.held_file;
+    const std::size_t first_word = std::min(arguments_.find(' '), arguments_.size());
+    steps_.push_back(fmt::format("is this skin meant to be {}? Then nothing is wrong with it: triskin verify {}{}",
+                                 file, finding_.held_file.empty() ? "FILE" : finding_.held_file,
+                                 arguments_.substr(first_word)));
+  }
+  // Modules of the line, from the far end of the tree: the one after whose parting the line is free has the short.
+  void line() {
+    if (finding_.patch < 0) return;
+    std::vector<int> far_first;
+    for (const auto& m : design_.patches.at(static_cast<std::size_t>(finding_.patch)).modules) {
+      if (m.line == finding_.line) far_first.insert(far_first.begin(), m.node);
+    }
+    steps_.push_back(fmt::format("measure SDA and SCL of line L{} of patch {} against ground and supply at its cable",
+                                 finding_.line, finding_.patch));
+    steps_.push_back(
+        fmt::format("part the joints towards its modules, from the far end on, until the short is gone: {}; mend the "
+                    "module or joint that was parted last, and solder the others again",
+                    fmt::join(far_first, ", ")));
   }
   [[nodiscard]] bool known(int module) const {
     return module >= 0 && module < static_cast<int>(wiring_.size()) &&
@@ -126,16 +166,14 @@ class Guide {
   }
   void find(int module) {
     if (!known(module)) return;
-    const std::string place = module == finding_.module ? finding_.place : "";
-    steps_.push_back(fmt::format("find module {} of patch {}{}", module,
-                                 wiring_[static_cast<std::size_t>(module)].patch,
-                                 place.empty() ? "" : fmt::format(" ({})", place)));
+    steps_.push_back(fmt::format("find module {} of patch {} ({})", module,
+                                 wiring_[static_cast<std::size_t>(module)].patch, place_on_cover(design_, module)));
   }
   void straps(int module) {
     if (!known(module)) return;
     const design::RoutedModule& m = wiring_[static_cast<std::size_t>(module)].routed;
     steps_.push_back(
-        fmt::format("module {}: port A at side {}; close the straps of line {} and address {}, no others (switched "
+        fmt::format("module {}: port A at side {}; close the straps of line L{} and address {}, no others (switched "
                     "modules have none)",
                     module, m.rotation, m.line, m.address));
   }
@@ -180,11 +218,7 @@ class Guide {
                                    wiring.patch, module));
       return;
     }
-    const auto& neighbour = design_.layout.modules[static_cast<std::size_t>(module)].neighbour;
-    const auto side = std::ranges::find(neighbour, other);
-    steps_.push_back(
-        fmt::format("look at the joint between module {}{} and module {}; solder it anew, all pads of it", module,
-                    side == neighbour.end() ? "" : fmt::format(" (its side {})", side - neighbour.begin()), other));
+    steps_.push_back(fmt::format("look at {}; solder it anew, all pads of it", joint_text(design_, module, other)));
   }
 
   const design::Design& design_;

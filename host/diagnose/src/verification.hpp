@@ -60,11 +60,12 @@ struct TouchOutcome {
   int turned = 0;              ///< steps of 120° by which a tip on one taxel shows it turned; 0 also when not tried
 };
 
-/// Presses the modules of all usable patches; waits for a person where the link has no finger.
+/// Presses the modules of all usable patches; waits for a person where there is no actuator.
 class TouchTest {
  public:
-  TouchTest(Bus& bus, const design::Design& design, std::vector<PatchState>& patches)
-      : bus_(bus), design_(design), patches_(patches), wiring_(design::wiring_of(design)) {}
+  /// `actuator`: presses the modules of the design; null: a person does.
+  TouchTest(Bus& bus, TouchActuator* actuator, const design::Design& design, std::vector<PatchState>& patches)
+      : bus_(bus), actuator_(actuator), design_(design), patches_(patches), wiring_(design::wiring_of(design)) {}
   /// Empty: the person skipped the module.
   std::optional<TouchOutcome> press(int module, const PatchState& patch, const VerifyOptions& options);
   void finish();
@@ -82,9 +83,10 @@ class TouchTest {
   [[nodiscard]] Response strongest(const PatchState& patch) const;
   Response strongest_anywhere(const PatchState& first);
   [[nodiscard]] Response response_of(const PatchState& patch, std::size_t row, const wire::LiveTaxels& now) const;
-  [[nodiscard]] int turned(Finger& finger, int module, const PatchState& patch);
+  [[nodiscard]] int turned(TouchActuator& actuator, int module, const PatchState& patch);
 
   Bus& bus_;
+  TouchActuator* actuator_;
   const design::Design& design_;
   std::vector<PatchState>& patches_;
   std::vector<design::ModuleWiring> wiring_;
@@ -95,7 +97,9 @@ class TouchTest {
 /// cause explains. The likeliest explanation stands first.
 class Diagnosis {
  public:
-  Diagnosis(const design::Design& design, std::vector<PatchState> patches, std::vector<TouchOutcome> touches);
+  /// `rest`: where the taxels rest, or empty. Everything that is given outlives the diagnosis or is taken.
+  Diagnosis(const design::Design& design, std::vector<PatchState> patches, std::vector<TouchOutcome> touches,
+            const design::RestValues& rest);
   void run(VerifyResult& result);
 
  private:
@@ -127,7 +131,10 @@ class Diagnosis {
   void examine_absent(const PatchState& p, const std::vector<std::size_t>& rows);
   void examine_taxels(const PatchState& p, std::size_t row);
   void examine_topology(const PatchState& p);
+  void note_adopted();
   void examine_adoption();
+  void examine_missing(const PatchState& p, const std::set<int>& missing);
+  void examine_rest();
   void examine_history(const PatchState& p);
   [[nodiscard]] std::vector<Finding> examine_earlier() const;
   [[nodiscard]] std::optional<Finding> remembered(const PatchState& p, const wire::FaultRecord& fault) const;
@@ -143,6 +150,7 @@ class Diagnosis {
   const design::Design& design_;
   std::vector<PatchState> patches_;
   std::vector<TouchOutcome> touches_;
+  const design::RestValues& rest_;
   std::vector<design::ModuleWiring> wiring_;
   std::vector<Finding> findings_;
   std::set<int> bad_;           // Modules that are not ok.

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <map>
 
+#include "controller_check.hpp"
+#include "cover_place.hpp"
 #include "triskin/diagnose/board_report.hpp"
 #include "triskin/session/scheduler.hpp"
 #include "triskin/session/stream.hpp"
@@ -25,129 +27,6 @@ Finding controller_finding(FindingKind kind, int patch, std::string text, std::s
   f.remedy = std::move(remedy);
   return f;
 }
-
-// Whether the controller of a patch is there and holds the table of the design.
-class ControllerCheck {
- public:
-  ControllerCheck(Bus& bus, const design::Design& design) : bus_(bus), design_(design), claims_(bus.discover()) {
-    for (const auto& c : claims_) {
-      ++users_[c.node_address];
-      if (!c.has_table) ++without_table_;
-    }
-    if (claims_.empty())
-      throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", bus.link().name()));
-  }
-
-  bool check(PatchState& p, std::vector<Finding>& findings) {
-    const int node = p.image.node_address;
-    const auto claim = std::ranges::find_if(claims_, [&](const auto& c) { return c.node_address == node; });
-    if (claim == claims_.end() || !claim->has_table || users_[node] > 1) {
-      findings.push_back(missing(p.patch, node));
-      return false;
-    }
-    Controller c = p.controller(bus_);
-    c.require_versions(c.hello());
-    const wire::ActiveTable active = c.active_table();
-    if (active.design_id == design_.design_id && holds_image(active.crc, p.image)) return true;
-    if (active.design_id == design_.design_id && runs_on_backup(p, active.crc, findings)) return true;
-    if (differs_in_kinds(p, c, active, findings)) return false;
-    findings.push_back(
-        controller_finding(FindingKind::kWrongTable, p.patch,
-                           fmt::format("patch {}: controller {} holds another table (design {:016x}, this is {:016x})",
-                                       p.patch, node, active.design_id, design_.design_id),
-                           "run triskin flash with this design, or verify with the design that was flashed"));
-    return false;
-  }
-
- private:
-  // The table of a design with the same modules, places and wiring, but other kinds: a finding for each module.
-  bool differs_in_kinds(const PatchState& p, Controller& c, const wire::ActiveTable& active,
-                        std::vector<Finding>& findings) {
-    if (!active.present() || active.modules != p.image.module_count) return false;
-    const auto bytes = c.read_table(layout::kHeaderBytes + active.modules * layout::kRowBytes);
-    const auto table = layout::decode(bytes);
-    if (!table) return false;
-    layout::PatchImage alike = *table;
-    alike.design_id = p.image.design_id;
-    alike.positive_input = p.image.positive_input;
-    for (std::size_t k = 0; k < alike.module_count; ++k) alike.modules[k].module_id = p.image.modules[k].module_id;
-    if (!(alike == p.image)) return false;
-    std::size_t count = 0;
-    for (std::size_t k = 0; k < table->module_count; ++k) {
-      const unsigned is = table->modules[k].module_id, meant = p.image.modules[k].module_id;
-      if (is % layout::kIdsBesideKinds != meant % layout::kIdsBesideKinds) return false;
-      count += is == meant ? 0 : 1;
-    }
-    if (count == 0) return false;
-    for (std::size_t k = 0; k < table->module_count; ++k) {
-      const int is = table->modules[k].module_id >> layout::kKindShift,
-                meant = kind_of_row(design_, p.image.modules[k]);
-      if (is == meant) continue;
-      Finding f = controller_finding(
-          FindingKind::kWrongKind, p.patch,
-          fmt::format("patch {}: module {} is {} in the table of controller {}, {} in the design", p.patch, p.module(k),
-                      name_of_kind(is), p.image.node_address, name_of_kind(meant)),
-          "look which kind is mounted; run triskin flash with the design that says so");
-      f.module = p.module(k);
-      findings.push_back(std::move(f));
-    }
-    return true;
-  }
-
-  // Kinds of the other design may be named otherwise: it is not at hand.
-  [[nodiscard]] std::string name_of_kind(int kind) const {
-    if (kind == 0) return "of the standard kind";
-    if (kind > static_cast<int>(design_.kinds.kinds.size())) return fmt::format("of kind {}", kind);
-    return fmt::format("of kind {} ({})", kind, design_.kinds.kinds[static_cast<std::size_t>(kind) - 1].name);
-  }
-
-  // A table that the design prepared for a failure is right as well; a finding says what it leaves out.
-  bool runs_on_backup(PatchState& p, std::uint32_t crc, std::vector<Finding>& findings) {
-    for (const design::FailureLoss& f : design_.patches[static_cast<std::size_t>(p.patch)].failures) {
-      const RouteChoice choice{f.node, f.other_node};
-      if (f.node == design_.patches[static_cast<std::size_t>(p.patch)].entry && f.other_node < 0) continue;
-      const layout::PatchImage image = image_of(design_, p.patch, choice);
-      if (crc32(bytes_of(image)) != crc) continue;
-      const std::string what = choice.other < 0
-                                   ? fmt::format("module {}", choice.module)
-                                   : fmt::format("the joint of modules {} and {}", choice.other, choice.module);
-      findings.push_back(controller_finding(
-          FindingKind::kBackupRoute, p.patch,
-          fmt::format("patch {}: runs on the route prepared for the failure of {}; {} of {} modules are read", p.patch,
-                      what, image.module_count, p.image.module_count),
-          "repair it, then run triskin flash without --route"));
-      p.image = image;
-      p.on_backup = true;
-      return true;
-    }
-    return false;
-  }
-
-  Finding missing(int patch, int node) {
-    if (users_[node] > 1 && without_table_ == 0) {
-      return controller_finding(
-          FindingKind::kDuplicateController, patch,
-          fmt::format("patch {}: {} controllers share node address {}", patch, users_[node], node),
-          "run triskin flash: it gives every controller its own address");
-    }
-    if (without_table_ > 0) {
-      return controller_finding(
-          FindingKind::kNotFlashed, patch,
-          fmt::format("patch {}: no controller has its table; {} of {} controllers were never flashed", patch,
-                      without_table_, claims_.size()),
-          "run triskin flash with this design and link first");
-    }
-    return controller_finding(FindingKind::kAbsentController, patch,
-                              fmt::format("patch {}: no controller answers at node address {}", patch, node),
-                              "check its power and its cable to the bus");
-  }
-
-  Bus& bus_;
-  const design::Design& design_;
-  std::vector<wire::NodeClaim> claims_;
-  std::map<int, int> users_;
-  std::size_t without_table_ = 0;
-};
 
 // Waits until every module was found and checked, or is known to be absent.
 void wait_until_checked(Bus& bus, const PatchState& p) {
@@ -240,7 +119,7 @@ void ask_all(Bus& bus, std::vector<PatchState>& patches, const std::function<voi
 std::vector<TouchOutcome> touch_all(Bus& bus, const design::Design& design, std::vector<PatchState>& patches,
                                     const VerifyOptions& options, const ProgressSink& progress) {
   std::vector<TouchOutcome> outcomes;
-  TouchTest test(bus, design, patches);
+  TouchTest test(bus, options.actuator, design, patches);
   test.take_rest();
   std::size_t total = 0;
   for (const PatchState& p : patches) total += p.usable ? p.image.module_count : 0;
@@ -293,6 +172,15 @@ std::vector<PatchState> patches_of(const design::Design& design) {
   return patches;
 }
 
+// A finding about a controller, a cable or a line lies where the cable of its patch enters the cover.
+void add_places(const design::Design& design, std::vector<Finding>& findings) {
+  for (Finding& f : findings) {
+    if (!f.place.empty() || f.patch < 0) continue;
+    const int entry = design.patches[static_cast<std::size_t>(f.patch)].entry;
+    f.place = fmt::format("cable of patch {} at module {}, {}", f.patch, entry, place_on_cover(design, entry));
+  }
+}
+
 int modules_here(const design::Design& design) {
   auto modules = design.layout.modules.size();
   for (std::size_t p = 0; p < design.patches.size(); ++p) {
@@ -315,6 +203,7 @@ VerifyResult verify(Bus& bus, const design::Design& design, const VerifyOptions&
     PatchState& p = patches[static_cast<std::size_t>(patch)];
     p.usable = controllers.check(p, result.findings);
   }
+  controllers.summarise(result.findings);
   ask_all(bus, patches, [&](Bus& own, PatchState& p) {
     report(progress, "asking the modules", 0.0, fmt::format("patch {}", p.patch), p.patch);
     find_topology(own, p);
@@ -334,7 +223,8 @@ VerifyResult verify(Bus& bus, const design::Design& design, const VerifyOptions&
   ask_all(bus, patches, read_patch);
   add_crashes(patches, options, result);
   result.touched = static_cast<int>(touches.size());
-  Diagnosis(design, std::move(patches), std::move(touches)).run(result);
+  Diagnosis(design, std::move(patches), std::move(touches), options.rest).run(result);
+  add_places(design, result.findings);
   return result;
 }
 

@@ -85,11 +85,11 @@ TouchTest::Response TouchTest::strongest(const PatchState& patch) const {
 }
 
 // A tip on one taxel: another one feels it when the module is turned.
-int TouchTest::turned(Finger& finger, int module, const PatchState& patch) {
+int TouchTest::turned(TouchActuator& actuator, int module, const PatchState& patch) {
   const int rotation = wiring_[static_cast<std::size_t>(module)].routed.rotation;
   const TurnProbe probe = turn_probe(design_.layout.modules[static_cast<std::size_t>(module)], rotation);
   if (probe.taxel[0] < 0) return 0;
-  finger.press(module, probe.taxel[0]);
+  actuator.press(module, probe.taxel[0]);
   bus_.listen(bus_.now_us() + kSettle_us);
   const wire::LiveTaxels now = patch.controller(bus_).taxels();
   for (std::size_t row = 0; row < std::min(now.count, patch.image.module_count); ++row) {
@@ -115,8 +115,8 @@ TouchTest::Response TouchTest::strongest_anywhere(const PatchState& first) {
 
 std::optional<TouchOutcome> TouchTest::press(int module, const PatchState& patch, const VerifyOptions& options) {
   Response best;
-  if (Finger* finger = bus_.link().finger()) {
-    finger->press(module);
+  if (actuator_ != nullptr) {
+    actuator_->press(module);
     bus_.listen(bus_.now_us() + kSettle_us);
     best = strongest_anywhere(patch);
   } else {
@@ -136,13 +136,13 @@ std::optional<TouchOutcome> TouchTest::press(int module, const PatchState& patch
     for (unsigned t = 0; t < layout::kTaxelsPerModule; ++t) {
       if (layout::measures_pressure(t) && (best.changed >> t & 1) == 0) outcome.silent_taxels |= 1U << t;
     }
-    if (Finger* finger = bus_.link().finger()) outcome.turned = turned(*finger, module, patch);
+    if (actuator_ != nullptr) outcome.turned = turned(*actuator_, module, patch);
   }
   return outcome;
 }
 
 void TouchTest::finish() {
-  if (Finger* finger = bus_.link().finger()) finger->lift();
+  if (actuator_ != nullptr) actuator_->lift();
 }
 
 }  // namespace triskin::device

@@ -6,6 +6,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "design_view.hpp"
+#include "triskin/base/csv_field.hpp"
 #include "triskin/base/markup.hpp"
 #include "triskin/design/outline.hpp"
 
@@ -16,59 +18,8 @@ Vec3 centroid(const PlacedModule& m) {
   return (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0;
 }
 
-// Orthographic view from where most modules are seen face on.
-class View {
- public:
-  explicit View(const Design& design) {
-    Vec3 normal(0, 0, 0);
-    for (const auto& m : design.layout.modules)
-      normal += (m.corner_mm[1] - m.corner_mm[0]).cross(m.corner_mm[2] - m.corner_mm[0]).normalized();
-    toward_ = normal.norm() > 1e-6 ? Vec3(normal.normalized()) : Vec3(0, 0, 1);
-    const Vec3 up = std::abs(toward_.z()) < 0.9 ? Vec3(0, 0, 1) : Vec3(0, 1, 0);
-    right_ = up.cross(toward_).normalized();
-    up_ = toward_.cross(right_);
-    for (const Vec3& v : design.surface.vertices) box_.extend(flat(v));
-  }
-  [[nodiscard]] Vec2 flat(const Vec3& p) const { return {right_.dot(p), -up_.dot(p)}; }
-  [[nodiscard]] double height(const Vec3& p) const { return toward_.dot(p); }
-  [[nodiscard]] const Vec3& toward() const { return toward_; }
-  [[nodiscard]] const Eigen::AlignedBox2d& box() const { return box_; }
-
- private:
-  Vec3 toward_, right_, up_;
-  Eigen::AlignedBox2d box_;
-};
-
-struct Shape {
-  double height;
-  std::string svg;
-};
-
-std::string polygon(const View& view, std::span<const Vec3> p, const std::string& style) {
-  std::string points;
-  for (const Vec3& v : p) {
-    const Vec2 q = view.flat(v);
-    points += fmt::format("{:.2f},{:.2f} ", q.x(), q.y());
-  }
-  return fmt::format("<polygon points=\"{}\" {}/>\n", points, style);
-}
-
 std::string color_of(int patch, double light) {
   return fmt::format("hsl({:.0f},65%,{:.0f}%)", std::fmod(patch * 137.508, 360.0), light);
-}
-
-void add_surface(const Design& d, const View& view, std::vector<Shape>& shapes) {
-  for (const auto& f : d.surface.faces) {
-    const std::array p{d.surface.vertices[static_cast<std::size_t>(f[0])],
-                       d.surface.vertices[static_cast<std::size_t>(f[1])],
-                       d.surface.vertices[static_cast<std::size_t>(f[2])]};
-    const double facing = (p[1] - p[0]).cross(p[2] - p[0]).normalized().dot(view.toward());
-    const int grey = static_cast<int>(150 + 90 * std::abs(facing));
-    shapes.push_back(
-        {view.height((p[0] + p[1] + p[2]) / 3.0) - 1e6,  // all of it before any module
-         polygon(view, p,
-                 fmt::format("fill=\"rgb({0},{0},{0})\" stroke=\"rgb({0},{0},{0})\" stroke-width=\"0.4\"", grey))});
-  }
 }
 
 void add_modules(const Design& d, const View& view, const std::vector<ModuleWiring>& wiring,
@@ -157,16 +108,12 @@ std::string picture_svg(const Design& design) {
   add_jumpers(design, view, shapes);
   std::ranges::stable_sort(shapes, {}, &Shape::height);
   const Vec2 low = view.box().min() - Vec2(10, 10), size = view.box().sizes() + Vec2(20, 34);
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{:.1f} {:.1f} {:.1f} {:.1f}\" width=\"{:.0f}\">\n<rect "
-      "x=\"{:.1f}\" y=\"{:.1f}\" "
-      "width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
-      low.x(), low.y(), size.x(), size.y(), 3 * size.x(), low.x(), low.y());
+  std::string svg = svg_head(low, size);
   for (const Shape& s : shapes) svg += s.svg;
   svg += fmt::format(
       "<text x=\"{:.1f}\" y=\"{:.1f}\" font-family=\"sans-serif\" font-size=\"{:.1f}\">{}: {} modules, {} controllers, "
       "{}</text>\n</svg>\n",
-      low.x() + 10, low.y() + size.y() - 10, size.x() / 32, design.name, design.layout.modules.size(),
+      low.x() + 10, low.y() + size.y() - 10, size.x() / 32, escape_markup(design.name), design.layout.modules.size(),
       design.patches.size(), coverage_text(design));
   return svg;
 }
@@ -181,7 +128,7 @@ std::string taxels_csv(const Design& design) {
       const auto& [p, n] = taxels[t];
       csv += fmt::format("{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.6f},{:.6f},{:.6f}", k, t, wiring[k].patch,
                          wiring[k].routed.line, wiring[k].routed.address, p.x(), p.y(), p.z(), n.x(), n.y(), n.z());
-      csv += design.kinds.empty() ? "\n" : fmt::format(",{}\n", kind_name(design, static_cast<int>(k)));
+      csv += design.kinds.empty() ? "\n" : fmt::format(",{}\n", csv_field(kind_name(design, static_cast<int>(k))));
     }
   }
   return csv;
@@ -195,7 +142,7 @@ std::string assembly_html(const Design& design) {
       "td,th{{border:1px solid #888;padding:2px 8px;text-align:right}}</style>\n<h1>{0}: assembly</h1>\n<p>Design "
       "{1:016x}, {2} modules on {3} controllers. "
       "Port A of a module is its input; it faces the parent, at the entry the cable.</p>\n",
-      design.name, design.design_id, design.layout.modules.size(), design.patches.size());
+      escape_markup(design.name), design.design_id, design.layout.modules.size(), design.patches.size());
   html += cutting_html(design.layout.corner_cut_mm);
   for (std::size_t p = 0; p < design.patches.size(); ++p) {
     const Patch& patch = design.patches[p];

@@ -14,12 +14,6 @@
 namespace triskin::design {
 namespace {
 
-// Text inside XML; characters that XML cannot hold become "?".
-std::string escaped(std::string text) {
-  std::ranges::replace_if(text, [](char c) { return static_cast<unsigned char>(c) < 0x20; }, '?');
-  return escape_markup(text);
-}
-
 // Turns about the fixed axes x, y, z, as URDF and SDF have them, of a rotation matrix. At pitch ±90° yaw is 0.
 Vec3 roll_pitch_yaw_of(const Eigen::Matrix3d& r) {
   const double pitch = std::asin(std::clamp(-r(2, 0), -1.0, 1.0));
@@ -101,8 +95,8 @@ ModulePose frame_of(const PlacedModule& module) {
 
 std::string urdf(const Design& design) {
   const auto wiring = wiring_of(design);
-  std::string xml =
-      fmt::format("<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n  <link name=\"cover\"/>\n", escaped(design.name));
+  std::string xml = fmt::format("<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n  <link name=\"cover\"/>\n",
+                                escape_markup(design.name));
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
     const Pose pose = pose_of(design.layout.modules[k]);
     xml += fmt::format(
@@ -121,7 +115,7 @@ std::string sdf(const Design& design) {
   std::string xml = fmt::format(
       "<?xml version=\"1.0\"?>\n<sdf version=\"1.7\">\n  <model name=\"{}\">\n    <static>true</static>\n    <link "
       "name=\"cover\">\n",
-      escaped(design.name));
+      escape_markup(design.name));
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
     const Pose pose = box_pose_of(design.layout.modules[k], design.layout.corner_cut_mm);
     xml += fmt::format(

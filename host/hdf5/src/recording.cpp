@@ -75,7 +75,10 @@ Handle create(recording::OutputFile& file) {
                      ": HDF5 writes at any place of a file, which this does not allow; record to mcap or csv");
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // The exception carries the message.
   file.write({});                               // Empties a file that exists already.
-  return {H5Fcreate(file.name().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose, file.name()};
+  // The file is locked by us already, and the library's own lock would be refused.
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, file.name());
+  require(H5Pset_file_locking(access.id(), false, true), file.name());
+  return {H5Fcreate(file.name().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose, file.name()};
 }
 
 class Hdf5Recorder {

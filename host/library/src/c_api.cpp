@@ -4,10 +4,9 @@
 
 #include <algorithm>
 #include <cstring>
-#include <exception>
-#include <new>
 #include <string>
 
+#include "guarded.hpp"
 #include "skin.hpp"
 #include "triskin/base/error.hpp"
 
@@ -20,37 +19,6 @@ struct triskin_skin {
 namespace triskin::library {
 namespace {
 
-thread_local std::string last_error;
-
-triskin_status failed(triskin_status status, const char* what) {
-  last_error = what;
-  return status;
-}
-
-// Runs what may throw.
-template <class Work>
-triskin_status guarded(Work work) {
-  try {
-    return work();
-  } catch (const InputError& e) {
-    return failed(TRISKIN_BAD_INPUT, e.what());
-  } catch (const Error& e) {
-    return failed(TRISKIN_DEVICE_FAILED, e.what());
-  } catch (const std::bad_alloc&) {
-    return failed(TRISKIN_DEVICE_FAILED, "there is no memory left");
-  } catch (const std::exception& e) {
-    return failed(TRISKIN_DEVICE_FAILED, e.what());
-  }
-}
-
-void require(bool ok, const char* text) {
-  if (!ok) throw InputError(text);
-}
-
-void require_size(const char* what, std::size_t given, std::size_t wanted) {
-  if (given != wanted) throw InputError(fmt::format("{}: n is {}, must be {}", what, given, wanted));
-}
-
 // Options of an older caller end earlier: the rest keeps its default.
 triskin_options complete(const triskin_options* given) {
   triskin_options options = TRISKIN_OPTIONS_INIT;
@@ -59,17 +27,6 @@ triskin_options complete(const triskin_options* given) {
   std::memcpy(&options, given, std::min(given->size, sizeof options));
   options.size = sizeof options;
   return options;
-}
-
-// Positions or normals, by `part`.
-template <class Part>
-void write_poses(const design::Design& design, double* out, Part part) {
-  const auto wiring = design::wiring_of(design);
-  for (std::size_t m = 0; m < wiring.size(); ++m) {
-    for (const design::TaxelPose& pose : design::taxels_of(design.layout.modules[m], wiring[m].routed.rotation)) {
-      for (int axis = 0; axis < 3; ++axis) *out++ = part(pose)[axis];
-    }
-  }
 }
 
 }  // namespace
@@ -84,7 +41,7 @@ const char* triskin_version(void) {
 }
 
 const char* triskin_error(void) {
-  return triskin::library::last_error.c_str();
+  return triskin::library::last_error().c_str();
 }
 
 triskin_status triskin_open(const char* file, const triskin_options* options, triskin_skin** skin) {

@@ -128,6 +128,10 @@ void CanSocket::filter_for_host() {
   (void)set_option(socket_, SOL_CAN_RAW, CAN_RAW_FILTER, filters);
 }
 
+void CanSocket::drop_filter() {
+  (void)set_option(socket_, SOL_CAN_RAW, CAN_RAW_FILTER, can_filter{0, 0});
+}
+
 void CanSocket::send(const wire::CanFrame& frame) {
   if (frame.fd && !fd_) throw DeviceError(fmt::format("can:{}: the interface does not carry FD frames", interface_));
   if (errors_.bus_off) throw Unreachable(trouble());

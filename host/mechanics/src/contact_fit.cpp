@@ -10,44 +10,8 @@
 namespace triskin::mechanics {
 namespace {
 
-constexpr int kMaxSteps = 60;
 constexpr double kMaxDamping = 1e8;
 constexpr double kMaxMove_mm = 3.0, kMaxLogMove = 0.7;
-
-using Contacts = std::vector<FitContact>;
-
-Eigen::VectorXd parameters(const Contacts& contacts) {
-  Eigen::VectorXd all(static_cast<Eigen::Index>(kParametersPerContact * contacts.size()));
-  for (std::size_t c = 0; c < contacts.size(); ++c) {
-    const FitContact& k = contacts[c];
-    all.segment<4>(static_cast<Eigen::Index>(4 * c)) << k.position_mm, k.log_force, k.log_radius;
-  }
-  return all;
-}
-
-Contacts contacts_from(const Eigen::VectorXd& all) {
-  Contacts contacts;
-  for (Eigen::Index i = 0; i < all.size(); i += kParametersPerContact)
-    contacts.push_back({all.segment<2>(i), all[i + 2], all[i + 3]});
-  return contacts;
-}
-
-// The centre and the inverse variance of each parameter's prior.
-struct Prior {
-  Eigen::VectorXd centre, weight;
-};
-
-Prior prior_of(const Contacts& start, const FitPriors& priors) {
-  Prior prior{parameters(start), {}};
-  prior.weight.resize(prior.centre.size());
-  for (Eigen::Index i = 0; i < prior.centre.size(); i += kParametersPerContact) {
-    prior.centre[i + 3] = priors.log_radius;
-    prior.weight.segment<4>(i) << 1.0 / (priors.position_sd_mm * priors.position_sd_mm),
-        1.0 / (priors.position_sd_mm * priors.position_sd_mm), 1.0 / (priors.log_force_sd * priors.log_force_sd),
-        1.0 / (priors.log_radius_sd * priors.log_radius_sd);
-  }
-  return prior;
-}
 
 Eigen::VectorXd limited(Eigen::VectorXd step) {
   double longest = 0.0;
@@ -58,19 +22,30 @@ Eigen::VectorXd limited(Eigen::VectorXd step) {
 
 class Search {
  public:
-  Search(const TaxelModel& model, const Eigen::VectorXd& observed, Prior prior, double noise)
-      : model_(model), observed_(observed), prior_(std::move(prior)), noise_(noise) {}
+  Search(const FitProblem& problem, std::span<const Eigen::Index> frozen) : problem_(problem), frozen_(frozen) {}
 
-  bool start(const Eigen::VectorXd& at) { return look_at(at); }
+  // Moves there if it is possible and better than here.
+  bool look_at(const Eigen::VectorXd& place) {
+    const std::vector<FitContact> contacts = contacts_from(place);
+    auto response = problem_.model.respond(contacts, true);
+    if (!response) return false;
+    const Eigen::VectorXd residual = response->values - problem_.observed;
+    const double objective =
+        residual.squaredNorm() * weight() + prior_objective(problem_.priors, problem_.model.positions_mm(), contacts);
+    if (!(objective < objective_)) return false;
+    at_ = place;
+    objective_ = objective;
+    residual_ = residual;
+    derivatives_ = std::move(response->derivatives);
+    return true;
+  }
   // One accepted step; false when there is no better place.
   bool improve() {
-    const Eigen::MatrixXd matrix = normal_matrix();
-    const Eigen::VectorXd gradient =
-        derivatives_.transpose() * residual_ / (noise_ * noise_) + prior_.weight.cwiseProduct(at_ - prior_.centre);
+    const auto [matrix, half_gradient] = normal_equations();
     while (damping_ < kMaxDamping) {
       Eigen::MatrixXd damped = matrix;
       damped.diagonal() *= 1.0 + damping_;
-      const Eigen::VectorXd step = limited(-damped.ldlt().solve(gradient));
+      const Eigen::VectorXd step = limited(-damped.ldlt().solve(half_gradient));
       const double before = objective_;
       if (look_at(at_ + step)) {
         damping_ = std::max(1e-9, damping_ / 5.0);
@@ -81,41 +56,26 @@ class Search {
     return false;
   }
   [[nodiscard]] Fit result() const {
-    const Eigen::Index n = at_.size();
-    Fit fit;
-    fit.contacts = contacts_from(at_);
-    fit.covariance = normal_matrix().ldlt().solve(Eigen::MatrixXd::Identity(n, n));
-    fit.residual_sum = residual_.squaredNorm();
-    fit.objective = objective_;
-    fit.noise = noise_;
-    return fit;
+    return {contacts_from(at_), problem_.noise, normal_equations().first, residual_.squaredNorm(), objective_};
   }
 
  private:
-  [[nodiscard]] Eigen::MatrixXd normal_matrix() const {
-    Eigen::MatrixXd matrix = derivatives_.transpose() * derivatives_ / (noise_ * noise_);
-    matrix.diagonal() += prior_.weight;
-    return matrix;
-  }
-  // Moves there if it is possible and better than here.
-  bool look_at(const Eigen::VectorXd& place) {
-    auto response = model_.respond(contacts_from(place), true);
-    if (!response) return false;
-    const Eigen::VectorXd residual = response->values - observed_;
-    const double objective =
-        residual.squaredNorm() / (noise_ * noise_) + prior_.weight.dot((place - prior_.centre).cwiseAbs2());
-    if (!(objective < objective_)) return false;
-    at_ = place;
-    objective_ = objective;
-    residual_ = residual;
-    derivatives_ = std::move(response->derivatives);
-    return true;
+  [[nodiscard]] double weight() const { return 1.0 / (problem_.noise * problem_.noise); }
+  [[nodiscard]] std::pair<Eigen::MatrixXd, Eigen::VectorXd> normal_equations() const {
+    Eigen::MatrixXd matrix = derivatives_.transpose() * derivatives_ * weight();
+    Eigen::VectorXd half_gradient = derivatives_.transpose() * residual_ * weight();
+    add_prior(problem_.priors, problem_.model.positions_mm(), contacts_from(at_), matrix, half_gradient);
+    for (const Eigen::Index k : frozen_) {
+      matrix.row(k).setZero();
+      matrix.col(k).setZero();
+      matrix(k, k) = 1.0;
+      half_gradient[k] = 0.0;
+    }
+    return {std::move(matrix), std::move(half_gradient)};
   }
 
-  const TaxelModel& model_;
-  const Eigen::VectorXd& observed_;
-  Prior prior_;
-  double noise_;
+  const FitProblem& problem_;
+  std::span<const Eigen::Index> frozen_;
   double damping_ = 1e-3;
   double objective_ = std::numeric_limits<double>::infinity();
   Eigen::VectorXd at_, residual_;
@@ -124,26 +84,37 @@ class Search {
 
 }  // namespace
 
-std::optional<Fit> fit_contacts(const TaxelModel& model, const Eigen::VectorXd& observed,
-                                const std::vector<FitContact>& start, const std::vector<FitContact>& prior_centres,
-                                double noise, const FitPriors& priors) {
-  Search search(model, observed, prior_of(prior_centres, priors), noise);
-  if (!search.start(parameters(start))) return std::nullopt;
-  for (int step = 0; step < kMaxSteps && search.improve(); ++step) {
+Eigen::VectorXd parameters_of(std::span<const FitContact> contacts) {
+  Eigen::VectorXd all(static_cast<Eigen::Index>(kParametersPerContact * contacts.size()));
+  Eigen::Index at = 0;
+  for (const FitContact& c : contacts) {
+    all.segment<4>(at) << c.position_mm, c.log_force, c.log_radius;
+    at += kParametersPerContact;
   }
-  Fit fit = search.result();
-  fit.prior_centres = prior_centres;
-  return fit;
+  return all;
 }
 
-double posterior_objective(const TaxelModel& model, const Eigen::VectorXd& observed,
-                           const std::vector<FitContact>& contacts, const std::vector<FitContact>& prior_centres,
-                           double noise, const FitPriors& priors) {
-  const auto response = model.respond(contacts, false);
+std::vector<FitContact> contacts_from(const Eigen::VectorXd& parameters) {
+  std::vector<FitContact> contacts;
+  for (Eigen::Index i = 0; i < parameters.size(); i += kParametersPerContact)
+    contacts.push_back({parameters.segment<2>(i), parameters[i + 2], parameters[i + 3]});
+  return contacts;
+}
+
+std::optional<Fit> fit_contacts(const FitProblem& problem, const std::vector<FitContact>& start, int max_steps,
+                                std::span<const Eigen::Index> frozen) {
+  Search search(problem, frozen);
+  if (!search.look_at(parameters_of(start))) return std::nullopt;
+  for (int step = 0; step < max_steps && search.improve(); ++step) {
+  }
+  return search.result();
+}
+
+double posterior_objective(const FitProblem& problem, std::span<const FitContact> contacts) {
+  const auto response = problem.model.respond(contacts, false);
   if (!response) return std::numeric_limits<double>::infinity();
-  const Prior prior = prior_of(prior_centres, priors);
-  return (response->values - observed).squaredNorm() / (noise * noise) +
-         prior.weight.dot((parameters(contacts) - prior.centre).cwiseAbs2());
+  return (response->values - problem.observed).squaredNorm() / (problem.noise * problem.noise) +
+         prior_objective(problem.priors, problem.model.positions_mm(), contacts);
 }
 
 }  // namespace triskin::mechanics

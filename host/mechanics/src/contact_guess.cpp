@@ -9,6 +9,7 @@
 
 #include "nonnegative.hpp"
 #include "triskin/mechanics/taxel.hpp"
+#include "units.hpp"
 
 namespace triskin::mechanics {
 namespace {
@@ -17,6 +18,11 @@ constexpr double kGrid_mm = 2.0;
 constexpr double kGridReach_mm = 5.0;
 constexpr int kMaxActive = 40;
 constexpr double kWeakShare = 0.02;
+// Points that move every taxel less than this share of the best: a small signal there asks for a huge force.
+constexpr double kMinInfluenceShare = 0.3;
+// The volume of a taxel's surroundings is its displacement times its cell; sparse taxels do not see that far.
+constexpr double kMaxCell_mm2 = 45.0;
+constexpr double kCentroidReach_mm = 9.0;
 
 // Points of a grid that lie near a pressed taxel.
 std::vector<Eigen::Vector2d> candidates(const TaxelModel& model, const Eigen::VectorXd& observed, double floor) {
@@ -60,11 +66,27 @@ Eigen::MatrixXd influence(const TaxelModel& model, const std::vector<Eigen::Vect
   return matrix;
 }
 
-// Joins forces whose points are neighbours, also diagonally.
-std::vector<ForceGuess> joined(const std::vector<Eigen::Vector2d>& points, const Eigen::VectorXd& forces) {
+// Leaves only the points that move some taxel well; returns the columns of the rest.
+Eigen::MatrixXd keep_influential(std::vector<Eigen::Vector2d>& points, const Eigen::MatrixXd& all) {
+  const Eigen::VectorXd norms = all.colwise().norm();
+  std::vector<Eigen::Index> kept;
+  std::vector<Eigen::Vector2d> kept_points;
+  for (Eigen::Index k = 0; k < all.cols(); ++k) {
+    if (norms[k] < kMinInfluenceShare * norms.maxCoeff()) continue;
+    kept.push_back(k);
+    kept_points.push_back(points[static_cast<std::size_t>(k)]);
+  }
+  points = std::move(kept_points);
+  return all(Eigen::all, kept);
+}
+
+// Joins forces whose points are neighbours, also diagonally. The guess that explains most comes first.
+std::vector<ForceGuess> joined(const std::vector<Eigen::Vector2d>& points, const Eigen::VectorXd& forces,
+                               const Eigen::VectorXd& norms) {
+  const Eigen::VectorXd signals = forces.cwiseProduct(norms);
   std::vector<std::size_t> loaded;
   for (std::size_t k = 0; k < points.size(); ++k) {
-    if (forces[static_cast<Eigen::Index>(k)] > kWeakShare * forces.maxCoeff()) loaded.push_back(k);
+    if (signals[static_cast<Eigen::Index>(k)] > kWeakShare * signals.maxCoeff()) loaded.push_back(k);
   }
   std::vector<std::size_t> root(loaded.size());
   std::iota(root.begin(), root.end(), std::size_t{0});
@@ -78,30 +100,65 @@ std::vector<ForceGuess> joined(const std::vector<Eigen::Vector2d>& points, const
     }
   }
   std::vector<ForceGuess> sums(loaded.size(), {Eigen::Vector2d::Zero(), 0.0});
+  std::vector<double> explained(loaded.size(), 0.0);
   for (std::size_t a = 0; a < loaded.size(); ++a) {
-    const double force = forces[static_cast<Eigen::Index>(loaded[a])];
-    sums[find(a)].position_mm += force * points[loaded[a]];
-    sums[find(a)].force_n += force;
+    const auto at = static_cast<Eigen::Index>(loaded[a]);
+    sums[find(a)].position_mm += forces[at] * points[loaded[a]];
+    sums[find(a)].force_n += forces[at];
+    explained[find(a)] += signals[at];
   }
-  std::erase_if(sums, [](const ForceGuess& g) { return g.force_n == 0.0; });
-  for (ForceGuess& g : sums) g.position_mm /= g.force_n;
-  return sums;
+  std::vector<std::size_t> order(loaded.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::erase_if(order, [&](std::size_t k) { return sums[k].force_n == 0.0; });
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return explained[a] > explained[b]; });
+  std::vector<ForceGuess> guesses;
+  for (const std::size_t k : order) guesses.push_back({sums[k].position_mm / sums[k].force_n, sums[k].force_n});
+  return guesses;
+}
+
+// A disc that moves as one says x = u / (h − u).
+Eigen::VectorXd displacements(const TaxelModel& model, const Eigen::VectorXd& observed) {
+  return (model.table().layer().thickness_mm * observed.array() / (1.0 + observed.array()).max(0.1)).matrix();
+}
+
+// Area of a cell of a triangular lattice with the pitch of the nearest neighbour.
+double cell_mm2(const std::vector<Eigen::Vector2d>& taxels, std::size_t taxel) {
+  double nearest = std::sqrt(kMaxCell_mm2);
+  for (std::size_t t = 0; t < taxels.size(); ++t) {
+    if (t != taxel) nearest = std::min(nearest, (taxels[t] - taxels[taxel]).norm());
+  }
+  return std::sqrt(0.75) * nearest * nearest;
 }
 
 }  // namespace
 
 std::vector<ForceGuess> guess_contacts(const TaxelModel& model, const Eigen::VectorXd& observed, double signal_floor) {
-  const auto points = candidates(model, observed, signal_floor);
+  auto points = candidates(model, observed, signal_floor);
   if (points.empty()) return {};
-  const double h = model.table().layer().thickness_mm;
-  // A disc that moves as one says x = u / (h − u).
-  const Eigen::VectorXd displacements = (h * observed.array() / (1.0 + observed.array()).max(0.1)).matrix();
-  const Eigen::VectorXd forces = nonnegative_least_squares(influence(model, points), displacements, kMaxActive);
+  const Eigen::MatrixXd matrix = keep_influential(points, influence(model, points));
+  const Eigen::VectorXd forces = nonnegative_least_squares(matrix, displacements(model, observed), kMaxActive);
   if (forces.maxCoeff() <= 0.0) return {};
-  auto guesses = joined(points, forces);
-  std::sort(guesses.begin(), guesses.end(),
-            [](const ForceGuess& a, const ForceGuess& b) { return a.force_n > b.force_n; });
-  return guesses;
+  return joined(points, forces, matrix.colwise().norm());
+}
+
+std::vector<ForceGuess> guess_peak(const TaxelModel& model, const Eigen::VectorXd& observed) {
+  Eigen::Index peak = 0;
+  if (observed.size() == 0 || !(observed.maxCoeff(&peak) > 0.0)) return {};
+  const auto& taxels = model.positions_mm();
+  const Eigen::Vector2d centre = taxels[static_cast<std::size_t>(peak)];
+  const Eigen::VectorXd u = displacements(model, observed);
+  const Layer& layer = model.table().layer();
+  const double stiffness =
+      cell_mm2(taxels, static_cast<std::size_t>(peak)) * confined_modulus_kpa(layer) / layer.thickness_mm / kKpaMm2PerN;
+  double sum = 0.0;
+  Eigen::Vector2d centroid = Eigen::Vector2d::Zero();
+  for (std::size_t t = 0; t < taxels.size(); ++t) {
+    const double depth = u[static_cast<Eigen::Index>(t)];
+    if ((taxels[t] - centre).norm() > kCentroidReach_mm || depth < 0.2 * u[peak]) continue;
+    sum += depth;
+    centroid += depth * taxels[t];
+  }
+  return {{centroid / sum, stiffness * sum}, {centre, stiffness * u[peak]}};
 }
 
 }  // namespace triskin::mechanics

@@ -2,99 +2,150 @@
 #include "contact_posterior.hpp"
 
 #include <Eigen/Cholesky>
-#include <algorithm>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <cmath>
-#include <limits>
-#include <numbers>
-#include <vector>
 
 #include "triskin/base/dice.hpp"
 
 namespace triskin::mechanics {
 namespace {
 
-constexpr int kSamples = 500;
-constexpr double kMinEffectiveSamples = 15.0;
-// The narrow part of the proposal is wider than the fit says, so that its tails are covered.
-constexpr double kWidening = 1.5;
-constexpr double kBroadShare = 0.35;
+constexpr int kWarmUpSteps = 100, kSteps = 800;
+// Around a single taxel the matrix knows no bound for a place.
+constexpr double kMaxStep_mm = 2.0;
 constexpr std::uint64_t kSeed = 20190814;
+// The objective is looked at so many deviations from its minimum, and may differ by so much of its quadratic growth.
+constexpr double kLookDeviations = 1.5, kMaxCurvatureError = 0.25;
 
-// A normal distribution of the four parameters.
-class Normal {
- public:
-  Normal(const Eigen::Vector4d& mean, const Eigen::Matrix4d& covariance)
-      : mean_(mean), root_(covariance.llt().matrixL()), log_determinant_(root_.diagonal().array().log().sum()) {}
-  [[nodiscard]] Eigen::Vector4d draw(Dice& dice) const {
-    Eigen::Vector4d unit;
-    for (int k = 0; k < 4; ++k) {
-      // Box and Muller's transform: equal on every compiler.
-      const double radius = std::sqrt(-2.0 * std::log(1.0 - dice.unit()));
-      unit[k] = radius * std::cos(2.0 * std::numbers::pi * dice.unit());
+using Vector = Eigen::VectorXd;
+using Matrix = Eigen::MatrixXd;
+
+Matrix inverse_of(const Matrix& precision) {
+  return precision.ldlt().solve(Matrix::Identity(precision.rows(), precision.cols()));
+}
+
+bool is_normal(const FitProblem& problem, const Fit& fit) {
+  const Eigen::SelfAdjointEigenSolver<Matrix> axes(fit.precision);
+  const Vector centre = parameters_of(fit.contacts);
+  const double expected = kLookDeviations * kLookDeviations;
+  for (Eigen::Index k = 0; k < centre.size(); ++k) {
+    if (!(axes.eigenvalues()[k] > 0.0)) return false;
+    const Vector offset = kLookDeviations / std::sqrt(axes.eigenvalues()[k]) * axes.eigenvectors().col(k);
+    for (const double side : {1.0, -1.0}) {
+      const double growth = posterior_objective(problem, contacts_from(centre + side * offset)) - fit.objective;
+      if (!(std::abs(growth - expected) < kMaxCurvatureError * expected)) return false;
     }
-    return mean_ + root_ * unit;
   }
-  [[nodiscard]] double log_density(const Eigen::Vector4d& at) const {
-    const Eigen::Vector4d unit = root_.triangularView<Eigen::Lower>().solve(at - mean_);
-    return -0.5 * unit.squaredNorm() - log_determinant_;
+  return true;
+}
+
+// A sampler of all contacts. Each sweep proposes for each contact a place on its ridge and a step from where it is, and
+// a step of all of them.
+class Chain {
+ public:
+  Chain(const FitProblem& problem, const Fit& fit)
+      : problem_(problem), at_(parameters_of(fit.contacts)), objective_(fit.objective), dice_(kSeed) {
+    joint_ = root_of(inverse_of(fit.precision));
+    for (std::size_t c = 0; c < fit.contacts.size(); ++c) {
+      proposals_.emplace_back(problem, fit, c, ContactProposal::Sides::kAll);
+      const auto at = static_cast<Eigen::Index>(kParametersPerContact * c);
+      Matrix precision = fit.precision.block<4, 4>(at, at);
+      precision.diagonal().head<2>().array() += 1.0 / (kMaxStep_mm * kMaxStep_mm);
+      steps_.push_back(root_of(inverse_of(precision)));
+    }
+  }
+  [[nodiscard]] std::vector<ContactMoments> sample() {
+    for (int step = 0; step < kWarmUpSteps; ++step) sweep();
+    const Eigen::Index n = at_.size();
+    Vector mean = Vector::Zero(n), square = Vector::Zero(n);
+    for (int step = 1; step <= kSteps; ++step) {
+      sweep();
+      // Welford's running moments.
+      const Vector values = physical(), difference = values - mean;
+      mean += difference / step;
+      square += difference.cwiseProduct(values - mean);
+    }
+    const Vector deviation = (square / (kSteps - 1)).cwiseSqrt();
+    std::vector<ContactMoments> moments;
+    for (Eigen::Index at = 0; at < n; at += kParametersPerContact)
+      moments.push_back({mean.segment<4>(at), deviation.segment<4>(at)});
+    return moments;
   }
 
  private:
-  Eigen::Vector4d mean_;
-  Eigen::Matrix4d root_;
-  double log_determinant_;
-};
-
-// Standard deviations of the broad part: half the pitch of taxels and what a force and a radius may be wrong by.
-Eigen::Matrix4d broad_covariance(const FitPriors& priors) {
-  const double radius = std::min(0.7, priors.log_radius_sd);
-  return Eigen::Vector4d(2.5 * 2.5, 2.5 * 2.5, 0.5 * 0.5, radius * radius).asDiagonal();
-}
-
-struct Sample {
-  Eigen::Vector4d values;  // x, y, force, radius
-  double log_weight;
-};
-
-std::optional<ContactMoments> moments_of(const std::vector<Sample>& samples) {
-  double best = -std::numeric_limits<double>::infinity();
-  for (const Sample& s : samples) best = std::max(best, s.log_weight);
-  double sum = 0.0, squares = 0.0;
-  Eigen::Vector4d first = Eigen::Vector4d::Zero(), second = Eigen::Vector4d::Zero();
-  for (const Sample& s : samples) {
-    const double weight = std::exp(s.log_weight - best);
-    sum += weight;
-    squares += weight * weight;
-    first += weight * s.values;
+  static Matrix root_of(const Matrix& covariance) { return covariance.llt().matrixL(); }
+  void sweep() {
+    for (std::size_t c = 0; c < proposals_.size(); ++c) {
+      jump(c);
+      Vector step = Vector::Zero(at_.size());
+      step.segment<4>(static_cast<Eigen::Index>(kParametersPerContact * c)) = drawn(steps_[c]);
+      move(at_ + step, 0.0);
+    }
+    if (proposals_.size() > 1) move(at_ + drawn(joint_), 0.0);
   }
-  if (!(sum * sum / squares > kMinEffectiveSamples)) return std::nullopt;
-  first /= sum;
-  for (const Sample& s : samples) second += std::exp(s.log_weight - best) / sum * (s.values - first).cwiseAbs2();
-  return ContactMoments{first, second.cwiseSqrt()};
-}
+  void jump(std::size_t contact) {
+    const auto at = static_cast<Eigen::Index>(kParametersPerContact * contact);
+    const ContactVector here = at_.segment<4>(at), there = proposals_[contact].draw(dice_);
+    Vector place = at_;
+    place.segment<4>(at) = there;
+    move(place, proposals_[contact].log_density(here) - proposals_[contact].log_density(there));
+  }
+  // A step as long as Gelman, Roberts and Gilks advise: 2.4 deviations over the root of the dimension.
+  Vector drawn(const Matrix& root) {
+    Vector unit(root.rows());
+    for (double& u : unit) u = standard_normal(dice_);
+    return 2.4 / std::sqrt(static_cast<double>(root.rows())) * (root * unit);
+  }
+  // Metropolis and Hastings' rule; the correction is the logarithm of the ratio of proposals, back over there.
+  void move(const Vector& place, double correction) {
+    const double chance = 1.0 - dice_.unit();
+    const double objective = posterior_objective(problem_, contacts_from(place));
+    if (!(0.5 * (objective - objective_) < correction - std::log(chance))) return;
+    at_ = place;
+    objective_ = objective;
+  }
+  [[nodiscard]] Vector physical() const {
+    Vector values = at_;
+    for (Eigen::Index at = 0; at < at_.size(); at += kParametersPerContact)
+      values.segment<2>(at + 2) = at_.segment<2>(at + 2).array().exp();
+    return values;
+  }
+
+  const FitProblem& problem_;
+  Vector at_;
+  double objective_;
+  Dice dice_;
+  Matrix joint_;
+  std::vector<Matrix> steps_;
+  std::vector<ContactProposal> proposals_;
+};
 
 }  // namespace
 
-std::optional<ContactMoments> sample_posterior(const TaxelModel& model, const Eigen::VectorXd& observed, const Fit& fit,
-                                               std::size_t contact, const FitPriors& priors) {
-  const auto block = static_cast<Eigen::Index>(kParametersPerContact * contact);
-  const FitContact& best = fit.contacts[contact];
-  const Eigen::Vector4d centre(best.position_mm.x(), best.position_mm.y(), best.log_force, best.log_radius);
-  const Normal narrow(centre, kWidening * kWidening * fit.covariance.block<4, 4>(block, block));
-  const Normal broad(centre, broad_covariance(priors));
-  Dice dice(kSeed);
-  std::vector<FitContact> contacts = fit.contacts;
-  std::vector<Sample> samples;
-  for (int k = 0; k < kSamples; ++k) {
-    const Eigen::Vector4d at = dice.unit() < kBroadShare ? broad.draw(dice) : narrow.draw(dice);
-    contacts[contact] = {at.head<2>(), at[2], at[3]};
-    const double objective = posterior_objective(model, observed, contacts, fit.prior_centres, fit.noise, priors);
-    if (!std::isfinite(objective)) continue;
-    const double proposal = std::log(kBroadShare * std::exp(broad.log_density(at)) +
-                                     (1.0 - kBroadShare) * std::exp(narrow.log_density(at)));
-    samples.push_back({{at[0], at[1], std::exp(at[2]), std::exp(at[3])}, -0.5 * objective - proposal});
+std::vector<ContactMoments> ridge_moments(const FitProblem& problem, const Fit& fit) {
+  std::vector<ContactMoments> moments;
+  for (std::size_t c = 0; c < fit.contacts.size(); ++c)
+    moments.push_back(ContactProposal(problem, fit, c, ContactProposal::Sides::kOne).moments());
+  return moments;
+}
+
+std::vector<ContactMoments> posterior_moments(const FitProblem& problem, const Fit& fit) {
+  if (fit.contacts.empty()) return {};
+  if (!is_normal(problem, fit)) {
+    return Chain(problem, fit).sample();
   }
-  return moments_of(samples);
+  const Vector deviation = inverse_of(fit.precision).diagonal().cwiseSqrt();
+  std::vector<ContactMoments> moments;
+  Eigen::Index at = 0;
+  for (const FitContact& c : fit.contacts) {
+    const double force = std::exp(c.log_force), radius = std::exp(c.log_radius);
+    const Eigen::Vector4d scale(1.0, 1.0, force, radius);
+    moments.push_back(
+        {{c.position_mm.x(), c.position_mm.y(), force, radius}, scale.cwiseProduct(deviation.segment<4>(at))});
+    at += kParametersPerContact;
+  }
+  return moments;
 }
 
 }  // namespace triskin::mechanics

@@ -14,4 +14,7 @@ struct DiscPoint {
 /// against each other.
 [[nodiscard]] const std::vector<DiscPoint>& disc_points();
 
+/// A quarter of the points, for discs on which nothing bends sharply.
+[[nodiscard]] const std::vector<DiscPoint>& coarse_disc_points();
+
 }  // namespace triskin::mechanics

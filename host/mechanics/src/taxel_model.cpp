@@ -14,7 +14,12 @@ namespace {
 constexpr double kSampleStep_mm = 0.05;
 // What a contact does farther away from its edge than this many thicknesses is below 0.1 % of its peak.
 constexpr double kReachThicknesses = 8.0;
+// Displacements below this share of the peak are left out: less than the table is exact to.
+constexpr double kLeastShare = 1e-5;
+// So far from its edge, in thicknesses, a contact bends the surface only gently.
+constexpr double kSmoothThicknesses = 0.3;
 constexpr double kLogStep = 1e-3;
+constexpr std::size_t kRemembered = 16;
 // So near to the axis the displacement has no slope.
 constexpr double kCentre_mm = 1e-9;
 constexpr double kMaxIndentationShare = 0.999;
@@ -29,6 +34,7 @@ SampledProfile::SampledProfile(const ContactField& field, double reach_mm) : ste
   const int count = static_cast<int>(std::ceil(reach_mm / step_)) + 1;
   values_.reserve(static_cast<std::size_t>(count));
   for (int k = 0; k < count; ++k) values_.push_back(field.displacement_mm(k * step_));
+  while (values_.size() > 1 && std::abs(values_.back()) < kLeastShare * values_.front()) values_.pop_back();
 }
 
 double SampledProfile::at(double r) const {
@@ -40,42 +46,57 @@ double SampledProfile::at(double r) const {
 
 // Displacement of one contact and its central differences by ln F and ln R.
 struct TaxelModel::Profiles {
+  double log_force, log_radius;
+  bool has_derivatives;
   SampledProfile displacement, more_force, less_force, more_radius, less_radius;
-  double reach_mm = 0.0;
+  double contact_radius_mm = 0.0, reach_mm = 0.0;
 };
 
 TaxelModel::TaxelModel(const ContactTable& table, std::vector<Eigen::Vector2d> positions_mm, double disc_radius_mm)
     : table_(table), positions_mm_(std::move(positions_mm)), disc_radius_mm_(disc_radius_mm) {}
 
-TaxelModel::Profiles TaxelModel::profiles_of(const FitContact& contact, bool with_derivatives) const {
+TaxelModel::SharedProfiles TaxelModel::profiles_of(const FitContact& contact, bool with_derivatives) const {
   const double f = contact.log_force, r = contact.log_radius;
+  for (const SharedProfiles& p : recent_) {
+    if (p->log_force == f && p->log_radius == r && (p->has_derivatives || !with_derivatives)) return p;
+  }
   const Contact pressed = press_tip(table_, f, r);
-  Profiles profiles;
-  profiles.reach_mm = pressed.contact_radius_mm + kReachThicknesses * table_.layer().thickness_mm;
-  const auto sample = [&](const Contact& c) { return SampledProfile(*c.field, profiles.reach_mm); };
-  profiles.displacement = sample(pressed);
-  if (!with_derivatives) return profiles;
-  profiles.more_force = sample(press_tip(table_, f + kLogStep, r));
-  profiles.less_force = sample(press_tip(table_, f - kLogStep, r));
-  profiles.more_radius = sample(press_tip(table_, f, r + kLogStep));
-  profiles.less_radius = sample(press_tip(table_, f, r - kLogStep));
+  const double reach = pressed.contact_radius_mm + kReachThicknesses * table_.layer().thickness_mm;
+  const auto sample = [&](const Contact& c) { return SampledProfile(*c.field, reach); };
+  const auto pressed_by = [&](double force, double radius) { return sample(press_tip(table_, force, radius)); };
+  auto profiles =
+      std::make_shared<Profiles>(Profiles{f, r, with_derivatives, sample(pressed), {}, {}, {}, {}, 0.0, 0.0});
+  profiles->contact_radius_mm = pressed.contact_radius_mm;
+  profiles->reach_mm = profiles->displacement.reach_mm();
+  if (with_derivatives) {
+    profiles->more_force = pressed_by(f + kLogStep, r);
+    profiles->less_force = pressed_by(f - kLogStep, r);
+    profiles->more_radius = pressed_by(f, r + kLogStep);
+    profiles->less_radius = pressed_by(f, r - kLogStep);
+  }
+  recent_.push_front(profiles);
+  if (recent_.size() > kRemembered) recent_.pop_back();
   return profiles;
 }
 
 // Adds one point of a taxel's disc to its value and derivatives; false where the layer is pressed to its base.
 class TaxelModel::DiscSum {
  public:
-  DiscSum(double thickness_mm, std::span<const FitContact> contacts, const std::vector<Profiles>& profiles,
+  DiscSum(double thickness_mm, std::span<const FitContact> contacts, const std::vector<SharedProfiles>& profiles,
           TaxelResponse& response)
       : thickness_mm_(thickness_mm), contacts_(contacts), profiles_(profiles), response_(response) {}
 
   bool add_taxel(Eigen::Index taxel, const Eigen::Vector2d& centre, double disc_radius_mm) {
     near_.clear();
+    bool is_smooth = true;
     for (std::size_t c = 0; c < contacts_.size(); ++c) {
-      if ((centre - contacts_[c].position_mm).norm() < profiles_[c].reach_mm + disc_radius_mm) near_.push_back(c);
+      const double distance = (centre - contacts_[c].position_mm).norm() - disc_radius_mm;
+      if (distance < profiles_[c]->reach_mm) near_.push_back(c);
+      is_smooth = is_smooth && distance > profiles_[c]->contact_radius_mm + kSmoothThicknesses * thickness_mm_;
     }
     if (near_.empty()) return true;
-    return std::all_of(disc_points().begin(), disc_points().end(), [&](const DiscPoint& p) {
+    const std::vector<DiscPoint>& points = is_smooth ? coarse_disc_points() : disc_points();
+    return std::all_of(points.begin(), points.end(), [&](const DiscPoint& p) {
       return add_point(taxel, centre + disc_radius_mm * p.position, p.weight);
     });
   }
@@ -84,7 +105,7 @@ class TaxelModel::DiscSum {
   bool add_point(Eigen::Index taxel, const Eigen::Vector2d& point, double weight) {
     const double h = thickness_mm_;
     double u = 0.0;
-    for (const std::size_t c : near_) u += profiles_[c].displacement.at((point - contacts_[c].position_mm).norm());
+    for (const std::size_t c : near_) u += profiles_[c]->displacement.at((point - contacts_[c].position_mm).norm());
     if (u >= kMaxIndentationShare * h) return false;
     response_.values[taxel] += weight * u / (h - u);
     if (response_.derivatives.size() == 0) return true;
@@ -93,7 +114,7 @@ class TaxelModel::DiscSum {
     return true;
   }
   void add_derivatives(Eigen::Index taxel, std::size_t contact, const Eigen::Vector2d& offset, double slope) {
-    const Profiles& p = profiles_[contact];
+    const Profiles& p = *profiles_[contact];
     const double r = offset.norm();
     const double gradient = (p.displacement.at(r + kSampleStep_mm) - p.displacement.at(std::abs(r - kSampleStep_mm))) /
                             (2.0 * kSampleStep_mm);
@@ -106,13 +127,13 @@ class TaxelModel::DiscSum {
 
   double thickness_mm_;
   std::span<const FitContact> contacts_;
-  const std::vector<Profiles>& profiles_;
+  const std::vector<SharedProfiles>& profiles_;
   TaxelResponse& response_;
   std::vector<std::size_t> near_;
 };
 
 std::optional<TaxelResponse> TaxelModel::respond(std::span<const FitContact> contacts, bool with_derivatives) const {
-  std::vector<Profiles> profiles;
+  std::vector<SharedProfiles> profiles;
   try {
     for (const FitContact& c : contacts) profiles.push_back(profiles_of(c, with_derivatives));
   } catch (const InputError&) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <Eigen/Core>
+#include <deque>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -29,13 +31,16 @@ class SampledProfile {
   SampledProfile() = default;
   SampledProfile(const ContactField& field, double reach_mm);
   [[nodiscard]] double at(double r) const;
+  /// Where the profile ends: it is zero from there on.
+  [[nodiscard]] double reach_mm() const { return step_ * static_cast<double>(values_.size()); }
 
  private:
   double step_ = 1.0;
   std::vector<double> values_;
 };
 
-/// The forward model: discs at given places under contacts of spheres whose displacements add up.
+/// The forward model: discs at given places under contacts of spheres whose displacements add up. It remembers the last
+/// profiles, so one object serves one thread.
 class TaxelModel {
  public:
   TaxelModel(const ContactTable& table, std::vector<Eigen::Vector2d> positions_mm, double disc_radius_mm);
@@ -48,11 +53,13 @@ class TaxelModel {
  private:
   struct Profiles;
   class DiscSum;
-  [[nodiscard]] Profiles profiles_of(const FitContact& contact, bool with_derivatives) const;
+  using SharedProfiles = std::shared_ptr<const Profiles>;
+  [[nodiscard]] SharedProfiles profiles_of(const FitContact& contact, bool with_derivatives) const;
 
   const ContactTable& table_;
   std::vector<Eigen::Vector2d> positions_mm_;
   double disc_radius_mm_;
+  mutable std::deque<SharedProfiles> recent_;
 };
 
 }  // namespace triskin::mechanics

@@ -264,11 +264,40 @@ std::optional<design::Design::PartSource> part_source(const geometry::MeshReadRe
                                     cad::selection_text(faces)};
 }
 
+// Limits of the lattice for a bending radius: a side of a module is a chord, whose sagitta is a²/(8R)
+// (docs/bending.md).
+DesignOptions with_bend_limits(DesignOptions options) {
+  if (options.bend_radius_mm <= 0.0) return options;
+  const double sagitta_mm = design::kSide_mm * design::kSide_mm / (8.0 * options.bend_radius_mm);
+  options.limits.depth_mm = std::min(options.limits.depth_mm, sagitta_mm);
+  options.limits.lift_mm = std::min(options.limits.lift_mm, sagitta_mm);
+  return options;
+}
+
+// Faces that were asked for, or those that an older version of the part was covered on.
+cad::FaceSelection faces_of(const DesignOptions& options) {
+  const bool is_asked = cad::selection_text(options.faces) != cad::selection_text({});
+  if (is_asked || options.like == nullptr || !options.like->part) return options.faces;
+  return cad::parse_selection(options.like->part->selection);
+}
+
+design::Design revised(design::Design part, const DesignOptions& options, Clock::time_point start,
+                       const ProgressSink& progress, DesignNotes* notes) {
+  Revision revision;
+  const GrowAroundOptions effort{std::max(kMinGrowth_s, options.time_limit_s - seconds_since(start)),
+                                 options.iterations, options.threads};
+  design::Design design = revise_design(*options.like, std::move(part), effort, revision, progress);
+  design.report.seconds = seconds_since(start);
+  if (notes != nullptr) notes->revision = std::move(revision);
+  return design;
+}
+
 }  // namespace
 
-design::Design make_design(const std::filesystem::path& mesh, const DesignOptions& options,
-                           const ProgressSink& progress, DesignNotes* notes) {
+design::Design make_design(const std::filesystem::path& mesh, const DesignOptions& given, const ProgressSink& progress,
+                           DesignNotes* notes) {
   const auto start = Clock::now();
+  const DesignOptions options = with_bend_limits(given);
   design::Design design;
   design.name = mesh.stem().string();
   design.source_file = mesh.filename().string();
@@ -277,8 +306,9 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   design.price = options.price;
   design.kinds = options.kinds;
   require_places(options.kinds);
-  const geometry::MeshFile file = geometry::read_mesh(mesh, options.unit, options.object, options.faces);
-  design.part = part_source(file.report, options.faces);
+  const cad::FaceSelection faces = faces_of(options);
+  const geometry::MeshFile file = geometry::read_mesh(mesh, options.unit, options.object, faces);
+  design.part = part_source(file.report, faces);
   if (notes != nullptr) notes->read = file.report;
   const double reading_s = seconds_since(start);
   design.scale_to_mm = file.report.scale_to_mm;
@@ -295,6 +325,7 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   if (notes != nullptr) notes->extract = extraction.report;
   if (!take_surface(extraction, options, design, notes)) return design;
   if (options.regions) design.regions = resolve_regions(mesh, file, extraction, *options.regions);
+  if (options.like != nullptr) return revised(std::move(design), options, start, progress, notes);
   const geometry::Surface surface(design.surface);
   const auto of_surface = regions_of(surface, design);
   const geometry::SurfaceRegions* const regions = of_surface.get();

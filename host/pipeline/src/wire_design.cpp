@@ -68,10 +68,14 @@ geometry::RoutingOptions routing_options(const design::Design& design) {
 
 void wire(design::Design& design, const geometry::Surface& surface, const geometry::SurfaceRegions* regions,
           const std::vector<design::Jumper>& places, const ProgressSink& progress,
-          const std::shared_ptr<const geometry::Division>& division) {
+          const std::shared_ptr<const geometry::Division>& division, const geometry::KeptWiring* kept) {
   geometry::RoutingOptions routing = routing_options(design);
   routing.division = division;
-  geometry::RoutingResult routes = geometry::route(design::graph_of(design.layout), places, routing, progress);
+  // The places are joints that the router may take: none of them is in the layout yet.
+  design.layout.jumpers.clear();
+  const design::ModuleGraph graph = design::graph_of(design.layout);
+  geometry::RoutingResult routes = kept == nullptr ? geometry::route(graph, places, routing, progress)
+                                                   : geometry::route_around(graph, places, *kept, routing, progress);
   design.layout.jumpers = std::move(routes.jumpers);
   design.patches = std::move(routes.patches);
   state_taken(design);

@@ -20,9 +20,10 @@ namespace triskin::pipeline {
 
 /// Gives the layout of a design, whose modules are measured, controllers, jumpers (at some of `places`), report and id;
 /// the alternative that is taken states what they cost. `regions` of the surface, or null; `division` of this layout
-/// with these places, when it is known.
+/// with these places, when it is known. `kept`: wiring that stays; null: all is wired anew.
 void wire(design::Design& design, const geometry::Surface& surface, const geometry::SurfaceRegions* regions,
           const std::vector<design::Jumper>& places, const ProgressSink& progress,
-          const std::shared_ptr<const geometry::Division>& division = nullptr);
+          const std::shared_ptr<const geometry::Division>& division = nullptr,
+          const geometry::KeptWiring* kept = nullptr);
 
 }  // namespace triskin::pipeline

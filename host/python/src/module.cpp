@@ -5,10 +5,16 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -25,10 +31,61 @@ struct DeviceFailed : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// An error may quote bytes of a file that are no text. Python would drop the whole message for them.
+std::string text_of_error() {
+  const char* const bytes = triskin_error();
+  const auto text = py::reinterpret_steal<py::object>(
+      PyUnicode_DecodeUTF8(bytes, static_cast<Py_ssize_t>(std::strlen(bytes)), "backslashreplace"));
+  return text ? text.cast<std::string>() : "an error without text";
+}
+
 void check(triskin_status status) {
   if (status == TRISKIN_OK) return;
-  if (status == TRISKIN_BAD_INPUT) throw BadInput(triskin_error());
-  throw DeviceFailed(triskin_error());
+  if (status == TRISKIN_BAD_INPUT) throw BadInput(text_of_error());
+  throw DeviceFailed(text_of_error());
+}
+
+using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+// What counts are worth: for 1 kPa of each taxel, and the skin that a taxel of each module stands for.
+struct Calibration {
+  py::array_t<double> counts_per_kpa, taxel_area_mm2;
+  bool known = false;
+};
+
+// Pressure of the last two axes (modules, 12); NaN where a taxel has no calibration.
+py::array_t<double> pressure_of(const Doubles& change, const Calibration& calibration) {
+  if (!calibration.known)
+    throw BadInput(
+        "there is no calibration, so counts cannot be told in kPa; run triskin calibrate, or read change_counts()");
+  py::array_t<double> kpa(std::vector<py::ssize_t>(change.shape(), change.shape() + change.ndim()));
+  const double* const counts = calibration.counts_per_kpa.data();
+  double* const out = kpa.mutable_data();
+  for (py::ssize_t n = 0; n < change.size(); ++n)
+    out[n] = counts[n] > 0.0 ? change.data()[n] / counts[n] : std::numeric_limits<double>::quiet_NaN();
+  return kpa;
+}
+
+py::list contacts_of(const py::array_t<double>& places, const py::array_t<double>& normals, const Doubles& change,
+                     const Calibration& calibration) {
+  const auto modules = static_cast<std::size_t>(places.size()) / (3 * TRISKIN_TAXELS);
+  if (static_cast<std::size_t>(change.size()) != modules * TRISKIN_TAXELS)
+    throw BadInput("contacts: change has to have the shape (modules, 12)");
+  std::vector<triskin_contact> found(modules * TRISKIN_TAXELS);
+  std::size_t count = 0;
+  check(triskin_contacts(
+      places.data(), normals.data(), change.data(), calibration.known ? calibration.counts_per_kpa.data() : nullptr,
+      calibration.known ? calibration.taxel_area_mm2.data() : nullptr, modules, found.data(), found.size(), &count));
+  py::list list;
+  for (std::size_t k = 0; k < count; ++k) {
+    const triskin_contact& c = found[k];
+    list.append(py::dict(py::arg("position_mm") = py::array_t<double>(3, c.position_mm),
+                         py::arg("normal") = py::array_t<double>(3, c.normal),
+                         py::arg("change_counts") = c.change_counts, py::arg("force_n") = c.force_n,
+                         py::arg("area_mm2") = c.area_mm2, py::arg("module") = c.module, py::arg("taxel") = c.taxel,
+                         py::arg("taxels") = c.taxels));
+  }
+  return list;
 }
 
 class Skin {
@@ -83,15 +140,19 @@ class Skin {
   }
   void start() {
     check(without_python([this] { return triskin_start(open()); }));
+    runs_ = true;
+    fresh_ = false;
   }
   void stop() {
     check(without_python([this] { return triskin_stop(open()); }));
+    runs_ = false;
   }
 
   py::array_t<triskin_sample> read(double seconds) {
     constexpr double kSlice_s = 0.05;
     constexpr double kLeast_s = 1e-5;  // Seconds since 1970 are no finer than 0.24 µs, and links count whole µs.
-    std::vector<triskin_sample> all;
+    std::vector<triskin_sample> all = std::exchange(kept_, {});
+    start_if_fresh();
     const double end_s = triskin_now_s(open()) + seconds;
     double rest_s = seconds;
     do {
@@ -112,6 +173,8 @@ class Skin {
   }
   void tare() {
     check(without_python([this] { return triskin_tare(open()); }));
+    runs_ = true;
+    fresh_ = false;
   }
   [[nodiscard]] py::array_t<double> change_counts() {
     py::array_t<double> out({modules_, std::size_t{TRISKIN_TAXELS}});
@@ -120,17 +183,14 @@ class Skin {
   }
   // None: a module has no calibration.
   [[nodiscard]] py::object calibration() {
-    py::array_t<double> counts({modules_, std::size_t{TRISKIN_TAXELS}});
-    py::array_t<double> area(static_cast<py::ssize_t>(modules_));
-    double *const counts_data = counts.mutable_data(), *const area_data = area.mutable_data();
-    const auto size = static_cast<std::size_t>(counts.size());
-    const triskin_status status =
-        without_python([&] { return triskin_calibration(open(), counts_data, area_data, size); });
-    if (status == TRISKIN_BAD_ANSWER) return py::none();
-    check(status);
-    return py::make_tuple(counts, area);
+    const Calibration& known = asked();
+    if (!known.known) return py::none();
+    return py::make_tuple(known.counts_per_kpa, known.taxel_area_mm2);
   }
+  [[nodiscard]] py::array_t<double> pressure_kpa() { return pressure_of(change_counts(), asked()); }
+  [[nodiscard]] py::list contacts() { return contacts_of(positions_mm(), normals(), change_counts(), asked()); }
   [[nodiscard]] std::pair<bool, std::string> verify() {
+    const Pause pause(*this);
     const char* report = "";
     const triskin_status status = without_python([&] { return triskin_verify(open(), &report); });
     if (status != TRISKIN_BAD_ANSWER) check(status);
@@ -138,6 +198,42 @@ class Skin {
   }
 
  private:
+  // A question to the controllers needs a stopped stream. It goes on behind the question, and what waited is kept.
+  class Pause {
+   public:
+    explicit Pause(Skin& skin) : skin_(skin), ran_(skin.runs_) {
+      if (!ran_) return;
+      skin_.stop();
+      skin_.take(0.0, skin_.kept_);
+    }
+    ~Pause() {
+      if (ran_ && triskin_start(skin_.skin_) == TRISKIN_OK) skin_.runs_ = true;
+    }
+    Pause(const Pause&) = delete;
+    Pause& operator=(const Pause&) = delete;
+
+   private:
+    Skin& skin_;
+    bool ran_;
+  };
+
+  // The controllers are asked once.
+  [[nodiscard]] const Calibration& asked() {
+    if (calibration_) return *calibration_;
+    const Pause pause(*this);
+    Calibration c{py::array_t<double>({modules_, std::size_t{TRISKIN_TAXELS}}),
+                  py::array_t<double>(static_cast<py::ssize_t>(modules_)), false};
+    double *const counts = c.counts_per_kpa.mutable_data(), *const area = c.taxel_area_mm2.mutable_data();
+    const auto size = static_cast<std::size_t>(c.counts_per_kpa.size());
+    const triskin_status status = without_python([&] { return triskin_calibration(open(), counts, area, size); });
+    if (status != TRISKIN_BAD_ANSWER) check(status);
+    c.known = status == TRISKIN_OK;
+    return calibration_.emplace(std::move(c));
+  }
+  // The first read() begins the stream; behind stop() it gives what waits.
+  void start_if_fresh() {
+    if (fresh_) start();
+  }
   template <class Work>
   static triskin_status without_python(Work work) {
     const py::gil_scoped_release released;
@@ -161,7 +257,109 @@ class Skin {
   }
   triskin_skin* skin_ = nullptr;
   std::size_t modules_ = 0;
+  std::vector<triskin_sample> kept_;  // Samples that waited when a question stopped the stream.
+  std::optional<Calibration> calibration_;
+  bool runs_ = false;
+  bool fresh_ = true;  // Nobody has begun the stream yet.
 };
+
+// A recording: all of its samples at once.
+class Recording {
+ public:
+  explicit Recording(const std::string& file) {
+    triskin_recording* recording = nullptr;
+    triskin_status status = TRISKIN_OK;
+    {
+      const py::gil_scoped_release released;
+      status = triskin_recording_open(file.c_str(), &recording);
+    }
+    check(status);
+    const std::unique_ptr<triskin_recording, void (*)(triskin_recording*)> open(recording, triskin_recording_close);
+    name = triskin_recording_name(recording);
+    simulated = triskin_recording_is_simulated(recording) != 0;
+    modules = triskin_recording_module_count(recording);
+    const std::size_t taxels = TRISKIN_TAXELS, count = triskin_recording_sample_count(recording);
+    positions_mm = py::array_t<double>({modules, taxels, std::size_t{3}});
+    normals = py::array_t<double>({modules, taxels, std::size_t{3}});
+    patches = py::array_t<std::int32_t>(static_cast<py::ssize_t>(modules));
+    check(triskin_recording_geometry(recording, positions_mm.mutable_data(), normals.mutable_data(),
+                                     patches.mutable_data(), static_cast<std::size_t>(positions_mm.size())));
+    samples = py::array_t<triskin_sample>(static_cast<py::ssize_t>(count));
+    change = py::array_t<double>({count, taxels});
+    check(triskin_recording_samples(recording, samples.mutable_data(), change.mutable_data(), count));
+    calibration_ = {py::array_t<double>({modules, taxels}), py::array_t<double>(static_cast<py::ssize_t>(modules)),
+                    false};
+    const triskin_status known =
+        triskin_recording_calibration(recording, calibration_.counts_per_kpa.mutable_data(),
+                                      calibration_.taxel_area_mm2.mutable_data(), modules * taxels);
+    if (known != TRISKIN_BAD_ANSWER) check(known);
+    calibration_.known = known == TRISKIN_OK;
+  }
+
+  // Of each module its latest sample at a time, s since the first sample; without one, at the end.
+  [[nodiscard]] py::array_t<double> change_counts(const std::optional<double>& seconds) const {
+    py::array_t<double> now({modules, std::size_t{TRISKIN_TAXELS}});
+    std::fill_n(now.mutable_data(), now.size(), 0.0);
+    if (samples.size() == 0) return now;
+    const double end_s = seconds ? samples.data()[0].time_s + *seconds : std::numeric_limits<double>::infinity();
+    for (py::ssize_t k = 0; k < samples.size(); ++k) {
+      const triskin_sample& s = samples.data()[k];
+      if (s.time_s <= end_s) std::copy_n(change.data() + TRISKIN_TAXELS * k, TRISKIN_TAXELS, row(now, s.module));
+    }
+    return now;
+  }
+  [[nodiscard]] py::array_t<double> pressure_kpa(const std::optional<double>& seconds) const {
+    return pressure_of(change_counts(seconds), calibration_);
+  }
+  [[nodiscard]] py::list contacts(const std::optional<double>& seconds) const {
+    return contacts_of(positions_mm, normals, change_counts(seconds), calibration_);
+  }
+  [[nodiscard]] py::object calibration() const {
+    if (!calibration_.known) return py::none();
+    return py::make_tuple(calibration_.counts_per_kpa, calibration_.taxel_area_mm2);
+  }
+
+  std::string name;
+  bool simulated = false;
+  std::size_t modules = 0;
+  py::array_t<double> positions_mm, normals, change;
+  py::array_t<std::int32_t> patches;
+  py::array_t<triskin_sample> samples;
+
+ private:
+  static double* row(py::array_t<double>& table, std::int32_t module) {
+    return table.mutable_data() + static_cast<std::ptrdiff_t>(TRISKIN_TAXELS) * module;
+  }
+  Calibration calibration_;
+};
+
+// By its first bytes, whatever its name is.
+bool is_recording(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::array<char, 5> magic{};
+  in.read(magic.data(), magic.size());
+  return in && std::string_view(magic.data(), magic.size()) == "\x89MCAP";
+}
+
+py::object open_file(const std::string& file, const std::string& link, const std::string& scene, int every,
+                     bool overload, double queue_s) {
+  if (!is_recording(file)) return py::cast(std::make_unique<Skin>(file, link, scene, every, overload, queue_s));
+  if (!link.empty() || !scene.empty())
+    throw BadInput(file +
+                   ": is a recording, which has no link and no scene; open it by its name alone, or play it into "
+                   "a link with triskin replay --listen");
+  return py::cast(std::make_unique<Recording>(file));
+}
+
+std::unique_ptr<Skin> simulate(const std::string& file, const std::string& scene, int every) {
+  triskin_status status = TRISKIN_OK;
+  {
+    const py::gil_scoped_release released;
+    status = triskin_flash_simulation(file.c_str());
+  }
+  check(status);
+  return std::make_unique<Skin>(file, "sim", scene, every, false, 10.0);
+}
 
 }  // namespace
 
@@ -193,15 +391,38 @@ PYBIND11_MODULE(triskin, m) {
       .def("change_counts", &Skin::change_counts, "Counts below rest, (modules, 12): more is more pressure.")
       .def("calibration", &Skin::calibration,
            "Counts for 1 kPa of each taxel, (modules, 12), and the skin that a taxel of each module stands for, mm2, "
-           "(modules,); None where a module has no calibration. Stop the stream first.")
+           "(modules,); None where a module has no calibration. The controllers are asked once; a stream that runs "
+           "pauses for that.")
+      .def("pressure_kpa", &Skin::pressure_kpa,
+           "Pressure of each taxel, (modules, 12), kPa; NaN where a taxel has no calibration. Raises BadInput without "
+           "one.")
+      .def("contacts", &Skin::contacts,
+           "Regions under pressure, the strongest first: dicts with position_mm, normal, change_counts, force_n (NaN "
+           "without calibration), area_mm2, module, taxel (the strongest) and taxels (how many).")
       .def("verify", &Skin::verify,
-           "Whether the hardware is the design, and the report as text. Stop the stream first.");
-  m.def(
-      "open",
-      [](const std::string& file, const std::string& link, const std::string& scene, int every, bool overload,
-         double queue_s) { return std::make_unique<Skin>(file, link, scene, every, overload, queue_s); },
-      py::arg("file"), py::kw_only(), py::arg("link") = "", py::arg("scene") = "", py::arg("every") = 0,
-      py::arg("overload") = false, py::arg("queue_s") = 10.0,
-      "Opens the skin of a design file or of a robot file. link: as --link of the program; empty: of a "
-      "robot what its file names, and refused for a design. Raises BadInput, DeviceFailed.");
+           "Whether the hardware is the design, and the report as text. A stream that runs pauses for that.");
+  py::class_<Recording>(m, "Recording", "A recording (.mcap), whole in memory. Use triskin.open.")
+      .def_readonly("modules", &Recording::modules, "Number of modules.")
+      .def_readonly("name", &Recording::name, "Name of the cover, or of the design.")
+      .def_readonly("simulated", &Recording::simulated, "Whether the samples are of a simulation.")
+      .def_readonly("positions_mm", &Recording::positions_mm, "Place of each taxel, (modules, 12, 3), mm.")
+      .def_readonly("normals", &Recording::normals, "Outward unit normal of each taxel, (modules, 12, 3).")
+      .def_readonly("patches", &Recording::patches, "Patch of each module, (modules,); -1: none.")
+      .def_readonly("samples", &Recording::samples, "All samples, as Skin.read gives them.")
+      .def_readonly("change", &Recording::change, "Counts below rest of each sample, (samples, 12).")
+      .def("change_counts", &Recording::change_counts, py::arg("seconds") = py::none(),
+           "Counts below rest, (modules, 12), so many seconds after the first sample; None: at the end.")
+      .def("pressure_kpa", &Recording::pressure_kpa, py::arg("seconds") = py::none(), "The same in kPa.")
+      .def("contacts", &Recording::contacts, py::arg("seconds") = py::none(), "Regions under pressure at that time.")
+      .def("calibration", &Recording::calibration, "As Skin.calibration, of the calibration in the file.")
+      .def(
+          "__enter__", [](Recording& r) -> Recording& { return r; }, py::return_value_policy::reference)
+      .def("__exit__", [](Recording&, const py::args&) {});
+  m.def("open", &open_file, py::arg("file"), py::kw_only(), py::arg("link") = "", py::arg("scene") = "",
+        py::arg("every") = 0, py::arg("overload") = false, py::arg("queue_s") = 10.0,
+        "Opens the skin of a design file or of a robot file, or a recording (.mcap). link: as --link of the program; "
+        "empty: of a robot what its file names, and refused for a design. Raises BadInput, DeviceFailed.");
+  m.def("simulate", &simulate, py::arg("file"), py::kw_only(), py::arg("scene") = "", py::arg("every") = 0,
+        "Opens the skin of a design on simulated boards, which get its tables first. scene: file of what touches it. "
+        "Raises BadInput, DeviceFailed.");
 }

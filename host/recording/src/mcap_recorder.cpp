@@ -9,6 +9,8 @@ namespace triskin::recording {
 namespace {
 
 constexpr std::uint64_t kMaxWait_us = 500'000;
+// A point cloud waits so long for modules that were not heard yet. Each module comes every 37 ms.
+constexpr std::uint64_t kMaxUnheard_us = 1'000'000;
 
 mcap::TextMap qos() {
   return {{"offered_qos_profiles", ""}};
@@ -18,6 +20,7 @@ mcap::TextMap qos() {
 
 McapRecorder::McapRecorder(OutputFile& file, const design::Design& design, Origin origin)
     : origin_(std::move(origin)),
+      frame_(origin_.part.empty() ? std::string(kMeshFrame) : "skin_" + origin_.part),
       writer_(file, "ros2", "triskin"),
       frames_([this](std::span<const ModuleSample> frame) {
         writer_.write(raw_, unix_ns(frame.front().link_time_us), encode_raw(frame), frame.front().sampled_ns);
@@ -31,15 +34,16 @@ std::uint64_t McapRecorder::unix_ns(std::uint64_t link_time_us) const {
 }
 
 void McapRecorder::begin(const design::Design& design) {
-  const auto channel = [&](const MessageType& type, const char* topic) {
+  const std::string base = origin_.part.empty() ? "/skin/" : "/skin/" + origin_.part + "/";
+  const auto channel = [&](const MessageType& type, const std::string& topic) {
     return writer_.add_channel(writer_.add_schema(type.name, type.definition), topic, qos());
   };
-  raw_ = channel(kRawFrameType, "/skin/raw");
-  layout_ = channel(kLayoutType, "/skin/layout");
-  contacts_ = channel(kContactsType, "/skin/contacts");
-  readers_channel_ = channel(kReadersType, "/skin/readers");
+  raw_ = channel(kRawFrameType, base + "raw");
+  layout_ = channel(kLayoutType, base + "layout");
+  contacts_ = channel(kContactsType, base + "contacts");
+  readers_channel_ = channel(kReadersType, base + "readers");
   if (origin_.cloud_period_us > 0) {
-    cloud_channel_ = channel(kPointCloudType, "/skin/points");
+    cloud_channel_ = channel(kPointCloudType, base + "points");
     cloud_.emplace(design);
   }
   const std::uint64_t start_ns = origin_.unix_start_ns;
@@ -60,7 +64,10 @@ void McapRecorder::begin(const design::Design& design) {
       fmt::format("values: converter counts; forces of contacts: {}; lengths: m",
                   !origin_.calibration_text.empty() ? "N, by the calibration in calibration.json" : "counts");
   writer_.describe({"triskin", facts});
-  writer_.write(layout_, start_ns, encode_layout(design, start_ns));
+  if (!origin_.parent_frame.empty())
+    writer_.write(channel(kTransformsType, "/tf_static"), start_ns,
+                  encode_transform(origin_.parent_frame, frame_, origin_.pose, start_ns));
+  writer_.write(layout_, start_ns, encode_layout(design, start_ns, frame_));
   put_readers(origin_.link_start_us);
   writer_.flush();
 }
@@ -77,17 +84,24 @@ void McapRecorder::add(const ModuleSample& sample) {
   }
   frames_.add(sample);
   waiting_ = true;
-  if (!cloud_) return;
+  if (cloud_) add_to_cloud(sample);
+}
+
+// The first cloud has the values of all modules, unless one of them does not send.
+void McapRecorder::add_to_cloud(const ModuleSample& sample) {
   cloud_->add(sample);
+  if (first_sample_us_ == 0) first_sample_us_ = sample.link_time_us;
+  if (!cloud_->is_complete() && sample.link_time_us < first_sample_us_ + kMaxUnheard_us) return;
   if (sample.link_time_us < next_cloud_us_) return;
-  writer_.write(cloud_channel_, unix_ns(sample.link_time_us), cloud_->encode(unix_ns(sample.link_time_us)));
+  const std::uint64_t log_ns = unix_ns(sample.link_time_us);
+  writer_.write(cloud_channel_, log_ns, cloud_->encode(log_ns, frame_));
   next_cloud_us_ = sample.link_time_us + origin_.cloud_period_us;
 }
 
 void McapRecorder::add_contacts(std::uint64_t link_time_us, std::span<const Contact> contacts) {
   writer_.write(
       contacts_, unix_ns(link_time_us),
-      encode_contacts(contacts, unix_ns(link_time_us), kMeshFrame, {.by_taxel = !origin_.calibration_text.empty()}));
+      encode_contacts(contacts, unix_ns(link_time_us), frame_, {.by_taxel = !origin_.calibration_text.empty()}));
 }
 
 void McapRecorder::tick(std::uint64_t steady_us) {

@@ -19,16 +19,18 @@ class McapRecorder final : public Recorder {
 
  private:
   [[nodiscard]] std::uint64_t unix_ns(std::uint64_t link_time_us) const;
+  void add_to_cloud(const ModuleSample& sample);
   void begin(const design::Design& design);
   void put_readers(std::uint64_t link_time_us);
 
   Origin origin_;
+  std::string frame_;  // Frame of the coordinates in messages.
   mcap::Writer writer_;
   std::uint16_t raw_ = 0, layout_ = 0, contacts_ = 0, cloud_channel_ = 0, readers_channel_ = 0;
   RawFrames frames_;
   Readers readers_;
   std::optional<PointCloud> cloud_;
-  std::uint64_t next_cloud_us_ = 0;
+  std::uint64_t next_cloud_us_ = 0, first_sample_us_ = 0;
   bool waiting_ = false;  // Data arrived since the last flush.
   std::optional<std::uint64_t> waiting_since_us_;
 };

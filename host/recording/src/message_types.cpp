@@ -89,6 +89,24 @@ constexpr std::string_view kPointCloud =
     "uint8 datatype\n"
     "uint32 count\n";
 
+constexpr std::string_view kTransforms = "geometry_msgs/TransformStamped[] transforms\n" TRISKIN_ROS_RULE
+                                         "MSG: geometry_msgs/TransformStamped\n"
+                                         "std_msgs/Header header\n"
+                                         "string child_frame_id\n"
+                                         "geometry_msgs/Transform transform\n" TRISKIN_ROS_HEADER TRISKIN_ROS_RULE
+                                         "MSG: geometry_msgs/Transform\n"
+                                         "geometry_msgs/Vector3 translation\n"
+                                         "geometry_msgs/Quaternion rotation\n" TRISKIN_ROS_RULE
+                                         "MSG: geometry_msgs/Vector3\n"
+                                         "float64 x\n"
+                                         "float64 y\n"
+                                         "float64 z\n" TRISKIN_ROS_RULE
+                                         "MSG: geometry_msgs/Quaternion\n"
+                                         "float64 x\n"
+                                         "float64 y\n"
+                                         "float64 z\n"
+                                         "float64 w\n";
+
 }  // namespace
 
 const MessageType kRawFrameType{"triskin_msgs/msg/RawFrame", kRawFrame};
@@ -96,5 +114,6 @@ const MessageType kLayoutType{"triskin_msgs/msg/SkinLayout", kLayout};
 const MessageType kReadersType{"triskin_msgs/msg/Readers", kReaders};
 const MessageType kContactsType{"triskin_msgs/msg/Contacts", kContacts};
 const MessageType kPointCloudType{"sensor_msgs/msg/PointCloud2", kPointCloud};
+const MessageType kTransformsType{"tf2_msgs/msg/TFMessage", kTransforms};
 
 }  // namespace triskin::recording

@@ -152,7 +152,19 @@ std::vector<std::uint8_t> encode_contacts(std::span<const Contact> contacts, std
   return bytes_of(w);
 }
 
-PointCloud::PointCloud(const design::Design& design) : points_(design.layout.modules.size()) {
+std::vector<std::uint8_t> encode_transform(std::string_view parent, std::string_view child, const Pose& pose,
+                                           std::uint64_t stamp_ns) {
+  CdrWriter w;
+  w.count(1);
+  put_header(w, stamp_ns, parent);
+  w.text(child);
+  for (const double v : pose.translation_m) w.f64(v);
+  for (const double v : pose.rotation) w.f64(v);
+  return bytes_of(w);
+}
+
+PointCloud::PointCloud(const design::Design& design)
+    : points_(design.layout.modules.size()), is_heard_(points_.size()) {
   const auto wiring = design::wiring_of(design);
   for (std::size_t m = 0; m < points_.size(); ++m) {
     const auto taxels = design::taxels_of(design.layout.modules[m], wiring[m].routed.rotation);
@@ -162,7 +174,10 @@ PointCloud::PointCloud(const design::Design& design) : points_(design.layout.mod
 
 void PointCloud::add(const ModuleSample& sample) {
   if (sample.module < 0 || static_cast<std::size_t>(sample.module) >= points_.size()) return;
-  auto& points = points_[static_cast<std::size_t>(sample.module)];
+  const auto module = static_cast<std::size_t>(sample.module);
+  heard_ += is_heard_[module] ? 0 : 1;
+  is_heard_[module] = true;
+  auto& points = points_[module];
   for (std::size_t t = 0; t < points.size(); ++t) {
     points[t].value = sample.sample.value[t];
     points[t].valid = (sample.sample.valid >> t & 1U) != 0;

@@ -8,10 +8,25 @@
 
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include "positioned_read.hpp"
+#include "triskin/base/output_target.hpp"
+#include "triskin/base/writer_lock.hpp"
 
 namespace triskin::recording {
+namespace {
+
+void lock_or_close(int file, const std::string& name) {
+  try {
+    lock_for_writing(file, name);
+  } catch (...) {
+    ::close(file);
+    throw;
+  }
+}
+
+}  // namespace
 
 OutputFile::OutputFile(const std::filesystem::path& path) : name_(path.string()) {
   if (path == "-") {
@@ -24,17 +39,20 @@ OutputFile::OutputFile(const std::filesystem::path& path) : name_(path.string())
     file_ = ::open(path.c_str(), (special ? O_WRONLY : O_RDWR | O_CREAT) | O_CLOEXEC, 0644);
     struct stat status{};
     regular_ = file_ >= 0 && ::fstat(file_, &status) == 0 && S_ISREG(status.st_mode);
+    replaces_ = regular_ && status.st_size > 0;
   }
   if (file_ < 0) {
     created_ = false;
     throw InputError(fmt::format("{}: cannot write ({}); nothing was recorded, check the folder and its permissions",
                                  name_, std::strerror(errno)));
   }
+  if (regular_) lock_or_close(file_, name_);
 }
 
 OutputFile::OutputFile(const std::filesystem::path& path, std::uint64_t keep_bytes)
     : name_(path.string()), regular_(true), started_(true), size_(keep_bytes) {
   file_ = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
+  if (file_ >= 0) lock_or_close(file_, name_);
   if (file_ < 0 || ::ftruncate(file_, static_cast<off_t>(keep_bytes)) != 0 ||
       ::lseek(file_, static_cast<off_t>(keep_bytes), SEEK_SET) < 0) {
     const int cause = errno;
@@ -45,7 +63,9 @@ OutputFile::OutputFile(const std::filesystem::path& path, std::uint64_t keep_byt
 
 OutputFile::~OutputFile() {
   if (created_ && !started_) ::unlink(name_.c_str());
-  if (file_ >= 0) ::close(file_);
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+  for (const int file : {file_, old_file_})
+    if (file >= 0) ::close(file);
 }
 
 void OutputFile::fail(int cause) const {
@@ -54,12 +74,32 @@ void OutputFile::fail(int cause) const {
 }
 
 void OutputFile::start() {
-  if (!started_ && regular_ && ::ftruncate(file_, 0) != 0) fail(errno);
+  if (!started_ && replaces_) begin_replacement();
   started_ = true;
+}
+
+// The new recording begins under another name beside the old one.
+void OutputFile::begin_replacement() {
+  const auto [file, temporary] = create_beside(target_of(name_));
+  if (file < 0) fail(errno);
+  old_file_ = std::exchange(file_, file);
+  temporary_ = temporary;
+  lock_for_writing(file_, name_);
+  // A disk that is full already is noticed while the old recording is still there.
+  constexpr off_t kBeginning_bytes = off_t{1} << 20;
+  if (::fallocate(file_, FALLOC_FL_KEEP_SIZE, 0, kBeginning_bytes) != 0 && (errno == ENOSPC || errno == EDQUOT))
+    fail(errno);
 }
 
 void OutputFile::write(Bytes bytes) {
   start();
+  append(bytes);
+  if (temporary_.empty()) return;
+  if (::rename(temporary_.c_str(), target_of(name_).c_str()) != 0) fail(errno);
+  temporary_.clear();
+}
+
+void OutputFile::append(Bytes bytes) {
   while (!bytes.empty()) {
     const ssize_t n = ::write(file_, bytes.data(), bytes.size());
     if (n < 0) {
@@ -80,6 +120,7 @@ void OutputFile::close() {
   file_ = -1;
   const bool synced = !regular_ || ::fsync(file) == 0;
   const int cause = synced ? 0 : errno;
+  if (regular_) sync_folder_of(target_of(name_));
   if (::close(file) != 0 || !synced) fail(cause != 0 ? cause : errno);
 }
 

@@ -12,10 +12,11 @@ namespace {
 // One line a sample of a module.
 class CsvRecorder final : public Recorder {
  public:
-  CsvRecorder(OutputFile& file, const design::Design& design) : file_(file), readers_(design) {
+  CsvRecorder(OutputFile& file, const design::Design& design, bool is_simulated)
+      : file_(file), readers_(design), mark_(is_simulated ? '1' : '0') {
     text_ = "link_time_us,device_time_us,sample,module,valid";
     for (int t = 0; t < layout::kTaxelsPerModule; ++t) text_ += fmt::format(",taxel_{}", t);
-    text_ += ",sampled_ns,error_us,reader_patch,reader_node\n";
+    text_ += ",sampled_ns,error_us,reader_patch,reader_node,simulated\n";
     flush();
   }
   void add(const ModuleSample& s) override {
@@ -27,7 +28,7 @@ class CsvRecorder final : public Recorder {
     else
       fmt::format_to(std::back_inserter(text_), ",{},{}", s.sampled_ns, s.error_us);
     const Reader reader = readers_.of(s);
-    fmt::format_to(std::back_inserter(text_), ",{},{}\n", reader.patch, reader.node);
+    fmt::format_to(std::back_inserter(text_), ",{},{},{}\n", reader.patch, reader.node, mark_);
     if (text_.size() >= kMaxBytes) flush();
   }
   void add_contacts(std::uint64_t /*link_time_us*/, std::span<const Contact> /*contacts*/) override {}
@@ -42,13 +43,14 @@ class CsvRecorder final : public Recorder {
   }
   OutputFile& file_;
   Readers readers_;
+  char mark_;  // Column simulated.
   std::string text_;
 };
 
 }  // namespace
 
 std::unique_ptr<Recorder> make_recorder(Format format, OutputFile& file, const design::Design& design, Origin origin) {
-  if (format == Format::kCsv) return std::make_unique<CsvRecorder>(file, design);
+  if (format == Format::kCsv) return std::make_unique<CsvRecorder>(file, design, origin.facts.contains("simulated"));
   return std::make_unique<McapRecorder>(file, design, std::move(origin));
 }
 

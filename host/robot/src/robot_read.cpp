@@ -117,7 +117,8 @@ CoverEntry read_cover(const JsonValue& v) {
   cover.design_id = design::hex64(v["design_id"]);
   cover.bus = name_in(v["bus"]);
   cover.frame = text_or(v, "frame", "");
-  if (has(v, "pose")) read_pose(v["pose"], cover);
+  cover.has_pose = has(v, "pose");
+  if (cover.has_pose) read_pose(v["pose"], cover);
   if (has(v, "measured")) {
     only_keys(v["measured"], {"points", "rms_mm"}, kPage);
     cover.measured = {v["measured"]["points"].integer(0, design::kMaxCount),

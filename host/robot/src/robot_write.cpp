@@ -4,13 +4,19 @@
 
 #include <nlohmann/json.hpp>
 
+#include "triskin/base/error.hpp"
+#include "triskin/base/terminal_text.hpp"
 #include "triskin/robot/robot.hpp"
 
 namespace triskin::robot {
 namespace {
 
 std::string quoted(const std::string& text) {
-  return nlohmann::json(text).dump();
+  try {
+    return nlohmann::json(text).dump();
+  } catch (const nlohmann::json::type_error&) {
+    throw InputError(fmt::format("{}: is no UTF-8, so a robot file cannot name it; rename it", for_terminal(text)));
+  }
 }
 
 std::string optional_text(const char* key, const std::string& text) {
@@ -50,10 +56,11 @@ std::string cover_text(const CoverEntry& c) {
   std::vector<std::string> controllers;
   for (const ControllerEntry& e : c.controllers) controllers.push_back(controller_line(e));
   return fmt::format(
-      "{{\"name\":{},\"design\":{},\"design_id\":\"{:016x}\",\"bus\":{}{}{},\n   \"pose\":{}{},\n"
+      "{{\"name\":{},\"design\":{},\"design_id\":\"{:016x}\",\"bus\":{}{}{}{}{},\n"
       "   \"controllers\":[\n{}]}}",
       quoted(c.name), quoted(c.design), c.design_id, quoted(c.bus), optional_text("frame", c.frame),
-      c.rate_hz > 0.0 ? fmt::format(",\"rate_hz\":{}", c.rate_hz) : "", pose_text(c),
+      c.rate_hz > 0.0 ? fmt::format(",\"rate_hz\":{}", c.rate_hz) : "",
+      c.has_pose ? ",\n   \"pose\":" + pose_text(c) : "",
       c.measured ? fmt::format(",\"measured\":{{\"points\":{},\"rms_mm\":{}}}", c.measured->points, c.measured->rms_mm)
                  : "",
       fmt::join(controllers, ",\n"));

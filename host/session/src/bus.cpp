@@ -117,13 +117,12 @@ IsoTp::Event Bus::receive_for(IsoTp& c, std::uint64_t deadline_us) {
 // Forgets answers that came too late for an earlier request.
 void Bus::drain(std::uint8_t node) {
   connections_.erase(node);
-  while (const auto frame = link_.receive(link_.now_us())) {
-    if (!is_answer_id(*frame) && on_stream_) on_stream_(*frame);
-  }
+  poll();
   const auto channel = channels_.find(node);
+  const std::uint64_t end_us = link_.now_us() + kLongestDrain_us;
   Message late;
   while (channel != channels_.end() && channel->second &&
-         channel->second->take(late) != MessageChannel::Arrival::kNothing) {
+         channel->second->take(late) != MessageChannel::Arrival::kNothing && link_.now_us() < end_us) {
   }
 }
 
@@ -141,6 +140,7 @@ bool Bus::start(std::uint8_t node, Bytes request) {
 Bus::Message Bus::next_of_channel(MessageChannel& channel, std::uint64_t deadline_us) {
   Message message;
   while (true) {
+    end_on_request();
     switch (channel.take(message)) {
       case MessageChannel::Arrival::kMessage:
         return message;
@@ -163,21 +163,24 @@ Bus::Message Bus::next_message(std::uint8_t node, std::uint64_t deadline_us) {
 }
 
 Bus::Message Bus::exchange(std::uint8_t node, Bytes request) {
+  end_on_request();
   drain(node);
   std::uint64_t deadline_us = link_.now_us() + link_.answer_us();
+  const std::uint64_t last_us = link_.now_us() + kLongestPending_us;
   if (!start(node, request)) {  // the system has not got rid of the last one
     channels_.erase(node);
     return {};
   }
   while (true) {
     Message answer = next_message(node, deadline_us);
-    if (answer.empty()) {
+    const bool is_late = link_.now_us() > std::max(deadline_us, last_us);
+    if (answer.empty() || is_late) {
       channels_.erase(node);
       return {};
     }
     if (answer.size() == 3 && answer[0] == wire::service::kNegative && answer[1] == request[0]) {
       if (answer[2] == wire::nrc::kPending) {
-        deadline_us = link_.now_us() + wire::kP2Star_us;
+        deadline_us = std::min(link_.now_us() + wire::kP2Star_us, last_us);
         continue;
       }
       return answer;
@@ -233,8 +236,12 @@ void Bus::assign(const wire::UniqueId& id, std::uint8_t node_address) {
   for (const wire::CanFrame& frame : wire::encode_assignment(id, node_address)) link_.send(frame);
 }
 
-std::optional<wire::CanFrame> Bus::receive(std::uint64_t until_us) {
+void Bus::end_on_request() const {
   if (held_ == 0 && interrupt_request()) throw Cancelled(link_.name() + ": ended on request");
+}
+
+std::optional<wire::CanFrame> Bus::receive(std::uint64_t until_us) {
+  end_on_request();
   return link_.receive(std::min(until_us, link_.now_us() + kInterruptPoll_us));
 }
 
@@ -244,9 +251,12 @@ void Bus::reconnect() {
   link_.reconnect();
 }
 
+// Frames may come faster than they are handled, so the time is bounded.
 void Bus::poll() {
-  while (const auto frame = link_.receive(link_.now_us())) {
+  const std::uint64_t end_us = link_.now_us() + kLongestDrain_us;
+  for (auto frame = link_.receive(link_.now_us()); frame; frame = link_.receive(link_.now_us())) {
     if (!is_answer_id(*frame) && on_stream_) on_stream_(*frame);
+    if (link_.now_us() >= end_us) return;
   }
 }
 

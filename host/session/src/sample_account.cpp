@@ -7,6 +7,8 @@ namespace triskin::device {
 namespace {
 
 constexpr std::uint64_t kAnswer_us = 1'000'000;  // An answer takes less, even with repeats.
+// More samples than a controller takes in twelve days: no gap on the way is as long.
+constexpr std::uint64_t kFarAhead = std::uint64_t{1} << 30;
 
 }  // namespace
 
@@ -29,9 +31,21 @@ void SampleAccount::begin(std::uint8_t starts, const wire::RowAccount& account, 
   heard_us_ = now_us;
 }
 
-std::uint64_t SampleAccount::multiples(std::uint32_t after, std::uint32_t up_to) const {
-  const auto every = static_cast<std::uint32_t>(every_);
-  return up_to <= after ? 0 : up_to / every - after / every;
+// A number of the controller, whose 32 bits wrap, as the one that is nearest to the latest.
+std::uint64_t SampleAccount::widen(std::uint32_t number) const {
+  const auto ahead = static_cast<std::int32_t>(number - static_cast<std::uint32_t>(newest_));
+  const std::int64_t wide = static_cast<std::int64_t>(newest_) + ahead;
+  return wide < 0 ? number : static_cast<std::uint64_t>(wide);
+}
+
+// The controller sends those whose 32 bits are a multiple, so that after each wrap it begins anew with 0.
+std::uint64_t SampleAccount::multiples(std::uint64_t after, std::uint64_t up_to) const {
+  const auto every = static_cast<std::uint64_t>(every_);
+  const auto up_to_here = [every](std::uint64_t number) {
+    const std::uint64_t of_a_round = 0xFFFF'FFFFU / every + 1;
+    return (number >> 32) * of_a_round + (number & 0xFFFF'FFFFU) / every;
+  };
+  return up_to <= after ? 0 : up_to_here(up_to) - up_to_here(after);
 }
 
 // Other readers may ask for samples that this one does not: the controller's counts are bounds then.
@@ -63,7 +77,7 @@ void SampleAccount::restart(std::uint8_t starts, std::uint32_t number, std::uint
   before_.silent += away;
   starts_ = starts;
   // What it took since then, and not what it may have taken before.
-  first_ = last_ = {number > due + 1 ? number - static_cast<std::uint32_t>(due) - 1 : 0, 0, 0};
+  first_ = last_ = {number > due + 1 ? number - due - 1 : 0, 0, 0};
   newest_ = first_.number;
   device_time_us_ = 0;
   received_ = with_data_ = 0;
@@ -71,18 +85,24 @@ void SampleAccount::restart(std::uint8_t starts, std::uint32_t number, std::uint
 
 bool SampleAccount::add(const wire::TaxelFrame& sample, std::uint64_t now_us) {
   if (!started_) return false;
-  const bool anew = sample.starts != starts_ || (sample.sample <= newest_ && sample.device_time_us < device_time_us_);
+  const std::uint64_t number = widen(sample.sample);
+  const bool jumps = number <= newest_ || number - newest_ > kFarAhead;
+  const bool anew = sample.starts != starts_ || (jumps && sample.device_time_us < device_time_us_);
   if (anew && !ended_) restart(sample.starts, sample.sample, now_us);
   if (anew && ended_) return false;
-  if (sample.sample <= newest_ || (ended_ && sample.sample > last_.number)) return false;
+  return count(sample, anew ? sample.sample : number, now_us);
+}
+
+bool SampleAccount::count(const wire::TaxelFrame& sample, std::uint64_t number, std::uint64_t now_us) {
+  if (number <= newest_ || (ended_ && number > last_.number)) return false;
   if (sample.sample % static_cast<std::uint32_t>(every_) != 0) return false;
-  newest_ = sample.sample;
+  newest_ = number;
   device_time_us_ = sample.device_time_us;
   heard_us_ = now_us;
   ++received_;
   if (sample.valid != 0) ++with_data_;
   if (!ended_) {
-    last_.number = sample.sample;
+    last_.number = number;
     last_.unread += static_cast<std::uint16_t>(sample.unread - last_.unread);
     last_.dropped = sample.dropped;
   }
@@ -94,8 +114,9 @@ void SampleAccount::end(std::uint8_t starts, const wire::RowAccount& account, st
   // Samples taken after the answer was composed may have come before it: a number that is a little behind is no
   // restart.
   const std::uint64_t answer = interval_us_ == 0 ? 1 : 1 + kAnswer_us / interval_us_;
-  if (starts != starts_ || account.number + answer < last_.number) restart(starts, account.number, now_us);
-  last_ = {std::max(account.number, last_.number), account.unread, account.dropped};
+  const bool anew = starts != starts_ || widen(account.number) + answer < last_.number;
+  if (anew) restart(starts, account.number, now_us);
+  last_ = {std::max(widen(account.number), last_.number), account.unread, account.dropped};
   ended_ = true;
 }
 
@@ -106,7 +127,8 @@ void SampleAccount::end_silent(std::uint64_t now_us) {
 }
 
 bool SampleAccount::complete() const {
-  return !started_ || last_.number - last_.number % static_cast<std::uint32_t>(every_) <= newest_;
+  const std::uint64_t past_multiple = (last_.number & 0xFFFF'FFFFU) % static_cast<std::uint64_t>(every_);
+  return !started_ || last_.number - past_multiple <= newest_;
 }
 
 }  // namespace triskin::device

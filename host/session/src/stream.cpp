@@ -8,6 +8,7 @@
 #include <random>
 #include <utility>
 
+#include "triskin/base/interrupt.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
 #include "triskin/wire/stream_lease.hpp"
@@ -297,8 +298,11 @@ void Stream::ask_adopted() {
 
 // A controller that is silent is asked once: five attempts on a dead one would take seconds.
 void Stream::end(std::uint8_t address, Node& node) {
+  const bool is_silent = bus_.now_us() - node.heard_us > silence_us(node);
   try {
-    if (bus_.now_us() - node.heard_us > silence_us(node)) {
+    // A person who ends the stream does not wait for each of them.
+    if (is_silent && interrupt_request()) throw Cancelled("");
+    if (is_silent) {
       (void)bus_.request(address, std::array<std::uint8_t, 2>{wire::service::kTesterPresent, 0}, Bus::Repeat::kNever);
     }
     const wire::StreamAccount account = Controller(bus_, address).stream_account();

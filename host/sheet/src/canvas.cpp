@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "triskin/base/error.hpp"
+#include "triskin/base/terminal_text.hpp"
 
 #ifdef TRISKIN_CAIRO
 #include <cairo/cairo-pdf.h>
@@ -159,7 +160,8 @@ void Canvas::fill_circle(const Vec2& center, double radius_mm, const Color& colo
   cairo_fill(cairo_->context);
 }
 
-void Canvas::text(const Vec2& at, const std::string& text, const TextLook& look) {
+void Canvas::text(const Vec2& at, const std::string& wish, const TextLook& look) {
+  const std::string text = for_terminal(wish);  // Bytes that are no UTF-8 would end the whole drawing.
   cairo_t* const c = cairo_->context;
   cairo_save(c);
   cairo_->use(look.color);

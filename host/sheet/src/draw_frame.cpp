@@ -8,7 +8,7 @@
 namespace triskin::sheet {
 namespace {
 
-constexpr double kRuler_mm = 100.0, kCode_mm = 22.0;
+constexpr double kRuler_mm = 100.0, kCode_mm = 22.0, kTableCode_mm = 15.0;
 
 // A ruler of 100 mm from `from`, along `along`; its ticks point to `aside`.
 void draw_ruler(Canvas& canvas, const Vec2& from, const Vec2& along, const Vec2& aside) {
@@ -53,8 +53,11 @@ void draw_text(const Drawing& d) {
     for (std::size_t k = 0; k < line.cells.size(); ++k)
       d.canvas.text({kMargin_mm + (k < line.columns_mm.size() ? line.columns_mm[k] : 0.0), y}, line.cells[k],
                     {.size_mm = size_mm, .bold = bold});
+    if (line.patch >= 0)
+      draw_qr(d.canvas, text_of(PageCode{d.design.design_id, line.patch, d.number}),
+              {d.page.size_mm.x() - kMargin_mm - kTableCode_mm - 1.0, y - 4.0}, kTableCode_mm);
     if (line.kind == LineKind::kTick || line.kind == LineKind::kTickRow)
-      d.canvas.rectangle({kMargin_mm + 0.5, y - 3.0}, {3.2, 3.2}, {0.25, kBlack, 0.0});
+      d.canvas.rectangle({kMargin_mm + 0.5, y - 2.7}, {3.0, 3.0}, {0.25, kBlack, 0.0});
     if (line.kind == LineKind::kHead || line.kind == LineKind::kRow || line.kind == LineKind::kTickRow)
       d.canvas.line({kMargin_mm, y + 1.3}, {d.page.size_mm.x() - kMargin_mm, y + 1.3},
                     {0.1, line.kind == LineKind::kHead ? kBlack : kPale, 0.0});

@@ -27,7 +27,7 @@ struct PageSide {
 };
 
 PageSide side_on(const Drawing& d, int module, int side) {
-  const auto corners = d.page.island.corners_of(d.design.layout.modules[index(module)].tile);
+  const auto corners = d.island->corners_of(d.design.layout.modules[index(module)].tile);
   const double part = d.design.layout.corner_cut_mm / design::kSide_mm;
   const Vec2 &a = corners[index(side)], &b = corners[index((side + 1) % 3)];
   const Vec2 center = (corners[0] + corners[1] + corners[2]) / 3.0;
@@ -53,7 +53,7 @@ void write_along(const Drawing& d, const PageSide& at, double part, double out_m
 // away from the corner, or they would run into each other (each is 20 mm long and 5 mm high with its distance).
 double part_of_mark(const Drawing& d, const PageSide& at, int match, int other) {
   constexpr double kAway = 4.0 / design::kSide_mm;
-  if (d.design.layout.modules[index(other)].island != d.page.island.island) return 0.5;
+  if (d.design.layout.modules[index(other)].island != d.island->island) return 0.5;
   for (int s = 0; s < 3; ++s) {
     if (d.plan.sides.of[index(other)][index(s)].match != match) continue;
     const PageSide far = side_on(d, other, s);
@@ -131,7 +131,7 @@ void draw_side(const Drawing& d, int module, int s, const std::set<int>& here) {
 
 ModuleMarks marks_of(const Drawing& d, int module) {
   const auto& wiring = d.plan.wiring[index(module)];
-  const bool up = d.design.layout.modules[index(module)].tile.up != (d.page.island.sixths % 2 == 1);
+  const bool up = d.design.layout.modules[index(module)].tile.up != (d.island->sixths % 2 == 1);
   return {std::to_string(module), wiring.routed.line,           wiring.routed.address, wiring.routed.rotation, up,
           wiring.patch,           d.design.layout.corner_cut_mm};
 }
@@ -145,8 +145,8 @@ void draw_short_sides(const Drawing& d, int module) {
 // Away from the modules of the page that meet at a corner: there is nothing else to read.
 Vec2 outward_at(const Drawing& d, const Vec2& corner) {
   Vec2 sum = Vec2::Zero();
-  for (const int id : d.page.island.modules) {
-    const auto corners = d.page.island.corners_of(d.design.layout.modules[index(id)].tile);
+  for (const int id : d.island->modules) {
+    const auto corners = d.island->corners_of(d.design.layout.modules[index(id)].tile);
     const Vec2 center = (corners[0] + corners[1] + corners[2]) / 3.0;
     if ((corner - center).norm() < 0.6 * design::kSide_mm)
       sum += corner - center;  // Its corners lie at 0.577 of a side.
@@ -154,32 +154,55 @@ Vec2 outward_at(const Drawing& d, const Vec2& corner) {
   return sum.norm() > 0.1 * design::kSide_mm ? Vec2(sum.normalized()) : Vec2(Vec2(1.0, -1.0).normalized());
 }
 
+std::string text_of_point(const Drawing& d, std::size_t k) {
+  const Anchor& a = d.plan.anchors[index(d.island->island)][k];
+  return fmt::format("{} (module {}{})", k == 0 ? "P" : "Q", a.module,
+                     d.island->parts > 1 ? fmt::format(", page {}", d.plan.page_of_module[index(a.module)]) : "");
+}
+
+// Name and points: at the head of a page that shows one island, else over each of them.
+void draw_captions(const Drawing& d) {
+  const auto& anchors = d.plan.anchors[index(d.island->island)];
+  if (d.page.islands.size() == 1) {
+    for (std::size_t k = 0; k < 2; ++k)
+      d.canvas.text(
+          {kMargin_mm, kMargin_mm + 20.0 + 4.0 * static_cast<double>(k)},
+          fmt::format("Point {} on the part: {}.", text_of_point(d, k), text_of(anchors[k].fix, d.plan.landmarks)),
+          {.size_mm = 2.6});
+    return;
+  }
+  const Vec2& at = d.island->caption_mm;
+  d.canvas.text(at, fmt::format("Island {}", d.island->island), {.size_mm = 3.4, .bold = true});
+  for (std::size_t k = 0; k < 2; ++k)
+    d.canvas.text(at + Vec2(0, 3.8 + 3.4 * static_cast<double>(k)),
+                  fmt::format("{}: {}", text_of_point(d, k), text_of(anchors[k].fix, d.plan.landmarks)),
+                  {.size_mm = 2.4});
+}
+
 void draw_anchors(const Drawing& d, const std::set<int>& here) {
-  const auto& anchors = d.plan.anchors[index(d.page.island.island)];
-  double y = kMargin_mm + 16.0;
-  d.canvas.text(
-      {kMargin_mm, y},
-      fmt::format("Scale 1:1, seen from outside (the side that is touched). Long sides of a module: {:.2f} mm.",
-                  design::kSide_mm - 2.0 * d.design.layout.corner_cut_mm),
-      {.size_mm = 2.6});
+  const auto& anchors = d.plan.anchors[index(d.island->island)];
+  draw_captions(d);
   for (std::size_t k = 0; k < 2; ++k) {
     const Anchor& a = anchors[k];
-    const std::string name = k == 0 ? "P" : "Q";
-    y += 4.0;
-    d.canvas.text({kMargin_mm, y},
-                  fmt::format("Point {} (module {}, page {}) on the part: {}.", name, a.module,
-                              d.plan.page_of_module[index(a.module)], text_of(a.fix, d.plan.landmarks)),
-                  {.size_mm = 2.6});
     if (!here.contains(a.module)) continue;
-    const Vec2 corner = d.page.island.corners_of(d.design.layout.modules[index(a.module)].tile)[index(a.corner)];
-    draw_anchor(d.canvas, side_on(d, a.module, a.corner).from, outward_at(d, corner), name);
+    const Vec2 corner = d.island->corners_of(d.design.layout.modules[index(a.module)].tile)[index(a.corner)];
+    draw_anchor(d.canvas, side_on(d, a.module, a.corner).from, outward_at(d, corner), k == 0 ? "P" : "Q");
   }
 }
 
-}  // namespace
+// The real module bends along the surface where the drawn triangle is flat: the radius stands in the corner that is
+// free.
+void draw_bend(const Drawing& d, int module) {
+  const double radius_mm = bend_radius_of_depth(d.design.layout.modules[index(module)].edge_depth_mm);
+  if (radius_mm >= kPaperBendRadius_mm) return;
+  const auto corners = d.island->corners_of(d.design.layout.modules[index(module)].tile);
+  const Vec2 center = (corners[0] + corners[1] + corners[2]) / 3.0;
+  d.canvas.text(center + Vec2(0, marks_of(d, module).up ? -8.4 : 9.6), bend_text(radius_mm),
+                {.size_mm = 2.4, .bold = true, .align = 0.5, .color = kRed});
+}
 
-void draw_island(const Drawing& d) {
-  const IslandPage& island = d.page.island;
+void draw_one(Drawing d) {
+  const IslandPage& island = *d.island;
   const std::set<int> here(island.modules.begin(), island.modules.end());
   const Vec2 size = d.page.size_mm;
   d.canvas.begin_clip({kMargin_mm, kMargin_mm + kHead_mm},
@@ -191,9 +214,28 @@ void draw_island(const Drawing& d) {
   for (const int id : island.modules) {
     for (int s = 0; s < 3; ++s) draw_side(d, id, s, here);
     draw_short_sides(d, id);
+    draw_bend(d, id);
   }
   d.canvas.end_clip();
   draw_anchors(d, here);
+}
+
+}  // namespace
+
+std::string bend_text(double radius_mm) {
+  return fmt::format("R {:.0f}", std::floor(radius_mm));
+}
+
+void draw_islands(const Drawing& d) {
+  d.canvas.text(
+      {kMargin_mm, kMargin_mm + 16.0},
+      fmt::format("Scale 1:1, seen from outside (the side that is touched). Long sides of a module: {:.2f} mm.",
+                  design::kSide_mm - 2.0 * d.design.layout.corner_cut_mm),
+      {.size_mm = 2.6});
+  for (const IslandPage& island : d.page.islands) {
+    Drawing one{d.canvas, d.design, d.plan, d.page, d.number, &island};
+    draw_one(one);
+  }
 }
 
 }  // namespace triskin::sheet

@@ -86,7 +86,20 @@ void key_of_marks(Canvas& c, Key& key) {
                 "line (calipers or compasses)."},
                12.0);
   draw_anchor(c, anchor, Vec2(1.0, -1.0).normalized(), "P");
-  draw_landmark(c, key.next({"Landmark of the part (overview, list on the page of parts)."}, 12.0), "R1");
+  const Vec2 bend =
+      key.next({"The surface bends under this module: the drawn triangle is flat, the real one is bent to this",
+                "radius, mm. It is written where that is less than 50."},
+               10.0);
+  c.text(bend + Vec2(0, 0.8), "R 27", {.size_mm = 2.4, .bold = true, .align = 0.5, .color = kRed});
+  (void)key.next(
+      {"Tables of controllers: a number is the module to which the joint is kept; cut: the traces of the joint",
+       "are cut; edge: the outline of the island; m: mark across a seam."},
+      10.0);
+  draw_landmark(
+      c,
+      key.next({"Landmark of the part: R on a rim, S of a part without rim (overview, list on the page of parts)."},
+               12.0),
+      "R1");
 }
 
 }  // namespace

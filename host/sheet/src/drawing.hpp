@@ -14,7 +14,8 @@ struct Drawing {
   const design::Design& design;
   const Plan& plan;
   const Page& page;
-  int number = 1;  ///< page number
+  int number = 1;                      ///< page number
+  const IslandPage* island = nullptr;  ///< the one that is being drawn
 };
 
 /// Title, QR code and ruler, on every page.
@@ -25,8 +26,10 @@ void draw_overview(const Drawing& d);
 void draw_key(const Drawing& d);
 /// A text page.
 void draw_text(const Drawing& d);
-/// An island at 1:1.
-void draw_island(const Drawing& d);
+/// Islands at 1:1.
+void draw_islands(const Drawing& d);
+/// Labels to cut out and stick.
+void draw_labels(const Drawing& d);
 
 /// What is drawn inside of a module.
 struct ModuleMarks {

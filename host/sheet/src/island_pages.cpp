@@ -4,8 +4,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
 #include <map>
 #include <numbers>
+#include <optional>
 
 #include "pages.hpp"
 
@@ -99,6 +102,104 @@ int common_patch(const std::vector<design::ModuleWiring>& wiring, const std::vec
   return std::ranges::all_of(modules, same) ? patch : -1;
 }
 
+// A page while islands are put on it, in shelves from above.
+struct OpenPage {
+  struct Shelf {
+    double top_mm = 0.0, height_mm = 0.0, used_mm = 0.0;
+  };
+  Vec2 room_mm{0, 0};
+  std::vector<Shelf> shelves{};
+  Page page{};
+
+  // Upper left corner of a free place, from that of the room; empty: there is none.
+  std::optional<Vec2> place(const Vec2& cell_mm) {
+    for (Shelf& shelf : shelves) {
+      if (cell_mm.y() > shelf.height_mm || shelf.used_mm + cell_mm.x() > room_mm.x()) continue;
+      const Vec2 at(shelf.used_mm, shelf.top_mm);
+      shelf.used_mm += cell_mm.x();
+      return at;
+    }
+    const double top = shelves.empty() ? 0.0 : shelves.back().top_mm + shelves.back().height_mm;
+    if (top + cell_mm.y() > room_mm.y()) return std::nullopt;
+    shelves.push_back({top, cell_mm.y(), cell_mm.x()});
+    return Vec2(0, top);
+  }
+};
+
+constexpr double kCaption_mm = 14.0;  // Name of an island and its two points.
+constexpr double kCaptionWidth_mm = 96.0;
+
+// Room that an island takes on a page that it shares.
+Vec2 cell_of(const Vec2& box_mm) {
+  return {std::max(box_mm.x() + 2.0 * kLabels_mm, kCaptionWidth_mm), box_mm.y() + 2.0 * kLabels_mm + kCaption_mm};
+}
+
+Vec2 shared_room(const Vec2& paper_mm) {
+  return paper_mm - Vec2(2.0 * kMargin_mm, 2.0 * kMargin_mm + kHead_mm + kFoot_mm);
+}
+
+void put_on(OpenPage& open, const Vec2& at_mm, const design::Design& design, IslandPage island) {
+  const Box box = box_of(design, island.modules, island);
+  const Vec2 corner = Vec2(kMargin_mm, kMargin_mm + kHead_mm) + at_mm;
+  island.caption_mm = corner + Vec2(0, 4.0);
+  island.shift_mm += corner + Vec2(kLabels_mm, kLabels_mm + kCaption_mm) - box.min();
+  open.page.islands.push_back(std::move(island));
+}
+
+// Small islands share pages: the tallest first, each in the first place that is free.
+std::vector<Page> shared_pages(const design::Design& design, std::vector<Page> alone) {
+  const auto size_of = [&](const Page& p) { return box_of(design, p.islands[0].modules, p.islands[0]).sizes().eval(); };
+  std::ranges::stable_sort(alone, std::greater<>{}, [&](const Page& p) { return size_of(p).y(); });
+  std::vector<OpenPage> open;
+  for (Page& page : alone) {
+    IslandPage island = std::move(page.islands[0]);
+    const Vec2 cell = cell_of(box_of(design, island.modules, island).sizes());
+    std::optional<Vec2> at;
+    std::size_t k = 0;
+    for (; k < open.size() && !(at = open[k].place(cell)); ++k) continue;
+    if (!at) {
+      open.push_back({.room_mm = shared_room(page.size_mm)});
+      open.back().page = {.kind = PageKind::kIsland, .size_mm = page.size_mm};
+      at = open.back().place(cell);
+    }
+    put_on(open[k], *at, design, std::move(island));
+  }
+  std::vector<Page> pages;
+  for (OpenPage& o : open) {
+    std::ranges::sort(o.page.islands, {}, &IslandPage::island);
+    pages.push_back(std::move(o.page));
+  }
+  return pages;
+}
+
+std::string title_of(const Page& page) {
+  const IslandPage& first = page.islands.front();
+  if (first.parts > 1) return fmt::format("Island {}, part {} of {}", first.island, first.part + 1, first.parts);
+  std::string text = page.islands.size() == 1 ? "Island" : "Islands";
+  for (std::size_t k = 0; k < page.islands.size(); ++k)
+    text += fmt::format("{} {}", k == 0 ? "" : ",", page.islands[k].island);
+  return text;
+}
+
+Page page_alone(const design::Design& design, IslandPage island, const Division& way, Paper paper) {
+  Page page{.kind = PageKind::kIsland, .size_mm = way.paper_mm};
+  const Box box = box_of(design, island.modules, island);
+  if (paper == Paper::kRoll)
+    page.size_mm.y() = std::max(kRollShortest_mm, box.sizes().y() + kRollLongest_mm - room_mm(way.paper_mm).y());
+  const Vec2 corner(kMargin_mm + kLabels_mm, kMargin_mm + kHead_mm + kLabels_mm);
+  island.shift_mm = corner + (room_mm(page.size_mm) - box.sizes()) / 2.0 - box.min();
+  page.islands.push_back(std::move(island));
+  return page;
+}
+
+// Half a page and less in one direction: another island may stand beside or below it.
+bool may_share(const design::Design& design, const Page& page) {
+  const IslandPage& island = page.islands[0];
+  const Vec2 cell = cell_of(box_of(design, island.modules, island).sizes()), room = shared_room(page.size_mm);
+  return island.parts == 1 && page.size_mm.y() > page.size_mm.x() && cell.x() <= room.x() &&
+         cell.y() <= 0.75 * room.y();
+}
+
 }  // namespace
 
 std::vector<Page> island_pages(const design::Design& design, Paper paper) {
@@ -106,24 +207,26 @@ std::vector<Page> island_pages(const design::Design& design, Paper paper) {
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k)
     islands[design.layout.modules[k].island].push_back(static_cast<int>(k));
   const auto wiring = design::wiring_of(design);
-  std::vector<Page> pages;
+  std::vector<Page> pages, small;
   for (const auto& [island, modules] : islands) {
     const Division way = divide(design, modules, paper);
     const auto parts = parts_of(design, modules, way);
     int part = 0;
     for (const auto& [place, members] : parts) {
-      Page page{.kind = PageKind::kIsland, .size_mm = way.paper_mm};
-      page.island = {island, part++, static_cast<int>(parts.size()), way.sixths, {0, 0}, members};
-      const Box box = box_of(design, members, page.island);
-      if (paper == Paper::kRoll)
-        page.size_mm.y() = std::max(kRollShortest_mm, box.sizes().y() + kRollLongest_mm - room_mm(way.paper_mm).y());
-      const Vec2 corner(kMargin_mm + kLabels_mm, kMargin_mm + kHead_mm + kLabels_mm);
-      page.island.shift_mm = corner + (room_mm(page.size_mm) - box.sizes()) / 2.0 - box.min();
-      page.patch = common_patch(wiring, members);
-      page.title = parts.size() == 1 ? fmt::format("Island {}", island)
-                                     : fmt::format("Island {}, part {} of {}", island, part, parts.size());
-      pages.push_back(std::move(page));
+      Page page = page_alone(
+          design, {island, part++, static_cast<int>(parts.size()), way.sixths, {0, 0}, members, {0, 0}}, way, paper);
+      auto& list = paper != Paper::kRoll && may_share(design, page) ? small : pages;
+      list.push_back(std::move(page));
     }
+  }
+  for (Page& page : small) page.islands[0].shift_mm = {0, 0};
+  std::ranges::move(shared_pages(design, std::move(small)), std::back_inserter(pages));
+  std::ranges::stable_sort(pages, {}, [](const Page& p) { return p.islands.front().island; });
+  for (Page& page : pages) {
+    std::vector<int> all;
+    for (const IslandPage& i : page.islands) all.insert(all.end(), i.modules.begin(), i.modules.end());
+    page.patch = common_patch(wiring, all);
+    page.title = title_of(page);
   }
   return pages;
 }

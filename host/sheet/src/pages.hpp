@@ -14,6 +14,12 @@ namespace triskin::sheet {
 /// still be 0; the number of lines does not depend on them.
 [[nodiscard]] std::vector<Page> text_pages(const design::Design& design, const Plan& plan, Paper paper);
 
+/// Labels of all controllers and jumpers, on as many pages as they need.
+[[nodiscard]] std::vector<Page> label_pages(const design::Design& design, const Plan& plan, Paper paper);
+
+/// "R 27": radius to which a module is bent, mm, rounded down.
+[[nodiscard]] std::string bend_text(double radius_mm);
+
 /// Paper of overview, key and text pages, mm.
 [[nodiscard]] design::Vec2 text_size_mm(Paper paper);
 

@@ -2,6 +2,7 @@
 #include "triskin/sheet/plan.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "pages.hpp"
 #include "triskin/base/error.hpp"
@@ -51,12 +52,19 @@ std::vector<std::array<Anchor, 2>> all_anchors(const design::Design& design, con
 
 void number_pages(Plan& plan) {
   for (std::size_t p = 0; p < plan.pages.size(); ++p) {
-    for (const int id : plan.pages[p].island.modules)
-      plan.page_of_module[static_cast<std::size_t>(id)] = static_cast<int>(p) + 1;
+    for (const IslandPage& island : plan.pages[p].islands) {
+      for (const int id : island.modules) plan.page_of_module[static_cast<std::size_t>(id)] = static_cast<int>(p) + 1;
+    }
   }
 }
 
 }  // namespace
+
+double bend_radius_of_depth(double depth_mm) {
+  // Sagitta of a chord: R = c²/(8 s) for s much smaller than c.
+  return depth_mm > 0.0 ? design::kSide_mm * design::kSide_mm / (8.0 * depth_mm)
+                        : std::numeric_limits<double>::infinity();
+}
 
 Plan plan_of(const design::Design& design, Paper paper) {
   if (design.layout.modules.empty())

@@ -15,8 +15,10 @@ void draw_page(const Drawing& d) {
       return draw_key(d);
     case PageKind::kText:
       return draw_text(d);
+    case PageKind::kLabels:
+      return draw_labels(d);
     case PageKind::kIsland:
-      return draw_island(d);
+      return draw_islands(d);
   }
 }
 
@@ -28,7 +30,7 @@ std::string draw(const design::Design& design, Paper paper, Canvas::Kind kind) {
   int number = 0;
   for (const Page& page : plan.pages) {
     canvas.next_page();
-    draw_page({canvas, design, plan, page, ++number});
+    draw_page({canvas, design, plan, page, ++number, nullptr});
   }
   return canvas.finish();
 }

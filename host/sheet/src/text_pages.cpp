@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
+#include <utility>
 
 #include "pages.hpp"
 #include "triskin/design/outline.hpp"
@@ -15,14 +17,15 @@ namespace {
 
 using Lines = std::vector<TextLine>;
 constexpr std::size_t kLongestLine = 112;  // Bytes; this many characters of 3.1 mm fit on A4.
+constexpr std::size_t kBesideCode = 96;    // And this many where a QR code stands at the right.
 const std::vector<double> kBoxed_mm{6.0};  // The text stands beside a box to tick.
 
-std::vector<std::string> wrapped(const std::string& text) {
+std::vector<std::string> wrapped(const std::string& text, std::size_t longest) {
   std::vector<std::string> lines;
   std::size_t from = 0;
-  while (text.size() - from > kLongestLine) {
-    const std::size_t space = text.rfind(' ', from + kLongestLine);
-    const std::size_t to = space == std::string::npos || space <= from ? from + kLongestLine : space;
+  while (text.size() - from > longest) {
+    const std::size_t space = text.rfind(' ', from + longest);
+    const std::size_t to = space == std::string::npos || space <= from ? from + longest : space;
     lines.push_back(text.substr(from, to - from));
     from = to + (to == space ? 1 : 0);
   }
@@ -35,36 +38,38 @@ void add_title(Lines& lines, const std::string& text) {
   lines.push_back({LineKind::kTitle, {text}, {}});
 }
 
-void add_text(Lines& lines, const std::string& text) {
-  for (const auto& line : wrapped(text)) lines.push_back({LineKind::kText, {line}, {}});
+void add_text(Lines& lines, const std::string& text, std::size_t longest = kLongestLine) {
+  for (const auto& line : wrapped(text, longest)) lines.push_back({LineKind::kText, {line}, {}});
 }
 
 void add_tick(Lines& lines, const std::string& text) {
   LineKind kind = LineKind::kTick;
-  for (const auto& line : wrapped(text)) {
+  for (const auto& line : wrapped(text, kLongestLine)) {
     lines.push_back({kind, {line}, kBoxed_mm});
     kind = LineKind::kText;
   }
 }
 
+// The parts of an island follow each other.
 std::string text_of_pages(const std::vector<int>& pages) {
-  std::string text;
-  for (const int p : pages) text += (text.empty() ? "" : ", ") + std::to_string(p);
-  return (pages.size() == 1 ? "page " : "pages ") + text;
+  if (pages.empty()) return "";
+  return pages.size() == 1 ? std::to_string(pages.front()) : fmt::format("{} to {}", pages.front(), pages.back());
 }
 
 std::vector<int> pages_of_island(const Plan& plan, int island) {
   std::vector<int> pages;
   for (std::size_t p = 0; p < plan.pages.size(); ++p) {
-    if (plan.pages[p].kind == PageKind::kIsland && plan.pages[p].island.island == island)
-      pages.push_back(static_cast<int>(p) + 1);
+    for (const IslandPage& i : plan.pages[p].islands) {
+      if (i.island == island) pages.push_back(static_cast<int>(p) + 1);
+    }
   }
   return pages;
 }
 
 int page_of_controller(const Plan& plan, int patch) {
   for (std::size_t p = 0; p < plan.pages.size(); ++p) {
-    if (plan.pages[p].kind == PageKind::kText && plan.pages[p].patch == patch) return static_cast<int>(p) + 1;
+    if (std::ranges::find(plan.pages[p].lines, patch, &TextLine::patch) != plan.pages[p].lines.end())
+      return static_cast<int>(p) + 1;
   }
   return 0;
 }
@@ -149,7 +154,7 @@ void add_landmarks(Lines& lines, const Plan& plan) {
 
 // ---- order of work
 
-void add_preparation(Lines& lines, const design::Design& design) {
+void add_preparation(Lines& lines, const design::Design& design, const Plan& plan) {
   add_title(lines, "Order of work: before");
   add_tick(lines,
            "Print all pages at 100 % (no \"fit to page\"). Measure the ruler at the foot of every page: 0 to 100 must "
@@ -160,36 +165,80 @@ void add_preparation(Lines& lines, const design::Design& design) {
       lines,
       "Have ready: the parts of the list (count them), soldering iron, sharp knife, calipers or compasses, adhesive "
       "tape that comes off again, and what fixes modules to this part, for example double-sided film.");
-  add_tick(lines, "Mark the landmarks R1, R2, … of the overview on the part.");
+  if (!plan.landmarks.empty())
+    add_tick(lines, fmt::format("Mark the landmarks {} to {} of the overview on the part.", plan.landmarks.front().name,
+                                plan.landmarks.back().name));
+  add_tick(lines, "Cut out the labels. Those of controllers are for the controllers, those of jumpers for both ends.");
   if (design.layout.corner_cut_mm > 0.0)
     add_tick(lines, fmt::format("Cut all three corners off every module, {0:g} mm along each side: long sides of {1:g} "
                                 "mm and short ones of {0:g} mm stay.",
                                 design.layout.corner_cut_mm, design::kSide_mm - 2.0 * design.layout.corner_cut_mm));
 }
 
-void add_island_work(Lines& lines, const Plan& plan, int island, int modules) {
-  const auto& anchors = plan.anchors[static_cast<std::size_t>(island)];
-  const std::vector<int> pages = pages_of_island(plan, island);
-  add_title(lines, fmt::format("Order of work: island {}", island));
-  add_tick(lines,
-           fmt::format("Lay its {} modules on the drawing ({}), the side that is touched upwards, each with port A "
-                       "where the arrow is.{}",
-                       modules, text_of_pages(pages),
-                       pages.size() > 1 ? " Lay the pages together first, so that equal red crosses coincide." : ""));
-  add_tick(lines, "On every module close the line strap and the address strap that are drawn black, and no other.");
-  add_tick(lines,
-           "Join the modules. Keep the joints that are drawn dashed. Cut the traces of the joints that are drawn with "
-           "crosses. Cut solid lines through.");
-  add_tick(lines, "Fold each joint by the angle beside it: + away from you, − towards you.");
+// What is done with every island, once; the list of islands behind it is ticked off.
+void add_island_steps(Lines& lines, const Plan& plan) {
+  add_title(lines, "Order of work: each island of the list");
+  add_text(lines,
+           "1. Lay its modules on the drawing, the side that is touched upwards, each with port A where the arrow is. "
+           "Of an island on several pages lay the pages together first, so that equal red crosses coincide.");
+  add_text(lines, "2. On every module close the line strap and the address strap that are drawn black, and no other.");
+  add_text(lines,
+           "3. Join the modules. Keep the joints that are drawn dashed. Cut the traces of the joints that are drawn "
+           "with crosses. Cut solid lines through.");
+  add_text(lines, "4. Fold each joint by the angle beside it: + away from you, − towards you.");
   if (plan.landmarks.empty()) return;
-  add_tick(
-      lines,
-      "Tape it to the part, the side that is touched outwards, by the points P and Q. Where two places have the "
-      "distances of a point, the overview (page 1) tells which one it is; when P and Q do not both fit, divide the "
-      "difference between them.");
-  for (std::size_t k = 0; k < 2; ++k)
-    add_tick(lines, fmt::format("Point {} (corner of module {}) goes where it has these distances: {}.",
-                                k == 0 ? "P" : "Q", anchors[k].module, text_of(anchors[k].fix, plan.landmarks)));
+  add_text(lines,
+           "5. Tape it to the part, the side that is touched outwards, by the points P and Q: each goes where it has "
+           "the distances of the list. Where two places have them, the overview (page 1) tells which one it is; when P "
+           "and Q do not both fit, divide the difference between them.");
+}
+
+std::string text_of_anchor(const Anchor& anchor, const Plan& plan) {
+  std::string text = fmt::format("module {}:", anchor.module);
+  for (std::size_t k = 0; k < 2; ++k) {
+    if (anchor.fix.landmark[k] >= 0)
+      text +=
+          fmt::format("{} {} {:.1f}", k == 0 ? "" : ",",
+                      plan.landmarks[static_cast<std::size_t>(anchor.fix.landmark[k])].name, anchor.fix.distance_mm[k]);
+  }
+  return text;
+}
+
+void add_island_list(Lines& lines, const Plan& plan, const std::vector<int>& modules) {
+  const bool placed = !plan.landmarks.empty();
+  const std::vector<double> columns{6.0, 20.0, 38.0, 62.0, 130.0};
+  TextLine head{LineKind::kHead, {"island", "modules", "page"}, columns};
+  if (placed) head.cells.insert(head.cells.end(), {"P goes where it has, mm", "Q goes where it has, mm"});
+  lines.push_back(std::move(head));
+  for (std::size_t island = 0; island < modules.size(); ++island) {
+    if (modules[island] == 0) continue;
+    TextLine row{LineKind::kTickRow,
+                 {std::to_string(island), std::to_string(modules[island]),
+                  text_of_pages(pages_of_island(plan, static_cast<int>(island)))},
+                 columns};
+    for (std::size_t k = 0; k < 2 && placed; ++k) row.cells.push_back(text_of_anchor(plan.anchors[island][k], plan));
+    lines.push_back(std::move(row));
+  }
+}
+
+// Modules that are bent more than the paper allows.
+void add_bends(Lines& lines, const design::Design& design) {
+  std::vector<std::pair<double, int>> bends;
+  for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
+    const double radius_mm = bend_radius_of_depth(design.layout.modules[k].edge_depth_mm);
+    if (radius_mm < kPaperBendRadius_mm) bends.emplace_back(radius_mm, static_cast<int>(k));
+  }
+  if (bends.empty()) return;
+  std::ranges::sort(bends);
+  constexpr std::size_t kMaxNamed = 12;
+  std::string text;
+  for (std::size_t k = 0; k < std::min(kMaxNamed, bends.size()); ++k)
+    text += fmt::format("{}{} ({})", k == 0 ? "" : ", ", bends[k].second, bend_text(bends[k].first));
+  if (bends.size() > kMaxNamed) text += ", …";
+  add_text(lines,
+           fmt::format("Modules bent to a radius of less than {:.0f} mm, which is written in red (mm): {}; {} in all. "
+                       "Ask whether the circuit board and its solder joints stand that.",
+                       kPaperBendRadius_mm, text, bends.size()));
 }
 
 void add_jumpers(Lines& lines, const design::Design& design, const Plan& plan) {
@@ -238,12 +287,12 @@ void add_fixing(Lines& lines) {
 
 Lines work_lines(const design::Design& design, const Plan& plan) {
   Lines lines;
-  add_preparation(lines, design);
+  add_preparation(lines, design, plan);
   std::vector<int> modules(plan.anchors.size());
   for (const auto& m : design.layout.modules) ++modules[static_cast<std::size_t>(m.island)];
-  for (std::size_t island = 0; island < modules.size(); ++island) {
-    if (modules[island] > 0) add_island_work(lines, plan, static_cast<int>(island), modules[island]);
-  }
+  add_island_steps(lines, plan);
+  add_bends(lines, design);
+  add_island_list(lines, plan, modules);
   add_title(lines, "Order of work: on the part");
   add_tick(lines,
            "Look at all seams. Sides with the same mark m0, m1, … are opposite each other; beside it is the gap. "
@@ -261,9 +310,11 @@ void add_entry(Lines& lines, const design::Design& design, const Plan& plan, int
   const auto& m = design.layout.modules.at(static_cast<std::size_t>(module));
   const int rotation = plan.wiring[static_cast<std::size_t>(module)].routed.rotation;
   const design::Vec3 at = middle_of(m, side);
-  add_text(lines, fmt::format("{}: module {}, port {} (page {}). The middle of this side lies at {}.", what, module,
-                              port_at(side, rotation), plan.page_of_module[static_cast<std::size_t>(module)],
-                              text_of(fix_of(plan.landmarks, at), plan.landmarks)));
+  add_text(lines,
+           fmt::format("{}: module {}, port {} (page {}). The middle of this side lies at {}.", what, module,
+                       port_at(side, rotation), plan.page_of_module[static_cast<std::size_t>(module)],
+                       text_of(fix_of(plan.landmarks, at), plan.landmarks)),
+           kBesideCode);
 }
 
 // Lists the modules of each kind, if there are several.
@@ -284,7 +335,7 @@ Lines controller_lines(const design::Design& design, const Plan& plan, int p) {
   const auto& patch = design.patches[static_cast<std::size_t>(p)];
   const std::vector<double> columns{6.0, 22.0, 36.0, 52.0, 72.0, 108.0, 150.0};
   Lines lines;
-  add_title(lines, fmt::format("Controller {} (node address {})", p, p + 1));
+  lines.push_back({LineKind::kTitle, {fmt::format("Controller {} (node address {})", p, p + 1)}, {}, p});
   for (const auto& m : patch.modules) {
     if (m.parent < 0) add_entry(lines, design, plan, m.node, m.rotation, "Cable");
   }
@@ -305,26 +356,64 @@ Lines controller_lines(const design::Design& design, const Plan& plan, int p) {
   }
   lines.push_back({LineKind::kGap, {}, {}});
   add_kinds(lines, design, patch);
-  add_text(lines,
-           "A number: the joint to that module is kept. cut: its traces are cut. edge: the outline of the island. m: "
-           "mark across a seam.");
   return lines;
 }
 
-std::vector<Page> paginated(const Lines& lines, const std::string& title, int patch, Paper paper) {
+double height_of(const Lines& lines) {
+  double sum_mm = 0.0;
+  for (const TextLine& line : lines) sum_mm += height_mm(line.kind);
+  return sum_mm;
+}
+
+double room_of(Paper paper) {
+  return text_size_mm(paper).y() - 2.0 * kMargin_mm - kHead_mm - kFoot_mm;
+}
+
+// The head of a table, repeated where the table goes on.
+const TextLine* head_above(const Lines& lines, std::size_t k) {
+  while (k > 0 && lines[k].kind == LineKind::kTickRow) --k;
+  return lines[k].kind == LineKind::kHead ? &lines[k] : nullptr;
+}
+
+std::vector<Page> paginated(const Lines& lines, const std::string& title, Paper paper) {
   const design::Vec2 size_mm = text_size_mm(paper);
-  const double room_mm = size_mm.y() - 2.0 * kMargin_mm - kHead_mm - kFoot_mm;
+  const double room_mm = room_of(paper);
   std::vector<Page> pages;
   double used_mm = room_mm;
   for (std::size_t k = 0; k < lines.size(); ++k) {
     // A title stays with the line below it.
     const double needed_mm = height_mm(lines[k].kind) + (lines[k].kind == LineKind::kTitle ? 12.0 : 0.0);
     if (used_mm + needed_mm > room_mm) {
-      pages.push_back({.kind = PageKind::kText, .title = title, .patch = patch, .size_mm = size_mm});
+      pages.push_back({.kind = PageKind::kText, .title = title, .patch = -1, .size_mm = size_mm});
       used_mm = 0.0;
+      const TextLine* head = lines[k].kind == LineKind::kTickRow ? head_above(lines, k) : nullptr;
+      if (head != nullptr) pages.back().lines.push_back(*head);
+      if (head != nullptr) used_mm += height_mm(head->kind);
     }
     pages.back().lines.push_back(lines[k]);
     used_mm += height_mm(lines[k].kind);
+  }
+  return pages;
+}
+
+// Tables of controllers, as many on a page as fit whole.
+std::vector<Page> controller_pages(const design::Design& design, const Plan& plan, Paper paper) {
+  std::vector<Page> pages;
+  double used_mm = 0.0;
+  for (int p = 0; p < static_cast<int>(design.patches.size()); ++p) {
+    Lines lines = controller_lines(design, plan, p);
+    const double height = height_of(lines);
+    if (!pages.empty() && used_mm + height <= room_of(paper)) {
+      std::ranges::move(lines, std::back_inserter(pages.back().lines));
+      pages.back().title += fmt::format(", {}", p);
+      pages.back().patch = -1;
+      used_mm += height;
+      continue;
+    }
+    std::vector<Page> own = paginated(lines, fmt::format("Controllers {}", p), paper);
+    own.front().patch = p;
+    used_mm = own.size() == 1 ? height : room_of(paper);
+    std::ranges::move(own, std::back_inserter(pages));
   }
   return pages;
 }
@@ -343,7 +432,7 @@ double height_mm(LineKind kind) {
     case LineKind::kHead:
       return 6.0;
     case LineKind::kTickRow:
-      return 5.6;
+      return 4.8;
     case LineKind::kText:
     case LineKind::kRow:
       return 5.0;
@@ -383,13 +472,10 @@ std::vector<Page> text_pages(const design::Design& design, const Plan& plan, Pap
   Lines parts;
   add_parts(parts, design, bill_of(design, plan.sides));
   add_landmarks(parts, plan);
-  auto pages = paginated(parts, "Parts and landmarks", -1, paper);
-  std::ranges::move(paginated(work_lines(design, plan), "Order of work", -1, paper), std::back_inserter(pages));
-  for (std::size_t p = 0; p < design.patches.size(); ++p) {
-    const int patch = static_cast<int>(p);
-    std::ranges::move(paginated(controller_lines(design, plan, patch), fmt::format("Controller {}", p), patch, paper),
-                      std::back_inserter(pages));
-  }
+  auto pages = paginated(parts, "Parts and landmarks", paper);
+  std::ranges::move(paginated(work_lines(design, plan), "Order of work", paper), std::back_inserter(pages));
+  std::ranges::move(label_pages(design, plan, paper), std::back_inserter(pages));
+  std::ranges::move(controller_pages(design, plan, paper), std::back_inserter(pages));
   return pages;
 }
 

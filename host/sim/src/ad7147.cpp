@@ -43,9 +43,19 @@ double Ad7147::afe_counts(std::uint16_t afe) const {
   return (negative - positive) * behaviour_.afe_step_pf * kCountsPerPf;
 }
 
-void Ad7147::schedule_power_dip(std::uint64_t at_us, std::uint64_t every_us) {
-  next_dip_us_ = at_us;
-  dip_every_us_ = every_us;
+void Ad7147::schedule_power_dip(std::uint64_t at_us, std::uint64_t every_us, std::uint64_t until_us) {
+  if (at_us < until_us) dips_.push_back({at_us, every_us, until_us});
+}
+
+void Ad7147::show_device_id(std::uint16_t device_id, std::uint64_t at_us, std::uint64_t until_us) {
+  shown_ids_.push_back({device_id, at_us, until_us});
+}
+
+std::uint16_t Ad7147::device_id(std::uint64_t now_us) const {
+  for (const ShownId& id : shown_ids_) {
+    if (now_us >= id.at_us && now_us < id.until_us) return id.device_id;
+  }
+  return device_id_;
 }
 
 void Ad7147::reset(std::uint64_t now_us) {
@@ -58,11 +68,14 @@ void Ad7147::reset(std::uint64_t now_us) {
 }
 
 void Ad7147::apply_power_dips(std::uint64_t now_us) {
-  if (now_us < next_dip_us_) return;
-  std::uint64_t last = next_dip_us_;
-  if (dip_every_us_ != 0) last += (now_us - next_dip_us_) / dip_every_us_ * dip_every_us_;
-  reset(last);
-  next_dip_us_ = dip_every_us_ != 0 ? last + dip_every_us_ : kNever;
+  for (PowerDips& d : dips_) {
+    if (now_us < d.next_us) continue;
+    std::uint64_t last_us = d.next_us;
+    if (d.every_us != 0) last_us += (std::min(now_us, d.until_us - 1) - d.next_us) / d.every_us * d.every_us;
+    reset(last_us);
+    d.next_us = d.every_us != 0 ? last_us + d.every_us : kNever;
+    if (d.next_us >= d.until_us) d.next_us = kNever;
+  }
 }
 
 void Ad7147::select(bool read, std::uint64_t now_us) {
@@ -97,7 +110,7 @@ std::uint16_t Ad7147::read_register(std::uint16_t address, std::uint64_t now_us)
   if (address < kSetupRegisters) return setup_[address];
   if (address == kStageCompleteStatus) return complete_status(now_us);
   if (address >= kResults && address < kResults + kStages) return result(address - kResults, now_us);
-  if (address == kDeviceIdRegister) return device_id_;
+  if (address == kDeviceIdRegister) return device_id(now_us);
   if (address >= kStageSetup && address < kStageSetup + kStageRegisters) return stage_[address - kStageSetup];
   return 0;
 }

@@ -12,6 +12,7 @@
 #include <cstring>
 
 #include "triskin/base/error.hpp"
+#include "triskin/base/writer_lock.hpp"
 
 namespace triskin::scene {
 namespace {
@@ -41,7 +42,8 @@ FlashMemory::FlashMemory(std::size_t size_bytes, const std::filesystem::path& fi
   if (descriptor_ < 0)
     throw InputError(fmt::format("{}: cannot open the simulated flash: {}", file_, std::strerror(errno)));
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
-    throw DeviceError(fmt::format("{}: another process simulates this controller; end it first", file_));
+    throw DeviceError(fmt::format("{}: another process simulates this controller: {}; end it first", file_,
+                                  lock_holder(descriptor_)));
   }
   struct stat status{};
   if (::fstat(descriptor_, &status) != 0 || (status.st_size != 0 && status.st_size != static_cast<off_t>(size_bytes))) {

@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/scene/i2c_line.hpp"
 
+#include <algorithm>
+
 namespace triskin::scene {
 
-void I2cLineModel::hold_low(Signal signal, std::uint64_t at_us, int frees_after_pulses) {
-  (signal == Signal::kSda ? sda_ : scl_) = {true, at_us, frees_after_pulses};
+void I2cLineModel::hold_low(Signal signal, std::uint64_t at_us, int frees_after_pulses, std::uint64_t until_us) {
+  (signal == Signal::kSda ? sda_ : scl_).push_back({at_us, until_us, frees_after_pulses});
+}
+
+bool I2cLineModel::is_held(const std::vector<Hold>& holds) const {
+  return std::ranges::any_of(holds, [&](const Hold& h) { return now_us_ >= h.at_us && now_us_ < h.until_us; });
 }
 
 bool I2cLineModel::start(std::uint8_t address_byte, std::uint64_t now_us) {
@@ -13,7 +19,7 @@ bool I2cLineModel::start(std::uint8_t address_byte, std::uint64_t now_us) {
   if (!usable()) return false;
   ++bytes_;
   for (const Chip& c : chips_) {
-    const int address = c.address_now ? c.address_now() : c.address;
+    const int address = c.address_at ? c.address_at(now_us) : c.address;
     if (address != address_byte >> 1) continue;
     c.chip->select((address_byte & 1) != 0, now_us);
     selected_.push_back(c.chip);
@@ -44,15 +50,16 @@ void I2cLineModel::stop(std::uint64_t now_us) {
 }
 
 bool I2cLineModel::scl() const {
-  return !(held_ && held_()) && (!scl_.on || now_us_ < scl_.at_us);
+  return !(held_ && held_()) && !is_held(scl_);
 }
 bool I2cLineModel::sda() const {
-  return !(held_ && held_()) && (!sda_.on || now_us_ < sda_.at_us);
+  return !(held_ && held_()) && !is_held(sda_);
 }
 
 void I2cLineModel::pulse_scl(std::uint64_t now_us) {
   now_us_ = now_us;
-  if (sda_.on && scl() && sda_.pulses_left > 0 && --sda_.pulses_left == 0) sda_.on = false;
+  if (sda_.empty() || !scl()) return;
+  std::erase_if(sda_, [](Hold& h) { return h.pulses_left > 0 && --h.pulses_left == 0; });
 }
 
 }  // namespace triskin::scene

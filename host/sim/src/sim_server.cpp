@@ -29,16 +29,34 @@ std::uint16_t port_of(int socket) {
                                              : reinterpret_cast<sockaddr_in*>(&address)->sin_port);
 }
 
+bool is_loopback(const sockaddr& address) {
+  if (address.sa_family == AF_INET6) {
+    const in6_addr& v6 = reinterpret_cast<const sockaddr_in6&>(address).sin6_addr;
+    const bool is_mapped = IN6_IS_ADDR_V4MAPPED(&v6) && v6.s6_addr[12] == IN_LOOPBACKNET;
+    return IN6_IS_ADDR_LOOPBACK(&v6) || is_mapped;
+  }
+  const std::uint32_t v4 = ntohl(reinterpret_cast<const sockaddr_in&>(address).sin_addr.s_addr);
+  return address.sa_family == AF_INET && v4 >> 24 == IN_LOOPBACKNET;
+}
+
 }  // namespace
 
-SimServer::SimServer(scene::VirtualSkin& skin, const HostPort& at) : SkinServer(skin), name_("sim:" + at.host + ":") {
-  const std::string name = fmt::format("{}:{}", at.host, at.port);
+SimServer::SimServer(scene::VirtualSkin& skin, const HostPort& at, Reach reach) : SkinServer(skin), host_(at.host) {
+  const std::string name = host_port_text(at);
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   hints.ai_flags = AI_PASSIVE;
   addrinfo* found = nullptr;
   if (const int error = ::getaddrinfo(at.host.c_str(), std::to_string(at.port).c_str(), &hints, &found); error != 0) {
     throw DeviceError(fmt::format("{}: cannot find the host: {}", name, ::gai_strerror(error)));
+  }
+  is_exposed_ = !is_loopback(*found->ai_addr);
+  if (is_exposed_ && reach != Reach::kOtherComputers) {
+    ::freeaddrinfo(found);
+    throw InputError(fmt::format(
+        "{}: other computers could reach this address, and whoever reaches it may read, press and flash the "
+        "simulated skin without a password; listen on 127.0.0.1, or say --expose",
+        name));
   }
   listener_ = ::socket(found->ai_family, found->ai_socktype | SOCK_CLOEXEC | SOCK_NONBLOCK, found->ai_protocol);
   const int on = 1;
@@ -70,7 +88,9 @@ void SimServer::flush() {
 }
 
 void SimServer::wait(std::uint64_t timeout_us) {
-  std::vector<pollfd> sockets{{listener_, POLLIN, 0}};
+  // A negative descriptor is skipped: while there are none left for a client, one that waits must not keep a core busy.
+  const bool listens = std::chrono::steady_clock::now() >= listens_from_;
+  std::vector<pollfd> sockets{{listens ? listener_ : -1, POLLIN, 0}};
   for (const Client& c : clients_)
     sockets.push_back({c.socket, static_cast<short>(POLLIN | (c.out.empty() ? 0 : POLLOUT)), 0});
   if (::poll(sockets.data(), sockets.size(), static_cast<int>(timeout_us / 1000)) <= 0) return;
@@ -82,7 +102,11 @@ void SimServer::wait(std::uint64_t timeout_us) {
 
 void SimServer::accept_client() {
   const int socket = ::accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
-  if (socket < 0) return;
+  if (socket < 0) {
+    constexpr std::chrono::milliseconds kRest{100};
+    if (errno != EAGAIN) listens_from_ = std::chrono::steady_clock::now() + kRest;
+    return;
+  }
   const int on = 1;
   (void)::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
   clients_.push_back({socket, {}, {}, 0, false});

@@ -5,7 +5,10 @@
 #include <cmath>
 #include <iterator>
 #include <numbers>
+#include <set>
+#include <utility>
 
+#include "chip_places.hpp"
 #include "triskin/layout/rest.hpp"
 
 namespace triskin::scene {
@@ -44,17 +47,14 @@ std::uint64_t drawn_from(const Scene& scene, int module) {
 }  // namespace
 
 double Touch::pressure_kpa(const design::Vec3& at_mm, std::uint64_t at_us) const {
-  if (at_us < contact.from_us || at_us >= contact.until_us) return 0.0;
-  design::Vec3 center = contact.position_mm;
-  if (contact.to_mm) {
-    const double span = static_cast<double>(contact.until_us - contact.from_us);
-    center += (*contact.to_mm - contact.position_mm) * (static_cast<double>(at_us - contact.from_us) / span);
-  }
-  const double r = contact.radius_mm;
-  const double ratio2 = (at_mm - center).squaredNorm() / (r * r);
+  if (at_us >= released_us) return 0.0;
+  const auto now = state_of(contact, at_us);
+  if (!now) return 0.0;
+  const double r = now->radius_mm;
+  const double ratio2 = (at_mm - now->position_mm).squaredNorm() / (r * r);
   if (ratio2 >= 1.0) return 0.0;
   constexpr double kKpaPerNewtonPerMm2 = 1000.0;
-  return kKpaPerNewtonPerMm2 * 3.0 * contact.force_n / (2.0 * std::numbers::pi * r * r) * std::sqrt(1.0 - ratio2);
+  return kKpaPerNewtonPerMm2 * 3.0 * now->force_n / (2.0 * std::numbers::pi * r * r) * std::sqrt(1.0 - ratio2);
 }
 
 double PressureCurve::kpa(std::uint64_t at_us) const {
@@ -95,14 +95,15 @@ ModuleSkin::ModuleSkin(const Scene& scene, int module, int rotation)
 
 double ModuleSkin::counts(int cin, std::uint64_t at_us) const {
   const auto taxel = static_cast<std::size_t>(cin);
-  if (taxel >= state_.size()) return 0.0;
+  if (taxel >= rest_counts_.size()) return 0.0;
   if (shown_counts_) return kShownElectrode_counts + layout::kRestCounts - (*shown_counts_)[taxel];
-  if (state_[taxel] == State::kSaturated) return kSaturatedCounts;
   double value = rest_counts_[taxel];
-  if (state_[taxel] == State::kFrozen) return value;
+  for (const BrokenTaxel& b : broken_) {
+    if (b.taxel == taxel && at_us >= b.from_us && at_us < b.until_us) return b.saturated ? kSaturatedCounts : value;
+  }
   if (layout::measures_pressure(taxel)) {
     double kpa = pressure_.kpa(at_us);
-    for (const Touch* touch : touches_) kpa += touch->pressure_kpa(position_mm_[taxel], at_us);
+    for (const Touch* touch : touches_) kpa += touch->pressure_kpa(position_mm(taxel, at_us), at_us);
     value += counts_per_kpa_[taxel] * kpa;
   }
   if (drift_counts_per_us_ != 0.0) value += drift_counts_per_us_ * static_cast<double>(at_us);
@@ -110,9 +111,18 @@ double ModuleSkin::counts(int cin, std::uint64_t at_us) const {
   return value;
 }
 
+const design::Vec3& ModuleSkin::position_mm(std::size_t taxel, std::uint64_t at_us) const {
+  for (auto turn = turns_.rbegin(); turn != turns_.rend(); ++turn) {
+    if (at_us >= turn->from_us) return turn->position_mm[taxel];
+  }
+  return position_mm_[taxel];
+}
+
 bool ModuleSkin::reached_by(const Contact& contact) const {
-  return std::any_of(position_mm_.begin(), position_mm_.end(),
-                     [&](const design::Vec3& p) { return distance_mm(contact, p) < contact.radius_mm; });
+  const auto any_of = [&](const auto& places) {
+    return std::ranges::any_of(places, [&](const design::Vec3& p) { return reaches(contact, p); });
+  };
+  return any_of(position_mm_) || std::ranges::any_of(turns_, [&](const Turn& t) { return any_of(t.position_mm); });
 }
 
 void ModuleSkin::add(const Touch& touch) {
@@ -126,62 +136,69 @@ void ModuleSkin::remove(int touch_id) {
 Skin::Skin(const Scene& scene, SwitchedHardware* switched) : lines_(scene.design.patches.size()) {
   for (int m = 0; m < static_cast<int>(scene.design.layout.modules.size()); ++m)
     modules_.emplace_back(scene, m, real_rotation(scene, m));
+  turn_modules(scene);
   place_chips(scene, switched);
   for (const Fault& fault : scene.faults) apply(fault);
   for (const Contact& contact : scene.contacts) press(contact);
 }
 
-// Finds the place of each chip after the faults that move chips, then attaches the chips that exist.
-void Skin::place_chips(const Scene& scene, SwitchedHardware* switched) {
-  struct Place {
-    int patch, line, address;
-    std::uint16_t device_id = Ad7147::kDeviceId;
-    bool present = true;
-    std::uint64_t away_from_us = kForever, away_until_us = kForever;
-  };
-  std::vector<Place> places;
-  for (const auto& w : design::wiring_of(scene.design)) {
-    Place place{w.patch, w.routed.line, w.routed.address};
-    place.present = w.patch >= 0;
-    places.push_back(place);
-  }
+// Modules that are turned, or turned back, while the skin runs.
+void Skin::turn_modules(const Scene& scene) {
+  std::set<std::uint64_t> times;
   for (const Fault& f : scene.faults) {
-    if (f.module < 0) continue;
-    Place& place = places[static_cast<std::size_t>(f.module)];
-    if (f.kind == FaultKind::kRemovedChip) place.away_from_us = f.from_us, place.away_until_us = f.until_us;
-    if (f.kind == FaultKind::kWrongId) place.device_id = static_cast<std::uint16_t>(f.value);
-    if (f.kind == FaultKind::kMovedChip) place.line = f.line, place.address = f.address;
-    if (f.kind == FaultKind::kSwappedChips) {
-      Place& other = places[static_cast<std::size_t>(f.other)];
-      std::swap(place.patch, other.patch);
-      std::swap(place.line, other.line);
-      std::swap(place.address, other.address);
+    if (f.kind != FaultKind::kRotatedModule) continue;
+    times.insert(f.from_us);
+    if (f.until_us != kForever) times.insert(f.until_us);
+  }
+  times.erase(0);
+  for (const std::uint64_t at_us : times) {
+    for (const Fault& f : scene.faults) {
+      if (f.kind != FaultKind::kRotatedModule || (f.from_us != at_us && f.until_us != at_us)) continue;
+      const auto m = static_cast<std::size_t>(f.module);
+      std::array<design::Vec3, layout::kTaxelsPerModule> places;
+      const auto taxels = design::taxels_of(scene.design.layout.modules[m], real_rotation(scene, f.module, at_us));
+      std::ranges::transform(taxels, places.begin(), &design::TaxelPose::position_mm);
+      modules_[m].turn(at_us, places);
     }
   }
-  for (std::size_t m = 0; m < places.size(); ++m) {
-    const Place& place = places[m];
-    chips_.push_back(std::make_unique<Ad7147>(modules_[m], place.device_id));
-    chips_.back()->set_behaviour(scene.effects.converter);
-    if (!place.present || (place.away_from_us == 0 && place.away_until_us == kForever)) continue;
-    if (switched != nullptr && switched->present())
-      attach(*chips_.back(), static_cast<int>(m), place.patch, *switched);
-    else
-      line(place.patch, place.line)
-          .attach(*chips_.back(), layout::cdc_address(place.address), place.away_from_us, place.away_until_us);
+}
+
+namespace {
+
+// A chip is on each line where it sits at some time.
+void attach_strapped(Skin& skin, Ad7147& chip, const ChipPlaces& places) {
+  const ChipPlace& first = places[0].place;
+  if (places.size() == 1) {
+    if (first.patch >= 0) skin.line(first.patch, first.line).attach(chip, layout::cdc_address(first.address));
+    return;
+  }
+  std::set<std::pair<int, int>> lines;
+  for (const PlaceFrom& p : places) {
+    if (p.place.patch >= 0) lines.insert({p.place.patch, p.place.line});
+  }
+  for (const auto& [patch, line] : lines) {
+    skin.line(patch, line).attach(chip, [places, patch = patch, line = line](std::uint64_t now_us) -> int {
+      const ChipPlace now = place_at(places, now_us);
+      return now.patch == patch && now.line == line ? layout::cdc_address(now.address) : -1;
+    });
   }
 }
 
 // A switched module's chip is on any line, at any address: what its register says, while its ports lead to the
 // controller.
-void Skin::attach(Ad7147& chip, int module, int patch, SwitchedHardware& switched) {
-  const SwitchedPatch& chain = switched.patch(patch);
+void attach_switched(Skin& skin, Ad7147& chip, int module, const ChipPlaces& places, std::size_t patches,
+                     SwitchedHardware& switched) {
+  const auto there = std::ranges::find_if(places, [](const PlaceFrom& p) { return p.place.patch >= 0; });
+  SwitchedPatch& chain = switched.patch(there->place.patch);
   const int row = switched.row_of(module);
-  for (std::size_t p = 0; p < lines_.size(); ++p) {
+  const bool stays = places.size() == 1;
+  for (std::size_t p = 0; p < patches; ++p) {
     if (&switched.patch(static_cast<int>(p)) != &chain) continue;
     const int controller = switched.controller_of(static_cast<int>(p));
     for (int l = 0; l < layout::kLines; ++l) {
-      I2cLineModel& model = line(static_cast<int>(p), l);
-      model.attach(chip, [&chain, controller, row, l] {
+      I2cLineModel& model = skin.line(static_cast<int>(p), l);
+      model.attach(chip, [&chain, controller, row, l, stays, places](std::uint64_t now_us) -> int {
+        if (!stays && place_at(places, now_us).patch < 0) return -1;
         return chain.controller_of(row) == controller && chain.line_of(row) == l
                    ? layout::cdc_address(chain.address_of(row))
                    : -1;
@@ -191,26 +208,48 @@ void Skin::attach(Ad7147& chip, int module, int patch, SwitchedHardware& switche
   }
 }
 
+}  // namespace
+
+// Finds the place of each chip after the faults that move chips, then attaches the chips that exist.
+void Skin::place_chips(const Scene& scene, SwitchedHardware* switched) {
+  const std::vector<ChipPlaces> places = chip_places(scene);
+  const auto wiring = design::wiring_of(scene.design);
+  for (std::size_t m = 0; m < places.size(); ++m) {
+    chips_.push_back(std::make_unique<Ad7147>(modules_[m]));
+    Ad7147& chip = *chips_.back();
+    chip.set_behaviour(scene.effects.converter);
+    const bool never_there = places[m].size() == 1 && places[m][0].place.patch < 0;
+    if (wiring[m].patch < 0 || never_there) continue;
+    if (switched != nullptr && switched->present())
+      attach_switched(*this, chip, static_cast<int>(m), places[m], lines_.size(), *switched);
+    else
+      attach_strapped(*this, chip, places[m]);
+  }
+}
+
 void Skin::apply(const Fault& f) {
   switch (f.kind) {
     case FaultKind::kStuckLine:
       line(f.patch, f.line)
           .hold_low(f.stuck_scl ? I2cLineModel::Signal::kScl : I2cLineModel::Signal::kSda, f.from_us,
-                    f.frees_after_pulses);
+                    f.frees_after_pulses, f.until_us);
       break;
     case FaultKind::kLostConfiguration:
-      chips_[static_cast<std::size_t>(f.module)]->schedule_power_dip(f.from_us, f.every_us);
+      chips_[static_cast<std::size_t>(f.module)]->schedule_power_dip(f.from_us, f.every_us, f.until_us);
       break;
     case FaultKind::kSaturatedTaxel:
-      modules_[static_cast<std::size_t>(f.module)].saturate(f.taxel);
+      modules_[static_cast<std::size_t>(f.module)].saturate(f.taxel, f.from_us, f.until_us);
       break;
     case FaultKind::kFrozenTaxel:
-      modules_[static_cast<std::size_t>(f.module)].freeze(f.taxel);
+      modules_[static_cast<std::size_t>(f.module)].freeze(f.taxel, f.from_us, f.until_us);
+      break;
+    case FaultKind::kWrongId:
+      chips_[static_cast<std::size_t>(f.module)]->show_device_id(static_cast<std::uint16_t>(f.value), f.from_us,
+                                                                 f.until_us);
       break;
     case FaultKind::kRemovedChip:
     case FaultKind::kMovedChip:
     case FaultKind::kSwappedChips:
-    case FaultKind::kWrongId:
     case FaultKind::kFingerElsewhere:
     default:
       break;  // Such faults are handled where chips are placed, or at the finger.
@@ -237,14 +276,14 @@ void Skin::pressurize(int module, double kpa, std::uint64_t now_us) {
 
 void Skin::release(int id, std::uint64_t now_us) {
   for (Touch& t : touches_) {
-    if (t.id == id) t.contact.until_us = std::min(t.contact.until_us, now_us);
+    if (t.id == id) t.released_us = std::min(t.released_us, now_us);
   }
   if (now_us > kForgetAfterUs) forget(now_us - kForgetAfterUs);
 }
 
 void Skin::forget(std::uint64_t before_us) {
   for (auto t = touches_.begin(); t != touches_.end();) {
-    if (t->contact.until_us >= before_us) {
+    if (std::min(t->released_us, end_of(t->contact)) >= before_us) {
       ++t;
       continue;
     }

@@ -29,10 +29,10 @@ void SkinServer::run(const std::atomic<bool>& stop, double seconds) {
   }
 }
 
-std::unique_ptr<SkinServer> open_server(scene::VirtualSkin& skin, const std::string& at) {
+std::unique_ptr<SkinServer> open_server(scene::VirtualSkin& skin, const std::string& at, Reach reach) {
   if (at.starts_with("can:")) return std::make_unique<CanServer>(skin, at.substr(4));
   if (at == "usb") return std::make_unique<UsbServer>(skin);
-  return std::make_unique<SimServer>(skin, parse_host_port(at));
+  return std::make_unique<SimServer>(skin, parse_host_port(at), reach);
 }
 
 }  // namespace triskin::device

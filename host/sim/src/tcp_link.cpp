@@ -9,6 +9,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
@@ -16,6 +17,7 @@
 #include <cstring>
 
 #include "triskin/base/error.hpp"
+#include "triskin/base/interrupt.hpp"
 #include "triskin/core/bytes.hpp"
 
 namespace triskin::device {
@@ -25,12 +27,21 @@ HostPort parse_host_port(const std::string& text) {
   HostPort result;
   if (colon != std::string::npos) {
     result.host = text.substr(0, colon);
+    const bool is_bracketed = result.host.starts_with('[') && result.host.ends_with(']');
+    if (is_bracketed) result.host = result.host.substr(1, result.host.size() - 2);
+    if (!is_bracketed && result.host.find(':') != std::string::npos)
+      throw InputError(fmt::format("\"{}\": an IPv6 address stands in brackets, for example [::1]:7000", text));
     const char* first = text.data() + colon + 1;
     const char* last = text.data() + text.size();
     const auto [end, error] = std::from_chars(first, last, result.port);
     if (error == std::errc{} && end == last && !result.host.empty()) return result;
   }
-  throw InputError(fmt::format("\"{}\" is no HOST:PORT, for example 127.0.0.1:7000", text));
+  throw InputError(fmt::format("\"{}\" is no HOST:PORT, for example 127.0.0.1:7000 or [::1]:7000", text));
+}
+
+std::string host_port_text(const HostPort& at) {
+  const bool is_ipv6 = at.host.find(':') != std::string::npos;
+  return is_ipv6 ? fmt::format("[{}]:{}", at.host, at.port) : fmt::format("{}:{}", at.host, at.port);
 }
 
 namespace record {
@@ -87,7 +98,36 @@ wire::CanFrame frame_of(const Record& r) {
 
 }  // namespace record
 
-TcpLink::TcpLink(const HostPort& to) : name_(fmt::format("sim:{}:{}", to.host, to.port)) {
+namespace {
+
+constexpr std::chrono::milliseconds kConnectTime{5'000}, kWriteTime{2'000}, kInterruptLook{100};
+
+// Waits for `events` until `end`, or until the process is asked to end; false: they did not come.
+bool wait_for(int socket, short events, std::chrono::steady_clock::time_point end) {
+  using std::chrono::milliseconds;
+  while (!interrupt_request()) {
+    const auto left = std::chrono::ceil<milliseconds>(end - std::chrono::steady_clock::now());
+    if (left <= milliseconds{0}) return false;
+    pollfd p{socket, events, 0};
+    if (::poll(&p, 1, static_cast<int>(std::min(left, kInterruptLook).count())) > 0) return true;
+  }
+  return false;
+}
+
+// Returns 0 or the errno of the failure.
+int connect_in_time(int socket, const addrinfo& to) {
+  if (::connect(socket, to.ai_addr, to.ai_addrlen) == 0) return 0;
+  if (errno != EINPROGRESS && errno != EINTR) return errno;
+  if (!wait_for(socket, POLLOUT, std::chrono::steady_clock::now() + kConnectTime))
+    return interrupt_request() ? EINTR : ETIMEDOUT;
+  int error = 0;
+  socklen_t size = sizeof error;
+  return ::getsockopt(socket, SOL_SOCKET, SO_ERROR, &error, &size) == 0 ? error : errno;
+}
+
+}  // namespace
+
+TcpLink::TcpLink(const HostPort& to) : name_("sim:" + host_port_text(to)) {
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
@@ -96,16 +136,16 @@ TcpLink::TcpLink(const HostPort& to) : name_(fmt::format("sim:{}:{}", to.host, t
   }
   int error = 0;
   for (const addrinfo* a = found; a != nullptr && socket_ < 0; a = a->ai_next) {
-    socket_ = ::socket(a->ai_family, a->ai_socktype | SOCK_CLOEXEC, a->ai_protocol);
-    if (socket_ >= 0 && ::connect(socket_, a->ai_addr, a->ai_addrlen) == 0) break;
-    error = errno;
+    socket_ = ::socket(a->ai_family, a->ai_socktype | SOCK_CLOEXEC | SOCK_NONBLOCK, a->ai_protocol);
+    error = socket_ < 0 ? errno : connect_in_time(socket_, *a);
+    if (error == 0) break;
     if (socket_ >= 0) ::close(socket_);
     socket_ = -1;
   }
   ::freeaddrinfo(found);
   if (socket_ < 0)
-    fail(fmt::format("cannot connect: {}; start triskin simulate SCENE --listen {}:{}", std::strerror(error), to.host,
-                     to.port));
+    fail(fmt::format("cannot connect: {}; start triskin simulate SCENE --listen {}", std::strerror(error),
+                     host_port_text(to)));
   const int on = 1;
   (void)::setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
 }
@@ -125,9 +165,16 @@ std::uint64_t TcpLink::now_us() const {
 
 void TcpLink::write_all(const std::vector<std::uint8_t>& bytes) {
   std::size_t done = 0;
+  const auto end = std::chrono::steady_clock::now() + kWriteTime;
   while (done < bytes.size()) {
     const ssize_t n = ::send(socket_, bytes.data() + done, bytes.size() - done, MSG_NOSIGNAL);
     if (n < 0 && errno == EINTR) continue;
+    if (n < 0 && errno == EAGAIN) {
+      if (wait_for(socket_, POLLOUT, end)) continue;
+      if (interrupt_request()) throw Cancelled(name_ + ": ended on request");
+      fail(fmt::format("the simulation has taken nothing for {} s; end it and start it again",
+                       std::chrono::duration_cast<std::chrono::seconds>(kWriteTime).count()));
+    }
     if (n <= 0) fail("the simulation has ended the connection");
     done += static_cast<std::size_t>(n);
   }
@@ -167,26 +214,36 @@ void TcpLink::pressurize(int module, double kpa) {
 }
 
 std::optional<wire::CanFrame> TcpLink::receive(std::uint64_t until_us) {
-  while (true) {
-    while (const auto r = record::take(in_)) {
-      if (r->kind == record::kCanFrame) return record::frame_of(*r);
-      ByteReader reader(r->contents);
-      const wire::BitRates rates{reader.le32(), reader.le32()};
-      if (r->kind == record::kBitRates && reader.ok()) rates_ = rates;
-    }
+  // The deadline holds also while records come that are no frames, however fast.
+  for (bool is_over = false;; is_over = now_us() >= until_us) {
+    if (auto frame = frame_received()) return frame;
+    if (is_over) return std::nullopt;
     const std::uint64_t now = now_us();
     const std::uint64_t left_us = until_us > now ? until_us - now : 0;
+    constexpr std::uint64_t kLook_us = 100'000;
     pollfd p{socket_, POLLIN, 0};
-    const int timeout_ms = static_cast<int>(std::min<std::uint64_t>((left_us + 999) / 1000, 60'000));
-    const int ready = ::poll(&p, 1, timeout_ms);
-    if (ready == 0 && now_us() >= until_us) return std::nullopt;
-    if (ready <= 0) continue;
-    std::array<std::uint8_t, 16'384> chunk{};
-    const ssize_t n = ::recv(socket_, chunk.data(), chunk.size(), 0);
-    if (n < 0 && (errno == EINTR || errno == EAGAIN)) continue;
-    if (n <= 0) fail("the simulation has ended the connection");
-    in_.insert(in_.end(), chunk.begin(), chunk.begin() + n);
+    const int ready = ::poll(&p, 1, static_cast<int>((std::min(left_us, kLook_us) + 999) / 1000));
+    if (ready > 0) read_chunk();
+    if (interrupt_request() && ready <= 0) return std::nullopt;
   }
+}
+
+std::optional<wire::CanFrame> TcpLink::frame_received() {
+  while (const auto r = record::take(in_)) {
+    if (r->kind == record::kCanFrame) return record::frame_of(*r);
+    ByteReader reader(r->contents);
+    const wire::BitRates rates{reader.le32(), reader.le32()};
+    if (r->kind == record::kBitRates && reader.ok()) rates_ = rates;
+  }
+  return std::nullopt;
+}
+
+void TcpLink::read_chunk() {
+  std::array<std::uint8_t, 16'384> chunk{};
+  const ssize_t n = ::recv(socket_, chunk.data(), chunk.size(), 0);
+  if (n < 0 && (errno == EINTR || errno == EAGAIN)) return;
+  if (n <= 0) fail("the simulation has ended the connection");
+  in_.insert(in_.end(), chunk.begin(), chunk.begin() + n);
 }
 
 }  // namespace triskin::device

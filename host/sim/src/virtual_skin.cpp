@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
+#include <functional>
 #include <string>
 
 #include "triskin/base/error.hpp"
@@ -29,9 +30,9 @@ std::string board_name(const Scene& scene, std::size_t patch) {
 }
 
 // The patch that a controller's cable really leads to.
-int plugged_patch(const Scene& scene, int patch) {
+int plugged_patch(const Scene& scene, int patch, std::uint64_t at_us) {
   for (const Fault& f : scene.faults) {
-    if (f.kind != FaultKind::kSwappedPatches) continue;
+    if (f.kind != FaultKind::kSwappedPatches || !is_present(f, at_us)) continue;
     if (f.patch == patch) return f.other;
     if (f.other == patch) return f.patch;
   }
@@ -77,33 +78,60 @@ VirtualSkin::VirtualSkin(Scene scene, const std::filesystem::path& state_folder)
     }
   }
   const bool other_hardware = !state_folder.empty() && !is_noted(state_folder, scene_);
+  for (std::size_t p = 0; p < nodes_.size(); ++p) build(p, state_folder, other_hardware);
+  if (other_hardware) note(state_folder, scene_);
+  for (const Fault& f : scene_.faults) {
+    if (f.kind != FaultKind::kSwappedPatches) continue;
+    if (f.from_us > 0) cable_changes_us_.push_back(f.from_us);
+    if (f.until_us != kForever) cable_changes_us_.push_back(f.until_us);
+  }
+  std::ranges::sort(cable_changes_us_, std::greater());
+}
+
+void VirtualSkin::build(std::size_t patch, const std::filesystem::path& state_folder, bool other_hardware) {
+  Node& node = nodes_[patch];
+  const std::string name = board_name(scene_, patch);
+  node.flash = state_folder.empty() ? std::make_unique<FlashMemory>(kFlashBytes)
+                                    : std::make_unique<FlashMemory>(kFlashBytes, state_folder / (name + ".flash"));
+  if (other_hardware) forget_faults(*node.flash);
+  if (patch < scene_.effects.clock_ppm.size()) node.clock = BoardClock(scene_.effects.clock_ppm[patch]);
+  plug_in(node, plugged_patch(scene_, static_cast<int>(patch), 0));
+  node.slots = state_folder.empty()
+                   ? std::make_unique<FlashMemory>(sim::kSlotsBytes)
+                   : std::make_unique<FlashMemory>(sim::kSlotsBytes, state_folder / (name + ".firmware"));
+  node.board.flash = node.flash.get();
+  node.board.slots = node.slots.get();
+  node.board.unique_id = unique_id_of(scene_, patch);
+  node.board.send = [this, patch](const wire::CanFrame& frame) {
+    pending_.push_back({frame, patch});
+    ++nodes_[patch].in_buffers;
+  };
+  // The FDCAN of the microcontroller has three buffers for frames that wait for the bus; the rest waits in the
+  // controller.
+  node.board.room = [this, patch] { return scene_.effects.bus_bit_rate == 0 || nodes_[patch].in_buffers < kBuffers; };
+  power_up(patch);
+}
+
+// Connects the lines of a controller without power to a patch.
+void VirtualSkin::plug_in(Node& node, int patch) {
+  node.plugged = patch;
+  node.lines.clear();
+  for (int l = 0; l < layout::kLines; ++l)
+    node.board.lines[static_cast<std::size_t>(l)] = &node.lines.emplace_back(skin_.line(patch, l), node.clock);
+  if (switched_.present()) node.board.chain = &switched_.patch(patch).chain_of(switched_.controller_of(patch));
+}
+
+// The cable of a patch brings its controller's power, too, so a board that is plugged in elsewhere starts anew.
+void VirtualSkin::exchange_cables() {
+  if (cable_changes_us_.empty() || now_us_ < cable_changes_us_.back()) return;
+  while (!cable_changes_us_.empty() && now_us_ >= cable_changes_us_.back()) cable_changes_us_.pop_back();
   for (std::size_t p = 0; p < nodes_.size(); ++p) {
-    Node& node = nodes_[p];
-    const std::string name = board_name(scene_, p);
-    node.flash = state_folder.empty() ? std::make_unique<FlashMemory>(kFlashBytes)
-                                      : std::make_unique<FlashMemory>(kFlashBytes, state_folder / (name + ".flash"));
-    if (other_hardware) forget_faults(*node.flash);
-    const int plugged = plugged_patch(scene_, static_cast<int>(p));
-    if (p < scene_.effects.clock_ppm.size()) node.clock = BoardClock(scene_.effects.clock_ppm[p]);
-    for (int l = 0; l < layout::kLines; ++l)
-      node.board.lines[static_cast<std::size_t>(l)] = &node.lines.emplace_back(skin_.line(plugged, l), node.clock);
-    if (switched_.present()) node.board.chain = &switched_.patch(plugged).chain_of(switched_.controller_of(plugged));
-    node.slots = state_folder.empty()
-                     ? std::make_unique<FlashMemory>(sim::kSlotsBytes)
-                     : std::make_unique<FlashMemory>(sim::kSlotsBytes, state_folder / (name + ".firmware"));
-    node.board.flash = node.flash.get();
-    node.board.slots = node.slots.get();
-    node.board.unique_id = unique_id_of(scene_, p);
-    node.board.send = [this, p](const wire::CanFrame& frame) {
-      pending_.push_back({frame, p});
-      ++nodes_[p].in_buffers;
-    };
-    // The FDCAN of the microcontroller has three buffers for frames that wait for the bus; the rest waits in the
-    // controller.
-    node.board.room = [this, p] { return scene_.effects.bus_bit_rate == 0 || nodes_[p].in_buffers < kBuffers; };
+    const int plugged = plugged_patch(scene_, static_cast<int>(p), now_us_);
+    if (plugged == nodes_[p].plugged) continue;
+    nodes_[p].controller.reset();
+    plug_in(nodes_[p], plugged);
     power_up(p);
   }
-  if (other_hardware) note(state_folder, scene_);
 }
 
 VirtualSkin::~VirtualSkin() = default;
@@ -244,6 +272,7 @@ void VirtualSkin::run_controllers() {
 
 std::uint64_t VirtualSkin::next_event_us() const {
   std::uint64_t next = std::min(on_wire_.empty() ? kNeverUs : wire_free_us_, switched_.next_event_us());
+  if (!cable_changes_us_.empty()) next = std::min(next, cable_changes_us_.back());
   for (const Node& node : nodes_) {
     if (node.controller != nullptr) next = std::min(next, node.run_again_us);
   }
@@ -254,6 +283,7 @@ bool VirtualSkin::run(std::uint64_t until_us, bool stop_at_frame) {
   frame_came_ = false;
   while (true) {
     switched_.advance(now_us_);
+    exchange_cables();
     run_controllers();
     const bool moved = advance_bus();
     if (frame_came_ && stop_at_frame) return true;
@@ -269,7 +299,7 @@ bool VirtualSkin::run(std::uint64_t until_us, bool stop_at_frame) {
 int VirtualSkin::press_module(int module, int taxel) {
   int touched = module;
   for (const Fault& f : scene_.faults) {
-    if (f.kind == FaultKind::kFingerElsewhere && f.module == module) touched = f.other;
+    if (f.kind == FaultKind::kFingerElsewhere && f.module == module && is_present(f, now_us_)) touched = f.other;
   }
   if (taxel >= 0) {
     const auto k = static_cast<std::size_t>(touched);
@@ -279,12 +309,22 @@ int VirtualSkin::press_module(int module, int taxel) {
     // Pads are 3.7 mm apart at least, so the tip is on this one only.
     constexpr double kTipRadius_mm = 3.0;
     constexpr double kTipForce_n = 1.0;
-    return skin_.press({now_us_, kForever, at, {}, kTipRadius_mm, kTipForce_n});
+    Contact tip;
+    tip.from_us = now_us_;
+    tip.position_mm = at;
+    tip.radius_mm = kTipRadius_mm;
+    tip.force_n = kTipForce_n;
+    return skin_.press(tip);
   }
   // Reaches all pads of a module (the farthest is 11.4 mm from the centre) and little beyond.
   constexpr double kRadius_mm = 12.0;
   constexpr double kForce_n = 20.0;
-  return skin_.press({now_us_, kForever, center_of(scene_.design, touched), {}, kRadius_mm, kForce_n});
+  Contact finger;
+  finger.from_us = now_us_;
+  finger.position_mm = center_of(scene_.design, touched);
+  finger.radius_mm = kRadius_mm;
+  finger.force_n = kForce_n;
+  return skin_.press(finger);
 }
 
 }  // namespace triskin::scene

@@ -9,6 +9,7 @@
 
 #include "triskin/base/files.hpp"
 #include "triskin/base/wall_clock.hpp"
+#include "triskin/base/writer_lock.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/controller_calibration.hpp"
@@ -187,6 +188,12 @@ CalibrationOutcome calibrate_by_ramp(Bus& bus, const design::Design& design, con
   return fit.finish(max_kpa);
 }
 
+namespace {
+
+constexpr std::chrono::milliseconds kLockPatience{2'000};  // Another writer is done within milliseconds.
+
+}  // namespace
+
 CalibrationStore::CalibrationStore(std::filesystem::path folder)
     : folder_(folder.empty() ? state_home() / "calibration" : std::move(folder)) {}
 
@@ -206,16 +213,22 @@ std::optional<design::BoardCalibration> CalibrationStore::read(const std::string
 }
 
 void CalibrationStore::write(const design::BoardCalibration& board) const {
+  const WriterLock lock(file_of(board.serial), kLockPatience);
+  replace(board);
+}
+
+void CalibrationStore::replace(const design::BoardCalibration& board) const {
   std::error_code none;  // Errors are ignored here because writing the file reports them.
   std::filesystem::create_directories(folder_, none);
   write_file_atomically(file_of(board.serial), design::calibration_text(std::span(&board, 1)));
 }
 
 design::BoardCalibration CalibrationStore::renew(design::BoardCalibration board, int before) const {
+  const WriterLock lock(file_of(board.serial), kLockPatience);  // Two programs must not take the same revision.
   const auto here = read(board.serial);
   board.revision = std::max(before, here ? here->revision : 0) + 1;
   board.made = utc_text(unix_ns() / 1'000'000'000U);
-  write(board);
+  replace(board);
   return board;
 }
 

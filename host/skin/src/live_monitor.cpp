@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <iterator>
+#include <limits>
 #include <map>
 #include <string_view>
 #include <utility>
@@ -14,7 +17,9 @@ namespace {
 
 using wire::ModuleState;
 
-constexpr std::size_t kCellColumns = 6;  // Room for the sign of the module, four characters and a space.
+// Spaced: the sign of the module, four characters and a space.
+constexpr std::size_t kSpacedColumns = 6, kCloseColumns = 5, kDigitColumns = 2;
+constexpr std::size_t kGapColumns = 3;  // Space between islands.
 
 // Four characters that say what is wrong with a module; empty: nothing.
 std::string_view trouble_of(ModuleState state) {
@@ -45,6 +50,53 @@ std::string number(double counts, double kpa, PressureUnit unit) {
   if (unit == PressureUnit::kKpa) return kpa < 99.95 ? fmt::format("{:4.1f}", kpa) : fmt::format("{:4.0f}", kpa);
   if (unit == PressureUnit::kPercent) return fmt::format("{:3.0f}%", 100.0 * counts / layout::kRestCounts);
   return counts < 9999.5 ? fmt::format("{:4.0f}", counts) : fmt::format("{:3.0f}k", counts / 1000.0);
+}
+
+// Tenths of the range.
+std::string digit(double counts) {
+  return fmt::format("{:.0f}", std::clamp(std::floor(10.0 * counts / layout::kRestCounts), 0.0, 9.0));
+}
+
+// Characters that a line takes on the screen: without the colours of a terminal, and with one for each code point.
+std::size_t shown_columns(std::string_view line) {
+  std::size_t columns = 0;
+  for (std::size_t k = 0; k < line.size(); ++k) {
+    if (line[k] == '\033') {
+      k = line.find('m', k);
+      if (k == std::string_view::npos) break;
+    } else if ((static_cast<unsigned char>(line[k]) & 0xC0U) != 0x80U) {
+      ++columns;
+    }
+  }
+  return columns;
+}
+
+void append_right_of(std::vector<std::string>& lines, const std::vector<std::string>& block, std::size_t column) {
+  if (lines.size() < block.size()) lines.resize(block.size());
+  for (std::size_t k = 0; k < block.size(); ++k) {
+    lines[k].append(column - shown_columns(lines[k]), ' ');
+    lines[k] += block[k];
+  }
+}
+
+// Blocks in rows, as many beside each other as `columns` hold (0: any number).
+std::vector<std::string> side_by_side(const std::vector<std::vector<std::string>>& blocks, std::size_t columns) {
+  std::vector<std::string> all, row;
+  std::size_t used = 0;
+  for (const auto& block : blocks) {
+    std::size_t wide = 0;
+    for (const std::string& line : block) wide = std::max(wide, shown_columns(line));
+    if (!row.empty() && columns > 0 && used + kGapColumns + wide > columns) {
+      std::ranges::move(row, std::back_inserter(all));
+      row.clear();
+      used = 0;
+    }
+    const std::size_t at = row.empty() ? 0 : used + kGapColumns;
+    append_right_of(row, block, at);
+    used = at + wide;
+  }
+  std::ranges::move(row, std::back_inserter(all));
+  return all;
 }
 
 // Background of a cell, of the 256 colours of terminals.
@@ -116,7 +168,7 @@ int LiveMonitor::unheard(int patch) const {
       modules_of(patch), [&](const auto& routed) { return !modules_[static_cast<std::size_t>(routed.node)].heard; }));
 }
 
-std::string LiveMonitor::cell(int module, PressureUnit unit, bool colour) const {
+std::string LiveMonitor::cell(int module, PressureUnit unit, bool colour, CellForm form) const {
   const Module& m = modules_[static_cast<std::size_t>(module)];
   const auto change = touches_.change(module);
   const double counts = std::max(0.0, *std::ranges::max_element(change));
@@ -124,33 +176,62 @@ std::string LiveMonitor::cell(int module, PressureUnit unit, bool colour) const 
   for (std::size_t t = 0; t < change.size() && calibration_.complete(); ++t)
     kpa = std::max(kpa, calibration_.pressure_kpa(module, static_cast<int>(t), change[t]));
   const std::string_view trouble = m.heard ? trouble_of(m.state) : "  --";
-  const char* sign = design_.layout.modules[static_cast<std::size_t>(module)].tile.up ? "▲" : "▼";
-  const std::string text = sign + (trouble.empty() ? number(counts, kpa, unit) : std::string(trouble));
-  return colour ? fmt::format("\033[48;5;{}m{}\033[0m ", colour_of(counts, !trouble.empty()), text) : text + " ";
+  std::string text = design_.layout.modules[static_cast<std::size_t>(module)].tile.up ? "▲" : "▼";
+  if (form == CellForm::kDigit)
+    text += !m.heard ? "-" : !trouble.empty() ? "!" : digit(counts);
+  else
+    text += trouble.empty() ? number(counts, kpa, unit) : std::string(trouble);
+  if (colour) text = fmt::format("\033[48;5;{}m{}\033[0m", colour_of(counts, !trouble.empty()), text);
+  return form == CellForm::kSpaced ? text + " " : text;
 }
 
-std::vector<std::string> LiveMonitor::picture(int patch, PressureUnit unit, bool colour) const {
-  // Columns count half sides of a module: the up triangle of lattice cell (i, j) has its centre at 2i + j + 1, the
-  // down one at 2i + j + 2.
-  std::map<int, std::map<int, int>, std::greater<>> rows;  // Keyed by j, then by column: module.
-  for (const auto& routed : modules_of(patch)) {
-    const auto& tile = design_.layout.modules[static_cast<std::size_t>(routed.node)].tile;
-    rows[tile.j][2 * tile.i + tile.j + (tile.up ? 1 : 2)] = routed.node;
+std::vector<std::string> LiveMonitor::island_picture(const Rows& rows, PressureUnit unit, bool colour,
+                                                     std::size_t columns) const {
+  int first = std::numeric_limits<int>::max(), last = std::numeric_limits<int>::min();
+  for (const auto& [j, cells] : rows) {
+    first = std::min(first, cells.begin()->first);
+    last = std::max(last, cells.rbegin()->first);
   }
-  int first = 1 << 30;
-  for (const auto& [j, cells] : rows) first = std::min(first, cells.begin()->first);
+  const auto cells_wide = static_cast<std::size_t>(last - first + 1);
+  const CellForm form = columns == 0 || kSpacedColumns * cells_wide <= columns ? CellForm::kSpaced
+                        : kCloseColumns * cells_wide <= columns                ? CellForm::kClose
+                                                                               : CellForm::kDigit;
+  const std::size_t each = form == CellForm::kSpaced  ? kSpacedColumns
+                           : form == CellForm::kClose ? kCloseColumns
+                                                      : kDigitColumns;
+  const bool is_cut = columns > 0 && each * cells_wide > columns;
+  const int end = is_cut ? first + static_cast<int>((columns - 1) / each) : last + 1;
   std::vector<std::string> lines;
   for (const auto& [j, cells] : rows) {
     std::string line;
     int column = first;
     for (const auto& [at, module] : cells) {
-      line.append(static_cast<std::size_t>(at - column) * kCellColumns, ' ');
-      line += cell(module, unit, colour);
+      if (at >= end) break;
+      line.append(static_cast<std::size_t>(at - column) * each, ' ');
+      line += cell(module, unit, colour, form);
       column = at + 1;
     }
+    if (cells.rbegin()->first >= end) line += "…";
     lines.push_back(std::move(line));
   }
   return lines;
+}
+
+std::vector<std::string> LiveMonitor::picture(int patch, PressureUnit unit, bool colour, int columns) const {
+  // Columns count half sides of a module: the up triangle of lattice cell (i, j) has its centre at 2i + j + 1, the
+  // down one at 2i + j + 2.
+  std::map<int, Rows> islands;
+  for (const auto& routed : modules_of(patch)) {
+    const auto& placed = design_.layout.modules[static_cast<std::size_t>(routed.node)];
+    islands[placed.island][placed.tile.j][2 * placed.tile.i + placed.tile.j + (placed.tile.up ? 1 : 2)] = routed.node;
+  }
+  const auto width = static_cast<std::size_t>(std::max(0, columns));
+  std::vector<std::vector<std::string>> blocks;
+  for (const auto& [island, rows] : islands) {
+    blocks.push_back(island_picture(rows, unit, colour, width));
+    if (islands.size() > 1) blocks.back().insert(blocks.back().begin(), fmt::format("island {}", island));
+  }
+  return side_by_side(blocks, width);
 }
 
 }  // namespace triskin::device

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/skin/rest_store.hpp"
+#include "rest_store.hpp"
 
 #include <fmt/format.h>
 
@@ -7,9 +7,15 @@
 #include <vector>
 
 #include "triskin/base/files.hpp"
+#include "triskin/base/writer_lock.hpp"
 #include "triskin/core/bytes.hpp"
 
 namespace triskin::device {
+namespace {
+
+constexpr std::chrono::milliseconds kPatience{2'000};  // Another writer is done within milliseconds.
+
+}  // namespace
 
 RestStore::RestStore(const design::Design& design, std::span<const wire::NodeClaim> claims)
     : modules_(design.layout.modules.size()) {
@@ -29,6 +35,7 @@ design::RestValues RestStore::read() const {
 void RestStore::write(const design::RestValues& rest) const {
   std::error_code none;
   std::filesystem::create_directories(file_.parent_path(), none);
+  const WriterLock lock(file_, kPatience);
   write_file_atomically(file_, design::rest_text(rest));
 }
 

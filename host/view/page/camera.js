@@ -42,23 +42,74 @@ class Camera {
   }
 }
 
-/** Turns around a point of the body; z points up. */
+const DIAGONALS = [-1, 0, 1].flatMap((x) => [-1, 0, 1].flatMap((y) => [-1, 0, 1].map((z) => [x, y, z]))).filter((d) => d.some((v) => v !== 0)).map(unit);
+
+/** The direction toward which a body shows the most of its modules: the camera stands there. Without a clear answer it is in front (−y) and above.
+ * @param {Float32Array} normals three numbers a module */
+export function bestDirection(normals) {
+  const mean = [0, 0, 0];
+  for (let k = 0; k < normals.length; ++k) mean[k % 3] += normals[k];
+  const seen = (d) => {
+    let sum = 0;
+    for (let k = 0; k < normals.length; k += 3) sum += Math.max(0, normals[k] * d[0] + normals[k + 1] * d[1] + normals[k + 2] * d[2]);
+    return sum * (1 - 0.04 * d[1] + 0.03 * d[2]);
+  };
+  const ways = Math.hypot(...mean) > 0.3 * normals.length / 3 ? [unit(mean), ...DIAGONALS] : DIAGONALS;
+  return ways.reduce((best, d) => seen(d) > seen(best) + 1e-9 ? d : best, ways[0]);
+}
+
+const HALF_ANGLE = Math.tan(0.3);
+const MARGIN = 1.14; // room for the buttons over the drawing
+
+/** Turns around a point of the body; z points up. Views along an axis are orthographic until the view is turned. */
 export class OrbitCamera extends Camera {
   radius = 1;
   distance = 1;
   yaw = 0;
   pitch = 0;
-  /** @param {{low: number[], high: number[]}} box @param {number[]} toward where most modules face */
-  constructor(box, toward) { super(); this.box = box; this.toward = toward; this.reset(); }
-  reset() {
-    this.target = this.box.low.map((v, k) => (v + this.box.high[k]) / 2);
-    this.radius = Math.max(1, Math.hypot(...this.box.high.map((v, k) => v - this.box.low[k])) / 2);
-    this.distance = 0.85 * this.radius / Math.sin(0.3);
-    const n = unit(this.toward);
+  orthographic = false;
+  fitted = true; // shows the whole body at any size of the pane
+  /** @param {ArrayLike<number>} points of the body, all of which are to be seen @param {number[]} toward where the camera stands at first */
+  constructor(points, toward) {
+    super();
+    this.points = points;
+    this.toward = toward;
+    const box = boxOf(points);
+    this.middle = box.low.map((v, k) => (v + box.high[k]) / 2);
+    this.radius = Math.max(1, Math.hypot(...box.high.map((v, k) => v - box.low[k])) / 2);
+    this.reset();
+  }
+  reset() { this.look(this.toward, false); }
+  /** Looks at the whole body from a direction. @param {number[]} toward @param {boolean} orthographic */
+  look(toward, orthographic) {
+    const n = unit(toward);
     this.yaw = Math.hypot(n[0], n[1]) > 1e-3 ? Math.atan2(n[1], n[0]) : -Math.PI / 2;
-    this.pitch = clamp(Math.asin(clamp(n[2], -1, 1)), -1.5, 1.5);
+    this.pitch = orthographic ? Math.asin(clamp(n[2], -1, 1)) : clamp(Math.asin(clamp(n[2], -1, 1)), -1.5, 1.5);
+    this.orthographic = orthographic;
+    this.fitted = true;
     this.update();
   }
+  // The smallest distance from which every point lies in the pane, seen toward the middle of what is drawn.
+  fit() {
+    const {back, right, up} = this.axes(), wide = this.half_width(), high = this.half_height();
+    this.target = this.middle.slice();
+    for (let turn = 0; turn < 3; ++turn) {
+      const ends = {right: [Infinity, -Infinity], up: [Infinity, -Infinity]};
+      let distance = 0;
+      for (let k = 0; k + 2 < this.points.length; k += 3) {
+        const p = [this.points[k] - this.target[0], this.points[k + 1] - this.target[1], this.points[k + 2] - this.target[2]];
+        const x = dot(p, right), y = dot(p, up), z = this.orthographic ? 0 : dot(p, back);
+        ends.right = [Math.min(ends.right[0], x), Math.max(ends.right[1], x)];
+        ends.up = [Math.min(ends.up[0], y), Math.max(ends.up[1], y)];
+        distance = Math.max(distance, z + MARGIN * Math.max(Math.abs(x) / wide, Math.abs(y) / high));
+      }
+      this.distance = Math.max(distance, this.radius * 0.05);
+      if (turn < 2) this.target = add(add(this.target, right, (ends.right[0] + ends.right[1]) / 2), up, (ends.up[0] + ends.up[1]) / 2);
+    }
+  }
+  // Half of what the pane shows at a distance of 1.
+  half_height() { return HALF_ANGLE / Math.min(1, this.width / this.height); }
+  half_width() { return this.half_height() * this.width / this.height; }
   axes() {
     const back = [Math.cos(this.pitch) * Math.cos(this.yaw), Math.cos(this.pitch) * Math.sin(this.yaw), Math.sin(this.pitch)];
     const right = [-Math.sin(this.yaw), Math.cos(this.yaw), 0];
@@ -66,26 +117,43 @@ export class OrbitCamera extends Camera {
   }
   eye() { return add(this.target, this.axes().back, this.distance); }
   update() {
+    if (this.fitted && this.points.length > 0) this.fit();
     const {back, right, up} = this.axes(), eye = add(this.target, back, this.distance);
-    const fit = Math.min(1, this.width / this.height); // a narrow pane sees the whole body too
-    const f = fit / Math.tan(0.3), near = Math.max(this.distance * 0.01, this.distance - 4 * this.radius), far = this.distance + 4 * this.radius;
-    const a = (far + near) / (near - far), b = 2 * far * near / (near - far), aspect = this.width / this.height;
-    const rows = [right.map((v) => v * f / aspect), up.map((v) => v * f), back];
+    this.mm_per_pixel = 2 * this.distance * this.half_height() / this.height;
+    this.back = back;
+    this.light = unit(add(add(back, up, 0.35), right, 0.25));
+    if (this.orthographic) this.setParallel(right, up, back); else this.setPerspective(right, up, back, eye);
+  }
+  setPerspective(right, up, back, eye) {
+    const near = Math.max(this.distance * 0.01, this.distance - 4 * this.radius), far = this.distance + 4 * this.radius;
+    const a = (far + near) / (near - far), b = 2 * far * near / (near - far);
+    const rows = [right.map((v) => v / this.half_width()), up.map((v) => v / this.half_height()), back];
     const shift = rows.map((row) => -dot(row, eye));
     this.matrix.set([rows[0][0], rows[1][0], a * back[0], -back[0], rows[0][1], rows[1][1], a * back[1], -back[1],
                      rows[0][2], rows[1][2], a * back[2], -back[2], shift[0], shift[1], a * shift[2] + b, -shift[2]]);
-    this.mm_per_pixel = 2 * this.distance / (f * this.height);
-    this.back = back;
-    this.light = unit(add(add(back, up, 0.35), right, 0.25));
   }
-  turn(dx, dy) { this.yaw -= dx * 0.006; this.pitch = clamp(this.pitch + dy * 0.006, -1.55, 1.55); this.update(); }
+  setParallel(right, up, back) {
+    const rows = [right.map((v) => v / (this.distance * this.half_width())), up.map((v) => v / (this.distance * this.half_height())),
+                  back.map((v) => -v / (8 * this.radius))];
+    const shift = rows.map((row) => -dot(row, this.target));
+    this.matrix.set([rows[0][0], rows[1][0], rows[2][0], 0, rows[0][1], rows[1][1], rows[2][1], 0, rows[0][2], rows[1][2], rows[2][2], 0,
+                     shift[0], shift[1], shift[2], 1]);
+  }
+  turn(dx, dy) {
+    this.orthographic = this.fitted = false;
+    this.yaw -= dx * 0.006;
+    this.pitch = clamp(this.pitch + dy * 0.006, -1.55, 1.55);
+    this.update();
+  }
   move(dx, dy) {
     const {right, up} = this.axes();
+    this.fitted = false;
     this.target = add(add(this.target, right, -dx * this.mm_per_pixel), up, dy * this.mm_per_pixel);
     this.update();
   }
-  zoom(factor) { this.distance = clamp(this.distance * factor, this.radius * 0.05, this.radius * 20); this.update(); }
+  zoom(factor) { this.fitted = false; this.distance = clamp(this.distance * factor, this.radius * 0.05, this.radius * 40); this.update(); }
   focus(point, normal) {
+    this.fitted = this.orthographic = false;
     this.target = point.slice();
     this.yaw = Math.atan2(normal[1], normal[0]);
     this.pitch = clamp(Math.asin(clamp(normal[2], -1, 1)), -1.55, 1.55);
@@ -95,6 +163,7 @@ export class OrbitCamera extends Camera {
   ray(x, y) {
     const {back, right, up} = this.axes(), from = this.eye();
     const dx = (x - this.width / 2) * this.mm_per_pixel, dy = (this.height / 2 - y) * this.mm_per_pixel;
+    if (this.orthographic) return {from: add(add(add(from, back, 4 * this.radius), right, dx), up, dy), along: back.map((v) => -v)};
     return {from, along: unit(add(add(back.map((v) => -v * this.distance), right, dx), up, dy))};
   }
 }
@@ -126,20 +195,24 @@ export class PlaneCamera extends Camera {
   }
 }
 
-/** The nearest module that shows its front to the ray; −1: none. @param {Float32Array} corners @param {Float32Array} normals */
-export function pick(corners, normals, ray) {
-  let nearest = Infinity, found = -1;
+/** @typedef {{module: number, at: number[]}} Hit module −1: none */
+/** The nearest module that shows its front to the ray, and where. Hidden ones are looked through. @param {Float32Array} corners @param {Float32Array} normals
+ * @param {Uint8Array} [shown] 1: the module is shown @returns {Hit} */
+export function hitOf(corners, normals, ray, shown) {
+  let nearest = Infinity;
+  const found = {module: -1, at: [0, 0, 0]};
   for (let k = 0; k < normals.length / 3; ++k) {
-    const n = normals.subarray(3 * k, 3 * k + 3), slope = dot(n, ray.along);
-    if (slope > -1e-6) continue;
-    const p = corners.subarray(9 * k, 9 * k + 9);
-    const t = dot(n, [p[0] - ray.from[0], p[1] - ray.from[1], p[2] - ray.from[2]]) / slope;
+    const x = normals[3 * k], y = normals[3 * k + 1], z = normals[3 * k + 2], slope = x * ray.along[0] + y * ray.along[1] + z * ray.along[2];
+    if (slope > -1e-6 || (shown && !shown[k])) continue;
+    const t = (x * (corners[9 * k] - ray.from[0]) + y * (corners[9 * k + 1] - ray.from[1]) + z * (corners[9 * k + 2] - ray.from[2])) / slope;
     if (t <= 0 || t >= nearest) continue;
     const q = add(ray.from, ray.along, t);
-    if (inside(p, q, n)) { nearest = t; found = k; }
+    if (inside(corners.subarray(9 * k, 9 * k + 9), q, [x, y, z])) { nearest = t; found.module = k; found.at = q; }
   }
   return found;
 }
+/** The module of hitOf; −1: none. */
+export const pick = (corners, normals, ray, shown) => hitOf(corners, normals, ray, shown).module;
 
 function inside(p, q, n) {
   for (let s = 0; s < 3; ++s) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // @ts-check
 // Draws both views where the browser has no WebGL: the same calls as GlDrawing, painted from back to front.
-import {css, heatColor} from "./colors.js";
+import {colorOf, css, heatColor} from "./colors.js";
 import {TAXELS} from "./model.js";
 
 export class CanvasDrawing {
@@ -16,6 +16,7 @@ export class CanvasDrawing {
     this.kind = "canvas";
   }
   setMarks(view, name, marks) { this.marks[view][name] = marks; }
+  showModules() {}
   setColors(colors) { this.colors = colors; }
   setHeat(heat) { this.heat = heat; }
   resize(width, height) {
@@ -41,6 +42,7 @@ export class CanvasDrawing {
   drawView({name, camera}, shape, shown) {
     const items = [];
     for (let k = 0; k < this.model.count; ++k) {
+      if (!this.model.shows(k)) continue;
       const points = [0, 3, 6].map((c) => camera.project(shape.corners, 9 * k + c));
       items.push({depth: Math.max(points[0][2], points[1][2], points[2][2]), k, points});
     }
@@ -68,11 +70,11 @@ export class CanvasDrawing {
     const outline = k < 0 || this.model.corners === 3 ? points : this.model.outline(shape, k).map((p) => camera.project(p));
     this.triangle(outline, k < 0 ? "rgb(190,190,190)" : css([0, 1, 2].map((c) => light * this.colors[3 * k + c])));
     if (k < 0 || shown.taxels === false) return;
-    const radius = 1.5 / camera.mm_per_pixel;
+    const radius = 1.2 / camera.mm_per_pixel;
     for (let t = TAXELS * k; t < TAXELS * (k + 1); ++t) {
       if (this.heat[t] <= 0 && radius < 1.5) continue;
       const [x, y] = camera.project(shape.taxels, 3 * t);
-      this.paint.fillStyle = this.heat[t] > 0 ? css(heatColor(this.heat[t])) : this.heat[t] < 0 ? "#80858c" : "#e0e6ea";
+      this.paint.fillStyle = css(this.heat[t] > 0 ? heatColor(this.heat[t]) : colorOf(this.heat[t] < 0 ? "noValue" : "rest"));
       this.paint.beginPath();
       this.paint.arc(x, y, Math.max(1.5, radius * (1 + 0.7 * Math.max(0, this.heat[t]))), 0, 2 * Math.PI);
       this.paint.fill();

@@ -2,6 +2,7 @@
 // @ts-check
 // Draws both views with WebGL: one draw call for all modules, one for all taxels (instanced), a few for the rest.
 import * as THREE from "./three.js";
+import {colorOf, HEAT} from "./colors.js";
 import {Model, normalOf, TAXELS} from "./model.js";
 
 const SHADED = `
@@ -17,21 +18,32 @@ void main() {
 const PLAIN = `precision mediump float; varying vec3 vColor; void main() { gl_FragColor = vec4(vColor, 1.0); }`;
 const TWO_SIDED = `precision mediump float; varying vec3 vColor;
 void main() { gl_FragColor = vec4(gl_FrontFacing ? vColor : vec3(0.32, 0.33, 0.35) , 1.0); }`;
+const glsl = (color) => `vec3(${color.map((v) => v.toFixed(4)).join(",")})`;
+// A taxel at rest is a small dot that is left out where modules are small; a pressed one is never smaller than three pixels and has a dark rim, so that it
+// shows on modules of any colour. Heat below −1: the module is hidden.
 const TAXEL = `
 attribute vec3 position; attribute vec3 centre; attribute vec3 normal; attribute float heat;
-uniform mat4 viewProjection; uniform float lift;
-varying vec3 vColor;
+uniform mat4 viewProjection; uniform float lift; uniform float pixel;
+varying vec3 vColor; varying float vOut; varying float vRim;
 void main() {
   vec3 far = abs(normal.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0);
   vec3 u = normalize(cross(far, normal)), v = cross(normal, u);
-  float x = clamp(heat, 0.0, 1.0), radius = 1.5 + 1.1 * x;
+  float x = clamp(heat, 0.0, 1.0), radius = heat > 0.0 ? max(1.7 + 1.1 * x, 1.5 * pixel) : pixel < 0.8 ? 1.15 : 0.0;
+  if (heat < -1.5) radius = 0.0;
   gl_Position = viewProjection * vec4(centre + (lift + x) * normal + radius * (position.x * u + position.y * v), 1.0);
-  vec3 hot = vec3(min(1.0, 0.55 + 0.9 * x), clamp(1.5 * x - 0.25, 0.0, 1.0), max(0.0, 2.5 * x - 1.8));
-  vColor = heat > 0.0 ? hot : heat < 0.0 ? vec3(0.5, 0.52, 0.55) : vec3(0.88, 0.9, 0.92);
+  float at = 3.0 * x;
+  vec3 hot = at < 1.0 ? mix(${glsl(HEAT[0])}, ${glsl(HEAT[1])}, at)
+           : at < 2.0 ? mix(${glsl(HEAT[1])}, ${glsl(HEAT[2])}, at - 1.0) : mix(${glsl(HEAT[2])}, ${glsl(HEAT[3])}, at - 2.0);
+  vColor = heat > 0.0 ? hot : heat < 0.0 ? ${glsl(colorOf("noValue"))} : ${glsl(colorOf("rest"))};
+  vOut = length(position.xy);
+  vRim = heat > 0.0 ? 0.86 : 2.0;
 }`;
+const RIMMED = `precision mediump float; varying vec3 vColor; varying float vOut; varying float vRim;
+void main() { gl_FragColor = vec4(vOut > vRim ? vec3(0.1) : vColor, 1.0); }`;
 
 const uniforms = () => ({viewProjection: {value: new THREE.Matrix4()}, light: {value: new THREE.Vector3(0, 0, 1)},
-                         back: {value: new THREE.Vector3(0, 0, 1)}, lift: {value: 0}, shade: {value: 1}, sink: {value: 0}});
+                         back: {value: new THREE.Vector3(0, 0, 1)}, lift: {value: 0}, shade: {value: 1}, sink: {value: 0},
+                         pixel: {value: 0}});
 const material = (vertexShader, fragmentShader) =>
     new THREE.RawShaderMaterial({vertexShader, fragmentShader, uniforms: uniforms(), side: THREE.DoubleSide});
 const meshOf = (geometry, look) => { const mesh = new THREE.Mesh(geometry, look); mesh.frustumCulled = false; return mesh; };
@@ -50,6 +62,7 @@ function trianglesOf(points, normals, colors) {
 function moduleGeometry(model, shape) {
   const each = 9 * (model.corners - 2), points = new Float32Array(each * model.count), normals = new Float32Array(points.length);
   for (let k = 0; k < model.count; ++k) {
+    if (!model.shows(k)) continue; // its triangles stay in one point
     const centre = Model.centre(shape.corners, k);
     const outline = model.outline(shape, k).map((p) => p.map((v, x) => centre[x] + 0.955 * (v - centre[x])));
     for (let t = 0; t + 2 < outline.length; ++t) // a fan from the first corner
@@ -137,7 +150,7 @@ export class GlDrawing {
       parts.surface.material.uniforms.sink.value = sink;
     }
     add("modules", moduleGeometry(this.model, shape), material(SHADED, TWO_SIDED), 0.4, surface ? 1 : 0);
-    add("taxels", taxelGeometry(shape, this.heat, this.rim), material(TAXEL, PLAIN), 1.0, 0);
+    add("taxels", taxelGeometry(shape, this.heat, this.rim), material(TAXEL, RIMMED), 1.0, 0);
     return {scene, parts};
   }
 
@@ -149,6 +162,15 @@ export class GlDrawing {
     parts[name] = meshOf(trianglesOf(marks.points, new Float32Array(marks.points.length), marks.colors), material(SHADED, PLAIN));
     parts[name].material.uniforms.shade.value = 0;
     scene.add(parts[name]);
+  }
+
+  /** Takes over which modules are shown. */
+  showModules() {
+    for (const [view, {parts}] of Object.entries(this.scenes)) {
+      const geometry = moduleGeometry(this.model, view === "cover" ? this.model.cover : this.model.flat);
+      parts.modules.geometry.dispose();
+      parts.modules.geometry = geometry;
+    }
   }
 
   /** @param {Float32Array} colors three numbers a module */
@@ -177,6 +199,7 @@ export class GlDrawing {
         mesh.material.uniforms.viewProjection.value.fromArray(camera.matrix);
         mesh.material.uniforms.light.value.fromArray(camera.light);
         mesh.material.uniforms.back.value.fromArray(camera.back);
+        mesh.material.uniforms.pixel.value = camera.mm_per_pixel;
       }
       this.renderer.setViewport(left, height - top - camera.height, camera.width, camera.height);
       this.renderer.setScissor(left, height - top - camera.height, camera.width, camera.height);

@@ -2,17 +2,21 @@
 // @ts-check
 // Puts the page together: model, cameras, drawing, live skin, keys.
 import {CanvasDrawing} from "./canvas_drawing.js";
-import {boxOf, OrbitCamera, pick, PlaneCamera} from "./camera.js";
+import {bestDirection, hitOf, OrbitCamera, PlaneCamera, boxOf} from "./camera.js";
 import {contactsOf} from "./contacts.js";
-import {FAULT, heatOf, modesOf} from "./colors.js";
+import {colorOf, heatOf, modesOf} from "./colors.js";
 import {GlDrawing} from "./gl_drawing.js";
+import {History} from "./history.js";
+import {Labels} from "./labels.js";
+import {fillLegend} from "./legend.js";
 import {FIRST_FAULT, LiveLink, LiveSkin} from "./live.js";
-import {jumperMarks, seamMarks, selectionMarks, treeMarks} from "./marks.js";
+import {faultMarks, findingMarks, jumperMarks, seamMarks, selectionMarks, treeMarks} from "./marks.js";
 import {Model, TAXELS} from "./model.js";
 import {Player} from "./player.js";
-import {byId, drawHistory, fillContacts, fillDesign, fillFaults, fillLegend, fillList, fillModule, pressedOf} from "./panel.js";
+import {byId, fillButtons, fillContacts, fillDesign, fillFaults, fillFindings, fillList, fillModule, foldParts, openPart, pressedOf} from "./panel.js";
 
-const LOST = [0.85, 0.1, 0.1], REROUTED = [0.95, 0.6, 0.1];
+const PRESSURE = 1; // the mode that shows the skin
+const SIDES = /** @type {[string, number[]][]} */ ([["+x", [1, 0, 0]], ["−x", [-1, 0, 0]], ["+y", [0, 1, 0]], ["−y", [0, -1, 0]], ["+z", [0, 0, 1]], ["−z", [0, 0, -1]]]);
 
 class Page {
   link = /** @type {LiveLink | null} */ (null);
@@ -36,26 +40,27 @@ class Page {
     this.heat = new Float32Array(TAXELS * model.count);
     this.latencies = /** @type {number[]} */ ([]);
     this.intervals = /** @type {number[]} */ ([]);
-    this.history = /** @type {{at: number, value: number}[]} */ ([]);
+    this.history = new History();
+    this.measured = /** @type {{view: string, points: number[][]} | null} */ (null); // being measured
     this.dirty = true;
     this.views = this.makeViews();
     this.drawing = this.makeDrawing(byId("drawing"));
-    this.labels = byId("labels").getContext("2d");
-    for (const {name} of this.views) {
-      this.drawing.setMarks(name, "trees", treeMarks(model, model[name]));
-      this.drawing.setMarks(name, "seams", seamMarks(model, model[name]));
-      this.drawing.setMarks(name, "jumpers", jumperMarks(model, model[name]));
-    }
+    this.labels = new Labels(byId("labels").getContext("2d"), model);
+    foldParts();
     this.fillControls();
+    this.paintMarks();
     fillDesign(model);
+    fillFindings(model, (k) => this.select(k, true));
     this.resetHeat();
     if (online && !track) this.goOnline();
     for (const id of online && !track ? [] : ["live-part"]) byId(id).hidden = true;
     for (const id of online || track ? [] : ["contact-part", "fault-part"]) byId(id).hidden = true;
-    byId("history").hidden = !online || Boolean(track);
+    this.hasSkin = online || Boolean(track);
     new ResizeObserver(() => this.resize()).observe(byId("stage"));
-    this.setMode(0);
+    this.setMode(this.link ? PRESSURE : 0);
+    for (const part of this.hasSkin ? ["trees", "seams"] : []) byId(`show-${part}`).click(); // whoever looks at pressure does not look at wires
     this.resize();
+    openPart(this.hasSkin ? "contact-part" : "design-part");
     const place = /^#module-(\d+)$/.exec(location.hash); // view begins at the module that its argument named
     if (place) this.select(Number(place[1]), true);
     if (track) this.openRecording(track);
@@ -63,10 +68,10 @@ class Page {
   }
 
   makeViews() {
-    const {cover, flat, data} = this.model, toward = [0, 0, 0];
-    for (let k = 0; k < cover.normals.length; ++k) toward[k % 3] += cover.normals[k];
-    const box = boxOf(data.surface.vertices.length ? data.surface.vertices : cover.corners);
-    return [{name: "cover", camera: new OrbitCamera(box, Math.hypot(...toward) > 1e-3 ? toward : [0, -1, 0.3]), left: 0, top: 0},
+    const {cover, flat, data} = this.model, points = new Float32Array(cover.corners.length + data.surface.vertices.length);
+    points.set(cover.corners);
+    points.set(data.surface.vertices, cover.corners.length);
+    return [{name: "cover", camera: new OrbitCamera(points, bestDirection(cover.normals)), left: 0, top: 0},
             {name: "flat", camera: new PlaneCamera(boxOf(flat.corners)), left: 0, top: 0}];
   }
 
@@ -84,7 +89,7 @@ class Page {
     byId("mode").onchange = () => this.setMode(Number(byId("mode").value));
     for (const part of ["surface", "trees", "seams", "jumpers", "taxels", "numbers"]) {
       const box = byId(`show-${part}`);
-      box.onchange = () => { this.shown[part] = box.checked; this.dirty = true; };
+      box.onchange = () => { this.shown[part] = box.checked; this.showLegend(); this.dirty = true; };
       this.shown[part] = box.checked;
     }
     byId("joint-fails").onchange = () => { this.paintColors(); this.paintSelection(); };
@@ -93,6 +98,9 @@ class Page {
     byId("theme").onclick = () => this.setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark");
     byId("help").onclick = () => { byId("keys").hidden = !byId("keys").hidden; byId("help").setAttribute("aria-expanded", String(!byId("keys").hidden)); };
     this.setTheme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
+    fillButtons("sides", [["3-D", () => this.look(null)], ...SIDES.map(([name, toward]) => /** @type {[string, () => void]} */ ([name, () => this.look(toward)]))]);
+    byId("measure").onclick = () => this.measure(!this.measured);
+    byId("show-all").onclick = () => this.showOnly(() => true);
     this.views.forEach((view) => this.listen(view, byId(`pane-${view.name}`)));
   }
 
@@ -127,16 +135,77 @@ class Page {
       "+": () => camera.zoom(0.85), "=": () => camera.zoom(0.85), "-": () => camera.zoom(1 / 0.85), 0: () => camera.reset(), "[": () => choose(-1), "]": () => choose(1),
       Escape: () => this.select(-1, false), c: () => toggle("surface"), t: () => toggle("trees"), s: () => toggle("seams"), j: () => toggle("jumpers"), x: () => toggle("taxels"),
       n: () => toggle("numbers"), m: () => this.setMode((this.mode + 1) % this.modes.length), f: () => this.focus(),
+      i: () => this.isolate("patch"), a: () => this.showOnly(() => true), d: () => this.measure(!this.measured),
       p: () => this.player?.toggle(), l: () => byId("joint-fails").click(),
     };
+    SIDES.forEach(([, toward], n) => { actions[n + 1] = () => this.look(toward); });
     const action = actions[e.key.length === 1 ? e.key.toLowerCase() : e.key];
     if (action) { action(); this.dirty = true; }
     return Boolean(action);
   }
 
+  /** Looks along an axis; null: as at first. @param {number[] | null} toward */
+  look(toward) {
+    const camera = /** @type {OrbitCamera} */ (this.views[0].camera);
+    if (toward) camera.look(toward, true); else camera.reset();
+    this.dirty = true;
+  }
+
+  /** @param {boolean} on */
+  measure(on) {
+    this.measured = on ? {view: "", points: []} : null;
+    byId("measure").setAttribute("aria-pressed", String(on));
+    this.dirty = true;
+  }
+
+  /** Shows the modules for which `wanted` holds. @param {(k: number) => boolean} wanted */
+  showOnly(wanted) {
+    this.model.show(wanted);
+    const hidden = this.model.shown.reduce((n, shown) => n + 1 - shown, 0);
+    byId("show-all").hidden = hidden === 0;
+    byId("show-all").textContent = `show all (${hidden} hidden)`;
+    this.drawing.showModules();
+    this.paintMarks();
+    this.paintColors();
+    this.paintSelection();
+    this.resetHeat(false);
+  }
+  /** Shows only the controller ("patch") or the island of the chosen module. @param {string} row */
+  isolate(row) {
+    if (this.selected < 0) return;
+    const value = this.model.modules[this.selected][row];
+    this.showOnly((k) => this.model.modules[k][row] === value);
+  }
+  /** Hides them. @param {string} row */
+  hide(row) {
+    const value = this.model.modules[this.selected][row], before = this.model.shown.slice();
+    this.showOnly((k) => before[k] === 1 && this.model.modules[k][row] !== value);
+  }
+
+  // Marks that stay until other modules are shown.
+  paintMarks() {
+    const {model} = this;
+    for (const {name} of this.views) {
+      this.drawing.setMarks(name, "trees", treeMarks(model, model[name]));
+      this.drawing.setMarks(name, "seams", seamMarks(model, model[name]));
+      this.drawing.setMarks(name, "jumpers", jumperMarks(model, model[name]));
+      this.drawing.setMarks(name, "findings", model.findings.size ? findingMarks(model, model[name]) : null);
+    }
+  }
+
+  isFaulty(k) { return this.live.heard[k] === 1 && this.live.state[k] >= FIRST_FAULT; }
+  hasFaults() { return this.live.state.some((_, k) => this.isFaulty(k)); }
+  showLegend() { fillLegend(this.modes[this.mode], this.model, this.shown, this.hasFaults(), this.model.findings.size > 0); }
+
   click(view, x, y) {
-    const shape = this.model[view.name];
-    const module = pick(shape.corners, shape.normals, view.camera.ray(x, y));
+    const shape = this.model[view.name], hit = hitOf(shape.corners, shape.normals, view.camera.ray(x, y), this.model.shown), {module} = hit;
+    if (this.measured) {
+      if (module < 0) return;
+      if (this.measured.view !== view.name || this.measured.points.length === 2) this.measured = {view: view.name, points: []};
+      this.measured.points.push(hit.at);
+      this.dirty = true;
+      return;
+    }
     this.select(module, false);
     if (this.link && byId("finger").checked) this.link.send(module < 0 ? {do: "lift"} : {do: "press", module, taxel: -1});
   }
@@ -145,12 +214,21 @@ class Page {
   select(module, focus) {
     this.selected = Number.isInteger(module) && module >= 0 && module < this.model.count ? module : -1;
     byId("find").value = this.selected < 0 ? "" : String(this.selected);
-    this.history = [];
     if (this.selected < 0) byId("module").textContent = "Click a module, or choose it by number.";
-    if (this.selected >= 0) fillModule(this.model, this.live, this.selected);
+    if (this.selected >= 0) { fillModule(this.model, this.live, this.selected); openPart("module-part"); }
+    this.fillModuleButtons();
     if (focus) this.focus();
     this.paintColors();
     this.paintSelection();
+  }
+
+  fillModuleButtons() {
+    const k = this.selected;
+    byId("filters").hidden = k < 0;
+    fillButtons("filters", [["only its controller", () => this.isolate("patch")], ["only its island", () => this.isolate("island")],
+                            ["hide controller", () => this.hide("patch")], ["hide island", () => this.hide("island")]]);
+    fillButtons("taxels", k < 0 || !this.hasSkin ? [] : Array.from({length: TAXELS}, (_, t) => t).filter((t) => this.model.pressure[t]).map(
+      (t) => [String(t), () => { this.history.toggle(k, t); this.fillModuleButtons(); this.history.draw(this.live.newest_ms); }, this.history.has(k, t)]));
   }
 
   focus() {
@@ -165,7 +243,7 @@ class Page {
   setMode(mode) {
     this.mode = mode;
     byId("mode").value = String(mode);
-    fillLegend(this.modes[mode].legend);
+    this.showLegend();
     this.paintColors();
     this.paintSelection();
   }
@@ -181,10 +259,10 @@ class Page {
   paintColors() {
     const colors = new Float32Array(3 * this.model.count);
     for (let k = 0; k < this.model.count; ++k)
-      colors.set(this.live.heard[k] && this.live.state[k] >= FIRST_FAULT ? FAULT : this.modes[this.mode].color(k), 3 * k);
+      colors.set(this.isFaulty(k) ? colorOf("fault") : this.modes[this.mode].color(k), 3 * k);
     if (this.showsFailure()) {
       const failure = this.failure();
-      for (const k of failure.cut) colors.set(failure.lost.includes(k) ? LOST : REROUTED, 3 * k);
+      for (const k of failure.cut) colors.set(colorOf(failure.lost.includes(k) ? "lost" : "rerouted"), 3 * k);
     }
     this.drawing.setColors(colors);
     this.dirty = true;
@@ -200,14 +278,23 @@ class Page {
     this.dirty = true;
   }
 
-  resetHeat() {
-    for (let k = 0; k < this.heat.length; ++k) this.heat[k] = this.model.pressure[k % TAXELS] ? 0 : -1;
+  // −1: no valid value, −2: of a hidden module.
+  heatAt(k, t, valid) {
+    if (!this.model.shows(k)) return -2;
+    return this.model.pressure[t] && valid ? heatOf(this.live.change[TAXELS * k + t]) : -1;
+  }
+  /** @param {boolean} atRest as if nothing had been heard; otherwise as the skin is */
+  resetHeat(atRest = true) {
+    for (let k = 0; k < this.model.count; ++k) {
+      for (let t = 0; t < TAXELS; ++t) this.heat[TAXELS * k + t] = this.heatAt(k, t, atRest || !this.live.heard[k] || (this.live.valid[k] >> t & 1));
+    }
     this.drawing.setHeat(this.heat);
+    this.dirty = true;
   }
 
   openRecording(track) {
     byId("recording-part").hidden = false;
-    this.setMode(1); // live
+    this.setMode(PRESSURE);
     this.player = new Player(track, (frame) => this.takeFrame(frame), () => {
       this.live = new LiveSkin(this.model.count);
       this.contacts = [];
@@ -227,23 +314,19 @@ class Page {
     const before = this.live.state.slice(), heard = this.live.heard.slice();
     const changed = this.live.take(bytes);
     for (const k of changed) {
-      for (let t = 0; t < TAXELS; ++t) {
-        const valid = this.live.valid[k] >> t & 1;
-        this.heat[TAXELS * k + t] = this.model.pressure[t] && valid ? heatOf(this.live.change[TAXELS * k + t]) : -1;
-      }
+      for (let t = 0; t < TAXELS; ++t) this.heat[TAXELS * k + t] = this.heatAt(k, t, this.live.valid[k] >> t & 1);
     }
-    if (changed.some((k) => before[k] !== this.live.state[k] || !heard[k])) { this.faultsChanged = true; this.paintColors(); }
-    if (changed.includes(this.selected)) this.remember();
+    if (changed.some((k) => before[k] !== this.live.state[k] || !heard[k])) { this.faultsChanged = true; this.paintColors(); this.paintFaults(); }
+    this.history.remember(this.live, changed);
     this.drawing.setHeat(this.heat);
     this.fresh = true;
     this.dirty = true;
   }
 
-  remember() {
-    const values = this.live.change.subarray(TAXELS * this.selected, TAXELS * (this.selected + 1));
-    const now = performance.now();
-    this.history.push({at: now, value: Math.max(...values.map((v, t) => this.model.pressure[t] ? Math.abs(v) : 0))});
-    while (this.history[0].at < now - 10000) this.history.shift();
+  paintFaults() {
+    const some = this.hasFaults();
+    for (const {name} of this.views) this.drawing.setMarks(name, "faults", some ? faultMarks(this.model, this.model[name], (k) => this.isFaulty(k)) : null);
+    this.showLegend();
   }
 
   takeHealth(health) {
@@ -260,7 +343,7 @@ class Page {
     if (health.live || this.faultsChanged) fillFaults(this.live, (k) => this.select(k, true));
     this.faultsChanged = false;
     if (this.selected >= 0) fillModule(this.model, this.live, this.selected);
-    if (this.selected >= 0) drawHistory(this.history, now);
+    this.history.draw(this.live.newest_ms);
   }
 
   /** Contacts are listed ten times a second at most: a person reads no faster. */
@@ -274,18 +357,25 @@ class Page {
 
   resize() {
     const stage = byId("stage"), labels = byId("labels"), ratio = window.devicePixelRatio || 1;
-    const wide = stage.clientWidth, high = stage.clientHeight, half = Math.floor(wide / 2);
+    const wide = stage.clientWidth, high = stage.clientHeight, stacked = wide < 1.1 * high;
+    const half = Math.floor((stacked ? high : wide) / 2), rest = (stacked ? high : wide) - half;
+    stage.classList.toggle("stacked", stacked);
     this.drawing.resize(wide, high);
     labels.width = wide * ratio;
     labels.height = high * ratio;
-    this.labels.setTransform(ratio, 0, 0, ratio, 0, 0);
-    this.views.forEach((view, k) => { view.left = k * half; view.top = 0; view.camera.resize(k ? wide - half : half, high); });
+    this.labels.paint.setTransform(ratio, 0, 0, ratio, 0, 0);
+    this.views.forEach((view, k) => {
+      view.left = stacked ? 0 : k * half;
+      view.top = stacked ? k * half : 0;
+      if (stacked) view.camera.resize(wide, k ? rest : half); else view.camera.resize(k ? rest : half, high);
+    });
     this.dirty = true;
   }
 
   frame(at) {
     requestAnimationFrame((next) => this.frame(next));
     if (this.player) this.player.step(at);
+    if (this.player && this.fresh) this.history.draw(this.live.newest_ms);
     if (this.player && this.faultsChanged) { fillFaults(this.live, (k) => this.select(k, true)); this.faultsChanged = false; }
     if (!this.dirty) { this.lastFrame = 0; return; }
     this.dirty = false;
@@ -299,75 +389,7 @@ class Page {
     document.documentElement.dataset.ready = "yes";
   }
 
-  drawLabels() {
-    const stage = byId("stage");
-    this.labels.clearRect(0, 0, stage.clientWidth, stage.clientHeight);
-    for (const view of this.views) {
-      this.labels.save();
-      this.labels.translate(view.left, view.top);
-      this.labels.beginPath();
-      this.labels.rect(0, 0, view.camera.width, view.camera.height);
-      this.labels.clip();
-      if (this.shown.numbers) this.drawNumbers(view);
-      this.labels.restore();
-    }
-    this.drawRuler(this.views[1]);
-    this.drawContacts(this.views[0]);
-  }
-
-  // Which modules show their front unhidden changes only with the camera.
-  visibleNumbers({name, camera}) {
-    const key = camera.matrix.join() + camera.width, shape = this.model[name];
-    if (camera.numbersOf === key) return camera.numbers;
-    camera.numbersOf = key;
-    camera.numbers = [];
-    for (let k = 0; k < this.model.count; ++k) {
-      const [x, y] = camera.project(Model.centre(shape.corners, k));
-      if (x < 0 || y < 0 || x > camera.width || y > camera.height || !this.faces(camera, shape, k)) continue;
-      if (name === "flat" || pick(shape.corners, shape.normals, camera.ray(x, y)) === k) camera.numbers.push({k, x, y});
-    }
-    return camera.numbers;
-  }
-
-  drawNumbers(view) {
-    const size = Math.min(15, 5.5 / view.camera.mm_per_pixel);
-    if (size < 7) return;
-    Object.assign(this.labels, {font: `600 ${size.toFixed(1)}px system-ui, sans-serif`, textAlign: "center", textBaseline: "middle", lineWidth: 3});
-    this.labels.strokeStyle = "rgba(255,255,255,.85)";
-    this.labels.fillStyle = "#111";
-    for (const {k, x, y} of this.visibleNumbers(view)) {
-      this.labels.strokeText(String(k), x, y);
-      this.labels.fillText(String(k), x, y);
-    }
-  }
-
-  // A ring around each contact on the cover, also where the body hides it: then it is dashed.
-  drawContacts({left, camera}) {
-    for (const contact of this.contacts.slice(0, 8)) {
-      const [x, y] = camera.project(contact.centre);
-      const hidden = !this.faces(camera, this.model.cover, contact.module);
-      this.labels.setLineDash(hidden ? [4, 4] : []);
-      Object.assign(this.labels, {lineWidth: 2, strokeStyle: getComputedStyle(document.documentElement).getPropertyValue("--pick")});
-      this.labels.beginPath();
-      this.labels.arc(left + x, y, Math.max(9, 8 * Math.sqrt(contact.taxels.length) / camera.mm_per_pixel / 2), 0, 2 * Math.PI);
-      this.labels.stroke();
-    }
-    this.labels.setLineDash([]);
-  }
-
-  faces(camera, shape, k) {
-    const p = [0, 3, 6].map((c) => camera.project(shape.corners, 9 * k + c));
-    return (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) < (p[2][0] - p[0][0]) * (p[1][1] - p[0][1]);
-  }
-
-  drawRuler({left, camera}) {
-    const length = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000].find((mm) => mm / camera.mm_per_pixel >= 60) || 5000;
-    const wide = length / camera.mm_per_pixel, x = left + camera.width - wide - 14, y = camera.height - 14;
-    this.labels.fillStyle = getComputedStyle(document.documentElement).getPropertyValue("--front");
-    this.labels.fillRect(x, y, wide, 3);
-    Object.assign(this.labels, {font: "12px system-ui, sans-serif", textAlign: "center", textBaseline: "bottom"});
-    this.labels.fillText(`${length} mm`, x + wide / 2, y - 2);
-  }
+  drawLabels() { this.labels.draw(this.views, /** @type {any} */ (this.shown), this); }
 
   /** Where a taxel is drawn, in pixels of the window; for tests. */
   placeOf(viewName, module, taxel) {

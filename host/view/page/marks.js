@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // @ts-check
-// What is drawn on the modules: trees, entries, seams, the outline of the selection. All of it is coloured triangles in
-// the plane of a module, so that it lies right on the body and on the flat islands.
+// What is drawn on the modules: trees, entries, seams, faults, the outline of the selection. All of it is coloured triangles in the plane of a module, so that it
+// lies right on the body and on the flat islands. Marks of hidden modules are left out.
+import {colorOf} from "./colors.js";
 import {Model} from "./model.js";
 
 /** Triangles with a colour a corner; `lift` is their height over the module, mm. */
@@ -32,8 +33,9 @@ export class Marks {
   }
 }
 
-const JUMPER = [0.88, 0.42, 0.02];
-const DARK = [0.08, 0.09, 0.1], LIGHT = [0.97, 0.97, 0.97], SEAM = [0.62, 0.65, 0.68], CUT = [0.85, 0.15, 0.1];
+const PAPER = [0.97, 0.97, 0.97]; // the inside of a ring
+/** Length of the stub by which the flat view shows a jumper, mm. */
+export const STUB_MM = 9;
 
 const corner = (shape, k, c) => Array.from(shape.corners.subarray(9 * k + 3 * c, 9 * k + 3 * c + 3));
 const normal = (shape, k) => Array.from(shape.normals.subarray(3 * k, 3 * k + 3));
@@ -50,16 +52,26 @@ function addJoint(marks, shape, model, child, parent, color, width) {
 
 /** Trees of all patches with their entries. @param {Model} model */
 export function treeMarks(model, shape) {
-  const marks = new Marks(0.9);
-  model.modules.forEach((m, k) => { if (m.parent >= 0) addJoint(marks, shape, model, k, m.parent, DARK, 0.6); });
+  const marks = new Marks(0.9), dark = colorOf("tree");
+  model.modules.forEach((m, k) => { if (m.parent >= 0 && model.shows(k) && model.shows(m.parent)) addTreeJoint(marks, shape, model, k, m.parent); });
   model.data.patches.forEach((p) => {
-    if (p.entry >= 0) marks.disc(Model.centre(shape.corners, p.entry), normal(shape, p.entry), 3.4, DARK);
-    if (p.second_entry < 0) return;
-    marks.disc(Model.centre(shape.corners, p.second_entry), normal(shape, p.second_entry), 3.4, DARK);
+    if (p.entry >= 0 && model.shows(p.entry)) marks.disc(Model.centre(shape.corners, p.entry), normal(shape, p.entry), 3.4, dark);
+    if (p.second_entry < 0 || !model.shows(p.second_entry)) return;
+    marks.disc(Model.centre(shape.corners, p.second_entry), normal(shape, p.second_entry), 3.4, dark);
     marks.disc(Model.centre(shape.corners, p.second_entry).map((v, c) => v + 0.1 * normal(shape, p.second_entry)[c]),
-               normal(shape, p.second_entry), 2.2, LIGHT);
+               normal(shape, p.second_entry), 2.2, PAPER);
   });
   return marks;
+}
+
+// On the islands a line over a jumper would cross the whole drawing: the stub of the jumper stands for it.
+function addTreeJoint(marks, shape, model, child, parent) {
+  if (shape === model.flat && model.jumperBetween(child, parent)) {
+    for (const [from, to] of [[child, parent], [parent, child]])
+      marks.band(Model.centre(shape.corners, from), middle(shape, from, model.sideTowards(from, to)), normal(shape, from), 0.6, 0.6, colorOf("tree"));
+    return;
+  }
+  addJoint(marks, shape, model, child, parent, colorOf("tree"), 0.6);
 }
 
 /** Seams: sides between controllers, and joints inside a patch that are cut. @param {Model} model */
@@ -67,23 +79,59 @@ export function seamMarks(model, shape) {
   const marks = new Marks(0.7);
   const cut = new Set(model.data.patches.flatMap((p) => p.cut_joints.flatMap(([a, b]) => [`${a},${b}`, `${b},${a}`])));
   model.modules.forEach((m, k) => m.neighbours.forEach((n, side) => {
-    if (n < 0) return;
+    if (n < 0 || !model.shows(k)) return;
     const apart = model.modules[n].patch !== m.patch, isCut = cut.has(`${k},${n}`);
     const [from, to] = model.sideEnds(shape, k, side);
-    if (apart || isCut) marks.band(from, to, normal(shape, k), apart ? 1.6 : 1.0, 0, apart ? SEAM : CUT);
+    if (apart || isCut) marks.band(from, to, normal(shape, k), apart ? 1.6 : 0.8, 0, colorOf(apart ? "seam" : "cut"));
   }));
   return marks;
 }
 
-/** Jumpers: from the middle of one side to that of the other. @param {Model} model */
+/** The end of a jumper's stub on the islands, away from its module. @param {Model} model @param {any} jumper @param {number} end 0 or 1 */
+export function stubOf(model, jumper, end) {
+  const shape = model.flat, k = jumper.modules[end], from = middle(shape, k, jumper.sides[end]), centre = Model.centre(shape.corners, k);
+  const out = from.map((v, c) => v - centre[c]), length = Math.hypot(...out) || 1;
+  return {from, to: from.map((v, c) => v + STUB_MM * out[c] / length), out: out.map((v) => v / length)};
+}
+
+/** Jumpers: on the body from the middle of one side to that of the other, on the islands a stub at either side. @param {Model} model */
 export function jumperMarks(model, shape) {
-  const marks = new Marks(1.2);
-  for (const {modules, sides} of model.data.jumpers) {
-    const ends = modules.map((k, e) => middle(shape, k, sides[e]));
-    for (const k of modules) {
-      marks.band(ends[0], ends[1], normal(shape, k), 0.9, 0.9, JUMPER);
-      marks.disc(ends[modules.indexOf(k)], normal(shape, k), 1.8, JUMPER);
-    }
+  const marks = new Marks(1.2), color = colorOf("jumper");
+  for (const jumper of model.data.jumpers) {
+    const {modules, sides} = jumper, ends = modules.map((k, e) => middle(shape, k, sides[e]));
+    modules.forEach((k, e) => {
+      if (!model.shows(k)) return;
+      if (shape === model.flat) {
+        const {from, to} = stubOf(model, jumper, e);
+        marks.band(from, to, normal(shape, k), 0.9, 0.9, color);
+      } else {
+        marks.band(ends[0], ends[1], normal(shape, k), 0.9, 0.9, color);
+      }
+      marks.disc(ends[e], normal(shape, k), 1.8, color);
+    });
+  }
+  return marks;
+}
+
+/** A cross on each module whose chip is at fault. @param {Model} model @param {(k: number) => boolean} isFaulty */
+export function faultMarks(model, shape, isFaulty) {
+  const marks = new Marks(1.3);
+  for (let k = 0; k < model.count; ++k) {
+    if (!isFaulty(k) || !model.shows(k)) continue;
+    const centre = Model.centre(shape.corners, k);
+    for (let c = 0; c < 3; ++c)
+      marks.band(centre, corner(shape, k, c).map((v, x) => centre[x] + 0.5 * (v - centre[x])), normal(shape, k), 0.7, 0.7, colorOf("tree"));
+  }
+  return marks;
+}
+
+/** A diamond on each module that verify has a finding for. @param {Model} model */
+export function findingMarks(model, shape) {
+  const marks = new Marks(1.35);
+  for (const k of model.findings.keys()) {
+    if (!model.shows(k)) continue;
+    marks.disc(Model.centre(shape.corners, k), normal(shape, k), 5.4, colorOf("finding"));
+    marks.disc(Model.centre(shape.corners, k).map((v, c) => v + 0.05 * normal(shape, k)[c]), normal(shape, k), 3.2, PAPER);
   }
   return marks;
 }
@@ -93,7 +141,7 @@ export function selectionMarks(model, shape, k, failure, color) {
   const marks = new Marks(1.4);
   model.outline(shape, k).forEach((point, c, all) => marks.band(point, all[(c + 1) % all.length], normal(shape, k), 2.2, 0.8, color));
   for (const [child, parent] of failure ? failure.backup : []) {
-    if (parent >= 0) addJoint(marks, shape, model, child, parent, [0.1, 0.25, 0.95], 1.3);
+    if (parent >= 0) addJoint(marks, shape, model, child, parent, colorOf("backup"), 1.3);
   }
   return marks;
 }

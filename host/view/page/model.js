@@ -27,7 +27,7 @@ export function normalOf(p, at) {
 
 /** Lays the islands out in rows of about the shape of a screen. @returns {number[][]} shift of each island, mm */
 function packIslands(boxes) {
-  const gap = 30;
+  const gap = 36; // room for names and for stubs of jumpers
   const order = boxes.map((_, k) => k).sort((a, b) => boxes[b].height - boxes[a].height);
   const area = boxes.reduce((sum, b) => sum + (b.width + gap) * (b.height + gap), 0);
   const rowWidth = Math.max(Math.sqrt(area), ...boxes.map((b) => b.width));
@@ -43,6 +43,8 @@ function packIslands(boxes) {
 }
 
 export class Model {
+  /** Upper left corner of each island on the plane, mm. */
+  islandCorners = /** @type {number[][]} */ ([]);
   /** @param {any} data what model.json holds (docs/view.md) */
   constructor(data) {
     this.data = data;
@@ -58,7 +60,23 @@ export class Model {
     /** N for a count of each taxel; null: numbers are counts. @type {Float64Array | null} */
     this.newtonPerCount = data.newton_per_count ? Float64Array.from(data.newton_per_count.flat()) : null;
     this.pressure = Array.from({length: TAXELS}, (_, t) => !data.temperature_pads.includes(t));
+    /** 1: the module is shown. */
+    this.shown = new Uint8Array(this.count).fill(1);
+    this.shownVersion = 0; // grows when that changes
+    /** What verify found, by module; what names no module stands at the entry of its controller. @type {Map<number, any[]>} */
+    this.findings = new Map();
+    for (const f of data.findings ?? []) {
+      const at = f.module >= 0 ? f.module : f.patch >= 0 ? data.patches[f.patch]?.entry ?? -1 : -1;
+      if (at >= 0 && at < this.count) this.findings.set(at, [...this.findings.get(at) ?? [], f]);
+    }
   }
+
+  /** @param {number} k */
+  shows(k) { return this.shown[k] === 1; }
+  /** Shows the modules for which `wanted` holds, and no others. @param {(k: number) => boolean} wanted */
+  show(wanted) { for (let k = 0; k < this.count; ++k) this.shown[k] = wanted(k) ? 1 : 0; ++this.shownVersion; }
+  /** The cover of a robot that a module is on; −1: the design is of one cover. @param {number} k */
+  coverOf(k) { return (this.data.covers ?? []).findLastIndex((c) => c.first_module <= k); }
 
   // Corners (9 numbers a module), taxels (36) and normals (3) on the body.
   coverShape() {
@@ -90,6 +108,7 @@ export class Model {
       b.width = b.right - b.left; b.height = b.top - b.bottom;
     }
     const shift = packIslands(boxes);
+    this.islandCorners = boxes.map((b, k) => [b.left + shift[k][0], b.top + shift[k][1], 0]);
     const corners = new Float32Array(9 * this.count), taxels = new Float32Array(36 * this.count);
     const normals = new Float32Array(3 * this.count);
     tiles.forEach((tile, k) => {
@@ -135,9 +154,12 @@ export class Model {
     return this.corners === 3 ? ends.map(([from]) => from) : ends.flat();
   }
 
+  /** The jumper between two modules; undefined: none. @param {number} k @param {number} other */
+  jumperBetween(k, other) { return this.data.jumpers.find((j) => j.modules.includes(k) && j.modules.includes(other)); }
+
   /** The side at which module k is joined to another, over a jumper too; −1: nowhere. */
   sideTowards(k, other) {
-    const jumper = this.data.jumpers.find((j) => j.modules.includes(k) && j.modules.includes(other));
+    const jumper = this.jumperBetween(k, other);
     return jumper ? jumper.sides[jumper.modules.indexOf(k)] : this.modules[k].neighbours.indexOf(other);
   }
 

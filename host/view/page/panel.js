@@ -18,28 +18,34 @@ export function fillList(list, rows) {
   }));
 }
 
-/** Legend of a mode: its markup is of this program; colours are set here because the page allows no inline style. */
-export function fillLegend(html) {
-  byId("legend").innerHTML = html;
-  byId("legend").querySelectorAll("[data-color]").forEach((e) => { e.style.background = e.dataset.color; });
-  byId("legend").querySelectorAll("[data-scale]").forEach((e) => { e.style.background = `linear-gradient(to right, ${e.dataset.scale})`; });
-}
-
 /** @param {import("./model.js").Model} model */
 export function fillDesign(model) {
   const d = model.data;
   byId("name").textContent = d.name;
   document.title = `${d.name} – triskin view`;
   fillList(byId("design"), [["modules", model.count], ["controllers", d.patches.length], ["islands", d.islands], ["jumpers", d.jumpers.length], ["area", `${d.area_cm2} cm²`],
-                            ["coverage", `${Math.round(100 * d.coverage)} %`], ["design", d.design_id]]);
+                            ["coverage", `${Math.round(100 * d.coverage)} %`],
+    ...(d.side ? /** @type {[string, string][]} */ ([["side of the part", d.side.taken], ["wall", `${d.side.mean_mm} mm`]]) : []),
+    ...(d.covers ?? []).map((c) => /** @type {[string, string]} */ ([c.name, `${c.modules} modules, ${Math.round(100 * c.coverage)} % of ${c.area_cm2} cm²`])),
+    ["design", d.design_id]]);
 }
 
 const entryText = (model, k) => model.isEntry(k) ? "cable (entry)" : model.modules[k].parent >= 0 ? `module ${model.modules[k].parent}` : "none";
 
 /** Everything on one module. @param {import("./model.js").Model} model @param {import("./live.js").LiveSkin} live */
 export function fillModule(model, live, k) {
-  const m = model.modules[k], failure = model.failureOf(k), joint = model.failureOf(k, m.parent), list = document.createElement("dl");
-  const rows = /** @type {[string, string|number][]} */ ([["module", k], ["island, tile", `${m.island}: ${m.tile[0]}, ${m.tile[1]} ${m.tile[2] ? "up" : "down"}`]]);
+  const m = model.modules[k], list = document.createElement("dl");
+  const rows = /** @type {[string, string|number][]} */ ([["module", k]]), cover = model.coverOf(k);
+  if (cover >= 0) rows.push(["cover", `${model.data.covers[cover].name}, its module ${k - model.data.covers[cover].first_module}`]);
+  if (live.heard[k]) rows.push(["chip", STATES[live.state[k]] || "?"], ["taxels pressed", pressedOf(model, live, k).join(" ") || "none"]);
+  for (const f of model.findings.get(k) ?? []) rows.push(["finding", `${f.text}; ${f.remedy}`]);
+  rows.push(...moduleRows(model, k, m));
+  fillList(list, rows);
+  byId("module").replaceChildren(list);
+}
+
+function moduleRows(model, k, m) {
+  const failure = model.failureOf(k), joint = model.failureOf(k, m.parent), rows = /** @type {[string, string|number][]} */ ([["island, tile", `${m.island}: ${m.tile[0]}, ${m.tile[1]} ${m.tile[2] ? "up" : "down"}`]]);
   if (m.kind) rows.push(["kind", m.kind]);
   if (m.patch >= 0) {
     rows.push(["controller", `${m.patch} (node ${m.patch + 1})`], ["line strap", m.line], ["address strap", `${m.address} (0x${(0x2c + m.address).toString(16).toUpperCase()})`],
@@ -50,10 +56,8 @@ export function fillModule(model, live, k) {
   for (const j of model.data.jumpers) {
     if (j.modules.includes(k)) rows.push(["jumper", `to module ${j.modules[0] === k ? j.modules[1] : j.modules[0]}, ${j.length_mm} mm`]);
   }
-  model.data.metrics.forEach((metric, row) => rows.push([metric.name, `${m.metrics[row]} ${metric.unit}` + (metric.limit ? ` of ${metric.limit}` : "")]));
-  if (live.heard[k]) rows.push(["chip", STATES[live.state[k]] || "?"], ["taxels pressed", pressedOf(model, live, k).join(" ") || "none"]);
-  fillList(list, rows);
-  byId("module").replaceChildren(list);
+  model.data.metrics.forEach((metric, row) => rows.push([metric.name, `${m.metrics[row]}${metric.limit ? ` of ${metric.limit}` : ""} ${metric.unit}`]));
+  return rows;
 }
 
 /** Taxels of a module that are under pressure. */
@@ -95,15 +99,34 @@ export function fillFaults(live, choose) {
   return rows.length;
 }
 
-/** Curve of the largest change of the chosen module. @param {{at: number, value: number}[]} samples */
-export function drawHistory(samples, now) {
-  const canvas = byId("history"), paint = canvas.getContext("2d"), span = 10000;
-  paint.clearRect(0, 0, canvas.width, canvas.height);
-  paint.strokeStyle = getComputedStyle(document.documentElement).getPropertyValue("--pick");
-  const most = Math.max(PRESSED_COUNTS, ...samples.map((s) => s.value));
-  paint.beginPath();
-  for (const s of samples) paint.lineTo(canvas.width * (1 - (now - s.at) / span), canvas.height - 3 - (canvas.height - 16) * s.value / most);
-  paint.stroke();
-  paint.fillStyle = getComputedStyle(document.documentElement).getPropertyValue("--soft");
-  paint.fillText(`${Math.round(most)} counts`, 4, 10);
+/** What verify found, each at its module. @param {import("./model.js").Model} model @param {(module: number) => void} choose */
+export function fillFindings(model, choose) {
+  const findings = model.data.findings ?? [];
+  byId("finding-part").hidden = findings.length === 0;
+  byId("findings").replaceChildren(...findings.map((f) => {
+    const at = [...model.findings].find(([, list]) => list.includes(f))?.[0] ?? -1;
+    const row = rowOf(at < 0 ? f.text : `module ${at}: ${f.text}`, () => { if (at >= 0) choose(at); });
+    row.title = f.remedy;
+    return row;
+  }));
 }
+
+/** Buttons: one act each. @param {string} id @param {[string, () => void, boolean?][]} acts text, what it does, whether it is pressed */
+export function fillButtons(id, acts) {
+  byId(id).replaceChildren(...acts.map(([text, act, pressed]) => {
+    const button = document.createElement("button");
+    Object.assign(button, {type: "button", textContent: text, onclick: act});
+    if (pressed !== undefined) button.setAttribute("aria-pressed", String(pressed));
+    return button;
+  }));
+}
+
+/** On a low screen one part of the column is open at a time beside the legend, so that nothing lies below the fold. */
+export function foldParts() {
+  const parts = /** @type {HTMLDetailsElement[]} */ ([...document.querySelectorAll("aside details[id]")]), isLow = () => innerHeight < 720 && innerWidth > 700;
+  for (const part of parts)
+    part.ontoggle = () => { if (part.open && isLow()) for (const other of parts) if (other !== part) other.open = false; };
+  if (isLow()) parts.forEach((part) => { part.open = false; });
+}
+/** @param {string} id */
+export const openPart = (id) => { byId(id).open = true; };

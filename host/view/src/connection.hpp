@@ -2,12 +2,22 @@
 #pragma once
 #include <atomic>
 #include <boost/asio/ip/tcp.hpp>
+#include <list>
+#include <memory>
 #include <string>
 
 #include "gate.hpp"
 #include "triskin/view/server.hpp"
 
 namespace triskin::view {
+
+/// A connection that has not shown the token yet.
+class Stranger {
+ public:
+  virtual ~Stranger() = default;
+  /// Closes the connection.
+  virtual void drop() = 0;
+};
 
 /// What the connections of one server share. It outlives them. Threads: the server's, but for `connections`.
 struct Shared {
@@ -18,20 +28,36 @@ struct Shared {
   std::string token;
   std::uint16_t port = 0;
   std::atomic<std::size_t> connections{0};
+  std::size_t known = 0;                           ///< open connections that have shown the token
+  std::list<std::weak_ptr<Stranger>> strangers{};  ///< oldest first
 
   [[nodiscard]] Gate gate() const { return {port, token}; }
+  /// Takes one more stranger. Where there are too many the oldest is dropped: it had its time, and whoever fills the
+  /// server without the token does not keep out who has it.
+  void add_stranger(const std::shared_ptr<Stranger>& stranger);
 };
 
 /// Counts a connection while it lives.
 class Counted {
  public:
   explicit Counted(Shared& shared) : shared_(shared) { ++shared_.connections; }
-  ~Counted() { --shared_.connections; }
+  ~Counted() {
+    --shared_.connections;
+    if (is_known_) --shared_.known;
+  }
+  /// The connection has shown the token. False: too many have, and this one must go.
+  [[nodiscard]] bool make_known() {
+    if (!is_known_ && shared_.known >= shared_.limits.connections) return false;
+    if (!is_known_) ++shared_.known;
+    return is_known_ = true;
+  }
+  [[nodiscard]] bool is_known() const { return is_known_; }
   Counted(const Counted&) = delete;
   Counted& operator=(const Counted&) = delete;
 
  private:
   Shared& shared_;
+  bool is_known_ = false;
 };
 
 /// Answers the requests of one connection until it is closed or becomes a live connection.

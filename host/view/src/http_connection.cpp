@@ -16,7 +16,16 @@ namespace {
 namespace beast = boost::beast;
 namespace http = beast::http;
 using Request = http::request<http::empty_body>;
-using Response = http::response<http::string_body>;
+using Response = http::response<http::span_body<const char>>;
+
+// An answer and its text. A document belongs to the site, which all connections share: slow readers cost no copies.
+struct Answer {
+  Response response;
+  std::string text;
+  const std::string* document = nullptr;
+
+  [[nodiscard]] const std::string& body() const { return document != nullptr ? *document : text; }
+};
 
 std::string_view view_of(beast::string_view text) {
   return {text.data(), text.size()};
@@ -37,29 +46,28 @@ void add_policy(Response& response, const Shared& shared) {
   response.set(http::field::cache_control, "no-store");
 }
 
-Response make_response(const Request& request, http::status status, const Shared& shared, std::string_view type,
-                       std::string body) {
-  Response response(status, request.version());
-  response.set(http::field::content_type, std::string(type));
-  add_policy(response, shared);
-  response.keep_alive(request.keep_alive() && status == http::status::ok);
-  response.body() = std::move(body);
-  response.prepare_payload();
-  return response;
+Answer make_answer(const Request& request, http::status status, const Shared& shared, std::string_view type) {
+  Answer answer{Response(status, request.version()), {}, nullptr};
+  answer.response.set(http::field::content_type, std::string(type));
+  add_policy(answer.response, shared);
+  answer.response.keep_alive(request.keep_alive() && status == http::status::ok);
+  return answer;
 }
 
-Response refusal(const Request& request, http::status status, const Shared& shared, std::string text) {
-  return make_response(request, status, shared, "text/plain; charset=utf-8", std::move(text) + "\n");
+Answer refusal(const Request& request, http::status status, const Shared& shared, std::string text) {
+  Answer answer = make_answer(request, status, shared, "text/plain; charset=utf-8");
+  answer.text = std::move(text) + "\n";
+  return answer;
 }
 
 // Empty: the request may pass. A live connection must say its origin: every browser does.
-std::optional<Response> refuse(const Request& request, const Shared& shared) {
+std::optional<Answer> refuse(const Request& request, const Shared& shared) {
   const Gate gate = shared.gate();
   if (request.count(http::field::host) != 1 || !gate.host_is_ours(view_of(request[http::field::host])))
     return refusal(request, http::status::misdirected_request, shared, "this server is 127.0.0.1 only");
-  const bool has_origin = request.count(http::field::origin) > 0;
-  if ((has_origin || beast::websocket::is_upgrade(request)) &&
-      !gate.origin_is_ours(view_of(request[http::field::origin])))
+  const std::size_t origins = request.count(http::field::origin);
+  if ((origins > 0 || beast::websocket::is_upgrade(request)) &&
+      (origins != 1 || !gate.origin_is_ours(view_of(request[http::field::origin]))))
     return refusal(request, http::status::forbidden, shared, "pages of another origin may not read the skin");
   if (!gate.name_of(view_of(request.target())))
     return refusal(request, http::status::forbidden, shared, "open the address that triskin view printed");
@@ -68,17 +76,22 @@ std::optional<Response> refuse(const Request& request, const Shared& shared) {
   return std::nullopt;
 }
 
-Response answer(const Request& request, const Shared& shared) {
-  if (auto refused = refuse(request, shared)) return std::move(*refused);
+Answer answer(const Request& request, const Shared& shared) {
   const auto document = shared.site.find(*shared.gate().name_of(view_of(request.target())));
   if (document == shared.site.end()) return refusal(request, http::status::not_found, shared, "no such document");
-  return make_response(request, http::status::ok, shared, document->second.type, document->second.body);
+  Answer answer = make_answer(request, http::status::ok, shared, document->second.type);
+  answer.document = &document->second.body;
+  return answer;
 }
 
-class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
+class HttpConnection : public Stranger, public std::enable_shared_from_this<HttpConnection> {
  public:
   HttpConnection(boost::asio::ip::tcp::socket socket, Shared& shared)
       : shared_(shared), counted_(std::make_unique<Counted>(shared)), stream_(std::move(socket)) {}
+
+  void drop() override {
+    if (counted_ && !counted_->is_known()) stream_.close();
+  }
 
   void read() {
     parser_.emplace();
@@ -93,10 +106,15 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   void on_request(beast::error_code error) {
     if (error) return refuse_malformed(error);
     const Request& request = parser_->get();
-    const bool live = beast::websocket::is_upgrade(request) && !refuse(request, shared_) &&
-                      shared_.gate().name_of(view_of(request.target())) == "live";
+    const bool head = request.method() == http::verb::head;
+    if (auto refused = refuse(request, shared_)) return write(std::move(*refused), head);
+    if (!counted_->make_known())
+      return write(refusal(request, http::status::service_unavailable, shared_, "too many pages are open; close one"),
+                   head);
+    const bool live =
+        beast::websocket::is_upgrade(request) && shared_.gate().name_of(view_of(request.target())) == "live";
     if (live) return serve_live(std::move(stream_), parser_->release(), shared_, std::move(counted_));
-    write(answer(request, shared_), request.method() == http::verb::head);
+    write(answer(request, shared_), head);
   }
 
   // A request that is too long or no HTTP is answered once; time-outs and closed connections are not.
@@ -109,14 +127,17 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     close();
   }
 
-  void write(Response response, bool head) {
-    response_ = std::make_shared<Response>(std::move(response));
+  void write(Answer answer, bool head) {
+    answer_.emplace(std::move(answer));
+    const std::string& body = answer_->body();
+    answer_->response.body() = {body.data(), body.size()};
+    answer_->response.prepare_payload();
     stream_.expires_after(shared_.limits.write_time);
     const auto done = [self = shared_from_this()](beast::error_code error, std::size_t) {
-      if (error || !self->response_->keep_alive()) return self->close();
+      if (error || !self->answer_->response.keep_alive()) return self->close();
       self->read();
     };
-    serializer_.emplace(*response_);
+    serializer_.emplace(answer_->response);
     if (head) {
       http::async_write_header(stream_, *serializer_, done);
     } else {
@@ -134,14 +155,24 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::empty_body>> parser_;
-  std::shared_ptr<Response> response_;
-  std::optional<http::response_serializer<http::string_body>> serializer_;
+  std::optional<Answer> answer_;
+  std::optional<http::response_serializer<http::span_body<const char>>> serializer_;
 };
 
 }  // namespace
 
+void Shared::add_stranger(const std::shared_ptr<Stranger>& stranger) {
+  std::erase_if(strangers, [](const auto& one) { return one.expired(); });
+  for (; strangers.size() >= limits.strangers; strangers.pop_front()) {
+    if (const auto oldest = strangers.front().lock()) oldest->drop();
+  }
+  strangers.push_back(stranger);
+}
+
 void serve_http(boost::asio::ip::tcp::socket socket, Shared& shared) {
-  std::make_shared<HttpConnection>(std::move(socket), shared)->read();
+  const auto connection = std::make_shared<HttpConnection>(std::move(socket), shared);
+  shared.add_stranger(connection);
+  connection->read();
 }
 
 }  // namespace triskin::view

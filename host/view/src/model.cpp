@@ -105,9 +105,38 @@ json newton_per_count(const design::Design& design, const design::SkinCalibratio
   return modules;
 }
 
+// The side of the wall that was taken, and how thick the wall is under each module; null: the design holds no part.
+json side_of(const design::Design& design) {
+  if (!design.side) return nullptr;
+  json wall = json::array();
+  for (const double mm : wall_under_modules(design)) wall.push_back(rounded(mm));
+  return {{"taken", design.side->taken}, {"mean_mm", rounded(design.side->wall_mm)}, {"wall_mm", std::move(wall)}};
+}
+
+json covers_of(const Notes& notes) {
+  json list = json::array();
+  for (const CoverNote& c : notes.covers) {
+    list.push_back({{"name", c.name},
+                    {"first_module", c.first_module},
+                    {"first_island", c.first_island},
+                    {"modules", c.modules},
+                    {"area_cm2", rounded(c.area_cm2)},
+                    {"coverage", rounded(c.coverage)}});
+  }
+  return list;
+}
+
+json findings_of(const Notes& notes) {
+  json list = json::array();
+  for (const Finding& f : notes.findings)
+    list.push_back({{"module", f.module}, {"patch", f.patch}, {"text", f.text}, {"remedy", f.remedy}});
+  return list;
+}
+
 }  // namespace
 
-std::string model_json(const design::Design& design, bool recording, const design::SkinCalibration& calibration) {
+std::string model_json(const design::Design& design, bool recording, const design::SkinCalibration& calibration,
+                       const Notes& notes) {
   const auto wiring = design::wiring_of(design);
   json modules = json::array(), patches = json::array();
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
@@ -129,6 +158,9 @@ std::string model_json(const design::Design& design, bool recording, const desig
                       {"temperature_pads", layout::kTemperaturePads},
                       {"metrics", metrics_of(design.limits)},
                       {"surface", surface_of(design.surface)},
+                      {"side", side_of(design)},
+                      {"covers", covers_of(notes)},
+                      {"findings", findings_of(notes)},
                       {"modules", std::move(modules)},
                       {"patches", std::move(patches)}};
   // A name from a file must not end the script that holds it in page_html.

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <thread>
 
 #include "connection.hpp"
@@ -24,9 +25,11 @@ struct Server::State {
 
   void listen(std::uint16_t wanted);
   void accept();
+  void accept_later();
 
   Shared shared;
   asio::io_context context{1};
+  asio::steady_timer rest{context};
   tcp::acceptor acceptor{context};
   std::thread thread;
 };
@@ -47,9 +50,18 @@ void Server::State::listen(std::uint16_t wanted) {
 void Server::State::accept() {
   acceptor.async_accept([this](const boost::system::error_code& error, tcp::socket socket) {
     if (error == asio::error::operation_aborted) return;
-    // If there are too many connections, the new one is closed, so that the others are not disturbed.
-    if (!error && shared.connections < shared.limits.connections) serve_http(std::move(socket), shared);
+    if (error) return accept_later();
+    serve_http(std::move(socket), shared);
     accept();
+  });
+}
+
+// While the process has no file descriptor left, a connection that waits would let the loop spin.
+void Server::State::accept_later() {
+  constexpr std::chrono::milliseconds kRest{100};
+  rest.expires_after(kRest);
+  rest.async_wait([this](const boost::system::error_code& error) {
+    if (!error) accept();
   });
 }
 
@@ -81,12 +93,13 @@ std::size_t Server::connections() const {
   return state_->shared.connections;
 }
 
-Site site_of(const design::Design& design, std::string track, const design::SkinCalibration& calibration) {
+Site site_of(const design::Design& design, std::string track, const design::SkinCalibration& calibration,
+             const Notes& notes) {
   require_page();
   Site site;
   for (const auto& [name, asset] : assets())
     site[name == "index.html" ? "" : std::string(name)] = {std::string(asset.type), std::string(asset.bytes)};
-  site["model.json"] = {"application/json", model_json(design, !track.empty(), calibration)};
+  site["model.json"] = {"application/json", model_json(design, !track.empty(), calibration, notes)};
   if (!track.empty()) site["recording.bin"] = {"application/octet-stream", std::move(track)};
   return site;
 }

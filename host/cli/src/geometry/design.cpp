@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -14,45 +15,29 @@
 #include "read_text.hpp"
 #include "repair_text.hpp"
 #include "side_option.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/cli/bus_report.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/cli/face_options.hpp"
+#include "triskin/export/revision_picture.hpp"
 #include "triskin/pipeline/make_design.hpp"
+#include "verbosity.hpp"
+#include "why_few.hpp"
 
 namespace triskin::cli::design_command {
 namespace {
 
 struct Options {
-  std::string mesh, output, regions;
+  std::string mesh, output, regions, like;
   UnitOption unit;
   SideOption side;
   FaceOptions faces;
   pipeline::DesignOptions design;
   EditOptions edit;
+  Verbosity verbosity;
 };
-
-// Why nothing fits: most often the mesh is in another unit than the one it was read in.
-std::string reason_of_nothing(const design::Design& d, bool unit_given) {
-  design::Vec3 low = design::Vec3::Constant(1e300), high = -low;
-  for (const auto& v : d.surface.vertices) {
-    low = low.cwiseMin(v);
-    high = high.cwiseMax(v);
-  }
-  const design::Vec3 size = d.surface.vertices.empty() ? design::Vec3::Zero() : design::Vec3(high - low);
-  const geometry::OpenSide side = geometry::open_side_of(d.surface);
-  const std::string inward =
-      side.is_open && side.toward_middle > 0.5
-          ? "; its faces look at its own middle, where modules have less room: --flip takes the other side"
-          : "";
-  return fmt::format(
-             "no module fits: the surface measures {:.4g} × {:.4g} × {:.4g} mm, a module is a triangle with sides of "
-             "30 mm{}; no design was written",
-             size.x(), size.y(), size.z(),
-             unit_given ? "" : "; the mesh was taken for mm: say --unit cm, m or in if it is not") +
-         inward;
-}
 
 nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& notes) {
   const auto& r = d.report;
@@ -95,33 +80,13 @@ nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& not
   return keys;
 }
 
-void say_layout(const design::Design& d, const pipeline::DesignNotes& notes, Output& output) {
-  const auto& r = d.report;
+// What a person has to know before using the design.
+void say_warnings(const design::Design& d, const pipeline::DesignNotes& notes, Output& output) {
   for (const std::string& note : notes.reading) output.say(note);
-  const std::string open_side = notes.side.choice.has_wall ? "" : side_text_of(geometry::open_side_of(d.surface));
-  if (!open_side.empty()) output.say(open_side);
   if (const std::string shortage = shortage_text(notes.extract); !shortage.empty()) output.say(shortage);
   if (const std::string change = repair_text(notes.extract, "repair"); !change.empty()) output.say(change);
   if (const std::string side = side_text(notes.side); !side.empty()) output.say(side);
   if (const std::string holes = bridge_text(notes.bridges); !holes.empty()) output.say(holes);
-  if (notes.solver_deviation_mm > 0.0) {
-    output.say(fmt::format("searched on {} of {} faces, which deviate by at most {:.3f} mm; measured on all",
-                           notes.solver_faces, d.surface.faces.size(), notes.solver_deviation_mm));
-  }
-  output.say(fmt::format("{}: {:.0f} cm², {} modules placed (at most {} by area), coverage {:.1f} %", d.name,
-                         r.area_cm2, d.layout.modules.size(), r.upper_bound, 100.0 * r.coverage));
-  if (d.layout.corner_cut_mm > 0.0) {
-    output.say(fmt::format("corners cut by {:g} mm: coverage {:.1f} % of cut modules", d.layout.corner_cut_mm,
-                           100.0 * r.coverage_cut));
-    say_cut_pads(d.layout.corner_cut_mm, output);
-  }
-  output.say(fmt::format(
-      "{} islands, {} patches (lower bound {}), {} jumpers (lower bound {}); edge error ≤ {:.2f} mm, hinge "
-      "gap ≤ {:.2f} mm, centre gap ≤ {:.2f} mm, sides lift ≤ {:.2f} mm, depth ≤ {:.2f} mm",
-      d.layout.islands, d.patches.size(), r.patches_lower_bound, d.layout.jumpers.size(), r.jumpers_lower_bound,
-      r.max_edge_error_mm, r.max_hinge_gap_mm, r.max_center_gap_mm, r.max_edge_lift_mm, r.max_edge_depth_mm));
-  output.say(fmt::format("pieces give {} modules, growth on the surface {}: {} taken", notes.pieces, notes.surface,
-                         design::kLayoutMethodNames.name(d.layout.method)));
   std::vector<std::string> left_out;
   if (notes.pieces_left_out > 0) left_out.push_back(fmt::format("{} pieces", notes.pieces_left_out));
   if (notes.growth_left_out) left_out.emplace_back("the growth on the surface");
@@ -129,13 +94,61 @@ void say_layout(const design::Design& d, const pipeline::DesignNotes& notes, Out
     output.say(fmt::format("no time was left for {}; a longer --time-limit-s may give more modules",
                            fmt::join(left_out, " and ")));
   }
+  if (d.layout.corner_cut_mm > 0.0) say_cut_pads(d.layout.corner_cut_mm, output);
+}
+
+void say_layout(const design::Design& d, Output& output) {
+  const auto& r = d.report;
+  const std::string cut = d.layout.corner_cut_mm > 0.0 ? fmt::format(", {:.1f} % with corners cut by {:g} mm",
+                                                                     100.0 * r.coverage_cut, d.layout.corner_cut_mm)
+                                                       : "";
+  output.say(fmt::format("{}: {:.0f} cm², {} modules placed (at most {} by area), coverage {:.1f} %{}", d.name,
+                         r.area_cm2, d.layout.modules.size(), r.upper_bound, 100.0 * r.coverage, cut));
+  output.say(fmt::format("{} controllers (lower bound {}), {} jumpers (lower bound {}), {} islands", d.patches.size(),
+                         r.patches_lower_bound, d.layout.jumpers.size(), r.jumpers_lower_bound, d.layout.islands));
+}
+
+// With -v: how the result came about.
+void say_details(const design::Design& d, const pipeline::DesignNotes& notes, Output& output) {
+  const auto& r = d.report;
+  const std::string open_side = notes.side.choice.has_wall ? "" : side_text_of(geometry::open_side_of(d.surface));
+  if (!open_side.empty()) output.say(open_side);
+  if (notes.solver_deviation_mm > 0.0) {
+    output.say(fmt::format("searched on {} of {} faces, which deviate by at most {:.3f} mm; measured on all",
+                           notes.solver_faces, d.surface.faces.size(), notes.solver_deviation_mm));
+  }
+  output.say(fmt::format(
+      "edge error ≤ {:.2f} mm, hinge gap ≤ {:.2f} mm, centre gap ≤ {:.2f} mm, sides lift ≤ {:.2f} mm, "
+      "depth ≤ {:.2f} mm",
+      r.max_edge_error_mm, r.max_hinge_gap_mm, r.max_center_gap_mm, r.max_edge_lift_mm, r.max_edge_depth_mm));
+  output.say(fmt::format("pieces give {} modules, growth on the surface {}: {} taken", notes.pieces, notes.surface,
+                         design::kLayoutMethodNames.name(d.layout.method)));
   for (const auto& [limit, count] : d.layout.refused)
-    output.say(fmt::format("  {} refused {} further modules", limit, count));
+    output.say(fmt::format("{} refused {} further modules", limit, count));
+}
+
+// Modules that stayed, and what changed as a picture beside the design.
+void report_revision(const design::Design& old, const design::Design& d, const pipeline::Revision& revision,
+                     const std::string& design_file, Output& output) {
+  const auto gone = std::ranges::count(revision.new_id, -1);
+  const auto stay = static_cast<std::ptrdiff_t>(revision.new_id.size()) - gone;
+  const auto tables =
+      static_cast<std::ptrdiff_t>(revision.new_patch.size()) - std::ranges::count(revision.new_patch, -1);
+  const std::string picture = design_file + ".changes.svg";
+  write_output(picture, design::revision_svg(old, d, revision.new_id, revision.added));
+  output.result["revision"] = {{"map", revision.new_id}, {"added", revision.added},
+                               {"gone", gone},           {"patches", revision.new_patch},
+                               {"kept", stay},           {"picture", picture}};
+  output.say(fmt::format(
+      "{} of {} modules stand where they stood, {} gone, {} new; {} of {} controllers are wired as they "
+      "were; {} shows what changed",
+      stay, revision.new_id.size(), gone, revision.added.size(), tables, revision.new_patch.size(), picture));
 }
 
 int run(Options options, Output& output) {
   catch_interrupts();
   require_writable(options.output);
+  options.verbosity.apply(output);
   if (options.edit.wanted(options.mesh)) {
     std::fputs("triskin: a design is changed by triskin edit, with the same options; design loses them with 0.4\n",
                stderr);
@@ -147,6 +160,8 @@ int run(Options options, Output& output) {
   options.design.kinds = options.edit.kind_plan();
   options.design.side = options.side.options();
   options.design.bridge_mm = options.side.bridge_mm();
+  if (!options.like.empty())
+    options.design.like = std::make_shared<const design::Design>(design::read_design(options.like));
   pipeline::DesignNotes notes;
   const design::Design d = pipeline::make_design(options.mesh, options.design, output.progress(), &notes);
   if (notes.side.is_undecided) return report_undecided(notes.part, notes.side, options.output + ".svg", output);
@@ -156,21 +171,29 @@ int run(Options options, Output& output) {
   add_side_keys(notes.side, output);
   if (options.design.bridge_mm > 0.0) output.result["bridged_holes"] = notes.bridges.bridged;
   const int part_status = report_part(notes.read, output);
-  say_layout(d, notes, output);
+  say_warnings(d, notes, output);
   if (nothing) {
-    const std::string reason = reason_of_nothing(d, options.unit.unit.has_value());
+    const std::string reason = reason_of_nothing(d, options.unit.unit.has_value(), output);
     output.result["reason"] = reason;
     output.say(reason);
     return 1;
   }
+  say_layout(d, output);
   if (interrupt_signal() > 0)
     output.say(fmt::format("ended before its time: the best layout so far, with {} modules, is kept",
                            d.layout.modules.size()));
+  if (notes.revision) report_revision(*options.design.like, d, *notes.revision, options.output, output);
   report_kinds(d, output);
   const bool is_covered = report_regions(d, output);
-  report_alternatives(d, output);
-  report_bus(d.layout.modules.size(), output);
   output.say(fmt::format("design {:016x} written to {} in {:.1f} s", d.design_id, options.output, d.report.seconds));
+  if (const std::string low = low_coverage_text(d); !low.empty()) output.say(low);
+  report_alternatives(d, output);
+  if (options.verbosity.verbose) {
+    say_details(d, notes, output);
+    report_bus(d.layout.modules.size(), output);
+  } else {
+    add_bus_keys(d.layout.modules.size(), output);
+  }
   return is_covered ? part_status : 1;
 }
 
@@ -217,6 +240,21 @@ void add_price(CLI::App& app, design::LayoutLimits& l, design::Price& price) {
       ->capture_default_str();
 }
 
+// What an older design says already.
+void require_like_alone(const CLI::App& app) {
+  if (app.get_option("--like")->count() == 0) return;
+  for (const char* name :
+       {"--edge-error-mm", "--hinge-gap-mm", "--center-gap-mm", "--fold-rad", "--penetration-mm", "--overrun-mm",
+        "--lift-mm", "--depth-mm", "--jumper-mm", "--controller-cost", "--jumper-cost", "--island-cost", "--seed",
+        "--kinds", "--corner-cut-mm", "--bend-radius-mm", "--solver-deviation-mm"}) {
+    if (app.get_option(name)->count() > 0)
+      throw InputError(
+          fmt::format("{} has no effect with --like, whose design says it; leave it out, or make the design "
+                      "without --like",
+                      name));
+  }
+}
+
 const Registration kDesign{{
     "design",
     "cover a mesh with modules: surface, layout, controllers, wiring",
@@ -229,6 +267,11 @@ const Registration kDesign{{
       app.add_option("-o,--output", options->output, "design file")->required();
       options->edit.add_to(app);
       EditOptions::hide(app);
+      app.add_option(
+             "--like", options->like,
+             "design of an older version of the part: its modules stay where the surface lets them, its limits, "
+             "price, seed and kinds are taken")
+          ->check(CLI::ExistingFile);
       app.add_option("--repair", options->design.repair,
                      "auto: a mesh that crosses itself or is no manifold is made one that can be covered; never: it is "
                      "refused")
@@ -246,7 +289,8 @@ const Registration kDesign{{
       add_limits(app, options->design.limits);
       add_corner_cut(app, options->design.corner_cut_mm);
       app.add_option("--bend-radius-mm", options->design.bend_radius_mm,
-                     "part the pieces from what bends more than this, as the reference paper does at 50 (0: no)")
+                     "no module is bent to a smaller radius, as in the reference paper at 50: parts the pieces and "
+                     "limits depth and lift to 112.5/radius (0: no)")
           ->check(CLI::Range(0.0, 1e4))
           ->capture_default_str();
       app.add_option("--solver-deviation-mm", options->design.solver_deviation_mm,
@@ -258,6 +302,7 @@ const Registration kDesign{{
                      "file of weights, keep-outs and places that must be covered (docs/regions.md)")
           ->check(CLI::ExistingFile);
       add_price(app, options->design.limits, options->design.price);
+      options->verbosity.add_to(app);
       app.add_option("--threads", options->design.threads, "chains of the growth; part of what a result depends on")
           ->check(CLI::Range(1, 256))
           ->capture_default_str();
@@ -267,6 +312,7 @@ const Registration kDesign{{
           ->capture_default_str();
       return [options, &app](Output& output) {
         options->edit.require_fitting(app, options->mesh);
+        require_like_alone(app);
         return run(*options, output);
       };
     },

@@ -218,6 +218,22 @@ void report_kinds(const design::Design& d, Output& output) {
   output.say(fmt::format("kinds: {}", text));
 }
 
+namespace {
+
+// A table; a single one is what the lines above have said.
+void say_alternatives(const design::Design& d, Output& output) {
+  if (d.alternatives.size() < 2) return;
+  output.say("alternative  modules  controllers  jumpers  islands   price   value   (triskin edit --take N)");
+  for (std::size_t k = 0; k < d.alternatives.size(); ++k) {
+    const design::Alternative& a = d.alternatives[k];
+    output.say(fmt::format("{:>9} {}  {:>7}  {:>11}  {:>7}  {:>7}  {:>6.2f}  {:>6.2f}", k,
+                           static_cast<int>(k) == d.taken ? "*" : " ", a.layout.modules.size(), a.patches, a.jumpers,
+                           a.layout.islands, a.price, a.module_value - a.price));
+  }
+}
+
+}  // namespace
+
 void report_alternatives(const design::Design& d, Output& output) {
   output.result["price"] =
       d.price.of(static_cast<int>(d.patches.size()), static_cast<int>(d.layout.jumpers.size()), d.layout.islands);
@@ -232,11 +248,8 @@ void report_alternatives(const design::Design& d, Output& output) {
                                              {"islands", a.layout.islands},
                                              {"price", a.price},
                                              {"worth", a.module_value}});
-    output.say(
-        fmt::format("{} alternative {}: {} modules, {} controllers, {} jumpers, {} islands: price {:.2f}, value {:.2f}",
-                    static_cast<int>(k) == d.taken ? "*" : " ", k, n, a.patches, a.jumpers, a.layout.islands, a.price,
-                    a.module_value - a.price));
   }
+  say_alternatives(d, output);
 }
 
 int edit(const std::string& from, const std::string& to, const EditOptions& options,

@@ -133,6 +133,59 @@ TRISKIN_API triskin_status triskin_calibration(triskin_skin* skin, double* count
 /// TRISKIN_BAD_ANSWER when there is a finding. `report` may be NULL.
 TRISKIN_API triskin_status triskin_verify(triskin_skin* skin, const char** report);
 
+/// Writes the tables of a design into the simulated boards of this computer, as `triskin flash FILE --link sim` does;
+/// equal tables stay. Then the design can be opened over the link "sim". TRISKIN_BAD_INPUT: `file` is no design file.
+/// TRISKIN_DEVICE_FAILED: another process simulates these boards now.
+TRISKIN_API triskin_status triskin_flash_simulation(const char* file);
+
+/// A region of the skin under pressure: taxels that lie within 12 mm of each other and do not face away from each
+/// other.
+typedef struct triskin_contact {
+  double position_mm[3];  ///< mean of its taxels, weighted by their change
+  double normal[3];       ///< outward unit vector, weighted likewise
+  double change_counts;   ///< sum over its taxels
+  double force_n;         ///< sum over its taxels, N; NaN without a calibration of all of them
+  double area_mm2;        ///< skin that its taxels stand for
+  int32_t module, taxel;  ///< the strongest
+  int32_t taxels;         ///< how many
+} triskin_contact;
+/// Gathers the taxels that read 200 counts and more below rest to contacts, the strongest first, as `live` and the
+/// page do. `xyz_mm`, `normals`: as triskin_positions_mm and triskin_normals write them; `change_counts`: 12 a module.
+/// `counts_per_kpa` and `taxel_area_mm2`: as triskin_calibration writes them, both NULL: without forces.
+/// `module_count`: number of modules. Writes at most `capacity` contacts and sets *count to the number that there are.
+/// TRISKIN_BAD_INPUT: an argument is NULL that may not be.
+TRISKIN_API triskin_status triskin_contacts(const double* xyz_mm, const double* normals, const double* change_counts,
+                                            const double* counts_per_kpa, const double* taxel_area_mm2,
+                                            size_t module_count, triskin_contact* contacts, size_t capacity,
+                                            size_t* count);
+
+/// A recording that `triskin record` wrote, whole in memory.
+typedef struct triskin_recording triskin_recording;
+/// Reads FILE.mcap. On success *recording is to be closed by triskin_recording_close; else it is NULL. A file that was
+/// cut is read up to its last whole chunk. TRISKIN_BAD_INPUT: it is no recording of triskin. Memory: 168 bytes a
+/// sample.
+TRISKIN_API triskin_status triskin_recording_open(const char* file, triskin_recording** recording);
+/// Forgets it; NULL is allowed.
+TRISKIN_API void triskin_recording_close(triskin_recording* recording);
+/// Numbers of modules and of samples.
+TRISKIN_API size_t triskin_recording_module_count(const triskin_recording* recording);
+TRISKIN_API size_t triskin_recording_sample_count(const triskin_recording* recording);
+/// Name of the cover or design, valid as long as the recording. Never fails.
+TRISKIN_API const char* triskin_recording_name(const triskin_recording* recording);
+/// Not 0: the samples are of a simulation.
+TRISKIN_API int triskin_recording_is_simulated(const triskin_recording* recording);
+/// As triskin_positions_mm, triskin_normals (both `n` doubles, 36 a module) and triskin_patches (one a module); any may
+/// be NULL. TRISKIN_BAD_INPUT: `n` is another.
+TRISKIN_API triskin_status triskin_recording_geometry(const triskin_recording* recording, double* xyz_mm,
+                                                      double* normals, int32_t* patches, size_t n);
+/// Writes all samples in the order of the file, and by how many counts each taxel read below its rest value then (12 a
+/// sample; may be NULL). `n`: number of samples. TRISKIN_BAD_INPUT: `n` is another.
+TRISKIN_API triskin_status triskin_recording_samples(const triskin_recording* recording, triskin_sample* samples,
+                                                     double* change_counts, size_t n);
+/// As triskin_calibration, of the calibration that the file holds. TRISKIN_BAD_ANSWER: a module has none.
+TRISKIN_API triskin_status triskin_recording_calibration(const triskin_recording* recording, double* counts_per_kpa,
+                                                         double* taxel_area_mm2, size_t n);
+
 #ifdef __cplusplus
 }
 #endif

@@ -5,8 +5,9 @@
 
 namespace triskin {
 
-/// `text` with the characters &, <, > and " as entities, so that it can stand in HTML or XML, also in an attribute.
-/// Others stay, control characters too. Cost: linear. Threads: any.
+/// `text` so that it can stand in HTML, SVG or XML, also in an attribute in either kind of quotes: the characters &, <,
+/// >, " and ' as entities; what XML 1.0 cannot hold (control characters, bytes that are no UTF-8, U+FFFE, U+FFFF) as
+/// U+FFFD. Not for the inside of a script or style element. Cost: linear. Threads: any.
 [[nodiscard]] std::string escape_markup(std::string_view text);
 
 }  // namespace triskin

@@ -49,12 +49,17 @@ class Bridge {
   [[nodiscard]] const Published& published() const { return published_; }
   /// Readers of its topics that match now, over all topics.
   [[nodiscard]] int readers() const;
+  /// Other programs that publish the same part in this domain now: readers would get both skins mixed. Throws
+  /// DeviceError.
+  [[nodiscard]] int other_publishers() const;
   /// Frame of the positions.
   [[nodiscard]] const std::string& frame() const { return frame_; }
 
  private:
   void put_raw(std::span<const recording::ModuleSample> samples);
 
+  Domain& domain_;
+  std::string base_;  // "/skin/PART/"
   std::string frame_;
   std::uint64_t points_period_ns_;
   recording::Calibration calibration_;

@@ -55,6 +55,9 @@ class Domain {
   /// A server of the service `name` as ROS has it ("/skin/arm/tare") of the type "package/srv/Type"; on DDS it reads
   /// "rq/skin/arm/tareRequest" and writes "rr/skin/arm/tareReply". The domain outlives it. Throws DeviceError.
   [[nodiscard]] virtual std::unique_ptr<Server> serve(const std::string& name, std::string_view type) = 0;
+  /// Writers of the topic `name` in other programs that this one knows of; discovery takes up to a second. Throws
+  /// DeviceError. Cost: O(writers of the domain).
+  [[nodiscard]] virtual int other_writers(const std::string& name) = 0;
 };
 
 /// Joins domain `id` 0 … 232 (ROS_DOMAIN_ID). Throws InputError when this program was built without Cyclone DDS,

@@ -37,14 +37,7 @@ struct Diagnosis {
 /// diagnostic_msgs/msg/DiagnosticArray. `stamp_ns`: since 1970. Throws nothing of its own.
 [[nodiscard]] std::vector<std::uint8_t> encode_diagnostics(std::span<const Diagnosis> parts, std::uint64_t stamp_ns);
 
-/// Pose of a frame in its parent: metres, and a unit quaternion x, y, z, w.
-struct Pose {
-  std::array<double, 3> translation_m{0.0, 0.0, 0.0};
-  std::array<double, 4> rotation{0.0, 0.0, 0.0, 1.0};
-};
-/// tf2_msgs/msg/TFMessage with one transform from `parent` to `child`. `stamp_ns`: since 1970. Throws nothing of its
-/// own.
-[[nodiscard]] std::vector<std::uint8_t> encode_transform(std::string_view parent, std::string_view child,
-                                                         const Pose& pose, std::uint64_t stamp_ns);
+using recording::encode_transform;
+using recording::Pose;
 
 }  // namespace triskin::bridge

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <CLI/CLI.hpp>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "triskin/cli/command.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/design/calibration.hpp"
-#include "triskin/session/bus.hpp"
-#include "triskin/wire/node_claim.hpp"
+#include "triskin/skin/live_skin.hpp"
 
 namespace triskin::cli {
 
@@ -21,11 +19,10 @@ struct CalibrationOptions {
 /// Adds --calibration.
 void add_calibration_options(CLI::App& app, CalibrationOptions& options);
 
-/// The calibration of a cover on the controllers `claims` of `bus`, which are asked for theirs. One that lacks some
+/// Calibrates a cover of `bus`, which has discovered its controllers: they are asked for theirs. One that lacks some
 /// modules is left out whole, and said with `output`. Throws InputError for a file that cannot be used.
-[[nodiscard]] design::SkinCalibration calibration_for(const CalibrationOptions& options, device::Bus& bus,
-                                                      const robot::CoverConfig& cover,
-                                                      std::span<const wire::NodeClaim> claims, const Output& output);
+void calibrate_cover(const CalibrationOptions& options, device::LiveBus& bus, device::LiveCover& cover,
+                     const Output& output);
 
 /// Says that a calibration is of other modules than those that its controller serves now.
 [[nodiscard]] std::string note_of_other(const design::BoardCalibration& board);

@@ -29,6 +29,8 @@ class Output {
   void mark_simulated(const std::string& link);
   /// The same for a command that has said it by itself.
   void mark_quietly_simulated() { simulated_ = true; }
+  /// From now on messages and progress are left out; the object of --json stays.
+  void silence() { is_silent_ = true; }
   /// Ctrl-C is the usual end of the command: its status stays what the command returns.
   void expect_interrupt() { expects_interrupt_ = true; }
   [[nodiscard]] bool expects_interrupt() const { return expects_interrupt_; }
@@ -44,7 +46,14 @@ class Output {
   bool json_, messages_aside_;
   bool simulated_ = false;
   bool expects_interrupt_ = false;
+  bool is_silent_ = false;
 };
+
+/// An object as one line of JSON. Bytes that are no UTF-8, as a file name may have, become U+FFFD.
+[[nodiscard]] std::string json_line(const nlohmann::json& object);
+
+/// One line "triskin: TEXT" on standard error, for a person.
+void say_aside(const std::string& text);
 
 /// Validator of an option that takes one of the names of `values`, in any case. --help lists the names, not the numbers
 /// behind them.

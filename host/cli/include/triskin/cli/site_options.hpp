@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <functional>
-#include <memory>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "triskin/cli/link_options.hpp"
-#include "triskin/connect/open_bus.hpp"
 #include "triskin/robot/site.hpp"
+#include "triskin/skin/live_skin.hpp"
 
 namespace triskin::cli {
 
@@ -20,20 +17,15 @@ struct SiteOptions {
 /// Adds the file, --cover, --link and --scene.
 void add_site_options(CLI::App& app, SiteOptions& options);
 
-/// A site with its links open.
-struct OpenSite {
-  robot::Site site;
-  std::vector<std::unique_ptr<device::Link>> links;  ///< indexed by bus
-};
-/// Reads the file, opens the links, and says where one is a simulation. Throws as robot::read_site and device::open_bus
-/// do.
-[[nodiscard]] OpenSite open_site(const SiteOptions& options, Output& output);
+/// Reads the file and chooses the cover. Throws as robot::read_site and robot::choose do.
+[[nodiscard]] robot::Site read_site(const SiteOptions& options);
+/// Opens the links, and says where one is a simulation. Throws as device::open_bus does.
+void open_links(device::LiveSkin& skin, Output& output);
+/// Both.
+[[nodiscard]] device::LiveSkin open_skin(const SiteOptions& options, Output& output);
 
 /// The one cover that is chosen of a site with one bus. Throws InputError naming `command` where there are several.
-[[nodiscard]] const robot::CoverConfig& one_cover(const robot::Site& site, std::string_view command);
-
-/// Runs `work` for each bus, side by side. Throws as robot::on_each_bus does.
-void on_each_bus(OpenSite& open, const std::function<void(const robot::BusConfig& bus, device::Link& link)>& work);
+[[nodiscard]] device::LiveCover& one_cover(const device::LiveSkin& skin, std::string_view command);
 
 /// "COVER: " before what is said of a cover of a robot; nothing for a design file.
 [[nodiscard]] std::string prefix_of(const robot::CoverConfig& cover);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "triskin/cli/command.hpp"
-#include "triskin/session/stream.hpp"
+#include "triskin/session/stream_options.hpp"
+#include "triskin/session/stream_report.hpp"
 
 namespace triskin::cli {
 

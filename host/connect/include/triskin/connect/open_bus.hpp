@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <vector>
 
 #include "triskin/connect/open_link.hpp"
 #include "triskin/robot/site.hpp"
@@ -18,9 +17,6 @@ namespace triskin::device {
 /// further buses have the ports behind. Throws as open_link does, and InputError for another chosen link of a robot
 /// with several buses, or a scene.
 [[nodiscard]] std::unique_ptr<Link> open_bus(const robot::Site& site, std::size_t bus, const LinkOptions& options);
-
-/// open_bus for each bus of the site, in its order. Throws as it does.
-[[nodiscard]] std::vector<std::unique_ptr<Link>> open_buses(const robot::Site& site, const LinkOptions& options);
 
 /// The simulation of a bus of a robot: its covers with nobody touching them. `board_seed` as LinkOptions::board_seed.
 /// Throws as scene::join_covers.

@@ -24,6 +24,10 @@ struct LinkOptions {
   bool own_interrupts = true;  ///< catch_interrupts(); false: signals are left to the caller
 };
 
+/// Sets the link of options that have none `chosen`: the simulation where something was asked for that only a
+/// simulation has (`simulates`), else what the environment variable TRISKIN_LINK names, else none.
+void settle_link(LinkOptions& options, bool simulates);
+
 /// Scene::board_seed for what LinkOptions::board_seed asks: 0 is none, nothing asked is `by_default`.
 [[nodiscard]] std::optional<std::uint64_t> board_seed_of(std::optional<std::uint64_t> asked, std::uint64_t by_default);
 

@@ -8,6 +8,7 @@
 #include "triskin/base/progress.hpp"
 #include "triskin/deploy/board_shape.hpp"
 #include "triskin/design/design.hpp"
+#include "triskin/link/touch_actuator.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/patch_table.hpp"
 #include "triskin/session/scheduler.hpp"
@@ -44,9 +45,9 @@ struct FlashOptions {
   /// Controllers without a table are told apart by the shapes of their patches, before anything is written; those with
   /// equal shapes are refused. False: they get the patches in the order of their unique ids.
   bool recognise = false;
-  /// Together with `recognise`, the finger of a simulated link distinguishes controllers of equal shape; other links
-  /// ignore it.
-  bool touch = false;
+  /// Together with `recognise`: presses patches whose controllers have equal shapes, which tells them apart; null:
+  /// nobody does. It counts the modules of the design.
+  TouchActuator* actuator = nullptr;
   bool take_over = false;                       ///< controllers that hold a table of another design may be taken
   double wait_s = 0.0;                          ///< how long an unplugged cable is waited for before this is an error
   std::function<void(const std::string&)> say;  ///< called with a sentence when flashing waits and when it continues

@@ -7,6 +7,7 @@
 #include "triskin/base/progress.hpp"
 #include "triskin/deploy/board_shape.hpp"
 #include "triskin/design/design.hpp"
+#include "triskin/link/touch_actuator.hpp"
 #include "triskin/session/bus.hpp"
 
 namespace triskin::device {
@@ -18,7 +19,8 @@ inline constexpr std::uint64_t kIdentifyDesign = 0x59464954'4E454449ULL;  // "ID
 struct IdentifyOptions {
   int patch = -1;         ///< ask for this patch alone; −1: for all that shapes do not settle
   double limit_s = 60.0;  ///< how long a touch of each patch is waited for, in time of the link
-  bool finger = true;     ///< the finger of a simulated link presses; false: touches come by themselves
+  /// Presses the patches that are asked for; null: touches come by themselves.
+  TouchActuator* actuator = nullptr;
   /// Called when patch `patch` is to be touched now.
   std::function<void(int patch)> ask;
   /// Called with a sentence when a touch cannot be used, and when a controller is left out.

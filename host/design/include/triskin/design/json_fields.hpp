@@ -22,11 +22,9 @@ namespace triskin::design {
   return value;
 }
 
-/// Three finite numbers.
-[[nodiscard]] inline Vec3 vec3(const JsonValue& v) {
-  v.require_size(3);
-  return {v.at(0).number(), v.at(1).number(), v.at(2).number()};
-}
+/// Largest coordinate or length of a file. A double still resolves 2 µm there, and no micrometre that a design id has
+/// in it leaves 64 bits.
+inline constexpr double kMaxLength_mm = 1e10;
 
 /// Number in [low, high], in the unit of the field.
 [[nodiscard]] inline double number_in(const JsonValue& v, double low, double high) {
@@ -35,13 +33,20 @@ namespace triskin::design {
   return x;
 }
 
+/// Three numbers of at most kMaxLength_mm.
+[[nodiscard]] inline Vec3 vec3(const JsonValue& v) {
+  const auto one = [&v](std::size_t axis) { return number_in(v.at(axis), -kMaxLength_mm, kMaxLength_mm); };
+  v.require_size(3);
+  return {one(0), one(1), one(2)};
+}
+
 /// Throws unless `v` is an object with keys of `allowed` only: a misspelt key would silently change nothing. `page`
 /// describes the format, for the message.
 inline void only_keys(const JsonValue& v, std::initializer_list<std::string_view> allowed, std::string_view page) {
   if (!v.raw().is_object()) v.fail("must be an object");
   for (const auto& [key, value] : v.raw().items()) {
     if (std::find(allowed.begin(), allowed.end(), key) == allowed.end())
-      v.fail(fmt::format("key \"{}\" is unknown here; see {}", key, page));
+      v.fail_at_key(key, fmt::format("key \"{}\" is unknown here; see {}", key, page));
   }
 }
 

@@ -10,29 +10,36 @@
 
 namespace triskin::design {
 
+/// Line, from 1, in which the value at `place` ("modules[3].corners") begins in `text`, which is JSON; where the text
+/// lacks the place, the line of the part of it that is there. Cost: linear.
+[[nodiscard]] std::size_t line_of(const std::string& text, const std::string& place);
+
 /// JSON value with its place ("modules[3].corners"), so that every error names file and key. Refers to `value`, which
 /// must outlive it. Every function that reads throws InputError "file: place: what is wrong"; constant cost.
 class JsonValue {
  public:
-  /// `place` is empty at the top level.
-  JsonValue(const nlohmann::json& value, std::string file, std::string place)
-      : value_(value), file_(std::move(file)), place_(std::move(place)) {}
+  /// `place` is empty at the top level. `text`: what `value` was parsed from; it outlives this object, and errors then
+  /// name the line, too ("file:12: place: what is wrong").
+  JsonValue(const nlohmann::json& value, std::string file, std::string place, const std::string* text = nullptr)
+      : value_(value), file_(std::move(file)), place_(std::move(place)), text_(text) {}
 
   /// Throws InputError with file, place and `what`.
-  [[noreturn]] void fail(const std::string& what) const {
-    throw InputError(fmt::format("{}: {}: {}", file_, place_.empty() ? "top level" : place_, what));
-  }
+  [[noreturn]] void fail(const std::string& what) const { fail_at(place_, what); }
+  /// The same for an object; the line is that of its key `key`.
+  [[noreturn]] void fail_at_key(const std::string& key, const std::string& what) const { fail_at(below(key), what); }
+  /// The place, as messages name it.
+  [[nodiscard]] const std::string& place() const { return place_; }
   /// Member of an object; throws InputError on other types and where the key is missing.
   [[nodiscard]] JsonValue operator[](const char* key) const {
     if (!value_.is_object()) fail("must be an object");
     const auto found = value_.find(key);
     if (found == value_.end()) fail(fmt::format("key \"{}\" is missing", key));
-    return {*found, file_, place_.empty() ? key : fmt::format("{}.{}", place_, key)};
+    return {*found, file_, below(key), text_};
   }
   /// Element of an array, 0-based; throws InputError on other types and beyond the end.
   [[nodiscard]] JsonValue at(std::size_t index) const {
     if (!value_.is_array() || index >= value_.size()) fail(fmt::format("must be an array with an element {}", index));
-    return {value_[index], file_, fmt::format("{}[{}]", place_, index)};
+    return {value_[index], file_, fmt::format("{}[{}]", place_, index), text_};
   }
   /// Number of elements; throws InputError on all but arrays.
   [[nodiscard]] std::size_t size() const {
@@ -77,9 +84,18 @@ class JsonValue {
   [[nodiscard]] const nlohmann::json& raw() const { return value_; }
 
  private:
+  [[nodiscard]] std::string below(const std::string& key) const {
+    return place_.empty() ? key : fmt::format("{}.{}", place_, key);
+  }
+  [[noreturn]] void fail_at(const std::string& line_place, const std::string& what) const {
+    const std::string line = text_ != nullptr ? fmt::format(":{}", line_of(*text_, line_place)) : "";
+    throw InputError(fmt::format("{}{}: {}: {}", file_, line, place_.empty() ? "top level" : place_, what));
+  }
+
   const nlohmann::json& value_;
   std::string file_;
   std::string place_;
+  const std::string* text_;
 };
 
 /// Parses JSON text. Errors: InputError naming `file` and the place for text that is not JSON or nests deeper than 64

@@ -32,6 +32,7 @@ enum class FindingKind {
   kIntermittentModule,  ///< the module answers now and did not for some time
   kSaturatedTaxel,      ///< the taxel is at an end of its range
   kFrozenTaxel,         ///< the taxel keeps one value
+  kStaleRest,           ///< taxels do not rest where they did when the skin was tared
   kNoTouchResponse,     ///< no taxel changes when the module is pressed
   kTouchedOtherModule,  ///< another module answers when it is pressed
   kSwappedModules,      ///< two modules sit at each other's place
@@ -52,7 +53,7 @@ enum class FindingKind {
 };
 
 /// Names in reports and in --json.
-inline constexpr NameTable kFindingKindNames{std::array<std::pair<FindingKind, std::string_view>, 35>{{
+inline constexpr NameTable kFindingKindNames{std::array<std::pair<FindingKind, std::string_view>, 36>{{
     {FindingKind::kAbsentController, "absent_controller"},
     {FindingKind::kDuplicateController, "duplicate_controller"},
     {FindingKind::kNotFlashed, "not_flashed"},
@@ -72,6 +73,7 @@ inline constexpr NameTable kFindingKindNames{std::array<std::pair<FindingKind, s
     {FindingKind::kIntermittentModule, "intermittent_module"},
     {FindingKind::kSaturatedTaxel, "saturated_taxel"},
     {FindingKind::kFrozenTaxel, "frozen_taxel"},
+    {FindingKind::kStaleRest, "stale_rest"},
     {FindingKind::kNoTouchResponse, "no_touch_response"},
     {FindingKind::kTouchedOtherModule, "touched_other_module"},
     {FindingKind::kSwappedModules, "swapped_modules"},

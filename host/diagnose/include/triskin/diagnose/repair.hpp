@@ -9,9 +9,9 @@
 namespace triskin::device {
 
 /// The steps that mend what a finding names, in order: what to keep, which module and where it lies, which of its
-/// joints carry the lines and which are cut, what to strap, flash, verify. `arguments`: what stands behind `triskin
-/// flash` and `triskin verify` ("forearm.json --link can:can0"). Empty for findings that need no hand (a table of a
-/// failure, lost samples). Throws InputError for a design that does not fit into tables. Cost: image_of for one patch.
+/// joints carry the lines and which are cut, what to strap, flash, tare, verify. `arguments`: what stands behind
+/// `triskin flash` and `triskin verify` ("forearm.json --link can:can0"). Never empty. Throws InputError for a design
+/// that does not fit into tables. Cost: image_of for one patch.
 [[nodiscard]] std::vector<std::string> repair_steps(const design::Design& design, const Finding& finding,
                                                     const std::string& arguments);
 

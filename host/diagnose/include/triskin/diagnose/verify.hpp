@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -8,7 +9,9 @@
 
 #include "triskin/base/progress.hpp"
 #include "triskin/design/design.hpp"
+#include "triskin/design/rest_values.hpp"
 #include "triskin/diagnose/finding_kind.hpp"
+#include "triskin/link/touch_actuator.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/stream_report.hpp"
 
@@ -23,17 +26,25 @@ struct Finding {
   int line = -1;   ///< line where it was found, or the line itself
   int address = -1;
   int taxel = -1;
-  std::string place;  ///< place of the module on the cover ("row 3, left rim"); empty without a module
+  std::vector<int> behind{};      ///< further modules that this one cause concerns, ascending
+  std::uint64_t held_design = 0;  ///< kWrongTable: the other design whose tables the controllers hold; 0: none
+  std::string held_file{};        ///< a file of that design, where one is known (files_of_design())
+  /// Where the module lies on the cover ("island 0, row 3 of 9, left rim"), or where the cable of the patch enters;
+  /// empty: neither is known.
+  std::string place;
   std::string text;
   std::string remedy;
 };
 
 struct VerifyOptions {
-  /// Press every module in turn: with the finger of a simulated link, otherwise by the person who is asked.
+  /// Press every module in turn: by `actuator`, otherwise by the person who is asked.
   bool touch = false;
-  /// Asks a person to press a module and to say when; false: skip this module. Needed for touch on real links.
+  /// Presses modules of the design; null: `ask` has a person do it.
+  TouchActuator* actuator = nullptr;
+  /// Asks a person to press a module and to say when; false: skip this module. Needed for touch without an actuator.
   std::function<bool(int module)> ask;
   std::vector<StreamDemand> neighbours;  ///< StreamOptions::neighbours
+  design::RestValues rest;               ///< where every taxel rests, as kept on this computer; empty: not known
   /// Image of the firmware with debug information: names function and line of a crash; empty: addresses only.
   std::filesystem::path elf;
   double watch_s = 2.0;  ///< shortest time over which intermittent faults are collected, s, ≥ 0
@@ -52,7 +63,11 @@ struct VerifyResult {
   std::optional<StreamReport> stream;
 };
 
-/// Compares the hardware with the design: controllers, tables, modules, taxels, joints. Clears the fault memories of
+/// How far from its rest value a taxel may be that nobody touches, counts: from there on `live` shows it as pressed.
+inline constexpr double kMaxRestError_counts = 200.0;
+
+/// Compares the hardware with the design: controllers, tables, modules, taxels, joints. With `options.rest` also where
+/// the taxels rest, so nobody may touch the skin at the end. Clears the fault memories of
 /// the controllers. Takes watch_s at least, with touch 0.2 s a module on a simulated link. Progress has a part for each
 /// patch. Throws DeviceError when no controller answers or one stops answering, InputError when the design does not fit
 /// into tables, Cancelled when the process was asked to end.

@@ -26,6 +26,7 @@ class CanLink final : public Link {
   [[nodiscard]] std::uint64_t answer_us() const override { return 1'000'000; }
   [[nodiscard]] std::string name() const override { return name_; }
   [[nodiscard]] std::string trouble() const override { return socket_->trouble(); }
+  void receive_from_all() override { socket_->drop_filter(); }
   [[nodiscard]] std::unique_ptr<MessageChannel> open_channel(std::uint32_t tx_id, std::uint32_t rx_id) override;
   [[nodiscard]] std::uint64_t sample_ns(std::uint8_t) const override {
     return fd() ? wire::full_sample_ns(wire::kControllerRates) : 0;

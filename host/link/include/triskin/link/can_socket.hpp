@@ -35,6 +35,8 @@ class CanSocket {
   [[nodiscard]] int descriptor() const { return socket_; }
   /// Sets the kernel's receive filter: from now on only answers of controllers, claims, streams and the loader arrive.
   void filter_for_host();
+  /// From now on every data frame of the bus arrives.
+  void drop_filter();
   /// Sends one frame; waits while the transmit queue is full, up to 1 s. Throws Unreachable: interface gone or down,
   /// bus-off, queue stays full.
   void send(const wire::CanFrame& frame);

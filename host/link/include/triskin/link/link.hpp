@@ -12,22 +12,6 @@
 
 namespace triskin::device {
 
-/// A finger that the host can move: only simulated links have one.
-class Finger {
- public:
-  virtual ~Finger() = default;
-  /// Presses module `module` (id in the design) at its centre, wide enough for all of its taxels, or with the tip one
-  /// taxel (0..11; −1: the whole module). Lifts the finger from where it was. Takes effect at the link's time of the
-  /// call. Throws as Link::send does.
-  virtual void press(int module, int taxel = -1) = 0;
-  /// Lifts the finger; without effect when it is up. Throws as Link::send does.
-  virtual void lift() = 0;
-  /// Puts every taxel of a module (−1: of all) under the same pressure, kPa ≥ 0, as a bag or a foot of the module's
-  /// shape does, beside what presses already; 0 takes it away. Takes effect at the link's time of the call. Throws as
-  /// Link::send does.
-  virtual void pressurize(int module, double kpa) = 0;
-};
-
 /// The connection to a controller is cut; the work can go on after Link::reconnect succeeds.
 class Unreachable : public DeviceError {
  public:
@@ -74,8 +58,9 @@ class Link {
   [[nodiscard]] virtual std::string name() const = 0;
   /// One sentence on what the link has noticed (bus errors, unplugged devices) and the remedy; empty: nothing.
   [[nodiscard]] virtual std::string trouble() const { return {}; }
-  /// The finger of a simulated link, owned by the link; null: the link has none.
-  [[nodiscard]] virtual Finger* finger() { return nullptr; }
+  /// From now on receive() also returns what other hosts send, where the link can hear it: on a CAN bus. Throws as send
+  /// does.
+  virtual void receive_from_all() {}
   /// A connection on which the operating system segments messages; the link outlives it. `tx_id`, `rx_id`: 29-bit
   /// identifiers. Null: the link has none, and the caller segments itself. Throws DeviceError when it cannot be opened.
   [[nodiscard]] virtual std::unique_ptr<MessageChannel> open_channel(std::uint32_t tx_id, std::uint32_t rx_id) {

@@ -19,7 +19,7 @@ struct InverseOptions {
   double disc_diameter_mm = 4.0;
   /// Standard deviation of dc_over_c. Without it the scatter about the fit says it.
   std::optional<double> noise_dc_over_c = std::nullopt;
-  /// Number of contacts. Without it the extended Bayesian information criterion chooses from 0 to max_contacts.
+  /// Number of contacts. Without it a likelihood-ratio test chooses from 0 to max_contacts.
   std::optional<int> contacts = std::nullopt;
   int max_contacts = 6;
   /// Radius of the round tips that press. Without it each contact has its own, with the prior below.
@@ -42,22 +42,22 @@ struct InverseResult {
 
 /// Finds the contacts of round tips that explain what the taxels say.
 ///
-/// 1. Forces on a grid about the pressed taxels, none negative, that explain the displacements (non-negative least
-///    squares on the influence of a small punch); neighbours join to a first guess of each contact.
+/// 1. Starts: the strongest taxel, and forces on a grid about the pressed taxels, none negative, that explain the
+///    displacements (non-negative least squares on the influence of a small punch), joined where they are neighbours.
 /// 2. Gauss-Newton with damping on position, force and tip radius of all contacts, with the forward model of the table:
-///    displacements of the contacts add up, and a taxel is the mean of h / (h − u) over its disc.
-/// 3. Numbers of contacts are compared by the extended Bayesian information criterion.
+///    displacements of the contacts add up, and a taxel is the mean of h / (h − u) over its disc. The lowest minimum
+///    of all starts counts.
+/// 3. A likelihood-ratio test adds contacts one by one; noise passes for one more with a probability of 0.001 at most.
 ///
-/// Deviations are those of the inverse of the Gauss-Newton matrix; where it says more than 0.3 mm or a tenth of the
-/// force, mean and deviations of 500 weighted samples of the posterior take the place of the fit. Weak priors keep it
-/// regular where few taxels are pressed: 5 mm about the first guess for the position, a factor of e for the radius
-/// about 12 mm, and of e² for the force. A single pressed taxel cannot tell place, force and radius apart; then the
-/// deviations are as wide as the priors.
+/// Estimates and deviations are those of the posterior: of the Gauss-Newton matrix where the objective is a parabola,
+/// elsewhere (few pressed taxels) of samples of it. Weak priors keep it regular: a factor of e² about the force that
+/// presses a tip of 12 mm by a quarter of the thickness, of e about that radius, and some 6 mm about the taxels. A
+/// single pressed taxel cannot tell place, force and radius apart; then the deviations are as wide as the priors.
 ///
 /// `observations`: taxels that feel pressure, any number; those that are not finite are left out. Throws InputError
-/// when an option is out of range. Cost: 10 … 300 ms for 120 taxels beside the table, which is made once.
-/// Thread-safe. Source: Lawson and Hanson, Solving Least Squares Problems (1974), chapter 23; Chen and Chen,
-/// Biometrika 95 (2008) 759.
+/// when an option is out of range. Cost: 0.1 … 1 s for 120 taxels beside the table, which is made once; for a stream
+/// see surface_contacts.hpp. Thread-safe. Source: Lawson and Hanson, Solving Least Squares Problems (1974), chapter 23;
+/// Hastings, Biometrika 57 (1970) 97.
 [[nodiscard]] InverseResult find_contacts(const ContactTable& table, std::span<const TaxelObservation> observations,
                                           const InverseOptions& options);
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -13,6 +14,7 @@
 #include "triskin/mesh/extract.hpp"
 #include "triskin/mesh/mesh_io.hpp"
 #include "triskin/mesh/side.hpp"
+#include "triskin/pipeline/revise_design.hpp"
 
 namespace triskin::pipeline {
 
@@ -34,8 +36,10 @@ struct DesignOptions {
   double time_limit_s = 20.0;   ///< > 0, limit for all steps together; the growth gets what placement and wiring leave
   std::uint64_t seed = 1;       ///< seed of every random choice
   design::LayoutLimits limits;  ///< each > 0
-  double bend_radius_mm = 0.0;  ///< > 0: pieces are parted from what bends more (bend_seams.hpp); 0: not for that alone
-  double corner_cut_mm = 0.0;   ///< corner cut of every module, 0 … design::kMaxCornerCut_mm
+  /// > 0: no module is bent to a smaller radius: pieces are parted from what bends more (bend_seams.hpp), and depth and
+  /// lift of modules are limited to the sagitta of a side, 112.5 mm² / radius; 0: not for that alone.
+  double bend_radius_mm = 0.0;
+  double corner_cut_mm = 0.0;  ///< corner cut of every module, 0 … design::kMaxCornerCut_mm
   /// >= 0: how far the mesh on which pieces and growth are searched may be from a surface with more faces than it needs
   /// (decimated_mesh.hpp); 0: they are searched on the surface.
   double solver_deviation_mm = geometry::kSolverDeviation_mm;
@@ -43,6 +47,9 @@ struct DesignOptions {
   int iterations = 0;   ///< ≥ 0; > 0: the growth ends after so many steps: repeatable whatever the machine's load
   int threads = 2;      ///< 1 … 256 chains of the growth; part of what a result depends on
   design::Price price;  ///< each 0 … 16 modules; jumpers may be as long as limits.jumper_mm
+  /// Design of an older version of the part, whose modules stay where they can (revise_design.hpp); its limits, price,
+  /// seed and kinds are taken then, and its choice of faces where `faces` is empty. Null: none.
+  std::shared_ptr<const design::Design> like;
   /// Kinds of the modules by place. Only spheres and boxes are possible, since modules have no numbers yet.
   design::KindPlan kinds;
 };
@@ -60,6 +67,7 @@ struct DesignNotes {
   geometry::BridgeReport bridges;
   geometry::Mesh part;  ///< what the side was taken from; only where it is undecided
   geometry::MeshReadReport read;
+  std::optional<Revision> revision;  ///< with DesignOptions::like
 };
 
 /// The design with the alternative `index` (0-based, design.alternatives) in place of its layout, measured and wired

@@ -60,7 +60,7 @@ inline constexpr double kContactReach_mm = 12.0;
 struct MessageType {
   std::string_view name, definition;
 };
-extern const MessageType kRawFrameType, kLayoutType, kReadersType, kContactsType, kPointCloudType;
+extern const MessageType kRawFrameType, kLayoutType, kReadersType, kContactsType, kPointCloudType, kTransformsType;
 
 /// Frame of a skin's coordinates in the messages of a recording: that of the mesh, in m.
 inline constexpr std::string_view kMeshFrame = "skin";
@@ -86,6 +86,16 @@ struct Calibration {
                                                         std::string_view frame_id = kMeshFrame,
                                                         const Calibration& calibration = {});
 
+/// Pose of a frame in its parent: metres, and a unit quaternion x, y, z, w.
+struct Pose {
+  std::array<double, 3> translation_m{0.0, 0.0, 0.0};
+  std::array<double, 4> rotation{0.0, 0.0, 0.0, 1.0};
+};
+/// tf2_msgs/msg/TFMessage with one transform from `parent` to `child`. `stamp_ns`: since 1970. Throws nothing of its
+/// own.
+[[nodiscard]] std::vector<std::uint8_t> encode_transform(std::string_view parent, std::string_view child,
+                                                         const Pose& pose, std::uint64_t stamp_ns);
+
 /// All taxels of a design as sensor_msgs/msg/PointCloud2, with their latest values.
 class PointCloud {
  public:
@@ -93,6 +103,8 @@ class PointCloud {
   explicit PointCloud(const design::Design& design);
   /// Takes the values of a module.
   void add(const ModuleSample& sample);
+  /// True when every module was heard: then no point has the value 0 that stands for nothing.
+  [[nodiscard]] bool is_complete() const { return heard_ == points_.size(); }
   /// One point a taxel: x, y, z (m), normal_x, normal_y, normal_z, module, value (counts), valid (1 or 0), taxel.
   /// Throws nothing of its own.
   [[nodiscard]] std::vector<std::uint8_t> encode(std::uint64_t stamp_ns, std::string_view frame_id = kMeshFrame) const;
@@ -104,6 +116,8 @@ class PointCloud {
     bool valid = false;
   };
   std::vector<std::array<Point, layout::kTaxelsPerModule>> points_;  // Indexed by module.
+  std::vector<bool> is_heard_;                                       // Indexed by module.
+  std::size_t heard_ = 0;
 };
 
 }  // namespace triskin::recording

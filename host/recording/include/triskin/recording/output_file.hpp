@@ -18,14 +18,16 @@ class WriteFailed : public Error {
 };
 
 /// A file that grows while it is written. It is opened before there is anything to write, so that one that cannot be
-/// written is known at once; a regular file that stood there is emptied by the first byte only. Threads: one.
+/// written is known at once. A recording that stood there is replaced in one step once the first bytes of the new one
+/// are in a file and the disk has room for its first megabyte; before, the old one is whole. No other program may write
+/// it meanwhile (flock). Threads: one.
 class OutputFile final : public ByteSource {
  public:
   /// Opens `path`: a symbolic link is followed, "-" is standard output; a device or a pipe is written into. Throws
-  /// InputError naming the file and the cause.
+  /// InputError naming the file and the cause; when another program writes it, with that program.
   explicit OutputFile(const std::filesystem::path& path);
   /// Opens the recording `path` to be continued behind its first `keep_bytes` bytes; the rest is cut off. Throws
-  /// InputError.
+  /// InputError, also when another program still writes it.
   OutputFile(const std::filesystem::path& path, std::uint64_t keep_bytes);
   /// Removes a file that did not stand there before and into which nothing was written.
   ~OutputFile() override;
@@ -49,10 +51,14 @@ class OutputFile final : public ByteSource {
  private:
   [[noreturn]] void fail(int cause) const;
   void start();
+  void begin_replacement();
+  void append(Bytes bytes);
 
   std::string name_;
+  std::string temporary_;  // Name of the new file until it replaces the old one.
   int file_ = -1;
-  bool regular_ = false, created_ = false, started_ = false;
+  int old_file_ = -1;  // Holds the lock of the file that was replaced.
+  bool regular_ = false, created_ = false, started_ = false, replaces_ = false;
   std::uint64_t size_ = 0;
 };
 

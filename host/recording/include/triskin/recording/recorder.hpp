@@ -38,6 +38,11 @@ struct Origin {
   std::string calibration_text;
   std::string rest_text;  ///< the file of the rest values (design/rest_values.hpp) by which contacts are known; empty:
                           ///< by design
+  /// Name of the cover on its robot: topics are /skin/PART/…, as the bridge has them, and the frame is skin_PART.
+  /// Empty: topics are /skin/… and the frame is skin.
+  std::string part;
+  std::string parent_frame;  ///< frame in which the skin's frame lies, for /tf_static; empty: none is written
+  Pose pose;                 ///< of the skin's frame in parent_frame
 };
 
 /// Writes samples as they come. Memory is bounded; every function throws WriteFailed when the file takes no more.

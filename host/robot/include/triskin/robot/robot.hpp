@@ -47,6 +47,7 @@ struct CoverEntry {
   std::string bus;              ///< bus of its controllers, unless they name another
   std::string frame;            ///< link of the robot that it is fixed to; empty: the robot's base
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< pose of the mesh frame in that link, mm
+  bool has_pose = false;  ///< false: nobody has said where it lies, and `pose` is only a stand-in
   /// x, y, z in mm, then roll, pitch, yaw in rad (fixed axes, as URDF has them), where the file gives the pose so.
   std::optional<std::array<double, 6>> xyz_rpy;
   std::optional<Measured> measured;

@@ -10,7 +10,7 @@
 #include "triskin/design/design.hpp"
 #include "triskin/design/side_by_side.hpp"
 #include "triskin/robot/assembly.hpp"
-#include "triskin/session/stream.hpp"
+#include "triskin/session/stream_options.hpp"
 
 namespace triskin::robot {
 
@@ -21,7 +21,7 @@ struct CoverConfig {
   design::Design design;             ///< design with the node addresses of this bus, and the cover's name
   std::vector<std::string> serials;  ///< indexed by patch; empty: not known
   int cover = 0;                     ///< index in the robot file
-  int first_module = 0;              ///< number of its module 0 on a simulated bus (device::CoverLink)
+  int first_module = 0;              ///< number of its module 0 on a simulated bus (device::CoverTouchActuator)
   bool chosen = true;                ///< false: choose() left it out; it keeps its addresses
 };
 

@@ -110,4 +110,18 @@ struct RoutingResult {
 [[nodiscard]] RoutingResult route(const ModuleGraph& graph, const std::vector<Jumper>& places,
                                   const RoutingOptions& options = {}, const ProgressSink& progress = {});
 
+/// Wiring that is to stay as it is: patches at their index, with no modules where the index is free, and their jumpers.
+struct KeptWiring {
+  std::vector<Patch> patches;
+  std::vector<Jumper> jumpers;
+};
+
+/// Wires what `kept` leaves, as route() would wire it alone. Kept patches stay at their index unless there are too few
+/// new ones to fill the free places before them; failures are computed for all of them again. `places`: as for route();
+/// kept jumpers are among them. Bounds are those of the whole graph; more controllers may be needed than those.
+/// Errors: as route(), and std::out_of_range for a kept module that the graph lacks. Cost: twice that of route().
+[[nodiscard]] RoutingResult route_around(const ModuleGraph& graph, const std::vector<Jumper>& places,
+                                         const KeptWiring& kept, const RoutingOptions& options = {},
+                                         const ProgressSink& progress = {});
+
 }  // namespace triskin::geometry

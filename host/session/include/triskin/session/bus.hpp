@@ -51,8 +51,9 @@ class Bus {
     kSafe,   ///< asking again has no other effect than asking once
   };
   /// Sends a request (service byte first, 1..4095 bytes) to node address `node` and waits for the answer, also while
-  /// the controller answers "response pending". Returns the answer without its service byte. Throws Refused, NoAnswer
-  /// (after five attempts with kSafe, one with kNever), Unreachable, DeviceError when the request is too long.
+  /// the controller answers "response pending", at most a minute. Returns the answer without its service byte. Throws
+  /// Refused, NoAnswer (after five attempts with kSafe, one with kNever), Unreachable, DeviceError when the request is
+  /// too long.
   Message request(std::uint8_t node, Bytes request, Repeat repeat);
 
   /// Unique id and node address of every controller on the link, sorted by unique id; also while several share an
@@ -67,7 +68,7 @@ class Bus {
   void on_stream(OnFrame handler) { on_stream_ = std::move(handler); }
   /// Waits until `until_us` of the link's clock; stream frames go to the handler. Throws Unreachable.
   void listen(std::uint64_t until_us);
-  /// Hands the frames that have come already to the handler; does not wait. Throws Unreachable.
+  /// Hands the frames that have come already to the handler, for at most 50 ms; does not wait. Throws Unreachable.
   void poll();
   /// Waits for one frame of any kind until `until_us`; may return empty before, at the latest after 0.2 s. Throws
   /// Unreachable.
@@ -100,8 +101,11 @@ class Bus {
   // A claim has two frames of at most 160 bits: 16 ms between two whole claims at 20 kbit/s. 126 of them take 2 s
   // there.
   static constexpr std::uint64_t kClaimGap_us = 20'000, kLongestClaims_us = 2'500'000;
+  static constexpr std::uint64_t kLongestDrain_us = 50'000, kLongestPending_us = 60'000'000;
   static constexpr std::uint64_t kInterruptPoll_us = 200'000;  // Longest time between two checks for a request to end.
 
+  /// Throws Cancelled when the process was asked to end and nothing holds it.
+  void end_on_request() const;
   wire::IsoTp& connection(std::uint8_t node);
   /// Sends once and waits; empty: no answer in time.
   Message exchange(std::uint8_t node, Bytes request);

@@ -24,8 +24,8 @@ struct SampleCounts {
 };
 
 /// The samples of one module while a reader's lease lasts: arithmetic on the controller's numbers, so that what was
-/// never heard counts as well. Fed by samples in the order in which they came, and by the controller's account at the
-/// beginning and at the end. Cost: constant. Threads: one.
+/// never heard counts as well; the numbers' 32 bits may wrap. Fed by samples in the order in which they came, and by
+/// the controller's account at the beginning and at the end. Cost: constant. Threads: one.
 class SampleAccount {
  public:
   SampleAccount() = default;
@@ -51,18 +51,21 @@ class SampleAccount {
 
  private:
   struct Counters {
-    std::uint32_t number = 0, unread = 0, dropped = 0;
+    std::uint64_t number = 0;
+    std::uint32_t unread = 0, dropped = 0;
   };
+  [[nodiscard]] std::uint64_t widen(std::uint32_t number) const;
+  bool count(const wire::TaxelFrame& sample, std::uint64_t number, std::uint64_t now_us);
   void restart(std::uint8_t starts, std::uint32_t number, std::uint64_t now_us);
   [[nodiscard]] SampleCounts since_start() const;
-  [[nodiscard]] std::uint64_t multiples(std::uint32_t after, std::uint32_t up_to) const;
+  [[nodiscard]] std::uint64_t multiples(std::uint64_t after, std::uint64_t up_to) const;
 
   int every_ = 1;
   std::uint64_t interval_us_ = 0;
   bool started_ = false, ended_ = false;
   std::uint8_t starts_ = 0;
   Counters first_, last_;
-  std::uint32_t newest_ = 0;  // Number of the latest sample that arrived.
+  std::uint64_t newest_ = 0;  // Number of the latest sample that arrived, counted on over wraps.
   std::uint64_t device_time_us_ = 0, heard_us_ = 0;
   std::uint64_t received_ = 0, with_data_ = 0;  // Counted since the controller's last start.
   SampleCounts before_;                         // Counts from earlier starts of the controller.

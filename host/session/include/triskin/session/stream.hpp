@@ -15,40 +15,15 @@
 #include "triskin/session/bus.hpp"
 #include "triskin/session/bus_budget.hpp"
 #include "triskin/session/clock_filter.hpp"
+#include "triskin/session/module_sample.hpp"
 #include "triskin/session/sample_account.hpp"
+#include "triskin/session/stream_options.hpp"
 #include "triskin/session/stream_report.hpp"
 #include "triskin/wire/sampling.hpp"
-#include "triskin/wire/taxel_frames.hpp"
 
 namespace triskin::device {
 
 class Controller;
-
-/// A sample of one module as it came over the wire, with the module that it belongs to in the design.
-struct ModuleSample {
-  int module = 0;                  ///< id in the design; in the frame it is a row of the controller's table
-  std::uint64_t link_time_us = 0;  ///< clock of the link when the frame came
-  wire::TaxelFrame sample;
-  int cover = 0;       ///< index among the designs of the stream
-  LinkTime sampled{};  ///< time at which the controller took it (ClockFilter)
-  int adopter = -1;    ///< patch whose controller read it in place of the module's own; −1: its own did
-};
-
-struct StreamOptions {
-  /// How many readings a converter adds up: 36.9, 18.4 or 9.2 ms a sample. Empty: as the controllers are set. They keep
-  /// it until they are set anew or lose power.
-  std::optional<wire::Decimation> decimation;
-  /// When the converters are read; empty: as the controllers are set.
-  std::optional<wire::SamplingTiming> timing;
-  int every = 0;  ///< each n-th sample, 1 … 255; 0: the smallest n that fits the bus
-  /// Controllers of other designs on the same bus. A lease is for all that hear it, so they stream too and count in the
-  /// budget; their samples are ignored. Interval 0: that of the default sampling.
-  std::vector<StreamDemand> neighbours;
-  bool overload = false;  ///< streams `every` also where it does not fit; every module then gets an equal share
-  /// Called with one sentence when a controller falls silent, when it speaks again, and when another n-th sample was
-  /// chosen than every one. May be empty.
-  std::function<void(const std::string&)> say;
-};
 
 /// A reader of the data stream of all controllers of a design, or of several designs that share a bus. It has a lease
 /// on the stream and renews it; the ends of other readers leave it alone. Every sample that was due is accounted for:

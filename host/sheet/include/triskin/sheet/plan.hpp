@@ -26,13 +26,14 @@ inline constexpr double kHead_mm = 30.0;    ///< title and QR code
 inline constexpr double kFoot_mm = 14.0;    ///< ruler
 inline constexpr double kLabels_mm = 12.0;  ///< around an island, for what is written outside of it
 
-/// A page that shows modules of one island at 1:1, seen from outside (the touch side).
+/// Modules of one island at 1:1 on a page, seen from outside (the touch side).
 struct IslandPage {
   int island = 0;
   int part = 0, parts = 1;  ///< an island that is larger than the paper has several pages; every module is on one
   int sixths = 0;           ///< turned counter-clockwise by this many times 60°: an up tile lies up where it is even
-  design::Vec2 shift_mm{0, 0};  ///< position of grid vertex (0, 0) on the page
-  std::vector<int> modules{};   ///< module ids, ascending
+  design::Vec2 shift_mm{0, 0};    ///< position of grid vertex (0, 0) on the page
+  std::vector<int> modules{};     ///< module ids, ascending
+  design::Vec2 caption_mm{0, 0};  ///< where its name and points stand on a page of several islands
   /// Grid vertex (i, j) on the page, mm.
   [[nodiscard]] design::Vec2 at(const std::array<int, 2>& vertex) const;
   /// The corners of a tile on the page, mm; counter-clockwise as one sees it.
@@ -46,18 +47,27 @@ struct TextLine {
   LineKind kind = LineKind::kText;
   std::vector<std::string> cells;
   std::vector<double> columns_mm;
+  int patch = -1;  ///< controller whose QR code stands at the right of a title, −1: none
 };
 
+/// A label to print and stick: on a controller with its QR code, on both ends of a jumper without.
+struct Label {
+  int patch = -1;  ///< of the code, −1: none
+  std::string name, first, second;
+};
+inline const design::Vec2 kLabel_mm{48.0, 20.0};
+
 /// What a page shows.
-enum class PageKind { kOverview, kKey, kText, kIsland };
+enum class PageKind { kOverview, kKey, kText, kLabels, kIsland };
 /// One page of the sheet.
 struct Page {
   PageKind kind = PageKind::kText;
   std::string title{};
   int patch = -1;  ///< patch of the page's QR code, −1: it has none
   design::Vec2 size_mm{210, 297};
-  std::vector<TextLine> lines{};  ///< content of a text page
-  IslandPage island{};            ///< content of an island page
+  std::vector<TextLine> lines{};      ///< content of a text page
+  std::vector<IslandPage> islands{};  ///< content of an island page: one, or several small ones
+  std::vector<Label> labels{};        ///< content of a page of labels
 };
 
 /// A point of an island that is measured on the part: a corner of a module, or where corners are cut the end of side
@@ -76,8 +86,14 @@ struct Plan {
   std::vector<int> page_of_module;             ///< 1-based page that shows it at 1:1
   std::vector<Page> pages;
 };
-/// Plans the sheet: overview, key, parts, order of work, one table a controller, islands. Errors: InputError for a
-/// design without modules. Cost: O(n log n) beside sides_of().
+/// Smallest radius that the paper allows a module to be bent to, mm; places that ask for less are marked.
+inline constexpr double kPaperBendRadius_mm = 50.0;
+/// Radius to which a module is bent where one of its sides lies `depth_mm` under the drawn plane, mm; infinity for 0.
+/// A side of 30 mm is a chord with that sagitta.
+[[nodiscard]] double bend_radius_of_depth(double depth_mm);
+
+/// Plans the sheet: overview, key, parts, order of work, labels, one table a controller, islands. Errors: InputError
+/// for a design without modules. Cost: O(n log n) beside sides_of().
 [[nodiscard]] Plan plan_of(const design::Design& design, Paper paper);
 
 }  // namespace triskin::sheet

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "triskin/layout/module.hpp"
 
@@ -40,6 +41,7 @@ struct Ad7147Behaviour {
 /// interrupts, environmental calibration.
 class Ad7147 {
  public:
+  static constexpr std::uint64_t kNever = ~std::uint64_t{0};
   static constexpr int kStages = layout::kTaxelsPerModule;
   static constexpr std::uint16_t kDeviceId = 0x1472;  ///< 0x1470 | revision (data sheet, table 20)
 
@@ -47,9 +49,11 @@ class Ad7147 {
   explicit Ad7147(const CapacitanceSource& source, std::uint16_t device_id = kDeviceId)
       : source_(&source), device_id_(device_id) {}
 
-  /// Power fails for a moment at `at_us`, and again every `every_us` after that if it is not 0: all registers
-  /// then hold their reset values.
-  void schedule_power_dip(std::uint64_t at_us, std::uint64_t every_us);
+  /// Power fails for a moment at `at_us`, and again every `every_us` after that if it is not 0, before `until_us`: all
+  /// registers then hold their reset values.
+  void schedule_power_dip(std::uint64_t at_us, std::uint64_t every_us, std::uint64_t until_us = kNever);
+  /// The chip shows the device id `device_id` from `at_us` until `until_us`, exclusive, as another chip would.
+  void show_device_id(std::uint16_t device_id, std::uint64_t at_us, std::uint64_t until_us);
 
   /// Error of the oscillator, ppm, positive: slow; −40,000..40,000 by the data sheet. 0 at first.
   void set_clock_error(int ppm) { clock_ppm_ = ppm; }
@@ -80,8 +84,16 @@ class Ad7147 {
  private:
   static constexpr std::size_t kSetupRegisters = 8;   // 0x000 … 0x007
   static constexpr std::size_t kStageRegisters = 96;  // 0x080 … 0x0DF
-  static constexpr std::uint64_t kNever = ~std::uint64_t{0};
 
+  struct PowerDips {
+    std::uint64_t next_us, every_us, until_us;
+  };
+  struct ShownId {
+    std::uint16_t device_id;
+    std::uint64_t at_us, until_us;
+  };
+
+  [[nodiscard]] std::uint16_t device_id(std::uint64_t now_us) const;
   void reset(std::uint64_t now_us);
   void apply_power_dips(std::uint64_t now_us);
   void write_power_control(std::uint16_t value, std::uint64_t now_us);
@@ -117,8 +129,8 @@ class Ad7147 {
   std::uint64_t noise_seed_ = 0;  // 0: none
   std::uint64_t restart_us_ = 0;
   std::uint64_t status_read_us_ = 0;
-  std::uint64_t next_dip_us_ = kNever;
-  std::uint64_t dip_every_us_ = 0;
+  std::vector<PowerDips> dips_;
+  std::vector<ShownId> shown_ids_;
   // Bus state: two address bytes, then pairs of data bytes.
   std::uint16_t pointer_ = 0;
   int address_bytes_ = 0;

@@ -19,19 +19,16 @@ class I2cLineModel final : public sim::I2cBus {
 
   /// Connects a chip at the 7-bit address `address`; `chip` outlives the line.
   void attach(Ad7147& chip, std::uint8_t address) { chips_.push_back({&chip, address}); }
-  /// Connects a chip whose place changes: `address_now` gives its 7-bit address, −1 while it is not on this line.
-  void attach(Ad7147& chip, std::function<int()> address_now) { chips_.push_back({&chip, 0, std::move(address_now)}); }
-  /// Connects a chip that does not answer from `from_us` until `until_us`, exclusive: its joint has a loose contact.
-  void attach(Ad7147& chip, std::uint8_t address, std::uint64_t from_us, std::uint64_t until_us) {
-    attach(chip, [this, address, from_us, until_us] {
-      return now_us_ >= from_us && now_us_ < until_us ? -1 : static_cast<int>(address);
-    });
+  /// Connects a chip whose place changes: `address_at` gives its 7-bit address at a virtual time in µs, and −1 while
+  /// it is not on this line.
+  void attach(Ad7147& chip, std::function<int(std::uint64_t)> address_at) {
+    chips_.push_back({&chip, 0, std::move(address_at)});
   }
   /// Both signals are low while `held` returns true; replaces an earlier function.
   void hold_while(std::function<bool()> held) { held_ = std::move(held); }
-  /// Holds the signal low from virtual time `at_us`. SDA is released after `frees_after_pulses` pulses on SCL (0:
-  /// never).
-  void hold_low(Signal signal, std::uint64_t at_us, int frees_after_pulses);
+  /// Holds the signal low from virtual time `at_us` until `until_us`, exclusive. SDA is released after
+  /// `frees_after_pulses` pulses on SCL (0: not by them).
+  void hold_low(Signal signal, std::uint64_t at_us, int frees_after_pulses, std::uint64_t until_us = ~std::uint64_t{0});
 
   bool start(std::uint8_t address_byte, std::uint64_t now_us) override;
   bool write(std::uint8_t byte, std::uint64_t now_us) override;
@@ -48,19 +45,19 @@ class I2cLineModel final : public sim::I2cBus {
   struct Chip {
     Ad7147* chip;
     std::uint8_t address;
-    std::function<int()> address_now = {};
+    std::function<int(std::uint64_t)> address_at = {};
   };
   struct Hold {
-    bool on = false;
-    std::uint64_t at_us = 0;
+    std::uint64_t at_us = 0, until_us = 0;
     int pulses_left = 0;
   };
+  [[nodiscard]] bool is_held(const std::vector<Hold>& holds) const;
   [[nodiscard]] bool usable() const { return scl() && sda(); }
 
   std::vector<Chip> chips_;
   std::vector<Ad7147*> selected_;
   std::function<bool()> held_;
-  Hold sda_, scl_;
+  std::vector<Hold> sda_, scl_;
   std::uint64_t now_us_ = 0;
   std::uint64_t bytes_ = 0;
 };

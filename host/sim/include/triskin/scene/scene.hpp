@@ -12,21 +12,11 @@
 #include "triskin/base/names.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/scene/ad7147.hpp"
+#include "triskin/scene/contact.hpp"
+#include "triskin/scene/expectation.hpp"
 #include "triskin/wire/unique_id.hpp"
 
 namespace triskin::scene {
-
-inline constexpr std::uint64_t kForever = ~std::uint64_t{0};
-
-/// A round finger on the skin: Hertz pressure 3F/(2πr²)·√(1 − (d/r)²) at distance d ≤ r from its centre.
-struct Contact {
-  std::uint64_t from_us = 0;
-  std::uint64_t until_us = kForever;  ///< exclusive
-  design::Vec3 position_mm{0, 0, 0};  ///< mesh frame
-  std::optional<design::Vec3> to_mm;  ///< moves there at constant speed until `until_us`
-  double radius_mm = 6.0;
-  double force_n = 2.0;
-};
 
 /// A pressure of the same size everywhere, as of a bag around the skin, at times of the simulation: linear between
 /// points, before the first as there, after the last as there.
@@ -50,14 +40,15 @@ class PressureCurve {
   std::vector<Point> points_;
 };
 
-/// What is wrong with the simulated hardware (docs/scene.md describes each kind and its keys).
+/// What is wrong with the simulated hardware (docs/faults_in_scenes.md describes each kind and its keys). A fault is
+/// present in [from_us, until_us).
 enum class FaultKind {
-  kRemovedChip,        ///< module; from_us … until_us: the time for which it is away
+  kRemovedChip,        ///< module
   kMovedChip,          ///< module, line, address: straps soldered wrongly
   kSwappedChips,       ///< module, other: each sits at the other's place
   kStuckLine,          ///< patch, line, signal, frees_after_pulses
   kWrongId,            ///< module, value
-  kLostConfiguration,  ///< module: power dip at from_us, and every_us
+  kLostConfiguration,  ///< module: power dip at from_us, and every_us until until_us
   kSaturatedTaxel,     ///< module, taxel
   kFrozenTaxel,        ///< module, taxel
   kFingerElsewhere,    ///< module, other: a finger meant for the module lands on the other
@@ -71,7 +62,7 @@ enum class FaultKind {
   kExtraJoint,         ///< module, other: of one patch; first free port of each
   kSwappedPatches,     ///< patch, other: each controller is plugged into the other's patch
 };
-/// Names in scene files (docs/scene.md).
+/// Names in scene files (docs/faults_in_scenes.md).
 inline constexpr NameTable kFaultKindNames{std::array<std::pair<FaultKind, std::string_view>, 18>{{
     {FaultKind::kRemovedChip, "removed_chip"},
     {FaultKind::kMovedChip, "moved_chip"},
@@ -102,6 +93,10 @@ struct Fault {
   std::uint64_t from_us = 0, until_us = kForever;
   std::uint64_t every_us = 0;
 };
+/// True if the fault is present at virtual time `at_us`.
+[[nodiscard]] constexpr bool is_present(const Fault& fault, std::uint64_t at_us) {
+  return at_us >= fault.from_us && at_us < fault.until_us;
+}
 
 /// Physical effects; but for the electrodes each is off, and costs nothing, unless the scene names it.
 struct Effects {
@@ -127,6 +122,7 @@ struct Scene {
   PressureCurve pressure;  ///< pressure on every taxel in addition to the contacts
   std::vector<Fault> faults;
   Effects effects;
+  std::vector<Expectation> expectations{};  ///< what the skin should report; `simulate --check` holds it against them
   /// Unique id of the controller of each patch; empty: made of the design's id. Where they are given the flash of a
   /// controller is kept under its unique id. Not in scene files.
   std::vector<wire::UniqueId> boards;
@@ -139,8 +135,8 @@ struct Scene {
 };
 
 /// Reads a scene file, or a design file (then there are no contacts and no faults). Throws InputError naming
-/// file and key: wrong types or ranges, unknown keys or kinds, keys that stand twice, a module that the design does not
-/// have, a contact that no taxel of the skin can feel.
+/// file, line and key: wrong types or ranges, unknown keys or kinds, keys that stand twice, a module that the design
+/// does not have, times out of order, a contact that no taxel of the skin can feel.
 [[nodiscard]] Scene read_scene(const std::filesystem::path& path);
 
 /// Unique id of the controller of patch `patch` (0-based) of a scene: of `boards`, else drawn or counted as
@@ -150,12 +146,9 @@ struct Scene {
 /// Number of the hardware of a scene: equal for scenes with the same faults and the same kind of modules.
 [[nodiscard]] std::uint64_t hardware_id(const Scene& scene);
 
-/// Rotation 0..2 of a module (id in the design) as assembled: the design's, changed by the faults of the scene. Throws
-/// std::out_of_range for a module that the design lacks.
-[[nodiscard]] int real_rotation(const Scene& scene, int module);
-
-/// Distance from a point to a contact's centre, or to the path of one that moves, mm.
-[[nodiscard]] double distance_mm(const Contact& contact, const design::Vec3& point_mm);
+/// Rotation 0..2 of a module (id in the design) as assembled: the design's, changed by the faults that are present at
+/// virtual time `at_us`. Throws std::out_of_range for a module that the design lacks.
+[[nodiscard]] int real_rotation(const Scene& scene, int module, std::uint64_t at_us = 0);
 
 /// Centroid of a module's corners, mesh frame, mm. Throws std::out_of_range for a module that the design lacks.
 [[nodiscard]] design::Vec3 center_of(const design::Design& design, int module);

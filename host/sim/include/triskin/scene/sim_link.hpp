@@ -5,6 +5,7 @@
 #include "triskin/link/link.hpp"
 #include "triskin/link/link_kind.hpp"
 #include "triskin/link/node_map.hpp"
+#include "triskin/link/touch_actuator.hpp"
 #include "triskin/scene/virtual_skin.hpp"
 #include "triskin/wire/usb_packet.hpp"
 
@@ -12,12 +13,14 @@ namespace triskin::device {
 
 /// What links to a simulation in this process have in common. Waiting advances virtual time; nothing depends on the
 /// wall clock. Threads: one.
-class InProcessLink : public Link, private Finger {
+class InProcessLink : public Link, public TouchActuator {
  public:
   [[nodiscard]] std::uint64_t now_us() const override { return skin_.now_us(); }
   [[nodiscard]] bool fd() const override { return true; }
   [[nodiscard]] std::uint64_t answer_us() const override;
-  [[nodiscard]] Finger* finger() override { return this; }
+  void press(int module, int taxel) override;
+  void lift() override;
+  void pressurize(int module, double kpa) override { skin_.pressurize(module, kpa); }
   /// The simulated hardware, to change it while it runs.
   [[nodiscard]] scene::VirtualSkin& skin() { return skin_; }
 
@@ -27,10 +30,6 @@ class InProcessLink : public Link, private Finger {
   scene::VirtualSkin skin_;
 
  private:
-  void press(int module, int taxel) override;
-  void lift() override;
-  void pressurize(int module, double kpa) override { skin_.pressurize(module, kpa); }
-
   int touch_ = 0;
 };
 

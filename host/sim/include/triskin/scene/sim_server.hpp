@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <chrono>
 #include <vector>
 
 #include "triskin/scene/skin_server.hpp"
@@ -10,14 +11,16 @@ namespace triskin::device {
 /// Serves a simulated skin over TCP. All clients share one bus; one that sends a malformed record is dropped.
 class SimServer final : public SkinServer {
  public:
-  /// Listens at `at`; port 0 takes a free one. `skin` outlives the server. Throws DeviceError when the address cannot
-  /// be used.
-  SimServer(scene::VirtualSkin& skin, const HostPort& at);
+  /// Listens at `at`; port 0 takes a free one. `skin` outlives the server. Throws InputError when other computers could
+  /// reach the address and `reach` does not say so, DeviceError when it cannot be used.
+  SimServer(scene::VirtualSkin& skin, const HostPort& at, Reach reach = Reach::kThisComputer);
   ~SimServer() override;
 
   /// Port that it listens on.
   [[nodiscard]] std::uint16_t port() const { return port_; }
-  [[nodiscard]] std::string link_name() const override { return name_ + std::to_string(port_); }
+  [[nodiscard]] std::string link_name() const override { return "sim:" + host_port_text({host_, port_}); }
+  /// True: other computers can reach it, and nothing asks them who they are.
+  [[nodiscard]] bool is_exposed() const override { return is_exposed_; }
 
  private:
   struct Client {
@@ -37,10 +40,12 @@ class SimServer final : public SkinServer {
   void pressurize(const record::Record& record);
   void drop_dead();
 
-  std::string name_;
+  std::string host_;
   int listener_ = -1;
   std::uint16_t port_ = 0;
+  bool is_exposed_ = false;
   std::vector<Client> clients_;
+  std::chrono::steady_clock::time_point listens_from_{};  // No connection is accepted before.
 };
 
 }  // namespace triskin::device

@@ -25,6 +25,7 @@ inline constexpr double kCountsPerKpa = 150.0;
 struct Touch {
   int id = 0;
   Contact contact;
+  std::uint64_t released_us = kForever;  ///< lifted before the end of the contact
   /// Pressure on the skin at a point (mesh frame, mm) and virtual time, kPa; 0 outside the contact.
   [[nodiscard]] double pressure_kpa(const design::Vec3& at_mm, std::uint64_t at_us) const;
 };
@@ -45,10 +46,18 @@ class ModuleSkin final : public CapacitanceSource {
   void add(const Touch& touch);
   /// Forgets a contact; without effect when it is not there.
   void remove(int touch_id);
-  /// Sets taxel 0..11 to an end of its range for good.
-  void saturate(int taxel) { state_[static_cast<std::size_t>(taxel)] = State::kSaturated; }
-  /// Freezes taxel 0..11 at its rest value.
-  void freeze(int taxel) { state_[static_cast<std::size_t>(taxel)] = State::kFrozen; }
+  /// Sets taxel 0..11 to an end of its range from virtual time `from_us` until `until_us`, exclusive.
+  void saturate(int taxel, std::uint64_t from_us = 0, std::uint64_t until_us = kForever) {
+    broken_.push_back({static_cast<std::size_t>(taxel), true, from_us, until_us});
+  }
+  /// Freezes taxel 0..11 at its rest value from virtual time `from_us` until `until_us`, exclusive.
+  void freeze(int taxel, std::uint64_t from_us = 0, std::uint64_t until_us = kForever) {
+    broken_.push_back({static_cast<std::size_t>(taxel), false, from_us, until_us});
+  }
+  /// The taxels are at `position_mm` from virtual time `from_us` on; calls are in the order of time.
+  void turn(std::uint64_t from_us, const std::array<design::Vec3, layout::kTaxelsPerModule>& position_mm) {
+    turns_.push_back({from_us, position_mm});
+  }
   /// Puts every pad under `kpa` from `at_us` on, in addition to the contacts.
   void pressurize(double kpa, std::uint64_t at_us) { pressure_.step(at_us, kpa); }
   /// Makes the pads such that the converter reads `counts`, once the controller has found their offsets at
@@ -58,9 +67,19 @@ class ModuleSkin final : public CapacitanceSource {
   [[nodiscard]] bool reached_by(const Contact& contact) const;
 
  private:
-  enum class State : std::uint8_t { kHealthy, kSaturated, kFrozen };
+  struct BrokenTaxel {
+    std::size_t taxel;
+    bool saturated;  // False: frozen.
+    std::uint64_t from_us, until_us;
+  };
+  struct Turn {
+    std::uint64_t from_us;
+    std::array<design::Vec3, layout::kTaxelsPerModule> position_mm;
+  };
+  [[nodiscard]] const design::Vec3& position_mm(std::size_t taxel, std::uint64_t at_us) const;
   std::array<design::Vec3, layout::kTaxelsPerModule> position_mm_;
-  std::array<State, layout::kTaxelsPerModule> state_{};
+  std::vector<BrokenTaxel> broken_;
+  std::vector<Turn> turns_;
   std::array<double, layout::kTaxelsPerModule> rest_counts_{}, counts_per_kpa_{};
   PressureCurve pressure_;
   std::optional<std::array<double, layout::kTaxelsPerModule>> shown_counts_;
@@ -98,8 +117,8 @@ class Skin {
   [[nodiscard]] const ModuleSkin& module(int id) const { return modules_.at(static_cast<std::size_t>(id)); }
 
  private:
+  void turn_modules(const Scene& scene);
   void place_chips(const Scene& scene, SwitchedHardware* switched);
-  void attach(Ad7147& chip, int module, int patch, SwitchedHardware& switched);
   void apply(const Fault& fault);
   void forget(std::uint64_t before_us);
 

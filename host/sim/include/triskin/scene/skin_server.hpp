@@ -9,6 +9,12 @@
 
 namespace triskin::device {
 
+/// From where clients may come.
+enum class Reach {
+  kThisComputer,   ///< loopback addresses only
+  kOtherComputers  ///< any address. Nothing asks a client who it is: whoever reaches the port may read, press and flash
+};
+
 /// Serves a simulated skin to other programs in real time: virtual time follows the wall clock; on a computer that is
 /// too slow it falls behind and does not catch up. Threads: one, which run() occupies.
 class SkinServer {
@@ -21,6 +27,8 @@ class SkinServer {
 
   /// Value of `--link` for a client.
   [[nodiscard]] virtual std::string link_name() const = 0;
+  /// True: clients on other computers can reach it.
+  [[nodiscard]] virtual bool is_exposed() const { return false; }
   /// Serves until `stop` is set or `seconds` of wall time have passed (0: no limit). Throws DeviceError when the
   /// transport fails.
   void run(const std::atomic<bool>& stop, double seconds);
@@ -36,8 +44,9 @@ class SkinServer {
 };
 
 /// Opens a server on `HOST:PORT` (TCP), `can:IFACE` (SocketCAN) or `usb` (a USB device for each controller in this
-/// computer's vhci-hcd). `skin` outlives it. Throws InputError when `at` is none of these, DeviceError when it cannot
-/// be opened.
-[[nodiscard]] std::unique_ptr<SkinServer> open_server(scene::VirtualSkin& skin, const std::string& at);
+/// computer's vhci-hcd). `skin` outlives it. Throws InputError when `at` is none of these or `reach` does not allow it,
+/// DeviceError when it cannot be opened.
+[[nodiscard]] std::unique_ptr<SkinServer> open_server(scene::VirtualSkin& skin, const std::string& at,
+                                                      Reach reach = Reach::kThisComputer);
 
 }  // namespace triskin::device

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "triskin/link/link.hpp"
+#include "triskin/link/touch_actuator.hpp"
 #include "triskin/wire/bus_load.hpp"
 
 namespace triskin::device {
@@ -15,8 +16,11 @@ struct HostPort {
   std::string host;
   std::uint16_t port = 0;
 };
-/// Splits "HOST:PORT", port 0..65535. Throws InputError.
+/// Splits "HOST:PORT", port 0 … 65535; an IPv6 address stands in brackets, "[::1]:7000", as in a URL, and `host` is
+/// without them. Throws InputError.
 [[nodiscard]] HostPort parse_host_port(const std::string& text);
+/// The text that parse_host_port() reads.
+[[nodiscard]] std::string host_port_text(const HostPort& at);
 
 /// Records between `sim:HOST:PORT` and `triskin simulate --listen`: 4 bytes length of what follows (little-endian), 1
 /// byte kind, then the contents. Both sides refuse records longer than kMaxBytes.
@@ -50,9 +54,10 @@ struct Record {
 }  // namespace record
 
 /// A simulation that runs in another process (`triskin simulate SCENE --listen HOST:PORT`), in real time. Threads: one.
-class TcpLink final : public Link, private Finger {
+class TcpLink final : public Link, public TouchActuator {
  public:
-  /// Connects. Throws DeviceError when nobody listens there.
+  /// Connects. Throws DeviceError when nobody listens there or answers within 5 s. Afterwards send() throws DeviceError
+  /// when the simulation takes nothing for 2 s, Cancelled when the process is asked to end meanwhile.
   explicit TcpLink(const HostPort& to);
   ~TcpLink() override;
   TcpLink(const TcpLink&) = delete;
@@ -64,15 +69,17 @@ class TcpLink final : public Link, private Finger {
   [[nodiscard]] bool fd() const override { return true; }
   [[nodiscard]] std::uint64_t answer_us() const override { return 2'000'000; }
   [[nodiscard]] std::string name() const override { return name_; }
-  [[nodiscard]] Finger* finger() override { return this; }
+  void press(int module, int taxel) override;
+  void lift() override;
+  void pressurize(int module, double kpa) override;
   /// Known once the first frame has come.
   [[nodiscard]] std::uint64_t sample_ns(std::uint8_t) const override { return wire::full_sample_ns(rates_); }
 
  private:
-  void press(int module, int taxel) override;
-  void lift() override;
-  void pressurize(int module, double kpa) override;
   void write_all(const std::vector<std::uint8_t>& bytes);
+  /// The next frame among the bytes that have come; empty: none is whole.
+  std::optional<wire::CanFrame> frame_received();
+  void read_chunk();
   [[noreturn]] void fail(const std::string& what) const;
 
   std::string name_;

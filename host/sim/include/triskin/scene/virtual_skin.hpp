@@ -105,6 +105,7 @@ class VirtualSkin {
   struct Node {
     std::unique_ptr<FlashMemory> flash, slots;
     BoardClock clock;
+    int plugged = -1;  // The patch at the end of its cable.
     std::deque<ClockedLine> lines;
     sim::VirtualBoard board;
     std::unique_ptr<sim::VirtualController> controller;
@@ -119,6 +120,9 @@ class VirtualSkin {
   static constexpr std::size_t kHost = ~std::size_t{0};
 
   bool run(std::uint64_t until_us, bool stop_at_frame);
+  void build(std::size_t patch, const std::filesystem::path& state_folder, bool other_hardware);
+  void plug_in(Node& node, int patch);
+  void exchange_cables();
   void power_up(std::size_t patch);
   void run_controllers();
   void run_controller(Node& node);
@@ -137,6 +141,7 @@ class VirtualSkin {
   std::deque<Pending> pending_;
   std::vector<Pending> on_wire_;  // Holds at most one frame, which occupies the bus until wire_free_us_.
   std::uint64_t wire_free_us_ = 0;
+  std::vector<std::uint64_t> cable_changes_us_;  // Times still to come, the latest first.
   std::uint64_t now_us_ = 0;
   std::uint64_t bus_frames_ = 0;
   std::uint64_t bus_busy_us_ = 0;

@@ -10,6 +10,7 @@
 
 #include "triskin/design/calibration.hpp"
 #include "triskin/session/bus.hpp"
+#include "triskin/session/stream_options.hpp"
 #include "triskin/skin/touch_map.hpp"
 
 /// Makes calibrations of a skin, from pressures that are known (docs/calibration.md).
@@ -94,7 +95,8 @@ class CalibrationStore {
   explicit CalibrationStore(std::filesystem::path folder = {});
   /// Calibration of a controller; nullopt: there is none. Throws InputError for a file that is damaged.
   [[nodiscard]] std::optional<design::BoardCalibration> read(const std::string& serial) const;
-  /// Keeps it as it is, in place of an older one. Throws InputError when the file cannot be written.
+  /// Keeps it as it is, in place of an older one. Throws InputError when the file cannot be written, also
+  /// when another program holds it for more than two seconds.
   void write(const design::BoardCalibration& board) const;
   /// Keeps a new one: its revision is one more than that of what is there and than `before`, that of what its
   /// controller keeps (0: nothing); `made` is now. Returns what was written.
@@ -104,6 +106,7 @@ class CalibrationStore {
 
  private:
   [[nodiscard]] std::filesystem::path file_of(const std::string& serial) const;
+  void replace(const design::BoardCalibration& board) const;
   std::filesystem::path folder_;
 };
 

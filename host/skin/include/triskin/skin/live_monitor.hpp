@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "triskin/design/calibration.hpp"
@@ -27,6 +30,8 @@ class LiveMonitor {
   void add(const ModuleSample& frame);
   [[nodiscard]] TouchMap& touches() { return touches_; }
   [[nodiscard]] const TouchMap& touches() const { return touches_; }
+  /// Gives counts a value from now on.
+  void set_calibration(design::SkinCalibration calibration) { calibration_ = std::move(calibration); }
   /// What the counts are worth.
   [[nodiscard]] const design::SkinCalibration& calibration() const { return calibration_; }
   /// Force on all taxels under pressure together, against their normals, N; 0 without a complete calibration.
@@ -41,8 +46,12 @@ class LiveMonitor {
   /// Modules of a patch that never sent a sample.
   [[nodiscard]] int unheard(int patch) const;
   /// The patch in its shape, the highest row first: a cell a module, which points up or down as the module does, with
-  /// the largest pressure of its taxels, or what is wrong. `colour`: with the colours of a terminal.
-  [[nodiscard]] std::vector<std::string> picture(int patch, PressureUnit unit, bool colour) const;
+  /// the largest pressure of its taxels, or what is wrong. `colour`: with the colours of a terminal. `columns`: width
+  /// of the picture in characters (0: any). Where a patch lies on several islands, they stand side by side as the width
+  /// permits, each under its name. Where an island is wider than that, cells first lose the space between them and then
+  /// have one character: tenths of the range, 0 … 9, ! for a fault; what is still wider is cut at the right and ends
+  /// in "…".
+  [[nodiscard]] std::vector<std::string> picture(int patch, PressureUnit unit, bool colour, int columns = 0) const;
 
  private:
   struct Module {
@@ -52,7 +61,11 @@ class LiveMonitor {
     double rate_hz = 0.0;       // Rate in the last period.
   };
   [[nodiscard]] const std::vector<design::RoutedModule>& modules_of(int patch) const;
-  [[nodiscard]] std::string cell(int module, PressureUnit unit, bool colour) const;
+  enum class CellForm { kSpaced, kClose, kDigit };
+  using Rows = std::map<int, std::map<int, int>, std::greater<>>;  // Keyed by row, then by column: module.
+  [[nodiscard]] std::string cell(int module, PressureUnit unit, bool colour, CellForm form) const;
+  [[nodiscard]] std::vector<std::string> island_picture(const Rows& rows, PressureUnit unit, bool colour,
+                                                        std::size_t columns) const;
 
   const design::Design& design_;
   TouchMap touches_;

@@ -7,7 +7,7 @@
 #include "triskin/design/design.hpp"
 #include "triskin/design/rest_values.hpp"
 #include "triskin/layout/rest.hpp"
-#include "triskin/session/stream.hpp"
+#include "triskin/session/module_sample.hpp"
 
 namespace triskin::device {
 

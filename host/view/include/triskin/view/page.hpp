@@ -6,6 +6,7 @@
 
 #include "triskin/design/calibration.hpp"
 #include "triskin/design/design.hpp"
+#include "triskin/view/notes.hpp"
 
 namespace triskin::view {
 
@@ -23,15 +24,15 @@ void require_page();
 
 /// What the page needs to know of a design, as JSON: surface, modules with corners and taxels (mm, mesh frame, rounded
 /// to 10 µm), wiring, metrics with their limits, failures. docs/view.md has the keys. `recording`: the page has a
-/// recording to play. `calibration`: for forces in N; where it is not complete the page shows counts. Cost: O(faces +
-/// modules).
+/// recording to play. `calibration`: for forces in N; where it is not complete the page shows counts. `notes`: covers
+/// of a robot and findings. Cost: O(faces + modules).
 [[nodiscard]] std::string model_json(const design::Design& design, bool recording = false,
-                                     const design::SkinCalibration& calibration = {});
+                                     const design::SkinCalibration& calibration = {}, const Notes& notes = {});
 
 /// The page of a design as one HTML file with everything inside: it asks for nothing and works from a disk or a mail.
-/// `track`: frames of a recording (FrameTrack) that the page plays, empty: none. `calibration` as model_json. Throws
-/// InputError when the program has no page. Cost: O(faces + modules + track).
+/// `track`: frames of a recording (FrameTrack) that the page plays, empty: none. `calibration` and `notes` as
+/// model_json. Throws InputError when the program has no page. Cost: O(faces + modules + track).
 [[nodiscard]] std::string page_html(const design::Design& design, std::string_view track = {},
-                                    const design::SkinCalibration& calibration = {});
+                                    const design::SkinCalibration& calibration = {}, const Notes& notes = {});
 
 }  // namespace triskin::view

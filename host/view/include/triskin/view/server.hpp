@@ -11,6 +11,7 @@
 #include "triskin/design/calibration.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/view/live_skin.hpp"
+#include "triskin/view/notes.hpp"
 
 namespace triskin::view {
 
@@ -42,7 +43,8 @@ class Server {
  public:
   /// Limits; each > 0. The defaults suit browsers on the same computer.
   struct Limits {
-    std::size_t connections = 32;                      ///< simultaneous connections; further ones are closed
+    std::size_t connections = 32;                      ///< connections that have shown the token; others get 503
+    std::size_t strangers = 32;                        ///< connections that have not; beyond it the oldest is closed
     std::size_t header_bytes = 8192;                   ///< size of a request's header
     std::size_t message_bytes = 256;                   ///< size of a message from the page
     std::chrono::milliseconds request_time{5'000};     ///< longest time for a request to arrive in full
@@ -77,6 +79,6 @@ class Server {
 /// The page's files, the model of a design and, where `track` is not empty, a recording (FrameTrack) that the page
 /// plays instead of a live skin. Throws InputError when the program has no page.
 [[nodiscard]] Site site_of(const design::Design& design, std::string track = {},
-                           const design::SkinCalibration& calibration = {});
+                           const design::SkinCalibration& calibration = {}, const Notes& notes = {});
 
 }  // namespace triskin::view

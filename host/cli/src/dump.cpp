@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <memory>
+#include <optional>
+
+#include "triskin/base/interrupt.hpp"
+#include "triskin/cli/link_options.hpp"
+#include "triskin/design/design.hpp"
+#include "triskin/session/bus.hpp"
+#include "triskin/session/frame_text.hpp"
+#include "triskin/wire/node_claim.hpp"
+
+namespace triskin::cli::dump_command {
+namespace {
+
+constexpr std::uint64_t kLook_us = 100'000;
+
+struct Options {
+  std::string design;
+  device::LinkOptions link;
+  double seconds = 0.0;
+  std::uint64_t frames = 0;
+  bool ask = false;
+};
+
+wire::CanFrame who_is_there() {
+  wire::CanFrame f;
+  f.id = wire::kWhoIsThereId;
+  f.extended = true;
+  return f;
+}
+
+class Dump {
+ public:
+  Dump(device::Link& link, const Options& options, Output& output) : link_(link), options_(options), output_(output) {}
+
+  void run() {
+    start_us_ = link_.now_us();
+    if (options_.ask) {
+      const wire::CanFrame question = who_is_there();
+      link_.send(question);
+      print(question);
+    }
+    while (!done()) {
+      if (const auto frame = link_.receive(link_.now_us() + kLook_us)) print(*frame);
+    }
+    output_.result = {{"frames", count_}, {"thrown_away", link_.thrown_away()}};
+    output_.say(fmt::format("{} frames", count_));
+    if (link_.thrown_away() > 0)
+      output_.say(fmt::format("{} frames came faster than they were read", link_.thrown_away()));
+    if (const std::string trouble = link_.trouble(); !trouble.empty()) output_.say(trouble);
+  }
+
+ private:
+  [[nodiscard]] double seconds() const { return 1e-6 * static_cast<double>(link_.now_us() - start_us_); }
+  [[nodiscard]] bool done() const {
+    return interrupt_request() || (options_.seconds > 0.0 && seconds() >= options_.seconds) ||
+           (options_.frames > 0 && count_ >= options_.frames);
+  }
+  void print(const wire::CanFrame& frame) {
+    ++count_;
+    const std::string bytes = device::bytes_text(frame), meaning = reader_.text(frame);
+    if (!output_.json()) output_.say(fmt::format("({:.6f})  {}  {:<36}  {}", seconds(), link_.name(), bytes, meaning));
+    output_.each({{"time_s", seconds()}, {"frame", bytes}, {"meaning", meaning}});
+  }
+
+  device::Link& link_;
+  const Options& options_;
+  Output& output_;
+  device::FrameReader reader_;
+  std::uint64_t start_us_ = 0, count_ = 0;
+};
+
+int run(const Options& options, Output& output) {
+  output.expect_interrupt();
+  std::optional<design::Design> design;
+  if (!options.design.empty()) design = design::read_intact_design(options.design);
+  const auto link = device::open_link(options.link, design ? &*design : nullptr);
+  say_simulated(*link, output);
+  link->receive_from_all();
+  Dump(*link, options, output).run();
+  return 0;
+}
+
+const Registration kDump{{
+    "dump",
+    "print every frame of a bus as candump does, and what it means",
+    "triskin dump --link can:can0 --seconds 10",
+    [](CLI::App& app) -> Run {
+      auto options = std::make_shared<Options>();
+      app.add_option("DESIGN", options->design, "design file: what the link sim simulates");
+      add_link_options(app, options->link);
+      app.add_option("--seconds", options->seconds, "ends after this time; 0: with Ctrl-C")
+          ->check(CLI::Range(0.0, 1e6))
+          ->capture_default_str();
+      app.add_option("--frames", options->frames, "ends after so many frames; 0: with Ctrl-C")->capture_default_str();
+      app.add_flag("--ask", options->ask, "first ask who is there: every controller answers");
+      return [options](Output& output) { return run(*options, output); };
+    },
+    Group::kHardware,
+}};
+
+}  // namespace
+}  // namespace triskin::cli::dump_command

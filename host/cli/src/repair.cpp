@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/diagnose/repair.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iostream>
+#include <memory>
+#include <tuple>
+
+#include "finding_lines.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/cli/site_options.hpp"
+#include "triskin/deploy/flash.hpp"
+#include "triskin/diagnose/design_files.hpp"
+#include "triskin/diagnose/read_rest.hpp"
+#include "triskin/skin/rest_store.hpp"
+
+namespace triskin::cli::repair_command {
+namespace {
+
+struct Options {
+  SiteOptions site;
+  device::VerifyOptions verify;
+  bool no_touch = false;
+};
+
+enum class Answer { kDone, kSkip, kQuit };
+
+// A finding is the same after a repair when these are: its words may have changed.
+auto identity(const device::Finding& f) {
+  return std::tuple(f.kind, f.patch, f.module, f.other, f.line, f.address, f.taxel);
+}
+bool same(const device::Finding& a, const device::Finding& b) {
+  return identity(a) == identity(b);
+}
+
+// The question ends its line, so that another program can answer it.
+Answer ask(Output& output, const std::string& question) {
+  output.say(question + " Enter: done; s: skip it; q: end");
+  std::cout.flush();
+  std::string line;
+  if (!std::getline(std::cin, line) || line == "q") return Answer::kQuit;
+  return line == "s" ? Answer::kSkip : Answer::kDone;
+}
+
+class Repair {
+ public:
+  Repair(const Options& options, Output& output) : options_(options), output_(output) { open(); }
+
+  int run() {
+    auto findings = check();
+    const std::size_t at_first = findings.size();
+    output_.say(fmt::format("{} findings", at_first));
+    while (const device::Finding* next = next_of(findings)) {
+      const Answer answer = show(*next, findings.size());
+      if (answer == Answer::kQuit) break;
+      if (answer == Answer::kSkip) {
+        skipped_.push_back(*next);
+        continue;
+      }
+      const device::Finding mended = *next;
+      findings = check_again(mended);
+    }
+    const bool tares = needs_tare_ && ask(output_, "At last the tare: take everything off the skin.") == Answer::kDone;
+    if (tares) tare();
+    output_.result = {{"findings_before", at_first},
+                      {"mended", mended_},
+                      {"skipped", skipped_.size()},
+                      {"tared", tared_},
+                      {"findings", json_}};
+    output_.say(fmt::format("{} mended, {} skipped; {} findings left", mended_, skipped_.size(), findings.size()));
+    return findings.empty() ? 0 : 1;
+  }
+
+ private:
+  [[nodiscard]] device::LiveCover& live_cover() const { return one_cover(*skin_, "repair"); }
+  [[nodiscard]] const robot::CoverConfig& cover() const { return live_cover().config(); }
+  [[nodiscard]] device::Bus& bus() const { return skin_->buses().at(0)->bus(); }
+
+  // The supply was off meanwhile, and a USB board is another device afterwards.
+  void open() {
+    skin_.reset();
+    skin_ = std::make_unique<device::LiveSkin>(open_skin(options_.site, output_));
+  }
+
+  std::vector<device::Finding> check(const device::Finding* about = nullptr) {
+    device::VerifyOptions verify = options_.verify;
+    verify.actuator = live_cover().actuator();
+    if (verify.actuator != nullptr) verify.touch = !options_.no_touch;
+    verify.rest = device::RestStore(cover().design, bus().discover()).read();
+    verify.ask = [&](int module) { return asks_for(about, module) && ask_for_press(module); };
+    device::VerifyResult result = device::verify(bus(), cover().design, verify, output_.progress());
+    device::name_files(result.findings, options_.site.file);
+    json_ = nlohmann::json::array();
+    for (const device::Finding& f : result.findings) {
+      json_.push_back(finding_json(f));
+      json_.back()["repair"] = device::repair_steps(cover().design, f, arguments());
+    }
+    return std::move(result.findings);
+  }
+  // After a repair a person presses what it concerned, not the whole skin.
+  static bool asks_for(const device::Finding* about, int module) {
+    return about == nullptr || about->module == module || about->other == module ||
+           std::ranges::find(about->behind, module) != about->behind.end();
+  }
+  bool ask_for_press(int module) {
+    return ask(output_, fmt::format("press module {} after Enter.", module)) == Answer::kDone;
+  }
+
+  [[nodiscard]] const device::Finding* next_of(const std::vector<device::Finding>& findings) const {
+    const auto open = [&](const device::Finding& f) {
+      return std::ranges::none_of(skipped_, [&](const device::Finding& s) { return same(s, f); });
+    };
+    const auto found = std::ranges::find_if(findings, open);
+    return found == findings.end() ? nullptr : &*found;
+  }
+
+  [[nodiscard]] std::string arguments() const {
+    const robot::CoverConfig& c = cover();
+    return options_.site.file + (c.name.empty() ? "" : " --cover " + c.name) +
+           (options_.site.link.link.empty() ? "" : " --link " + options_.site.link.link);
+  }
+
+  // What follows the work by hand, from flashing on, is done here.
+  Answer show(const device::Finding& finding, std::size_t of) {
+    std::vector<std::string> steps = device::repair_steps(cover().design, finding, arguments());
+    const auto ours = [](const std::string& s) {
+      return s.starts_with("triskin flash") || s.starts_with("triskin verify") || s.starts_with("take everything off");
+    };
+    std::erase_if(steps, ours);
+    output_.say(fmt::format("finding 1 of {}:", of));
+    for (const std::string& line : finding_lines(finding, steps)) output_.say(line);
+    if (finding.kind == device::FindingKind::kStaleRest) return ask(output_, "Take everything off the skin.");
+    if (steps.empty()) return ask(output_, "The tables are written next.");
+    return ask(output_, "Mend this now.");
+  }
+
+  std::vector<device::Finding> check_again(const device::Finding& mended) {
+    if (mended.kind == device::FindingKind::kStaleRest) {
+      tare();
+    } else {
+      open();
+      device::FlashOptions flash;
+      flash.recognise = true;
+      flash.actuator = live_cover().actuator();
+      try {
+        (void)device::flash(bus(), cover().design, flash, output_.progress());
+      } catch (const DeviceError& e) {
+        output_.say(fmt::format("not flashed: {}", e.what()));
+      }
+    }
+    auto findings = check(&mended);
+    if (std::ranges::any_of(findings, [&](const device::Finding& f) { return same(f, mended); })) {
+      output_.say("still there");
+    } else {
+      ++mended_;
+      needs_tare_ = needs_tare_ || mended.kind != device::FindingKind::kStaleRest;
+      output_.say("mended");
+    }
+    return findings;
+  }
+
+  // Modules that were exchanged rest elsewhere. Only what is in order is tared.
+  void tare() {
+    const device::RestStore store(cover().design, bus().discover());
+    store.write(device::read_rest(bus(), cover().design, store.read()));
+    needs_tare_ = false;
+    tared_ = true;
+    output_.say("tared");
+  }
+
+  const Options& options_;
+  Output& output_;
+  std::unique_ptr<device::LiveSkin> skin_;
+  std::vector<device::Finding> skipped_;
+  nlohmann::json json_;
+  int mended_ = 0;
+  bool needs_tare_ = false, tared_ = false;
+};
+
+const Registration kRepair{{
+    "repair",
+    "lead through the findings of verify one at a time, and check again after each",
+    "triskin repair forearm.json --link can:can0",
+    [](CLI::App& app) -> Run {
+      auto options = std::make_shared<Options>();
+      add_site_options(app, options->site);
+      app.add_flag(
+          "--touch", options->verify.touch,
+          "press every module in turn before the first repair, and what a repair concerned after it; simulated "
+          "links have a finger of their own and always do");
+      app.add_flag("--no-touch", options->no_touch, "only ask, also on a simulated link");
+      return [options](Output& output) { return Repair(*options, output).run(); };
+    },
+    Group::kHardware,
+}};
+
+}  // namespace
+}  // namespace triskin::cli::repair_command

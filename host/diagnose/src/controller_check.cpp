@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "controller_check.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "triskin/session/controller.hpp"
+
+namespace triskin::device {
+namespace {
+
+Finding finding_at(FindingKind kind, int patch, std::string text, std::string remedy) {
+  Finding f;
+  f.kind = kind;
+  f.patch = patch;
+  f.text = std::move(text);
+  f.remedy = std::move(remedy);
+  return f;
+}
+
+std::string patches_text(const std::vector<int>& patches) {
+  return fmt::format("{} {}", patches.size() == 1 ? "patch" : "patches", fmt::join(patches, ", "));
+}
+
+}  // namespace
+
+ControllerCheck::ControllerCheck(Bus& bus, const design::Design& design)
+    : bus_(bus), design_(design), claims_(bus.discover()) {
+  for (const wire::NodeClaim& c : claims_) {
+    if (c.has_table)
+      ++with_table_[c.node_address];
+    else
+      ++without_table_;
+  }
+  if (claims_.empty())
+    throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", bus.link().name()));
+}
+
+bool ControllerCheck::check(PatchState& p, std::vector<Finding>& findings) {
+  const int node = p.image.node_address;
+  const auto at_node = with_table_.find(node);
+  if (at_node == with_table_.end() || at_node->second > 1) {
+    note_missing(p.patch, node);
+    return false;
+  }
+  Controller c = p.controller(bus_);
+  c.require_versions(c.hello());
+  const wire::ActiveTable active = c.active_table();
+  if (active.design_id == design_.design_id && holds_image(active.crc, p.image)) return true;
+  if (active.design_id == design_.design_id && runs_on_backup(p, active.crc, findings)) return true;
+  if (!differs_in_kinds(p, c, active, findings)) foreign_[active.design_id].push_back(p.patch);
+  return false;
+}
+
+// The table of a design with the same modules, places and wiring, but other kinds: a finding for each module.
+bool ControllerCheck::differs_in_kinds(const PatchState& p, Controller& c, const wire::ActiveTable& active,
+                                       std::vector<Finding>& findings) {
+  if (!active.present() || active.modules != p.image.module_count) return false;
+  const auto bytes = c.read_table(layout::kHeaderBytes + active.modules * layout::kRowBytes);
+  const auto table = layout::decode(bytes);
+  if (!table) return false;
+  layout::PatchImage alike = *table;
+  alike.design_id = p.image.design_id;
+  alike.positive_input = p.image.positive_input;
+  for (std::size_t k = 0; k < alike.module_count; ++k) alike.modules[k].module_id = p.image.modules[k].module_id;
+  if (!(alike == p.image)) return false;
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < table->module_count; ++k) {
+    const unsigned is = table->modules[k].module_id, meant = p.image.modules[k].module_id;
+    if (is % layout::kIdsBesideKinds != meant % layout::kIdsBesideKinds) return false;
+    count += is == meant ? 0 : 1;
+  }
+  if (count == 0) return false;
+  for (std::size_t k = 0; k < table->module_count; ++k) {
+    const int is = table->modules[k].module_id >> layout::kKindShift, meant = kind_of_row(design_, p.image.modules[k]);
+    if (is == meant) continue;
+    Finding f =
+        finding_at(FindingKind::kWrongKind, p.patch,
+                   fmt::format("patch {}: module {} is {} in the table of controller {}, {} in the design", p.patch,
+                               p.module(k), name_of_kind(is), p.image.node_address, name_of_kind(meant)),
+                   "look which kind is mounted; run triskin flash with the design that says so");
+    f.module = p.module(k);
+    findings.push_back(std::move(f));
+  }
+  return true;
+}
+
+// Kinds of the other design may be named otherwise: it is not at hand.
+std::string ControllerCheck::name_of_kind(int kind) const {
+  if (kind == 0) return "of the standard kind";
+  if (kind > static_cast<int>(design_.kinds.kinds.size())) return fmt::format("of kind {}", kind);
+  return fmt::format("of kind {} ({})", kind, design_.kinds.kinds[static_cast<std::size_t>(kind) - 1].name);
+}
+
+// A table that the design prepared for a failure is right as well; a finding says what it leaves out.
+bool ControllerCheck::runs_on_backup(PatchState& p, std::uint32_t crc, std::vector<Finding>& findings) {
+  for (const design::FailureLoss& f : design_.patches[static_cast<std::size_t>(p.patch)].failures) {
+    const RouteChoice choice{f.node, f.other_node};
+    if (f.node == design_.patches[static_cast<std::size_t>(p.patch)].entry && f.other_node < 0) continue;
+    const layout::PatchImage image = image_of(design_, p.patch, choice);
+    if (crc32(bytes_of(image)) != crc) continue;
+    const std::string what = choice.other < 0
+                                 ? fmt::format("module {}", choice.module)
+                                 : fmt::format("the joint of modules {} and {}", choice.other, choice.module);
+    findings.push_back(
+        finding_at(FindingKind::kBackupRoute, p.patch,
+                   fmt::format("patch {}: runs on the route prepared for the failure of {}; {} of {} modules are read",
+                               p.patch, what, image.module_count, p.image.module_count),
+                   "repair it, then run triskin flash without --route"));
+    p.image = image;
+    p.on_backup = true;
+    return true;
+  }
+  return false;
+}
+
+std::vector<std::string> ControllerCheck::serials_at(int node) const {
+  std::vector<std::string> serials;
+  for (const wire::NodeClaim& c : claims_) {
+    if (c.has_table && c.node_address == node) serials.push_back(to_text(c.unique_id));
+  }
+  return serials;
+}
+
+void ControllerCheck::note_missing(int patch, int node) {
+  if (with_table_.contains(node))
+    doubled_.push_back(patch);
+  else
+    (without_table_ > 0 ? unflashed_ : absent_).push_back(patch);
+}
+
+// `without`: patches whose controller may be one of the two.
+Finding ControllerCheck::duplicate_finding(int patch, const std::vector<int>& without) const {
+  const int node = design::node_address_of(design_, patch);
+  const std::vector<std::string> serials = serials_at(node);
+  std::string text = fmt::format("patch {}: {} controllers share node address {}: {}", patch, serials.size(), node,
+                                 fmt::join(serials, " and "));
+  if (!without.empty())
+    text += fmt::format("; {} {} none", patches_text(without), without.size() == 1 ? "has" : "have");
+  return finding_at(FindingKind::kDuplicateController, patch, std::move(text),
+                    "take off the controller that does not belong to this skin; if both do, triskin flash gives each "
+                    "its own address");
+}
+
+// Which of the patches belong to a fresh controller is not known before it is flashed.
+Finding ControllerCheck::unflashed_finding() const {
+  const std::string silent = unflashed_.size() <= without_table_
+                                 ? ""
+                                 : fmt::format(", and {} do not answer", unflashed_.size() - without_table_);
+  return finding_at(FindingKind::kNotFlashed, unflashed_.front(),
+                    fmt::format("{}: no controller has {}; {} of {} controllers on the link were never flashed{}",
+                                patches_text(unflashed_), unflashed_.size() == 1 ? "its table" : "their tables",
+                                without_table_, claims_.size(), silent),
+                    silent.empty() ? "run triskin flash with this design and link"
+                                   : "check power and cables of all controllers, then run triskin flash");
+}
+
+// A file that was mistaken is likelier than a skin that was flashed wrongly, and trying another file costs nothing.
+Finding ControllerCheck::other_design_finding(std::uint64_t held, const std::vector<int>& patches) const {
+  if (held == design_.design_id) {
+    return finding_at(
+        FindingKind::kWrongTable, patches.front(),
+        fmt::format("{}: the controllers hold other tables of this design ({:016x})", patches_text(patches), held),
+        "run triskin flash with this design");
+  }
+  Finding f = finding_at(
+      FindingKind::kWrongTable, patches.front(),
+      fmt::format("{}: the skin holds design {:016x}, and this file is design {:016x}", patches_text(patches), held,
+                  design_.design_id),
+      fmt::format(
+          "look first whether this is the right file: verify with that of design {:016x}; only if the skin is to "
+          "become this design, run triskin flash --take-over",
+          held));
+  f.held_design = held;
+  return f;
+}
+
+void ControllerCheck::summarise(std::vector<Finding>& findings) const {
+  std::vector<int> absent = absent_;
+  for (const int patch : doubled_) {
+    const auto surplus = with_table_.at(design::node_address_of(design_, patch)) - 1;
+    const auto taken = static_cast<std::ptrdiff_t>(std::min(surplus, absent.size()));
+    findings.push_back(duplicate_finding(patch, {absent.begin(), absent.begin() + taken}));
+    absent.erase(absent.begin(), absent.begin() + taken);
+  }
+  if (!unflashed_.empty()) findings.push_back(unflashed_finding());
+  for (const auto& [held, patches] : foreign_) findings.push_back(other_design_finding(held, patches));
+  for (const int patch : absent) {
+    findings.push_back(finding_at(FindingKind::kAbsentController, patch,
+                                  fmt::format("patch {}: no controller answers at node address {}", patch,
+                                              design::node_address_of(design_, patch)),
+                                  "check its power and its cable to the bus"));
+  }
+}
+
+}  // namespace triskin::device

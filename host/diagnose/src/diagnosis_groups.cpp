@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One cause for many: breaks that keep modules of a switched patch out of reach, and taxels that rest elsewhere.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "cover_place.hpp"
+#include "missing_modules.hpp"
+#include "verification.hpp"
+
+namespace triskin::device {
+namespace {
+
+using Counts = std::array<double, layout::kTaxelsPerModule>;
+
+// What the pads that feel no finger have changed since rest: warming, which the others share.
+double warming_counts(const wire::ModuleTaxels& now, const Counts& rest) {
+  double sum = 0.0;
+  int pads = 0;
+  for (std::size_t t = 0; t < layout::kTaxelsPerModule; ++t) {
+    if (layout::measures_pressure(t) || !now.is_valid(t)) continue;
+    sum += now.value[t] - rest[t];
+    ++pads;
+  }
+  return pads == 0 ? 0.0 : sum / pads;
+}
+
+int taxels_off_rest(const wire::ModuleTaxels& now, const Counts& rest) {
+  const double warming = warming_counts(now, rest);
+  int off = 0;
+  for (std::size_t t = 0; t < layout::kTaxelsPerModule; ++t) {
+    if (!layout::measures_pressure(t) || !now.is_valid(t)) continue;
+    off += std::abs(now.value[t] - rest[t] - warming) >= kMaxRestError_counts ? 1 : 0;
+  }
+  return off;
+}
+
+}  // namespace
+
+// What a backup table leaves out has its finding already.
+void Diagnosis::examine_missing(const PatchState& p, const std::set<int>& missing) {
+  std::set<int> alive;
+  for (const int m : missing) {
+    if (adopter_.contains(m)) alive.insert(m);
+  }
+  for (MissingCause& c : explain_missing(design_, p.patch, missing, alive)) {
+    std::vector<int> concerned = c.behind;
+    if (c.kind == FindingKind::kMissingModule) concerned.push_back(c.module);
+    if (std::ranges::none_of(concerned, [&](int m) { return p.reads(m); })) continue;
+    std::erase(c.behind, c.module);
+    const bool joint = c.kind == FindingKind::kMissingJoint;
+    std::string text = joint ? fmt::format("nothing passes {}", joint_text(design_, c.module, c.other))
+                             : fmt::format("module {} was not found: it or all of its joints are broken", c.module);
+    if (joint && !concerned.empty())
+      text += fmt::format("; behind it {} modules are out of reach: {}", concerned.size(), fmt::join(concerned, ", "));
+    if (!joint && !c.behind.empty()) text += fmt::format("; behind it are out of reach: {}", fmt::join(c.behind, ", "));
+    if (!alive.empty())
+      text += fmt::format("; the controller of patch {} reads {} meanwhile", adopter_.at(*alive.begin()),
+                          fmt::join(alive, ", "));
+    Finding& f = add(c.kind, c.module, p.patch, fmt::format("patch {}: {}", p.patch, text),
+                     joint ? fmt::format("solder this joint anew; if that does not help, module {} is dead", c.module)
+                           : "check its supply and its joints, then the module");
+    f.other = c.other;
+    f.behind = c.behind;
+  }
+  bad_.insert(missing.begin(), missing.end());
+  explained_.insert(missing.begin(), missing.end());
+}
+
+// A module with a fault of its own is mended first, and rests elsewhere afterwards.
+void Diagnosis::examine_rest() {
+  if (rest_.empty()) return;
+  std::vector<int> modules;
+  int taxels = 0;
+  for (const PatchState& p : patches_) {
+    for (std::size_t row = 0; p.usable && row < std::min(p.now.count, p.image.module_count); ++row) {
+      const int module = p.module(row);
+      if (bad_.contains(module)) continue;
+      const int off = taxels_off_rest(p.now.modules[row], rest_.at(static_cast<std::size_t>(module)));
+      if (off > 0) modules.push_back(module);
+      taxels += off;
+    }
+  }
+  if (modules.empty()) return;
+  std::ranges::sort(modules);
+  // The modules are in order, and so modules_ok counts them.
+  Finding& f = add(FindingKind::kStaleRest, -1, -1,
+                   fmt::format("{} taxels do not rest: tare; their modules: {}", taxels, fmt::join(modules, ", ")),
+                   "take everything off the skin and tare; what was exchanged or taken away since the last tare rests "
+                   "elsewhere");
+  f.module = modules.front();
+  f.place = place_on_cover(design_, f.module);
+  f.behind.assign(modules.begin() + 1, modules.end());
+}
+
+}  // namespace triskin::device

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <exception>
+#include <new>
+#include <string>
+
+#include "triskin/base/error.hpp"
+#include "triskin/design/design.hpp"
+#include "triskin/triskin.h"
+
+/// What every function of triskin.h does: no exception leaves it, and the error is kept for the thread.
+namespace triskin::library {
+
+/// What the last call that failed in this thread could not do.
+[[nodiscard]] inline std::string& last_error() {
+  thread_local std::string text;
+  return text;
+}
+
+inline triskin_status failed(triskin_status status, const std::string& what) {
+  last_error() = what;
+  return status;
+}
+
+/// Runs what may throw.
+template <class Work>
+triskin_status guarded(Work work) {
+  try {
+    return work();
+  } catch (const InputError& e) {
+    return failed(TRISKIN_BAD_INPUT, e.what());
+  } catch (const Error& e) {
+    return failed(TRISKIN_DEVICE_FAILED, e.what());
+  } catch (const std::bad_alloc&) {
+    return failed(TRISKIN_DEVICE_FAILED, "there is no memory left");
+  } catch (const std::exception& e) {
+    return failed(TRISKIN_DEVICE_FAILED, e.what());
+  }
+}
+
+inline void require(bool ok, const char* text) {
+  if (!ok) throw InputError(text);
+}
+
+inline void require_size(const char* what, std::size_t given, std::size_t wanted) {
+  if (given != wanted) throw InputError(fmt::format("{}: n is {}, must be {}", what, given, wanted));
+}
+
+/// Writes positions or normals of all taxels, by `part` of a pose.
+template <class Part>
+void write_poses(const design::Design& design, double* out, Part part) {
+  const auto wiring = design::wiring_of(design);
+  for (std::size_t m = 0; m < wiring.size(); ++m) {
+    for (const design::TaxelPose& pose : design::taxels_of(design.layout.modules[m], wiring[m].routed.rotation)) {
+      for (int axis = 0; axis < 3; ++axis) *out++ = part(pose)[axis];
+    }
+  }
+}
+
+}  // namespace triskin::library

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/recording/recorded_skin.hpp"
+
+#include <fmt/format.h>
+
+#include "triskin/base/error.hpp"
+#include "triskin/design/design_text.hpp"
+#include "triskin/recording/recording.hpp"
+
+namespace triskin::recording {
+
+RecordedSkin recorded_skin(const std::string& file) {
+  const Summary origin = read_origin(file);
+  if (origin.design_text.empty())
+    throw InputError(fmt::format("{}: holds no design: is it a recording of triskin?", file));
+  RecordedSkin skin{design::parse_design(origin.design_text, file + ": design.json"), {}, {}, {}, origin.facts};
+  for (std::size_t patch = 0; patch < skin.design.patches.size(); ++patch) {
+    const int node = design::node_address_of(skin.design, static_cast<int>(patch));
+    const auto serial = origin.facts.find(serial_fact(node));
+    skin.serials.push_back(serial == origin.facts.end() ? "" : serial->second);
+  }
+  if (!origin.rest_text.empty())
+    skin.rest = design::parse_rest(origin.rest_text, file + ": " + kRestName, skin.design.layout.modules.size());
+  if (origin.calibration_text.empty()) return skin;
+  const auto boards = design::parse_calibration(origin.calibration_text, file + ": " + kCalibrationName);
+  skin.calibration = design::SkinCalibration(skin.design, boards,
+                                             [&](int patch) { return skin.serials[static_cast<std::size_t>(patch)]; });
+  return skin;
+}
+
+}  // namespace triskin::recording

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <atomic>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "triskin/scenario/running_skin.hpp"
+#include "triskin/scene/tcp_link.hpp"
+
+namespace triskin::scenario {
+
+/// A simulated skin that another simulator touches: it tells where and how strongly, step by step, and gets what the
+/// controllers send meanwhile (docs/contact_stream.md). Time is that of the other simulator. Not thread-safe.
+class ContactStream {
+ public:
+  static constexpr std::size_t kMaxLine_bytes = 1'000'000, kMaxContacts = 1'000;
+  static constexpr double kMaxStep_s = 10.0;
+
+  /// Flashes and starts the skin of the scene. Throws as RunningSkin.
+  explicit ContactStream(scene::Scene scene);
+  ~ContactStream();
+  ContactStream(const ContactStream&) = delete;
+  ContactStream& operator=(const ContactStream&) = delete;
+
+  /// The first line for a client: JSON with format, version, design, modules and the time of the skin.
+  [[nodiscard]] std::string greeting() const;
+  /// Takes a step, one JSON object with the contacts and the time until which they last, and returns the answer, one
+  /// JSON object without a line break: time, frames, samples, and how many contacts were on other bodies or felt by no
+  /// taxel. Throws InputError that says what is wrong with the line; then nothing of it has taken effect.
+  [[nodiscard]] std::string take(const std::string& line);
+  [[nodiscard]] double time_s() const;
+
+ private:
+  struct Answer;
+  std::unique_ptr<Answer> answer_;
+  std::unique_ptr<RunningSkin> skin_;
+  std::vector<int> touches_;
+};
+
+/// Serves a stream at `at` (port 0 takes a free one), one client after the other, until `stop` is set or `seconds` of
+/// wall time have passed (0: no limit). A line that is refused is answered by {"error": …}, and the client is let go.
+/// `listening` is called once with the port. Throws InputError for an address that other computers could reach,
+/// DeviceError when the address cannot be used.
+void serve_contacts(ContactStream& stream, const device::HostPort& at, const std::atomic<bool>& stop, double seconds,
+                    const std::function<void(int port)>& listening);
+
+}  // namespace triskin::scenario

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <initializer_list>
+#include <string_view>
+#include <vector>
+
+#include "triskin/design/json_fields.hpp"
+#include "triskin/scene/scene.hpp"
+
+/// Reading of the parts of a scene file. Every function throws InputError naming file, line, key and remedy.
+namespace triskin::scene {
+
+inline constexpr double kMaxScene_s = 1e6;
+inline constexpr double kMaxPlace_mm = 1e5;
+
+/// The design that the names in a scene refer to.
+struct SceneNames {
+  explicit SceneNames(const Scene& scene)
+      : design(scene.design), switched(scene.switched), wiring(design::wiring_of(scene.design)) {}
+  /// Module named by the value.
+  [[nodiscard]] int module(const design::JsonValue& v) const;
+  [[nodiscard]] int patch(const design::JsonValue& v) const;
+
+  const design::Design& design;
+  bool switched;
+  std::vector<design::ModuleWiring> wiring;
+};
+
+void only_scene_keys(const design::JsonValue& v, std::initializer_list<std::string_view> allowed);
+/// Time in seconds as µs.
+[[nodiscard]] std::uint64_t scene_time_us(const design::JsonValue& v);
+/// Three lengths, mm.
+[[nodiscard]] design::Vec3 scene_point_mm(const design::JsonValue& v);
+
+[[nodiscard]] Contact read_contact(const SceneNames& names, const design::JsonValue& v);
+[[nodiscard]] Fault read_fault(const SceneNames& names, const design::JsonValue& v);
+[[nodiscard]] Expectation read_expectation(const SceneNames& names, const design::JsonValue& v);
+
+}  // namespace triskin::scene

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "triskin/design/design.hpp"
+
+namespace triskin::view {
+
+/// What verify found, for the page to show at its place.
+struct Finding {
+  int module = -1;  ///< of the design that is shown; −1: none
+  int patch = -1;   ///< likewise
+  std::string text, remedy;
+};
+
+/// A cover of a robot whose covers are shown as one design.
+struct CoverNote {
+  std::string name;
+  int first_module = 0, first_patch = 0, first_island = 0;  ///< in the joint design
+  int modules = 0;
+  double area_cm2 = 0.0, coverage = 0.0;
+};
+
+/// What the page shows beside a design.
+struct Notes {
+  std::vector<CoverNote> covers;  ///< empty for the design of one cover
+  std::vector<Finding> findings;
+};
+
+/// The findings in a report of `triskin verify` (--report FILE.json, or what --json prints; of a robot with its covers
+/// by name). `name` is that of the file, for errors. Throws InputError for text that is no such report, and for a
+/// module or cover that the design does not have. Cost: linear.
+[[nodiscard]] std::vector<Finding> findings_in(std::string_view report, const std::string& name,
+                                               const design::Design& design, std::span<const CoverNote> covers);
+
+/// Thickness of the part's wall under each module, mm; 0 where no second side lies within 8 mm behind the first. Empty
+/// for a design that does not hold its whole part. Measured along the normal at the module's centre. Cost: O(modules +
+/// faces) for faces that are small against the part.
+[[nodiscard]] std::vector<double> wall_under_modules(const design::Design& design);
+
+}  // namespace triskin::view

@@ -1,0 +1,381 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Holds the files of `triskin fabricate` against the design by other code.
+Usage: boards_test.py boards|ezdxf|kicad TRISKIN WRITE_STRIP [DESIGN...]   without DESIGN: strips of our own
+boards: an s-expression reader of this file follows the copper of every KiCad board and finds patches, lines, addresses,
+joints and cables. ezdxf: lengths on each layer of the drawings. kicad: its own rule check (pcbnew).
+Exit status: 0 all is as the design says, 1 something is not, 77 the other reader is missing."""
+import collections
+import itertools
+import json
+import math
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+RELIEF, SIDE = 1.0, 30.0
+BUS = ["GND", "VDD", "SDA0", "SCL0", "SDA1", "SCL1", "SDA2", "SCL2", "SDA3", "SCL3"]
+CABLE = [0, 1, 2, 9, 7, 6, 8, 5, 4, 3]  # bus net of each pin of a cable
+failures = 0
+
+
+def expect(holds, what):
+    global failures
+    if not holds:
+        failures += 1
+        print("not so:", what)
+
+
+def import_of_debian(name):
+    """Packages of Debian belong to Debian's Python, which need not be the first in the path."""
+    try:
+        return __import__(name)
+    except ImportError:
+        if sys.executable != "/usr/bin/python3" and pathlib.Path("/usr/bin/python3").exists():
+            sys.exit(subprocess.run(["/usr/bin/python3", *sys.argv], check=False).returncode)
+        print(f"left out: {name} is not installed")
+        sys.exit(77)
+
+
+# --- s-expressions -----------------------------------------------------------------------------------------------------
+
+
+def read_expression(text):
+    stack = [[]]
+    for token in re.finditer(r'\(|\)|"((?:[^"\\]|\\.)*)"|[^\s()"]+', text):
+        word = token.group(0)
+        if word == "(":
+            stack.append([])
+        elif word == ")":
+            done = stack.pop()
+            stack[-1].append(done)
+        else:
+            stack[-1].append(token.group(1) if word.startswith('"') else word)
+    assert len(stack) == 1, "brackets do not match"
+    return stack[0][0]
+
+
+def children(node, name):
+    return [c for c in node if isinstance(c, list) and c and c[0] == name]
+
+
+def child(node, name):
+    found = children(node, name)
+    return found[0][1:] if found else None
+
+
+# --- copper ------------------------------------------------------------------------------------------------------------
+
+
+class Copper:
+    """A pad or a track: a line of some width on some layers. A rectangle is looked at as the circle inside it, so that
+    what touches here surely touches."""
+
+    def __init__(self, layers, start, end, radius, net, owner):
+        self.layers, self.start, self.end, self.radius, self.net, self.owner = layers, start, end, radius, net, owner
+
+
+def distance(a, b):
+    def to_line(p, q, r):
+        dx, dy = r[0] - q[0], r[1] - q[1]
+        square = dx * dx + dy * dy
+        t = 0.0 if square == 0 else max(0.0, min(1.0, ((p[0] - q[0]) * dx + (p[1] - q[1]) * dy) / square))
+        return math.hypot(p[0] - q[0] - t * dx, p[1] - q[1] - t * dy)
+
+    def turn(p, q, r):
+        return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
+
+    if a.start != a.end and b.start != b.end:
+        if turn(a.start, a.end, b.start) * turn(a.start, a.end, b.end) < 0 and \
+                turn(b.start, b.end, a.start) * turn(b.start, b.end, a.end) < 0:
+            return 0.0
+    return min(to_line(a.start, b.start, b.end), to_line(a.end, b.start, b.end),
+               to_line(b.start, a.start, a.end), to_line(b.end, a.start, a.end))
+
+
+class Board:
+    def __init__(self, path):
+        root = read_expression(path.read_text(encoding="utf-8"))
+        assert root[0] == "kicad_pcb" and child(root, "version") == ["20211014"]
+        self.net_names = {number: name for number, name in (n[1:] for n in children(root, "net"))}
+        self.items, self.places = [], {}
+        for footprint in children(root, "footprint"):
+            self.read_footprint(footprint)
+        for segment in children(root, "segment"):
+            start, end = (tuple(float(v) for v in child(segment, k)) for k in ("start", "end"))
+            self.items.append(Copper({child(segment, "layer")[0]}, start, end, float(child(segment, "width")[0]) / 2,
+                                     self.net_names[child(segment, "net")[0]], None))
+        self.lines = collections.defaultdict(list)
+        for line in children(root, "gr_line"):
+            start, end = (tuple(float(v) for v in child(line, k)) for k in ("start", "end"))
+            self.lines[child(line, "layer")[0]].append(math.dist(start, end))
+
+    def read_footprint(self, footprint):
+        x, y, *angle = (float(v) for v in child(footprint, "at"))
+        turn = math.radians(angle[0] if angle else 0.0)
+        reference = [t for t in children(footprint, "fp_text") if t[1] == "reference"][0][2]
+        for pad in children(footprint, "pad"):
+            px, py = (float(v) for v in child(pad, "at")[:2])
+            # KiCad's y runs downwards: a turn that looks counter-clockwise is a negative one of its axes.
+            place = (x + px * math.cos(turn) + py * math.sin(turn), y - px * math.sin(turn) + py * math.cos(turn))
+            layers = {l for l in child(pad, "layers") if l.endswith(".Cu")}
+            if layers == {"*.Cu"}:
+                layers = {"F.Cu", "In1.Cu", "In2.Cu", "B.Cu"}
+            net = child(pad, "net")
+            radius = min(float(v) for v in child(pad, "size")) / 2
+            self.items.append(Copper(layers, place, place, radius, net[1] if net else None, (reference, pad[1])))
+            self.places.setdefault((reference, pad[1]), []).append(place)
+
+    def connect(self):
+        """Parts of copper that hang together, by touch alone; nets are only compared."""
+        cells = collections.defaultdict(list)
+        for k, item in enumerate(self.items):
+            margin = item.radius + 0.2
+            low = [min(item.start[a], item.end[a]) - margin for a in (0, 1)]
+            high = [max(item.start[a], item.end[a]) + margin for a in (0, 1)]
+            for cell in itertools.product(*(range(int(low[a] // 2), int(high[a] // 2) + 1) for a in (0, 1))):
+                cells[cell].append(k)
+        part = list(range(len(self.items)))
+
+        def root(k):
+            while part[k] != k:
+                part[k] = part[part[k]]
+                k = part[k]
+            return k
+
+        seen = set()
+        for members in cells.values():
+            for a, b in itertools.combinations(members, 2):
+                if (a, b) in seen:
+                    continue
+                seen.add((a, b))
+                one, two = self.items[a], self.items[b]
+                if not one.layers & two.layers:
+                    continue
+                gap = distance(one, two) - one.radius - two.radius
+                if gap < 1e-6:
+                    expect(one.net == two.net, f"{one.net} {one.owner} touches {two.net} {two.owner}")
+                    part[root(a)] = root(b)
+                elif one.net != two.net:
+                    expect(gap > 0.0999, f"{one.net} {one.owner} is {gap:.3f} mm from {two.net} {two.owner}")
+        self.part_of = {}
+        for k, item in enumerate(self.items):
+            if item.owner:
+                self.part_of.setdefault(item.owner, set()).add(root(k))
+
+
+# --- what the design says ----------------------------------------------------------------------------------------------
+
+
+def corners_of(module):
+    i, j = module["i"], module["j"]
+    grid = [(i, j), (i + 1, j), (i, j + 1)] if module["up"] else [(i + 1, j), (i + 1, j + 1), (i, j + 1)]
+    return grid
+
+
+def side_pairs(modules):
+    """Pairs of modules of an island that share a lattice side, as (id, id) by that side's ends."""
+    ends = collections.defaultdict(list)
+    for m in modules:
+        grid = corners_of(m)
+        for s in range(3):
+            ends[frozenset((grid[s], grid[(s + 1) % 3]))].append(m["id"])
+    return ends
+
+
+def expected_joints(modules):
+    """Joints that carry lines: from each module to its parent in the same island, but not over a jumper."""
+    ids = {m["id"] for m in modules}
+    return {frozenset((m["id"], m["parent"])) for m in modules
+            if m["parent"] in ids and m["parent"] in m["neighbours"]}
+
+
+def check_module(board, module):
+    name, patch = f"M{module['id']}", module["patch"]
+    for port in "ABC":
+        for net, wire in enumerate(BUS):
+            owner = (name, f"{port}{net + 1}")
+            expect(len(board.part_of[owner]) == 1 and board.part_of[owner] == board.part_of[(name, f"A{net + 1}")],
+                   f"{name}: {wire} of port {port} hangs together with that of port A")
+            nets = {i.net for i in board.items if i.owner == owner}
+            expect(nets == {f"P{patch}_{wire}"}, f"{name}: port {port} carries {nets}")
+    closed = {s for s in BUS[2:] + ["ADD0L", "ADD0H", "ADD1L", "ADD1H"]
+              if board.part_of[(name, s + ".1")] == board.part_of[(name, s + ".2")]}
+    line, address = module["line"], module["address"]
+    expect(closed == {f"SDA{line}", f"SCL{line}", "ADD0" + "LH"[address & 1], "ADD1" + "LH"[address >> 1 & 1]},
+           f"{name}: line {line}, address {address}, closed straps {sorted(closed)}")
+
+
+def check_taxels(board, module):
+    """Places of the pads are those of the design: equal distances between all pairs, and not mirrored."""
+    flat = [board.places[(f"M{module['id']}", f"T{t}")][0] for t in range(12)]
+    solid = [t["position"] for t in module["taxels"]]
+    for a, b in itertools.combinations(range(12), 2):
+        expect(abs(math.dist(flat[a], flat[b]) - math.dist(solid[a], solid[b])) < 1e-3, f"taxels {a} and {b}")
+    (ax, ay), (bx, by), (cx, cy) = flat[0], flat[1], flat[11]
+    x = [solid[1][k] - solid[0][k] for k in range(3)]
+    y = [solid[11][k] - solid[0][k] for k in range(3)]
+    n = module["taxels"][0]["normal"]
+    seen_from_outside = sum(n[k] * (x[(k + 1) % 3] * y[(k + 2) % 3] - x[(k + 2) % 3] * y[(k + 1) % 3]) for k in range(3))
+    on_board = -((bx - ax) * (cy - ay) - (by - ay) * (cx - ax))  # y runs downwards
+    expect(seen_from_outside * on_board > 0, "the board is seen from the touch side")
+    corner = module["corners"][module["rotation"]]
+    expect(math.dist(corner, solid[5]) < 8, "taxel 5 lies at the corner where the side of port A begins")
+
+
+def joints_on(board, modules):
+    """Pairs of modules with a common part of copper on the GND of their ports, followed over tracks between modules."""
+    pairs = set()
+    by_place = {}
+    for m in modules:
+        for port in "ABC":
+            for place in board.places[(f"M{m['id']}", f"{port}1")]:
+                by_place[place] = m["id"]
+
+    def nearest(point):
+        place = min(by_place, key=lambda p: math.dist(p, point))
+        return by_place[place] if math.dist(place, point) < 1e-3 else None
+
+    tracks = [i for i in board.items if i.owner is None and i.layers == {"In1.Cu"}]
+    for track in tracks:
+        ends = [nearest(track.start), nearest(track.end)]
+        if track.net.endswith("GND"):
+            pairs.add(frozenset(ends))
+    return pairs, len(tracks)
+
+
+def check_cables(board, design, modules):
+    jumpers = [(k, j) for k, j in enumerate(design.get("jumpers", []))]
+    wanted = {f"C{m['patch']}": (m, m["rotation"]) for m in modules if m["parent"] < 0}
+    by_id = {m["id"]: m for m in modules}
+    for k, jumper in jumpers:
+        for end, side in zip(jumper["modules"], jumper["sides"]):
+            if end in by_id:
+                wanted[f"J{k}_M{end}"] = (by_id[end], side)
+    found = {ref for ref, _ in board.places if not ref.startswith("M")}
+    expect(found == set(wanted), f"cables {sorted(found)} of {sorted(wanted)}")
+    for ref, (module, side) in wanted.items():
+        port = "ABC"[(side - module["rotation"]) % 3]
+        for pin in range(10):
+            contact = (f"M{module['id']}", f"{port}{CABLE[pin] + 1}")
+            expect(board.part_of[(ref, str(pin + 1))] == board.part_of[contact], f"{ref}: pin {pin + 1} to {contact}")
+
+
+def check_netlist(path, board):
+    root = read_expression(path.read_text(encoding="utf-8"))
+    listed = {}
+    for net in children(children(root, "nets")[0], "net"):
+        for node in children(net, "node"):
+            listed[(child(node, "ref")[0], child(node, "pin")[0])] = child(net, "name")[0]
+    on_board = {i.owner: i.net for i in board.items if i.owner and i.net}
+    expect(listed == on_board, f"{path.name}: net list and board name the same nets")
+
+
+def island_length(modules):
+    """Edge, folds and slits of an island by counting sides."""
+    slit = fold = outline = 0
+    by_id = {m["id"]: m for m in modules}
+    for ids in side_pairs(modules).values():
+        if len(ids) == 1:
+            outline += 1
+        elif ids[1] in by_id[ids[0]]["neighbours"]:
+            fold += 1
+        else:
+            slit += 1
+    return outline, fold, slit
+
+
+def islands_of(design):
+    islands = collections.defaultdict(list)
+    for m in design["modules"]:
+        islands[m["island"]].append(m)
+    return islands
+
+
+def check_boards(folder, design):
+    for island, modules in islands_of(design).items():
+        path, = folder.glob(f"kicad/*-I{island}-*.kicad_pcb")
+        board = Board(path)
+        board.connect()
+        for module in modules:
+            check_module(board, module)
+            check_taxels(board, module)
+        pairs, tracks = joints_on(board, modules)
+        joints = expected_joints(modules)
+        expect(pairs == joints, f"island {island}: joints {pairs ^ joints} differ")
+        expect(tracks == 20 * len(joints), f"island {island}: {tracks} tracks over {len(joints)} joints")
+        check_cables(board, design, modules)
+        check_netlist(path.with_suffix(".net"), board)
+        outline, fold, slit = island_length(modules)
+        cut = max(RELIEF, design.get("corner_cut_mm", 0))
+        for layer, length in (("Edge.Cuts", outline * (SIDE - 2 * cut) + 3 * len(modules) * cut),
+                              ("User.1", fold * (SIDE - 2 * cut)), ("User.2", slit * (SIDE - 2 * cut))):
+            expect(abs(sum(board.lines[layer]) - length) < 1e-3, f"{layer}: {sum(board.lines[layer])} of {length} mm")
+    if not failures:
+        print(f"{len(islands_of(design))} boards with {len(design['modules'])} modules are wired as the design is")
+
+
+def check_drawings(folder, design, ezdxf):
+    for island, modules in islands_of(design).items():
+        path, = folder.glob(f"dxf/*-I{island}-*.dxf")
+        drawing = ezdxf.readfile(str(path))
+        expect(not drawing.audit().has_errors, f"{path.name}: sound")
+        length = collections.Counter()
+        for entity in drawing.modelspace():
+            if entity.dxftype() == "POLYLINE":
+                points = [tuple(v.dxf.location)[:2] for v in entity.vertices]
+                length[entity.dxf.layer] += sum(math.dist(a, b) for a, b in zip(points, points[1:] + points[:1]))
+            elif entity.dxftype() == "LINE":
+                length[entity.dxf.layer] += math.dist(entity.dxf.start, entity.dxf.end)
+        outline, fold, slit = island_length(modules)
+        cut = max(RELIEF, design.get("corner_cut_mm", 0))
+        edge = outline * (SIDE - 2 * cut) + 3 * len(modules) * cut
+        expect(abs(length["OUTLINE"] + length["HOLES"] - edge) < 1e-3, f"island {island}: edge {length} of {edge} mm")
+        expect(abs(length["FOLDS"] - fold * (SIDE - 2 * cut)) < 1e-3, f"island {island}: folds {length}")
+        expect(abs(length["SLITS"] - slit * (SIDE - 2 * cut)) < 1e-3, f"island {island}: slits {length}")
+    print(f"ezdxf {ezdxf.__version__}: lengths of {len(islands_of(design))} drawings agree")
+
+
+def check_rules(folder, design, pcbnew):
+    for island, modules in islands_of(design).items():
+        path, = folder.glob(f"kicad/*-I{island}-*.kicad_pcb")
+        report = path.with_suffix(".rpt")
+        pcbnew.WriteDRCReport(pcbnew.LoadBoard(str(path)), str(report), pcbnew.EDA_UNITS_MILLIMETRES, True)
+        text = report.read_text(encoding="utf-8")
+        violations = int(re.search(r"Found (\d+) DRC violations", text).group(1))
+        open_pads = int(re.search(r"Found (\d+) unconnected pads", text).group(1))
+        expect(violations == 0, f"{path.name}: {violations} violations\n{text}")
+        # Inside a module 46 connections are still to be drawn: chip to taxels, straps, capacitors and bus.
+        expect(open_pads == 46 * len(modules), f"{path.name}: {open_pads} open connections of {len(modules)} modules")
+    print(f"KiCad {pcbnew.GetBuildVersion()}: 0 violations on {len(islands_of(design))} boards")
+
+
+def main():
+    witness, program, write_strip = sys.argv[1:4]
+    foreign = {"ezdxf": "ezdxf", "kicad": "pcbnew"}.get(witness)
+    other = import_of_debian(foreign) if foreign else None
+    with tempfile.TemporaryDirectory() as temporary:
+        place = pathlib.Path(temporary)
+        designs = sys.argv[4:]
+        if not designs:
+            designs = [str(place / "whole.json"), str(place / "short.json")]
+            subprocess.run([write_strip, designs[0], "20"], check=True)
+            subprocess.run([write_strip, designs[1], "7", "3"], check=True)
+        for number, name in enumerate(designs):
+            folder = place / f"out{number}"
+            subprocess.run([program, "fabricate", name, "-o", str(folder), "--only", "dxf,kicad"], check=True,
+                           capture_output=True)
+            design = json.loads(pathlib.Path(name).read_text(encoding="utf-8"))
+            if witness == "boards":
+                check_boards(folder, design)
+            elif witness == "ezdxf":
+                check_drawings(folder, design, other)
+            else:
+                check_rules(folder, design, other)
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

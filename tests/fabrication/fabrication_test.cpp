@@ -1,0 +1,364 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Flat islands, copper of the module, parts, solids: against numbers worked by hand and other readers.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <numbers>
+#include <random>
+#include <set>
+
+#include "support/flat_design.hpp"
+#include "support/strip_design.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
+#include "triskin/cad/read_part.hpp"
+#include "triskin/design/outline.hpp"
+#include "triskin/fabrication/fabricate.hpp"
+#include "triskin/fabrication/kicad.hpp"
+#include "triskin/fabrication/module_board.hpp"
+#include "triskin/fabrication/parts_list.hpp"
+#include "triskin/fabrication/solids.hpp"
+#include "triskin/mesh/mesh_io.hpp"
+
+namespace triskin::fabrication {
+namespace {
+
+namespace fs = std::filesystem;
+using design::Design;
+using design::Tile;
+using design::Vec2;
+using design::Vec3;
+
+FlatIsland only_island(const Design& d, double relief_mm = kCornerRelief_mm) {
+  const auto islands = flat_islands(d, sheet::sides_of(d), relief_mm);
+  EXPECT_EQ(islands.size(), 1U);
+  return islands.front();
+}
+
+double length_of(const std::vector<Vec2>& ring) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < ring.size(); ++k) sum += (ring[(k + 1) % ring.size()] - ring[k]).norm();
+  return sum;
+}
+double area_of(const std::vector<Vec2>& ring) {
+  double twice = 0.0;
+  for (std::size_t k = 0; k < ring.size(); ++k) {
+    const Vec2 &a = ring[k], &b = ring[(k + 1) % ring.size()];
+    twice += a.x() * b.y() - a.y() * b.x();
+  }
+  return twice / 2.0;
+}
+
+// The six triangles round grid vertex (1, 1).
+Design hexagon() {
+  Design d = test::flat_design("hexagon", {0, 0}, {100, 60});
+  const std::vector<Tile> tiles{{1, 1, true}, {0, 1, false}, {0, 1, true}, {0, 0, false}, {1, 0, true}, {1, 0, false}};
+  std::map<Tile, int> number;
+  for (const Tile& t : tiles) number.emplace(t, static_cast<int>(number.size()));
+  test::lay_modules(d, tiles, number);
+  return d;
+}
+
+class Folder {
+ public:
+  Folder() : path_(fs::temp_directory_path() / ("fabrication." + std::to_string(::getpid()))) { fs::remove_all(path_); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  ~Folder() { fs::remove_all(path_); }
+  [[nodiscard]] const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+// A rhombus of two modules has four sides of 30 mm; with 1 mm cut from each corner of both, 4 · 28 mm and 6 · 1 mm
+// stay.
+TEST(FlatIsland, RhombusHasTheOutlineWorkedByHand) {
+  const FlatIsland island = only_island(test::strip(2));
+  EXPECT_NEAR(length_of(island.outline_mm), 4 * 28.0 + 6 * 1.0, 1e-9);
+  EXPECT_NEAR(area_of(island.outline_mm), 2 * design::module_area_mm2(1.0), 1e-9);
+  EXPECT_TRUE(island.holes_mm.empty());
+  ASSERT_EQ(island.folds.size(), 1U);
+  EXPECT_NEAR((island.folds[0].to_mm - island.folds[0].from_mm).norm(), 28.0, 1e-9);
+  EXPECT_TRUE(island.folds[0].carries_lines);
+}
+
+TEST(FlatIsland, SixFoldsMeetInAHoleOfSixShortSides) {
+  const FlatIsland island = only_island(hexagon(), 2.0);
+  ASSERT_EQ(island.holes_mm.size(), 1U);
+  EXPECT_EQ(island.holes_mm[0].size(), 6U);
+  EXPECT_NEAR(length_of(island.holes_mm[0]), 6 * 2.0, 1e-9);
+  EXPECT_LT(area_of(island.holes_mm[0]), 0.0);
+  EXPECT_EQ(island.folds.size(), 6U);
+  EXPECT_NEAR(area_of(island.outline_mm) + area_of(island.holes_mm[0]), 6 * design::module_area_mm2(2.0), 1e-9);
+}
+
+TEST(FlatIsland, ModulesSideBySideThatAreNotJoinedHaveASlit) {
+  Design d = hexagon();
+  d.layout.modules[0].neighbour = {-1, -1, -1};
+  for (auto& m : d.layout.modules) {
+    for (int& n : m.neighbour) n = n == 0 ? -1 : n;
+  }
+  const FlatIsland island = only_island(d);
+  EXPECT_EQ(island.folds.size(), 4U);
+  EXPECT_EQ(island.slits.size(), 2U);
+}
+
+TEST(FlatIsland, RefusesWhatCannotBeCut) {
+  const Design d = test::strip(2);
+  EXPECT_THROW((void)flat_islands(d, sheet::sides_of(d), 0.0), InputError);
+  EXPECT_THROW((void)flat_islands(d, sheet::sides_of(d), 3.5), InputError);
+  const Design none = test::flat_design("none", {0, 0}, {9, 9});
+  EXPECT_THROW((void)flat_islands(none, sheet::sides_of(none)), InputError);
+}
+
+// Converter inputs and pads are those that the software assumes: 12 taxels, of which two measure temperature.
+TEST(ModuleBoard, HasThePadsOfTheSoftware) {
+  std::map<std::string, int> count;
+  int temperature = 0;
+  for (const ModulePad& pad : module_pads()) {
+    ++count[pad.name];
+    temperature += pad.layer == PadLayer::kTouch && pad.size_mm.x() == kTemperaturePad_mm;
+  }
+  EXPECT_EQ(temperature, 2);
+  for (int t = 0; t < layout::kTaxelsPerModule; ++t) EXPECT_EQ(count["T" + std::to_string(t)], 1) << t;
+  for (const char port : {'A', 'B', 'C'}) {
+    for (int k = 1; k <= 10; ++k) EXPECT_EQ(count[port + std::to_string(k)], 2);
+  }
+}
+
+TEST(ModuleBoard, PlatedHolesStayClearOfTheTaxels) {
+  for (const ModulePad& hole : module_pads()) {
+    if (hole.layer != PadLayer::kThrough) continue;
+    for (const ModulePad& taxel : module_pads()) {
+      if (taxel.layer != PadLayer::kTouch) continue;
+      EXPECT_GT((hole.at_mm - taxel.at_mm).norm(), (hole.size_mm.x() + taxel.size_mm.x()) / 2.0 + kClearance_mm)
+          << hole.name << ' ' << taxel.name;
+    }
+  }
+}
+
+// Across a shared side any port meets any other: the contact at +x of one faces that at −x of its neighbour.
+TEST(ModuleBoard, EveryPortFitsEveryOther) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t b = 0; b < 3; ++b) {
+      for (std::size_t net = 0; net < kBusNets; ++net) {
+        const double turn_a = 2 * std::numbers::pi / 3 * static_cast<double>(a);
+        const double turn_b = 2 * std::numbers::pi / 3 * static_cast<double>(b);
+        const Vec2 mine = Eigen::Rotation2Dd(-turn_a) * contact_at(a, net, 1);
+        const Vec2 other = Eigen::Rotation2Dd(-turn_b) * contact_at(b, net, -1);
+        const double inradius_mm = design::kHeight_mm / 3;
+        const Vec2 across(-other.x(), -2 * inradius_mm - other.y());  // turned by 180° about the middle of the side
+        EXPECT_NEAR(mine.x(), across.x(), 1e-9);
+        EXPECT_NEAR(mine.y() + inradius_mm, -(across.y() + inradius_mm), 1e-9);
+      }
+    }
+  }
+}
+
+// Address 2 is ADD1 high, ADD0 low (AD7147 data sheet); line 3 closes SDA3 and SCL3.
+TEST(ModuleBoard, StrapsSetLineAndAddress) {
+  const ModuleSetting setting{7, 1, 3, 2};
+  std::set<std::string> closed;
+  for (const Strap& strap : straps()) {
+    if (is_closed(strap, setting)) closed.insert(strap.name);
+  }
+  EXPECT_EQ(closed, (std::set<std::string>{"SDA3", "SCL3", "ADD0L", "ADD1H"}));
+  const auto net = [&](const char* name) { return net_of({name, PadLayer::kBack, {}, {}, 0}, setting); };
+  EXPECT_EQ(net("U1.13"), "P1_SDA3");
+  EXPECT_EQ(net("U1.15"), "P1_SCL3");
+  EXPECT_EQ(net("U1.14"), "P1_GND");
+  EXPECT_EQ(net("U1.16"), "P1_VDD");
+  EXPECT_EQ(net("U1.19"), "M7_CIN0");
+  EXPECT_EQ(net("SDA1.1"), "P1_SDA1");
+  EXPECT_EQ(net("SDA1.2"), "P1_SDA3");
+}
+
+TEST(Boards, RefuseACornerCutThatTakesPads) {
+  Design d = test::strip(2);
+  d.layout.corner_cut_mm = 5.0;
+  const auto sides = sheet::sides_of(d);
+  EXPECT_THROW((void)island_board(d, sides, flat_islands(d, sides)[0]), InputError);
+}
+
+TEST(PartsList, CountsWhatAStripNeeds) {
+  const Design d = test::strip(20);
+  const auto sides = sheet::sides_of(d);
+  std::map<std::string, int> count;
+  for (const PartLine& line : parts_of(d, sides, flat_islands(d, sides))) count[line.part_number] += line.quantity;
+  EXPECT_EQ(count["AD7147ACPZ-1500RL7"], 20);
+  EXPECT_EQ(count["GRM155R71C104KA88D"], 20);
+  EXPECT_EQ(count["STM32G474RET6"], 2);
+}
+
+TEST(PartsList, QuotesFieldsAsCsvWants) {
+  EXPECT_EQ(parts_csv({{"a, b", 2, "", "", "say \"x\""}}),
+            "part,quantity,manufacturer,part_number,note\r\n\"a, b\",2,,,\"say \"\"x\"\"\"\r\n");
+}
+
+design::Mesh plate() {
+  return test::flat_design("plate", {0, 0}, {40, 30}).surface;
+}
+
+TEST(Layer, OfAPlateIsExact) {
+  const Layer layer = layer_of(plate(), 2.0, 5.0);
+  EXPECT_NEAR(volume_mm3(layer.solid.mesh), 40 * 30 * 3.0, 1e-9);
+  EXPECT_NEAR(layer.error_mm, 0.0, 1e-12);
+  EXPECT_EQ(layer.folded_faces, 0);
+}
+
+// A roof of 135° whose faces meet at the ridge under equal angles: the ridge moves by 1 / cos 22.5°, so that both
+// planes are as far away as they should be.
+TEST(Layer, OfARoofIsExact) {
+  design::Mesh roof;
+  roof.vertices = {{0, 0, 0}, {30, 0, 0}, {30, 10, 10}, {0, 10, 10}, {30, 30, 10}, {0, 30, 10}};
+  roof.faces = {{0, 1, 2}, {0, 2, 3}, {3, 2, 4}, {3, 4, 5}};
+  const Layer layer = layer_of(roof, 0.0, 4.0);
+  EXPECT_NEAR(layer.error_mm, 0.0, 1e-12);
+  const Vec3& ridge = layer.solid.mesh.vertices[6 + 2];
+  EXPECT_NEAR((ridge - roof.vertices[2]).norm(), 4.0 / std::cos(std::numbers::pi / 8), 1e-12);
+}
+
+// Random heights over a grid. The stated error is the largest that a look at every vertex and plane finds.
+TEST(Layer, StatesItsLargestError) {
+  std::mt19937_64 random(3);
+  constexpr int kSize = 8;
+  design::Mesh hills;
+  for (int y = 0; y < kSize; ++y) {
+    for (int x = 0; x < kSize; ++x)
+      hills.vertices.push_back({10.0 * x, 10.0 * y, static_cast<double>(random() % 1000) / 200.0});
+  }
+  for (int y = 0; y + 1 < kSize; ++y) {
+    for (int x = 0; x + 1 < kSize; ++x) {
+      const int a = y * kSize + x, c = a + kSize + 1;
+      hills.faces.push_back({a, a + 1, c});
+      hills.faces.push_back({a, c, a + kSize});
+    }
+  }
+  const Layer layer = layer_of(hills, -1.0, 2.0);
+  double worst_mm = 0.0;
+  for (const auto& face : hills.faces) {
+    const auto at = [&](std::size_t k) { return hills.vertices[static_cast<std::size_t>(face[k])]; };
+    const Vec3 normal = (at(1) - at(0)).cross(at(2) - at(0)).normalized();
+    for (const int v : face) {
+      const auto low = static_cast<std::size_t>(v), high = low + hills.vertices.size();
+      worst_mm = std::max(worst_mm, std::abs(normal.dot(layer.solid.mesh.vertices[low] - at(0)) + 1.0));
+      worst_mm = std::max(worst_mm, std::abs(normal.dot(layer.solid.mesh.vertices[high] - at(0)) - 2.0));
+    }
+  }
+  EXPECT_GT(worst_mm, 0.01);
+  EXPECT_NEAR(layer.error_mm, worst_mm, 1e-9);
+}
+
+// Inside of a half cylinder of radius 5 mm: an offset of 6 mm inwards turns its faces over, but for the first and last
+// strip, whose edge at the rim moves along their own normal and not to the axis.
+TEST(Layer, SaysWhereItFoldsOverItself) {
+  design::Mesh groove;
+  constexpr int kSteps = 12;
+  for (int k = 0; k <= kSteps; ++k) {
+    const double angle = std::numbers::pi * (1.0 + static_cast<double>(k) / kSteps);
+    for (const double x : {0.0, 40.0}) groove.vertices.push_back({x, 5 * std::cos(angle), 5 * std::sin(angle)});
+  }
+  for (int k = 0; k < kSteps; ++k) {
+    groove.faces.push_back({2 * k, 2 * k + 1, 2 * k + 3});
+    groove.faces.push_back({2 * k, 2 * k + 3, 2 * k + 2});
+  }
+  EXPECT_EQ(layer_of(groove, 0.0, 4.0).folded_faces, 0);
+  EXPECT_EQ(layer_of(groove, 0.0, 6.0).folded_faces, 2 * (kSteps - 2));
+}
+
+TEST(Layer, RefusesNothingAndNoThickness) {
+  EXPECT_THROW((void)layer_of({}, 0.0, 1.0), InputError);
+  EXPECT_THROW((void)layer_of(plate(), 1.0, 1.0), InputError);
+}
+
+TEST(Fabricate, SolidsAreReadBackWithTheirVolume) {
+  const Folder folder;
+  const Design d = test::strip(6);
+  const auto report = fabricate(d, folder.path(), {{Product::kSolids}, 1.0, 2.0, 3.0});
+  EXPECT_EQ(report.files.size(), 4U);
+  const double modules_mm3 = 6 * design::module_area_mm2(1.0) * kBoard_mm;
+  const double plate_mm3 = 1001.0 * 31.0 * 3.0;  // the surface of strip()
+  const auto volume = [&](const char* name) { return volume_mm3(geometry::read_mesh(folder.path() / name).mesh); };
+  EXPECT_NEAR(volume("solids/modules.stl") / modules_mm3, 1.0, 1e-4);  // single precision
+  EXPECT_NEAR(volume("solids/carrier.stl") / plate_mm3, 1.0, 1e-4);
+  EXPECT_NEAR(volume("solids/mould.stl") / plate_mm3, 1.0, 1e-4);
+  EXPECT_NEAR(volume("solids/solids.3mf") / (modules_mm3 + 2 * plate_mm3), 1.0, 1e-6);
+}
+
+TEST(Fabricate, AssemblyIsReadBackWithNamesColoursAndVolumes) {
+  if (!cad::can_read_parts()) GTEST_SKIP() << "left out: built without the program for CAD files";
+  const Folder folder;
+  const Design d = test::strip(5);
+  (void)fabricate(d, folder.path(), {{Product::kStep}, 1.0, 2.0, 2.0});
+  const cad::Part part = cad::read_part(folder.path() / "strip.step");
+  EXPECT_TRUE(part.faults.empty()) << part.faults.front();
+  ASSERT_EQ(part.bodies.size(), 6U);
+  std::set<std::string> names;
+  for (const auto& body : part.bodies) {
+    names.insert(body.name);
+    EXPECT_EQ(body.is_solid, body.name != "cover") << body.name;
+    EXPECT_FALSE(body.colour.empty()) << body.name;
+  }
+  EXPECT_EQ(names, (std::set<std::string>{"cover", "M0", "M1", "M2", "M3", "M4"}));
+  EXPECT_NEAR(part.unit_mm, 1.0, 1e-12);
+}
+
+// A build without the geometry kernel: all else is written and the gap is said; who asks for STEP alone gets the
+// reason.
+TEST(Fabricate, SaysSoWithoutTheProgramForCadFiles) {
+  const char* before = std::getenv("TRISKIN_CAD_READER");
+  const std::string named = before == nullptr ? "" : before;
+  ::setenv("TRISKIN_CAD_READER", "/nowhere/triskin-cad", 1);
+  const Folder folder;
+  const auto report = fabricate(test::strip(2), folder.path() / "all", {{}, 1.0, 2.0, 2.0});
+  EXPECT_EQ(report.left_out.size(), 1U);
+  EXPECT_FALSE(fs::exists(folder.path() / "all/strip.step"));
+  EXPECT_TRUE(fs::exists(folder.path() / "all/parts.csv"));
+  EXPECT_THROW((void)fabricate(test::strip(2), folder.path() / "step", {{Product::kStep}, 1.0, 2.0, 2.0}), InputError);
+  before == nullptr ? ::unsetenv("TRISKIN_CAD_READER") : ::setenv("TRISKIN_CAD_READER", named.c_str(), 1);
+}
+
+TEST(Fabricate, WritesAllOrNothing) {
+  const Folder folder;
+  Design d = test::strip(3);
+  d.layout.corner_cut_mm = 5.0;  // no board can be made
+  EXPECT_THROW((void)fabricate(d, folder.path(), {{Product::kDxf, Product::kKicad}, 1.0, 2.0, 2.0}), InputError);
+  EXPECT_FALSE(fs::exists(folder.path()));
+  (void)fabricate(d, folder.path(), {{Product::kDxf}, 1.0, 2.0, 2.0});
+  try {
+    (void)fabricate(d, folder.path(), {{Product::kDxf}, 1.0, 2.0, 2.0});
+    FAIL() << "files of another design were mixed with these";
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("has files in it already"), std::string::npos) << e.what();
+  }
+}
+
+TEST(Fabricate, EqualDesignsGiveEqualBytes) {
+  const Folder folder;
+  const Design d = test::strip(4);
+  const std::set<Product> products{Product::kDxf, Product::kKicad, Product::kParts, Product::kSolids};
+  const auto first = fabricate(d, folder.path() / "1", {products, 1.0, 2.0, 2.0});
+  const auto second = fabricate(d, folder.path() / "2", {products, 1.0, 2.0, 2.0});
+  ASSERT_EQ(first.files, second.files);
+  for (const std::string& name : first.files)
+    EXPECT_EQ(read_file(folder.path() / "1" / name), read_file(folder.path() / "2" / name)) << name;
+}
+
+TEST(Fabricate, RefusesThicknessesOutOfRange) {
+  const Folder folder;
+  EXPECT_THROW((void)fabricate(test::strip(2), folder.path(), {{}, 1.0, 0.0, 2.0}), InputError);
+  EXPECT_THROW((void)fabricate(test::strip(2), folder.path(), {{}, 1.0, 2.0, 21.0}), InputError);
+  EXPECT_FALSE(fs::exists(folder.path()));
+}
+
+TEST(Fabricate, NamesOfDesignsMayHoldAnything) {
+  EXPECT_EQ(plain_name("../a b\"c"), ".._a_b_c");
+  EXPECT_EQ(plain_name(""), "design");
+}
+
+}  // namespace
+}  // namespace triskin::fabrication
