@@ -37,7 +37,8 @@ TEST_F(LoaderProtection, CountsFromTheNextPowerUpAndCanBeReleased) {
 TEST_F(LoaderProtection, IsRefusedWithoutTheKeyOrTooEarlyOrWithAnotherOption) {
   power_up();
   run_for(300'000);
-  EXPECT_EQ(request({0x31, 0x01, 0x02, 0x07, 1}), (std::vector<std::uint8_t>{0x7F, 0x31, 0x33}));
+  EXPECT_EQ(request({0x31, 0x01, 0x02, 0x07, 1}), (std::vector<std::uint8_t>{0x7F, 0x31, 0x7F}))
+      << "in the default session";
   unlock();
   EXPECT_EQ(protect(1), static_cast<std::uint8_t>(Status::kFlashFailed)) << "the supply has not stood for two seconds";
   EXPECT_EQ(protect(2), static_cast<std::uint8_t>(Status::kOutOfRange));

@@ -26,9 +26,6 @@ void Journal::started() {
   log_.add<LogLevel::kInformation>(now_us(), [&](LogText& t) {
     t.text("started: firmware ").decimal(kFirmwareVersion >> 24).text(".").decimal(kFirmwareVersion >> 16 & 0xFF);
     t.text(".").decimal(kFirmwareVersion >> 8 & 0xFF);
-    if (parts_.ports.restart == nullptr) return;
-    if (const auto image = parts_.ports.restart->image_state())
-      t.text(image->slot == 0 ? ", slot A" : ", slot B").text(image->confirmed ? "" : ", not confirmed yet");
   });
   if (parts_.ports.monitor == nullptr) return;
   const wire::BoardHealth h = parts_.ports.monitor->health();

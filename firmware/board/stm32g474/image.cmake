@@ -43,7 +43,7 @@ add_custom_target(triskin_ram_code DEPENDS ${triskin_ram_code}/ram_code.ld)
 
 triskin_image(triskin_loader SCRIPT loader.ld FLASH_CEILING 16384 RAM_CEILING 24576 SOURCES ${triskin_board}/src/loader_main.cpp)
 foreach(slot a b)
-  triskin_image(triskin_app_${slot} SCRIPT slot_${slot}.ld FLASH_CEILING 73728 RAM_CEILING 65536
+  triskin_image(triskin_app_${slot} SCRIPT slot_${slot}.ld FLASH_CEILING 81920 RAM_CEILING 65536
                 SOURCES ${triskin_board}/src/main.cpp LIBS triskin_fw_app)
   target_link_options(triskin_app_${slot} PRIVATE -L${triskin_ram_code})
   add_dependencies(triskin_app_${slot} triskin_ram_code)

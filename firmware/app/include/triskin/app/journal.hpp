@@ -15,7 +15,7 @@ class Journal {
  public:
   /// Everything that `parts` refers to, and `log`, must outlive the journal.
   Journal(Log& log, const PatchParts& parts) : log_(log), parts_(parts) {}
-  /// Once after the start: version, slot, clock, crash. Cost: a few lines.
+  /// Once after the start: version, clock, findings, crash. Cost: a few lines.
   void started();
   /// The table that is active, after each start of the sampling.
   void table();
