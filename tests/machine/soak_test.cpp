@@ -89,9 +89,9 @@ class Soak : public Bench, public ::testing::WithParamInterface<bool> {
     return bytes;
   }
   static constexpr std::uint8_t kConfirmedOnly = 0x08;
-  /// At most, until the application's clock starts: the loader's window, its check of an image that fills the 72 KB of
+  /// At most, until the application's clock starts: the loader's window, its check of an image that fills the 80 KB of
   /// the application (0.2 ms a KB), and 3 ms in which the crystal starts and is measured.
-  static constexpr std::uint64_t kBoot_us = wire::loader::kWindow_us + 72 * 200 + 3'000;
+  static constexpr std::uint64_t kBoot_us = wire::loader::kWindow_us + 80 * 200 + 3'000;
   std::set<std::pair<int, int>> different;
   int faults = 0;
 };

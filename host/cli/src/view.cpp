@@ -142,9 +142,8 @@ int run(const Options& options, Output& output) {
   live.set_health({options.link.link, false, "", 0, 0});
   CommandQueue commands(skin ? skin->buses().size() : 1);
   catch_interrupts();
-  const view::Server server(
-      view::site_of(shown.design, {}, calibration_now(options, skin, output), shown.notes), live, options.port,
-      [&](const view::Command& c) { commands.push(c); }, {});
+  const view::Server server(view::site_of(shown.design, {}, calibration_now(options, skin, output), shown.notes), live,
+                            options.port, [&](const view::Command& c) { commands.push(c); }, {});
   const std::string address = server.address() + place_of(argument, shown.design);
   output.say(address);
   const auto browser = open_browser(options, address);
