@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Flat islands, copper of the module, parts, solids: against numbers worked by hand and other readers.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -124,9 +125,9 @@ TEST(ModuleBoard, HasThePadsOfTheSoftware) {
     temperature += pad.layer == PadLayer::kTouch && pad.size_mm.x() == kTemperaturePad_mm;
   }
   EXPECT_EQ(temperature, 2);
-  for (int t = 0; t < layout::kTaxelsPerModule; ++t) EXPECT_EQ(count["T" + std::to_string(t)], 1) << t;
+  for (int t = 0; t < layout::kTaxelsPerModule; ++t) EXPECT_EQ(count[fmt::format("T{}", t)], 1) << t;
   for (const char port : {'A', 'B', 'C'}) {
-    for (int k = 1; k <= 10; ++k) EXPECT_EQ(count[port + std::to_string(k)], 2);
+    for (int k = 1; k <= 10; ++k) EXPECT_EQ(count[fmt::format("{}{}", port, k)], 2);
   }
 }
 
