@@ -66,7 +66,7 @@ class Time : public ShellCase {
     return fmt::format("{} XDG_STATE_HOME='{}' {} {}", with_faults(clock.variables()), (folder_ / "state").string(),
                        program_file(), arguments);
   }
-  [[nodiscard]] std::string file(const char* name) const { return "'" + (folder_ / name).string() + "'"; }
+  [[nodiscard]] std::string file(const char* name) const { return fmt::format("'{}'", (folder_ / name).string()); }
   [[nodiscard]] bool has_begun(const char* name) const {
     const auto file = folder_ / name;
     return wait_until([&] { return std::filesystem::exists(file) && std::filesystem::file_size(file) > 100; });
