@@ -119,7 +119,7 @@ TEST_F(FirstStart, RandomResetsAndPowerCutsEndInTheApplication) {
   const FlashChip fresh = flash;
   int resets = 0, cuts = 0;
   power_up(true);
-  for (int board = 0; board < kBoards; ++board) {
+  for (int chip = 0; chip < kBoards; ++chip) {
     flash.cut_at = ~std::uint64_t{0};
     machine->power_cycle(fresh);
     const std::uint64_t begin_us = now_us();
@@ -139,7 +139,7 @@ TEST_F(FirstStart, RandomResetsAndPowerCutsEndInTheApplication) {
     // A double reset leads into the loader, which goes on after 15 s without a host.
     run_for(200'000);
     if (machine->vector_table() != kSlotA) run_for(16'000'000);
-    ASSERT_EQ(machine->vector_table(), kSlotA) << "board " << board << " of seed " << kSeed;
+    ASSERT_EQ(machine->vector_table(), kSlotA) << "board " << chip << " of seed " << kSeed;
   }
   std::printf("%d boards, %d resets and %d power cuts: all end in the application\n", kBoards, resets, cuts);
   EXPECT_GT(resets, kBoards);
