@@ -13,7 +13,7 @@ say() { printf '$ triskin %s\n' "$*"; "$triskin" "$@"; }
 # A mistake of the bench each: a dead chip, a module that is turned by 120°, a shorted taxel, two modules at each other's place.
 mistakes=(
   '{"kind":"removed_chip","module":3}'
-  '{"kind":"rotated_module","module":6,"value":1}'
+  '{"kind":"rotated_module","module":6,"steps":1}'
   '{"kind":"saturated_taxel","module":8,"taxel":2}'
   '{"kind":"swapped_chips","module":1,"other":10}'
 )

@@ -25,7 +25,7 @@ TEST(EscapeMarkup, replaces_what_xml_cannot_hold) {
   EXPECT_EQ(escape_markup("\xC2\x85"), "\xEF\xBF\xBD");
   EXPECT_EQ(escape_markup("\xEF\xBF\xBE"), "\xEF\xBF\xBD");
   EXPECT_EQ(escape_markup("\xFF\xFE"), "\xEF\xBF\xBD\xEF\xBF\xBD");
-  EXPECT_EQ(escape_markup("tab\tline\n"), "tab\tline\n");
+  EXPECT_EQ(escape_markup("tab\tline\n"), "tab&#9;line&#10;");
 }
 
 // Byte sequences of RFC 3629: 1 to 4 bytes, no overlong form, no surrogate, none above U+10FFFF.

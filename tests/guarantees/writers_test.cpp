@@ -40,6 +40,7 @@ class Writers : public ShellCase {
 };
 
 TEST_F(Writers, a_second_recorder_is_told_who_writes_the_file) {
+  ASSERT_EQ(run("flash strip.json --link sim").status, 0);
   const ServedSimulation served(path("strip.json"));
   Running first(line("record strip.json --seconds 60 --link " + served.link() + " -o r.mcap"), folder_ / "log");
   ASSERT_TRUE(wait_until([&] { return kept("r.mcap").size() > 100; })) << first.text();

@@ -84,7 +84,9 @@ TEST(RobotFile, rpy_turns_about_fixed_axes_as_in_urdf) {
 }
 
 TEST(RobotFile, bad_forms_name_file_and_key) {
-  const std::string good = robot_text(small_robot().robot);
+  Assembly posed = small_robot();
+  posed.robot.covers[0].has_pose = true;
+  const std::string good = robot_text(posed.robot);
   const auto refused = [&](const std::string& from, const std::string& to) {
     std::string text = good;
     const auto at = text.find(from);

@@ -28,7 +28,7 @@ class SceneCommands : public ShellCase {
 
 TEST_F(SceneCommands, an_expectation_that_fails_gives_status_1_and_what_was_seen) {
   scene(R"("contacts":[{"module":4,"at_s":1,"radius_mm":12,"force_n":6}],
-           "expect":[{"at_s":0.8,"pressed":false},{"at_s":1.5,"module":4,"more_than_n":50}]})");
+           "expect":[{"at_s":0.8,"pressed":false},{"at_s":1.5,"module":4,"more_than_n":50}])");
   const Outcome person = run("simulate s.json --check");
   EXPECT_EQ(person.status, 1);
   EXPECT_THAT(person.out, AllOf(HasSubstr("ok      expect[0]"), HasSubstr("FAILED  expect[1]"),
@@ -40,13 +40,13 @@ TEST_F(SceneCommands, an_expectation_that_fails_gives_status_1_and_what_was_seen
   EXPECT_EQ(result["expectations"][0]["held"], true);
   EXPECT_EQ(result["expectations"][1]["held"], false);
   scene(R"("contacts":[{"module":4,"at_s":1,"radius_mm":12,"force_n":6}],
-           "expect":[{"at_s":1.5,"module":4,"more_than_n":1}]})");
+           "expect":[{"at_s":1.5,"module":4,"more_than_n":1}])");
   EXPECT_EQ(run("simulate s.json --check").status, 0);
 }
 
 TEST_F(SceneCommands, a_bad_scene_gives_status_2_with_file_and_line) {
   scene(R"("expect":[{"at_s":1,"module":4,
-           "pressd":true}]})");
+           "pressd":true}])");
   const Outcome bad = run("simulate s.json --check");
   EXPECT_EQ(bad.status, 2);
   EXPECT_THAT(bad.messages, AllOf(HasSubstr("s.json:3: expect[0]: "), HasSubstr("\"pressd\" is unknown")));
@@ -56,7 +56,7 @@ TEST_F(SceneCommands, a_bad_scene_gives_status_2_with_file_and_line) {
 }
 
 TEST_F(SceneCommands, touched_places_become_regions) {
-  scene(R"("contacts":[{"module":4,"at_s":1,"until_s":3,"radius_mm":3}]})");
+  scene(R"("contacts":[{"module":4,"at_s":1,"until_s":3,"radius_mm":3}])");
   const Outcome made = run("touched s.json -o r.json --max-weight 3 --json");
   EXPECT_EQ(made.status, 0) << made.messages;
   EXPECT_EQ(json::parse(made.out)["touched_modules"], 1);

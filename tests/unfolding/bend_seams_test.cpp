@@ -101,10 +101,10 @@ TEST(BendSeams, a_radius_that_is_none_is_an_error) {
 
 // The modules that the lattice grows keep the radius as well: by hand, the sagitta of 30 mm on 50 mm is 2.25 mm.
 TEST(BendLimits, hold_for_the_modules_of_a_design) {
-  // A groove of a 200 mm sheet, half a tube of 32 mm: a side across it asks for 3.5 mm.
+  // A tube of 40 mm: a side across it asks for 2.8 mm, sides of which one lies along it for 2.1 mm.
   const Mesh half_tube = grid(24, 40, [](int u, int v) {
     const double angle = M_PI * (0.1 + 0.8 * u / 24.0);
-    return Vec3(-32.0 * std::cos(angle), 5.0 * v, 32.0 * std::sin(angle));
+    return Vec3(-40.0 * std::cos(angle), 5.0 * v, 40.0 * std::sin(angle));
   });
   const auto folder = std::filesystem::temp_directory_path() / ("bend_limits." + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);

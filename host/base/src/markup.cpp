@@ -18,6 +18,13 @@ std::string_view entity_of(char32_t c) {
       return "&quot;";
     case '\'':
       return "&#39;";
+    // In an attribute white space would be read as a blank (XML 1.0, section 3.3.3).
+    case '\t':
+      return "&#9;";
+    case '\n':
+      return "&#10;";
+    case '\r':
+      return "&#13;";
     default:
       return {};
   }

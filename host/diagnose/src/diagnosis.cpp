@@ -367,6 +367,11 @@ void Diagnosis::examine_absent(const PatchState& p, const std::vector<std::size_
   }
   std::set<int> silent;
   for (const std::size_t row : open) silent.insert(p.module(row));
+  // Modules that a neighbour reads are switched ones, although the chain of this patch answers nothing.
+  if (std::ranges::any_of(silent, [&](int m) { return adopter_.contains(m); })) {
+    examine_missing(p, silent);
+    silent.clear();
+  }
   for (const Branch& b : branches(p, silent)) {
     if (b.members.size() > 1) {
       add_branch(FindingKind::kMissingJoint, p, b, "no chip answers of " + behind(b),

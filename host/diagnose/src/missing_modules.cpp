@@ -66,7 +66,11 @@ void explain_component(const std::set<int>& component, const Joints& joints, con
       causes.push_back({FindingKind::kMissingModule, module, -1, {}});
     }
   }
-  if (causes.size() == first) causes.push_back({FindingKind::kMissingModule, *component.begin(), -1, {}});
+  if (causes.size() == first) {
+    // Nothing of the patch was found. A module that another controller reads cannot be the dead one.
+    const auto dead = std::ranges::find_if(component, [&](int m) { return !alive.contains(m); });
+    causes.push_back({FindingKind::kMissingModule, dead == component.end() ? *component.begin() : *dead, -1, {}});
+  }
   std::set<int> rest = component;
   for (std::size_t k = first; k < causes.size(); ++k) {
     if (causes[k].kind == FindingKind::kMissingModule) rest.erase(causes[k].module);

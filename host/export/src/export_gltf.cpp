@@ -228,7 +228,7 @@ std::string gltf(const Design& design) {
   file["scenes"] = {{{"nodes", {root}}}};
   file["scene"] = 0;
   buffer.write_into(file);
-  return file.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
+  return file.dump(-1, ' ', true, json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace triskin::design

@@ -165,8 +165,10 @@ std::string model_json(const design::Design& design, bool recording, const desig
                       {"patches", std::move(patches)}};
   // A name from a file must not end the script that holds it in page_html.
   std::string text = model.dump(-1, ' ', true, json::error_handler_t::replace);
-  for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at))
-    text.replace(at, 1, "\\u003c");
+  for (const auto& [bracket, escape] : {std::pair{'<', "\\u003c"}, std::pair{'>', "\\u003e"}}) {
+    for (std::size_t at = text.find(bracket); at != std::string::npos; at = text.find(bracket, at))
+      text.replace(at, 1, escape);
+  }
   return text;
 }
 
