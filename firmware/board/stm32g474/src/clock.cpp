@@ -213,7 +213,10 @@ extern "C" [[gnu::naked]] void tim2_handler() {
 extern "C" void serve_timer(const std::uint32_t* frame) {
   using namespace triskin::board;
   if ((tim2_reg::kSr.read() & tim2_reg::kDier.read() & tim2_reg::kCompare2) != 0) note_hang(frame);
-  tim2_reg::kSr.write(~tim2_reg::kCompare1);
-  tim2_reg::kDier.clear(tim2_reg::kCompare1);
+  // wake_at() may have set another time while this interrupt was pending: its flag is clear then, and that time stands.
+  if (tim2_reg::kSr.any(tim2_reg::kCompare1)) {
+    tim2_reg::kSr.write(~tim2_reg::kCompare1);
+    tim2_reg::kDier.clear(tim2_reg::kCompare1);
+  }
   asm volatile("dsb" ::: "memory");  // A store may not overlap the return (Cortex-M4 erratum 838869).
 }
