@@ -2,6 +2,11 @@
 // What the page looks like, by its pixels: the legend against the picture, and what lies in reach at each size of the window.
 import assert from "node:assert/strict";
 
+/** Ends when the page has drawn what was set before: the frame that may be under way, and one after it. */
+export const drawn = (page) => page.evaluate(() => new Promise((done) => {
+  requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(() => done())));
+}));
+
 /** Colours of a screenshot at places of the window. Legend and drawing are read from the same picture. @returns {Promise<number[][]>} */
 async function pixelsAt(page, places) {
   const picture = (await page.screenshot()).toString("base64");
@@ -34,7 +39,7 @@ async function compareModules(page) {
       }
       return found;
     }, mode);
-    await page.waitForTimeout(60);
+    await drawn(page);
     const colors = await pixelsAt(page, pairs.flatMap((p) => [p.spot, p.at]));
     pairs.forEach((p, n) => assert(alike(colors[2 * n], colors[2 * n + 1]), `${p.what}: legend ${colors[2 * n]}, picture ${colors[2 * n + 1]}`));
     compared += pairs.length;
@@ -50,7 +55,7 @@ async function compareBar(page) {
     const bar = document.querySelector("#legend .bar").getBoundingClientRect();
     return [0.1, 0.3, 0.5, 0.7, 0.9].map((x, k) => ({spot: [bar.left + 1 + x * (bar.width - 2), bar.top + bar.height / 2], at: triskin.placeOf("flat", 20 + k, -1)}));
   });
-  await page.waitForTimeout(60);
+  await drawn(page);
   const colors = await pixelsAt(page, pairs.flatMap((p) => [p.spot, p.at]));
   pairs.forEach((_, n) => assert(alike(colors[2 * n], colors[2 * n + 1], 14), `bar: legend ${colors[2 * n]}, picture ${colors[2 * n + 1]}`));
 }
@@ -85,13 +90,13 @@ async function compareMarks(page, bringNear) {
       const [from, to] = model.sideEnds(model.flat, m, side), middle = view.camera.project(from.map((v, c) => (v + to[c]) / 2)), stage = document.getElementById("stage").getBoundingClientRect();
       return [stage.left + view.left + middle[0], stage.top + view.top + middle[1]].map((v, c) => centre[c] + p * (v - centre[c]));
     }, [module, kind, place]);
-    await page.waitForTimeout(60);
+    await drawn(page);
     const [legend, picture] = await pixelsAt(page, [await spotOf(what), at]);
     assert(alike(legend, picture), `${what}: legend ${legend}, picture ${picture}`);
   }
   await bringNear(page, 5);
   const bar = await page.evaluate(() => { const box = document.querySelector("#legend .bar").getBoundingClientRect(); return [box.right - 2, box.top + box.height / 2]; });
-  await page.waitForTimeout(60);
+  await drawn(page);
   const [strongest, pressed] = await pixelsAt(page, [bar, await page.evaluate(() => window.triskin.placeOf("flat", 5, 3))]);
   assert(alike(strongest, pressed, 14), `the strongest touch: legend ${strongest}, picture ${pressed}`);
 }
@@ -113,7 +118,7 @@ export async function checkLegend(page, bringNear) {
 export async function checkSizes(page) {
   for (const [width, height, stacked] of [[1400, 900, false], [900, 600, false], [390, 844, true]]) {
     await page.setViewportSize({width, height});
-    await page.waitForTimeout(150);
+    await drawn(page);
     assert.equal(await page.evaluate(() => document.getElementById("stage").classList.contains("stacked")), stacked, `${width} × ${height}`);
     const panes = await page.evaluate(() => ["pane-cover", "pane-flat"].map((id) => document.getElementById(id).getBoundingClientRect()).map((r) => [r.left, r.top, r.right, r.bottom]));
     for (const [left, top, right, bottom] of panes) assert(left >= 0 && top >= 0 && right <= width && bottom <= height && right - left > 200 && bottom - top > 200, `${panes}`);

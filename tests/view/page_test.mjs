@@ -9,7 +9,7 @@ import os from "node:os";
 import path from "node:path";
 import {pathToFileURL} from "node:url";
 
-import {checkLegend, checkSizes, checkTools} from "./page_look.mjs";
+import {checkLegend, checkSizes, checkTools, drawn} from "./page_look.mjs";
 
 const [name, triskin, writeStrip, chromiumPath, nodeModules] = process.argv.slice(2);
 const MODULES = 40;
@@ -204,7 +204,7 @@ async function look() {
   await checkTools(page, (view, module) => clickModule(page, view, module));
   await checkSizes(page);
   await page.setViewportSize({width: 1200, height: 700});
-  await page.waitForTimeout(150);
+  await drawn(page);
   await checkLegend(page, bringNear);
   assert.deepEqual(wrong, []);
   await page.screenshot({path: path.join(process.cwd(), "page_look.png")});
