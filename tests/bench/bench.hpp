@@ -10,7 +10,7 @@
 namespace triskin::cli {
 
 struct BenchOptions {
-  bool quick = false;  ///< the whole subject ends within 50 s
+  bool quick = false;  ///< The whole subject ends within 50 s.
   std::string data;    ///< folder with parts/ and blender/: real covers and nets; empty: what is generated
 };
 

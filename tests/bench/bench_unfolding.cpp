@@ -186,7 +186,7 @@ class UnfoldingRows {
         islands.push_back(geometry::normalize_polygon(polygon_of(island), net.stem().string()));
         area += geometry::polygon_area(islands.back());
       } catch (const InputError&) {
-        continue;  // an island whose outline touches itself holds nothing that could be built
+        continue;  // An island whose outline touches itself holds nothing that could be built.
       }
     }
     if (islands.empty()) throw InputError(net.string() + ": no island has an outline that does not cross itself");

@@ -149,7 +149,7 @@ TEST_F(BridgeTest, contacts_and_diagnostics_are_read) {
   const std::vector<recording::PressedTaxel> taxels{{5, 3, 6000.0, {10.0, 20.0, 30.0}, {0.0, 0.0, 1.0}},
                                                     {5, 4, 2000.0, {18.0, 20.0, 30.0}, {0.0, 0.0, 1.0}}};
   const auto pressed = recording::gather_contacts(taxels, 390.0);
-  bridge.add_contacts({}, kStart_ns);  // there were none before
+  bridge.add_contacts({}, kStart_ns);  // There were none before.
   bridge.add_contacts(pressed, kStart_ns);
   bridge.add_contacts({}, kStart_ns + 1);
   bridge.add_contacts({}, kStart_ns + 2);

@@ -167,7 +167,7 @@ std::vector<Damage> all_damage() {
 // What became of it: a sentence, or "right".
 std::string outcome_of(const Damage& damage) {
   ReadOptions options;
-  options.time_limit_s = 10.0;  // the reader is ended there: that this returns is the proof
+  options.time_limit_s = 10.0;  // The reader is ended there: that this returns is the proof.
   try {
     const Part part = read_part_bytes(damage.bytes, damage.name + ".step", options);
     if (!part.faults.empty()) return "fault: " + part.faults.front();

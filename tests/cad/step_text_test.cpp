@@ -65,7 +65,7 @@ std::string name_in_text(const std::string& name) {
 
 TEST(StepText, NamesInAnyEncodingBecomeEscapes) {
   EXPECT_EQ(name_in_text("Geh\\X\\E4use"), "Geh\\X2\\00E4\\X0\\use");
-  EXPECT_EQ(name_in_text("Geh\\S\\duse"), "Geh\\X2\\00E4\\X0\\use");                // d is 0x64, ä is 0xE4
+  EXPECT_EQ(name_in_text("Geh\\S\\duse"), "Geh\\X2\\00E4\\X0\\use");                // D is 0x64, ä is 0xE4.
   EXPECT_EQ(name_in_text("Geh\xC3\xA4use"), "Geh\\X2\\00E4\\X0\\use");              // UTF-8
   EXPECT_EQ(name_in_text("Geh\xE4use"), "Geh\\X2\\00E4\\X0\\use");                  // ISO 8859-1
   EXPECT_EQ(name_in_text("\xCD\xE2\xBF\xC7"), "\\X2\\5916\\X0\\\\X2\\58F3\\X0\\");  // GBK of 外壳

@@ -114,7 +114,7 @@ TEST_F(CutDesign, is_accepted_and_states_coverage_both_ways) {
 TEST_F(CutDesign, another_cut_is_noticed) {
   const auto whole = broken_by([](json& j) { j.erase("corner_cut_mm"); });
   EXPECT_THAT(whole, Contains("design-id"));
-  EXPECT_THAT(whole, Contains("overrun"));  // tips stand over the border
+  EXPECT_THAT(whole, Contains("overrun"));  // Tips stand over the border.
   EXPECT_THAT(broken_by([](json& j) { j["corner_cut_mm"] = 2.9; }), Contains("design-id"));
   EXPECT_THAT(broken_by([](json& j) { j["corner_cut_mm"] = 7.2; }), Contains("taxel-cut"));
   EXPECT_THAT(broken_by([](json& j) { j["corner_cut_mm"] = 6.8; }), Not(Contains("taxel-cut")));

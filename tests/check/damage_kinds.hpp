@@ -165,7 +165,7 @@ inline std::vector<DamageKind> damage_kinds(const geometry::Surface& surface) {
          return true;
        }},
       {"tilted by 30°, a corner 9 mm off",
-       {"edge-lift", "edge-depth"},  // a module that bridges an edge may turn onto the face behind it: under it then
+       {"edge-lift", "edge-depth"},  // A module that bridges an edge may turn onto the face behind it: under it then.
        [=](json& d, std::size_t k) {
          const Frame f(module(d, k));
          turn(module(d, k), f.corner[1] - f.corner[0], 30.0);

@@ -69,7 +69,7 @@ TEST_P(Overrun, solver_and_checker_agree_on_moved_modules) {
     }
   }
   fs::remove(file);
-  EXPECT_GE(over, 3 * rounds);  // else the rounds would compare next to nothing
+  EXPECT_GE(over, 3 * rounds);  // Else the rounds would compare next to nothing.
 }
 std::string name_of(const testing::TestParamInfo<std::pair<test::CoverName, int>>& p) {
   return test::case_name(p.param.first.name);

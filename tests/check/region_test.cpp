@@ -170,7 +170,7 @@ TEST_F(RegionDesign, what_must_be_covered_is_or_is_named) {
   const design::Design d = design_with(json::array({middle}));
   EXPECT_THAT(d.report.uncovered, IsEmpty());
   EXPECT_THAT(broken(), IsEmpty());
-  EXPECT_THAT(broken_by([](json& j) {  // it is larger than was asked
+  EXPECT_THAT(broken_by([](json& j) {  // It is larger than was asked.
                 j["regions"]["list"][0]["box"]["high_mm"] = {260, 170, 5};
               }),
               Contains("must-cover"));

@@ -123,7 +123,7 @@ TEST_F(CommandLine, protect_names_a_board_that_cannot) {
 
 TEST_F(CommandLine, a_design_that_was_changed_by_hand_is_not_deployed) {
   design::Design changed = strip(4, 4);
-  changed.layout.modules[1].corner_mm[0].x() += 5.0;  // its id is still that of the strip
+  changed.layout.modules[1].corner_mm[0].x() += 5.0;  // Its id is still that of the strip.
   design::write_design(folder_ / "changed.json", changed);
   for (const char* command : {"flash", "verify", "live --seconds 0.1", "record --seconds 0.1 -o r.csv"}) {
     const std::string name(command);

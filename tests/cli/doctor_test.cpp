@@ -137,7 +137,7 @@ TEST_F(Doctor, twelve_troubles_are_named_each_with_its_command) {
   expect_trouble("kernel module can_raw", "sudo modprobe can_raw");
   write("proc/sys/kernel/osrelease", "6.1.0\n");
   write("lib/modules/6.1.0/modules.dep", "kernel/net/can/can-raw.ko: kernel/net/can/can.ko\n");
-  EXPECT_TRUE(troubles(0).empty());  // the kernel loads it when it is needed
+  EXPECT_TRUE(troubles(0).empty());  // The kernel loads it when it is needed.
 
   write_interface({{"flags", {"NOARP"}}});
   expect_trouble("interface can0", "sudo ip link set can0 up txqueuelen 128 type can bitrate 1000000");
@@ -177,7 +177,7 @@ TEST_F(Doctor, a_silent_bus_and_a_computer_without_hardware_are_troubles) {
 }
 
 TEST_F(Doctor, a_board_that_may_not_be_opened_is_a_trouble) {
-  if (::geteuid() == 0) fs::remove(folder_ / "root/dev/bus/usb/001/007");  // root may open whatever is there
+  if (::geteuid() == 0) fs::remove(folder_ / "root/dev/bus/usb/001/007");  // Root may open whatever is there.
   fs::permissions(folder_ / "root/dev/bus/usb/001", fs::perms::owner_all);
   if (::geteuid() != 0) fs::permissions(folder_ / "root/dev/bus/usb/001/007", fs::perms::none);
   write("boards.json", json::array({{{"link", "can:can0"}, {"serial", "A0"}, {"firmware", version()}}}).dump());

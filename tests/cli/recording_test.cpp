@@ -154,7 +154,7 @@ TEST_F(Recordings, a_view_keeps_its_counts_when_the_link_fails) {
   ::sleep(2);  // Two seconds of samples are enough.
   ::kill(server, SIGKILL);
   (void)end_of(server);
-  ::sleep(1);  // it says so, and tries again
+  ::sleep(1);  // It says so, and tries again.
   ::kill(child, SIGINT);
   (void)end_of(child);
   const std::string log = read_file(folder_ / "log");

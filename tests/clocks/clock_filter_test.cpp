@@ -24,9 +24,9 @@ struct Modelled {
   double ppm = 0.0;
   double powered_us = 3e6;                  // Measured by the link's clock.
   double shown_us = 70e6;                   // Its own clock shows this at that time.
-  double min_us = 100.0;                    // no frame is faster
+  double min_us = 100.0;                    // No frame is faster.
   double jitter_us = 1000.0;                // added, uniform
-  std::function<double(double)> more_us{};  // further delay of what is sent at a time
+  std::function<double(double)> more_us{};  // Further delay of what is sent at a time.
   [[nodiscard]] std::uint64_t device_us(double link_us) const {
     return whole(shown_us + (link_us - powered_us) * (1.0 + ppm * 1e-6));
   }
@@ -85,7 +85,7 @@ TEST(ClockFilter, bounds_an_offset_by_a_request_and_its_answer) {
   ClockFilter filter;
   filter.exchanged(10'000, 9'200, 10'500);  // difference 800 … 1,300
   const LinkTime now = filter.at(9'200);
-  EXPECT_EQ(now.link_us, 10'501U);  // the latest that is possible, one µs of resolution
+  EXPECT_EQ(now.link_us, 10'501U);  // The latest that is possible, one µs of resolution.
   EXPECT_GE(now.error_us, 501U);
   EXPECT_LE(now.error_us, 504U);
   filter.arrived(9'300, 10'500);  // difference at most 1,200

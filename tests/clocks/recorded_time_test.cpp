@@ -18,7 +18,7 @@ std::vector<ModuleSample> frame() {
     samples[k].link_time_us = 900 + k;
     samples[k].sample.module = static_cast<std::uint8_t>(k);
     samples[k].sample.sample = 7;
-    samples[k].sample.device_time_us = 5'000 - 300 * k;  // lines are not read in the order of the frame
+    samples[k].sample.device_time_us = 5'000 - 300 * k;  // Lines are not read in the order of the frame.
     samples[k].sampled_ns = kFirst_ns - 300'000 * k;
     samples[k].error_us = 850;
   }

@@ -341,7 +341,7 @@ TEST(Cost, what_is_found_when_the_router_gives_up_holds) {
                           : trial % 4 == 1 ? ring_of_islands(random)
                                            : torn_patch(11, 5, random);
     RoutingOptions o = patches_of_four();
-    o.recombinations = 0;  // these would mend small graphs afterwards
+    o.recombinations = 0;  // These would mend small graphs afterwards.
     o.give_up = [questions = trial % 3]() mutable { return questions-- <= 0; };
     const RoutingResult r = route(set.graph, set.places, o);
     const auto [cheapest, fewest] = by_trying_everything(set, o.capacity, o.price);
@@ -357,7 +357,7 @@ TEST(Cost, what_is_found_when_the_router_gives_up_holds) {
     EXPECT_EQ(std::ranges::count(times, 1), std::ssize(times)) << trial;
     open += r.price_proved ? 0 : 1;
   }
-  EXPECT_GT(open, 0);  // it did give up
+  EXPECT_GT(open, 0);  // It did give up.
 }
 
 // However late it is, islands are joined: a cover of 211 modules had 19 controllers where 14 do, because the pricing

@@ -142,7 +142,7 @@ TEST(IcubPositions, give_each_taxel_its_place_in_the_hosts_reader) {
       EXPECT_LT((by_id[first + t].normal - poses[static_cast<std::size_t>(t)].normal).norm(), 2e-6);
     }
   }
-  EXPECT_EQ(part.taxels.size(), expected);  // none for triangles that are not there
+  EXPECT_EQ(part.taxels.size(), expected);  // None for triangles that are not there.
 }
 
 // The last row of the file is never read: a module on line 3 with address 3 of the last board would lose its taxel 11.

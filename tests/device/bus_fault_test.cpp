@@ -23,7 +23,7 @@ design::Design other_wiring(const design::Design& d) {
 
 // What is active, asked over the undisturbed bus.
 std::vector<std::uint8_t> active(Fixture& fixture, std::size_t bytes) {
-  fixture.bus().listen(fixture.bus().now_us() + 2'000'000);  // what was under way has timed out
+  fixture.bus().listen(fixture.bus().now_us() + 2'000'000);  // What was under way has timed out.
   Controller c(fixture.bus(), 1);
   return c.active_table().present() ? c.read_table(bytes) : std::vector<std::uint8_t>{};
 }
@@ -84,7 +84,7 @@ TEST_P(Wires, frames_lost_doubled_reordered_and_delayed) {
     ASSERT_TRUE(completed) << "seed " << seed << trail;
     ASSERT_EQ(active(fixture, new_image.size()), new_image) << "seed " << seed;
   }
-  EXPECT_GT(failed, 0);  // else the disturbance was none
+  EXPECT_GT(failed, 0);  // Else the disturbance was none.
 }
 
 TEST_P(Wires, another_tester_asks_in_between) {

@@ -394,7 +394,7 @@ TEST(Calibrate, the_force_of_a_known_pressure_is_right_and_before_it_is_counts) 
   const double truth = 20.0 * design::kModuleArea_mm2 * 1e-3;
   std::printf("20 kPa on a module: %.4f N, truth %.4f N\n", force, truth);
   EXPECT_NEAR(truth, 7.794, 0.001);
-  EXPECT_NEAR(force / truth, 1.0, 0.01);  // the error that is stated, and the noise of ten taxels
+  EXPECT_NEAR(force / truth, 1.0, 0.01);  // The error that is stated, and the noise of ten taxels.
 }
 
 // An endless flat skin, as far as a finger in its middle reaches: tiles as in tile.hpp.

@@ -58,7 +58,7 @@ TEST(Flash, equal_tables_are_skipped_and_a_dry_run_writes_nothing) {
   EXPECT_EQ(fixture.flash(dry).bytes, 0U);
   EXPECT_EQ(fixture.skin().flash(0).operations(), 0U);
   fixture.flash();
-  fixture.bus().listen(fixture.bus().now_us() + 2'000'000);  // the controllers find and keep their offsets
+  fixture.bus().listen(fixture.bus().now_us() + 2'000'000);  // The controllers find and keep their offsets.
   const std::uint64_t operations = fixture.skin().flash(0).operations();
   const FlashResult again = fixture.flash();
   EXPECT_EQ(again.skipped, 3);
@@ -77,7 +77,7 @@ TEST(Flash, too_few_controllers_are_an_error_before_anything_is_written) {
 }
 
 TEST(Flash, spare_controllers_make_room) {
-  Fixture fixture(12, 4);  // three controllers, the design below needs two
+  Fixture fixture(12, 4);  // Three controllers, the design below needs two.
   const design::Design two = strip(8, 4);
   const FlashResult r = flash(fixture.bus(), two);
   EXPECT_EQ(r.patches.size(), 2U);
@@ -134,7 +134,7 @@ INSTANTIATE_TEST_SUITE_P(Tears, PowerCut,
 
 TEST(FirstFlash, a_cut_in_any_operation_of_a_fresh_board_can_be_repaired) {
   for (std::uint64_t operation = 0;; ++operation) {
-    Fixture fixture(20, 16);  // patch 1 needs an address and a table
+    Fixture fixture(20, 16);  // Patch 1 needs an address and a table.
     fixture.skin().flash(1).cut_power_after(operation, scene::FlashMemory::Tear::kHalf);
     bool completed = false;
     try {

@@ -46,7 +46,7 @@ class Mtb4 final : public Link {
     if (f.id == 0x203 && f.data[0] == 0x07 && f.data[1] == 0) {
       inbox.push_back(frame(0x435, {0x40, 240, 239, 238, 237, 236, 235, 234}));
       inbox.push_back(frame(0x435, {0xC0, 100, 101, 102, 103, 104, 0, 0}));
-      inbox.push_back(frame(0x436, {0xC0, 1, 1, 1, 1, 1, 0, 0}));  // its first frame was lost
+      inbox.push_back(frame(0x436, {0xC0, 1, 1, 1, 1, 1, 0, 0}));  // Its first frame was lost.
     }
   }
   std::optional<wire::CanFrame> receive(std::uint64_t until_us) override {

@@ -52,7 +52,7 @@ TEST(TouchMap, a_contact_that_is_there_at_the_start_ends_without_a_ghost) {
   TouchMap map(design);
   feed(map, frame(0, layout::kRestCounts - 700, 4'000));
   ASSERT_EQ(map.pressed().size(), 1U);
-  map.add(frame(0, layout::kRestCounts - 700, 500));  // it is being lifted
+  map.add(frame(0, layout::kRestCounts - 700, 500));  // It is being lifted.
   feed(map, frame(0, layout::kRestCounts - 700, 0));
   EXPECT_TRUE(map.pressed().empty());
   feed(map, frame(0, layout::kRestCounts - 700, 4'000));
@@ -66,7 +66,7 @@ TEST(TouchMap, modules_that_rest_beside_the_design_are_not_pressed) {
   feed(map, frame(0, layout::kRestCounts - 900, 0));
   feed(map, frame(1, layout::kRestCounts + 900, 0));
   EXPECT_TRUE(map.pressed().empty());
-  feed(map, frame(0, layout::kRestCounts + 8'000, 0));  // a finger that the controller took for rest has gone
+  feed(map, frame(0, layout::kRestCounts + 8'000, 0));  // A finger that the controller took for rest has gone.
   EXPECT_TRUE(map.pressed().empty());
   feed(map, frame(1, layout::kRestCounts + 900, 250));
   ASSERT_EQ(map.pressed().size(), 1U);

@@ -236,7 +236,7 @@ std::optional<Expected> finger_elsewhere(Hardware& h, Random& random) {
 
 std::optional<Expected> other_design(Hardware& h, Random&) {
   h.flashed = h.intended;
-  auto& modules = h.flashed->patches[0].modules;  // a later one may have a single module
+  auto& modules = h.flashed->patches[0].modules;  // A later one may have a single module.
   std::swap(modules[0].address, modules.back().address);
   std::swap(modules[0].line, modules.back().line);
   h.flashed->design_id = design::design_id_of(*h.flashed);
@@ -267,7 +267,7 @@ int Hardware::patch_of(int module) const {
 std::vector<int> Hardware::subtree(int module) const {
   std::vector<int> below{module};
   for (const auto& m : intended.patches[static_cast<std::size_t>(patch_of(module))].modules) {
-    if (std::ranges::find(below, m.parent) != below.end()) below.push_back(m.node);  // parents stand before children
+    if (std::ranges::find(below, m.parent) != below.end()) below.push_back(m.node);  // Parents stand before children.
   }
   return below;
 }

@@ -28,8 +28,8 @@ struct Hardware {
   design::Design intended, built;
   std::vector<scene::Fault> faults;
   std::optional<design::Design> flashed;  ///< another design in the controllers
-  bool fresh = false;                     ///< the controllers were never flashed
-  std::uint64_t verify_at_us = 0;         ///< when the verification begins
+  bool fresh = false;                     ///< The controllers were never flashed.
+  std::uint64_t verify_at_us = 0;         ///< When the verification begins.
   std::set<int> used;                     ///< modules that a mistake already concerns
   std::set<int> used_patches;             ///< patches whose cable or line a mistake concerns
 
@@ -43,7 +43,7 @@ struct Hardware {
 struct Mistake {
   std::string_view name;
   std::string_view what;  ///< text for the table
-  bool hides_others;      ///< nothing else can be seen: left out of the pairs
+  bool hides_others;      ///< Nothing else can be seen: left out of the pairs.
   std::function<std::optional<Expected>(Hardware&, std::mt19937_64&)> seed;
 };
 [[nodiscard]] const std::vector<Mistake>& mistakes();

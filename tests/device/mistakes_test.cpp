@@ -54,7 +54,7 @@ bool all_first(const device::VerifyResult& r, const std::vector<Expected>& seede
       explained[k] = any = true;
     }
     if (std::ranges::all_of(explained, [](bool e) { return e; })) return true;
-    if (!any) return false;  // a wrong explanation stands before the right one
+    if (!any) return false;  // A wrong explanation stands before the right one.
   }
   return false;
 }

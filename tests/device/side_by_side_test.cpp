@@ -60,7 +60,7 @@ TEST(Addresses, sixteen_fresh_boards_with_one_default_address_get_one_each) {
     EXPECT_EQ(c.node_address, 1);
     ids.insert(wire::claim_id(c.unique_id));
   }
-  EXPECT_EQ(ids.size(), 16U);  // so that their claims do not collide on the bus
+  EXPECT_EQ(ids.size(), 16U);  // So that their claims do not collide on the bus.
   EXPECT_EQ(fixture.flash().patches.size(), 16U);
   expect_tables(fixture);
   EXPECT_EQ(fixture.flash().skipped, 16);
@@ -131,7 +131,7 @@ TEST(SideBySide, the_order_is_the_same_every_time) {
 
 TEST(SideBySide, one_that_fails_does_not_keep_the_others_from_their_tables) {
   Fixture fixture(12, 4);
-  (void)fixture.flash();  // so that all have their addresses
+  (void)fixture.flash();  // So that all have their addresses.
   design::Design other = fixture.design();
   for (auto& p : other.patches) std::swap(p.modules[1].address, p.modules[2].address);
   other.design_id = design::design_id_of(other);

@@ -79,7 +79,7 @@ TEST(SimUsbLink, a_frame_longer_than_a_packet_is_refused) {
 StreamReport streamed(SimUsbLink& link, const design::Design& design, double seconds) {
   Bus bus(link);
   flash(bus, design);
-  bus.listen(bus.now_us() + 2'000'000);  // the offsets are found
+  bus.listen(bus.now_us() + 2'000'000);  // The offsets are found.
   StreamOptions options;
   options.overload = true;
   Stream stream(bus, design, [](const ModuleSample&) {}, options);
@@ -117,7 +117,7 @@ TEST(SimUsbLink, what_a_full_hub_cannot_carry_is_counted_and_shared) {
     most = std::max(most, share);
   }
   EXPECT_GE(least, 0.9 * most) << least << " … " << most;
-  EXPECT_NEAR(most, 19'000.0 * 0.0369 / (48 * 16), 0.05);  // packets over samples that are due
+  EXPECT_NEAR(most, 19'000.0 * 0.0369 / (48 * 16), 0.05);  // Packets over samples that are due.
 }
 
 }  // namespace

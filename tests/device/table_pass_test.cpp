@@ -102,7 +102,7 @@ TEST(TablePass, fresh_boards_look_at_their_patches_at_the_same_time) {
   std::array<double, 2> seconds{};
   for (const bool all : {false, true}) {
     scene::Scene scene;
-    scene.design = strip(136, 16);  // eight of 16 and one of 8, whose shape tells it
+    scene.design = strip(136, 16);  // Eight of 16 and one of 8, whose shape tells it.
     SimLink link(std::move(scene));
     Bus bus(link);
     FlashOptions options;
@@ -190,7 +190,7 @@ TEST(TablePass, boards_that_are_certain_do_not_wait_for_one_that_is_missing) {
     EXPECT_THAT(e.what(), HasSubstr("2 of 4 controllers have their table (patches 0, 1)"));
     EXPECT_THAT(e.what(), HasSubstr("\n  patch 3: "));
   }
-  EXPECT_FALSE(Controller(boards.bus(), 5).active_table().present());  // it made way for the one that has a table
+  EXPECT_FALSE(Controller(boards.bus(), 5).active_table().present());  // It made way for the one that has a table.
 }
 
 }  // namespace

@@ -129,7 +129,7 @@ TEST(UsbLink, a_request_goes_to_the_device_that_claimed_its_address) {
   ASSERT_EQ(heard(link).size(), 1U);
   EXPECT_EQ(one.got.size(), 1U);
   EXPECT_EQ(two.got.size(), 2U);
-  link.send(request_to(3));  // nobody has claimed it: everybody hears it
+  link.send(request_to(3));  // Nobody has claimed it: everybody hears it.
   EXPECT_TRUE(heard(link).empty());
   EXPECT_EQ(one.got.size(), 2U);
 }
@@ -175,7 +175,7 @@ TEST(UsbLink, a_device_that_is_plugged_in_joins) {
   Plugs::pull(two);
   UsbLink link(std::make_unique<Driver>(plugs), "");
   plugs.plug(two);
-  (void)heard(link);  // the system tells of it
+  (void)heard(link);  // The system tells of it.
   link.send(wire::who_is_there());
   EXPECT_EQ(heard(link).size(), 4U);
 }

@@ -203,7 +203,7 @@ TEST(Verify, tells_several_faults_apart) {
   const VerifyResult r =
       verify_with({fault(FaultKind::kRemovedChip, 0), saturated, fault(FaultKind::kSwappedChips, 2, 4)});
   ASSERT_EQ(r.findings.size(), 3U);
-  EXPECT_EQ(r.findings[0].kind, FindingKind::kSwappedModules);  // a wrong map is likelier than dead hardware
+  EXPECT_EQ(r.findings[0].kind, FindingKind::kSwappedModules);  // A wrong map is likelier than dead hardware.
   EXPECT_EQ(r.findings[1].kind, FindingKind::kAbsentModule);
   EXPECT_EQ(r.findings[2].kind, FindingKind::kSaturatedTaxel);
   EXPECT_EQ(r.modules_ok, 2);

@@ -44,7 +44,7 @@ class Served : public testing::Test {
     const std::string scene = folder_ / "strip.json";
     child_ = ::fork();
     if (child_ == 0) {
-      ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // a test that dies leaves no server behind
+      ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // A test that dies leaves no server behind.
       ::dup2(pipe[1], STDOUT_FILENO);
       ::execl(test::program_file().c_str(), "triskin", "simulate", scene.c_str(), "--fresh", "--listen", "127.0.0.1:0",
               nullptr);
@@ -112,7 +112,7 @@ TEST_F(Served, a_client_that_sends_malformed_records_is_dropped_and_the_others_a
     const std::string command =
         "bash -c 'exec 3<>" + path + "; printf \"" + bytes + "\" >&3; timeout 5 cat <&3 >/dev/null'";
     EXPECT_EQ(std::system(command.c_str()), 0)
-        << bytes;  // the server has closed the connection, so cat ends before its timeout
+        << bytes;  // The server has closed the connection, so cat ends before its timeout.
   }
   EXPECT_EQ(bus.discover().size(), 2U);
 }

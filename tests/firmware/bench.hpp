@@ -27,7 +27,7 @@ class Bench {
   bool can_fd = true;
   std::uint8_t node = 1;
   std::uint64_t now_us = 0;
-  std::vector<wire::CanFrame> stream;  ///< what the controller sent beside answers
+  std::vector<wire::CanFrame> stream;  ///< What the controller sent beside answers.
 
   void power_up() {
     controller = sim::make_virtual_controller({{&lines[0], &lines[1], &lines[2], &lines[3]},

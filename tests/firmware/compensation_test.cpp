@@ -78,7 +78,7 @@ TEST(Compensation, TemperatureThatAllFeelIsTakenAway) {
     c.add(raw, layout::kAllTaxels);
   }
   EXPECT_EQ(c.change(0), 0);
-  EXPECT_EQ(c.change(6), 5'000);  // the pads tell the temperature
+  EXPECT_EQ(c.change(6), 5'000);  // The pads tell the temperature.
   raw[3] = static_cast<std::uint16_t>(raw[3] - 700);
   c.add(raw, layout::kAllTaxels);
   EXPECT_EQ(c.change(3), -700);

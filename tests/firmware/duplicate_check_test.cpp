@@ -46,7 +46,7 @@ TEST(DuplicateCheck, SuspectsAboveAMeanOf32Counts) {
   DuplicateCheck check;
   EXPECT_EQ(compare(check, 0x9000, 0x7000 - 32), Verdict::kSingle);
   EXPECT_EQ(compare(check, 0x9000, 0x7000 - 33), Verdict::kSuspected);
-  EXPECT_EQ(compare(check, 0x9000, 0x7000 + 500), Verdict::kSingle);  // a sum that is too large is no AND
+  EXPECT_EQ(compare(check, 0x9000, 0x7000 + 500), Verdict::kSingle);  // A sum that is too large is no AND.
 }
 
 // Eleven taxels with no deficit and one with 12 · 32 = 384: the mean is 32. One more count is too many.
@@ -79,7 +79,7 @@ TEST(DuplicateCheck, IsCertainAfterThreeInARow) {
   DuplicateCheck check;
   EXPECT_EQ(compare(check, 0x8000, 0x7000), Verdict::kSuspected);
   EXPECT_EQ(compare(check, 0x8000, 0x7000), Verdict::kSuspected);
-  EXPECT_EQ(compare(check, 0x9000, 0x7000), Verdict::kSingle);  // a finger had been lifted
+  EXPECT_EQ(compare(check, 0x9000, 0x7000), Verdict::kSingle);  // A finger had been lifted.
   EXPECT_EQ(compare(check, 0x8000, 0x7000), Verdict::kSuspected);
   EXPECT_EQ(compare(check, 0x8000, 0x7000), Verdict::kSuspected);
   EXPECT_EQ(compare(check, 0x8000, 0x7000), Verdict::kDuplicate);

@@ -48,7 +48,7 @@ TEST(Fuzz, RandomFramesLeaveTheTableAndTheAnswers) {
   place_six(bench);
   bench.power_up();
   ASSERT_EQ(bench.flash_table(six_modules()), Status::kOk);
-  bench.run(6'000'000);  // the session has ended
+  bench.run(6'000'000);  // The session has ended.
   const Message before = table_of(bench);
   Traffic traffic{std::mt19937(11)};
   for (int round = 0; round < 300; ++round) {
@@ -56,7 +56,7 @@ TEST(Fuzz, RandomFramesLeaveTheTableAndTheAnswers) {
       bench.controller->receive(traffic.frame());
       bench.run(traffic.random() % 300);
     }
-    bench.run(1'100'000);  // whatever was under way has timed out
+    bench.run(1'100'000);  // Whatever was under way has timed out.
     ASSERT_EQ(bench.ask({0x3E, 0x00}), (Message{0x7E, 0x00})) << "round " << round;
   }
   EXPECT_EQ(table_of(bench), before);

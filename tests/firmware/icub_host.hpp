@@ -52,7 +52,7 @@ class Reader {
     }
   }
   std::map<std::pair<int, int>, Triangle> triangles;  ///< keyed by board and triangle
-  int unknown = 0;                                    ///< frames of no class or half that the driver knows
+  int unknown = 0;                                    ///< Frames of no class or half that the driver knows.
 };
 
 /// What an MTB4 board makes of a taxel without temperature compensation: `rise` is the change of the converter's result

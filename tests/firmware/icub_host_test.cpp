@@ -84,7 +84,7 @@ TEST_F(IcubHost, a_chip_that_is_absent_or_has_another_id_from_the_start_is_at_re
   power_up();
   start(2, 245, 2);
   auto& got = listen();
-  ASSERT_EQ(got.size(), 16U);  // an MTB4 board sends every enabled triangle, wired or not
+  ASSERT_EQ(got.size(), 16U);  // An MTB4 board sends every enabled triangle, wired or not.
   for (int t = 0; t < 16; ++t) {
     SCOPED_TRACE(t);
     const bool there = t == 0 || t == 1 || t == 5 || t == 8;
@@ -190,10 +190,10 @@ TEST_F(IcubHost, the_skin_type_chooses_the_compensation) {
   start(2, 200, 2);
   warm(80);
   for (const int v : listen().at({1, 0}).value) EXPECT_EQ(v, 180);
-  start(1, 200, 2);  // the gains of a palm are all zero
+  start(1, 200, 2);  // The gains of a palm are all zero.
   warm(80);
   for (const int v : listen().at({1, 0}).value) EXPECT_EQ(v, 180);
-  start(7, 200, 2);  // low bytes of results whose middle the converter's offsets have moved
+  start(7, 200, 2);  // Low bytes of results whose middle the converter's offsets have moved.
   const Triangle before = listen().at({1, 0});
   warm(5);
   const Triangle& raw = listen().at({1, 0});
@@ -405,13 +405,13 @@ TEST_F(IcubHost, the_start_of_an_ethernet_host_is_answered_as_by_the_other_board
   power_up();
   const auto version = ask(0x201, {0x1C, 2, 0});
   ASSERT_EQ(version.size(), 1U);
-  EXPECT_EQ(version[0].id >> 4 & 0xF, 1U);  // the host takes the address from the source
-  EXPECT_EQ(version[0].data[1], 0x0B);      // the type must be that of the configuration
+  EXPECT_EQ(version[0].id >> 4 & 0xF, 1U);  // The host takes the address from the source.
+  EXPECT_EQ(version[0].data[1], 0x0B);      // The type must be that of the configuration.
   EXPECT_EQ(version[0].data[7], 1);         // the protocol fits
   EXPECT_TRUE(ask(0x201, {0x07, 1}).empty());
   EXPECT_TRUE(ask(0x201, {0x4D, 0, 50, 245}).empty());
   EXPECT_TRUE(ask(0x201, {0x50, 0, 15, 2, 1, 0x00, 0x22}).empty());
-  EXPECT_TRUE(ask(0x201, {0x50, 12, 15, 2, 0, 0x00, 0x22}).empty());  // a special one: line 3 has no triangles
+  EXPECT_TRUE(ask(0x201, {0x50, 12, 15, 2, 0, 0x00, 0x22}).empty());  // A special one: line 3 has no triangles.
   EXPECT_TRUE(listen(500'000).empty());
   EXPECT_TRUE(ask(0x201, {0x07, 0}).empty());
   auto& got = listen(1'000'000);

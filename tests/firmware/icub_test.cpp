@@ -52,7 +52,7 @@ struct Icub : testing::Test {
 TEST_F(Icub, CommandsAreAnsweredAsTheFileSays) {
   for (const Vector& v : read_vectors("icub_commands.txt")) {
     SCOPED_TRACE(v.name);
-    send_status("201 07 01");  // no stream between the answers
+    send_status("201 07 01");  // No stream between the answers.
     send_status(v.one("host"));
     if (v.one("board").empty()) {
       std::erase_if(bench.stream, [](const wire::CanFrame& f) { return (f.id & 0x700) == 0x400; });

@@ -59,10 +59,10 @@ TEST(Identifiers, only_those_that_may_be_written_are) {
   start(bench);
   for (const wire::Identifier& i : wire::kIdentifiers) {
     SCOPED_TRACE(i.id);
-    bench.unlock();  // a written node address starts the controller anew
+    bench.unlock();  // A written node address starts the controller anew.
     Message value = read(bench, i.id);
     if (value.at(0) != 0x62) continue;
-    value[0] = 0x2E;  // what it says is written back
+    value[0] = 0x2E;  // What it says is written back.
     const bool taken = bench.ask(value).at(0) == 0x6E;
     EXPECT_EQ(taken, i.access == wire::Access::kReadWrite);
     bench.unlock();

@@ -55,7 +55,7 @@ TEST(LatchProbe, NoiseAndAFingerGiveNoVerdict) {
 TEST(LatchProbe, TakesAChipWithoutVerdictForTheUsualOne) {
   LatchProbe probe;
   for (int n = 1; n < LatchProbe::kMaxProbes; ++n) {
-    probe.compare(results(100), results(60'000));  // nothing was read in mid-sequence
+    probe.compare(results(100), results(60'000));  // Nothing was read in mid-sequence.
     EXPECT_TRUE(probe.wanted()) << n;
   }
   probe.compare(results(100), results(60'000));

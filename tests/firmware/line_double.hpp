@@ -45,7 +45,7 @@ struct ChipDouble {
 
  private:
   std::uint64_t status_us_ = 0;
-  std::array<std::uint16_t, 12> held_{};  // results until a stage ends anew
+  std::array<std::uint16_t, 12> held_{};  // Results until a stage ends anew.
   std::uint64_t held_us_ = 0;
 
   void hold(std::uint64_t now_us) {
@@ -139,7 +139,7 @@ class LineDouble final : public sim::I2cBus {
   [[nodiscard]] bool stuck() const { return sda_low || scl_low; }
   std::vector<ChipDouble*> selected_;
   std::uint16_t register_ = 0;
-  unsigned outgoing_ = 0;  ///< a register is sampled as its high byte goes out
+  unsigned outgoing_ = 0;  ///< A register is sampled as its high byte goes out.
   std::uint8_t high_ = 0;
   int written_ = 0;
   bool reading_ = false, high_next_ = true;

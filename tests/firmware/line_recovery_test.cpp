@@ -39,7 +39,7 @@ TEST(LineRecovery, ALineThatLetsGoOnlyForAMomentIsLeftAloneToo) {
   LineRecovery recovery;
   for (int k = 0; k < 3; ++k) {
     EXPECT_TRUE(recovery.held_low(1'000));
-    recovery.recovered(true);  // and is held low again by the next transfer
+    recovery.recovered(true);  // And is held low again by the next transfer.
   }
   EXPECT_FALSE(recovery.held_low(1'000));
   EXPECT_TRUE(recovery.stuck());

@@ -7,7 +7,7 @@
 namespace triskin::fw {
 namespace {
 
-constexpr std::uint8_t kOwn = 5;  // its turn is the second one: 5 mod 4 = 1
+constexpr std::uint8_t kOwn = 5;  // Its turn is the second one: 5 mod 4 = 1.
 constexpr wire::Reach kOffer{9, 0b0110, 0, 0}, kNothing{9, 0, 0, 0};
 
 TEST(Neighbours, look_once_at_an_offer_in_their_turn) {
@@ -19,9 +19,9 @@ TEST(Neighbours, look_once_at_an_offer_in_their_turn) {
   EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
   n.receive(kOffer, kOwn, true, 2'000'000);  // said again: nothing new
   EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
-  n.receive({9, 0b0010, 0, 0}, kOwn, true, 2'500'000);  // one has come back without our help
+  n.receive({9, 0b0010, 0, 0}, kOwn, true, 2'500'000);  // One has come back without our help.
   EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
-  n.receive({9, 0b1010, 0, 0}, kOwn, true, 3'000'000);  // one more is offered
+  n.receive({9, 0b1010, 0, 0}, kOwn, true, 3'000'000);  // One more is offered.
   EXPECT_EQ(n.look_us(), 3'200'000U);
 }
 
@@ -31,9 +31,9 @@ TEST(Neighbours, give_back_at_once_when_the_owner_asks) {
   EXPECT_TRUE(n.begin_look(200'000));
   n.receive(kNothing, kOwn, true, 5'000'000);
   EXPECT_EQ(n.look_us(), 5'000'000U);
-  EXPECT_FALSE(n.begin_look(5'000'100));  // closes what was open
+  EXPECT_FALSE(n.begin_look(5'000'100));  // Closes what was open.
   EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
-  n.receive(kNothing, kOwn, false, 6'000'000);  // nothing was taken in: nothing to do
+  n.receive(kNothing, kOwn, false, 6'000'000);  // Nothing was taken in: nothing to do.
   EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
 }
 
@@ -45,11 +45,11 @@ TEST(Neighbours, keep_away_until_the_owner_has_looked) {
   n.receive(kNothing, kOwn, true, 1'000'000);
   EXPECT_FALSE(n.begin_look(1'000'000));
   EXPECT_EQ(n.look_us(), 1'300'000U);     // This is the time of the second one's modules.
-  EXPECT_FALSE(n.begin_look(1'100'000));  // a look for another reason meanwhile takes nothing in
+  EXPECT_FALSE(n.begin_look(1'100'000));  // A look for another reason meanwhile takes nothing in.
   EXPECT_TRUE(n.begin_look(1'300'000));
   n.receive(kNothing, kOwn, true, 2'000'000);  // said again, as after a restart of the owner
   EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
-  n.receive(kOffer, kOwn, true, 2'000'000);  // what the owner has not got back
+  n.receive(kOffer, kOwn, true, 2'000'000);  // What the owner has not got back.
   EXPECT_EQ(n.look_us(), 2'200'000U);
 }
 
@@ -63,7 +63,8 @@ TEST(Neighbours, look_further_after_the_turns_of_all) {
   EXPECT_EQ(n.look_us(), 1'620'000U);
   EXPECT_TRUE(n.begin_look(1'620'000));
   EXPECT_EQ(n.layers(), 16);
-  n.receive({9, 0b1110, 0, 0}, kOwn, true, 3'000'000);  // one more is offered: the adopted modules that are there stay
+  // One more is offered: the adopted modules that are there stay.
+  n.receive({9, 0b1110, 0, 0}, kOwn, true, 3'000'000);
   EXPECT_TRUE(n.begin_look(3'200'000));
   EXPECT_EQ(n.layers(), 16);
   n.receive(kNothing, kOwn, true, 4'000'000);
@@ -106,7 +107,7 @@ TEST(Neighbours, a_fifth_owner_waits_for_a_place) {
   n.receive({2, 0, 0, 0}, kOwn, true, 400'000);
   EXPECT_FALSE(n.begin_look(400'000));
   n.receive({6, 1, 0, 0}, kOwn, false, 1'000'000);  // repeated each second
-  EXPECT_EQ(n.look_us(), 700'000U);                 // the look after the pause is first
+  EXPECT_EQ(n.look_us(), 700'000U);                 // The look after the pause is first.
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ TEST(ReadingSchedule, AReadingIsDueWithinItsWindow) {
   EXPECT_EQ(schedule.due(kT + 9'032), kNothing);
   EXPECT_EQ(schedule.next_us(kT + 9'032), kT + 9'033);
   EXPECT_EQ(schedule.due(kT + 9'033), (Due{Action::kRead, 0}));
-  EXPECT_EQ(schedule.due(kT + 9'383), (Due{Action::kRead, 0}));  // asked for again, it was not begun
+  EXPECT_EQ(schedule.due(kT + 9'383), (Due{Action::kRead, 0}));  // Asked for again, it was not begun.
   EXPECT_EQ(schedule.read(0, kT + 10'000), kT + 9'200);
   EXPECT_EQ(schedule.take_missed(0), 0U);
 }

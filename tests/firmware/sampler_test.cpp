@@ -40,7 +40,7 @@ TEST_F(Faults, NoneOnAHealthySkin) {
   EXPECT_EQ(statistic(1), 0U);           // bus errors
   EXPECT_EQ(chip(0).configurations, 3);  // offsets, then mirrored once, then for good
   const Message dtcs = bench.ask({0x19, 0x02, 0xFF});
-  EXPECT_EQ(dtcs, (Message{0x59, 0x02, 0x09}));  // and none was seen on the way
+  EXPECT_EQ(dtcs, (Message{0x59, 0x02, 0x09}));  // And none was seen on the way.
 }
 
 TEST_F(Faults, FirstReadingsAreReal) {
@@ -52,7 +52,7 @@ TEST_F(Faults, FirstReadingsAreReal) {
     EXPECT_EQ(r.le16(), 0x0FFF) << k;
     for (int t = 0; t < 12; ++t) {
       const double counts = r.le16() - 0x8000, steps = (counts + 8000 + 97 * k + 31 * t) / (0.32 * 4096);
-      EXPECT_LE(std::abs(counts), 0.32 * 4096);  // an offset takes the electrode away
+      EXPECT_LE(std::abs(counts), 0.32 * 4096);  // An offset takes the electrode away.
       EXPECT_NEAR(steps, std::round(steps), 4 / (0.32 * 4096));
     }
   }
@@ -108,7 +108,7 @@ TEST_F(Faults, TwoModulesAtOneAddress) {
 TEST_F(Faults, AFingerDuringTheCheckIsNoSecondChip) {
   bench.power_up();
   ASSERT_EQ(bench.flash_table(six_modules()), Status::kOk);
-  for (int k = 0; k < 20; ++k) {  // presses and releases all taxels while the controller finds its chips
+  for (int k = 0; k < 20; ++k) {  // Presses and releases all taxels while the controller finds its chips.
     for (int m = 0; m < 6; ++m) {
       for (int& c : chip(m).counts) c += k % 2 == 0 ? 500 : -500;
     }

@@ -120,7 +120,7 @@ TEST(SequenceClock, IsUncertainWhenLooksContradictAgainAndAgain) {
     chip.clock.refine(at, 11, static_cast<double>(at) >= chip.end_us);
   }
   EXPECT_TRUE(chip.clock.uncertain());
-  chip.clock.restart(9'000'000);  // nothing is taken for known
+  chip.clock.restart(9'000'000);  // Nothing is taken for known.
   EXPECT_FALSE(chip.clock.uncertain());
   EXPECT_EQ(chip.clock.may_pass(2), 1U);
   EXPECT_NEAR(static_cast<double>(chip.clock.doubt_us()), 0.08 * 9'200 + 50, 2.0);

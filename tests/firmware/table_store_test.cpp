@@ -74,7 +74,7 @@ TEST(TableStore, RefusesWithoutTouchingFlash) {
   bytes[4] = 2;
   EXPECT_EQ(flash_table(store, bytes), Status::kBadVersion);
   bytes = bytes_of(table(2, 5));
-  bytes.push_back(0xFF);  // more than the image says
+  bytes.push_back(0xFF);  // More than the image says.
   EXPECT_EQ(flash_table(store, bytes), Status::kBadLength);
   bytes = bytes_of(table(2, 5));
   store.begin_download(bytes.size());
@@ -126,7 +126,7 @@ TEST(TableStore, APowerCutLeavesTheOldOrTheNewTable) {
                                 : after.has_table() && after.table() == table(static_cast<std::uint64_t>(history), 8);
         EXPECT_TRUE(is_new || is_old);
         EXPECT_TRUE(is_new || !completed);
-        EXPECT_EQ(flash_table(after, next), Status::kOk);  // running it again completes the work
+        EXPECT_EQ(flash_table(after, next), Status::kOk);  // Running it again completes the work.
         EXPECT_EQ(after.table(), table(99, 16));
       }
       EXPECT_EQ(cuts, 1 + 224 / 8 + 2 + 1);  // erase, image, commit record, and the run without a cut
@@ -266,7 +266,7 @@ TEST(KeptCalibration, APowerCutLeavesTheOldOrTheNewOne) {
         TableStore after(flash);
         after.load();
         EXPECT_EQ(after.table(), patch);
-        ASSERT_EQ(after.set_calibration(calibration(patch, 10)), Status::kOk);  // and it can be written again
+        ASSERT_EQ(after.set_calibration(calibration(patch, 10)), Status::kOk);  // And it can be written again.
         EXPECT_EQ(calibration_in(flash), calibration(patch, 10));
       }
       // Head, value and CRC in units of 8 bytes; with a full page erase, table and commit record besides.
@@ -334,7 +334,7 @@ TEST(FaultMemory, SurvivesPowerLossUntilItIsCleared) {
   faults.load();
   faults.note(table_row(3), wire::ModuleState::kAbsent, {1500, 40});
   faults.note(table_row(3), wire::ModuleState::kOk, {1600, 43});
-  faults.note(table_row(3), wire::ModuleState::kAbsent, {9000, 240});  // the first occurrence is kept
+  faults.note(table_row(3), wire::ModuleState::kAbsent, {9000, 240});  // The first occurrence is kept.
   FaultMemory after(flash);
   after.load();
   const auto frame = after.snapshot(0x920003);

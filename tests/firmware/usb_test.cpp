@@ -168,7 +168,7 @@ TEST_F(Usb, NonsenseNeverStopsIt) {
     }
     run(10'000);
   }
-  run(15'100'000);  // out of DFU mode, if it was in it
+  run(15'100'000);  // Out of DFU mode, if it was in it.
   ASSERT_TRUE(usb().control({0x00, 9, 1, 0, 0}, {}));
   EXPECT_EQ(ask(wire::kHidOut, wire::kHidIn, {0x3E, 0x00}), (Message{0x7E, 0x00}));
 }

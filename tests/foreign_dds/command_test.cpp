@@ -99,7 +99,7 @@ TEST(BridgeCommand, the_dissector_of_Wireshark_finds_topics_types_qualities_and_
   // Cyclone DDS writes what it sends and receives to a file, so that no rights to capture are needed.
   const std::string packets = sim.folder() / "rtps.pcap";
   const std::uint32_t id = domain_with("<Tracing><PacketCaptureFile>" + packets + "</PacketCaptureFile></Tracing>");
-  Participant participant(id);  // somebody has to listen, or nothing is sent
+  Participant participant(id);  // Somebody has to listen, or nothing is sent.
   FastReader<RawFrame> raw(participant, "rt/skin/arm/raw", bridge::dds_name(bridge::kRaw.message.name), true, false);
   FastReader<PointCloud2> points(participant, "rt/skin/arm/points", bridge::dds_name(bridge::kPoints.message.name),
                                  true, false);

@@ -265,7 +265,7 @@ void patch_image(Bytes input) {
   if (!image) return;
   std::array<std::uint8_t, layout::kMaxImageBytes> bytes{};
   const auto size = layout::encode(*image, bytes);
-  require(size && *size <= input.size());  // a slot is longer
+  require(size && *size <= input.size());  // A slot is longer.
   require(layout::decode(Bytes(bytes).first(*size)) == image);
 }
 

@@ -66,7 +66,7 @@ void fuzz(const std::string& good, const std::string& extension, int runs,
           const std::function<void(const fs::path&)>& read) {
   const fs::path path = fs::temp_directory_path() / ("readers_test." + std::to_string(::getpid()) + extension);
   const auto write = [&](const std::string& text) {
-    fs::remove(path);  // a file that is cut and written again is flushed to the disk
+    fs::remove(path);  // A file that is cut and written again is flushed to the disk.
     std::ofstream(path, std::ios::binary) << text;
   };
   write(good);

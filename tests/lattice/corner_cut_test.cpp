@@ -77,7 +77,7 @@ TEST(CutModules, inset_outlines_are_drawn_in_by_the_inset_on_every_side) {
   const Vec3 center(3, -4, 0);
   for (const double inset_mm : {0.1, 0.5, 2.0, 4.0}) {
     const design::Outline o = design::inset_outline(corner, 3.0, inset_mm);
-    ASSERT_EQ(o.size, inset_mm < 2.5 ? 6U : 3U);  // a cut of 3 mm is 2.6 mm high: farther in the corner is a point
+    ASSERT_EQ(o.size, inset_mm < 2.5 ? 6U : 3U);  // A cut of 3 mm is 2.6 mm high: farther in the corner is a point.
     for (std::size_t k = 0; k < o.size; ++k) {
       const Vec3 a = o.point[k], along = (o.point[(k + 1) % o.size] - a).normalized();
       const double distance = (center - a - along.dot(center - a) * along).norm();

@@ -104,7 +104,7 @@ TEST(Rules, tell_an_overrun_between_the_steps_of_the_walk) {
   Dice random(5);
   const RaggedSheet sheet(random);
   Growth growth(sheet.mesh);
-  const double allowed_mm = 0.97 * growth.limits.overrun_mm;  // the search keeps a margin
+  const double allowed_mm = 0.97 * growth.limits.overrun_mm;  // The search keeps a margin.
   NearSurface near(growth.surface);
   int over = 0, missed_by_steps = 0;
   for (int k = 0; k < 300; ++k) {
@@ -116,7 +116,7 @@ TEST(Rules, tell_an_overrun_between_the_steps_of_the_walk) {
     const int module = add_island(net, std::array{a, Vec3(a + side), apex});
     double worst = 0.0;
     for (int step = 0; step <= 3000; ++step) worst = std::max(worst, sheet.past(a + step / 3000.0 * side));
-    if (std::abs(worst - allowed_mm) < 0.03) continue;  // found to 0.02 mm
+    if (std::abs(worst - allowed_mm) < 0.03) continue;  // Found to 0.02 mm.
     EXPECT_EQ(growth.rules.exceeds_overrun(near, net.triangles()[at(module)]), worst > allowed_mm)
         << k << ": " << worst << " mm";
     over += worst > allowed_mm ? 1 : 0;

@@ -26,7 +26,7 @@ std::vector<std::pair<int, double>> kept(const LayoutFront& front) {
 TEST(LayoutFront, keeps_the_best_of_each_number_and_the_most_valuable_where_they_are_too_many) {
   LayoutFront front(10);
   front.keep(net_of(3), 2.0);
-  front.keep(net_of(3), 1.5);  // less than what is there
+  front.keep(net_of(3), 1.5);  // Less than what is there.
   front.keep(net_of(4), 3.0);
   EXPECT_EQ(kept(front), (std::vector<std::pair<int, double>>{{3, 2.0}, {4, 3.0}}));
   EXPECT_FALSE(front.would_keep(*net_of(5), 1.9));  // 12 modules, and the others are worth more
@@ -94,7 +94,7 @@ TEST(Thinned, leaves_out_the_smallest_islands_until_few_enough_are_left) {
   EXPECT_EQ(sizes(7, 5), (Sizes{{7, 4}}));
   EXPECT_EQ(sizes(5, 5), (Sizes{{4, 2}, {6, 3}, {7, 4}}));
   EXPECT_EQ(sizes(5, 2), (Sizes{{4, 2}, {7, 4}}));  // every second
-  EXPECT_EQ(sizes(0, 1), (Sizes{{1, 1}}));          // the fixed one stays
+  EXPECT_EQ(sizes(0, 1), (Sizes{{1, 1}}));          // The fixed one stays.
 }
 
 }  // namespace

@@ -134,7 +134,7 @@ TEST(Overrun, is_the_largest_of_a_fine_grid_beside_a_hole_a_rim_ribs_and_cracks)
       }
     }
   }
-  EXPECT_GE(over, 60);  // else next to nothing was compared
+  EXPECT_GE(over, 60);  // Else next to nothing was compared.
 }
 
 }  // namespace

@@ -143,7 +143,7 @@ inline void expect_right(const LatticeMesh& net, const Vec3& place) {
                 const NetTriangle& o = net.triangles()[at(other)];
                 return o.island == triangle.island && o.tile == beside.tile;
               }));
-    for (const int v : triangle.vertex) {  // the triangles of a vertex are one fan
+    for (const int v : triangle.vertex) {  // The triangles of a vertex are one fan.
       const NetVertex& w = net.vertices()[at(v)];
       std::set<int> round(w.triangles.begin(), w.triangles.begin() + w.valence), fan{t};
       EXPECT_TRUE(w.used && round.contains(t));

@@ -92,7 +92,7 @@ TEST(Shapes, EveryLimitHoldsAndMostIsCovered) {
 // from its formula.
 double curvature_of(const std::string& shape, const Vec3& p) {
   const double r = std::hypot(p.x(), p.y());
-  if (shape == "cone") return 0.6 / r;  // a side (0.8, −0.6) has the normal (0.6, 0.8)
+  if (shape == "cone") return 0.6 / r;  // A side (0.8, −0.6) has the normal (0.6, 0.8).
   if (shape == "torus") {
     const double cosine = std::cos(std::atan2(p.z(), r - 130.0));
     return 1.0 / 60.0 + cosine / (130.0 + 60.0 * cosine);

@@ -232,7 +232,7 @@ TEST(SurfaceLattice, DearControllersLeaveFewSmallIslands) {
   SurfaceLatticeOptions cheap = effort(60), dear = effort(60);
   cheap.price = {0.0, 0.0, 0.0};
   dear.price = {3.0, 0.25, 0.1};
-  cheap.hinge_reward = dear.hinge_reward = 0.0;  // it leaves few islands too
+  cheap.hinge_reward = dear.hinge_reward = 0.0;  // It leaves few islands too.
   const ModuleLayout many = grow_lattice(surface, {}, cheap), few = grow_lattice(surface, {}, dear);
   EXPECT_LE(few.islands, many.islands);
 }
@@ -256,7 +256,7 @@ TEST_P(CoverLimits, hold_for_every_module) {
   if (!file) GTEST_SKIP() << test::no_data();
   const Surface surface(extract(read_mesh(file->path()).mesh).surface);
   SurfaceLatticeOptions most = effort(12);
-  most.price = {0.05, 0.05, 0.05};  // what counts here are modules, nearly whatever they cost
+  most.price = {0.05, 0.05, 0.05};  // What counts here are modules, nearly whatever they cost.
   const ModuleLayout layout = grow_lattice(surface, {}, most);
   expect_valid(surface, layout);
   EXPECT_GE(layout.modules.size(), least);

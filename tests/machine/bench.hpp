@@ -67,7 +67,8 @@ class Bench : public ::testing::Test {
       lines[static_cast<std::size_t>(k % layout::kLines)].add(static_cast<std::uint8_t>(k / layout::kLines), k);
     behave(wanted_behaviour());
     flash.program_file(board.file(running_slot == 0 ? "triskin_factory.hex" : "triskin_factory_b.hex"));
-    flash.options = (flash.options & ~(1U << 26 | 7U << 8)) | 4U << 8;  // the board was brought up (docs/bring_up.md)
+    // The board was brought up (docs/bring_up.md).
+    flash.options = (flash.options & ~(1U << 26 | 7U << 8)) | 4U << 8;
     application = read_elf(board.file(running_slot == 0 ? "triskin_app_a.elf" : "triskin_app_b.elf"));
   }
   void power_up(bool will_be_cut = false);

@@ -14,7 +14,7 @@ TEST_F(Bench, LoaderStartsTheApplicationAt160MHz) {
   EXPECT_EQ(machine->sysclk_hz(), 160'000'000U);
   EXPECT_EQ(machine->vector_table(), application.origin());
   EXPECT_GT(budget(offsetof(board::Budget, loops)), 1U);
-  EXPECT_GT(machine->counts().idle_us, 100'000U);  // sleeps, does not spin
+  EXPECT_GT(machine->counts().idle_us, 100'000U);  // Sleeps, does not spin.
 }
 
 TEST_F(Bench, AnswersUdsOnCan) {
@@ -78,7 +78,7 @@ TEST_F(Bench, FreshBoardIsSetToStartFromFlash) {
   run_for(1'500'000);
   EXPECT_EQ(budget(offsetof(board::Budget, options)), kFromFactory);
   EXPECT_EQ(budget(offsetof(board::Budget, findings)), board::finding::kBootByPin | board::finding::kLowBrownOut);
-  EXPECT_EQ(flash.options, kFromFactory);  // not before the supply has stood for two seconds
+  EXPECT_EQ(flash.options, kFromFactory);  // Not before the supply has stood for two seconds.
   run_for(1'500'000);
   EXPECT_EQ(flash.options, (kFromFactory & ~(kBootByPin | kBrownOutMask)) | kBootOptionFlash | kBrownOut28);
   expect_no_violation();

@@ -46,8 +46,8 @@ TEST_P(Erase, OfAPageWhileStreamingLosesNoSequenceBeyondTheOneUnderWay) {
   flash.log = &operations;
   start(16, {wire::Decimation::k64, 1});
   ASSERT_EQ(machine->vector_table(), application.origin());
-  run_for(1'000'000);           // every chip's clock is known
-  record_and_clear_a_fault(0);  // the first page of a new board needs no erase
+  run_for(1'000'000);           // Every chip's clock is known.
+  record_and_clear_a_fault(0);  // The first page of a new board needs no erase.
   operations.clear();
   frames.clear();
   const Time stalled_before = machine->counts().flash_stall;

@@ -17,7 +17,7 @@ class Failures : public Sampling, public ::testing::WithParamInterface<bool> {
   void begin() {
     on_posix = GetParam();
     start(16, {wire::Decimation::k64, 1});
-    run_for(1'500'000);  // every chip's clock is known, and they have moved apart
+    run_for(1'500'000);  // Every chip's clock is known, and they have moved apart.
   }
 
   void expect_named(Failure f, const std::vector<int>& broken, std::uint64_t took_us) {
@@ -50,7 +50,7 @@ class Failures : public Sampling, public ::testing::WithParamInterface<bool> {
   void one(Failure f, const std::vector<int>& broken) {
     for (const int m : broken) inject(f, line_of(m), m, now_us());
     if (f == Failure::kMoved) self_test();
-    if (f == Failure::kMoved) run_for(250'000);  // all sixteen are looked for anew
+    if (f == Failure::kMoved) run_for(250'000);  // All sixteen are looked for anew.
     frames.clear();
     const std::uint64_t window_us = f == Failure::kFrozen || f == Failure::kMoved ? 600'000 : 400'000;
     run_for(window_us);

@@ -47,7 +47,7 @@ TEST(I2cTiming, RefusesWhatFastModeDoesNotHave) {
   EXPECT_EQ(compute_i2c_timing({160'000'000, 0, 300, 20}).error(), Status::kOutOfRange);
   EXPECT_EQ(compute_i2c_timing({160'000'000, 1'000'000, 300, 20}).error(), Status::kOutOfRange);
   EXPECT_EQ(compute_i2c_timing({4'000'000, 400'000, 300, 20}).error(), Status::kOutOfRange);
-  EXPECT_EQ(compute_i2c_timing({160'000'000, 400'000, 900, 20}).error(), Status::kOutOfRange);  // data would be late
+  EXPECT_EQ(compute_i2c_timing({160'000'000, 400'000, 900, 20}).error(), Status::kOutOfRange);  // Data would be late.
 }
 
 }  // namespace

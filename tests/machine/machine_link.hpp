@@ -20,7 +20,7 @@ class MachineLink final : public device::Link {
     std::function<void(std::uint64_t us)> run_for;
     std::function<std::uint64_t()> now_us;
     const std::vector<wire::CanFrame>* frames;  ///< all that came, in order
-    std::function<std::size_t()> waiting;       ///< frames sent that wait for the bus
+    std::function<std::size_t()> waiting;       ///< Frames sent that wait for the bus.
   };
   MachineLink(Ends ends, bool fd) : ends_(std::move(ends)), fd_(fd), seen_(ends_.frames->size()) {}
 
@@ -31,7 +31,7 @@ class MachineLink final : public device::Link {
   }
   std::optional<wire::CanFrame> receive(std::uint64_t until_us) override {
     while (true) {
-      if (seen_ > ends_.frames->size()) seen_ = 0;  // the test has cleared them
+      if (seen_ > ends_.frames->size()) seen_ = 0;  // The test has cleared them.
       if (seen_ < ends_.frames->size()) return (*ends_.frames)[seen_++];
       const std::uint64_t now = now_us();
       if (now >= until_us) return std::nullopt;

@@ -32,7 +32,7 @@ class Ramps : public Sampling {
     return (later - earlier + kHalf + PadSource::kRampCounts) % PadSource::kRampCounts - kHalf;
   }
 
-  static constexpr double kNoise = 3.0;  // counts of converter noise, and one of rounding
+  static constexpr double kNoise = 3.0;  // Counts of converter noise, and one of rounding.
   double stage_of(int m) { return static_cast<double>(module_at(m).chip->sequence_us()) / 12.0 / PadSource::kRamp_us; }
   // All twelve taxels from one sequence.
   void expect_not_torn(int m, const wire::TaxelFrame& f) {

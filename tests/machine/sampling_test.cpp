@@ -95,7 +95,7 @@ TEST_P(FullRead, TakesNoMoreThanTheBusLimitAllows) {
     for (const Burst& b : lines[l].bursts) sum_us += static_cast<double>(b.stop_us - b.start_us);
     const double full_us = 4 * sum_us / static_cast<double>(lines[l].bursts.size());
     EXPECT_GE(lines[l].bursts.size(), 4U * 107) << "line " << l;
-    EXPECT_GE(full_us, 0.99 * limit_us) << "line " << l;  // faster than the bus would be an error of the model
+    EXPECT_GE(full_us, 0.99 * limit_us) << "line " << l;  // Faster than the bus would be an error of the model.
     worst_us = std::max(worst_us, full_us);
   }
   EXPECT_LE(worst_us, 1.05 * limit_us);
@@ -108,7 +108,7 @@ INSTANTIATE_TEST_SUITE_P(RiseTimes, FullRead, ::testing::Values(0U, 150U, 300U))
 TEST_F(Sampling, StaysInsideItsBudgetsAtTheShortSequence) {
   start(16, {Decimation::k64, 1});
   run_for(3'000'000);
-  EXPECT_LE(budget(offsetof(board::Budget, worst_interrupt_us)), 25U);  // an I²C byte takes 22.5 µs
+  EXPECT_LE(budget(offsetof(board::Budget, worst_interrupt_us)), 25U);  // An I²C byte takes 22.5 µs.
   EXPECT_LE(budget(offsetof(board::Budget, worst_loop_us)), 400U);      // the window of a burst allows for it
   EXPECT_GE(budget(offsetof(board::Budget, stack_free_bytes)), 2'048U);
   EXPECT_EQ(budget(offsetof(board::Budget, can_lost)), 0U);

@@ -156,7 +156,7 @@ TEST(UpdateOfSixteenBoards, with_losses_one_dead_one_cut_one_old_reaches_all_oth
     EXPECT_EQ(machines[k].machine->vector_table(), k % 2 == 0 ? 0x08040000U : 0x08004000U) << k;
     EXPECT_TRUE(machines[k].machine->violations().empty()) << k;
   }
-  cut.power_up();  // what the cut has left starts
+  cut.power_up();  // What the cut has left starts.
   cut.run_until(100'000);
   EXPECT_EQ(cut.machine->vector_table(), (count - 1) % 2 == 0 ? 0x08004000U : 0x08040000U);
   std::printf(

@@ -30,7 +30,7 @@ struct SkinModule {
   scene::Ad7147Behaviour behaviour{};
   std::uint8_t address = 0;  ///< strapped, 0..3
   bool present = true;
-  std::uint16_t frozen = 0;  ///< bit t: taxel t keeps `frozen_value`
+  std::uint16_t frozen = 0;  ///< Bit t: taxel t keeps `frozen_value`.
   std::array<std::uint16_t, layout::kTaxelsPerModule> frozen_value{};
 };
 

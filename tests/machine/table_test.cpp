@@ -32,7 +32,7 @@ TEST_F(Table, PowerCutInEachFlashOperationLeavesTheOldOrTheNewTable) {
   store_table(patch(4));
   const FlashChip before = flash;
   power_up();
-  run_for(500'000);  // all four are found: no fault is written in between
+  run_for(500'000);  // All four are found: no fault is written in between.
   flash.operations = 0;
   const std::uint64_t first = flash.operations;
   ASSERT_TRUE(flash_table(patch(8)));
@@ -48,8 +48,8 @@ TEST_F(Table, PowerCutInEachFlashOperationLeavesTheOldOrTheNewTable) {
     flash.cut_at = ~std::uint64_t{0};
     power_up();
     run_for(100'000);
-    EXPECT_EQ(modules(), 4) << "cut in operation " << cut;             // the last one, too, is torn: its CRC is wrong
-    ASSERT_TRUE(flash_table(patch(6))) << "cut in operation " << cut;  // and the slot can be used again
+    EXPECT_EQ(modules(), 4) << "cut in operation " << cut;             // The last one, too, is torn: its CRC is wrong.
+    ASSERT_TRUE(flash_table(patch(6))) << "cut in operation " << cut;  // And the slot can be used again.
     EXPECT_EQ(modules(), 6) << cut;
     expect_no_violation();
   }
@@ -137,7 +137,7 @@ TEST_F(CalibrationCut, InEachFlashOperationLeavesTheOldOrTheNewOne) {
       flash.cut_at = ~std::uint64_t{0};
       power_up();
       run_for(100'000);
-      EXPECT_EQ(kept(), value_of(before));  // the unit with the CRC, too, is torn
+      EXPECT_EQ(kept(), value_of(before));  // The unit with the CRC, too, is torn.
       EXPECT_EQ(modules(), 4);
       ASSERT_TRUE(write(30));
       EXPECT_EQ(kept(), value_of(30));

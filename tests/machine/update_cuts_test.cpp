@@ -79,7 +79,7 @@ void UpdateCuts::cut_each(int slot, Way way, Taken taken) {
   ASSERT_EQ(updated[4], 1) << "confirmed";
   ASSERT_GT(operations.size(), committed) << "its start and its confirmation are written";
   flash.log = nullptr;
-  const FlashChip after = flash;  // the machine goes on in the same chip
+  const FlashChip after = flash;  // The machine goes on in the same chip.
 
   FlashChip cells = before;
   cells.log = nullptr;
@@ -130,7 +130,7 @@ TEST_P(UpdateCuts, OfABroadcastLeaveTheOldOrTheNewApplicationAndItBoots) {
 
 TEST_P(UpdateCuts, OfABroadcastIntoTheFirstSlotLeaveTheOldOrTheNewApplicationAndItBoots) {
   by_broadcast();
-  run_for(2'500'000);  // what runs from the second slot is confirmed
+  run_for(2'500'000);  // What runs from the second slot is confirmed.
   if (!HasFatalFailure()) cut_each(0, [this] { by_broadcast(); }, sample(32));
 }
 

@@ -113,7 +113,7 @@ inline Mesh apart(const Mesh& m) {
 
 struct Damage {
   const char* name;
-  bool keeps_outside;  ///< the clean shape is still what is seen from outside
+  bool keeps_outside;  ///< The clean shape is still what is seen from outside.
   std::function<void(Mesh&, Dice&)> make;
 };
 

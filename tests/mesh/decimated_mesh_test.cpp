@@ -155,7 +155,7 @@ TEST(DecimatedMesh, a_hole_stays) {
   const DecimatedMesh solver = decimate(original);
   const Surface decimated(solver.mesh);
   EXPECT_EQ(decimated.border_loops().size(), 2U);
-  EXPECT_EQ(solver.mesh.faces.size(), 8U);  // eight corners, and a ring has as many faces
+  EXPECT_EQ(solver.mesh.faces.size(), 8U);  // Eight corners, and a ring has as many faces.
   EXPECT_NEAR(decimated.area_mm2(), original.area_mm2(), 1e-6);
   expect_bounds_hold(original, solver, kSolverDeviation_mm);
 }
@@ -192,7 +192,7 @@ TEST(DecimatedMesh, a_round_border_stays_within_its_bound) {
   ASSERT_EQ(original.border_loops().size(), 2U);
   const DecimatedMesh solver = decimate(original);
   expect_bounds_hold(original, solver, kSolverDeviation_mm);
-  EXPECT_GT(solver.border_mm, 0.002);  // else the test would say nothing
+  EXPECT_GT(solver.border_mm, 0.002);  // Else the test would say nothing.
   EXPECT_LT(solver.mesh.faces.size(), 2'000U);
 }
 

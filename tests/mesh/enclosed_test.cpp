@@ -111,7 +111,7 @@ TEST(Enclosed, agrees_with_cgal_on_random_balls) {
     std::vector<Mesh> parts;
     Mesh all;
     for (int k = 0; k < 5; ++k) {
-      const double spread = 1.0 / (k + 1);  // later ones are smaller, and many lie in an earlier one
+      const double spread = 1.0 / (k + 1);  // Later ones are smaller, and many lie in an earlier one.
       const Vec3 middle = spread * Vec3(place(random), place(random), place(random));
       Mesh part = ball(middle, spread * Vec3(radius(random), radius(random), radius(random)));
       if (random() % 2 == 0) part = inside_out(part);
@@ -143,7 +143,7 @@ TEST(Enclosed, agrees_with_cgal_on_random_balls) {
     EXPECT_NEAR(area(e.surface), expected_mm2, 1e-9 * expected_mm2) << "scene " << scenes;
     enclosed_in_all += enclosed;
   }
-  EXPECT_GT(enclosed_in_all, 20);  // else the scenes ask nothing
+  EXPECT_GT(enclosed_in_all, 20);  // Else the scenes ask nothing.
 }
 
 }  // namespace

@@ -69,7 +69,7 @@ TEST(Extract, KeepOutBoxAndMeshAgree) {
                by_mesh = extract(square(100.0, 5), mesh).report.kept_out_mm2;
   EXPECT_GE(by_box, 900.0);
   EXPECT_LE(by_box, 36.0 * 36.0);
-  EXPECT_NEAR(by_mesh, by_box, 1.5 * 1.5);  // a face that just touches may fall either way
+  EXPECT_NEAR(by_mesh, by_box, 1.5 * 1.5);  // A face that just touches may fall either way.
   mesh.keep_out_margin_mm = 5.0;
   EXPECT_GE(extract(square(100.0, 5), mesh).report.kept_out_mm2, 30.0 * 30.0 + 4 * 30.0 * 5.0 + M_PI * 25.0);
 }

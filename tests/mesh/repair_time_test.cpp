@@ -143,7 +143,7 @@ TEST(RepairTime, dividing_gives_up_and_what_crosses_goes) {
   EXPECT_EQ(late.extraction.report.repair, Repair::kLocal);
   EXPECT_EQ(whole.extraction.report.repair, Repair::kLocal);
   EXPECT_EQ(whole.extraction.report.reduced_mm, 0.0);
-  EXPECT_LT(whole.extraction.report.deviation.largest_mm, 0.1);  // divided along the circle nothing is missing
+  EXPECT_LT(whole.extraction.report.deviation.largest_mm, 0.1);  // Divided along the circle nothing is missing.
   EXPECT_GT(late.extraction.report.deviation.largest_mm, 1.0);
   EXPECT_LE(interval_mm(late), 0.02 + 1e-3);  // welding moves vertices by 1e-6 of 260 mm; few faces: soon measured
 }

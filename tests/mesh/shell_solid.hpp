@@ -13,7 +13,7 @@ struct ShellSolid {
   std::function<double(double u, double v)> wall_mm;
   int columns = 60, rows = 40;
   int rim_facets = 1;
-  bool wraps = false;  ///< u = 1 is u = 0: a ring
+  bool wraps = false;  ///< U = 1 is u = 0: a ring.
 
   void append_to(WalledPart& part) const;
 };

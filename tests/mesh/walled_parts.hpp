@@ -10,9 +10,9 @@ namespace triskin::testing {
 
 /// What a person says of a part.
 enum class SideTruth : std::uint8_t {
-  kTold,    ///< one side is the outer one
-  kAlike,   ///< both sides look alike: a question is right, and so is no other answer
-  kNoWall,  ///< a surface or a body without a wall: all of it stays
+  kTold,    ///< One side is the outer one.
+  kAlike,   ///< Both sides look alike: a question is right, and so is no other answer.
+  kNoWall,  ///< A surface or a body without a wall: all of it stays.
 };
 
 /// A part made by code, with the side of each of its faces by construction.

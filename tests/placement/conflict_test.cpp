@@ -118,7 +118,7 @@ TEST(Conflicts, two_rows_of_a_tooth_exclude_each_other) {
     EXPECT_LT(one.placement.cells, kMaxCells);
     EXPECT_TRUE(one.proof.accepted) << one.proof.reason;
     EXPECT_TRUE(both.placement.proved);
-    EXPECT_GT(both.placement.modules, one.placement.modules);  // wider by the tolerance, the teeth hold two rows
+    EXPECT_GT(both.placement.modules, one.placement.modules);  // Wider by the tolerance, the teeth hold two rows.
   }
 }
 

@@ -209,10 +209,10 @@ TEST(CornerCut, proofs_are_accepted_and_those_of_another_cut_are_not) {
     nlohmann::json log = nlohmann::json::parse(proof_text(p, r));
     const auto report = [&] { return check::check_placement_proof_text(log.dump(), geojson(p)); };
     EXPECT_TRUE(report().accepted) << report().reason;
-    log["corner_cut_mm"] = 0.0;  // whole triangles do not lie inside
+    log["corner_cut_mm"] = 0.0;  // Whole triangles do not lie inside.
     EXPECT_FALSE(report().accepted);
     EXPECT_NE(report().reason.find("does not lie inside"), std::string::npos) << report().reason;
-    log["corner_cut_mm"] = 9.0;  // the cells do not show that no more fit
+    log["corner_cut_mm"] = 9.0;  // The cells do not show that no more fit.
     EXPECT_FALSE(report().accepted);
     log["corner_cut_mm"] = 10.5;
     EXPECT_EQ(report().reason, "corner_cut_mm is out of range");

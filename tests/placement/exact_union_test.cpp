@@ -13,7 +13,7 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr int kUnions = 150;  // ten thousand were run once (docs/measurements/placement.md)
+constexpr int kUnions = 150;  // Ten thousand were run once (docs/measurements/placement.md).
 
 using Node = std::array<int, 2>;
 

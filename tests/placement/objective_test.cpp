@@ -98,7 +98,7 @@ TEST(Connected, a_narrow_corridor_divides) {
   EXPECT_EQ(one.tiles.size(), static_cast<std::size_t>(one.modules));
   EXPECT_FALSE(hang_together(all.tiles));
   const PlacementResult room = place(polygon_of({{0, 0}, {100, 0}, {100, 90}, {0, 90}}));
-  EXPECT_GE(one.modules, room.modules);  // the mouth of the corridor may give room for one more
+  EXPECT_GE(one.modules, room.modules);  // The mouth of the corridor may give room for one more.
   EXPECT_LE(one.modules, room.modules + 1);
   EXPECT_LT(one.modules, all.modules);
 }
@@ -172,7 +172,7 @@ TEST(Weights, move_with_the_polygon) {
   const PlacementResult here = weighted(p, hill({20, 0}, 60)),
                         there = weighted(test::moved(p, 0.0, {100, -60}), hill({120, -60}, 60));
   EXPECT_NEAR(there.weight, here.weight,
-              3e-5 * here.weight);  // hills sampled on different rasters, each answer to 1e-5
+              3e-5 * here.weight);  // Hills sampled on different rasters, each answer to 1e-5.
 }
 
 TEST(WeightMap, keeps_planes_and_its_bounds) {

@@ -74,7 +74,7 @@ TEST(PaperTouching, triangle_of_four_modules) {
 TEST(PaperTouching, hexagon_of_six_modules) {
   const Polygon p = polygon({{1, 0}, {2, 0}, {2, 1}, {1, 2}, {0, 2}, {0, 1}});
   EXPECT_EQ(count(p), 6u);
-  EXPECT_EQ(count(p, kListing), 0u);  // each has two sides inside and one on the outline
+  EXPECT_EQ(count(p, kListing), 0u);  // Each has two sides inside and one on the outline.
 }
 
 // A module outside that shares its side with the polygon: that side is contained, the others are not.

@@ -176,7 +176,7 @@ TEST_F(OneEdge, shifts_shrink_the_cut_and_grow_what_is_touched) {
   EXPECT_EQ(count(figure(false), kHalf_mm), 45);  // (−8, 38)
   EXPECT_EQ(count(figure(true), kHalf_mm), 55 + 2);
   terms_.half_x = 0.0;
-  terms_.half_y = 1.0;  // sides of 60°: 1 mm up is 0.577 mm aside
+  terms_.half_y = 1.0;  // Sides of 60°: 1 mm up is 0.577 mm aside.
   EXPECT_EQ(count(figure(false), kHalf_mm), 49);
   terms_.half_y = 2.0;  // (−8.85, 38.85)
   EXPECT_EQ(count(figure(false), kHalf_mm), 47);
@@ -232,7 +232,7 @@ TEST(SliceRaster, bounds_hold_at_random_motions_and_are_close) {
       most += value;
     }
   }
-  EXPECT_LT(room, 0.15 * most);  // a raster that bounds nothing would hold as well
+  EXPECT_LT(room, 0.15 * most);  // A raster that bounds nothing would hold as well.
 }
 
 }  // namespace

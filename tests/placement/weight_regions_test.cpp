@@ -37,7 +37,7 @@ TEST(WeightRegions, worth_is_that_of_the_last_region_less_the_weight_of_the_modu
   EXPECT_NEAR(map.at({50, 900}).value, 0.5, 1e-12);
   WeightRegions heavy = two_regions();
   heavy.module_weight = 3.5;
-  EXPECT_EQ(weight_map_of(heavy).at({25, 50}).value, 0.0);  // not negative: such a module is not built
+  EXPECT_EQ(weight_map_of(heavy).at({25, 50}).value, 0.0);  // Not negative: such a module is not built.
   EXPECT_NEAR(weight_map_of(heavy).at({75, 50}).value, 1.5, 1e-12);
 }
 

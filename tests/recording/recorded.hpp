@@ -42,7 +42,7 @@ inline ModuleSample sample_of(std::uint64_t k, int modules) {
   s.sample.node_address = static_cast<std::uint8_t>(module / 16 + 1);
   s.sample.module = static_cast<std::uint8_t>(module % 16);
   s.sample.sample = static_cast<std::uint32_t>(round + 1);
-  s.sample.device_time_us = 500'000 + round * kSamplePeriod_us - module % 4 * 1'000;  // lines are not read at once
+  s.sample.device_time_us = 500'000 + round * kSamplePeriod_us - module % 4 * 1'000;  // Lines are not read at once.
   s.sample.valid = static_cast<std::uint16_t>(0xFFF & ~(k % 3));
   s.sample.state = wire::ModuleState::kOk;
   for (std::size_t t = 0; t < s.sample.value.size(); ++t)

@@ -47,7 +47,7 @@ std::vector<ModuleSample> samples_without(const Folder& folder, const std::strin
   for (const Span& record : records_of(whole)) {
     ByteReader r(Bytes(reinterpret_cast<const std::uint8_t*>(whole.data()) + record.from + 1, 8));
     const std::size_t end = record.from + mcap::kHeadBytes + r.le64();  // Its indexes can be made again,
-    const std::size_t times = record.from + mcap::kHeadBytes;           // and so can 24 bytes of times and size.
+    const std::size_t times = record.from + mcap::kHeadBytes;           // And so can 24 bytes of times and size.
     const bool is_hit = record.kind == mcap::Kind::kChunk && std::ranges::any_of(damaged, [&](std::size_t at) {
                           return at >= record.from && at < end && (at < times || at >= times + free_bytes);
                         });

@@ -140,7 +140,7 @@ TEST(RobotFile, a_changed_design_keeps_its_addresses_and_takes_free_ones) {
   EXPECT_EQ(a.robot.covers[0].controllers[1].serial, "0123456789ABCDEF01234567");
   seat(a.robot, a.robot.covers[0], test::strip(4, 4));
   EXPECT_EQ(nodes_of(a.robot.covers[0]), (std::vector{1}));
-  EXPECT_EQ(nodes_of(a.robot.covers[1]), (std::vector{4, 5}));  // others are left alone
+  EXPECT_EQ(nodes_of(a.robot.covers[1]), (std::vector{4, 5}));  // Others are left alone.
 }
 
 TEST(RobotFile, a_full_range_of_addresses_is_said) {
@@ -173,7 +173,7 @@ TEST(RobotCheck, names_thing_place_and_remedy) {
   EXPECT_THAT(only_problem(a), HasSubstr("cover upper, patch 2: has no controller"));
   a = small_robot();
   a.robot.covers[0].controllers[2].patch = 1;
-  EXPECT_EQ(check(a).size(), 2U);  // patch 1 has two, patch 2 none
+  EXPECT_EQ(check(a).size(), 2U);  // Patch 1 has two, patch 2 none.
   a = small_robot();
   a.robot.covers[0].controllers[0].bus = "middle";
   EXPECT_THAT(only_problem(a), HasSubstr("there is no bus \"middle\""));
@@ -228,7 +228,7 @@ TEST(Site, has_each_bus_with_its_covers_and_addresses) {
   EXPECT_EQ(site.buses[1].covers[0].name, "lower");
   EXPECT_EQ(site.buses[1].covers[0].design.node_addresses, (std::vector<std::uint8_t>{0, 7}));
   EXPECT_EQ(site.buses[1].covers[1].first_module, 8);
-  EXPECT_EQ(site.buses[0].every, 0);  // the cover upper leaves its rate open
+  EXPECT_EQ(site.buses[0].every, 0);  // The cover upper leaves its rate open.
   EXPECT_EQ(site.buses[1].every, 2);  // 27.1 / 2 = 13.6 ≥ 10
   a.robot.covers[0].controllers[0].node = 2;
   try {

@@ -331,7 +331,7 @@ TEST(SharedBus, boards_flashed_without_a_robot_file_move_to_their_addresses) {
   for (ControllerEntry& e : a.robot.covers[0].controllers) e.node += 4;
   const Site moved = site_of(a);
   SimulatedBus bus(moved.buses[0], folder);
-  device::FlashOptions nameless;  // the serial numbers are not given: the tables say which patch a board serves
+  device::FlashOptions nameless;  // The serial numbers are not given: the tables say which patch a board serves.
   const auto r = device::flash(bus.bus(), moved.buses[0].covers[0].design, nameless);
   ASSERT_EQ(r.patches.size(), 2U);
   for (const auto& p : r.patches) {

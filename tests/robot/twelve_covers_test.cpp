@@ -101,7 +101,7 @@ TEST_F(RobotCommands, a_bus_that_is_away_leaves_the_others_their_tables) {
   ASSERT_NE(text.find(right), std::string::npos);
   text.replace(text.find(right), right.size(), R"("name":"bus1","link":"can:nobody0")");
   write_file_atomically(folder_ / "robot.json", text);
-  EXPECT_EQ(run("flash robot.json").status, 3);  // known before anything is written
+  EXPECT_EQ(run("flash robot.json").status, 3);  // Known before anything is written.
   EXPECT_EQ(asked("flash robot.json --cover cover0")["bytes"].get<int>() > 0, true);
   EXPECT_EQ(asked("verify robot.json --cover cover0 --watch-s 0.5")["findings"], 0);
 }
@@ -136,7 +136,7 @@ TEST_F(RobotCommands, register_writes_a_pose_and_leaves_the_file_alone_for_a_bad
   write_file_atomically(folder_ / "touches.csv", good);
   const json r = asked("robot register robot.json touches.csv --name cover0");
   EXPECT_LT(r["rms_mm"].get<double>(), 1e-3);
-  EXPECT_TRUE(r["mirror_unknown"]);  // a strip is flat
+  EXPECT_TRUE(r["mirror_unknown"]);  // A strip is flat.
   EXPECT_THAT(read_file(folder_ / "robot.json"), HasSubstr("\"measured\":{\"points\":6"));
   EXPECT_EQ(run("robot show robot.json").status, 0);
   const std::string before = read_file(folder_ / "robot.json");

@@ -167,7 +167,7 @@ TEST(Reach, damaged_frames_are_refused) {
   f.size = 5;
   EXPECT_EQ(decode_reach(f).error(), Status::kBadLength);
   f = good;
-  f.data[2] = 16;  // a controller reads sixteen modules at most, one of them its own
+  f.data[2] = 16;  // A controller reads sixteen modules at most, one of them its own.
   EXPECT_EQ(decode_reach(f).error(), Status::kOutOfRange);
   f = good;
   f.id = kReachBase;  // no node address

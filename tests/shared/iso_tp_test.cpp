@@ -119,7 +119,7 @@ TEST(IsoTp, ALostFrameNeverGivesAWrongMessage) {
     (void)a.tick(now);
     (void)b.tick(now);
     EXPECT_FALSE(a.sending());
-    ASSERT_EQ(a.send(counting(9), now), Status::kOk);  // and the connection works again
+    ASSERT_EQ(a.send(counting(9), now), Status::kOk);  // And the connection works again.
     EXPECT_EQ(converse(a, b, [](int) { return false; }, now), Event::kReceived);
     EXPECT_EQ(received(b), counting(9));
   }
@@ -136,7 +136,7 @@ TEST(IsoTp, DuplicatedAndReorderedFramesEndTheMessage) {
   EXPECT_EQ(b.receive(first, 0), Event::kNone);
   EXPECT_EQ(b.receive(two, 0), Event::kFailed);  // reordered
   EXPECT_EQ(b.receive(first, 0), Event::kNone);
-  EXPECT_EQ(b.receive(first, 0), Event::kNone);  // a first frame starts over
+  EXPECT_EQ(b.receive(first, 0), Event::kNone);  // A first frame starts over.
   EXPECT_EQ(b.receive(one, 0), Event::kNone);
   EXPECT_EQ(b.receive(two, 0), Event::kReceived);
   EXPECT_EQ(received(b), counting(20));
@@ -159,7 +159,7 @@ TEST(IsoTp, NonsenseIsIgnored) {
   IsoTp b = node();
   EXPECT_EQ(b.receive(frame({}), 0), Event::kNone);
   EXPECT_EQ(b.receive(frame({0x00}), 0), Event::kNone);                          // length 0
-  EXPECT_EQ(b.receive(frame({0x05, 1, 2}), 0), Event::kNone);                    // says 5, has 2
+  EXPECT_EQ(b.receive(frame({0x05, 1, 2}), 0), Event::kNone);                    // Says 5, has 2.
   EXPECT_EQ(b.receive(frame({0x10, 7, 0, 1, 2, 3, 4, 5}), 0), Event::kNone);     // 7 bytes are a single frame
   EXPECT_EQ(b.receive(frame({0x10, 20, 0, 1}), 0), Event::kNone);                // first frame cut off
   EXPECT_EQ(b.receive(frame({0x21, 6, 7, 8, 9, 10, 11, 12}), 0), Event::kNone);  // nothing under way
@@ -185,7 +185,7 @@ TEST(IsoTp, BlockSizeAndGapAreKept) {
   IsoTp a = tester();
   ASSERT_EQ(a.send(counting(6 + 5 * 7), 0), Status::kOk);
   ASSERT_TRUE(a.transmit(0));
-  EXPECT_FALSE(a.transmit(0));                                      // waits for flow control
+  EXPECT_FALSE(a.transmit(0));                                      // Waits for flow control.
   EXPECT_EQ(a.receive(frame({0x30, 2, 0xF3}), 100), Event::kNone);  // two frames, 300 µs apart
   EXPECT_TRUE(a.transmit(100));
   EXPECT_FALSE(a.transmit(399));

@@ -120,7 +120,7 @@ TEST(PatchImage, RandomImagesSurviveTheRoundTrip) {
     std::array<std::uint8_t, layout::kMaxImageBytes> bytes{};
     const auto size = layout::encode(image, bytes);
     ASSERT_TRUE(size) << static_cast<int>(size.error());
-    const auto decoded = layout::decode(Bytes(bytes));  // the slot is longer than the image
+    const auto decoded = layout::decode(Bytes(bytes));  // The slot is longer than the image.
     ASSERT_TRUE(decoded) << static_cast<int>(decoded.error());
     EXPECT_EQ(*decoded, image);
   }

@@ -86,10 +86,10 @@ TEST(TaxelFrames, DamagedFullFramesAreRefused) {
   f.size = 32;
   EXPECT_EQ(decode_full(f).error(), Status::kBadLength);
   f = good;
-  f.data[15] = 14;  // module differs from the identifier's
+  f.data[15] = 14;  // Module differs from the identifier's.
   EXPECT_FALSE(decode_full(f));
   f = good;
-  f.data[14] = 9;  // a state that does not exist
+  f.data[14] = 9;  // A state that does not exist.
   EXPECT_EQ(decode_full(f).error(), Status::kOutOfRange);
   f = good;
   f.data[13] = 0x10;  // a thirteenth taxel

@@ -52,7 +52,7 @@ TEST(Sides, of_a_strip_on_two_controllers) {
   EXPECT_EQ(sides.of[1][0].kind, SideKind::kApart);
   EXPECT_EQ(sides.of[0][0].kind, SideKind::kOutline);
   EXPECT_TRUE(sides.of[0][2].cable);
-  EXPECT_TRUE(sides.of[2][2].cable);  // through the skin, over the joint that is cut
+  EXPECT_TRUE(sides.of[2][2].cable);  // Through the skin, over the joint that is cut.
   EXPECT_EQ(sides.of[2][2].kind, SideKind::kApart);
   EXPECT_TRUE(sides.matches.empty());
 }

@@ -22,7 +22,7 @@ TEST(CanBits, BitsThatAlternateNeedNone) {
   f.data = {0xAA, 0xAA};
   const std::uint32_t bits = can_bits(f).nominal;
   EXPECT_GE(bits, 34U + 16U + 13U);
-  EXPECT_LE(bits, 34U + 16U + 13U + 2U);  // the CRC may have up to two
+  EXPECT_LE(bits, 34U + 16U + 13U + 2U);  // The CRC may have up to two.
 }
 
 // An FD frame, 11-bit identifier of alternating bits, rate switched, no data. Arbitration: 17 bits, none stuffed

@@ -230,7 +230,7 @@ TEST(Misuse, DelayCompensationWithALargeDataPrescaler) {
     can.write(kDbtp, data, 4);
     can.write(kCccr, 0, 4);
   };
-  start_with(kDelay | 1U << 16 | 0xA33);  // a prescaler of 2 is allowed
+  start_with(kDelay | 1U << 16 | 0xA33);  // A prescaler of 2 is allowed.
   start_with(4U << 16 | 0xA33);           // Any prescaler is allowed without compensation.
   EXPECT_TRUE(around.violations.empty());
   start_with(kDelay | 4U << 16 | 0xA33);
@@ -289,7 +289,7 @@ TEST(Misuse, ArbitrationCannotBeLostWhileTheControllerHoldsSclItself) {
   line.write(0x10, 0x10305F7F, 4);
   line.write(0x00, 1, 4);
   EXPECT_FALSE(line.lose_arbitration()) << "idle";
-  line.write(0x04, 0x2C << 1 | kStart | 1U << 16, 4);  // one byte, no automatic end
+  line.write(0x04, 0x2C << 1 | kStart | 1U << 16, 4);  // One byte, no automatic end.
   around.pass(kSecond);
   ASSERT_EQ(line.read(0x18, 4) & kTxIs, kTxIs);
   EXPECT_FALSE(line.lose_arbitration()) << "waits for the byte to send";

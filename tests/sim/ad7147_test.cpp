@@ -57,7 +57,7 @@ TEST(Ad7147Chip, one_afe_step_is_a_twenty_fifth_of_the_half_range) {
   const Source source;
   Ad7147 chip(source);
   connect_all(chip);
-  chip.write_register(0x082, 0x0001, 0);  // stage 0, negative offset 1: 0.32 pF of 8 pF = 32768/25 = 1310.72 counts
+  chip.write_register(0x082, 0x0001, 0);  // Stage 0, negative offset 1: 0.32 pF of 8 pF = 32768/25 = 1310.72 counts.
   EXPECT_EQ(chip.read_register(0x00B, 50'000), 0x8000 + 1311);
   chip.write_register(0x082, 0x0200, 0);
   EXPECT_EQ(chip.read_register(0x00B, 50'000), 0x8000 - 2621);
@@ -120,7 +120,7 @@ TEST(Ad7147Chip, results_may_change_together_at_the_end_of_the_sequence) {
   Ad7147 chip(source);
   chip.set_behaviour({.latched_at_end = true});
   connect_all(chip);
-  EXPECT_EQ(chip.read_register(0x00B, 36'899), 0);  // stage 0 has ended long ago
+  EXPECT_EQ(chip.read_register(0x00B, 36'899), 0);  // Stage 0 has ended long ago.
   EXPECT_EQ(chip.read_register(0x00B, 36'900), 0x8000);
   EXPECT_EQ(chip.read_register(0x00B + 11, 36'900), 0x8000 - 1100);
 }
@@ -153,7 +153,7 @@ TEST(Ad7147Chip, a_power_dip_and_a_software_reset_lose_the_configuration) {
   EXPECT_EQ(chip.read_register(0x080, 100'000), 0);
   chip.write_register(0x000, kFullPower12Stages, 200'000);
   EXPECT_EQ(chip.read_register(0x000, 599'999), kFullPower12Stages);
-  EXPECT_EQ(chip.read_register(0x000, 1'700'000), 0);  // several dips have passed
+  EXPECT_EQ(chip.read_register(0x000, 1'700'000), 0);  // Several dips have passed.
   chip.write_register(0x001, 0x0FFF, 1'700'001);
   chip.write_register(0x000, 0x0400, 1'700'002);
   EXPECT_EQ(chip.read_register(0x001, 1'700'003), 0);

@@ -37,7 +37,7 @@ TEST(BoardNumbers, follow_the_seed_and_are_in_no_order) {
     all.insert(ids.begin(), ids.end());
     sorted += std::ranges::is_sorted(ids) ? 1 : 0;
   }
-  EXPECT_EQ(all.size(), 1000U);  // no two boards are equal
+  EXPECT_EQ(all.size(), 1000U);  // No two boards are equal.
   EXPECT_EQ(sorted, 0);          // one in 3.6 million
   Scene other = numbered(1);
   ++other.design.design_id;

@@ -21,7 +21,7 @@ TEST(FlashMemory, refuses_what_the_silicon_refuses) {
   EXPECT_EQ(flash.bytes()[0], 0xFF);
   EXPECT_TRUE(flash.program(8, kUnit));
   EXPECT_EQ(flash.bytes()[8], 1);
-  EXPECT_FALSE(flash.program(8, kUnit));   // a unit takes data once
+  EXPECT_FALSE(flash.program(8, kUnit));   // A unit takes data once.
   EXPECT_FALSE(flash.program(12, kUnit));  // alignment
   EXPECT_FALSE(flash.program(16, std::span(kUnit).first(4)));
   EXPECT_FALSE(flash.program(4096, kUnit));

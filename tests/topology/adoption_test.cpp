@@ -27,7 +27,7 @@ class Fixture {
  public:
   explicit Fixture(const design::Design& design) : link_(scene_of(design)), bus_(link_) {
     device::flash(bus_, this->design());
-    bus_.listen(bus_.now_us() + 3'000'000);  // also a patch whose first look was disturbed
+    bus_.listen(bus_.now_us() + 3'000'000);  // Also a patch whose first look was disturbed.
     stream_.emplace(bus_, this->design(), [this](const device::ModuleSample& f) { take(f); });
     run_us(500'000);
     for (int m = 0; m < modules(); ++m) rest_[m] = last_[m].sample.value;
@@ -72,7 +72,7 @@ class Fixture {
     }
     return longest_us;
   }
-  int wrong = 0;  ///< valid values that are not those of the module
+  int wrong = 0;  ///< Valid values that are not those of the module.
 
  private:
   void take(const device::ModuleSample& f) {

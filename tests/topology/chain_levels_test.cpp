@@ -10,7 +10,7 @@
 namespace triskin::test {
 namespace {
 
-constexpr double kNever = 1e-300;  // asks for single bits, flips none
+constexpr double kNever = 1e-300;  // Asks for single bits, flips none.
 
 TEST(ChainLevels, bytes_and_bits_give_the_same) {
   std::mt19937_64 random(51);
@@ -43,7 +43,7 @@ TEST(ChainLevels, bytes_and_bits_give_the_same) {
     EXPECT_DOUBLE_EQ(bytes.time_us(), bits.time_us());
   }
   EXPECT_GT(exchanged, 100'000);
-  EXPECT_GT(broken, 100);  // constants of refused and of empty ports were among them
+  EXPECT_GT(broken, 100);  // Constants of refused and of empty ports were among them.
 }
 
 TEST(ChainLevels, flipped_bits_are_as_many_as_asked_for) {

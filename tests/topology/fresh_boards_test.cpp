@@ -275,7 +275,7 @@ TEST(Identify, says_who_felt_the_finger) {
     const auto boards = device::identify(skin.bus(), design, options);
     ASSERT_EQ(boards.size(), 3U);
     for (const auto& b : boards) EXPECT_EQ(b.serial, skin.serial(b.patch)) << b.patch;
-    EXPECT_EQ(asked, (std::vector<int>{0, 1}));  // the third is the only one left
+    EXPECT_EQ(asked, (std::vector<int>{0, 1}));  // The third is the only one left.
     EXPECT_EQ(boards[2].by, FoundBy::kOnly);
     ASSERT_EQ(said.size(), 1U);
     EXPECT_NE(said[0].find("two patches"), std::string::npos);

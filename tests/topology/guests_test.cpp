@@ -135,7 +135,7 @@ TEST(AdoptedModules, one_that_holds_a_line_stays_outside) {
 // behind.
 TEST(AdoptedModules, shorts_and_open_ends_behind_a_adopted_cost_no_module) {
   const Joints joints = Joints(5).join(0, kB, 1, kA).join(0, kC, 2, kA).join(1, kB, 3, kA).join(3, kB, 4, kA);
-  Patch p(joints, 3);  // modules 3 and 4 are strangers, 2 lies behind them in the chain
+  Patch p(joints, 3);  // Modules 3 and 4 are strangers, 2 lies behind them in the chain.
   p.model.set_joint({3, kB}, SwitchedPatch::JointFault::kShort);
   EXPECT_EQ(p.adopt().alive, 0b111);
   EXPECT_EQ(p.adopted_modules(), (std::vector<wire::AdoptedModule>{{1, kB, kA, 3}}));
@@ -209,7 +209,7 @@ TEST(AdoptedModules, are_never_in_a_wrong_place_where_bits_flip) {
     p.model.set_bit_error_rate(2e-5);
     const auto report = p.adopt();
     p.model.set_bit_error_rate(0.0);
-    if (!report.complete || !p.topology.intact()) continue;  // the next look has another chance
+    if (!report.complete || !p.topology.intact()) continue;  // The next look has another chance.
     complete += report.alive == 0x3FF && p.topology.adopted_count() == 4 ? 1 : 0;
     for (int m = 0; m < 10; ++m) {
       if ((report.alive >> m & 1) != 0) p.expect_at(m, m);

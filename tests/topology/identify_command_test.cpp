@@ -123,7 +123,7 @@ TEST_F(AlikeBoards, a_file_that_cannot_be_is_refused) {
     (void)run("flash patch.json --scene scene.json --assign-file boards.json", 2);
   }
   write("boards.json", good);
-  (void)run("flash patch.json --scene scene.json --assign-file boards.json", 3);  // no such controller answers
+  (void)run("flash patch.json --scene scene.json --assign-file boards.json", 3);  // No such controller answers.
 }
 
 }  // namespace

@@ -181,13 +181,13 @@ TEST(PortLogic, no_reachable_state_of_two_controllers_joins_their_lines) {
 TEST(PortLogic, truth_table) {
   using sim::PortInputs;
   EXPECT_EQ(sim::en_out(sim::kNoGrant, 7), 0);                         // no parent: everything closed
-  EXPECT_EQ(sim::en_out(0, 7), 6);                                     // the parent's own port is never driven
+  EXPECT_EQ(sim::en_out(0, 7), 6);                                     // The parent's own port is never driven.
   EXPECT_EQ(sim::switches({.enable = 2, .en_in = 1, .grant = 0}), 3);  // parent and opened port
-  EXPECT_EQ(sim::switches({.enable = 2, .en_in = 3, .grant = 0}), 1);  // both ends open one joint: it stays cut
+  EXPECT_EQ(sim::switches({.enable = 2, .en_in = 3, .grant = 0}), 1);  // Both ends open one joint: it stays cut.
   EXPECT_EQ(sim::switches({.enable = 7, .en_in = 7, .grant = sim::kNoGrant}), 0);
   EXPECT_TRUE(sim::loses_grant({.enable = 0, .en_in = 6, .grant = 0}));
   EXPECT_FALSE(sim::loses_grant({.enable = 0, .en_in = 1, .grant = 0}));
-  EXPECT_EQ(sim::may_be_granted({.enable = 0, .en_in = 6, .grant = 0}), 0);  // a second EN is refused
+  EXPECT_EQ(sim::may_be_granted({.enable = 0, .en_in = 6, .grant = 0}), 0);  // A second EN is refused.
 }
 
 }  // namespace

@@ -106,7 +106,7 @@ TEST(Tables, of_random_designs_hold_every_joint_and_survive_the_round_trip) {
     ASSERT_TRUE(back);
     EXPECT_EQ(*back, image);
     if (image.module_count < 2) continue;
-    layout::PatchImage damaged = image;  // a joint with one end
+    layout::PatchImage damaged = image;  // A joint with one end.
     auto& joints = damaged.modules[1].joints;
     *std::ranges::find_if(joints, [](std::uint8_t j) { return j != 0; }) = 0;
     EXPECT_EQ(layout::check(damaged), Status::kBadTree);

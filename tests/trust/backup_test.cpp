@@ -27,7 +27,7 @@ class Backups : public testing::Test {
   void SetUp() override {
     file_ = fs::temp_directory_path() / fmt::format("triskin_backup.{}.json", ::getpid());
     hub_.flash();
-    bus_.listen(bus_.now_us() + 3'000'000);  // offsets are searched and kept
+    bus_.listen(bus_.now_us() + 3'000'000);  // Offsets are searched and kept.
   }
   void TearDown() override { fs::remove(file_); }
 

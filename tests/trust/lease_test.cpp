@@ -123,7 +123,7 @@ constexpr std::uint64_t kLease_us = 1'000'000;
 /// Readers with every sample or each second or third one begin, end and die in any order.
 struct Interleaving {
   SharedSkin& hub;
-  std::vector<std::uint64_t> died_us;  // when those that died did
+  std::vector<std::uint64_t> died_us;  // When those that died did.
   int refused = 0;
 
   // A dead reader keeps its place until its lease ends; who finds none is told so, and nobody else is.

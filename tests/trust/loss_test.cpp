@@ -157,7 +157,7 @@ TEST(Loss, a_module_that_gives_no_data_was_never_heard) {
   const StreamReport r = stream.report();
   EXPECT_EQ(r.never_heard, std::vector<int>{4});
   EXPECT_FALSE(r.complete());
-  EXPECT_EQ(r.total.lost(), 0U);  // the controller said each time that there was nothing
+  EXPECT_EQ(r.total.lost(), 0U);  // The controller said each time that there was nothing.
 }
 
 // A controller that loses its power streams again by itself: the lease is renewed, and what it did not take is counted
@@ -172,7 +172,7 @@ TEST(Loss, a_controller_that_was_away_is_noticed_in_half_a_second_and_counted) {
   options.say = [&](const std::string& text) { said.emplace_back(bus.now_us(), text); };
   Stream stream(bus, hub.design(), {}, options);
   stream.run_until(bus.now_us() + 1'000'000);
-  link.lose = [](const wire::CanFrame& f) {  // its cable is pulled
+  link.lose = [](const wire::CanFrame& f) {  // Its cable is pulled.
     const auto t = wire::decode_full(f);
     return t.has_value() && t->node_address == 2;
   };

@@ -43,7 +43,7 @@ TEST_P(LargeCover, every_sample_of_a_minute_arrives_or_is_counted) {
   hub.flash();
   SharedSkin::Client link(hub);
   Bus bus(link);
-  bus.listen(bus.now_us() + 2'000'000);  // the offsets are found
+  bus.listen(bus.now_us() + 2'000'000);  // The offsets are found.
   const double share = wire::kStreamShare * kSequence_us * 1e3 / static_cast<double>(link.sample_ns(1));
   EXPECT_NEAR(c.modules / (share * c.every), c.load, 0.05 * c.load) << "the case is not what its name says";
 

@@ -104,11 +104,11 @@ TEST(HardMeshes, generated_shell_is_repaired_or_refused_as_asked) {
 TEST(TimeLimit, pieces_give_up_soon_after_their_time) {
   const auto mesh = test::cover_file({"thigh"});
   const geometry::Surface surface(geometry::read_mesh(mesh->path()).mesh);
-  int asked = 0;  // stands for a clock
+  int asked = 0;  // Stands for a clock.
   geometry::UnfoldingOptions options;
   options.give_up = [&] { return ++asked > 3; };
   EXPECT_TRUE(geometry::unfold(surface, options).pieces.empty());
-  EXPECT_LT(asked, 12);  // it stops soon after
+  EXPECT_LT(asked, 12);  // It stops soon after.
   const std::size_t whole = geometry::unfold(surface).pieces.size();
   EXPECT_GT(whole, 0U);
   options.give_up = [] { return false; };
@@ -117,7 +117,7 @@ TEST(TimeLimit, pieces_give_up_soon_after_their_time) {
 
 // Pieces for which no time is left to bring them to the surface are left out, and counted.
 TEST(TimeLimit, the_mapping_gives_up_between_pieces_and_counts_what_it_leaves_out) {
-  geometry::Mesh sheet;  // room for 2,500 modules: more than are mapped between two looks at the clock
+  geometry::Mesh sheet;  // Room for 2,500 modules: more than are mapped between two looks at the clock.
   sheet.vertices = {{0, 0, 0}, {1000, 0, 0}, {1000, 1000, 0}, {0, 1000, 0}};
   sheet.faces = {{0, 1, 2}, {0, 2, 3}};
   const geometry::Surface surface(sheet);

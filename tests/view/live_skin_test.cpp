@@ -94,7 +94,7 @@ TEST(ViewFrameTrack, gathers_the_samples_of_33_ms_into_a_frame) {
 }
 
 TEST(ViewFrameTrack, drops_what_exceeds_its_limit) {
-  view::FrameTrack track(1, 120);  // a frame takes 4 + 16 + 32 bytes
+  view::FrameTrack track(1, 120);  // A frame takes 4 + 16 + 32 bytes.
   for (int k = 0; k < 10; ++k) track.add(0, sample_of(10), 40'000 * k);
   EXPECT_EQ(track.finish().size(), 104U);
   EXPECT_TRUE(track.is_cut());

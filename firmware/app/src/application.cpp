@@ -225,7 +225,7 @@ void Application::handle_frame(Channel& c, const wire::CanFrame& frame) {
   if (route_.receive(frame, tables_.node_address(), now_us())) return;
   const bool functional = frame.id == wire::kFunctionalId;
   if (!functional && frame.id != c.link.rx_id()) return;
-  if (functional) {  // single frames only (ISO 15765-4)
+  if (functional) {  // ISO 15765-4 allows single frames only.
     wire::IsoTp single(0, wire::kFunctionalId, 8);
     if (single.receive(frame, now_us()) == wire::IsoTp::Event::kReceived && !c.link.sending())
       answer(c, single.message(), true);
@@ -278,7 +278,7 @@ bool Application::handle_claim_frame(Channel& c, const wire::CanFrame& frame) {
 
 void Application::send_pending(Channel& c, std::uint64_t now_us) {
   while (c.claim_at < c.claim.size() && c.port->send(c.claim[c.claim_at])) ++c.claim_at;
-  while (true) {  // a frame that finds the queue full is kept: ISO-TP has counted it already
+  while (true) {  // A frame that finds the queue full is kept, because ISO-TP has counted it already.
     if (!c.held) c.held = c.link.transmit(now_us);
     if (!c.held || !c.port->send(*c.held)) return;
     c.held.reset();

@@ -21,7 +21,8 @@ constexpr double kMegabyte = 1e6;
 // A cover of 1.6 MB takes 3 s of a slow processor and 300 MB. Damage makes the kernel loop; for a file of ordinary size
 // we stop it long before the time limit.
 constexpr double kProcessor_s = 7.0, kProcessorPerMegabyte_s = 6.0;
-constexpr double kWallTimes = 3.0;  // other programs may take the processor
+// Other programs may take the processor meanwhile, so the wall clock gets more than processor time.
+constexpr double kWallTimes = 3.0;
 constexpr std::uint64_t kMemory_mb = 1000;
 constexpr double kMemoryFreeSize_mb = 20.0, kMemoryPerMegabyte = 60.0;
 constexpr std::size_t kMaxFile_bytes = 400'000'000;

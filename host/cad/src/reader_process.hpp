@@ -13,7 +13,7 @@ namespace triskin::cad {
 struct ProcessLimits {
   double wall_s = 60.0;
   double processor_s = 60.0;
-  std::uint64_t memory_bytes = 0;  ///< limit of its address space
+  std::uint64_t memory_bytes = 0;  ///< It limits the reader's address space.
   std::uint64_t file_bytes = 0;    ///< largest file that it may write
 };
 
@@ -23,7 +23,7 @@ enum class ProcessEnd : std::uint8_t { kDone, kFailed, kCrashed, kOutOfTime };
 /// Output of a process, and how it ended.
 struct ProcessResult {
   ProcessEnd end = ProcessEnd::kDone;
-  int signal = 0;  ///< signal of kCrashed
+  int signal = 0;  ///< It is the signal of kCrashed.
   std::string output;
 };
 

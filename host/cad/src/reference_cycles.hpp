@@ -12,7 +12,7 @@ class ReferenceGraph {
  public:
   struct Step {
     std::int64_t id = 0;
-    std::int64_t label = 0;  ///< label given to add() for the reference that leaves it
+    std::int64_t label = 0;  ///< It is the label given to add() for the reference that leaves it.
   };
 
   /// Notes that `id` refers to these; `label` stands for it in circle().

@@ -26,8 +26,8 @@ struct StepToken {
     kSemicolon,
   };
   Kind kind = Kind::kEnd;
-  std::string_view text;  ///< text in the file; for a string, what is between its quotes
-  std::string problem;    ///< message of kBad: a sentence
+  std::string_view text;  ///< It is the text in the file; for a string, what is between its quotes.
+  std::string problem;    ///< It is the message of kBad, a sentence.
 
   [[nodiscard]] bool is_value() const { return kind >= Kind::kReference && kind <= Kind::kDerived; }
   /// Text in upper case.

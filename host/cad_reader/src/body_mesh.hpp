@@ -11,17 +11,17 @@
 
 namespace triskin::cad_reader {
 
-using Vec2 = Eigen::Vector2d;  ///< parameters u, v of a surface
-using Vec3 = Eigen::Vector3d;  ///< mm
+using Vec2 = Eigen::Vector2d;  ///< They are the parameters u and v of a surface.
+using Vec3 = Eigen::Vector3d;  ///< They are in mm.
 
 /// Largest turn of the surface over one step of the kernel's mesher.
 inline constexpr double kStepAngle_rad = 0.2;
 
 /// A triangle of one face, counter-clockwise seen from outside.
 struct Triangle {
-  std::array<int, 3> corners{};  ///< indices into BodyMesh::points
-  std::array<Vec2, 3> uv;        ///< positions of the corners on the surface of the face
-  int face = 0;                  ///< index into BodyMesh::faces
+  std::array<int, 3> corners{};  ///< They index BodyMesh::points.
+  std::array<Vec2, 3> uv;        ///< They are the positions of the corners on the surface of the face.
+  int face = 0;                  ///< It indexes BodyMesh::faces.
 };
 
 /// An exact face and what was measured of its triangles.
@@ -29,15 +29,15 @@ struct ExactFace {
   TopoDS_Face face;
   BRepAdaptor_Surface surface;
   std::vector<double>
-      singular_v;  ///< sides of the parameters that are one point (a pole, a tip): u means nothing there
+      singular_v;  ///< These sides of the parameters are one point (a pole, a tip), where u means nothing.
   std::vector<double> singular_u;
-  double area_mm2 = 0.0;  ///< exact
+  double area_mm2 = 0.0;  ///< It is that of the exact face.
   double perimeter_mm = 0.0;
-  double deviation_mm = 0.0;  ///< largest distance found between triangles and surface
+  double deviation_mm = 0.0;  ///< It is the largest distance found between triangles and surface.
   double mesh_area_mm2 = 0.0;
-  Vec3 worst_mm = Vec3::Zero();  ///< place of the deviation
-  std::string fault;             ///< empty: sound
-  bool is_badly_meshed = false;  ///< the fault is one of its triangles, not of the file's edges
+  Vec3 worst_mm = Vec3::Zero();  ///< The deviation was found here.
+  std::string fault;             ///< It is empty for a sound face.
+  bool is_badly_meshed = false;  ///< The fault is one of its triangles, not of the file's edges.
 };
 
 /// Triangles of a body. Faces share the corners on their common edges.
@@ -45,7 +45,8 @@ struct BodyMesh {
   std::vector<Vec3> points;
   std::vector<Triangle> triangles;
   std::vector<ExactFace> faces;
-  std::set<std::pair<int, int>> free_sides;  ///< sides of triangles on edges of one face, lesser corner first
+  /// They are sides of triangles on edges of one face, lesser corner first.
+  std::set<std::pair<int, int>> free_sides;
   int free_edges = 0;
   int open_edges = 0;
 };

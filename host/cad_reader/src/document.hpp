@@ -22,12 +22,12 @@ struct PlacedBody {
 
 /// Bodies of a file with what it says of their faces.
 struct Document {
-  std::string unit;      ///< name of the unit of length in the file; empty: none
-  double unit_mm = 1.0;  ///< length of one unit that the kernel applied
+  std::string unit;      ///< It is the name of the unit of length in the file, and empty where there is none.
+  double unit_mm = 1.0;  ///< The kernel applied this length for one unit.
   std::vector<PlacedBody> bodies;
-  std::unordered_map<const void*, Label> labels;  ///< keyed by the shared shape of a face
-  std::vector<std::string> warnings;              ///< one sentence each: what could not be read beside the shapes
-  std::vector<std::string> faults;                ///< one sentence each: entities that gave no shape
+  std::unordered_map<const void*, Label> labels;  ///< They are keyed by the shared shape of a face.
+  std::vector<std::string> warnings;  ///< Each is one sentence about what could not be read beside the shapes.
+  std::vector<std::string> faults;    ///< Each is one sentence about entities that gave no shape.
 };
 
 /// Called with what is done next.

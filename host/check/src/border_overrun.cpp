@@ -95,7 +95,7 @@ class OverrunSearch {
       if ((e.a - c).norm() <= reach + (e.b - e.a).norm() && sight_of(e, c).off.norm() <= reach) near.push_back(&e);
     }
     if (near.empty()) return {};
-    for (std::size_t k = 0; k < n; ++k) {  // where the largest value is mostly found: the search then ends sooner
+    for (std::size_t k = 0; k < n; ++k) {  // The largest value is mostly found here, which ends the search sooner.
       visit(module[k], surface_.distance(module[k]), near);
       const P3 middle = (module[k] + module[(k + 1) % n]) / 2;
       visit(middle, surface_.distance(middle), near);

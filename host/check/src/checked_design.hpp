@@ -23,12 +23,12 @@ struct CheckedDesign {
     bool up;
     Triangle3 corner;
     std::array<int, 3> neighbour;
-    std::array<int, 3> beside;  ///< neighbours, and what a jumper leads to
+    std::array<int, 3> beside;  ///< It lists the neighbours and what a jumper leads to.
     double edge_error, center_gap, edge_lift, edge_depth, penetration, overrun, keep_out, bend_radius;
     std::array<double, 3> hinge_gap, fold;
     int patch, line, address, rotation, parent, depth;
     std::array<P3, 12> taxel, taxel_normal;
-    std::string kind;  ///< empty in a file without kinds
+    std::string kind;  ///< It is empty in a file without kinds.
   };
   struct Piece {
     std::vector<P2> outline;
@@ -54,7 +54,7 @@ struct CheckedDesign {
     enum class Kind { kSphere, kBox, kFaces };
     std::string name;
     Kind kind;
-    P3 a, b;  ///< centre; low and high corner
+    P3 a, b;  ///< They are a centre, or the low and high corner.
     double radius;
     std::vector<int> faces;
     bool cover, free;
@@ -67,20 +67,21 @@ struct CheckedDesign {
   };
   struct Limits {
     double edge_error, hinge_gap, center_gap, fold, penetration, overrun;
-    double lift, depth;  ///< infinite in files that do not limit the sides
-    double jumper;       ///< beside jumpers only, else 0
+    double lift, depth;  ///< They are infinite in files that do not limit the sides.
+    double jumper;       ///< It is 0 in a file without jumpers.
   };
   std::vector<P3> vertices;
   std::vector<std::array<int, 3>> faces;
-  std::string side;  ///< side that was taken of a part with a wall; empty: the file does not say
+  std::string side;  ///< This side was taken of a part with a wall; if it is empty, the file does not say.
   bool is_side_certain = true;
   std::vector<P3> part_vertices;
-  std::vector<std::array<int, 3>> part_faces;  ///< faces of the whole part; empty: the part has only the surface
+  /// They are the faces of the whole part; if there are none, the part has only the surface.
+  std::vector<std::array<int, 3>> part_faces;
   Limits limits;
   int islands;
-  double corner_cut;  ///< mm; 0 where the file has none
+  double corner_cut;  ///< It is in mm, and 0 where the file has none.
   std::vector<Module> modules;
-  std::vector<Kind> kinds;  ///< besides the standard one
+  std::vector<Kind> kinds;  ///< They come in addition to the standard kind.
   std::vector<Jumper> jumpers;
   std::vector<Piece> pieces;
   std::vector<Region> regions;
@@ -109,14 +110,18 @@ class Findings {
   DesignReport& report_;
 };
 
-void check_modules(const CheckedDesign& design, Findings& findings);  ///< lattice, rigidity, joints
-void check_surface(const CheckedDesign& design, Findings& findings);  ///< gaps, border, overlap, orientation
-void check_side(const CheckedDesign& design, Findings& findings);     ///< inner side of a wall, back to back
-void check_pieces(const CheckedDesign& design, Findings& findings);   ///< nets and placements on the plane
-void check_jumpers(const CheckedDesign& design, Findings& findings);  ///< joints between islands
-void check_patches(const CheckedDesign& design, Findings& findings);  ///< wiring
-void check_regions(const CheckedDesign& design, Findings& findings);  ///< what stays free, what must be covered
-void check_report(const CheckedDesign& design, Findings& findings);   ///< the numbers and the id that the file states
+void check_modules(const CheckedDesign& design, Findings& findings);  ///< It checks lattice, rigidity and joints.
+/// It checks gaps, border, overlap and orientation.
+void check_surface(const CheckedDesign& design, Findings& findings);
+/// It checks that no module is on the inner side of a wall, or back to back with another.
+void check_side(const CheckedDesign& design, Findings& findings);
+void check_pieces(const CheckedDesign& design, Findings& findings);   ///< It checks nets and placements on the plane.
+void check_jumpers(const CheckedDesign& design, Findings& findings);  ///< It checks joints between islands.
+void check_patches(const CheckedDesign& design, Findings& findings);  ///< It checks the wiring.
+/// It checks what must stay free and what must be covered.
+void check_regions(const CheckedDesign& design, Findings& findings);
+/// It checks the numbers and the id that the file states.
+void check_report(const CheckedDesign& design, Findings& findings);
 
 inline constexpr double kSide = 30.0;
 [[nodiscard]] inline std::string module_name(std::size_t k) {

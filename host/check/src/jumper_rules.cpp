@@ -11,9 +11,9 @@ namespace triskin::check {
 namespace {
 
 constexpr double kStated_mm = 0.01;  // Among closest points that tie, another may be chosen.
-constexpr double kBehind_mm = 0.5;   // a side may lie so far behind the other where the modules overlap
+constexpr double kBehind_mm = 0.5;   // Where modules overlap, a side may lie so far behind the other.
 constexpr double kLayer_mm = 10.0;   // A jumper does not cross what lies farther off along the normal.
-constexpr int kSteps = 32;           // docs/design_file.md: where the length is measured
+constexpr int kSteps = 32;           // docs/design_file.md says where the length is measured.
 
 struct Cable {
   P3 a, b;          // Middles of the sides.

@@ -20,7 +20,7 @@ using Edge = std::pair<int, int>;
 }
 
 struct ListedModule {
-  std::array<int, 3> beside{-1, -1, -1};  ///< id across each side
+  std::array<int, 3> beside{-1, -1, -1};  ///< Each is the id across that side.
   bool border = true;
 };
 using ModuleMap = std::map<int, ListedModule>;

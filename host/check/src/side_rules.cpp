@@ -77,7 +77,7 @@ class Part {
     const P3 x = here.normal.unitOrthogonal(), y = here.normal.cross(x);
     const P3 from = here.point + kOff_mm * here.normal;
     int open = 0;
-    for (int k = 0; k < kRays; ++k) {  // a Hammersley set: the height is the root of an even number
+    for (int k = 0; k < kRays; ++k) {  // In a Hammersley set the height is the root of an even number.
       double mirrored = 0.0, digit = 0.5;
       for (int bits = k; bits > 0; bits /= 2, digit /= 2) mirrored += bits % 2 * digit;
       const double height = std::sqrt((k + 0.5) / kRays), angle = 2.0 * M_PI * mirrored;
@@ -188,7 +188,7 @@ bool is_closed(const CheckedDesign& d) {
 }  // namespace
 
 void check_side(const CheckedDesign& d, Findings& f) {
-  if (d.side == "both") return;  // asked for
+  if (d.side == "both") return;  // The user asked for both sides.
   if (d.side.empty() && !is_closed(d)) return;
   const Part part(d);
   if (d.side.empty() || (d.side == "outer" && d.is_side_certain)) check_inner(d, part, f);

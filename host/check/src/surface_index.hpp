@@ -13,8 +13,8 @@ namespace triskin::check {
 /// An edge of the surface that has one face.
 struct BorderEdge {
   P3 a, b;
-  P3 normal_a, normal_b;  ///< unit normals of the surface at its ends
-  P3 out;                 ///< unit, across the edge in the plane of its face, away from the face
+  P3 normal_a, normal_b;  ///< They are the unit normals of the surface at its ends.
+  P3 out;                 ///< It is a unit vector across the edge in the plane of its face, away from the face.
 };
 
 /// Closest points of the mesh of a design. Immutable; refers to the design.
@@ -22,7 +22,7 @@ class SurfaceIndex {
  public:
   struct Hit {
     P3 point;
-    P3 normal;  ///< interpolated from the corners of the face, unit
+    P3 normal;  ///< It is a unit vector, interpolated from the corners of the face.
     std::size_t face;
   };
 
@@ -62,7 +62,7 @@ inline constexpr double kOverrunStep_mm = 0.002, kPast_mm = 0.02;
 /// Its recursion is bounded by construction: a module on which the bounds do not close has an infinite overrun.
 struct Overrun {
   double mm = 0.0;
-  std::size_t points = 0;  ///< number of points of the module that were compared with surface and border
+  std::size_t points = 0;  ///< So many points of the module were compared with surface and border.
 };
 [[nodiscard]] Overrun overrun_of(const Outline3& module, const SurfaceIndex& surface, double past_mm);
 

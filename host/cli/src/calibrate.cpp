@@ -25,7 +25,7 @@ struct Options {
   SiteOptions site;
   std::vector<double> steps_kpa, weights_g;
   std::string ramp, from, output;
-  double foot_mm2 = 0.0;  // 0: that of a module
+  double foot_mm2 = 0.0;  // 0 means that of a module.
   device::CalibrateOptions calibrate;
   bool by_hand = false, forget = false;
 };

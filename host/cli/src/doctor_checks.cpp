@@ -155,7 +155,7 @@ DoctorCheck firmware_check(const AnsweringBoard& board, const std::string& progr
 std::vector<DoctorCheck> attached_checks(const device::AttachedDevice& device,
                                          const std::vector<AnsweringBoard>& boards) {
   if (!device.usable) {
-    if (device.link.starts_with("can:")) return {};  // check_interfaces says it
+    if (device.link.starts_with("can:")) return {};  // check_interfaces reports it.
     return {{"permission for " + device.link, false, "the device node may not be opened",
              "sudo usermod -aG plugdev \"$USER\" && sudo udevadm trigger; then log in again"}};
   }

@@ -14,14 +14,14 @@ namespace triskin::cli {
 struct DoctorCheck {
   std::string name;
   bool ok = false;
-  std::string found;   ///< what was seen, for a person
-  std::string remedy;  ///< the command that mends it, or what to do by hand; empty where all is well
-  bool needed = true;  ///< false: something works less well without it, and the exit status does not say it
+  std::string found;   ///< It tells a person what was seen.
+  std::string remedy;  ///< It is the command that mends it, or what to do by hand, and empty where all is well.
+  bool needed = true;  ///< If false, something works less well without it, and the exit status does not say so.
 };
 
 /// A controller that answered.
 struct AnsweringBoard {
-  std::string link, serial, firmware;  ///< firmware: "MAJOR.MINOR.PATCH"
+  std::string link, serial, firmware;  ///< The firmware is written as "MAJOR.MINOR.PATCH".
 };
 
 /// A part of the program that a build may leave out.
@@ -33,10 +33,11 @@ struct OptionalPart {
 /// Everything that the checks read. A test replaces it by its own tree and answers.
 struct Machine {
   std::filesystem::path root = "/";
-  std::function<std::string(const std::string& name)> variable;  ///< value of an environment variable; empty: not set
-  std::function<bool(const std::string& program)> has_program;   ///< true if the program is on the path
-  nlohmann::json interfaces = nlohmann::json::array();           ///< `ip -json -details link show`
-  std::vector<AnsweringBoard> boards;                            ///< boards that answer on the links that can be opened
+  /// It returns the value of an environment variable, or nothing if it is not set.
+  std::function<std::string(const std::string& name)> variable;
+  std::function<bool(const std::string& program)> has_program;  ///< It returns true if the program is on the path.
+  nlohmann::json interfaces = nlohmann::json::array();          ///< It is what `ip -json -details link show` prints.
+  std::vector<AnsweringBoard> boards;  ///< These boards answer on the links that can be opened.
   std::vector<OptionalPart> parts;
   std::string program_version;
 };

@@ -74,7 +74,8 @@ std::string extension_of(const std::string& file) {
   return std::filesystem::path(file).extension().string();
 }
 std::string extension_of(const Format& format) {
-  return extension_of(std::string("name") + format.suffix);  // ".svg" alone would be a hidden file without extension
+  // ".svg" alone would be a hidden file without an extension.
+  return extension_of(std::string("name") + format.suffix);
 }
 
 // Format given by name, else by the extension of the file. An extension that says something else is refused.

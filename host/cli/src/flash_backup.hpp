@@ -10,8 +10,8 @@ namespace triskin::cli {
 
 /// What --save, --restore and --onto of `flash` name.
 struct BackupOptions {
-  std::string save, restore;      ///< files; empty: not asked for
-  std::vector<std::string> onto;  ///< OLD=NEW, serial numbers
+  std::string save, restore;      ///< They name files and are empty if not asked for.
+  std::vector<std::string> onto;  ///< Each is OLD=NEW, two serial numbers.
 };
 /// Adds these options.
 void add_backup_options(CLI::App& app, BackupOptions& options);

@@ -12,7 +12,7 @@ namespace triskin::cli {
 
 /// Options of `flash` that concern the firmware.
 struct FirmwareOptions {
-  std::string file;  ///< empty: no firmware
+  std::string file;  ///< If it is empty, no firmware is written.
   bool one_by_one = false;
   device::BroadcastOptions broadcast;
 };
@@ -22,7 +22,7 @@ void add_firmware_options(CLI::App& app, FirmwareOptions& options);
 /// What became of the firmware of each controller.
 struct FirmwareReport {
   nlohmann::json rows = nlohmann::json::array();
-  bool complete = true;  ///< every controller runs it, or would be given it (dry run)
+  bool complete = true;  ///< Every controller runs it, or would be given it in a dry run.
 };
 /// Puts the package into every controller on the links, at once where they know the broadcast, and says what became of
 /// each; one that a broadcast leaves to its loader and that fails there is a row with its reason. `flash` gives dry_run

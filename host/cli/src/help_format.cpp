@@ -115,7 +115,7 @@ std::string HelpFormat::make_description(const CLI::App* command) const {
 }
 
 std::string HelpFormat::make_usage(const CLI::App* command, std::string name) const {
-  constexpr std::size_t kIndent = 7;  // below the first word behind "Usage:"
+  constexpr std::size_t kIndent = 7;  // Text begins below the first word behind "Usage:".
   return wrapped(CLI::Formatter::make_usage(command, std::move(name)), columns_, kIndent) + "\n";
 }
 

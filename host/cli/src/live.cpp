@@ -28,7 +28,7 @@ struct Options {
   device::StreamOptions stream;
   CalibrationOptions calibration;
   double seconds = 0.0;
-  int press = kWalk;  // module, kNobody, or kWalk
+  int press = kWalk;  // It is a module, kNobody or kWalk.
   int taxel = -1;
   bool tare = false;
 };

@@ -16,9 +16,9 @@ namespace triskin::cli {
 struct LiveState {
   double time_s = 0.0;
   std::uint64_t frames = 0, lost = 0;
-  std::string note;                              ///< a line for a person, may be empty
-  std::optional<std::uint32_t> error_us{};       ///< largest bound of the time of a controller's latest sample
-  std::vector<device::AdoptedCounts> adopted{};  ///< modules that a controller of another patch reads now
+  std::string note;                         ///< It is a line for a person and may be empty.
+  std::optional<std::uint32_t> error_us{};  ///< It is the largest bound of the time of a controller's latest sample.
+  std::vector<device::AdoptedCounts> adopted{};  ///< A controller of another patch reads these modules now.
 };
 
 /// Shows a skin while its samples come: a picture on a terminal, a line for each change elsewhere, an object a line

@@ -24,7 +24,7 @@ namespace triskin::cli {
 namespace {
 
 constexpr double kReplaySlice_us = 10'000;
-constexpr std::uint64_t kReplayOffsets_us = 2'500'000;  // within which controllers find their offsets
+constexpr std::uint64_t kReplayOffsets_us = 2'500'000;  // Controllers find their offsets within this time.
 
 struct ReplayEnded {};  // Thrown when a person ends it.
 
@@ -128,7 +128,7 @@ int replay_into_link(const ReplayLinkOptions& options, Output& output) {
   {
     device::Bus bus(link);
     device::FlashOptions flash;
-    flash.recognise = false;  // fresh boards ascend with the patches, or have the serial numbers of the recording
+    flash.recognise = false;  // Fresh boards ascend with the patches, or have the serial numbers of the recording.
     for (std::size_t p = 0; p < design.patches.size(); ++p)
       flash.assign.push_back({static_cast<int>(p), device::to_text(scene::unique_id_of(link.skin().scene(), p))});
     (void)device::flash(bus, design, flash);

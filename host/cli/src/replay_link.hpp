@@ -8,10 +8,10 @@ namespace triskin::cli {
 
 /// How a recording is played into a link.
 struct ReplayLinkOptions {
-  std::string file;     ///< recording (.mcap)
-  std::string listen;   ///< same syntax as --listen of simulate
-  double speed = 1.0;   ///< > 0
-  bool loop = false;    ///< starts anew at the end, until a person stops it
+  std::string file;     ///< It is a recording (.mcap).
+  std::string listen;   ///< It has the syntax of --listen of simulate.
+  double speed = 1.0;   ///< It must be positive.
+  bool loop = false;    ///< It starts anew at the end, until a person stops it.
   bool expose = false;  ///< `listen` may be an address that other computers reach
 };
 

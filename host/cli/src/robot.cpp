@@ -152,7 +152,7 @@ robot::CoverEntry& cover_to_add(robot::Robot& robot, const std::string& bus, con
     cover->name = options.name;
   }
   if (!bus.empty() && bus != cover->bus) {
-    for (robot::ControllerEntry& e : cover->controllers) {  // addresses are those of a bus
+    for (robot::ControllerEntry& e : cover->controllers) {  // Addresses are those of a bus, so they go.
       if (e.bus.empty()) e.bus = cover->bus;
     }
     cover->bus = bus;

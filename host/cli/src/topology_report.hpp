@@ -11,7 +11,7 @@
 
 namespace triskin::cli {
 
-using NamedDesign = std::pair<std::string, design::Design>;  ///< file, design
+using NamedDesign = std::pair<std::string, design::Design>;  ///< Each is a file and its design.
 
 /// Lets the controller look for its modules and joints; says what it found, which patch of the designs that is, and
 /// what differs. `expected_patch`: of the design with id `expected_design`, that its table is for; −1: it has none.

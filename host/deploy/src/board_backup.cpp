@@ -298,7 +298,8 @@ class Restoration {
   void write_calibration(Controller& controller, const BoardBackup& b, RestoredBoard& r) const {
     const auto value = b.values.find(wire::Calibration::kId);
     if (value == b.values.end() || options_.dry_run) return;
-    const wire::Calibration kept = wire::Calibration::decode(value->second).value();  // read_backup() has validated it.
+    // read_backup() has validated it.
+    const wire::Calibration kept = wire::Calibration::decode(value->second).value();
     if (controller.calibration() == kept) return;
     r.calibrated = write_and_compare(controller, kept, r.serial);
     r.calibration_refused = !r.calibrated;

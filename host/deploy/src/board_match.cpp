@@ -20,12 +20,12 @@ namespace {
 
 /// Whom a controller belongs to.
 enum class Owner {
-  kNobody,     // it has no table
-  kThis,       // a table of this design
-  kAnother,    // a table of another design
-  kNeighbour,  // one that FlashOptions::neighbours names: never taken
-  kUnknown,    // a table, and an address that others share: it cannot be asked
-  kSilent,     // a table, and no answer when it was asked for it: as if it were not there, unless it is named
+  kNobody,     // It has no table.
+  kThis,       // It has a table of this design.
+  kAnother,    // It has a table of another design.
+  kNeighbour,  // FlashOptions::neighbours names it, so it is never taken.
+  kUnknown,    // It has a table and an address that others share, so it cannot be asked.
+  kSilent,     // It has a table and did not answer: it counts as absent unless it is named.
 };
 
 struct Candidate {

@@ -13,25 +13,25 @@ namespace triskin::device {
 struct BusBoards {
   /// Who answers, with the addresses that they have; nobody: not asked yet.
   std::vector<wire::NodeClaim> claims;
-  std::map<wire::UniqueId, BoardShape> shapes;  ///< shapes of the boards that were asked
+  std::map<wire::UniqueId, BoardShape> shapes;  ///< They are the shapes of the boards that were asked.
 };
 
 /// A controller on the bus and the patch that it is to serve.
 struct Board {
   wire::NodeClaim claim;
-  int patch = -1;  ///< −1: not needed
+  int patch = -1;  ///< It is −1 for a board that is not needed.
   FoundBy by = FoundBy::kNothing;
 };
 
 /// A patch that no controller serves.
 struct MissingBoard {
   int patch = 0;
-  std::string why;  ///< a sentence
+  std::string why;  ///< It is a sentence.
 };
 
 struct MatchedBoards {
-  std::vector<Board> boards;          ///< same order as the claims
-  std::vector<MissingBoard> missing;  ///< sorted by patch
+  std::vector<Board> boards;          ///< They stand in the order of the claims.
+  std::vector<MissingBoard> missing;  ///< They are sorted by patch.
 };
 
 /// Decides which of the controllers `known.claims` gets which patch, and writes nothing; `known` gets the shapes. In

@@ -142,7 +142,7 @@ ShapeAssignment assign_by_shape(std::span<const BoardShape> shapes, std::span<co
     std::erase(without[b], static_cast<int>(seat));
     if (Matching(without, seats.size()).size() < all.size()) result.seat[b] = static_cast<int>(seat);
   }
-  result.likely = std::move(edges);  // its rows ascend
+  result.likely = std::move(edges);  // Its rows are in ascending order.
   return result;
 }
 

@@ -21,7 +21,7 @@
 namespace triskin::device {
 namespace {
 
-constexpr int kLastToOpen = 8;                    // CAN or USB
+constexpr int kLastToOpen = 8;  // CAN interfaces or USB boards beyond this number are not opened for a look.
 constexpr std::uint64_t kOffsets_us = 2'000'000;  // Every converter finds its offsets within this time.
 constexpr double kMaxNoise = 10.0;                // Counts RMS; the data sheet gives 0.5 … 1.9.
 

@@ -40,9 +40,9 @@ class CoverFlash {
   void add_tasks(std::vector<Task>& tasks);
 
   struct Failure {
-    std::string who;  ///< patch and controller
+    std::string who;  ///< It names the patch and the controller.
     std::exception_ptr what;
-    [[nodiscard]] std::string text() const;  ///< message of the exception
+    [[nodiscard]] std::string text() const;  ///< It returns the message of the exception.
   };
   /// Patches without their table, in their order: `outcomes` of the tasks, and those that have no board.
   [[nodiscard]] std::vector<Failure> failures(std::span<const std::exception_ptr> outcomes);

@@ -11,8 +11,8 @@ namespace triskin::device {
 struct FeelingBoard {
   wire::NodeClaim claim;
   BoardShape shape;
-  std::vector<int> likely;  ///< patches that its shape may be; empty: none
-  bool across = false;      ///< it reaches into the patches beside its own: it samples the module at its cable alone
+  std::vector<int> likely;  ///< Its shape fits these patches; with none it fits no patch.
+  bool across = false;  ///< It reaches into the patches beside its own, so it samples the module at its cable alone.
 };
 
 /// Waits for touches, and says which controller felt them. Not thread-safe.

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::uint64_t kSilence_us = 20'000;  // Longest silence, except during an erase of a page.
 constexpr std::uint64_t kClaims_us = 60'000;
-constexpr std::uint64_t kErasePage_us = 23'000;  // 22 ms, and what happens between two pages
+constexpr std::uint64_t kErasePage_us = 23'000;  // An erase takes 22 ms, and some work happens between two pages.
 constexpr std::uint64_t kBetweenPolls_us = 25'000;
 constexpr std::uint64_t kErasePatience_us = 2'000'000, kCheckPatience_us = 1'500'000, kStartPatience_us = 2'000'000;
 constexpr std::uint64_t kStarts_us = 40'000;  // Covers the queue, the loader's window and the check of both slots.
@@ -490,7 +490,7 @@ void UpdateSession::hold_back(const std::string& why) {
 void UpdateSession::abandon() noexcept {
   try {
     send_to_all(Command::kEnd);
-  } catch (...) {  // the link is dead: the boards end the session by themselves
+  } catch (...) {  // The link is dead, and the boards end the session by themselves.
   }
 }
 

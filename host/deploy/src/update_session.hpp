@@ -42,14 +42,14 @@ class UpdateSession {
   struct Board {
     BoardUpdate result;
     std::uint32_t id_crc = 0;
-    bool under_way = false;  ///< takes part
-    bool claims = false;     ///< has said who it is
+    bool under_way = false;  ///< It takes part in the session.
+    bool claims = false;     ///< It has said who it is.
     // Answers since forget():
     std::optional<wire::update::Who> who;
     std::optional<wire::update::Image> image;
     std::optional<wire::update::State> state;
-    std::set<std::uint16_t> missing;  ///< units that it reported missing since it was last asked
-    int silent_rounds = 0;            ///< rounds in a row in which it did not say what it misses
+    std::set<std::uint16_t> missing;  ///< It reported these units missing since it was last asked.
+    int silent_rounds = 0;            ///< It did not say in so many rounds in a row what it misses.
   };
   /// Units of one slot's image that are to be sent, in order.
   using Units = std::vector<std::uint16_t>;
@@ -95,10 +95,10 @@ class UpdateSession {
   std::uint16_t session_;
   OnProgress progress_;
   std::vector<Board> boards_;
-  std::map<std::uint32_t, std::size_t> by_answer_;  ///< identifier of the answers to board
+  std::map<std::uint32_t, std::size_t> by_answer_;  ///< They lead from the identifier of an answer to its board.
   bool fd_;
   std::size_t frame_bytes_;
-  std::uint64_t silence_us_;  ///< time after which no more answers are expected
+  std::uint64_t silence_us_;  ///< No more answers are expected after this time.
   int rounds_ = 0;
   std::size_t frames_ = 0, again_ = 0;
 };

@@ -47,9 +47,9 @@ struct Observation {
 /// One exchange of cables or lines that explains what was seen.
 struct CableExplanation {
   int patch = -1;
-  int other = -1;  ///< patch; −1: the lines below
+  int other = -1;  ///< It is a patch; −1 means that the lines below are meant.
   int line_a = -1, line_b = -1;
-  int modules = 0;  ///< number of modules that are in their place once it is undone
+  int modules = 0;  ///< So many modules are in their place once it is undone.
 };
 /// Exchanges that explain at least three modules each, best first; `map` becomes what they lead to. Greedy: every step
 /// takes the exchange after which fewest modules are wrong. Patches that cannot be read are left alone.

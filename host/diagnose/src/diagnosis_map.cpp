@@ -51,7 +51,8 @@ void Diagnosis::examine_cables() {
 std::vector<Diagnosis::Branch> Diagnosis::branches(const PatchState& p, const std::set<int>& modules) const {
   const auto& tree = design_.patches[static_cast<std::size_t>(p.patch)].modules;
   std::map<int, bool> whole;
-  for (auto m = tree.rbegin(); m != tree.rend(); ++m) {  // children stand behind their parents
+  // Children stand behind their parents, so they are visited first.
+  for (auto m = tree.rbegin(); m != tree.rend(); ++m) {
     const auto [own, fresh] = whole.try_emplace(m->node, true);
     own->second = own->second && modules.contains(m->node);
     if (m->parent >= 0) {
@@ -159,7 +160,7 @@ void Diagnosis::examine_touch(const TouchOutcome& t) {
     return;
   }
   if (explained_.contains(t.module)) return;  // The module is absent, on a stuck line, or the other half of a swap.
-  if (t.answered < 0 || !t.whole) {           // a neighbour that feels the rim of the finger is no answer
+  if (t.answered < 0 || !t.whole) {           // A neighbour that feels the rim of the finger is no answer.
     add(FindingKind::kNoTouchResponse, t.module, patch,
         where(t.module) + ": answers, but none of its taxels changes under a finger",
         "press it again; then replace the module");

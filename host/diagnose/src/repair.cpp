@@ -15,17 +15,17 @@ namespace {
 
 // Work that a person has to do at the patch.
 enum class Work {
-  kFlash,        // the tables are wrong
+  kFlash,        // The tables are wrong.
   kOtherDesign,  // the tables are those of another design: the file may be the wrong one
   kTare,         // nothing is wrong but the rest values
   kLook,         // at the computer or the bus, with the supply on
-  kReplace,      // take the module out, put a new one in
-  kStrap,        // its straps are wrong
-  kPlace,        // several modules sit at wrong places
-  kJoint,        // solder a joint anew
+  kReplace,      // The module is replaced by a new one.
+  kStrap,        // The module's straps are wrong.
+  kPlace,        // Several modules sit at wrong places.
+  kJoint,        // A joint is soldered anew.
   kPart,         // part a joint that should not be
   kShort,        // a line is held low
-  kTurn,         // the module is turned
+  kTurn,         // The module is turned.
   kCable,        // cables of controllers, lines of a cable, whole patches
 };
 

@@ -17,27 +17,27 @@ namespace triskin::device {
 struct PatchState {
   int patch = 0;
   layout::PatchImage image;
-  bool on_backup = false;  ///< `image` is the table that the design prepared for a failure
-  bool usable = false;     ///< its controller answers and holds this table
+  bool on_backup = false;  ///< `image` is the table that the design prepared for a failure.
+  bool usable = false;     ///< Its controller answers and holds this table.
   wire::ModuleStates states;
   std::array<wire::LineReport, layout::kLines> lines{};
   wire::LineStates line_states;
   std::optional<wire::Crash> crash;  ///< last crash of its controller
-  wire::FaultList earlier;           ///< remembered when the verification began
-  wire::FaultList faults;            ///< faults noted during the verification
+  wire::FaultList earlier;           ///< These faults were remembered when the verification began.
+  wire::FaultList faults;            ///< These faults were noted during the verification.
   wire::LiveTaxels now, rest;
-  wire::FoundTopology topology;  ///< topology that switched modules found
+  wire::FoundTopology topology;  ///< Switched modules found this topology.
   wire::ActiveRoute route;
-  wire::Adoption adoption;  ///< adoption at the time when the samples were read
+  wire::Adoption adoption;  ///< It is the adoption at the time when the samples were read.
   std::bitset<layout::kLines * layout::kAddressesPerLine>
-      adopted_places;  ///< places where adopted modules answer, now or earlier
+      adopted_places;  ///< Adopted modules answer at these places, now or earlier.
   void note(const wire::Adoption& told) {
     adoption = told;
     for (const wire::AdoptedModule& g : told.list_of_adopted()) adopted_places.set(g.place);
   }
 
   [[nodiscard]] Controller controller(Bus& bus) const { return {bus, image.node_address}; }
-  bool with_kinds = false;  ///< the design has kinds of modules: so has the table
+  bool with_kinds = false;  ///< The design has kinds of modules, and so has the table.
   [[nodiscard]] int module(std::size_t row) const {
     const unsigned id = image.modules[row].module_id;
     return static_cast<int>(with_kinds ? id % layout::kIdsBesideKinds : id);
@@ -54,10 +54,10 @@ struct PatchState {
 /// Response to the press of a module.
 struct TouchOutcome {
   int module = -1;
-  int answered = -1;           ///< module whose taxels changed most; -1: none
-  bool whole = false;          ///< so many of its taxels changed that a finger pressed its centre
-  unsigned silent_taxels = 0;  ///< bit t: a pressure taxel of the module that did not change while most others did
-  int turned = 0;              ///< steps of 120° by which a tip on one taxel shows it turned; 0 also when not tried
+  int answered = -1;           ///< The taxels of this module changed most; −1 means that none did.
+  bool whole = false;          ///< So many of its taxels changed that a finger pressed its centre.
+  unsigned silent_taxels = 0;  ///< Bit t is a pressure taxel of the module that did not change while most others did.
+  int turned = 0;  ///< A tip on one taxel shows it turned by so many steps of 120°; it is 0 also when not tried.
 };
 
 /// Presses the modules of all usable patches; waits for a person where there is no actuator.

@@ -120,7 +120,8 @@ void add_taxel_shapes(json& gltf, Buffer& buffer) {
 
 json taxel_node(const Vec3& in_module_mm, std::size_t module, std::size_t taxel) {
   const bool pressure = layout::measures_pressure(taxel);
-  const Vec3 lifted(in_module_mm.x(), in_module_mm.y(), in_module_mm.z() + 0.1);  // so that it shows on its module
+  // It is lifted so that it shows on its module.
+  const Vec3 lifted(in_module_mm.x(), in_module_mm.y(), in_module_mm.z() + 0.1);
   return {{"name", fmt::format("module_{}_taxel_{}", module, taxel)},
           {"mesh", pressure ? 2 : 3},
           {"translation", vector_of(lifted * kMetres_per_mm)},

@@ -201,7 +201,7 @@ class ModulePlacer {
     const auto allowed = [](double limit) { return kFinalMargin * limit; };
     judge_joint(m, its_side_, beside_, j);
     for (const int k : near_) judge_overlap(m, k, j);
-    if (j.worst > kHopeless) {  // the rest takes longer
+    if (j.worst > kHopeless) {  // The rest would only take time.
       j.sum += kFar;
       return;
     }

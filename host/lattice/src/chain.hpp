@@ -17,7 +17,7 @@ inline constexpr double kNothing = -1e300;  // Value if there is no layout.
 
 /// Value of a layout less its price, in the forms that the search compares.
 struct Value {
-  double module_value = kNothing;  ///< value of the modules and joints, in modules
+  double module_value = kNothing;  ///< It is the value of the modules and joints, counted in modules.
   EstimatedPrice price;
   [[nodiscard]] double rounded() const { return module_value - price.rounded; }
   /// `share`: of what joins the controllers, 0 … 1.
@@ -31,12 +31,12 @@ inline constexpr double kRoundedModules = 48.0, kLargeModules = 128.0;
 
 /// How a chain spends its steps.
 struct SearchPlan {
-  int starts;         ///< number of complete layouts that race
-  double race_share;  ///< share of the search that each round of the race takes
+  int starts;         ///< So many complete layouts race.
+  double race_share;  ///< Each round of the race takes this share of the search.
   /// What joins the controllers (jumpers, islands) counts by this share at the beginning of an annealing, by the whole
   /// at `rounded_from`: an early island is room found for modules, and later steps join it to others.
   double first_share;
-  double rounded_from;  ///< part of an annealing, from which on whole controllers count; > 1: never
+  double rounded_from;  ///< Whole controllers count from this part of an annealing on; above 1 they never do.
   [[nodiscard]] static SearchPlan of(double room_modules);
 };
 
@@ -48,7 +48,7 @@ struct GrowthTask {
   const std::vector<Sample>& samples;
   const CopiedRegions& regions;
   double jumper_mm, corner_lift_mm;
-  const LatticeMesh& started;  ///< the modules that are kept, or none
+  const LatticeMesh& started;  ///< It has the modules that are kept, or none.
   Grower::Clock::time_point start, end;
   SearchPlan plan;
 

@@ -26,7 +26,7 @@ struct FoundLayout {
 class LayoutFront {
  public:
   using Numbers = std::pair<int, int>;         // Numbers of modules and islands.
-  static constexpr int kMaxModules = 200'000;  ///< some 100 MB
+  static constexpr int kMaxModules = 200'000;  ///< So many modules take some 100 MB.
   explicit LayoutFront(int max_modules = kMaxModules) : max_modules_(max_modules) {}
 
   [[nodiscard]] bool would_keep(const LatticeMesh& net, double value) const;

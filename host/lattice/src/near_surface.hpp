@@ -10,9 +10,9 @@ namespace triskin::geometry::surface_lattice {
 /// Foot of a point on the surface.
 struct Foot {
   Vec3 point = Vec3::Zero();
-  Vec3 normal = Vec3::UnitZ();  ///< interpolated, as Surface::normal_at
+  Vec3 normal = Vec3::UnitZ();  ///< It is interpolated, as Surface::normal_at does.
   double distance_mm = 0.0;
-  bool on_border = false;  ///< the foot lies on a border edge
+  bool on_border = false;  ///< The foot lies on a border edge.
 };
 
 /// Closest points of a surface, several times faster than Surface::closest and with the same answers: each voxel of a
@@ -30,9 +30,10 @@ class NearSurface {
 
  private:
   struct Voxel {
-    int first = 0, count = -1;  ///< candidates; count −1: too many or too far away, ask the tree
-    double border_mm = 0.0;     ///< least distance from a point of the voxel to the border
-    bool may_be_over = true;    ///< a foot may lie on the border
+    /// They are candidates; a count of −1 means too many or too far away, so the tree is asked.
+    int first = 0, count = -1;
+    double border_mm = 0.0;   ///< No point of the voxel is nearer to the border.
+    bool may_be_over = true;  ///< A foot may lie on the border.
     Vec3 middle = Vec3::Zero();
   };
   [[nodiscard]] const Voxel* voxel_at(const Vec3& query_mm);
@@ -41,13 +42,13 @@ class NearSurface {
 
   const Surface& surface_;
   Vec3 origin_ = Vec3::Zero();
-  double size_mm_ = 5.0, per_mm_ = 0.2;  ///< side of a voxel, voxels a mm
+  double size_mm_ = 5.0, per_mm_ = 0.2;  ///< They are the side of a voxel and the number of voxels for each mm.
   std::array<int, 3> voxels_{};
-  std::vector<int> index_;  ///< voxel → its entry in `filled_`, −1: not asked for yet
+  std::vector<int> index_;  ///< Each voxel has its entry in `filled_`, or −1 when it was never asked for.
   std::vector<Voxel> filled_;
   struct Candidate {
     int face;
-    double distance_mm;  ///< distance from the middle of the voxel
+    double distance_mm;  ///< It is measured from the middle of the voxel.
   };
   std::vector<Candidate> candidates_;
   std::vector<bool> border_vertex_, border_face_;

@@ -17,21 +17,21 @@ using Triangle = std::array<Vec3, 3>;
 
 /// Corner of the net, shared by all triangles joined at it. Its lattice index (i, j) counts within its island.
 struct NetVertex {
-  Vec3 point = Vec3::Zero();  ///< lies on the surface, or `lift_mm` above it
+  Vec3 point = Vec3::Zero();  ///< It lies on the surface, or `lift_mm` above it.
   Vec3 normal = Vec3::UnitZ();
   double lift_mm = 0.0;
   int i = 0, j = 0;
   std::array<int, 6> triangles{};
   int valence = 0;
   bool used = false;
-  bool is_fixed = false;  ///< a corner of a fixed triangle: it does not move
+  bool is_fixed = false;  ///< Corners of a fixed triangle do not move.
   bool on_border = false;
-  Vec3 outward = Vec3::Zero();  ///< direction in which the border was last run over
+  Vec3 outward = Vec3::Zero();  ///< It is the direction in which the border was last crossed.
 };
 
 /// Position of a rigid module.
 struct ModuleShape {
-  Triangle rigid;  ///< corners of the whole triangle
+  Triangle rigid;  ///< It has the corners of the whole triangle.
   Vec3 center = Vec3::Zero(), normal = Vec3::UnitZ();
 };
 
@@ -39,9 +39,9 @@ struct ModuleShape {
 struct NetTriangle : ModuleShape {
   std::array<int, 3> vertex{};
   Tile tile;
-  int island = -1;  ///< -1: unused
+  int island = -1;  ///< It is −1 for an unused entry.
   double corner_cut_mm = 0.0;
-  bool is_fixed = false;  ///< the module stays as it was given (pin)
+  bool is_fixed = false;  ///< The module stays as it was given (pin).
   [[nodiscard]] const ModuleShape& shape() const { return *this; }
 };
 

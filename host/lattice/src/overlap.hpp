@@ -11,7 +11,7 @@ inline constexpr double kApart_mm = 4.0 * kHeight_mm / 3.0;
 /// b).
 struct Pair {
   int a, b;
-  bool in_fan;  ///< joined through one triangle between them: as long as the joints hold they hardly overlap
+  bool in_fan;  ///< Both are joined to one triangle between them, so they hardly overlap while the joints hold.
   int axis = 0;
 };
 

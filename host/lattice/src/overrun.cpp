@@ -25,7 +25,7 @@ constexpr double kTouching_mm = 1e-7;                       // Distances closer 
 struct Stand {
   SurfacePoint foot;
   double to_border_mm;
-  double across_mm;  ///< distance from the nearest point of the border, across the normal there
+  double across_mm;  ///< It is the distance from the nearest point of the border, across the normal there.
   /// The border is the nearest of the surface: the point stands over it by across_mm.
   [[nodiscard]] bool over() const { return to_border_mm <= foot.distance_mm + kTouching_mm; }
 };

@@ -9,7 +9,7 @@ namespace triskin::geometry {
 
 /// A measured overrun.
 struct Overrun {
-  double mm = 0.0;  ///< never too large, and too small by at most 0.02 mm
+  double mm = 0.0;  ///< It is never too large, and too small by at most 0.02 mm.
   /// Number of points of the module that were compared with surface and border: a measure of the cost.
   std::size_t points = 0;
 };

@@ -62,7 +62,7 @@ class PointGrid {
   }
 
  private:
-  static constexpr double kMaxCells = 400'000.0;  // 1.6 MB
+  static constexpr double kMaxCells = 400'000.0;  // So many cells take 1.6 MB.
 
   // Points outside the box count to the cubes at its border; so does what is asked for there.
   [[nodiscard]] std::array<int, 3> cube_at(const Vec3& place) const {

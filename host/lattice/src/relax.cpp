@@ -212,7 +212,7 @@ void Relaxer::solve() {
       const double gx = r.weight * r.gradient[p][0], gy = r.weight * r.gradient[p][1];
       system_.right(row) -= r.value * gx;
       system_.right(row + 1) -= r.value * gy;
-      for (std::size_t q = p; q < 2; ++q) {  // local[0] > local[1]: the lower half
+      for (std::size_t q = p; q < 2; ++q) {  // The lower half belongs to local[0] > local[1].
         if (r.local[q] < 0) continue;
         const int column = 2 * r.local[q];
         system_.add(row, column, gx * r.gradient[q][0]);

@@ -58,7 +58,7 @@ class Merge {
  private:
   static constexpr int kShared = -1;
   struct Entry {
-    int zone;  // kShared: in all zones, unchanged.
+    int zone;  // kShared stands for all zones, and such a module is unchanged.
     int triangle;
     int number = -1;  // Number in the merged lattice.
     int island = -1;  // An entry of the same island, which serves as its leader.

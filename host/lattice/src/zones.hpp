@@ -11,9 +11,9 @@ namespace triskin::geometry::surface_lattice {
 struct Zone {
   struct HalfSpace {
     Vec3 normal;
-    double from_mm;  ///< along the normal
+    double from_mm;  ///< It is measured along the normal.
   };
-  std::vector<HalfSpace> sides;  ///< none: all of space
+  std::vector<HalfSpace> sides;  ///< Without any, the zone is all of space.
   [[nodiscard]] bool holds(const Vec3& p) const {
     for (const HalfSpace& side : sides) {
       if (side.normal.dot(p) < side.from_mm) return false;
@@ -39,7 +39,7 @@ void unpin(LatticeMesh& net, const std::vector<int>& triangles);
 /// A net that was changed in one zone only.
 struct ZoneNet {
   const LatticeMesh& net;
-  const std::vector<int>& pinned;  ///< what pin_outside() gave
+  const std::vector<int>& pinned;  ///< It is what pin_outside() returned.
 };
 
 /// One net with the changes of all zones, begun from copies of one net; nothing in it is pinned but what was fixed in

@@ -16,9 +16,10 @@ namespace triskin::library {
 /// Covers that are opened: those of a robot on its buses, or the one of a design file.
 struct Source {
   robot::Site site;
-  design::Design design;                     ///< all covers as one; of a design file itself
-  std::vector<design::CoverOffset> offsets;  ///< indexed by cover: first numbers of its modules and patches in `design`
-  std::vector<std::string> covers;           ///< names of the covers
+  design::Design design;  ///< It is all covers as one, or the design of a design file itself.
+  /// Each cover has the numbers of its first module and patch in `design`.
+  std::vector<design::CoverOffset> offsets;
+  std::vector<std::string> covers;  ///< They are the names of the covers.
   device::LinkOptions link;
 };
 /// Reads what `file` names. Throws InputError.
@@ -26,7 +27,7 @@ struct Source {
 
 /// Calibration of a module: value of its counts.
 struct ModuleCalibration {
-  std::array<double, layout::kTaxelsPerModule> counts_per_kpa{};  ///< 0: not known
+  std::array<double, layout::kTaxelsPerModule> counts_per_kpa{};  ///< It is 0 where it is unknown.
   double taxel_area_mm2 = 0.0;
   bool known = false;
 };

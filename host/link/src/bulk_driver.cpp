@@ -61,7 +61,7 @@ class BulkDriver final : public UsbDriver {
     (void)::libusb_hotplug_register_callback(context_, kEvents, 0, wire::kUsbVendor, wire::kUsbProduct,
                                              LIBUSB_HOTPLUG_MATCH_ANY, note_change, this, nullptr);
   }
-  ~BulkDriver() override { ::libusb_exit(context_); }  // and with it the callback
+  ~BulkDriver() override { ::libusb_exit(context_); }  // The context takes the callback with it.
   BulkDriver(const BulkDriver&) = delete;
   BulkDriver& operator=(const BulkDriver&) = delete;
 

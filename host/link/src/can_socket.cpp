@@ -123,7 +123,7 @@ void CanSocket::filter_for_host() {
       wide(wire::kLogBase, 0xFF),
       wide(wire::loader::kReplyId, 0),
       {0x400, kAll11 | 0x700},  // taxels of iCub boards
-      {0x700, kAll11 | 0x700},  // and what they answer in the loader class
+      {0x700, kAll11 | 0x700},  // And what they answer in the loader class.
   }};
   (void)set_option(socket_, SOL_CAN_RAW, CAN_RAW_FILTER, filters);
 }

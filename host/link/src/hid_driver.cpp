@@ -11,7 +11,7 @@
 namespace triskin::device {
 namespace {
 
-std::string narrow(const wchar_t* text) {  // serial numbers are hexadecimal digits
+std::string narrow(const wchar_t* text) {  // Serial numbers are hexadecimal digits, so each character fits one byte.
   std::string out;
   for (; text != nullptr && *text != L'\0'; ++text) out += *text < 128 ? static_cast<char>(*text) : '?';
   return out;

@@ -64,7 +64,7 @@ void UsbLink::read_all(Device& device, const std::stop_token& stop) {
         came_.notify_one();
       }
     }
-  } catch (const DeviceError&) {  // gone: the owner of the link hears of it in its own thread
+  } catch (const DeviceError&) {  // The device is gone; the owner of the link hears of it in its own thread.
     const std::lock_guard lock(mutex_);
     device.gone = true;
     lost_.push_back(device.pipe->serial());

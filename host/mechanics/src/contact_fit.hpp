@@ -15,7 +15,7 @@ struct Fit {
   double noise = 0.0;
   Eigen::MatrixXd precision;  // Gauss-Newton matrix of the four parameters of each contact
   double residual_sum = 0.0;  // Sum of squares, without priors.
-  double objective = 0.0;     // (residual / noise)² and the priors
+  double objective = 0.0;     // It is (residual / noise)² and the priors.
 };
 
 /// What a fit is made to.

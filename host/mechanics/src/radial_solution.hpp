@@ -57,7 +57,7 @@ class RadialSystem {
   double poisson_, contact_radius_;
   Quadrature nodes_, spectrum_;
   Eigen::MatrixXd cosines_;  // Rows are wave numbers, columns are nodes.
-  Eigen::ArrayXd deficit_;   // N times the weights of the spectrum
+  Eigen::ArrayXd deficit_;   // It is N times the weights of the spectrum.
   Eigen::PartialPivLU<Eigen::MatrixXd> factors_;
 };
 

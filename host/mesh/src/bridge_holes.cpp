@@ -20,7 +20,7 @@ constexpr std::size_t kMaxSingleTries = 64;  // Each one costs a search for cros
 constexpr std::size_t kMaxBorder = 2000;  // Ears are searched in cubic time.
 
 struct Hole {
-  std::vector<int> border;  // the surface on the left
+  std::vector<int> border;  // The surface lies on the left of the border.
   Vec3 middle = Vec3::Zero(), normal = Vec3::Zero();
   double radius_mm = 0.0;
 };
@@ -36,7 +36,8 @@ double width_of(const Mesh& mesh, const std::vector<int>& loop) {
 Hole hole_of(const Mesh& mesh, const std::vector<int>& loop) {
   Hole hole{loop};
   for (const int v : loop) hole.middle += mesh.vertices[at(v)] / static_cast<double>(loop.size());
-  for (std::size_t k = 0; k < loop.size(); ++k) {  // Newell; the border of a hole runs clockwise round the normal
+  // Newell's normal is used, and the border of a hole runs clockwise round it.
+  for (std::size_t k = 0; k < loop.size(); ++k) {
     const Vec3 a = mesh.vertices[at(loop[k])] - hole.middle,
                b = mesh.vertices[at(loop[(k + 1) % loop.size()])] - hole.middle;
     hole.normal -= a.cross(b);

@@ -24,7 +24,8 @@ Bvh::Bvh(const std::vector<Extent>& extents, int threads) {
   if (extents.size() < kWorthThreads) threads = 1;
   boxes_.reserve(extents.size());
   boxes_.push_back({.first = 0, .end = static_cast<int>(extents.size())});
-  for (std::size_t begin = 0, end = 1; begin < end; begin = std::exchange(end, boxes_.size())) {  // level by level
+  // The tree is filled level by level.
+  for (std::size_t begin = 0, end = 1; begin < end; begin = std::exchange(end, boxes_.size())) {
     const std::size_t chunk = 1 + (end - begin) / kChunks;
     in_parallel(threads, (end - begin + chunk - 1) / chunk, [&](std::size_t k) {
       const std::size_t last = std::min(end, begin + (k + 1) * chunk);

@@ -36,7 +36,7 @@ class NumberTable {
   }
 
  private:
-  std::vector<int> slots_;  // −1: free
+  std::vector<int> slots_;  // A free slot holds −1.
 };
 
 // Makes coincident corners one vertex. Files store single precision, so equality is taken on a grid of 1e-7 of the

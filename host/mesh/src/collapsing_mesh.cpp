@@ -56,7 +56,7 @@ bool CollapsingMesh::ring_of(int vertex, Ring& ring) const {
   const int any = face_of_[at(vertex)];
   if (any < 0 || is_locked_[at(vertex)]) return false;
   int first = any;
-  for (std::size_t turns = 0;; ++turns) {  // clockwise to the border, or once round
+  for (std::size_t turns = 0;; ++turns) {  // The walk goes clockwise to the border, or once round the vertex.
     const int before = neighbours_[at(first)][corner_in(faces_[at(first)], vertex)];
     if (before < 0 || before == any) break;
     if (turns > FlatStar::kMaxCorners) return false;
@@ -141,7 +141,8 @@ void CollapsingMesh::remove_face(int face, int vertex, int corner) {
   const std::size_t v = corner_in(f, vertex), c = corner_in(f, corner), third = 3 - v - c;
   const auto opposite = [&](std::size_t k) { return sides[(k + 1) % 3]; };  // The neighbour opposite corner k.
   const int inner = opposite(c), outer = opposite(v);
-  const auto join = [&](int one, int end, int other) {  // the side of `one` between `end` and the third corner
+  // The side of `one` between `end` and the third corner is joined to `other`.
+  const auto join = [&](int one, int end, int other) {
     point_side(one, end, f[third], other);
     point_side(one, f[third], end, other);
   };

@@ -26,9 +26,11 @@ class CollapsingMesh {
 
   /// The best neighbour that a corner can be drawn onto within the bounds.
   struct Move {
-    int onto = -1;                               ///< none: not within them
-    double deviation_mm = 0.0, border_mm = 0.0;  ///< deviation of the new faces and of the new border edge
-    double needs_mm;  ///< least deviation among moves that only the limit ruled out; infinity: there was none
+    int onto = -1;  ///< It is −1 when the point lies within none of them.
+    /// The new faces deviate by the first and the new border edge by the second.
+    double deviation_mm = 0.0, border_mm = 0.0;
+    /// It is the least deviation among moves that only the limit ruled out; infinity means that there was none.
+    double needs_mm;
   };
   [[nodiscard]] Move best_move(int vertex, double deviation_mm, double border_mm) const;
 

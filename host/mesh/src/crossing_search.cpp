@@ -39,7 +39,7 @@ struct Shared {
 
 Shared shared_of(const std::array<int, 3>& one, const std::array<int, 3>& other) {
   Shared shared;
-  std::array<bool, 3> is_taken{};  // a face without area may have a corner twice
+  std::array<bool, 3> is_taken{};  // A face without area may have a corner twice, so corners are marked when used.
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
       if (one[i] != other[k] || is_taken[k]) continue;
@@ -84,7 +84,7 @@ bool are_apart(const Triangle& one, const Triangle& other) {
   for (const auto& [a, b] : {std::pair(&one, &other), std::pair(&other, &one)}) {
     const Vec3 normal = cross_of(*a);
     if (is_parted_by(normal, *a, *b)) return true;
-    for (std::size_t k = 0; k < 3; ++k) {  // inwards of a side: the other below it
+    for (std::size_t k = 0; k < 3; ++k) {  // The other side must lie below each side, seen inwards.
       if (is_above(normal.cross((*a)[(k + 1) % 3] - (*a)[k]), *a, *b, (*a)[0])) return true;
     }
   }

@@ -10,15 +10,16 @@ namespace triskin::geometry {
 
 /// How a mesh is searched for faces that cross.
 struct CrossingSearch {
-  int threads = 1;       ///< ≥ 1; 1 in a child process
-  bool any_one = false;  ///< the first that is found ends the search
-  IsLate is_late{};      ///< ends the search; asked between some ten thousands of faces
+  int threads = 1;       ///< At least 1; a child process uses one thread.
+  bool any_one = false;  ///< The search ends with the first pair that is found.
+  IsLate is_late{};      ///< It ends the search, and is asked after every ten thousand faces or so.
 };
 
 /// Pairs of crossing faces, and the cost of the search.
 struct Crossings {
-  std::vector<std::pair<int, int>> pairs;  ///< low and high number of two faces, sorted; one twice: it has no area
-  std::size_t tested = 0;                  ///< faces that were tested against all others
+  /// Each pair is the lower and the higher number of two faces, sorted; a face without area is listed with itself.
+  std::vector<std::pair<int, int>> pairs;
+  std::size_t tested = 0;  ///< So many faces were tested against all others.
 };
 
 /// Pairs of faces that pass through or touch each other beyond a common edge or corner. The faces at an edge are two at

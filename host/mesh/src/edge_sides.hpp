@@ -11,7 +11,7 @@ namespace triskin::geometry {
 
 /// Side of a face (corner `side` → `side` + 1), with the vertices of its edge.
 struct EdgeSide {
-  int low, high;  ///< low ≤ high
+  int low, high;  ///< The lower one comes first.
   int face, side;
 };
 

@@ -97,7 +97,7 @@ inline constexpr double kVisibilityTimeShare = 0.12;
 /// What the test of usable() finds. Late, it says so in the report (`tested`) and takes what it did not find for
 /// absent.
 struct UsableTest {
-  std::optional<Extraction> joined;  ///< none: no part is as large as a module
+  std::optional<Extraction> joined;  ///< It is empty when no part is as large as a module.
   bool is_usable = false;
 };
 [[nodiscard]] UsableTest test_usable(const Mesh& mesh, const IsLate& is_late = {});

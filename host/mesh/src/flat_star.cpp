@@ -41,7 +41,7 @@ FlatStar::FlatStar(const Vec3& middle, std::span<const Vec3> ring, bool is_open)
   for (std::size_t k = 0; k < size_; ++k) ring_[k] = {x.dot(spoke[k]), y.dot(spoke[k]), normal.dot(spoke[k])};
   if (is_open) {
     border_mm_ = distance_to_segment(middle, ring[0], ring[size_ - 1]);
-    ring_[0].y = 0.0;  // the walk of turns_once() begins on this axis
+    ring_[0].y = 0.0;  // The walk of turns_once() begins on this axis.
   }
   for (std::size_t k = 0; k < faces(); ++k) {
     const Face face = face_of({0.0, 0.0, 0.0}, ring_[k], ring_[next(k)]);

@@ -12,7 +12,7 @@ namespace triskin::geometry {
 /// drawn onto one of its neighbours.
 class FlatStar {
  public:
-  static constexpr std::size_t kMaxCorners = 48;  ///< round the middle
+  static constexpr std::size_t kMaxCorners = 48;  ///< A vertex with more neighbours is left alone.
 
   /// `ring`: the neighbours of the middle, counter-clockwise, at most kMaxCorners; of an open star (at a border) from
   /// one border edge to the other.
@@ -22,9 +22,10 @@ class FlatStar {
   [[nodiscard]] bool is_flat() const { return is_flat_; }
 
   struct Change {
-    double deviation_mm;  ///< no point of the old faces is farther from the new ones, nor of the new from the old
-    double border_mm;     ///< the same of the border; 0 for a closed star
-    double shape;         ///< shape of the worst new face: height over its longest edge, 0 … 0.87
+    /// No point of the old faces is farther from the new ones than this, nor the other way round.
+    double deviation_mm;
+    double border_mm;  ///< It is the same bound for the border, and 0 for a closed star.
+    double shape;      ///< It is the worst new face's height over its longest edge, 0 … 0.87.
   };
   /// The middle drawn onto ring[j]; of an open star the first or the last. None where the new faces would not lie side
   /// by side, or would be needles or lean more than the old ones do. Needs is_flat().

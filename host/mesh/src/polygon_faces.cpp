@@ -9,7 +9,7 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr std::size_t kMaxCorners = 300;  // ears of more would take too long
+constexpr std::size_t kMaxCorners = 300;  // Cutting ears off a larger polygon would take too long.
 
 Vec3 normal_of(const Mesh& mesh, const std::vector<int>& corners) {
   Vec3 sum = Vec3::Zero();

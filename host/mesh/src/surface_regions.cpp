@@ -120,7 +120,7 @@ void SurfaceRegions::sample(std::size_t region, double rim_step_mm, double step_
       if (inside >= 0.0) visit(middle, 0.5 * (t[1] - t[0]).cross(t[2] - t[0]).norm());
       return;
     }
-    std::size_t s = 0;  // the longest side
+    std::size_t s = 0;  // It begins with the longest side.
     for (std::size_t k = 1; k < 3; ++k) {
       if ((t[(k + 1) % 3] - t[k]).norm() > (t[(s + 1) % 3] - t[s]).norm()) s = k;
     }

@@ -13,12 +13,12 @@ namespace triskin::pipeline {
 /// A layout with the controllers and jumpers that it needs.
 struct WiredLayout {
   design::ModuleLayout layout;
-  std::vector<design::Jumper> places;  ///< places where jumpers are possible
+  std::vector<design::Jumper> places;  ///< Jumpers are possible at these places.
   /// Division of the modules among controllers, with jumpers at the places.
   std::shared_ptr<const geometry::Division> division;
-  int patches = 0, jumpers = 0;  ///< numbers of the cheapest solution found
-  double price = 0.0;            ///< price of patches, jumpers and islands
-  double module_value = 0.0;     ///< value of the modules; without regions, their number
+  int patches = 0, jumpers = 0;  ///< They belong to the cheapest solution found.
+  double price = 0.0;            ///< It sums patches, jumpers and islands.
+  double module_value = 0.0;     ///< It is the value of the modules, or their number without regions.
   /// Worth − price; of no module less than anything, since a cover was asked for.
   [[nodiscard]] double value() const { return layout.modules.empty() ? -1e300 : module_value - price; }
 };

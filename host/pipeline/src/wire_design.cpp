@@ -15,7 +15,8 @@ void fill_report(design::Design& design, const geometry::Surface& surface) {
   design::Design::Report& r = design.report;
   r.area_cm2 = surface.area_mm2() / 100.0;
   const double cut_mm2 = design::module_area_mm2(design.layout.corner_cut_mm);
-  r.upper_bound = std::max(static_cast<int>(design.layout.modules.size()),  // tolerances let them pass the area
+  // Tolerances may let the modules exceed what the area holds.
+  r.upper_bound = std::max(static_cast<int>(design.layout.modules.size()),
                            static_cast<int>(std::floor(surface.area_mm2() / cut_mm2)));
   r.coverage = static_cast<double>(design.layout.modules.size()) * design::kModuleArea_mm2 / surface.area_mm2();
   r.coverage_cut = static_cast<double>(design.layout.modules.size()) * cut_mm2 / surface.area_mm2();

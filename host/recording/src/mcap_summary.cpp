@@ -7,7 +7,7 @@
 namespace triskin::recording::mcap {
 namespace {
 
-constexpr std::uint64_t kChunkHeadMost = 256;  // compression names are short
+constexpr std::uint64_t kChunkHeadMost = 256;  // Names of compressions are short, so a longer head is damaged.
 constexpr std::uint64_t kIndexHead = 6, kIndexEntry = 16;
 
 // What the summary says of the whole file; the indexes of the chunks are not held, they are read again.

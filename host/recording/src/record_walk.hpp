@@ -12,8 +12,8 @@ namespace triskin::recording::mcap {
 /// Position of a record in a file.
 struct Place {
   Kind kind{};
-  std::uint64_t offset = 0;  ///< start of its head
-  std::uint64_t length = 0;  ///< length of its contents
+  std::uint64_t offset = 0;  ///< It is the start of the record's head.
+  std::uint64_t length = 0;  ///< It is the length of the record's contents.
   [[nodiscard]] std::uint64_t contents() const { return offset + kHeadBytes; }
   [[nodiscard]] std::uint64_t end() const { return offset + kHeadBytes + length; }
 };

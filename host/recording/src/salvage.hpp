@@ -14,15 +14,16 @@ namespace triskin::recording::mcap {
 
 /// What is whole in a file of the format MCAP, also behind damage. Every chunk in it has the CRC that it states.
 struct Salvage {
-  std::vector<Place> records;  ///< records of the data section in the order of the file; message indexes are left out
-  std::vector<Loss> losses;    ///< what is damaged, in the order of the file
-  std::map<std::uint16_t, Buffer> schemas, channels;  ///< contents that only the summary still has, keyed by id
-  std::uint64_t messages = 0;                         ///< number of messages in and outside the chunks
-  std::uint64_t data_end = 0;      ///< end of the intact data section (end record, or the end of the file)
-  bool has_data_end = false;       ///< the end record of the data section was found
-  bool has_footer = false;         ///< the file was closed: footer and magic bytes stand at its end
-  bool has_summary = false;        ///< and the summary before it has the CRC that it states
-  bool is_checksum_wrong = false;  ///< a byte outside the chunks is another one, and nobody can say which
+  /// The records of the data section stand in the order of the file, without message indexes.
+  std::vector<Place> records;
+  std::vector<Loss> losses;                           ///< They say what is damaged, in the order of the file.
+  std::map<std::uint16_t, Buffer> schemas, channels;  ///< Only the summary still has these contents, keyed by id.
+  std::uint64_t messages = 0;                         ///< It counts messages inside and outside the chunks.
+  std::uint64_t data_end = 0;      ///< The intact data section ends here, with its end record or with the file.
+  bool has_data_end = false;       ///< The end record of the data section was found.
+  bool has_footer = false;         ///< The file was closed: footer and magic bytes stand at its end.
+  bool has_summary = false;        ///< The summary before the footer has the CRC that it states.
+  bool is_checksum_wrong = false;  ///< A byte outside the chunks is another one, and nobody can say which.
 };
 
 /// Calls `take(kind, contents)` with each record that stands in `records`, as in those of a chunk, until it returns

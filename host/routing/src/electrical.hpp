@@ -8,12 +8,12 @@ namespace triskin::geometry {
 
 /// Load of one line of a patch.
 struct LineLoad {
-  int modules = 0;  ///< converters on the line
-  int joints = 0;   ///< joints that carry it
-  int passed = 0;   ///< modules it passes without being read there
+  int modules = 0;  ///< It counts the converters on the line.
+  int joints = 0;   ///< It counts the joints that carry the line.
+  int passed = 0;   ///< It counts modules that the line passes without being read there.
   double cable_m = 0.0;
-  int jumpers = 0;        ///< number of jumpers among the joints
-  double jumper_m = 0.0;  ///< total length of these jumpers
+  int jumpers = 0;        ///< It counts the jumpers among the joints.
+  double jumper_m = 0.0;  ///< It is the total length of these jumpers.
 };
 /// C = cable + joints * C_joint + jumpers * C_plugs + cable of jumpers + modules * C_pin + passed * C_switch; rise time
 /// 0.8473·R·C (30 … 70 %, I²C UM10204).

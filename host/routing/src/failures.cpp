@@ -206,7 +206,7 @@ class PatchAnalysis {
   // Orphans that touch another patch with free addresses are read by it, nearest to its entry first.
   void adopt(const Failure& f, FailureLoss& result) const {
     std::vector<int> adopter(at(g_.size()), -1), depth(at(g_.size()), 0);
-    std::vector<std::array<int, 2>> taken;  // (patch, modules)
+    std::vector<std::array<int, 2>> taken;  // Each entry is a patch and the number of modules it takes.
     for (;;) {
       std::tuple<int, int, int> best{1 << 20, -1, -1};  // Depth, unreachable module and parent node.
       for (int v = 0; v < g_.size(); ++v) {

@@ -10,10 +10,10 @@ namespace triskin::geometry {
 /// lightest branches while they fit and closes the others as parts of their own: fewest closed parts first, then the
 /// lightest rest, which is optimal because one more closed part can always free the node of its whole branch.
 struct Folding {
-  std::vector<std::vector<int>> closed;  ///< parts that are settled in some optimal partition, local nodes
-  std::vector<int> core;                 ///< nodes on cycles or between them; one node when the graph is a tree
-  std::vector<int> branch_weight;        ///< indexed by node: weight of the branches it keeps, 0 … capacity − 1
-  std::vector<std::vector<int>> branch;  ///< indexed by node: the nodes of those branches
+  std::vector<std::vector<int>> closed;  ///< These parts, in local nodes, are settled in some optimal partition.
+  std::vector<int> core;  ///< They are the nodes on cycles or between them, and one node when the graph is a tree.
+  std::vector<int> branch_weight;        ///< Each node has the weight of the branches it keeps, 0 … capacity − 1.
+  std::vector<std::vector<int>> branch;  ///< Each node has the nodes of those branches.
 };
 /// Folds the nodes with part_of[v] == part.
 [[nodiscard]] Folding fold(const LocalGraph& g, const std::vector<int>& part_of, int part, int capacity);

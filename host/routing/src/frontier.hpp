@@ -11,7 +11,7 @@ enum class Decision { kFeasible, kInfeasible, kTooLarge };
 
 struct FrontierAnswer {
   Decision decision = Decision::kTooLarge;
-  std::vector<std::vector<int>> parts;  ///< parts of the whole graph, if feasible
+  std::vector<std::vector<int>> parts;  ///< They are the parts of the whole graph, if it is feasible.
 };
 
 /// Can the folded graph be divided into at most k parts? Exact, by a dynamic programme that adds the core's nodes one

@@ -11,7 +11,7 @@
 /// keeps the frontier small, and states that are equal when the nodes of the frontier share parts in the same way.
 namespace triskin::geometry {
 
-inline constexpr int kMaxFrontier = 12;  ///< nodes; more do not fit a key
+inline constexpr int kMaxFrontier = 12;  ///< More nodes do not fit a key.
 
 /// Position s of the frontier: 4 bits of `label` name its block, 5 bits of `weight` at the label hold the block's
 /// weight. Labels are numbered by first appearance, so equal situations have equal keys.

@@ -16,9 +16,9 @@ inline constexpr int kMaxIslands = 64;
 
 /// Islands that jumpers can join.
 struct IslandGraph {
-  std::vector<int> weight;           ///< modules of each
-  std::vector<int> alone;            ///< no partition of the island alone has fewer parts
-  std::vector<IslandSet> neighbour;  ///< islands that a jumper can lead to
+  std::vector<int> weight;           ///< Each is a number of modules.
+  std::vector<int> alone;            ///< No partition of the island alone has fewer parts.
+  std::vector<IslandSet> neighbour;  ///< A jumper can lead to these islands.
 };
 
 /// Lower bounds of the price by *groups*: islands that fitted jumpers join, directly or over others. No part reaches

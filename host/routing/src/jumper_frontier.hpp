@@ -8,8 +8,8 @@
 namespace triskin::geometry {
 
 struct CheapestParts {
-  bool decided = false;      ///< false: the budget ended first
-  std::vector<int> part_of;  ///< part of each local node; empty: none is cheaper than the limit
+  bool decided = false;      ///< It is false when the budget ended first.
+  std::vector<int> part_of;  ///< Each local node has its part; it is empty when none is cheaper than the limit.
   int parts = 0;
 };
 

@@ -10,8 +10,8 @@ namespace triskin::geometry {
 
 /// A connected set of modules whose joints are of two kinds.
 struct JumperGraph {
-  LocalGraph joined;  ///< joints and jumpers
-  LocalGraph apart;   ///< the same nodes, joints only
+  LocalGraph joined;  ///< It has joints and jumpers.
+  LocalGraph apart;   ///< It has the same nodes with joints only.
   /// Indexed by local node and side: the neighbour in `joined` is over a jumper.
   std::vector<std::array<bool, 3>> over_jumper;
 };

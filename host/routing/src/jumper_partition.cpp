@@ -114,7 +114,7 @@ class JumperPartitioner {
 
   // What is known of a group: no division that joins all its islands costs less than `least`.
   struct Settled {
-    JumperGraph graph;  // `node` is the local node of the whole
+    JumperGraph graph;  // Its `node` is the local node of the whole.
     std::int64_t least = 0;
     JumperDivision best;
     bool too_large = false;  // True if the exact programme could not solve it because of its size.

@@ -12,9 +12,9 @@ struct JumperPartition {
   /// Part of each local node, 0 … parts − 1; each part is connected in `joined` and ≤ capacity.
   std::vector<int> part_of;
   int parts = 0, jumpers = 0;
-  int parts_bound = 0;    ///< no partition has fewer parts, whatever its jumpers
-  int jumpers_bound = 0;  ///< no partition into `parts` parts has fewer jumpers
-  bool proved = false;    ///< no partition has a lower price
+  int parts_bound = 0;    ///< No partition has fewer parts, whatever its jumpers.
+  int jumpers_bound = 0;  ///< No partition into `parts` parts has fewer jumpers.
+  bool proved = false;    ///< No partition has a lower price.
 };
 
 /// Divides the graph into connected parts of at most `capacity` <= 16 nodes at the lowest price. Upper bound: trees and

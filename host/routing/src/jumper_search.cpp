@@ -234,7 +234,8 @@ class JumperSearch {
         renumber(static_cast<int>(members_.size()) - 1);
       }
     }
-    for (std::size_t k = chosen_.size(); k > fresh.size(); --k) {  // the last part takes the number that is free
+    // The last part takes the number that becomes free.
+    for (std::size_t k = chosen_.size(); k > fresh.size(); --k) {
       const int free = chosen_[k - 1];
       if (free + 1 < static_cast<int>(members_.size())) {
         members_[at(free)] = std::move(members_.back());

@@ -11,7 +11,7 @@ namespace triskin::geometry {
 
 /// A division of a graph into parts, each connected in `joined`.
 struct JumperDivision {
-  std::vector<int> part_of;  ///< part of each local node, 0 … parts − 1
+  std::vector<int> part_of;  ///< Each local node has its part, 0 … parts − 1.
   int parts = 0, jumpers = 0;
 
   /// Takes another where it is cheaper, or there is none yet; says so.

@@ -12,7 +12,7 @@ namespace triskin::geometry {
 
 inline constexpr int kMaxSlots = 32, kMaxBlocks = 12;
 inline constexpr int kNoBlock =
-    15;  ///< label of a slot that cannot be joined: its part is full, or its jumper not fitted
+    15;  ///< This label marks a slot that cannot be joined, because its part is full or its jumper not fitted.
 
 /// The block of each slot, 4 bits each; blocks are numbered by first appearance, so equal situations are equal.
 struct SlotLabels {
@@ -30,11 +30,11 @@ struct SlotLabelsHash {
 
 struct JumperState {
   SlotLabels labels;
-  std::uint64_t weights = 0;  ///< 5 bits per block, the highest of them 0
-  std::int64_t cost = 0;      ///< cost of closed parts and fitted jumpers
-  int before = -1;            ///< number of the state in the previous layer
+  std::uint64_t weights = 0;  ///< Each block has five bits, of which the highest is 0.
+  std::int64_t cost = 0;      ///< It sums the closed parts and the fitted jumpers.
+  int before = -1;            ///< It is the number of the state in the previous layer.
   std::uint8_t blocks = 0;
-  std::uint8_t joined = 0;  ///< sides over which the node joined a neighbour's part
+  std::uint8_t joined = 0;  ///< Over these sides the node joined a neighbour's part.
 
   [[nodiscard]] int weight(int block) const { return static_cast<int>(weights >> (5 * block) & 31); }
   /// True if, with the same labels, whatever completes `other` completes this at no higher price.

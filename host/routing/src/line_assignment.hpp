@@ -10,8 +10,8 @@
 namespace triskin::geometry {
 
 struct LineAssignment {
-  std::vector<int> line;  ///< line of each node; at most `per_line` nodes on a line
-  int line_hops = 0;      ///< Σ over edges of the number of lines that are used below the edge
+  std::vector<int> line;  ///< Each node has its line, and at most `per_line` nodes share one.
+  int line_hops = 0;      ///< It sums over the edges how many lines are used below each.
 };
 
 /// Fewest line hops of a rooted tree, exact: dynamic programme bottom-up over the sorted numbers of nodes that a
@@ -27,7 +27,7 @@ class LineAssigner {
 
  private:
   using Fill = std::vector<int>;  // Nodes on each line, the largest first.
-  struct Way {                    // a sum of two fills: line l of the second lies on line onto[l] of the first
+  struct Way {                    // Two fills are added so that line l of the second lies on line onto[l] of the first.
     int sum = 0;
     std::vector<int> onto;
   };

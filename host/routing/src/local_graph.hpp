@@ -11,8 +11,9 @@ namespace triskin::geometry {
 
 /// A set of nodes of a module graph under local numbers 0 … n−1, with the joints among them.
 struct LocalGraph {
-  std::vector<int> node;                      ///< node of the module graph, ascending
-  std::vector<std::array<int, 3>> neighbour;  ///< neighbour over each tile side as a local number, −1 outside the set
+  std::vector<int> node;  ///< They are nodes of the module graph in ascending order.
+  /// Neighbours over each tile side are local numbers; −1 lies outside the set.
+  std::vector<std::array<int, 3>> neighbour;
   [[nodiscard]] int size() const { return static_cast<int>(node.size()); }
 };
 [[nodiscard]] LocalGraph localize(const ModuleGraph& graph, std::vector<int> nodes);
@@ -24,7 +25,7 @@ struct LocalGraph {
 /// Nodes of a spanning tree, parents before children; parent[k] belongs to order[k], −1 for the root.
 struct SpanningTree {
   std::vector<int> order;
-  std::vector<int> parent;  ///< indexed by local node
+  std::vector<int> parent;  ///< It is indexed by local node.
 };
 /// Random spanning tree of the nodes v with part_of[v] == `part`, which are connected; `root` is one of them. Grows by
 /// a mixture of depth first and random order, so that stringy and bushy trees both come up. Cost: O(n).

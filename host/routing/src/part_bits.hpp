@@ -12,7 +12,7 @@ namespace triskin::geometry {
 struct PartBits {
   int n = 0;
   std::uint32_t all = 0;
-  std::array<std::uint32_t, 32> joined{};  ///< neighbours of each node
+  std::array<std::uint32_t, 32> joined{};  ///< Each node has its neighbours as bits.
 
   explicit PartBits(const LocalGraph& g) : n(g.size()), all(n == 32 ? ~0U : (1U << n) - 1U) {
     for (int v = 0; v < n; ++v) {

@@ -9,7 +9,8 @@
 namespace triskin::geometry {
 
 struct Partition {
-  std::vector<int> part_of;  ///< part of each local node, 0 … parts − 1; each part is connected and ≤ capacity
+  /// Each local node has its part, 0 … parts − 1; every part is connected and has at most `capacity` nodes.
+  std::vector<int> part_of;
   int parts = 0;
   int lower_bound = 0;
   PartitionProof proof = PartitionProof::kOpen;

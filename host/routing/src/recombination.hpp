@@ -7,10 +7,11 @@ namespace triskin::geometry {
 
 /// Inputs of the secondary cost of a part, beside its joints.
 struct PartSurroundings {
-  std::uint32_t border = 0;        ///< nodes with a side that a cable reaches
-  std::array<int, 32> cable_cm{};  ///< cable length to each node from the controller place; zeros if no place is given
+  std::uint32_t border = 0;  ///< A cable can reach a side of these nodes.
+  /// Each is the cable length from the controller place, or zero if no place is given.
+  std::array<int, 32> cable_cm{};
   bool jumpers = false;
-  std::array<std::uint32_t, 32> over_jumper{};  ///< neighbours of each node that a jumper leads to
+  std::array<std::uint32_t, 32> over_jumper{};  ///< Each node has the neighbours that a jumper leads to.
 };
 
 /// Secondary cost of the connected set `part`, in integers so that every compiler decides alike: jumpers ≫ no border

@@ -167,7 +167,7 @@ Bus::Message Bus::exchange(std::uint8_t node, Bytes request) {
   drain(node);
   std::uint64_t deadline_us = link_.now_us() + link_.answer_us();
   const std::uint64_t last_us = link_.now_us() + kLongestPending_us;
-  if (!start(node, request)) {  // the system has not got rid of the last one
+  if (!start(node, request)) {  // The system has not finished the last request of this kind.
     channels_.erase(node);
     return {};
   }

@@ -54,7 +54,8 @@ wire::PlaceSensitivity row_of(const design::PlaceCalibration& place, int exponen
     const design::TaxelSensitivity& taxel = place.taxels[t];
     if (taxel.counts_per_kpa <= 0.0) continue;
     const double steps = std::round(std::ldexp(taxel.counts_per_kpa, exponent));
-    row.sensitivity[t] = static_cast<std::uint16_t>(std::clamp(steps, 1.0, kMax16));  // 0 would say: none
+    // A value of 0 would say that there is no calibration.
+    row.sensitivity[t] = static_cast<std::uint16_t>(std::clamp(steps, 1.0, kMax16));
     row.error = std::max(row.error, rounded_up(taxel.error_percent, kErrorStep_percent));
     row.residual_pa = std::max(row.residual_pa, rounded_up(taxel.residual_kpa * kPaPerKpa, 1.0));
   }

@@ -44,7 +44,7 @@ Tree tree_after(const design::Patch& patch, const RouteChoice& choice) {
     tree.cut_a = choice.module;
     tree.cut_b = choice.other;
   }
-  if (loss == patch.failures.end()) {  // a joint outside the tree: the tree stays
+  if (loss == patch.failures.end()) {  // A joint outside the tree failed, so the tree stays.
     tree.modules = patch.modules;
     return tree;
   }

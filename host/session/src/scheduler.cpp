@@ -160,7 +160,7 @@ void TaskLink::resume() {
   woken_ = false;
   try {
     fiber_.resume();
-  } catch (...) {  // no thread to be had: this task fails, the others go on
+  } catch (...) {  // The system gives no more threads: this task fails, and the others go on.
     outcome_ = std::current_exception();
     state_ = State::kEnded;
   }

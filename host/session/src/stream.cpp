@@ -335,7 +335,7 @@ void Stream::finish() {
     renew_when_due();
     for (auto& [address, node] : nodes_) end(address, node);
     wait_for_rest();
-  } catch (const Error&) {  // the link is gone
+  } catch (const Error&) {  // The link is gone.
     for (auto& [address, node] : nodes_) {
       for (SampleAccount& c : node.counts) c.end_silent(bus_.now_us());
     }

@@ -196,7 +196,7 @@ void Canvas::begin_raster(const Vec2& corner, const Vec2& size_mm, double dots_p
   c.picture_mm = corner;
   c.dots_per_mm = dots_per_mm;
   c.context = cairo_create(picture);
-  cairo_surface_destroy(picture);  // the context keeps it
+  cairo_surface_destroy(picture);  // The context keeps the surface alive.
   cairo_scale(c.context, dots_per_mm, dots_per_mm);
   cairo_translate(c.context, -corner.x(), -corner.y());
   c.use(kWhite);

@@ -30,7 +30,7 @@ struct TextLook {
   bool bold = false;
   double align = 0.0;
   Color color = kBlack;
-  double turn_rad = 0.0;  ///< clockwise as one sees it
+  double turn_rad = 0.0;  ///< It is clockwise for who looks at the page.
 };
 
 /// What pages are drawn on; the only place that knows Cairo. Lengths in mm, from the upper left corner of the page, y

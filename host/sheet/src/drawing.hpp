@@ -14,7 +14,7 @@ struct Drawing {
   const design::Design& design;
   const Plan& plan;
   const Page& page;
-  int number = 1;                      ///< page number
+  int number = 1;                      ///< It is the number of the page.
   const IslandPage* island = nullptr;  ///< the one that is being drawn
 };
 
@@ -35,7 +35,7 @@ void draw_labels(const Drawing& d);
 struct ModuleMarks {
   std::string number;
   int line = 0, address = 0, rotation = 0;
-  bool up = true;  ///< one corner points upwards on the page, not downwards
+  bool up = true;  ///< One corner points upwards on the page, not downwards.
   int patch = -1;
   double corner_cut_mm = 0.0;
 };

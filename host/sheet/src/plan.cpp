@@ -88,7 +88,7 @@ Plan plan_of(const design::Design& design, Paper paper) {
     number_pages(plan);
   };
   put_together();
-  put_together();  // now the text knows the numbers of the pages
+  put_together();  // Only now does the text know the numbers of the pages.
   return plan;
 }
 

@@ -21,7 +21,8 @@ constexpr int kPinsInLowRegister = 7;
 
 constexpr int kMidScale = 0x8000;
 
-constexpr std::uint64_t kSequenceUs[] = {36'900, 18'400, 9'200, 9'200};  // 12 stages, per decimation field
+// They are those of 12 stages for each value of the decimation field.
+constexpr std::uint64_t kSequenceUs[] = {36'900, 18'400, 9'200, 9'200};
 constexpr std::uint64_t kLowPowerDelayUs[] = {200'000, 400'000, 600'000, 800'000};
 
 int power_mode(std::uint16_t pwr) {

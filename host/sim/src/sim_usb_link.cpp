@@ -7,7 +7,8 @@ namespace triskin::device {
 namespace {
 
 constexpr std::uint64_t kAsk_us = 125;  // A device that has nothing is asked again in the next microframe.
-constexpr wire::UsbSetup kConfigure{.type = 0, .request = 9, .value = 1};  // SET_CONFIGURATION, USB 2.0 table 9-4
+// It is SET_CONFIGURATION of USB 2.0, table 9-4.
+constexpr wire::UsbSetup kConfigure{.type = 0, .request = 9, .value = 1};
 constexpr int kNotConfigured = -1;
 
 scene::Scene without_bus(scene::Scene scene) {

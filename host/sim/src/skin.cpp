@@ -14,7 +14,8 @@
 namespace triskin::scene {
 namespace {
 
-constexpr double kSaturatedCounts = -1e6;  // beyond the converter's range: a pad shorted to the shield
+// It lies beyond the converter's range, as with a pad shorted to the shield.
+constexpr double kSaturatedCounts = -1e6;
 constexpr std::uint64_t kForgetAfterUs = 1'000'000;
 // An electrode that whole steps of the converter's offset take away.
 constexpr double kShownElectrode_counts = 20 * Ad7147Behaviour{}.afe_step_pf * kCountsPerPf;

@@ -174,7 +174,7 @@ void VhciDevice::write() {
     Bytes packet = function_.in(t->endpoint);
     const bool came = !packet.empty();
     data.insert(data.end(), packet.begin(), packet.end());
-    while (came && packet.size() == kPacket && data.size() + kPacket <= t->length) {  // until a short packet
+    while (came && packet.size() == kPacket && data.size() + kPacket <= t->length) {  // A short packet ends the data.
       packet = function_.in(t->endpoint);
       data.insert(data.end(), packet.begin(), packet.end());
     }

@@ -9,10 +9,10 @@ namespace triskin::geometry {
 
 /// A connected set of faces with its own vertices, laid flat.
 struct FlatChart {
-  std::vector<int> faces;                       ///< faces of the surface
-  std::vector<std::array<int, 3>> local_faces;  ///< indices into `flat`, same corner order
-  std::vector<int> vertices;                    ///< surface vertex of each local vertex
-  std::vector<Vec2> flat;                       ///< mm
+  std::vector<int> faces;                       ///< They are faces of the surface.
+  std::vector<std::array<int, 3>> local_faces;  ///< They index `flat`, in the order of the corners on the surface.
+  std::vector<int> vertices;                    ///< Each local vertex has its vertex on the surface.
+  std::vector<Vec2> flat;                       ///< They are in mm.
 };
 
 /// Lays the faces, joined where nothing is cut, flat, each as rigid as possible: starts from an unfolding along the

@@ -57,7 +57,7 @@ class Machine::Core final : public Surroundings {
   struct Block {
     std::uint32_t size = 0, instructions = 0;
     bool floating_point = false;
-    bool ends_in_wait = false;  ///< its last instruction is WFI
+    bool ends_in_wait = false;  ///< Its last instruction is WFI.
   };
   struct Window {
     Peripheral* block;

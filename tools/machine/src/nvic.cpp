@@ -9,7 +9,7 @@ void Nvic::reset() {
   pending_ = enabled_ = is_active_ = {};
   priority_ = {};
   active_.clear();
-  vtor_ = image_ = map::kFlashCells;  // the alias at 0 that BOOT0 selects
+  vtor_ = image_ = map::kFlashCells;  // The alias at 0 that BOOT0 selects.
   cfsr_ = hfsr_ = bfar_ = 0;
   cpacr_ = tick_control_ = tick_reload_ = 0;
   ++tick_generation_;
@@ -26,7 +26,7 @@ void Nvic::set_level(int irq, bool level) {
 int Nvic::priority(int exception) const {
   if (exception == kNmi) return -2;
   if (exception == kHardFault) return -1;
-  return priority_[at(exception)] & 0xF0;  // four bits are implemented
+  return priority_[at(exception)] & 0xF0;  // Four bits are implemented.
 }
 
 int Nvic::next() const {
@@ -54,7 +54,7 @@ void Nvic::leave() {
   const int e = active_.back();
   active_.pop_back();
   is_active_[at(e)] = false;
-  if (e >= 16 && level_[at(e)]) pending_[at(e)] = true;  // the source still asks
+  if (e >= 16 && level_[at(e)]) pending_[at(e)] = true;  // The source still asks.
   poked = true;
 }
 
@@ -126,7 +126,7 @@ void Nvic::write_bits(std::uint32_t offset, std::uint32_t value) {
     const std::size_t e = 16 + (offset & 0x7F) * 8 + k;
     if ((value >> k & 1) != 0 && e < kExceptions) target[e] = set;
   }
-  if (!set && offset >= 0x200) {  // a level that still stands pends again
+  if (!set && offset >= 0x200) {  // A level that still stands pends again.
     for (std::size_t e = 16; e < kExceptions; ++e) pending_[e] = pending_[e] || level_[e];
   }
 }

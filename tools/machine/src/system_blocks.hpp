@@ -11,7 +11,7 @@ namespace triskin::machine {
 /// What hangs at the pins of the crystal.
 struct CrystalSetup {
   std::uint64_t hz = 8'000'000;  ///< 0: none, or one that does not start
-  Time fails_at = kNever;        ///< time after power-up when it stops for ever
+  Time fails_at = kNever;        ///< Time after power-up when it stops for ever.
 };
 
 /// Reset and clock control with power control's boost bit (RM0440 §7.4, §6.4). Oscillators need their start-up
@@ -75,7 +75,7 @@ class Tim16 final : public Peripheral {
   const Rcc& rcc_;
   std::array<std::uint32_t, 64> regs_{};
   Time started_ = 0;
-  std::uint64_t captured_ = 0;  // edges since the start
+  std::uint64_t captured_ = 0;  // Edges since the start.
 };
 
 /// TIM2 as a free-running counter with two compare interrupts (RM0440 chapter 30).

@@ -208,7 +208,7 @@ UsbReply UsbController::out(std::uint8_t address, std::uint8_t endpoint, bool da
   if (receive_status(*r) == kStall) return UsbReply::kStall;
   if (receive_status(*r) == kNak) return UsbReply::kNak;
   if (data1 != ((*r & kReceiveToggle) != 0))
-    return UsbReply::kAck;  // had it before: the host missed the acknowledgement
+    return UsbReply::kAck;  // Had it before: the host missed the acknowledgement.
   if (!store(index_of(r), bytes)) return UsbReply::kNone;
   *r = (*r & ~kSetup) | kReceived;
   *r ^= kReceiveToggle;

@@ -6,7 +6,7 @@
 namespace triskin::check {
 namespace {
 
-constexpr double kFacing = 0.05;    // cosine between the normals of an edge and of a side that faces it, at least
+constexpr double kFacing = 0.05;    // An edge faces a side when the cosine between their normals is at least this.
 constexpr double kSlack_mm = 1e-6;  // Far above the rounding of plain doubles at 1e6 mm.
 
 IntervalPoint scaled(const IntervalPoint& p, double sign) {

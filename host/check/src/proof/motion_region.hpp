@@ -9,8 +9,8 @@ namespace triskin::check {
 /// Edge of the polygon relative to the pivot.
 struct ProofEdge {
   std::array<IntervalPoint, 2> end;
-  Interval offset;         ///< left normal (not of unit length) · end
-  double length_mm = 0.0;  ///< upper bound
+  Interval offset;         ///< It is the left normal, which is not of unit length, times the end.
+  double length_mm = 0.0;  ///< It is an upper bound.
 };
 
 /// A module near the outline, with its edges as a range of indices.
@@ -18,12 +18,12 @@ struct Candidate {
   ProofTile tile;
   IntervalPoint center;
   std::uint32_t first = 0, count = 0;
-  bool inside = false;  ///< its centre is known to lie inside over the whole region
+  bool inside = false;  ///< Its centre is known to lie inside over the whole region.
 };
 struct CandidateList {
   std::vector<Candidate> tiles;
   std::vector<std::uint32_t> edges;
-  int certain = 0;  ///< modules that lie inside whatever the motion
+  int certain = 0;  ///< So many modules lie inside whatever the motion.
   [[nodiscard]] int bound() const { return certain + static_cast<int>(tiles.size()); }
 };
 
@@ -33,9 +33,9 @@ struct CandidateList {
 struct Need {
   bool by_side = false;
   std::uint32_t edge = 0;
-  IntervalPoint normal, point;  ///< normal of about unit length
+  IntervalPoint normal, point;  ///< The normal has about unit length.
   Interval constant;
-  double farthest_mm = 0.0;  ///< length of the longest vector that the normal is multiplied with
+  double farthest_mm = 0.0;  ///< The normal is multiplied with vectors of at most this length.
 };
 
 /// The problem in the checker's own terms.

@@ -20,7 +20,8 @@ constexpr double kListReach_mm = 40.0;  // Above it the list of modules would ta
 constexpr int kDeepest = 26;            // Largest number of halvings of one cell of the log.
 constexpr int kJointEvery = 3;          // Halvings between two searches for contradictions.
 constexpr int kJointCredit = 6;         // After a search that helped, this many regions are searched.
-constexpr double kSpare_mm = 1e-9;      // rounding of the placement itself, beside its tolerance; more far away
+// It covers the rounding of the placement itself, beside its tolerance, and grows with the distance.
+constexpr double kSpare_mm = 1e-9;
 
 struct Rejected {
   std::string reason;
@@ -225,7 +226,8 @@ std::string hash_of(const std::vector<std::array<PlanePoint, 2>>& edges) {
   for (const auto& edge : edges) {
     for (const PlanePoint& p : edge) {
       for (const double coordinate : p) {
-        const auto bits = std::bit_cast<std::uint64_t>(coordinate + 0.0);  // −0 is 0
+        // Adding 0 turns −0 into 0, which must have the same hash.
+        const auto bits = std::bit_cast<std::uint64_t>(coordinate + 0.0);
         for (int k = 0; k < 64; k += 8) hash = (hash ^ ((bits >> k) & 0xff)) * 0x100000001b3;
       }
     }

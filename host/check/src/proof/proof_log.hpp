@@ -31,10 +31,10 @@ inline constexpr NameTable kProofShapeNames{std::array<std::pair<ProofShape, std
 /// Claims of a proof log.
 struct ProofLog {
   std::vector<Ring> rings;
-  std::optional<ProofShape> shape = ProofShape::kTriangle;  ///< nullopt: the log names an unknown one
+  std::optional<ProofShape> shape = ProofShape::kTriangle;  ///< It is empty when the log names an unknown shape.
   PlanePoint pivot{};
   double pitch_mm = 0.0, tolerance_mm = 0.0;
-  double corner_cut_mm = 0.0;  ///< 0 where the log has none
+  double corner_cut_mm = 0.0;  ///< It is 0 where the log has none.
   int modules = 0, upper_bound = 0;
   std::array<double, 3> motion{};
   std::vector<ProofTile> tiles;

@@ -4,9 +4,10 @@
 namespace triskin::check {
 namespace {
 
-const Interval kHalfRoot3{0.86602540378443859, 0.86602540378443871};  // √3/2 lies between these two neighbours
+const Interval kHalfRoot3{0.86602540378443859, 0.86602540378443871};  // √3/2 lies between these two neighbours.
 const Interval kThird{1.0 / 3.0 - 1e-16, 1.0 / 3.0 + 1e-16};
-constexpr double kSixth_rad = 1.0471975511965979, kQuarter_rad = 1.5707963267948968;  // a hair above 60° and 90°
+// They lie a hair above 60° and 90°.
+constexpr double kSixth_rad = 1.0471975511965979, kQuarter_rad = 1.5707963267948968;
 constexpr double kHalfSide_mm = 0.5 * kModuleSide_mm;
 
 ProofModule triangle() {

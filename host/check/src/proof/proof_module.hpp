@@ -14,13 +14,13 @@ struct ProofModule {
   /// Up module around its centre, outward and of unit length; the down one is its mirror image in the centre.
   std::vector<IntervalPoint> normal, corner;
   bool has_down = false;
-  std::vector<Interval> offset;  ///< offset of each side from the centre
-  double inradius_low_mm = 0.0,  ///< least offset
+  std::vector<Interval> offset;  ///< Each is the offset of a side from the centre.
+  double inradius_low_mm = 0.0,  ///< It is the least offset.
       circumradius_high_mm = 0.0;
-  double min_pitch_mm = 0.0;     ///< below it modules would overlap
-  Interval row_height;           ///< height of a row in pitches
-  double row_shift = 0.0;        ///< shift of a row in pitches
-  double period_high_rad = 0.0;  ///< the grid is its own image after this turn, a hair less
+  double min_pitch_mm = 0.0;     ///< Modules would overlap below it.
+  Interval row_height;           ///< It is the height of a row in pitches.
+  double row_shift = 0.0;        ///< Each row is shifted by this in pitches.
+  double period_high_rad = 0.0;  ///< The grid is its own image after this turn, a hair less.
 
   [[nodiscard]] IntervalPoint center(const ProofTile& tile, double pitch_mm) const;
 };

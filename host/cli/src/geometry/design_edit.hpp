@@ -11,7 +11,7 @@ namespace triskin::cli {
 struct EditOptions {
   int take = -1;
   std::string remove, add, keep, mirror;
-  std::string kinds;  ///< file, or "none"; also beside a mesh
+  std::string kinds;  ///< It is a file or "none", also beside a mesh.
 
   void add_to(CLI::App& app);
   /// Says nothing of them in --help, but for --kinds.

@@ -28,7 +28,7 @@ struct Options {
   bool skingui = false;
   std::string part;
   bool hops_first = false;
-  double jumpers_mm = 0.0;  // > 0: MODULES is a design
+  double jumpers_mm = 0.0;  // If positive, MODULES is a design.
   double time_limit_s = 0.0;
   geometry::RoutingOptions routing;
 };

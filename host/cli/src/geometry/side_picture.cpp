@@ -18,7 +18,7 @@ using geometry::SideChoice;
 using geometry::Vec3;
 
 constexpr int kView_px = 420;
-constexpr double kFill = 0.47;     // share of a view from its middle to the part's farthest corner
+constexpr double kFill = 0.47;     // It is the share of a view from its middle to the part's farthest corner.
 constexpr double kTilt_rad = 0.6;  // A view along the normal would hide the side walls.
 
 struct Colour {
@@ -145,7 +145,7 @@ std::string numbers_svg(const SideChoice& choice, const std::vector<int>& front)
       if (front[k] >= 0 && choice.choice_of_face[static_cast<std::size_t>(front[k])] == number)
         pixels.push_back({static_cast<int>(k) % kView_px, static_cast<int>(k) / kView_px});
     }
-    if (pixels.size() < 400) continue;  // a number would hide them
+    if (pixels.size() < 400) continue;  // A number would hide so small an area.
     double x = 0.0, y = 0.0;
     for (const auto& p : pixels) {
       x += p[0] / static_cast<double>(pixels.size());

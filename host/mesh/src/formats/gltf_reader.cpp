@@ -15,7 +15,7 @@ using nlohmann::json;
 
 constexpr int kMaxDepth = 200;
 constexpr std::size_t kMaxShown = 1'000'000, kMaxFaces = 50'000'000;
-constexpr std::size_t kTriangles = 4, kStrip = 5, kFan = 6;  // modes of a primitive
+constexpr std::size_t kTriangles = 4, kStrip = 5, kFan = 6;  // glTF numbers the modes of a primitive so.
 
 std::string name_of(const json& j) {
   return j.contains("name") && j["name"].is_string() ? j["name"].get<std::string>() : std::string();

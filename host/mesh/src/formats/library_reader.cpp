@@ -58,7 +58,7 @@ void append_part(const aiMesh& part, const aiMatrix4x4& transform, Mesh& out) {
   const bool is_mirrored = aiMatrix3x3(transform).Determinant() < 0.0F;
   for (unsigned f = 0; f < part.mNumFaces; ++f) {
     const aiFace& face = part.mFaces[f];
-    if (face.mNumIndices != 3) continue;  // points and lines carry no surface
+    if (face.mNumIndices != 3) continue;  // Points and lines carry no surface.
     const auto corner = [&](int k) { return base + static_cast<int>(face.mIndices[k]); };
     out.faces.push_back({corner(0), corner(is_mirrored ? 2 : 1), corner(is_mirrored ? 1 : 2)});
   }

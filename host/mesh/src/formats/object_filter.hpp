@@ -7,8 +7,8 @@ namespace triskin::geometry {
 
 /// Object of a mesh file to be read, and the names that a reader met.
 struct ObjectFilter {
-  std::string wanted;           ///< empty: all
-  std::set<std::string> names;  ///< names of objects, groups, solids or nodes with faces
+  std::string wanted;           ///< An empty name wants all objects.
+  std::set<std::string> names;  ///< They are the names of all objects, groups, solids or nodes that have faces.
 
   /// Notes a name; true when it is the wanted one.
   bool meets(const std::string& name) {

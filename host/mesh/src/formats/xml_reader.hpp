@@ -10,10 +10,11 @@ namespace triskin::geometry {
 
 /// The start tag of an XML element, with its namespace resolved. Valid during the call that gets it.
 struct XmlTag {
-  std::string_view space;                                                 ///< URI of the namespace; empty: none
-  std::string_view name;                                                  ///< name without prefix
-  long line = 0;                                                          ///< line in the file, 1-based
-  std::vector<std::pair<std::string_view, std::string_view>> attributes;  ///< "URI\nname" or "name", and the value
+  std::string_view space;  ///< It is the URI of the namespace, empty where there is none.
+  std::string_view name;   ///< The prefix is taken off.
+  long line = 0;           ///< Lines are counted from 1.
+  /// Each is "URI\nname" or "name", with its value.
+  std::vector<std::pair<std::string_view, std::string_view>> attributes;
 
   /// Value of an attribute, `space` empty for one without a prefix; nullptr data where the tag has none.
   [[nodiscard]] std::string_view attribute(std::string_view wanted, std::string_view in_space = {}) const;
@@ -23,7 +24,7 @@ struct XmlTag {
 struct XmlHandler {
   std::function<void(const XmlTag&)> start;
   std::function<void(std::string_view space, std::string_view name)> end;
-  std::function<void(std::string_view)> text;  ///< called for each piece of text
+  std::function<void(std::string_view)> text;  ///< It is called for each piece of text.
   /// Called ahead of the tag that declares it.
   std::function<void(std::string_view prefix, std::string_view uri)> declare;
 };

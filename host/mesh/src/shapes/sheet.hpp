@@ -8,10 +8,11 @@ namespace triskin::geometry {
 
 /// Surface over the unit square, with what is cut away.
 struct Sheet {
-  std::function<Vec3(double u, double v)> place;  ///< mm; ∂u × ∂v points outwards
-  std::function<double(const Vec3&)> keep;        ///< mm, positive where the surface stays; empty: everywhere
-  double aspect = 1.0;                            ///< grid cells along u for one along v
-  bool closed = false;                            ///< u = 1 is u = 0: a tube
+  std::function<Vec3(double u, double v)> place;  ///< It returns mm, and ∂u × ∂v points outwards.
+  /// It is positive, in mm, where the surface stays; an empty function keeps everything.
+  std::function<double(const Vec3&)> keep;
+  double aspect = 1.0;  ///< The grid has so many cells along u for each along v.
+  bool closed = false;  ///< In a closed shape u = 1 is u = 0, as on a tube.
 };
 
 /// Triangles of irregular size and direction, as CAD programs make them, about `faces` of them (within a fifth). The

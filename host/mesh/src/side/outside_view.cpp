@@ -67,7 +67,8 @@ double visibility_of(const RayCaster& part, const Vec3& point_mm, const Vec3& no
   const Vec3 x = normal.unitOrthogonal(), y = normal.cross(x), start = point_mm + kAbove_mm * normal;
   const double first = 2.0 * std::numbers::pi * std::fmod(0.6180339887498949 * turn, 1.0);
   int free = 0;
-  for (int k = 0; k < rays; ++k) {  // even points of the disc, raised to the half sphere, are cosine weighted (Malley)
+  // Even points of the disc, raised to the half sphere, are weighted by the cosine (Malley).
+  for (int k = 0; k < rays; ++k) {
     const double squared = (k + 0.5) / rays, r = std::sqrt(squared), angle = first + kGoldenAngle * k;
     const Vec3 ray = r * std::cos(angle) * x + r * std::sin(angle) * y + std::sqrt(1.0 - squared) * normal;
     free += part.is_free(start, ray, kFar_mm) ? 1 : 0;

@@ -19,7 +19,7 @@ class HullDepth {
 
  private:
   std::vector<double> heights_mm_;  // Height of the hull in each direction.
-  std::vector<Vec3> extremes_mm_;   // points of the hull, one or fewer a direction
+  std::vector<Vec3> extremes_mm_;   // They are points of the hull, at most one for each direction.
 };
 
 /// Cosine-weighted share of the half sphere above a point, 0 … 1, in which no ray meets the part. `turn` (any number)

@@ -10,7 +10,7 @@ namespace triskin::geometry {
 
 /// First face that a ray meets.
 struct RayHit {
-  int face = -1;  ///< −1: none
+  int face = -1;  ///< It is −1 when there is none.
   double distance_mm = std::numeric_limits<double>::infinity();
 };
 

@@ -13,18 +13,19 @@ namespace triskin::geometry {
 namespace {
 
 constexpr double kDecided = 0.15;  // |outwardness| from which a region is decided; see docs/side.md
-constexpr double kPocket = -0.3;   // outwardness under which the floor of a thick body is a pocket
+constexpr double kPocket = -0.3;   // Below this outwardness the floor of a thick body is a pocket.
 constexpr double kHiddenVisibility = 0.2;
-constexpr double kWalledRegion = 0.5;  // share of its area that has a wall
+constexpr double kWalledRegion = 0.5;  // A region counts as walled when this share of its area has a wall.
 // An edge weighs as much as a strip of this width: more where the sheets across the wall meet behind it too, so that
 // the wall as a whole turns there, which it does not at the foot of a rib.
 constexpr double kBesideWidth_mm = 12.0, kBendWidth_mm = 100.0;
 constexpr double kAcrossWeight = 1.0;
-constexpr double kRibFoot = 0.2;         // share of a rib's border that is its foot
+constexpr double kRibFoot = 0.2;         // This share of a rib's border is its foot.
 constexpr double kMaxRibFraction = 0.3;  // A larger share of the outer area is no rib.
-constexpr double kBackToBack = 0.3;      // share of a region that has another outer one right behind it
+// A region has this share of another outer region right behind it when the two lie back to back.
+constexpr double kBackToBack = 0.3;
 constexpr double kModuleInradius_mm = 8.66;
-constexpr double kRimSurroundings = 0.9;  // share of a strip's border that lies on outer regions
+constexpr double kRimSurroundings = 0.9;  // This share of a rim strip's border lies on outer regions.
 constexpr double kMinUndecided_mm2 = 400.0, kMaxUndecidedFraction = 0.15, kLargeRegion = 0.05;
 constexpr double kMinWalledFraction = 0.25, kMinInnerFraction = 0.05;
 constexpr double kJoinedFraction = 0.1;  // Share of a component's walled area, on its lesser side.
@@ -60,7 +61,7 @@ class Decision {
  private:
   struct Bond {
     int other;
-    double weight, sign;  // sign −1: they should differ
+    double weight, sign;  // A sign of −1 says that the two regions should differ.
   };
 
   [[nodiscard]] const RegionEvidence& region(int r) const { return evidence_.regions[at(r)]; }

@@ -6,9 +6,9 @@ namespace triskin::geometry {
 
 /// Labels of the regions, and whether they are certain.
 struct SideDecision {
-  std::vector<FaceSide> side;        ///< a region each
-  std::vector<double> outwardness;   ///< −1 … 1, after regions have heard each other
-  std::vector<std::uint8_t> choice;  ///< 1 or 2 of undecided regions, else 0
+  std::vector<FaceSide> side;        ///< There is one for each region.
+  std::vector<double> outwardness;   ///< It lies in −1 … 1, after each region took its neighbours into account.
+  std::vector<std::uint8_t> choice;  ///< It is 1 or 2 for undecided regions, otherwise 0.
   bool has_wall = false, is_certain = true;
   bool has_loose_sheets = false;
   double margin = 1.0;

@@ -97,7 +97,8 @@ class Evidence {
   [[nodiscard]] int region(int face) const { return regions_.of_face[at(face)]; }
 
   void measure_regions() {
-    std::vector<std::vector<std::pair<double, double>>> walls(at(regions_.count));  // thickness, area
+    // Each pair is a thickness and the area that has it.
+    std::vector<std::vector<std::pair<double, double>>> walls(at(regions_.count));
     for (const WallSample& s : samples_) {
       const int r = region(s.face);
       RegionEvidence& e = found_.regions[at(r)];

@@ -15,11 +15,11 @@ namespace triskin::geometry {
 /// What speaks for the side of one region.
 struct RegionEvidence {
   double area_mm2 = 0.0, walled_mm2 = 0.0;
-  double self_mm2 = 0.0;         ///< area whose partner is in the same region, as on a thin rod
-  double border_mm = 0.0;        ///< length of its edges to other regions and to the border
-  double wall_mm = 0.0;          ///< median
-  double outwardness = 0.0;      ///< −1 … 1, mean over its samples
-  double outwardness_mm2 = 0.0;  ///< area that this mean speaks for: thick places count less
+  double self_mm2 = 0.0;         ///< Its partner is in the same region, as on a thin rod.
+  double border_mm = 0.0;        ///< It is the length of the edges to other regions and to the border.
+  double wall_mm = 0.0;          ///< It is the median over the region.
+  double outwardness = 0.0;      ///< It lies in −1 … 1 and is the mean over the region's samples.
+  double outwardness_mm2 = 0.0;  ///< The mean stands for this area, since thick places count less.
   double visibility = 1.0, hull_depth_mm = 0.0;
   int component = 0;
 };
@@ -30,8 +30,8 @@ using RegionPair = std::pair<int, int>;
 /// Evidence of all regions and what they say of each other.
 struct SideEvidence {
   std::vector<RegionEvidence> regions;
-  std::map<RegionPair, double> across_mm2;  ///< area over which two regions are the two sides of one wall
-  std::map<RegionPair, double> beside_mm;   ///< length of the edges between two regions
+  std::map<RegionPair, double> across_mm2;  ///< Two regions are the two sides of one wall over this area.
+  std::map<RegionPair, double> beside_mm;   ///< The edges between two regions have this length.
   std::vector<bool> is_component_closed;
 };
 

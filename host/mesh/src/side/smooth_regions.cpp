@@ -14,9 +14,11 @@ namespace triskin::geometry {
 namespace {
 
 // A cylinder of 11 facets turns by 33° from facet to facet; the chamfer of an edge by 45°.
-constexpr double kSmoothCosine = 0.82;      // 35°
-constexpr double kMaxTurnCosine = 0.766;    // 40°: less than half of a rounded rim
-constexpr double kJoinedTurnCosine = 0.64;  // 50°: regions that meet above a rib, not across a rim
+// It is the cosine of 35°, the sharpest turn of an edge that counts as smooth.
+constexpr double kSmoothCosine = 0.82;
+constexpr double kMaxTurnCosine = 0.766;  // It is the cosine of 40°, which is less than half of a rounded rim.
+// It is the cosine of 50°: regions that meet above a rib are joined, and those across a rim are not.
+constexpr double kJoinedTurnCosine = 0.64;
 constexpr double kWalled = 0.5;
 constexpr double kNeedleHeight_mm = 0.01;  // The normal of a lower triangle is mostly rounding.
 constexpr int kNeedlePasses = 4;
@@ -75,7 +77,8 @@ class Division {
 
   // Best first: a face goes to the region from which it turns least.
   void grow() {
-    using Step = std::tuple<double, int, int>;  // cosine of the turn, face, face it is reached from
+    // A step is the cosine of the turn, the face, and the face it is reached from.
+    using Step = std::tuple<double, int, int>;
     std::priority_queue<Step, std::vector<Step>, std::less<>> queue;
     const auto look_around = [&](int f) {
       for (const int n : neighbours_[at(f)]) {
@@ -114,7 +117,7 @@ class Division {
   const std::vector<std::array<int, 3>>& neighbours_;
   const std::vector<double>& walled_;
   DisjointSets sets_;
-  std::vector<Vec3> source_, normals_;  // source: normal of the walled face from which a face was reached
+  std::vector<Vec3> source_, normals_;  // A source is the normal of the walled face from which a face was reached.
 };
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace triskin::geometry {
 
 /// Faces that hang together over smooth edges on one side of the wall.
 struct SmoothRegions {
-  std::vector<int> of_face;  ///< 0 … count − 1
+  std::vector<int> of_face;  ///< Components are numbered from 0 to count − 1.
   int count = 0;
 };
 

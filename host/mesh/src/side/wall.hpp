@@ -11,10 +11,10 @@ namespace triskin::geometry {
 struct WallSample {
   int face = -1;
   Vec3 point_mm = Vec3::Zero();
-  double area_mm2 = 0.0;           ///< share of the area of the face
-  int partner = -1;                ///< face across the wall; −1: no wall here
-  double wall_mm = 0.0;            ///< distance to it
-  Vec3 partner_mm = Vec3::Zero();  ///< point at which the ray meets that face
+  double area_mm2 = 0.0;           ///< Each sample stands for this share of its face's area.
+  int partner = -1;                ///< It is the face across the wall; −1 means that there is no wall here.
+  double wall_mm = 0.0;            ///< It is the distance to the partner.
+  Vec3 partner_mm = Vec3::Zero();  ///< The ray meets the partner at this point.
 };
 
 /// Samples of all faces, one or more a face, in the order of the faces. The partner is the first face that a ray into

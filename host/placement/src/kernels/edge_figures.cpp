@@ -11,7 +11,7 @@ namespace triskin::geometry {
 namespace {
 
 constexpr std::size_t kEdges = EdgeArrays::kLanes;
-constexpr double kLevel = 1e-4;     // a normal's x from which on a half plane bounds columns
+constexpr double kLevel = 1e-4;     // A half plane bounds columns only when the x of its normal exceeds this.
 constexpr double kSlack_mm = 1e-6;  // Far above the rounding of coordinates and sample positions.
 constexpr double kNoBound = 1e9;
 

@@ -11,8 +11,8 @@ namespace triskin::geometry {
 struct EdgeArrays {
   static constexpr std::size_t kLanes = 8;
   std::vector<double> ax, ay, bx, by, normal_x, normal_y;
-  std::vector<double> offset, far;  ///< offset of the line; largest distance from the pivot
-  std::size_t count = 0;            ///< number of edges without the repeated ones
+  std::vector<double> offset, far;  ///< They are the offset of the line and the largest distance from the pivot.
+  std::size_t count = 0;            ///< Repeated edges are not counted.
 
   explicit EdgeArrays(const PreparedPolygon& polygon);
   void move(const PreparedPolygon& polygon, const CellFrame& frame);
@@ -20,11 +20,11 @@ struct EdgeArrays {
 
 /// Sampled positions of the centres of one kind of tiles, and the relative motion of edge and tile.
 struct FigureTerms {
-  double sign = 1.0;                 ///< +1 up tiles, −1 down tiles
-  double column0 = 0.0, row0 = 0.0;  ///< a point has the column column0 − x/step_x and the row row0 − y/step_y
+  double sign = 1.0;                 ///< It is +1 for up tiles and −1 for down tiles.
+  double column0 = 0.0, row0 = 0.0;  ///< A point has the column column0 − x/step_x and the row row0 − y/step_y.
   double step_x = 0.0, step_y = 0.0;
-  double half_x = 0.0, half_y = 0.0, turn = 0.0;  ///< largest shift and turn
-  double separation_mm = 0.0;                     ///< an edge at this separation or more leaves the tile alone
+  double half_x = 0.0, half_y = 0.0, turn = 0.0;  ///< They are the largest shift and turn.
+  double separation_mm = 0.0;                     ///< An edge at this separation or more leaves the tile alone.
 };
 
 /// Switches on the samples of the centres of the tiles that an edge cuts. They fill a convex figure for each edge, one

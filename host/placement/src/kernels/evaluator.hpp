@@ -21,7 +21,8 @@ class Evaluator {
   [[nodiscard]] std::vector<Tile> tiles(const Motion& motion, double inset_mm);
 
  private:
-  static constexpr std::uint8_t kFlip = 1, kCut = 2;  // inside and outside change before this tile; an edge cuts it
+  // The first says that inside and outside change before this tile, the second that an edge cuts it.
+  static constexpr std::uint8_t kFlip = 1, kCut = 2;
 
   // One kind of tile in the window of the marks.
   struct Rows {
@@ -48,7 +49,7 @@ class Evaluator {
   CutPairs pairs_;
   std::vector<std::uint32_t> mark_of_;  // Indexed by pair.
   std::array<Rows, 2> kinds_;
-  double half_width_ = 0.0;  // how far an edge that cuts may lie beside the centre
+  double half_width_ = 0.0;  // An edge that cuts may lie so far beside the centre.
   double low_x_ = 0.0;
   int first_row_ = 0, rows_ = 0, columns_ = 0;
 };

@@ -18,8 +18,8 @@ struct Pair {
 struct OpenTile {
   Vec2 center;
   Tile tile;
-  bool inside = false;                 ///< its centre lies inside the polygon in the whole cell
-  std::uint32_t first = 0, count = 0;  ///< its pairs
+  bool inside = false;                 ///< Its centre lies inside the polygon in the whole cell.
+  std::uint32_t first = 0, count = 0;  ///< They say where its pairs stand.
 };
 
 /// Box of motions: its low and high corner in (x mm, y mm, theta rad), low ≤ high on each axis.
@@ -33,13 +33,13 @@ struct MotionBox {
 struct CellFrame {
   std::array<double, 3> center{}, half{};
   double cosine = 1.0, sine = 0.0;
-  double reach_mm = 0.0;       ///< how far any point of the polygon moves inside the cell
-  double pad_mm = 0.0;         ///< curvature and rounding of the first-order values
-  double inset_mm = 0.0;       ///< below this separation a tile cannot count
-  double sufficient_mm = 0.0;  ///< a tile with this separation or more counts
-  double certain_mm = 0.0;     ///< a tile that keeps this separation in the whole cell is settled: it leaves the list
-  std::vector<double> x, y;    ///< moved first end of each edge, without the shift
-  std::vector<double> normal_x, normal_y;  ///< turned left normal of each edge
+  double reach_mm = 0.0;       ///< No point of the polygon moves farther than this inside the cell.
+  double pad_mm = 0.0;         ///< It covers curvature and rounding of the first-order values.
+  double inset_mm = 0.0;       ///< A tile cannot count below this separation.
+  double sufficient_mm = 0.0;  ///< A tile with this separation or more counts.
+  double certain_mm = 0.0;     ///< A tile that keeps this separation in the whole cell is settled and leaves the list.
+  std::vector<double> x, y;    ///< They are the first end of each edge after the turn, without the shift.
+  std::vector<double> normal_x, normal_y;  ///< They are the left normal of each edge after the turn.
 
   void set(const PreparedPolygon& polygon, const TileGrid& grid, const MotionBox& box, double inset, double sufficient);
 };
@@ -52,7 +52,7 @@ struct PairBlock {
   alignas(64) std::array<std::array<double, kLanes>, 3> low, high;
   /// With sufficient + pad or more, one direction holds in the whole cell.
   alignas(64) std::array<double, kLanes> surest;
-  alignas(64) std::array<double, kLanes> value;  ///< separation at the centre
+  alignas(64) std::array<double, kLanes> value;  ///< Each is the separation at the centre.
 
   /// Directions: [0] tile left of the line, [1] right of it, [2 + k] beyond side k. Negative room: it holds nowhere.
   alignas(64) std::array<std::array<double, kLanes>, 2 + kMaxCorners> room;

@@ -17,7 +17,7 @@ class SliceRaster {
  public:
   static constexpr int kSteps = SampleBits::kBlock;
   static constexpr auto kFull = static_cast<std::uint32_t>((std::uint64_t{1} << kSteps) - 1);
-  using Rows = std::array<std::uint32_t, kSteps>;  ///< row: part in y; bit: part in x
+  using Rows = std::array<std::uint32_t, kSteps>;  ///< A row is a part in y, and a bit of it a part in x.
 
   /// A tile that does not do the same in all parts.
   struct Border {
@@ -66,7 +66,7 @@ class SliceRaster {
   std::vector<Border> border_;
   int certain_ = 0;
   std::array<BitCounts, 2> sums_;  // Even and odd rows of tiles.
-  BitCounts::Counts counts_{};     // [x][y]
+  BitCounts::Counts counts_{};     // The counts are indexed by x, then y.
 };
 
 }  // namespace triskin::geometry

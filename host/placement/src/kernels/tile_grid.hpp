@@ -11,15 +11,16 @@ namespace triskin::geometry {
 struct TileGrid {
   int corners = 3;
   int kinds = 2;
-  int neighbours = 3;          ///< tiles across a side of full length
-  double row_step_mm = 0.0;    ///< x step inside a row; the lattice repeats after it
-  double row_height_mm = 0.0;  ///< y step from row to row
-  double row_shift_mm = 0.0;   ///< x shift from row to row
-  double period_rad = 0.0;     ///< the lattice is its own image after this turn
+  int neighbours = 3;          ///< So many tiles lie across a side of full length.
+  double row_step_mm = 0.0;    ///< The lattice repeats along a row after this step in x.
+  double row_height_mm = 0.0;  ///< Rows follow each other at this step in y.
+  double row_shift_mm = 0.0;   ///< Each row is shifted by this in x.
+  double period_rad = 0.0;     ///< The lattice is its own image after this turn.
   double inradius_mm = 0.0, circumradius_mm = 0.0, area_mm2 = 0.0;
-  std::array<Vec2, 2> origin;          ///< centre of tile (0, 0): [1] up, [0] down
-  std::array<Vec2, 6> corner, normal;  ///< corners of the up tile around its centre, counter-clockwise; normals outward
-  std::array<double, 6> offset_mm{};   ///< distance of each side from the centre, none below inradius_mm
+  std::array<Vec2, 2> origin;  ///< They are the centres of tile (0, 0): index 1 is up, 0 is down.
+  /// The corners of the up tile run counter-clockwise around its centre, and the normals point outward.
+  std::array<Vec2, 6> corner, normal;
+  std::array<double, 6> offset_mm{};  ///< Each side has this distance from the centre, at least inradius_mm.
 
   [[nodiscard]] Vec2 center(const Tile& t) const {
     const Vec2& o = origin[t.up ? 1 : 0];

@@ -10,8 +10,8 @@ namespace triskin::geometry {
 
 /// Polygon prepared for placement: recentred, as edges with the interior on the left.
 struct PreparedPolygon {
-  Vec2 first = Vec2::Zero();   ///< subtracted first: inputs may lie 1e6 mm away
-  Vec2 center = Vec2::Zero();  ///< subtracted next: a short lever arm keeps rotation bounds tight
+  Vec2 first = Vec2::Zero();   ///< It is subtracted first, because inputs may lie 1e6 mm away.
+  Vec2 center = Vec2::Zero();  ///< It is subtracted next, because a short lever arm keeps rotation bounds tight.
   /// Rounding of a separation: 1e-9 mm, and in proportion to a radius above some 100 m.
   double rounding_mm = 1e-9;
   std::vector<std::array<Vec2, 2>> edges;
@@ -19,7 +19,7 @@ struct PreparedPolygon {
   /// that starts at the second end.
   std::vector<double> x, y, normal_x, normal_y, line_offset;
   std::vector<std::uint32_t> next;
-  double radius_mm = 0.0;  ///< radius of a circle around the centre that holds the polygon
+  double radius_mm = 0.0;  ///< A circle of this radius around the centre holds the polygon.
   /// Edges per horizontal slab, so that a point-in-polygon test reads only those that its ray may meet.
   double slab_low = 0.0, slab_height = 1.0;
   std::vector<std::vector<int>> slabs;

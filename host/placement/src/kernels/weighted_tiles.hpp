@@ -16,7 +16,7 @@ class WeightedTiles final : public Objective {
   [[nodiscard]] int needed(double value) const override;
   [[nodiscard]] double slack(double value) const override { return kPrecision * value; }
 
-  static constexpr double kPrecision = 1e-5;  ///< relative gap at which the search ends
+  static constexpr double kPrecision = 1e-5;  ///< The search ends at this relative gap.
 
  private:
   struct Term {

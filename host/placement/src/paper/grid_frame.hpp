@@ -8,7 +8,7 @@
 namespace triskin::geometry::paper {
 
 /// The generating lines of the grid (Section IV-A): three directions, in each one line per row.
-inline constexpr std::size_t kDirections = 3;  // 0°, 60°, 300°
+inline constexpr std::size_t kDirections = 3;  // They are 0°, 60° and 300°.
 
 /// A polygon on the grid, in affine coordinates (u, v) in which node (i, j) is (i, j): the point a*u*(1, 0) + a*v·(½,
 /// √3/2). Lines are v = j (0°), u = i (60°) and u + v = k (300°), so no √3 is left and what lies on a line has

@@ -16,12 +16,12 @@ namespace triskin::geometry {
 namespace {
 
 constexpr std::size_t kMaxAsGood = 64;
-constexpr double kReach_mm = 9.0;   // how far from a tile its edges are looked up; children of slices move less
+constexpr double kReach_mm = 9.0;   // A tile's edges are looked up within this distance; children of slices move less.
 constexpr double kSlice_mm = 2.5;   // The farthest vertex moves this far from one side of a slice to the other.
 constexpr std::size_t kBatch = 16;  // Cells refined together: fixed, so that the search does not depend on the threads.
 constexpr double kLogged_s = 1.5e-6;  // Measured: 0.7e-6 s to write a cell to the log; we reserve twice that.
 constexpr std::int64_t kLong = 2000;  // After so many cells a search looks for constraints that contradict each other.
-constexpr std::size_t kTried = 16;    // slices whose most promising motion is tried before any is divided
+constexpr std::size_t kTried = 16;    // So many slices have their most promising motion tried before any is divided.
 
 class BranchAndBound {
  public:

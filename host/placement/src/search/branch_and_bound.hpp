@@ -16,30 +16,30 @@ namespace triskin::geometry {
 struct SearchGoal {
   double inset_mm = 0.0;        ///< the bound holds for tiles whose separation from every edge is at least this (unless
                                 ///< `raise` is set: less half the tolerance)
-  double tolerance_mm = 1e-6;   ///< a motion's value counts tiles with a separation of at least inset − tolerance
-  double resolution_mm = 1e-8;  ///< cells smaller than this are not split: their bound stays open
-  int known = 0;                ///< value that is already known: only better ones are of interest
+  double tolerance_mm = 1e-6;   ///< A motion's value counts tiles with a separation of at least inset − tolerance.
+  double resolution_mm = 1e-8;  ///< Smaller cells are not split, so their bound stays open.
+  int known = 0;                ///< This value is already known, so only better ones are of interest.
   std::function<void(const ProofCell&)> closed =
-      nullptr;  ///< gets boxes that cover the period, each with a bound of at most upper_bound
+      nullptr;  ///< It receives boxes that cover the period, each with a bound of at most upper_bound.
   /// Set: values over `known` are not the aim but raise the inset: called with a motion of such a value, returns the
   /// inset (not less than before) and the tolerance to go on with. Above last_inset_mm the search ends.
   std::function<std::array<double, 2>(const Motion&)> raise;
   double last_inset_mm = 0.0;
   /// Set: only these slices are searched, SearchResult::tied_slices of a search for more tiles than known.
   const std::vector<MotionBox>* slices = nullptr;
-  int threads = 0;  ///< 0: all cores; no answer depends on it
+  int threads = 0;  ///< 0 uses all cores; no answer depends on it.
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
-  double memory_limit_bytes = 2e9;      ///< memory of the cells that are open
-  std::int64_t max_closed = INT64_MAX;  ///< calls of `closed`, limited to about this number
+  double memory_limit_bytes = 2e9;      ///< The open cells may take so much memory.
+  std::int64_t max_closed = INT64_MAX;  ///< `closed` is called about so often at most.
 };
 
 struct SearchResult {
-  int best = 0;         ///< best value found (≥ known)
-  Motion motion;        ///< where, when best > known
-  bool found = false;   ///< best > known
-  int upper_bound = 0;  ///< no motion has a higher value at goal.inset_mm (with `raise`: at the last inset)
-  std::vector<MotionBox> tied_slices;  ///< outside them no motion has `best` tiles
-  std::vector<Motion> as_good;         ///< some motions that reach `best` in the filtered lists; not counted exactly
+  int best = 0;         ///< It is the best value found, at least `known`.
+  Motion motion;        ///< It is set when best > known.
+  bool found = false;   ///< It says whether best > known.
+  int upper_bound = 0;  ///< No motion has a higher value at goal.inset_mm (with `raise`, at the last inset).
+  std::vector<MotionBox> tied_slices;  ///< Outside them no motion has `best` tiles.
+  std::vector<Motion> as_good;  ///< Some motions reach `best` in the filtered lists; they are not counted exactly.
   std::int64_t cells = 0;
   std::int64_t evaluations = 0;
   SearchStop stopped = SearchStop::kNone;

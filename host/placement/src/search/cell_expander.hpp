@@ -17,10 +17,11 @@ namespace triskin::geometry {
 /// translations of one lattice period.
 struct Cell {
   MotionBox box;
-  int certain = 0;                       ///< tiles that hold in all of it, beside those of the list
-  int bound = 0;                         ///< no motion in it has a higher value
-  std::shared_ptr<const CellList> list;  ///< none: a slice
-  double reach_mm = 0.0;                 ///< > 0: the list has no edges yet, those within this of each tile may cut it
+  int certain = 0;                       ///< So many tiles hold in all of it, beside those of the list.
+  int bound = 0;                         ///< No motion in it has a higher value.
+  std::shared_ptr<const CellList> list;  ///< A slice has none.
+  /// If positive, the list has no edges yet, and those within this distance of a tile may cut it.
+  double reach_mm = 0.0;
   /// Middle of the part that gives a slice its bound. None: not bounded yet.
   std::optional<Motion> promising = std::nullopt;
 };
@@ -29,20 +30,22 @@ struct Cell {
 /// tolerance less than the inset on, or, when that rises, from the inset on.
 struct Demand {
   double inset_mm = 0.0, tolerance_mm = 0.0, resolution_mm = 0.0;
-  double last_inset_mm = 0.0;  ///< the inset may be raised up to this: tiles that hold with less are kept in the lists
-  bool rising = false;         ///< the inset is raised when more than `best` tiles hold; `best` stays
-  bool conflicts = false;      ///< constraints that contradict each other are looked for: worth it in long searches
+  /// Tiles that hold with less are kept in the lists, so that the inset may be raised up to this.
+  double last_inset_mm = 0.0;
+  bool rising = false;     ///< The inset is raised when more than `best` tiles hold, and `best` stays.
+  bool conflicts = false;  ///< Looking for constraints that contradict each other is worth it in long searches only.
 };
 
 /// Result of expanding one cell.
 struct Expansion {
   std::vector<Cell> children;
-  std::vector<MotionBox> closed;               ///< together with the children they cover the cell; only on request
-  std::vector<Motion> as_good;                 ///< motions that reach `best` in the filtered lists; not counted exactly
-  std::vector<std::pair<int, Motion>> better;  ///< counted, rising values
-  std::vector<std::pair<int, MotionBox>> tied_slices;  ///< slices that may hold `best` tiles or more, with their bound
-  int best = 0;                                        ///< value to which as_good refers
-  int unresolved_bound = 0;                            ///< bound of the parts that are too small to be split
+  std::vector<MotionBox> closed;  ///< Together with the children they cover the cell; they are kept only on request.
+  std::vector<Motion> as_good;    ///< These motions reach `best` in the filtered lists and are not counted exactly.
+  std::vector<std::pair<int, Motion>> better;  ///< They are counted exactly, in the order of rising values.
+  /// These slices may hold `best` tiles or more; each has its bound.
+  std::vector<std::pair<int, MotionBox>> tied_slices;
+  int best = 0;              ///< as_good refers to this value.
+  int unresolved_bound = 0;  ///< It is the bound of the parts that are too small to be split.
   int passes = 0;
 };
 

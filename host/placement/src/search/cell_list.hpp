@@ -33,9 +33,10 @@ class CellFilter {
   CellFilter(const PreparedPolygon& polygon, const TileGrid& grid) : polygon_(polygon), grid_(grid) {}
 
   struct Outcome {
-    int certain = 0;         ///< tiles that hold in the whole cell, of those that were undecided
-    int free_at_center = 0;  ///< number of those still undecided that hold at the centre
-    bool alive = false;      ///< false: fewer than `least` tiles can hold; the other fields are then incomplete
+    int certain = 0;         ///< Of the tiles that were undecided, so many hold in the whole cell.
+    int free_at_center = 0;  ///< Of those still undecided, so many hold at the centre.
+    /// It is false when fewer than `least` tiles can hold; the other fields are then incomplete.
+    bool alive = false;
   };
   /// Tiles of `from` that stay undecided go to `kept` and `boxes`. Ends early when fewer than `least` can hold.
   /// Their constraints inside the cell go to `halves`; the certain ones themselves are added to `certain`, when it

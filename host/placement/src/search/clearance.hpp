@@ -14,22 +14,23 @@ namespace triskin::geometry {
 /// of every tile are drawn in by its absolute value.
 struct ClearanceGoal {
   int modules = 0;
-  double min_inset_mm = 0.0;  ///< smaller insets are no answer; above −0.8 inradius
-  double max_inset_mm = 0.0;  ///< upper limit of the answer
+  double min_inset_mm = 0.0;  ///< Smaller insets are no answer; it must exceed −0.8 inradius.
+  double max_inset_mm = 0.0;  ///< The answer is at most this.
   std::optional<Motion> known =
-      std::nullopt;            ///< here Evaluator counts `modules` tiles with min_inset_mm: an answer, if the worst
-  std::vector<Motion> starts;  ///< motions to climb from
+      /// Here Evaluator counts `modules` tiles with min_inset_mm, which is the answer in the worst case.
+      std::nullopt;
+  std::vector<Motion> starts;  ///< The ascent starts from each of these motions.
   const std::vector<MotionBox>* slices =
-      nullptr;      ///< if set, only these are searched; outside them no inset ≥ 0 lets `modules` tiles fit
-  int threads = 0;  ///< 0: all cores; the answer does not depend on it
-  double memory_limit_bytes = 2e9;  ///< memory of the cells that are open
+      nullptr;      ///< If set, only these are searched, because outside them no inset ≥ 0 lets `modules` tiles fit.
+  int threads = 0;  ///< 0 uses all cores; the answer does not depend on it.
+  double memory_limit_bytes = 2e9;  ///< The open cells may take so much memory.
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
 };
 
 struct Clearance {
-  bool found = false;  ///< the tiles fit with inset_mm at motion
+  bool found = false;  ///< The tiles fit with inset_mm at `motion`.
   double inset_mm = 0.0;
-  double bound_mm = 0.0;  ///< nowhere do they fit with more (with the deadline over: max_inset_mm)
+  double bound_mm = 0.0;  ///< Nowhere do they fit with more (max_inset_mm if the deadline came first).
   Motion motion;
   std::int64_t cells = 0, evaluations = 0;
 };

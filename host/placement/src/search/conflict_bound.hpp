@@ -21,9 +21,9 @@ class ConflictBound {
   ConflictBound(const PreparedPolygon& polygon, const TileGrid& grid) : polygon_(polygon), grid_(grid) {}
 
   enum class Verdict {
-    kOpen,      ///< the constraints do not contradict each other enough
-    kNarrower,  ///< they would in a cell with a smaller range of angles
-    kClosed     ///< fewer than `need` tiles hold anywhere in the cell
+    kOpen,      ///< The constraints do not contradict each other enough.
+    kNarrower,  ///< They would contradict each other in a cell with a smaller range of angles.
+    kClosed     ///< Fewer than `need` tiles hold anywhere in the cell.
   };
   /// Can `need` of the tiles of `list` hold at one motion of the cell? Cost: O(pairs + pairs of tiles at opposed
   /// edges).
@@ -67,8 +67,9 @@ class ConflictBound {
   PairBlock block_;
   // Mean of the tiles' centres, relative to the centre of the cell: keeps 1 - cos(phi) times its arm small.
   Vec2 pivot_;
-  double sigma_ = 0.0, curve_ = 0.0, slide_ = 0.0, shift_ = 0.0;  // ranges: sin phi, 1 - cos phi, translation, w
-  std::vector<Row> rows_;                                         // Rows of one tile are consecutive.
+  // They are the ranges of sin φ, 1 − cos φ, the translation and w.
+  double sigma_ = 0.0, curve_ = 0.0, slide_ = 0.0, shift_ = 0.0;
+  std::vector<Row> rows_;  // Rows of one tile are consecutive.
   std::vector<std::uint8_t> dead_;
   std::vector<Interval> excluded_;  // Ranges of sigma.
   std::vector<std::uint32_t> by_edge_;

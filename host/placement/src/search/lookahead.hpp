@@ -23,9 +23,9 @@ inline constexpr int kPartsPerAxis = 4, kLanesPerRow = 16;
 using PartWord = std::array<std::uint32_t, kLanesPerRow>;
 
 struct PartsView {
-  std::array<double, 3> shift{};  ///< centre of the cell, seen from where the half spaces were made
-  std::array<double, 3> half{};   ///< its half widths
-  double sure_mm = 0.0;           ///< a level over this plus the spread of a part: the constraint cannot fail in it
+  std::array<double, 3> shift{};  ///< It is the centre of the cell, seen from where the half spaces were made.
+  std::array<double, 3> half{};   ///< They are the half widths of the cell.
+  double sure_mm = 0.0;  ///< Where the level exceeds this plus the spread of a part, the constraint cannot fail.
 };
 
 /// Number of tiles that can hold somewhere in each part: a bound for many cells for little more than the price of one.

@@ -120,7 +120,7 @@ class ObjectiveSearch {
     const Vec2 center = grid_.center(tile), p = center - Vec2(box.center(0), box.center(1));
     const Vec2 q(c * p.x() + s * p.y(), -s * p.x() + c * p.y());
     const auto near = edges_.near(q);
-    if (near.empty()) {  // no edge comes to this tile
+    if (near.empty()) {  // No edge comes near this tile.
       if (polygon_.contains(q)) known.certain.push_back({center, tile, true, 0, 0});
       return;
     }

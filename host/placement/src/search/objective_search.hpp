@@ -26,7 +26,7 @@ class Objective {
 
 struct ObjectiveLimits {
   std::chrono::steady_clock::time_point deadline;
-  double memory_bytes = 0.0;  ///< memory of the cells that are open
+  double memory_bytes = 0.0;  ///< The open cells take so much memory.
 };
 
 struct ObjectiveResult {

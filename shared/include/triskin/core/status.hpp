@@ -7,24 +7,24 @@ namespace triskin {
 
 /// Why something was refused. The numbers travel on the wire and are never reused.
 enum class Status : std::uint8_t {
-  kOk = 0,            ///< in order
-  kTooShort = 1,      ///< fewer bytes than the format needs
-  kBadMagic = 2,      ///< other first bytes than the format has
-  kBadVersion = 3,    ///< another layout version
-  kBadLength = 4,     ///< stated length differs from the bytes given
-  kBadCrc = 5,        ///< the checksum differs
-  kOutOfRange = 6,    ///< a field beyond its limit
-  kDuplicate = 7,     ///< line and address, or a module id, stands twice
-  kBadTree = 8,       ///< parent missing, cycle, or more than one entry
-  kWrongTarget = 9,   ///< a table for another controller, firmware for another slot or hardware
-  kFlashFailed = 10,  ///< erase or program was refused, or read back differs
-  kEmpty = 11,        ///< nothing stored
-  kNoSpace = 12,      ///< larger than the buffer or slot
-  kBusError = 13,     ///< I²C: no acknowledgement
-  kLineStuck = 14,    ///< I²C: SDA or SCL held low
-  kWrongId = 15,      ///< chip answers with another device id
-  kOlder = 16,        ///< firmware older than the one that runs
-  kUnproven = 17,     ///< the firmware that runs has not confirmed itself yet
+  kOk = 0,            ///< The request was carried out.
+  kTooShort = 1,      ///< There are fewer bytes than the format needs.
+  kBadMagic = 2,      ///< The first bytes are not those of the format.
+  kBadVersion = 3,    ///< The layout version is not the reader's own.
+  kBadLength = 4,     ///< The stated length differs from the number of bytes given.
+  kBadCrc = 5,        ///< The checksum differs from that of the bytes.
+  kOutOfRange = 6,    ///< A field exceeds its limit.
+  kDuplicate = 7,     ///< Two rows share a line and address, or a module id.
+  kBadTree = 8,       ///< A parent is missing, the rows form a cycle, or there is more than one entry.
+  kWrongTarget = 9,   ///< The table is for another controller, or the firmware for another slot or hardware.
+  kFlashFailed = 10,  ///< Erasing or programming was refused, or the flash reads back differently.
+  kEmpty = 11,        ///< Nothing has been stored here yet.
+  kNoSpace = 12,      ///< The content is larger than the buffer or slot.
+  kBusError = 13,     ///< Nobody acknowledged on the I²C line.
+  kLineStuck = 14,    ///< SDA or SCL of the I²C line is held low.
+  kWrongId = 15,      ///< The chip answers with the device id of another type.
+  kOlder = 16,        ///< The firmware offered is older than the one that runs.
+  kUnproven = 17,     ///< The firmware that runs has not confirmed itself yet, so it must not be replaced.
 };
 
 template <class T>

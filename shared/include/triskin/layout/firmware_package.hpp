@@ -48,7 +48,7 @@ struct PackageHead {
   return head;
 }
 
-inline constexpr std::uint32_t kCommitMagic = 0x4D4D4F43;  ///< "COMM"
+inline constexpr std::uint32_t kCommitMagic = 0x4D4D4F43;  ///< These are the letters "COMM" as they stand in memory.
 
 /// CRC of the commit record's first twelve bytes: what slot_crc() begins with.
 [[nodiscard]] constexpr std::uint32_t slot_crc_head(std::uint32_t sequence, std::uint32_t size_bytes) {

@@ -5,7 +5,8 @@
 /// Pages of the controller's flash area. docs/flash_layout.md.
 namespace triskin::layout {
 
-inline constexpr std::size_t kFirstFaultPage = 4;  ///< number of the first page of the fault memory
-inline constexpr std::size_t kFaultPages = 2;      ///< the fault memory fills its pages in turn
+inline constexpr std::size_t kFirstFaultPage = 4;
+/// The fault memory fills its pages in turn, so that one is always readable.
+inline constexpr std::size_t kFaultPages = 2;
 
 }  // namespace triskin::layout

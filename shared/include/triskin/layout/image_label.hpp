@@ -15,9 +15,10 @@ inline constexpr std::array<std::uint8_t, 4> kLabelMagic{'T', 'S', 'K', 'L'};
 inline constexpr std::uint8_t kLabelVersion = 1;
 
 struct ImageLabel {
-  std::array<std::uint8_t, 8> hardware{};  ///< part number of the boards that it runs on
-  std::uint32_t firmware_version = 0;      ///< major in the highest byte
-  std::uint32_t origin = 0;                ///< address that it is linked for
+  std::array<std::uint8_t, 8> hardware{};  ///< The image runs on boards with this part number only.
+  /// The major number is in the highest byte, so that versions compare as integers.
+  std::uint32_t firmware_version = 0;
+  std::uint32_t origin = 0;  ///< The image is linked for this address and would not run elsewhere.
   bool operator==(const ImageLabel&) const = default;
 };
 

@@ -12,8 +12,8 @@ inline constexpr std::uint8_t kNoModule = 0xFF;
 /// One end of a joint: a port of a module. The module is a row of a table, or its number in a discovery. The type of
 /// firmware, table and wire; patches that no controller could read need design::PortEnd.
 struct JointEnd {
-  std::uint8_t module = kNoModule;  ///< kNoModule: there is no joint
-  std::uint8_t port = 0;            ///< 0 … kPorts − 1
+  std::uint8_t module = kNoModule;  ///< It is kNoModule where there is no joint.
+  std::uint8_t port = 0;            ///< It ranges from 0 to kPorts − 1.
   /// True when the joint has a far end.
   [[nodiscard]] constexpr bool exists() const { return module != kNoModule; }
   bool operator==(const JointEnd&) const = default;

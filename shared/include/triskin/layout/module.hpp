@@ -8,7 +8,7 @@
 /// belongs to the geometry.
 namespace triskin::layout {
 
-inline constexpr int kTaxelsPerModule = 12;  ///< inputs CIN0 … CIN11 of the module's AD7147
+inline constexpr int kTaxelsPerModule = 12;  ///< Each taxel is one of the inputs CIN0 … CIN11 of the module's AD7147.
 /// Taxels in order of their converter input; a mask of taxels has bit t for taxel t.
 inline constexpr std::uint16_t kAllTaxels = (1U << kTaxelsPerModule) - 1U;
 /// Taxels that measure the temperature: they do not feel a finger. The others measure pressure.
@@ -29,12 +29,13 @@ inline constexpr std::uint16_t kPressureTaxels = [] {
 }();
 inline constexpr int kPressureTaxelsPerModule = kTaxelsPerModule - static_cast<int>(kTemperaturePads.size());
 
-inline constexpr std::size_t kPorts = 3;                        ///< A, B and C: one port on each side of a module
-inline constexpr std::uint8_t kRotations = 3;                   ///< number of tile sides that port A may lie on
-inline constexpr int kLines = 4;                                ///< I²C lines of a controller
-inline constexpr int kAddressesPerLine = 4;                     ///< the AD7147 has two address pins
-inline constexpr int kMaxModules = kLines * kAddressesPerLine;  ///< number of modules that one controller can read
-inline constexpr std::uint8_t kFirstCdcAddress = 0x2C;          ///< AD7147 data sheet: ADD1, ADD0 = 0
+inline constexpr std::size_t kPorts = 3;       ///< A module has one port on each side: A, B and C.
+inline constexpr std::uint8_t kRotations = 3;  ///< Port A may lie on any of the three sides of the tile.
+inline constexpr int kLines = 4;               ///< A controller has four I²C lines.
+inline constexpr int kAddressesPerLine = 4;    ///< The AD7147 has two address pins, hence four addresses.
+inline constexpr int kMaxModules = kLines * kAddressesPerLine;
+/// This is the AD7147's address with ADD1 = ADD0 = 0 (data sheet).
+inline constexpr std::uint8_t kFirstCdcAddress = 0x2C;
 
 /// Address of a converter on its line, 7 bits. `address`: 0 … kAddressesPerLine − 1, as in the table.
 [[nodiscard]] constexpr std::uint8_t cdc_address(int address) {

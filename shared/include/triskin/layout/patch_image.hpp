@@ -13,40 +13,45 @@
 /// 12-byte row a module. The only owner of the format; the limits are those of layout/module.hpp.
 namespace triskin::layout {
 
-inline constexpr std::uint16_t kLayoutVersion = 1;   ///< bump when a field changes; readers refuse others
-inline constexpr std::uint32_t kMagic = 0x4E4B5354;  ///< "TSKN" in memory
+/// Raise it when a field changes, because readers refuse other versions.
+inline constexpr std::uint16_t kLayoutVersion = 1;
+inline constexpr std::uint32_t kMagic = 0x4E4B5354;  ///< These are the letters "TSKN" as they stand in memory.
 inline constexpr std::uint8_t kNoParent = 0xFF;
-inline constexpr std::uint8_t kCable = kPorts;  ///< parent_port of the entry module
+/// The entry module has this as its parent_port, because its parent is the cable.
+inline constexpr std::uint8_t kCable = kPorts;
 inline constexpr std::size_t kHeaderBytes = 32;
 inline constexpr std::size_t kRowBytes = 12;
-inline constexpr std::uint8_t kPositiveInput = 1;  ///< flag of the header
+/// The header's flag says that the electrodes hang on the positive input.
+inline constexpr std::uint8_t kPositiveInput = 1;
 /// The three high bits of a module id are the number of the kind if the design has kinds; a controller does not
 /// interpret the id.
 inline constexpr unsigned kKindShift = 13;
-inline constexpr std::size_t kMaxKinds = 8;  ///< includes kind 0, the standard kind
+inline constexpr std::size_t kMaxKinds = 8;  ///< The standard kind, number 0, is counted.
 /// Number of module ids that a design with kinds can have.
 inline constexpr unsigned kIdsBesideKinds = 1U << kKindShift;
 inline constexpr std::size_t kMaxImageBytes = kHeaderBytes + kMaxModules * kRowBytes;
 
 /// One module: address table and route table in one row, so that they cannot disagree.
 struct ModuleRow {
-  std::uint16_t module_id = 0;      ///< id in the design file; designs with kinds also store the kind here (kKindShift)
-  std::uint8_t line = 0;            ///< 0..3
-  std::uint8_t address = 0;         ///< 0..3, CDC address cdc_address(address)
-  std::uint8_t rotation = 0;        ///< 0..2, tile side of port A
-  std::uint8_t parent = kNoParent;  ///< index of the parent's row, lower than this row's index; kNoParent at the entry
+  /// This is the id of the design file; designs with kinds store the kind here too (kKindShift).
+  std::uint16_t module_id = 0;
+  std::uint8_t line = 0;            ///< It ranges from 0 to 3.
+  std::uint8_t address = 0;         ///< It ranges from 0 to 3; cdc_address(address) is what stands on the bus.
+  std::uint8_t rotation = 0;        ///< It ranges from 0 to 2 and names the tile side of port A.
+  std::uint8_t parent = kNoParent;  ///< A parent's row always comes before this row; the entry has kNoParent.
   /// Output port of the parent (0..2) that this module hangs on; kCable at the entry.
   std::uint8_t parent_port = kCable;
   std::array<std::uint8_t, kPorts>
-      joints{};  ///< far end of each port (joint_to), also of joints that the tree leaves out; 0: none
+      joints{};  ///< Each port has its far end (joint_to), also for joints that the tree leaves out; 0 means none.
   bool operator==(const ModuleRow&) const = default;
 };
 
 struct PatchImage {
   std::uint64_t design_id = 0;
-  std::uint8_t node_address = kFirstNode;  ///< kFirstNode … kLastNode: the controller that this image is for
-  std::uint8_t module_count = 0;           ///< 1..16
-  std::uint8_t second_entry = 0;           ///< port with the second cable (joint_to), 0: none; switched modules only
+  /// The image is for the controller with this address, kFirstNode … kLastNode.
+  std::uint8_t node_address = kFirstNode;
+  std::uint8_t module_count = 0;  ///< It ranges from 1 to 16.
+  std::uint8_t second_entry = 0;  ///< Switched modules can have a second cable at this port (joint_to); 0 means none.
   /// The electrodes hang on the converter's positive input; the controller turns the results round. False: negative.
   bool positive_input = false;
   std::array<ModuleRow, kMaxModules> modules{};
@@ -158,7 +163,7 @@ struct PatchImage {
   w.u8(image.second_entry);
   w.u8(image.positive_input ? kPositiveInput : std::uint8_t{0});
   w.bytes(std::array<std::uint8_t, 6>{});
-  w.le32(0);  // CRC, below
+  w.le32(0);  // The CRC is written here once all other bytes are known.
   const auto kept = kept_ports(image);
   for (std::size_t k = 0; k < image.module_count; ++k) {
     const ModuleRow& m = image.modules[k];

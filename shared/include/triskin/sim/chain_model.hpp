@@ -11,8 +11,9 @@ namespace triskin::sim {
 /// by board/posix. Times are what the real chain needs: the caller lets them pass.
 class ChainModel {
  public:
-  static constexpr std::uint32_t kBit_ns = 500;      ///< chain clock 2 MHz
-  static constexpr std::uint32_t kSettle_ns = 5000;  ///< ports and arbiters after a latch or a change of EN
+  static constexpr std::uint32_t kBit_ns = 500;  ///< The chain is clocked with 2 MHz.
+  /// Ports and arbiters need this time after a latch or a change of EN.
+  static constexpr std::uint32_t kSettle_ns = 5000;
   virtual ~ChainModel() = default;
   /// EN of the cables: bit 0 to the entry module, bit 1 to the second entry.
   virtual void enable(std::uint8_t cables) = 0;

@@ -25,11 +25,13 @@ class FlashModel {
   /// Bytes of the area; a multiple of page_bytes().
   [[nodiscard]] virtual std::size_t size_bytes() const = 0;
   /// Bytes that one erase_page() erases.
-  [[nodiscard]] virtual std::size_t page_bytes() const = 0;  ///< 2048
+  [[nodiscard]] virtual std::size_t page_bytes() const = 0;  ///< The STM32G474 has pages of 2,048 bytes.
   /// Bytes of one unit that program() writes.
-  [[nodiscard]] virtual std::size_t program_bytes() const = 0;  ///< 8
-  virtual bool erase_page(std::size_t offset_bytes) = 0;        ///< false: misaligned, out of range
-  virtual bool program(std::size_t offset_bytes, std::span<const std::uint8_t> bytes) = 0;  ///< false: rule broken
+  [[nodiscard]] virtual std::size_t program_bytes() const = 0;  ///< The STM32G474 programs eight bytes at a time.
+  /// It returns false for a page that is misaligned or out of range.
+  virtual bool erase_page(std::size_t offset_bytes) = 0;
+  /// It returns false where the flash would refuse the write.
+  virtual bool program(std::size_t offset_bytes, std::span<const std::uint8_t> bytes) = 0;
   /// The whole area as it reads now; erased bytes read 0xFF.
   [[nodiscard]] virtual std::span<const std::uint8_t> bytes() const = 0;
 };

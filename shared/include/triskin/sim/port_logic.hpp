@@ -9,9 +9,9 @@ inline constexpr int kNoGrant = 3;
 
 /// What a module sees at its ports and holds inside.
 struct PortInputs {
-  std::uint8_t enable = 0;  ///< bit p: register output, enable of port p
-  std::uint8_t en_in = 0;   ///< bit p: the neighbour raises EN
-  int grant = kNoGrant;     ///< port that the arbiter holds as parent, kNoGrant: none
+  std::uint8_t enable = 0;  ///< Bit p is the register's output that enables port p.
+  std::uint8_t en_in = 0;   ///< Bit p says that the neighbour at port p raises EN.
+  int grant = kNoGrant;     ///< The arbiter holds this port as the parent; kNoGrant means none.
 };
 
 /// Ports towards which the module raises EN: enabled, not the parent's, and only while it has a parent.

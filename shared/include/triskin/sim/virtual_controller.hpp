@@ -19,16 +19,17 @@ namespace triskin::sim {
 
 /// What surrounds one patch controller. Everything outlives the controller.
 struct VirtualBoard {
-  std::array<I2cBus*, layout::kLines> lines{};  ///< the I²C lines, none null
-  FlashModel* flash = nullptr;                  ///< table slots, fault memory, node address
+  std::array<I2cBus*, layout::kLines> lines{};  ///< No line may be null.
+  FlashModel* flash = nullptr;                  ///< It holds the table slots, the fault memory and the node address.
   wire::UniqueId unique_id{};
-  std::function<void(const wire::CanFrame&)> send;  ///< frame leaves the controller
-  bool can_fd = true;                               ///< the bus carries FD frames
-  ChainModel* chain = nullptr;                      ///< chain of the switched modules; null: the board has no chain
-  FlashModel* slots = nullptr;  ///< the two application slots, one after the other; null: no loader, no firmware update
-  std::function<bool()> room{};          ///< a transmit buffer is free; empty: there is always one
-  wire::BoardHealth health = healthy();  ///< what the board says about itself
-  std::optional<wire::Crash> crash{};    ///< what stopped it last, until a host clears the fault memory
+  std::function<void(const wire::CanFrame&)> send;  ///< It is called for every frame that leaves the controller.
+  bool can_fd = true;                               ///< It says whether the bus carries FD frames.
+  ChainModel* chain = nullptr;  ///< It is the chain of the switched modules; null means a board without one.
+  /// Both application slots follow each other here; null means a board without a loader.
+  FlashModel* slots = nullptr;
+  std::function<bool()> room{};          ///< It says whether a transmit buffer is free; an empty function means always.
+  wire::BoardHealth health = healthy();  ///< The board reports this as its health.
+  std::optional<wire::Crash> crash{};    ///< The board reports this crash until a host clears the fault memory.
 
   [[nodiscard]] static wire::BoardHealth healthy() {
     wire::BoardHealth h;

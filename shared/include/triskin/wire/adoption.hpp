@@ -19,9 +19,9 @@ inline constexpr std::uint32_t kReachBase = 0x18E3FF00;
 /// Event: sent by a controller when one of the fields changes, and each second while one of the first two is not 0.
 struct Reach {
   std::uint8_t node_address = 0;
-  std::uint16_t out_of_reach = 0;    ///< bit r: row r of its table hangs on nobody; neighbours may take it in
-  std::uint8_t adopted_modules = 0;  ///< modules of other patches that it reads
-  std::uint8_t list = 0;             ///< Adoption::list
+  std::uint16_t out_of_reach = 0;    ///< Bit r says that no working route leads to row r, so neighbours may adopt it.
+  std::uint8_t adopted_modules = 0;  ///< So many modules of other patches are read by this controller.
+  std::uint8_t list = 0;             ///< Samples name the list that they refer to, see Adoption::list.
   bool operator==(const Reach&) const = default;
 };
 
@@ -52,10 +52,10 @@ struct Reach {
 
 /// A module of another patch that a controller reads: where it hangs, which tells what module it is.
 struct AdoptedModule {
-  std::uint8_t parent = 0;       ///< row of the table, or of an adopted module before this one
-  std::uint8_t parent_port = 0;  ///< 0..2: of the parent, leads to the adopted module
-  std::uint8_t port = 0;         ///< 0..2: of the adopted module, leads to the parent
-  std::uint8_t place = 0;        ///< 0..15: 4 × line + address
+  std::uint8_t parent = 0;       ///< The parent is a row of the table, or an adopted module listed before this one.
+  std::uint8_t parent_port = 0;  ///< It ranges from 0 to 2: the parent's port that leads to the adopted module.
+  std::uint8_t port = 0;         ///< It ranges from 0 to 2: the adopted module's port that leads to the parent.
+  std::uint8_t place = 0;        ///< It is 4 · line + address and ranges from 0 to 15.
   [[nodiscard]] constexpr std::uint8_t line() const { return place / layout::kAddressesPerLine; }
   [[nodiscard]] constexpr std::uint8_t address() const { return place % layout::kAddressesPerLine; }
   bool operator==(const AdoptedModule&) const = default;
@@ -67,10 +67,12 @@ struct Adoption {
   static constexpr std::uint16_t kId = did::kAdoption;
   static constexpr std::size_t kMinBytes = 4, kAdoptedBytes = 4, kMaxAdopteds = layout::kMaxModules - 1,
                                kMaxBytes = kMinBytes + kAdoptedBytes * kMaxAdopteds;
-  std::uint8_t rows = 0;  ///< number of rows in the controller's table
+  std::uint8_t rows = 0;  ///< Adopted modules are numbered after these rows of the controller's own table.
   std::uint16_t out_of_reach = 0;
   std::uint8_t list =
-      0;  ///< number of the list of adopted modules, 1 … 255 and again; samples of adopted modules carry it. 0: none
+      /// Each change of the adopted modules gives the list the next number from 1 to 255, and samples carry it; 0 means
+      /// none.
+      0;
   std::uint8_t count = 0;
   std::array<AdoptedModule, kMaxAdopteds> adopted_modules{};
 

@@ -10,8 +10,8 @@ namespace triskin::wire {
 
 /// Length of a frame on the bus, bits.
 struct FrameBits {
-  int nominal = 0;  ///< sent at the nominal bit rate
-  int data = 0;     ///< sent at the data bit rate
+  int nominal = 0;  ///< So many bits are sent at the nominal bit rate.
+  int data = 0;     ///< So many bits are sent at the data bit rate.
 };
 
 /// Length of `frame` with the largest number of stuff bits that can occur (ISO 11898-1), interframe space included.
@@ -32,8 +32,8 @@ struct FrameBits {
 
 /// Bit rates of a CAN bus, bit/s.
 struct BitRates {
-  std::uint32_t nominal = 0;  ///< 0: not known, or frames take no time
-  std::uint32_t data = 0;     ///< rate of FD frames with rate switch; 0: same as nominal
+  std::uint32_t nominal = 0;  ///< It is 0 where the rate is unknown or frames take no time.
+  std::uint32_t data = 0;     ///< Frames with a rate switch use it; 0 means the nominal rate.
   bool operator==(const BitRates&) const = default;
 };
 /// What the controllers use on a real bus.

@@ -22,30 +22,32 @@ enum class CalibrationMethod : std::uint8_t { kSteps = 0, kWeights = 1, kRamp = 
 
 /// The taxels of the module at one place.
 struct PlaceSensitivity {
-  std::uint8_t place = 0;  ///< kAddressesPerLine · line + address
+  std::uint8_t place = 0;  ///< It is kAddressesPerLine · line + address.
   /// Counts that 1 kPa takes away, in units of 2^-exponent counts/kPa; 0: not calibrated.
   std::array<std::uint16_t, layout::kTaxelsPerModule> sensitivity{};
-  std::uint16_t error = 0;        ///< bound of the relative error of the module's worst taxel, 0.01 %; 65535: or more
-  std::uint16_t residual_pa = 0;  ///< farthest that a point of the module lies from its line; 65535: or more
+  /// It bounds the relative error of the module's worst taxel in units of 0.01 %; 65535 means that or more.
+  std::uint16_t error = 0;
+  /// No point of the module lies farther from its line than this; 65535 means that or more.
+  std::uint16_t residual_pa = 0;
   bool operator==(const PlaceSensitivity&) const = default;
 };
 
 /// FD0D: the calibration of the modules on a controller. Without rows it is none: written, it deletes what was kept.
 struct Calibration {
   static constexpr std::uint16_t kId = did::kCalibration;
-  static constexpr std::uint8_t kVersion = 1;  ///< a value of another version is refused
+  static constexpr std::uint8_t kVersion = 1;  ///< A value of another version is refused.
   static constexpr std::uint8_t kMaxExponent = 30;
   static constexpr std::size_t kHeadBytes = 27, kRowBytes = 5 + 2 * layout::kTaxelsPerModule;
   static constexpr std::size_t kMinBytes = kHeadBytes, kMaxBytes = kHeadBytes + kRowBytes * layout::kMaxModules;
-  std::uint8_t exponent = 0;    ///< exponent of the sensitivities, 0 … kMaxExponent
-  std::uint16_t revision = 1;   ///< ≥ 1; each calibration of the controller adds 1
-  std::uint64_t design_id = 0;  ///< design of the table that the controller had during calibration
-  std::uint16_t patch = 0;      ///< number of the patch in that design, 0-based
+  std::uint8_t exponent = 0;    ///< All sensitivities share this exponent, 0 … kMaxExponent.
+  std::uint16_t revision = 1;   ///< Each calibration of the controller adds 1, starting at 1.
+  std::uint64_t design_id = 0;  ///< The controller had the table of this design during the calibration.
+  std::uint16_t patch = 0;      ///< The patch is counted from 0 within that design.
   std::uint32_t made_unix_s = 0;
   CalibrationMethod method = CalibrationMethod::kSteps;
-  std::uint32_t max_pa = 0;      ///< largest pressure that was applied
-  std::uint32_t taxel_area = 1;  ///< skin that a taxel stands for, 10⁻⁴ mm², ≥ 1
-  std::uint8_t count = 0;        ///< 0 … kMaxModules
+  std::uint32_t max_pa = 0;      ///< The calibration holds up to this pressure, the largest that was applied.
+  std::uint32_t taxel_area = 1;  ///< A taxel stands for this area of skin, in 10⁻⁴ mm², at least 1.
+  std::uint8_t count = 0;        ///< It ranges from 0 to kMaxModules.
   std::array<PlaceSensitivity, layout::kMaxModules> places{};
 
   /// The modules, in the order in which they were written.

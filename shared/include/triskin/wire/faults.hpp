@@ -21,8 +21,8 @@ inline constexpr std::uint8_t kFailsNow = 0x01, kConfirmed = 0x08, kAvailable = 
 /// Diagnostic trouble code of a module: 3 bytes, 9 and the state, 0, row of the table.
 struct FaultCode {
   static constexpr std::uint32_t kGroup = 0x900000, kGroupMask = 0xF00000, kMost = 0xFFFFFF;
-  ModuleState state = kFirstFaultState;  ///< one that is a fault
-  std::uint8_t row = 0;                  ///< 0 … kMaxModules − 1
+  ModuleState state = kFirstFaultState;  ///< Only states that are faults are recorded.
+  std::uint8_t row = 0;                  ///< It ranges from 0 to kMaxModules − 1.
 
   /// The trouble code as a number, 24 bits.
   [[nodiscard]] constexpr std::uint32_t dtc() const { return kGroup | static_cast<std::uint32_t>(state) << 16 | row; }
@@ -39,7 +39,7 @@ struct FaultCode {
 
 struct FaultRecord {
   FaultCode code;
-  std::uint8_t status = 0;  ///< fault_status
+  std::uint8_t status = 0;  ///< Its bits are those of fault_status.
   /// True while the fault is present.
   [[nodiscard]] constexpr bool fails_now() const { return (status & fault_status::kFailsNow) != 0; }
   bool operator==(const FaultRecord&) const = default;
@@ -56,7 +56,7 @@ struct FaultList {
   static constexpr std::size_t kRecordBytes = 4, kFaultsPerModule = kModuleStateCount - 2;
   static constexpr std::size_t kMaxRecords = kFaultsPerModule * layout::kMaxModules;
   std::uint8_t available = fault_status::kAvailable;
-  std::uint8_t count = 0;  ///< 0 … kMaxRecords
+  std::uint8_t count = 0;  ///< It ranges from 0 to kMaxRecords.
   std::array<FaultRecord, kMaxRecords> records{};
 
   /// The records in use.
@@ -96,8 +96,8 @@ struct FaultList {
 
 /// State of affairs when a fault occurred first.
 struct Freeze {
-  std::uint32_t time_ms = 0;  ///< time since power-up
-  std::uint32_t sample = 0;   ///< number of the module's sample
+  std::uint32_t time_ms = 0;  ///< The time is counted from power-up, because the board has no calendar.
+  std::uint32_t sample = 0;   ///< The module's samples are counted from power-up.
   bool operator==(const Freeze&) const = default;
 };
 

@@ -12,20 +12,21 @@ namespace triskin::wire {
 
 /// What the controller found out about its crystal.
 enum class Crystal : std::uint8_t {
-  kUsed,         ///< measured, known, and the source of every clock
-  kSilent,       ///< does not start: missing, broken, or badly loaded
-  kNotMeasured,  ///< runs, but its edges did not reach the timer
-  kUnknown,      ///< runs at a frequency that no crystal of the list has
-  kNoLock,       ///< the PLL did not lock to it
-  kNoPll,        ///< the PLL does not lock to the internal oscillator either
-  kNotSaid,      ///< an older loader started the clocks
+  kUsed,         ///< The crystal was measured, is in the list, and drives every clock.
+  kSilent,       ///< The crystal does not start: it is missing, broken, or badly loaded.
+  kNotMeasured,  ///< The crystal runs, but its edges did not reach the timer that measures them.
+  kUnknown,      ///< The crystal runs at a frequency that is not in the list.
+  kNoLock,       ///< The PLL did not lock to the crystal.
+  kNoPll,        ///< The PLL does not lock to the internal oscillator either.
+  kNotSaid,      ///< An older loader started the clocks and said nothing about them.
 };
 
 /// Source of the controller's clock: the crystal with Crystal::kUsed, else the internal oscillator (± 1 %).
 struct ClockState {
   Crystal crystal = Crystal::kNotSaid;
-  std::uint8_t crystal_mhz = 0;    ///< 0: the internal oscillator is used
-  std::uint16_t measured_khz = 0;  ///< crystal frequency measured against the internal oscillator; 0: not measured
+  std::uint8_t crystal_mhz = 0;  ///< It is 0 while the internal oscillator is used.
+  /// The crystal is measured against the internal oscillator; 0 means that it was not.
+  std::uint16_t measured_khz = 0;
   bool operator==(const ClockState&) const = default;
 };
 
@@ -44,20 +45,23 @@ struct BoardHealth {
   static constexpr std::uint16_t kId = did::kBoardHealth;
   static constexpr std::size_t kMinBytes = 54, kMaxBytes = kMinBytes;
   ClockState clock;
-  std::uint8_t reset_cause = 0;                              ///< bits of wire::reset_cause for the last reset
-  std::uint16_t findings = 0;                                ///< bits, docs/bring_up.md
-  std::uint8_t crashes_in_row = 0;                           ///< crashes without a minute of work between them
-  std::uint8_t can_send_errors = 0, can_receive_errors = 0;  ///< error counters of ISO 11898-1
-  std::uint8_t can_state = 0;                                ///< bits of wire::can_state
-  std::uint8_t can_last_error = 0;                           ///< code of the CAN controller, 0 none … 6, 7 none since
+  std::uint8_t reset_cause = 0;                              ///< The bits of wire::reset_cause describe the last reset.
+  std::uint16_t findings = 0;                                ///< docs/bring_up.md lists the bits.
+  std::uint8_t crashes_in_row = 0;                           ///< A minute of work ends such a series of crashes.
+  std::uint8_t can_send_errors = 0, can_receive_errors = 0;  ///< These are the error counters of ISO 11898-1.
+  std::uint8_t can_state = 0;                                ///< Its bits are those of wire::can_state.
+  /// The CAN controller gives this code: 0 is none, 7 is none since it was last read.
+  std::uint8_t can_last_error = 0;
   std::uint32_t bus_offs = 0;
-  std::uint32_t can_lost = 0;                         ///< received frames that found no room
-  std::uint16_t can_ram_failures = 0;                 ///< the controller could not reach its message RAM
-  std::uint32_t ecc_corrected = 0, ecc_detected = 0;  ///< flash units with one wrong bit, with two
-  std::uint32_t flash_errors = 0;                     ///< erase or program refused
+  std::uint32_t can_lost = 0;          ///< Received frames that found no room are counted here.
+  std::uint16_t can_ram_failures = 0;  ///< It counts how often the CAN controller could not reach its message RAM.
+  /// They count units of the flash with one wrong bit and with two.
+  std::uint32_t ecc_corrected = 0, ecc_detected = 0;
+  std::uint32_t flash_errors = 0;  ///< It counts erase and program operations that the flash refused.
   std::uint32_t worst_loop_us = 0, worst_interrupt_us = 0;
-  std::uint16_t stack_bytes = 0, stack_free_bytes = 0;  ///< reserved size, and the part that was never touched
-  std::uint16_t idle_permille = 0;                      ///< idle share of the time since the last reset
+  /// The second is the part of the first that was never written to.
+  std::uint16_t stack_bytes = 0, stack_free_bytes = 0;
+  std::uint16_t idle_permille = 0;  ///< It is the idle share of the time since the last reset.
 
   /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const {
@@ -107,12 +111,12 @@ static_assert(kLengthsAsInTable<BoardHealth>);
 /// What stopped the controller.
 enum class CrashCause : std::uint8_t {
   kNone,
-  kFault,          ///< the processor refused an instruction or an access
-  kStackOverflow,  ///< the stack left its memory
-  kWatchdog,       ///< the loop did not come round for two seconds
-  kClock,          ///< the crystal stopped, or no clock came
-  kInterrupt,      ///< an interrupt that nobody asked for
-  kProgram,        ///< the program stopped itself: a call of nothing, the end of main
+  kFault,          ///< The processor refused an instruction or an access to memory.
+  kStackOverflow,  ///< The stack left its memory.
+  kWatchdog,       ///< The main loop did not come round for two seconds.
+  kClock,          ///< The crystal stopped, or no clock came up.
+  kInterrupt,      ///< An interrupt arrived for which there is no handler.
+  kProgram,        ///< The program stopped itself, by calling a null function or by leaving main.
 };
 
 /// FD12: kept over resets, and in the fault memory when the power goes. Without one the cause is kNone.
@@ -120,16 +124,17 @@ struct Crash {
   static constexpr std::uint16_t kId = did::kCrash;
   static constexpr std::size_t kMinBytes = 44, kMaxBytes = kMinBytes;
   CrashCause cause = CrashCause::kNone;
-  bool while_erasing = false;                             ///< a page of the flash was being erased
-  std::uint16_t exception = 0;                            ///< number of the exception that ran, 0: the loop
-  std::uint32_t pc = 0, lr = 0;                           ///< addresses in the image at `origin`; 0: not known
-  std::uint32_t sp = 0;                                   ///< stack pointer before the fault
-  std::uint32_t fault_status = 0, hard_fault_status = 0;  ///< CFSR and HFSR of the processor
-  std::uint32_t address = 0;  ///< address that could not be accessed, if fault_status says that it is valid; else 0
+  bool while_erasing = false;    ///< A page was being erased, which stalls reads of that bank.
+  std::uint16_t exception = 0;   ///< It is the exception's number; 0 means that the main loop ran.
+  std::uint32_t pc = 0, lr = 0;  ///< Both are addresses in the image at `origin`; 0 means unknown.
+  std::uint32_t sp = 0;          ///< It is the stack pointer before the fault.
+  std::uint32_t fault_status = 0, hard_fault_status = 0;  ///< They are the processor's registers CFSR and HFSR.
+  /// This address could not be accessed, if fault_status marks it as valid; otherwise it is 0.
+  std::uint32_t address = 0;
   std::uint32_t uptime_ms = 0;
   std::uint32_t firmware_version = 0;
-  std::uint32_t origin = 0;  ///< address that the image is linked for
-  std::uint32_t number = 0;  ///< crashes since power-up
+  std::uint32_t origin = 0;  ///< The image that crashed was linked for this address.
+  std::uint32_t number = 0;  ///< Crashes are counted from power-up.
 
   /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const {

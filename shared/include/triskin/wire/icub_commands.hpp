@@ -13,35 +13,40 @@ namespace triskin::wire::icub {
 
 inline constexpr std::uint32_t kPollingClass = 0x200, kLoaderClass = 0x700, kClassMask = 0x700;
 inline constexpr std::uint8_t kEverybody = 0xF;
-inline constexpr std::uint8_t kMaxBoard = 14;  ///< a controller with a higher node address is no iCub board
-inline constexpr int kTriangles = 16;          ///< triangles of one board, numbered 4 · line + address
+inline constexpr std::uint8_t kMaxBoard = 14;  ///< A controller with a higher node address cannot be an iCub board.
+inline constexpr int kTriangles = 16;          ///< They are numbered 4 · line + address, as on an iCub board.
 
 /// Polling class; the highest bit of the command says nothing there.
 inline constexpr std::uint8_t kCommandMask = 0x7F;
-inline constexpr std::uint8_t kSetTransmission = 0x07;  ///< data 1: 0 starts, anything else stops
-inline constexpr std::uint8_t kGetVersion = 0x1C;       ///< data: wanted protocol, major and minor; the board answers
+/// The first byte starts transmission when it is 0 and stops it otherwise.
+inline constexpr std::uint8_t kSetTransmission = 0x07;
+/// The host sends the protocol it wants, major and minor, and the board answers.
+inline constexpr std::uint8_t kGetVersion = 0x1C;
 /// Both classes: data is the new address; the loader also takes FF and a mask.
 inline constexpr std::uint8_t kSetAddress = 0x32;
-inline constexpr std::uint8_t kSetupObsolete = 0x4C;  ///< defaults at 40 ms; calibrates and starts
-inline constexpr std::uint8_t kSetBoard = 0x4D;       ///< skin type, period in ms, value at rest
-inline constexpr std::uint8_t kSetTriangles = 0x50;   ///< first, last, shift, bit 0 enabled, 16-bit offset
+inline constexpr std::uint8_t kSetupObsolete = 0x4C;  ///< It sets the defaults at 40 ms, calibrates and starts.
+inline constexpr std::uint8_t kSetBoard = 0x4D;       ///< The data are skin type, period in ms and the value at rest.
+/// The data are first and last triangle, shift, the enabling bit 0 and a 16-bit offset.
+inline constexpr std::uint8_t kSetTriangles = 0x50;
 
 /// Loader class.
 inline constexpr std::uint8_t kRestart = 0x00;
-inline constexpr std::uint8_t kGetDescription = 0x0C;  ///< answered with eight frames of four characters
-inline constexpr std::uint8_t kGetTimeOfLife = 0x0E;   ///< answered with µs since power-up, 7 bytes
-inline constexpr std::uint8_t kDiscover = 0xFF;        ///< answered with type and version
+inline constexpr std::uint8_t kGetDescription = 0x0C;  ///< The board answers with eight frames of four characters.
+/// The board answers with the microseconds since power-up in 7 bytes.
+inline constexpr std::uint8_t kGetTimeOfLife = 0x0E;
+inline constexpr std::uint8_t kDiscover = 0xFF;  ///< The board answers with its type and version.
 
-inline constexpr std::uint8_t kBoardType = 11;                         ///< MTB4
-inline constexpr std::uint8_t kProtocolMajor = 2, kProtocolMinor = 0;  ///< version of the board's CAN commands
-inline constexpr std::uint16_t kUsualOffset = 0x2200;                  ///< converter offset that every host asks for
+inline constexpr std::uint8_t kBoardType = 11;  ///< It is the number of the MTB4, which hosts look for.
+/// The version is that of the board's CAN commands.
+inline constexpr std::uint8_t kProtocolMajor = 2, kProtocolMinor = 0;
+inline constexpr std::uint16_t kUsualOffset = 0x2200;  ///< Every iCub host asks for this converter offset.
 
 /// What is taken out of a taxel's value. Another number on the wire: as kUncompensated.
 enum class SkinType : std::uint8_t {
-  kCompensated = 0,    ///< temperature
-  kPalm = 1,           ///< nothing: its gains are zero
-  kUncompensated = 2,  ///< nothing but the value at the calibration
-  kRaw = 7,            ///< low byte of the converter's result, for tests
+  kCompensated = 0,    ///< Temperature is compensated.
+  kPalm = 1,           ///< Nothing is compensated, because the gains of the palm are zero.
+  kUncompensated = 2,  ///< Only the value at the calibration is subtracted.
+  kRaw = 7,            ///< The low byte of the converter's result is sent, for tests.
 };
 
 [[nodiscard]] constexpr std::uint32_t can_id(std::uint32_t message_class, std::uint8_t source,
@@ -61,10 +66,10 @@ struct State {
   static constexpr std::uint8_t kNoBoard = 1, kOffsetRefused = 2, kAddressRefused = 4, kCommandRefused = 8;
   static constexpr std::uint8_t kAllFlags = 15;
   std::uint8_t flags = 0;
-  std::uint8_t last_refused = 0;                                      ///< command; 0 before the first
-  std::uint8_t refused = 0;                                           ///< commands since power-up, 255: as many or more
-  std::uint8_t skin_type = 0, period_ms = 0, no_load = 0, shift = 0;  ///< shift: of triangle 0
-  std::uint16_t enabled = 0;                                          ///< bit t: triangle t
+  std::uint8_t last_refused = 0;  ///< It is the last command that was refused; 0 means none so far.
+  std::uint8_t refused = 0;       ///< Refused commands are counted from power-up and the count stays at 255.
+  std::uint8_t skin_type = 0, period_ms = 0, no_load = 0, shift = 0;  ///< The shift is that of triangle 0.
+  std::uint16_t enabled = 0;                                          ///< Bit t enables triangle t.
 
   /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const {

@@ -27,17 +27,17 @@ inline constexpr std::uint16_t kDiscover = 0x0201, kSelfTest = 0x0202, kCalibrat
 
 /// Who may do what with an identifier.
 enum class Access : std::uint8_t {
-  kRead,       ///< service 22, in any session
-  kReadWrite,  ///< also service 2E, with the key
-  kFreeze,     ///< only inside freeze data, service 19 04
+  kRead,       ///< Service 22 reads it in any session.
+  kReadWrite,  ///< Service 2E writes it too, after the key was given.
+  kFreeze,     ///< It appears only inside freeze data, service 19 04.
 };
 
 struct Identifier {
   std::uint16_t id;
   Access access;
-  std::size_t min_bytes, max_bytes;  ///< size of the value
-  std::string_view header;           ///< header in shared/include/triskin/wire that defines its type
-  std::string_view value;            ///< fields in order, (bytes of each); little-endian where nothing is said
+  std::size_t min_bytes, max_bytes;  ///< A value has between so many bytes.
+  std::string_view header;           ///< This header below shared/include/triskin/wire defines the type of the value.
+  std::string_view value;  ///< The fields stand in order, each with its bytes, little-endian where nothing is said.
 };
 
 inline constexpr std::array<Identifier, 27> kIdentifiers{{

@@ -14,7 +14,8 @@
 /// Who a controller is and what runs on it (F186 … F195, FD00, FD01, FD09). docs/protocol.md.
 namespace triskin::wire {
 
-inline constexpr std::uint16_t kWireVersion = 1;  ///< a host that meets another may only identify, read and update
+/// A host that meets another version may only identify, read and update.
+inline constexpr std::uint16_t kWireVersion = 1;
 
 /// Diagnostic sessions (ISO 14229-1, 10.2).
 enum class Session : std::uint8_t { kDefault = 1, kProgramming = 2, kExtended = 3 };
@@ -78,7 +79,7 @@ static_assert(identifier(did::kHardware).max_bytes == kPartNumber.size());
 struct FirmwareVersion {
   static constexpr std::uint16_t kId = did::kFirmware;
   static constexpr std::size_t kMinBytes = 4, kMaxBytes = 4;
-  std::uint32_t version = 0;  ///< major in the highest byte
+  std::uint32_t version = 0;  ///< The major number is in the highest byte, so that versions compare as integers.
 
   /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const { out.be32(version); }
@@ -96,7 +97,8 @@ static_assert(kLengthsAsInTable<FirmwareVersion>);
 struct Hello {
   static constexpr std::uint16_t kId = did::kHello;
   static constexpr std::size_t kMinBytes = 23, kMaxBytes = 23;
-  static constexpr std::size_t kFixedBytes = 21;  ///< up to the unique id: the same in every wire version
+  /// Everything up to the unique id is the same in each wire version.
+  static constexpr std::size_t kFixedBytes = 21;
   std::uint16_t wire_version = kWireVersion, layout_version = layout::kLayoutVersion;
   std::uint32_t firmware_version = 0;
   std::uint8_t node_address = layout::kFirstNode;
@@ -161,11 +163,11 @@ static_assert(kLengthsAsInTable<NodeAddress>);
 struct ImageState {
   static constexpr std::uint16_t kId = did::kImageState;
   static constexpr std::size_t kMinBytes = 14, kMaxBytes = 14;
-  std::uint8_t slot = 0;         ///< 0 or 1
-  bool confirmed = false;        ///< it has said that it works
-  std::uint32_t sequence = 0;    ///< one more than the other slot's
-  std::uint32_t size_bytes = 0;  ///< size of the image
-  std::uint32_t record_crc = 0;  ///< layout::slot_crc() of the image
+  std::uint8_t slot = 0;       ///< It is 0 or 1.
+  bool confirmed = false;      ///< The image has said of itself that it works.
+  std::uint32_t sequence = 0;  ///< It is one more than that of the other slot, so the larger one is newer.
+  std::uint32_t size_bytes = 0;
+  std::uint32_t record_crc = 0;  ///< It is layout::slot_crc() of the image.
 
   /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const {

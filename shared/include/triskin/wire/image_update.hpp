@@ -26,7 +26,7 @@ inline constexpr std::uint8_t kProtocol = 1;
 inline constexpr std::uint32_t kCommandId = 0x1BF40000;
 /// Data: kDataBase | slot << 16 | number of the first unit. Lower in priority than samples and requests.
 inline constexpr std::uint32_t kDataBase = 0x1BF80000, kDataMask = 0x1FFE0000;
-inline constexpr std::size_t kUnitBytes = 8;  ///< size of the flash's programming unit
+inline constexpr std::size_t kUnitBytes = 8;  ///< The flash is programmed in units of this size.
 inline constexpr std::size_t kMaxUnits = layout::kMaxFirmwareImageBytes / kUnitBytes;
 /// A session ends after so much silence.
 inline constexpr std::uint64_t kPatience_us = 10'000'000;
@@ -34,17 +34,17 @@ inline constexpr std::uint64_t kPatience_us = 10'000'000;
 inline constexpr std::uint64_t kUnit_us = 110;
 
 enum class Command : std::uint8_t {
-  kAsk = 1,        ///< to one: who it is and how it stands; any session
-  kSize = 2,       ///< offer: slot (1), flags (1; 1: may be older), bytes of the image (3)
-  kVersion = 3,    ///< offer: firmware version (4), key (1)
-  kHardware = 4,   ///< offer: CRC-32 of the part number (4)
-  kCrc = 5,        ///< offer: CRC-32 of the image (4); completes the offer for that slot
-  kJoin = 6,       ///< to one: takes part, when it can use the offer for its free slot
-  kErase = 7,      ///< to all that take part: erase what the image needs
-  kMissing = 8,    ///< to one: which units it has not got
-  kCheck = 9,      ///< to all that take part: check the image
-  kActivate = 10,  ///< to all that are ready: commit and restart
-  kEnd = 11,       ///< the session is over; who has not activated keeps what it runs
+  kAsk = 1,       ///< One board answers who it is and how its update stands, in any session.
+  kSize = 2,      ///< It offers to all: slot (1 byte), flags (1; bit 0 allows an older version), size of the image (3).
+  kVersion = 3,   ///< It offers to all: firmware version (4 bytes), key (1).
+  kHardware = 4,  ///< It offers to all: CRC-32 of the part number (4 bytes).
+  kCrc = 5,       ///< It offers to all: CRC-32 of the image (4 bytes), which completes the offer for that slot.
+  kJoin = 6,      ///< One board takes part if it can use the offer for its free slot.
+  kErase = 7,     ///< All that take part erase what the image needs.
+  kMissing = 8,   ///< One board answers which units it has not received.
+  kCheck = 9,     ///< All that take part check the image.
+  kActivate = 10,  ///< All that are ready commit the image and restart.
+  kEnd = 11,       ///< The session is over; a board that has not activated keeps what it runs.
 };
 /// The command of a number from the wire. Error: kOutOfRange.
 [[nodiscard]] constexpr Result<Command> to_command(std::uint8_t number) {
@@ -58,21 +58,22 @@ enum class Command : std::uint8_t {
 
 /// How far a controller is.
 enum class Phase : std::uint8_t {
-  kIdle = 0,       ///< takes no part
-  kJoined = 1,     ///< takes part, nothing erased
-  kErasing = 2,    ///< erases
-  kReceiving = 3,  ///< takes data
-  kChecking = 4,   ///< checks the image
-  kReady = 5,      ///< the image is in order
-  kRefused = 6,    ///< the status says why; what runs stays
-  kActivated = 7,  ///< committed; restarts
+  kIdle = 0,       ///< The board takes no part.
+  kJoined = 1,     ///< The board takes part and has erased nothing yet.
+  kErasing = 2,    ///< The board erases its free slot.
+  kReceiving = 3,  ///< The board takes data.
+  kChecking = 4,   ///< The board checks the image.
+  kReady = 5,      ///< The image is complete and correct.
+  kRefused = 6,    ///< The status says why the board refused; what runs stays.
+  kActivated = 7,  ///< The image is committed, and the board restarts.
 };
 
 /// A command frame in its wire format.
 struct Order {
   Command command = Command::kAsk;
-  std::uint16_t session = 0;                ///< drawn by the host, not 0
-  std::array<std::uint8_t, 5> arguments{};  ///< layout depends on the command (see Command), little-endian
+  std::uint16_t session = 0;  ///< The host draws it at random, and it is never 0.
+  /// Their layout depends on the command (see Command) and is little-endian.
+  std::array<std::uint8_t, 5> arguments{};
   bool operator==(const Order&) const = default;
 };
 
@@ -112,9 +113,9 @@ struct Order {
 struct Offer {
   std::uint8_t slot = 0;
   bool may_be_older = false;
-  std::uint32_t size_bytes = 0;  ///< a multiple of kUnitBytes, 512 … layout::kMaxFirmwareImageBytes
+  std::uint32_t size_bytes = 0;  ///< It is a multiple of kUnitBytes from 512 to layout::kMaxFirmwareImageBytes.
   std::uint32_t firmware_version = 0;
-  std::uint32_t hardware_crc = 0;  ///< CRC-32 of the part number
+  std::uint32_t hardware_crc = 0;  ///< It is the CRC-32 of the part number.
   std::uint32_t image_crc = 0;
   bool operator==(const Offer&) const = default;
 };
@@ -206,23 +207,23 @@ enum class Answer : std::uint8_t { kWho = 0x10, kState = 0x11, kList = 0x12, kBi
 /// What runs on a controller.
 struct Who {
   std::uint8_t protocol = kProtocol;
-  std::uint8_t running_slot = 0;  ///< the other one is free
+  std::uint8_t running_slot = 0;  ///< The other slot is free.
   bool confirmed = false;
   std::uint32_t firmware_version = 0;
   bool operator==(const Who&) const = default;
 };
 /// Identifies the image on a controller, to compare it with another.
 struct Image {
-  std::uint32_t record_crc = 0;  ///< layout::slot_crc of it
-  std::uint32_t sequence = 0;    ///< sequence number in its commit record, modulo 2^24
+  std::uint32_t record_crc = 0;  ///< It is layout::slot_crc() of the slot that runs.
+  std::uint32_t sequence = 0;    ///< It is the sequence number of its commit record, modulo 2^24.
   bool operator==(const Image&) const = default;
 };
 /// How an update stands on a controller.
 struct State {
   Phase phase = Phase::kIdle;
   Status status = Status::kOk;
-  std::uint16_t session = 0;  ///< session that the board takes part in; 0: none
-  std::uint16_t count = 0;    ///< units missing, after kMissing; else pages still to be erased
+  std::uint16_t session = 0;  ///< The board takes part in this session; 0 means none.
+  std::uint16_t count = 0;    ///< After kMissing it counts missing units, otherwise pages that are still to be erased.
   bool operator==(const State&) const = default;
 };
 

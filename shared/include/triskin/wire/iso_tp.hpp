@@ -18,8 +18,8 @@ class IsoTp {
  public:
   static constexpr std::size_t kCapacity = 1024;
   static constexpr std::uint8_t kPadding = 0xCC;
-  static constexpr std::uint64_t kTimeout_us = 1'000'000;  ///< N_Bs and N_Cr of the standard
-  static constexpr int kMaxWaits = 10;                     ///< flow controls "wait" in a row
+  static constexpr std::uint64_t kTimeout_us = 1'000'000;  ///< ISO 15765-2 sets this for N_Bs and N_Cr.
+  static constexpr int kMaxWaits = 10;  ///< After so many flow controls "wait" in a row the sender gives up.
 
   enum class Event : std::uint8_t { kNone, kReceived, kSent, kFailed };
 
@@ -121,7 +121,7 @@ class IsoTp {
 
   constexpr Event receive_single(const CanFrame& frame) {
     const std::uint8_t low = frame.data[0] & 0xF;
-    const bool escape = low == 0 && frame.size > 8;  // FD: length in the next byte
+    const bool escape = low == 0 && frame.size > 8;  // A long FD frame has its length in the next byte.
     const std::size_t size = escape ? frame.data[1] : low, start = escape ? 2 : 1;
     if (size == 0 || start + size > frame.size) return Event::kNone;
     rx_expected_ = 0;
@@ -133,15 +133,16 @@ class IsoTp {
   constexpr Event receive_first(const CanFrame& frame, std::uint64_t now_us) {
     if (frame.size < 8) return Event::kNone;
     std::size_t size = static_cast<std::size_t>(frame.data[0] & 0xF) << 8 | frame.data[1], start = 2;
-    if (size == 0) {  // more than 4095 bytes
+    if (size == 0) {  // The message is longer than 4,095 bytes, so its size follows in four bytes.
       size = static_cast<std::size_t>(frame.data[2]) << 24 | static_cast<std::size_t>(frame.data[3]) << 16 |
              static_cast<std::size_t>(frame.data[4]) << 8 | frame.data[5];
       start = 6;
     }
-    if (size < 8 || size <= frame.size - start) return Event::kNone;  // fits a single frame: not a first frame
+    // A message of this size fits a single frame and may not start with a first frame.
+    if (size < 8 || size <= frame.size - start) return Event::kNone;
     flow_control_due_ = true;
     if (size > kCapacity) {
-      flow_status_ = 0x32;  // overflow: the sender gives up
+      flow_status_ = 0x32;  // The receiver reports an overflow, so the sender gives up.
       rx_expected_ = 0;
       return Event::kNone;
     }
@@ -157,7 +158,7 @@ class IsoTp {
 
   constexpr Event receive_consecutive(const CanFrame& frame, std::uint64_t now_us) {
     if (rx_expected_ == 0) return Event::kNone;
-    if ((frame.data[0] & 0xF) != rx_sequence_) {  // lost or out of order: the message is given up
+    if ((frame.data[0] & 0xF) != rx_sequence_) {  // A frame was lost or overtaken, so the message is given up.
       rx_expected_ = 0;
       return Event::kFailed;
     }

@@ -12,8 +12,8 @@
 namespace triskin::wire {
 
 struct LineState {
-  bool stuck = false;            ///< held low
-  std::uint32_t recoveries = 0;  ///< number since power-up
+  bool stuck = false;            ///< It says that somebody holds the line low.
+  std::uint32_t recoveries = 0;  ///< They are counted from power-up.
   bool operator==(const LineState&) const = default;
 };
 
@@ -48,9 +48,10 @@ static_assert(kLengthsAsInTable<LineStates>);
 
 /// What a discovery found on one line.
 struct LineReport {
-  bool stuck = false;         ///< held low: nobody could be asked
-  std::uint8_t answers = 0;   ///< bit a: somebody answers at cdc_address(a)
-  std::uint8_t wrong_id = 0;  ///< bit a: with another device id; a subset of `answers`
+  bool stuck = false;        ///< The line was held low, so nobody could be asked.
+  std::uint8_t answers = 0;  ///< Bit a says that a chip answers at cdc_address(a).
+  /// Bit a says that the chip has another device id; these bits are a subset of `answers`.
+  std::uint8_t wrong_id = 0;
   bool operator==(const LineReport&) const = default;
 };
 

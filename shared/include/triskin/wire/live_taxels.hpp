@@ -13,8 +13,9 @@ namespace triskin::wire {
 
 /// The latest reading of one module.
 struct ModuleTaxels {
-  std::uint16_t valid = 0;                                      ///< bit t: taxel t
-  std::array<std::uint16_t, layout::kTaxelsPerModule> value{};  ///< the converter's results
+  std::uint16_t valid = 0;  ///< Bit t is that of taxel t.
+  /// These are the converter's results without compensation.
+  std::array<std::uint16_t, layout::kTaxelsPerModule> value{};
   /// True when the value of `taxel` (0..11) is valid.
   [[nodiscard]] constexpr bool is_valid(std::size_t taxel) const { return (valid >> taxel & 1U) != 0; }
   bool operator==(const ModuleTaxels&) const = default;
@@ -25,9 +26,9 @@ struct LiveTaxels {
   static constexpr std::uint16_t kId = did::kLiveTaxels;
   static constexpr std::size_t kMinBytes = 12, kModuleBytes = 2 + 2 * layout::kTaxelsPerModule,
                                kMaxBytes = kMinBytes + kModuleBytes * layout::kMaxModules;
-  std::uint32_t sequences = 0;  ///< nominal sequences since power-up
-  std::uint64_t time_us = 0;    ///< the controller's clock, at the answer
-  std::uint8_t count = 0;       ///< modules of the table, 0 … kMaxModules
+  std::uint32_t sequences = 0;  ///< It counts the nominal sequences since power-up.
+  std::uint64_t time_us = 0;    ///< It is the controller's clock when it answered.
+  std::uint8_t count = 0;       ///< It counts the modules of the table, 0 … kMaxModules.
   std::array<ModuleTaxels, layout::kMaxModules> modules{};
 
   /// Readings of the modules in the table, by row.

@@ -9,18 +9,23 @@
 namespace triskin::wire::loader {
 
 inline constexpr std::uint8_t kProtocol = 1;
-inline constexpr std::uint32_t kRequestId = 0x1BF10000;  ///< host → loader: command, arguments
-inline constexpr std::uint32_t kDataId = 0x1BF20000;     ///< host → loader: eight bytes of the image, in order
-inline constexpr std::uint32_t kReplyId = 0x1BF30000;    ///< loader → host: command, Status, …
+/// The host sends a command and its arguments to the loader.
+inline constexpr std::uint32_t kRequestId = 0x1BF10000;
+/// The host sends eight bytes of the image at a time, in order.
+inline constexpr std::uint32_t kDataId = 0x1BF20000;
+/// The loader answers with the command, a Status and what the command asks for.
+inline constexpr std::uint32_t kReplyId = 0x1BF30000;
 
 enum class Command : std::uint8_t {
-  kHello = 1,  ///< reply: protocol, state of slot 0 and 1 (bit 0 valid, 1 confirmed, 2 startable), CRC-32 of the unique
-               ///< id (LE); stays in the loader
-  kSelect = 2,  ///< CRC-32 of the unique id: from now on only this controller obeys
-  kErase = 3,   ///< slot; takes up to 3 s. kWrongTarget for the slot that would start now
-  kData = 4,    ///< only in replies: after each 32 data frames: status, offset of the next byte (LE)
-  kCommit = 5,  ///< size (3 bytes LE), CRC-32 of the image (LE)
-  kBoot = 6,    ///< starts the newest slot
+  /// The reply is protocol, state of slots 0 and 1 (bit 0 valid, 1 confirmed, 2 startable) and CRC-32 of the unique id
+  /// (LE); the loader then stays.
+  kHello = 1,
+  kSelect = 2,  ///< The argument is the CRC-32 of a unique id; only that controller obeys from now on.
+  /// The argument is the slot; erasing takes up to 3 s. The slot that would start now is refused with kWrongTarget.
+  kErase = 3,
+  kData = 4,    ///< It is sent only as a reply, after each 32 data frames: status, offset of the next byte (LE).
+  kCommit = 5,  ///< The arguments are the size (3 bytes LE) and CRC-32 of the image (LE).
+  kBoot = 6,    ///< The newest slot starts.
 };
 /// The command of a number from the wire; empty: no command.
 [[nodiscard]] constexpr std::optional<Command> to_command(std::uint8_t number) {
@@ -29,6 +34,6 @@ enum class Command : std::uint8_t {
   return static_cast<Command>(number);
 }
 inline constexpr std::uint32_t kFramesPerReply = 32;
-inline constexpr std::uint64_t kWindow_us = 20'000;  ///< the loader waits this long for kHello after a reset
+inline constexpr std::uint64_t kWindow_us = 20'000;  ///< After a reset the loader waits this long for kHello.
 
 }  // namespace triskin::wire::loader

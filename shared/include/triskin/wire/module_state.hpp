@@ -14,18 +14,18 @@ namespace triskin::wire {
 
 /// What is known about a module of the table. The numbers are part of the wire version.
 enum class ModuleState : std::uint8_t {
-  kUnknown = 0,            ///< not looked at yet
-  kOk = 1,                 ///< in order
-  kAbsent = 2,             ///< nobody answers at its line and address
-  kWrongId = 3,            ///< answers with another device id
-  kLostConfiguration = 4,  ///< configuration read back differs; was written again
-  kSaturated = 5,          ///< a taxel at the end of its range
-  kFrozen = 6,             ///< a taxel that does not change by a single count
-  kLineStuck = 7,          ///< its line is held low
-  kDuplicate = 8,          ///< two chips answer at its address
+  kUnknown = 0,            ///< The module has not been looked at yet.
+  kOk = 1,                 ///< The module works as it should.
+  kAbsent = 2,             ///< Nobody answers at the module's line and address.
+  kWrongId = 3,            ///< The chip answers with another device id.
+  kLostConfiguration = 4,  ///< The configuration read back was not the one written, so it was written again.
+  kSaturated = 5,          ///< A taxel is at the end of its range.
+  kFrozen = 6,             ///< A taxel does not change by a single count, which a working one does by its noise.
+  kLineStuck = 7,          ///< The module's line is held low.
+  kDuplicate = 8,          ///< Two chips answer at the module's address.
 };
 inline constexpr std::size_t kModuleStateCount = 9;
-inline constexpr ModuleState kFirstFaultState = ModuleState::kAbsent;  ///< states from here on are faults
+inline constexpr ModuleState kFirstFaultState = ModuleState::kAbsent;  ///< States from here on are faults.
 
 /// State of a number from the wire.
 /// Error: kOutOfRange.
@@ -37,7 +37,7 @@ inline constexpr ModuleState kFirstFaultState = ModuleState::kAbsent;  ///< stat
 struct ModuleStates {
   static constexpr std::uint16_t kId = did::kModuleStates;
   static constexpr std::size_t kMinBytes = 1, kMaxBytes = layout::kMaxModules;
-  std::uint8_t count = 0;  ///< 0 … kMaxModules
+  std::uint8_t count = 0;  ///< It ranges from 0 to kMaxModules.
   std::array<ModuleState, layout::kMaxModules> state{};
 
   /// States of the modules in the table, by row.

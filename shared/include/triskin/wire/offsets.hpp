@@ -14,11 +14,11 @@ namespace triskin::wire {
 
 /// Source of a chip's offsets.
 enum class OffsetState : std::uint8_t {
-  kNone = 0,       ///< no chip was found at this place since power-up, and none before
-  kSearching = 1,  ///< they are being looked for
-  kKept = 2,       ///< found before power-up, read from the flash; each taxel still rests where it should
-  kFound = 3,      ///< found since power-up
-  kOutside = 4,    ///< settled, but a taxel rests outside the middle third of the range
+  kNone = 0,       ///< No chip was ever found at this place.
+  kSearching = 1,  ///< The offsets are being searched for.
+  kKept = 2,       ///< They were read from the flash, and each taxel still rests where it should.
+  kFound = 3,      ///< They were found since power-up.
+  kOutside = 4,    ///< The search has ended, but a taxel rests outside the middle third of the range.
 };
 /// State of a number from the wire.
 /// Error: kOutOfRange.
@@ -28,9 +28,9 @@ enum class OffsetState : std::uint8_t {
 
 /// When a converter shows its results, as the controller has seen it.
 enum class Latching : std::uint8_t {
-  kUnknown = 0,        ///< not seen yet
-  kEachStage = 1,      ///< each result at the end of its stage
-  kEndOfSequence = 2,  ///< all at the end of the sequence
+  kUnknown = 0,        ///< The order of conversions has not been seen yet.
+  kEachStage = 1,      ///< The chip updates each result at the end of its stage.
+  kEndOfSequence = 2,  ///< The chip updates all results at the end of the sequence.
 };
 /// Latching of a number from the wire.
 /// Error: kOutOfRange.
@@ -38,18 +38,18 @@ enum class Latching : std::uint8_t {
   return checked_enum(number, Latching::kEndOfSequence);
 }
 
-inline constexpr std::uint8_t kMaxOffset = 63;  ///< steps
-inline constexpr double kOffsetStep_pF = 0.32;  ///< capacitance that a step takes away, nominally
+inline constexpr std::uint8_t kMaxOffset = 63;  ///< The AD7147 has a register of six bits for the offset.
+inline constexpr double kOffsetStep_pF = 0.32;  ///< Each step takes away this capacitance (data sheet, nominal).
 /// A taxel rests in the middle third of the results; this is its lower end.
 inline constexpr std::uint16_t kRestLeast = 21846;
-inline constexpr std::uint16_t kRestMost = 43690;  ///< upper end of that third
+inline constexpr std::uint16_t kRestMost = 43690;  ///< This is the upper end of the middle third of the range.
 
 /// The offsets of one module.
 struct ModuleOffsets {
   OffsetState state = OffsetState::kNone;
   Latching latching = Latching::kUnknown;
-  std::uint16_t outside = 0;  ///< bit t: taxel t rested outside the middle third when that was looked at last
-  std::array<std::uint8_t, layout::kTaxelsPerModule> steps{};  ///< 0 … kMaxOffset
+  std::uint16_t outside = 0;  ///< Bit t says that taxel t rested outside the middle third when it was last looked at.
+  std::array<std::uint8_t, layout::kTaxelsPerModule> steps{};  ///< They range from 0 to kMaxOffset.
   bool operator==(const ModuleOffsets&) const = default;
 };
 
@@ -58,9 +58,9 @@ struct Offsets {
   static constexpr std::uint16_t kId = did::kOffsets;
   static constexpr std::size_t kRowBytes = 4 + layout::kTaxelsPerModule;
   static constexpr std::size_t kMinBytes = 5, kMaxBytes = kMinBytes + kRowBytes * layout::kMaxModules;
-  bool positive_input = false;  ///< the electrodes hang on the positive input; the controller turns the results round
-  std::uint32_t searches = 0;   ///< completed since power-up, of any module
-  std::uint8_t count = 0;       ///< 0 … kMaxModules
+  bool positive_input = false;  ///< The electrodes hang on the positive input, so the controller inverts the results.
+  std::uint32_t searches = 0;   ///< It counts completed searches of any module since power-up.
+  std::uint8_t count = 0;       ///< It ranges from 0 to kMaxModules.
   std::array<ModuleOffsets, layout::kMaxModules> modules{};
 
   /// The modules of the table, by row.

@@ -13,8 +13,8 @@ namespace triskin::wire {
 /// What the controller sends by itself.
 enum class StreamMode : std::uint8_t {
   kOff = 0,
-  kIcub = 1,  ///< 8 bits a taxel, as an iCub skin board
-  kFull = 2,  ///< 16 bits a taxel, CAN FD
+  kIcub = 1,  ///< A taxel has 8 bits, as on an iCub skin board.
+  kFull = 2,  ///< A taxel has 16 bits, which takes CAN FD.
 };
 
 /// Readings that the converter adds up for one result: more of them, less noise and fewer samples. As in its power
@@ -29,8 +29,8 @@ enum class Decimation : std::uint8_t { k256 = 0, k128 = 1, k64 = 2 };
 
 /// What a taxel's 16 bits are.
 enum class TaxelOutput : std::uint8_t {
-  kRaw = 0,          ///< the converter's result
-  kCompensated = 1,  ///< 0x8000 at rest; baseline and temperature taken away
+  kRaw = 0,          ///< The stream carries the converter's result.
+  kCompensated = 1,  ///< The stream carries 0x8000 at rest, with baseline and temperature taken away.
 };
 
 /// When a converter is read.
@@ -83,7 +83,7 @@ struct SamplingSetting {
   static constexpr std::uint16_t kId = did::kSampling;
   static constexpr std::size_t kMinBytes = 3, kMaxBytes = 4;
   Decimation decimation = Decimation::k256;
-  std::uint8_t every = 1;  ///< 1 … 255: each n-th sequence is read
+  std::uint8_t every = 1;  ///< Each n-th sequence is read, 1 … 255.
   TaxelOutput output = TaxelOutput::kRaw;
   SamplingTiming timing = SamplingTiming::kTracked;
 

@@ -12,10 +12,10 @@ namespace triskin::wire {
 struct Statistics {
   static constexpr std::uint16_t kId = did::kStatistics;
   static constexpr std::size_t kMinBytes = 16, kMaxBytes = 16;
-  std::uint32_t sequences = 0;    ///< nominal sequences of the converters
-  std::uint32_t bus_errors = 0;   ///< transfers without acknowledgement, all lines
-  std::uint32_t recoveries = 0;   ///< number of times that a line held low was freed
-  std::uint32_t lost_frames = 0;  ///< stream frames lost because the bus was slower than the stream
+  std::uint32_t sequences = 0;    ///< It counts the nominal sequences of the converters.
+  std::uint32_t bus_errors = 0;   ///< It counts transfers without acknowledgement on all lines.
+  std::uint32_t recoveries = 0;   ///< It counts how often a line that was held low could be freed.
+  std::uint32_t lost_frames = 0;  ///< Stream frames are lost when the bus is slower than the stream.
 
   /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const {

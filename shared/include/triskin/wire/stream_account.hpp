@@ -16,11 +16,13 @@ namespace triskin::wire {
 /// sent, or waits: the four counts together grow by one with each.
 struct RowAccount {
   static constexpr std::size_t kBytes = 17;
-  std::uint32_t number = 0;   ///< number of the latest sample; counts all samples due since sampling began
-  std::uint32_t unread = 0;   ///< samples that the controller did not read in time
-  std::uint32_t dropped = 0;  ///< samples that were read but found no room: the bus is slower than the stream
-  std::uint32_t sent = 0;     ///< samples handed to the bus
-  std::uint8_t waiting = 0;   ///< samples that wait for the bus now
+  /// It is the latest sample's number; all samples that were due since sampling began are counted.
+  std::uint32_t number = 0;
+  std::uint32_t unread = 0;  ///< It counts samples that the controller did not read in time.
+  /// It counts samples that were read but found no room, because the bus is slower than the stream.
+  std::uint32_t dropped = 0;
+  std::uint32_t sent = 0;    ///< It counts samples that were handed to the bus.
+  std::uint8_t waiting = 0;  ///< It counts samples that wait for the bus now.
   bool operator==(const RowAccount&) const = default;
 };
 
@@ -30,11 +32,12 @@ struct StreamAccount {
   static constexpr std::size_t kHeadBytes = 10, kLeaseBytes = 4, kMinBytes = kHeadBytes,
                                kMaxBytes =
                                    kHeadBytes + kLeaseBytes * kMaxLeases + RowAccount::kBytes * layout::kMaxModules;
-  std::uint8_t starts = 0;    ///< sampling began anew so often since power-up, modulo 256: numbers start at 1 again
-  std::uint64_t time_us = 0;  ///< the controller's clock, at the answer
-  std::uint8_t readers = 0;   ///< leases that last, 0 … kMaxLeases
+  /// Sampling restarted so often since power-up, modulo 256, and numbers began at 1 each time.
+  std::uint8_t starts = 0;
+  std::uint64_t time_us = 0;  ///< It is the controller's clock when it answered.
+  std::uint8_t readers = 0;   ///< So many leases last, 0 … kMaxLeases.
   std::array<std::uint32_t, kMaxLeases> reader{};
-  std::uint8_t count = 0;  ///< modules of the table, 0 … kMaxModules
+  std::uint8_t count = 0;  ///< It counts the modules of the table, 0 … kMaxModules.
   std::array<RowAccount, layout::kMaxModules> modules{};
 
   /// Accounts of the modules in the table, by row.

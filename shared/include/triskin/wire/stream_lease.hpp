@@ -18,10 +18,11 @@ inline constexpr std::size_t kMaxLeases = 8;
 
 struct StreamLease {
   static constexpr std::uint8_t kBytes = 8;
-  std::uint32_t reader = 0;      ///< number that the reader has drawn, not 0
-  std::uint8_t lasts_10ms = 0;   ///< lifetime after this frame; 0: the lease ends now
-  std::uint8_t every = 1;        ///< 1 … 255: the reader gets samples whose number is a multiple of this
-  std::uint16_t pace_100us = 0;  ///< least time between two samples of a module, on the average; 0: as they come
+  std::uint32_t reader = 0;     ///< The reader has drawn it at random, and it is never 0.
+  std::uint8_t lasts_10ms = 0;  ///< The lease lasts so long after this frame; 0 ends it now.
+  std::uint8_t every = 1;       ///< The reader gets the samples whose number is a multiple of this, 1 … 255.
+  /// Two samples of a module are at least this far apart on average; 0 means as they come.
+  std::uint16_t pace_100us = 0;
   bool operator==(const StreamLease&) const = default;
 };
 

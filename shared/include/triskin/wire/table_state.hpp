@@ -14,11 +14,11 @@ namespace triskin::wire {
 struct ActiveTable {
   static constexpr std::uint16_t kId = did::kActiveTable;
   static constexpr std::size_t kMinBytes = 18, kMaxBytes = 18;
-  Status status = Status::kEmpty;  ///< kOk: there is one
-  std::uint32_t sequence = 0;      ///< counts activations
+  Status status = Status::kEmpty;  ///< It is kOk when there is a table.
+  std::uint32_t sequence = 0;      ///< It counts activations, so the newest table has the highest.
   std::uint64_t design_id = 0;
-  std::uint32_t crc = 0;     ///< CRC-32 of the image as flashed
-  std::uint8_t modules = 0;  ///< 1 … kMaxModules
+  std::uint32_t crc = 0;     ///< It is the CRC-32 of the image as flashed.
+  std::uint8_t modules = 0;  ///< It ranges from 1 to kMaxModules.
 
   /// True when there is a table.
   [[nodiscard]] constexpr bool present() const { return status == Status::kOk; }

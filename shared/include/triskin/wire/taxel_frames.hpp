@@ -13,11 +13,11 @@ namespace triskin::wire {
 
 /// One module's taxels in 8 bits, as an iCub MTB4 board sends them: two CAN frames, id 0x400 | board << 4 | module.
 struct IcubTaxels {
-  std::uint8_t board = 0;   ///< 0..15
-  std::uint8_t module = 0;  ///< triangle, 4 · line + address: 0..15
+  std::uint8_t board = 0;   ///< It ranges from 0 to 15.
+  std::uint8_t module = 0;  ///< It is the triangle, 4 · line + address, from 0 to 15.
   std::array<std::uint8_t, layout::kTaxelsPerModule>
-      value{};                     ///< 245 at rest unless the host asks for another; falls with pressure
-  std::uint16_t out_of_range = 0;  ///< bit t: taxel t
+      value{};  ///< A taxel has 245 at rest, unless the host asks for another value, and less under pressure.
+  std::uint16_t out_of_range = 0;  ///< Bit t is that of taxel t.
   bool no_acknowledge = false;
   bool not_connected = false;
   bool operator==(const IcubTaxels&) const = default;
@@ -61,18 +61,21 @@ inline constexpr std::uint8_t kIcubFirst = 0x40, kIcubSecond = 0xC0;
 /// One module of one sample in full: a 48-byte CAN FD frame (fits no classic frame), id 0x18F0‹node›‹module›.
 struct TaxelFrame {
   std::uint8_t node_address = 0;
-  std::uint8_t module = 0;   ///< row in the table; from the number of its rows on an adopted module (Adoption)
-  std::uint32_t sample = 0;  ///< counts the module's samples that were due: a gap is a lost sample
+  /// It is a row of the table, or an adopted module if it is not less than the number of rows (Adoption).
+  std::uint8_t module = 0;
+  std::uint32_t sample = 0;  ///< All samples of the module that were due are counted, so a gap is a lost sample.
   std::uint64_t device_time_us = 0;
-  std::uint16_t valid = 0;  ///< bit t: taxel t
+  std::uint16_t valid = 0;  ///< Bit t is that of taxel t.
   ModuleState state = ModuleState::kUnknown;
   std::array<std::uint16_t, layout::kTaxelsPerModule> value{};
   // The trailer: 0 in each field from a controller that does not know it.
-  std::uint32_t dropped = 0;  ///< samples of this module that found no room before this one (RowAccount::dropped)
-  std::uint16_t unread = 0;   ///< those that were not read in time, modulo 65536 (RowAccount::unread)
-  std::uint8_t starts = 0;    ///< number of times that sampling began anew, modulo 256 (StreamAccount::starts)
+  std::uint32_t dropped = 0;  ///< So many samples of this module found no room before this one (RowAccount::dropped).
+  std::uint16_t unread = 0;   ///< So many were not read in time, modulo 65536 (RowAccount::unread).
+  std::uint8_t starts = 0;    ///< Sampling restarted so often, modulo 256 (StreamAccount::starts).
   std::uint8_t adopted_modules =
-      0;  ///< adopted module: the list that `module` refers to (Adoption::list); row of the table: 0
+      /// For an adopted module it names the list that `module` refers to (Adoption::list); for a row of the table it is
+      /// 0.
+      0;
   bool operator==(const TaxelFrame&) const = default;
 };
 inline constexpr std::uint32_t kFullBase = 0x18F00000;

@@ -19,15 +19,16 @@ struct FoundTopology {
   static constexpr std::uint16_t kId = did::kTopology;
   static constexpr std::size_t kMinBytes = 3, kModuleBytes = layout::kPorts + 1,
                                kMaxBytes = kMinBytes + kModuleBytes * layout::kMaxModules;
-  bool switched = false;      ///< false: nobody answers on the chain; strapped modules, or no power
-  bool complete = false;      ///< false: the chain would not settle; what is here is certain, more may be there
-  bool second_cable = false;  ///< module 0 is the second entry: nobody, or too few, answered at the first
+  bool switched = false;  ///< It is false if nobody answers on the chain: the modules are strapped, or without power.
+  /// It is false if the chain would not settle; what is listed is certain, but more may be there.
+  bool complete = false;
+  bool second_cable = false;  ///< Module 0 is the second entry, because nobody, or too few, answered at the first.
   std::uint8_t count = 0;
-  std::uint8_t cable_port = 0;  ///< port of module 0 where the cable is connected
+  std::uint8_t cable_port = 0;  ///< The cable is connected to this port of module 0.
   /// layout::joint_to of the far end, 0: none.
   std::array<std::array<std::uint8_t, layout::kPorts>, layout::kMaxModules> joints{};
   std::array<std::uint8_t, layout::kMaxModules>
-      row{};  ///< row of the module in the table, or of an adopted module (Adoption); kNoRow: neither
+      row{};  ///< It is a row of the table, an adopted module (Adoption), or kNoRow for neither.
 
   /// Flags, count, cable port, then per module the far ends and the row.
   constexpr void encode(ByteWriter& out) const {
@@ -51,21 +52,22 @@ struct ActiveRoute {
   static constexpr std::uint16_t kId = did::kRoute;
   static constexpr std::size_t kMinBytes = 18, kRowBytes = 2, kMaxBytes = kMinBytes + kRowBytes * layout::kMaxModules;
   bool switched = false;
-  bool busy = false;          ///< a new route is being looked for
-  bool complete = false;      ///< a tree is up
-  bool as_table = false;      ///< it is the table's
-  bool min_depth = false;     ///< no tree over the joints found is less deep
-  bool second_cable = false;  ///< the tree hangs on the second entry
-  std::uint8_t shorts = 0;    ///< ports left closed because opening them broke the chain or held a line
-  std::uint8_t unknown = 0;   ///< modules found that the table does not know; left closed
+  bool busy = false;          ///< A new route is being looked for.
+  bool complete = false;      ///< A tree is up and all modules that can be reached are in it.
+  bool as_table = false;      ///< The tree is that of the table.
+  bool min_depth = false;     ///< No tree over the joints that were found is less deep.
+  bool second_cable = false;  ///< The tree hangs on the second entry.
+  std::uint8_t shorts = 0;    ///< So many ports stay closed, because opening them broke the chain or held a line.
+  std::uint8_t unknown = 0;   ///< So many modules are unknown to the table and stay closed.
   std::uint8_t max_depth = 0;
-  std::uint16_t alive = 0;     ///< bit r: row r is in the tree
-  std::uint32_t reroutes = 0;  ///< number since power-up
-  std::uint32_t repairs = 0;   ///< number of times that registers were rewritten without a new tree
-  std::uint32_t last_us = 0;   ///< duration of the last reroute
-  std::uint8_t rows = 0;       ///< number of rows in the table; 0: there is no table
-  std::array<std::uint8_t, layout::kMaxModules> parent{};       ///< row; kNoRow: the entry, or not in the tree
-  std::array<std::uint8_t, layout::kMaxModules> parent_port{};  ///< layout::kCable where there is no parent
+  std::uint16_t alive = 0;     ///< Bit r says that row r is in the tree.
+  std::uint32_t reroutes = 0;  ///< They are counted from power-up.
+  std::uint32_t repairs = 0;   ///< It counts how often registers were rewritten without a new tree.
+  std::uint32_t last_us = 0;   ///< It is the duration of the last reroute.
+  std::uint8_t rows = 0;       ///< It counts the rows of the table; 0 means that there is no table.
+  /// It is a row; kNoRow stands for the entry and for modules outside the tree.
+  std::array<std::uint8_t, layout::kMaxModules> parent{};
+  std::array<std::uint8_t, layout::kMaxModules> parent_port{};  ///< It is layout::kCable where there is no parent.
 
   /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const {

@@ -15,7 +15,7 @@ namespace service {
 inline constexpr std::uint8_t kSession = 0x10, kReset = 0x11, kClearFaults = 0x14, kReadFaults = 0x19, kRead = 0x22,
                               kSecurity = 0x27, kWrite = 0x2E, kRoutine = 0x31, kDownload = 0x34, kUpload = 0x35,
                               kTransfer = 0x36, kTransferExit = 0x37, kTesterPresent = 0x3E, kNegative = 0x7F;
-inline constexpr std::uint8_t kPositive = 0x40;  ///< added to the service in a positive response
+inline constexpr std::uint8_t kPositive = 0x40;  ///< A positive response carries the service plus this.
 }  // namespace service
 
 /// Negative response codes.
@@ -30,7 +30,8 @@ inline constexpr std::uint8_t kServiceNotSupported = 0x11, kSubFunctionNotSuppor
 /// Memory areas of download and upload (0x34, 0x35): 4-byte address, 4-byte size.
 namespace memory {
 inline constexpr std::uint32_t kInactiveTable = 0x00010000, kActiveTable = 0x00020000;
-inline constexpr std::uint16_t kMaxBlockBytes = 66;  ///< 0x36 with counter: 64 bytes of data a block
+/// Service 0x36 carries 64 bytes of data a block, with a counter.
+inline constexpr std::uint16_t kMaxBlockBytes = 66;
 }  // namespace memory
 
 /// 29-bit identifiers of normal fixed addressing (ISO 15765-2): 0x18DA‹target›‹source›.

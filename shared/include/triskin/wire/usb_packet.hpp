@@ -24,7 +24,7 @@ inline constexpr std::uint8_t kHidIn = 0x81, kHidOut = 0x01, kBulkIn = 0x82, kBu
 
 struct UsbPacket {
   std::array<std::uint8_t, kUsbPacketBytes> bytes{};
-  std::size_t size = 0;  ///< size of a bulk packet; HID sends all 64 bytes, the rest are 0
+  std::size_t size = 0;  ///< A bulk packet has this size; HID sends all 64 bytes and fills the rest with 0.
   /// The bytes of the packet in use.
   [[nodiscard]] constexpr Bytes used() const { return Bytes(bytes).first(size); }
 };

@@ -131,7 +131,7 @@ class Application final : private UdsHost, private PatchControl {
   FaultMemory faults_;
   OffsetStore offset_store_;
   OffsetBook offsets_{};
-  std::array<Channel, 2> channels_;  // CAN, USB
+  std::array<Channel, 2> channels_;  // There is one for CAN and one for USB.
   CanPort* asking_;                  // Port of the request that is being answered.
   CanPort* stream_port_;             // Port that requested the iCub stream.
   std::array<LineSampler, layout::kLines> lines_;
@@ -139,7 +139,7 @@ class Application final : private UdsHost, private PatchControl {
   std::array<ModuleSample, layout::kMaxModules> published_{};
   Route route_;
   std::uint8_t adopted_list_ = 0;  // Adoption::list that is being sampled.
-  bool pausing_ = false;           ///< the lines end their transfers and begin none
+  bool pausing_ = false;           ///< The lines end their transfers and begin none.
   Sampling sampling_;
   wire::TaxelOutput output_ = wire::TaxelOutput::kRaw;
   std::uint64_t next_tick_us_ = 0;

@@ -34,14 +34,14 @@ struct PatchParts {
   const FaultMemory& faults;
   const Route& route;
   const std::array<LineSampler, layout::kLines>& lines;
-  const std::array<ModuleSample, layout::kMaxModules>& samples;  ///< latest samples
+  const std::array<ModuleSample, layout::kMaxModules>& samples;  ///< They are the latest samples.
   /// Samples read before the last good check of the chain.
   const std::array<ModuleSample, layout::kMaxModules>& published;
   const OffsetBook& offsets;
   const wire::StreamMode& stream;
   const Sampling& sampling;
   const wire::TaxelOutput& output;
-  const std::uint32_t& sequences;  ///< nominal sequences since power-up
+  const std::uint32_t& sequences;  ///< It counts nominal sequences since power-up.
   const IcubBoard& icub;
 };
 

@@ -10,7 +10,7 @@ struct Progress {
   std::string stage;
   double fraction = -1.0;
   std::string detail;
-  int part = -1;  ///< index among pieces of work that run side by side; −1: there is only one
+  int part = -1;  ///< It is the index among pieces of work that run side by side; −1 means that there is only one.
 };
 
 /// Called from the thread that runs the work; must not throw. An empty function is allowed.

@@ -12,12 +12,12 @@
 namespace triskin::bridge {
 
 struct BridgeOptions {
-  std::string part;                        ///< names the topics /skin/PART/…; letters, digits, _; see part_name
-  std::string parent_frame = "base_link";  ///< frame of the link that carries the cover
-  Pose pose;                               ///< pose of the cover's frame in that frame
-  double points_hz = 10.0;                 ///< point clouds per second; 0: none
-  bool raw = true;                         ///< every sample
-  recording::Calibration calibration;      ///< forces of contacts
+  std::string part;  ///< It names the topics /skin/PART/… in letters, digits and _; see part_name.
+  std::string parent_frame = "base_link";  ///< It is the frame of the link that carries the cover.
+  Pose pose;                               ///< It is the pose of the cover's frame in that frame.
+  double points_hz = 10.0;                 ///< So many point clouds are published each second; 0 publishes none.
+  bool raw = true;                         ///< Every sample is published.
+  recording::Calibration calibration;      ///< It gives the forces of contacts.
 };
 
 /// A name of a topic or frame made of `text`: what ROS does not allow becomes "_"; in front of a digit stands "p".
@@ -26,7 +26,7 @@ struct BridgeOptions {
 /// How many messages were handed to DDS, by topic.
 struct Published {
   std::uint64_t raw = 0, points = 0, contacts = 0, diagnostics = 0;
-  std::uint64_t samples = 0;  ///< number of samples in the raw messages
+  std::uint64_t samples = 0;  ///< It counts the samples in the raw messages.
 };
 
 /// Publishes one cover: /skin/PART/raw, points, contacts, layout, and its part of /diagnostics and /tf_static. Times

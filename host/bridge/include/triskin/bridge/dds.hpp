@@ -19,8 +19,8 @@ namespace triskin::bridge {
 
 /// Delivery that a topic promises its readers. All of it is reliable.
 struct Delivery {
-  int depth = 10;        ///< messages that are kept for a reader that is slow, ≥ 1
-  bool latched = false;  ///< who comes late gets the last message too (transient local)
+  int depth = 10;        ///< So many messages, at least 1, are kept for a slow reader.
+  bool latched = false;  ///< A reader that comes late gets the last message too (transient local).
 };
 
 /// Writes one topic. Threads: one.

@@ -17,7 +17,7 @@ namespace triskin::bridge {
 /// A message type with its hash (REP-2016, version 1), which ROS compares before a reader and a writer match.
 struct RosType {
   const recording::MessageType& message;
-  std::string_view hash;  ///< "RIHS01_" and 64 hexadecimal digits
+  std::string_view hash;  ///< It is "RIHS01_" and 64 hexadecimal digits.
 };
 extern const RosType kRaw, kLayout, kContacts, kPoints, kDiagnostics, kTransforms;
 /// All of them.

@@ -20,11 +20,11 @@ struct Tare {
   static constexpr std::string_view kName = "triskin_msgs/srv/Tare", kTopic = "tare";
   static const std::string_view kDefinition;
   struct Request {
-    void read(recording::CdrReader& r) { (void)r.u8(); }  // ROS 2 sends a byte for a message without fields
+    void read(recording::CdrReader& r) { (void)r.u8(); }  // ROS 2 sends a byte for a message without fields.
   };
   struct Answer {
     bool success = false;
-    std::string message;  ///< what failed, and the remedy
+    std::string message;  ///< It says what failed and the remedy.
     std::uint32_t taxels = 0;
     void write(recording::CdrWriter& w) const;
   };
@@ -35,14 +35,15 @@ struct Reroute {
   static constexpr std::string_view kName = "triskin_msgs/srv/Reroute", kTopic = "reroute";
   static const std::string_view kDefinition;
   struct Request {
-    std::int32_t patch = -1;  ///< −1: all
+    std::int32_t patch = -1;  ///< −1 asks for all patches.
     void read(recording::CdrReader& r) { patch = static_cast<std::int32_t>(r.u32()); }
   };
   struct Answer {
     bool success = false;
     std::string message;
-    std::vector<std::int32_t> patch;    ///< patches that were asked
-    std::vector<std::int32_t> modules;  ///< modules in the tree of each patch; −1: its modules have no switches
+    std::vector<std::int32_t> patch;  ///< These patches were asked.
+    /// The tree of each patch has so many modules; −1 means that they have no switches.
+    std::vector<std::int32_t> modules;
     void write(recording::CdrWriter& w) const;
   };
 };
@@ -55,12 +56,13 @@ struct Identify {
   struct Answer {
     bool success = false;
     std::string message;
-    std::uint64_t design_id = 0;        ///< id of the published design
-    std::vector<std::int32_t> patch;    ///< patch of each controller that answered; the lists below have the same order
-    std::vector<std::uint8_t> node;     ///< node address
-    std::vector<std::string> serial;    ///< unique id
-    std::vector<std::string> firmware;  ///< version
-    std::vector<std::uint64_t> table_id;  ///< design of its table; 0: it has none
+    std::uint64_t design_id = 0;  ///< It is the id of the published design.
+    /// Each controller that answered has its patch here; the lists below have the same order.
+    std::vector<std::int32_t> patch;
+    std::vector<std::uint8_t> node;       ///< They are node addresses.
+    std::vector<std::string> serial;      ///< They are unique ids.
+    std::vector<std::string> firmware;    ///< They are versions.
+    std::vector<std::uint64_t> table_id;  ///< It is the design of the table; 0 means that there is none.
     void write(recording::CdrWriter& w) const;
   };
 };

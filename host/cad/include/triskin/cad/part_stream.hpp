@@ -12,9 +12,9 @@ namespace triskin::cad {
 /// What the reader process writes to its standard output: frames of one byte for the kind, eight bytes for the length
 /// (little endian) and the payload. Any number of kStage, then one kError or one kPart.
 enum class FrameKind : char {
-  kStage = 'S',  ///< text: what it does next, for the message if it dies there
-  kError = 'E',  ///< text: a sentence without the name of the file
-  kPart = 'P',   ///< encode_part()
+  kStage = 'S',  ///< The text says what the reader does next, for the message if it dies there.
+  kError = 'E',  ///< The text is a sentence without the name of the file.
+  kPart = 'P',   ///< The payload is that of encode_part().
 };
 
 /// One frame as bytes.
@@ -31,9 +31,9 @@ enum class FrameKind : char {
 
 /// All that a reader process said.
 struct ReaderOutput {
-  std::string stage;                 ///< the last one
-  std::optional<std::string> error;  ///< message of kError
-  std::optional<std::string> part;   ///< payload of kPart
+  std::string stage;                 ///< It is the last stage that was reported.
+  std::optional<std::string> error;  ///< It is the message of kError.
+  std::optional<std::string> part;   ///< It is the payload of kPart.
 };
 /// Takes the frames apart; what follows an incomplete one is dropped. Cost: linear.
 [[nodiscard]] ReaderOutput parse_frames(std::string_view bytes);

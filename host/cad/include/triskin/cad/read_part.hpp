@@ -11,11 +11,12 @@ namespace triskin::cad {
 
 /// Limits and wishes for reading a part.
 struct ReadOptions {
-  double unit_mm = 0.0;            ///< length of one unit of the file's numbers; 0: what the file says, else 1
-  double max_deviation_mm = 0.05;  ///< 0.001 … 10: largest distance of the mesh from the exact surface
+  double unit_mm = 0.0;  ///< It is the length of one unit of the file's numbers; 0 takes what the file says, else 1.
+  double max_deviation_mm = 0.05;  ///< The mesh is at most so far from the exact surface, 0.001 … 10.
   /// > 0, of the processor, three times as much by the clock; at most 7 s and 6 s per MB of the file.
   double time_limit_s = 60.0;
-  std::uint64_t memory_mb = 0;  ///< address space of the reader process; 0: 1,000, more for files above 20 MB
+  /// It limits the address space of the reader process; 0 takes 1,000, and more for files above 20 MB.
+  std::uint64_t memory_mb = 0;
 };
 
 /// True when the bytes are those of a STEP or IGES file, or the file's name says so.

@@ -10,18 +10,18 @@ namespace triskin::cad {
 
 /// Selects faces of a part. Values in one list are alternatives; lists that are not empty must all be met.
 struct FaceSelection {
-  std::vector<int> indices{};        ///< indices into Part::faces
-  std::vector<std::string> names{};  ///< whole names of faces
+  std::vector<int> indices{};        ///< They index Part::faces.
+  std::vector<std::string> names{};  ///< They are whole names of faces.
   std::vector<std::string>
-      colours{};  ///< "#rrggbb", or red, green, blue, yellow, cyan, magenta, black, white, grey, orange
+      colours{};  ///< They are "#rrggbb", or red, green, blue, yellow, cyan, magenta, black, white, grey, orange.
   std::vector<SurfaceKind> kinds{};
-  std::vector<std::string> bodies{};  ///< index, name or path
+  std::vector<std::string> bodies{};  ///< Each is an index, a name or a path.
   std::optional<double> min_area_cm2{}, max_area_cm2{};
-  std::optional<design::Vec3> from_point_mm{};  ///< the face nearest to it, and what continues it smoothly
-  double smooth_deg = 20.0;                     ///< 0 … 180: edges that turn less are smooth
-  bool only_outward = false;                    ///< FaceSide::kOutward alone
-  double without_holes_mm = 0.0;                ///< > 0: not the walls of round holes up to this diameter
-  std::vector<std::string> without_bodies{};    ///< index, name or path
+  std::optional<design::Vec3> from_point_mm{};  ///< The face nearest to it and what continues it smoothly are chosen.
+  double smooth_deg = 20.0;                     ///< Edges that turn less are smooth, 0 … 180.
+  bool only_outward = false;                    ///< It chooses FaceSide::kOutward alone.
+  double without_holes_mm = 0.0;  ///< If positive, the walls of round holes up to this diameter are not chosen.
+  std::vector<std::string> without_bodies{};  ///< Each is an index, a name or a path.
 
   /// Nothing is asked for: every face is meant.
   [[nodiscard]] bool is_empty() const;

@@ -10,13 +10,13 @@ namespace triskin::cad {
 struct StepText {
   std::string text;    ///< the same file in the form that every reader takes: no comments, no white space between `#12`
                        ///< and `=`, no control characters in strings, strings in ASCII with \X2\ escapes
-  std::string schema;  ///< "AP203", "AP214", "AP242" or the name in FILE_SCHEMA
-  bool has_length_unit = false;             ///< a shape's context names a unit of length
-  int faces = 0;                            ///< exact faces: ADVANCED_FACE and FACE_SURFACE
-  int tessellated = 0;                      ///< AP242 triangles without exact faces
-  int csg = 0;                              ///< primitives and set operations of constructive solids
-  std::vector<std::string> external_files;  ///< names that DOCUMENT_FILE refers to; any characters
-  std::vector<std::string> warnings;        ///< one sentence each
+  std::string schema;  ///< It is "AP203", "AP214", "AP242" or the name in FILE_SCHEMA.
+  bool has_length_unit = false;             ///< The context of a shape names a unit of length.
+  int faces = 0;                            ///< It counts exact faces: ADVANCED_FACE and FACE_SURFACE.
+  int tessellated = 0;                      ///< It counts AP242 triangles without exact faces.
+  int csg = 0;                              ///< It counts primitives and set operations of constructive solids.
+  std::vector<std::string> external_files;  ///< They are names that DOCUMENT_FILE refers to, with any characters.
+  std::vector<std::string> warnings;        ///< Each is one sentence.
 };
 
 /// What a file that is no STEP file seems to be ("an STL", "a gzip archive", "an IGES file"); empty: nothing known.

@@ -10,18 +10,19 @@ namespace triskin::check {
 
 /// One broken rule.
 struct Violation {
-  std::string rule;   ///< name as in docs/check.md
-  std::string where;  ///< "module 12", "module 3 side 1", "patch 0", "piece 2", "design"
-  std::string text;   ///< the measured number against the limit
+  std::string rule;   ///< docs/check.md lists the names.
+  std::string where;  ///< It is "module 12", "module 3 side 1", "patch 0", "piece 2" or "design".
+  std::string text;   ///< It compares the measured number with the limit.
 };
 
 /// Result of a check: the design keeps all rules when `violations` is empty.
 struct DesignReport {
-  std::size_t modules = 0;         ///< number of modules in the design; without any, no rule can be broken
-  std::vector<std::string> rules;  ///< every rule that was checked
+  std::size_t modules = 0;         ///< It counts the modules of the design; without any, no rule can be broken.
+  std::vector<std::string> rules;  ///< It lists every rule that was checked.
   std::vector<Violation> violations;
-  std::vector<std::pair<std::string, double>> limits;  ///< name and value of each limit in the file that was checked
-  double corner_cut_mm = 0.0;  ///< corner cut of the modules that were measured; 0: whole triangles
+  /// Each limit that the file states and that was checked has its name and value.
+  std::vector<std::pair<std::string, double>> limits;
+  double corner_cut_mm = 0.0;  ///< The modules measured had this corner cut; 0 means whole triangles.
 };
 
 /// Checks every rule of a design file against the mesh that the file holds. Shares no code with the solvers: own

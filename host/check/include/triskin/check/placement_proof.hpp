@@ -10,31 +10,32 @@ namespace triskin::check {
 /// Verdict on a placement proof.
 struct ProofReport {
   bool accepted = false;
-  std::string reason;   ///< why it was rejected; empty when accepted
-  int modules = 0;      ///< claimed and, when accepted, shown by the placement of the log
-  int upper_bound = 0;  ///< claimed and, when accepted, shown by the cells of the log
+  std::string reason;   ///< It says why the proof was rejected and is empty when it was accepted.
+  int modules = 0;      ///< The log claims it, and its placement shows it when accepted.
+  int upper_bound = 0;  ///< The log claims it, and its cells show it when accepted.
   // What the claims are about, as the log has it.
   double tolerance_mm =
-      0.0;              ///< the modules of the placement may stand over by this; those of the bound may not at all
-  std::string shape;    ///< triangle, square or hexagon
-  double gap_mm = 0.0;  ///< free space between facing sides of modules
-  double corner_cut_mm = 0.0;     ///< cut off along each side from every corner
-  std::string weights = "none";   ///< a proof is always about the number of modules
-  double outline_area_mm2 = 0.0;  ///< area of the polygon in the file, less its holes
-  std::string outline_hash;  ///< hash of its edges (FNV-1a, 64 bits): equal for equal outlines, however rings begin
-  std::int64_t cells = 0;    ///< number of cells in the log
-  std::int64_t regions = 0;  ///< boxes of motions whose bound was computed here
+      0.0;              ///< The modules of the placement may stand over by this; those of the bound may not at all.
+  std::string shape;    ///< It is triangle, square or hexagon.
+  double gap_mm = 0.0;  ///< Facing sides of modules keep this free space.
+  double corner_cut_mm = 0.0;     ///< It is cut off along each side from every corner.
+  std::string weights = "none";   ///< A proof is always about the number of modules.
+  double outline_area_mm2 = 0.0;  ///< It is the area of the polygon in the file, less its holes.
+  /// It hashes the edges (FNV-1a, 64 bits), so equal outlines have equal values, wherever their rings begin.
+  std::string outline_hash;
+  std::int64_t cells = 0;    ///< It counts the cells in the log.
+  std::int64_t regions = 0;  ///< It counts the boxes of motions whose bound was computed here.
   double seconds = 0.0;
 };
 
 /// What the reader of a proof wants it to be about; what is not set is not compared.
 struct ProofExpectation {
-  std::optional<double> tolerance_mm = std::nullopt;   ///< compared to 1e-12 of the value
-  std::optional<double> gap_mm = std::nullopt;         ///< compared to 1e-9 mm
-  std::optional<double> corner_cut_mm = std::nullopt;  ///< compared to 1e-12 of the value
+  std::optional<double> tolerance_mm = std::nullopt;   ///< It is compared to 1e-12 of the value.
+  std::optional<double> gap_mm = std::nullopt;         ///< It is compared to 1e-9 mm.
+  std::optional<double> corner_cut_mm = std::nullopt;  ///< It is compared to 1e-12 of the value.
   std::optional<std::string> shape = std::nullopt;
   std::optional<std::string> outline_hash = std::nullopt;
-  std::optional<int> modules = std::nullopt;  ///< the bound and the placement must both have so many
+  std::optional<int> modules = std::nullopt;  ///< The bound and the placement must both have so many.
 };
 
 /// Checks the log that `triskin place --proof` wrote against the polygon (docs/placement.md has the format): its

@@ -10,7 +10,7 @@ namespace triskin::cli {
 /// What DESIGN names on the command line.
 struct DesignArgument {
   std::string path;
-  std::optional<sheet::PageCode> code;  ///< set if the text of a QR code was given
+  std::optional<sheet::PageCode> code;  ///< It is set if the text of a QR code was given.
 };
 
 /// DESIGN is a file, or the text of a QR code of an assembly sheet: then the design with its id is looked for among the

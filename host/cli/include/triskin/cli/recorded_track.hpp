@@ -13,8 +13,8 @@ using recording::RecordedSkin;
 /// A recording as the page plays it.
 struct RecordedTrack {
   RecordedSkin skin;
-  std::string frames;  ///< view::FrameTrack
-  std::string remark;  ///< message about missing parts of the recording; empty: it is complete
+  std::string frames;  ///< They are those of view::FrameTrack.
+  std::string remark;  ///< It says which parts of the recording are missing and is empty if it is complete.
 };
 
 /// True for the name of a recording: the extension is .mcap.

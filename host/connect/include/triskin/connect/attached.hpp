@@ -8,9 +8,9 @@ namespace triskin::device {
 
 /// Device of this computer that may lead to controllers.
 struct AttachedDevice {
-  std::string link;    ///< same syntax as `--link`: can:can0, hid:SERIAL, usb:SERIAL
-  std::string remark;  ///< text for a person ("CAN interface, down"); never empty
-  bool usable = true;  ///< false: the remark says what is wrong (down, no permission)
+  std::string link;    ///< It has the syntax of `--link`: can:can0, hid:SERIAL, usb:SERIAL.
+  std::string remark;  ///< It is text for a person ("CAN interface, down") and never empty.
+  bool usable = true;  ///< If false, the remark says what is wrong, as that it is down or lacks a permission.
 };
 
 /// The CAN interfaces and the USB boards of the computer whose file system begins at `root` ("/" for this one), as

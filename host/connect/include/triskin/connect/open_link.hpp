@@ -14,14 +14,14 @@ namespace triskin::device {
 
 /// Values of `--link` and `--scene`.
 struct LinkOptions {
-  std::string link;       ///< empty: none was named, which only a robot file makes up for
-  bool chosen = false;    ///< `link` stands before what a robot file says
-  std::string scene;      ///< scene file for `sim`; empty: the design, with nothing wrong
-  bool switched = false;  ///< `sim` without a scene file has switched modules
+  std::string link;     ///< It is empty if none was named, which only a robot file makes up for.
+  bool chosen = false;  ///< `link` takes precedence over what a robot file says.
+  std::string scene;    ///< It is the scene file for `sim`; if it is empty, the design is simulated with nothing wrong.
+  bool switched = false;  ///< `sim` without a scene file has switched modules.
   /// Seed of the serial numbers of simulated boards: 0: they ascend with the patches; empty: the scene's seed. Boards
   /// of a robot file are numbered by it.
   std::optional<std::uint64_t> board_seed{};
-  bool own_interrupts = true;  ///< catch_interrupts(); false: signals are left to the caller
+  bool own_interrupts = true;  ///< It uses catch_interrupts(); if false, signals are left to the caller.
 };
 
 /// Sets the link of options that have none `chosen`: the simulation where something was asked for that only a

@@ -19,15 +19,15 @@ namespace triskin::device {
 struct BoardBackup {
   /// A fault that the controller remembers, with what was noted when it occurred first.
   struct Fault {
-    std::uint32_t code = 0;           ///< DTC
-    std::uint8_t status = 0;          ///< wire::fault_status
-    std::vector<std::uint8_t> noted;  ///< wire::FreezeFrame; empty: nothing
+    std::uint32_t code = 0;           ///< It is a diagnostic trouble code.
+    std::uint8_t status = 0;          ///< Its bits are those of wire::fault_status.
+    std::vector<std::uint8_t> noted;  ///< It is a wire::FreezeFrame, or empty when nothing was noted.
   };
-  std::string serial;               ///< unique id
-  int node_address = 0;             ///< 1 … 126
-  std::vector<std::uint8_t> table;  ///< table as it is flashed; empty: there is none
+  std::string serial;               ///< It is the controller's unique id.
+  int node_address = 0;             ///< It ranges from 1 to 126.
+  std::vector<std::uint8_t> table;  ///< It is the table as it is flashed, and empty when there is none.
   std::map<std::uint16_t, std::vector<std::uint8_t>>
-      values;  ///< value of every identifier in wire::kIdentifiers that the board returned
+      values;  ///< Every identifier in wire::kIdentifiers that the board returned has its value here.
   std::vector<Fault> faults;
   /// Calibration that this computer keeps for the controller (CalibrationStore); none: it keeps none, or the file is
   /// of an older release.
@@ -46,18 +46,19 @@ struct BoardBackup {
 [[nodiscard]] std::vector<BoardBackup> read_backup(const std::filesystem::path& path);
 
 struct RestoreOptions {
-  bool dry_run = false;                     ///< check everything, write nothing
-  std::map<std::string, std::string> onto;  ///< serial numbers: what the first held goes into the second
-  int per_wire = kTasksPerWire;             ///< ≥ 1: controllers served at once on one wire
+  bool dry_run = false;  ///< Everything is checked and nothing written.
+  /// What the controller with the first serial number held goes into the second one.
+  std::map<std::string, std::string> onto;
+  int per_wire = kTasksPerWire;  ///< So many controllers, at least 1, are served at once on one wire.
 };
 /// Result of restoring one board of the file.
 struct RestoredBoard {
-  std::string serial;     ///< serial of the controller that holds the data now
-  std::string kept_from;  ///< serial of the controller that the data was read from
+  std::string serial;     ///< The controller with this serial number holds the data now.
+  std::string kept_from;  ///< The data was read from the controller with this serial number.
   int node_address = 0;
   /// Size of the table; 0: the file has no table for it, and the controller keeps the one it holds.
   std::size_t bytes = 0;
-  bool equal = false;  ///< table and address were the same already
+  bool equal = false;  ///< The table and the address were the same already.
   bool written = false;
   /// The calibration that was kept in the board of the file is in this one again; false: there was none, it was there
   /// already, or a dry run.

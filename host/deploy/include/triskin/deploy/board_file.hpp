@@ -12,7 +12,8 @@ namespace triskin::device {
 /// Controller of each patch of a design, as `triskin identify` writes it (docs/which_board.md).
 struct BoardFile {
   std::uint64_t design_id = 0;
-  std::vector<FlashOptions::Assignment> boards;  ///< sorted by patch; each patch and each controller occurs once
+  /// They are sorted by patch; each patch and each controller occurs once.
+  std::vector<FlashOptions::Assignment> boards;
 };
 
 /// Reads such a file. Throws InputError naming file, place and remedy: no such file, another format or version, a patch

@@ -15,13 +15,13 @@ namespace triskin::device {
 
 /// How the controller of a patch was found.
 enum class FoundBy {
-  kNothing,  ///< it was not
-  kName,     ///< somebody named it
-  kTable,    ///< it holds the table of this patch
-  kOnly,     ///< no other was left
-  kShape,    ///< its modules are those of no other patch
-  kTouch,    ///< it felt a finger on the patch
-  kOrder,    ///< fresh controllers were taken in the order of their unique ids
+  kNothing,  ///< The board was not identified.
+  kName,     ///< Somebody named the board.
+  kTable,    ///< The board holds the table of this patch.
+  kOnly,     ///< No other board was left.
+  kShape,    ///< The board's modules have the shape of no other patch.
+  kTouch,    ///< The board felt a finger on the patch.
+  kOrder,    ///< Fresh controllers were taken in the order of their unique ids.
 };
 /// Names in --json.
 inline constexpr NameTable kFoundByNames{std::array<std::pair<FoundBy, std::string_view>, 7>{{
@@ -38,8 +38,9 @@ inline constexpr NameTable kFoundByNames{std::array<std::pair<FoundBy, std::stri
 /// and the port of the cable. Strapped ones: the places at which a chip answers.
 struct BoardShape {
   bool switched = false;
-  wire::FoundTopology found;                           ///< switched
-  std::array<std::uint8_t, layout::kLines> answers{};  ///< strapped: by line, bit a: address a answers
+  wire::FoundTopology found;  ///< It is what a patch of switched modules found.
+  /// For strapped modules, bit a of a line says that address a answers.
+  std::array<std::uint8_t, layout::kLines> answers{};
 };
 
 /// Asks a controller that nobody shares its address with. Sampling pauses for up to 60 ms. Throws as Controller does.
@@ -59,16 +60,17 @@ struct BoardShape {
 /// A patch that waits for its controller.
 struct Seat {
   const design::Design* design = nullptr;
-  int patch = 0;  ///< 0-based in its design
+  int patch = 0;  ///< It is counted from 0 in its design.
 };
 
 /// Seat of each board, if its shape settles it. Seats are numbered as in the list.
 struct ShapeAssignment {
-  std::vector<int> seat;                 ///< seat of each board; −1: the shapes do not settle it
-  std::vector<std::vector<int>> likely;  ///< seats that each board may have, ascending; empty: it looks like none
+  std::vector<int> seat;  ///< Each board has its seat; −1 means that the shapes do not settle it.
+  /// Each board has the seats that it may have, in ascending order; with none it looks like no patch.
+  std::vector<std::vector<int>> likely;
   /// One flag per board: it looks like one of them only with modules of the patches beside it.
   std::vector<bool> across;
-  bool exact = false;  ///< shapes that are equal give as many boards as possible a seat each
+  bool exact = false;  ///< Shapes that are equal give as many boards as possible a seat each.
 };
 
 /// Lays every shape over the patch of every seat (each once). A board may have any seat whose patch it equals; where

@@ -25,11 +25,11 @@ inline constexpr NameTable kStepOutcomeNames{std::array<std::pair<StepOutcome, s
 
 /// One of the twelve steps of docs/bring_up.md.
 struct BringUpStep {
-  int number = 0;         ///< 1 … 12
-  std::string_view does;  ///< what to do
+  int number = 0;         ///< It ranges from 1 to 12.
+  std::string_view does;  ///< It says what to do.
   std::string_view measures;
   std::string_view expects;
-  std::string_view otherwise;  ///< what a deviation means
+  std::string_view otherwise;  ///< It says what a deviation means.
 };
 /// The steps, in order.
 [[nodiscard]] const std::array<BringUpStep, 12>& bring_up_steps();
@@ -38,7 +38,7 @@ struct BringUpStep {
 struct StepReport {
   int number = 0;
   StepOutcome outcome = StepOutcome::kSkipped;
-  std::string found;  ///< what the program or the person saw; why it was skipped
+  std::string found;  ///< It is what the program or the person saw, or why the step was skipped.
 };
 
 /// A person's answer about a step that no link can observe.
@@ -52,7 +52,7 @@ struct BringUpOptions {
   std::function<StepAnswer(const BringUpStep&)> ask;
   /// Opens the link, when step 7 or 8 is reached. Throws Error: the step fails, and so do those that need it.
   std::function<std::unique_ptr<Link>()> open;
-  double stream_s = 2.0;  ///< how long the samples of step 12 are watched, > 0
+  double stream_s = 2.0;  ///< The samples of step 12 are watched for so long (> 0).
   ProgressSink progress;
 };
 

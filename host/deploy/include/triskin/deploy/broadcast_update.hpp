@@ -14,21 +14,21 @@
 namespace triskin::device {
 
 struct BroadcastOptions {
-  bool each = false;         ///< who is ready starts the new image, also when another one refuses it
-  bool allow_older = false;  ///< also over a newer version
-  bool dry_run = false;      ///< ask and say what would happen, write nothing
-  bool force = false;        ///< write images that are equal, too
+  bool each = false;         ///< A controller that is ready starts the new image even when another one refuses it.
+  bool allow_older = false;  ///< A newer version may be replaced too.
+  bool dry_run = false;      ///< It asks and says what would happen, and writes nothing.
+  bool force = false;        ///< It writes images that are equal, too.
 };
 
 /// Result for one controller.
 enum class UpdateOutcome : std::uint8_t {
-  kUpdated,   ///< the new image runs
-  kEqual,     ///< it ran already
-  kWould,     ///< dry run: it would be written
-  kByLoader,  ///< knows no broadcast (version 0.1): update_firmware() once
-  kRefused,   ///< by the controller or before anything was sent to it; what ran goes on
-  kHeldBack,  ///< ready, but another one refused: what ran goes on
-  kGivenUp,   ///< does not answer any more, or was restarted; what ran is what starts
+  kUpdated,   ///< The new image runs.
+  kEqual,     ///< The image ran already.
+  kWould,     ///< The image would be written without the dry run.
+  kByLoader,  ///< The board knows no broadcast (version 0.1), so update_firmware() is run for it.
+  kRefused,   ///< The controller refused, or nothing was sent to it; what ran goes on.
+  kHeldBack,  ///< The controller was ready, but another one refused; what ran goes on.
+  kGivenUp,   ///< It does not answer any more, or was restarted; what ran is what starts.
 };
 /// Name of an outcome, as reports have it.
 [[nodiscard]] std::string_view outcome_name(UpdateOutcome outcome);
@@ -37,17 +37,17 @@ struct BoardUpdate {
   wire::NodeClaim claim;
   std::string serial;
   UpdateOutcome outcome = UpdateOutcome::kGivenUp;
-  std::string why;        ///< a sentence; empty for kUpdated, kEqual, kWould
-  int slot = -1;          ///< slot that runs now; −1: not known
-  std::size_t bytes = 0;  ///< number of bytes written
+  std::string why;        ///< It is a sentence, and empty for kUpdated, kEqual and kWould.
+  int slot = -1;          ///< This slot runs now; −1 means unknown.
+  std::size_t bytes = 0;  ///< So many bytes were written.
 };
 
 struct BroadcastResult {
-  std::vector<BoardUpdate> boards;  ///< same order as the boards given
-  int rounds = 0;                   ///< how often missing units were asked for, on the bus with the most
-  std::size_t frames = 0;           ///< data frames sent, all buses
-  std::size_t again = 0;            ///< number of these that repeat an earlier frame
-  double link_s = 0.0;              ///< time of the slowest bus
+  std::vector<BoardUpdate> boards;  ///< They stand in the order of the boards given.
+  int rounds = 0;                   ///< On the bus with the most rounds, missing units were asked for so often.
+  std::size_t frames = 0;           ///< So many data frames were sent on all buses.
+  std::size_t again = 0;            ///< So many of them repeat an earlier frame.
+  double link_s = 0.0;              ///< It is the time of the slowest bus.
   /// True when every board has the image now, or had it.
   [[nodiscard]] bool complete() const;
 };

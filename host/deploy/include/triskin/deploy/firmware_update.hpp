@@ -26,8 +26,8 @@ struct FirmwarePackage {
 
 struct FirmwareResult {
   std::string serial;
-  bool equal = false;  ///< the same image runs already; nothing was written
-  int slot = -1;       ///< slot that runs now
+  bool equal = false;  ///< The same image ran already, so nothing was written.
+  int slot = -1;       ///< This slot runs now.
   std::size_t bytes = 0;
 };
 

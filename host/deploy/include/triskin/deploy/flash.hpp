@@ -16,9 +16,9 @@
 namespace triskin::device {
 
 struct FlashOptions {
-  bool dry_run = false;  ///< say what would change, write nothing
-  bool force = false;    ///< write equal tables too
-  RouteChoice route;     ///< the patch of this failure gets the tree that the design prepared for it
+  bool dry_run = false;  ///< It says what would change and writes nothing.
+  bool force = false;    ///< It writes tables that are equal, too.
+  RouteChoice route;     ///< The patch of this failure gets the tree that the design prepared for it.
   /// The electrodes hang on the converters' positive input (docs/silicon.md); the controllers turn the results round.
   bool positive_input = false;
   /// Conversations at once on one wire: while one board erases its page, others get their bytes. With 1 an analyser on
@@ -32,51 +32,52 @@ struct FlashOptions {
   std::vector<Assignment> assign;
   /// Controller of another design on the same bus, as a robot file names it.
   struct Neighbour {
-    std::uint8_t node = 0;        ///< its node address
-    std::uint64_t design_id = 0;  ///< design of its table
-    std::string serial;           ///< unique id as in Assignment; empty: not known
+    std::uint8_t node = 0;        ///< It is its node address.
+    std::uint64_t design_id = 0;  ///< Its table is of this design.
+    std::string serial;           ///< It is the unique id as in Assignment, or empty when unknown.
     /// Design of the neighbour, if available: it distinguishes fresh controllers of the neighbour from ours.
     const design::Design* design = nullptr;
     int patch = 0;
   };
   /// They keep their tables, and their addresses are given to nobody else.
   std::vector<Neighbour> neighbours;
-  int patch = -1;  ///< this patch alone; −1: all
+  int patch = -1;  ///< It flashes this patch alone; −1 flashes all.
   /// Controllers without a table are told apart by the shapes of their patches, before anything is written; those with
   /// equal shapes are refused. False: they get the patches in the order of their unique ids.
   bool recognise = false;
   /// Together with `recognise`: presses patches whose controllers have equal shapes, which tells them apart; null:
   /// nobody does. It counts the modules of the design.
   TouchActuator* actuator = nullptr;
-  bool take_over = false;                       ///< controllers that hold a table of another design may be taken
-  double wait_s = 0.0;                          ///< how long an unplugged cable is waited for before this is an error
-  std::function<void(const std::string&)> say;  ///< called with a sentence when flashing waits and when it continues
+  bool take_over = false;                       ///< Controllers that hold a table of another design may be taken.
+  double wait_s = 0.0;                          ///< An unplugged cable is waited for so long before this is an error.
+  std::function<void(const std::string&)> say;  ///< It gets a sentence when flashing waits and when it continues.
 };
 
 struct FlashResult {
   struct Patch {
     int patch = 0;
-    std::string serial;              ///< unique id
-    FoundBy by = FoundBy::kNothing;  ///< kNothing in a dry run: which controller it will be shows when flashing
-    int old_address = 0;             ///< node address before
-    int address = 0;                 ///< node address of the patch
+    std::string serial;  ///< It is the controller's unique id.
+    /// A dry run has kNothing, because which controller it will be shows only when flashing.
+    FoundBy by = FoundBy::kNothing;
+    int old_address = 0;  ///< It had this node address before.
+    int address = 0;      ///< It is the node address of the patch.
     bool new_address = false;
-    bool equal = false;    ///< the table was there already
-    bool written = false;  ///< written, read back and compared
+    bool equal = false;    ///< The table was there already.
+    bool written = false;  ///< The table was written, read back and compared.
     std::size_t bytes = 0;
-    std::string why;  ///< why it has not got its table; empty: it has it, or a dry run
+    std::string why;  ///< It says why it has not got its table, and is empty if it has, or in a dry run.
   };
-  std::vector<Patch> patches;  ///< those with a controller, then those without, each in their order
-  std::size_t bytes = 0;       ///< written, all controllers
+  std::vector<Patch> patches;  ///< Those with a controller come first, then those without, each in their order.
+  std::size_t bytes = 0;       ///< All controllers together got so many.
   int skipped = 0;
-  double link_s = 0.0;  ///< time of the link, all covers of the pass, virtual in the simulation
+  double link_s = 0.0;  ///< It is the time of the link for all covers of the pass, and virtual in the simulation.
 };
 
 /// One cover of those that flash_together() serves.
 struct FlashPart {
-  Bus* bus = nullptr;  ///< a bus of its own, all over one link
+  Bus* bus = nullptr;  ///< Each part has a bus of its own, all over one link.
   const design::Design* design = nullptr;
-  FlashOptions options;  ///< per_wire, wait_s and say are those of the first part
+  FlashOptions options;  ///< Those of the first part hold for per_wire, wait_s and say.
   ProgressSink progress;
 };
 

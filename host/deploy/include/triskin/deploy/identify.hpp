@@ -14,11 +14,12 @@ namespace triskin::device {
 
 /// Design id of the table that a controller without one gets for identify(), so that it samples: such a controller
 /// counts as fresh.
-inline constexpr std::uint64_t kIdentifyDesign = 0x59464954'4E454449ULL;  // "IDENTIFY" in the table
+// These are the letters "IDENTIFY" in the table.
+inline constexpr std::uint64_t kIdentifyDesign = 0x59464954'4E454449ULL;
 
 struct IdentifyOptions {
-  int patch = -1;         ///< ask for this patch alone; −1: for all that shapes do not settle
-  double limit_s = 60.0;  ///< how long a touch of each patch is waited for, in time of the link
+  int patch = -1;         ///< It asks for this patch alone; −1 asks for all that shapes do not settle.
+  double limit_s = 60.0;  ///< A touch of each patch is waited for so long, in time of the link.
   /// Presses the patches that are asked for; null: touches come by themselves.
   TouchActuator* actuator = nullptr;
   /// Called when patch `patch` is to be touched now.
@@ -30,7 +31,7 @@ struct IdentifyOptions {
 /// Controller of a patch.
 struct IdentifiedBoard {
   int patch = 0;
-  std::string serial;  ///< unique id; empty: not found
+  std::string serial;  ///< It is the unique id, or empty when nothing was found.
   FoundBy by = FoundBy::kNothing;
 };
 

@@ -24,29 +24,30 @@ inline constexpr NameTable kCalibrationMethodNames{
 
 /// Response of one taxel to pressure: change in counts = counts_per_kpa · kPa.
 struct TaxelSensitivity {
-  double counts_per_kpa = 0.0;  ///< > 0; 0: not calibrated
-  double error_percent = 0.0;  ///< bound of the relative error of counts_per_kpa (two standard errors, and the gauge's)
-  double residual_kpa = 0.0;   ///< farthest that a mean of the calibration lies from the line
+  double counts_per_kpa = 0.0;  ///< It is positive; 0 means that the taxel is not calibrated.
+  /// It bounds the relative error of counts_per_kpa by two standard errors and the gauge's.
+  double error_percent = 0.0;
+  double residual_kpa = 0.0;  ///< No mean of the calibration lies farther from the line.
   bool operator==(const TaxelSensitivity&) const = default;
 };
 
 /// The taxels of the module at one place of a controller.
 struct PlaceCalibration {
-  int line = 0, address = 0;  ///< 0 … 3 each
+  int line = 0, address = 0;  ///< Each ranges from 0 to 3.
   std::array<TaxelSensitivity, layout::kTaxelsPerModule> taxels{};
   bool operator==(const PlaceCalibration&) const = default;
 };
 
 /// The calibration of the modules that hang on one controller. It belongs to these modules and their skin.
 struct BoardCalibration {
-  std::string serial;           ///< unique id of the controller, 24 hexadecimal digits
-  std::uint64_t design_id = 0;  ///< design at the time of the calibration
-  int patch = 0;                ///< 0-based, in that design
-  int revision = 1;             ///< ≥ 1, one more with each calibration of this controller
-  std::string made;             ///< when, UTC: "2026-11-22T17:30:00Z"
+  std::string serial;           ///< It is the controller's unique id in 24 hexadecimal digits.
+  std::uint64_t design_id = 0;  ///< The controller had this design at the time of the calibration.
+  int patch = 0;                ///< It is counted from 0 in that design.
+  int revision = 1;             ///< It starts at 1 and rises by one with each calibration of this controller.
+  std::string made;             ///< It is the time in UTC, as in "2026-11-22T17:30:00Z".
   wire::CalibrationMethod method = wire::CalibrationMethod::kSteps;
-  double max_kpa = 0;           ///< largest pressure that was applied: beyond it nothing was measured
-  double taxel_area_mm2 = 0.0;  ///< skin that a taxel for pressure stands for, > 0
+  double max_kpa = 0;           ///< Nothing was measured beyond this, the largest pressure that was applied.
+  double taxel_area_mm2 = 0.0;  ///< A taxel for pressure stands for so much skin, > 0.
   std::vector<PlaceCalibration> places;
   bool operator==(const BoardCalibration&) const = default;
 
@@ -64,12 +65,12 @@ struct BoardCalibration {
 
 /// How good the calibration of several taxels is, over those that have one.
 struct CalibrationQuality {
-  std::size_t taxels = 0;       ///< number of calibrated taxels
-  std::size_t missing = 0;      ///< number of pressure taxels that are not calibrated
-  double median_percent = 0.0;  ///< median of error_percent
-  double worst_percent = 0.0;   ///< largest error_percent
-  double residual_kpa = 0.0;    ///< largest residual
-  double max_kpa = 0.0;         ///< least of the boards' largest pressures
+  std::size_t taxels = 0;       ///< It counts the calibrated taxels.
+  std::size_t missing = 0;      ///< It counts the pressure taxels that are not calibrated.
+  double median_percent = 0.0;  ///< It is the median of error_percent.
+  double worst_percent = 0.0;   ///< It is the largest error_percent.
+  double residual_kpa = 0.0;    ///< It is the largest residual.
+  double max_kpa = 0.0;         ///< It is the least of the boards' largest pressures.
 };
 /// Quality over all places of `boards`. Cost: O(n log n) in taxels.
 [[nodiscard]] CalibrationQuality quality_of(std::span<const BoardCalibration> boards);
@@ -107,7 +108,7 @@ class SkinCalibration {
 
  private:
   struct Module {
-    double area_mm2 = 0.0;  // 0: not calibrated
+    double area_mm2 = 0.0;  // It is 0 where nothing is calibrated.
     std::array<double, layout::kTaxelsPerModule> counts_per_kpa{};
   };
   std::vector<Module> modules_;

@@ -9,7 +9,7 @@ namespace triskin::design {
 
 /// Way in which a jumper is built.
 enum class JumperKind {
-  kCable,  ///< short cable between the middles of two sides
+  kCable,  ///< A short cable joins the middles of two sides.
 };
 /// Names in the design file: "cable".
 inline constexpr NameTable kJumperKindNames{
@@ -19,10 +19,10 @@ inline constexpr NameTable kJumperKindNames{
 /// like a joint of the lattice. A side has at most one jumper and then no joint and no entry cable; two modules have at
 /// most one. Nodes as in ModuleGraph: in a design module ids.
 struct Jumper {
-  std::array<int, 2> node{-1, -1};  ///< the lesser first
-  std::array<int, 2> side{0, 0};    ///< tile side 0 … 2 of each
-  double length_mm = 0.0;           ///< along the surface, between the middles of the sides
-  double fold_rad = 0.0;            ///< angle between the planes of the two modules
+  std::array<int, 2> node{-1, -1};  ///< The lesser one comes first.
+  std::array<int, 2> side{0, 0};    ///< It is the tile side, 0 … 2, of each.
+  double length_mm = 0.0;           ///< It is measured along the surface between the middles of the sides.
+  double fold_rad = 0.0;            ///< It is the angle between the planes of the two modules.
   JumperKind kind = JumperKind::kCable;
 };
 

@@ -14,17 +14,18 @@ namespace triskin::design {
 /// A kind of module: what a builder orders, and what a reader of samples has to know. All kinds have one outline and
 /// one wiring, so that placement and routing do not depend on them (the reference paper, Section III-A).
 struct ModuleKind {
-  std::string name;                         ///< unique in a design, not empty
-  int taxels = layout::kTaxelsPerModule;    ///< 1 … 12: inputs 0 … taxels − 1 of the converter are electrodes
-  std::string dielectric;                   ///< text for the bill of materials; may be empty
-  double sensitivity_counts_per_kpa = 0.0;  ///< ≥ 0; 0: not stated
+  std::string name;  ///< It is unique in a design and not empty.
+  /// Inputs 0 … taxels − 1 of the converter are electrodes; the number is 1 … 12.
+  int taxels = layout::kTaxelsPerModule;
+  std::string dielectric;                   ///< It is text for the bill of materials and may be empty.
+  double sensitivity_counts_per_kpa = 0.0;  ///< It is not negative; 0 means that it is not stated.
   bool operator==(const ModuleKind&) const = default;
 };
 
 /// Kind of all modules of a region.
 struct KindRegion {
   CoverPart region;
-  int kind = 0;  ///< number of the kind
+  int kind = 0;  ///< It is the number of the kind.
   bool operator==(const KindRegion&) const = default;
 };
 
@@ -34,8 +35,8 @@ struct KindPlan {
   /// Name of kind 0.
   static constexpr std::string_view kStandard = "standard";
 
-  std::vector<ModuleKind> kinds;    ///< no more than layout::kMaxKinds − 1
-  std::vector<KindRegion> regions;  ///< the last one counts where regions overlap; elsewhere: kind 0
+  std::vector<ModuleKind> kinds;    ///< There are at most layout::kMaxKinds − 1.
+  std::vector<KindRegion> regions;  ///< Where regions overlap the last one counts; elsewhere modules are of kind 0.
   /// No kinds: all modules are of the standard kind, and no file or table says a word of it.
   [[nodiscard]] bool empty() const { return kinds.empty(); }
   bool operator==(const KindPlan&) const = default;

@@ -7,8 +7,8 @@
 
 namespace triskin::design {
 
-using Vec2 = Eigen::Vector2d;  ///< mm, plane of the grid or of a piece
-using Vec3 = Eigen::Vector3d;  ///< mm, mesh frame
+using Vec2 = Eigen::Vector2d;  ///< It is in mm, in the plane of the grid or of a piece.
+using Vec3 = Eigen::Vector3d;  ///< It is in mm, in the frame of the mesh.
 
 /// Triangle mesh of a cover: vertices in mm (mesh frame), faces as vertex indices (0-based), counter-clockwise seen
 /// from outside. A plain value: nothing is checked here; geometry::Surface checks orientation and manifoldness.

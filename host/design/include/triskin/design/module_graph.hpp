@@ -13,11 +13,11 @@ namespace triskin::design {
 struct ModuleGraph {
   /// One module.
   struct Node {
-    std::array<int, 3> neighbour{-1, -1, -1};  ///< node joined across tile side s, −1: none; symmetric
+    std::array<int, 3> neighbour{-1, -1, -1};  ///< It is the node joined across tile side s, or −1, and is symmetric.
     /// An entry cable can reach side s; always false where a neighbour is joined.
     std::array<bool, 3> border{true, true, true};
     int island = 0;
-    std::array<double, 3> center_mm{};  ///< mesh frame, for cable lengths; zeros when unknown
+    std::array<double, 3> center_mm{};  ///< It is in the frame of the mesh, for cable lengths, and zero when unknown.
   };
   std::vector<Node> nodes;
 };

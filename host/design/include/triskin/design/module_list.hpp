@@ -13,9 +13,9 @@ namespace triskin::design {
 /// Modules that no design holds, as `triskin route MODULES` reads them (docs/routing.md). Arrays by node: the module at
 /// node k has the file's id ids[k], which need not be k.
 struct ModuleList {
-  std::vector<int> ids;     ///< indexed by node: id in the file, unique, ≥ 0, in any order
-  std::vector<Tile> tiles;  ///< indexed by node
-  ModuleGraph graph;        ///< joined where two tiles of one island share a side
+  std::vector<int> ids;     ///< They are the ids in the file, indexed by node: unique, not negative, in any order.
+  std::vector<Tile> tiles;  ///< They are indexed by node.
+  ModuleGraph graph;        ///< Nodes are joined where two tiles of one island share a side.
 };
 
 /// Reads a JSON file {"modules": [{"id", "i", "j", "up", optional "island" and "border"}, …]}: id, island >= 0, |i|

@@ -9,9 +9,9 @@ namespace triskin::design {
 
 /// One unfolded piece of the surface with its map back: flat triangle k shows mesh face faces[k].
 struct Piece {
-  Polygon outline;                        ///< mm, simple, true scale
-  std::vector<int> faces;                 ///< index in Mesh::faces, of each flat triangle
-  std::vector<std::array<Vec2, 3>> flat;  ///< corner positions of `faces`, same corner order as the mesh
+  Polygon outline;                        ///< It is simple, in mm, at true scale.
+  std::vector<int> faces;                 ///< Each flat triangle has its index in Mesh::faces.
+  std::vector<std::array<Vec2, 3>> flat;  ///< They are the flat corners of `faces`, in the order of the mesh.
   double max_edge_error_mm = 0.0;         ///< largest |flat − surface| edge length, scaled to a 30 mm edge
   double rms_edge_error_mm = 0.0;
 };
@@ -28,9 +28,9 @@ struct Placement {
 struct PlacedPiece {
   Piece piece;
   Placement placement;
-  int modules = 0;      ///< tiles wholly inside the piece
-  int upper_bound = 0;  ///< no placement of this piece has more
-  bool proved = true;   ///< modules == upper_bound; a piece smaller than a module holds none
+  int modules = 0;      ///< It counts tiles wholly inside the piece.
+  int upper_bound = 0;  ///< No placement of this piece has more.
+  bool proved = true;   ///< It says that modules == upper_bound; a piece smaller than a module holds none.
 };
 
 }  // namespace triskin::design

@@ -11,7 +11,7 @@ namespace triskin::design {
 /// A region as a person wrote it: faces count in the triangles of the mesh file, or are those of a named group.
 struct WantedRegion {
   Region region;
-  std::string group;  ///< name of a group or object of an OBJ file; empty: the shape of `region` says it
+  std::string group;  ///< It names a group or object of an OBJ file; if it is empty, the shape of `region` says it.
 };
 
 /// A region file (docs/regions.md).

@@ -13,12 +13,12 @@ namespace triskin::design {
 /// Part of a cover, in the frame of its mesh, mm: what of the surface lies in a ball,
 struct Sphere {
   Vec3 center_mm = Vec3::Zero();
-  double radius_mm = 0.0;  ///< > 0
+  double radius_mm = 0.0;  ///< It must be positive.
   bool operator==(const Sphere&) const = default;
 };
 /// in a box along the axes,
 struct Box {
-  Vec3 low_mm = Vec3::Zero(), high_mm = Vec3::Zero();  ///< low < high on every axis
+  Vec3 low_mm = Vec3::Zero(), high_mm = Vec3::Zero();  ///< The low corner is below the high one on every axis.
   bool operator==(const Box&) const = default;
 };
 /// or on faces of it: indices of Design::surface.
@@ -28,18 +28,19 @@ struct FaceSet {
 
 /// Requirement for a part of the surface (docs/regions.md).
 struct Region {
-  std::string name;  ///< unique, not empty
+  std::string name;  ///< It is unique and not empty.
   std::variant<Sphere, Box, FaceSet> shape;
   std::optional<double>
-      weight;              ///< 0 … 1000 modules that a module is worth whose centre lies in it; none: as elsewhere
-  bool cover = false;      ///< every place of it must lie within `within_mm` of a module, seen along its normal
-  bool free = false;       ///< no module may lie over it: its rim is a border
-  double within_mm = 2.0;  ///< 0 … 30
+      /// A module whose centre lies in the region is worth 0 … 1000; without a value the value of elsewhere holds.
+      weight;
+  bool cover = false;      ///< Every place of it must lie within `within_mm` of a module, seen along its normal.
+  bool free = false;       ///< No module may lie over it, so its rim is a border.
+  double within_mm = 2.0;  ///< It ranges from 0 to 30.
 };
 
 /// Regions of a cover. Of several with a weight the last one counts.
 struct Regions {
-  double elsewhere = 1.0;  ///< 0 … 1000: worth of a module in no region with a weight
+  double elsewhere = 1.0;  ///< A module in no region with a weight is worth this, 0 … 1000.
   std::vector<Region> list;
   [[nodiscard]] bool empty() const { return list.empty(); }
 };
@@ -47,10 +48,10 @@ struct Regions {
 /// A must-cover region that is not covered everywhere.
 struct Uncovered {
   std::string region;
-  double share = 0.0;            ///< uncovered share of its area, 0 … 1
-  Vec3 place_mm = Vec3::Zero();  ///< the place farthest from the modules
-  double distance_mm = 0.0;      ///< distance of that place from the nearest module; infinity: none near
-  std::string why;               ///< limit that refuses every module there (as Design: refused), or "room"
+  double share = 0.0;            ///< It is the uncovered share of its area, 0 … 1.
+  Vec3 place_mm = Vec3::Zero();  ///< It is the place farthest from the modules.
+  double distance_mm = 0.0;      ///< The nearest module is so far from that place; infinity means that none is near.
+  std::string why;  ///< It names the limit that refuses every module there (as Design: refused), or "room".
 };
 
 }  // namespace triskin::design

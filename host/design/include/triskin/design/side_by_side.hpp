@@ -11,7 +11,7 @@ namespace triskin::design {
 /// One of several covers and where it lies.
 struct PlacedCover {
   const Design* design = nullptr;
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< pose of its mesh frame in the common frame, mm
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< It takes the mesh frame into the common frame, in mm.
 };
 
 /// Ids of the modules, patches and islands of a cover in the joint design: its own plus these.
@@ -21,7 +21,7 @@ struct CoverOffset {
 
 /// Several covers as one design in a common frame, one after the other: for pictures, and for one simulated bus.
 struct SideBySide {
-  Design design;  ///< its id is that of no file; pieces and alternatives are left out
+  Design design;  ///< Its id is that of no file; pieces and alternatives are left out.
   std::vector<CoverOffset> offsets;
 };
 /// Joins `covers`, which outlive the call. Its node addresses are those of the covers. Throws InputError when corner

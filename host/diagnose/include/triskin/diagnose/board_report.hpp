@@ -22,7 +22,7 @@ struct BoardReport {
 
 /// A place in a source file; empty strings where the image does not say.
 struct CodePlace {
-  std::string function, line;  ///< `file:number`
+  std::string function, line;  ///< The line is `file:number`.
 };
 
 /// Function and line of an address in an image with debug information, by addr2line of the ARM tools or of LLVM. Throws

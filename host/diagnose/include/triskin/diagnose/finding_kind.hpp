@@ -12,44 +12,44 @@ namespace triskin::device {
 /// what the controllers read, the third the modules and joints that the route chain shows (docs/verify.md,
 /// docs/switched_module.md).
 enum class FindingKind {
-  kAbsentController,     ///< no controller answers at the node address of the patch
-  kDuplicateController,  ///< several controllers share the node address
-  kNotFlashed,           ///< no controller has the table of the patch, and some have none
-  kWrongTable,           ///< the controller holds another table
-  kWrongKind,            ///< its table has the modules of the design, this one of another kind
-  kBackupRoute,          ///< it holds the table that the design prepared for a failure
-  kLostSamples,          ///< samples of the stream did not arrive
+  kAbsentController,     ///< No controller answers at the node address of the patch.
+  kDuplicateController,  ///< Several controllers share the node address.
+  kNotFlashed,           ///< No controller has the table of the patch, and some have none.
+  kWrongTable,           ///< The controller holds another table.
+  kWrongKind,            ///< Its table has the modules of the design, but this one of another kind.
+  kBackupRoute,          ///< It holds the table that the design prepared for a failure.
+  kLostSamples,          ///< Samples of the stream did not arrive.
   kCrashedController,    ///< something stopped the controller: a fault, its watchdog, its clock
-  kWrongPatch,           ///< its cable leads to the modules of another patch
+  kWrongPatch,           ///< Its cable leads to the modules of another patch.
 
-  kAbsentModule,        ///< no chip answers at the module's place
-  kWrongAddress,        ///< the module's chip answers at a place where the design has none
-  kDuplicateAddress,    ///< two chips answer at one place
-  kUnexpectedChip,      ///< a chip answers where the design has no module
-  kWrongId,             ///< a chip answers that is no AD7147
-  kStuckLine,           ///< SDA or SCL of a line is or was held low
-  kLostConfiguration,   ///< the chip was set up again after its supply dipped
-  kIntermittentModule,  ///< the module answers now and did not for some time
-  kSaturatedTaxel,      ///< the taxel is at an end of its range
-  kFrozenTaxel,         ///< the taxel keeps one value
+  kAbsentModule,        ///< No chip answers at the module's place.
+  kWrongAddress,        ///< The module's chip answers at a place where the design has none.
+  kDuplicateAddress,    ///< Two chips answer at one place.
+  kUnexpectedChip,      ///< A chip answers where the design has no module.
+  kWrongId,             ///< A chip answers that is no AD7147.
+  kStuckLine,           ///< SDA or SCL of a line is or was held low.
+  kLostConfiguration,   ///< The chip was set up again after its supply dipped.
+  kIntermittentModule,  ///< The module answers now and did not for some time.
+  kSaturatedTaxel,      ///< The taxel is at an end of its range.
+  kFrozenTaxel,         ///< The taxel keeps one value.
   kStaleRest,           ///< taxels do not rest where they did when the skin was tared
-  kNoTouchResponse,     ///< no taxel changes when the module is pressed
-  kTouchedOtherModule,  ///< another module answers when it is pressed
-  kSwappedModules,      ///< two modules sit at each other's place
-  kWrongOrder,          ///< three modules or more sit at each other's places
-  kMirroredPatch,       ///< a patch is mounted as its mirror image, or turned
-  kSwappedLines,        ///< two lines of a patch are exchanged at its cable
-  kLooseJoint,          ///< all modules behind a joint or cable were away together
-  kSaggingSupply,       ///< all modules behind a joint or cable lost their configuration
+  kNoTouchResponse,     ///< No taxel changes when the module is pressed.
+  kTouchedOtherModule,  ///< Another module answers when this one is pressed.
+  kSwappedModules,      ///< Two modules sit at each other's place.
+  kWrongOrder,          ///< Three modules or more sit at each other's places.
+  kMirroredPatch,       ///< A patch is mounted as its mirror image, or turned.
+  kSwappedLines,        ///< Two lines of a patch are exchanged at its cable.
+  kLooseJoint,          ///< All modules behind a joint or cable were away together.
+  kSaggingSupply,       ///< All modules behind a joint or cable lost their configuration.
 
-  kMissingModule,  ///< of the design, not found
-  kExtraModule,    ///< found, fits nowhere in the design
-  kMissingJoint,   ///< of the design, nothing passes
-  kExtraJoint,     ///< found between ports that the design does not join
-  kRotatedModule,  ///< turned by 120° or 240° against the design
-  kWrongEntry,     ///< the cable is plugged into another side or module
-  kSecondCable,    ///< the patch is read over its second cable
-  kAdoptedModule,  ///< out of reach of its controller; the controller of another patch reads it
+  kMissingModule,  ///< A module of the design was not found.
+  kExtraModule,    ///< A module was found that fits nowhere in the design.
+  kMissingJoint,   ///< Nothing passes a joint of the design.
+  kExtraJoint,     ///< A joint was found between ports that the design does not join.
+  kRotatedModule,  ///< The module is turned by 120° or 240° against the design.
+  kWrongEntry,     ///< The cable is plugged into another side or module.
+  kSecondCable,    ///< The patch is read over its second cable.
+  kAdoptedModule,  ///< Its controller cannot reach it, and the controller of another patch reads it.
 };
 
 /// Names in reports and in --json.

@@ -24,8 +24,8 @@ inline constexpr NameTable kLatchingNames{
 
 /// Offsets that the controller of one patch has found for its converters.
 struct PatchOffsets {
-  int patch = 0;             ///< index in the design
-  std::vector<int> modules;  ///< id in the design of each row
+  int patch = 0;             ///< It is the index in the design.
+  std::vector<int> modules;  ///< Each row has its id in the design.
   wire::Offsets offsets;
 };
 

@@ -14,9 +14,9 @@ namespace triskin::device {
 /// of FindingKind, and kSwappedModules.
 struct TopologyDifference {
   FindingKind kind = FindingKind::kMissingModule;
-  int module = -1;  ///< module of the design
-  int other = -1;   ///< the second module of a joint or an exchange
-  int steps = 0;    ///< kRotatedModule: turned by this many times 120°, 1 or 2
+  int module = -1;  ///< It is a module of the design.
+  int other = -1;   ///< It is the second module of a joint or an exchange.
+  int steps = 0;    ///< With kRotatedModule it is turned by this many times 120°, 1 or 2.
   std::string text;
   std::string remedy;
 };
@@ -24,8 +24,8 @@ struct TopologyDifference {
 /// Found topology matched to one patch of a design.
 struct TopologyMatch {
   int patch = -1;
-  std::vector<int> module_of;  ///< indexed by found number: module of the design, −1: none fits
-  int agreeing_joints = 0;     ///< number of joints that both have
+  std::vector<int> module_of;  ///< Each found module has its module of the design, or −1 if none fits.
+  int agreeing_joints = 0;     ///< Both have so many joints in common.
   std::vector<TopologyDifference> differences;
   /// True: more differences than agreeing joints, so that this is hardly the patch.
   [[nodiscard]] bool another_patch() const { return static_cast<int>(differences.size()) > agreeing_joints + 1; }

@@ -20,10 +20,10 @@ namespace triskin::device {
 /// One thing that does not match the design.
 struct Finding {
   FindingKind kind = FindingKind::kAbsentController;
-  int module = -1;  ///< -1: concerns a controller or a line
+  int module = -1;  ///< It is −1 if the finding concerns a controller or a line.
   int patch = -1;
-  int other = -1;  ///< the module that answered instead, where there is one
-  int line = -1;   ///< line where it was found, or the line itself
+  int other = -1;  ///< It is the module that answered instead, where there is one.
+  int line = -1;   ///< It is the line where the module was found, or the line itself.
   int address = -1;
   int taxel = -1;
   std::vector<int> behind{};      ///< further modules that this one cause concerns, ascending
@@ -43,17 +43,17 @@ struct VerifyOptions {
   TouchActuator* actuator = nullptr;
   /// Asks a person to press a module and to say when; false: skip this module. Needed for touch without an actuator.
   std::function<bool(int module)> ask;
-  std::vector<StreamDemand> neighbours;  ///< StreamOptions::neighbours
+  std::vector<StreamDemand> neighbours;  ///< They are passed on as StreamOptions::neighbours.
   design::RestValues rest;               ///< where every taxel rests, as kept on this computer; empty: not known
   /// Image of the firmware with debug information: names function and line of a crash; empty: addresses only.
   std::filesystem::path elf;
-  double watch_s = 2.0;  ///< shortest time over which intermittent faults are collected, s, ≥ 0
+  double watch_s = 2.0;  ///< Intermittent faults are collected for at least so long, in s, ≥ 0.
 };
 
 struct VerifyResult {
   int modules_ok = 0;
   int modules = 0;
-  int touched = 0;  ///< modules that were pressed
+  int touched = 0;  ///< So many modules were pressed.
   std::vector<Finding> findings;
   /// Faults that the controllers recorded earlier and that are gone now (kLostConfiguration, kIntermittentModule). They
   /// were deleted from their memories, so that what comes again is found again.

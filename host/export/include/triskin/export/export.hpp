@@ -24,7 +24,7 @@ namespace triskin::design {
 /// Frame of a module, mesh frame: x along side 0 (from corner 0 to corner 1), z outward, origin at the centroid.
 struct ModulePose {
   Vec3 origin_mm;
-  Eigen::Matrix3d axes;  ///< columns x, y, z: unit vectors in the mesh frame
+  Eigen::Matrix3d axes;  ///< The columns x, y and z are unit vectors in the mesh frame.
 };
 /// Frame of `module` (docs/export.md). Cost: constant.
 [[nodiscard]] ModulePose frame_of(const PlacedModule& module);

@@ -11,10 +11,10 @@ namespace triskin::design {
 
 /// Skin as drawn for skinGui: triangles on a plane, and, where the file tells, the board that reads each.
 struct SkinGuiLayout {
-  ModuleList list;         ///< islands are the drawing's connected groups; center_mm from the drawing
-  std::vector<int> board;  ///< board of node k, −1 when unknown
+  ModuleList list;         ///< Its islands are the drawing's connected groups, and center_mm is that of the drawing.
+  std::vector<int> board;  ///< It is the board of node k, or −1 when unknown.
   int boards = 0;
-  int boards_apart = 0;  ///< boards whose triangles are not connected by joints
+  int boards_apart = 0;  ///< It counts boards whose triangles are not connected by joints.
 };
 
 /// Reads a skinGui configuration (`triangle_10pad id x y orientation gain mirror …` lines) or, with `part`, one part

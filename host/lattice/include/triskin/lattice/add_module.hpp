@@ -11,10 +11,10 @@ namespace triskin::geometry {
 
 /// A limit that a place for a module breaks.
 struct BrokenLimit {
-  std::string limit;      ///< name used in design files, "outward" (angle to the surface, rad) or "keep_out" (mm)
-  double measured = 0.0;  ///< measured value in the unit of the limit
-  double allowed = 0.0;   ///< limit for a new module: 98 % of the design's limit, so that other measurements agree
-  int other = -1;         ///< module with which it is broken, where there is one
+  std::string limit;      ///< It is the name in design files, "outward" (angle to the surface, rad) or "keep_out" (mm).
+  double measured = 0.0;  ///< It is in the unit of the limit.
+  double allowed = 0.0;   ///< A new module has to keep 98 % of the design's limit, so that other measurements agree.
+  int other = -1;         ///< It is the module with which the limit is broken, where there is one.
 };
 
 /// Appends a module at free side `side` (0 … 2) of module `id`, in its island: the pose that keeps the limits best is

@@ -17,15 +17,17 @@ namespace triskin::geometry {
 /// · joints − price, where the price is relaxed: islands that jumpers can join count n / 16 + 15 / 32 controllers
 /// together, and jumpers as the wiring does (docs/cost.md). Out of range: InputError.
 struct SurfaceLatticeOptions {
-  double time_limit_s = 20.0;  ///< > 0, wall clock; the search stops within about 0.1 s of it once a module is found
-  int iterations = 0;  ///< > 0: stops after so many ruin-and-recreate steps a chain, as well as at the time limit
+  /// It must be positive; the search stops within about 0.1 s of it once a module is found.
+  double time_limit_s = 20.0;
+  /// If positive, each chain stops after so many ruin-and-recreate steps, as well as at the time limit.
+  int iterations = 0;
   std::uint64_t seed = 1;
   /// 1 … 256 chains, part of what a result depends on. Where each has room for 90 modules they change one layout
   /// together, each in a zone; else each has its own, and they exchange the best.
   int threads = 2;
-  Price price;                  ///< each component: 0 … 16 modules
-  double hinge_reward = 0.05;   ///< value of one joint, 0 … 16 modules
-  bool front = true;            ///< true: grow_front() also returns layouts with other numbers of modules
+  Price price;                  ///< Each component is 0 … 16 modules.
+  double hinge_reward = 0.05;   ///< A joint is worth so much, 0 … 16 modules.
+  bool front = true;            ///< Then grow_front() also returns layouts with other numbers of modules.
   double corner_lift_mm = 1.5;  ///< ≥ 0: how far corners may stand off a convex surface, so that the gap under the
                                 ///< centre stays in its limit
   /// Cut off along each side from every corner, 0 … design::kMaxCornerCut_mm; the limits on overlap and border then

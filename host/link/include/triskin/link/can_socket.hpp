@@ -16,10 +16,10 @@ class CanSocket {
  public:
   /// Errors that the interface's controller chip reported since the socket was opened.
   struct Errors {
-    std::uint64_t frames = 0;     ///< error frames
-    bool bus_off = false;         ///< true until the interface says that it was restarted
-    bool passive = false;         ///< error passive or warning level
-    bool unacknowledged = false;  ///< the last frame found nobody who acknowledged it
+    std::uint64_t frames = 0;     ///< It counts error frames.
+    bool bus_off = false;         ///< It is true until the interface says that it was restarted.
+    bool passive = false;         ///< The controller is error passive or at the warning level.
+    bool unacknowledged = false;  ///< Nobody acknowledged the last frame.
   };
 
   /// Throws DeviceError naming the interface and how to bring it up: no such interface, it is down, no CAN in the

@@ -23,9 +23,9 @@ class Unreachable : public DeviceError {
 class MessageChannel {
  public:
   enum class Arrival {
-    kNothing,  ///< no message yet
-    kMessage,  ///< a whole message
-    kFailed,   ///< a message was abandoned on the way, in either direction
+    kNothing,  ///< No message has come yet.
+    kMessage,  ///< A whole message has come.
+    kFailed,   ///< A message was abandoned on the way, in either direction.
   };
   virtual ~MessageChannel() = default;
   /// Starts to send one message and does not wait for the end. False: refused, or the last message is still under

@@ -9,16 +9,16 @@
 namespace triskin::mechanics {
 
 enum class Shape {
-  kSphere,      ///< gap R − √(R² − r²)
-  kParaboloid,  ///< gap r² / 2R
-  kFlatPunch,   ///< circular, with a sharp edge
-  kLine,        ///< cylinder that lies on the layer, as the parabola x² / 2R, plane strain
+  kSphere,      ///< The gap is R − √(R² − r²).
+  kParaboloid,  ///< The gap is r² / 2R.
+  kFlatPunch,   ///< The punch is circular and has a sharp edge.
+  kLine,        ///< The cylinder lies on the layer, as the parabola x² / 2R in plane strain.
 };
 
 /// A rigid body that a force presses on the layer without friction.
 struct Indenter {
   Shape shape = Shape::kSphere;
-  double radius_mm = 5.0;  ///< radius of curvature, or of the punch
+  double radius_mm = 5.0;  ///< It is the radius of curvature, or of the punch.
 };
 
 /// Throws InputError unless the radius is positive and finite.
@@ -39,10 +39,11 @@ class ContactField {
 
 /// One contact on a layer.
 struct Contact {
-  double force = 0.0;              ///< N; for a line N/mm
-  double indentation_mm = 0.0;     ///< how far the indenter moved after it first touched
-  double contact_radius_mm = 0.0;  ///< half width for a line
-  double peak_pressure_kpa = 0.0;  ///< pressure in the centre; that of a flat punch is infinite at its edge
+  double force = 0.0;              ///< It is in N, and for a line in N/mm.
+  double indentation_mm = 0.0;     ///< The indenter moved so far after it first touched.
+  double contact_radius_mm = 0.0;  ///< For a line it is the half width.
+  /// It is the pressure in the centre, since that of a flat punch is infinite at its edge.
+  double peak_pressure_kpa = 0.0;
   bool is_line = false;
   std::shared_ptr<const ContactField> field;
 };

@@ -35,9 +35,9 @@ struct ContactEstimate {
 };
 
 struct InverseResult {
-  std::vector<ContactEstimate> contacts;  ///< the strongest first
-  double noise_dc_over_c = 0.0;           ///< value given, or value found
-  double residual_dc_over_c = 0.0;        ///< root mean square of what the contacts do not explain
+  std::vector<ContactEstimate> contacts;  ///< The strongest comes first.
+  double noise_dc_over_c = 0.0;           ///< It is the given value, or the one that was found.
+  double residual_dc_over_c = 0.0;        ///< It is the root mean square of what the contacts do not explain.
 };
 
 /// Finds the contacts of round tips that explain what the taxels say.

@@ -7,7 +7,7 @@ namespace triskin::mechanics {
 /// sideways.
 struct Layer {
   double thickness_mm = 2.0;
-  double poisson = 0.3;  ///< 0 or more and below 0.5
+  double poisson = 0.3;  ///< It must be at least 0 and below 0.5.
   double modulus_kpa = 100.0;
 };
 

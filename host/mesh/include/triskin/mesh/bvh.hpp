@@ -18,7 +18,8 @@ namespace triskin::geometry {
 /// Immutable after construction; queries are const and thread-safe.
 class Bvh {
  public:
-  using Extent = std::array<Eigen::Array3d, 2>;  ///< low ≤ high corner of an item's box, mm
+  /// The two corners of an item's box are the lowest and the highest, in mm.
+  using Extent = std::array<Eigen::Array3d, 2>;
 
   Bvh() = default;
   /// Builds the tree of items 0 … n − 1 on `threads` (≥ 1); the result does not depend on their number. Cost:
@@ -96,8 +97,8 @@ class Bvh {
 
  private:
   struct Box {
-    int first = 0, end = 0;  ///< its items: [first, end)
-    int left = -1;           ///< index of the left child, which the right one follows; −1: a leaf
+    int first = 0, end = 0;  ///< It holds the items [first, end).
+    int left = -1;           ///< The right child follows the left one; −1 marks a leaf.
     Eigen::Array3d low = Eigen::Array3d::Zero(), high = Eigen::Array3d::Zero();
   };
   static double distance_squared(const Box& box, const Vec3& q);

@@ -20,7 +20,7 @@ struct DecimatedMesh {
   /// No point of either is farther from the other: a proved bound, but for rounding (1e-9 mm a step), and at most what
   /// was asked for.
   double deviation_mm = 0.0;
-  double border_mm = 0.0;  ///< likewise of the borders
+  double border_mm = 0.0;  ///< The borders may move by so much.
 };
 
 /// Takes out corners while the bounds hold, where the surface is flattest first: an edge is drawn together where the

@@ -15,10 +15,10 @@ enum class Shape : std::uint8_t { kForearm, kTorso, kHip, kThigh, kDirtyShell, k
 /// Row of the table of shapes: the one place where their names stand.
 struct ShapeInfo {
   Shape shape;
-  std::string_view name;     ///< name on the command line and in tests
-  std::string_view summary;  ///< what makes it hard
-  double size_mm;            ///< largest side of the bounding box that generate() gives without a size
-  int faces;                 ///< faces that it asks for without a count
+  std::string_view name;     ///< The name is that of the command line and of the tests.
+  std::string_view summary;  ///< The summary tells what makes the shape hard.
+  double size_mm;            ///< generate() gives this largest side of the bounding box when no size is asked for.
+  int faces;                 ///< It asks for this number of faces when none is given.
 };
 
 /// Every shape, in the order of the enumeration.
@@ -27,8 +27,8 @@ struct ShapeInfo {
 [[nodiscard]] std::optional<Shape> shape_named(std::string_view name);
 
 struct GenerateOptions {
-  double size_mm = 0.0;  ///< largest side of the bounding box, 20 … 5000 mm; 0: that of the table
-  int faces = 0;         ///< 50 … 2,000,000, reached within a fifth; 0: that of the table
+  double size_mm = 0.0;  ///< The largest side of the bounding box is 20 … 5000 mm; 0 takes that of the table.
+  int faces = 0;         ///< The number of faces, 50 … 2,000,000, is met within a fifth; 0 takes the table's.
 };
 
 /// Triangle mesh of a cover, mm. kForearm … kThigh are oriented manifolds without self-intersection, normals outwards

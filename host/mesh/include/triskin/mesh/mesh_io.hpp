@@ -17,28 +17,31 @@ enum class LengthUnit { kMillimetre, kCentimetre, kInch, kMetre };
 
 /// What reading a CAD file gave beside its mesh.
 struct PartReport {
-  std::vector<int> faces;             ///< chosen, by their index in the part
-  int face_count = 0;                 ///< number of faces of the part
-  double deviation_mm = 0.0;          ///< largest, of the mesh from the exact surface
-  std::vector<std::string> warnings;  ///< one sentence each
-  std::vector<std::string> faults;    ///< one sentence each: something of the file is missing or not right
+  std::vector<int> faces;             ///< The chosen faces are named by their index in the part.
+  int face_count = 0;                 ///< The part has so many faces.
+  double deviation_mm = 0.0;          ///< It is the mesh's largest deviation from the exact surface.
+  std::vector<std::string> warnings;  ///< Each warning is one sentence.
+  /// Each fault is one sentence about something in the file that is missing or wrong.
+  std::vector<std::string> faults;
 };
 
 /// Changes that reading made to the file's triangles, for the report.
 struct MeshReadReport {
   double scale_to_mm = 1.0;
-  bool unit_from_file = false;     ///< the file said its unit (DAE, 3MF), or its format has one (glTF, GLB: metres)
-  int welded_vertices = 0;         ///< corners at the same place that became one vertex (relative 1e-7 of the size)
-  int degenerate_faces = 0;        ///< faces without area, dropped
-  int duplicate_faces = 0;         ///< faces with the same three vertices as an earlier one, dropped
-  int flipped_faces = 0;           ///< faces turned so that neighbours agree
-  std::vector<std::string> notes;  ///< sentences without a subject for the user: what may be missing, what was left out
-  std::optional<PartReport> part;  ///< only for STEP and IGES files
+  /// The file said its unit (DAE, 3MF), or its format has one (glTF and GLB are in metres).
+  bool unit_from_file = false;
+  int welded_vertices = 0;   ///< Corners at the same place, within 1e-7 of the size, became one vertex.
+  int degenerate_faces = 0;  ///< Faces without area were dropped.
+  int duplicate_faces = 0;   ///< Faces with the same three vertices as an earlier one were dropped.
+  int flipped_faces = 0;     ///< Faces were turned so that neighbours agree.
+  /// Each note tells the user what may be missing or was left out, as a sentence without a subject.
+  std::vector<std::string> notes;
+  std::optional<PartReport> part;  ///< It is there only for STEP and IGES files.
 };
 
 /// Result of read_mesh().
 struct MeshFile {
-  Mesh mesh;  ///< mm; coincident vertices welded; no degenerate or duplicate face; orientation as in the file
+  Mesh mesh;  ///< It is in mm and oriented as in the file, without coincident vertices, degenerate or double faces.
   MeshReadReport report;
 };
 

@@ -13,16 +13,16 @@ namespace triskin::geometry {
 /// Point of a surface: the answer of a closest-point query.
 struct SurfacePoint {
   Vec3 position_mm = Vec3::Zero();
-  int face = -1;                    ///< index in Mesh::faces
-  Vec3 barycentric = Vec3::Zero();  ///< coordinates of `position_mm` in `face`
+  int face = -1;                    ///< It is an index in Mesh::faces.
+  Vec3 barycentric = Vec3::Zero();  ///< They are the coordinates of `position_mm` in `face`.
   double distance_mm = std::numeric_limits<double>::infinity();
 };
 
 /// Closest point of one border edge.
 struct BorderPoint {
   SurfacePoint point;
-  int side = 0;                       ///< side of the face: corner side → side + 1
-  std::array<int, 2> beyond{-1, -1};  ///< vertices of the border before and after the edge
+  int side = 0;                       ///< Side s of a face runs from corner s to corner s + 1.
+  std::array<int, 2> beyond{-1, -1};  ///< They are the border's vertices before and after the edge.
 };
 
 /// Manifold, oriented triangle surface with border: topology, normals, closest points. Immutable after construction;

@@ -35,9 +35,9 @@ class SurfaceRegions {
   /// A place that must be covered.
   struct MustCover {
     Vec3 point_mm;
-    int region;        ///< index in regions().list
-    double within_mm;  ///< a module must be this near
-    double share;      ///< share of the region's area
+    int region;        ///< It is an index in regions().list.
+    double within_mm;  ///< A module must be at least this near.
+    double share;      ///< It is a share of the region's area.
   };
   /// Places of the must-cover regions, at most `step_mm` > 0 apart (a region smaller than that has one).
   [[nodiscard]] std::vector<MustCover> must_cover(double step_mm) const;
@@ -51,7 +51,7 @@ class SurfaceRegions {
   [[nodiscard]] double module_value(const ModuleLayout& layout) const;
 
  private:
-  struct Group {  // of a face set: its faces, and the edges that part it from the others
+  struct Group {  // A group is the faces of a set, with the edges that separate it from the others.
     std::vector<char> holds;
     std::vector<std::array<Vec3, 2>> rim;
   };

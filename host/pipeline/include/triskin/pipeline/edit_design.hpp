@@ -16,23 +16,23 @@ struct EditedDesign {
   /// Indexed by the id in the old design: id in the new one, −1: removed. A module that has an id stands exactly
   /// where it stood, or at its mirror image.
   std::vector<int> new_id;
-  std::vector<int> added;  ///< ids in the new design of modules that the old one lacks
+  std::vector<int> added;  ///< They are ids of the new design whose modules the old one lacks.
 };
 
 /// Place for a new module: beside a module, or a tile of an island.
 struct BesideModule {
-  int module = 0;  ///< id in the old design
-  int side = 0;    ///< 0 … 2, free
+  int module = 0;  ///< It is an id of the old design.
+  int side = 0;    ///< It is a free side, 0 … 2.
 };
 struct TileOfIsland {
-  int island = 0;  ///< number in the old design
+  int island = 0;  ///< It is a number of the old design.
   design::Tile tile;
 };
 using NewPlace = std::variant<BesideModule, TileOfIsland>;
 
 /// Modules that go, and places that get one, in this order; a tile may hang on one that was just added.
 struct LayoutEdit {
-  std::vector<int> remove;  ///< ids; one that is named twice goes once
+  std::vector<int> remove;  ///< They are ids; one that is named twice is removed once.
   std::vector<NewPlace> add;
 };
 
@@ -47,9 +47,9 @@ struct LayoutEdit {
 
 /// Effort of grow_around(). Out of range: InputError.
 struct GrowAroundOptions {
-  double time_limit_s = 20.0;  ///< > 0
-  int iterations = 0;          ///< ≥ 0; > 0: the growth ends after so many steps of each chain
-  int threads = 2;             ///< 1 … 256; part of what a result depends on
+  double time_limit_s = 20.0;  ///< It must be positive.
+  int iterations = 0;          ///< If positive, the growth ends after so many steps of each chain.
+  int threads = 2;             ///< The result depends on this number, 1 … 256.
 };
 
 /// Keeps modules exactly where they are and searches layouts for the rest of the surface with the price and limits of

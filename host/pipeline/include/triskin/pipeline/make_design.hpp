@@ -20,33 +20,35 @@ namespace triskin::pipeline {
 
 /// What happens to a mesh that cannot be covered as it is.
 enum class RepairMode : std::uint8_t {
-  kAuto,   ///< it is made one that can (geometry::ExtractOptions::repair)
-  kNever,  ///< it is refused
+  kAuto,   ///< It is repaired (geometry::ExtractOptions::repair).
+  kNever,  ///< It is refused.
 };
 
 /// Options of make_design(). Out of range: InputError.
 struct DesignOptions {
-  std::optional<geometry::LengthUnit> unit;  ///< unit of the mesh file; none: the file's own unit, or mm
-  cad::FaceSelection faces;                  ///< chosen faces of a STEP or IGES file; empty: all
-  std::string object;                        ///< name of one object in a mesh file with several; empty: all
-  bool flip = false;                         ///< turns all faces over: the other side of an open part
+  std::optional<geometry::LengthUnit> unit;  ///< Without it the mesh file's own unit holds, or mm.
+  cad::FaceSelection faces;                  ///< They are faces of a STEP or IGES file; an empty selection takes all.
+  std::string object;  ///< It names one object of a mesh file with several; an empty name takes all.
+  bool flip = false;   ///< All faces are turned over, which takes the other side of an open part.
   RepairMode repair = RepairMode::kAuto;
-  geometry::SideOptions side;   ///< choice of the side of a part with a wall
-  double bridge_mm = 0.0;       ///< >= 0: holes up to this diameter are closed; 0: none
-  double time_limit_s = 20.0;   ///< > 0, limit for all steps together; the growth gets what placement and wiring leave
-  std::uint64_t seed = 1;       ///< seed of every random choice
-  design::LayoutLimits limits;  ///< each > 0
+  geometry::SideOptions side;   ///< It chooses the side of a part with a wall.
+  double bridge_mm = 0.0;       ///< Holes up to this diameter are closed; 0 closes none.
+  double time_limit_s = 20.0;   ///< All steps share it, and the growth gets what placement and wiring leave.
+  std::uint64_t seed = 1;       ///< It seeds every random choice.
+  design::LayoutLimits limits;  ///< Each must be positive.
   /// > 0: no module is bent to a smaller radius: pieces are parted from what bends more (bend_seams.hpp), and depth and
   /// lift of modules are limited to the sagitta of a side, 112.5 mm² / radius; 0: not for that alone.
   double bend_radius_mm = 0.0;
-  double corner_cut_mm = 0.0;  ///< corner cut of every module, 0 … design::kMaxCornerCut_mm
+  double corner_cut_mm = 0.0;  ///< Every module has this cut at its corners, 0 … design::kMaxCornerCut_mm.
   /// >= 0: how far the mesh on which pieces and growth are searched may be from a surface with more faces than it needs
   /// (decimated_mesh.hpp); 0: they are searched on the surface.
   double solver_deviation_mm = geometry::kSolverDeviation_mm;
-  std::optional<design::RegionFile> regions;  ///< worth of places, keep-outs, what must be covered (docs/regions.md)
-  int iterations = 0;   ///< ≥ 0; > 0: the growth ends after so many steps: repeatable whatever the machine's load
-  int threads = 2;      ///< 1 … 256 chains of the growth; part of what a result depends on
-  design::Price price;  ///< each 0 … 16 modules; jumpers may be as long as limits.jumper_mm
+  /// They say the worth of places, keep-outs and what must be covered (docs/regions.md).
+  std::optional<design::RegionFile> regions;
+  /// If positive, the growth ends after so many steps, so the result repeats whatever the machine's load.
+  int iterations = 0;
+  int threads = 2;      ///< The growth has so many chains, 1 … 256, and the result depends on their number.
+  design::Price price;  ///< Each is 0 … 16 modules; jumpers may be as long as limits.jumper_mm.
   /// Design of an older version of the part, whose modules stay where they can (revise_design.hpp); its limits, price,
   /// seed and kinds are taken then, and its choice of faces where `faces` is empty. Null: none.
   std::shared_ptr<const design::Design> like;
@@ -56,16 +58,16 @@ struct DesignOptions {
 
 /// How a design came about: number of modules that each method gave (design::LayoutMethod), what was made of the mesh.
 struct DesignNotes {
-  std::vector<std::string> reading;  ///< what the reader of the mesh file noted (mesh_io.hpp)
+  std::vector<std::string> reading;  ///< They are the notes of the mesh file's reader (mesh_io.hpp).
   int pieces = 0, surface = 0;
-  int solver_faces = 0;              ///< faces of the mesh that was searched, which may be the surface itself
-  double solver_deviation_mm = 0.0;  ///< proved deviation of that mesh from the surface; 0 if it is the surface
-  int pieces_left_out = 0;           ///< pieces that were not placed because the time was over
-  bool growth_left_out = false;      ///< no time was left for the growth
+  int solver_faces = 0;              ///< The mesh that was searched, perhaps the surface itself, has so many faces.
+  double solver_deviation_mm = 0.0;  ///< That mesh is proved to be at most so far from the surface.
+  int pieces_left_out = 0;           ///< So many pieces were not placed because the time was over.
+  bool growth_left_out = false;      ///< No time was left for the growth.
   geometry::ExtractReport extract;
   geometry::TakenSide side;
   geometry::BridgeReport bridges;
-  geometry::Mesh part;  ///< what the side was taken from; only where it is undecided
+  geometry::Mesh part;  ///< The side was taken from it; it is filled only where the side is undecided.
   geometry::MeshReadReport read;
   std::optional<Revision> revision;  ///< with DesignOptions::like
 };

@@ -18,7 +18,7 @@ namespace triskin::geometry {
 
 /// How place() looks for a placement.
 enum class PlacementMethod {
-  kBranchAndBound,  ///< certified
+  kBranchAndBound,  ///< Branch and bound proves its answer.
   // The heuristics of the reference paper (paper/heuristics.hpp): triangles without gap.
   kR1,
   kR2,
@@ -58,30 +58,32 @@ using ProofCell = std::array<double, 6>;
 struct PlacementOptions {
   PlacementMethod method = PlacementMethod::kBranchAndBound;
   TileShape shape = TileShape::kTriangle;
-  double tolerance_mm = 1e-6;  ///< 1e-8 … 1: a tile may stand over the outline by this much
-  double gap_mm = 0.0;         ///< 0 … 100: free space between facing sides of modules
+  double tolerance_mm = 1e-6;  ///< A tile may stand over the outline by this much, 1e-8 … 1.
+  double gap_mm = 0.0;         ///< Facing sides of modules keep this free space, 0 … 100.
   /// 0 … design::kMaxCornerCut_mm, triangles only: cut off along each side from every corner. Tiles then count when
   /// what is left of them lies inside.
   double corner_cut_mm = 0.0;
-  double time_limit_s = 60.0;       ///< ≤ 0: none
-  double memory_limit_mb = 2000.0;  ///< ≥ 1: for the cells that are open; then the search ends with what it has
+  double time_limit_s = 60.0;  ///< A limit of 0 or less means that there is none.
+  /// Open cells may take so much (at least 1); then the search ends with the best it has.
+  double memory_limit_mb = 2000.0;
   /// 1 … 100,000: limit of the text of the proof (write_proof()). The search ends with what it has before it is
   /// exceeded.
   double proof_limit_mb = 300.0;
-  int threads = 0;  ///< 0: all cores; the answer does not depend on it
+  int threads = 0;  ///< 0 uses all cores; the answer does not depend on it.
   std::uint64_t seed = 1;
-  paper::HeuristicOptions paper;  ///< what the paper leaves open of R1 … R7; the seed is the one above
-  bool keep_proof = false;        ///< fill PlacementResult::proof (branch and bound only)
+  paper::HeuristicOptions paper;  ///< They settle what the paper leaves open of R1 … R7; the seed is the one above.
+  bool keep_proof = false;        ///< It fills PlacementResult::proof, for branch and bound only.
   /// Called with each cell of the proof as soon as it is closed; the cells are then not kept in the result. From the
   /// thread that calls place(). Branch and bound only.
   std::function<void(const ProofCell&)> proof_cell;
-  bool largest_clearance = true;  ///< among the optima the placement with the largest clearance (branch and bound only)
+  /// Among the optima the placement with the largest clearance is found, by branch and bound only.
+  bool largest_clearance = true;
   /// Objective (branch and bound only): the number of tiles; with `connected` the number of tiles connected by sides;
   /// with `weights` the sum of the weights of all tiles. The last two start from the answer of the first; clearance and
   /// deficit are then not computed.
   bool connected = false;
   std::shared_ptr<const WeightMap> weights;
-  bool deficit = false;  ///< compute PlacementResult::deficit_mm (branch and bound only)
+  bool deficit = false;  ///< It computes PlacementResult::deficit_mm, by branch and bound only.
 };
 
 /// Certificate that no placement is better (docs/placement.md has the format). Its motions are q = R(theta)*(p - pivot)
@@ -91,38 +93,40 @@ struct PlacementProof {
   Vec2 pivot = Vec2::Zero();
   double pitch_mm = kSide_mm;
   double corner_cut_mm = 0.0;
-  std::array<double, 3> motion{};  ///< x, y, theta of the answer
-  std::vector<ProofCell> cells;    ///< they cover one period
+  std::array<double, 3> motion{};  ///< It is x, y and theta of the answer.
+  std::vector<ProofCell> cells;    ///< The cells cover one period of the lattice.
 };
 
 /// Result of place().
 struct PlacementResult {
-  int modules = 0;                         ///< tiles inside; with `connected` those of the largest connected set
-  int upper_bound = 0;                     ///< no placement has more
-  bool proved = false;                     ///< value and bound met before a limit
-  SearchStop stopped = SearchStop::kNone;  ///< the limit that came first
+  int modules = 0;      ///< It counts the tiles inside; with `connected`, those of the largest connected set.
+  int upper_bound = 0;  ///< No placement has more.
+  bool proved = false;  ///< Value and bound met before a limit ended the search.
+  SearchStop stopped = SearchStop::kNone;  ///< This limit was reached first.
   /// Number of `tiles` where the bound holds: with an inset of −tolerance/2 and more. Fewer than `modules`: the rest
   /// stands over by more than half the tolerance, in the zone that the bound says nothing of (branch and bound, by
   /// number).
   int modules_within_bound = 0;
-  double clearance_mm = 0.0;  ///< inset at which `modules` tiles still fit
+  double clearance_mm = 0.0;  ///< `modules` tiles still fit at this inset.
   double clearance_bound_mm =
-      0.0;  ///< no placement of `modules` tiles has a larger clearance (method bnb; the inradius when not proved)
+      /// No placement of `modules` tiles has a larger clearance (branch and bound; it is the inradius when not proved).
+      0.0;
   /// With every side of every module drawn in by deficit_mm one module more fits somewhere (empty: not even with 0.8
   /// inradius, or not asked for); with less than deficit_bound_mm, in the separations of docs/placement.md, none does.
   std::optional<double> deficit_mm;
   double deficit_bound_mm = 0.0;
-  Placement deficit_placement;  ///< place where one module more would fit
-  double weight = 0.0;          ///< sum of the weights, within 1e-5 of the largest
-  double weight_bound = 0.0;    ///< no placement has more
+  Placement deficit_placement;  ///< One module more would fit here.
+  double weight = 0.0;          ///< The sum of the weights is within 1e-5 of the largest.
+  double weight_bound = 0.0;    ///< No placement has more.
   double tolerance_mm = 0.0;
   Placement placement;
-  std::optional<paper::PivotedPlacement> pivoted;  ///< methods R1 … R7: the placement in the paper's form
-  std::vector<Tile> tiles;                         ///< grid triangles wholly inside, sorted
-  std::vector<double> tile_weights;                ///< weight of each of `tiles`, if weights are given
+  /// The methods R1 … R7 give the placement in the paper's form too.
+  std::optional<paper::PivotedPlacement> pivoted;
+  std::vector<Tile> tiles;           ///< They are the grid triangles wholly inside, sorted.
+  std::vector<double> tile_weights;  ///< Each of `tiles` has its weight here if weights are given.
   std::int64_t evaluations = 0;
   std::int64_t cells = 0;
-  double search_seconds = 0.0;  ///< time until value and bound stood, which is part of `seconds`
+  double search_seconds = 0.0;  ///< Value and bound stood after this time, which is part of `seconds`.
   double seconds = 0.0;
   PlacementProof proof;
 };

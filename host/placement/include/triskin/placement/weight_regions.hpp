@@ -10,14 +10,16 @@ namespace triskin::geometry {
 /// criteria besides area).
 struct WeightRegions {
   struct Region {
-    std::vector<Vec2> outline_mm;  ///< simple ring in the frame of the polygon, either sense, at least three points
-    double weight = 0.0;           ///< 0 … 1e12: value of a module whose centre lies in it
+    /// It is a simple ring of at least three points in the frame of the polygon, in either sense.
+    std::vector<Vec2> outline_mm;
+    double weight = 0.0;  ///< A module whose centre lies in the region is worth this, 0 … 1e12.
   };
-  std::vector<Region> regions;  ///< the last one counts where regions overlap
-  double elsewhere = 0.0;       ///< 0 … 1e12: value of a module in no region
+  std::vector<Region> regions;  ///< Where regions overlap the last one counts.
+  double elsewhere = 0.0;       ///< A module in no region is worth this, 0 … 1e12.
   double module_weight = 0.0;   ///< 0 to 1e12, in the same unit: taken off the worth of every module; what is then left
                                 ///< below 0 counts 0, as a module that is not built
-  double step_mm = 5.0;         ///< > 0, of the raster; the worth changes over about two steps at the rim of a region
+  /// The raster has this positive step; the worth changes over about two steps at the rim of a region.
+  double step_mm = 5.0;
 };
 
 /// The worth as a map for PlacementOptions::weights. Errors: InputError for no region, a ring of fewer than three

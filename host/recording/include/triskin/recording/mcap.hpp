@@ -14,7 +14,7 @@
 namespace triskin::recording::mcap {
 
 inline constexpr std::array<std::uint8_t, 8> kMagic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
-inline constexpr std::size_t kHeadBytes = 9;  ///< kind and length of a record
+inline constexpr std::size_t kHeadBytes = 9;  ///< A record begins with its kind and length.
 
 /// Kinds of records.
 enum class Kind : std::uint8_t {
@@ -76,9 +76,9 @@ struct Metadata {
 struct ChunkHead {
   /// Times of the earliest and latest message; size of the records.
   std::uint64_t start_ns = 0, end_ns = 0, size_bytes = 0;
-  std::uint32_t crc = 0;           ///< CRC of the records; 0: none
-  std::string compression;         ///< empty: none
-  std::uint64_t stored_bytes = 0;  ///< size of the records as they are stored in the file
+  std::uint32_t crc = 0;           ///< It is the CRC of the records; 0 means that there is none.
+  std::string compression;         ///< It is empty where nothing is compressed.
+  std::uint64_t stored_bytes = 0;  ///< The records take so many bytes as they are stored in the file.
 };
 
 /// Bytes that grow, with the types of the format.

@@ -13,7 +13,7 @@ namespace triskin::recording::mcap {
 
 /// When a chunk is closed and written: whichever comes first.
 struct ChunkLimits {
-  std::uint64_t span_ns = 500'000'000;  ///< time from the chunk's first message, after which the next chunk begins
+  std::uint64_t span_ns = 500'000'000;  ///< The next chunk begins this long after the chunk's first message.
   std::size_t size_bytes = std::size_t{1} << 20;
 };
 
@@ -77,12 +77,12 @@ class Visitor {
 
 /// How far a file could be read.
 struct ReadReport {
-  bool complete = false;          ///< the file was closed properly
-  std::uint64_t messages = 0;     ///< number of messages passed to the visitor
-  std::uint64_t whole_bytes = 0;  ///< up to the end of the last whole record of the data section
+  bool complete = false;          ///< The file was closed properly.
+  std::uint64_t messages = 0;     ///< So many messages were passed to the visitor.
+  std::uint64_t whole_bytes = 0;  ///< It reaches to the end of the last whole record of the data section.
   std::uint64_t file_bytes = 0;
-  std::uint64_t unindexed_chunk = 0;  ///< start of the last chunk if its index is not whole, else 0
-  std::string problem;                ///< why the file ends early; empty: it does not
+  std::uint64_t unindexed_chunk = 0;  ///< It is the start of the last chunk if its index is not whole, otherwise 0.
+  std::string problem;                ///< It says why the file ends early and is empty if it does not.
 };
 /// Reads all records up to the first that is cut or damaged; a chunk whose CRC is wrong is not passed on. Memory: one
 /// chunk, at most 256 MiB. Throws InputError naming `name` when it is no MCAP file or uses compression, which this

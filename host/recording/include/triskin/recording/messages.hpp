@@ -18,10 +18,10 @@ class CdrWriter;
 
 /// One sample of one module.
 struct ModuleSample {
-  int module = 0;                  ///< id in the design
-  std::uint64_t link_time_us = 0;  ///< when it came, clock of the link
-  wire::TaxelFrame sample;         ///< `sample.module` is the row in the controller's table
-  std::uint64_t sampled_ns = 0;    ///< when it was taken, since 1970, within ± error_us; 0: not known
+  int module = 0;                  ///< It is an id of the design.
+  std::uint64_t link_time_us = 0;  ///< It came at this time of the link's clock.
+  wire::TaxelFrame sample;         ///< Its `module` is the row in the controller's table.
+  std::uint64_t sampled_ns = 0;    ///< It was taken at this time since 1970, within ± error_us; 0 means unknown.
   std::uint32_t error_us = kNoBound;
   static constexpr std::uint32_t kNoBound = UINT32_MAX;
   /// Patch whose controller read the module in place of its own, in a recording that is read; -1: its own did, or the
@@ -33,19 +33,20 @@ struct ModuleSample {
 /// A taxel under pressure, mesh frame.
 struct PressedTaxel {
   int module = 0, taxel = 0;
-  double change_counts = 0.0;  ///< change against the rest value, above 0
+  double change_counts = 0.0;  ///< It is the change against the rest value, above 0.
   design::Vec3 position_mm{0, 0, 0}, normal{0, 0, 0};
-  double force_n = 0.0;  ///< force on the skin area of the taxel, by its calibration; 0: it has none
+  /// The calibration gives this force on the taxel's area of skin; 0 means that there is none.
+  double force_n = 0.0;
 };
 
 /// A region of the skin under pressure, mesh frame.
 struct Contact {
-  design::Vec3 position_mm{0, 0, 0};  ///< mean of its taxels, weighted by their change
-  design::Vec3 normal{0, 0, 0};       ///< outward unit vector, weighted likewise
-  double change_counts = 0.0;         ///< sum over the taxels
-  double force_n = 0.0;               ///< sum over the taxels, N; 0: without calibration
-  double area_mm2 = 0.0;              ///< skin area that its taxels stand for
-  std::vector<PressedTaxel> taxels;   ///< the strongest first; not empty
+  design::Vec3 position_mm{0, 0, 0};  ///< It is the mean of its taxels, weighted by their change.
+  design::Vec3 normal{0, 0, 0};       ///< It is an outward unit vector, weighted likewise.
+  double change_counts = 0.0;         ///< It sums over the taxels.
+  double force_n = 0.0;               ///< It sums over the taxels in N, and is 0 without a calibration.
+  double area_mm2 = 0.0;              ///< Its taxels stand for this area of skin.
+  std::vector<PressedTaxel> taxels;   ///< The strongest comes first, and there is at least one.
 };
 /// Farthest that two taxels of one contact lie from the next one: those of a module are 7 mm apart, those of neighbours
 /// up to 10 mm.
@@ -78,8 +79,8 @@ void put_header(CdrWriter& w, std::uint64_t stamp_ns, std::string_view frame_id)
                                                       std::string_view frame_id = kMeshFrame);
 /// What the counts of a contact are worth. Without either the unit of forces is "counts".
 struct Calibration {
-  double newton_per_count = 0.0;  ///< force per count of the sum over a contact, > 0; 0: not known
-  bool by_taxel = false;  ///< the contacts have force_n from the calibration of the skin, which takes precedence
+  double newton_per_count = 0.0;  ///< It is the force for each count of the sum over a contact, > 0; 0 means unknown.
+  bool by_taxel = false;  ///< The contacts have force_n from the calibration of the skin, which takes precedence.
 };
 /// The message of contacts, lengths in m. Throws nothing of its own.
 [[nodiscard]] std::vector<std::uint8_t> encode_contacts(std::span<const Contact> contacts, std::uint64_t stamp_ns,

@@ -13,8 +13,8 @@ namespace triskin::recording {
 
 /// The controller that reads a module.
 struct Reader {
-  int patch = -1;         ///< patch that the controller serves; −1: none of this design
-  std::uint8_t node = 0;  ///< its node address; 0: it hangs on another bus
+  int patch = -1;         ///< The controller serves this patch; −1 means that it serves none of this design.
+  std::uint8_t node = 0;  ///< It is its node address; 0 means that it hangs on another bus.
   bool operator==(const Reader&) const = default;
 };
 
@@ -44,7 +44,7 @@ class Readers {
 /// What such a message says.
 struct ReadersAt {
   std::uint64_t link_time_us = 0;
-  std::vector<Reader> readers;  ///< indexed by module
+  std::vector<Reader> readers;  ///< It is indexed by module.
 };
 /// Reads it; nullopt: it is malformed.
 [[nodiscard]] std::optional<ReadersAt> decode_readers(Bytes message);

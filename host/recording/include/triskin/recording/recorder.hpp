@@ -19,8 +19,8 @@ namespace triskin::recording {
 
 /// Formats of a recording.
 enum class Format {
-  kMcap,  ///< docs/recording.md
-  kCsv,   ///< one line a sample of a module
+  kMcap,  ///< docs/recording.md describes what is in it.
+  kCsv,   ///< It has one line for each sample of a module.
 };
 /// Names of the option --to, which are the extensions of the files too.
 inline constexpr NameTable kFormatNames{
@@ -28,11 +28,11 @@ inline constexpr NameTable kFormatNames{
 
 /// What a recording says of itself.
 struct Origin {
-  std::string design_text;                   ///< the design file as it is
-  std::uint64_t link_start_us = 0;           ///< clock of the link at the start
-  std::uint64_t unix_start_ns = 0;           ///< time of that moment since 1970
-  std::map<std::string, std::string> facts;  ///< further entries of the metadata: link, versions, firmware
-  std::uint64_t cloud_period_us = 0;         ///< time between two point clouds; 0: none
+  std::string design_text;                   ///< It is the text of the design file as it is.
+  std::uint64_t link_start_us = 0;           ///< It is the clock of the link at the start.
+  std::uint64_t unix_start_ns = 0;           ///< It is the time of that moment since 1970.
+  std::map<std::string, std::string> facts;  ///< They are further entries of the metadata: link, versions, firmware.
+  std::uint64_t cloud_period_us = 0;         ///< Two point clouds are this far apart; 0 means that there are none.
   /// The calibration file of the skin (docs/calibration.md), by which contacts have their force_n; empty: none, and
   /// forces are in counts.
   std::string calibration_text;

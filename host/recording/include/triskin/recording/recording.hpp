@@ -23,22 +23,23 @@ inline constexpr const char *kCalibrationName = "calibration.json", *kRestName =
 
 /// Another controller began to read a module.
 struct ReaderChange {
-  std::uint64_t link_time_us = 0;  ///< when its first sample came
-  int module = 0;                  ///< id in the design
-  Reader reader;                   ///< reader from this time on
-  bool own = false;                ///< it is the module's own controller again
+  std::uint64_t link_time_us = 0;  ///< Its first sample came at this time.
+  int module = 0;                  ///< It is an id of the design.
+  Reader reader;                   ///< This reader holds from this time on.
+  bool own = false;                ///< The module's own controller reads it again.
 };
 
 /// What a recording says of itself, and where it ends.
 struct Summary {
-  std::map<std::string, std::string> facts;   ///< design id, link, clock, units, versions
-  std::map<std::string, std::string> result;  ///< how it went; empty when it was cut
-  std::string design_text;                    ///< the design file
-  std::string calibration_text;               ///< the calibration file; empty: counts alone
-  std::string rest_text;                      ///< the file of the rest values; empty: those by design
-  std::vector<ReaderChange> reader_changes;   ///< same order as in the file; recordings before 0.2 have none
-  std::uint64_t samples = 0;                  ///< number of module samples
-  std::uint64_t first_us = 0, last_us = 0;    ///< link time of the first and the last sample
+  std::map<std::string, std::string> facts;   ///< They are design id, link, clock, units and versions.
+  std::map<std::string, std::string> result;  ///< It says how the recording went and is empty when it was cut.
+  std::string design_text;                    ///< It is the text of the design file.
+  std::string calibration_text;  ///< It is the text of the calibration file; if it is empty there are only counts.
+  std::string rest_text;  ///< It is the text of the file of rest values; if it is empty those of the design hold.
+  /// They stand in the order of the file; recordings before 0.2 have none.
+  std::vector<ReaderChange> reader_changes;
+  std::uint64_t samples = 0;                ///< It counts the samples of modules.
+  std::uint64_t first_us = 0, last_us = 0;  ///< They are the link's time at the first and the last sample.
   mcap::ReadReport file;
 };
 
@@ -50,9 +51,9 @@ Summary read_recording(const std::filesystem::path& path, const std::function<vo
 
 /// A place of a recording that is damaged.
 struct Loss {
-  std::uint64_t offset = 0, bytes = 0;  ///< position in the damaged file
-  std::string what;                     ///< "a chunk", "the index of a chunk" …
-  bool is_mended = false;               ///< it could be rebuilt from intact data, so nothing is missing
+  std::uint64_t offset = 0, bytes = 0;  ///< They are the position in the damaged file.
+  std::string what;                     ///< It is "a chunk", "the index of a chunk" and the like.
+  bool is_mended = false;               ///< It could be rebuilt from intact data, so nothing is missing.
   /// Time of the last message before the damage and the first one after it, since the first message; `to_s` < 0: there
   /// is none after it.
   double from_s = 0.0, to_s = 0.0;
@@ -60,10 +61,10 @@ struct Loss {
 
 /// What `recover` did.
 struct Recovery {
-  bool was_complete = false;  ///< the file needed no repair
+  bool was_complete = false;  ///< The file needed no repair.
   std::uint64_t messages = 0, kept_bytes = 0, dropped_bytes = 0;
-  std::string problem;       ///< place where the file was cut or damaged
-  std::vector<Loss> losses;  ///< same order as in the file
+  std::string problem;       ///< It is the place where the file was cut or damaged.
+  std::vector<Loss> losses;  ///< They stand in the order of the file.
 };
 /// Makes a damaged recording whole: keeps every chunk whose CRC holds, before and behind the damage, and writes the
 /// indexes and the summary again. A file that was only cut is completed in place when `output` is empty. Damage

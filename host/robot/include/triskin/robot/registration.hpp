@@ -15,7 +15,7 @@ struct Touch {
   int module = 0, taxel = 0;
   Eigen::Vector3d in_link_mm{0, 0, 0};
 };
-inline constexpr std::size_t kMinTouches = 6;  ///< three fix a pose; the others show whether it is right
+inline constexpr std::size_t kMinTouches = 6;  ///< Three touches fix a pose, and the others show whether it is right.
 
 /// Touches from CSV with the columns module, taxel, x_mm, y_mm, z_mm (a head line is allowed, "#" begins a comment).
 /// Throws InputError naming file and line.
@@ -23,10 +23,11 @@ inline constexpr std::size_t kMinTouches = 6;  ///< three fix a pose; the others
 
 /// A motion that carries points on points, and how well.
 struct Fit {
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< its rotation part mirrors if it describes a mirror image
-  double rms_mm = 0.0;                                     ///< root of the mean squared distance
-  double max_mm = 0.0;                                     ///< largest distance
-  int worst = 0;                                           ///< its point, 0-based
+  /// Its rotation part mirrors if it describes a mirror image.
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  double rms_mm = 0.0;  ///< It is the root of the mean squared distance.
+  double max_mm = 0.0;  ///< It is the largest distance.
+  int worst = 0;        ///< It is the point of the largest distance, counted from 0.
 };
 /// The rotation and translation that carry `from` on `to` with the least sum of squared distances (Kabsch 1976, Umeyama
 /// 1991 without scale); `mirrored`: the best motion that mirrors instead. Points in mm, as many of each, at least 3,
@@ -42,12 +43,12 @@ struct NamedDesign {
 /// Pose of a cover found from touches, and what else they could mean.
 struct Registration {
   Fit fit;
-  double mirror_rms_mm = 0.0;  ///< rms_mm of the best fit of the mirror image
-  double thickness_mm = 0.0;   ///< root mean square distance of the touches from their best plane
-  std::string exchanged_with;  ///< another cover fits better; empty: none does
+  double mirror_rms_mm = 0.0;  ///< It is the rms_mm of the best fit of the mirror image.
+  double thickness_mm = 0.0;   ///< It is the root mean square distance of the touches from their best plane.
+  std::string exchanged_with;  ///< Another cover fits better; it is empty if none does.
   double exchanged_rms_mm = 0.0;
-  bool mirrored = false;        ///< the mirror image fits better
-  bool mirror_unknown = false;  ///< the touches lie in a plane: a mirror image cannot be told
+  bool mirrored = false;        ///< The mirror image fits better.
+  bool mirror_unknown = false;  ///< The touches lie in a plane, so a mirror image cannot be told.
   /// True: small residual, and nothing else fits better.
   [[nodiscard]] bool good(double limit_mm) const {
     return fit.rms_mm <= limit_mm && !mirrored && exchanged_with.empty();

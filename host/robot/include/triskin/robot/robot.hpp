@@ -17,20 +17,21 @@ namespace triskin::robot {
 /// A bus of the robot: a CAN bus, or USB devices that are read as one bus.
 struct BusEntry {
   std::string name;
-  std::string link = "sim";  ///< same syntax as --link: can:IFACE, usb:SERIAL,…, sim:HOST:PORT, sim, sim-usb
-  wire::BitRates rates = wire::kControllerRates;  ///< bit rates of a CAN bus, bit/s
-  int first_node = layout::kFirstNode;            ///< range of its node addresses, 1 … 126
+  std::string link = "sim";  ///< It has the syntax of --link: can:IFACE, usb:SERIAL,…, sim:HOST:PORT, sim, sim-usb.
+  wire::BitRates rates = wire::kControllerRates;  ///< They are the bit rates of a CAN bus in bit/s.
+  int first_node = layout::kFirstNode;            ///< Its node addresses begin here; they range from 1 to 126.
   int last_node = layout::kLastNode;
-  double cable_mm = 0.0;  ///< length from end to end; 0: not given
+  double cable_mm = 0.0;  ///< It is the length from end to end; 0 means that it is not given.
 };
 
 /// The controller of one patch.
 struct ControllerEntry {
-  int patch = 0;          ///< patch of the cover's design, 0-based
-  int node = 0;           ///< node address on its bus
-  std::string serial;     ///< unique id, 24 upper-case hexadecimal digits; empty: not known yet
-  std::string bus;        ///< empty: the bus of its cover
-  double cable_mm = 0.0;  ///< length from the bus, or the USB hub, to the controller; 0: not given
+  int patch = 0;       ///< It is a patch of the cover's design, counted from 0.
+  int node = 0;        ///< It is the node address on its bus.
+  std::string serial;  ///< It is the unique id in 24 upper-case hexadecimal digits, and empty while unknown.
+  std::string bus;     ///< If it is empty, the controller is on the bus of its cover.
+  /// It is the length from the bus, or the USB hub, to the controller; 0 means that it is not given.
+  double cable_mm = 0.0;
 };
 
 /// How the pose of a cover was measured (docs/robot_file.md).
@@ -42,16 +43,16 @@ struct Measured {
 /// A cover: one design at one place of the robot.
 struct CoverEntry {
   std::string name;
-  std::string design;           ///< file, relative to the robot file
-  std::uint64_t design_id = 0;  ///< id that the design had when it was added
-  std::string bus;              ///< bus of its controllers, unless they name another
-  std::string frame;            ///< link of the robot that it is fixed to; empty: the robot's base
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< pose of the mesh frame in that link, mm
+  std::string design;           ///< It is a file, relative to the robot file.
+  std::uint64_t design_id = 0;  ///< The design had this id when it was added.
+  std::string bus;              ///< Its controllers are on this bus unless they name another.
+  std::string frame;            ///< It is fixed to this link of the robot; if empty, to the robot's base.
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< It is the pose of the mesh frame in that link, in mm.
   bool has_pose = false;  ///< false: nobody has said where it lies, and `pose` is only a stand-in
   /// x, y, z in mm, then roll, pitch, yaw in rad (fixed axes, as URDF has them), where the file gives the pose so.
   std::optional<std::array<double, 6>> xyz_rpy;
   std::optional<Measured> measured;
-  double rate_hz = 0.0;  ///< samples a second that are wanted of each module; 0: as many as fit
+  double rate_hz = 0.0;  ///< So many samples a second are wanted of each module; 0 asks for as many as fit.
   std::vector<ControllerEntry> controllers;
 };
 
@@ -59,7 +60,7 @@ struct CoverEntry {
 struct Robot {
   static constexpr int kVersion = 1;
   std::string name;
-  std::string urdf;  ///< file with the robot's links, relative to the robot file; empty: none
+  std::string urdf;  ///< The robot's links are in this file, relative to the robot file; it may be empty.
   std::vector<BusEntry> buses;
   std::vector<CoverEntry> covers;
 };

@@ -16,22 +16,22 @@ namespace triskin::robot {
 
 /// What of a cover hangs on one bus.
 struct CoverConfig {
-  std::string name;  ///< name of the cover on the robot; empty for a design file
+  std::string name;  ///< It is the name of the cover on the robot, and empty for a design file.
   std::filesystem::path design_file;
-  design::Design design;             ///< design with the node addresses of this bus, and the cover's name
-  std::vector<std::string> serials;  ///< indexed by patch; empty: not known
-  int cover = 0;                     ///< index in the robot file
+  design::Design design;             ///< It has the node addresses of this bus and the cover's name.
+  std::vector<std::string> serials;  ///< They are indexed by patch and empty while unknown.
+  int cover = 0;                     ///< It is the index in the robot file.
   int first_module = 0;              ///< number of its module 0 on a simulated bus (device::CoverTouchActuator)
-  bool chosen = true;                ///< false: choose() left it out; it keeps its addresses
+  bool chosen = true;                ///< If false, choose() left it out, and it keeps its addresses.
 };
 
 /// One bus and what hangs on it.
 struct BusConfig {
-  int number = 0;    ///< 0-based number among the buses of the robot that carry a cover
-  std::string name;  ///< empty for a design file
-  std::string link;  ///< same syntax as --link; empty for a design file
+  int number = 0;    ///< It counts from 0 among the buses of the robot that carry a cover.
+  std::string name;  ///< It is empty for a design file.
+  std::string link;  ///< It has the syntax of --link and is empty for a design file.
   wire::BitRates rates;
-  int every = 0;  ///< each n-th sample gives what the covers want; 0: as many as fit
+  int every = 0;  ///< Each n-th sample gives what the covers want; 0 takes as many as fit.
   std::vector<CoverConfig> covers;
 };
 
@@ -41,7 +41,7 @@ struct Site {
   std::filesystem::path file;
   std::string name;
   bool is_robot = false;
-  std::vector<BusConfig> buses;  ///< buses that carry at least one cover
+  std::vector<BusConfig> buses;  ///< They are the buses that carry at least one cover.
 };
 /// Reads a robot file or a design file that is to be deployed. Throws InputError as read_assembly and
 /// read_intact_design do, and listing the problems of a robot that check() finds.

@@ -9,8 +9,8 @@ namespace triskin::geometry {
 /// A free side of a module, as the rules of jumpers see it.
 struct FreeSide {
   Vec3 middle;
-  Vec3 outward;  ///< direction from the module's centroid to the middle
-  Vec3 normal;   ///< unit normal of the module
+  Vec3 outward;  ///< It points from the module's centroid to the middle of the side.
+  Vec3 normal;   ///< It is the module's unit normal.
 };
 
 [[nodiscard]] inline FreeSide free_side(const std::array<Vec3, 3>& corner, std::size_t side) {

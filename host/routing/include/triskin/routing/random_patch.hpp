@@ -13,8 +13,9 @@ enum class PatchShape { kCompact, kStrip, kHoled, kDendritic };
 
 /// Tiles of a lattice with their graph.
 struct LatticePatch {
-  std::vector<Tile> tiles;  ///< sorted
-  ModuleGraph graph;        ///< node k is tiles[k]; joined where two tiles share a side, every free side is border
+  std::vector<Tile> tiles;  ///< They are sorted.
+  /// Node k is tiles[k]; nodes are joined where two tiles share a side, and every free side is border.
+  ModuleGraph graph;
 };
 
 /// The graph of a set of tiles. Cost: O(n log n).

@@ -16,16 +16,16 @@ namespace triskin::geometry {
 /// Constants of the electrical rule of a line; sources in docs/routing.md.
 struct ElectricalModel {
   double supply_v = 3.3;
-  double low_level_v = 0.4;      ///< I²C V_OL
-  double sink_ma = 3.0;          ///< I²C I_OL
-  double bus_hz = 400e3;         ///< required speed
-  double cable_pf_per_m = 60.0;  ///< entry cable
-  double cable_m = 0.5;          ///< length of the entry cable if no controller place is given
+  double low_level_v = 0.4;      ///< The I²C specification calls it V_OL.
+  double sink_ma = 3.0;          ///< The I²C specification calls it I_OL.
+  double bus_hz = 400e3;         ///< The lines must reach this speed.
+  double cable_pf_per_m = 60.0;  ///< It is that of the entry cable.
+  double cable_m = 0.5;          ///< It is the length of the entry cable if no controller place is given.
   double joint_pf = 2.0;
-  double jumper_pf = 2.0;               ///< two plugs of a jumper, beside a joint's and that of its length of cable
-  double pin_pf = 10.0;                 ///< converter and multiplexer of a module on the line
-  double switch_pf = 6.0;               ///< bus switch of a module that the line passes
-  bool all_lines_on_all_joints = true;  ///< false: a line ends at its last module
+  double jumper_pf = 2.0;  ///< The two plugs of a jumper add it to that of a joint and of the cable's length.
+  double pin_pf = 10.0;    ///< Each module on the line adds its converter and multiplexer.
+  double switch_pf = 6.0;  ///< Each module that the line passes adds its bus switch.
+  bool all_lines_on_all_joints = true;  ///< If false, a line ends at its last module.
 };
 
 /// Order of the secondary objectives of a patch: expected loss (sum of depths) before line hops, or line hops before
@@ -38,21 +38,23 @@ class Division;
 
 /// Options of route(). capacity ≤ lines · addresses.
 struct RoutingOptions {
-  int capacity = kModulesAController;  ///< 1 … 16 modules a patch
-  int lines = 4;                       ///< 1 … 4 a patch
-  int addresses = 4;                   ///< 1 … 16 a line
+  int capacity = kModulesAController;  ///< A patch may have 1 … 16 modules.
+  int lines = 4;                       ///< A patch may have 1 … 4 lines.
+  int addresses = 4;                   ///< A line may have 1 … 16 addresses.
   std::uint64_t seed = 1;
-  bool failure_analysis = true;  ///< fill Patch::failures, second entries, articulation, bridges
+  bool failure_analysis = true;  ///< It fills Patch::failures, second entries, articulation nodes and bridges.
   RouteObjective objective = RouteObjective::kLossFirst;
   ElectricalModel electrical;
-  bool second_entry = true;               ///< plan a second connector where it saves modules
-  bool adoption = true;                   ///< let neighbouring patches with free addresses read unreachable modules
-  int recombinations = 60;                ///< secondary-cost moves a patch; 0: keep the first partition
-  bool has_controller_place = false;      ///< cable lengths count in the secondary cost
-  std::array<double, 3> controller_mm{};  ///< mesh frame
-  Price price;                            ///< price of a controller and a jumper; used only if jumpers are possible
-  int threads = 1;  ///< ≥ 1; threads that divide islands; the result does not depend on their number
-  std::shared_ptr<const Division> division;  ///< division of an earlier result for the same graph and places, or null
+  bool second_entry = true;  ///< A second connector is planned where it saves modules.
+  bool adoption = true;      ///< Neighbouring patches with free addresses may read unreachable modules.
+  /// A patch gets so many moves that lower the secondary cost; 0 keeps the first partition.
+  int recombinations = 60;
+  bool has_controller_place = false;      ///< Then cable lengths count in the secondary cost.
+  std::array<double, 3> controller_mm{};  ///< It is in the frame of the mesh.
+  Price price;      ///< The prices of a controller and a jumper are used only if jumpers are possible.
+  int threads = 1;  ///< So many threads (at least 1) divide islands; the result does not depend on their number.
+  /// It may be the division of an earlier result for the same graph and places, or null.
+  std::shared_ptr<const Division> division;
   /// Asked between the searches for a better division, by any of the threads: true, and the best so far is the answer,
   /// with bounds that hold.
   std::function<bool()> give_up{};
@@ -60,10 +62,10 @@ struct RoutingOptions {
 
 /// Proof by which a lower bound of controllers was met, in order of effort.
 enum class PartitionProof {
-  kSize,      ///< ⌈modules / capacity⌉
-  kFolding,   ///< parts that the shape forces
-  kFrontier,  ///< exact dynamic programme over frontiers
-  kOpen,      ///< not met: fewer controllers may do
+  kSize,      ///< The bound is ⌈modules / capacity⌉.
+  kFolding,   ///< The shape forces these parts, as folding branches shows.
+  kFrontier,  ///< An exact dynamic programme over frontiers gives the bound.
+  kOpen,      ///< The bound is not met, so fewer controllers may do.
 };
 /// Names in reports: empty while open.
 inline constexpr NameTable kPartitionProofNames{
@@ -76,23 +78,23 @@ inline constexpr NameTable kPartitionProofNames{
 /// Result of route(). Every node is an index in the nodes of the graph that was given.
 struct RoutingResult {
   std::vector<Patch> patches;
-  int lower_bound = 0;          ///< no partition has fewer patches
-  bool proved = false;          ///< patches.size() == lower_bound
-  std::vector<Jumper> jumpers;  ///< those of the places that are fitted, as given; each within one patch
-  int jumpers_lower_bound = 0;  ///< no partition into as many patches has fewer jumpers
-  bool price_proved = false;    ///< no partition costs less, controllers and jumpers together
+  int lower_bound = 0;          ///< No partition has fewer patches.
+  bool proved = false;          ///< It says that patches.size() == lower_bound.
+  std::vector<Jumper> jumpers;  ///< They are the given places that are fitted, each within one patch.
+  int jumpers_lower_bound = 0;  ///< No partition into as many patches has fewer jumpers.
+  bool price_proved = false;    ///< No partition costs less for controllers and jumpers together.
   int line_hops = 0;
   int max_depth = 0;
   double mean_loss = 0.0;  ///< extra modules lost, beyond the failed one: mean over all single failures of modules and
                            ///< tree joints, lost_backed_up
   double seconds = 0.0;
-  double mean_loss_one_entry = 0.0;  ///< the same with rerouting in the patch only
-  double mean_loss_strapped = 0.0;   ///< the same without rerouting
+  double mean_loss_one_entry = 0.0;  ///< It is the same mean if only the patch itself reroutes.
+  double mean_loss_strapped = 0.0;   ///< It is the same mean without rerouting.
   int patches_without_border = 0;
   int electrical_violations = 0;
   /// How the bound was met: the proof that took most effort over the islands.
   PartitionProof proof = PartitionProof::kSize;
-  std::shared_ptr<const Division> division;  ///< never null
+  std::shared_ptr<const Division> division;  ///< It is never null.
 };
 
 /// Divides the graph into the fewest connected patches and wires each one: border entry, then least lines against the

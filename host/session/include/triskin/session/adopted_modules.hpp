@@ -33,7 +33,7 @@ class AdoptedReader {
   struct Read {
     int module = -1;
     SampleAccount counts;
-    std::uint64_t heard_us = 0;  ///< clock of the link at its latest sample
+    std::uint64_t heard_us = 0;  ///< It is the link's clock at its latest sample.
   };
 
   /// True: samples wait for a list; ask FD0E, then set().

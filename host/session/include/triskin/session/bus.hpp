@@ -47,8 +47,8 @@ class Bus {
   Bus& operator=(const Bus&) = delete;
 
   enum class Repeat {
-    kNever,  ///< a lost answer must be noticed by the caller: the request may have taken effect
-    kSafe,   ///< asking again has no other effect than asking once
+    kNever,  ///< The caller must notice a lost answer, because the request may have taken effect.
+    kSafe,   ///< Asking again has no other effect than asking once.
   };
   /// Sends a request (service byte first, 1..4095 bytes) to node address `node` and waits for the answer, also while
   /// the controller answers "response pending", at most a minute. Returns the answer without its service byte. Throws

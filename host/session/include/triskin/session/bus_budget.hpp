@@ -11,27 +11,30 @@ namespace triskin::device {
 
 /// What one controller wants to send.
 struct StreamDemand {
-  std::uint8_t node = 0;          ///< node address
-  std::size_t modules = 0;        ///< number of modules in its table
-  std::uint64_t interval_us = 0;  ///< nominal time between two samples of a module
+  std::uint8_t node = 0;          ///< It is the node address.
+  std::size_t modules = 0;        ///< Its table has so many modules.
+  std::uint64_t interval_us = 0;  ///< Two samples of a module are nominally this far apart.
 };
 
 /// Load of one wire.
 struct WireLoad {
   std::vector<std::uint8_t> nodes;
   std::size_t modules = 0;
-  double full = 0.0;  ///< load if every sample is streamed, 1 = all of the wire; 0: the wire's rate is not known
+  /// It is the load if every sample is streamed, 1 being all of the wire; 0 means that the wire's rate is unknown.
+  double full = 0.0;
 };
 
 /// How the samples of a stream fit the wires of a link.
 struct BusBudget {
   std::vector<WireLoad> wires;
-  int every = 1;      ///< each n-th sample is streamed
-  double full = 0.0;  ///< largest load of a wire if every sample is streamed
-  double load = 0.0;  ///< the same load if only each n-th sample is streamed
-  bool fits = true;   ///< load is at most wire::kStreamShare
+  int every = 1;      ///< Each n-th sample is streamed.
+  double full = 0.0;  ///< It is the largest load of a wire if every sample is streamed.
+  double load = 0.0;  ///< It is the same load if only each n-th sample is streamed.
+  bool fits = true;   ///< The load is at most wire::kStreamShare.
   std::uint64_t pace_us =
-      0;  ///< least time between two samples of a module, so that all get an equal share; 0: all fit
+      /// Two samples of a module are at least this far apart, so that all modules get an equal share; 0 means that all
+      /// fit.
+      0;
 };
 
 /// Samples as the largest part of a wire: converters run up to 4 % faster than their rate.

@@ -11,7 +11,8 @@ namespace triskin::device {
 struct LinkTime {
   static constexpr std::uint32_t kUnbounded = UINT32_MAX;
   std::uint64_t link_us = 0;
-  std::uint32_t error_us = kUnbounded;  ///< the true time is within ± this; kUnbounded: nothing bounds it
+  /// The true time lies within ± this; kUnbounded means that nothing bounds it.
+  std::uint32_t error_us = kUnbounded;
   bool operator==(const LinkTime&) const = default;
 };
 

@@ -13,7 +13,7 @@ namespace triskin::device {
 /// A board that answered the discovery of iCub boards.
 struct IcubBoardInfo {
   std::uint8_t address = 0;
-  std::uint8_t type = 0;  ///< 11: MTB4
+  std::uint8_t type = 0;  ///< It is 11 for an MTB4.
   int version_major = 0, version_minor = 0, build = 0;
 };
 

@@ -12,8 +12,8 @@ namespace triskin::device {
 /// Tree by which a design is read: the normal one, or the one that the design prepared for the failure of a module or
 /// of a joint.
 struct RouteChoice {
-  int module = -1;  ///< −1: normal
-  int other = -1;   ///< −1: the module failed; else the joint between the two
+  int module = -1;  ///< It is −1 for the normal route.
+  int other = -1;   ///< It is −1 where the module itself failed, otherwise the joint between the two failed.
   bool operator==(const RouteChoice&) const = default;
 };
 /// Choice written as "normal", "backup:MODULE" or "backup:MODULE-MODULE" (ids in the design). Throws InputError.

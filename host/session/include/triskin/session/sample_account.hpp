@@ -11,11 +11,11 @@ namespace triskin::device {
 struct SampleCounts {
   std::uint64_t expected = 0;
   std::uint64_t received = 0;
-  std::uint64_t with_data = 0;   ///< received samples that have at least one valid taxel
-  std::uint64_t unread = 0;      ///< lost samples that the controller did not read in time
-  std::uint64_t dropped = 0;     ///< lost: they found no room on the bus
-  std::uint64_t on_the_way = 0;  ///< lost: sent, and not received here
-  std::uint64_t silent = 0;      ///< lost: the controller was away; counted by the rate
+  std::uint64_t with_data = 0;   ///< It counts received samples that have at least one valid taxel.
+  std::uint64_t unread = 0;      ///< They were lost because the controller did not read them in time.
+  std::uint64_t dropped = 0;     ///< They were lost because they found no room on the bus.
+  std::uint64_t on_the_way = 0;  ///< They were lost after they had been sent.
+  std::uint64_t silent = 0;      ///< They were lost while the controller was away, and are counted by the rate.
   /// Samples that were due and did not come: expected − received.
   [[nodiscard]] std::uint64_t lost() const { return unread + dropped + on_the_way + silent; }
   /// Adds the counts of another module or time.

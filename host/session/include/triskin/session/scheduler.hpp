@@ -12,8 +12,8 @@ namespace triskin::device {
 
 /// Requests to one controller, written as sequential code that blocks in the calls of its Bus.
 struct Task {
-  std::uint8_t node = 0;          ///< node address 1..126; the task receives the answers of this node only
-  std::function<void(Bus&)> run;  ///< gets a Bus of its own, valid until it returns
+  std::uint8_t node = 0;          ///< It ranges from 1 to 126; the task receives the answers of this node only.
+  std::function<void(Bus&)> run;  ///< It gets a Bus of its own that is valid until it returns.
 };
 
 /// Conversations on one wire that fill the time in which others erase a page

@@ -10,9 +10,9 @@ namespace triskin::sheet {
 
 /// A point of the part that can be found by eye, from which places are measured.
 struct Landmark {
-  std::string name;  ///< R1, R2, … on a rim; S1, … on a part without a rim
+  std::string name;  ///< It is R1, R2, … on a rim and S1, … on a part without one.
   design::Vec3 at_mm;
-  std::string where;  ///< text that says which point of which rim it is
+  std::string where;  ///< It says which point of which rim it is.
 };
 
 /// Landmarks of a surface: of every rim (closed chain of edges with one face) of at least 30 mm the points farthest
@@ -23,7 +23,7 @@ struct Landmark {
 
 /// Position of a point by its straight distances from two landmarks, as calipers measure them.
 struct Fix {
-  std::array<int, 2> landmark{-1, -1};  ///< index in landmarks_of(), −1: there are fewer
+  std::array<int, 2> landmark{-1, -1};  ///< They index landmarks_of(); −1 means that there are fewer.
   std::array<double, 2> distance_mm{};
 };
 /// The two nearest landmarks that are seen from the point at 30° to 150° (degrees) to each other, so that the two

@@ -11,8 +11,8 @@ namespace triskin::sheet {
 /// hexadecimal digits and PATCH is `-` on a page that belongs to no single patch.
 struct PageCode {
   std::uint64_t design_id = 0;
-  int patch = -1;  ///< index in Design::patches, −1: none
-  int page = 1;    ///< 1-based
+  int patch = -1;  ///< It indexes Design::patches; −1 stands for none.
+  int page = 1;    ///< Pages are counted from 1.
   bool operator==(const PageCode&) const = default;
 };
 

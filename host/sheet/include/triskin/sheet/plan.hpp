@@ -14,7 +14,7 @@ namespace triskin::sheet {
 enum class Paper {
   kA4,
   kA3,
-  kRoll,  ///< 610 mm wide, each island as long as it needs; text pages are A4
+  kRoll,  ///< The roll is 610 mm wide, each island takes the length it needs, and text pages are A4.
 };
 /// Names on the command line: "A4", "A3", "roll".
 inline constexpr NameTable kPaperNames{std::array<std::pair<Paper, std::string_view>, 3>{
@@ -22,17 +22,19 @@ inline constexpr NameTable kPaperNames{std::array<std::pair<Paper, std::string_v
 
 // Lengths on a page, mm. A page is measured from its upper left corner, y downwards.
 inline constexpr double kMargin_mm = 8.0;
-inline constexpr double kHead_mm = 30.0;    ///< title and QR code
-inline constexpr double kFoot_mm = 14.0;    ///< ruler
-inline constexpr double kLabels_mm = 12.0;  ///< around an island, for what is written outside of it
+inline constexpr double kHead_mm = 30.0;    ///< The head holds the title and the QR code.
+inline constexpr double kFoot_mm = 14.0;    ///< The foot holds the ruler.
+inline constexpr double kLabels_mm = 12.0;  ///< Labels outside of an island need this space around it.
 
 /// Modules of one island at 1:1 on a page, seen from outside (the touch side).
 struct IslandPage {
   int island = 0;
-  int part = 0, parts = 1;  ///< an island that is larger than the paper has several pages; every module is on one
-  int sixths = 0;           ///< turned counter-clockwise by this many times 60°: an up tile lies up where it is even
-  design::Vec2 shift_mm{0, 0};    ///< position of grid vertex (0, 0) on the page
-  std::vector<int> modules{};     ///< module ids, ascending
+  /// An island that is larger than the paper has several pages, and every module is on one.
+  int part = 0, parts = 1;
+  /// The page is turned counter-clockwise by this many times 60°; an up tile lies up where it is even.
+  int sixths = 0;
+  design::Vec2 shift_mm{0, 0};    ///< It is the position of grid vertex (0, 0) on the page.
+  std::vector<int> modules{};     ///< The ids are in ascending order.
   design::Vec2 caption_mm{0, 0};  ///< where its name and points stand on a page of several islands
   /// Grid vertex (i, j) on the page, mm.
   [[nodiscard]] design::Vec2 at(const std::array<int, 2>& vertex) const;
@@ -63,9 +65,9 @@ enum class PageKind { kOverview, kKey, kText, kLabels, kIsland };
 struct Page {
   PageKind kind = PageKind::kText;
   std::string title{};
-  int patch = -1;  ///< patch of the page's QR code, −1: it has none
+  int patch = -1;  ///< The page's QR code names this patch; −1 means that it has none.
   design::Vec2 size_mm{210, 297};
-  std::vector<TextLine> lines{};      ///< content of a text page
+  std::vector<TextLine> lines{};      ///< They are the content of a text page.
   std::vector<IslandPage> islands{};  ///< content of an island page: one, or several small ones
   std::vector<Label> labels{};        ///< content of a page of labels
 };
@@ -80,10 +82,10 @@ struct Anchor {
 /// All that the pages show, before anything is drawn.
 struct Plan {
   Sides sides;
-  std::vector<design::ModuleWiring> wiring;  ///< indexed by module
+  std::vector<design::ModuleWiring> wiring;  ///< It is indexed by module.
   std::vector<Landmark> landmarks;
-  std::vector<std::array<Anchor, 2>> anchors;  ///< indexed by island; module −1 if the island has no module
-  std::vector<int> page_of_module;             ///< 1-based page that shows it at 1:1
+  std::vector<std::array<Anchor, 2>> anchors;  ///< It is indexed by island; the module is −1 if the island has none.
+  std::vector<int> page_of_module;             ///< Each module is shown at 1:1 on this page, counted from 1.
   std::vector<Page> pages;
 };
 /// Smallest radius that the paper allows a module to be bent to, mm; places that ask for less are marked.

@@ -104,8 +104,9 @@ class Ad7147 {
   [[nodiscard]] int stages_on() const;
   [[nodiscard]] bool converting() const;
   struct Conversion {
-    std::uint64_t at_us = kNever;  ///< when it ended; kNever: there was none since the restart
-    std::uint64_t number = 0;      ///< number since the restart
+    /// It is the time when it ended; kNever means that there was none since the restart.
+    std::uint64_t at_us = kNever;
+    std::uint64_t number = 0;  ///< It counts from the restart.
   };
   /// The latest conversion of `stage` up to now.
   [[nodiscard]] Conversion last_conversion(int stage, std::uint64_t now_us) const;
@@ -126,7 +127,7 @@ class Ad7147 {
   bool shifted_ = false;
   Ad7147Behaviour behaviour_;
   int clock_ppm_ = 0;
-  std::uint64_t noise_seed_ = 0;  // 0: none
+  std::uint64_t noise_seed_ = 0;  // 0 means that there is no noise.
   std::uint64_t restart_us_ = 0;
   std::uint64_t status_read_us_ = 0;
   std::vector<PowerDips> dips_;

@@ -29,8 +29,8 @@ class FlashMemory final : public sim::FlashModel {
 
   /// What an operation leaves behind that power fails in.
   enum class Tear {
-    kBefore,  ///< nothing
-    kHalf,    ///< half of the page or unit
+    kBefore,  ///< Nothing was done before the cut.
+    kHalf,    ///< Half of the page or unit was done before the cut.
   };
   /// Power fails in the operation after the next `operations` ones: it throws sim::PowerLost. One shot.
   void cut_power_after(std::uint64_t operations, Tear tear);

@@ -14,15 +14,16 @@ namespace triskin::scene {
 
 /// A cover on a simulated bus.
 struct SimulatedCover {
-  std::string name;                    ///< unique on the robot; the electrodes of its modules are drawn from it
-  const design::Design* design;        ///< design with the node addresses of this bus (Design::node_addresses)
-  std::vector<wire::UniqueId> boards;  ///< indexed by patch; all 0: fresh, drawn from name, design and `board_seed`
+  std::string name;  ///< It is unique on the robot, and the electrodes of the cover's modules are drawn from it.
+  const design::Design* design;  ///< It has the node addresses of this bus (Design::node_addresses).
+  /// They are indexed by patch; an id of zeros is fresh and drawn from name, design and `board_seed`.
+  std::vector<wire::UniqueId> boards;
 };
 
 /// Several covers on one bus as one scene, in which nobody touches the skin and nothing is wrong.
 struct JointScene {
-  Scene scene;                               ///< patches whose controllers hang on another bus are left out
-  std::vector<design::CoverOffset> offsets;  ///< module m of cover c is module offsets[c].module + m of the scene
+  Scene scene;                               ///< Patches whose controllers hang on another bus are left out.
+  std::vector<design::CoverOffset> offsets;  ///< Module m of cover c is module offsets[c].module + m of the scene.
 };
 /// Joins covers; each lies 10 m from the next, so that a finger on one reaches no other. Another cover, or a changed
 /// one, leaves boards and electrodes of the others as they are. `board_seed`: as Scene::board_seed, of boards without a

@@ -44,23 +44,23 @@ class PressureCurve {
 /// present in [from_us, until_us).
 enum class FaultKind {
   kRemovedChip,        ///< module
-  kMovedChip,          ///< module, line, address: straps soldered wrongly
-  kSwappedChips,       ///< module, other: each sits at the other's place
-  kStuckLine,          ///< patch, line, signal, frees_after_pulses
-  kWrongId,            ///< module, value
+  kMovedChip,          ///< It has `module`, `line` and `address`, as if straps were soldered wrongly.
+  kSwappedChips,       ///< It has `module` and `other`, each of which sits at the other's place.
+  kStuckLine,          ///< It has `patch`, `line`, `signal` and `frees_after_pulses`.
+  kWrongId,            ///< It has `module` and `value`.
   kLostConfiguration,  ///< module: power dip at from_us, and every_us until until_us
-  kSaturatedTaxel,     ///< module, taxel
-  kFrozenTaxel,        ///< module, taxel
-  kFingerElsewhere,    ///< module, other: a finger meant for the module lands on the other
-  kRotatedModule,      ///< module, value: turned by 120° once or twice
-  kDeadModule,         ///< module: its logic has no power; this kind and those below need switched modules
-  kHeldLine,           ///< module, line: holds it low while its ports are closed
-  kStuckBit,           ///< module, bit, value: of its register's outputs
-  kModuleReset,        ///< module: its register is cleared at from_us
-  kOpenJoint,          ///< module, other
-  kShortedJoint,       ///< module, other
-  kExtraJoint,         ///< module, other: of one patch; first free port of each
-  kSwappedPatches,     ///< patch, other: each controller is plugged into the other's patch
+  kSaturatedTaxel,     ///< It has `module` and `taxel`.
+  kFrozenTaxel,        ///< It has `module` and `taxel`.
+  kFingerElsewhere,    ///< It has `module` and `other`: a finger meant for the first lands on the other.
+  kRotatedModule,      ///< It has `module` and `value`: the module is turned by 120° once or twice.
+  kDeadModule,         ///< It has `module`, whose logic has no power; this kind and those below need switched modules.
+  kHeldLine,           ///< It has `module` and `line`, which the module holds low while its ports are closed.
+  kStuckBit,           ///< It has `module`, `bit` and `value` of the register's outputs.
+  kModuleReset,        ///< It has `module`, whose register is cleared at from_us.
+  kOpenJoint,          ///< It has `module` and `other`.
+  kShortedJoint,       ///< It has `module` and `other`.
+  kExtraJoint,         ///< It has `module` and `other` of one patch, joined at the first free port of each.
+  kSwappedPatches,     ///< It has `patch` and `other`: each controller is plugged into the other's patch.
 };
 /// Names in scene files (docs/faults_in_scenes.md).
 inline constexpr NameTable kFaultKindNames{std::array<std::pair<FaultKind, std::string_view>, 18>{{
@@ -100,26 +100,28 @@ struct Fault {
 
 /// Physical effects; but for the electrodes each is off, and costs nothing, unless the scene names it.
 struct Effects {
-  double noise_counts = 0.0;            ///< standard deviation of a sample
-  double drift_counts_per_s = 0.0;      ///< drift of every taxel
-  double taxel_spread_counts = 0.0;     ///< half range of the offset that is added to the electrodes
-  double sensitivity_spread = 0.0;      ///< half range of the taxels' gains about kCountsPerKpa, as a share of it: < 1
-  double electrode_least_pf = 2.0;      ///< smallest capacitance of an electrode; each taxel has its own
-  double electrode_most_pf = 18.0;      ///< largest capacitance of an electrode
-  Ad7147Behaviour converter;            ///< behaviour of every chip; not in scene files
-  std::uint64_t bus_bit_rate = 0;       ///< 0: frames take no time
-  std::uint64_t bus_data_bit_rate = 0;  ///< rate of FD frames with rate switch; 0: same as bus_bit_rate
-  double chain_bit_error_rate = 0.0;    ///< probability that a bit on the route chain flips in one module
-  std::vector<double> clock_ppm{};      ///< indexed by patch: how much faster the controller's clock runs
+  double noise_counts = 0.0;         ///< It is the standard deviation of a sample.
+  double drift_counts_per_s = 0.0;   ///< Every taxel drifts by it.
+  double taxel_spread_counts = 0.0;  ///< It is half the range of the offset that is added to the electrodes.
+  /// It is half the range of the taxels' gains about kCountsPerKpa, as a share of it (< 1).
+  double sensitivity_spread = 0.0;
+  double electrode_least_pf = 2.0;      ///< It is the smallest capacitance of an electrode; each taxel has its own.
+  double electrode_most_pf = 18.0;      ///< It is the largest capacitance of an electrode.
+  Ad7147Behaviour converter;            ///< It is the behaviour of every chip and does not occur in scene files.
+  std::uint64_t bus_bit_rate = 0;       ///< 0 means that frames take no time.
+  std::uint64_t bus_data_bit_rate = 0;  ///< It is the rate of FD frames with a rate switch; 0 means bus_bit_rate.
+  double chain_bit_error_rate = 0.0;    ///< It is the probability that a bit on the route chain flips in one module.
+  std::vector<double> clock_ppm{};      ///< Each controller's clock runs faster by this; it is indexed by patch.
 };
 
 struct Scene {
   design::Design design;
-  bool switched = false;       ///< modules that the controller routes (docs/switched_module.md); false: strapped
-  bool border_joints = false;  ///< switched modules only: adjacent patches are joined at their border, too
+  /// The controller routes the modules (docs/switched_module.md); if false, they are strapped.
+  bool switched = false;
+  bool border_joints = false;  ///< Adjacent patches of switched modules are joined at their border, too.
   std::uint64_t seed = 1;
   std::vector<Contact> contacts;
-  PressureCurve pressure;  ///< pressure on every taxel in addition to the contacts
+  PressureCurve pressure;  ///< It acts on every taxel in addition to the contacts.
   std::vector<Fault> faults;
   Effects effects;
   std::vector<Expectation> expectations{};  ///< what the skin should report; `simulate --check` holds it against them

@@ -34,7 +34,7 @@ class SkinServer {
   void run(const std::atomic<bool>& stop, double seconds);
 
  protected:
-  static constexpr std::uint64_t kStep_us = 1'000;  ///< longest time between two calls of wait()
+  static constexpr std::uint64_t kStep_us = 1'000;  ///< Two calls of wait() are at most this far apart.
   /// Sends to the clients what the skin has sent.
   virtual void flush() = 0;
   /// Waits for clients, at most `timeout_us`, and receives from them.

@@ -18,7 +18,7 @@ namespace triskin::scene {
 /// the chain of controller 0.
 class SwitchedPatch final : public sim::ChainModel {
  public:
-  using End = design::PortEnd;  ///< refers to a row of the patch
+  using End = design::PortEnd;  ///< It refers to a row of the patch.
   enum class JointFault : std::uint8_t { kNone, kOpen, kShort };
 
   /// `joints[m][p]`: far end of port p, row −1 for none; symmetric. Module 0 is the entry, its cable at
@@ -108,9 +108,10 @@ class SwitchedPatch final : public sim::ChainModel {
     return faults_[static_cast<std::size_t>(m)][static_cast<std::size_t>(p)];
   }
   [[nodiscard]] std::uint8_t output(int m) const;
-  [[nodiscard]] std::uint8_t opened(int m) const;     ///< EN outputs
-  [[nodiscard]] std::uint8_t raised(int m) const;     ///< EN inputs
-  [[nodiscard]] int at_cable(int m, int port) const;  ///< controller of a cable there whose EN is high; −1: none
+  [[nodiscard]] std::uint8_t opened(int m) const;  ///< They are the EN outputs.
+  [[nodiscard]] std::uint8_t raised(int m) const;  ///< They are the EN inputs.
+  /// It returns the controller of a cable there whose EN is high, or −1.
+  [[nodiscard]] int at_cable(int m, int port) const;
   [[nodiscard]] bool attached_child(int m, int p) const;
   [[nodiscard]] bool shorted(int controller) const;
   [[nodiscard]] std::vector<std::vector<int>> chains(int controller) const;

@@ -33,7 +33,8 @@ inline constexpr std::uint8_t kWholeModule = 0xFF;
 inline constexpr std::uint8_t kLift = 3;
 inline constexpr std::uint8_t kBitRates =
     4;  ///< nominal (4), data (4) of the simulated bus: first record of the server
-inline constexpr std::uint8_t kPressure = 5;  ///< module (4; kAllModules: all), Pa (4): pressurizes its taxels
+/// It carries module (4; kAllModules for all) and Pa (4), and puts pressure on its taxels.
+inline constexpr std::uint8_t kPressure = 5;
 inline constexpr std::uint32_t kAllModules = 0xFFFFFFFF;
 inline constexpr std::size_t kMaxBytes = 4096;
 

@@ -19,13 +19,13 @@ namespace triskin::device {
 /// What a taxel read under one pressure.
 struct CalibrationPoint {
   double pressure_kpa = 0.0;
-  double value_counts = 0.0;  ///< mean; pressure lowers it
-  double samples = 0.0;       ///< number of samples in the mean, > 0: its weight
+  double value_counts = 0.0;  ///< It is a mean, and pressure lowers it.
+  double samples = 0.0;       ///< The mean has so many samples (> 0), which are its weight.
 };
 /// A line through such points.
 struct SensitivityLine {
   design::TaxelSensitivity sensitivity;
-  double rest_counts = 0.0;  ///< value without pressure: the point at 0 kPa, else where the line meets it
+  double rest_counts = 0.0;  ///< It is the value without pressure: the point at 0 kPa, else where the line meets it.
 };
 /// The line of least squares: counts_per_kpa is its slope, the error the 95 % bound of the slope by the scatter of the
 /// points (Student's t). nullopt: fewer than three different pressures, or the values do not fall. Cost: linear.
@@ -33,8 +33,8 @@ struct SensitivityLine {
 
 /// A pressure that stands still while samples are taken.
 struct PressureStep {
-  double pressure_kpa = 0.0;  ///< ≥ 0
-  int module = -1;            ///< the module under it; −1: all
+  double pressure_kpa = 0.0;  ///< It is not negative.
+  int module = -1;            ///< It is the module under the pressure; −1 stands for all.
 };
 /// The steps of a calibration: rest, then each pressure on all modules, or (`by_module`) on each module in turn.
 [[nodiscard]] std::vector<PressureStep> pressure_steps(std::span<const double> pressures_kpa, bool by_module,
@@ -61,21 +61,23 @@ class PressureRamp {
 };
 
 struct CalibrateOptions {
-  double settle_s = 0.5;                 ///< a step is left alone for so long before samples count
-  double hold_s = 1.0;                   ///< samples of a step count for so long, > 0
-  double gauge_percent = 0.0;            ///< error of the pressures themselves, added to that of every taxel
-  double max_error_percent = 10.0;       ///< a taxel whose error is larger is left without a calibration
-  std::uint64_t unix_minus_link_ns = 0;  ///< calendar time of the link's time 0, for ramps by calendar
-  StreamOptions stream;                  ///< how samples are read
-  wire::CalibrationMethod method = wire::CalibrationMethod::kSteps;  ///< stands in the calibration
-  std::function<void(const PressureStep&)> apply;  ///< brings a step about, and returns when it stands
+  double settle_s = 0.5;  ///< A step is left alone for so long before samples count.
+  double hold_s = 1.0;    ///< Samples of a step count for so long (> 0).
+  /// It is the error of the pressures themselves, which is added to that of every taxel.
+  double gauge_percent = 0.0;
+  double max_error_percent = 10.0;       ///< A taxel with a larger error is left without a calibration.
+  std::uint64_t unix_minus_link_ns = 0;  ///< It is the calendar time of the link's time 0, for ramps by calendar.
+  StreamOptions stream;                  ///< It says how samples are read.
+  wire::CalibrationMethod method = wire::CalibrationMethod::kSteps;  ///< The calibration states this method.
+  std::function<void(const PressureStep&)> apply;  ///< It applies a step and returns when the pressure is steady.
 };
 
 /// A calibration of a skin.
 struct CalibrationOutcome {
-  std::vector<design::BoardCalibration> boards;  ///< revision 1, `made` empty: the store sets both
-  design::RestValues rest;                       ///< value of every taxel without pressure
-  std::vector<std::pair<int, int>> without;      ///< module, taxel for pressure: not calibrated
+  /// They have revision 1 and an empty `made`, because the store sets both.
+  std::vector<design::BoardCalibration> boards;
+  design::RestValues rest;                   ///< Each is the value of a taxel without pressure.
+  std::vector<std::pair<int, int>> without;  ///< Each is a module and a taxel for pressure that is not calibrated.
   design::CalibrationQuality quality;
 };
 /// Takes samples at each step and fits every taxel. Throws as Stream does, InputError for fewer than three different

@@ -15,9 +15,9 @@ namespace triskin::device {
 
 /// Unit of the numbers in a picture of a patch.
 enum class PressureUnit {
-  kCounts,   ///< of the converter
-  kPercent,  ///< of the counts between rest and the end of the range
-  kKpa,      ///< by the calibration; 0 where there is none
+  kCounts,   ///< The unit is the converter's count.
+  kPercent,  ///< The unit is a percentage of the counts between rest and the end of the range.
+  kKpa,      ///< The calibration gives kPa, and 0 where there is none.
 };
 
 /// What is known of a skin while its samples come: pressure, states, rates; and its picture as text. Not thread-safe.

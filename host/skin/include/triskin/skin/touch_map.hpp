@@ -13,9 +13,9 @@ namespace triskin::device {
 
 /// A taxel under pressure, in the mesh frame.
 struct PressedTaxel {
-  int module = 0, taxel = 0;                           ///< id in the design, 0..11
-  double change_counts = 0.0;                          ///< change against the rest value, ≥ kPressed_counts
-  design::Vec3 position_mm{0, 0, 0}, normal{0, 0, 0};  ///< centre, outward unit normal
+  int module = 0, taxel = 0;                           ///< They are an id of the design and 0 … 11.
+  double change_counts = 0.0;                          ///< It is the change against the rest value.
+  design::Vec3 position_mm{0, 0, 0}, normal{0, 0, 0};  ///< They are the centre and the outward unit normal.
 };
 
 /// Knows the rest value of every taxel and lists the taxels under pressure. Rest values are those that were given, or

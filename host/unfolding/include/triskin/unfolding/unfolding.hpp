@@ -14,17 +14,18 @@ namespace triskin::geometry {
 /// Unfolded surface.
 struct Net {
   std::vector<Piece> pieces;
-  int overlaps = 0;  ///< pairs of flat triangles of one piece that overlap; 0 in a valid net
+  int overlaps = 0;  ///< Pairs of flat triangles of one piece may overlap; a valid net has none.
 };
 
 /// Options of unfold().
 struct UnfoldingOptions {
-  double edge_error_mm = 1.0;        ///< > 0: largest edge error of a piece, for an edge of 30 mm
-  int iterations = 60;               ///< ≥ 1, of the local/global flattening (Liu et al., 2008)
-  int darts = 3;                     ///< ≥ 0: most cuts from the border into a piece before it is divided instead
-  std::function<bool()> give_up{};   ///< asked between steps; true: what is divided so far is not joined further
-  std::vector<SurfaceEdge> seams{};  ///< cut open, whether needed or not
-  std::vector<SurfaceEdge> uncut{};  ///< never cut: their two faces stay in one piece, joined
+  double edge_error_mm = 1.0;  ///< It is the largest edge error of a piece for an edge of 30 mm, > 0.
+  int iterations = 60;         ///< The local/global flattening (Liu et al., 2008) takes at least one.
+  int darts = 3;               ///< A piece gets at most so many cuts from its border before it is divided instead.
+  /// It is asked between steps; after it returns true, what is divided so far is not joined further.
+  std::function<bool()> give_up{};
+  std::vector<SurfaceEdge> seams{};  ///< They are cut open whether needed or not.
+  std::vector<SurfaceEdge> uncut{};  ///< They are never cut, so their two faces stay joined in one piece.
 };
 
 /// Unfolds a surface into flat pieces at true scale: flattens (as rigid as possible), and while a piece has a larger

@@ -15,8 +15,9 @@ namespace triskin::view {
 /// A sample of a module, against its rest values.
 struct PressureSample {
   wire::ModuleState state = wire::ModuleState::kUnknown;
-  std::uint16_t valid = 0;                                           ///< bit t: taxel t
-  std::array<double, layout::kTaxelsPerModule> below_rest_counts{};  ///< pressure is above 0; of invalid taxels 0
+  std::uint16_t valid = 0;  ///< Bit t is that of taxel t.
+  /// Pressure is above 0, and invalid taxels have 0.
+  std::array<double, layout::kTaxelsPerModule> below_rest_counts{};
 };
 
 /// The latest sample of every module. Threads add samples, others encode what a reader has not got yet. Memory is
@@ -30,9 +31,9 @@ class LiveSkin {
 
   /// How the link fares, for the status line of the page.
   struct Health {
-    std::string link;     ///< same syntax as --link
-    bool live = false;    ///< samples arrive
-    std::string trouble;  ///< one sentence with the remedy; empty: none
+    std::string link;     ///< It has the syntax of --link.
+    bool live = false;    ///< Samples arrive at present.
+    std::string trouble;  ///< It is one sentence with the remedy, and empty if all is well.
     std::uint64_t frames = 0, lost = 0;
   };
 

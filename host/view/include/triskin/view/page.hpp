@@ -12,7 +12,7 @@ namespace triskin::view {
 
 /// One file of the page.
 struct Asset {
-  std::string_view type;  ///< media type for the header Content-Type
+  std::string_view type;  ///< It is the media type for the header Content-Type.
   std::string_view bytes;
 };
 /// The files of the page that were embedded in the program, by name ("index.html", "main.js", "three.js", …).

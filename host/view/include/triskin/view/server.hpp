@@ -17,7 +17,7 @@ namespace triskin::view {
 
 /// A file that the server gives out.
 struct Document {
-  std::string type;  ///< header Content-Type
+  std::string type;  ///< It goes into the header Content-Type.
   std::string body;
 };
 /// Documents by name: "" is the start page, "main.js", …
@@ -26,13 +26,13 @@ using Site = std::map<std::string, Document>;
 /// What a page asks for.
 struct Command {
   enum class Kind {
-    kPress,  ///< the simulated finger presses a module, or one taxel
-    kLift,   ///< it is lifted
-    kRest,   ///< rest values anew
+    kPress,  ///< The simulated finger presses a module, or one taxel.
+    kLift,   ///< The simulated finger is lifted.
+    kRest,   ///< Rest values are taken anew.
   };
   Kind kind = Kind::kLift;
-  int module = 0;  ///< kPress: ≥ 0; whether the design has it is for the receiver to check
-  int taxel = -1;  ///< kPress: 0 … 11, −1: the whole module
+  int module = 0;  ///< kPress has it, ≥ 0; whether the design has the module is for the receiver to check.
+  int taxel = -1;  ///< kPress has it, 0 … 11; −1 presses the whole module.
 };
 
 /// Serves a site and the live skin to browsers on this computer: HTTP and a WebSocket on 127.0.0.1, in its own thread.
@@ -45,13 +45,13 @@ class Server {
   struct Limits {
     std::size_t connections = 32;                      ///< connections that have shown the token; others get 503
     std::size_t strangers = 32;                        ///< connections that have not; beyond it the oldest is closed
-    std::size_t header_bytes = 8192;                   ///< size of a request's header
-    std::size_t message_bytes = 256;                   ///< size of a message from the page
-    std::chrono::milliseconds request_time{5'000};     ///< longest time for a request to arrive in full
-    std::chrono::milliseconds write_time{5'000};       ///< longest time for a reader to take a frame or a document
-    std::chrono::milliseconds frame_interval{33};      ///< time between two frames to a page
-    std::chrono::milliseconds health_interval{1'000};  ///< time between two status messages
-    int send_buffer_bytes = 1 << 18;                   ///< kernel buffer of a live connection
+    std::size_t header_bytes = 8192;                   ///< The header of a request has this size at most.
+    std::size_t message_bytes = 256;                   ///< A message from the page has this size at most.
+    std::chrono::milliseconds request_time{5'000};     ///< A request must arrive in full within this time.
+    std::chrono::milliseconds write_time{5'000};       ///< A reader must take a frame or a document within this time.
+    std::chrono::milliseconds frame_interval{33};      ///< Two frames to a page are this far apart.
+    std::chrono::milliseconds health_interval{1'000};  ///< Two status messages are this far apart.
+    int send_buffer_bytes = 1 << 18;                   ///< The kernel buffers so much for a live connection.
   };
   using OnCommand = std::function<void(const Command&)>;
 

@@ -50,10 +50,10 @@ class FlashChip {
   void apply(const FlashOperation& operation, bool torn);
 
   std::vector<std::uint8_t> bytes;
-  std::uint32_t options = 0xFFEFF8AA;     ///< user option bytes as they leave the factory (RM0440 §3.4.1)
+  std::uint32_t options = 0xFFEFF8AA;     ///< User option bytes as they leave the factory (RM0440 §3.4.1).
   std::uint32_t write_protection = 0x7F;  ///< FLASH_WRP1AR: its first page lies behind the last one, nothing is
   std::vector<bool> used;                 ///< one flag per unit: programmed since its erase
-  std::set<std::uint32_t> torn;           ///< units (by index) whose ECC has two wrong bits
+  std::set<std::uint32_t> torn;           ///< Units (by index) whose ECC has two wrong bits.
   std::uint64_t operations = 0;
   std::uint64_t cut_at = ~std::uint64_t{0};
   std::vector<FlashOperation>* log = nullptr;  ///< each operation that begins is noted there; may be null

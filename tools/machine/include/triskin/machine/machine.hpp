@@ -30,11 +30,11 @@ struct Incident {
 /// How often something disturbs the buses, times an hour; each waits for a transfer or frame to spoil.
 struct Disturbances {
   double bus_errors = 0;          ///< spurious I²C bus errors (errata ES0430, 2.15.2)
-  double arbitration_losses = 0;  ///< an I²C controller takes a disturbance for another master
-  double clock_stretches = 0;     ///< a chip holds SCL low, for 60 … 400 µs
-  double can_errors = 0;          ///< a frame on the CAN bus is spoilt and sent again
-  double no_acknowledges = 0;     ///< an acknowledge of a chip is spoilt on the wire
-  std::uint64_t seed = 20261122;  ///< seed of times and lines: equal seeds give equal disturbances
+  double arbitration_losses = 0;  ///< An I²C controller takes a disturbance for another master.
+  double clock_stretches = 0;     ///< A chip holds SCL low, for 60 … 400 µs.
+  double can_errors = 0;          ///< A frame on the CAN bus is spoilt and sent again.
+  double no_acknowledges = 0;     ///< An acknowledge of a chip is spoilt on the wire.
+  std::uint64_t seed = 20261122;  ///< Seed of times and lines: equal seeds give equal disturbances.
 };
 
 /// A pin of the chip: port 0 is A.
@@ -57,12 +57,12 @@ struct MachineSetup {
   std::array<sim::I2cBus*, 4> lines{};  ///< none null
   FlashChip* flash = nullptr;
   std::array<std::uint8_t, 12> unique_id{};
-  std::function<void(const wire::CanFrame&, std::uint64_t now_us)> on_can;  ///< a frame has left the controller
+  std::function<void(const wire::CanFrame&, std::uint64_t now_us)> on_can;  ///< A frame has left the controller.
   VcdTrace* trace = nullptr;                                                ///< may be null
   std::uint64_t crystal_hz = 8'000'000;                                     ///< 0: none, or one that does not start
-  std::uint64_t crystal_fails_at_us = ~std::uint64_t{0};  ///< time after power-up when it stops for ever
+  std::uint64_t crystal_fails_at_us = ~std::uint64_t{0};  ///< Time after power-up when it stops for ever.
   bool will_be_cut = false;                               ///< power_cycle() will be used: reading is slower
-  bool watch_reads = false;          ///< loads from a bank that is written stall, too: reading is slower
+  bool watch_reads = false;          ///< Loads from a bank that is written stall, too: reading is slower.
   sim::ChainModel* chain = nullptr;  ///< chain of the switched modules; may be null
   std::uint32_t scl_rise_ns = 0;     ///< rise time of all lines, 30 to 70 %: SCL's period grows by 1.42 of it
   Disturbances disturbances;         ///< disturbances at random times
@@ -76,9 +76,9 @@ struct MachineCounts {
   std::uint64_t idle_us = 0;
   int resets = 0;
   Time worst_interrupt = 0;                    ///< entry to return of the longest exception
-  Time flash_stall = 0;                        ///< the core waited for a bank that was written
+  Time flash_stall = 0;                        ///< The core waited for a bank that was written.
   std::uint64_t flash_read_stalls = 0;         ///< loads among these, with MachineSetup::watch_reads
-  std::array<std::uint64_t, 4> i2c_busy_us{};  ///< start to stop, summed
+  std::array<std::uint64_t, 4> i2c_busy_us{};  ///< Start to stop, summed.
   std::uint64_t spurious_bus_errors = 0, arbitration_losses = 0, clock_stretches = 0, can_errors = 0,
                 no_acknowledges = 0;  ///< number of injected disturbances of each kind
   std::uint64_t bus_offs = 0;         ///< number of times that the CAN block went bus-off

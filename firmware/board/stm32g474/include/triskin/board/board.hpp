@@ -51,8 +51,9 @@ void feed_watchdog();
 
 /// What goes on while an erase lasts. Neither function may read the flash or write it.
 struct BusyWork {
-  void (*step)();              ///< does what is due
-  std::uint64_t (*next_us)();  ///< when step() has work next; 0: it has some now. Asked with interrupts off
+  void (*step)();  ///< It does what is due.
+  /// It returns when step() has work next, or 0 for now, and is asked with interrupts off.
+  std::uint64_t (*next_us)();
 };
 /// `work` outlives the calls that erase; null: the processor sleeps through an erase.
 void do_while_erasing(const BusyWork* work);

@@ -9,7 +9,8 @@ namespace triskin::board::flash_map {
 inline constexpr std::uint32_t kBase = 0x08000000, kBank2 = 0x08040000, kEnd = 0x08080000;
 inline constexpr std::size_t kPageBytes = 2048, kUnitBytes = 8;
 inline constexpr std::uint32_t kLoader = kBase, kLoaderBytes = 0x4000;
-inline constexpr std::uint32_t kSlotBytes = 0x3C000;  // 240 KB; the last page holds the slot's records
+// A slot has 240 KB, and its last page holds the slot's records.
+inline constexpr std::uint32_t kSlotBytes = 0x3C000;
 inline constexpr std::uint32_t kSlots[2] = {0x08004000, 0x08040000};
 inline constexpr std::uint32_t kTables = 0x0807C000, kTablesBytes = 0x4000;
 static_assert(kSlots[0] + kSlotBytes == kBank2 && kSlots[1] + kSlotBytes == kTables && kTables + kTablesBytes == kEnd);

@@ -16,10 +16,10 @@ inline constexpr std::uint64_t kFilterMin_ns = 50, kFilterMax_ns = 260;
 
 /// Limits of the wires and the clock. All times in ns.
 struct I2cTimingInput {
-  std::uint32_t kernel_hz = kSysclk_hz;  ///< clock of the I²C block
-  std::uint32_t bus_hz = 400'000;        ///< wanted, at most 400 kHz
-  std::uint32_t rise_ns = 300;           ///< longest rise time of the line
-  std::uint32_t fall_ns = 300;           ///< longest fall time of the line: data are held for as long
+  std::uint32_t kernel_hz = kSysclk_hz;  ///< It is the clock of the I²C block.
+  std::uint32_t bus_hz = 400'000;        ///< The bus is wanted at this speed, at most 400 kHz.
+  std::uint32_t rise_ns = 300;           ///< The line rises within this time.
+  std::uint32_t fall_ns = 300;           ///< The line falls within this time, and data are held for as long.
 };
 
 /// Fields of I2C_TIMINGR (RM0440 §39.9.5) and what they amount to.
@@ -48,7 +48,7 @@ struct I2cTiming {
     const auto units = [unit_ps](std::uint64_t ps) { return (ps + unit_ps - 1) / unit_ps; };
     const std::uint64_t total = units(period_ps > sync_ps ? period_ps - sync_ps : 0);
     std::uint64_t low = units(kLow_ns * 1000), high = units(kHigh_ns * 1000);
-    if (total > low + high) {  // the spare time is shared in the ratio of the limits
+    if (total > low + high) {  // The spare time is shared in the ratio of the limits.
       const std::uint64_t spare = total - low - high;
       low += spare - spare / 3;
       high += spare / 3;

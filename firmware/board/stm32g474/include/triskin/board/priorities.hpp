@@ -7,8 +7,8 @@
 /// here, and the NMI. tools/check_stack.py reads them.
 namespace triskin::board::priority {
 
-inline constexpr std::uint8_t kTimer = 0x00;  ///< TIM2: ends a sleep
-inline constexpr std::uint8_t kLines = 0x40;  ///< I2C1 … I2C4, events and errors
+inline constexpr std::uint8_t kTimer = 0x00;  ///< TIM2 ends a sleep, so its interrupt comes first.
+inline constexpr std::uint8_t kLines = 0x40;  ///< I2C1 … I2C4 have this priority for events and errors.
 inline constexpr std::uint8_t kCan = 0x80;
 inline constexpr std::uint8_t kUsb = 0xC0;
 

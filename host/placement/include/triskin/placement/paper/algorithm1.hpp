@@ -17,7 +17,8 @@ struct PivotedPlacement {
   double x_mm = 0.0;
   double y_mm = 0.0;
   double theta_rad = 0.0;
-  int vertex = -1;  ///< v, an index into the outer ring (counter-clockwise); −1: the origin of the polygon's frame
+  /// It is an index into the counter-clockwise outer ring; −1 is the origin of the polygon's frame.
+  int vertex = -1;
 };
 
 /// The same motion without pivot. Throws std::out_of_range when `vertex` is no vertex.
@@ -26,8 +27,8 @@ struct PivotedPlacement {
 /// Rule for the module sides that count as contained. The paper states it three times, and the three differ where
 /// edges of the polygon lie on a generating line.
 enum class ContainedSides : std::uint8_t {
-  kDefinition5,         ///< what of the line lies in cl(P): an interval with the edges that continue it is one segment
-  kTheorem2,            ///< to the letter: a side lies in one containment interval or on one edge
+  kDefinition5,         ///< An interval of the line in cl(P) is one segment together with the edges that continue it.
+  kTheorem2,            ///< The theorem is taken to the letter: a side lies in one containment interval or on one edge.
   kContainmentInterval  ///< the listing (lines 5 to 12): containment intervals only
 };
 

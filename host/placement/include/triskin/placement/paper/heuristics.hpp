@@ -44,11 +44,12 @@ void produce_placements(Heuristic heuristic, const Polygon& polygon, const Heuri
                                            const HeuristicOptions& options = {});
 
 struct BestPlacement {
-  std::optional<PivotedPlacement> placement;  ///< ρ*; none when no placement holds a module
-  int modules = 0;                            ///< ℭ*
-  std::vector<Tile> patch;                    ///< ℙ*, sorted
-  std::int64_t evaluations = 0;               ///< placements that Algorithm 1 evaluated
-  bool complete = true;                       ///< false: the deadline ended it
+  /// There is none when no placement holds a module; the paper calls it ρ*.
+  std::optional<PivotedPlacement> placement;
+  int modules = 0;               ///< The paper calls this number ℭ*.
+  std::vector<Tile> patch;       ///< The tiles are sorted; the paper calls the set ℙ*.
+  std::int64_t evaluations = 0;  ///< Algorithm 1 evaluated so many placements.
+  bool complete = true;          ///< It is false when the deadline ended the search.
 };
 
 /// Algorithm 2 (Section V): evaluates the placements of each heuristic by Algorithm 1 and keeps the first of the best.

@@ -24,11 +24,11 @@ inline constexpr std::uint32_t kSendErrorsMask = 0xFF, kReceiveErrorsShift = 8, 
 // Shifts: NBTP, DBTP (one less than the value stands there), RXGFC
 inline constexpr std::uint32_t kNominalJumpShift = 25, kNominalPrescalerShift = 16, kNominalBeforeShift = 8,
                                kDataPrescalerShift = 16, kDataBeforeShift = 8, kDataAfterShift = 4,
-                               kDelayCompensation = bit(23), kDelayOffsetShift = 8;  // DBTP, TDCR
+                               kDelayCompensation = bit(23), kDelayOffsetShift = 8;  // They belong to DBTP and TDCR.
 inline constexpr std::uint32_t kExtendedCountShift = 24, kStandardCountShift = 16, kOtherStandardShift = 4,
                                kOtherExtendedShift = 2, kRefuseRemote = 3;
-inline constexpr std::uint32_t kFifoLevelMask = 0xF, kFifoGetShift = 8, kFifoIndexMask = 3;  // RXF0S
-inline constexpr std::uint32_t kTxPutShift = 16, kTxFull = bit(21);                          // TXFQS
+inline constexpr std::uint32_t kFifoLevelMask = 0xF, kFifoGetShift = 8, kFifoIndexMask = 3;  // They belong to RXF0S.
+inline constexpr std::uint32_t kTxPutShift = 16, kTxFull = bit(21);                          // They belong to TXFQS.
 // Message RAM, byte offsets
 inline constexpr std::uint32_t kStandardFilters = 0x000, kExtendedFilters = 0x070, kRxFifo0 = 0x0B0, kTxBuffers = 0x278,
                                kElementBytes = 72, kRamBytes = 0x350;

@@ -10,12 +10,13 @@ inline constexpr std::uint32_t kBase = 0x48000000, kStride = 0x400;
 inline constexpr std::uint32_t kModer = 0x00, kOtyper = 0x04, kOspeedr = 0x08, kPupdr = 0x0C, kIdr = 0x10, kBsrr = 0x18,
                                kAfrl = 0x20, kAfrh = 0x24;
 inline constexpr std::uint32_t kFieldMask = 3, kPullUp = 1, kPullDown = 2, kVeryHighSpeed = 3;  // Fields have two bits.
-inline constexpr std::uint32_t kResetShift = 16;                                                // BSRR
+// BSRR resets a pin by the bit this much higher than the one that sets it.
+inline constexpr std::uint32_t kResetShift = 16;
 }  // namespace gpio_reg
 
 struct Pin {
-  char port;        ///< 'A', 'B', 'C'
-  unsigned number;  ///< 0..15
+  char port;        ///< It is 'A', 'B' or 'C'.
+  unsigned number;  ///< It ranges from 0 to 15.
 };
 
 enum class PinMode : std::uint32_t { kInput = 0, kOutput = 1, kAlternate = 2 };
