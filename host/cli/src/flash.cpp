@@ -64,8 +64,8 @@ bool settled(const device::PatchOffsets& patch) {
 // With a new table each controller looks for the offsets of its converters, and keeps them. The command waits for it,
 // so that later touches are not taken for rest values.
 void wait_for_offsets(device::Bus& bus, const design::Design& design) {
-  constexpr std::uint64_t kMost_us = 1'500'000, kPause_us = 100'000;
-  const std::uint64_t end_us = bus.now_us() + kMost_us;
+  constexpr std::uint64_t kMaxWait_us = 1'500'000, kPause_us = 100'000;
+  const std::uint64_t end_us = bus.now_us() + kMaxWait_us;
   while (bus.now_us() < end_us && !std::ranges::all_of(device::read_offsets(bus, design), settled))
     bus.listen(bus.now_us() + kPause_us);
 }

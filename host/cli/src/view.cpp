@@ -111,7 +111,7 @@ design::SkinCalibration calibration_now(const Options& options, std::optional<de
 
 // A recording is played by the page itself: the server has no live skin then.
 int play(const Options& options, Output& output) {
-  RecordedTrack track = read_track(options.design, view::FrameTrack::kMost_bytes);
+  RecordedTrack track = read_track(options.design, view::FrameTrack::kMax_bytes);
   if (!track.remark.empty()) output.say(track.remark);
   const std::size_t bytes = track.frames.size();
   const view::LiveSkin live(track.skin.design.layout.modules.size());

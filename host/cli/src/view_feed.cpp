@@ -140,7 +140,7 @@ class Feed {
 void CommandQueue::push(const view::Command& command) {
   const std::lock_guard lock(mutex_);
   for (auto& commands : commands_) {
-    if (commands.size() == kMost) commands.pop_front();
+    if (commands.size() == kMaxWaiting) commands.pop_front();
     commands.push_back(command);
   }
 }

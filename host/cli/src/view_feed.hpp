@@ -18,7 +18,7 @@ class CommandQueue {
  public:
   /// Serves `readers` threads, 1 or more.
   explicit CommandQueue(std::size_t readers) : commands_(readers) {}
-  static constexpr std::size_t kMost = 64;
+  static constexpr std::size_t kMaxWaiting = 64;
   void push(const view::Command& command);
   /// The oldest one that `reader`, 0-based, has not taken; empty: there is none.
   [[nodiscard]] std::optional<view::Command> pop(int reader);

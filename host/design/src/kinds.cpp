@@ -58,9 +58,9 @@ std::optional<int> number_of_kind(const KindPlan& plan, std::string_view name) {
 KindPlan kind_plan_of(const JsonValue& v) {
   KindPlan plan;
   const JsonValue kinds = v["kinds"];
-  constexpr std::size_t kMost = layout::kMaxKinds - 1;
-  if (kinds.size() == 0 || kinds.size() > kMost)
-    kinds.fail(fmt::format("must have 1 … {} elements: a table has no room for more", kMost));
+  constexpr std::size_t kMaxOwnKinds = layout::kMaxKinds - 1;
+  if (kinds.size() == 0 || kinds.size() > kMaxOwnKinds)
+    kinds.fail(fmt::format("must have 1 … {} elements: a table has no room for more", kMaxOwnKinds));
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     ModuleKind kind = read_kind(kinds.at(k));
     if (std::ranges::find(plan.kinds, kind.name, &ModuleKind::name) != plan.kinds.end())

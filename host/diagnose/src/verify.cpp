@@ -138,11 +138,11 @@ std::vector<TouchOutcome> touch_all(Bus& bus, const design::Design& design, std:
 // The stream for a while: what was due and did not come is a finding of its patch.
 void watch_stream(Bus& bus, const design::Design& design, const VerifyOptions& options, std::uint64_t until_us,
                   VerifyResult& result) {
-  constexpr std::uint64_t kLeast_us = 500'000;
+  constexpr std::uint64_t kMinStream_us = 500'000;
   StreamOptions stream_options;
   stream_options.neighbours = options.neighbours;
   Stream stream(bus, design, {}, stream_options);
-  stream.run_until(std::max(until_us, bus.now_us() + kLeast_us));
+  stream.run_until(std::max(until_us, bus.now_us() + kMinStream_us));
   stream.finish();
   result.stream = stream.report();
   std::map<int, SampleCounts> patches;

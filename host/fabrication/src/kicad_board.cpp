@@ -45,10 +45,10 @@ constexpr const char* kBoardSetup =
     "      (layer \"B.Mask\" (type \"Bottom Solder Mask\") (thickness 0.025))\n"
     "      (copper_finish \"ENIG\")\n      (dielectric_constraints no)\n    )\n    (pad_to_mask_clearance 0)\n  )\n";
 
-// Where a module lies on its island.
+// Where a module lies on its island, and how the side of its port A is turned there.
 struct Pose {
   Vec2 center_mm;
-  double angle_rad = 0.0;  // of the side of port A
+  double angle_rad = 0.0;
   [[nodiscard]] Vec2 operator*(const Vec2& p) const { return center_mm + Eigen::Rotation2Dd(angle_rad) * p; }
 };
 

@@ -15,7 +15,7 @@ constexpr double kSampleStep_mm = 0.05;
 // What a contact does farther away from its edge than this many thicknesses is below 0.1 % of its peak.
 constexpr double kReachThicknesses = 8.0;
 // Displacements below this share of the peak are left out: less than the table is exact to.
-constexpr double kLeastShare = 1e-5;
+constexpr double kMinShare = 1e-5;
 // So far from its edge, in thicknesses, a contact bends the surface only gently.
 constexpr double kSmoothThicknesses = 0.3;
 constexpr double kLogStep = 1e-3;
@@ -34,7 +34,7 @@ SampledProfile::SampledProfile(const ContactField& field, double reach_mm) : ste
   const int count = static_cast<int>(std::ceil(reach_mm / step_)) + 1;
   values_.reserve(static_cast<std::size_t>(count));
   for (int k = 0; k < count; ++k) values_.push_back(field.displacement_mm(k * step_));
-  while (values_.size() > 1 && std::abs(values_.back()) < kLeastShare * values_.front()) values_.pop_back();
+  while (values_.size() > 1 && std::abs(values_.back()) < kMinShare * values_.front()) values_.pop_back();
 }
 
 double SampledProfile::at(double r) const {

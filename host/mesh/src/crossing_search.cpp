@@ -21,11 +21,11 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Triangle = std::array<Vec3, 3>;
 
-constexpr double kRounding = 4e-15;    // Relative rounding of a sum of three products of rounded differences.
-constexpr double kLeast = 1e-280;      // Smaller products of doubles lose digits.
-constexpr double kSurelyWide = 1e-12;  // A larger cross product or cosine is far above its rounding.
-constexpr std::size_t kChunk = 256;    // A thread takes this many leaves at once.
-constexpr std::size_t kBatch = 128;    // Number of chunks between two looks at the clock.
+constexpr double kRounding = 4e-15;          // Relative rounding of a sum of three products of rounded differences.
+constexpr double kMinExactProduct = 1e-280;  // Smaller products of doubles lose digits.
+constexpr double kSurelyWide = 1e-12;        // A larger cross product or cosine is far above its rounding.
+constexpr std::size_t kChunk = 256;          // A thread takes this many leaves at once.
+constexpr std::size_t kBatch = 128;          // Number of chunks between two looks at the clock.
 
 Kernel::Point_3 point(const Vec3& p) {
   return {p.x(), p.y(), p.z()};
@@ -58,7 +58,7 @@ struct Height {
 };
 Height height_of(const Vec3& axis, const Vec3& p, const Vec3& from) {
   const Eigen::Array3d parts = axis.array() * (p - from).array();
-  const double height = parts.sum(), error = kRounding * parts.abs().sum() + kLeast;
+  const double height = parts.sum(), error = kRounding * parts.abs().sum() + kMinExactProduct;
   return {height - error, height + error};
 }
 

@@ -150,7 +150,7 @@ class Skin {
 
   py::array_t<triskin_sample> read(double seconds) {
     constexpr double kSlice_s = 0.05;
-    constexpr double kLeast_s = 1e-5;  // Seconds since 1970 are no finer than 0.24 µs, and links count whole µs.
+    constexpr double kMinRest_s = 1e-5;  // Seconds since 1970 are no finer than 0.24 µs, and links count whole µs.
     std::vector<triskin_sample> all = std::exchange(kept_, {});
     start_if_fresh();
     const double end_s = triskin_now_s(open()) + seconds;
@@ -159,7 +159,7 @@ class Skin {
       take(std::clamp(rest_s, 0.0, kSlice_s), all);
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
       rest_s = end_s - triskin_now_s(open());
-    } while (rest_s > kLeast_s);
+    } while (rest_s > kMinRest_s);
     py::array_t<triskin_sample> out(static_cast<py::ssize_t>(all.size()));
     std::ranges::copy(all, out.mutable_data());
     return out;

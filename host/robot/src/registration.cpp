@@ -82,8 +82,8 @@ bool numbers_in(std::string_view line, std::array<double, 5>& numbers) {
 }
 
 bool is_index(double x) {
-  constexpr double kMost = 1e6;
-  return x >= 0.0 && x <= kMost && x == std::floor(x);
+  constexpr double kMaxNumber = 1e6;
+  return x >= 0.0 && x <= kMaxNumber && x == std::floor(x);
 }
 
 }  // namespace

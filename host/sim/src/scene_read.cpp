@@ -32,10 +32,10 @@ std::uint64_t mixed(std::uint64_t x) {
 }
 
 void read_electrodes(const JsonValue& v, Effects& e) {
-  constexpr double kMost_pf = 30.0;
+  constexpr double kMax_pf = 30.0;
   v.require_size(2);
-  e.electrode_least_pf = number_in(v.at(0), 0.0, kMost_pf);
-  e.electrode_most_pf = number_in(v.at(1), e.electrode_least_pf, kMost_pf);
+  e.electrode_least_pf = number_in(v.at(0), 0.0, kMax_pf);
+  e.electrode_most_pf = number_in(v.at(1), e.electrode_least_pf, kMax_pf);
 }
 
 Effects read_effects(const JsonValue& v) {
@@ -60,12 +60,12 @@ Effects read_effects(const JsonValue& v) {
 }
 
 PressureCurve read_pressure(const JsonValue& list) {
-  constexpr double kMost_kpa = 1e4;
+  constexpr double kMax_kpa = 1e4;
   std::vector<PressureCurve::Point> points;
   for (std::size_t k = 0; k < list.size(); ++k) {
     const JsonValue v = list.at(k);
     only_scene_keys(v, {"at_s", "kpa"});
-    points.push_back({scene_time_us(v["at_s"]), number_in(v["kpa"], 0.0, kMost_kpa)});
+    points.push_back({scene_time_us(v["at_s"]), number_in(v["kpa"], 0.0, kMax_kpa)});
     if (k > 0 && points[k].at_us < points[k - 1].at_us) v["at_s"].fail("is earlier than the point before");
   }
   return PressureCurve(std::move(points));

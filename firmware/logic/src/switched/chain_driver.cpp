@@ -98,7 +98,7 @@ bool ChainDriver::check() {
 }
 
 ChainDriver::Answer ChainDriver::measure() {
-  std::array<std::uint8_t, kMost> in{};
+  std::array<std::uint8_t, kMaxBytes> in{};
   const std::size_t n = length_ + 3;
   for (int k = 0; k < kTries; ++k) {
     port_.exchange(Bytes(kPattern.data(), n), {in.data(), n});

@@ -157,14 +157,14 @@ Mesh as_dirty_shell(const Mesh& cover) {
 }
 
 Mesh with_near_degenerate_faces(const Mesh& cover) {
-  constexpr double kLeast_mm = 2e-4, kMost_mm = 1e-2, kBelowWeld_mm = 2e-6;
+  constexpr double kMin_mm = 2e-4, kMax_mm = 1e-2, kBelowWeld_mm = 2e-6;
   Mesh m = cover;
   Dice dice(kSeed);
   const Sides sides = sides_of(cover);
   std::vector<bool> touched(cover.faces.size(), false);
   for (std::size_t f = 0; f < cover.faces.size(); ++f) {
     const int kind = dice.below(100);
-    const double small_mm = between(dice, kLeast_mm, kMost_mm);
+    const double small_mm = between(dice, kMin_mm, kMax_mm);
     if (touched[f]) continue;
     if (kind < 12) make_needles(m, f, sides, touched, small_mm);
     if (kind >= 12 && kind < 16) make_needles(m, f, sides, touched, kBelowWeld_mm);

@@ -32,8 +32,8 @@ struct HalfPlanes {
 
 // Column ≥ or ≤ at + slope·row of eight figures; their row 0 is the first of each.
 struct Lines {
-  static constexpr std::size_t kMost = 8;
-  alignas(64) float at[kMost][kEdges], slope[kMost][kEdges];
+  static constexpr std::size_t kMaxLines = 8;
+  alignas(64) float at[kMaxLines][kEdges], slope[kMaxLines][kEdges];
   std::size_t count = 0;
 };
 

@@ -30,7 +30,7 @@ using Words = std::uint32_t __attribute__((vector_size(4 * kLanes)));
 
 // A sum of a few blocks, binary digits in registers.
 struct FewBlocks {
-  static constexpr int kPlanes = 8, kMost = (1 << kPlanes) - 1;
+  static constexpr int kPlanes = 8, kMaxBlocks = (1 << kPlanes) - 1;
   Words plane[kPlanes];
   int blocks;
 };
@@ -74,7 +74,7 @@ struct FewBlocks {
       std::memcpy(&off, cut.word(row, w), sizeof off);
       block &= ~off;
       add(few, block);
-      if (few.blocks == FewBlocks::kMost) flush(few, planes, count);
+      if (few.blocks == FewBlocks::kMaxBlocks) flush(few, planes, count);
     }
   }
   flush(few, planes, count);

@@ -16,13 +16,12 @@ struct ClearanceGoal {
   int modules = 0;
   double min_inset_mm = 0.0;  ///< Smaller insets are no answer; it must exceed −0.8 inradius.
   double max_inset_mm = 0.0;  ///< The answer is at most this.
-  std::optional<Motion> known =
-      /// Here Evaluator counts `modules` tiles with min_inset_mm, which is the answer in the worst case.
-      std::nullopt;
+  /// Here Evaluator counts `modules` tiles with min_inset_mm, which is the answer in the worst case.
+  std::optional<Motion> known = std::nullopt;
   std::vector<Motion> starts;  ///< The ascent starts from each of these motions.
-  const std::vector<MotionBox>* slices =
-      nullptr;      ///< If set, only these are searched, because outside them no inset ≥ 0 lets `modules` tiles fit.
-  int threads = 0;  ///< 0 uses all cores; the answer does not depend on it.
+  /// If set, only these are searched, because outside them no inset ≥ 0 lets `modules` tiles fit.
+  const std::vector<MotionBox>* slices = nullptr;
+  int threads = 0;                  ///< 0 uses all cores; the answer does not depend on it.
   double memory_limit_bytes = 2e9;  ///< The open cells may take so much memory.
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
 };

@@ -69,10 +69,9 @@ struct Adoption {
                                kMaxBytes = kMinBytes + kAdoptedBytes * kMaxAdopteds;
   std::uint8_t rows = 0;  ///< Adopted modules are numbered after these rows of the controller's own table.
   std::uint16_t out_of_reach = 0;
-  std::uint8_t list =
-      /// Each change of the adopted modules gives the list the next number from 1 to 255, and samples carry it; 0 means
-      /// none.
-      0;
+  /// Each change of the adopted modules gives the list the next number from 1 to 255, and samples carry it; 0 means
+  /// none.
+  std::uint8_t list = 0;
   std::uint8_t count = 0;
   std::array<AdoptedModule, kMaxAdopteds> adopted_modules{};
 

@@ -20,7 +20,7 @@ inline constexpr std::uint8_t kFailsNow = 0x01, kConfirmed = 0x08, kAvailable = 
 
 /// Diagnostic trouble code of a module: 3 bytes, 9 and the state, 0, row of the table.
 struct FaultCode {
-  static constexpr std::uint32_t kGroup = 0x900000, kGroupMask = 0xF00000, kMost = 0xFFFFFF;
+  static constexpr std::uint32_t kGroup = 0x900000, kGroupMask = 0xF00000, kMaxCode = 0xFFFFFF;
   ModuleState state = kFirstFaultState;  ///< Only states that are faults are recorded.
   std::uint8_t row = 0;                  ///< It ranges from 0 to kMaxModules − 1.
 
@@ -29,7 +29,7 @@ struct FaultCode {
   /// Error: kOutOfRange (another group, no fault, no row).
   [[nodiscard]] static constexpr Result<FaultCode> of(std::uint32_t dtc) {
     const auto state = to_module_state(static_cast<std::uint8_t>(dtc >> 16 & 0xF));
-    if (dtc > kMost || (dtc & (kGroupMask | 0xFF00U)) != kGroup || !state || *state < kFirstFaultState ||
+    if (dtc > kMaxCode || (dtc & (kGroupMask | 0xFF00U)) != kGroup || !state || *state < kFirstFaultState ||
         (dtc & 0xFF) >= layout::kMaxModules)
       return std::unexpected(Status::kOutOfRange);
     return FaultCode{*state, static_cast<std::uint8_t>(dtc & 0xFF)};

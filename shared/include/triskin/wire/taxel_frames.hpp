@@ -72,10 +72,8 @@ struct TaxelFrame {
   std::uint32_t dropped = 0;  ///< So many samples of this module found no room before this one (RowAccount::dropped).
   std::uint16_t unread = 0;   ///< So many were not read in time, modulo 65536 (RowAccount::unread).
   std::uint8_t starts = 0;    ///< Sampling restarted so often, modulo 256 (StreamAccount::starts).
-  std::uint8_t adopted_modules =
-      /// For an adopted module it names the list that `module` refers to (Adoption::list); for a row of the table it is
-      /// 0.
-      0;
+  /// For an adopted module it names the list that `module` refers to (Adoption::list); for a row of the table it is 0.
+  std::uint8_t adopted_modules = 0;
   bool operator==(const TaxelFrame&) const = default;
 };
 inline constexpr std::uint32_t kFullBase = 0x18F00000;

@@ -32,9 +32,8 @@ struct FailureLoss {
   /// Modules lost if switched modules are rerouted over the remaining joints from both entries (`backup_tree`).
   int lost_rerouted = 0;
   int lost_backed_up = 0;  ///< So many are lost even with the second entry and with adoption by neighbouring patches.
-  std::vector<std::array<int, 2>>
-      /// It lists (child, parent) nodes that differ from the normal tree; a parent of −1 is the second entry.
-      backup_tree;
+  /// It lists (child, parent) nodes that differ from the normal tree; a parent of −1 is the second entry.
+  std::vector<std::array<int, 2>> backup_tree;
   /// It lists (child, parent) where another patch reads the child, parents first.
   std::vector<std::array<int, 2>> adopted;
   int lost_one_entry = 0;  ///< So many are lost if rerouting uses the first entry only, as a prepared route does.

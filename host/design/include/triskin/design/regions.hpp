@@ -30,9 +30,8 @@ struct FaceSet {
 struct Region {
   std::string name;  ///< It is unique and not empty.
   std::variant<Sphere, Box, FaceSet> shape;
-  std::optional<double>
-      /// A module whose centre lies in the region is worth 0 … 1000; without a value the value of elsewhere holds.
-      weight;
+  /// A module whose centre lies in the region is worth 0 … 1000; without a value the value of elsewhere holds.
+  std::optional<double> weight;
   bool cover = false;      ///< Every place of it must lie within `within_mm` of a module, seen along its normal.
   bool free = false;       ///< No module may lie over it, so its rim is a border.
   double within_mm = 2.0;  ///< It ranges from 0 to 30.

@@ -7,9 +7,8 @@ namespace triskin::geometry {
 /// Side to which the faces of a part with a border look. A closed part has an outside, an open one has two sides.
 struct OpenSide {
   bool is_open = false;  ///< Some edge has a single face.
-  design::Vec3 normal =
-      /// It is the mean of the unit normals over the area, and is shorter than 1 where they turn.
-      design::Vec3::Zero();
+  /// It is the mean of the unit normals over the area, and is shorter than 1 where they turn.
+  design::Vec3 normal = design::Vec3::Zero();
   double toward_middle = 0.0;  ///< It is the share of the area (0 … 1) that looks at the middle of the part.
 };
 

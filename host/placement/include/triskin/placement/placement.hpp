@@ -108,9 +108,8 @@ struct PlacementResult {
   /// number).
   int modules_within_bound = 0;
   double clearance_mm = 0.0;  ///< `modules` tiles still fit at this inset.
-  double clearance_bound_mm =
-      /// No placement of `modules` tiles has a larger clearance (branch and bound; it is the inradius when not proved).
-      0.0;
+  /// No placement of `modules` tiles has a larger clearance (branch and bound; it is the inradius when not proved).
+  double clearance_bound_mm = 0.0;
   /// With every side of every module drawn in by deficit_mm one module more fits somewhere (empty: not even with 0.8
   /// inradius, or not asked for); with less than deficit_bound_mm, in the separations of docs/placement.md, none does.
   std::optional<double> deficit_mm;

@@ -31,10 +31,8 @@ struct BusBudget {
   double full = 0.0;  ///< It is the largest load of a wire if every sample is streamed.
   double load = 0.0;  ///< It is the same load if only each n-th sample is streamed.
   bool fits = true;   ///< The load is at most wire::kStreamShare.
-  std::uint64_t pace_us =
-      /// Two samples of a module are at least this far apart, so that all modules get an equal share; 0 means that all
-      /// fit.
-      0;
+  /// Two samples of a module are at least this far apart, so that all modules get an equal share; 0 means that all fit.
+  std::uint64_t pace_us = 0;
 };
 
 /// Samples as the largest part of a wire: converters run up to 4 % faster than their rate.

@@ -15,7 +15,7 @@ class FrameTrack {
  public:
   /// Time between two frames, µs; and how much a page may hold, bytes.
   static constexpr std::int64_t kStep_us = 33'000;
-  static constexpr std::size_t kMost_bytes = 64U << 20U, kMaxInFile_bytes = 16U << 20U;
+  static constexpr std::size_t kMax_bytes = 64U << 20U, kMaxInFile_bytes = 16U << 20U;
 
   /// `modules`: number of modules of the design. `max_bytes`: of the result, > 0.
   FrameTrack(std::size_t modules, std::size_t max_bytes) : live_(modules), max_bytes_(max_bytes) {}

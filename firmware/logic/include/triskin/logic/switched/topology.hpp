@@ -61,7 +61,7 @@ class ChainDriver {
   void silence();
 
  private:
-  static constexpr std::size_t kMost = layout::kMaxModules + 3;
+  static constexpr std::size_t kMaxBytes = layout::kMaxModules + 3;
   static constexpr std::size_t kNumbers = layout::kMaxModules + 1;  // One more than modules; shut() releases it.
   std::size_t order();
   bool echo();
