@@ -13,7 +13,6 @@
 #include "triskin/cli/site_options.hpp"
 #include "triskin/deploy/flash.hpp"
 #include "triskin/diagnose/design_files.hpp"
-#include "triskin/diagnose/read_rest.hpp"
 
 namespace triskin::cli::repair_command {
 namespace {
@@ -165,7 +164,10 @@ class Repair {
   // Modules that were exchanged rest elsewhere. Only what is in order is tared.
   void tare() {
     live_bus().find_controllers();
-    live_cover().keep_rest(device::read_rest(bus(), cover().design, live_cover().kept_rest()));
+    live_bus().start({}, {});
+    live_bus().tare();
+    live_bus().finish();
+    (void)live_cover().keep_rest();
     needs_tare_ = false;
     tared_ = true;
     output_.say("tared");
