@@ -11,7 +11,13 @@
 namespace triskin::device {
 namespace {
 
-Finding finding_at(FindingKind kind, int patch, std::string text, std::string remedy) {
+std::string patches_text(const std::vector<int>& patches) {
+  return fmt::format("{} {}", patches.size() == 1 ? "patch" : "patches", fmt::join(patches, ", "));
+}
+
+}  // namespace
+
+Finding controller_finding(FindingKind kind, int patch, std::string text, std::string remedy) {
   Finding f;
   f.kind = kind;
   f.patch = patch;
@@ -19,12 +25,6 @@ Finding finding_at(FindingKind kind, int patch, std::string text, std::string re
   f.remedy = std::move(remedy);
   return f;
 }
-
-std::string patches_text(const std::vector<int>& patches) {
-  return fmt::format("{} {}", patches.size() == 1 ? "patch" : "patches", fmt::join(patches, ", "));
-}
-
-}  // namespace
 
 ControllerCheck::ControllerCheck(Bus& bus, const design::Design& design)
     : bus_(bus), design_(design), claims_(bus.discover()) {
@@ -76,11 +76,11 @@ bool ControllerCheck::differs_in_kinds(const PatchState& p, Controller& c, const
   for (std::size_t k = 0; k < table->module_count; ++k) {
     const int is = table->modules[k].module_id >> layout::kKindShift, meant = kind_of_row(design_, p.image.modules[k]);
     if (is == meant) continue;
-    Finding f =
-        finding_at(FindingKind::kWrongKind, p.patch,
-                   fmt::format("patch {}: module {} is {} in the table of controller {}, {} in the design", p.patch,
-                               p.module(k), name_of_kind(is), p.image.node_address, name_of_kind(meant)),
-                   "look which kind is mounted; run triskin flash with the design that says so");
+    Finding f = controller_finding(
+        FindingKind::kWrongKind, p.patch,
+        fmt::format("patch {}: module {} is {} in the table of controller {}, {} in the design", p.patch, p.module(k),
+                    name_of_kind(is), p.image.node_address, name_of_kind(meant)),
+        "look which kind is mounted; run triskin flash with the design that says so");
     f.module = p.module(k);
     findings.push_back(std::move(f));
   }
@@ -104,11 +104,11 @@ bool ControllerCheck::runs_on_backup(PatchState& p, std::uint32_t crc, std::vect
     const std::string what = choice.other < 0
                                  ? fmt::format("module {}", choice.module)
                                  : fmt::format("the joint of modules {} and {}", choice.other, choice.module);
-    findings.push_back(
-        finding_at(FindingKind::kBackupRoute, p.patch,
-                   fmt::format("patch {}: runs on the route prepared for the failure of {}; {} of {} modules are read",
-                               p.patch, what, image.module_count, p.image.module_count),
-                   "repair it, then run triskin flash without --route"));
+    findings.push_back(controller_finding(
+        FindingKind::kBackupRoute, p.patch,
+        fmt::format("patch {}: runs on the route prepared for the failure of {}; {} of {} modules are read", p.patch,
+                    what, image.module_count, p.image.module_count),
+        "repair it, then run triskin flash without --route"));
     p.image = image;
     p.on_backup = true;
     return true;
@@ -139,9 +139,10 @@ Finding ControllerCheck::duplicate_finding(int patch, const std::vector<int>& wi
                                  fmt::join(serials, " and "));
   if (!without.empty())
     text += fmt::format("; {} {} none", patches_text(without), without.size() == 1 ? "has" : "have");
-  return finding_at(FindingKind::kDuplicateController, patch, std::move(text),
-                    "take off the controller that does not belong to this skin; if both do, triskin flash gives each "
-                    "its own address");
+  return controller_finding(
+      FindingKind::kDuplicateController, patch, std::move(text),
+      "take off the controller that does not belong to this skin; if both do, triskin flash gives each "
+      "its own address");
 }
 
 // Which of the patches belong to a fresh controller is not known before it is flashed.
@@ -149,23 +150,24 @@ Finding ControllerCheck::unflashed_finding() const {
   const std::string silent = unflashed_.size() <= without_table_
                                  ? ""
                                  : fmt::format(", and {} do not answer", unflashed_.size() - without_table_);
-  return finding_at(FindingKind::kNotFlashed, unflashed_.front(),
-                    fmt::format("{}: no controller has {}; {} of {} controllers on the link were never flashed{}",
-                                patches_text(unflashed_), unflashed_.size() == 1 ? "its table" : "their tables",
-                                without_table_, claims_.size(), silent),
-                    silent.empty() ? "run triskin flash with this design and link"
-                                   : "check power and cables of all controllers, then run triskin flash");
+  return controller_finding(
+      FindingKind::kNotFlashed, unflashed_.front(),
+      fmt::format("{}: no controller has {}; {} of {} controllers on the link were never flashed{}",
+                  patches_text(unflashed_), unflashed_.size() == 1 ? "its table" : "their tables", without_table_,
+                  claims_.size(), silent),
+      silent.empty() ? "run triskin flash with this design and link"
+                     : "check power and cables of all controllers, then run triskin flash");
 }
 
 // A file that was mistaken is likelier than a skin that was flashed wrongly, and trying another file costs nothing.
 Finding ControllerCheck::other_design_finding(std::uint64_t held, const std::vector<int>& patches) const {
   if (held == design_.design_id) {
-    return finding_at(
+    return controller_finding(
         FindingKind::kWrongTable, patches.front(),
         fmt::format("{}: the controllers hold other tables of this design ({:016x})", patches_text(patches), held),
         "run triskin flash with this design");
   }
-  Finding f = finding_at(
+  Finding f = controller_finding(
       FindingKind::kWrongTable, patches.front(),
       fmt::format("{}: the skin holds design {:016x}, and this file is design {:016x}", patches_text(patches), held,
                   design_.design_id),
@@ -188,10 +190,10 @@ void ControllerCheck::summarise(std::vector<Finding>& findings) const {
   if (!unflashed_.empty()) findings.push_back(unflashed_finding());
   for (const auto& [held, patches] : foreign_) findings.push_back(other_design_finding(held, patches));
   for (const int patch : absent) {
-    findings.push_back(finding_at(FindingKind::kAbsentController, patch,
-                                  fmt::format("patch {}: no controller answers at node address {}", patch,
-                                              design::node_address_of(design_, patch)),
-                                  "check its power and its cable to the bus"));
+    findings.push_back(controller_finding(FindingKind::kAbsentController, patch,
+                                          fmt::format("patch {}: no controller answers at node address {}", patch,
+                                                      design::node_address_of(design_, patch)),
+                                          "check its power and its cable to the bus"));
   }
 }
 

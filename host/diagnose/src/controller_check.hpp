@@ -9,6 +9,9 @@
 
 namespace triskin::device {
 
+/// A finding that concerns the controller of `patch` and no module.
+[[nodiscard]] Finding controller_finding(FindingKind kind, int patch, std::string text, std::string remedy);
+
 /// Whether the controllers are there and hold the tables of the design. One cause gives one finding, however many
 /// patches it concerns.
 class ControllerCheck {

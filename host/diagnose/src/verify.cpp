@@ -19,15 +19,6 @@ namespace {
 constexpr std::uint64_t kStartLimit_us = 3'000'000;
 constexpr std::uint64_t kPoll_us = 20'000;
 
-Finding controller_finding(FindingKind kind, int patch, std::string text, std::string remedy) {
-  Finding f;
-  f.kind = kind;
-  f.patch = patch;
-  f.text = std::move(text);
-  f.remedy = std::move(remedy);
-  return f;
-}
-
 // Waits until every module was found and checked, or is known to be absent.
 void wait_until_checked(Bus& bus, const PatchState& p) {
   const std::uint64_t limit_us = bus.now_us() + kStartLimit_us;
