@@ -34,8 +34,7 @@ class Health {
     for (const Bus& b : buses_) {
       all.is_live = all.is_live && b.is_live;
       if (all.trouble.empty()) all.trouble = b.trouble;
-      all.totals.frames += b.totals.frames;
-      all.totals.lost += b.totals.lost;
+      all.totals += b.totals;
     }
     live_.set_health({link_, all.is_live, all.trouble, all.totals.frames, all.totals.lost});
   }
@@ -159,10 +158,7 @@ device::LiveTotals feed(device::LiveSkin& skin, const std::string& link, const d
   Health health(link, skin.buses().size(), live);
   skin.on_each_bus([&](device::LiveBus& bus) { Feed(bus, offsets, live, health, commands).run(stream); });
   device::LiveTotals sum;
-  for (const auto& bus : skin.buses()) {
-    sum.frames += bus->totals().frames;
-    sum.lost += bus->totals().lost;
-  }
+  for (const auto& bus : skin.buses()) sum += bus->totals();
   return sum;
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "guarded.hpp"
+#include "triskin/design/calibration.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/recording/messages.hpp"
 #include "triskin/skin/touch_map.hpp"
@@ -14,19 +15,17 @@ namespace {
 using recording::Contact;
 using recording::PressedTaxel;
 
-constexpr double kNewtonPerKpa_mm2 = 1e-3;
-
 design::Vec3 vector_at(const double* numbers, std::size_t taxel) {
   return {numbers[3 * taxel], numbers[3 * taxel + 1], numbers[3 * taxel + 2]};
 }
 
 // Force of a taxel; NaN: it has no calibration, and NaN makes the sum of its contact NaN.
 double force_of(double change_counts, double counts_per_kpa, double area_mm2) {
-  return counts_per_kpa > 0.0 ? change_counts / counts_per_kpa * area_mm2 * kNewtonPerKpa_mm2
+  return counts_per_kpa > 0.0 ? change_counts / counts_per_kpa * area_mm2 * design::kNewtonPerKpaMm2
                               : std::numeric_limits<double>::quiet_NaN();
 }
 
-triskin_contact contact_of(const Contact& c, bool has_forces, double area_mm2) {
+triskin_contact contact_of(const Contact& c, bool has_forces) {
   triskin_contact out{};
   for (int axis = 0; axis < 3; ++axis) {
     out.position_mm[axis] = c.position_mm[axis];
@@ -34,7 +33,7 @@ triskin_contact contact_of(const Contact& c, bool has_forces, double area_mm2) {
   }
   out.change_counts = c.change_counts;
   out.force_n = has_forces ? c.force_n : std::numeric_limits<double>::quiet_NaN();
-  out.area_mm2 = area_mm2;
+  out.area_mm2 = c.area_mm2;
   out.module = c.taxels.front().module;
   out.taxel = c.taxels.front().taxel;
   out.taxels = static_cast<std::int32_t>(c.taxels.size());
@@ -63,11 +62,10 @@ triskin_status triskin_contacts(const double* xyz_mm, const double* normals, con
       pressed.push_back({static_cast<int>(module), static_cast<int>(n % TRISKIN_TAXELS), change_counts[n],
                          vector_at(xyz_mm, n), vector_at(normals, n), force_n});
     }
-    const double module_area_mm2 = triskin::design::kModuleArea_mm2;
-    const std::vector<Contact> found = triskin::recording::gather_contacts(pressed, module_area_mm2);
+    const std::vector<Contact> found = triskin::recording::gather_contacts(pressed, triskin::design::kModuleArea_mm2);
     *count = found.size();
     for (std::size_t k = 0; k < std::min(capacity, found.size()); ++k)
-      contacts[k] = contact_of(found[k], counts_per_kpa != nullptr, found[k].area_mm2);
+      contacts[k] = contact_of(found[k], counts_per_kpa != nullptr);
     return TRISKIN_OK;
   });
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "guarded.hpp"
+#include "sample.hpp"
 #include "triskin/recording/recorded_skin.hpp"
 #include "triskin/recording/recording.hpp"
 #include "triskin/skin/touch_map.hpp"
@@ -23,22 +24,16 @@ struct triskin_recording {
 namespace triskin::library {
 namespace {
 
-triskin_sample sample_of(const recording::ModuleSample& s, std::uint64_t unix_start_ns, std::uint64_t link_start_us) {
+triskin_sample recorded_sample(const recording::ModuleSample& s, std::uint64_t unix_start_ns,
+                               std::uint64_t link_start_us) {
   constexpr double kNanos = 1e9, kMicros = 1e6;
-  triskin_sample out{};
   // Recordings of 0.1 know only when a sample came.
-  out.time_s = s.sampled_ns != 0 ? static_cast<double>(s.sampled_ns) / kNanos
-                                 : static_cast<double>(unix_start_ns) / kNanos +
-                                       static_cast<double>(s.link_time_us - link_start_us) / kMicros;
-  out.error_s =
+  const double time_s = s.sampled_ns != 0 ? static_cast<double>(s.sampled_ns) / kNanos
+                                          : static_cast<double>(unix_start_ns) / kNanos +
+                                                static_cast<double>(s.link_time_us - link_start_us) / kMicros;
+  const double error_s =
       s.error_us == recording::ModuleSample::kNoBound ? std::numeric_limits<double>::infinity() : s.error_us / kMicros;
-  out.device_time_us = s.sample.device_time_us;
-  out.number = s.sample.sample;
-  out.module = s.module;
-  out.node = s.sample.node_address;
-  out.valid = s.sample.valid;
-  std::ranges::copy(s.sample.value, std::begin(out.value));
-  return out;
+  return sample_of(s.sample, s.module, time_s, error_s);
 }
 
 // 0: the recording does not say so.
@@ -56,7 +51,7 @@ void read_samples(triskin_recording& r, const std::string& file) {
     if (s.module < 0 || static_cast<std::size_t>(s.module) >= modules)
       throw InputError(fmt::format("{}: a sample is of module {}, and its design has {}", file, s.module, modules));
     touches.add({s.module, s.link_time_us, s.sample});
-    r.samples.push_back(sample_of(s, unix_start_ns, link_start_us));
+    r.samples.push_back(recorded_sample(s, unix_start_ns, link_start_us));
     std::ranges::copy(touches.change(s.module), std::back_inserter(r.change_counts));
   });
 }

@@ -9,6 +9,7 @@
 #include <limits>
 #include <utility>
 
+#include "sample.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/diagnose/verify.hpp"
 #include "triskin/diagnose/verify_report.hpp"
@@ -86,17 +87,10 @@ double seconds_of(std::uint64_t unix_ns) {
   return static_cast<double>(unix_ns) * 1e-9;
 }
 
-triskin_sample sample_of(const device::QueuedSample& q) {
-  triskin_sample s{};
-  s.time_s = seconds_of(q.unix_ns);
-  s.error_s = q.error_us == device::LinkTime::kUnbounded ? std::numeric_limits<double>::infinity() : q.error_us * 1e-6;
-  s.device_time_us = q.frame.device_time_us;
-  s.number = q.frame.sample;
-  s.module = q.module;
-  s.node = q.frame.node_address;
-  s.valid = q.frame.valid;
-  std::ranges::copy(q.frame.value, std::begin(s.value));
-  return s;
+triskin_sample live_sample(const device::QueuedSample& q) {
+  const double error_s =
+      q.error_us == device::LinkTime::kUnbounded ? std::numeric_limits<double>::infinity() : q.error_us * 1e-6;
+  return sample_of(q.frame, q.module, seconds_of(q.unix_ns), error_s);
 }
 
 // Returns the source when its options can be used.
@@ -120,7 +114,7 @@ std::size_t Skin::read(double timeout_s, triskin_sample* samples, std::size_t ca
   if (!(timeout_s >= 0.0 && timeout_s <= 3600.0)) throw InputError("timeout_s: must be 0 … 3600");
   if (!queue_.started()) start();  // After stop(), waiting samples can be read, and sampling does not begin anew.
   const std::vector<device::QueuedSample> queued = queue_.read(timeout_s, capacity);
-  std::ranges::transform(queued, samples, sample_of);
+  std::ranges::transform(queued, samples, live_sample);
   return queued.size();
 }
 

@@ -32,6 +32,11 @@ struct LiveRun {
 /// Samples that arrived and that were lost.
 struct LiveTotals {
   std::uint64_t frames = 0, lost = 0;
+  LiveTotals& operator+=(const LiveTotals& other) {
+    frames += other.frames;
+    lost += other.lost;
+    return *this;
+  }
 };
 
 /// One bus of a skin. Threads: one at a time; different buses may be used by different threads.
