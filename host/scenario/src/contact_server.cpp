@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <arpa/inet.h>
 #include <fmt/format.h>
-#include <netdb.h>
-#include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -10,12 +7,11 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
-#include <cstdint>
-#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "triskin/base/error.hpp"
 #include "triskin/scenario/contact_stream.hpp"
+#include "triskin/scene/listener.hpp"
 
 namespace triskin::scenario {
 namespace {
@@ -40,47 +36,8 @@ class Socket {
   int descriptor_;
 };
 
-bool is_of_this_computer(const sockaddr& address) {
-  if (address.sa_family == AF_INET6)
-    return IN6_IS_ADDR_LOOPBACK(&reinterpret_cast<const sockaddr_in6&>(address).sin6_addr) != 0;
-  const std::uint32_t v4 = ntohl(reinterpret_cast<const sockaddr_in&>(address).sin_addr.s_addr);
-  return address.sa_family == AF_INET && v4 >> 24 == IN_LOOPBACKNET;
-}
-
-int listen_at(const device::HostPort& at) {
-  const std::string name = device::host_port_text(at);
-  addrinfo hints{}, *found = nullptr;
-  hints.ai_socktype = SOCK_STREAM;
-  hints.ai_flags = AI_PASSIVE;
-  if (const int error = ::getaddrinfo(at.host.c_str(), std::to_string(at.port).c_str(), &hints, &found); error != 0)
-    throw DeviceError(fmt::format("{}: cannot find the host: {}", name, ::gai_strerror(error)));
-  if (!is_of_this_computer(*found->ai_addr)) {
-    ::freeaddrinfo(found);
-    throw InputError(
-        fmt::format("{}: contacts are taken from this computer only, since nothing asks a client who it is; listen on "
-                    "127.0.0.1",
-                    name));
-  }
-  const int listener = ::socket(found->ai_family, found->ai_socktype | SOCK_CLOEXEC, found->ai_protocol);
-  const int on = 1;
-  if (listener >= 0) (void)::setsockopt(listener, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-  const bool ok =
-      listener >= 0 && ::bind(listener, found->ai_addr, found->ai_addrlen) == 0 && ::listen(listener, 4) == 0;
-  const int error = errno;
-  ::freeaddrinfo(found);
-  if (ok) return listener;
-  if (listener >= 0) ::close(listener);
-  throw DeviceError(
-      fmt::format("{}: cannot listen: {}; use another port, or 0 for a free one", name, std::strerror(error)));
-}
-
-int port_at(int socket) {
-  sockaddr_storage address{};
-  socklen_t size = sizeof address;
-  if (::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) != 0) return 0;
-  return ntohs(address.ss_family == AF_INET6 ? reinterpret_cast<sockaddr_in6*>(&address)->sin6_port
-                                             : reinterpret_cast<sockaddr_in*>(&address)->sin_port);
-}
+constexpr const char* kRefusal =
+    "contacts are taken from this computer only, since nothing asks a client who it is; listen on 127.0.0.1";
 
 // False: the client is gone.
 bool send_line(int socket, const std::string& line) {
@@ -131,8 +88,9 @@ void serve_client(ContactStream& stream, const Socket& client, const std::functi
 
 void serve_contacts(ContactStream& stream, const device::HostPort& at, const std::atomic<bool>& stop, double seconds,
                     const std::function<void(int port)>& listening) {
-  const Socket listener(listen_at(at));
-  if (listening) listening(port_at(listener.descriptor()));
+  const device::Listener place = device::listen_at(at, kRefusal);
+  const Socket listener(place.socket);
+  if (listening) listening(place.port);
   const auto begin = std::chrono::steady_clock::now();
   const auto ended = [&] {
     return stop ||

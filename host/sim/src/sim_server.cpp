@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/scene/sim_server.hpp"
 
-#include <fmt/format.h>
-#include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
@@ -17,60 +15,22 @@
 #include "triskin/base/error.hpp"
 #include "triskin/core/bytes.hpp"
 #include "triskin/layout/patch_image.hpp"
+#include "triskin/scene/listener.hpp"
 
 namespace triskin::device {
 namespace {
 
-std::uint16_t port_of(int socket) {
-  sockaddr_storage address{};
-  socklen_t size = sizeof address;
-  if (::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) != 0) return 0;
-  return ntohs(address.ss_family == AF_INET6 ? reinterpret_cast<sockaddr_in6*>(&address)->sin6_port
-                                             : reinterpret_cast<sockaddr_in*>(&address)->sin_port);
-}
-
-bool is_loopback(const sockaddr& address) {
-  if (address.sa_family == AF_INET6) {
-    const in6_addr& v6 = reinterpret_cast<const sockaddr_in6&>(address).sin6_addr;
-    const bool is_mapped = IN6_IS_ADDR_V4MAPPED(&v6) && v6.s6_addr[12] == IN_LOOPBACKNET;
-    return IN6_IS_ADDR_LOOPBACK(&v6) || is_mapped;
-  }
-  const std::uint32_t v4 = ntohl(reinterpret_cast<const sockaddr_in&>(address).sin_addr.s_addr);
-  return address.sa_family == AF_INET && v4 >> 24 == IN_LOOPBACKNET;
-}
+constexpr const char* kRefusal =
+    "other computers could reach this address, and whoever reaches it may read, press and flash the simulated skin "
+    "without a password; listen on 127.0.0.1, or say --expose";
 
 }  // namespace
 
 SimServer::SimServer(scene::VirtualSkin& skin, const HostPort& at, Reach reach) : SkinServer(skin), host_(at.host) {
-  const std::string name = host_port_text(at);
-  addrinfo hints{};
-  hints.ai_socktype = SOCK_STREAM;
-  hints.ai_flags = AI_PASSIVE;
-  addrinfo* found = nullptr;
-  if (const int error = ::getaddrinfo(at.host.c_str(), std::to_string(at.port).c_str(), &hints, &found); error != 0) {
-    throw DeviceError(fmt::format("{}: cannot find the host: {}", name, ::gai_strerror(error)));
-  }
-  is_exposed_ = !is_loopback(*found->ai_addr);
-  if (is_exposed_ && reach != Reach::kOtherComputers) {
-    ::freeaddrinfo(found);
-    throw InputError(fmt::format(
-        "{}: other computers could reach this address, and whoever reaches it may read, press and flash the "
-        "simulated skin without a password; listen on 127.0.0.1, or say --expose",
-        name));
-  }
-  listener_ = ::socket(found->ai_family, found->ai_socktype | SOCK_CLOEXEC | SOCK_NONBLOCK, found->ai_protocol);
-  const int on = 1;
-  if (listener_ >= 0) (void)::setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-  const bool ok =
-      listener_ >= 0 && ::bind(listener_, found->ai_addr, found->ai_addrlen) == 0 && ::listen(listener_, 8) == 0;
-  const int error = errno;
-  ::freeaddrinfo(found);
-  if (!ok) {
-    if (listener_ >= 0) ::close(listener_);
-    throw DeviceError(
-        fmt::format("{}: cannot listen: {}; use another port, or 0 for a free one", name, std::strerror(error)));
-  }
-  port_ = port_of(listener_);
+  const Listener listener = listen_at(at, reach == Reach::kOtherComputers ? "" : kRefusal);
+  listener_ = listener.socket;
+  port_ = listener.port;
+  is_exposed_ = listener.is_exposed;
   skin_.on_frame([this](const wire::CanFrame& frame, std::uint64_t) {
     for (Client& c : clients_) record::put_frame(c.out, frame);
   });
