@@ -1,31 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The image is made to fail: what is left of it says where, and a loop of crashes ends.
-#include "sampling_bench.hpp"
+#include "crash_bench.hpp"
 
 namespace triskin::machine {
 namespace {
 
-class Crashes : public Sampling {
- protected:
-  static constexpr const char* kStep = "_ZN7triskin2fw11LineSampler4stepEy";
-  void start_work() {
-    store_table(patch(4));
-    power_up();
-    run_for(300'000);
-    ASSERT_TRUE(health().has_value());
-  }
-  [[nodiscard]] std::uint32_t address_of(const char* symbol) const { return application.symbols.at(symbol) & ~1U; }
-  /// The next call of the sampler runs these instructions instead.
-  void overwrite(std::uint32_t first, std::uint32_t second) {
-    const std::uint32_t at = address_of(kStep);
-    ASSERT_EQ(at % 4, 0U) << "the test writes whole words";
-    machine->write_word(at, first);
-    machine->write_word(at + 4, second);
-  }
-  static constexpr std::uint32_t kUndefined = 0xDE01DE00, kForEver = 0xE7FEE7FE;
-  // push {r0, lr}; bl itself
-  static constexpr std::uint32_t kRecursion[2] = {0xF7FFB501, 0xE7FEFFFD};
-};
+class Crashes : public CrashBench {};
 
 TEST_F(Crashes, UndefinedInstructionIsNamedWithItsPlace) {
   start_work();

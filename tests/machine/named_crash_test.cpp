@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What stops a board is named as `triskin discover --elf` and `triskin verify --elf` name it: with function and line.
+#include "crash_bench.hpp"
 #include "machine_link.hpp"
-#include "sampling_bench.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/diagnose/board_report.hpp"
 #include "triskin/session/bus.hpp"
@@ -9,19 +9,8 @@
 namespace triskin::machine {
 namespace {
 
-class NamedCrashes : public Sampling {
+class NamedCrashes : public CrashBench {
  protected:
-  static constexpr const char* kStep = "_ZN7triskin2fw11LineSampler4stepEy";
-  void start_work() {
-    store_table(patch(4));
-    power_up();
-    run_for(300'000);
-  }
-  void overwrite(std::uint32_t first, std::uint32_t second) {
-    const std::uint32_t at = application.symbols.at(kStep) & ~1U;
-    machine->write_word(at, first);
-    machine->write_word(at + 4, second);
-  }
   [[nodiscard]] std::filesystem::path elf() const {
     return firmware(running_slot == 0 ? "triskin_app_a.elf" : "triskin_app_b.elf");
   }
@@ -47,7 +36,7 @@ class NamedCrashes : public Sampling {
 TEST_F(NamedCrashes, HardFault) {
   start_work();
   EXPECT_EQ(remarks(), "");
-  overwrite(0xDE01DE00, 0xDE01DE00);
+  overwrite(kUndefined, kUndefined);
   run_for(300'000);
   const std::string text = remarks();
   expect_named(text, "was stopped by a fault of the processor");
@@ -56,7 +45,7 @@ TEST_F(NamedCrashes, HardFault) {
 
 TEST_F(NamedCrashes, Watchdog) {
   start_work();
-  overwrite(0xE7FEE7FE, 0xE7FEE7FE);
+  overwrite(kForEver, kForEver);
   run_for(2'500'000);
   const std::string text = remarks();
   expect_named(text, "was stopped by the watchdog");
@@ -65,7 +54,7 @@ TEST_F(NamedCrashes, Watchdog) {
 
 TEST_F(NamedCrashes, StackOverflow) {
   start_work();
-  overwrite(0xF7FFB501, 0xE7FEFFFD);  // push {r0, lr}; bl itself
+  overwrite(kRecursion[0], kRecursion[1]);
   run_for(300'000);
   const std::string text = remarks();
   expect_named(text, "was stopped by a stack overflow");
@@ -95,7 +84,7 @@ TEST_F(NamedCrashes, BusOff) {
 // The RAM forgets with the power; the fault memory does not, until it is cleared.
 TEST_F(NamedCrashes, CrashOutlivesThePower) {
   start_work();
-  overwrite(0xDE01DE00, 0xDE01DE00);
+  overwrite(kUndefined, kUndefined);
   run_for(300'000);
   const auto before = crash();
   ASSERT_TRUE(before.has_value());

@@ -2,20 +2,14 @@
 // What is wrong with a scene is said with file, line and remedy.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <filesystem>
 #include <string>
 
-#include "support/strip_design.hpp"
-#include "triskin/base/error.hpp"
-#include "triskin/base/files.hpp"
-#include "triskin/scene/scene.hpp"
+#include "scene_case.hpp"
 
 namespace triskin::scene {
 namespace {
 
-namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 struct BadScene {
@@ -27,25 +21,7 @@ void PrintTo(const BadScene& bad, std::ostream* out) {
   *out << bad.line;
 }
 
-class BadScenes : public testing::TestWithParam<BadScene> {
- protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("bad_scenes." + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-    design::write_design(folder_ / "d.json", test::strip(6));
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  [[nodiscard]] std::string error_of(const std::string& text) const {
-    write_file_atomically(folder_ / "s.json", text);
-    try {
-      (void)read_scene(folder_ / "s.json");
-    } catch (const InputError& e) {
-      return e.what();
-    }
-    return "no error";
-  }
-  fs::path folder_;
-};
+class BadScenes : public SceneCase, public testing::WithParamInterface<BadScene> {};
 
 TEST_P(BadScenes, are_refused_with_file_line_and_remedy) {
   const std::string head = "{\"format\":\"triskin-scene\",\"version\":1,\n\"design\":\"d.json\",\n";

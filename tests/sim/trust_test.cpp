@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "scene_case.hpp"
 #include "support/strip_design.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
@@ -21,26 +22,11 @@ using test::strip;
 using testing::AllOf;
 using testing::HasSubstr;
 
-class SceneTrust : public testing::Test {
+class SceneTrust : public SceneCase {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("scene_trust." + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-    design::write_design(folder_ / "d.json", strip(6));
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   [[nodiscard]] std::string error_with(const std::string& rest) const {
-    write_file_atomically(folder_ / "s.json",
-                          R"({"format":"triskin-scene","version":1,"design":"d.json",)" + rest + "}");
-    try {
-      (void)read_scene(folder_ / "s.json");
-    } catch (const InputError& e) {
-      return e.what();
-    }
-    return "no error";
+    return error_of(R"({"format":"triskin-scene","version":1,"design":"d.json",)" + rest + "}");
   }
-  fs::path folder_;
 };
 
 TEST_F(SceneTrust, a_contact_five_metres_off_the_skin_is_refused_with_its_distance) {
