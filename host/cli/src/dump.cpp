@@ -24,13 +24,6 @@ struct Options {
   bool ask = false;
 };
 
-wire::CanFrame who_is_there() {
-  wire::CanFrame f;
-  f.id = wire::kWhoIsThereId;
-  f.extended = true;
-  return f;
-}
-
 class Dump {
  public:
   Dump(device::Link& link, const Options& options, Output& output) : link_(link), options_(options), output_(output) {}
@@ -38,7 +31,7 @@ class Dump {
   void run() {
     start_us_ = link_.now_us();
     if (options_.ask) {
-      const wire::CanFrame question = who_is_there();
+      const wire::CanFrame question = wire::who_is_there();
       link_.send(question);
       print(question);
     }

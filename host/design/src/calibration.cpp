@@ -179,7 +179,6 @@ double SkinCalibration::pressure_kpa(int module, int taxel, double change_counts
 }
 
 double SkinCalibration::force_n(int module, int taxel, double change_counts) const {
-  constexpr double kNewtonPerKpaMm2 = 1e-3;
   return kNewtonPerKpaMm2 * pressure_kpa(module, taxel, change_counts) * taxel_area_mm2(module);
 }
 

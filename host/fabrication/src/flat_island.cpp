@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "triskin/base/error.hpp"
+#include "triskin/base/index.hpp"
 #include "triskin/design/outline.hpp"
 
 namespace triskin::fabrication {
@@ -24,10 +25,6 @@ using GridVertex = std::array<int, 2>;
 // The end of a corner cut: it lies on the lattice side from `from` towards `to`, one cut away from `from`.
 using CutEnd = std::array<GridVertex, 2>;
 
-constexpr std::size_t index(int value) {
-  return static_cast<std::size_t>(value);
-}
-
 Vec2 place_of(const FlatIsland& island, const CutEnd& end) {
   const Vec2 from = design::grid_point(end[0][0], end[0][1]), to = design::grid_point(end[1][0], end[1][1]);
   return island.shift_mm + from + island.corner_cut_mm / design::kSide_mm * (to - from);
@@ -38,12 +35,12 @@ std::map<CutEnd, CutEnd> contour_edges(const design::Design& design, const sheet
                                        const std::vector<int>& modules) {
   std::map<CutEnd, CutEnd> next;
   for (const int id : modules) {
-    const Tile& tile = design.layout.modules[index(id)].tile;
+    const Tile& tile = design.layout.modules[at(id)].tile;
     for (int s = 0; s < 3; ++s) {
       const GridVertex a = design::tile_corner_index(tile, s), b = design::tile_corner_index(tile, (s + 1) % 3);
       const GridVertex before = design::tile_corner_index(tile, (s + 2) % 3);
       next[{a, before}] = {a, b};
-      if (sides.of[index(id)][index(s)].kind == sheet::SideKind::kOutline) next[{a, b}] = {b, a};
+      if (sides.of[at(id)][at(s)].kind == sheet::SideKind::kOutline) next[{a, b}] = {b, a};
     }
   }
   return next;
@@ -79,9 +76,9 @@ void trace_contour(std::map<CutEnd, CutEnd> next, FlatIsland& island) {
 
 void add_lines(const design::Design& design, const sheet::Sides& sides, FlatIsland& island) {
   for (const int id : island.modules) {
-    const Tile& tile = design.layout.modules[index(id)].tile;
+    const Tile& tile = design.layout.modules[at(id)].tile;
     for (int s = 0; s < 3; ++s) {
-      const sheet::Side& side = sides.of[index(id)][index(s)];
+      const sheet::Side& side = sides.of[at(id)][at(s)];
       if (side.other < id) continue;  // A pair is drawn from its lesser module; an outline has no other.
       const GridVertex a = design::tile_corner_index(tile, s), b = design::tile_corner_index(tile, (s + 1) % 3);
       const Vec2 from = place_of(island, {a, b}), to = place_of(island, {b, a});
@@ -109,11 +106,11 @@ void mark_side(const FlatIsland& island, const Tile& tile, int side, std::string
 void add_marks(const design::Design& design, const sheet::Sides& sides, FlatIsland& island) {
   const auto wiring = design::wiring_of(design);
   for (const int id : island.modules) {
-    const Tile& tile = design.layout.modules[index(id)].tile;
-    const auto& wired = wiring[index(id)];
+    const Tile& tile = design.layout.modules[at(id)].tile;
+    const auto& wired = wiring[at(id)];
     island.marks.push_back({center_on(island, tile), fmt::format("{}", id), 3.0, 0.0});
     for (int s = 0; s < 3; ++s) {
-      const sheet::Side& side = sides.of[index(id)][index(s)];
+      const sheet::Side& side = sides.of[at(id)][at(s)];
       std::string text = wired.patch >= 0 && wired.routed.rotation == s ? "A" : "";
       if (side.cable) text += fmt::format(" C{}", wired.patch);
       if (side.jumper >= 0) text += fmt::format(" J{}", side.jumper);
@@ -128,7 +125,7 @@ Vec2 low_corner_of(const design::Design& design, const std::vector<int>& modules
   Vec2 low = Vec2::Constant(std::numeric_limits<double>::max());
   for (const int id : modules) {
     for (int k = 0; k < 3; ++k) {
-      const auto [i, j] = design::tile_corner_index(design.layout.modules[index(id)].tile, k);
+      const auto [i, j] = design::tile_corner_index(design.layout.modules[at(id)].tile, k);
       low = low.cwiseMin(design::grid_point(i, j));
     }
   }

@@ -5,16 +5,13 @@
 #include <numeric>
 #include <optional>
 
+#include "triskin/base/index.hpp"
 #include "triskin/lattice/map_modules.hpp"
 #include "triskin/routing/jumpers.hpp"
 #include "wire_design.hpp"
 
 namespace triskin::pipeline {
 namespace {
-
-constexpr std::size_t place(int v) {
-  return static_cast<std::size_t>(v);
-}
 
 bool keeps_limits(const design::PlacedModule& m, const design::LayoutLimits& limits) {
   return m.center_gap_mm <= limits.center_gap_mm && m.edge_lift_mm <= limits.lift_mm &&
@@ -42,7 +39,7 @@ std::vector<int> take_over(const design::Design& old, design::Design& d) {
 std::optional<design::Jumper> jumper_now(const design::Jumper& was, const std::vector<int>& new_id,
                                          const std::vector<design::Jumper>& places) {
   for (design::Jumper place_now : places) {
-    const std::array<int, 2> ends{new_id[place(was.node[0])], new_id[place(was.node[1])]};
+    const std::array<int, 2> ends{new_id[at(was.node[0])], new_id[at(was.node[1])]};
     if (place_now.node == ends && place_now.side == was.side) return place_now;
     if (place_now.node == std::array{ends[1], ends[0]} && place_now.side == std::array{was.side[1], was.side[0]})
       return place_now;
@@ -71,23 +68,23 @@ class PatchKeeper {
 
  private:
   [[nodiscard]] bool has_modules(const design::Patch& patch) const {
-    return std::ranges::all_of(patch.modules, [&](const auto& m) { return new_id_[place(m.node)] >= 0; });
+    return std::ranges::all_of(patch.modules, [&](const auto& m) { return new_id_[at(m.node)] >= 0; });
   }
   // Joints to modules of the same patch; those to others may come and go.
   [[nodiscard]] bool has_joints(const design::Patch& patch) const {
-    const int index = wiring_[place(patch.modules.front().node)].patch;
+    const int index = wiring_[at(patch.modules.front().node)].patch;
     return std::ranges::all_of(patch.modules, [&](const auto& m) {
       for (std::size_t s = 0; s < 3; ++s) {
-        const int was = old_.layout.modules[place(m.node)].neighbour[s];
-        if (was < 0 || wiring_[place(was)].patch != index) continue;
-        if (now_.layout.modules[place(new_id_[place(m.node)])].neighbour[s] != new_id_[place(was)]) return false;
+        const int was = old_.layout.modules[at(m.node)].neighbour[s];
+        if (was < 0 || wiring_[at(was)].patch != index) continue;
+        if (now_.layout.modules[at(new_id_[at(m.node)])].neighbour[s] != new_id_[at(was)]) return false;
       }
       return true;
     });
   }
   [[nodiscard]] bool has_jumpers(std::size_t patch, std::vector<design::Jumper>& jumpers) const {
     for (const design::Jumper& jumper : old_.layout.jumpers) {
-      if (wiring_[place(jumper.node[0])].patch != static_cast<int>(patch)) continue;
+      if (wiring_[at(jumper.node[0])].patch != static_cast<int>(patch)) continue;
       const auto now = jumper_now(jumper, new_id_, places_);
       if (!now) return false;
       jumpers.push_back(*now);
@@ -95,7 +92,7 @@ class PatchKeeper {
     return true;
   }
   [[nodiscard]] design::Patch renamed(design::Patch patch) const {
-    const auto rename = [&](int& node) { node = node < 0 ? node : new_id_[place(node)]; };
+    const auto rename = [&](int& node) { node = node < 0 ? node : new_id_[at(node)]; };
     rename(patch.entry);
     for (design::RoutedModule& m : patch.modules) {
       rename(m.node);
@@ -117,7 +114,7 @@ void follow_gaps(const design::Design& old, const design::Design& now, Revision&
   const auto wiring = design::wiring_of(now);
   for (std::size_t p = 0; p < revision.new_patch.size(); ++p) {
     int& index = revision.new_patch[p];
-    if (index >= 0) index = wiring[place(revision.new_id[place(old.patches[p].modules.front().node)])].patch;
+    if (index >= 0) index = wiring[at(revision.new_id[at(old.patches[p].modules.front().node)])].patch;
   }
 }
 

@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "failures.hpp"
+#include "triskin/base/index.hpp"
 #include "triskin/design/module_graph.hpp"
 #include "triskin/routing/routing.hpp"
 
@@ -50,7 +51,6 @@ class OpenPart {
   }
 
  private:
-  static std::size_t at(int v) { return static_cast<std::size_t>(v); }
   [[nodiscard]] int whole(int node) const { return node < 0 ? node : node_[at(node)]; }
 
   // No cable reaches a side that a kept module is joined to: border stays false there.
@@ -97,8 +97,7 @@ RoutingResult route_around(const ModuleGraph& graph, const std::vector<Jumper>& 
   const ModuleGraph joined = design::with_jumpers(graph, result.jumpers);
   for (Patch& patch : result.patches) {
     const auto& entry = patch.modules.front();
-    patch.border_entry =
-        joined.nodes.at(static_cast<std::size_t>(entry.node)).border.at(static_cast<std::size_t>(entry.rotation));
+    patch.border_entry = joined.nodes.at(at(entry.node)).border.at(at(entry.rotation));
   }
   if (options.failure_analysis) analyse_failures(joined, options, result.patches);
   result.proved = static_cast<int>(result.patches.size()) == result.lower_bound;

@@ -10,8 +10,8 @@
 #include <numeric>
 
 #include "triskin/base/error.hpp"
-#include "triskin/design/design_text.hpp"
 #include "triskin/design/tile.hpp"
+#include "triskin/recording/recorded_skin.hpp"
 #include "triskin/recording/recording.hpp"
 #include "triskin/skin/touch_map.hpp"
 
@@ -83,15 +83,11 @@ ContactDensity density_of_scene(const scene::Scene& scene, double duration_s) {
 }
 
 ContactDensity density_of_recording(const std::filesystem::path& path) {
-  const recording::Summary origin = recording::read_origin(path);
-  if (origin.design_text.empty())
-    throw InputError(fmt::format("{}: holds no design: is it a recording of triskin?", path.string()));
-  ContactDensity density{design::parse_design(origin.design_text, path.string() + ": design.json"), {}, 0.0};
+  recording::RecordedSkin skin = recording::recorded_skin(path.string());
+  ContactDensity density{std::move(skin.design), {}, 0.0};
   const std::size_t modules = density.design.layout.modules.size();
   density.touched_s.assign(modules, 0.0);
-  device::TouchMap touches(density.design, origin.rest_text.empty()
-                                               ? design::RestValues{}
-                                               : design::parse_rest(origin.rest_text, path.string(), modules));
+  device::TouchMap touches(density.design, skin.rest);
   std::vector<std::uint64_t> last_us(modules, 0);
   const recording::Summary summary = recording::read_recording(path, [&](const recording::ModuleSample& s) {
     const auto m = static_cast<std::size_t>(s.module);

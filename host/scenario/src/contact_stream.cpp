@@ -64,8 +64,7 @@ Vec3 point_mm(const JsonValue& v) {
 // Force and radius of a sphere that sinks into the dielectric, by the elastic foundation (docs/mechanics.md).
 void press_in(scene::Contact& c, double depth_mm, double tip_radius_mm) {
   const mechanics::Layer layer;
-  constexpr double kNewtonPerKpaMm2 = 1e-3;
-  c.force_n = kNewtonPerKpaMm2 * std::numbers::pi * tip_radius_mm * depth_mm * depth_mm *
+  c.force_n = design::kNewtonPerKpaMm2 * std::numbers::pi * tip_radius_mm * depth_mm * depth_mm *
               mechanics::confined_modulus_kpa(layer) / layer.thickness_mm;
   c.radius_mm = std::sqrt(2.0 * tip_radius_mm * depth_mm);
 }

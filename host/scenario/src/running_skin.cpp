@@ -6,6 +6,7 @@
 #include "tapped_link.hpp"
 #include "temporary_folder.hpp"
 #include "triskin/deploy/flash.hpp"
+#include "triskin/design/calibration.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/layout/rest.hpp"
 #include "triskin/skin/touch_map.hpp"
@@ -116,18 +117,16 @@ std::array<double, layout::kTaxelsPerModule> changes_of(const device::ModuleSamp
 }
 
 double taxel_area_mm2(double corner_cut_mm) {
-  constexpr double kPressureTaxels = 10.0;
-  return design::module_area_mm2(corner_cut_mm) / kPressureTaxels;
+  return design::module_area_mm2(corner_cut_mm) / layout::kPressureTaxelsPerModule;
 }
 
 double force_n(const std::array<double, layout::kTaxelsPerModule>& change_counts, double corner_cut_mm, int taxel) {
-  constexpr double kNewtonPerKpaMm2 = 1e-3;
   double kpa = 0.0;
   for (std::size_t t = 0; t < change_counts.size(); ++t) {
     if (taxel >= 0 && static_cast<std::size_t>(taxel) != t) continue;
     if (change_counts[t] >= device::TouchMap::kPressed_counts) kpa += change_counts[t] / scene::kCountsPerKpa;
   }
-  return kpa * taxel_area_mm2(corner_cut_mm) * kNewtonPerKpaMm2;
+  return kpa * taxel_area_mm2(corner_cut_mm) * design::kNewtonPerKpaMm2;
 }
 
 }  // namespace triskin::scenario

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -14,13 +15,10 @@ namespace triskin::cli {
 namespace {
 
 design::Vec3 size_of(const design::Mesh& mesh) {
-  if (mesh.vertices.empty()) return design::Vec3::Zero();
-  design::Vec3 low = mesh.vertices.front(), high = low;
-  for (const auto& v : mesh.vertices) {
-    low = low.cwiseMin(v);
-    high = high.cwiseMax(v);
-  }
-  return high - low;
+  Eigen::AlignedBox3d box;
+  for (const auto& v : mesh.vertices) box.extend(v);
+  if (box.isEmpty()) return design::Vec3::Zero();
+  return box.sizes();
 }
 
 // "--center-gap-mm" of "center_gap_mm".

@@ -16,6 +16,9 @@
 /// What the counts of taxels are worth in kPa and N (docs/calibration.md).
 namespace triskin::design {
 
+/// Pressure in kPa on an area in mm² is a force in newtons by this factor.
+inline constexpr double kNewtonPerKpaMm2 = 1e-3;
+
 /// Names in files and reports.
 inline constexpr NameTable kCalibrationMethodNames{
     std::array<std::pair<wire::CalibrationMethod, std::string_view>, 3>{{{wire::CalibrationMethod::kSteps, "steps"},
