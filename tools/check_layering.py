@@ -150,6 +150,25 @@ def check_includes(root):
     return bad
 
 
+def check_tests(root):
+    """Tests see a part as its users do: no header of a source folder, and no source folder on their include path."""
+    bad = 0
+    private = {path.as_posix().split("/src/", 1)[1] for top in ("shared", "firmware", "host", "tools") for path in (root / top).glob("**/src/**/*.hpp")}
+    for path in sorted((root / "tests").rglob("*")):
+        if path.name == "CMakeLists.txt" and re.search(r"include_directories\([^)]*/src[ )\n]", path.read_text()):
+            print(f"{path.relative_to(root)}: a source folder is on the include path; tests include public headers only")
+            bad += 1
+        if path.suffix not in SUFFIXES:
+            continue
+        for number, line in enumerate(path.read_text(errors="replace").splitlines(), 1):
+            found = INCLUDE.match(line)
+            name = found.group(1) if found else ""
+            if name in private and not (path.parent / name).exists() and not (root / "tests" / name).exists():
+                print(f"{path.relative_to(root)}:{number}: {name} is private; tests include public headers only")
+                bad += 1
+    return bad
+
+
 def check_prefixes(root):
     """An include prefix in two folders would let one part's header answer for another's."""
     bad = 0
@@ -225,7 +244,7 @@ def check_links(text):
 
 def main(arguments):
     root = pathlib.Path(arguments[0])
-    bad = check_circles() + check_includes(root) + check_prefixes(root)
+    bad = check_circles() + check_includes(root) + check_prefixes(root) + check_tests(root)
     if len(arguments) > 1:
         bad += check_links(pathlib.Path(arguments[1]).read_text())
     return 1 if bad else 0

@@ -8,9 +8,9 @@
 #include <filesystem>
 
 #include "support/covers.hpp"
-#include "surface_index.hpp"  // no public header
 #include "triskin/base/dice.hpp"
 #include "triskin/check/design_rules.hpp"
+#include "triskin/check/surface_index.hpp"  // no public header
 #include "triskin/lattice/map_modules.hpp"
 #include "triskin/mesh/surface.hpp"
 #include "triskin/pipeline/make_design.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The bound by groups of islands, against a search over all divisions of the islands into groups.
-#include "island_groups.hpp"
+#include "triskin/routing/island_groups.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,9 +7,9 @@
 #include <numeric>
 #include <random>
 
-#include "jumper_frontier.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/design/tile.hpp"
+#include "triskin/routing/jumper_frontier.hpp"
 #include "triskin/routing/routing.hpp"
 
 namespace triskin::geometry {

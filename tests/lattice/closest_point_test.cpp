@@ -6,8 +6,8 @@
 #include <limits>
 #include <random>
 
-#include "near_surface.hpp"  // no public header
 #include "shapes.hpp"
+#include "triskin/lattice/near_surface.hpp"  // no public header
 
 namespace triskin::geometry {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Steps of the growth: what it tries, what it takes back, and what it charges before the wiring.
-#include "grower.hpp"  // no public header
+#include "triskin/lattice/grower.hpp"  // no public header
 
 #include <gtest/gtest.h>
 
-#include "net_price.hpp"
 #include "nets.hpp"
 #include "shapes.hpp"
+#include "triskin/lattice/net_price.hpp"
 
 namespace triskin::geometry::surface_lattice {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Modules that a search leaves where they are.
-#include "kept_modules.hpp"
+#include "triskin/lattice/kept_modules.hpp"
 
 #include <gtest/gtest.h>
 
-#include "relax.hpp"
 #include "shapes.hpp"
+#include "triskin/lattice/relax.hpp"
 
 namespace triskin::geometry::surface_lattice {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the growth keeps beside the best layout, and that it stays small on large parts.
-#include "layout_front.hpp"  // no public header
+#include "triskin/lattice/layout_front.hpp"  // no public header
 
 #include <gtest/gtest.h>
 

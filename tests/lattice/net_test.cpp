@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The net of the growth against loops over all of it: random nets in a plane are grown, ruined, parted and taken back;
 // what it keeps up to date by changes must be what a count from nothing gives.
-#include "net.hpp"  // no public header
+#include "triskin/lattice/net.hpp"  // no public header
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <set>
 #include <tuple>
 
-#include "net_price.hpp"
 #include "random_net.hpp"
+#include "triskin/lattice/net_price.hpp"
 
 namespace triskin::geometry::surface_lattice {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "net.hpp"  // no public header
+#include "triskin/lattice/net.hpp"  // no public header
 
 namespace triskin::geometry::surface_lattice {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How far a module stands over the border: its largest value against a fine grid of points, and what it costs where the
 // border of other sheets runs along the surface, as in a skin with ribs or one that a repair left with cracks.
-#include "overrun.hpp"  // no public header
+#include "triskin/lattice/overrun.hpp"  // no public header
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 
 #include "nets.hpp"
 #include "triskin/base/dice.hpp"
-#include "zones.hpp"  // no public header
+#include "triskin/lattice/zones.hpp"  // no public header
 
 namespace triskin::geometry::surface_lattice {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A net that several threads change, each in its zone. What the zones' nets say of their triangles is compared with
 // what the merged net says; the conflicts are made by hand.
-#include "zones.hpp"  // no public header
+#include "triskin/lattice/zones.hpp"  // no public header
 
 #include <gtest/gtest.h>
 

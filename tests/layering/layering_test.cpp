@@ -80,6 +80,11 @@ TEST_F(Layering, refuses_a_command_that_discovers_controllers_by_itself) {
   EXPECT_NE(with_file("host/library/src/a.cpp", "  const auto claims = bus.discover();"), 0);
 }
 
+TEST_F(Layering, refuses_tests_that_look_into_a_source_folder) {
+  EXPECT_EQ(with_file("host/lattice/src/net.hpp", "#pragma once"), 0);
+  EXPECT_NE(with_file("tests/lattice/a.cpp", "#include \"net.hpp\""), 0);
+}
+
 TEST_F(Layering, refuses_vendor_headers_outside_the_board) {
   EXPECT_NE(with_file("firmware/logic/src/a.cpp", "#include <stm32g474xx.h>"), 0);
 }

@@ -8,10 +8,10 @@
 #include <algorithm>
 #include <iterator>
 
-#include "crossing_search.hpp"
 #include "mesh/broken_meshes.hpp"
 #include "mesh/distances.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/mesh/crossing_search.hpp"
 
 namespace triskin {
 namespace {

@@ -13,11 +13,11 @@
 #include <string_view>
 #include <utility>
 
-#include "extract_steps.hpp"
 #include "mesh/broken_meshes.hpp"
 #include "mesh/distances.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/mesh/extract.hpp"
+#include "triskin/mesh/extract_steps.hpp"
 #include "triskin/mesh/mesh_io.hpp"
 
 namespace triskin {

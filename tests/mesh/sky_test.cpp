@@ -2,7 +2,7 @@
 // What faces see of the sky, in the time that is given: fewer faces are asked, then fewer rays are sent.
 #include <gtest/gtest.h>
 
-#include "extract_steps.hpp"  // no public header
+#include "triskin/mesh/extract_steps.hpp"  // no public header
 
 namespace triskin::geometry {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The raster of a slice: bits and their sums worked by hand, the figure of one edge against its formula, and bounds of
 // random slices against motions in them.
-#include "kernels/slice_raster.hpp"
+#include "triskin/placement/kernels/slice_raster.hpp"
 
 #include <gtest/gtest.h>
 
-#include "kernels/evaluator.hpp"
 #include "polygons.hpp"
+#include "triskin/placement/kernels/evaluator.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Lengths of CAN frames with their stuff bits, counted by hand.
-#include "can_bits.hpp"
+#include "triskin/machine/can_bits.hpp"
 
 #include <gtest/gtest.h>
 

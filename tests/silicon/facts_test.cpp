@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "map.hpp"
 #include "quiet_line.hpp"
 #include "triskin/board/board_config.hpp"
 #include "triskin/board/flash_map.hpp"
@@ -23,6 +22,7 @@
 #include "triskin/board/registers/usb.hpp"
 #include "triskin/drivers/ad7147.hpp"
 #include "triskin/machine/machine.hpp"
+#include "triskin/machine/map.hpp"
 
 namespace triskin {
 namespace {

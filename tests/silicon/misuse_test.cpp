@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "fdcan.hpp"
-#include "flash_controller.hpp"
-#include "gpio.hpp"
-#include "i2c_controller.hpp"
-#include "nvic.hpp"
 #include "quiet_line.hpp"
+#include "triskin/machine/fdcan.hpp"
+#include "triskin/machine/flash_controller.hpp"
+#include "triskin/machine/gpio.hpp"
+#include "triskin/machine/i2c_controller.hpp"
+#include "triskin/machine/nvic.hpp"
 
 namespace triskin::machine {
 namespace {

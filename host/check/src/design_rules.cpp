@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
-#include "checked_design.hpp"
-#include "module_outline.hpp"
+#include "triskin/check/checked_design.hpp"
+#include "triskin/check/module_outline.hpp"
 
 namespace triskin::check {
 namespace {

@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "surface_index.hpp"
+#include "triskin/check/surface_index.hpp"
 
 namespace triskin::check {
 namespace {

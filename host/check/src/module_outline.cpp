@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "module_outline.hpp"
+#include "triskin/check/module_outline.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <map>
 #include <set>
 
-#include "checked_design.hpp"
+#include "triskin/check/checked_design.hpp"
 
 namespace triskin::check {
 namespace {

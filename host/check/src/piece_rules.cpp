@@ -5,7 +5,7 @@
 #include <cmath>
 #include <set>
 
-#include "checked_design.hpp"
+#include "triskin/check/checked_design.hpp"
 
 namespace triskin::check {
 namespace {

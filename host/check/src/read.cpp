@@ -8,10 +8,10 @@
 #include <limits>
 #include <string_view>
 
-#include "checked_design.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/json_cause.hpp"
+#include "triskin/check/checked_design.hpp"
 
 namespace triskin::check {
 namespace {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <map>
 
-#include "surface_index.hpp"
+#include "triskin/check/surface_index.hpp"
 
 namespace triskin::check {
 namespace {

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "checked_design.hpp"
+#include "triskin/check/checked_design.hpp"
 
 namespace triskin::check {
 namespace {

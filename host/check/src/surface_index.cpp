@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "surface_index.hpp"
+#include "triskin/check/surface_index.hpp"
 
 #include <cmath>
 #include <map>

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "surface_index.hpp"
+#include "triskin/check/surface_index.hpp"
 
 namespace triskin::check {
 namespace {

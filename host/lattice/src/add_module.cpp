@@ -7,10 +7,10 @@
 #include <cmath>
 #include <functional>
 
-#include "net.hpp"
-#include "overlap.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/lattice/map_modules.hpp"
+#include "triskin/lattice/net.hpp"
+#include "triskin/lattice/overlap.hpp"
 
 namespace triskin::geometry {
 namespace {

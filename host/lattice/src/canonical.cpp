@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "canonical.hpp"
+#include "triskin/lattice/canonical.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "keep_limits.hpp"
-#include "kept_modules.hpp"
 #include "triskin/base/parallel.hpp"
+#include "triskin/lattice/kept_modules.hpp"
 #include "worst_places.hpp"
 
 namespace triskin::geometry::surface_lattice {

@@ -4,10 +4,10 @@
 #include <map>
 #include <vector>
 
-#include "canonical.hpp"
-#include "net.hpp"
+#include "triskin/lattice/canonical.hpp"
 #include "triskin/lattice/grow_lattice.hpp"
 #include "triskin/lattice/map_modules.hpp"
+#include "triskin/lattice/net.hpp"
 
 namespace triskin::geometry::surface_lattice {
 

@@ -4,12 +4,12 @@
 #include <optional>
 #include <vector>
 
-#include "grower.hpp"
-#include "layout_front.hpp"
-#include "net_price.hpp"
 #include "place_value.hpp"
 #include "triskin/lattice/grow_lattice.hpp"
-#include "zones.hpp"
+#include "triskin/lattice/grower.hpp"
+#include "triskin/lattice/layout_front.hpp"
+#include "triskin/lattice/net_price.hpp"
+#include "triskin/lattice/zones.hpp"
 
 namespace triskin::geometry::surface_lattice {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "overlap.hpp"
+#include "triskin/lattice/overlap.hpp"
 
 namespace triskin::geometry::surface_lattice {
 

@@ -9,14 +9,14 @@
 #include <memory>
 #include <optional>
 
-#include "canonical.hpp"
 #include "certify.hpp"
 #include "chain.hpp"
-#include "kept_modules.hpp"
 #include "team.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/parallel.hpp"
 #include "triskin/design/outline.hpp"
+#include "triskin/lattice/canonical.hpp"
+#include "triskin/lattice/kept_modules.hpp"
 #include "triskin/lattice/map_modules.hpp"
 
 namespace triskin::geometry {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "grower.hpp"
+#include "triskin/lattice/grower.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "overlap.hpp"
+#include "triskin/lattice/overlap.hpp"
 
 namespace triskin::geometry::surface_lattice {
 namespace {

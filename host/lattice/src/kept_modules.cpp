@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kept_modules.hpp"
+#include "triskin/lattice/kept_modules.hpp"
 
 #include <map>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "layout_front.hpp"
+#include "triskin/lattice/layout_front.hpp"
 
 #include <algorithm>
 
-#include "net_price.hpp"
+#include "triskin/lattice/net_price.hpp"
 
 namespace triskin::geometry::surface_lattice {
 

@@ -5,12 +5,12 @@
 #include <limits>
 
 #include "overlapping_pairs.hpp"
-#include "overrun.hpp"
-#include "point_grid.hpp"
 #include "rigid.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/lattice/map_modules.hpp"
+#include "triskin/lattice/overrun.hpp"
+#include "triskin/lattice/point_grid.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "near_surface.hpp"
+#include "triskin/lattice/near_surface.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "net.hpp"
+#include "triskin/lattice/net.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "net_price.hpp"
+#include "triskin/lattice/net_price.hpp"
 
 #include <algorithm>
 #include <cmath>

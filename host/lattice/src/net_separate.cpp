@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "net.hpp"
 #include "triskin/base/disjoint_sets.hpp"
+#include "triskin/lattice/net.hpp"
 
 namespace triskin::geometry::surface_lattice {
 namespace {

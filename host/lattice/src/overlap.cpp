@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "overlap.hpp"
+#include "triskin/lattice/overlap.hpp"
 
 #include <cmath>
 #include <limits>

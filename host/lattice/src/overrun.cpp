@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "overrun.hpp"
+#include "triskin/lattice/overrun.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>

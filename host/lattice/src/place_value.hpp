@@ -3,8 +3,8 @@
 #include <utility>
 #include <vector>
 
-#include "canonical.hpp"
-#include "net.hpp"
+#include "triskin/lattice/canonical.hpp"
+#include "triskin/lattice/net.hpp"
 #include "triskin/mesh/surface_regions.hpp"
 
 namespace triskin::geometry::surface_lattice {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "relax.hpp"
+#include "triskin/lattice/relax.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>

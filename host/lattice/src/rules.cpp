@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "rules.hpp"
+#include "triskin/lattice/rules.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "overlap.hpp"
-#include "overrun.hpp"
 #include "triskin/design/outline.hpp"
+#include "triskin/lattice/overlap.hpp"
+#include "triskin/lattice/overrun.hpp"
 
 namespace triskin::geometry::surface_lattice {
 namespace {

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <vector>
 
-#include "grower.hpp"
 #include "triskin/design/tile.hpp"
+#include "triskin/lattice/grower.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <vector>
 
-#include "grower.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/lattice/grow_lattice.hpp"
+#include "triskin/lattice/grower.hpp"
 #include "triskin/mesh/surface_regions.hpp"
 
 namespace triskin::geometry {

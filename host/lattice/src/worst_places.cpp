@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "overlap.hpp"
-#include "point_grid.hpp"
 #include "triskin/base/index.hpp"
+#include "triskin/lattice/overlap.hpp"
+#include "triskin/lattice/point_grid.hpp"
 
 namespace triskin::geometry {
 namespace {

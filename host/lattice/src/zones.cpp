@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "zones.hpp"
+#include "triskin/lattice/zones.hpp"
 
 #include <algorithm>
 #include <map>
@@ -7,8 +7,8 @@
 #include <tuple>
 #include <utility>
 
-#include "overlap.hpp"
 #include "triskin/base/disjoint_sets.hpp"
+#include "triskin/lattice/overlap.hpp"
 
 namespace triskin::geometry::surface_lattice {
 namespace {

@@ -4,8 +4,8 @@
 #include <CGAL/alpha_wrap_3.h>
 
 #include "clean.hpp"
-#include "extract_steps.hpp"
 #include "isolated.hpp"
+#include "triskin/mesh/extract_steps.hpp"
 
 namespace triskin::geometry {
 namespace {

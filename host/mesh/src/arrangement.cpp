@@ -7,8 +7,8 @@
 #include <map>
 #include <vector>
 
-#include "extract_steps.hpp"
 #include "triskin/base/index.hpp"
+#include "triskin/mesh/extract_steps.hpp"
 
 namespace triskin::geometry {
 namespace {

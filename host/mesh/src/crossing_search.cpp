@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "crossing_search.hpp"
+#include "triskin/mesh/crossing_search.hpp"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 

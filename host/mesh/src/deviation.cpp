@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
-#include "extract_steps.hpp"
 #include "triangle_tree.hpp"
 #include "triskin/base/index.hpp"
+#include "triskin/mesh/extract_steps.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -10,11 +10,11 @@
 #include <unordered_set>
 
 #include "edge_sides.hpp"
-#include "extract_steps.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/design/design_types.hpp"
 #include "triskin/mesh/decimated_mesh.hpp"
+#include "triskin/mesh/extract_steps.hpp"
 #include "triskin/mesh/surface.hpp"
 
 namespace triskin::geometry {

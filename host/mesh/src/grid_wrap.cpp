@@ -10,9 +10,9 @@
 #include <cstdint>
 #include <unordered_map>
 
-#include "extract_steps.hpp"
 #include "triangle_tree.hpp"
 #include "triskin/base/index.hpp"
+#include "triskin/mesh/extract_steps.hpp"
 
 namespace triskin::geometry {
 namespace {

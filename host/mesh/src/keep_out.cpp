@@ -5,8 +5,8 @@
 #include <map>
 #include <optional>
 
-#include "extract_steps.hpp"
 #include "triskin/base/index.hpp"
+#include "triskin/mesh/extract_steps.hpp"
 #include "triskin/mesh/surface.hpp"
 
 namespace triskin::geometry {

@@ -12,8 +12,8 @@
 #include <span>
 
 #include "edge_sides.hpp"
-#include "extract_steps.hpp"
 #include "triskin/base/index.hpp"
+#include "triskin/mesh/extract_steps.hpp"
 
 namespace triskin::geometry {
 namespace {

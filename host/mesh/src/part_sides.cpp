@@ -6,8 +6,8 @@
 
 #include "clean.hpp"
 #include "edge_sides.hpp"
-#include "extract_steps.hpp"
 #include "triskin/base/index.hpp"
+#include "triskin/mesh/extract_steps.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -13,14 +13,14 @@
 #include <span>
 
 #include "clean.hpp"
-#include "crossing_search.hpp"
 #include "edge_sides.hpp"
-#include "extract_steps.hpp"
 #include "isolated.hpp"
 #include "polygon_faces.hpp"
 #include "triangle_tree.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/index.hpp"
+#include "triskin/mesh/crossing_search.hpp"
+#include "triskin/mesh/extract_steps.hpp"
 #include "triskin/mesh/surface.hpp"
 
 namespace triskin::geometry {

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "extract_steps.hpp"
+#include "triskin/mesh/extract_steps.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -5,13 +5,13 @@
 #include <optional>
 #include <span>
 
-#include "crossing_search.hpp"
 #include "edge_sides.hpp"
-#include "extract_steps.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/base/parallel.hpp"
+#include "triskin/mesh/crossing_search.hpp"
 #include "triskin/mesh/extract.hpp"
+#include "triskin/mesh/extract_steps.hpp"
 
 namespace triskin::geometry {
 namespace {

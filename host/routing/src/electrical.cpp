@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "local_graph.hpp"
+#include "triskin/routing/local_graph.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "local_graph.hpp"
+#include "triskin/routing/local_graph.hpp"
 
 namespace triskin::geometry {
 

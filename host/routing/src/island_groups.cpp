@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "island_groups.hpp"
+#include "triskin/routing/island_groups.hpp"
 
 #include <algorithm>
 #include <bit>

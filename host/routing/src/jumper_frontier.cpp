@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "jumper_frontier.hpp"
+#include "triskin/routing/jumper_frontier.hpp"
 
 #include <algorithm>
 #include <bit>

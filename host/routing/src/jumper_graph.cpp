@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "jumper_graph.hpp"
+#include "triskin/routing/jumper_graph.hpp"
 
 #include <cmath>
 

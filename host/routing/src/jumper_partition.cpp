@@ -6,10 +6,10 @@
 #include <map>
 #include <optional>
 
-#include "island_groups.hpp"
-#include "jumper_frontier.hpp"
 #include "jumper_search.hpp"
 #include "partition.hpp"
+#include "triskin/routing/island_groups.hpp"
+#include "triskin/routing/jumper_frontier.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "jumper_graph.hpp"
+#include "triskin/routing/jumper_graph.hpp"
 
 namespace triskin::geometry {
 

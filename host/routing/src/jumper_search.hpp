@@ -4,8 +4,8 @@
 #include <functional>
 #include <vector>
 
-#include "jumper_graph.hpp"
 #include "triskin/base/dice.hpp"
+#include "triskin/routing/jumper_graph.hpp"
 
 namespace triskin::geometry {
 

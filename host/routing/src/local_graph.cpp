@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "local_graph.hpp"
+#include "triskin/routing/local_graph.hpp"
 
 #include <algorithm>
 

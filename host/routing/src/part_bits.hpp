@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "local_graph.hpp"
+#include "triskin/routing/local_graph.hpp"
 
 namespace triskin::geometry {
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "line_assignment.hpp"
-#include "local_graph.hpp"
+#include "triskin/routing/local_graph.hpp"
 
 namespace triskin::geometry {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "can_bits.hpp"
+#include "triskin/machine/can_bits.hpp"
 
 #include <array>
 

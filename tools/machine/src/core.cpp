@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cstring>
 
-#include "map.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/machine/map.hpp"
 #include "triskin/sim/flash_model.hpp"
 
 namespace triskin::machine {

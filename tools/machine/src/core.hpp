@@ -4,15 +4,15 @@
 
 #include <random>
 
-#include "dma.hpp"
-#include "fdcan.hpp"
-#include "flash_controller.hpp"
-#include "gpio.hpp"
-#include "i2c_controller.hpp"
-#include "nvic.hpp"
 #include "spi_controller.hpp"
-#include "system_blocks.hpp"
+#include "triskin/machine/dma.hpp"
+#include "triskin/machine/fdcan.hpp"
+#include "triskin/machine/flash_controller.hpp"
+#include "triskin/machine/gpio.hpp"
+#include "triskin/machine/i2c_controller.hpp"
 #include "triskin/machine/machine.hpp"
+#include "triskin/machine/nvic.hpp"
+#include "triskin/machine/system_blocks.hpp"
 #include "usart.hpp"
 #include "usb_controller.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "dma.hpp"
+#include "triskin/machine/dma.hpp"
 
 #include <fmt/format.h>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "fdcan.hpp"
+#include "triskin/machine/fdcan.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "can_bits.hpp"
-#include "map.hpp"
+#include "triskin/machine/can_bits.hpp"
+#include "triskin/machine/map.hpp"
 
 namespace triskin::machine {
 namespace {

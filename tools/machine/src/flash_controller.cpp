@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "flash_controller.hpp"
+#include "triskin/machine/flash_controller.hpp"
 
 #include <fmt/format.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "gpio.hpp"
+#include "triskin/machine/gpio.hpp"
 
 #include <fmt/format.h>
 
 #include <utility>
 
-#include "map.hpp"
+#include "triskin/machine/map.hpp"
 
 namespace triskin::machine {
 // Pins float at a reset; the pull-downs of the patch end EN and latch.

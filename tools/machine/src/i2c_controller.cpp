@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "i2c_controller.hpp"
+#include "triskin/machine/i2c_controller.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "nvic.hpp"
+#include "triskin/machine/nvic.hpp"
 
 #include <algorithm>
 

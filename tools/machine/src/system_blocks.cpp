@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "system_blocks.hpp"
+#include "triskin/machine/system_blocks.hpp"
 
 #include <fmt/format.h>
 

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "map.hpp"
+#include "triskin/machine/map.hpp"
 
 namespace triskin::machine {
 namespace {

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "edge_sides.hpp"
-#include "extract_steps.hpp"
 #include "ray_caster.hpp"
 #include "side_decision.hpp"
 #include "side_evidence.hpp"
@@ -12,6 +11,7 @@
 #include "triskin/base/error.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/mesh/extract.hpp"
+#include "triskin/mesh/extract_steps.hpp"
 #include "wall.hpp"
 
 namespace triskin::geometry {

@@ -2,7 +2,7 @@
 #pragma once
 #include <array>
 
-#include "search/cell_list.hpp"
+#include "triskin/placement/search/cell_list.hpp"
 
 namespace triskin::geometry {
 

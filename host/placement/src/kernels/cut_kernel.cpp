@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernels/cut_kernel.hpp"
+#include "triskin/placement/kernels/cut_kernel.hpp"
 
 #include <cstring>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernels/edge_figures.hpp"
+#include "triskin/placement/kernels/edge_figures.hpp"
 
 #include <algorithm>
 #include <cmath>

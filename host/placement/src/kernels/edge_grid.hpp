@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "kernels/tile_polygon.hpp"
+#include "triskin/placement/kernels/tile_polygon.hpp"
 
 namespace triskin::geometry {
 

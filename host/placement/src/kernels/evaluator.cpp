@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernels/evaluator.hpp"
+#include "triskin/placement/kernels/evaluator.hpp"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "kernels/tile_polygon.hpp"
+#include "triskin/placement/kernels/tile_polygon.hpp"
 
 namespace triskin::geometry {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernels/pair_kernel.hpp"
+#include "triskin/placement/kernels/pair_kernel.hpp"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernels/sample_bits.hpp"
+#include "triskin/placement/kernels/sample_bits.hpp"
 
 #include <algorithm>
 #include <bit>

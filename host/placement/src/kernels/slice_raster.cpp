@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernels/slice_raster.hpp"
+#include "triskin/placement/kernels/slice_raster.hpp"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernels/tile_grid.hpp"
+#include "triskin/placement/kernels/tile_grid.hpp"
 
 #include <cmath>
 

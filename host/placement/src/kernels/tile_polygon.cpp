@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernels/tile_polygon.hpp"
+#include "triskin/placement/kernels/tile_polygon.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <map>
 
-#include "kernels/evaluator.hpp"
 #include "search/scans.hpp"
+#include "triskin/placement/kernels/evaluator.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -6,10 +6,10 @@
 
 #include "kernels/contraction.hpp"
 #include "kernels/edge_grid.hpp"
-#include "kernels/evaluator.hpp"
-#include "kernels/slice_raster.hpp"
-#include "search/cell_list.hpp"
 #include "search/conflict_bound.hpp"
+#include "triskin/placement/kernels/evaluator.hpp"
+#include "triskin/placement/kernels/slice_raster.hpp"
+#include "triskin/placement/search/cell_list.hpp"
 
 namespace triskin::geometry {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "search/cell_list.hpp"
+#include "triskin/placement/search/cell_list.hpp"
 
 #include <algorithm>
 

@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "kernels/pair_kernel.hpp"
-#include "kernels/tile_polygon.hpp"
 #include "triskin/base/progress.hpp"
+#include "triskin/placement/kernels/pair_kernel.hpp"
+#include "triskin/placement/kernels/tile_polygon.hpp"
 
 namespace triskin::geometry {
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "kernels/pair_kernel.hpp"
-#include "search/cell_list.hpp"
+#include "triskin/placement/kernels/pair_kernel.hpp"
+#include "triskin/placement/search/cell_list.hpp"
 
 namespace triskin::geometry {
 

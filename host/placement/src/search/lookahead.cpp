@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "search/lookahead.hpp"
+#include "triskin/placement/search/lookahead.hpp"
 
 #include <cmath>
 #include <cstring>

@@ -9,7 +9,7 @@
 
 #include "kernels/contraction.hpp"
 #include "kernels/edge_grid.hpp"
-#include "kernels/evaluator.hpp"
+#include "triskin/placement/kernels/evaluator.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "search/cell_list.hpp"
 #include "triskin/base/progress.hpp"
+#include "triskin/placement/search/cell_list.hpp"
 
 namespace triskin::geometry {
 

@@ -5,7 +5,6 @@
 #include <chrono>
 
 #include "kernels/connected_tiles.hpp"
-#include "kernels/evaluator.hpp"
 #include "kernels/exact_recheck.hpp"
 #include "kernels/weighted_tiles.hpp"
 #include "search/branch_and_bound.hpp"
@@ -13,6 +12,7 @@
 #include "search/scans.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/design/outline.hpp"
+#include "triskin/placement/kernels/evaluator.hpp"
 #include "triskin/placement/placement.hpp"
 #include "triskin/placement/polygon_io.hpp"
 

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <random>
 
-#include "kernels/evaluator.hpp"
+#include "triskin/placement/kernels/evaluator.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "kernels/tile_grid.hpp"
+#include "triskin/placement/kernels/tile_grid.hpp"
 
 namespace triskin::geometry {
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "net.hpp"
+#include "triskin/lattice/net.hpp"
 
 namespace triskin::geometry::surface_lattice {
 

@@ -2,10 +2,10 @@
 #pragma once
 #include <vector>
 
-#include "envelope.hpp"
-#include "near_surface.hpp"
-#include "net.hpp"
-#include "overlap.hpp"
+#include "triskin/lattice/envelope.hpp"
+#include "triskin/lattice/near_surface.hpp"
+#include "triskin/lattice/net.hpp"
+#include "triskin/lattice/overlap.hpp"
 
 namespace triskin::geometry::surface_lattice {
 

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "extract_steps.hpp"
+#include "triskin/mesh/extract_steps.hpp"
 
 namespace triskin::geometry {
 

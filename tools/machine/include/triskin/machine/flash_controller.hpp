@@ -2,9 +2,9 @@
 #pragma once
 #include <functional>
 
-#include "system_blocks.hpp"
 #include "triskin/machine/flash_chip.hpp"
 #include "triskin/machine/peripheral.hpp"
+#include "triskin/machine/system_blocks.hpp"
 
 namespace triskin::machine {
 

@@ -5,8 +5,8 @@
 #include <CGAL/AABB_triangle_primitive.h>
 #include <CGAL/Simple_cartesian.h>
 
-#include "checked_design.hpp"
-#include "module_outline.hpp"
+#include "triskin/check/checked_design.hpp"
+#include "triskin/check/module_outline.hpp"
 
 namespace triskin::check {
 

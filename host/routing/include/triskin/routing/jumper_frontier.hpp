@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "jumper_graph.hpp"
+#include "triskin/routing/jumper_graph.hpp"
 
 namespace triskin::geometry {
 

@@ -2,8 +2,8 @@
 #pragma once
 #include <vector>
 
-#include "canonical.hpp"
-#include "net.hpp"
+#include "triskin/lattice/canonical.hpp"
+#include "triskin/lattice/net.hpp"
 #include "triskin/mesh/surface.hpp"
 
 namespace triskin::geometry::surface_lattice {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "kernels/tile_grid.hpp"
+#include "triskin/placement/kernels/tile_grid.hpp"
 
 namespace triskin::geometry {
 

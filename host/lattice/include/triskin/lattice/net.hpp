@@ -5,11 +5,11 @@
 #include <utility>
 #include <vector>
 
-#include "buckets.hpp"
-#include "free_numbers.hpp"
-#include "point_grid.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/design/design_types.hpp"
+#include "triskin/lattice/buckets.hpp"
+#include "triskin/lattice/free_numbers.hpp"
+#include "triskin/lattice/point_grid.hpp"
 
 namespace triskin::geometry::surface_lattice {
 

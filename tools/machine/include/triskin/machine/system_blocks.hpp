@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "map.hpp"
+#include "triskin/machine/map.hpp"
 #include "triskin/machine/peripheral.hpp"
 
 namespace triskin::machine {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "buckets.hpp"
 #include "triskin/design/design_types.hpp"
+#include "triskin/lattice/buckets.hpp"
 
 namespace triskin::geometry::surface_lattice {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "map.hpp"
+#include "triskin/machine/map.hpp"
 #include "triskin/machine/peripheral.hpp"
 
 namespace triskin::machine {

@@ -2,8 +2,8 @@
 #pragma once
 #include <vector>
 
-#include "net.hpp"
 #include "triskin/base/dice.hpp"
+#include "triskin/lattice/net.hpp"
 
 namespace triskin::geometry::surface_lattice {
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "kernels/tile_grid.hpp"
-#include "kernels/tile_polygon.hpp"
+#include "triskin/placement/kernels/tile_grid.hpp"
+#include "triskin/placement/kernels/tile_polygon.hpp"
 
 namespace triskin::geometry {
 

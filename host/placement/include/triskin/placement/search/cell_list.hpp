@@ -2,8 +2,8 @@
 #pragma once
 #include <vector>
 
-#include "kernels/pair_kernel.hpp"
-#include "search/lookahead.hpp"
+#include "triskin/placement/kernels/pair_kernel.hpp"
+#include "triskin/placement/search/lookahead.hpp"
 
 namespace triskin::geometry {
 

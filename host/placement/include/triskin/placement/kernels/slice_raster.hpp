@@ -2,9 +2,9 @@
 #pragma once
 #include <vector>
 
-#include "kernels/edge_figures.hpp"
-#include "kernels/sample_bits.hpp"
-#include "search/cell_list.hpp"
+#include "triskin/placement/kernels/edge_figures.hpp"
+#include "triskin/placement/kernels/sample_bits.hpp"
+#include "triskin/placement/search/cell_list.hpp"
 
 namespace triskin::geometry {
 

@@ -2,8 +2,8 @@
 #pragma once
 #include <vector>
 
-#include "kernels/pair_kernel.hpp"
-#include "kernels/sample_bits.hpp"
+#include "triskin/placement/kernels/pair_kernel.hpp"
+#include "triskin/placement/kernels/sample_bits.hpp"
 
 namespace triskin::geometry {
 

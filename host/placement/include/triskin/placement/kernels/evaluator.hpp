@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "kernels/cut_kernel.hpp"
-#include "kernels/tile_grid.hpp"
-#include "kernels/tile_polygon.hpp"
+#include "triskin/placement/kernels/cut_kernel.hpp"
+#include "triskin/placement/kernels/tile_grid.hpp"
+#include "triskin/placement/kernels/tile_polygon.hpp"
 
 namespace triskin::geometry {
 

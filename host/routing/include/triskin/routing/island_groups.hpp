@@ -6,7 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "jumper_graph.hpp"
+#include "triskin/routing/jumper_graph.hpp"
 
 namespace triskin::geometry {
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <functional>
 
-#include "dma.hpp"
+#include "triskin/machine/dma.hpp"
 #include "triskin/machine/peripheral.hpp"
 #include "triskin/machine/vcd.hpp"
 #include "triskin/sim/i2c_bus.hpp"

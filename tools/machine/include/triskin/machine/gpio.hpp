@@ -2,10 +2,10 @@
 #pragma once
 #include <array>
 
-#include "route_chain_pins.hpp"
-#include "system_blocks.hpp"
 #include "triskin/machine/machine.hpp"
 #include "triskin/machine/peripheral.hpp"
+#include "triskin/machine/route_chain_pins.hpp"
+#include "triskin/machine/system_blocks.hpp"
 #include "triskin/sim/i2c_bus.hpp"
 
 namespace triskin::machine {

@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "checked_design.hpp"
+#include "triskin/check/checked_design.hpp"
 
 namespace triskin::check {
 

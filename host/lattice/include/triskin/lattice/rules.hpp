@@ -3,10 +3,10 @@
 #include <array>
 #include <vector>
 
-#include "near_surface.hpp"
-#include "net.hpp"
-#include "overlap.hpp"
 #include "triskin/design/design_types.hpp"
+#include "triskin/lattice/near_surface.hpp"
+#include "triskin/lattice/net.hpp"
+#include "triskin/lattice/overlap.hpp"
 #include "triskin/mesh/surface.hpp"
 
 namespace triskin::geometry::surface_lattice {

@@ -5,12 +5,12 @@
 #include <functional>
 #include <vector>
 
-#include "net.hpp"
-#include "relax.hpp"
-#include "rules.hpp"
 #include "triskin/base/dice.hpp"
 #include "triskin/base/interrupt.hpp"
-#include "zones.hpp"
+#include "triskin/lattice/net.hpp"
+#include "triskin/lattice/relax.hpp"
+#include "triskin/lattice/rules.hpp"
+#include "triskin/lattice/zones.hpp"
 
 namespace triskin::geometry::surface_lattice {
 
