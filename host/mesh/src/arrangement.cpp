@@ -110,7 +110,7 @@ class Arrangement {
   }
 
   const Mesh& mesh_;
-  std::map<int, std::vector<Line>> lines_;  // Keyed by face: the lines that others draw on it.
+  std::map<int, std::vector<Line>> lines_;  // The key is a face, the value the lines that others draw on it.
   std::map<Point3, int> vertex_;
   Mesh result_;
 };

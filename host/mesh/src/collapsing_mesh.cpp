@@ -110,8 +110,8 @@ CollapsingMesh::Move CollapsingMesh::best_move(int vertex, double deviation_mm, 
   return best;
 }
 
-// The neighbours that both have are those at the edge between them, and no face stands on the other side of a single
-// new one.
+// Their common neighbours must be exactly those at the edge between them, and no single new side may already have a
+// face beyond it.
 bool CollapsingMesh::keeps_edges_single(int vertex, const Ring& ring, std::size_t j) const {
   Ring around;
   if (!ring_of(ring.corners[j], around)) return false;
@@ -134,7 +134,8 @@ void CollapsingMesh::point_side(int face, int from, int to, int neighbour) {
   }
 }
 
-// A face with the middle and the corner that it is drawn onto: what stood at its two other sides is joined.
+// Removes a face with the middle and the corner onto which it is collapsed, and joins the neighbours at its two other
+// sides.
 void CollapsingMesh::remove_face(int face, int vertex, int corner) {
   const auto f = faces_[at(face)];
   const auto sides = neighbours_[at(face)];

@@ -51,7 +51,7 @@ HullDepth::HullDepth(const std::vector<Vec3>& points_mm) {
   for (const std::size_t k : extremes) extremes_mm_.push_back(points_mm[k]);
 }
 
-// The half space of the normal itself is exact where the surface is flat, which those of other directions are not.
+// The half space of the normal itself is exact on flat surfaces; those of other directions are not.
 double HullDepth::along(const Vec3& point_mm, const Vec3& normal) const {
   double depth = 0.0;
   for (const Vec3& p : extremes_mm_) depth = std::max(depth, normal.dot(p - point_mm));

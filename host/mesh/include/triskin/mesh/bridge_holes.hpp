@@ -4,13 +4,12 @@
 
 namespace triskin::geometry {
 
-/// Result of bridge_holes().
 struct BridgeReport {
-  int bridged = 0;  ///< It counts the holes that are closed now.
-  /// It counts the holes left open because the part stands out of them, as the head of a screw does.
+  int bridged = 0;
+  /// These holes stay open because the part stands out of them, as the head of a screw does.
   int kept_out = 0;
-  int left_open = 0;      ///< It counts the holes left open because their lid would cross the surface.
-  double area_mm2 = 0.0;  ///< The lids together have this area.
+  int left_open = 0;      ///< These stay open because their lid would cross the surface.
+  double area_mm2 = 0.0;  ///< All lids together have this area.
 };
 
 /// Closes the holes of a surface whose border is nowhere wider than `diameter_mm` > 0 by flat lids, so that modules may

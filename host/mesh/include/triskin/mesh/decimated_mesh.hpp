@@ -8,19 +8,19 @@
 
 namespace triskin::geometry {
 
-/// How far a mesh of the solvers may be from the surface that it stands for, mm unless another is asked for.
+/// By default the mesh of the solvers may be this far from the surface that it stands for.
 inline constexpr double kSolverDeviation_mm = 0.05;
-/// The same of their borders: what stands over a border is measured to 0.02 mm.
+/// By default its borders may be off by this much: the overhang of modules over a border is measured to 0.02 mm.
 inline constexpr double kSolverBorder_mm = 0.01;
 
-/// A mesh with fewer faces for the solvers, whose cost follows the area and the shape of a surface and not its faces.
-/// Its corners are corners of the surface; parts, holes and handles are the same.
+/// Stands for a surface with more faces than the solvers need: their cost follows the area and the shape, not the
+/// number of faces. Its corners are corners of the surface; parts, holes and handles are the same.
 struct DecimatedMesh {
   Mesh mesh;
-  /// No point of either is farther from the other: a proved bound, but for rounding (1e-9 mm a step), and at most what
-  /// was asked for.
+  /// No point of either mesh is farther from the other. The bound is proved, but for rounding (1e-9 mm per step), and
+  /// never exceeds what the caller asked for.
   double deviation_mm = 0.0;
-  double border_mm = 0.0;  ///< The borders may move by so much.
+  double border_mm = 0.0;  ///< No border moved farther than this.
 };
 
 /// Takes out corners while the bounds hold, where the surface is flattest first: an edge is drawn together where the
