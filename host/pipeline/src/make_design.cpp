@@ -31,17 +31,17 @@
 namespace triskin::pipeline {
 namespace {
 
-constexpr double kRepairShare = 0.4;  // Repair gets this share of the time.
-// With a short limit, repair gets this time, or this share of the limit.
+constexpr double kRepairShare = 0.4;  // Repair gets this fraction of the time.
+// With a short limit, repair gets this time, or this fraction of the limit.
 constexpr double kShortRepair_s = 2.0, kShortRepairShare = 0.7;
-constexpr double kUnfoldingShare = 0.3;  // Unfolding gets this share of what reading and repair leave.
-// Above this many faces per second of the limit the share shrinks, since most such meshes are given up.
+constexpr double kUnfoldingShare = 0.3;  // Unfolding gets this fraction of the time that reading and repair leave.
+// Above this many faces per second of the limit the fraction shrinks, since most such meshes are given up.
 constexpr double kUnfoldedFaces = 10'000.0;
 constexpr double kMaxUnfolded = 2.0;   // Above this multiple the first step alone would take longer.
-constexpr double kPiecesShare = 0.12;  // Pieces get this share of the time; the growth gets what is left after them.
+constexpr double kPiecesShare = 0.12;  // Pieces get this fraction of the time; the growth gets the rest.
 constexpr double kPieceLeast_s = 0.1;  // Each piece gets at least this time, or what a short limit allows.
 constexpr double kMapped_s = 2.5e-4;   // Measured time to map a module on a piece, with the steps that follow.
-// Work that has not started by this share of the time is left out.
+// Work that has not started by this fraction of the time is left out.
 constexpr double kPlacingEnd = 0.65, kMappingEnd = 0.85;
 // The growth gets half of the time; a limit up to 3 s is binding for it.
 constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;
@@ -62,7 +62,7 @@ constexpr double kWritingShare = 0.8;  // Writing the surface takes 80 % of the 
 constexpr double kWriting_s = 5e-5;    // Measured time to write a module with its alternatives, 4 kB each.
 constexpr double kPricing_s = 1.2e-4;  // Measured time to map and price a module, used if no piece was timed.
 
-// With a fixed number of steps the repair's clock stands still: its result must not depend on the time.
+// With a fixed number of steps the repair's clock stands still, because the result must not depend on the time.
 geometry::Extraction surface_of(const geometry::Mesh& mesh, const std::string& name, const DesignOptions& options,
                                 Clock::time_point start, const ProgressSink& progress) {
   if (options.repair == RepairMode::kNever) {
@@ -80,8 +80,8 @@ geometry::Extraction surface_of(const geometry::Mesh& mesh, const std::string& n
   return geometry::extract(mesh, steps, progress);
 }
 
-// The side that is covered, with its holes bridged; what it was taken from goes into the design, for the checker. False
-// where both sides look alike: the caller asks, and nothing is covered.
+// Takes the side to be covered, with its holes bridged; the original part goes into the design, for the checker.
+// Returns false if both sides look alike: the caller asks, and nothing is covered.
 bool take_surface(geometry::Extraction& extraction, const DesignOptions& options, design::Design& design,
                   DesignNotes* notes) {
   geometry::TakenSide taken = geometry::take_side(extraction.surface, options.side);
@@ -118,7 +118,7 @@ double area_of(const geometry::Mesh& mesh) {
   return 0.5 * twice;
 }
 
-// The pieces give up when their share of the time is over, so that the growth has its own.
+// The pieces stop when their part of the time is over, so that the growth has its own.
 geometry::Net pieces_of(const geometry::Surface& surface, const DesignOptions& options, Clock::time_point start,
                         const ProgressSink& progress) {
   const double faces = static_cast<double>(surface.mesh().faces.size());
@@ -133,8 +133,8 @@ geometry::Net pieces_of(const geometry::Surface& surface, const DesignOptions& o
   return geometry::unfold(surface, unfolding, progress);
 }
 
-// Large pieces first; each may use what its share of the area leaves of the time. Those that it does not reach are left
-// out: of a soup thousands of pieces take longer than their shares.
+// Large pieces come first; each may use its share of the remaining time by area. Pieces that are not reached are left
+// out: thousands of pieces of a triangle soup take longer than their shares.
 std::vector<geometry::TiledPiece> place_pieces(design::Design& design, const geometry::Net& net,
                                                const DesignOptions& options, Clock::time_point start,
                                                const ProgressSink& progress) {
@@ -173,12 +173,12 @@ void require_places(const design::KindPlan& plan) {
       "--kinds, then run triskin edit DESIGN --kinds");
 }
 
-// Results of the pieces, from which the time of the growth and of later steps is estimated.
+// Holds the results of the pieces, from which the time of the growth and of later steps is estimated.
 struct PiecesDone {
-  double at_most;               // Upper bound of the modules, by area.
-  double uncovered;             // Share of the surface, 0 … 1.
-  double mapping_s, pricing_s;  // Estimated for a layout of the growth, from the layout of the pieces.
-  double writing_s;             // Time to write the design file.
+  double at_most;               // The bound is computed from the area.
+  double uncovered;             // This fraction (0 … 1) of the surface has no module.
+  double mapping_s, pricing_s;  // Both times are estimated for a layout of the growth, from the layout of the pieces.
+  double writing_s;             // Writing the design file takes this time.
 
   [[nodiscard]] double wiring_s() const { return kWiringShare * (mapping_s + pricing_s) + writing_s; }
   [[nodiscard]] double after_growth_s(double limit_s) const {
@@ -199,7 +199,7 @@ PiecesDone pieces_done(const geometry::Surface& surface, std::size_t modules, do
           writing_s + more * kWriting_s * static_cast<double>(modules)};
 }
 
-// What pieces and growth are searched on: the surface, or a mesh with fewer faces.
+// Pieces and growth are searched on this surface: the original, or a mesh with fewer faces.
 class SearchedSurface {
  public:
   SearchedSurface(const geometry::Surface& original, const DesignOptions& options)
@@ -217,7 +217,7 @@ class SearchedSurface {
   std::optional<geometry::Surface> reduced_;
 };
 
-// The modules of the pieces keep the limits on the original.
+// The modules of the pieces keep the limits on the original surface.
 design::ModuleLayout mapped_layout(const geometry::Surface& original, const SearchedSurface& searched,
                                    const std::vector<geometry::TiledPiece>& placed, const DesignOptions& options,
                                    const geometry::SurfaceRegions* regions, Clock::time_point start) {
@@ -229,9 +229,9 @@ design::ModuleLayout mapped_layout(const geometry::Surface& original, const Sear
   return layout;
 }
 
-// The layouts grown on the surface, best first. The pieces of a fine mesh may take longer than the whole limit on a
-// busy machine: the growth keeps its share all the same, but for pieces that leave it next to nothing to gain. It is
-// left out, none returned, where the time is over, what may be passed included, and the pieces have a layout.
+// Returns the layouts grown on the surface, best first. The pieces of a fine mesh may take longer than the whole limit
+// on a busy machine; the growth keeps its share all the same, unless the pieces leave it next to nothing to gain.
+// Returns none if the time, including the allowed excess, is over and the pieces have a layout.
 std::vector<design::ModuleLayout> grow(const geometry::Surface& surface, const geometry::DecimatedMesh* solver,
                                        const DesignOptions& options, const geometry::SurfaceRegions* regions,
                                        Clock::time_point start, const PiecesDone& pieces,
@@ -264,7 +264,7 @@ std::optional<design::Design::PartSource> part_source(const geometry::MeshReadRe
                                     cad::selection_text(faces)};
 }
 
-// Limits of the lattice for a bending radius: a side of a module is a chord, whose sagitta is a²/(8R)
+// Derives limits of the lattice from a bending radius: a side of a module is a chord, whose sagitta is a²/(8R)
 // (docs/bending.md).
 DesignOptions with_bend_limits(DesignOptions options) {
   if (options.bend_radius_mm <= 0.0) return options;
@@ -274,7 +274,7 @@ DesignOptions with_bend_limits(DesignOptions options) {
   return options;
 }
 
-// Faces that were asked for, or those that an older version of the part was covered on.
+// Returns the faces that were asked for, or those on which an older version of the part was covered.
 cad::FaceSelection faces_of(const DesignOptions& options) {
   const bool is_asked = cad::selection_text(options.faces) != cad::selection_text({});
   if (is_asked || options.like == nullptr || !options.like->part) return options.faces;
@@ -313,7 +313,7 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   const double reading_s = seconds_since(start);
   design.scale_to_mm = file.report.scale_to_mm;
   if (notes != nullptr) notes->reading = file.report.notes;
-  // Smaller than a module: nothing fits, whatever its faces do, and that is an answer.
+  // The mesh is smaller than a module, so nothing fits whatever its faces are; that is a valid answer.
   if (const double area_mm2 = area_of(file.mesh); area_mm2 < design::kModuleArea_mm2) {
     design.surface = file.mesh;
     design.report.area_cm2 = area_mm2 / 100.0;
