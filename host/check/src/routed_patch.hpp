@@ -13,14 +13,14 @@
 
 namespace triskin::check {
 
-/// A joint between two modules, the lesser id first.
+/// A joint between two modules, with the lower id first.
 using Edge = std::pair<int, int>;
 [[nodiscard]] inline Edge edge(int a, int b) {
   return std::minmax(a, b);
 }
 
 struct ListedModule {
-  std::array<int, 3> beside{-1, -1, -1};  ///< Each is the id across that side.
+  std::array<int, 3> beside{-1, -1, -1};  ///< Each entry is the id of the module across that side.
   bool border = true;
 };
 using ModuleMap = std::map<int, ListedModule>;
