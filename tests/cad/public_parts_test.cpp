@@ -77,7 +77,7 @@ TEST(PublicAssembly, OfLinksAloneIsTold) {
 }
 
 struct OddPart {
-  std::string file, said;  // empty: the whole cover is read
+  std::string file, said;  // An empty text means that the whole cover is read.
 };
 
 void PrintTo(const OddPart& part, std::ostream* out) {

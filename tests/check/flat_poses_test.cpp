@@ -32,7 +32,7 @@ struct PosedPart {
   design::Mesh mesh;
 };
 
-// Part number `number`: shape, size, angle and pose are drawn from it alone.
+// Makes a part whose shape, size, angle and pose are drawn from `number` alone.
 PosedPart posed_part(int number) {
   std::mt19937_64 random(static_cast<std::uint64_t>(number));
   const auto between = [&](double least, double most) {
@@ -100,7 +100,7 @@ class PosedCheck {
   }
 
  private:
-  // The first kind of damage from `number` on that some module can have, at a module drawn from `number`.
+  // Takes the first kind of damage from `number` on that some module can have, at a module drawn from `number`.
   void damage_one(int number, const design::Design& design, const json& good, const fs::path& file) {
     const geometry::Surface surface(design.surface);
     const auto kinds = damage::damage_kinds(surface);

@@ -15,7 +15,7 @@
 
 namespace triskin::tests {
 
-/// What a program wrote to standard output, and its exit status (-1: it did not end by itself).
+/// The output and exit status of a program (-1: it did not end by itself).
 struct Ran {
   int exit_status = -1;
   std::string output;
