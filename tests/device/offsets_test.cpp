@@ -11,7 +11,7 @@ namespace {
 class Offsets : public testing::TestWithParam<bool> {};
 
 TEST_P(Offsets, EveryTaxelRestsInTheMiddleThirdAndPressureLowersIt) {
-  Fixture f(20);  // two patches
+  Fixture f(20);  // The strip has two patches.
   FlashOptions options;
   options.positive_input = GetParam();
   (void)f.flash(options);

@@ -38,7 +38,7 @@ Mesh mirrored(Mesh m) {
   return m;
 }
 
-// Written in metres and read with the unit, as a user would.
+// The mesh is written in metres and read with the unit, as a user would do.
 Mesh in_metres(Mesh m) {
   for (Vec3& v : m.vertices) v /= 1000.0;
   const fs::path file = fs::temp_directory_path() / ("copies." + std::to_string(::getpid()) + ".obj");
@@ -64,7 +64,7 @@ Mesh numbered_anew(const Mesh& m) {
   return out;
 }
 
-// Isotropic triangles of 6 mm; the border stays.
+// Makes isotropic triangles of 6 mm; the border stays.
 Mesh meshed_anew(const Mesh& m) {
   using Cgal = CGAL::Surface_mesh<CGAL::Simple_cartesian<double>::Point_3>;
   Cgal mesh;

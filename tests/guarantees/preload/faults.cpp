@@ -30,7 +30,7 @@ const std::atomic<std::int64_t>* shift_s() {
 
 std::atomic<long> changes = 0;
 
-// True when this change of a file is one that has to fail; errno is set then.
+// Returns true when this change of a file has to fail; errno is set then.
 bool fails() {
   static const long kFirst = [] {
     const char* text = std::getenv("TRISKIN_TEST_FAIL_AT");
