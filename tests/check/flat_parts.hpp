@@ -14,7 +14,8 @@ namespace triskin::check::parts {
 using design::Mesh;
 using design::Vec3;
 
-/// Makes two plates of width × length mm each, joined along a side under `fold_rad` (0: one flat plate, < 0: a valley).
+/// Makes two plates of width × length mm each, joined along a side under `fold_rad` (0: one flat plate, < 0: a
+/// valley).
 inline Mesh ridge(double width_mm, double length_mm, double fold_rad) {
   const Vec3 left{-width_mm * std::cos(0.5 * fold_rad), 0, -width_mm * std::sin(0.5 * fold_rad)};
   const Vec3 right{-left.x(), 0, left.z()}, along{0, length_mm, 0}, middle = Vec3::Zero();

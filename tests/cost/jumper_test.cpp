@@ -75,8 +75,9 @@ TEST(Jumper, the_way_over_a_ridge_is_longer_than_the_straight_line) {
   roof.vertices = {{-100, 0, 0}, {100, 0, 0}, {-100, 80, -80}, {100, 80, -80}, {-100, -80, -80}, {100, -80, -80}};
   roof.faces = {{0, 1, 3}, {0, 3, 2}, {0, 4, 5}, {0, 5, 1}};
   const geometry::Surface surface(roof);
-  // The ends are 5 mm down each slope from the ridge, d = 5 / √2 = 3.54 mm across. The foot of a point of it at y lies
-  // at (y + d) / 2: half way up each slope (2 × 2.5 mm), and straight across where the closest point changes sides (d).
+  // The ends are 5 mm down each slope from the ridge, d = 5 / √2 = 3.54 mm across. The foot of a point of it at y
+  // lies at (y + d) / 2: half way up each slope (2 × 2.5 mm), and straight across where the closest point changes
+  // sides (d).
   const double d = 5.0 / std::sqrt(2.0);
   EXPECT_NEAR(geometry::jumper_length_mm(surface, {0, d, -d}, {0, -d, -d}), 5.0 + d, 0.2);
 }

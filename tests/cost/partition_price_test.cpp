@@ -460,8 +460,8 @@ TEST(Cost, three_islands_of_ten_need_two_controllers_and_two_jumpers) {
 }
 
 TEST(Cost, the_lines_carry_the_capacitance_of_the_jumpers) {
-  // Two modules are on two lines, each of which reaches both. By hand: 60 · 0.5 m of cable + 2 of the joint + 10 of the
-  // module + 6 of the module passed = 48 pF; with a jumper of 10 mm 60 · 0.01 + 2 more.
+  // Two modules are on two lines, each of which reaches both. By hand: 60 · 0.5 m of cable + 2 of the joint + 10 of
+  // the module + 6 of the module passed = 48 pF; with a jumper of 10 mm 60 · 0.01 + 2 more.
   ModuleGraph joint, apart;
   joint.nodes.resize(2);
   joint.nodes[0].neighbour[0] = 1;

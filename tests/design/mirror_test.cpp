@@ -29,8 +29,8 @@ TEST(Mirror, exchanges_the_axes_of_the_lattice) {
   }
 }
 
-// The mirror plane is x = 10: corners (0, 0), (30, 0), (15, h) of the up tile of cell (0, 0) move to (20, 0), (−10, 0),
-// (5, h).
+// The mirror plane is x = 10: corners (0, 0), (30, 0), (15, h) of the up tile of cell (0, 0) move to (20, 0), (−10,
+// 0), (5, h).
 TEST(Mirror, a_module_keeps_its_sense) {
   Design d = test::flat_design("row", {-10, -10}, {90, 40});
   const std::vector<Tile> tiles{{0, 0, true}, {0, 0, false}};

@@ -47,8 +47,8 @@ TEST(FitSensitivity, of_points_on_a_line_is_its_slope) {
 
 // The values 0, 1600, 2900 counts below rest belong to 0, 10, 20 kPa. Means are 10 kPa and 1500 counts, so the slope is
 // ((-10)(-1500) + 0 + 10 * 1400) / 200 = 145 and the points lie -50, +100, -50 counts off the line. The variance of the
-// slope is 15000 / (3 − 2) / 200 = 75; Student's t of one degree of freedom is 12.706, so the bound is 12.706 · 8.6603
-// / 145 = 75.89 %. From the rest value the middle point shows 1600 / 145 = 11.034 kPa: 1.034 too much.
+// slope is 15000 / (3 − 2) / 200 = 75; Student's t of one degree of freedom is 12.706, so the bound is 12.706 ·
+// 8.6603 / 145 = 75.89 %. From the rest value the middle point shows 1600 / 145 = 11.034 kPa: 1.034 too much.
 TEST(FitSensitivity, states_its_error) {
   const Points points{{0, 32'768, 1}, {10, 31'168, 1}, {20, 29'868, 1}};
   const auto line = fit_sensitivity(points);

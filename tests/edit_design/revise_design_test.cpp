@@ -22,7 +22,8 @@ using design::Vec3;
 
 constexpr double kHoleRadius_mm = 14.0;
 
-// Makes a plate of 360 × 240 mm, bent to a cylinder of radius 300 mm, from cells of 4 mm without those in a round hole.
+// Makes a plate of 360 × 240 mm, bent to a cylinder of radius 300 mm, from cells of 4 mm without those in a round
+// hole.
 design::Mesh plate_with_hole(const Vec2& hole_mm) {
   constexpr int kColumns = 90, kRows = 60;
   constexpr double kCell_mm = 4.0, kRadius_mm = 300.0;

@@ -74,8 +74,8 @@ TEST(ReadingSchedule, OnlySequencesThatWereToBeSampledAreMissed) {
 }
 
 // Without a reading of the status the second sequence ends in T + 17,639 … T + 19,161: 1,522 wide, too wide for a
-// window, 18,601 … 18,214. The third one is 2,258 wide, of which 2 * (736 + 2 * 25) = 1,572 come from the period alone:
-// the clock is uncertain and the sequence is begun anew at once. Nothing is due before T + 28,169.
+// window, 18,601 … 18,214. The third one is 2,258 wide, of which 2 * (736 + 2 * 25) = 1,572 come from the period
+// alone: the clock is uncertain and the sequence is begun anew at once. Nothing is due before T + 28,169.
 TEST(ReadingSchedule, AnUncertainClockBeginsAnew) {
   ReadingSchedule schedule = schedule_of(1);
   start_without_status(schedule, 0, kT);
@@ -242,7 +242,8 @@ TEST(ReadingSchedule, OfThreeChipsThatEndTogetherOneBeginsLater) {
 }
 
 // One of three sequences is sampled: the one that has just been read. The one that begins anew at R is not: the clock
-// continues to the next, whose status is cleared from R + 25 + 2 · 9,568 − 8,832 = R + 10,329 on, not from R + 761 on.
+// continues to the next, whose status is cleared from R + 25 + 2 · 9,568 − 8,832 = R + 10,329 on, not from R + 761
+// on.
 TEST(ReadingSchedule, ARestartedSequenceThatIsNotSampledIsPassedOver) {
   ReadingSchedule schedule = schedule_of(3, 3);
   for (std::size_t k = 0; k < 3; ++k) start_without_status(schedule, k, kT);

@@ -167,8 +167,9 @@ TEST(Grower, adds_modules_in_its_zone_only) {
   }
 }
 
-// The jumpers are Σ p(nᵢ) − p(n), p(n) = max(1, n / 16 + 15 / 32). 32, 8 and 1 modules: 79/32, 1 and 1 pieces; together
-// 41/16 + 15/32 = 97/32 controllers and (79 + 32 + 32 − 97)/32 = 46/32 jumpers. Apart: 143/32 controllers, none.
+// The jumpers are Σ p(nᵢ) − p(n), p(n) = max(1, n / 16 + 15 / 32). 32, 8 and 1 modules: 79/32, 1 and 1 pieces;
+// together 41/16 + 15/32 = 97/32 controllers and (79 + 32 + 32 − 97)/32 = 46/32 jumpers. Apart: 143/32 controllers,
+// none.
 TEST(RelaxedPrice, counts_jumpers_as_the_wiring_does) {
   const Price price{.controller = 2.0, .jumper = 0.25, .island = 0.1};
   EXPECT_DOUBLE_EQ(relaxed_price({32, 8, 1}, {0, 0, 0}, price).sum(), 2.0 * 97 / 32 + 0.25 * 46 / 32 + 0.3);
@@ -177,8 +178,8 @@ TEST(RelaxedPrice, counts_jumpers_as_the_wiring_does) {
   EXPECT_DOUBLE_EQ(relaxed_price({12}, {0}, price).sum(), 2.0 * 39 / 32 + 0.1);
 }
 
-// The jumpers are Σ ⌈nᵢ / 16⌉ − ⌈n / 16⌉. 90 and 6 modules are divided into 16 · 5 + 10 and 6: six controllers, seven
-// pieces, one jumper. One module more needs a seventh controller. Apart: the same seven, no jumper.
+// The jumpers are Σ ⌈nᵢ / 16⌉ − ⌈n / 16⌉. 90 and 6 modules are divided into 16 · 5 + 10 and 6: six
+// controllers, seven pieces, one jumper. One module more needs a seventh controller. Apart: the same seven, no jumper.
 TEST(RoundedPrice, counts_whole_controllers) {
   const Price price{.controller = 2.0, .jumper = 0.25, .island = 0.1};
   EXPECT_DOUBLE_EQ(rounded_price({90, 6}, {0, 0}, price), 2.0 * 6 + 0.25 + 0.2);

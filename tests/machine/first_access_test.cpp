@@ -14,7 +14,7 @@ namespace {
 
 struct Ram {
   std::uint32_t base, bytes;
-  uc_mem_type first = UC_MEM_FETCH;  ///< none so far
+  uc_mem_type first = UC_MEM_FETCH;  ///< No access has happened so far.
 };
 
 class FirstAccess : public ::testing::TestWithParam<const char*> {};

@@ -6,8 +6,8 @@
 
 namespace triskin::testing {
 
-/// Makes a sheet over (u, v) ∈ [0, 1]² with a wall behind it and a rim of `rim_facets` around it: 1 is a sharp edge, 6
-/// and more a round one. Adds it to the part; outside is where du × dv points.
+/// Makes a sheet over (u, v) ∈ [0, 1]² with a wall behind it and a rim of `rim_facets` around it: 1 is a sharp edge,
+/// 6 and more a round one. Adds it to the part; outside is where du × dv points.
 struct ShellSolid {
   std::function<design::Vec3(double u, double v)> sheet;
   std::function<double(double u, double v)> wall_mm;

@@ -24,8 +24,8 @@ struct WalledPart {
 };
 
 /// Makes trays, rings, half shells, boxes with a lid, ribs, bosses, honeycombs, engraved letters, fillets, screw holes,
-/// two-part shells, lids that are alike on both sides, scans: closed solids with walls of 1 … 5 mm unless the name says
-/// otherwise. The result is always the same.
+/// two-part shells, lids that are alike on both sides, scans: closed solids with walls of 1 … 5 mm unless the name
+/// says otherwise. The result is always the same.
 [[nodiscard]] std::vector<WalledPart> walled_parts();
 
 }  // namespace triskin::testing

@@ -35,7 +35,7 @@ TEST(Deficit, triangles_smaller_than_a_module_lack_the_difference_of_inradii) {
   }
 }
 
-// Nothing of a module is left when its sides have given way so far that it fits here.
+// If the sides of a module have moved in so far that it fits here, nothing of it remains.
 TEST(Deficit, what_no_giving_way_mends_has_none) {
   const PlacementResult r = with_deficit(triangle_of_side(2.0));
   EXPECT_EQ(r.modules, 0);

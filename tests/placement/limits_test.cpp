@@ -14,7 +14,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// Misses the hexagon of 24 tiles by a hair: a long search.
+// The disc misses the hexagon of 24 tiles only slightly, which makes a long search.
 Polygon hard() {
   Polygon p;
   for (int k = 0; k < 361; ++k) {

@@ -135,7 +135,8 @@ TEST(ImageUpdate, damaged_frames_are_refused) {
     return any;
   };
   ASSERT_TRUE(completes(orders));
-  for (std::size_t k = 0; k < orders.size(); ++k) {  // One lost, one of another session, one twice.
+  // One order is lost, one belongs to another session, one is sent twice.
+  for (std::size_t k = 0; k < orders.size(); ++k) {
     std::vector<Order> list(orders.begin(), orders.end());
     list.erase(list.begin() + static_cast<std::ptrdiff_t>(k));
     EXPECT_FALSE(completes(list)) << k;

@@ -60,7 +60,7 @@ TEST(Facts, EachConstantOfFirmwareAndMachineIsWhatTheFactSays) {
 TEST(Facts, TheMachineComesOutOfResetWithTheRegistersOfTheFacts) {
   std::array<QuietLine, 4> lines;
   machine::FlashChip flash;
-  flash.store(0x08000000, {0, 0, 0, 0x20, 1, 0, 0, 8});  // A stack and an entry are fetched.
+  flash.store(0x08000000, {0, 0, 0, 0x20, 1, 0, 0, 8});  // The core fetches a stack pointer and an entry.
   machine::MachineSetup setup;
   for (std::size_t k = 0; k < 4; ++k) setup.lines[k] = &lines[k];
   setup.flash = &flash;

@@ -13,8 +13,8 @@ namespace {
 using testing::HasSubstr;
 
 struct BadScene {
-  const char* line;    // Stands in line 3 of the file.
-  const char* remedy;  // Part of the message that says what is wrong or what to do.
+  const char* line;    // The text is in line 3 of the file.
+  const char* remedy;  // The message must contain this statement of the fault or the remedy.
 };
 
 void PrintTo(const BadScene& bad, std::ostream* out) {

@@ -12,7 +12,7 @@ namespace {
 using State = Tare::State;
 constexpr double kRest = 30'000.0;
 
-// A cover of two modules that rest at kRest.
+// Provides a cover of two modules that rest at kRest.
 class Tares : public testing::Test {
  protected:
   void hear(int module, std::uint16_t valid = layout::kAllTaxels) {

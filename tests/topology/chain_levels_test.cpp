@@ -10,7 +10,7 @@
 namespace triskin::test {
 namespace {
 
-constexpr double kNever = 1e-300;  // Asks for single bits, flips none.
+constexpr double kNever = 1e-300;  // The value asks for single bits but flips none.
 
 TEST(ChainLevels, bytes_and_bits_give_the_same) {
   std::mt19937_64 random(51);

@@ -72,7 +72,7 @@ TEST_F(BrowserStarts, with_a_file_that_nobody_else_can_read_and_that_goes_with_t
 }
 
 TEST_F(BrowserStarts, in_a_session_of_its_own_without_our_descriptors) {
-  const int ours = ::dup(0);  // Not closed on exec.
+  const int ours = ::dup(0);  // This descriptor is not closed on exec.
   const view::BrowserStart start(kAddress);
   const std::string text = seen();
   ::close(ours);

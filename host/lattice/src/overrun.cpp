@@ -52,9 +52,9 @@ Stand stand(const Surface& surface, const Vec3& p, const Near& near) {
 }
 
 // Returns the shortest path from p to a point that is as near to some point of an edge as to a point f of the surface;
-// b is the edge's nearest point to p. A plane separates the edge's point at t from b; from p it is (|p - b|² + t² - |p
-// - f|²) / 2|b + t - f| away, and |b + t - f| <= |b - f| + t. The result is the least over t. This tells a border that
-// a sheet passes below from one that ends it: the distances themselves differ by x² / 2z only at the height z.
+// b is the edge's nearest point to p. A plane separates the edge's point at t from b; from p it is (|p - b|² + t² -
+// |p - f|²) / 2|b + t - f| away, and |b + t - f| <= |b - f| + t. The result is the least over t. This tells a border
+// that a sheet passes below from one that ends it: the distances themselves differ by x² / 2z only at the height z.
 double way_to_nearer(const Vec3& p, const Vec3& f, const Vec3& b) {
   // Distances near 20 mm that agree to 1e-7 mm have squares that differ by less than this.
   constexpr double kRounding_mm2 = 1e-5;
@@ -226,8 +226,8 @@ bool OverrunSearch::is_close(const FacePrism& face, std::span<const Vec3> part) 
 }
 
 // Does the same for a part between the planes of the face, at any height. A border that does not rise from the face
-// toward the part is nearer than the face only to points within sqrt(4 * kTouch_mm * height), 5 µm at 5 mm, of the line
-// under them: a band as narrow as parts that are not divided.
+// toward the part is nearer than the face only to points within sqrt(4 * kTouch_mm * height), 5 µm at 5 mm, of the
+// line under them: a band as narrow as parts that are not divided.
 bool OverrunSearch::covers(const FacePrism& face, std::span<const Vec3> part) const {
   if (!face.has_area()) return false;
   double low = std::numeric_limits<double>::infinity(), high = -low;

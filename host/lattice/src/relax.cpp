@@ -24,8 +24,8 @@ constexpr double kWantedGap_mm = 2.0;  // Corners are lifted if the centre would
 constexpr double kLongest_mm = 5.0;    // A single step moves no farther than this.
 
 // Returns the squared length of the path along a surface between two points whose normals have this cosine, as on an
-// arc over the chord: the chord times (asin s / s)², s² = (1 - cosine) / 2, by its first four terms. The other side of
-// a narrow part is thus far away.
+// arc over the chord: the chord times (asin s / s)², s² = (1 - cosine) / 2, by its first four terms. The other side
+// of a narrow part is thus far away.
 double squared_way(const Vec3& chord, double cosine) {
   const double s2 = 0.5 * (1.0 - cosine);
   return chord.squaredNorm() * (1.0 + s2 * (1.0 / 3.0 + s2 * (8.0 / 45.0 + s2 * (4.0 / 35.0))));

@@ -106,7 +106,8 @@ class ContactSearch {
   std::vector<ForceGuess> guesses_;
 };
 
-// Returns true if the remainder looks like the stated noise: its sum of squares has a mean of n and a deviation of √2n.
+// Returns true if the remainder looks like the stated noise: its sum of squares has a mean of n and a deviation of
+// √2n.
 bool ContactSearch::explains_all(const Fit& fit) const {
   if (!options_.noise_dc_over_c) return false;
   const auto n = static_cast<double>(observed_.size());

@@ -6,8 +6,8 @@
 
 namespace triskin::mechanics {
 
-/// Computes a contact on columns: the displacement is δ − gap inside the contact and nothing outside, and `law` turns a
-/// displacement in mm into a pressure in kPa. The caller has found `indentation_mm`.
+/// Computes a contact on columns: the displacement is δ − gap inside the contact and nothing outside, and `law`
+/// turns a displacement in mm into a pressure in kPa. The caller has found `indentation_mm`.
 [[nodiscard]] Contact foundation_contact(const Indenter& indenter, double force, double indentation_mm,
                                          std::function<double(double)> law);
 

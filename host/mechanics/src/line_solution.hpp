@@ -7,8 +7,8 @@
 namespace triskin::mechanics {
 
 // Solves a line contact of half width a on the bonded layer in plane strain; units as in radial_solution.hpp. The
-// pressure is Σ bₙ T₂ₙ(x/a) / √(1 − (x/a)²). The kernel −ln|x| is diagonal in these polynomials, and the layer adds a
-// smooth term (Jaffar, Int. J. Mech. Sci. 31 (1989) 229 solves the same equation).
+// pressure is Σ bₙ T₂ₙ(x/a) / √(1 − (x/a)²). The kernel −ln|x| is diagonal in these polynomials, and the
+// layer adds a smooth term (Jaffar, Int. J. Mech. Sci. 31 (1989) 229 solves the same equation).
 
 /// Solves the contact under the parabola x² / 2 · curvature that presses with no pressure at its edges.
 class LineSolution {

@@ -13,8 +13,8 @@
 namespace triskin::mechanics {
 namespace {
 
-// Returns ∫ −ln(w) · (b − w) dw from 1 − d to 1, in thicknesses of the layer: the sphere's columns, w = 1 − u, r dr =
-// (b − w) dw.
+// Returns ∫ −ln(w) · (b − w) dw from 1 − d to 1, in thicknesses of the layer: the sphere's columns, w = 1 −
+// u, r dr = (b − w) dw.
 double sphere_integral(double radius, double d) {
   const double b = 1.0 + radius - d;
   const auto primitive = [b](double w) {

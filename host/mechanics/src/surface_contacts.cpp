@@ -45,8 +45,8 @@ void check(const Cover& cover, const SurfaceOptions& options) {
   if (options.max_contacts < 1) throw InputError("contacts: at least one contact has to be allowed");
 }
 
-// Returns the volume by which the taxels of a group are pressed in, in thicknesses; it is proportional to the force (∫
-// u dA = F·h/K).
+// Returns the volume by which the taxels of a group are pressed in, in thicknesses; it is proportional to the force
+// (∫ u dA = F·h/K).
 double volume_of(const Cover& cover, const Group& group) {
   double sum = 0.0;
   for (const std::size_t t : group) sum += cover.values[t] / (1.0 + cover.values[t]);

@@ -36,8 +36,8 @@ class EdgeSides {
   std::vector<EdgeSide> sides_;
 };
 
-/// Returns the face across each side (corner s → s + 1) of each face, −1 at the border. Errors: InputError when an edge
-/// has more than two faces, or two that disagree in orientation. Cost: that of EdgeSides.
+/// Returns the face across each side (corner s → s + 1) of each face, −1 at the border. Errors: InputError when an
+/// edge has more than two faces, or two that disagree in orientation. Cost: that of EdgeSides.
 [[nodiscard]] std::vector<std::array<int, 3>> neighbours_of(const Mesh& mesh);
 
 /// Returns the border loops as vertex indices, with the surface on the left. Cost: O(n), and O(b log b) of b border

@@ -19,7 +19,8 @@ struct Folding {
 [[nodiscard]] Folding fold(const LocalGraph& g, const std::vector<int>& part_of, int part, int capacity);
 
 /// Returns a bound: no partition of those nodes into connected parts ≤ capacity has fewer parts. It is closed parts +
-/// ⌈rest / capacity⌉, valid also if a core node's branch is cut, since a branch weighs at most one part. Cost: O(n).
+/// ⌈rest / capacity⌉, valid also if a core node's branch is cut, since a branch weighs at most one part. Cost:
+/// O(n).
 [[nodiscard]] int folded_lower_bound(const LocalGraph& g, const std::vector<int>& part_of, int part, int capacity);
 
 }  // namespace triskin::geometry

@@ -23,8 +23,8 @@ struct JumperPartition {
 /// of the cheapest division into groups are settled one by one, each by the search and the exact programme of
 /// jumper_frontier.hpp: the bound rises, or the groups together are cheaper than the best so far. Every budget is
 /// counted, none timed. `give_up` is asked now and then; if it returns true, the cheapest partition so far is the
-/// answer, with bounds that hold. Cost: 1 … 50 ms for 150 modules in 10 islands, up to 0.5 s if groups must be settled
-/// by the exact programme.
+/// answer, with bounds that hold. Cost: 1 … 50 ms for 150 modules in 10 islands, up to 0.5 s if groups must be
+/// settled by the exact programme.
 [[nodiscard]] JumperPartition partition_with_jumpers(const JumperGraph& g, int capacity, const Price& price,
                                                      std::uint64_t seed, const std::function<bool()>& give_up = {});
 

@@ -26,9 +26,9 @@ struct Partition {
 /// the fewest parts for the tree (Kundu and Misra, SIAM J. Comput. 6, 1977). Returns their number; fills part_of.
 int cut_tree(const LocalGraph& g, const SpanningTree& tree, int capacity, std::vector<int>& part_of);
 
-/// Peels off parts of capacity − slack … capacity nodes, each a subtree of a random spanning tree of the rest, so that
-/// both stay connected; when stuck, gives some neighbouring parts back and continues. Returns true and fills part_of
-/// when k parts are enough.
+/// Peels off parts of capacity − slack … capacity nodes, each a subtree of a random spanning tree of the rest, so
+/// that both stay connected; when stuck, gives some neighbouring parts back and continues. Returns true and fills
+/// part_of when k parts are enough.
 bool peel(const LocalGraph& g, int capacity, int k, long budget, Dice& random, std::vector<int>& part_of);
 
 }  // namespace triskin::geometry

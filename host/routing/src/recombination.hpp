@@ -14,9 +14,9 @@ struct PartSurroundings {
   std::array<std::uint32_t, 32> over_jumper{};  ///< Each node has the neighbours to which a jumper leads.
 };
 
-/// Returns the secondary cost of the connected set `part`, in integers so that every compiler decides alike: jumpers ≫
-/// no border side ≫ modules lost beyond the failed one, summed over all module failures, with the best second entry > Σ
-/// depth from the entry.
+/// Returns the secondary cost of the connected set `part`, in integers so that every compiler decides alike: jumpers
+/// ≫ no border side ≫ modules lost beyond the failed one, summed over all module failures, with the best second
+/// entry > Σ depth from the entry.
 [[nodiscard]] int secondary_cost(const PartBits& bits, const PartSurroundings& around, std::uint32_t part);
 
 /// Lowers the sum of secondary costs under a fixed number of parts. A move takes two neighbouring parts and either

@@ -8,9 +8,9 @@
 namespace triskin::geometry {
 
 /// Wires one connected part: the least (no border entry, lines against the electrical rule, Σ depth, line hops, depth)
-/// over all spanning trees and entries, exact; with kHopsFirst the line hops come before Σ depth. Trees that cannot win
-/// by ⌈size / addresses⌉ are not assigned. Ties are won by the first tree and the least node. `lines` must fit the
-/// options. `jumpers` tells which joints of the graph are jumpers, for their capacitance.
+/// over all spanning trees and entries, exact; with kHopsFirst the line hops come before Σ depth. Trees that cannot
+/// win by ⌈size / addresses⌉ are not assigned. Ties are won by the first tree and the least node. `lines` must fit
+/// the options. `jumpers` tells which joints of the graph are jumpers, for their capacitance.
 [[nodiscard]] Patch wire(const ModuleGraph& graph, const std::vector<int>& part, const RoutingOptions& options,
                          LineAssigner& lines, const std::vector<Jumper>& jumpers = {});
 

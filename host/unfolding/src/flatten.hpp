@@ -18,10 +18,10 @@ struct FlatChart {
 
 /// Lays the faces flat, joined unless cut, each as rigid as possible: starts from an unfolding along the shortest dual
 /// paths from the middle face, then alternates best rotations and one prefactored sparse solve (Sorkine and Alexa,
-/// 2007; Liu et al., 2008). The sum of squares leaves its largest error at the border (on a spherical cap a·K·ρ²/8); if
-/// that is above but near `limit_mm`, faces are weighted by their error (Lawson, 1961) until the largest error is
-/// evened out (a·K·ρ²/12). Stops early when the limit is out of reach. Cost: `iterations` sparse solves, and some 40
-/// more with 8 factorizations when weighting; stops between solves when `give_up` returns true.
+/// 2007; Liu et al., 2008). The sum of squares leaves its largest error at the border (on a spherical cap
+/// a·K·ρ²/8); if that is above but near `limit_mm`, faces are weighted by their error (Lawson, 1961) until the
+/// largest error is evened out (a·K·ρ²/12). Stops early when the limit is out of reach. Cost: `iterations` sparse
+/// solves, and some 40 more with 8 factorizations when weighting; stops between solves when `give_up` returns true.
 [[nodiscard]] FlatChart flatten(const CutSurface& cut, const std::vector<int>& faces, int iterations, double limit_mm,
                                 const std::function<bool()>& give_up = {});
 

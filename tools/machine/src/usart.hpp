@@ -8,8 +8,8 @@
 
 namespace triskin::machine {
 
-/// Models the sender of USART2 with eight bits, no parity, one stop bit and its FIFO (RM0440 §40.5, §40.8). A baud rate
-/// that is off by more than 2 % from 115,200 loses its text, as at a receiver that expects that rate.
+/// Models the sender of USART2 with eight bits, no parity, one stop bit and its FIFO (RM0440 §40.5, §40.8). A baud
+/// rate that is off by more than 2 % from 115,200 loses its text, as at a receiver that expects that rate.
 class Usart final : public Peripheral {
  public:
   /// `pin_ready` tells that the sender's pin is at its alternate function.

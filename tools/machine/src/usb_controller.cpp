@@ -105,7 +105,8 @@ void UsbController::write(std::uint32_t offset, std::uint32_t value, unsigned si
   update_irq();
 }
 
-// The block is powered up first and leaves reset 1 µs later (§45.5.2); a bus reset while it runs resets the end points.
+// The block is powered up first and leaves reset 1 µs later (§45.5.2); a bus reset while it runs resets the end
+// points.
 void UsbController::write_control(std::uint32_t value) {
   if ((control_ & 2) != 0 && (value & 2) == 0) {
     powered_ = around_.time().now();

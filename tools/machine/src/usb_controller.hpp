@@ -8,8 +8,8 @@
 
 namespace triskin::machine {
 
-/// Models the USB full-speed device (RM0440 §45) with its packet memory: end point registers that toggle, buffer table,
-/// transactions, suspend. Double buffers, isochronous end points and link power management are not modelled.
+/// Models the USB full-speed device (RM0440 §45) with its packet memory: end point registers that toggle, buffer
+/// table, transactions, suspend. Double buffers, isochronous end points and link power management are not modelled.
 class UsbController final : public Peripheral, public UsbWire {
  public:
   /// `clock_ready` tells that the 48 MHz clock is available.

@@ -6,7 +6,8 @@
 namespace triskin::check {
 
 /// A closed interval that contains the true value: every operation moves its ends outward by more than the rounding of
-/// the operation (2⁻⁵² of the end, twice the error of one rounding to nearest), so that no rounding mode is needed.
+/// the operation (2⁻⁵² of the end, twice the error of one rounding to nearest), so that no rounding mode is
+/// needed.
 struct Interval {
   double low = 0.0, high = 0.0;
 

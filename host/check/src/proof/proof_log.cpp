@@ -94,8 +94,8 @@ std::size_t wkt_numbers(const std::string& type, const std::string& name) {
   return 2 + letters.size();
 }
 
-// Reads POLYGON ((x y, …), (…)): numbers between parentheses, commas between points. A MULTIPOLYGON has one more pair
-// of parentheses.
+// Reads POLYGON ((x y, …), (…)): numbers between parentheses, commas between points. A MULTIPOLYGON has one more
+// pair of parentheses.
 std::vector<Ring> wkt_rings(const std::string& text, const std::string& name) {
   const std::string type = wkt_type(text);
   if (!type.starts_with("POLYGON") && !type.starts_with("MULTIPOLYGON")) fail(name, "not a WKT polygon");

@@ -4,7 +4,8 @@
 
 namespace triskin::geometry {
 
-/// Makes a half shell around a bent, tapering axis, like the outer cover of a forearm: 300 mm long, radius 62 → 42 mm.
+/// Makes a half shell around a bent, tapering axis, like the outer cover of a forearm: 300 mm long, radius 62 → 42
+/// mm.
 [[nodiscard]] Mesh forearm(int faces);
 /// Makes the dome of a chest around two swellings: open below, at the neck and at both arms, with a hole for a
 /// connector.

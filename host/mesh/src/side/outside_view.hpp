@@ -22,8 +22,8 @@ class HullDepth {
   std::vector<Vec3> extremes_mm_;   // These points lie on the hull, at most one for each direction.
 };
 
-/// Returns the cosine-weighted fraction of the half sphere above a point, 0 … 1, in which no ray meets the part. `turn`
-/// (any number) rotates the rays, so that neighbouring points do not share the same error. Cost: `rays` rays.
+/// Returns the cosine-weighted fraction of the half sphere above a point, 0 … 1, in which no ray meets the part.
+/// `turn` (any number) rotates the rays, so that neighbouring points do not share the same error. Cost: `rays` rays.
 [[nodiscard]] double visibility_of(const RayCaster& part, const Vec3& point_mm, const Vec3& normal, int rays,
                                    unsigned turn);
 

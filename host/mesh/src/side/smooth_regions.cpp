@@ -13,8 +13,8 @@
 namespace triskin::geometry {
 namespace {
 
-// A cylinder of 11 facets turns by 33° from facet to facet, and the chamfer of an edge by 45°. The limit is the cosine
-// of 35°, the sharpest turn of an edge that counts as smooth.
+// A cylinder of 11 facets turns by 33° from facet to facet, and the chamfer of an edge by 45°. The limit is the
+// cosine of 35°, the sharpest turn of an edge that counts as smooth.
 constexpr double kSmoothCosine = 0.82;
 constexpr double kMaxTurnCosine = 0.766;  // The cosine of 40°, which is less than half of a rounded rim.
 // At the cosine of 50°, regions that meet above a rib are joined, and those across a rim are not.

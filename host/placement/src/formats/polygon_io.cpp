@@ -85,8 +85,8 @@ Polygon from_geojson(const json& j, const std::string& name) {
   return from_coordinates(coordinates[0], name);
 }
 
-// Reads POLYGON ((x y, x y, …), (…)) of OGC 06-103r4, also with Z and M, both ignored, a MULTIPOLYGON of one, and SRID
-// as PostGIS writes it.
+// Reads POLYGON ((x y, x y, …), (…)) of OGC 06-103r4, also with Z and M, both ignored, a MULTIPOLYGON of one, and
+// SRID as PostGIS writes it.
 class WktReader {
  public:
   WktReader(const std::string& text, const std::string& name) : text_(text), name_(name) {

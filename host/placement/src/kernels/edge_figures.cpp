@@ -140,8 +140,8 @@ struct Extremes {
   to.high += room;
 }
 
-// Handles low ≤ x*c.x + y*c.y ≤ high for a negligible x: the term is fixed with the worst c.x for the cut and the best
-// for the rest.
+// Handles low ≤ x*c.x + y*c.y ≤ high for a negligible x: the term is fixed with the worst c.x for the cut and the
+// best for the rest.
 [[gnu::always_inline]] inline void clip_level(const Vector& x, const Vector& y, const Vector& low, const Vector& high,
                                               bool outer, Figures& f) {
   Vector level, least, most, bottom, top, size;

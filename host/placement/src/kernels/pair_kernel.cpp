@@ -10,8 +10,8 @@ namespace {
 
 using Vector = double __attribute__((vector_size(8 * kLanes), may_alias));
 
-// Inputs of kLanes pairs: tile centre from the pivot, +1 up or −1 down; turned ends and turned normal of the edge, its
-// offset.
+// Inputs of kLanes pairs: tile centre from the pivot, +1 up or −1 down; turned ends and turned normal of the edge,
+// its offset.
 struct Lanes {
   alignas(64) double x[kLanes], y[kLanes], sign[kLanes], end_x[2][kLanes], end_y[2][kLanes], normal_x[kLanes],
       normal_y[kLanes], offset[kLanes];

@@ -88,9 +88,10 @@ inline bool maximize(const std::array<double, 1>& objective, const std::array<do
   return least <= most + kLinearTolerance;
 }
 
-/// Maximizes objective·x over low ≤ x ≤ high and work.rows; returns false if nothing satisfies all rows (within 1e-10).
-/// Rows are added one by one: if the optimum so far breaks a row, the new one lies on it, which leaves a program of one
-/// variable less (Seidel, 1991). Rows that bind should come first: expected cost O(rows), O(rows^D) at worst.
+/// Maximizes objective·x over low ≤ x ≤ high and work.rows; returns false if nothing satisfies all rows (within
+/// 1e-10). Rows are added one by one: if the optimum so far breaks a row, the new one lies on it, which leaves a
+/// program of one variable less (Seidel, 1991). Rows that bind should come first: expected cost O(rows), O(rows^D) at
+/// worst.
 template <std::size_t D>
 bool maximize(const std::array<double, D>& objective, const std::array<double, D>& low,
               const std::array<double, D>& high, LinearWork<D>& work, std::array<double, D>& x) {

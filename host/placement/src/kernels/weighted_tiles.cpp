@@ -25,8 +25,8 @@ double WeightedTiles::value(const Motion& m, const std::vector<Tile>& inside) {
   return sum;
 }
 
-// The centre of a tile, seen from the polygon, is q = Rᵀ(c − t): ∂q/∂t = −Rᵀ, ∂q/∂θ = (q_y, −q_x). It moves by at most
-// `far` in the cell; the first order omits `bend` of that.
+// The centre of a tile, seen from the polygon, is q = Rᵀ(c − t): ∂q/∂t = −Rᵀ, ∂q/∂θ = (q_y, −q_x).
+// It moves by at most `far` in the cell; the first order omits `bend` of that.
 WeightedTiles::Term WeightedTiles::term(const CellFrame& f, const Vec2& center) const {
   const Vec2 p = center - Vec2(f.center[0], f.center[1]);
   const Vec2 q(f.cosine * p.x() + f.sine * p.y(), -f.sine * p.x() + f.cosine * p.y());

@@ -11,8 +11,8 @@ namespace triskin::geometry::paper {
 inline constexpr std::size_t kDirections = 3;  // The directions are 0°, 60° and 300°.
 
 /// A polygon on the grid, in affine coordinates (u, v) in which node (i, j) is (i, j): the point a*u*(1, 0) + a*v·(½,
-/// √3/2). Lines are v = j (0°), u = i (60°) and u + v = k (300°), so no √3 remains and a point on a line has a whole
-/// number. A vertex nearer to a line than the touching distance is moved onto it, for that line only.
+/// √3/2). Lines are v = j (0°), u = i (60°) and u + v = k (300°), so no √3 remains and a point on a line has a
+/// whole number. A vertex nearer to a line than the touching distance is moved onto it, for that line only.
 class GridFrame {
  public:
   GridFrame(const Polygon& polygon, double touch_mm);

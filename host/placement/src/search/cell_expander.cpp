@@ -359,8 +359,8 @@ int CellExpander::choose(const Index& low, const Index& high, std::size_t first,
   return certain;
 }
 
-// Does what divide_slice() does, for cubes. chosen_[first_chosen …) may be undecided in the parts; `certain` more tiles
-// than in the cell are certain there.
+// Does what divide_slice() does, for cubes. chosen_[first_chosen …) may be undecided in the parts; `certain` more
+// tiles than in the cell are certain there.
 void CellExpander::divide(const Cell& cell, const CellList& list, const Index& low, const Index& high,
                           std::size_t first_chosen, int certain) {
   const MotionBox whole = part_box(cell.box, parts_, low, high);

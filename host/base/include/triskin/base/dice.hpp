@@ -15,8 +15,8 @@ class Dice {
   [[nodiscard]] int below(int n) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(n)); }
   /// Draws uniformly from [0, 1), in steps of 2⁻⁵³.
   [[nodiscard]] double unit() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
-  /// Draws uniformly from 0 … n - 1 as ⌊n * unit()⌋; n >= 1. The lattice on the surface draws this way. A seed stands
-  /// for a design, so neither way may replace the other.
+  /// Draws uniformly from 0 … n - 1 as ⌊n * unit()⌋; n >= 1. The lattice on the surface draws this way. A seed
+  /// stands for a design, so neither way may replace the other.
   [[nodiscard]] int scaled_below(int n) { return static_cast<int>(unit() * n); }
 
  private:

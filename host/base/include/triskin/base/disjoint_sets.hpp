@@ -7,7 +7,8 @@
 
 namespace triskin {
 
-/// Keeps sets of the items 0 … n − 1, each with one of its items as leader. Nearly constant cost, except for reset().
+/// Keeps sets of the items 0 … n − 1, each with one of its items as leader. Nearly constant cost, except for
+/// reset().
 class DisjointSets {
  public:
   DisjointSets() = default;

@@ -117,6 +117,7 @@ void check_surface(const CheckedDesign& design, Findings& findings);
 void check_side(const CheckedDesign& design, Findings& findings);
 void check_pieces(const CheckedDesign& design, Findings& findings);   ///< Covers nets and placements on the plane.
 void check_jumpers(const CheckedDesign& design, Findings& findings);  ///< Covers joints between islands.
+/// Covers members, trees and addresses of all patches, and the stated bound of their number.
 void check_patches(const CheckedDesign& design, Findings& findings);
 /// Covers regions that must stay free or must be covered.
 void check_regions(const CheckedDesign& design, Findings& findings);

@@ -14,8 +14,8 @@ using Outline3 = std::vector<P3>;
 /// cut the result is the triangle.
 [[nodiscard]] Outline3 module_outline(const Triangle3& corners, double cut, double inset = 0.0);
 
-/// Returns the part of a convex outline with direction · (p - from) <= limit (Sutherland and Hodgman), including points
-/// on the line.
+/// Returns the part of a convex outline with direction · (p - from) <= limit (Sutherland and Hodgman), including
+/// points on the line.
 [[nodiscard]] Outline3 clipped(const Outline3& outline, const P3& from, const P3& direction, double limit = 0.0);
 
 /// Returns how far a point lies beyond the line of the nearest cut, mm; negative inside. `cut` must be positive.

@@ -57,7 +57,8 @@ enum class PadLayer {
 
 /// One pad in the frame of the module.
 struct ModulePad {
-  /// Contacts are A1 … C10, each twice; taxels T0 … T11; chip pins U1.1 … U1.25; capacitors C1.1 …; straps SDA0.1 …
+  /// Contacts are A1 … C10, each twice; taxels T0 … T11; chip pins U1.1 … U1.25; capacitors C1.1 …; straps
+  /// SDA0.1 …
   std::string name;
   PadLayer layer = PadLayer::kBack;
   design::Vec2 at_mm;

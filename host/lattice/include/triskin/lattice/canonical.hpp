@@ -4,8 +4,8 @@
 
 namespace triskin::geometry::surface_lattice {
 
-/// Copies a mesh into a frame of its own — middle of its area, principal axes, the longer side first —, on a grid of
-/// 1/256 mm, its corners and faces in the order of their places. Copies that are turned, shifted, mirrored or
+/// Copies a mesh into a frame of its own — middle of its area, principal axes, the longer side first —, on a grid
+/// of 1/256 mm, its corners and faces in the order of their places. Copies that are turned, shifted, mirrored or
 /// renumbered give the same mesh, so that the search, which depends on every digit, gives the same layout. If two axes
 /// are alike the copies may differ.
 class CanonicalCopy {

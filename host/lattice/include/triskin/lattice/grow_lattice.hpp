@@ -22,8 +22,8 @@ struct SurfaceLatticeOptions {
   /// If positive, each chain stops after this many ruin-and-recreate steps, as well as at the time limit.
   int iterations = 0;
   std::uint64_t seed = 1;
-  /// 1 … 256 chains; the result depends on the number. If each has room for 90 modules they change one layout together,
-  /// each in a zone; otherwise each has its own, and they exchange the best.
+  /// 1 … 256 chains; the result depends on the number. If each has room for 90 modules they change one layout
+  /// together, each in a zone; otherwise each has its own, and they exchange the best.
   int threads = 2;
   Price price;                 ///< Each component is 0 … 16 modules.
   double hinge_reward = 0.05;  ///< A joint is worth this much, 0 … 16 modules.
@@ -31,8 +31,8 @@ struct SurfaceLatticeOptions {
   /// Corners may stand off a convex surface by this much (≥ 0), so that the gap under the centre stays within its
   /// limit.
   double corner_lift_mm = 1.5;
-  /// This length is cut off along each side from every corner, 0 … design::kMaxCornerCut_mm; the limits on overlap and
-  /// border then apply to the cut outline.
+  /// This length is cut off along each side from every corner, 0 … design::kMaxCornerCut_mm; the limits on overlap
+  /// and border then apply to the cut outline.
   double corner_cut_mm = 0.0;
   /// Regions of this surface (values, places that stay free, places that must be covered), not owned; null makes every
   /// place worth 1 module.

@@ -35,7 +35,8 @@ void keep_limits(const Surface& surface, const LayoutLimits& limits, ModuleLayou
                  const SurfaceRegions* regions = nullptr);
 
 /// Removes the modules for which `gone` is true; the others keep their order, and their sides towards removed ones
-/// become free. Returns the new id by old id, −1 for removed ones. Islands and jumpers keep their numbers. Cost: O(n).
+/// become free. Returns the new id by old id, −1 for removed ones. Islands and jumpers keep their numbers. Cost:
+/// O(n).
 std::vector<int> remove_modules(ModuleLayout& layout, const std::vector<bool>& gone);
 
 /// Renumbers the islands 0, 1, … by joints, in the order of their first modules. Cost: O(n).
@@ -52,8 +53,8 @@ void measure(const Surface& surface, ModuleLayout& layout, const SurfaceRegions*
 void measure_on_surface(const Surface& surface, PlacedModule& module, double corner_cut_mm = 0.0,
                         const SurfaceRegions* regions = nullptr);
 
-/// Measures what depends on the other modules: edge error, hinge gap and fold of each joint, penetration. Cost: some µs
-/// per module.
+/// Measures what depends on the other modules: edge error, hinge gap and fold of each joint, penetration. Cost: some
+/// µs per module.
 void measure_between(ModuleLayout& layout);
 
 /// Returns the depth in mm by which two modules (corners in mm, counter-clockwise; less their corner cut) overlap in

@@ -14,15 +14,15 @@ struct RelaxedPrice {
 };
 
 /// Estimates the price of islands before they are wired. n connected modules count as p(n) = max(1, n / 16 + 15 / 32)
-/// pieces, one for each controller. Jumpers can join islands of one group; a group of n modules in islands of n₁, n₂ …
-/// has p(n) controllers and, as when wired, a jumper for each further piece: Σ p(nᵢ) - p(n). The numbers are fractions,
-/// because a search that pays a whole controller for the next module never places it. `group[k]` ≥ 0 is that of island
-/// k. Cost: O(islands).
+/// pieces, one for each controller. Jumpers can join islands of one group; a group of n modules in islands of n₁,
+/// n₂ … has p(n) controllers and, as when wired, a jumper for each further piece: Σ p(nᵢ) - p(n). The numbers
+/// are fractions, because a search that pays a whole controller for the next module never places it. `group[k]` ≥ 0
+/// is that of island k. Cost: O(islands).
 [[nodiscard]] RelaxedPrice relaxed_price(const std::vector<int>& sizes, const std::vector<int>& group,
                                          const Price& price);
 
-/// Estimates the same with ⌈n / 16⌉ for p(n): the cost of the wiring if every island can be divided so that parts of
-/// several fill one controller, and never more than the wiring costs. The search approaches a multiple of 16 by the
+/// Estimates the same with ⌈n / 16⌉ for p(n): the cost of the wiring if every island can be divided so that parts
+/// of several fill one controller, and never more than the wiring costs. The search approaches a multiple of 16 by the
 /// relaxed price and fills the last controller by this one. Cost: O(islands).
 [[nodiscard]] double rounded_price(const std::vector<int>& sizes, const std::vector<int>& group, const Price& price);
 

@@ -7,7 +7,8 @@ namespace triskin::geometry::surface_lattice {
 /// Two circumradii; modules whose centroids are farther apart cannot touch.
 inline constexpr double kApart_mm = 4.0 * kHeight_mm / 3.0;
 
-/// Two triangles that may come to overlap, and the separating axis that was found last (0 … 5: sides of a, then of b).
+/// Two triangles that may come to overlap, and the separating axis that was found last (0 … 5: sides of a, then of
+/// b).
 struct Pair {
   int a, b;
   bool in_fan;  ///< Both are joined to one triangle between them, so they hardly overlap while the joints hold.

@@ -10,8 +10,8 @@
 namespace triskin::geometry::surface_lattice {
 
 /// Slides the corners near a place on the surface until edges are 30 mm long, nothing overhangs the border and modules
-/// do not overlap: damped Gauss–Newton over two tangent coordinates per corner. Work arrays are kept between calls, so
-/// each thread needs its own object.
+/// do not overlap: damped Gauss–Newton over two tangent coordinates per corner. Work arrays are kept between calls,
+/// so each thread needs its own object.
 class Relaxer {
  public:
   Relaxer(NearSurface& surface, double corner_lift_mm) : surface_(surface), lift_mm_(corner_lift_mm) {}

@@ -35,7 +35,7 @@ inline constexpr double kHalfBand_mm = 30.0;
 /// fixed before.
 [[nodiscard]] std::vector<int> pin_outside(LatticeMesh& net, const Zone& zone);
 
-/// Undoes pin_outside().
+/// Undoes pin_outside() for these triangles.
 void unpin(LatticeMesh& net, const std::vector<int>& triangles);
 
 /// A net that was changed in one zone only.

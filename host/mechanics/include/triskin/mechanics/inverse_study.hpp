@@ -30,10 +30,10 @@ struct InverseStudy {
 };
 
 /// Draws `draws` observations of twelve modules (120 taxels), half of one contact and half of two: tips of 4 … 40 mm,
-/// indentations of 0.15 … 0.5 of a layer of 2 mm, Poisson's ratio 0.1, 0.3 or 0.45, anywhere between the taxels; noise
-/// of 0.01 in ΔC/C, stated. A contact that moves the taxels by less than ten deviations in all is drawn anew. Each
-/// tenth observation is also solved without noise. Throws InputError unless 10 ≤ draws ≤ 100000. Cost: some 0.4 s per
-/// draw.
+/// indentations of 0.15 … 0.5 of a layer of 2 mm, Poisson's ratio 0.1, 0.3 or 0.45, anywhere between the taxels;
+/// noise of 0.01 in ΔC/C, stated. A contact that moves the taxels by less than ten deviations in all is drawn anew.
+/// Each tenth observation is also solved without noise. Throws InputError unless 10 ≤ draws ≤ 100000. Cost: some
+/// 0.4 s per draw.
 [[nodiscard]] InverseStudy study_inverse(int draws, std::uint64_t seed);
 
 /// Writes the study as Markdown.

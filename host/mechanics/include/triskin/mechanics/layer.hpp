@@ -15,8 +15,9 @@ struct Layer {
 /// and Poisson's ratio is at least 0 and below 0.5.
 void check(const Layer& layer);
 
-/// Returns the stiffness of the layer when it cannot move sideways, in kPa: E(1 − ν) / ((1 + ν)(1 − 2ν)). A uniform
-/// pressure p compresses the layer by h·p / K, and the integral of the displacement under any load is F·h / K.
+/// Returns the stiffness of the layer when it cannot move sideways, in kPa: E(1 − ν) / ((1 + ν)(1 − 2ν)). A
+/// uniform pressure p compresses the layer by h·p / K, and the integral of the displacement under any load is F·h /
+/// K.
 [[nodiscard]] double confined_modulus_kpa(const Layer& layer);
 
 /// Returns 2(1 − ν²) / E in 1/kPa: the transformed displacement of an elastic half-space, times wave number over

@@ -7,8 +7,8 @@
 
 namespace triskin::mechanics {
 
-/// Describes the points of a patch of the layer: `columns` × `rows` of them, `spacing_mm` apart, centred on the origin.
-/// Fields over it are arrays of that many rows and columns: entry (i, j) is at x(i), y(j).
+/// Describes the points of a patch of the layer: `columns` × `rows` of them, `spacing_mm` apart, centred on the
+/// origin. Fields over it are arrays of that many rows and columns: entry (i, j) is at x(i), y(j).
 struct PatchGrid {
   int points_x = 64, points_y = 64;
   double spacing_mm = 0.5;
@@ -33,8 +33,9 @@ struct PatchContact {
 /// contact within four thicknesses of the border is refused. A body that is flat from border to border cannot be
 /// pressed. Throws InputError when a value is out of range, the contact is too near to the border, the body reaches the
 /// base, or the iteration does not converge. Error: that of the grid, about 1 % in contact radius and 0.1 % in
-/// displacement at eight points per contact radius. Cost: two transforms per iteration, 20 … 60 iterations; 20 … 80 ms
-/// for 64². Thread-safe. Source: Polonsky and Keer, Wear 231 (1999) 206; Stanley and Kato, J. Tribol. 119 (1997) 481.
+/// displacement at eight points per contact radius. Cost: two transforms per iteration, 20 … 60 iterations; 20 … 80
+/// ms for 64². Thread-safe. Source: Polonsky and Keer, Wear 231 (1999) 206; Stanley and Kato, J. Tribol. 119 (1997)
+/// 481.
 [[nodiscard]] PatchContact press_on_patch(const Layer& layer, const PatchGrid& grid, const Eigen::ArrayXXd& gap_mm,
                                           double force_n);
 

@@ -52,8 +52,8 @@ class Surface {
   [[nodiscard]] double area_mm2() const { return area_mm2_; }
 
   /// Finds the closest point of the surface that is nearer than within_mm > 0; a bound that the caller knows makes the
-  /// search shorter and does not change the answer. If there is no such point, `face` is −1 and the distance infinity.
-  /// Cost: O(log n) typical.
+  /// search shorter and does not change the answer. If there is no such point, `face` is −1 and the distance
+  /// infinity. Cost: O(log n) typical.
   [[nodiscard]] SurfacePoint closest(const Vec3& query_mm,
                                      double within_mm = std::numeric_limits<double>::infinity()) const;
   /// Appends (squared distance in mm², face) of each face within distance_mm >= 0 of a point, in no order. Cost: O(log

@@ -25,8 +25,8 @@ class SurfaceRegions {
   /// Returns the weight of a module with this centre. Cost: one closest point.
   [[nodiscard]] double weight_at(const Vec3& center_mm) const;
   /// Returns how far the module (corners in mm, less its corner cut) reaches into a region that must stay free: the
-  /// largest distance from a point of the module's projection on the surface to the rim of the region, exact to 0.005 mm
-  /// plus 5 % of what exceeds 1 mm. Zero means that the module keeps out. Cost: nothing far from such regions, some
+  /// largest distance from a point of the module's projection on the surface to the rim of the region, exact to 0.005
+  /// mm plus 5 % of what exceeds 1 mm. Zero means that the module keeps out. Cost: nothing far from such regions, some
   /// hundred closest points near one.
   [[nodiscard]] double keep_out_mm(const std::array<Vec3, 3>& corner_mm, double corner_cut_mm) const;
 

@@ -9,8 +9,8 @@
 namespace triskin::geometry {
 
 /// Weighs a module by the place of its centre on the polygon (contact likelihood): a uniform cubic B-spline over a
-/// raster, so that it is smooth (C²), lies between the raster's least and largest value, and has bounds for its slopes.
-/// Outside the raster its rim continues. Immutable, so any number of threads may read it.
+/// raster, so that it is smooth (C²), lies between the raster's least and largest value, and has bounds for its
+/// slopes. Outside the raster its rim continues. Immutable, so any number of threads may read it.
 class WeightMap {
  public:
   /// values[row][column], 0 … 1e12, belongs to origin + step·(column, row), mm in the frame of the polygon. Errors:

@@ -16,9 +16,9 @@ struct Landmark {
 };
 
 /// Finds landmarks of a surface. On every rim (closed chain of edges with one face) of at least 30 mm these are the
-/// points farthest along ±x, ±y, ±z of the mesh frame; of those within 0.5 mm the one where the rim turns most. Places
-/// nearer than 5 mm to an earlier one are left out. Without a rim the points of the whole surface are taken; without
-/// vertices none. Cost: O(faces log faces).
+/// points farthest along ±x, ±y, ±z of the mesh frame; of those within 0.5 mm the one where the rim turns most.
+/// Places nearer than 5 mm to an earlier one are left out. Without a rim the points of the whole surface are taken;
+/// without vertices none. Cost: O(faces log faces).
 [[nodiscard]] std::vector<Landmark> landmarks_of(const design::Mesh& surface);
 
 /// Gives the position of a point by its straight distances from two landmarks, as calipers measure them.

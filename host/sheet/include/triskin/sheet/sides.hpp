@@ -22,7 +22,8 @@ struct Side {
   /// Seen from the touch side, joints with a positive angle fold away from the viewer, those with a negative one
   /// towards.
   double fold_rad = 0;
-  int match = -1;             ///< The index refers to Sides::matches; −1 means that the side faces no other free side.
+  /// The index refers to Sides::matches; −1 means that the side faces no other free side.
+  int match = -1;
   int jumper = -1;            ///< The index refers to ModuleLayout::jumpers; −1 stands for none.
   bool cable = false;         ///< The cable of the controller is plugged in here.
   bool second_cable = false;  ///< Only a patch of switched modules has a second cable.

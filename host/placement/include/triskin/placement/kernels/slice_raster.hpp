@@ -8,9 +8,9 @@
 
 namespace triskin::geometry {
 
-/// Bounds all translations of one lattice period at a small range of angles, divided into 16 × 16 parts. The centres of
-/// all tiles at the middles of all parts sample the plane regularly, so one scan of the polygon decides for every tile
-/// in every part whether it may hold and whether it must. The centres of the tiles that an edge cuts fill a convex
+/// Bounds all translations of one lattice period at a small range of angles, divided into 16 × 16 parts. The centres
+/// of all tiles at the middles of all parts sample the plane regularly, so one scan of the polygon decides for every
+/// tile in every part whether it may hold and whether it must. The centres of the tiles that an edge cuts fill a convex
 /// polygon with one half plane per direction: shrunk by the motion inside a part they are surely cut, grown by it
 /// perhaps. Keeps its memory, so each thread needs its own object.
 class SliceRaster {

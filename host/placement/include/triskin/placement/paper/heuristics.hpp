@@ -33,13 +33,13 @@ struct HeuristicOptions {
 using PlacementVisitor = std::function<bool(const PivotedPlacement&)>;
 
 /// Produces Ξ_Ri in the order of the paper (Section V; R4 is Algorithm 3 of Appendix A). The list is not stored,
-/// because that of R4 has 2*10⁸ placements at 700 vertices. Deterministic for a seed. Throws std::invalid_argument for
-/// a line that is no generating line, negative draws, a pair step below 1.
+/// because that of R4 has 2*10⁸ placements at 700 vertices. Deterministic for a seed. Throws std::invalid_argument
+/// for a line that is no generating line, negative draws, a pair step below 1.
 void produce_placements(Heuristic heuristic, const Polygon& polygon, const HeuristicOptions& options,
                         const PlacementVisitor& visit);
 
-/// Returns |Ξ_Ri| for a polygon of `vertices` vertices and pair_step 1: R2 2|V|, R3 |V|(|V| - 1)/2, R4 |V|²(|V| − 1)/2,
-/// the others by their draws.
+/// Returns |Ξ_Ri| for a polygon of `vertices` vertices and pair_step 1: R2 2|V|, R3 |V|(|V| - 1)/2, R4 |V|²(|V| −
+/// 1)/2, the others by their draws.
 [[nodiscard]] std::int64_t placement_count(Heuristic heuristic, std::int64_t vertices,
                                            const HeuristicOptions& options = {});
 

@@ -7,8 +7,9 @@
 
 namespace triskin::geometry {
 
-/// The constraint level + x·δx + y·δy + theta·δθ ≥ 0, with δ the offset from the centre of a cell. A tile needs all its
-/// pairs, a pair needs one of its directions, a direction needs all its half spaces; `ends` tells where one ends.
+/// The constraint level + x·δx + y·δy + theta·δθ ≥ 0, with δ the offset from the centre of a cell. A tile
+/// needs all its pairs, a pair needs one of its directions, a direction needs all its half spaces; `ends` tells where
+/// one ends.
 struct HalfSpace {
   static constexpr std::uint32_t kEndDirection = 1, kEndPair = 2, kEndTile = 4;
   double level = 0.0, x = 0.0, y = 0.0, theta = 0.0;
