@@ -131,7 +131,7 @@ TEST(KeepLimits, lift_and_depth_are_among_them) {
     geometry::keep_limits(plane, limits, layout);
     return layout.refused.empty() ? "" : layout.refused[0].first;
   };
-  // 2h/3 sin 10° = 3.008 mm, h/3 sin 10° = 1.504 mm.
+  // The lift is 2h/3 sin 10° = 3.008 mm, and the depth is h/3 sin 10° = 1.504 mm.
   EXPECT_EQ(refused_by(10.0, 3.1, 1.6), "");
   EXPECT_EQ(refused_by(10.0, 3.0, 1.6), "lift_mm");
   EXPECT_EQ(refused_by(-10.0, 1.6, 3.0), "depth_mm");

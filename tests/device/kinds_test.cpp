@@ -27,7 +27,7 @@ VerifyResult verified(Fixture& fixture, const design::Design& d, bool touch = fa
 TEST(KindsInTables, are_the_high_bits_of_module_ids) {
   const design::Design d = with_kinds(test::strip(6), {0, 1, 2, 0, 0, 2});
   const layout::PatchImage image = image_of(d, 0), plain = image_of(test::strip(6), 0);
-  // 1 · 8192 + 1, 2 · 8192 + 2.
+  // The ids are 1 · 8192 + 1 and 2 · 8192 + 2.
   EXPECT_EQ(image.modules[1].module_id, 8193);
   EXPECT_EQ(image.modules[2].module_id, 16386);
   EXPECT_EQ(image.modules[3].module_id, 3);

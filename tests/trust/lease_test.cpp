@@ -123,7 +123,7 @@ constexpr std::uint64_t kLease_us = 1'000'000;
 /// Readers with every sample or each second or third one begin, end and die in any order.
 struct Interleaving {
   SharedSkin& hub;
-  std::vector<std::uint64_t> died_us;  // These are the times of death.
+  std::vector<std::uint64_t> died_us;  // Each reader that died did so at one of these times.
   int refused = 0;
 
   // A dead reader keeps its place until its lease ends; a reader that finds no place gets a message, and no other does.

@@ -20,7 +20,7 @@ enum class ProcessEnd : std::uint8_t { kDone, kFailed, kCrashed, kOutOfTime };
 
 struct ProcessResult {
   ProcessEnd end = ProcessEnd::kDone;
-  int signal = 0;  ///< kCrashed comes with the number of the signal.
+  int signal = 0;  ///< Only a process that crashed has a signal number.
   std::string output;
 };
 

@@ -32,13 +32,14 @@ namespace {
 // Triangles within the deviation of a curved face lose at most this fraction of its area, beside a rim as wide as the
 // deviation: a chord of 0.2 rad loses 0.17 %.
 constexpr double kAreaFraction = 0.005;
-// While faces fail, other step widths are tried, in units of the deviation: a face may fail at one and not at its
-// neighbours. A plane without bounds has 8e98 mm² for the kernel; a part of 5 m has less than this.
+// A plane without bounds has 8e98 mm² for the kernel; a part of 5 m has less than this.
 constexpr double kUnbounded_mm2 = 1e9;
 constexpr int kSideSteps = 4;
 constexpr double kStill = 1e-9;
 // The mesh follows the edges of the file; edges of public parts lie up to 0.1 mm beside their surfaces.
 constexpr double kFaultInDeviations = 3.0;
+// The step widths, in units of the deviation, are tried in turn while faces fail: a face may fail at one width at which
+// its neighbours do not.
 constexpr std::array<double, 5> kSteps{1.0, 0.4, 2.0, 4.0, 0.2};
 
 // A side of the parameters is a single point if the surface does not move along it.

@@ -141,7 +141,7 @@ class PatchChecker {
     }
   }
 
-  // The second cable goes to a side without joint of the patch that is not the first one's.
+  // The second cable must be at a side without a joint of the patch, and not at the side of the first cable.
   void second_entry() {
     if (p_.second_entry < 0) return;
     if (!members_.contains(p_.second_entry))

@@ -29,9 +29,9 @@ constexpr double kOff_mm = 0.02;
 constexpr int kRays = 96;
 // Two means of seven views of 96 rays each differ by chance by 0.03; both sides of a lid by less than 0.1.
 constexpr double kSeesMore = 0.1;
-constexpr int kMinPlaces = 3;       // So many of the seven places must have a wall behind them.
+constexpr int kMinPlaces = 3;       // This many of the seven places must have a wall behind them.
 constexpr double kReach_mm = 40.0;  // If two modules overlap, even across a wall, their middles are nearer than this.
-constexpr int kMinBehind = 2;       // So many of ten places of a module must lie over the other one.
+constexpr int kMinBehind = 2;       // This many of ten places of a module must lie over the other one.
 
 RayKernel::Point_3 point(const P3& p) {
   return {p.x(), p.y(), p.z()};

@@ -21,7 +21,7 @@ constexpr double kStep_mm = 0.02;                           // The largest overr
 constexpr double kFineSide_mm = 5e-4, kFineArea_mm = 4e-3;  // Parts that extend no farther are not divided.
 constexpr double kTouching_mm = 1e-7;                       // Distances closer than this count as equal.
 
-/// The position of a module's point relative to surface and border.
+/// Relates a point of a module to surface and border.
 struct Stand {
   SurfacePoint foot;
   double to_border_mm;
@@ -167,9 +167,9 @@ bool OverrunSearch::may_exceed(std::span<const Vec3> part, const Vec3& p, const 
 
 // Bounds the distance across the normal from an edge to those points of a part whose nearest border is the edge; `off`
 // leads to its middle from the edge's point b. A point that just leaves the surface may at once overhang the border by
-// as much as the normals of vertices are turned from the face's: such slivers are searched for. The factor is three,
-// since the normal turns along the border too. The distance across a fixed normal is largest at a corner; the turn of
-// the normal is added.
+// as much as the normals of vertices are turned from the face's: such slivers are searched for. The reach counts three
+// times, since the normal turns along the border too. The distance across a fixed normal is largest at a corner; the
+// turn of the normal is added.
 double OverrunSearch::max_across(const BorderPoint& b, std::span<const Vec3> part, const Vec3& off,
                                  double reach) const {
   const Vec3 n = surface_.normal_at(b.point);

@@ -27,7 +27,7 @@ class Team {
   const GrowthTask& task_;
   std::deque<Chain>& chains_;
   std::size_t first_, count_;
-  std::size_t working_ = 1;  // So many chains work in this round.
+  std::size_t working_ = 1;  // This many chains work in this round.
 };
 
 /// Divides the chains into teams of at most `most` ≥ 1; the last team gets the rest.

@@ -17,7 +17,7 @@ constexpr double kWidthShare = 0.6, kMaxWidth = 0.3, kMinWidth = 1e-5;
 constexpr int kMaxCells = 20, kFollowSteps = 5;
 // A ridge ends where the density has fallen to exp(−8), and one that starts below exp(−5) is left out.
 constexpr double kMaxRise = 16.0, kMaxModeRise = 10.0;
-// So many other sides of a taxel are tested, and so many steps separate modes.
+// Modes are searched on this many sides of the nearest taxel, each by a fit with this many steps.
 constexpr int kSides = 6, kModeSteps = 10;
 constexpr double kSideDistance_mm = 3.5, kModeDistance_mm = 1.0;
 // Along the circle about a single taxel the Gauss-Newton matrix has no bound, and the circle bends away from it.

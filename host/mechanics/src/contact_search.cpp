@@ -23,7 +23,7 @@ constexpr double kFirstNoiseShare = 0.01;
 // A taxel counts as pressed above this fraction of the peak and so many deviations of a stated noise.
 constexpr double kSignalShare = 0.02, kSignalDeviations = 3.5;
 constexpr double kKnownRadiusSd = 1e-3;
-// The first number limits the steps of a fit from each start; then only some of the fits continue.
+// Each start gets this many steps; only the best fits then continue to their minimum.
 constexpr int kFirstSteps = 8;
 constexpr std::size_t kFinalists = 3;
 // If one more contact gains less than this fraction of what it should, no further one is tried, because that would have

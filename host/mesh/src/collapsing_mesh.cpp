@@ -126,7 +126,7 @@ bool CollapsingMesh::keeps_edges_single(int vertex, const Ring& ring, std::size_
                               [&](int f) { return std::ranges::all_of(faces_[at(f)], in_ring); });
 }
 
-// The neighbour across the side from one corner to the next.
+// Sets the neighbour across the side from one corner to the next.
 void CollapsingMesh::point_side(int face, int from, int to, int neighbour) {
   if (face < 0) return;
   for (std::size_t s = 0; s < 3; ++s) {
@@ -140,7 +140,7 @@ void CollapsingMesh::remove_face(int face, int vertex, int corner) {
   const auto f = faces_[at(face)];
   const auto sides = neighbours_[at(face)];
   const std::size_t v = corner_in(f, vertex), c = corner_in(f, corner), third = 3 - v - c;
-  const auto opposite = [&](std::size_t k) { return sides[(k + 1) % 3]; };  // The neighbour opposite corner k.
+  const auto opposite = [&](std::size_t k) { return sides[(k + 1) % 3]; };  // Returns the neighbour opposite corner k.
   const int inner = opposite(c), outer = opposite(v);
   // The side of `one` between `end` and the third corner is joined to `other`.
   const auto join = [&](int one, int end, int other) {

@@ -19,7 +19,7 @@ struct EdgeSide {
 /// edges took most of the time of the functions that join and test meshes of 100,000 faces.
 class EdgeSides {
  public:
-  /// Cost: O(n) for vertices of bounded degree.
+  /// Sorts the sides of all faces. Cost: O(n) for vertices of bounded degree.
   explicit EdgeSides(const Mesh& mesh);
 
   /// Calls `work` with the sides of each edge, in the order of faces and their sides; edges follow the order of their

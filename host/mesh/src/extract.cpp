@@ -254,7 +254,7 @@ double largest_share(const Mesh& mesh) {
   return largest / area_of(mesh);
 }
 
-// What the earlier steps counted stays in the report.
+// The counts of the earlier steps stay in the report.
 void repair_again(Extraction& e, const Mesh& mesh, const char* step) {
   if (mesh.faces.empty()) throw InputError(fmt::format("surface: {} leaves nothing", step));
   const ExtractReport before = e.report;

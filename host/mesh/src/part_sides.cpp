@@ -12,7 +12,7 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr std::size_t kAsked = 16;  // So many corners are sampled per part; one is enough if no two faces cross.
+constexpr std::size_t kAsked = 16;  // This many corners are sampled per part; one is enough if no two faces cross.
 
 struct Part {
   std::vector<int> faces;

@@ -24,7 +24,7 @@ class TriangleTree {
   explicit TriangleTree(const Mesh& mesh) : mesh_(mesh), tree_(tree_of_faces(mesh)) {}
 
   [[nodiscard]] const Mesh& mesh() const { return mesh_; }
-  /// Cost: O(log n) typical.
+  /// Returns the point of the triangles that is closest to the query. Cost: O(log n) typical.
   [[nodiscard]] SurfacePoint closest(const Vec3& query_mm) const { return closest_face_point(tree_, mesh_, query_mm); }
 
  private:

@@ -22,7 +22,7 @@ struct SlotUnits {
 struct NodeOrder {
   std::vector<int> nodes;
   long cost = 0;
-  int reached = 0;  // So many nodes were placed before the budget ended.
+  int reached = 0;  // This many nodes were placed before the budget ended.
 };
 
 // Builds an order of the nodes from each of some starts that keeps the slots few: the next node is the one after which

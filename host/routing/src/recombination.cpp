@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kJumper = 1'000'000, kNoBorder = 20'000, kLost = 24, kDepth = 3;
 constexpr int kFirstThreshold = 120;
-constexpr int kExchanges = 8;  // So many single modules are tried for each pair of parts.
+constexpr int kExchanges = 8;  // This many single modules are tried for each pair of parts.
 
 std::uint32_t bit(int v) {
   return 1U << v;

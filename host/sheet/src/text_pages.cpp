@@ -17,7 +17,7 @@ namespace {
 
 using Lines = std::vector<TextLine>;
 constexpr std::size_t kLongestLine = 112;  // The unit is bytes; this many characters of 3.1 mm fit on A4.
-constexpr std::size_t kBesideCode = 96;    // So many characters fit if a QR code is at the right.
+constexpr std::size_t kBesideCode = 96;    // This many characters fit if a QR code is at the right.
 const std::vector<double> kBoxed_mm{6.0};  // The text begins beside a box to tick.
 
 std::vector<std::string> wrapped(const std::string& text, std::size_t longest) {

@@ -19,7 +19,7 @@ namespace {
 // Above this, building the list of modules would take longer than the work it saves.
 constexpr double kListReach_mm = 40.0;
 constexpr int kDeepest = 26;     // One cell of the log is halved at most this often.
-constexpr int kJointEvery = 3;   // So many halvings separate two searches for contradictions.
+constexpr int kJointEvery = 3;   // This many halvings separate two searches for contradictions.
 constexpr int kJointCredit = 6;  // After a search that helped, this many regions are searched.
 // The spare covers the rounding of the placement itself, beside its tolerance, and grows with the distance.
 constexpr double kSpare_mm = 1e-9;

@@ -17,7 +17,7 @@ constexpr double kGoldenAngle = 2.399963229728653;
 constexpr double kAbove_mm = 0.05;
 constexpr double kFar_mm = 1e6;  // A part is at most 5 m across.
 
-// A Fibonacci spiral on the sphere: even directions.
+// A Fibonacci spiral spreads the directions evenly over the sphere.
 const std::vector<Vec3>& hull_directions() {
   static const std::vector<Vec3> directions = [] {
     std::vector<Vec3> result;

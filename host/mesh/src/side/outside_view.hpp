@@ -11,7 +11,7 @@ namespace triskin::geometry {
 /// of radius r by r / 1,000.
 class HullDepth {
  public:
-  /// Cost: O(n).
+  /// Finds the extreme point in each direction. Cost: O(n).
   explicit HullDepth(const std::vector<Vec3>& points_mm);
 
   /// Returns the distance from a point along a unit normal to where it leaves the hull; 0 on the hull. Cost: constant.

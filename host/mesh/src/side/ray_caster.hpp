@@ -17,7 +17,7 @@ struct RayHit {
 /// Casts rays against the triangles of a mesh, which must outlive it. Queries are const and thread-safe.
 class RayCaster {
  public:
-  /// Cost: O(n log n), on `threads` (≥ 1).
+  /// Builds the tree of the faces on `threads` (≥ 1). Cost: O(n log n).
   RayCaster(const Mesh& mesh, int threads);
 
   [[nodiscard]] const Mesh& mesh() const { return mesh_; }

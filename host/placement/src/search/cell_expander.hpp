@@ -17,7 +17,7 @@ namespace triskin::geometry {
 /// one lattice period.
 struct Cell {
   MotionBox box;
-  int certain = 0;                       ///< So many tiles hold in the whole cell, in addition to those of the list.
+  int certain = 0;                       ///< This many tiles hold in the whole cell, in addition to those of the list.
   int bound = 0;                         ///< No motion in the cell has a higher value.
   std::shared_ptr<const CellList> list;  ///< A slice has no list.
   /// If positive, the list has no edges yet, and those within this distance of a tile may cut it.

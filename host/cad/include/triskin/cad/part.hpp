@@ -91,7 +91,7 @@ struct Part {
   std::vector<Face> faces;
   design::Mesh mesh;  ///< Lengths are in mm; corners are shared along the edges of one body, never between bodies.
   std::vector<int> face_of_triangle;  ///< Each face of `mesh` has its index in `faces`.
-  double deviation_mm = 0.0;          ///< The largest deviation of any face.
+  double deviation_mm = 0.0;          ///< No face of the mesh deviates more than this from its exact surface.
   std::vector<std::string> warnings;  ///< Each warning is one sentence; nothing is missing because of it.
   /// Each fault is one sentence about something of the file that is missing in `mesh` or wrong.
   std::vector<std::string> faults;

@@ -10,7 +10,7 @@ namespace triskin::geometry::surface_lattice {
 /// are alike the copies may differ.
 class CanonicalCopy {
  public:
-  /// Cost: O(n log n).
+  /// Makes the copy and the motion that leads back. Cost: O(n log n).
   explicit CanonicalCopy(const Mesh& original);
 
   [[nodiscard]] const Mesh& mesh() const { return mesh_; }

@@ -10,7 +10,7 @@ namespace triskin::geometry {
 
 /// Input of map_modules(): a piece, its place on the grid, and the tiles inside it.
 struct TiledPiece {
-  const Piece* piece = nullptr;  ///< It is not owned and must outlive the call.
+  const Piece* piece = nullptr;  ///< The piece is not owned and must outlive the call.
   Placement placement;
   std::vector<Tile> tiles;
 };

@@ -7,7 +7,7 @@
 
 namespace triskin::geometry::surface_lattice {
 
-/// The closest point on the surface.
+/// A foot is the point of the surface that is closest to another point.
 struct Foot {
   Vec3 point = Vec3::Zero();
   Vec3 normal = Vec3::UnitZ();  ///< The normal is interpolated, as by Surface::normal_at.
@@ -49,7 +49,7 @@ class NearSurface {
   std::vector<Voxel> filled_;
   struct Candidate {
     int face;
-    double distance_mm;  ///< It is measured from the middle of the voxel.
+    double distance_mm;  ///< The distance is measured from the middle of the voxel.
   };
   std::vector<Candidate> candidates_;
   std::vector<bool> border_vertex_, border_face_;

@@ -29,7 +29,7 @@ struct NetVertex {
   Vec3 outward = Vec3::Zero();  ///< The border was last crossed in this direction.
 };
 
-/// The position of a rigid module.
+/// A shape is the position of a rigid module in space.
 struct ModuleShape {
   Triangle rigid;  ///< The corners are those of the whole triangle, before the corner cut.
   Vec3 center = Vec3::Zero(), normal = Vec3::UnitZ();

@@ -9,7 +9,7 @@ namespace triskin::geometry {
 
 struct Overrun {
   double mm = 0.0;  ///< The value is never too large, and at most 0.02 mm too small.
-  /// So many points of the module were compared with surface and border, as a measure of the cost.
+  /// This many points of the module were compared with surface and border, as a measure of the cost.
   std::size_t points = 0;
 };
 

@@ -37,7 +37,8 @@ class Relaxer {
   };
   struct KnownGap {
     Vec3 center = Vec3::Zero();
-    double distance_mm = 1e300;  // The distance of the centre from the surface; the initial value means unknown.
+    // The initial value means that the distance of the centre from the surface is still unknown.
+    double distance_mm = 1e300;
   };
   struct Residual {
     double value, weight;

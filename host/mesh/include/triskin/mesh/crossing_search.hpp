@@ -9,7 +9,7 @@
 namespace triskin::geometry {
 
 struct CrossingSearch {
-  int threads = 1;       ///< At least 1; a child process uses one thread.
+  int threads = 1;       ///< The number must be at least 1; a child process uses one thread.
   bool any_one = false;  ///< True ends the search at the first pair that is found.
   IsLate is_late{};      ///< The search asks this after about every ten thousand faces and ends when it answers true.
 };
@@ -17,7 +17,8 @@ struct CrossingSearch {
 struct Crossings {
   /// Each pair is the lower and the higher number of two faces, sorted; a face without area is listed with itself.
   std::vector<std::pair<int, int>> pairs;
-  std::size_t tested = 0;  ///< Only these faces were tested against all others when the search ended early.
+  /// This many faces were tested against all others; a search that ended early has tested fewer than all.
+  std::size_t tested = 0;
 };
 
 /// Finds pairs of faces that pass through or touch each other beyond a common edge or corner. An edge may have two

@@ -25,7 +25,7 @@ struct Deviation {
   Vec3 where_mm = Vec3::Zero();  ///< The largest distance was found at this point.
 };
 
-/// What extract() did to make a surface that design() takes, in the order in which it is tried.
+/// Tells how extract() made a surface that design() accepts; the values are in the order of trying.
 enum class Repair : std::uint8_t {
   kNone,
   /// Faces that cross were divided along their common lines and hidden parts dropped; the other faces are unchanged.
@@ -51,7 +51,7 @@ struct ExtractReport {
   bool outer = false, wrapped = false;  ///< True means that this optional step was taken.
   double kept_out_mm2 = 0.0;            ///< The keep-outs took away this area.
   Repair repair = Repair::kNone;        ///< Only ExtractOptions::repair allows another value.
-  /// So many pairs of faces of the raw or reduced mesh pass through each other; without a repair nobody counts them.
+  /// This many pairs of faces of the raw or reduced mesh pass through each other; without a repair nobody counts them.
   int crossings = 0;
   /// All values are 0 if nothing was repaired or reduced. The deviation is measured before the keep-outs are cut.
   Deviation deviation;
@@ -85,8 +85,8 @@ struct ExtractOptions {
   /// Drops what sees little of the sky. The step is needed with several large parts or edges with more than two faces.
   /// With `repair` it also drops what lies in a closed part, unless kNever.
   When outer = When::kNever;
-  double visibility_fraction =
-      0.25;  ///< A face is outside if so much of the half sphere above it is free (0 … 1, weighted by the cosine).
+  /// A face is outside if at least this fraction of the half sphere above it is free (0 … 1, weighted by the cosine).
+  double visibility_fraction = 0.25;
   /// Shrink-wraps the mesh first. The step is needed if the remaining mesh crosses itself or is shattered.
   When wrap = When::kNever;
   double wrap_alpha_mm = 6.0;   ///< Openings narrower than this are closed.

@@ -31,7 +31,7 @@ class RepairTime {
   double whole_s_, end_s_;
 };
 
-/// So many rays leave each side of a face when its view of the sky is measured.
+/// This many rays leave each side of a face when its view of the sky is measured.
 inline constexpr int kVisibilityRays = 64, kMinVisibilityRays = 8;
 
 /// Holds the cosine-weighted fraction of the sky that each of these faces sees above its front and its back; all faces

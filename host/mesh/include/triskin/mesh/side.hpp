@@ -45,7 +45,7 @@ struct SideOptions {
   std::optional<Vec3> from_mm;  ///< The side that is seen from this point counts as the outer one.
   double min_wall_mm = 0.3;  ///< A thinner pair of sheets counts as one sheet that is stored twice; must be positive.
   double max_wall_mm = 8.0;  ///< A thicker part counts as a solid body without a wall; must exceed min_wall_mm.
-  int threads = 2;           ///< At least 1; the number does not affect the result.
+  int threads = 2;           ///< The number must be at least 1 and does not affect the result.
 };
 
 /// A set of faces that are connected over smooth edges and lie on one side of the wall.

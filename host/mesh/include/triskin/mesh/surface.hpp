@@ -18,7 +18,7 @@ struct SurfacePoint {
   double distance_mm = std::numeric_limits<double>::infinity();
 };
 
-/// The closest point of one border edge.
+/// Answers which point of one border edge is closest.
 struct BorderPoint {
   SurfacePoint point;
   int side = 0;                       ///< Side s of a face runs from corner s to corner s + 1.

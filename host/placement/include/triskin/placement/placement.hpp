@@ -102,7 +102,7 @@ struct PlacementResult {
   int upper_bound = 0;  ///< The bound is proved: no placement has more modules.
   bool proved = false;  ///< Value and bound met before a limit ended the search.
   SearchStop stopped = SearchStop::kNone;  ///< This limit was reached first.
-  /// So many `tiles` keep an inset of −tolerance/2 or more, for which the bound holds. If they are fewer than
+  /// This many `tiles` keep an inset of −tolerance/2 or more, for which the bound holds. If they are fewer than
   /// `modules`, the others overhang by more than half the tolerance, and the bound does not cover them (branch and
   /// bound, by number).
   int modules_within_bound = 0;

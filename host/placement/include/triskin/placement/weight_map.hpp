@@ -28,7 +28,7 @@ class WeightMap {
   [[nodiscard]] static WeightMap of_mesh(const std::vector<Vertex>& vertices,
                                          const std::vector<std::array<int, 3>>& faces, double step_mm);
 
-  /// The value and gradient at a point.
+  /// A jet has the value and the gradient of the map at a point.
   struct Jet {
     double value = 0.0;
     Vec2 slope_per_mm = Vec2::Zero();

@@ -52,7 +52,7 @@ struct RoutingOptions {
   bool has_controller_place = false;      ///< True counts cable lengths in the secondary cost.
   std::array<double, 3> controller_mm{};  ///< The place is given in the frame of the mesh.
   Price price;      ///< The prices of a controller and a jumper are used only if jumpers are possible.
-  int threads = 1;  ///< So many threads (at least 1) divide islands; the result does not depend on their number.
+  int threads = 1;  ///< This many threads (at least 1) divide islands; the result does not depend on their number.
   /// May be the division of an earlier result for the same graph and places, or null.
   std::shared_ptr<const Division> division;
   /// Asked between the searches for a better division, by any of the threads. If it returns true, the best division so
@@ -88,8 +88,8 @@ struct RoutingResult {
   /// Modules lost beyond the failed one, averaged over all single failures of modules and tree joints (lost_backed_up).
   double mean_loss = 0.0;
   double seconds = 0.0;
-  double mean_loss_one_entry = 0.0;  ///< The same mean if only the patch itself reroutes.
-  double mean_loss_strapped = 0.0;   ///< The same mean without rerouting.
+  double mean_loss_one_entry = 0.0;  ///< The mean is taken as if only the patch itself rerouted.
+  double mean_loss_strapped = 0.0;   ///< The mean is taken as if nothing rerouted.
   int patches_without_border = 0;
   int electrical_violations = 0;
   /// The proof is the one that took most effort over the islands.

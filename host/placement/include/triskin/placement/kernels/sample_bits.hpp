@@ -23,7 +23,7 @@ using BlockWords = std::uint32_t __attribute__((vector_size(64)));
 /// all give the same bits.
 class SampleBits {
  public:
-  static constexpr int kBlock = 16, kWord = 32;  // So many rows and columns are processed at once.
+  static constexpr int kBlock = 16, kWord = 32;  // This many rows and columns are processed at once.
 
   /// Clears all bits. `rows` must be a multiple of kBlock.
   void clear(int rows, int words);

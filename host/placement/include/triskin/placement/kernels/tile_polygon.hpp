@@ -10,8 +10,9 @@ namespace triskin::geometry {
 
 /// A polygon prepared for placement: recentred, as edges with the interior on the left.
 struct PreparedPolygon {
-  Vec2 first = Vec2::Zero();   ///< It is subtracted first, because inputs may lie 1e6 mm away.
-  Vec2 center = Vec2::Zero();  ///< It is subtracted next, because a short lever arm keeps rotation bounds tight.
+  Vec2 first = Vec2::Zero();  ///< This vertex is subtracted first, because inputs may lie 1e6 mm away.
+  /// The centre is subtracted next, because a short lever arm keeps rotation bounds tight.
+  Vec2 center = Vec2::Zero();
   /// Separations are rounded by up to 1e-9 mm, and in proportion to a radius above some 100 m.
   double rounding_mm = 1e-9;
   std::vector<std::array<Vec2, 2>> edges;

@@ -34,8 +34,8 @@ class CellFilter {
   CellFilter(const PreparedPolygon& polygon, const TileGrid& grid) : polygon_(polygon), grid_(grid) {}
 
   struct Outcome {
-    int certain = 0;         ///< So many of the undecided tiles hold in the whole cell.
-    int free_at_center = 0;  ///< So many of the tiles that are still undecided hold at the centre.
+    int certain = 0;         ///< This many of the undecided tiles hold in the whole cell.
+    int free_at_center = 0;  ///< This many of the tiles that are still undecided hold at the centre.
     /// False means that fewer than `least` tiles can hold; the other fields are then incomplete.
     bool alive = false;
   };
