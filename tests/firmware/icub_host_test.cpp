@@ -193,7 +193,7 @@ TEST_F(IcubHost, the_skin_type_chooses_the_compensation) {
   start(1, 200, 2);  // The gains of a palm are all zero.
   warm(80);
   for (const int v : listen().at({1, 0}).value) EXPECT_EQ(v, 180);
-  start(7, 200, 2);  // Low bytes of results whose middle the converter's offsets have moved.
+  start(7, 200, 2);  // The values are low bytes of results whose middle the converter's offsets have moved.
   const Triangle before = listen().at({1, 0});
   warm(5);
   const Triangle& raw = listen().at({1, 0});

@@ -47,7 +47,7 @@ class Restarts final : public fw::Restart {
 std::vector<std::uint8_t> image_for(int slot, std::uint32_t version, std::size_t bytes, std::uint8_t fill) {
   std::vector<std::uint8_t> image(bytes);
   for (std::size_t k = 0; k < bytes; ++k) image[k] = static_cast<std::uint8_t>(fill + k / 8 + k % 8);
-  std::fill_n(image.begin() + 512, 64, std::uint8_t{0xFF});  // A gap that reads as erased.
+  std::fill_n(image.begin() + 512, 64, std::uint8_t{0xFF});  // This gap reads as erased.
   ByteWriter w(image);
   w.le32(0x20010000);
   w.le32(kOrigins[static_cast<std::size_t>(slot)] + 0x201);

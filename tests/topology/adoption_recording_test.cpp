@@ -79,7 +79,7 @@ class AdoptionRecording : public ShellCase {
   const design::Design design_ = joined_patches(4, 8);
   const Unreachable unreachable_ = unreachable_of(design_).front();
   std::map<Sample, int> adopter_;  // The stream reported these adopters.
-  std::set<Sample> empty_;         // Samples whose controller did not reach the module.
+  std::set<Sample> empty_;         // For these samples the controller did not reach the module.
   std::uint64_t failed_us_ = 0, whole_us_ = 0;
 };
 

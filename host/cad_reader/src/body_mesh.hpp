@@ -17,7 +17,7 @@ using Vec3 = Eigen::Vector3d;
 /// The surface may turn by at most this over one step of the kernel's mesher.
 inline constexpr double kStepAngle_rad = 0.2;
 
-/// A triangle of one face, counter-clockwise seen from outside.
+/// A triangle belongs to one face and is counter-clockwise seen from outside.
 struct Triangle {
   std::array<int, 3> corners{};  ///< The indices refer to BodyMesh::points.
   std::array<Vec2, 3> uv;        ///< The corners have these parameters on the surface of the face.

@@ -190,7 +190,7 @@ class OverrunSearch {
     for (const P3& q : part) radius = std::max(radius, (q - m).norm());
     const auto hit = surface_.closest(m);
     const double to_surface = (m - hit.point).norm();
-    std::vector<const BorderEdge*> near;  // All edges that may be nearest to a point of the part.
+    std::vector<const BorderEdge*> near;  // These edges may be nearest to a point of the part.
     for (const BorderEdge* e : candidates) {
       if (sight_of(*e, m).off.norm() <= to_surface + 2.0 * radius + lack_mm_ && may_be_nearest(*e, part, hit.point))
         near.push_back(e);

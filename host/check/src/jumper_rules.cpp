@@ -17,7 +17,7 @@ constexpr int kSteps = 32;  // docs/design_file.md defines the number of points 
 
 struct Cable {
   P3 a, b;          // The cable leads between these middles of sides.
-  P3 out_a, out_b;  // Unit directions away from the centroids.
+  P3 out_a, out_b;  // Both are unit vectors that point away from the centroids.
   P3 normal_a, normal_b;
 };
 

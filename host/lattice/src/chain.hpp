@@ -39,7 +39,7 @@ struct SearchPlan {
   [[nodiscard]] static SearchPlan of(double room_modules);
 };
 
-/// Data that all chains of a search share. Refers to its arguments.
+/// Holds the data that all chains of a search share. Refers to its arguments.
 struct GrowthTask {
   const Surface& surface;
   const Rules& rules;

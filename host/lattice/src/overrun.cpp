@@ -144,7 +144,7 @@ class OverrunSearch {
 
   const Surface& surface_;
   Overrun best_;
-  std::vector<BorderPoint> near_;  // Border near the point of the last may_exceed().
+  std::vector<BorderPoint> near_;  // These border points lie near the point of the last may_exceed().
 };
 
 // Returns true if a part of the module, all within `reach` of a point, may overhang the border by more than is known.

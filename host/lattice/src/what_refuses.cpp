@@ -43,8 +43,8 @@ Bend bend_at(const Surface& surface, const Vec3& place) {
   return bend;
 }
 
-// The quantity that a limit bounds, for a surface with these curvatures (docs/bending.md), and its limit. It grows with
-// the curvature, or for the edge error with its square.
+// Gives the quantity that a limit bounds, for a surface with these curvatures (docs/bending.md), and its limit. It
+// grows with the curvature, or for the edge error with its square.
 struct Demand {
   double is_mm = 0.0, allowed_mm = 0.0, power = 1.0;
 };

@@ -61,7 +61,7 @@ class RadialSystem {
   Eigen::PartialPivLU<Eigen::MatrixXd> factors_;
 };
 
-/// Wave numbers for fields up to a distance, with the kernels there; densities of one system share it.
+/// Holds the wave numbers for fields up to a distance, with the kernels there; densities of one system share it.
 struct FieldSpectrum {
   FieldSpectrum(const RadialSystem& system, double reach);
   Quadrature rule;

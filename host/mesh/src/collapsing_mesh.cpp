@@ -11,7 +11,7 @@
 namespace triskin::geometry {
 namespace {
 
-// Far above the rounding of some hundred operations on lengths of metres, which is one step.
+// This is far above the rounding of some hundred operations on lengths of metres, which is one step.
 constexpr double kRounding_mm = 1e-9;
 
 // A shape that uses all of the allowed deviation counts a fourth of one that uses none.

@@ -151,7 +151,7 @@ class Extractor {
     }
   }
 
-  // New vertices: one per fan of joined faces, so that no edge has more than two faces and no vertex is pinched.
+  // Makes new vertices, one per fan of joined faces, so that no edge has more than two faces and no vertex is pinched.
   void rebuild() {
     std::vector<std::array<int, 3>> vertex(mesh_.faces.size(), {-1, -1, -1});
     if (has_unjoined_) used_edges_.reserve(3 * mesh_.faces.size());
@@ -228,7 +228,7 @@ class Extractor {
 
 constexpr unsigned kWrap_s = 600;   // This limit is processor time.
 constexpr double kShattered = 0.6;  // The input counts as shattered if the largest part has less of the area.
-// Faces per second of the repair (measured: 44 µs of processor time each).
+// The repair handles this many faces per second (measured: 44 µs of processor time each).
 constexpr double kRepairedFaces = 20'000.0;
 constexpr double kMaxReduced_mm = 1.0, kLooseShare = 0.05;  // Small parts may make up this share of the area.
 

@@ -23,7 +23,7 @@ constexpr double kLevel = 0.9;
 constexpr double kFromNode = 0.05;  // A corner of the result keeps this share of the edge away from the nodes.
 constexpr int kBlock = 4;
 
-// Kuhn's six tetrahedra of a cube, as bits of x, y, z from its low corner.
+// These are Kuhn's six tetrahedra of a cube, as bits of x, y, z from its low corner.
 constexpr std::array<std::array<int, 4>, 6> kTetrahedra{
     {{0, 1, 3, 7}, {0, 1, 5, 7}, {0, 2, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 4, 6, 7}}};
 

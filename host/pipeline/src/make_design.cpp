@@ -40,7 +40,8 @@ constexpr double kUnfoldedFaces = 10'000.0;
 constexpr double kMaxUnfolded = 2.0;   // Above this multiple the first step alone would take longer.
 constexpr double kPiecesShare = 0.12;  // Pieces get this fraction of the time; the growth gets the rest.
 constexpr double kPieceLeast_s = 0.1;  // Each piece gets at least this time, or what a short limit allows.
-constexpr double kMapped_s = 2.5e-4;   // Measured time to map a module on a piece, with the steps that follow.
+// Mapping a module on a piece, with the steps that follow, takes this time (measured).
+constexpr double kMapped_s = 2.5e-4;
 // Work that has not started by this fraction of the time is left out.
 constexpr double kPlacingEnd = 0.65, kMappingEnd = 0.85;
 // The growth gets half of the time; a limit up to 3 s is binding for it.
@@ -59,8 +60,9 @@ constexpr double kMaxGrowth = 3.0;
 // pricing take for as many modules on pieces.
 constexpr double kMeasuringShare = 0.25, kWiringShare = 0.25;
 constexpr double kWritingShare = 0.8;  // Writing the surface takes 80 % of the time that reading took (measured).
-constexpr double kWriting_s = 5e-5;    // Measured time to write a module with its alternatives, 4 kB each.
-constexpr double kPricing_s = 1.2e-4;  // Measured time to map and price a module, used if no piece was timed.
+constexpr double kWriting_s = 5e-5;    // Writing a module with its alternatives, 4 kB each, takes this time (measured).
+// Mapping and pricing a module takes this time (measured); used if no piece was timed.
+constexpr double kPricing_s = 1.2e-4;
 
 // With a fixed number of steps the repair's clock stands still, because the result must not depend on the time.
 geometry::Extraction surface_of(const geometry::Mesh& mesh, const std::string& name, const DesignOptions& options,

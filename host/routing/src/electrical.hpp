@@ -15,8 +15,8 @@ struct LineLoad {
   int jumpers = 0;        ///< These jumpers are among the joints.
   double jumper_m = 0.0;  ///< All these jumpers together have this length.
 };
-/// C = cable + joints * C_joint + jumpers * C_plugs + cable of jumpers + modules * C_pin + passed * C_switch; rise time
-/// 0.8473·R·C (30 … 70 %, I²C UM10204).
+/// Computes C = cable + joints * C_joint + jumpers * C_plugs + cable of jumpers + modules * C_pin + passed * C_switch,
+/// and the rise time 0.8473·R·C (30 … 70 %, I²C UM10204).
 [[nodiscard]] LineElectrical electrical_state(const ElectricalModel& model, const LineLoad& load);
 /// Returns true if the required bus speed is above the one that the line carries safely.
 [[nodiscard]] bool violates(const ElectricalModel& model, const LineElectrical& line);

@@ -90,7 +90,7 @@ struct Step {
   std::vector<bool> kept_is_jumper;
   bool stays = false;       // The node itself becomes a slot.
   int new_jumpers = 0;      // Jumpers to later nodes become slots, too.
-  int islands_to_come = 0;  // Number of islands that have no placed node.
+  int islands_to_come = 0;  // These islands have no placed node yet.
   bool between = false;     // Every other island is placed already.
 };
 

@@ -40,7 +40,7 @@ FlatChart make_chart(const CutSurface& cut, const std::vector<int>& faces) {
       const int id = static_cast<int>(c.vertices.size());
       const int vertex = s.mesh().faces[at(faces[k])][at(v)];
       c.vertices.push_back(vertex);
-      std::vector<int> fan{faces[k]};  // Faces around the vertex that are connected by edges.
+      std::vector<int> fan{faces[k]};  // These faces around the vertex are connected by edges.
       std::set<int> seen{faces[k]};
       for (std::size_t f = 0; f < fan.size(); ++f) {
         const auto& corners = s.mesh().faces[at(fan[f])];

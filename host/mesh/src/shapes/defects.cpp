@@ -32,7 +32,7 @@ std::vector<Vec3> normals_of(const Mesh& m) {
   return normal;
 }
 
-// Walls, ribs and loose parts of the shell; `normal` holds one vector for each vertex of the cover.
+// Adds walls, ribs and loose parts of the shell; `normal` holds one vector for each vertex of the cover.
 class Shell {
  public:
   explicit Shell(const Mesh& cover) : cover_(cover), normal_(normals_of(cover)), mesh_(cover) {}

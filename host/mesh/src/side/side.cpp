@@ -32,7 +32,7 @@ double median_wall(const std::vector<WallSample>& samples) {
 // decision.
 constexpr double kMinWalledOpen = 0.15;
 
-constexpr double kVisibility_s = 0.2;  // Processor time for the view of crossing faces, which are rare.
+constexpr double kVisibility_s = 0.2;  // The view of crossing faces, which are rare, may take this much processor time.
 
 bool has_border(const std::vector<std::array<int, 3>>& neighbours) {
   return std::ranges::any_of(neighbours, [](const auto& n) { return n[0] < 0 || n[1] < 0 || n[2] < 0; });

@@ -46,7 +46,7 @@ PartWord wanted_parts(const Index& low, const Index& high) {
 
 }  // namespace
 
-// The open ones among some parts: their bounds, number and highest count.
+// Summarizes the open ones among some parts: their bounds, number and highest count.
 struct CellExpander::OpenParts {
   Index low{99, 99, 99}, high{0, 0, 0};
   int count = 0, most = 0;

@@ -10,6 +10,7 @@ namespace triskin::geometry {
 
 /// Bounds a cell by constraints that contradict each other, although each of them alone can hold: a tile between two
 /// parallel edges that are slightly too close, or two tiles of which one needs the lower and the other the upper edge.
+///
 /// With w = R(-phi) * (t - centre) and sigma = sin(phi), phi the turn from the centre of the cell, a constraint between
 /// a point of a tile and the line of an edge is linear in w and sigma but for 1 - cos(phi). If the normals of two or
 /// three constraints cancel, their weighted sum depends on the angle alone, whatever the translations of the cell, so

@@ -9,7 +9,7 @@ namespace triskin {
 /// distributions of the standard library do not). Each thread needs its own object.
 class Dice {
  public:
-  /// Any seed; equal seeds give equal sequences.
+  /// Any seed is allowed; equal seeds give equal sequences.
   explicit Dice(std::uint64_t seed) : engine_(seed) {}
   /// Draws uniformly from 0 … n − 1 as the remainder of a draw; n ≥ 1. Routing and random patches draw this way.
   [[nodiscard]] int below(int n) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(n)); }

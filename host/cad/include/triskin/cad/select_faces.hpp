@@ -15,14 +15,14 @@ struct FaceSelection {
   std::vector<std::string>
       colours{};  ///< A colour is "#rrggbb", or red, green, blue, yellow, cyan, magenta, black, white, grey, orange.
   std::vector<SurfaceKind> kinds{};
-  std::vector<std::string> bodies{};  ///< Each is an index, a name or a path.
+  std::vector<std::string> bodies{};  ///< A body is named by its index, name or path.
   std::optional<double> min_area_cm2{}, max_area_cm2{};
   /// Selects the face nearest to this point and all faces that continue it smoothly.
   std::optional<design::Vec3> from_point_mm{};
   double smooth_deg = 20.0;       ///< An edge is smooth if it turns less than this, 0 … 180.
   bool only_outward = false;      ///< True selects FaceSide::kOutward only.
   double without_holes_mm = 0.0;  ///< A positive value leaves out the walls of round holes up to this diameter.
-  std::vector<std::string> without_bodies{};  ///< Each is an index, a name or a path.
+  std::vector<std::string> without_bodies{};  ///< A body is named by its index, name or path.
 
   /// Returns true if no condition is set, so that every face is selected.
   [[nodiscard]] bool is_empty() const;

@@ -53,6 +53,7 @@ class SurfaceIndex {
 /// points to which no other part of the surface is nearer. By branch and bound with bounds that hold for every point of
 /// a part of the module: the value is attained, and no point exceeds it by more than kOverrunStep_mm. Cost: a few
 /// hundred closest points if the border is near, some thousand if that of other sheets runs along the surface.
+///
 /// A point high above the surface that passes the border overhangs it at once by as much as the interpolated normal
 /// leans from the face's. A module that leaves the surface by a micrometre therefore has no single meaningful number,
 /// but two: the largest over the points that are past the border by `past_mm` = kPast_mm at least, and with -kPast_mm

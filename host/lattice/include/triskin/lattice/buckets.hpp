@@ -21,7 +21,7 @@ class Buckets {
   /// Returns the bucket of an item, −1 if it is in none.
   [[nodiscard]] int bucket_of(int item) const { return at(item) < bucket_.size() ? bucket_[at(item)] : -1; }
 
-  /// The item must be in none.
+  /// The item must not be in any bucket yet.
   void add(int item, int bucket) {
     if (bucket_.size() <= at(item)) {
       bucket_.resize(at(item) + 1, -1);

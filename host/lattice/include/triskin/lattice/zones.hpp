@@ -23,8 +23,8 @@ struct Zone {
   }
 };
 
-/// Half the distance of two zones. A module of one and a module of another are 60 mm apart when they begin; those that
-/// touch are at most 4h/3 = 34.6 mm apart, so both may slide by a third of a side.
+/// Two zones are twice this far apart. Modules of two zones are 60 mm apart when they begin; those that touch are at
+/// most 4h/3 = 34.6 mm apart, so both may slide by a third of a side.
 inline constexpr double kHalfBand_mm = 30.0;
 
 /// Divides a net into `count` ≥ 1 zones with about as many modules in each, by planes of random directions. Cost: O(n

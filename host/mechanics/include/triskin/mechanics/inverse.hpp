@@ -41,16 +41,19 @@ struct InverseResult {
 };
 
 /// Finds the contacts of round tips that explain the values of the taxels.
+///
 /// 1. Starts: the strongest taxel, and forces on a grid about the pressed taxels, none negative, that explain the
-/// displacements (non-negative least squares on the influence of a small punch), joined if they are neighbours. 2.
-/// Gauss-Newton with damping on position, force and tip radius of all contacts, with the forward model of the table:
-/// displacements of the contacts add up, and a taxel is the mean of h / (h − u) over its disc. The lowest minimum of
-/// all starts wins. 3. A likelihood-ratio test adds contacts one by one; noise is taken for one more with a probability
-/// of 0.001 at most.
+///    displacements (non-negative least squares on the influence of a small punch), joined if they are neighbours.
+/// 2. Gauss-Newton with damping on position, force and tip radius of all contacts, with the forward model of the table:
+///    displacements of the contacts add up, and a taxel is the mean of h / (h − u) over its disc. The lowest minimum of
+///    all starts wins.
+/// 3. A likelihood-ratio test adds contacts one by one; noise passes for one more with a probability of 0.001 at most.
+///
 /// Estimates and deviations are those of the posterior: of the Gauss-Newton matrix if the objective is a parabola,
 /// otherwise (few pressed taxels) of samples of it. Weak priors keep it regular: a factor of e² about the force that
 /// presses a tip of 12 mm by a quarter of the thickness, of e about that radius, and some 6 mm about the taxels. A
 /// single pressed taxel cannot separate place, force and radius; then the deviations are as wide as the priors.
+///
 /// `observations` are taxels that feel pressure, any number; those that are not finite are left out. Throws InputError
 /// when an option is out of range. Cost: 0.1 … 1 s for 120 taxels beside the table, which is made once; for a stream
 /// see surface_contacts.hpp. Thread-safe. Source: Lawson and Hanson, Solving Least Squares Problems (1974), chapter 23;

@@ -34,6 +34,7 @@ struct SurfaceContact {
 /// form a group; each group is laid out in its tangent plane with distances along the surface kept (exact on a
 /// cylinder), and one to three contacts are fitted there with the table as the model. The fit starts at the strongest
 /// taxel only and stops when the remainder looks like noise; find_contacts() spends more on one observation.
+///
 /// `positions_mm`, unit `normals` (outwards) and `dc_over_c` have one entry per taxel that feels pressure; values that
 /// are not finite are left out. Taxels below four deviations of the noise count as not pressed. Throws InputError when
 /// the lists differ in length, a normal has no length, or an option is out of range. The strongest contact comes first.
@@ -45,7 +46,7 @@ struct SurfaceContact {
                                                                std::span<const double> dc_over_c,
                                                                const SurfaceOptions& options);
 
-/// Force and torque on a cover, with standard deviations of each component.
+/// A wrench has force and torque on a cover, with standard deviations of each component.
 struct Wrench {
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero(), force_sd_n = Eigen::Vector3d::Zero();
   Eigen::Vector3d torque_nmm = Eigen::Vector3d::Zero(), torque_sd_nmm = Eigen::Vector3d::Zero();

@@ -12,9 +12,9 @@ struct BridgeReport {
   double area_mm2 = 0.0;  ///< All lids together have this area.
 };
 
-/// Closes the holes of a surface whose border is nowhere wider than `diameter_mm` > 0 by flat lids, so that modules may
-/// span them (docs/side.md). `part` is what the surface was taken from: what stands more than 0.5 mm out of a hole
-/// keeps it open. The surface stays one that usable() accepts. Cost: O(n log n), and O(b³) of b border edges a hole.
+/// Closes holes by flat lids so that modules may span them (docs/side.md), if their border is nowhere wider than
+/// `diameter_mm` > 0. The surface was taken from `part`; a hole stays open if the part extends more than 0.5 mm out of
+/// it. The surface still passes usable() afterwards. Cost: O(n log n), and O(b³) for each hole of b border edges.
 BridgeReport bridge_holes(Mesh& surface, const Mesh& part, double diameter_mm);
 
 }  // namespace triskin::geometry

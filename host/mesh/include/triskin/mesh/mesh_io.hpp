@@ -45,17 +45,17 @@ struct MeshFile {
   MeshReadReport report;
 };
 
-/// Reads OBJ, STL, PLY, OFF, DAE, glTF, GLB, 3MF, STEP or IGES, each in its own frame (docs/mesh_files.md) and, DAE
-/// aside, in the precision of the file. The content says the format; a name that says another one is a note. `path` may
-/// be a pipe or "-" (standard input): the file is read once, from memory. Without `unit` the file's numbers are mm, or
-/// in the unit of the file (DAE, 3MF) or format (glTF, GLB: m). With `object` the faces of one object alone: `o` and
-/// `g` of OBJ, `solid` of a text STL, nodes and meshes of DAE, glTF, GLB and 3MF. Errors: InputError naming the file
-/// for what is no mesh (saying what it is), for files that are empty, cut, damaged or without a face, for coordinates
-/// that are not finite or beyond ±1e10 mm, for sizes that cannot be a body part (under 20 mm, with the units that fit;
-/// over 5 m), over 3 m where nobody said the unit, and for an object that is not in it, naming those that are. Cost:
-/// O(n log n). Thread-safe. DAE is read by a library in a child process: a crash of it is an InputError. Of STEP and
-/// IGES files (docs/cad.md) the mesh is that of the faces chosen by `faces`, `object` is a body, and corners of
-/// different bodies are not welded; choosing faces in a file of another format is an InputError.
+/// Reads OBJ, STL, PLY, OFF, DAE, glTF, GLB, 3MF, STEP or IGES, each in its own frame (docs/mesh_files.md) and, except
+/// DAE, in the precision of the file. The content decides the format; a name that says another one gives a note. `path`
+/// may be a pipe or "-" (standard input): the file is read once, from memory. Without `unit` the file's numbers are mm,
+/// or in the unit of the file (DAE, 3MF) or format (glTF, GLB: m). With `object` only the faces of one object are read:
+/// `o` and `g` of OBJ, `solid` of a text STL, nodes and meshes of DAE, glTF, GLB and 3MF. Errors: InputError naming the
+/// file if it is no mesh (saying what it is), empty, cut, damaged or without a face; for coordinates that are not
+/// finite or beyond ±1e10 mm; for sizes that cannot be a body part (under 20 mm, with the units that fit; over 5 m),
+/// or over 3 m if nobody stated the unit; and for an object that does not exist, naming those that do. Cost: O(n log
+/// n). Thread-safe. A library reads DAE in a child process, and a crash of it is an InputError. For STEP and IGES files
+/// (docs/cad.md) the mesh has the faces chosen by `faces`, `object` is a body, and corners of different bodies are not
+/// welded; choosing faces in a file of another format is an InputError.
 [[nodiscard]] MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit = std::nullopt,
                                  const std::string& object = {}, const cad::FaceSelection& faces = {});
 

@@ -77,9 +77,9 @@ struct SideChoice {
 };
 
 /// Tells the outer side of a part from its inner one (docs/side.md). The mesh is a manifold, oriented with the material
-/// behind each face, as extract() leaves it. Surfaces without a wall come back as one side. Deterministic. Errors:
-/// InputError for options out of range. Cost: one ray a face and about 400,000 more, O(n log n); 1 s of processor time
-/// for 100,000 faces, 250 bytes a face. Thread-safe.
+/// behind each face, as extract() leaves it. A surface without a wall is returned as one side. Deterministic. Errors:
+/// InputError for options out of range. Cost: one ray per face and about 400,000 more, O(n log n); 1 s of processor
+/// time for 100,000 faces, 250 bytes per face. Thread-safe.
 [[nodiscard]] SideChoice find_sides(const Mesh& mesh, const SideOptions& options = {});
 
 /// Holds the surface that was taken of a part, and what a report says about it.

@@ -9,10 +9,10 @@
 namespace triskin::geometry {
 
 /// Reads one polygon in mm, holes allowed: GeoJSON (Polygon, MultiPolygon of one, Feature or collection of one) or WKT
-/// (POLYGON, MULTIPOLYGON of one; Z and M are left out, SRID is skipped). Result: normalized. Errors: InputError naming
-/// file, ring and vertex for what is not a valid polygon by OGC 06-103r4 (rings that cross or touch themselves, rings
+/// (POLYGON, MULTIPOLYGON of one; Z and M are ignored, SRID is skipped). The result is normalized. Errors: InputError
+/// naming file, ring and vertex if the polygon is invalid by OGC 06-103r4 (rings that cross or touch themselves, rings
 /// that cross or share an edge, holes outside the outer ring or in each other, an inside in several parts), for an
-/// empty or open ring, a key that stands twice, and a file that cannot be read. Thread-safe.
+/// empty or open ring, a key that occurs twice, and a file that cannot be read. Thread-safe.
 [[nodiscard]] Polygon read_polygon(const std::filesystem::path& path);
 
 /// Reads the same from text; messages use `name` in place of the file.

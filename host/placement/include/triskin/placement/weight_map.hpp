@@ -23,8 +23,9 @@ class WeightMap {
     double weight = 0.0;
   };
   /// Makes the map from a flat mesh with a weight at each vertex (an unfolded cover), linear on its faces; elsewhere
-  /// as at the nearest point of a face. Cost: raster points in the box of the mesh, each against every face. Errors:
-  /// as above, and for faces with vertices that are not there, no face, or a step that gives too many points.
+  /// the weight is that of the nearest point of a face. Cost: raster points in the box of the mesh, each against every
+  /// face. Errors: as above, and for faces with vertices that do not exist, no face, or a step that gives too many
+  /// points.
   [[nodiscard]] static WeightMap of_mesh(const std::vector<Vertex>& vertices,
                                          const std::vector<std::array<int, 3>>& faces, double step_mm);
 

@@ -42,13 +42,13 @@ struct Algorithm1Options {
   bool reject_pierced = false;
 };
 
-/// Algorithm 1 (Section IV-B): the patch ℙ of one placement and its size, the value of the objective function ℭ
-/// (Definitions 2 and 3). On each generating line (0°, 60°, 300°) the cutting intersections (Definition 6), sorted,
-/// pair into containment intervals (Definitions 7 and 8, Theorem 1); a module side is contained when it lies in one or
-/// on an edge on the line (Theorem 2), a module when its three sides are (Definition 5, Conditions 1 and 2).
-/// Rings after the first take part like the first: by parity. Memory is kept from call to call: one object a thread.
-/// Cost of a call: O(edges · lines that they cross + sides of the window). Calls that follow one another with the same
-/// angle do not turn the polygon again.
+/// Runs Algorithm 1 (Section IV-B): finds the patch ℙ of one placement and its size, the value of the objective
+/// function ℭ (Definitions 2 and 3). On each generating line (0°, 60°, 300°) the cutting intersections (Definition
+/// 6), sorted, pair into containment intervals (Definitions 7 and 8, Theorem 1); a module side is contained when it
+/// lies in one or on an edge on the line (Theorem 2), a module when its three sides are (Definition 5, Conditions 1 and
+/// 2). Rings after the first are treated like the first, by parity. Memory is kept between calls, so each thread needs
+/// its own object. Cost of a call: O(edges · lines that they cross + sides of the window). Consecutive calls with the
+/// same angle do not turn the polygon again.
 class Algorithm1 {
  public:
   /// `polygon` must be normalized (polygon_io.hpp). Throws std::invalid_argument unless 0 ≤ touch_mm ≤ 1.

@@ -48,13 +48,13 @@ struct BestPlacement {
   std::optional<PivotedPlacement> placement;
   int modules = 0;               ///< The paper calls this number ℭ*.
   std::vector<Tile> patch;       ///< The tiles are sorted; the paper calls the set ℙ*.
-  std::int64_t evaluations = 0;  ///< Algorithm 1 evaluated so many placements.
+  std::int64_t evaluations = 0;  ///< Algorithm 1 evaluated this many placements.
   bool complete = true;          ///< False means that the deadline ended the search.
 };
 
-/// Algorithm 2 (Section V): evaluates the placements of each heuristic by Algorithm 1 and keeps the first of the best.
-/// Throws std::invalid_argument as produce_placements and Algorithm1. Cost: the sum of placement_count evaluations; one
-/// thread.
+/// Runs Algorithm 2 (Section V): evaluates the placements of each heuristic by Algorithm 1 and keeps the first of the
+/// best. Throws std::invalid_argument as produce_placements and Algorithm1 do. Cost: the sum of placement_count
+/// evaluations; one thread.
 [[nodiscard]] BestPlacement algorithm2(
     const Polygon& polygon, std::span<const Heuristic> heuristics, const HeuristicOptions& options = {},
     const Algorithm1Options& evaluation = {},
