@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Text of a file, as it goes into each format.
+// Text of a file must be safe in each format into which it is written.
 #include <gtest/gtest.h>
 
 #include "triskin/base/csv_field.hpp"

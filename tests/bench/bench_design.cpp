@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The time limit of `design` against the time that it takes: reading, repair, pieces, growth, wiring and writing.
+// Compares the time limit of `design` with the time that it takes: reading, repair, pieces, growth, wiring and writing.
 #include <unistd.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Table I of the reference paper again: its R1 … R7 and the certified search on nets of its five parts, and how the
+// Repeats Table I of the reference paper: its R1 … R7 and the certified search on nets of its five parts, and how the
 // time of each heuristic grows with the number of vertices.
 #include <array>
 #include <cmath>

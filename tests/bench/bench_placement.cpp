@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Speed against error of the placement: vertices, area, ε; and the ratio to the paper's R4 with its Algorithm 1 in
-// CGAL.
+// Measures speed against error of the placement: vertices, area, ε; and the ratio to the paper's R4 with its Algorithm
+// 1 in CGAL.
 #include <algorithm>
 #include <array>
 #include <cmath>

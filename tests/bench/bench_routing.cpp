@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Speed against error of the partition and the wiring: time and gap against the number of modules, by shape.
+// Measures speed against error of the partition and the wiring: time and gap against the number of modules, by shape.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Speed against error of covering a surface: time, limits, faces and area against modules; and the nets of another
-// unfolder.
+// Measures speed against error of covering a surface: time, limits, faces and area against modules; and the nets of
+// another unfolder.
 #include <chrono>
 #include <cmath>
 #include <cstdlib>

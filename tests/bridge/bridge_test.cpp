@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A reader with types of its own, and the decoder of Cyclone DDS, gets what the bridge publishes.
+// A reader with its own types and the decoder of Cyclone DDS must get what the bridge publishes.
 #include "triskin/bridge/bridge.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Clients of the services, with types of their own and the decoder of Cyclone DDS: of the library, and of the command.
+// Clients with their own types and the decoder of Cyclone DDS use the services of the library and of the command.
 #include "triskin/bridge/services.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Damaged parts: each is refused in one sentence, or read with a word on what is wrong, or read right. None ends, hangs
-// or fills the memory of this process.
+// Each damaged part must be refused in one sentence, read with a note about the damage, or read correctly. None may end
+// or hang this process, or fill its memory.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Parts with a formula, written by hand: the only witness of geometry that shares nothing with the kernel.
+// Parts with a formula, written by hand, are the only witness of geometry that shares nothing with the kernel.
 #include <gtest/gtest.h>
 
 #include <cmath>

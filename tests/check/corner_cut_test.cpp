@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A design with cut corners is accepted; the same file with another cut, or with modules where the cut does not reach,
-// is not.
+// The checker must accept a design with cut corners, but not the same file with another cut, or with modules where the
+// cut does not suffice.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

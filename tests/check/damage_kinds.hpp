@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Damages of a design file, and the rules one of which must name each. Damaged modules stay whole (taxels move with
-// their corners, the id of the design is not counted), so that what is found is the geometry.
+// Lists kinds of damage of a design file, and the rules one of which must name each. Damaged modules stay whole (taxels
+// move with their corners, and the id of the design is not counted), so that the checker must find the geometry.
 #pragma once
 #include <Eigen/Geometry>
 #include <algorithm>

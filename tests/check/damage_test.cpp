@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A real design passes; each kind of damage is rejected by the rule that is there for it.
+// A real design must pass, and the rule for each kind of damage must reject it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

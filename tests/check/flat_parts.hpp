@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Parts of flat faces, and poses for them.
+// Makes parts of flat faces, and poses for them.
 #pragma once
 #include <Eigen/Geometry>
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Plates, boxes, prisms, ridges and valleys of 20 … 170° in 500 random poses, half of them 1e5 mm from the origin:
-// every design keeps every rule, and a damage of each is found.
+// Designs plates, boxes, prisms, ridges and valleys of 20 … 170° in 500 random poses, half of them 1e5 mm from the
+// origin: every design must keep every rule, and a damage of each must be found.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Limits of lift and depth of corners and sides: what is tilted or bridges a groove is found, and is not made.
+// Tests the limits of lift and depth of corners and sides: modules that are tilted or bridge a groove must be found,
+// and must not be made.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How far modules stand over the border: the number of the solvers against that of the checker, which share no code, on
-// modules that were moved and turned at random round borders and holes.
+// Compares the overhang of modules over the border between solvers and checker, which share no code, on modules that
+// were moved and turned at random around borders and holes.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>

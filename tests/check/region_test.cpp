@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Weights, keep-outs and places that must be covered: the design obeys, and check finds a design that does not.
+// A design must obey weights, keep-outs and places that must be covered, and check must find a design that does not.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

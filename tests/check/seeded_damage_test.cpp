@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Generated and real covers: the design is accepted; every kind of damage, on many modules, is found.
+// On generated and real covers the checker must accept the design, and find every kind of damage on many modules.
 #include <gtest/gtest.h>
 
 #include <algorithm>

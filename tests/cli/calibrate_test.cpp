@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A calibration from the command line to the numbers of live, record and replay.
+// Follows a calibration from the command line to the numbers of live, record and replay.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Files and exit status of the program as a shell sees them.
+// Tests files and exit status of the program as a shell sees them.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <sys/wait.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// `triskin doctor` and `triskin list` on prepared computers: folders that stand for /sys, /proc, /etc and /dev.
+// Runs `triskin doctor` and `triskin list` on prepared computers: folders that stand for /sys, /proc, /etc and /dev.
 #include <gmock/gmock.h>
 #include <unistd.h>
 

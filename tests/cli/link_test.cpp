@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which link a device command works on, and that a simulation is never taken for hardware.
+// Tests which link a device command uses, and that a simulation is never taken for hardware.
 #include <gmock/gmock.h>
 #include <sys/wait.h>
 #include <unistd.h>

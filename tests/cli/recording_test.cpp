@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// record, recover, replay and live as a shell sees them.
+// Runs record, recover, replay and live as a shell does.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>

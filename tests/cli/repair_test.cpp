@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The bench as a person meets it: repair, dump, and the two hours of docs/first_hours.md.
+// Runs the bench as a person meets it: repair, dump, and the two hours of docs/first_hours.md.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

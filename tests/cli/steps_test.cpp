@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The steps of a design as a shell chains them, and what the program says of slips.
+// Chains the steps of a design as a shell does, and tests the messages about slips.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

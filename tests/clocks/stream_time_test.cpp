@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The time that a sample is given against the time at which the simulation took it.
+// Compares the time stamp of a sample with the time at which the simulation took it.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The front of what was found: in the file, and taken without a search.
+// The file keeps the front of the layouts found, and each of them can be taken without a search.
 #include <gtest/gtest.h>
 #include <unistd.h>
 

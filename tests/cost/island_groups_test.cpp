@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The bound by groups of islands, against a search over all divisions of the islands into groups.
+// Compares the bound by groups of islands with a search over all divisions of the islands into groups.
 #include "triskin/routing/island_groups.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Jumpers as switched modules and commands see them: flash, verify and discover --topology, as processes.
+// Tests jumpers on switched modules with the commands flash, verify and discover --topology, as processes.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where jumpers can be, what the file says of them, and which damage `check` names.
+// Tests where jumpers are possible, how the file states them, and which damage `check` names.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

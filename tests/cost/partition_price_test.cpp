@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Controllers and jumpers at the lowest price, against a search over all partitions.
+// Compares the lowest price of controllers and jumpers with a search over all partitions.
 #include <gtest/gtest.h>
 
 #include <algorithm>

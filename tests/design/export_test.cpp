@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Exports for other programs, read back by code that shares nothing with the writers.
+// Exports for other programs are read back by code that shares nothing with the writers.
 #include "triskin/export/export.hpp"
 
 #include <fmt/format.h>

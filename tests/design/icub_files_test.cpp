@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The files for iCub hosts, read as the hosts read them. The readers below follow the public sources of the robot
-// (skinPart of skinDynLib, SkinMeshThreadPort and Triangle_10pad of iCubSkinGui, facts only) and share nothing with the
-// writer: pads are placed by the table that skinGui draws with.
+// Reads the files for iCub hosts as the hosts do. The readers below follow the public sources of the robot (skinPart of
+// skinDynLib, SkinMeshThreadPort and Triangle_10pad of iCubSkinGui, facts only) and share nothing with the writer: pads
+// are placed by the table with which skinGui draws.
 #include "triskin/export/icub_files.hpp"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One image to all controllers of a bus at once, on a bus whose frames take their time and whose flash takes its own.
+// Sends one image to all controllers of a bus at once, on a bus and a flash with realistic times.
 #include "triskin/deploy/broadcast_update.hpp"
 
 #include <gtest/gtest.h>

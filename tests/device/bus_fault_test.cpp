@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Flashing over a bus that loses, doubles, reorders and delays frames, that is unplugged, or that has another tester on
-// it: no wrong table is ever active, the error says what happened, and running it again completes the work.
+// Flashes over a bus that loses, doubles, reorders and delays frames, that is unplugged, or that has another tester: no
+// wrong table is ever active, the error tells what happened, and another run completes the work.
 #include <gtest/gtest.h>
 
 #include <cstdio>

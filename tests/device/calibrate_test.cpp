@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What counts are worth: lines worked by hand, a ramp and steps on a simulated skin whose taxels differ, forces of
-// contacts that are known.
+// Tests the conversion of counts: lines worked by hand, a ramp and steps on a simulated skin whose taxels differ, and
+// forces of known contacts.
 #include "triskin/skin/calibrate.hpp"
 
 #include <fmt/format.h>

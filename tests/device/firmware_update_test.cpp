@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// New firmware over CAN: the free slot is written, started and confirmed; an interrupted update leaves the old
+// Updates firmware over CAN: the free slot is written, started and confirmed; an interrupted update leaves the old
 // application.
 #include "triskin/deploy/firmware_update.hpp"
 

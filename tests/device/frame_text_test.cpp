@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What dump says of frames, for those that docs/protocol.md shows.
+// Tests the text of dump for the frames that docs/protocol.md shows.
 #include "triskin/session/frame_text.hpp"
 
 #include <gmock/gmock.h>

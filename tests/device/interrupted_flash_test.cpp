@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A flash that somebody ends with Ctrl-C, and one that waits for a cable that was pulled.
+// Tests a flash that somebody ends with Ctrl-C, and one that waits for a cable that was pulled.
 #include <gtest/gtest.h>
 
 #include "faulty_link.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Kinds of modules in tables, and what verify says of them.
+// Tests the kinds of modules in tables, and the findings of verify about them.
 #include <set>
 
 #include "device/fixture.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What live knows and shows: rest values, contacts that are there from the start, the picture of a patch.
+// Tests what live tracks and shows: rest values, contacts that are there from the start, the picture of a patch.
 #include "triskin/skin/live_monitor.hpp"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Seeded mistakes, alone and in pairs: the right explanation comes first. The table in docs/measurements/verify.md is
-// made here.
+// Seeds mistakes, alone and in pairs: the right explanation must come first. This test makes the table in
+// docs/measurements/verify.md.
 #include "mistakes.hpp"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One cause gives one finding, however many modules or patches it concerns.
+// One cause must give one finding, however many modules or patches it concerns.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The steps that follow a finding, against the strip as it is drawn in support/strip_design.hpp.
+// Compares the steps that follow a finding with the strip drawn in support/strip_design.hpp.
 #include "triskin/diagnose/repair.hpp"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Many controllers: addresses without collisions, tasks side by side, several links as one.
+// Tests many controllers: addresses without collisions, parallel tasks, several links as one.
 #include <gtest/gtest.h>
 
 #include <deque>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Controllers as USB devices behind one simulated hub, in virtual time.
+// Simulates controllers as USB devices behind one hub, in virtual time.
 #include <gtest/gtest.h>
 
 #include <map>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The tables of all boards of a bus in one pass, on a bus whose frames take their time and whose boards erase for 22
-// ms.
+// Writes the tables of all boards of a bus in one pass, on a bus with realistic times and boards that erase for 22 ms.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

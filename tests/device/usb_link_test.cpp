@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The USB link with devices that come and go; the real drivers are tested in the test machine (tests/vm).
+// Tests the USB link with devices that are plugged and unplugged; the real drivers are tested in the test machine
+// (tests/vm).
 #include "triskin/link/usb_link.hpp"
 
 #include <gtest/gtest.h>

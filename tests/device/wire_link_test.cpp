@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Two processes: `triskin simulate` serves the skin, this test and `triskin` are its clients.
+// Tests two processes: `triskin simulate` serves the skin, and this test and `triskin` are its clients.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/prctl.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Modules removed, added, kept and mirrored: the rest stays, and the result keeps every rule.
+// Removes, adds, keeps and mirrors modules: the rest must stay, and the result must keep every rule.
 #include "triskin/pipeline/edit_design.hpp"
 
 #include <gtest/gtest.h>

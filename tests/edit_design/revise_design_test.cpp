@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A new version of a part: what its change does not touch stays, modules and tables.
+// Designs a new version of a part: modules and tables that the change does not touch must stay.
 #include "triskin/pipeline/revise_design.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// docs/examples/design_mesh.cpp does what it says.
+// The program docs/examples/design_mesh.cpp must do what it says.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>

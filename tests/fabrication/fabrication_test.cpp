@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Flat islands, copper of the module, parts, solids: against numbers worked by hand and other readers.
+// Compares flat islands, copper of the module, parts and solids with numbers worked by hand and with other readers.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Random and damaged traffic against the whole application: it keeps answering, and a table that nobody unlocked stays.
+// Sends random and damaged traffic to the whole application: it must keep answering, and its table must stay while
+// nobody unlocks it.
 #include <gtest/gtest.h>
 
 #include <random>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The controller on the bus of an iCub: an independent reader and an independent board model agree with its frames.
+// On the bus of an iCub, an independent reader and an independent board model must agree with the frames of the
+// controller.
 #include "icub_host.hpp"
 
 #include <gtest/gtest.h>

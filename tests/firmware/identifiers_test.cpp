@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The controller against the table of identifiers: each answers, with a value of its length, that its type decodes.
+// Compares the controller with the table of identifiers: each must answer with a value of its length that its type
+// decodes.
 #include <gtest/gtest.h>
 
 #include "bench.hpp"

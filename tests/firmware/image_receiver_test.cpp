@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The controller's part in a broadcast update, on a flash with the rules of the silicon.
+// Tests the controller's part in a broadcast update, on a flash with the rules of the silicon.
 #include "triskin/boot/image_receiver.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// When a controller looks beyond its border, and when it gives back: by hand.
+// Tests by hand when a controller searches beyond its border, and when it gives modules back.
 #include "triskin/logic/switched/neighbours.hpp"
 
 #include <gtest/gtest.h>

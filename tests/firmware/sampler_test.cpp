@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Each failure of a module or a line, seen from the bus: what the controller says about it, and that the others go on.
+// For each failure of a module or a line, the bus must show the right message of the controller, and the others must
+// continue.
 #include <gtest/gtest.h>
 
 #include "bench.hpp"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The conversation of tests/vectors/uds.txt over CAN with the whole application, and what does not fit into it.
+// Runs the conversation of tests/vectors/uds.txt over CAN with the whole application, and tests cases that do not fit
+// into it.
 #include <gtest/gtest.h>
 
 #include "bench.hpp"

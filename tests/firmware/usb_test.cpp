@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The USB device: descriptors that a host can walk, requests through HID and bulk, DFU; and malformed input of every
-// kind.
+// Tests the USB device: descriptors that a host can walk, requests through HID and bulk, DFU, and malformed input of
+// every kind.
 #include <gtest/gtest.h>
 
 #include <random>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The command itself, on a simulation in real time: what it says it published is what Fast DDS received, and what the
-// RTPS dissector of Wireshark sees on the wire.
+// Runs the command on a simulation in real time: the messages that it reports must be those that Fast DDS received, and
+// that the RTPS dissector of Wireshark sees on the wire.
 #include <gtest/gtest.h>
 
 #include <map>

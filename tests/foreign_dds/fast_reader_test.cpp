@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Fast DDS, the default of ROS 2, reads what the bridge publishes, and finds every number equal.
+// Fast DDS, the default of ROS 2, reads what the bridge publishes, and must find every number equal.
 #include "fast_reader.hpp"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every number of a design, one after the other, takes extreme values: the readers and the checker refuse the file or
-// take it, and do so soon. Also what is no number's fault: lists of a wrong length, unknown keys, values of another
-// type, derived values that do not follow from the others.
+// Every number of a design takes extreme values in turn: the readers and the checker must quickly refuse or accept the
+// file. Other faults are tested too: lists of a wrong length, unknown keys, values of another type, derived values that
+// do not follow from the others.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

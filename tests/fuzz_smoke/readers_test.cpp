@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every reader of a file, fed with damaged files: a value or an Error that names the file, nothing else, and soon.
+// Every reader gets damaged files and must quickly return a value or an Error that names the file, and nothing else.
 #include <gtest/gtest.h>
 
 #include <chrono>

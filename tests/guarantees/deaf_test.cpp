@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The other side of a link sends without a pause, sends nonsense, or takes nothing: deadlines hold, and the first
-// Ctrl-C ends the command.
+// The other side of a link sends without a pause, sends nonsense, or takes nothing: deadlines must hold, and the first
+// Ctrl-C must end the command.
 #include <arpa/inet.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>

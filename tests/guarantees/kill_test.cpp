@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A command that is ended at a random moment, with or without the chance to say so, leaves what the next one can use.
-// The simulated boards are in the process: SIGKILL is the loss of their power at the same moment.
+// A command that is ended at a random moment, with or without a chance to react, must leave files that the next one can
+// use. The simulated boards are in the process, so SIGKILL is the loss of their power at the same moment.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 

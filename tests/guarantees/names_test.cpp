@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A name in a design is text of a stranger. In every format that it is written to, and on the terminal, it stays text.
+// A name in a design is text of a stranger. It must stay text in every format that contains it, and on the terminal.
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A step of the wall clock, or a process that was stopped for a while, freezes nothing: paces and deadlines use the
-// monotonic clock. The clock is stepped for the program alone, by a library before it; the kernel's clock, and with it
-// every sleep, stays as it is.
+// A step of the wall clock, or a process that was stopped for a while, must freeze nothing: paces and deadlines use the
+// monotonic clock. A library before the program steps the clock for it alone; the kernel's clock, and with it every
+// sleep, is unchanged.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Two programs that write one file, and a disk that is full or broken: old or new, never neither.
+// Two programs write one file, or the disk is full or broken: the old or the new file must remain, never neither.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 

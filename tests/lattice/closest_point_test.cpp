@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The search tree of a surface and the grid of the growth against a loop over all faces and border edges.
+// Compares the search tree of a surface and the grid of the growth with a loop over all faces and border edges.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Modules with cut corners on surfaces: overlap against exact arithmetic, border by hand, and layouts that only cut
-// corners make possible.
+// Tests modules with cut corners on surfaces: overlap against exact arithmetic, border by hand, and layouts that only
+// cut corners make possible.
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/convex_hull_2.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Steps of the growth: what it tries, what it takes back, and what it charges before the wiring.
+// Tests the steps of the growth: what it tries, what it undoes, and what it charges before the wiring.
 #include "triskin/lattice/grower.hpp"  // The test needs this header although it is not public.
 
 #include <gtest/gtest.h>

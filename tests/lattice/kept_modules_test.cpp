@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Modules that a search leaves where they are.
+// A search must leave kept modules where they are.
 #include "triskin/lattice/kept_modules.hpp"
 
 #include <gtest/gtest.h>

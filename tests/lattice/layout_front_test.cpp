@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the growth keeps beside the best layout, and that it stays small on large parts.
+// Tests which layouts the growth keeps beside the best one, and that they stay few on large parts.
 #include "triskin/lattice/layout_front.hpp"  // The test needs this header although it is not public.
 
 #include <gtest/gtest.h>

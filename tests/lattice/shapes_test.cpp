@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Layouts on surfaces of known curvature against closed formulas; copies of one surface give the same count.
+// Compares layouts on surfaces of known curvature with closed formulas; copies of one surface must give the same count.
 #include "shapes.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Why nothing fits, on shapes whose radius and width are known.
+// Tests the reason why nothing fits, on shapes whose radius and width are known.
 #include "triskin/lattice/what_refuses.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A net that several threads change, each in its zone. What the zones' nets say of their triangles is compared with
-// what the merged net says; the conflicts are made by hand.
+// Several threads change a net, each in its zone. The zones' nets and the merged net must agree about their triangles;
+// the conflicts are made by hand.
 #include "triskin/lattice/zones.hpp"  // The test needs this header although it is not public.
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What others do with the installed package: a C compiler with pkg-config, a CMake project, Python.
+// Uses the installed package as others do: a C compiler with pkg-config, a CMake project, Python.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 

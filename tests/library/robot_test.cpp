@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A robot of two covers on two buses through the C interface: simulated in this process, and served.
+// Reads a robot of two covers on two buses through the C interface: simulated in this process, and served.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

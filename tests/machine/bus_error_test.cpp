@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Spurious bus errors (errata ES0430, 2.15.2) at random moments on all lines while sixteen modules stream: they are
-// cleared and counted, nothing else comes of them.
+// Spurious bus errors (errata ES0430, 2.15.2) occur at random moments on all lines while sixteen modules stream: they
+// must be cleared and counted, without any other effect.
 #include <cstdlib>
 
 #include "sampling_bench.hpp"

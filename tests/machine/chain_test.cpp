@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Switched modules at the unmodified image: the chain at SPI2, EN and latch at pins, converters where the registers put
-// them.
+// Connects switched modules to the unmodified image: the chain at SPI2, EN and latch at pins, converters as the
+// registers place them.
 #include <bit>
 
 #include "bench.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Real electrodes and what the data sheet of the converter leaves open: the image finds the offset of every stage,
-// keeps it, finds it anew for another chip, and tells by itself when a chip shows its results.
+// Tests real electrodes and cases that the data sheet of the converter leaves open: the image must find the offset of
+// every stage, keep it, find it anew for another chip, and detect by itself when a chip shows its results.
 #include <algorithm>
 #include <cmath>
 

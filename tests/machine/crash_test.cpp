@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The image is made to fail: what is left of it says where, and a loop of crashes ends.
+// The image is made to fail: its remains must tell where, and a loop of crashes must end.
 #include "crash_bench.hpp"
 
 namespace triskin::machine {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Everything that happens to real buses, a hundred times as often as it should: no module is lost, no fault recorded,
-// no sample torn, and what could not be read in time is missing in the numbers.
+// All disturbances of real buses occur a hundred times as often as normal: no module may be lost, no fault recorded and
+// no sample torn, and samples that could not be read in time must be missing in the numbers.
 #include <algorithm>
 #include <string>
 

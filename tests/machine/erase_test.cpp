@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A page is erased while sixteen modules stream, from either slot: the lines go on.
+// A page is erased while sixteen modules stream, from either slot: the lines must continue.
 #include <algorithm>
 
 #include "failure.hpp"

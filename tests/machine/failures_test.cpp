@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Each failure of a strapped module, on each of sixteen: named right, and the others go on at their rate. On
-// board/posix one at a time, in the machine one on each line at once.
+// Tests each failure of a strapped module, on each of sixteen: it must be named right, and the others must keep their
+// rate. On board/posix there is one at a time, in the machine one on each line at once.
 #include <algorithm>
 
 #include "failure.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A new board: an erased chip, the factory file as a programmer writes it, and everything that happens to a board in
-// its first half minute.
+// Tests a new board: an erased chip, the factory file as a programmer writes it, and all events of a board's first half
+// minute.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The log of the image: on the serial port of the ST-LINK, and the same lines as frames over CAN and USB.
+// Tests the log of the image: on the serial port of the ST-LINK, and the same lines as frames over CAN and USB.
 #include "triskin/wire/log.hpp"
 
 #include <fstream>

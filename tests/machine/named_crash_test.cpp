@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What stops a board is named as `triskin discover --elf` and `triskin verify --elf` name it: with function and line.
+// `triskin discover --elf` and `triskin verify --elf` must name what stops a board, with function and line.
 #include "crash_bench.hpp"
 #include "machine_link.hpp"
 #include "triskin/base/error.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sample rate against noise: the table of docs/firmware_budgets.md, which tools/make_noise_table writes from what is
-// printed here.
+// Measures sample rate against noise: tools/make_noise_table writes the table of docs/firmware_budgets.md from this
+// output.
 #include <algorithm>
 #include <cmath>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The board for installed iCub patches (firmware/board/stm32g474/boards/icub_patch): other pins, a light that is on
-// when its pin is low, no USB, and one clock wire for all lines.
+// Tests the board for installed iCub patches (firmware/board/stm32g474/boards/icub_patch): other pins, a light that is
+// on when its pin is low, no USB, and one clock wire for all lines.
 #include "ramps.hpp"
 #include "triskin/wire/identity.hpp"
 

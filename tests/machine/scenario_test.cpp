@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The same script against the image in the machine and against board/posix: equal frames, equal fault memory.
+// Runs the same script against the image in the machine and against board/posix: frames and fault memory must be equal.
 #include <algorithm>
 #include <fstream>
 #include <sstream>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sixteen boards on one bus: some of them the image in the machine, from either slot, the others the same application
-// on virtual ports. Each loses 1 % of the frames; one is dead, one loses its power, one has version 0.1.
+// Runs sixteen boards on one bus: some of them the image in the machine, from either slot, the others the same
+// application on virtual ports. Each loses 1 % of the frames; one is dead, one loses its power, one has version 0.1.
 #include <gtest/gtest.h>
 
 #include <cstdio>

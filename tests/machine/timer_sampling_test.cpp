@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Reading by a timer, as installed iCub boards do, beside reading in the window: torn samples and bus time.
+// Compares reading by a timer, as installed iCub boards do, with reading in the window: torn samples and bus time.
 #include <numeric>
 
 #include "ramps.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Power fails in the middle of each flash operation of an update, from the first erase to the confirmation. What is
-// left in the cells is all that a controller has after that, so the update runs once, its operations are written down,
-// and for each of them a machine boots from the cells as that operation tore them.
+// Power fails in the middle of each flash operation of an update, from the first erase to the confirmation. After that
+// a controller has only the content of its cells, so the update runs once, its operations are recorded, and for each of
+// them a machine boots from the cells as that operation tore them.
 #include <algorithm>
 #include <array>
 #include <cstdlib>

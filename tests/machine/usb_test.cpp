@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The image as a USB device: enumeration, requests and stream over HID and bulk, firmware update over DFU.
+// Tests the image as a USB device: enumeration, requests and stream over HID and bulk, firmware update over DFU.
 #include <algorithm>
 #include <fstream>
 #include <iterator>

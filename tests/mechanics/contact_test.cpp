@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Laws that hold for every contact, limits that are known in closed form, and what is refused.
+// Tests laws that hold for every contact, limits that are known in closed form, and refused input.
 #include "triskin/mechanics/contact.hpp"
 
 #include <gmock/gmock.h>

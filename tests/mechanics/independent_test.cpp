@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The exact contact by a route that shares nothing with the code: pressures as sums of (1 − r²/a²)^(n − 1/2),
-// whose transforms are Bessel functions (Sonine), collocated under the indenter. The code solves Abel-transformed dual
-// integral equations instead. Half-space displacements of these pressures are known in closed form (Weber and
+// Computes the exact contact by a method that shares nothing with the code: pressures as sums of (1 − r²/a²)^(n −
+// 1/2), whose transforms are Bessel functions (Sonine), collocated under the indenter. The code solves Abel-transformed
+// dual integral equations instead. Half-space displacements of these pressures are known in closed form (Weber and
 // Schafheitlin: Abramowitz and Stegun 11.4.33), so only the layer's share is integrated.
 #include <gtest/gtest.h>
 

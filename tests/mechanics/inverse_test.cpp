@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contacts from taxels: the open observations, and noisy draws whose truth is known.
+// Finds contacts from taxels: the open observations, and noisy draws whose truth is known.
 #include "triskin/mechanics/inverse.hpp"
 
 #include <gmock/gmock.h>

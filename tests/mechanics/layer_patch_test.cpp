@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The grid solver for any body against the exact round and line contacts, and bodies against each other.
+// Compares the grid solver for any body with the exact round and line contacts, and bodies with each other.
 #include "triskin/mechanics/layer_patch.hpp"
 
 #include <gmock/gmock.h>

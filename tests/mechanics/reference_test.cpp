@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contacts against numbers that were made by other code: the open cases of the data folder.
+// Compares contacts with numbers from other code: the open cases of the data folder.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contacts of a stream on a curved cover, and the net force and torque.
+// Tests contacts of a stream on a curved cover, and the net force and torque.
 #include "triskin/mechanics/surface_contacts.hpp"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The search for faces that cross finds the pairs that CGAL's does, and those worked out by hand.
+// The search for faces that cross must find the pairs that CGAL's finds, and those worked out by hand.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Surface_mesh.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A design of a mesh with more faces than its shape needs: searched on few, stated and checked on all.
+// Designs a mesh with more faces than its shape needs: the search uses few faces, while report and check use all.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The mesh on which the solvers work: what it may lose, and how far from the surface it may be. Distances are measured
-// here at random points and against every face.
+// Tests how much the mesh of the solvers may lose, and how far from the surface it may be. Distances are measured at
+// random points and against every face.
 #include "triskin/mesh/decimated_mesh.hpp"
 
 #include <gtest/gtest.h>

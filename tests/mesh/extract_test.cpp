@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Steps of extract beyond repair: the outside of nested shells, keep-outs, shrink-wrap.
+// Tests the steps of extract beyond repair: the outside of nested shells, keep-outs, shrink-wrap.
 #include "triskin/mesh/extract.hpp"
 
 #include <gtest/gtest.h>

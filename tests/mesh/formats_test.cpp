@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Mesh files as programs write them: polygons, indices from the end, STL with wrong headers, units that nobody said.
+// Reads mesh files as programs write them: polygons, indices from the end, STL with wrong headers, unstated units.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

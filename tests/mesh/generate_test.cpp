@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Generated covers are what they claim: clean ones manifold, outward, with their holes and curvature; dirty ones dirty.
+// Generated covers must be what they claim: clean ones manifold, outward, with their holes and curvature; dirty ones
+// dirty.
 #include "triskin/mesh/generate.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the world sends, kind by kind (docs/measurements/inputs.md): one open quarter pipe in many dresses. Its area,
-// its number of faces and the side to which its faces look are known, so that a reader cannot be wrong in silence.
+// Tests the inputs of real users, kind by kind (docs/measurements/inputs.md): one open quarter pipe in many formats.
+// Its area, its number of faces and the side to which its faces point are known, so that a reader cannot be wrong
+// silently.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

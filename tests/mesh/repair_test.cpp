@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Any triangles become a surface that design() takes, and the deviation that is stated is not exceeded.
-// TRISKIN_BROKEN_MESHES=n tries n seeded meshes: each kind of damage alone on each shape, then two kinds at random.
-// TRISKIN_BROKEN_FIRST=k leaves out the first k of them. TRISKIN_REPAIR_TABLE=1 prints a line a mesh,
-// TRISKIN_BESIDE_WRAP=1 besides what CGAL's alpha wrap alone makes of it.
+// Any triangles must become a surface that design() accepts, within the stated deviation. TRISKIN_BROKEN_MESHES=n tries
+// n seeded meshes: each kind of damage alone on each shape, then two kinds at random. TRISKIN_BROKEN_FIRST=k leaves out
+// the first k of them. TRISKIN_REPAIR_TABLE=1 prints one line per mesh, TRISKIN_BESIDE_WRAP=1 also the result of CGAL's
+// alpha wrap alone.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>

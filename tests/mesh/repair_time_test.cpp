@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The parts of a repair give up in their turn: a simulated clock jumps past the end when a part begins. What comes out
-// is a surface that design() takes, and the deviation that is stated is still not exceeded.
+// The parts of a repair give up in turn: a simulated clock jumps past the end when a part begins. The result must be a
+// surface that design() accepts, still within the stated deviation.
 #include <gtest/gtest.h>
 
 #include <functional>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Designs of parts with a wall: on the outer side, with what the checker finds by its own rays.
+// Designs parts with a wall: modules must be on the outer side, which the checker tests by its own rays.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

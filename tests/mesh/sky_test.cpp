@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What faces see of the sky, in the time that is given: fewer faces are asked, then fewer rays are sent.
+// Tests the visibility of faces within a given time: first fewer faces are measured, then fewer rays are sent.
 #include <gtest/gtest.h>
 
 #include "triskin/mesh/extract_steps.hpp"  // The test needs this header although it is not public.

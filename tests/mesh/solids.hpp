@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Simple meshes for the tests of extract.
+// Makes simple meshes for the tests of extract.
 #pragma once
 #include <array>
 #include <cmath>

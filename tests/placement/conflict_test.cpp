@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Outlines in which every constraint alone can hold, but two or three together cannot. The values are worked by hand,
-// the bounds are shown by the checker, which shares no code with the search.
+// In these outlines every constraint alone can hold, but two or three together cannot. The values are worked by hand,
+// and the checker, which shares no code with the search, proves the bounds.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Modules with corners cut off: what lies inside, tile by tile, against exact arithmetic; the certified search against
-// brute force and against the checker of proofs, which knows the hexagon by its own numbers.
+// Tests modules with corners cut off: what lies inside, tile by tile, against exact arithmetic; the certified search
+// against brute force and against the checker of proofs, which has its own numbers for the hexagon.
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/Polygon_2.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How far the sides of modules must give way for one module more.
+// Tests how far the sides of modules must be drawn in until one module more fits.
 #include <gtest/gtest.h>
 
 #include "polygons.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Outlines that are exact unions of tiles hold just those: their area allows no more.
+// Outlines that are exact unions of tiles hold exactly these, because their area allows no more.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Other aims than the number of modules: modules that hang together, and weights by place.
+// Tests objectives other than the number of modules: connected modules, and weights by place.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The paper's Algorithm 1, both versions, against an independent exact count; and where it is wrong.
+// Compares both versions of the paper's Algorithm 1 with an independent exact count, and shows where it is wrong.
 #include <gtest/gtest.h>
 
 #include "exact_count.hpp"

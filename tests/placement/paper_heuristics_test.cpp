@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// R1 … R7 and Algorithms 2 and 3 of the paper: numbers of placements, what they lay where, and their order.
+// Tests R1 … R7 and Algorithms 2 and 3 of the paper: the numbers of placements, their places, and their order.
 #include <gtest/gtest.h>
 
 #include "polygons.hpp"

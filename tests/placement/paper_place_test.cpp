@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The paper's heuristics by place() and by `triskin place --method`.
+// Runs the paper's heuristics by place() and by `triskin place --method`.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

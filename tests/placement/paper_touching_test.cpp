@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The paper's rules for touching (Definitions 5 to 8, Conditions 1 and 2, Theorem 2), worked by hand. Coordinates are
-// those of nodes: (i, j) is a*i*(1, 0) + a*j*(½, √3/2); the up module of cell (i, j) has the corners (i, j), (i + 1,
-// j), (i, j + 1), the down module (i + 1, j), (i + 1, j + 1), (i, j + 1).
+// Tests the paper's rules for touching (Definitions 5 to 8, Conditions 1 and 2, Theorem 2), worked by hand. Coordinates
+// are those of nodes: (i, j) is a*i*(1, 0) + a*j*(½, √3/2); the up module of cell (i, j) has the corners (i, j), (i
+// + 1, j), (i, j + 1), the down module (i + 1, j), (i + 1, j + 1), (i, j + 1).
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_2.h>
 #include <gtest/gtest.h>

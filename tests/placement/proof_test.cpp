@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The proof log against a checker that shares no code with the solver; logs that were tampered with must be rejected.
+// Tests the proof log with a checker that shares no code with the solver; it must reject logs that were tampered with.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// 500 random polygons a run: proved, not beaten by a heuristic, the same after a rigid motion and renumbering, proof
-// accepted.
+// For 500 random polygons per run, the result must be proved, not beaten by a heuristic, the same after a rigid motion
+// and renumbering, and its proof accepted.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

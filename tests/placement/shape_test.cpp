@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Other module shapes, gaps: the same search, hand-worked values.
+// Tests other module shapes and gaps: the same search, with values worked by hand.
 #include <gtest/gtest.h>
 
 #include "polygons.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The raster of a slice: bits and their sums worked by hand, the figure of one edge against its formula, and bounds of
-// random slices against motions in them.
+// Tests the raster of a slice: bits and their sums worked by hand, the figure of one edge against its formula, and
+// bounds of random slices against motions in them.
 #include "triskin/placement/kernels/slice_raster.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Numerically awkward polygons: the value is known, the search must say it and prove it.
+// Places numerically awkward polygons: the value is known, and the search must find and prove it.
 #include <gtest/gtest.h>
 
 #include "polygons.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The evaluation of a placement with holes against brute force in exact arithmetic, tile by tile.
+// Compares the evaluation of a placement with holes with brute force in exact arithmetic, tile by tile.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Worth by region less the weight of a module: the map at points whose worth is known, and what it changes in a
+// Tests the worth by region less the weight of a module: the map at points whose worth is known, and its effect on a
 // placement.
 #include "triskin/placement/weight_regions.hpp"
 

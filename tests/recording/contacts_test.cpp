@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contacts gathered by hand-worked examples.
+// Tests the grouping of taxels into contacts by examples worked by hand.
 #include <gtest/gtest.h>
 
 #include "triskin/recording/cdr.hpp"

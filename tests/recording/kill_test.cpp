@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A recording whose process is killed at a random moment holds everything up to one second before.
+// A recording whose process is killed at a random moment must hold everything up to one second before.
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 #include <sys/wait.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Records and CDR against bytes that were worked out by hand from the public specifications.
+// Compares records and CDR with bytes that were worked out by hand from the public specifications.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Recordings: what was written is read back, also from a file that was cut or damaged anywhere.
+// A recording must read back what was written, even from a file that was cut or damaged anywhere.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// recover keeps every chunk that is whole, wherever the damage is, and says what is missing. The oracle knows the file
-// by the offsets of its chunks alone, which a walk over the undamaged file gives.
+// recover must keep every chunk that is whole, wherever the damage is, and state what is missing. The oracle knows the
+// file only by the offsets of its chunks, which a walk over the undamaged file gives.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A reader that is not ours, @mcap/core, opens whole, cut and recovered recordings and finds all CRCs right.
-// `tools/setup test` installs it where npm is there; without it the test is skipped.
+// A foreign reader, @mcap/core, opens whole, cut and recovered recordings and must find all CRCs right. `tools/setup
+// test` installs it if npm is there; without it the test is skipped.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Poses by touches. Witness: Eigen::umeyama, which is not ours.
+// Tests poses by touches. The witness is Eigen::umeyama, which is not ours.
 #include "triskin/robot/registration.hpp"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Several covers on one bus: addresses of the robot file, boards that are left alone, one stream for all.
+// Tests several covers on one bus: addresses of the robot file, boards that are left alone, one stream for all.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A robot as the program sees it: 12 covers, 96 controllers and more, 6 CAN buses and 2 USB hubs, one file.
+// Tests a robot as the program sees it: 12 covers, at least 96 controllers, 6 CAN buses and 2 USB hubs, one file.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

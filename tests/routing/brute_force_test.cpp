@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Small patches, solved by trying everything: partitions by subsets, trees by subsets of joints, lines by all
+// Solves small patches by trying everything: partitions by subsets, trees by subsets of joints, lines by all
 // assignments.
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The independent checker accepts what the program writes and names each seeded damage.
+// The independent checker must accept the output of the program and name each seeded damage.
 #include "triskin/check/routing_rules.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every answer of the controller: bytes worked by hand in tests/vectors/answers.txt.
+// Compares every answer of the controller with bytes worked by hand in tests/vectors/answers.txt.
 #include <gtest/gtest.h>
 
 #include <functional>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The frames of tests/vectors/frames.txt, which docs/protocol.md shows.
+// Tests the frames of tests/vectors/frames.txt, which docs/protocol.md shows.
 #include <gtest/gtest.h>
 
 #include "triskin/wire/adoption.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The frames of tests/vectors/image_update.txt, which docs/protocol.md shows, and what is refused.
+// Tests the frames of tests/vectors/image_update.txt, which docs/protocol.md shows, and frames that must be refused.
 #include "triskin/wire/image_update.hpp"
 
 #include <gtest/gtest.h>

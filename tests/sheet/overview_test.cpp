@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The surface in the overview: shape by shape where it has few faces, a picture in each view where it has many.
+// The overview must draw a surface of few faces shape by shape, and one of many faces as a picture in each view.
 #include <gtest/gtest.h>
 
 #include <cmath>

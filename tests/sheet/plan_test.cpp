@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the assembly sheet says, before anything is drawn; worked by hand on strips and on two islands.
+// Tests the content of the assembly sheet before anything is drawn, worked by hand on strips and on two islands.
 #include "triskin/sheet/plan.hpp"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Lengths of CAN frames with their stuff bits, counted by hand.
+// Compares lengths of CAN frames, including stuff bits, with counts by hand.
 #include "triskin/machine/can_bits.hpp"
 
 #include <gtest/gtest.h>

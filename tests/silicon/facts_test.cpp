@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The constants of the firmware and of the modelled machine, and the reset values of the machine, against
-// tests/silicon/facts.txt, whose numbers nobody here shares.
+// Compares the constants of the firmware and of the modelled machine, and the reset values of the machine, with
+// tests/silicon/facts.txt, whose numbers have no common source with them.
 #include <gtest/gtest.h>
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the chip would not forgive is a violation in the machine, and the right order is none.
+// An action that the chip would not forgive must be a violation in the machine, and the right order must not.
 #include <gtest/gtest.h>
 
 #include <optional>

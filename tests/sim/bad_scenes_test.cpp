@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is wrong with a scene is said with file, line and remedy.
+// A fault in a scene must be reported with file, line and remedy.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Serial numbers of simulated boards.
+// Tests the serial numbers of simulated boards.
 #include <gtest/gtest.h>
 #include <unistd.h>
 

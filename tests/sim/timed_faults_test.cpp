@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every fault of a chip, a line or a pad begins and ends when the scene says so.
+// Every fault of a chip, a line or a pad must begin and end at the times of the scene.
 #include <gtest/gtest.h>
 
 #include "support/strip_design.hpp"

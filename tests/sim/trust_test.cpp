@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A scene that would silently do nothing is refused, and the boards of one scene do not remember the faults of another.
+// A scene that would silently do nothing must be refused, and the boards of one scene must not remember the faults of
+// another.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

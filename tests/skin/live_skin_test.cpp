@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A simulated skin as every reader sees it: samples in one form, rest values, tare, losses, a link that comes back.
+// Tests a simulated skin as every reader sees it: samples in one form, rest values, tare, losses, a link that returns.
 #include "triskin/skin/live_skin.hpp"
 
 #include <gtest/gtest.h>

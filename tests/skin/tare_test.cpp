@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// When a tare ends, and how. Times and samples are worked by hand.
+// Tests when and how a tare ends. Times and samples are worked by hand.
 #include "triskin/skin/tare.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A folder of its own for each case, in which a program of tools/ is run.
+// Gives each case its own folder in which a program of tools/ runs.
 #pragma once
 #include <gtest/gtest.h>
 #include <stdlib.h>

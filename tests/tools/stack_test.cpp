@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The bound of the stack must hold every chain of calls, and be refused where a call cannot be followed.
+// The bound of the stack must cover every chain of calls, and be refused if a call cannot be followed.
 #include <gtest/gtest.h>
 
 #include "support/places.hpp"

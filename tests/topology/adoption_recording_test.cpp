@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A recording says which controller read each module at which time, also of modules that a neighbour adopts.
+// A recording must tell which controller read each module at which time, including modules that a neighbour adopts.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Modules that their own controller cannot reach, read by the controller of the patch beside it: two applications on
-// one set of joined modules.
+// The controller of a neighbouring patch reads modules that their own controller cannot reach: two applications on one
+// set of joined modules.
 #include <gtest/gtest.h>
 
 #include <algorithm>

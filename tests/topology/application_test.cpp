@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The whole controller on switched modules: samples around a failure, found through the frames that it sends.
+// Tests the whole controller on switched modules: samples around a failure, found through the frames that it sends.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The chain moves bytes while no bit can flip: the same as bit by bit.
+// The chain moves bytes while no bit can flip, which must give the same result as bit by bit.
 #include <gtest/gtest.h>
 
 #include <bit>

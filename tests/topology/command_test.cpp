@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a technician types: flash, discover --topology, flash --route and verify on switched modules, as processes.
+// Runs what a technician types: flash, discover --topology, flash --route and verify on switched modules, as processes.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which controller hangs on which patch, found out before a table is written.
+// Tests which controller belongs to which patch, found out before a table is written.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

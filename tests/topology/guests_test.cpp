@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which modules of a neighbour a controller takes in: small patches, worked by hand. Modules of the patch come first in
-// the joints, then those of the neighbour, whose controller, where there is one, is number 1.
+// Tests which modules of a neighbour a controller adopts, on small patches worked by hand. Modules of the patch come
+// first in the joints, then those of the neighbour, whose controller, if there is one, is number 1.
 #include <gtest/gtest.h>
 
 #include <set>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a person types who has plugged in boards that look alike, as processes.
+// Runs what a person types after plugging in boards that look alike, as processes.
 #include <gtest/gtest.h>
 
 #include <map>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is found on the chain, laid over the design: every difference named.
+// Compares the modules found on the chain with the design: every difference must be named.
 #include <gtest/gtest.h>
 
 #include <algorithm>

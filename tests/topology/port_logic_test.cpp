@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every state that modules of small patches can reach, gates acting in any order, any bits latched at any time.
+// Visits every state that modules of small patches can reach, with gates acting in any order and any bits latched at
+// any time.
 #include "triskin/sim/port_logic.hpp"
 
 #include <gtest/gtest.h>

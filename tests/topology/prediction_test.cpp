@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the host predicted for a failure, and what the controller makes of it, must agree.
+// The host's prediction for a failure and the result of the controller must agree.
 #include <gtest/gtest.h>
 
 #include <algorithm>

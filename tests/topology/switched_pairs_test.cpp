@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pairs of mistakes on switched patches: one finding for each cause, and none beside.
+// Seeds pairs of mistakes on switched patches: each cause must give one finding, and nothing else any.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What boards hold is kept in a file and written back, or refused before the first byte.
+// The content of boards is saved to a file and written back, or refused before the first byte.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Readers of one bus come, go and die: none of them ends the stream of another.
+// Readers of one bus begin, end and die: none of them may end the stream of another.
 #include <gtest/gtest.h>
 
 #include <random>

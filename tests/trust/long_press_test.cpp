@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A press of ten minutes: what is reported stays what it was, warm or cold, while the installed skins lose it after
-// half a minute.
+// During a press of ten minutes the report must not change, warm or cold, while the installed skins lose it after half
+// a minute.
 #include <gtest/gtest.h>
 
 #include <cmath>

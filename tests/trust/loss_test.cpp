@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every sample that was due is received, or lost at a place that is named.
+// Every sample that was due must be received, or counted as lost at a named place.
 #include <gtest/gtest.h>
 
 #include "shared_skin.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The two largest covers of the robot, by their numbers of modules, on one FD bus for a minute: what fits arrives, and
-// what does not is counted, module by module, as the simulated hardware had it.
+// Runs the two largest covers of the robot, by their numbers of modules, on one FD bus for a minute: samples that fit
+// must arrive, and the others must be counted, module by module, as the simulated hardware had them.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

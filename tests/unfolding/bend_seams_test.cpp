@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pieces along what bends too much, on surfaces whose radii are known.
+// Tests pieces along places that bend too much, on surfaces whose radii are known.
 #include "triskin/unfolding/bend_seams.hpp"
 
 #include <gtest/gtest.h>

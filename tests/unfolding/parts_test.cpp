@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every generated and every real cover becomes a design that the independent checker accepts; broken files end in a
-// clear error.
+// Every generated and every real cover must become a design that the independent checker accepts; broken files must end
+// in a clear error.
 #include <gtest/gtest.h>
 
 #include <filesystem>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Seams that a user asks for or forbids.
+// Tests seams that a user asks for or forbids.
 #include "triskin/unfolding/seams.hpp"
 
 #include <gtest/gtest.h>

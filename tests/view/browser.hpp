@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A client that is free to break every rule: it writes bytes and reads bytes.
+// Acts as a client that is free to break every rule: it writes bytes and reads bytes.
 #pragma once
 #include <arpa/inet.h>
 #include <netinet/in.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a browser is started with, as a program in its place sees it.
+// A program in place of the browser checks how a browser is started.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/stat.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The model that the page gets, and the page in one file.
+// Tests the model that the page gets, and the page in one file.
 #include "triskin/view/page.hpp"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Who may read the page, and what a hostile or slow reader costs.
+// Tests who may read the page, and what a hostile or slow reader costs.
 #include "triskin/view/server.hpp"
 
 #include <fmt/format.h>

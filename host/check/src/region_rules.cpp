@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Regions: what must stay free is, what must be covered is.
+// Checks regions: places that must stay free are free, and those that must be covered are covered.
 #include <fmt/format.h>
 
 #include <algorithm>

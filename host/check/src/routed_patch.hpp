@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Input of the routing rules: own structures, filled from the two documents.
+// The routing rules use their own structures, which are filled from the two documents.
 #pragma once
 #include <algorithm>
 #include <array>

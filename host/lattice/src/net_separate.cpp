@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a net does after changes: fans and islands that no longer hang together are parted.
+// Repairs a net after changes: separates fans and islands that are no longer connected.
 #include <algorithm>
 #include <utility>
 

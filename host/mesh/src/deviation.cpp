@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Distance between two sets of triangles with a proved upper bound: the distance to one triangle is convex, so over any
-// triangles it is at most that of their farthest corner. Whole sets of triangles are bounded first and divided only
-// where their bound is above a distance that is known to occur, so the search may end at any time with both.
+// Measures the distance between two sets of triangles with a proved upper bound: the distance to one triangle is
+// convex, so over any triangles it is at most that of their farthest corner. Whole sets of triangles are bounded first
+// and divided only where their bound is above a distance that is known to occur, so the search may end at any time with
+// both.
 #include <tbb/parallel_for.h>
 
 #include <Eigen/Geometry>

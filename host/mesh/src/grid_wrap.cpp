@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Closed surface around any triangles by marching tetrahedra: each tetrahedron holds its own triangles, so the result
-// is a manifold that does not cross itself, whatever the input.
+// Makes a closed surface around any triangles by marching tetrahedra. Each tetrahedron contains its own triangles, so
+// the result is a manifold that does not cross itself, whatever the input.
 #include <tbb/parallel_for.h>
 
 #include <Eigen/Geometry>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// From any triangles to a surface that design() takes. Each way is tried in turn; the last one always gives a result.
+// Turns any triangles into a surface that design() accepts. The methods are tried in turn, and the last one always
+// gives a result.
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 

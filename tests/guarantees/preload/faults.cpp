@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A library that a test puts before the program (LD_PRELOAD). It shifts the wall clock while the program runs, as a
-// person or NTP does, by the seconds in the file TRISKIN_TEST_WALL, and lets the TRISKIN_TEST_FAIL_AT-th change of a
-// regular file fail with the error TRISKIN_TEST_FAIL_ERRNO, and all that follow: a full or broken disk.
+// A test loads this library before the program (LD_PRELOAD). It shifts the wall clock while the program runs, as a
+// person or NTP does, by the seconds in the file TRISKIN_TEST_WALL, and makes the TRISKIN_TEST_FAIL_AT-th change of a
+// regular file, and all later ones, fail with the error TRISKIN_TEST_FAIL_ERRNO: a full or broken disk.
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Exception entry and return (ARMv7-M ARM, B1.5.6 … B1.5.8).
+// Implements exception entry and return (ARMv7-M ARM, B1.5.6 … B1.5.8).
 #include <algorithm>
 
 #include "core.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Our own reader: the library that reads the rarer formats keeps single precision.
+// We read OBJ ourselves, because the library that reads the rarer formats keeps single precision.
 #include "obj_reader.hpp"
 
 #include <fmt/format.h>

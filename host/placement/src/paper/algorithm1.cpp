@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Algorithm 1 of the paper (Section IV-B) with Definitions 5 to 8 and Theorems 1 and 2 (Section IV-A).
+// Implements Algorithm 1 of the paper (Section IV-B) with Definitions 5 to 8 and Theorems 1 and 2 (Section IV-A).
 #include "triskin/placement/paper/algorithm1.hpp"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Algorithm 1 of the paper (Section IV-B) line by line, with CGAL as its authors had it (Section VI).
+// Implements Algorithm 1 of the paper (Section IV-B) line by line, with CGAL as its authors did (Section VI).
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/intersections.h>

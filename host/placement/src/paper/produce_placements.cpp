@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// R1 … R7 of the paper (Section V), R4 as Algorithm 3 (Appendix A).
+// Implements R1 … R7 of the paper (Section V), with R4 as Algorithm 3 (Appendix A).
 #include <cmath>
 #include <random>
 #include <stdexcept>
