@@ -10,7 +10,7 @@
 #include "support/covers.hpp"
 #include "triskin/base/dice.hpp"
 #include "triskin/check/design_rules.hpp"
-#include "triskin/check/surface_index.hpp"  // The test needs this header although it is not public.
+#include "triskin/check/surface_index.hpp"
 #include "triskin/lattice/map_modules.hpp"
 #include "triskin/mesh/surface.hpp"
 #include "triskin/pipeline/make_design.hpp"

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "shapes.hpp"
-#include "triskin/lattice/near_surface.hpp"  // The test needs this header although it is not public.
+#include "triskin/lattice/near_surface.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tests the steps of the growth: what it tries, what it undoes, and what it charges before the wiring.
-#include "triskin/lattice/grower.hpp"  // The test needs this header although it is not public.
+#include "triskin/lattice/grower.hpp"
 
 #include <gtest/gtest.h>
 

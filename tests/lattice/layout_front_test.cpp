@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tests which layouts the growth keeps beside the best one, and that they stay few on large parts.
-#include "triskin/lattice/layout_front.hpp"  // The test needs this header although it is not public.
+#include "triskin/lattice/layout_front.hpp"
 
 #include <gtest/gtest.h>
 

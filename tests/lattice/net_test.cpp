@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Compares the net of the growth with loops over all of it: random nets in a plane are grown, ruined, separated and
 // rolled back; the values that it updates by changes must equal a count from nothing.
-#include "triskin/lattice/net.hpp"  // The test needs this header although it is not public.
+#include "triskin/lattice/net.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "triskin/lattice/net.hpp"  // The test needs this header although it is not public.
+#include "triskin/lattice/net.hpp"
 
 namespace triskin::geometry::surface_lattice {
 

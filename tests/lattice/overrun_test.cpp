@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Compares the largest overhang of a module over the border with a fine grid of points, and limits its cost where the
 // border of other sheets runs along the surface, as in a skin with ribs or one that a repair left with cracks.
-#include "triskin/lattice/overrun.hpp"  // The test needs this header although it is not public.
+#include "triskin/lattice/overrun.hpp"
 
 #include <gtest/gtest.h>
 

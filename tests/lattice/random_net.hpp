@@ -9,7 +9,7 @@
 
 #include "nets.hpp"
 #include "triskin/base/dice.hpp"
-#include "triskin/lattice/zones.hpp"  // The test needs this header although it is not public.
+#include "triskin/lattice/zones.hpp"
 
 namespace triskin::geometry::surface_lattice {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Several threads change a net, each in its zone. The zones' nets and the merged net must agree about their triangles;
 // the conflicts are made by hand.
-#include "triskin/lattice/zones.hpp"  // The test needs this header although it is not public.
+#include "triskin/lattice/zones.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 // Tests the visibility of faces within a given time: first fewer faces are measured, then fewer rays are sent.
 #include <gtest/gtest.h>
 
-#include "triskin/mesh/extract_steps.hpp"  // The test needs this header although it is not public.
+#include "triskin/mesh/extract_steps.hpp"
 
 namespace triskin::geometry {
 namespace {
