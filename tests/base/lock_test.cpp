@@ -79,7 +79,7 @@ TEST_F(Locks, patience_waits_for_a_writer_that_is_done_soon) {
   ::close(ready[1]);
 }
 
-// The kernel names the holder by device and inode of the file: two names of one file have one holder.
+// The kernel names the holder by device and inode of the file, so two names of one file have one holder.
 TEST_F(Locks, a_hard_link_has_the_holder_of_its_file) {
   const std::string file = (folder_ / "r.mcap").string();
   const int fd = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
@@ -97,7 +97,7 @@ TEST(Sleep, ends_when_the_process_is_asked_to_end) {
   const auto far = std::chrono::steady_clock::now() + std::chrono::hours(24);
   EXPECT_FALSE(sleep_until(far));
   Pace pace(0);
-  pace.hold(86'400'000'000);  // A day ahead.
+  pace.hold(86'400'000'000);  // The link is a day ahead.
   interrupt_request() = false;
   EXPECT_LT(std::chrono::steady_clock::now(), far);
   EXPECT_TRUE(sleep_until(std::chrono::steady_clock::now()));

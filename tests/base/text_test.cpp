@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Text of a file, as it goes into each format.
+// Text of a file must be safe in each format into which it is written.
 #include <gtest/gtest.h>
 
 #include "triskin/base/csv_field.hpp"
@@ -16,7 +16,7 @@ TEST(EscapeMarkup, leaves_no_character_that_could_end_a_text_or_an_attribute) {
   EXPECT_EQ(escape_markup("Größe 5 µm"), "Größe 5 µm");
 }
 
-// XML 1.0, section 2.2: these have no representation in a document, also not as a reference.
+// By XML 1.0, section 2.2, these have no representation in a document, not even as a reference.
 TEST(EscapeMarkup, replaces_what_xml_cannot_hold) {
   EXPECT_EQ(escape_markup(std::string_view("a\0b", 3)),
             "a\xEF\xBF\xBD"
@@ -28,7 +28,7 @@ TEST(EscapeMarkup, replaces_what_xml_cannot_hold) {
   EXPECT_EQ(escape_markup("tab\tline\n"), "tab&#9;line&#10;");
 }
 
-// Byte sequences of RFC 3629: 1 to 4 bytes, no overlong form, no surrogate, none above U+10FFFF.
+// RFC 3629 allows sequences of 1 to 4 bytes, no overlong form, no surrogate, nothing above U+10FFFF.
 TEST(Utf8, takes_what_rfc_3629_allows_and_nothing_else) {
   EXPECT_EQ(utf8_at("$", 0).code, U'$');
   EXPECT_EQ(utf8_at("\xC2\xA3", 0).code, U'\u00A3');
@@ -51,7 +51,7 @@ TEST(ForTerminal, shows_controls_instead_of_obeying_them) {
   EXPECT_EQ(for_terminal("µ … 漢"), "µ … 漢");
 }
 
-// RFC 4180, section 2, rules 5 to 7.
+// The rules are numbers 5 to 7 of RFC 4180, section 2.
 TEST(CsvField, is_one_field_whatever_it_holds) {
   EXPECT_EQ(csv_field("soft"), "soft");
   EXPECT_EQ(csv_field("a,b"), "\"a,b\"");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The time limit of `design` against the time that it takes: reading, repair, pieces, growth, wiring and writing.
+// Compares the time limit of `design` with the time that it takes: reading, repair, pieces, growth, wiring and writing.
 #include <unistd.h>
 
 #include <algorithm>
@@ -22,11 +22,11 @@ namespace fs = std::filesystem;
 
 struct Case {
   geometry::GenerateOptions size;
-  bool quick;  // also with --quick
+  bool quick;  // True includes the case in a run with --quick.
 };
 constexpr std::array kCases{Case{{0.0, 0}, true}, Case{{500.0, 20'000}, false}, Case{{2000.0, 100'000}, false}};
 
-// A folder that goes with what was written into it.
+// Deletes the folder with its content at the end.
 class Scratch {
  public:
   Scratch() : path_(fs::temp_directory_path() / ("triskin_bench_" + std::to_string(::getpid()))) {
@@ -57,7 +57,7 @@ nlohmann::json row_of(const geometry::ShapeInfo& shape, const fs::path& folder, 
           {"limit_s", limit_s},
           {"seconds", seconds},
           {"over_limit_s", seconds - limit_s},
-          {"late", seconds > std::max(1.2 * limit_s, limit_s + 1.0)},  // by more than 20 % and 1 s
+          {"late", seconds > std::max(1.2 * limit_s, limit_s + 1.0)},  // A design is late by more than 20 % and 1 s.
           {"solver_faces", notes.solver_faces},
           {"deviation_mm", notes.extract.deviation.largest_mm},
           {"modules", design.layout.modules.size()}};

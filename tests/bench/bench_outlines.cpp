@@ -11,7 +11,7 @@ namespace {
 
 using geometry::Polygon;
 
-// Radius 1 with a few waves.
+// The radius is 1 with a few waves.
 class Waves {
  public:
   explicit Waves(std::mt19937_64& random) {

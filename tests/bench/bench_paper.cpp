@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Table I of the reference paper again: its R1 … R7 and the certified search on nets of its five parts, and how the
+// Repeats Table I of the reference paper: its R1 … R7 and the certified search on nets of its five parts, and how the
 // time of each heuristic grows with the number of vertices.
 #include <array>
 #include <cmath>
@@ -22,16 +22,16 @@ using geometry::Polygon;
 using geometry::paper::Heuristic;
 using json = nlohmann::json;
 
-// A column of Table I, the polygon's area and, as far as the paper lets it be known, its number of vertices: 20 for LH;
+// Gives a column of Table I, the polygon's area and, as far as the paper reveals it, its number of vertices: 20 for LH;
 // for the others the time of R4 over that of R3, which is |V| in the formulas.
 struct PaperPart {
   const char* name;
-  const char* net;  // File in the data folder, with the same region and size.
+  const char* net;  // The data folder has this file for the same region and size.
   double area_cm2;
   int vertices;
-  int cracks;  // Number of cracks in the generated net.
+  int cracks;  // The generated net has this many cracks.
   double crack_depth;
-  std::array<int, 7> modules;  // Indexed by method, R1 … R7.
+  std::array<int, 7> modules;  // The index is the method, R1 … R7.
   std::array<double, 7> seconds;
 };
 constexpr std::array<PaperPart, 5> kParts{{
@@ -56,7 +56,7 @@ std::string name_of(Heuristic h) {
   return "R" + std::to_string(static_cast<int>(h));
 }
 
-// The largest island of another unfolder's net: the paper places one polygon.
+// Takes the largest island of another unfolder's net, because the paper places one polygon.
 Polygon largest_island(const fs::path& file) {
   std::ifstream in(file);
   if (!in) throw InputError("bench paper: cannot read " + file.string());
@@ -87,7 +87,7 @@ class PaperRows {
   }
 
  private:
-  // On the net of the data folder where it is there, and on a generated one of the paper's area and number of vertices.
+  // Uses the net of the data folder if it exists, and a generated one of the paper's area and number of vertices.
   void table_one(const PaperPart& part) {
     const fs::path file = fs::path(data_) / "blender" / (std::string(part.net) + ".json");
     if (!data_.empty() && fs::exists(file)) compare(part, part.net, largest_island(file));
@@ -112,13 +112,13 @@ class PaperRows {
     certified(about, p);
   }
 
-  // One heuristic with the fast Algorithm 1, to its end or on a sample of its pairs of vertices.
+  // Runs one heuristic with the fast Algorithm 1, to its end or on a sample of its pairs of vertices.
   json& add(const json& about, const Polygon& p, Heuristic heuristic) {
     const auto vertices = static_cast<std::int64_t>(p.outer.size());
     report(sink_, "bench paper", -1.0, about.at("part").get<std::string>() + " " + name_of(heuristic));
     geometry::paper::HeuristicOptions options;
     const std::int64_t all = placement_count(heuristic, vertices);
-    // A placement takes about 0.2 µs a vertex.
+    // A placement takes about 0.2 µs per vertex.
     const std::int64_t to_the_end = (quick_ ? 15'000'000 : 100'000'000) / vertices,
                        sample = (quick_ ? 4'000'000 : 20'000'000) / vertices;
     if (vertices > kVerticesToTheEnd && all > to_the_end) options.pair_step = all / sample + 1;
@@ -135,7 +135,7 @@ class PaperRows {
     return row;
   }
 
-  // Mean time of Algorithm 1 with CGAL over some placements of the heuristic.
+  // Returns the mean time of Algorithm 1 with CGAL over some placements of the heuristic.
   [[nodiscard]] double cgal_evaluation_s(const Polygon& p, Heuristic heuristic) const {
     const std::int64_t all = placement_count(heuristic, static_cast<std::int64_t>(p.outer.size()));
     const std::int64_t step = std::max<std::int64_t>(1, all / (quick_ ? 5 : 20));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Speed against error of the placement: vertices, area, ε; and the ratio to the paper's R4 with its Algorithm 1 in
-// CGAL.
+// Measures speed against error of the placement: vertices, area, ε; and the ratio to the paper's R4 with its Algorithm
+// 1 in CGAL.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -27,7 +27,7 @@ geometry::PlacementOptions count_only(double limit_s) {
   return options;
 }
 
-// A hill of contact likelihood in the middle, as wide as the outline.
+// The contact likelihood has a hill in the middle, as wide as the outline.
 geometry::WeightMap hill(double area_cm2) {
   constexpr int kPoints = 33;
   const double width = std::sqrt(100.0 * area_cm2), step = 2.0 * width / (kPoints - 1);
@@ -44,7 +44,7 @@ geometry::WeightMap hill(double area_cm2) {
 nlohmann::json measure(const char* series, bool rough, int vertices, double area_cm2,
                        const geometry::PlacementOptions& options) {
   const Polygon p = bench_outline(rough, vertices, area_cm2);
-  // The least of some runs: the others measure what else the machine does.
+  // We take the least of some runs, because the others include other work of the machine.
   double seconds = 1e300, processor = 1e300, total = 0.0;
   geometry::PlacementResult r;
   for (int k = 0; k < kMaxRuns && total < kRepeatedFor_s; ++k) {
@@ -70,7 +70,7 @@ nlohmann::json measure(const char* series, bool rough, int vertices, double area
           {"processor_s", processor}};
 }
 
-// The paper's Algorithm 1 with CGAL on every `step`-th placement of its R4.
+// Times the paper's Algorithm 1 with CGAL on every `step`-th placement of its R4.
 struct CgalTime {
   std::int64_t evaluated = 0, differ = 0;  // The second number counts results that differ from the fast Algorithm 1.
   double evaluation_s = 0.0;
@@ -92,9 +92,9 @@ CgalTime time_cgal(const Polygon& p, std::int64_t step, const paper::CgalUse& us
   return t;
 }
 
-// The paper's R4 (docs/paper.md) beside the search: with the fast Algorithm 1 to its end, with CGAL and inexact
-// constructions to its end unless quick, else extrapolated from a sample of its placements. Processor time, so that
-// other work of the machine does not count; the search has the least of some runs.
+// Runs the paper's R4 (docs/paper.md) beside the search: with the fast Algorithm 1 to its end, with CGAL and inexact
+// constructions to its end unless quick, else extrapolated from a sample of its placements. Processor time is measured,
+// so that other work of the machine does not count; the search has the least of some runs.
 void add_baseline(nlohmann::json& row, bool quick) {
   const Polygon p = bench_outline(row["outline"] == "rough", row["vertices"], row["area_cm2"]);
   const double start = processor_s();
@@ -137,7 +137,7 @@ nlohmann::json placement_rows(const BenchOptions& options, Output& output) {
   for (const bool rough : {false, true}) {
     add("baseline", rough, 80, 757, count);
     add_baseline(rows.back(), options.quick);
-    // What else can be asked for; the baseline, which asks for none of it, pays for none of it.
+    // These rows ask for further results; the baseline asks for none of them and does not pay for them.
     add("clearance", rough, 80, 757, with([](auto& o) { o.largest_clearance = true; }));
     add("deficit", rough, 80, 757, with([](auto& o) { o.deficit = true; }));
     add("connected", rough, 80, 757, with([](auto& o) { o.connected = true; }));

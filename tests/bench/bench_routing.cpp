@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Speed against error of the partition and the wiring: time and gap against the number of modules, by shape.
+// Measures speed against error of the partition and the wiring: time and gap against the number of modules, by shape.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ const char* name_of(PatchShape shape) {
   return kNames[static_cast<std::size_t>(shape)];
 }
 
-// Several patches of one shape and size: how many are proved, and how long the slowest takes.
+// Measures several patches of one shape and size: how many are proved, and how long the slowest takes.
 nlohmann::json row(PatchShape shape, int modules, int patches) {
   int proved = 0, widest_gap = 0;
   double seconds = 0.0, slowest_s = 0.0, loss = 0.0, loss_strapped = 0.0;
@@ -47,7 +47,7 @@ nlohmann::json row(PatchShape shape, int modules, int patches) {
           {"seconds", seconds / patches}};
 }
 
-// The same patch by the integer programme alone and by all steps, in one run.
+// Solves the same patch by the integer programme alone and by all steps, in one run.
 nlohmann::json milp_row(PatchShape shape, int modules, double time_limit_s) {
   const auto patch = geometry::random_patch(shape, modules, 1);
   geometry::RoutingOptions options;

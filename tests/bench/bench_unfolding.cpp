@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Speed against error of covering a surface: time, limits, faces and area against modules; and the nets of another
-// unfolder.
+// Measures speed against error of covering a surface: time, limits, faces and area against modules; and the nets of
+// another unfolder.
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -26,8 +26,8 @@ double since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// z = 25 mm · sin(x / 45 mm) · sin(y / 45 mm): domes and saddles, principal radii of 81 mm and more, as large as
-// wanted.
+// z = 25 mm · sin(x / 45 mm) · sin(y / 45 mm) gives domes and saddles with principal radii of 81 mm and more, of any
+// size.
 Mesh wavy_sheet(double area_cm2, int faces) {
   const int cells = std::max(2, static_cast<int>(std::lround(std::sqrt(faces / 2.0))));
   const double side_mm = 10.0 * std::sqrt(area_cm2 / 1.075);
@@ -81,7 +81,7 @@ class UnfoldingRows {
     return std::move(rows_);
   }
 
-  // The real covers, in the folder that TRISKIN_DATA names, against the nets that another program made of them.
+  // Compares the real covers, in the folder that TRISKIN_DATA names, with the nets that another program made of them.
   nlohmann::json run_nets() {
     if (data_.empty())
       throw InputError("bench nets: --data or TRISKIN_DATA must name the folder with parts/ and blender/");
@@ -149,7 +149,7 @@ class UnfoldingRows {
     }
   }
 
-  // The same shape and the same number of steps: only the mesh is finer.
+  // Shape and number of steps stay the same; only the mesh becomes finer.
   void over_faces() {
     for (const int faces : {200, 2000, 20000, 200000}) {
       if (quick_ && faces > 20000) break;
@@ -175,7 +175,8 @@ class UnfoldingRows {
     return data / "blender" / (part + ".json");
   }
 
-  // What the certified placement finds on another program's net; all islands together get the time that the growth has.
+  // Returns how many modules the certified placement finds on another program's net; all islands together get the time
+  // that the growth has.
   [[nodiscard]] int modules_on(const fs::path& net, double limit_s) const {
     std::ifstream file(net);
     std::vector<geometry::Polygon> islands;
@@ -186,7 +187,7 @@ class UnfoldingRows {
         islands.push_back(geometry::normalize_polygon(polygon_of(island), net.stem().string()));
         area += geometry::polygon_area(islands.back());
       } catch (const InputError&) {
-        continue;  // An island whose outline touches itself holds nothing that could be built.
+        continue;  // An island whose outline touches itself could not be built.
       }
     }
     if (islands.empty()) throw InputError(net.string() + ": no island has an outline that does not cross itself");

@@ -18,7 +18,7 @@ namespace {
   return static_cast<std::size_t>(k);
 }
 
-// One island of the module graph under numbers of its own; −1: no neighbour.
+// One island of the module graph with its own numbers; −1 means no neighbour.
 struct Island {
   std::vector<std::array<int, 3>> neighbour;
   [[nodiscard]] int size() const { return static_cast<int>(neighbour.size()); }
@@ -49,8 +49,8 @@ std::vector<Island> islands_of(const design::ModuleGraph& graph) {
 }
 
 struct MilpAnswer {
-  int lower_bound = 0;  // Lower bound of the number of parts.
-  int parts = 0;        // 0: no solution was found in time
+  int lower_bound = 0;  // No solution can have fewer parts.
+  int parts = 0;        // Zero means that no solution was found in time.
 };
 
 struct Arc {
@@ -67,10 +67,10 @@ class ForestModel {
       }
     }
     const int n = g.size(), m = static_cast<int>(arcs_.size());
-    for (int v = 0; v < n; ++v) column(0, 1, 1, true);              // r_v
-    for (int v = 0; v < n; ++v) column(0, capacity, 0, false);      // s_v
-    for (int a = 0; a < m; ++a) column(0, 1, 0, true);              // y_a
-    for (int a = 0; a < m; ++a) column(0, capacity - 1, 0, false);  // g_a
+    for (int v = 0; v < n; ++v) column(0, 1, 1, true);              // The columns are r_v.
+    for (int v = 0; v < n; ++v) column(0, capacity, 0, false);      // The columns are s_v.
+    for (int a = 0; a < m; ++a) column(0, 1, 0, true);              // The columns are y_a.
+    for (int a = 0; a < m; ++a) column(0, capacity - 1, 0, false);  // The columns are g_a.
     for (int v = 0; v < n; ++v) node_rows(v, capacity);
     for (int a = 0; a < m; ++a) {
       row({{flow(a), 1.0}, {use(a), -1.0}}, 'G', 0);

@@ -4,19 +4,19 @@
 
 namespace triskin::bench {
 
-/// Interval that holds the fewest controllers. `upper` is 0 when the time limit passed before a partition of each
+/// Bounds the fewest controllers from both sides. `upper` is 0 when the time limit passed before a partition of each
 /// island was found.
 struct PartitionInterval {
   int lower = 0, upper = 0;
   double seconds = 0.0;
 };
 
-/// Fewest connected parts of at most `capacity` (≥ 1) modules, as a spanning forest of fewest roots that CBC solves
-/// island by island: y_a = 1 when arc a leads from parent to child, r_v = 1 when v is a root, flow g_a = size of the
-/// subtree behind a; every node has one arc in or is a root, s_v + inflow − outflow = 1 with s_v ≤ capacity ·
-/// r_v, y_a ≤ g_a ≤ (capacity − 1) · y_a. The parts have no numbers, so there are no permutations to search.
-/// This is the baseline that `triskin-bench routing` measures against. Cost: up to time_limit_s (> 0) an island; the
-/// interval depends on the machine.
+/// Finds the fewest connected parts of at most `capacity` (≥ 1) modules, as a spanning forest of fewest roots that
+/// CBC solves island by island: y_a = 1 when arc a leads from parent to child, r_v = 1 when v is a root, flow g_a =
+/// size of the subtree behind a; every node has one arc in or is a root, s_v + inflow − outflow = 1 with s_v ≤
+/// capacity · r_v, y_a ≤ g_a ≤ (capacity − 1) · y_a. The parts have no numbers, so there are no permutations to
+/// search. This is the baseline that `triskin-bench routing` measures against. Cost: up to time_limit_s (> 0) per
+/// island; the interval depends on the machine.
 [[nodiscard]] PartitionInterval partition_by_milp(const design::ModuleGraph& graph, int capacity, double time_limit_s);
 
 }  // namespace triskin::bench

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A reader with types of its own, and the decoder of Cyclone DDS, gets what the bridge publishes.
+// A reader with its own types and the decoder of Cyclone DDS must get what the bridge publishes.
 #include "triskin/bridge/bridge.hpp"
 
 #include <gtest/gtest.h>
@@ -100,7 +100,7 @@ TEST_F(BridgeTest, points_are_a_cloud_with_the_places_of_the_design) {
   EXPECT_EQ(reader.user_data(), "typehash=RIHS01_9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5;");
   for (int module = 0; module < 8; ++module) bridge.add(sample_of(module, 1));
   for (std::uint32_t number = 2; number < 29; ++number) bridge.add(sample_of(0, number));
-  EXPECT_EQ(bridge.published().points, 10U);  // 27 · 36.9 ms at 10 Hz, and the first
+  EXPECT_EQ(bridge.published().points, 10U);  // There are 27 · 36.9 ms at 10 Hz, and the first.
   std::size_t clouds = 0;
   const auto compare = [&](const Cloud& cloud) {
     ++clouds;
@@ -149,7 +149,7 @@ TEST_F(BridgeTest, contacts_and_diagnostics_are_read) {
   const std::vector<recording::PressedTaxel> taxels{{5, 3, 6000.0, {10.0, 20.0, 30.0}, {0.0, 0.0, 1.0}},
                                                     {5, 4, 2000.0, {18.0, 20.0, 30.0}, {0.0, 0.0, 1.0}}};
   const auto pressed = recording::gather_contacts(taxels, 390.0);
-  bridge.add_contacts({}, kStart_ns);  // There were none before.
+  bridge.add_contacts({}, kStart_ns);  // There was no contact before.
   bridge.add_contacts(pressed, kStart_ns);
   bridge.add_contacts({}, kStart_ns + 1);
   bridge.add_contacts({}, kStart_ns + 2);
@@ -164,7 +164,7 @@ TEST_F(BridgeTest, contacts_and_diagnostics_are_read) {
       EXPECT_STREQ(c.force_unit, "counts");
       if (c.contacts._length == 0) return;
       const auto& contact = c.contacts._buffer[0];
-      EXPECT_EQ(contact.position.x, 0.012);  // (6 · 10 + 2 · 18) / 8
+      EXPECT_EQ(contact.position.x, 0.012);  // The mean is (6 · 10 + 2 · 18) / 8.
       EXPECT_EQ(contact.position.z, 0.03);
       EXPECT_EQ(contact.normal.z, 1.0);
       EXPECT_EQ(contact.force, 8000.0);
@@ -205,8 +205,8 @@ TEST_F(BridgeTest, a_second_publisher_of_the_part_is_noticed_and_its_end_too) {
   EXPECT_TRUE(wait_until([&] { return first.other_publishers() == 0; }));
 }
 
-// A simulation in the process could be a hundred times as fast as the skin that it simulates: two seconds of it take
-// two seconds. The lower bound holds on the slowest machine.
+// A simulation in the process could run a hundred times as fast as the skin that it simulates, but two seconds of it
+// must take two seconds. The lower bound holds on the slowest machine.
 TEST_F(BridgeTest, the_command_is_paced_as_the_skin_is) {
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / ("bridge_pace." + std::to_string(::getpid()));
@@ -224,7 +224,7 @@ TEST_F(BridgeTest, the_command_is_paced_as_the_skin_is) {
   std::filesystem::remove_all(folder);
 }
 
-// A bus that is too slow: what the reader misses is what the stream says was lost.
+// On a bus that is too slow, the samples that the reader misses are those that the stream reports as lost.
 TEST_F(BridgeTest, losses_at_the_reader_are_those_that_are_told) {
   scene::Scene scene;
   scene.design = design_;
@@ -238,7 +238,7 @@ TEST_F(BridgeTest, losses_at_the_reader_are_those_that_are_told) {
   ASSERT_TRUE(wait_until([&] { return reader.matched(); }));
   const device::StreamReport told = stream_overloaded(bus, design_, bridge, 6'000'000, kStart_ns);
   ASSERT_GT(told.total.lost(), 100U);
-  std::map<std::uint32_t, std::set<std::uint32_t>> seen;  // numbers by module
+  std::map<std::uint32_t, std::set<std::uint32_t>> seen;  // The sample numbers are grouped by module.
   std::size_t received = 0;
   const auto count = [&](const Raw& raw) {
     for (std::uint32_t k = 0; k < raw.module_._length; ++k) {
@@ -250,7 +250,8 @@ TEST_F(BridgeTest, losses_at_the_reader_are_those_that_are_told) {
   EXPECT_EQ(received, told.total.received);
   std::uint64_t gaps = 0;
   for (const auto& [module, numbers] : seen) gaps += *numbers.rbegin() - *numbers.begin() + 1 - numbers.size();
-  // What was lost before the first and behind the last sample of a module the reader cannot know: a few each.
+  // The reader cannot know what was lost before the first and behind the last sample of a module, which is a few for
+  // each.
   EXPECT_LE(gaps, told.total.lost());
   EXPECT_GE(gaps + 8 * 8, told.total.lost());
   EXPECT_EQ(told.total.expected - received, told.total.lost());
@@ -273,7 +274,7 @@ std::string msg_file(const std::string& name) {
   return read_file(std::filesystem::path(test::source_folder()) / "host/bridge/ros/triskin_msgs/msg" / (name + ".msg"));
 }
 
-// The package that ROS nodes build has the same messages.
+// ROS nodes build a package with the same messages.
 TEST(RosTypes, messages_of_the_package_are_those_of_the_program) {
   for (const RosType* t : {&kRaw, &kLayout, &kContacts}) {
     const std::string name(t->message.name.substr(t->message.name.rfind('/') + 1));

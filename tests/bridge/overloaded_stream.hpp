@@ -5,8 +5,8 @@
 
 namespace triskin::bridge {
 
-/// Streams every sample for `us` into the bridge, also what the bus cannot carry, and flushes it; the link's time 0 is
-/// `start_ns`. Returns what was told.
+/// Streams every sample for `us` into the bridge, including those that the bus cannot carry, and flushes it; the link's
+/// time 0 is `start_ns`. Returns the report of the stream.
 inline device::StreamReport stream_overloaded(device::Bus& bus, const design::Design& design, Bridge& bridge,
                                               std::uint64_t us, std::uint64_t start_ns) {
   device::StreamOptions overload;

@@ -13,7 +13,7 @@
 
 namespace triskin::bridge {
 
-/// A domain of this process alone, on the loopback interface.
+/// Returns a domain that only this process uses, on the loopback interface.
 inline std::uint32_t test_domain() {
   ::setenv("CYCLONEDDS_URI",
            "<General><Interfaces><NetworkInterface name=\"lo\"/></Interfaces><AllowMulticast>false</AllowMulticast>"
@@ -23,7 +23,7 @@ inline std::uint32_t test_domain() {
   return 20 + static_cast<std::uint32_t>(::getpid()) % 180;
 }
 
-/// Waits until `done`, at most half a minute; false: it was not.
+/// Waits at most half a minute for `done`; returns false if it did not become true.
 inline bool wait_until(const std::function<bool()>& done) {
   for (int k = 0; k < 3000; ++k) {
     if (done()) return true;
@@ -32,7 +32,7 @@ inline bool wait_until(const std::function<bool()>& done) {
   return false;
 }
 
-/// USER_DATA of an endpoint that was found, which is freed here.
+/// Returns the USER_DATA of an endpoint that was found, and frees the endpoint.
 inline std::string user_data_of(dds_builtintopic_endpoint_t* endpoint) {
   void* data = nullptr;
   std::size_t size = 0;
@@ -43,7 +43,7 @@ inline std::string user_data_of(dds_builtintopic_endpoint_t* endpoint) {
   return text;
 }
 
-/// A reader of a type that idlc described. ROS asks for `reliable` by default, and for best effort for sensor data.
+/// Reads a type that idlc described. ROS asks for `reliable` by default, and for best effort for sensor data.
 template <class Type>
 class Reader {
  public:
@@ -57,7 +57,7 @@ class Reader {
     dds_delete_qos(qos);
     EXPECT_GT(reader_, 0) << topic;
   }
-  /// Calls `handler` for each message that is there; returns their number.
+  /// Calls `handler` for each available message and returns their number.
   std::size_t take(const std::function<void(const Type&)>& handler) {
     std::size_t taken = 0;
     while (true) {
@@ -75,7 +75,7 @@ class Reader {
     dds_subscription_matched_status_t status{};
     return dds_get_subscription_matched_status(reader_, &status) == DDS_RETCODE_OK && status.current_count > 0;
   }
-  /// USER_DATA of the writer.
+  /// Returns the USER_DATA of the writer.
   [[nodiscard]] std::string user_data() const {
     dds_instance_handle_t writer = 0;
     if (dds_get_matched_publications(reader_, &writer, 1) != 1) return "no writer";

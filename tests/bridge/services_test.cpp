@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Clients of the services, with types of their own and the decoder of Cyclone DDS: of the library, and of the command.
+// Clients with their own types and the decoder of Cyclone DDS use the services of the library and of the command.
 #include "triskin/bridge/services.hpp"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 namespace triskin::bridge {
 namespace {
 
-// A client as rmw_cyclonedds has it.
+// Acts as a client of rmw_cyclonedds.
 template <class Request, class Answer>
 class Client {
  public:
@@ -43,7 +43,7 @@ class Client {
     request.number = ++number_;
     EXPECT_EQ(dds_write(writer_, &request), DDS_RETCODE_OK);
   }
-  // Answers to the latest request are handed to `handler`; others are counted.
+  // Passes answers to the latest request to `handler` and counts the others.
   bool wait(const std::function<void(const Answer&)>& handler) {
     bool came = false;
     return wait_until([&] {
@@ -54,7 +54,7 @@ class Client {
       return came;
     });
   }
-  // User data of the server's reader.
+  // Returns the user data of the server's reader.
   [[nodiscard]] std::string server_id() const {
     dds_instance_handle_t reader = 0;
     if (dds_get_matched_subscriptions(writer_, &reader, 1) != 1) return "no reader";
@@ -120,7 +120,7 @@ TEST_F(ServicesTest, an_answer_names_the_request_and_both_ends_name_the_service)
     EXPECT_EQ(a.patch._buffer[1], 8);
     EXPECT_EQ(a.modules._buffer[0], -1);
   }));
-  // Every client hears all answers, and knows its own by what the server gave back.
+  // Every client receives all answers, and recognises its own by the values that the server returned.
   second.send({.client = 0, .number = 0, .patch = -1});
   ASSERT_TRUE(wait_until([&] { return (asked = service.take()).has_value(); }));
   service.answer(asked->id, {});
@@ -128,11 +128,11 @@ TEST_F(ServicesTest, an_answer_names_the_request_and_both_ends_name_the_service)
   EXPECT_EQ(second.foreign, 1);
 }
 
-// Writes what is no request to the topic of a service, under the name of its type.
+// Writes data that is no request to the topic of a service, under the name of its type.
 class Stranger {
  public:
   explicit Stranger(dds_entity_t participant) {
-    // The same name of a type with other members, and without the description that would tell them apart.
+    // The type has the same name but other members, and lacks the description that would reveal the difference.
     const dds_topic_descriptor_t& any = triskin_msgs_srv_dds__AnyRequest__desc;
     const dds_topic_descriptor_t type{any.m_size,
                                       any.m_align,
@@ -171,7 +171,8 @@ class Stranger {
   dds_entity_t writer_ = 0;
 };
 
-// A request has 20 bytes behind the head of its encoding. Shorter ones are malformed; longer than 64 KiB none can be.
+// A request has 20 bytes behind the head of its encoding. Shorter ones are malformed, and none can be longer than 64
+// KiB.
 TEST_F(ServicesTest, malformed_and_oversized_requests_are_dropped_and_the_next_is_served) {
   const auto domain = join_domain(domain_id_);
   Service<Reroute> service(*domain, "arm");
@@ -192,8 +193,8 @@ TEST_F(ServicesTest, malformed_and_oversized_requests_are_dropped_and_the_next_i
   (void)dds_delete(other);
 }
 
-// The command beside its stream, in another process, on switched modules, one of which is pressed from the third second
-// on.
+// Runs the command beside its stream, in another process, on switched modules, one of which is pressed from the third
+// second on.
 TEST_F(ServicesTest, the_command_tares_reroutes_and_identifies) {
   const test::FlashedSim sim;
   const std::string scene = sim.folder() / "pressed.json";
@@ -245,7 +246,7 @@ TEST_F(ServicesTest, the_command_tares_reroutes_and_identifies) {
     EXPECT_TRUE(a.success) << a.message;
     EXPECT_EQ(a.taxels, 96U);
   }));
-  // What presses all the time is rest from now on.
+  // A constant press counts as rest from now on.
   EXPECT_TRUE(wait_until([&] {
     contacts.take([&](const auto& c) { pressed = c.contacts._length; });
     return pressed == 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Damaged parts: each is refused in one sentence, or read with a word on what is wrong, or read right. None ends, hangs
-// or fills the memory of this process.
+// Each damaged part must be refused in one sentence, read with a note about the damage, or read correctly. None may end
+// or hang this process, or fill its memory.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -164,10 +164,10 @@ std::vector<Damage> all_damage() {
   return all;
 }
 
-// What became of it: a sentence, or "right".
+// Returns what became of it: a sentence, or "right".
 std::string outcome_of(const Damage& damage) {
   ReadOptions options;
-  options.time_limit_s = 10.0;  // The reader is ended there: that this returns is the proof.
+  options.time_limit_s = 10.0;  // The reader is ended there; the proof is that this call returns.
   try {
     const Part part = read_part_bytes(damage.bytes, damage.name + ".step", options);
     if (!part.faults.empty()) return "fault: " + part.faults.front();
@@ -190,7 +190,7 @@ TEST_P(DamagedPart, IsRefusedInOneSentenceOrReadWithAWord) {
   for (const char c : outcome) EXPECT_GE(static_cast<unsigned char>(c), 0x20U);
   rusage children{};
   ASSERT_EQ(getrusage(RUSAGE_CHILDREN, &children), 0);
-  EXPECT_LE(children.ru_maxrss, 1'000'000);  // kB
+  EXPECT_LE(children.ru_maxrss, 1'000'000);  // The unit is kB.
 }
 
 INSTANTIATE_TEST_SUITE_P(All, DamagedPart, ::testing::ValuesIn(all_damage()),
@@ -200,7 +200,7 @@ TEST(DamagedParts, AreOfSixtyKinds) {
   EXPECT_GE(all_damage().size(), 60U);
 }
 
-// What cannot be a part is refused, never read.
+// Input that cannot be a part is refused, never read.
 TEST(DamagedParts, BrokenSyntaxIsRefused) {
   for (const Damage& damage : not_a_part())
     EXPECT_THROW((void)read_part_bytes(damage.bytes, damage.name), InputError) << damage.name;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Parts with a formula, written by hand: the only witness of geometry that shares nothing with the kernel.
+// Parts with a formula, written by hand, are the only witness of geometry that shares nothing with the kernel.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ double axis_distance(const Vec3& p) {
   return std::hypot(p.x(), p.y());
 }
 
-// Largest distance of a face's triangles from its formula, at their corners and at a grid of places inside.
+// Returns the largest distance of a face's triangles from its formula, at their corners and at a grid of places inside.
 double deviation(const Part& part, const std::string& name, const std::function<double(const Vec3&)>& distance) {
   constexpr int kSteps = 6;
   double worst = 0.0;
@@ -48,7 +48,7 @@ Part sound_part(const std::string& name, double area_mm2) {
   return part;
 }
 
-// The limit that was asked for; places beside those that the mesher measured may lie a little farther.
+// Places beside those that the mesher measured may lie a little beyond the requested limit.
 constexpr double kLimit_mm = 0.05;
 
 TEST(PartsWithAFormula, Cylinder) {
@@ -72,7 +72,7 @@ TEST(PartsWithAFormula, Torus) {
             kLimit_mm);
 }
 
-// Distance from the cone of base radius 40 and height 60, along its normal.
+// Returns the distance from the cone of base radius 40 and height 60, along its normal.
 double cone_distance(const Vec3& p) {
   return (axis_distance(p) - 40.0 * (1.0 - p.z() / 60.0)) * 60.0 / std::hypot(40.0, 60.0);
 }
@@ -96,7 +96,7 @@ TEST(PartsWithAFormula, Fillet) {
   EXPECT_EQ(part.bodies.front().free_edges, 8);
 }
 
-// A finer mesh is as fine as it was asked for.
+// The mesh must reach the fineness that was requested.
 TEST(PartsWithAFormula, DeviationIsWhatWasAskedFor) {
   ReadOptions options;
   options.max_deviation_mm = 0.01;

@@ -29,7 +29,7 @@ double area_cm2(const Part& part) {
   return area;
 }
 
-// The truth of the generated cover, whatever its schema, unit and spelling.
+// Expects the generated cover, whatever its schema, unit and spelling.
 void expect_cover(const Part& part) {
   ASSERT_EQ(part.bodies.size(), 1U);
   EXPECT_TRUE(part.bodies[0].is_solid);
@@ -153,7 +153,7 @@ TEST(PartStream, DamagedAnswersAreRefused) {
   EXPECT_THROW((void)decode_part(bytes.substr(0, bytes.size() - 1)), InputError);
   EXPECT_THROW((void)decode_part(bytes.substr(0, 4)), InputError);
   std::string wild = bytes;
-  wild[wild.size() - 1] = '\x7f';  // the face of the last triangle
+  wild[wild.size() - 1] = '\x7f';  // This byte belongs to the face of the last triangle.
   EXPECT_THROW((void)decode_part(wild), InputError);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Public robot parts, of a folder that is not part of the project: skipped and counted without it. The numbers are from
-// their list, made with other code.
+// Reads public robot parts from a folder that does not belong to the project; without it the cases are skipped and
+// counted. The numbers are from its list, which was made with other code.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -77,7 +77,7 @@ TEST(PublicAssembly, OfLinksAloneIsTold) {
 }
 
 struct OddPart {
-  std::string file, said;  // empty: the whole cover is read
+  std::string file, said;  // An empty text means that the whole cover is read.
 };
 
 void PrintTo(const OddPart& part, std::ostream* out) {

@@ -11,7 +11,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-// Four squares of 10 mm in a row: the second goes on flat, the third bends by 10°, the fourth by 90°.
+// Makes four squares of 10 mm in a row: the second continues flat, the third bends by 10°, the fourth by 90°.
 Part strip() {
   Part part;
   part.bodies = {{"left", "arm/left"}, {"right", "arm/right"}};

@@ -10,7 +10,7 @@
 
 namespace triskin::test {
 
-/// A file of tests/cad/data.
+/// Reads a file of tests/cad/data.
 inline std::string part_file(const std::string& name) {
   return read_file(source_folder() + "/tests/cad/data/" + name);
 }
@@ -19,7 +19,7 @@ inline const std::string& good_part() {
   return bytes;
 }
 
-/// `text` with the first `from` as `to`; a case whose place is not there fails.
+/// Replaces the first `from` in `text` by `to`; the test fails if there is none.
 inline std::string with(std::string text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
   if (at == std::string::npos) {
@@ -33,7 +33,7 @@ inline std::string with_all(std::string text, const std::string& from, const std
     text.replace(at, from.size(), to);
   return text;
 }
-/// The good part with the entity `number` (the digits alone) as `statement`.
+/// Returns the good part with `statement` for the entity `number` (the digits alone).
 inline std::string with_entity(int number, const std::string& statement) {
   std::string text = good_part();
   const std::string head = fmt::format("\n#{} = ", number);

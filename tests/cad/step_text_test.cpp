@@ -56,7 +56,7 @@ TEST(StepText, LineBreaksAndCommentsBeforeTheEqualsSignFallAway) {
   EXPECT_EQ(broken.text, read_step_text(good_part()).text);
 }
 
-// What a name becomes, as the escapes that every reader knows.
+// Returns the name with the escapes that every reader knows.
 std::string name_in_text(const std::string& name) {
   const StepText step = read_step_text(with(good_part(), "ADVANCED_FACE('outer'", "ADVANCED_FACE('" + name + "'"));
   const std::size_t at = step.text.find("ADVANCED_FACE('") + 15;
@@ -66,12 +66,12 @@ std::string name_in_text(const std::string& name) {
 TEST(StepText, NamesInAnyEncodingBecomeEscapes) {
   EXPECT_EQ(name_in_text("Geh\\X\\E4use"), "Geh\\X2\\00E4\\X0\\use");
   EXPECT_EQ(name_in_text("Geh\\S\\duse"), "Geh\\X2\\00E4\\X0\\use");                // D is 0x64, ä is 0xE4.
-  EXPECT_EQ(name_in_text("Geh\xC3\xA4use"), "Geh\\X2\\00E4\\X0\\use");              // UTF-8
-  EXPECT_EQ(name_in_text("Geh\xE4use"), "Geh\\X2\\00E4\\X0\\use");                  // ISO 8859-1
-  EXPECT_EQ(name_in_text("\xCD\xE2\xBF\xC7"), "\\X2\\5916\\X0\\\\X2\\58F3\\X0\\");  // GBK of 外壳
+  EXPECT_EQ(name_in_text("Geh\xC3\xA4use"), "Geh\\X2\\00E4\\X0\\use");              // The input is UTF-8.
+  EXPECT_EQ(name_in_text("Geh\xE4use"), "Geh\\X2\\00E4\\X0\\use");                  // The input is ISO 8859-1.
+  EXPECT_EQ(name_in_text("\xCD\xE2\xBF\xC7"), "\\X2\\5916\\X0\\\\X2\\58F3\\X0\\");  // The input is 外壳 in GBK.
   EXPECT_EQ(name_in_text("\\X2\\591658F3\\X0\\"), "\\X2\\5916\\X0\\\\X2\\58F3\\X0\\");
-  EXPECT_EQ(name_in_text("\\X2\\D83EDD16\\X0\\"), "\\X4\\0001F916\\X0\\");  // a surrogate pair
-  EXPECT_EQ(name_in_text("\\PB\\\\S\\#"), "\\X2\\0141\\X0\\");              // Ł of ISO 8859-2: 0xA3
+  EXPECT_EQ(name_in_text("\\X2\\D83EDD16\\X0\\"), "\\X4\\0001F916\\X0\\");  // The input is a surrogate pair.
+  EXPECT_EQ(name_in_text("\\PB\\\\S\\#"), "\\X2\\0141\\X0\\");              // Ł is 0xA3 in ISO 8859-2.
   EXPECT_EQ(name_in_text("it''s a \\\\ path"), "it''s a \\\\ path");
   EXPECT_EQ(name_in_text("two\nlines\x01"), "twolines");
 }

@@ -11,7 +11,7 @@
 
 namespace triskin::check {
 
-/// A sheet of columns × rows cells of two triangles; place(c, r) is corner (c, r), 0 … columns, 0 … rows.
+/// Makes a sheet of columns × rows cells of two triangles; place(c, r) is corner (c, r), 0 … columns, 0 … rows.
 design::Mesh sheet_mesh(int columns, int rows, const auto& place) {
   design::Mesh mesh;
   for (int r = 0; r <= rows; ++r) {
@@ -27,12 +27,12 @@ design::Mesh sheet_mesh(int columns, int rows, const auto& place) {
   return mesh;
 }
 
-/// What `check` finds in a design file with this content, which is written to `file`.
+/// Writes a design file with this content to `file` and returns the findings of `check`.
 inline std::vector<Violation> violations_of(const nlohmann::json& design, const std::filesystem::path& file) {
   std::ofstream(file) << design.dump();
   return check_design(file).violations;
 }
-/// Names of the rules that it breaks, one for each violation.
+/// Returns the names of the rules that it breaks, one for each violation.
 inline std::vector<std::string> broken_rules(const nlohmann::json& design, const std::filesystem::path& file) {
   std::vector<std::string> names;
   for (const Violation& v : violations_of(design, file)) names.push_back(v.rule);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A design with cut corners is accepted; the same file with another cut, or with modules where the cut does not reach,
-// is not.
+// The checker must accept a design with cut corners, but not the same file with another cut, or with modules where the
+// cut does not suffice.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ using testing::Contains;
 using testing::Not;
 namespace fs = std::filesystem;
 
-// A plate, 150 mm by 76 mm: three rows of whole modules are 77.9 mm high.
+// The plate is 150 mm by 76 mm, but three rows of whole modules are 77.9 mm high.
 design::Mesh plate() {
   constexpr int kColumns = 15, kRows = 8;
   return sheet_mesh(kColumns, kRows, [](int c, int r) { return Vec3(150.0 * c / kColumns, 76.0 * r / kRows, 0.0); });
@@ -80,11 +80,11 @@ Vec3 center_of(const json& module) {
   return sum / 3.0;
 }
 
-// A module with the fewest others at its sides, so that there is room away from them, and the direction to the nearest
-// of these. A way of 4 mm along it is 4 mm of penetration less the gap, at most the limit of a hinge (2 mm), while
-// 0.5 mm is allowed.
+// Finds a module with the fewest others at its sides, so that there is room away from them, and the direction to the
+// nearest of these. A move of 4 mm along it is 4 mm of penetration less the gap, at most the limit of a hinge (2 mm),
+// while 0.5 mm is allowed.
 std::pair<std::size_t, Vec3> towards_a_neighbour(const json& modules) {
-  // Distance between the centres of two joined modules, plus the limit of a hinge.
+  // The centres of two joined modules are at most this far apart: their regular distance plus the limit of a hinge.
   constexpr double kAtASide_mm = 30.0 / 1.7320508 + 2.0;
   std::size_t fewest = modules.size(), module = 0;
   Vec3 nearest = Vec3::UnitX();
@@ -114,7 +114,7 @@ TEST_F(CutDesign, is_accepted_and_states_coverage_both_ways) {
 TEST_F(CutDesign, another_cut_is_noticed) {
   const auto whole = broken_by([](json& j) { j.erase("corner_cut_mm"); });
   EXPECT_THAT(whole, Contains("design-id"));
-  EXPECT_THAT(whole, Contains("overrun"));  // Tips stand over the border.
+  EXPECT_THAT(whole, Contains("overrun"));  // The tips extend over the border.
   EXPECT_THAT(broken_by([](json& j) { j["corner_cut_mm"] = 2.9; }), Contains("design-id"));
   EXPECT_THAT(broken_by([](json& j) { j["corner_cut_mm"] = 7.2; }), Contains("taxel-cut"));
   EXPECT_THAT(broken_by([](json& j) { j["corner_cut_mm"] = 6.8; }), Not(Contains("taxel-cut")));
@@ -175,7 +175,7 @@ TEST_F(CutDesign, reading_writing_and_exports_keep_the_cut) {
   }
 }
 
-// The two limits of the outline follow from where the taxels are.
+// The positions of the taxels determine the two limits of the outline.
 TEST(CornerCutLimits, follow_from_the_taxels) {
   design::PlacedModule m;
   m.corner_mm = {Vec3(0, 0, 0), Vec3(30, 0, 0), Vec3(15, design::kHeight_mm, 0)};

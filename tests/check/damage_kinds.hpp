@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Damages of a design file, and the rules one of which must name each. Damaged modules stay whole (taxels move with
-// their corners, the id of the design is not counted), so that what is found is the geometry.
+// Lists kinds of damage of a design file, and the rules one of which must name each. Damaged modules stay whole (taxels
+// move with their corners, and the id of the design is not counted), so that the checker must find the geometry.
 #pragma once
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -28,7 +28,7 @@ inline json list(const Vec3& v) {
   return json::array({v.x(), v.y(), v.z()});
 }
 
-/// Corners, centre and normal of a module of a design file.
+/// Gives corners, centre and normal of a module of a design file.
 struct Frame {
   Vec3 center, normal;
   std::array<Vec3, 3> corner;
@@ -59,28 +59,28 @@ inline bool joined(const json& m) {
   return std::ranges::any_of(m["neighbours"], [](const json& n) { return n.get<int>() >= 0; });
 }
 
-/// Adds a copy of a module with an id of its own.
+/// Adds a copy of a module with its own id.
 inline json& append_copy(json& d, std::size_t module) {
   json copy = d["modules"][module];
   copy["id"] = d["modules"].size();
   d["modules"].push_back(std::move(copy));
   return d["modules"].back();
 }
-/// States 0 for a number; false: it is nearly that.
+/// States 0 for a number; returns false if it is already nearly 0.
 inline bool flattered(json& number) {
   const bool lie = number.get<double>() > 0.2;
   number = 0.0;
   return lie;
 }
 
-/// A kind of damage.
 struct DamageKind {
   const char* name;
-  Names rules;                                                  // any of them
-  std::function<bool(json& design, std::size_t module)> apply;  // false: makes no damage of this kind on this module
+  Names rules;  // The checker must report at least one of these rules.
+  // The function returns false if it cannot do this kind of damage to this module.
+  std::function<bool(json& design, std::size_t module)> apply;
 };
 
-/// Kinds of damage of a design on `surface`, which outlives them.
+/// Returns the kinds of damage of a design on `surface`, which must outlive them.
 inline std::vector<DamageKind> damage_kinds(const geometry::Surface& surface) {
   const auto module = [](json& d, std::size_t k) -> json& { return d["modules"][k]; };
   const auto neighbour = [](const json& m) {
@@ -89,7 +89,7 @@ inline std::vector<DamageKind> damage_kinds(const geometry::Surface& surface) {
     }
     return std::size_t{0};
   };
-  const auto border_way = [&surface](const json& m) {  // towards the nearest place of the border
+  const auto border_way = [&surface](const json& m) {  // The direction leads towards the nearest place of the border.
     const Frame f(m);
     Vec3 best = Vec3::Zero();
     double least = 1e300;
@@ -158,14 +158,15 @@ inline std::vector<DamageKind> damage_kinds(const geometry::Surface& surface) {
          return joined(module(d, k));
        }},
       {"4 mm above its place",
-       // The gap has no sign: the centre of a free module may come to lie as far over the surface as it lay under it.
+       // The gap has no sign: the centre of a free module may end as far above the surface as it was below it.
        {"center-gap", "hinge-gap", "edge-lift"},
        [=](json& d, std::size_t k) {
          move(module(d, k), 4.0 * Frame(module(d, k)).normal);
          return true;
+         // A module that bridges an edge may turn onto the face behind it, and is then below it.
        }},
       {"tilted by 30°, a corner 9 mm off",
-       {"edge-lift", "edge-depth"},  // A module that bridges an edge may turn onto the face behind it: under it then.
+       {"edge-lift", "edge-depth"},
        [=](json& d, std::size_t k) {
          const Frame f(module(d, k));
          turn(module(d, k), f.corner[1] - f.corner[0], 30.0);

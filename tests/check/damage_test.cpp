@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A real design passes; each kind of damage is rejected by the rule that is there for it.
+// A real design must pass, and the rule for each kind of damage must reject it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-// Two thirds of a cylinder, radius 60 mm, 120 mm long: it unfolds without error and holds several islands and patches.
+// Two thirds of a cylinder, radius 60 mm, 120 mm long, unfold without error and hold several islands and patches.
 design::Mesh half_pipe() {
   constexpr int kAlong = 12, kAround = 24;
   return sheet_mesh(kAround, kAlong, [](int r, int a) {
@@ -49,7 +49,7 @@ class Damage : public testing::Test {
     delete good_;
   }
 
-  // Names of the rules that the damaged design breaks.
+  // Returns the names of the rules that the damaged design breaks.
   static std::vector<std::string> broken_by(const std::function<void(json&)>& damage) {
     json j = *good_;
     damage(j);
@@ -105,7 +105,7 @@ TEST_F(Damage, geometry) {
   expect("taxel-pose", [](json& j) { leaf(j)["taxels"][3]["position"][0] = 0.0; });
 }
 
-// Faces that a module covers vanish: a hole that none of its sides meets.
+// Removes faces that a module covers, which makes a hole that none of its sides meets.
 TEST_F(Damage, a_hole_under_the_middle_of_a_module) {
   const auto middle = [](const json& points, const auto& index) {
     std::array<double, 3> c{};
@@ -134,8 +134,8 @@ TEST_F(Damage, a_hole_under_the_middle_of_a_module) {
   }
 }
 
-// On the straight end of the pipe the overrun is as far as the module was pushed over it: its neighbours in the text
-// say so.
+// On the straight end of the pipe the overrun equals the distance by which the module was pushed over it; the text
+// gives the numbers beside it.
 TEST_F(Damage, overrun_is_measured_to_a_hundredth) {
   for (const double past_mm : {0.6, 1.25, 3.0}) {
     json j = *good_;
@@ -153,8 +153,8 @@ TEST_F(Damage, overrun_is_measured_to_a_hundredth) {
   }
 }
 
-// A corner high above the pipe that passes its straight end stands over it at once by as much as the interpolated
-// normal leans: no number is wrong there. A fifth of a facet from its edge that is 0.3 facets of 1/6 rad.
+// A corner high above the pipe that passes its straight end overhangs it at once by as much as the interpolated normal
+// leans, so no number is wrong there. A fifth of a facet from its edge that is 0.3 facets of 1/6 rad.
 TEST_F(Damage, a_module_that_just_reaches_the_border_may_state_either_number) {
   constexpr double kFacet_rad = 4.0 / 24, kRadius_mm = 63.0;
   const auto with = [&](double past_mm, double stated_mm) {
@@ -200,7 +200,7 @@ TEST_F(Damage, limits_are_the_users_choice_but_must_be_limits) {
     EXPECT_THAT(broken_by([&](json& j) { j["limits"][limit] = 50.0; }), testing::IsEmpty()) << limit;
     expect("limits", [&](json& j) { j["limits"][limit] = -1.0; });
     EXPECT_THROW((void)broken_by([&](json& j) { j["limits"][limit] = std::nan(""); }), InputError)
-        << limit;  // written as null
+        << limit;  // The value is written as null.
   }
 }
 
@@ -253,7 +253,7 @@ TEST_F(Damage, wiring) {
   expect("every-module-wired", [](json& j) { j["patches"].erase(0); });
   expect("patch-node", [](json& j) { j["patches"][0]["node_address"] = 5; });
   expect("entry", [](json& j) { j["patches"][0]["entry"] = j["patches"][1]["entry"]; });
-  expect("second-entry", [](json& j) {  // both cables at one side
+  expect("second-entry", [](json& j) {  // Both cables are at one side.
     j["patches"][0]["second_entry"] = j["patches"][0]["entry"];
     j["patches"][0]["second_entry_side"] = entry(j)["rotation"];
   });

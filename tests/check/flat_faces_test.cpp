@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Flat faces in any pose. 0.1 compared a determinant with an absolute 1e-12, where rounding alone gave 4e-12: `check`
-// called 7 to 20 modules of a turned 200 × 180 mm plate "pierced", and the growth refused good modules by the same
-// comparison.
+// Tests flat faces in any pose. Version 0.1 compared a determinant with an absolute 1e-12, where rounding alone gave
+// 4e-12: `check` called 7 to 20 modules of a turned 200 × 180 mm plate "pierced", and the growth refused good modules
+// by the same comparison.
 #include <gtest/gtest.h>
 #include <unistd.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Parts of flat faces, and poses for them.
+// Makes parts of flat faces, and poses for them.
 #pragma once
 #include <Eigen/Geometry>
 #include <cmath>
@@ -14,7 +14,8 @@ namespace triskin::check::parts {
 using design::Mesh;
 using design::Vec3;
 
-/// Two plates of width × length mm each, joined along a side under `fold_rad` (0: one flat plate, < 0: a valley).
+/// Makes two plates of width × length mm each, joined along a side under `fold_rad` (0: one flat plate, < 0: a
+/// valley).
 inline Mesh ridge(double width_mm, double length_mm, double fold_rad) {
   const Vec3 left{-width_mm * std::cos(0.5 * fold_rad), 0, -width_mm * std::sin(0.5 * fold_rad)};
   const Vec3 right{-left.x(), 0, left.z()}, along{0, length_mm, 0}, middle = Vec3::Zero();
@@ -22,8 +23,8 @@ inline Mesh ridge(double width_mm, double length_mm, double fold_rad) {
           {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}}};
 }
 
-/// An open prism: `sides` walls of height_mm on a regular polygon whose corners lie radius_mm from its middle, and a
-/// lid.
+/// Makes an open prism: `sides` walls of height_mm on a regular polygon whose corners are radius_mm from its middle,
+/// and a lid.
 inline Mesh prism(int sides, double radius_mm, double height_mm) {
   Mesh mesh;
   for (const double z : {0.0, height_mm}) {
@@ -41,7 +42,7 @@ inline Mesh prism(int sides, double radius_mm, double height_mm) {
   return mesh;
 }
 
-/// An open box: four walls and a lid.
+/// The box has four walls and a lid.
 inline Mesh box(double x_mm, double y_mm, double z_mm) {
   Mesh mesh = prism(4, 1.0, z_mm);
   constexpr std::pair<int, int> kCorners[] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
@@ -52,7 +53,7 @@ inline Mesh box(double x_mm, double y_mm, double z_mm) {
   return mesh;
 }
 
-/// The mesh turned at random, its origin `offset_mm` from the frame's in a random direction.
+/// Turns the mesh at random and moves its origin `offset_mm` from the frame's in a random direction.
 inline Mesh in_pose(Mesh mesh, double offset_mm, std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   const auto draw = [&] { return normal(random); };

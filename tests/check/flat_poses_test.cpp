@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Plates, boxes, prisms, ridges and valleys of 20 … 170° in 500 random poses, half of them 1e5 mm from the origin:
-// every design keeps every rule, and a damage of each is found.
+// Designs plates, boxes, prisms, ridges and valleys of 20 … 170° in 500 random poses, half of them 1e5 mm from the
+// origin: every design must keep every rule, and a damage of each must be found.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -32,7 +32,7 @@ struct PosedPart {
   design::Mesh mesh;
 };
 
-// Part number `number`: shape, size, angle and pose are drawn from it alone.
+// Makes a part whose shape, size, angle and pose are drawn from `number` alone.
 PosedPart posed_part(int number) {
   std::mt19937_64 random(static_cast<std::uint64_t>(number));
   const auto between = [&](double least, double most) {
@@ -100,7 +100,7 @@ class PosedCheck {
   }
 
  private:
-  // The first kind of damage from `number` on that some module can have, at a module drawn from `number`.
+  // Takes the first kind of damage from `number` on that some module can have, at a module drawn from `number`.
   void damage_one(int number, const design::Design& design, const json& good, const fs::path& file) {
     const geometry::Surface surface(design.surface);
     const auto kinds = damage::damage_kinds(surface);

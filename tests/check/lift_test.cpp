@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Limits of lift and depth of corners and sides: what is tilted or bridges a groove is found, and is not made.
+// Tests the limits of lift and depth of corners and sides: modules that are tilted or bridge a groove must be found,
+// and must not be made.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -29,7 +30,7 @@ namespace fs = std::filesystem;
 
 constexpr double kPeriod_mm = 44.0, kGroove_mm = 8.0;
 
-// 176 mm by 120 mm; its height is a cosine from 0 to kGroove_mm, or 0 everywhere.
+// The sheet is 176 mm by 120 mm; its height is a cosine from 0 to kGroove_mm, or 0 everywhere.
 design::Mesh sheet(double groove_mm) {
   return sheet_mesh(88, 12, [=](int c, int r) {
     const double x = 2.0 * c;
@@ -86,8 +87,8 @@ TEST_F(Lift, grooves_are_bridged_only_as_far_as_the_limits_allow) {
   EXPECT_EQ(kept["report"]["max_edge_lift_mm"], highest(kept, "edge_lift_mm"));
 }
 
-// A free module on a plane, turned by 30° about the parallel to a side through its centre: the corner opposite stands
-// off by 2h/3 · sin 30° = 8.66 mm, the side lies h/3 · sin 30° = 4.33 mm deep.
+// A free module on a plane is turned by 30° about the parallel to a side through its centre: the opposite corner is
+// 2h/3 · sin 30° = 8.66 mm above the surface, the side h/3 · sin 30° = 4.33 mm deep.
 TEST_F(Lift, a_module_tilted_by_30_degrees_is_found_and_measured) {
   json j = design_of(0.0, 3.5, 4.5);
   EXPECT_THAT(broken(j), testing::IsEmpty());
@@ -95,7 +96,7 @@ TEST_F(Lift, a_module_tilted_by_30_degrees_is_found_and_measured) {
   json& m = j["modules"][0];
   std::array<std::array<double, 3>, 3> p = m["corners"];
   const std::array<double, 3> center{(p[0][0] + p[1][0] + p[2][0]) / 3, (p[0][1] + p[1][1] + p[2][1]) / 3, 0.0};
-  const double sx = (p[1][0] - p[0][0]) / 30.0, sy = (p[1][1] - p[0][1]) / 30.0;  // along the side
+  const double sx = (p[1][0] - p[0][0]) / 30.0, sy = (p[1][1] - p[0][1]) / 30.0;  // The direction is along the side.
   for (auto& c : p) {
     const double across = -(c[0] - center[0]) * sy + (c[1] - center[1]) * sx;
     const double shrink = across * (1.0 - std::cos(M_PI / 6));
@@ -112,7 +113,7 @@ TEST_F(Lift, a_module_tilted_by_30_degrees_is_found_and_measured) {
   EXPECT_EQ(lift.substr(0, 8), "8.660 mm") << lift;
 }
 
-// What tilts, or bridges a groove, is given up by name when pieces come back to the surface.
+// A module that tilts, or bridges a groove, is dropped with that reason when pieces are mapped back to the surface.
 TEST(KeepLimits, lift_and_depth_are_among_them) {
   const geometry::Surface plane(sheet(0.0));
   const auto tilted = [](double degrees) {
@@ -131,15 +132,15 @@ TEST(KeepLimits, lift_and_depth_are_among_them) {
     geometry::keep_limits(plane, limits, layout);
     return layout.refused.empty() ? "" : layout.refused[0].first;
   };
-  // 2h/3 sin 10° = 3.008 mm, h/3 sin 10° = 1.504 mm.
+  // The lift is 2h/3 sin 10° = 3.008 mm, and the depth is h/3 sin 10° = 1.504 mm.
   EXPECT_EQ(refused_by(10.0, 3.1, 1.6), "");
   EXPECT_EQ(refused_by(10.0, 3.0, 1.6), "lift_mm");
   EXPECT_EQ(refused_by(-10.0, 1.6, 3.0), "depth_mm");
   EXPECT_EQ(refused_by(-10.0, 1.6, 3.1), "");
 }
 
-// Two sheets that cross and face away from each other: overlap in the plane between two modules is not defined there
-// (their normals are 120° apart), and one passes through the other.
+// Two sheets cross and face away from each other: overlap in the plane between two modules is not defined there (their
+// normals are 120° apart), and one passes through the other.
 TEST(KeepLimits, no_module_passes_through_another_in_space) {
   using design::Vec3;
   const auto point = [](bool is_steep, double along_mm, double y_mm) {
@@ -189,7 +190,7 @@ TEST_F(Lift, files_of_before_the_limits_are_read_and_stay_as_they_are) {
   design::write_design(folder_ / "again.json", old);
   EXPECT_EQ(json::parse(read_file(folder_ / "again.json")), j);
 
-  j["limits"]["lift_mm"] = 3.5;  // one without the other
+  j["limits"]["lift_mm"] = 3.5;  // The file has one key without the other.
   EXPECT_THROW((void)violations(j), InputError);
 }
 

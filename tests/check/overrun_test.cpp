@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How far modules stand over the border: the number of the solvers against that of the checker, which share no code, on
-// modules that were moved and turned at random round borders and holes.
+// Compares the overhang of modules over the border between solvers and checker, which share no code, on modules that
+// were moved and turned at random around borders and holes.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -10,7 +10,7 @@
 #include "support/covers.hpp"
 #include "triskin/base/dice.hpp"
 #include "triskin/check/design_rules.hpp"
-#include "triskin/check/surface_index.hpp"  // no public header
+#include "triskin/check/surface_index.hpp"
 #include "triskin/lattice/map_modules.hpp"
 #include "triskin/mesh/surface.hpp"
 #include "triskin/pipeline/make_design.hpp"
@@ -21,7 +21,7 @@ namespace {
 using design::Vec3;
 namespace fs = std::filesystem;
 
-// TRISKIN_OVERRUN_ROUNDS=n makes a longer search of it.
+// TRISKIN_OVERRUN_ROUNDS=n makes the search longer.
 int rounds_of(int usual) {
   const char* wanted = std::getenv("TRISKIN_OVERRUN_ROUNDS");
   return wanted == nullptr ? usual : std::max(1, std::atoi(wanted));
@@ -39,7 +39,7 @@ void move(design::PlacedModule& m, Dice& random) {
   for (Vec3& corner : m.corner_mm) corner = center + by + turn * (corner - center);
 }
 
-// A cover, and how often all of its modules are moved.
+// Each case is a cover, and how often all of its modules are moved.
 class Overrun : public testing::TestWithParam<std::pair<test::CoverName, int>> {};
 
 TEST_P(Overrun, solver_and_checker_agree_on_moved_modules) {
@@ -69,7 +69,7 @@ TEST_P(Overrun, solver_and_checker_agree_on_moved_modules) {
     }
   }
   fs::remove(file);
-  EXPECT_GE(over, 3 * rounds);  // Else the rounds would compare next to nothing.
+  EXPECT_GE(over, 3 * rounds);  // With fewer, the rounds would compare next to nothing.
 }
 std::string name_of(const testing::TestParamInfo<std::pair<test::CoverName, int>>& p) {
   return test::case_name(p.param.first.name);
@@ -85,8 +85,8 @@ INSTANTIATE_TEST_SUITE_P(Covers, Overrun,
                                          std::pair{test::CoverName{"HEAD_v1"}, 4}),
                          name_of);
 
-// A skin of squares of 25 mm that are parted by cracks, with walls under it that end just below: no border of the skin,
-// and the search must not follow each of them in its smallest parts.
+// A skin of squares of 25 mm is separated by cracks, with walls under it that end just below: they are no border of the
+// skin, and the search must not follow each of them in its smallest parts.
 TEST(OverrunCost, cracks_and_ribs_under_a_module_cost_little) {
   constexpr double kCell_mm = 25.0;
   for (const double crack_mm : {1e-4, 2e-3, 1e-2}) {

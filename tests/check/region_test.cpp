@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Weights, keep-outs and places that must be covered: the design obeys, and check finds a design that does not.
+// A design must obey weights, keep-outs and places that must be covered, and check must find a design that does not.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -29,7 +29,7 @@ using testing::Contains;
 using testing::IsEmpty;
 namespace fs = std::filesystem;
 
-// A plate of 200 mm by 110 mm; the faces with x < 40 mm are the group "left" of its file.
+// On a plate of 200 mm by 110 mm, the faces with x < 40 mm are the group "left" of its file.
 design::Mesh plate() {
   return sheet_mesh(20, 11, [](int c, int r) { return Vec3(10.0 * c, 10.0 * r, 0.0); });
 }
@@ -86,7 +86,7 @@ Vec3 center_of(const design::PlacedModule& m) {
   return (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0;
 }
 
-// Distance in the plane of a module from a point; 0 inside.
+// Returns the distance in the plane of a module from a point; 0 inside.
 double distance(const design::PlacedModule& m, const Vec3& p) {
   return geometry::distance_beside(m.corner_mm, 0.0, p);
 }
@@ -101,7 +101,7 @@ TEST_F(RegionDesign, a_ball_that_must_stay_free_does) {
     EXPECT_GE(distance(m, center), 20.0 - 0.5);
     EXPECT_NEAR(m.keep_out_mm, std::max(0.0, 20.0 - distance(m, center)), 0.06);
   }
-  // Without the region modules lie there: the file with the region is refused.
+  // Without the region modules lie there, so the file with the region is refused.
   const design::Design all = design_with(json::array());
   EXPECT_GT(all.layout.modules.size(), d.layout.modules.size());
   const auto refused = broken_by([&](json& j) {
@@ -119,7 +119,7 @@ TEST_F(RegionDesign, a_flattering_keep_out_is_found) {
   EXPECT_THAT(broken(), IsEmpty());
   EXPECT_THAT(broken_by([](json& j) { j["modules"][0]["keep_out_mm"] = 0.3; }), Contains("keep-out"));
   EXPECT_THROW((void)broken_by([](json& j) { j["modules"][0].erase("keep_out_mm"); }), InputError);
-  // The region as a little larger than it was: what lies beside it now reaches in.
+  // With a slightly larger region, modules beside it now reach in.
   const auto larger = broken_by(
       [](json& j) { j["regions"]["list"][0]["box"] = {{"low_mm", {60, 20, -5}}, {"high_mm", {140, 90, 5}}}; });
   EXPECT_THAT(larger, Contains("keep-out"));
@@ -144,7 +144,7 @@ TEST_F(RegionDesign, a_group_of_the_file_stays_free_and_faces_are_weighed) {
   EXPECT_NEAR(d.alternatives[static_cast<std::size_t>(d.taken)].module_value, module_value, 1e-9);
 }
 
-// Balls of 10 mm, 314 mm², hold less than one centre each on a lattice that does not know them; two fit at a side.
+// Balls of 10 mm, 314 mm², contain less than one centre each on a lattice that does not know them; two fit at a side.
 TEST_F(RegionDesign, weight_draws_modules) {
   const std::array<Vec3, 4> places{Vec3(40, 30, 0), Vec3(83, 71, 0), Vec3(127, 38, 0), Vec3(166, 80, 0)};
   json balls = json::array();
@@ -170,12 +170,12 @@ TEST_F(RegionDesign, what_must_be_covered_is_or_is_named) {
   const design::Design d = design_with(json::array({middle}));
   EXPECT_THAT(d.report.uncovered, IsEmpty());
   EXPECT_THAT(broken(), IsEmpty());
-  EXPECT_THAT(broken_by([](json& j) {  // It is larger than was asked.
+  EXPECT_THAT(broken_by([](json& j) {  // The value is larger than requested.
                 j["regions"]["list"][0]["box"]["high_mm"] = {260, 170, 5};
               }),
               Contains("must-cover"));
 
-  // No module reaches the corners of the plate, nor what must stay free.
+  // No module reaches the corners of the plate, nor the parts that must stay free.
   const design::Design corner = design_with(
       {{{"name", "corner"}, {"cover", true}, {"sphere", {{"center_mm", {0, 0, 0}}, {"radius_mm", 4}}}},
        {{"name", "hole"}, {"free", true}, {"sphere", {{"center_mm", {100, 55, 0}}, {"radius_mm", 10}}}},

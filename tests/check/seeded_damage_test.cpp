@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Generated and real covers: the design is accepted; every kind of damage, on many modules, is found.
+// On generated and real covers the checker must accept the design, and find every kind of damage on many modules.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -63,7 +63,7 @@ TEST_P(SeededDamage, is_found_on_every_module_that_is_tried) {
       EXPECT_TRUE(std::string(kind.name) == "a taxel 1 mm off" || std::string(kind.name).starts_with("a flattering") ||
                   seen.contains("design-id"));
     }
-    // On a cover that is nearly flat no side is lifted, and nothing can be stated too low.
+    // On a cover that is nearly flat no side is lifted, so no value can be stated too low.
     const auto& modules = design.layout.modules;
     const bool is_flat = std::ranges::count_if(modules, [](const auto& m) { return m.edge_lift_mm > 0.2; }) < 2;
     EXPECT_GE(done, is_flat && kind.rules.contains("edge-lift") && std::string(kind.name).starts_with("a flattering")

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A calibration from the command line to the numbers of live, record and replay.
+// Follows a calibration from the command line to the numbers of live, record and replay.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -55,7 +55,7 @@ TEST_F(Calibrated, counts_become_newton) {
   write_scene(bag);
   const json after = last_of(live);
   EXPECT_EQ(after["unit"], "kPa");
-  EXPECT_NEAR(after["force_n"].get<double>(), 46.77, 0.01 * 46.77);  // sensitivities and noise
+  EXPECT_NEAR(after["force_n"].get<double>(), 46.77, 0.01 * 46.77);  // The command needs sensitivities and noise.
   ASSERT_EQ(after["pressed"].size(), 40U);
   for (const json& t : after["pressed"]) EXPECT_NEAR(t["pressure_kpa"].get<double>(), 30.0, 0.5);
   EXPECT_EQ(after["calibration"]["boards"][0]["revision"], 1);

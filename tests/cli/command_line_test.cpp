@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Files and exit status of the program as a shell sees them.
+// Tests files and exit status of the program as a shell sees them.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -114,7 +114,7 @@ TEST_F(CommandLine, log_shows_what_controllers_write) {
   EXPECT_EQ(run("log strip.json --link sim --seconds 0.1 --level loud").status, 2);
 }
 
-// A simulated board has no pages to protect, and says so.
+// A simulated board has no pages to protect, and reports that.
 TEST_F(CommandLine, protect_names_a_board_that_cannot) {
   const Outcome o = run("protect --link sim");
   EXPECT_NE(o.status, 0);
@@ -123,7 +123,7 @@ TEST_F(CommandLine, protect_names_a_board_that_cannot) {
 
 TEST_F(CommandLine, a_design_that_was_changed_by_hand_is_not_deployed) {
   design::Design changed = strip(4, 4);
-  changed.layout.modules[1].corner_mm[0].x() += 5.0;  // Its id is still that of the strip.
+  changed.layout.modules[1].corner_mm[0].x() += 5.0;  // The changed design keeps the id of the strip.
   design::write_design(folder_ / "changed.json", changed);
   for (const char* command : {"flash", "verify", "live --seconds 0.1", "record --seconds 0.1 -o r.csv"}) {
     const std::string name(command);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// `triskin doctor` and `triskin list` on prepared computers: folders that stand for /sys, /proc, /etc and /dev.
+// Runs `triskin doctor` and `triskin list` on prepared computers: folders that stand for /sys, /proc, /etc and /dev.
 #include <gmock/gmock.h>
 #include <unistd.h>
 
@@ -52,7 +52,7 @@ class Doctor : public ShellCase {
     can.merge_patch(changes);
     write("ip.json", json::array({can}).dump());
   }
-  // A computer with a CAN interface and a USB board, on which all is well.
+  // Simulates a healthy computer with a CAN interface and a USB board.
   void make_healthy() const {
     write("etc/udev/rules.d/70-triskin.rules",
           "SUBSYSTEM==\"usb\", ATTR{idVendor}==\"1209\", MODE=\"0660\"\nKERNEL==\"hidraw*\", "
@@ -82,17 +82,17 @@ class Doctor : public ShellCase {
     const std::string text = run("--version").out;
     return text.substr(0, text.find('\n'));
   }
-  // The checks that are not ok, with their remedies.
+  // Returns the checks that are not ok, with their remedies.
   [[nodiscard]] std::map<std::string, std::string> troubles(int status) const {
     const Outcome o = run("doctor --root root --json");
     EXPECT_EQ(o.status, status) << o.out << o.messages;
     std::map<std::string, std::string> bad;
-    const json answer = json::parse(o.out);  // outlives the loop
+    const json answer = json::parse(o.out);  // The value must outlive the loop.
     for (const json& c : answer["checks"])
       if (c["needed"].get<bool>() && !c["ok"].get<bool>()) bad[c["name"]] = c["remedy"];
     return bad;
   }
-  // Exactly one trouble, by name and with its command.
+  // Expects exactly one trouble, by name and with its command.
   void expect_trouble(const std::string& name, const std::string& remedy) const {
     const auto bad = troubles(1);
     ASSERT_EQ(bad.size(), 1U) << name;
@@ -110,7 +110,7 @@ TEST_F(Doctor, a_healthy_computer_has_no_trouble) {
   EXPECT_EQ(answer["links"][1]["link"], std::string("usb:") + kSerial);
 }
 
-// What the Debian packages bring is what doctor looks for and tells others to write.
+// Doctor looks for the rules that the Debian packages install, and tells other users to write the same.
 TEST_F(Doctor, the_rules_of_the_packages_are_those_that_it_wants) {
   fs::remove(folder_ / "root/etc/udev/rules.d/70-triskin.rules");
   const std::string remedies = troubles(1).at("udev rule for USB") + troubles(1).at("udev rule for HID");
@@ -137,7 +137,7 @@ TEST_F(Doctor, twelve_troubles_are_named_each_with_its_command) {
   expect_trouble("kernel module can_raw", "sudo modprobe can_raw");
   write("proc/sys/kernel/osrelease", "6.1.0\n");
   write("lib/modules/6.1.0/modules.dep", "kernel/net/can/can-raw.ko: kernel/net/can/can.ko\n");
-  EXPECT_TRUE(troubles(0).empty());  // The kernel loads it when it is needed.
+  EXPECT_TRUE(troubles(0).empty());  // The kernel loads the module when it is needed.
 
   write_interface({{"flags", {"NOARP"}}});
   expect_trouble("interface can0", "sudo ip link set can0 up txqueuelen 128 type can bitrate 1000000");
@@ -177,7 +177,7 @@ TEST_F(Doctor, a_silent_bus_and_a_computer_without_hardware_are_troubles) {
 }
 
 TEST_F(Doctor, a_board_that_may_not_be_opened_is_a_trouble) {
-  if (::geteuid() == 0) fs::remove(folder_ / "root/dev/bus/usb/001/007");  // Root may open whatever is there.
+  if (::geteuid() == 0) fs::remove(folder_ / "root/dev/bus/usb/001/007");  // Root may open any device.
   fs::permissions(folder_ / "root/dev/bus/usb/001", fs::perms::owner_all);
   if (::geteuid() != 0) fs::permissions(folder_ / "root/dev/bus/usb/001/007", fs::perms::none);
   write("boards.json", json::array({{{"link", "can:can0"}, {"serial", "A0"}, {"firmware", version()}}}).dump());

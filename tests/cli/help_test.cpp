@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// --help, and what is said of a command line that cannot be read.
+// Tests --help, and the messages about a command line that cannot be read.
 #include <gmock/gmock.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which link a device command works on, and that a simulation is never taken for hardware.
+// Tests which link a device command uses, and that a simulation is never taken for hardware.
 #include <gmock/gmock.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -78,7 +78,7 @@ TEST_F(Links, a_recording_says_that_it_is_of_a_simulation) {
   EXPECT_THAT(bytes, HasSubstr("simulated"));
 }
 
-// Ends a command by Ctrl-C when it has printed `sign`; returns its status.
+// Sends Ctrl-C to a command when it has printed `sign`; returns its status.
 int status_after_interrupt(const std::string& command, const std::filesystem::path& log, const std::string& sign) {
   const pid_t child = ::fork();
   if (child == 0) {

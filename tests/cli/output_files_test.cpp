@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Files that commands write keep what coreutils would keep: modes, links, names (docs/measurements/inputs.md).
+// Files that commands write must keep what coreutils would keep: modes, links, names (docs/measurements/inputs.md).
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -104,7 +104,7 @@ TEST_F(MeshStreams, a_mesh_may_come_through_a_pipe) {
     EXPECT_EQ(read_file(folder_ / made), read_file(folder_ / "file.obj")) << made;
 }
 
-// Nobody waits for a search and then learns that its result has no place.
+// A command must report an unusable output before a long search, not after it.
 TEST_F(MeshStreams, the_place_of_the_result_is_tried_before_the_work) {
   const Outcome o = run("design part.obj -o /nonexistent/d.json --time-limit-s 600");
   EXPECT_EQ(o.status, 2);

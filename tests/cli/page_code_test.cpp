@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The text of a QR code of the assembly sheet instead of a design file.
+// Commands accept the text of a QR code of the assembly sheet instead of a design file.
 #include <gmock/gmock.h>
 
 #include "shell_case.hpp"

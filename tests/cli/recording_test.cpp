@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// record, recover, replay and live as a shell sees them.
+// Runs record, recover, replay and live as a shell does.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -37,7 +37,7 @@ class Recordings : public ShellCase {
     design::write_design(folder_ / "strip.json", strip(20, 10));
     ASSERT_EQ(run("flash strip.json --link sim").status, 0);
   }
-  // Starts the program; its output goes to `name`.
+  // Starts the program with its output in the file `name`.
   [[nodiscard]] pid_t start(const std::string& arguments, const std::string& name) const {
     const std::string command = line(arguments) + " >" + name + " 2>&1";
     const pid_t child = ::fork();
@@ -91,7 +91,7 @@ TEST_F(Recordings, formats_hold_the_same_samples) {
 }
 
 TEST_F(Recordings, the_file_is_opened_before_the_link) {
-  // Nobody listens at port 1: the file is what the message is about.
+  // Nobody listens at port 1, yet the message must be about the file.
   const Outcome nowhere = run("record strip.json --link sim:127.0.0.1:1 -o nowhere/r.mcap");
   EXPECT_EQ(nowhere.status, 2);
   EXPECT_THAT(nowhere.messages, HasSubstr("nowhere/r.mcap: cannot write"));
@@ -145,7 +145,8 @@ TEST_F(Recordings, a_lost_link_ends_with_what_came) {
   EXPECT_GT(r["samples"], 100);
 }
 
-// A link that fails ends a stream, not what was counted: "0 lost" of a view that had lost its link said nothing.
+// A link that fails ends a stream, but must not lose the counts: "0 lost" of a view that had lost its link was
+// meaningless.
 TEST_F(Recordings, a_view_keeps_its_counts_when_the_link_fails) {
   write_scene(R"("seed":1)");
   pid_t server = 0;
@@ -154,7 +155,7 @@ TEST_F(Recordings, a_view_keeps_its_counts_when_the_link_fails) {
   ::sleep(2);  // Two seconds of samples are enough.
   ::kill(server, SIGKILL);
   (void)end_of(server);
-  ::sleep(1);  // It says so, and tries again.
+  ::sleep(1);  // The program reports that and tries again.
   ::kill(child, SIGINT);
   (void)end_of(child);
   const std::string log = read_file(folder_ / "log");

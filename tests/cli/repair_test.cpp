@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The bench as a person meets it: repair, dump, and the two hours of docs/first_hours.md.
+// Runs the bench as a person meets it: repair, dump, and the two hours of docs/first_hours.md.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -54,7 +54,7 @@ TEST_F(Bench, repair_says_when_a_finding_is_still_there_and_can_skip_it) {
                            HasSubstr("0 mended, 1 skipped; 1 findings left"), Not(HasSubstr("tared"))));
 }
 
-// Fresh boards are flashed, the chip is back when the link is opened anew, and the tare comes last.
+// Fresh boards are flashed, the chip is back when the link is opened anew, and the tare is last.
 TEST_F(Bench, repair_flashes_checks_again_and_tares) {
   write_file_atomically(folder_ / "answers", "\n\n");
   const Outcome o = run("repair strip.json --link sim <answers");
@@ -96,7 +96,7 @@ TEST_F(Bench, a_slip_is_asked_about_in_the_first_line) {
   EXPECT_THAT(messages.substr(0, messages.find('\n')), HasSubstr("did you mean dump?"));
 }
 
-// Lines of a block on the page, in their order, with "…" for any text.
+// Returns the lines of a block on the page, in their order, with "…" for any text.
 std::vector<std::string> block_of(const std::string& script) {
   const std::string page = read_file(fs::path(source_folder()) / "docs/first_hours.md");
   const std::size_t at = page.find(script + "`");

@@ -19,7 +19,7 @@ struct Outcome {
   std::string out, messages;
 };
 
-/// The program as a shell runs it, in a folder of its own that keeps the simulated boards, too.
+/// Runs the program as a shell does, in its own folder, which also keeps the simulated boards.
 class ShellCase : public testing::Test {
  protected:
   void SetUp() override {
@@ -32,7 +32,7 @@ class ShellCase : public testing::Test {
   [[nodiscard]] std::string line(const std::string& arguments) const {
     return fmt::format("cd '{}' && XDG_STATE_HOME=state exec {} {}", folder_.string(), program_file(), arguments);
   }
-  /// Standard output is read where the arguments do not send it elsewhere with '>'.
+  /// Standard output is read unless the arguments redirect it with '>'.
   [[nodiscard]] Outcome run(const std::string& arguments) const {
     const bool redirected = arguments.find('>') != std::string::npos;
     const std::string command = line(arguments) + (redirected ? "" : " >out") + " 2>messages";

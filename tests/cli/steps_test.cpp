@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The steps of a design as a shell chains them, and what the program says of slips.
+// Chains the steps of a design as a shell does, and tests the messages about slips.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ class Steps : public ShellCase {
 #endif
   }
   void write(const std::string& name, const std::string& text) const { write_file_atomically(folder_ / name, text); }
-  // A plate in the plane z = 0.
+  // The plate lies in the plane z = 0.
   void write_plate(const std::string& name, double width, double height) const {
     write(name, fmt::format("v 0 0 0\nv {0} 0 0\nv {0} {1} 0\nv 0 {1} 0\nf 1 2 3\nf 1 3 4\n", width, height));
   }
@@ -122,7 +122,7 @@ TEST_F(Steps, every_piece_of_a_net_becomes_an_island) {
 TEST_F(Steps, nothing_that_fits_is_status_1_with_the_reason) {
   require_geometry();
   if (IsSkipped()) return;
-  write_plate("plate.obj", 20, 18);  // cm, taken for mm
+  write_plate("plate.obj", 20, 18);  // The numbers are cm but taken for mm.
   const Outcome o = run("design plate.obj -o d.json --time-limit-s 1");
   EXPECT_EQ(o.status, 1);
   EXPECT_THAT(o.out, AllOf(HasSubstr("no module fits"), HasSubstr("20 × 18 × 0 mm"), HasSubstr("--unit cm")));
@@ -171,7 +171,7 @@ TEST_F(Steps, a_design_that_is_ended_keeps_the_best_layout) {
 TEST_F(Steps, a_number_that_is_shown_as_0_has_no_sign) {
   require_geometry();
   if (IsSkipped()) return;
-  write("module.wkt", "POLYGON((0 0, 30 0, 15 25.980762113533, 0 0))");  // exactly one module
+  write("module.wkt", "POLYGON((0 0, 30 0, 15 25.980762113533, 0 0))");  // The polygon fits exactly one module.
   const Outcome o = run("place module.wkt");
   EXPECT_EQ(o.status, 0);
   EXPECT_THAT(o.out, AllOf(HasSubstr("0.0000 mm"), Not(HasSubstr("-0.0000 mm"))));

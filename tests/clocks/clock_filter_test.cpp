@@ -13,20 +13,20 @@ namespace triskin::device {
 namespace {
 
 constexpr double kSecond_us = 1e6;
-constexpr double kAllowed_us = 500.0;  // issue 22: after 10 s, with jitter of 1 ms
+constexpr double kAllowed_us = 500.0;  // Issue 22 asks for this after 10 s, with jitter of 1 ms.
 
 std::uint64_t whole(double us) {
   return static_cast<std::uint64_t>(us);
 }
 
-// A controller whose clock reads start + (time since power-up) · (1 + ppm), and the way from it to here.
+// Models a controller whose clock reads start + (time since power-up) · (1 + ppm), and the delay from it to here.
 struct Modelled {
   double ppm = 0.0;
-  double powered_us = 3e6;                  // Measured by the link's clock.
-  double shown_us = 70e6;                   // Its own clock shows this at that time.
-  double min_us = 100.0;                    // No frame is faster.
-  double jitter_us = 1000.0;                // added, uniform
-  std::function<double(double)> more_us{};  // Further delay of what is sent at a time.
+  double powered_us = 3e6;                  // The time is by the link's clock.
+  double shown_us = 70e6;                   // The controller's own clock shows this at that time.
+  double min_us = 100.0;                    // No frame takes less time.
+  double jitter_us = 1000.0;                // The jitter is added and uniform.
+  std::function<double(double)> more_us{};  // Returns a further delay for frames that are sent at a time.
   [[nodiscard]] std::uint64_t device_us(double link_us) const {
     return whole(shown_us + (link_us - powered_us) * (1.0 + ppm * 1e-6));
   }
@@ -38,7 +38,7 @@ class Way {
   Modelled& model() { return model_; }
   ClockFilter& filter() { return filter_; }
 
-  // Samples of 16 modules at 54 Hz from `from_s` to `to_s`, an answer a second; calls `check` for each.
+  // Sends samples of 16 modules at 54 Hz from `from_s` to `to_s` and one answer per second; calls `check` for each.
   void play(double from_s, double to_s, const std::function<void(double true_us, const LinkTime&)>& check) {
     for (double t = from_s * kSecond_us; t < to_s * kSecond_us; t += kSecond_us / (54.0 * 16.0)) {
       if (answers && t >= next_answer_us_) {
@@ -66,7 +66,7 @@ class Way {
   double last_us_ = 0.0, next_answer_us_ = 0.0;
 };
 
-// The error is never above its bound, and after `settled_s` within what is allowed.
+// Requires that the error is never above its bound, and after `settled_s` within the allowed one.
 auto holds(double settled_s, double allowed_us, double* worst_us = nullptr) {
   return [=](double true_us, const LinkTime& time) {
     const double error = std::abs(static_cast<double>(time.link_us) - true_us);
@@ -80,15 +80,15 @@ auto holds(double settled_s, double allowed_us, double* worst_us = nullptr) {
   };
 }
 
-// Worked by hand: the controller shows 1,000 less than the link, and every way takes between 200 and 300.
+// In this case worked by hand the controller shows 1,000 less than the link, and every path takes between 200 and 300.
 TEST(ClockFilter, bounds_an_offset_by_a_request_and_its_answer) {
   ClockFilter filter;
-  filter.exchanged(10'000, 9'200, 10'500);  // difference 800 … 1,300
+  filter.exchanged(10'000, 9'200, 10'500);  // The difference is 800 … 1,300.
   const LinkTime now = filter.at(9'200);
-  EXPECT_EQ(now.link_us, 10'501U);  // The latest that is possible, one µs of resolution.
+  EXPECT_EQ(now.link_us, 10'501U);  // The result is the latest possible time, with one µs of resolution.
   EXPECT_GE(now.error_us, 501U);
   EXPECT_LE(now.error_us, 504U);
-  filter.arrived(9'300, 10'500);  // difference at most 1,200
+  filter.arrived(9'300, 10'500);  // The difference is at most 1,200.
   EXPECT_NEAR(static_cast<double>(filter.at(9'300).link_us), 10'500.0, 2.0);
   EXPECT_NEAR(filter.at(9'300).error_us, 401.0, 4.0);
 }
@@ -116,7 +116,7 @@ TEST(ClockFilter, is_within_half_a_millisecond_after_ten_seconds) {
   }
 }
 
-// What is late is late for 0.3 s and comes all at once, over and over.
+// Frames are repeatedly late by up to 0.3 s and then arrive all at once.
 TEST(ClockFilter, bears_bursts) {
   Way run({.ppm = 100.0,
            .more_us = [](double t) { return std::fmod(t, 0.7e6) < 0.3e6 ? 0.3e6 - std::fmod(t, 0.7e6) : 0.0; }},
@@ -124,13 +124,13 @@ TEST(ClockFilter, bears_bursts) {
   run.play(3.0, 23.0, holds(13.0, kAllowed_us));
 }
 
-// A queue that grows for five seconds looks like a clock that is slow; the answers and the samples before know better.
+// A queue that grows for five seconds looks like a slow clock, but the answers and the earlier samples show otherwise.
 TEST(ClockFilter, a_delay_that_grows_stays_within_the_bound) {
   Way run({.ppm = -100.0, .more_us = [](double t) { return t > 12e6 && t < 17e6 ? 2e-3 * (t - 12e6) : 0.0; }}, 6);
   run.play(3.0, 25.0, holds(13.0, 2'000.0));
 }
 
-// A delay that all frames have is seen by nobody: it is in the bound and not in the guess.
+// Nobody can see a delay that all frames have: it is in the bound and not in the estimate.
 TEST(ClockFilter, a_constant_delay_is_in_the_bound) {
   Way run({.ppm = 20.0, .min_us = 5'000.0}, 7);
   run.play(3.0, 15.0, holds(1e9, 0.0));
@@ -148,7 +148,7 @@ TEST(ClockFilter, follows_a_controller_that_starts_anew) {
   EXPECT_EQ(run.filter().restarts(), 1);
 }
 
-// Its clock did not go back, so only an answer shows that all samples before it were late by what nobody could know.
+// The clock did not go back, so only an answer shows that all samples before it were late by an unknown time.
 TEST(ClockFilter, an_answer_uncovers_a_start_that_looks_like_a_delay) {
   Way run({.ppm = 0.0, .shown_us = 0.0}, 9);
   run.play(3.0, 4.0, holds(1e9, 0.0));

@@ -11,8 +11,8 @@
 
 namespace triskin::device {
 
-/// A simulated link on which every frame to the host comes late, in order: by a uniform jitter, and by what `more_us`
-/// says of the time at which it left the controller.
+/// Delays every frame to the host on a simulated link, in order: by a uniform jitter, and by the value of `more_us` for
+/// the time at which it left the controller.
 class JitteryLink final : public Link {
  public:
   JitteryLink(scene::Scene scene, std::uint64_t jitter_us, unsigned seed)

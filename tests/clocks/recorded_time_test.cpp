@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The time of a sample in a recording, and recordings of 0.1, which have none.
+// Tests the time of a sample in a recording, and recordings of 0.1, which have none.
 #include <gtest/gtest.h>
 
 #include <vector>

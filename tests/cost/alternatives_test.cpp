@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The front of what was found: in the file, and taken without a search.
+// The file keeps the front of the layouts found, and each of them can be taken without a search.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Half of a dome: too curved for one island.
+// Half of a dome is too curved for one island.
 design::Mesh dome() {
   design::Mesh mesh;
   constexpr int kRings = 10, kAround = 32;
@@ -63,7 +63,7 @@ TEST_F(Alternatives, are_a_front_from_which_another_layout_is_taken) {
     EXPECT_LT(d.alternatives[k].layout.modules.size(), d.alternatives[k - 1].layout.modules.size());
     EXPECT_LT(d.alternatives[k].price, d.alternatives[k - 1].price);
   }
-  // The best value is taken, and its price is that of what was wired.
+  // The best value is taken, and its price is that of the actual wiring.
   ASSERT_GE(d.taken, 0);
   const auto value = [](const design::Alternative& a) {
     return static_cast<double>(a.layout.modules.size()) - a.price;
@@ -78,7 +78,7 @@ TEST_F(Alternatives, are_a_front_from_which_another_layout_is_taken) {
               1e-9);
   design::write_design(folder_ / "a.json", d);
   EXPECT_EQ(violations(folder_ / "a.json"), 0U);
-  // Each of them can be taken from the file.
+  // Each alternative can be taken from the file.
   design::Design read = design::read_intact_design(folder_ / "a.json");
   // A pricing that ran out of time leaves such values.
   for (design::Alternative& a : read.alternatives) a.jumpers += 5;

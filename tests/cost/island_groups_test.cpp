@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The bound by groups of islands, against a search over all divisions of the islands into groups.
+// Compares the bound by groups of islands with a search over all divisions of the islands into groups.
 #include "triskin/routing/island_groups.hpp"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 constexpr int kCapacity = 16;
 constexpr long kAmple = 1'000'000'000;
 
-// A ring or a random tree, and some more neighbours; islands that are one patch, several, and some that need more
+// Makes a ring or a random tree, and some more neighbours; islands that are one patch, several, and some that need more
 // patches alone than their weight says.
 IslandGraph random_graph(std::mt19937_64& random) {
   IslandGraph g;
@@ -47,7 +47,8 @@ bool hang_together(const IslandGraph& g, IslandSet group) {
   return seen == group;
 }
 
-// Price by the definition: an island alone as it says, others by their weight and one jumper less than islands.
+// Returns the price by definition: an island alone has its stated parts, groups have their weight and one jumper less
+// than islands.
 std::int64_t price_by_hand(const IslandGraph& g, IslandSet group, const IntegerPrice& price) {
   if (std::has_single_bit(group)) return price.part * g.alone[static_cast<std::size_t>(std::countr_zero(group))];
   int weight = 0;
@@ -78,14 +79,14 @@ TEST(IslandGroups, the_least_price_is_that_of_trying_everything) {
     const IslandGraph g = random_graph(random);
     const IntegerPrice price(prices[static_cast<std::size_t>(trial % 3)]);
     const std::int64_t least = by_trying_everything(g, price, {});
-    // Limits that leave nothing out, just the cheapest in, and the cheapest out.
+    // The limits leave out nothing, or the cheapest is just inside, or just outside.
     EXPECT_EQ(IslandGroups(g, kCapacity, price, std::int64_t{1} << 60, kAmple).least(), least) << trial;
     EXPECT_EQ(IslandGroups(g, kCapacity, price, least + 1, kAmple).least(), least) << trial;
     EXPECT_EQ(IslandGroups(g, kCapacity, price, least, kAmple).least(), least) << trial;
   }
 }
 
-// What is known of some groups rises, as it does when they are settled one by one.
+// The known price of some groups rises, as it does when they are settled one by one.
 TEST(IslandGroups, what_is_known_of_groups_counts) {
   std::mt19937_64 random(32);
   const IntegerPrice price(Price{2.0, 0.45, 0.1});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Jumpers as switched modules and commands see them: flash, verify and discover --topology, as processes.
+// Tests jumpers on switched modules with the commands flash, verify and discover --topology, as processes.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -23,7 +23,7 @@ class JumperedHardware : public SwitchedCase {
     std::mt19937_64 random(8);
     return jumpered_design(8, 6, random);
   }
-  // What a controller can still read with the jumper open.
+  // Returns what a controller can still read with the jumper open.
   [[nodiscard]] int survivors() const {
     const auto row = [&](int node) {
       return static_cast<int>(std::ranges::find(design_.patches[0].modules, node, &design::RoutedModule::node) -
@@ -57,7 +57,7 @@ TEST_F(JumperedHardware, an_open_jumper_is_found_and_the_rest_is_read) {
 
 TEST_F(JumperedHardware, a_fault_of_a_jumper_that_is_not_there_is_refused) {
   const int a = design_.layout.jumpers[0].node[0];
-  int stranger = a;  // A module of the other island that has no jumper to a.
+  int stranger = a;  // This module of the other island has no jumper to a.
   for (int k = 0; k < 14; ++k) {
     if (std::ranges::count(design::joined_to(design_.layout, a), k) == 0 && k != a) stranger = k;
   }

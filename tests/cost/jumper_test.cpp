@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where jumpers can be, what the file says of them, and which damage `check` names.
+// Tests where jumpers are possible, how the file states them, and which damage `check` names.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 using design::Vec3;
 using nlohmann::json;
 
-// A module on the plane with its side 0 from a to b.
+// Makes a module on the plane with its side 0 from a to b.
 design::PlacedModule module_on(const Vec3& a, const Vec3& b, int island) {
   design::PlacedModule m;
   const Vec3 along = (b - a).normalized(), up(0, 0, 1);
@@ -62,7 +62,7 @@ TEST(Jumper, sides_of_one_island_and_sides_that_look_past_each_other_are_not_joi
   design::ModuleLayout same = facing(5.0, 0.0);
   same.modules[1].island = 0;
   EXPECT_TRUE(geometry::find_jumpers(plane(), same, {}).empty());
-  // Both look the same way: one behind the other.
+  // Both modules face the same way, one behind the other.
   design::ModuleLayout behind;
   behind.islands = 2;
   behind.modules = {module_on({0, 0, 0}, {30, 0, 0}, 0), module_on({0, 34, 0}, {30, 34, 0}, 1)};
@@ -70,19 +70,20 @@ TEST(Jumper, sides_of_one_island_and_sides_that_look_past_each_other_are_not_joi
 }
 
 TEST(Jumper, the_way_over_a_ridge_is_longer_than_the_straight_line) {
-  // Two planes that meet along the x axis, each falling by 45°: feet of the straight line lie on both slopes.
+  // Two planes meet along the x axis, each falling by 45°, so the feet of the straight line lie on both slopes.
   design::Mesh roof;
   roof.vertices = {{-100, 0, 0}, {100, 0, 0}, {-100, 80, -80}, {100, 80, -80}, {-100, -80, -80}, {100, -80, -80}};
   roof.faces = {{0, 1, 3}, {0, 3, 2}, {0, 4, 5}, {0, 5, 1}};
   const geometry::Surface surface(roof);
-  // Ends 5 mm down each slope from the ridge, d = 5 / √2 = 3.54 mm across. The foot of a point of it at y lies at
-  // (y + d) / 2: half way up each slope (2 × 2.5 mm), and straight across where the closest point changes sides (d).
+  // The ends are 5 mm down each slope from the ridge, d = 5 / √2 = 3.54 mm across. The foot of a point of it at y
+  // lies at (y + d) / 2: half way up each slope (2 × 2.5 mm), and straight across where the closest point changes
+  // sides (d).
   const double d = 5.0 / std::sqrt(2.0);
   EXPECT_NEAR(geometry::jumper_length_mm(surface, {0, d, -d}, {0, -d, -d}), 5.0 + d, 0.2);
 }
 
 TEST(Jumper, a_module_in_between_is_not_crossed) {
-  // A third module lies between the two sides, of an island of its own.
+  // A third module, on its own island, lies between the two sides.
   design::ModuleLayout layout = facing(14.0, 0.0);
   layout.islands = 3;
   layout.modules.push_back(module_on({15, -10, 0}, {15, -40, 0}, 2));
@@ -96,7 +97,7 @@ class JumperedFile : public testing::Test {
     folder_ = fs::temp_directory_path() / ("jumpers." + std::to_string(::getpid()));
     fs::create_directories(folder_);
     std::mt19937_64 random(5);
-    design_ = jumpered_design(21, 7, random);  // 28 modules: two controllers with a jumper, three without
+    design_ = jumpered_design(21, 7, random);  // The 28 modules need two controllers with a jumper, three without.
     design::write_design(folder_ / "good.json", design_);
     good_ = json::parse(read_file(folder_ / "good.json"));
   }
@@ -157,22 +158,22 @@ TEST_F(JumperedFile, damage_to_a_jumper_is_named_by_its_rule) {
   expect("jumpers-bound", [&](json& j) { j["report"]["jumpers_lower_bound"] = 2; });
   expect("design-id", [&](json& j) { jumper(j)["sides"][0] = (jumper(j)["sides"][0].get<int>() + 1) % 3; });
   expect("limits", [&](json& j) { j["limits"]["jumper_mm"] = -1.0; });
-  // Without it the patch hangs on nothing.
+  // Without it the patch is not connected.
   const auto without = [&](json& j) {
     j.erase("jumpers");
     j["version"] = 1;
   };
   expect("patch-island", without);
   expect("rotation", without);
-  // The same jumper twice: its sides are taken.
+  // The same jumper is listed twice, so its sides are taken.
   expect("jumper-side", [&](json& j) { j["jumpers"].push_back(jumper(j)); });
-  // Another side of its first module: joined, or turned away.
+  // Another side of its first module is joined, or turned away.
   for (int turn = 1; turn < 3; ++turn) {
     const auto broken =
         broken_by([&](json& j) { jumper(j)["sides"][0] = (jumper(j)["sides"][0].get<int>() + turn) % 3; });
     EXPECT_THAT(broken, testing::AnyOf(testing::Contains("jumper-side"), testing::Contains("jumper-facing")));
   }
-  // Both ends in one island.
+  // Both ends are in one island.
   expect("jumper-island", [&](json& j) {
     const int first = jumper(j)["modules"][0];
     for (json& m : j["modules"]) {
@@ -182,14 +183,14 @@ TEST_F(JumperedFile, damage_to_a_jumper_is_named_by_its_rule) {
       }
     }
   });
-  // The entry cable where the jumper is.
+  // The entry cable occupies the side of the jumper.
   expect("jumper-side", [&](json& j) {
     const int first = jumper(j)["modules"][0];
     json& m = j["modules"][static_cast<std::size_t>(first)];
     m["parent"] = -1;
     m["rotation"] = jumper(j)["sides"][0];
   });
-  // Ends in two patches.
+  // The ends are in two patches.
   expect("jumper-use", [&](json& j) {
     const int first = jumper(j)["modules"][0];
     json& m = j["modules"][static_cast<std::size_t>(first)];

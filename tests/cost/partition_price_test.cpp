@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Controllers and jumpers at the lowest price, against a search over all partitions.
+// Compares the lowest price of controllers and jumpers with a search over all partitions.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ int below(std::size_t n, std::mt19937_64& random) {
   return static_cast<int>(random() % n);
 }
 
-// Connected tiles of the lattice, in the order in which they were added.
+// Makes connected tiles of the lattice, in the order in which they were added.
 std::vector<Tile> random_tiles(int size, std::mt19937_64& random) {
   std::vector<Tile> tiles{{0, 0, true}};
   while (static_cast<int>(tiles.size()) < size) {
@@ -50,7 +50,7 @@ void add_island(int island, int size, IslandSet& set, std::mt19937_64& random) {
   }
 }
 
-// A place between random free sides of two islands, where a few tries find one; `taken` has the places so far.
+// Adds a place between random free sides of two islands, if a few tries find one; `taken` has the places so far.
 void add_place(int first, int second, ModuleGraph& taken, IslandSet& set, std::mt19937_64& random) {
   for (int tries = 0; tries < 400; ++tries) {
     int a = below(taken.nodes.size(), random), b = below(taken.nodes.size(), random);
@@ -69,7 +69,7 @@ void add_place(int first, int second, ModuleGraph& taken, IslandSet& set, std::m
   }
 }
 
-// Five to eight islands of one to three modules on a ring, one or two places between neighbours.
+// Makes five to eight islands of one to three modules on a ring, with one or two places between neighbours.
 IslandSet ring_of_islands(std::mt19937_64& random) {
   IslandSet set;
   const int islands = 5 + below(4, random);
@@ -84,8 +84,8 @@ IslandSet ring_of_islands(std::mt19937_64& random) {
   return set;
 }
 
-// Two or three islands of four to six modules, each more than a patch of four takes, with three to six places between
-// any two.
+// Makes two or three islands of four to six modules, each too large for a patch of four, with three to six places
+// between any two.
 IslandSet large_islands(std::mt19937_64& random) {
   IslandSet set;
   const int islands = 2 + below(2, random);
@@ -99,7 +99,7 @@ IslandSet large_islands(std::mt19937_64& random) {
   return set;
 }
 
-// A patch of the lattice that seams part into islands; jumpers can lead over most of the joints that the seams cut.
+// Cuts a patch of the lattice into islands by seams; jumpers can replace most of the joints that the seams cut.
 IslandSet torn_patch(int modules, int seeds, std::mt19937_64& random) {
   const std::vector<Tile> tiles = random_tiles(modules, random);
   std::vector<int> island(tiles.size(), -1);
@@ -130,7 +130,7 @@ IslandSet torn_patch(int modules, int seeds, std::mt19937_64& random) {
   return set;
 }
 
-// Two to four random islands of the lattice, and random places of jumpers between their free sides.
+// Makes two to four random islands of the lattice, with random places of jumpers between their free sides.
 IslandSet random_islands(int modules, std::mt19937_64& random) {
   IslandSet set;
   const int islands = std::min(modules, 2 + static_cast<int>(random() % 3));
@@ -156,7 +156,7 @@ IslandSet random_islands(int modules, std::mt19937_64& random) {
   return set;
 }
 
-// Number of pieces of a set under the joints of a graph.
+// Returns the number of pieces of a set under the joints of a graph.
 int pieces(const ModuleGraph& g, unsigned set) {
   int count = 0;
   while (set != 0) {
@@ -183,7 +183,7 @@ struct Cheapest {
   auto operator<=>(const Cheapest&) const = default;
 };
 
-// Searches all partitions: the lowest price, then fewest parts; and the fewest parts whatever they cost.
+// Searches all partitions for the lowest price, then fewest parts; also for the fewest parts whatever they cost.
 std::pair<Cheapest, int> by_trying_everything(const IslandSet& set, int capacity, const Price& price) {
   const ModuleGraph joined = design::with_jumpers(set.graph, set.places);
   const unsigned all = (1U << set.graph.nodes.size()) - 1;
@@ -220,7 +220,7 @@ RoutingOptions patches_of_four() {
   return o;
 }
 
-// The cheapest, proved, with bounds that hold; says how many controllers and jumpers that is.
+// Expects the cheapest solution, proved, with bounds that hold; returns its controllers and jumpers.
 Cheapest expect_cheapest(const IslandSet& set, const RoutingOptions& o, int trial) {
   const RoutingResult r = route(set.graph, set.places, o);
   const auto [cheapest, fewest] = by_trying_everything(set, o.capacity, o.price);
@@ -250,8 +250,8 @@ TEST(Cost, five_hundred_island_sets_are_divided_as_cheaply_as_by_trying_everythi
   EXPECT_GT(saved, 150);
 }
 
-// Shapes on which groups of islands decide: many small islands, islands of several patches, and seams all over. At 1
-// and 0.75 a jumper more can cost more or less than it saves.
+// On these shapes groups of islands decide: many small islands, islands of several patches, and seams all over. At 1
+// and 0.75 one more jumper can cost more or less than it saves.
 TEST(Cost, rings_large_islands_and_torn_patches_are_divided_as_cheaply_as_by_trying_everything) {
   std::mt19937_64 random(23);
   int jumpers = 0;
@@ -269,7 +269,7 @@ TEST(Cost, rings_large_islands_and_torn_patches_are_divided_as_cheaply_as_by_try
 }
 
 // Searches all partitions whose jumpers join all islands for the lowest price. Parts are taken one by one, each with
-// the least node that is left; `together` holds by island a number that joined islands share.
+// the least remaining node; `together` gives joined islands the same number.
 std::int64_t cheapest_joined(const IslandSet& set, const ModuleGraph& joined, int capacity, const IntegerPrice& price,
                              unsigned rest, const std::vector<int>& together) {
   constexpr std::int64_t kNone = std::int64_t{1} << 60;
@@ -290,8 +290,8 @@ std::int64_t cheapest_joined(const IslandSet& set, const ModuleGraph& joined, in
   return best;
 }
 
-// The exact programme alone: it finds what is cheapest among the partitions that join all islands, or a cheaper one,
-// and under that price nothing.
+// The exact programme alone finds the cheapest of the partitions that join all islands, or a cheaper one, and nothing
+// below that price.
 TEST(Cost, the_exact_programme_finds_the_cheapest_that_joins_all_islands) {
   std::mt19937_64 random(24);
   const IntegerPrice price(Price{});
@@ -303,7 +303,7 @@ TEST(Cost, the_exact_programme_finds_the_cheapest_that_joins_all_islands) {
     if (pieces(joined, all) != 1) continue;
     std::vector<int> nodes(set.graph.nodes.size());
     std::iota(nodes.begin(), nodes.end(), 0);
-    // Indexed by the number of an island; numbers that no island has count as joined.
+    // The index is the number of an island; numbers that no island has count as joined.
     std::vector<int> islands(5, set.graph.nodes[0].island);
     for (const ModuleGraph::Node& n : set.graph.nodes) islands[static_cast<std::size_t>(n.island)] = n.island;
     const JumperGraph g = jumper_graph(joined, set.graph, nodes);
@@ -331,8 +331,8 @@ TEST(Cost, the_exact_programme_finds_the_cheapest_that_joins_all_islands) {
   EXPECT_GT(found, 100);
 }
 
-// A router that gives up at once, or after some questions, says no more than is true: parts that hold together, no more
-// than their capacity, and bounds below what trying everything finds.
+// A router that gives up at once, or after some questions, still reports only true results: connected parts within
+// their capacity, and bounds below what an exhaustive search finds.
 TEST(Cost, what_is_found_when_the_router_gives_up_holds) {
   std::mt19937_64 random(21);
   int open = 0;
@@ -341,7 +341,7 @@ TEST(Cost, what_is_found_when_the_router_gives_up_holds) {
                           : trial % 4 == 1 ? ring_of_islands(random)
                                            : torn_patch(11, 5, random);
     RoutingOptions o = patches_of_four();
-    o.recombinations = 0;  // These would mend small graphs afterwards.
+    o.recombinations = 0;  // These moves would repair small graphs afterwards.
     o.give_up = [questions = trial % 3]() mutable { return questions-- <= 0; };
     const RoutingResult r = route(set.graph, set.places, o);
     const auto [cheapest, fewest] = by_trying_everything(set, o.capacity, o.price);
@@ -357,11 +357,11 @@ TEST(Cost, what_is_found_when_the_router_gives_up_holds) {
     EXPECT_EQ(std::ranges::count(times, 1), std::ssize(times)) << trial;
     open += r.price_proved ? 0 : 1;
   }
-  EXPECT_GT(open, 0);  // It did give up.
+  EXPECT_GT(open, 0);  // The router did give up.
 }
 
-// However late it is, islands are joined: a cover of 211 modules had 19 controllers where 14 do, because the pricing
-// began when the time was over.
+// However late it is, islands are joined: a cover of 211 modules had 19 controllers where 14 are enough, because the
+// pricing began when the time was over.
 TEST(Cost, a_router_that_is_late_from_the_start_still_joins_islands) {
   std::mt19937_64 random(23);
   for (int trial = 0; trial < 6; ++trial) {
@@ -384,7 +384,8 @@ TEST(Cost, a_router_that_is_late_from_the_start_still_joins_islands) {
   }
 }
 
-// The pricing of a layout divides it, its wiring takes that over: nothing may differ from a division of its own.
+// The pricing of a layout divides it, and its wiring reuses the division, so the result must equal that of a new
+// division.
 TEST(Cost, a_division_that_is_known_gives_the_same_wiring) {
   std::mt19937_64 random(22);
   for (int trial = 0; trial < 40; ++trial) {
@@ -395,7 +396,7 @@ TEST(Cost, a_division_that_is_known_gives_the_same_wiring) {
     quick.recombinations = 0;
     quick.threads = 2;
     o.division = route(set.graph, set.places, quick).division;
-    // Questions that are not asked: nothing is divided again.
+    // The question must not be asked, because nothing is divided again.
     o.give_up = [] {
       throw std::logic_error("divided again");
       return true;
@@ -419,7 +420,7 @@ TEST(Cost, a_division_that_is_known_gives_the_same_wiring) {
 }
 
 TEST(Cost, a_jumper_is_fitted_where_it_costs_less_than_a_controller) {
-  // Two single modules that face each other: alone two controllers; a jumper saves one.
+  // Two single modules that face each other need two controllers alone; a jumper saves one.
   ModuleGraph graph;
   graph.nodes.resize(2);
   graph.nodes[1].island = 1;
@@ -429,7 +430,7 @@ TEST(Cost, a_jumper_is_fitted_where_it_costs_less_than_a_controller) {
   EXPECT_EQ(joined.patches.size(), 1U);
   ASSERT_EQ(joined.jumpers.size(), 1U);
   EXPECT_TRUE(joined.price_proved);
-  // The cable leaves by one of the four free sides, and one module hangs on the other over the jumper.
+  // The cable leaves by one of the four free sides, and one module is connected to the other by the jumper.
   const RoutedModule& hanging = joined.patches[0].modules[1];
   EXPECT_EQ(hanging.rotation, hanging.node == 0 ? 0 : 2);
   o.price = {1.0, 1.5, 0.0};
@@ -438,7 +439,7 @@ TEST(Cost, a_jumper_is_fitted_where_it_costs_less_than_a_controller) {
 }
 
 TEST(Cost, three_islands_of_ten_need_two_controllers_and_two_jumpers) {
-  // Strips of ten in a row, joined end to end: 30 modules fit two controllers of 16 only when one strip is parted, so
+  // Strips of ten in a row are joined end to end: 30 modules fit two controllers of 16 only when one strip is cut, so
   // that four pieces need two jumpers. ⌈n / 16⌉ by island and by number alone would give one.
   ModuleGraph graph;
   for (int k = 0; k < 30; ++k) {
@@ -459,8 +460,8 @@ TEST(Cost, three_islands_of_ten_need_two_controllers_and_two_jumpers) {
 }
 
 TEST(Cost, the_lines_carry_the_capacitance_of_the_jumpers) {
-  // Two modules on two lines of which each reaches both. By hand: 60 · 0.5 m of cable + 2 of the joint + 10 of the
-  // module + 6 of the module passed = 48 pF; with a jumper of 10 mm 60 · 0.01 + 2 more.
+  // Two modules are on two lines, each of which reaches both. By hand: 60 · 0.5 m of cable + 2 of the joint + 10 of
+  // the module + 6 of the module passed = 48 pF; with a jumper of 10 mm 60 · 0.01 + 2 more.
   ModuleGraph joint, apart;
   joint.nodes.resize(2);
   joint.nodes[0].neighbour[0] = 1;

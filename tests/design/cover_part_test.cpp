@@ -24,7 +24,7 @@ std::string error_of_part(const std::string& text) {
   return {};
 }
 
-// Tiles (0, 0) up and down, (1, 0) up: centroids at x = 15, 30 and 45, y = h/3, 2h/3 and h/3.
+// Tiles (0, 0) up and down and (1, 0) up have centroids at x = 15, 30 and 45, y = h/3, 2h/3 and h/3.
 ModuleLayout three_modules() {
   Design d = test::flat_design("row", {-10, -10}, {90, 40});
   const std::vector<Tile> tiles{{0, 0, true}, {0, 0, false}, {1, 0, true}};
@@ -51,7 +51,7 @@ TEST(CoverPart, holds_modules_by_centre_island_and_id) {
   EXPECT_EQ(held(R"({"island":0})"), (Ids{0, 1}));
   EXPECT_EQ(held(R"({"modules":[2,0]})"), (Ids{0, 2}));
   EXPECT_THROW((void)holds(Sphere{{0, 0, 0}, 1.0}, layout, 3), std::out_of_range);
-  // A list of modules and an island hold no point.
+  // A list of modules and an island contain no point.
   EXPECT_FALSE(holds(part_of(R"({"island":0})"), Vec3(15, 8, 0)));
   EXPECT_TRUE(holds(part_of(R"({"box":{"low_mm":[0,0,0],"high_mm":[1,1,1]}})"), Vec3(1, 1, 1)));
 }

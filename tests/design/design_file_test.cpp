@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 using design::kHeight_mm;
 using design::Vec3;
 
-// Two joined modules flat on the plane z = 0: the up triangle of cell (0, 0) and the down one beside it.
+// Makes two joined modules flat on the plane z = 0: the up triangle of cell (0, 0) and the down one beside it.
 Design two_modules() {
   Design d;
   d.name = "two";
@@ -113,13 +113,14 @@ TEST_F(DesignFile, design_id_changes_with_wiring_but_not_with_the_report) {
 
 TEST(Taxels, lie_on_the_module_and_turn_with_it) {
   const Design d = two_modules();
-  // Up module unturned: centroid (15, h/3, 0), side 0 along x, so taxel 9 is 11.317 mm above the centroid.
+  // The up module is unturned: its centroid is (15, h/3, 0) and side 0 runs along x, so taxel 9 is 11.317 mm above the
+  // centroid.
   const auto taxels = taxels_of(d.layout.modules[0], 0);
   EXPECT_NEAR(taxels[3].position_mm.x(), 15.0, 1e-9);
   EXPECT_NEAR(taxels[3].position_mm.y(), kHeight_mm / 3, 1e-9);
   EXPECT_NEAR(taxels[9].position_mm.y(), kHeight_mm / 3 + 11.317, 1e-9);
   EXPECT_NEAR(taxels[9].normal.z(), 1.0, 1e-12);
-  // Turned by one side: taxel 9 now points at the corner opposite to side 1, which is corner 0.
+  // Turned by one side, taxel 9 points at the corner opposite to side 1, which is corner 0.
   const auto turned = taxels_of(d.layout.modules[0], 1);
   const Vec3 towards_corner = d.layout.modules[0].corner_mm[0] - turned[3].position_mm;
   EXPECT_NEAR((turned[9].position_mm - turned[3].position_mm).normalized().dot(towards_corner.normalized()), 1.0, 1e-9);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Exports for other programs, read back by code that shares nothing with the writers.
+// Exports for other programs are read back by code that shares nothing with the writers.
 #include "triskin/export/export.hpp"
 
 #include <fmt/format.h>
@@ -24,7 +24,7 @@ using nlohmann::json;
 using testing::HasSubstr;
 using testing::Not;
 
-// A strip whose modules are turned in all ways, also such that their x axis points straight down or up.
+// Makes a strip whose modules are turned in all ways, including x axes that point straight down or up.
 design::Design turned_strip() {
   design::Design d = strip(20, 16);
   for (std::size_t k = 0; k < d.layout.modules.size(); ++k) {
@@ -46,7 +46,7 @@ Vec3 vector(const json& value) {
   return {number(value[0]), number(value[1]), number(value[2])};
 }
 
-// Corners of the module's triangle in its frame, mm: side 0 along x, centroid at the origin.
+// Returns a corner of the module's triangle in its frame, mm: side 0 along x, centroid at the origin.
 Vec3 corner_in_module(int corner) {
   const double h = design::kHeight_mm;
   return corner == 0 ? Vec3(-15, -h / 3, 0) : corner == 1 ? Vec3(15, -h / 3, 0) : Vec3(0, 2 * h / 3, 0);
@@ -100,14 +100,14 @@ TEST(ExportGltf, carries_the_surface_in_its_buffer) {
   const json& cover = scene["meshes"][0]["primitives"][0];
   const json& points = scene["accessors"][cover["attributes"]["POSITION"].get<std::size_t>()];
   EXPECT_EQ(points["count"], 4);
-  EXPECT_EQ(points["max"][0], 1.0);  // 1000 mm
+  EXPECT_EQ(points["max"][0], 1.0);  // The value is 1000 mm in metres.
   EXPECT_EQ(scene["accessors"][cover["indices"].get<std::size_t>()]["count"], 6);
   design::Design bare = strip(2);
   bare.surface = {};
   EXPECT_THROW((void)design::gltf(bare), InputError);
 }
 
-// 5 mm cut: long sides of 20 mm and short ones of 5 mm, in the frame of the module.
+// A cut of 5 mm leaves long sides of 20 mm and short ones of 5 mm, in the frame of the module.
 TEST(ExportGltf, draws_cut_corners) {
   design::Design d = strip(1);
   d.layout.corner_cut_mm = 5.0;
@@ -158,7 +158,8 @@ Vec3 three(const std::string& text) {
 void expect_corners(const design::PlacedModule& module, const Vec3& at_m, const Vec3& rpy_rad) {
   for (int c = 0; c < 3; ++c) {
     const Vec3 corner = turn_of(rpy_rad) * corner_in_module(c) + 1e3 * at_m;
-    EXPECT_LT((corner - module.corner_mm[static_cast<std::size_t>(c)]).norm(), 1e-5);  // nine digits of a metre
+    // The file has nine digits of a metre.
+    EXPECT_LT((corner - module.corner_mm[static_cast<std::size_t>(c)]).norm(), 1e-5);
   }
 }
 
@@ -201,7 +202,7 @@ TEST(ExportUrdf, is_accepted_by_check_urdf) {
   std::filesystem::remove(file);
 }
 
-// 4 mm cut: 26 mm wide, 25.98 − 3.46 mm high; its middle lies 11.26 − 8.66 mm over the centroid.
+// A cut of 4 mm leaves 26 mm width and 25.98 − 3.46 mm height; the middle lies 11.26 − 8.66 mm over the centroid.
 TEST(ExportUrdf, draws_the_box_of_what_is_left_of_a_module) {
   design::Design d = strip(1);
   EXPECT_THAT(design::urdf(d), HasSubstr("<origin xyz=\"0 0.00433012702 0\"/>"));

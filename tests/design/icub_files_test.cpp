@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The files for iCub hosts, read as the hosts read them. The readers below follow the public sources of the robot
-// (skinPart of skinDynLib, SkinMeshThreadPort and Triangle_10pad of iCubSkinGui, facts only) and share nothing with the
-// writer: pads are placed by the table that skinGui draws with.
+// Reads the files for iCub hosts as the hosts do. The readers below follow the public sources of the robot (skinPart of
+// skinDynLib, SkinMeshThreadPort and Triangle_10pad of iCubSkinGui, facts only) and share nothing with the writer: pads
+// are placed by the table with which skinGui draws.
 #include "triskin/export/icub_files.hpp"
 
 #include <gmock/gmock.h>
@@ -21,7 +21,7 @@ namespace {
 using design::Vec2;
 using design::Vec3;
 
-// What skinDynLib keeps of a file of positions.
+// Holds what skinDynLib stores of a file of positions.
 struct HostTaxel {
   Vec3 position_m, normal;
   int id = 0;
@@ -55,7 +55,7 @@ HostPart read_as_skin_dyn_lib(const std::string& text) {
     }
   }
   part.size = group.size();
-  // It counts from 1 and stops before its size: the last row is never read.
+  // The host counts from 1 and stops before its size, so the last row is never read.
   for (std::size_t i = 1; i < part.size; ++i) {
     const auto& r = group[i - 1];
     const HostTaxel taxel{{r[0], r[1], r[2]}, {r[3], r[4], r[5]}, static_cast<int>(i) - 1};
@@ -64,7 +64,7 @@ HostPart read_as_skin_dyn_lib(const std::string& text) {
   return part;
 }
 
-// Pads as skinGui's triangle has them, in its units, and where it draws them.
+// These are the pads of skinGui's triangle, in its units, and where it draws them.
 constexpr std::array<std::array<double, 2>, 12> kPad{{{257.2, 0},
                                                       {385.83, -222.83},
                                                       {128.62, -222.83},
@@ -104,7 +104,7 @@ std::map<int, DrawnTriangle> read_as_skin_gui(const std::string& text) {
   return drawn;
 }
 
-// Twenty modules on two controllers, lines and addresses mixed, module k turned by k % 3.
+// Makes twenty modules on two controllers, with mixed lines and addresses; module k is turned by k % 3.
 design::Design mixed() {
   design::Design d = strip(20, 12);
   d.name = "left arm";
@@ -142,10 +142,11 @@ TEST(IcubPositions, give_each_taxel_its_place_in_the_hosts_reader) {
       EXPECT_LT((by_id[first + t].normal - poses[static_cast<std::size_t>(t)].normal).norm(), 2e-6);
     }
   }
-  EXPECT_EQ(part.taxels.size(), expected);  // None for triangles that are not there.
+  EXPECT_EQ(part.taxels.size(), expected);  // Missing triangles have no taxels.
 }
 
-// The last row of the file is never read: a module on line 3 with address 3 of the last board would lose its taxel 11.
+// The host never reads the last row of the file: a module on line 3 with address 3 of the last board would lose its
+// taxel 11.
 TEST(IcubPositions, lose_the_last_taxel_of_the_last_triangle_in_the_hosts_reader) {
   design::Design d = strip(1);
   d.patches[0].modules[0].line = d.patches[0].modules[0].address = 3;
@@ -157,7 +158,7 @@ TEST(IcubSkinGui, draws_each_pad_where_it_lies_in_the_island) {
   const auto drawn = read_as_skin_gui(design::icub_skingui(d));
   ASSERT_EQ(drawn.size(), 20U);
   const auto wiring = design::wiring_of(d);
-  // The strip is flat and is its own lattice: places agree but for a shift.
+  // The strip is flat and is its own lattice, so places agree up to a shift.
   const auto number = [&](std::size_t k) {
     return 16 * wiring[k].patch + 4 * wiring[k].routed.line + wiring[k].routed.address;
   };
@@ -190,7 +191,7 @@ TEST(IcubSkinGui, is_read_by_our_own_reader_of_skingui_files_with_the_same_joint
 }
 
 TEST(IcubFiles, refuse_what_no_bus_has) {
-  EXPECT_THROW((void)design::icub_skingui(strip(9, 1)), InputError);  // 9 · 16 triangles
+  EXPECT_THROW((void)design::icub_skingui(strip(9, 1)), InputError);  // The design has 9 · 16 triangles.
   EXPECT_NO_THROW((void)design::icub_positions(strip(9, 1)));
   EXPECT_THROW((void)design::icub_positions(strip(15, 1)), InputError);
   design::Design loose = strip(2, 1);

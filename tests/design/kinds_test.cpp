@@ -59,7 +59,7 @@ std::vector<int> numbers(const ModuleLayout& layout) {
   return kinds;
 }
 
-// The centres of the strip lie at x = 15, 30, 45, 60, …: modules 0 … 2 in the box, 0 in the sphere, too.
+// The centres of the strip are at x = 15, 30, 45, 60, …: modules 0 … 2 lie in the box, 0 also in the sphere.
 TEST_F(Kinds, are_chosen_by_region_and_the_last_one_counts) {
   const Design d = kinds_of_strip();
   ASSERT_EQ(d.kinds.kinds.size(), 2U);
@@ -69,7 +69,7 @@ TEST_F(Kinds, are_chosen_by_region_and_the_last_one_counts) {
   EXPECT_EQ(count_kinds(d.kinds, d.layout), (std::vector{3, 1, 2}));
   EXPECT_EQ(kind_of(d.kinds, 0).name, "standard");
   EXPECT_THROW((void)kind_of(d.kinds, 3), std::out_of_range);
-  // By place alone, from module 1 on: the list means modules of another layout.
+  // From module 1 on only the place counts, because the list means modules of another layout.
   ModuleLayout layout = d.layout;
   layout.modules[0].kind = 2;
   assign_kinds_by_place(d.kinds, layout, 1);

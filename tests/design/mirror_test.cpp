@@ -29,7 +29,8 @@ TEST(Mirror, exchanges_the_axes_of_the_lattice) {
   }
 }
 
-// Up tile of cell (0, 0) at the plane x = 10: its corners (0, 0), (30, 0), (15, h) come to (20, 0), (−10, 0), (5, h).
+// The mirror plane is x = 10: corners (0, 0), (30, 0), (15, h) of the up tile of cell (0, 0) move to (20, 0), (−10,
+// 0), (5, h).
 TEST(Mirror, a_module_keeps_its_sense) {
   Design d = test::flat_design("row", {-10, -10}, {90, 40});
   const std::vector<Tile> tiles{{0, 0, true}, {0, 0, false}};
@@ -69,7 +70,7 @@ TEST(Mirror, a_piece_is_turned_over_with_the_tiles_in_it) {
     return u.x() * v.y() - u.y() * v.x();
   };
   EXPECT_NEAR(area(image.piece.outline.outer), area(p.piece.outline.outer), 1e-9);
-  // A point at (i, j) of the lattice comes to (j, i): here the outline's corners, which are listed from the first on.
+  // A point at (i, j) of the lattice moves to (j, i); here these are the outline's corners, listed from the first on.
   const auto lattice = [](const Vec2& g) {
     const double j = g.y() / kHeight_mm;
     return Vec2(g.x() / kSide_mm - 0.5 * j, j);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One image to all controllers of a bus at once, on a bus whose frames take their time and whose flash takes its own.
+// Sends one image to all controllers of a bus at once, on a bus and a flash with realistic times.
 #include "triskin/deploy/broadcast_update.hpp"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ using test::make_firmware;
 
 constexpr std::uint32_t kHundred = 100'000 / 8 * 8;
 
-/// `boards` controllers with one module each; every second one runs from slot 1.
+/// Makes `boards` controllers with one module each; every second one runs from slot 1.
 class Boards {
  public:
   Boards(std::size_t boards, bool fd, const FirmwarePackage& running) {
@@ -44,7 +44,7 @@ class Boards {
   [[nodiscard]] BroadcastResult update(const FirmwarePackage& package, const BroadcastOptions& options = {}) {
     return broadcast_firmware(std::array{all()}, package, options);
   }
-  /// The board with patch `p`: unique ids are sorted by patch.
+  /// Returns the board with patch `p`: unique ids are sorted by patch.
   [[nodiscard]] const BoardUpdate& of(const BroadcastResult& r, std::size_t p) const { return r.boards.at(p); }
   std::vector<wire::NodeClaim> claims;
 
@@ -58,8 +58,8 @@ FirmwarePackage old_firmware() {
   return make_firmware({.size_bytes = 2048, .fill = 1});
 }
 
-// What the flash of one board takes at least: each page of the image and that of the records erased, each unit
-// programmed, nothing at the same time (docs/firmware_images.md).
+// Returns the least time for the flash of one board: each page of the image and that of the records erased, each unit
+// programmed, nothing in parallel (docs/firmware_images.md).
 double flash_floor_s(std::uint32_t bytes) {
   constexpr std::uint32_t kPage = 2048, kUnit = 8;
   const std::uint64_t pages = (bytes + kPage - 1) / kPage + 1, units = bytes / kUnit + 2;
@@ -70,7 +70,8 @@ long count(const BroadcastResult& r, UpdateOutcome outcome) {
   return std::ranges::count(r.boards, outcome, &BoardUpdate::outcome);
 }
 
-// The case of the issue: 1 % of frames lost, one dead, one whose power is cut at a random moment, one with 0.1.
+// This is the case of the issue: 1 % of frames lost, one board dead, one whose power is cut at a random moment, one
+// with 0.1.
 BroadcastResult hard_case(std::uint32_t bytes, bool fd, bool both_slots, unsigned seed) {
   constexpr std::size_t kDead = 3, kCut = 6, kOld = 10;
   Boards boards(16, fd, old_firmware());
@@ -79,7 +80,7 @@ BroadcastResult hard_case(std::uint32_t bytes, bool fd, bool both_slots, unsigne
   std::mt19937 random(seed);
   boards.skin().slots(kCut).cut_power_after(random() % (bytes / 8), scene::FlashMemory::Tear::kHalf);
   const FirmwarePackage next = make_firmware({.size_bytes = bytes, .fill = 2});
-  // The dead one hears nothing.
+  // The dead board receives nothing.
   boards.skin().on_delivery([dice = std::mt19937(seed)](std::size_t p, const wire::CanFrame&) mutable {
     return p != kDead && dice() % 100 != 0;
   });
@@ -111,7 +112,7 @@ TEST(Broadcast, two_slots_on_a_classic_bus) {
               r.link_s, r.rounds, r.again, r.frames);
 }
 
-// Board 1 does not hear the six questions of the first round (one to each board, two more to it) about what is missing.
+// In the first round, board 1 misses the six questions (one to each board, two more to it) about missing parts.
 TEST(Broadcast, a_board_that_is_silent_for_a_round_is_asked_again) {
   Boards boards(4, false, old_firmware());
   int unheard = 0;
@@ -125,7 +126,7 @@ TEST(Broadcast, a_board_that_is_silent_for_a_round_is_asked_again) {
   EXPECT_GE(r.rounds, 2);
 }
 
-// The bus is not what it waits for: the flash alone takes 2.1 s.
+// The flash alone takes 2.1 s, so the bus is not the limit.
 TEST(Broadcast, two_slots_on_a_bus_with_FD) {
   const BroadcastResult r = hard_case(kHundred, true, true, 24);
   EXPECT_GE(r.link_s, flash_floor_s(kHundred));
@@ -137,7 +138,7 @@ TEST(Broadcast, two_slots_on_a_bus_with_FD) {
   std::printf("FD, 64 kB for each slot: %.2f s of bus time\n", real.link_s);
 }
 
-// Each of a robot's buses has its own time; 161 boards on eight of them take that of the one with the most boards.
+// Each of a robot's buses has its own time; 161 boards on eight buses take as long as the bus with the most boards.
 TEST(Broadcast, buses_are_served_side_by_side) {
   constexpr std::array<std::size_t, 8> kBoards{20, 20, 21, 20, 20, 20, 20, 20};
   const FirmwarePackage next = make_firmware({.size_bytes = 16'000, .fill = 2});
@@ -172,7 +173,7 @@ TEST(Broadcast, equal_images_are_skipped_and_slots_take_turns) {
   const BroadcastResult again = boards.update(next);
   EXPECT_EQ(count(again, UpdateOutcome::kEqual), 4);
   EXPECT_EQ(again.frames, 0U);
-  // The one that has just started proves itself within two seconds; who asks before waits for it.
+  // A board that has just started proves itself within two seconds; a request before that waits for it.
   const BroadcastResult third = boards.update(make_firmware({.size_bytes = 4096, .fill = 3}));
   EXPECT_EQ(count(third, UpdateOutcome::kUpdated), 4) << third.boards[0].why;
   EXPECT_EQ(third.boards[0].slot, 0);
@@ -215,8 +216,8 @@ TEST(Broadcast, one_that_refuses_holds_back_all_unless_each_is_asked_for) {
   }
 }
 
-// A foreign tester sends data of its own into the stream: those boards say that what arrived is damaged, and all keep
-// what they run.
+// A foreign tester sends its own data into the stream: those boards report damaged data, and all keep running their
+// image.
 TEST(Broadcast, a_foreign_tester_in_the_middle_changes_nothing) {
   Boards boards(4, false, old_firmware());
   const FirmwarePackage next = make_firmware({.size_bytes = 8192, .fill = 2});
@@ -246,7 +247,7 @@ TEST(Broadcast, a_foreign_tester_in_the_middle_changes_nothing) {
 
 TEST(Broadcast, two_testers_do_not_mix) {
   Boards boards(2, false, old_firmware());
-  // Somebody has begun an update: the boards are his until he ends it, or is silent for ten seconds.
+  // Somebody has begun an update: the boards belong to that update until it ends or is silent for ten seconds.
   const auto& id = boards.claims[0].unique_id;
   const FirmwarePackage next = make_firmware({.size_bytes = 2048, .fill = 2});
   const wire::update::Offer offer{.slot = 1,
@@ -264,7 +265,7 @@ TEST(Broadcast, two_testers_do_not_mix) {
   EXPECT_EQ(count(boards.update(next), UpdateOutcome::kUpdated), 2);
 }
 
-// Power fails in each operation of one board: it comes back with the old or the new image, and the others are updated.
+// Power fails in each operation of one board: it returns with the old or the new image, and the others are updated.
 TEST(Broadcast, power_cut_in_each_operation_of_one_board_leaves_it_something_to_start) {
   constexpr std::uint64_t kOperations = 2 + 1024 / 8 + 2;
   const FirmwarePackage next = make_firmware({.size_bytes = 1024, .fill = 2});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Flashing over a bus that loses, doubles, reorders and delays frames, that is unplugged, or that has another tester on
-// it: no wrong table is ever active, the error says what happened, and running it again completes the work.
+// Flashes over a bus that loses, doubles, reorders and delays frames, that is unplugged, or that has another tester: no
+// wrong table is ever active, the error tells what happened, and another run completes the work.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -21,14 +21,14 @@ design::Design other_wiring(const design::Design& d) {
   return other;
 }
 
-// What is active, asked over the undisturbed bus.
+// Asks for the active table over the undisturbed bus.
 std::vector<std::uint8_t> active(Fixture& fixture, std::size_t bytes) {
-  fixture.bus().listen(fixture.bus().now_us() + 2'000'000);  // What was under way has timed out.
+  fixture.bus().listen(fixture.bus().now_us() + 2'000'000);  // The transfer under way has timed out by now.
   Controller c(fixture.bus(), 1);
   return c.active_table().present() ? c.read_table(bytes) : std::vector<std::uint8_t>{};
 }
 
-class Wires : public testing::TestWithParam<bool> {};  // FD or classic
+class Wires : public testing::TestWithParam<bool> {};  // The parameter selects FD or classic frames.
 
 TEST_P(Wires, unplugged_after_any_frame_of_a_flash_then_plugged_in_and_repeated) {
   int failed = 0;
@@ -84,7 +84,7 @@ TEST_P(Wires, frames_lost_doubled_reordered_and_delayed) {
     ASSERT_TRUE(completed) << "seed " << seed << trail;
     ASSERT_EQ(active(fixture, new_image.size()), new_image) << "seed " << seed;
   }
-  EXPECT_GT(failed, 0);  // Else the disturbance was none.
+  EXPECT_GT(failed, 0);  // Without failures, the disturbance had no effect.
 }
 
 TEST_P(Wires, another_tester_asks_in_between) {

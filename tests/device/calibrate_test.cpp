@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What counts are worth: lines worked by hand, a ramp and steps on a simulated skin whose taxels differ, forces of
-// contacts that are known.
+// Tests the conversion of counts: lines worked by hand, a ramp and steps on a simulated skin whose taxels differ, and
+// forces of known contacts.
 #include "triskin/skin/calibrate.hpp"
 
 #include <fmt/format.h>
@@ -34,21 +34,21 @@ class CalibrationFolder : public testing::Test {
   fs::path folder_;
 };
 
-// Points on a line of 150 counts/kPa: the scatter is 0.
+// The points are on a line of 150 counts/kPa, so the scatter is 0.
 TEST(FitSensitivity, of_points_on_a_line_is_its_slope) {
   const Points points{{0, 32'768, 40}, {10, 31'268, 40}, {20, 29'768, 40}};
   const auto line = fit_sensitivity(points);
   ASSERT_TRUE(line);
   EXPECT_DOUBLE_EQ(line->sensitivity.counts_per_kpa, 150.0);
   EXPECT_DOUBLE_EQ(line->rest_counts, 32'768.0);
-  EXPECT_NEAR(line->sensitivity.error_percent, 0.0, 1e-9);  // rounding of sums of 1e4
+  EXPECT_NEAR(line->sensitivity.error_percent, 0.0, 1e-9);  // Sums of 1e4 are rounded.
   EXPECT_NEAR(line->sensitivity.residual_kpa, 0.0, 1e-9);
 }
 
-// Below rest: 0, 1600, 2900 counts at 0, 10, 20 kPa. Means 10 kPa and 1500 counts, so the slope is
+// The values 0, 1600, 2900 counts below rest belong to 0, 10, 20 kPa. Means are 10 kPa and 1500 counts, so the slope is
 // ((-10)(-1500) + 0 + 10 * 1400) / 200 = 145 and the points lie -50, +100, -50 counts off the line. The variance of the
-// slope is 15000 / (3 − 2) / 200 = 75; Student's t of one degree of freedom is 12.706, so the bound is
-// 12.706 · 8.6603 / 145 = 75.89 %. From the rest value the middle point shows 1600 / 145 = 11.034 kPa: 1.034 too much.
+// slope is 15000 / (3 − 2) / 200 = 75; Student's t of one degree of freedom is 12.706, so the bound is 12.706 ·
+// 8.6603 / 145 = 75.89 %. From the rest value the middle point shows 1600 / 145 = 11.034 kPa: 1.034 too much.
 TEST(FitSensitivity, states_its_error) {
   const Points points{{0, 32'768, 1}, {10, 31'168, 1}, {20, 29'868, 1}};
   const auto line = fit_sensitivity(points);
@@ -59,7 +59,7 @@ TEST(FitSensitivity, states_its_error) {
 }
 
 TEST(FitSensitivity, a_mean_of_more_samples_weighs_more) {
-  // The line of the weights 1, 1, 8 passes nearer to the third point than that of equal weights.
+  // With the weights 1, 1, 8 the line passes nearer to the third point than with equal weights.
   const Points equal{{0, 3'000, 1}, {10, 1'400, 1}, {20, 100, 1}};
   const Points weighted{{0, 3'000, 1}, {10, 1'400, 1}, {20, 100, 8}};
   const auto off = [](const auto& points) {
@@ -200,7 +200,7 @@ TEST(ControllerCalibration, has_the_numbers_of_the_calibration_as_far_as_its_byt
   EXPECT_EQ(to_wire(back), kept);
 }
 
-// A calibration of the design's first patch, as `calibrate` would make it.
+// Makes a calibration of the design's first patch, as `calibrate` would.
 design::BoardCalibration board_of(Fixture& fixture, int revision) {
   const auto claims = fixture.bus().discover();
   design::BoardCalibration board = small_board(to_text(claims.at(0).unique_id));
@@ -269,7 +269,7 @@ TEST_F(CalibrationFolder, a_controller_refuses_that_of_another_design) {
   EXPECT_EQ(kept[0].revision, 2);
 }
 
-// A skin whose taxels differ by ± 30 %.
+// Simulates a skin whose taxels differ by ± 30 %.
 class SpreadSkin {
  public:
   explicit SpreadSkin(int modules, double noise_counts = 0.0, std::vector<scene::Fault> faults = {},
@@ -306,7 +306,7 @@ class SpreadSkin {
   [[nodiscard]] design::SkinCalibration calibration(const CalibrationOutcome& outcome) {
     return calibration_of(design(), bus_->discover(), outcome.boards, {}, CalibrationStore("/nonexistent")).skin;
   }
-  // Truth of the scene against the calibration: the largest relative error of a sensitivity.
+  // Returns the largest relative error of a sensitivity, comparing the calibration with the scene.
   [[nodiscard]] double worst_error(const design::SkinCalibration& calibration) const {
     double worst = 0.0;
     for (int m = 0; m < static_cast<int>(design().layout.modules.size()); ++m) {
@@ -318,7 +318,7 @@ class SpreadSkin {
     }
     return worst;
   }
-  // Force of all that presses now.
+  // Returns the force of all present presses.
   [[nodiscard]] double force_n(const design::SkinCalibration& calibration, const design::RestValues& rest) {
     TouchMap map(design(), rest);
     Stream stream(*bus_, design(), [&](const ModuleSample& f) { map.add(f); });
@@ -337,7 +337,7 @@ class SpreadSkin {
 
 constexpr std::array kSteps{5.0, 10.0, 20.0, 30.0, 40.0};
 
-// Every taxel is calibrated, within the error that is stated, and that is at most 1 %.
+// Expects that every taxel is calibrated within the stated error, which is at most 1 %.
 void expect_errors_as_stated(SpreadSkin& skin, const CalibrationOutcome& outcome, const char* what) {
   EXPECT_TRUE(outcome.without.empty());
   const auto calibration = skin.calibration(outcome);
@@ -394,10 +394,10 @@ TEST(Calibrate, the_force_of_a_known_pressure_is_right_and_before_it_is_counts) 
   const double truth = 20.0 * design::kModuleArea_mm2 * 1e-3;
   std::printf("20 kPa on a module: %.4f N, truth %.4f N\n", force, truth);
   EXPECT_NEAR(truth, 7.794, 0.001);
-  EXPECT_NEAR(force / truth, 1.0, 0.01);  // The error that is stated, and the noise of ten taxels.
+  EXPECT_NEAR(force / truth, 1.0, 0.01);  // The tolerance covers the stated error and the noise of ten taxels.
 }
 
-// An endless flat skin, as far as a finger in its middle reaches: tiles as in tile.hpp.
+// Makes a flat skin that is large enough for a finger in its middle: tiles as in tile.hpp.
 std::vector<design::Vec3> taxels_of_a_field() {
   using design::kHeight_mm;
   constexpr int kReach = 5;
@@ -419,8 +419,8 @@ std::vector<design::Vec3> taxels_of_a_field() {
   return places;
 }
 
-// What ten taxels a module can know of the force of a round finger, with exact sensitivities: docs/calibration.md has
-// the numbers.
+// Ten taxels per module limit what can be known of the force of a round finger, even with exact sensitivities:
+// docs/calibration.md has the numbers.
 TEST(ForceOfFingers, is_right_in_the_mean_and_scatters_by_the_pitch) {
   const std::vector<design::Vec3> taxels = taxels_of_a_field();
   const double area_mm2 = design::kModuleArea_mm2 / layout::kPressureTaxelsPerModule;

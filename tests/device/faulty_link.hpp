@@ -9,21 +9,20 @@
 
 namespace triskin::device {
 
-/// A link that loses, doubles, delays and so reorders frames in both directions, or is unplugged after a number of
-/// frames.
+/// Loses, doubles, delays and so reorders frames in both directions, or is unplugged after a number of frames.
 class FaultyLink final : public Link {
  public:
-  struct Rates {  // per frame, in percent
+  struct Rates {  // Rates are in percent of the frames.
     unsigned drop = 0, duplicate = 0, reorder = 0, delay = 0;
   };
   FaultyLink(Link& inner, bool fd, Rates rates, unsigned seed) : inner_(inner), fd_(fd), rates_(rates), random_(seed) {}
 
-  /// Frames of both directions that may still pass.
+  /// This many frames of both directions may still pass.
   std::optional<std::uint64_t> frames_left;
-  /// Called after each frame that the host has sent: another tester on the bus.
+  /// Called after each frame that the host has sent, to act as another tester on the bus.
   std::function<void()> after_send;
   std::uint64_t frames = 0;
-  /// What reconnect() does: throws until somebody has plugged the cable in.
+  /// reconnect() calls this: it throws until somebody has plugged the cable in.
   std::function<void(FaultyLink&)> on_reconnect;
 
   void send(const wire::CanFrame& frame) override {

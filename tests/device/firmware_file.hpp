@@ -12,9 +12,9 @@
 
 namespace triskin::test {
 
-/// Two images whose vectors fit their slots.
+/// Makes two images whose vectors fit their slots.
 struct FirmwareFile {
-  std::uint32_t size_bytes = 1024;  ///< size of each image
+  std::uint32_t size_bytes = 1024;  ///< Both images have this size.
   std::uint8_t fill = 0;
   bool labelled = true;
   std::uint32_t version = 0x00020000;
@@ -56,8 +56,8 @@ inline device::FirmwarePackage make_firmware(const FirmwareFile& file) {
   return p;
 }
 
-/// Whatever stood in its slots, the controller of `patch` runs the package's image from `slot`, confirmed, as if it had
-/// done so for long.
+/// Whatever its slots held before, the controller of `patch` then runs the package's image from `slot`, confirmed, as
+/// if it had done so for long.
 inline void install(scene::VirtualSkin& skin, std::size_t patch, int slot, const device::FirmwarePackage& package) {
   constexpr std::size_t kSlot = sim::kSlotsBytes / 2, kPage = 2048;
   scene::FlashMemory& flash = skin.slots(patch);
@@ -72,7 +72,7 @@ inline void install(scene::VirtualSkin& skin, std::size_t patch, int slot, const
   w.le32(static_cast<std::uint32_t>(image.size()));
   w.le32(layout::slot_crc(1, image));
   (void)flash.program(records, record);
-  (void)flash.program(records + 5 * 8, std::array<std::uint8_t, 8>{});  // the first place for a confirmation
+  (void)flash.program(records + 5 * 8, std::array<std::uint8_t, 8>{});  // This is the first place for a confirmation.
   skin.power_cycle(patch);
 }
 

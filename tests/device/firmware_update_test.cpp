@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// New firmware over CAN: the free slot is written, started and confirmed; an interrupted update leaves the old
+// Updates firmware over CAN: the free slot is written, started and confirmed; an interrupted update leaves the old
 // application.
 #include "triskin/deploy/firmware_update.hpp"
 
@@ -42,7 +42,7 @@ TEST(FirmwareUpdate, goes_to_one_slot_after_the_other_and_is_skipped_when_equal)
   const auto planned = update_firmware(fixture.bus(), only(fixture), second, dry);
   EXPECT_FALSE(planned.equal);
   EXPECT_EQ(planned.bytes, 0U);
-  EXPECT_TRUE(fixture.verify(false).findings.empty());  // The tables are where they were.
+  EXPECT_TRUE(fixture.verify(false).findings.empty());  // The tables are unchanged.
   fixture.bus().listen(fixture.bus().now_us() + 2'100'000);
   EXPECT_TRUE(Controller(fixture.bus(), 1).image_state().value().confirmed);
 }
@@ -67,7 +67,7 @@ TEST(FirmwareUpdate, power_cut_in_any_operation_leaves_a_controller_that_answers
     ASSERT_TRUE(is_old != is_new) << operation;
     ++(is_old ? old_runs : new_runs);
     EXPECT_TRUE(fixture.verify(false).findings.empty()) << operation;
-    const auto again = update_firmware(fixture.bus(), only(fixture), new_one);  // And the work can be completed.
+    const auto again = update_firmware(fixture.bus(), only(fixture), new_one);  // The work can be completed afterwards.
     EXPECT_TRUE(again.slot == 1 || again.equal) << operation;
   }
   EXPECT_GT(old_runs, 10);

@@ -15,14 +15,14 @@ namespace triskin::device {
 
 using test::strip;
 
-/// Tests that begin with the table of another design.
+/// Serves tests that begin with the table of another design.
 inline FlashOptions taking_over() {
   FlashOptions options;
   options.take_over = true;
   return options;
 }
 
-/// A simulated strip on an in-process link; `restart` power-cycles everything with other faults and the same flash
+/// Simulates a strip on an in-process link; `restart` power-cycles everything with other faults and the same flash
 /// files.
 class Fixture {
  public:

@@ -14,12 +14,12 @@ TEST(PatchTable, row_fields_follow_the_design) {
   const layout::PatchImage image = image_of(strip(6), 0);
   EXPECT_EQ(image.module_count, 6);
   EXPECT_EQ(image.node_address, 1);
-  // Module 1 hangs on module 0, whose side 1 faces it; module 0 is turned by 2, so that side is its port (1 - 2) mod 3
-  // = 2.
+  // Module 1 is connected to module 0, whose side 1 faces it; module 0 is turned by 2, so that side is its port (1 - 2)
+  // mod 3 = 2.
   EXPECT_EQ(image.modules[1].parent, 0);
   EXPECT_EQ(image.modules[1].parent_port, 2);
   EXPECT_EQ(layout::kept_ports(image)[0], 0b101);
-  // Module 2 hangs on module 1 at its side 0: port (0 - 2) mod 3 = 1. The last module keeps only its input.
+  // Module 2 is connected to module 1 at its side 0: port (0 - 2) mod 3 = 1. The last module keeps only its input.
   EXPECT_EQ(image.modules[2].parent_port, 1);
   EXPECT_EQ(layout::kept_ports(image)[5], 0b001);
   EXPECT_EQ(image.modules[5].line, 1);
@@ -33,7 +33,7 @@ TEST(PatchTable, a_design_that_fits_no_table_is_refused) {
   d = strip(17, 17);
   EXPECT_THROW((void)image_of(d, 0), InputError);
   d = strip(6);
-  d.patches[0].modules[3].parent = 0;  // no neighbour
+  d.patches[0].modules[3].parent = 0;  // The module has no neighbour there.
   EXPECT_THROW((void)image_of(d, 0), InputError);
 }
 
@@ -58,7 +58,7 @@ TEST(Flash, equal_tables_are_skipped_and_a_dry_run_writes_nothing) {
   EXPECT_EQ(fixture.flash(dry).bytes, 0U);
   EXPECT_EQ(fixture.skin().flash(0).operations(), 0U);
   fixture.flash();
-  fixture.bus().listen(fixture.bus().now_us() + 2'000'000);  // The controllers find and keep their offsets.
+  fixture.bus().listen(fixture.bus().now_us() + 2'000'000);  // The controllers find and store their offsets.
   const std::uint64_t operations = fixture.skin().flash(0).operations();
   const FlashResult again = fixture.flash();
   EXPECT_EQ(again.skipped, 3);
@@ -77,7 +77,7 @@ TEST(Flash, too_few_controllers_are_an_error_before_anything_is_written) {
 }
 
 TEST(Flash, spare_controllers_make_room) {
-  Fixture fixture(12, 4);  // Three controllers, the design below needs two.
+  Fixture fixture(12, 4);  // There are three controllers, but the design below needs two.
   const design::Design two = strip(8, 4);
   const FlashResult r = flash(fixture.bus(), two);
   EXPECT_EQ(r.patches.size(), 2U);
@@ -95,8 +95,8 @@ TEST(Flash, an_unplugged_cable_is_a_device_error) {
   EXPECT_EQ(fixture.flash().skipped, 1);
 }
 
-// The old table is that of another wiring of the same modules; power fails in every flash operation of writing the new
-// one.
+// The old table belongs to another wiring of the same modules; power fails in every flash operation while the new one
+// is written.
 class PowerCut : public testing::TestWithParam<scene::FlashMemory::Tear> {};
 
 TEST_P(PowerCut, leaves_the_old_or_the_new_table_and_flashing_again_completes) {
@@ -125,7 +125,7 @@ TEST_P(PowerCut, leaves_the_old_or_the_new_table_and_flashing_again_completes) {
     EXPECT_EQ(Controller(fixture.bus(), 1).active_table().design_id, fixture.design().design_id) << operation;
     EXPECT_TRUE(fixture.verify(false).findings.empty());
   }
-  // One erase, 104 bytes of image and 16 of commit record in units of 8.
+  // There are one erase, 104 bytes of image and 16 of commit record in units of 8.
   EXPECT_EQ(cuts, 1 + 104 / 8 + 16 / 8);
 }
 

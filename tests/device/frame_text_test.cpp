@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What dump says of frames, for those that docs/protocol.md shows.
+// Tests the text of dump for the frames that docs/protocol.md shows.
 #include "triskin/session/frame_text.hpp"
 
 #include <gmock/gmock.h>
@@ -40,7 +40,7 @@ TEST(FrameText, requests_and_answers) {
   EXPECT_EQ(text("E 18DB33F1 02 3E 80 00 00 00 00 00"), "request to all: tester present");
 }
 
-// 20 bytes: six in the first frame, seven in each that follows.
+// The message has 20 bytes: six in the first frame, seven in each of the others.
 TEST(FrameText, a_long_message_is_named_when_it_is_whole) {
   FrameReader reader;
   EXPECT_EQ(reader.text(frame_of("E 18DAF103 10 14 62 FD 00 01 02 03")),

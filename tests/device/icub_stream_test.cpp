@@ -25,10 +25,10 @@ TEST(IcubStream, reads_our_controllers_as_skin_boards) {
     stream.run_until(fixture.bus().now_us() + 400'000);
     EXPECT_EQ(rest.size(), 20U);
     to = &pressed;
-    (void)fixture.skin().press_module(17);  // board 2, triangle 1
+    (void)fixture.skin().press_module(17);  // The module is on board 2, triangle 1.
     stream.run_until(fixture.bus().now_us() + 400'000);
     EXPECT_EQ(stream.lost(), 0U);
-    EXPECT_GE(stream.frames(), 32U * 12);  // also places without a module
+    EXPECT_GE(stream.frames(), 32U * 12);  // Places without a module have frames, too.
   }
   int changed = 0;
   for (std::size_t t = 0; t < 12; ++t) changed += (pressed[{2, 1}].value[t] != rest[{2, 1}].value[t]) ? 1 : 0;
@@ -36,7 +36,7 @@ TEST(IcubStream, reads_our_controllers_as_skin_boards) {
   EXPECT_EQ((pressed[{1, 3}].value), (rest[{1, 3}].value));
 }
 
-// A board as the iCub has it, written down from its documentation: answers the discovery and sends what it is told to
+// Acts as a board of the iCub, written down from its documentation: answers the discovery and sends what it was told to
 // send.
 class Mtb4 final : public Link {
  public:
@@ -90,7 +90,7 @@ TEST(IcubStream, reads_a_board_that_is_not_ours) {
   EXPECT_EQ(got[0].board, 3);
   EXPECT_EQ(got[0].module, 5);
   EXPECT_EQ(got[0].value, (std::array<std::uint8_t, 12>{240, 239, 238, 237, 236, 235, 234, 100, 101, 102, 103, 104}));
-  // Discovery, board, triangles, start; stopped at the end.
+  // The host sends discovery, board, triangles and start, and stops at the end.
   ASSERT_EQ(board.sent.size(), 5U);
   EXPECT_EQ(board.sent[1], Mtb4::frame(0x203, {0x4D, 0, 50, 245}));
   EXPECT_EQ(board.sent[2], Mtb4::frame(0x203, {0x50, 0, 15, 6, 1, 0, 0x22}));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A flash that somebody ends with Ctrl-C, and one that waits for a cable that was pulled.
+// Tests a flash that somebody ends with Ctrl-C, and one that waits for a cable that was pulled.
 #include <gtest/gtest.h>
 
 #include "faulty_link.hpp"
@@ -20,7 +20,7 @@ design::Design other_wiring(const design::Design& d) {
 }
 
 std::vector<std::uint8_t> active(Fixture& fixture, int patch) {
-  fixture.bus().listen(fixture.bus().now_us() + 1'500'000);  // What was under way has timed out.
+  fixture.bus().listen(fixture.bus().now_us() + 1'500'000);  // The transfer under way has timed out by now.
   Controller c(fixture.bus(), static_cast<std::uint8_t>(patch + 1));
   return c.read_table(bytes_of(image_of(fixture.design(), patch)).size());
 }
@@ -60,7 +60,7 @@ TEST(Cancelled, at_any_frame_every_controller_has_its_old_or_its_new_table_and_t
       EXPECT_NE(said.find(expected), std::string::npos) << "frame " << n << ": " << said;
       with_one_done += now_new == 1 ? 1 : 0;
     }
-    EXPECT_EQ(fixture.flash().patches.size(), 2U);  // And the work can be completed.
+    EXPECT_EQ(fixture.flash().patches.size(), 2U);  // The work can be completed afterwards.
     for (int p = 0; p < 2; ++p) ASSERT_EQ(active(fixture, p), bytes_of(image_of(fixture.design(), p))) << n;
   }
   EXPECT_GT(cancelled, 30);
@@ -86,7 +86,7 @@ TEST(Unplugged, a_flash_that_waits_goes_on_by_itself) {
     ASSERT_EQ(r.patches.size(), 2U);
     for (int p = 0; p < 2; ++p) EXPECT_EQ(active(fixture, p), bytes_of(image_of(fixture.design(), p))) << n;
     EXPECT_EQ(r.bytes + static_cast<std::size_t>(r.skipped) * 104, 2U * 104)
-        << n;  // What was written before the cut counts as written.
+        << n;  // Bytes written before the cut count as written.
     ASSERT_EQ(said.size(), 2U) << n;
     EXPECT_NE(said[0].find("waiting 20 s for the cable"), std::string::npos) << said[0];
     EXPECT_NE(said[1].find("going on"), std::string::npos) << said[1];
@@ -99,7 +99,7 @@ TEST(Unplugged, nobody_comes_back_and_the_error_says_what_was_done) {
   wire.frames_left = 110;
   FlashOptions options;
   options.wait_s = 3.0;
-  options.per_wire = 1;  // So that the first is done when the cable goes.
+  options.per_wire = 1;  // The first one is then done when the cable is pulled.
   Bus bus(wire);
   try {
     (void)flash(bus, fixture.design(), options);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Kinds of modules in tables, and what verify says of them.
+// Tests the kinds of modules in tables, and the findings of verify about them.
 #include <set>
 
 #include "device/fixture.hpp"
@@ -27,7 +27,7 @@ VerifyResult verified(Fixture& fixture, const design::Design& d, bool touch = fa
 TEST(KindsInTables, are_the_high_bits_of_module_ids) {
   const design::Design d = with_kinds(test::strip(6), {0, 1, 2, 0, 0, 2});
   const layout::PatchImage image = image_of(d, 0), plain = image_of(test::strip(6), 0);
-  // 1 · 8192 + 1, 2 · 8192 + 2.
+  // The ids are 1 · 8192 + 1 and 2 · 8192 + 2.
   EXPECT_EQ(image.modules[1].module_id, 8193);
   EXPECT_EQ(image.modules[2].module_id, 16386);
   EXPECT_EQ(image.modules[3].module_id, 3);
@@ -36,7 +36,7 @@ TEST(KindsInTables, are_the_high_bits_of_module_ids) {
     EXPECT_EQ(kind_of_row(d, image.modules[k]), d.layout.modules[k].kind);
     EXPECT_EQ(plain.modules[k].module_id, k);
   }
-  // A design without kinds may have ids beyond 8191, one with kinds not.
+  // A design without kinds may have ids beyond 8191, but one with kinds may not.
   design::Design large = test::strip(8193);
   EXPECT_EQ(module_of(large, {.module_id = 8192}), 8192);
   large.patches.resize(1);
@@ -71,7 +71,7 @@ TEST(KindsInTables, another_kind_is_a_finding_of_its_module) {
   EXPECT_EQ(r.findings[1].module, 3);
   EXPECT_EQ(r.findings[1].text,
             "patch 0: module 3 is of the standard kind in the table of controller 1, of kind 1 (soft) in the design");
-  // Patch 1 has the right kinds, but its table is of the other design all the same.
+  // Patch 1 has the right kinds, but its table still belongs to the other design.
   EXPECT_EQ(r.findings[2].kind, FindingKind::kWrongTable);
   EXPECT_EQ(r.findings[2].patch, 1);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What live knows and shows: rest values, contacts that are there from the start, the picture of a patch.
+// Tests what live tracks and shows: rest values, contacts that are there from the start, the picture of a patch.
 #include "triskin/skin/live_monitor.hpp"
 
 #include <gmock/gmock.h>
@@ -20,7 +20,7 @@ using testing::StartsWith;
 
 constexpr int kPad = 3;
 
-// A sample of a module that rests at `rest`, with one taxel `pressure` counts below.
+// Makes a sample of a module that rests at `rest`, with one taxel `pressure` counts below.
 ModuleSample frame(int module, double rest, double pressure) {
   ModuleSample f;
   f.module = module;
@@ -46,13 +46,13 @@ TEST(TouchMap, a_contact_that_is_there_at_the_start_is_shown) {
   EXPECT_TRUE(map.pressed().empty());
 }
 
-// The taxel rests 700 counts below the middle, which nobody could know while something lay on it.
+// The taxel rests 700 counts below the middle, which nobody could know while an object lay on it.
 TEST(TouchMap, a_contact_that_is_there_at_the_start_ends_without_a_ghost) {
   const design::Design design = strip(2);
   TouchMap map(design);
   feed(map, frame(0, layout::kRestCounts - 700, 4'000));
   ASSERT_EQ(map.pressed().size(), 1U);
-  map.add(frame(0, layout::kRestCounts - 700, 500));  // It is being lifted.
+  map.add(frame(0, layout::kRestCounts - 700, 500));  // The object is being lifted.
   feed(map, frame(0, layout::kRestCounts - 700, 0));
   EXPECT_TRUE(map.pressed().empty());
   feed(map, frame(0, layout::kRestCounts - 700, 4'000));
@@ -66,7 +66,8 @@ TEST(TouchMap, modules_that_rest_beside_the_design_are_not_pressed) {
   feed(map, frame(0, layout::kRestCounts - 900, 0));
   feed(map, frame(1, layout::kRestCounts + 900, 0));
   EXPECT_TRUE(map.pressed().empty());
-  feed(map, frame(0, layout::kRestCounts + 8'000, 0));  // A finger that the controller took for rest has gone.
+  // The controller took a finger for rest, and the finger has left.
+  feed(map, frame(0, layout::kRestCounts + 8'000, 0));
   EXPECT_TRUE(map.pressed().empty());
   feed(map, frame(1, layout::kRestCounts + 900, 250));
   ASSERT_EQ(map.pressed().size(), 1U);
@@ -101,7 +102,7 @@ TEST(TouchMap, a_tare_holds_whatever_the_rest_is_and_can_be_kept) {
   EXPECT_DOUBLE_EQ(next.pressed()[0].change_counts, 300);
 }
 
-// Two covers of a robot in one map: one was tared, the other rests by design.
+// Two covers of a robot are in one map: one was tared, the other rests as its design says.
 TEST(TouchMap, rest_values_of_some_modules_leave_the_others_to_the_design) {
   const design::Design design = strip(3);
   TouchMap map(design);
@@ -120,7 +121,7 @@ TEST(TouchMap, rest_values_of_some_modules_leave_the_others_to_the_design) {
 TEST(LiveMonitor, draws_the_patch_in_its_shape) {
   const design::Design design = strip(4);
   LiveMonitor monitor(design);
-  // A strip is one row: up, down, up, down.
+  // A strip is one row of up, down, up, down.
   EXPECT_THAT(monitor.picture(0, PressureUnit::kCounts, false), ElementsAre("▲  -- ▼  -- ▲  -- ▼  -- "));
   for (int m = 0; m < 3; ++m) {
     for (int k = 0; k < 3; ++k) monitor.add(frame(m, layout::kRestCounts, m * 4'000));
@@ -140,7 +141,7 @@ TEST(LiveMonitor, rows_of_the_lattice_stand_above_each_other) {
   EXPECT_THAT(monitor.picture(0, PressureUnit::kCounts, false), ElementsAre("▲  -- ▼  -- ", "▼  -- "));
 }
 
-// Characters on the screen: bytes that begin a code point, as no colours are asked for.
+// Returns the characters on the screen: bytes that begin a code point, because no colours are requested.
 std::size_t columns_of(const std::string& line) {
   return static_cast<std::size_t>(
       std::ranges::count_if(line, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
@@ -150,14 +151,14 @@ TEST(LiveMonitor, a_picture_fits_the_width) {
   const design::Design design = strip(16);
   LiveMonitor monitor(design);
   for (int k = 0; k < 3; ++k) monitor.add(frame(2, layout::kRestCounts, 8'000));
-  // Sixteen cells: 96 characters with spaces, 80 without, 32 with a digit for a cell.
+  // Sixteen cells take 96 characters with spaces, 80 without, 32 with one digit per cell.
   const auto line = [&](int columns) { return monitor.picture(0, PressureUnit::kCounts, false, columns).at(0); };
   EXPECT_EQ(line(0), line(96));
   EXPECT_EQ(columns_of(line(140)), 96U);
   EXPECT_EQ(columns_of(line(80)), 80U);
   EXPECT_THAT(line(80), StartsWith("▲  --▼  --▲8000▼  --"));
   EXPECT_EQ(columns_of(line(60)), 32U);
-  EXPECT_THAT(line(60), StartsWith("▲-▼-▲2▼-"));  // 8,000 of 33,000 counts are two tenths and a bit.
+  EXPECT_THAT(line(60), StartsWith("▲-▼-▲2▼-"));  // 8,000 of 33,000 counts are slightly more than two tenths.
   EXPECT_EQ(line(9), "▲-▼-▲2▼-…");
   for (std::size_t columns = 3; columns < 120; ++columns)
     EXPECT_LE(columns_of(line(static_cast<int>(columns))), columns);
@@ -165,7 +166,7 @@ TEST(LiveMonitor, a_picture_fits_the_width) {
 
 TEST(LiveMonitor, islands_of_a_patch_stand_side_by_side_and_never_on_each_other) {
   design::Design design = strip(6);
-  // Three islands of two modules, each with the same places in its own lattice.
+  // There are three islands of two modules, each with the same places in its own lattice.
   for (int m = 0; m < 6; ++m) {
     design.layout.modules[static_cast<std::size_t>(m)].island = m / 2;
     design.layout.modules[static_cast<std::size_t>(m)].tile =
@@ -174,11 +175,11 @@ TEST(LiveMonitor, islands_of_a_patch_stand_side_by_side_and_never_on_each_other)
   const LiveMonitor monitor(design);
   const auto picture = [&](int columns) { return monitor.picture(0, PressureUnit::kCounts, false, columns); };
   EXPECT_THAT(picture(80),
-              ElementsAre("island 0       island 1       island 2",  // Three of 12 characters.
+              ElementsAre("island 0       island 1       island 2",  // Three islands of 12 characters fit.
                           "▲  -- ▼  --    ▲  -- ▼  --    ▲  -- ▼  -- "));
   EXPECT_EQ(picture(140), picture(80));
   EXPECT_THAT(picture(30),
-              ElementsAre("island 0       island 1",  // Two in a row.
+              ElementsAre("island 0       island 1",  // Two islands fit in a row.
                           "▲  -- ▼  --    ▲  -- ▼  -- ", "island 2", "▲  -- ▼  -- "));
 }
 
@@ -191,7 +192,7 @@ TEST(LiveMonitor, says_what_is_wrong_and_how_fast_samples_come) {
   monitor.add(absent);
   for (int k = 0; k < 10; ++k) monitor.add(frame(0, layout::kRestCounts, 0));
   monitor.close_period(0.5);
-  EXPECT_DOUBLE_EQ(monitor.rate_hz(0), 10.0);  // 20 a second of one module, none of the other
+  EXPECT_DOUBLE_EQ(monitor.rate_hz(0), 10.0);  // One module has 20 a second, the other none.
   EXPECT_EQ(monitor.unheard(0), 1);
   EXPECT_EQ(monitor.faults(0), 0);
   EXPECT_EQ(monitor.faults(1), 1);

@@ -21,7 +21,7 @@ int any(std::size_t count, Random& random) {
   return static_cast<int>(random() % count);
 }
 
-/// A module that no mistake concerns and that `fits`; −1: none was found.
+/// Picks a module that no mistake concerns and that `fits`; −1 if there is none.
 int pick(Hardware& h, Random& random, const std::function<bool(int)>& fits = {}) {
   for (int k = 0; k < kTries; ++k) {
     const int m = any(h.intended.layout.modules.size(), random);
@@ -43,7 +43,7 @@ bool is_free(Hardware& h, int patch, int line, int address) {
                               [&](const auto& m) { return m.line == line && m.address == address; });
 }
 
-/// Straps of `module` changed by `bits` (line in bits 2 and 3).
+/// Returns the straps of `module` changed by `bits` (line in bits 2 and 3).
 std::pair<int, int> strapped(Hardware& h, int module, int bits) {
   const auto& r = h.routed(module);
   return {r.line ^ (bits >> 2), r.address ^ (bits & 3)};
@@ -82,7 +82,7 @@ std::optional<Expected> strap(Hardware& h, Random& random, bool one_bit, bool on
   return Expected{onto_free ? FindingKind::kWrongAddress : FindingKind::kDuplicateAddress, named};
 }
 
-/// The places of the modules go round: each sits at the next one's.
+/// Rotates the places of the modules: each takes the next one's place.
 std::optional<Expected> rotate_places(Hardware& h, const std::vector<int>& ring, FindingKind finding) {
   const design::RoutedModule first = h.routed(ring[0]);
   for (std::size_t k = 0; k < ring.size(); ++k) {
@@ -116,7 +116,8 @@ std::optional<Expected> swapped_across(Hardware& h, Random& random) {
   return Expected{FindingKind::kSwappedModules, {a, b}};
 }
 
-// Lines with three modules and more: fewer look like swapped or wrongly strapped modules, and are the same repair.
+// Swaps lines with three modules or more: fewer look like swapped or wrongly strapped modules, and need the same
+// repair.
 std::optional<Expected> swapped_lines(Hardware& h, Random& random) {
   for (int k = 0; k < kTries; ++k) {
     const int p = any(h.built.patches.size(), random), a = any(4, random), b = any(4, random);
@@ -149,7 +150,7 @@ std::optional<Expected> swapped_cables(Hardware& h, Random& random) {
   return Expected{FindingKind::kWrongPatch, {}, std::min(p, q)};
 }
 
-// The last module at the place of the first, and so on: on a strip of odd length that is its mirror image.
+// Puts the last module at the place of the first, and so on; a strip of odd length thus becomes its mirror image.
 std::optional<Expected> mirrored(Hardware& h, Random&) {
   auto& modules = h.built.patches[0].modules;
   if (h.built.name != "strip" || !h.used_patches.empty()) return std::nullopt;
@@ -163,7 +164,7 @@ std::optional<Expected> mirrored(Hardware& h, Random&) {
   return Expected{FindingKind::kMirroredPatch, {}, 0};
 }
 
-/// Everything behind the joint of a module and its parent.
+/// Concerns everything behind the joint of a module and its parent.
 std::optional<Expected> behind_joint(Hardware& h, Random& random, FaultKind kind, FindingKind finding) {
   const int m = pick(h, random, [&](int k) {
     const auto below = h.subtree(k);
@@ -236,7 +237,7 @@ std::optional<Expected> finger_elsewhere(Hardware& h, Random& random) {
 
 std::optional<Expected> other_design(Hardware& h, Random&) {
   h.flashed = h.intended;
-  auto& modules = h.flashed->patches[0].modules;  // A later one may have a single module.
+  auto& modules = h.flashed->patches[0].modules;  // A later patch may have a single module.
   std::swap(modules[0].address, modules.back().address);
   std::swap(modules[0].line, modules.back().line);
   h.flashed->design_id = design::design_id_of(*h.flashed);
@@ -267,7 +268,8 @@ int Hardware::patch_of(int module) const {
 std::vector<int> Hardware::subtree(int module) const {
   std::vector<int> below{module};
   for (const auto& m : intended.patches[static_cast<std::size_t>(patch_of(module))].modules) {
-    if (std::ranges::find(below, m.parent) != below.end()) below.push_back(m.node);  // Parents stand before children.
+    // Parents precede children in the list.
+    if (std::ranges::find(below, m.parent) != below.end()) below.push_back(m.node);
   }
   return below;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Seeded mistakes, alone and in pairs: the right explanation comes first. The table in docs/measurements/verify.md is
-// made here.
+// Seeds mistakes, alone and in pairs: the right explanation must come first. This test makes the table in
+// docs/measurements/verify.md.
 #include "mistakes.hpp"
 
 #include <fmt/format.h>
@@ -24,7 +24,7 @@ constexpr std::uint64_t kVerifyAt_us = 8'000'000;
 
 struct Score {
   int right = 0, all = 0;
-  int exact = 0;  // Of those that are right: with as many findings as causes.
+  int exact = 0;  // Among right answers, these have as many findings as causes.
   [[nodiscard]] double percent() const { return all == 0 ? 100.0 : 100.0 * right / all; }
   void count(bool is_right) {
     right += is_right ? 1 : 0;
@@ -32,7 +32,7 @@ struct Score {
   }
 };
 
-/// Two kinds of covers, small and large, one patch and several.
+/// Makes two kinds of covers, small and large, with one patch and several.
 std::vector<design::Design> designs() {
   return {strip(13), blob({16, 11}, 1), blob({16, 16, 7}, 2), blob({12}, 3)};
 }
@@ -43,9 +43,9 @@ std::string told(const device::VerifyResult& r) {
   return text;
 }
 
-/// Each seeded mistake is among the first findings, as many as there are mistakes.
+/// Returns true if each seeded mistake is among the first findings, of which as many count as there are mistakes.
 bool all_first(const device::VerifyResult& r, const std::vector<Expected>& seeded) {
-  // A mistake may need several findings, as two cables do; what follows the first of them says the same.
+  // A mistake may need several findings, as two cables do; later ones only repeat the first.
   std::vector<bool> explained(seeded.size());
   for (const device::Finding& f : r.findings) {
     bool any = false;
@@ -54,12 +54,12 @@ bool all_first(const device::VerifyResult& r, const std::vector<Expected>& seede
       explained[k] = any = true;
     }
     if (std::ranges::all_of(explained, [](bool e) { return e; })) return true;
-    if (!any) return false;  // A wrong explanation stands before the right one.
+    if (!any) return false;  // A wrong explanation precedes the right one.
   }
   return false;
 }
 
-/// A wrong map was called dead hardware.
+/// Returns true if a wrong map was called dead hardware.
 bool blames_hardware(const device::VerifyResult& r, std::string_view kind) {
   const bool wrong_map = kind == "missing_strap" || kind == "wrong_straps" || kind == "doubled_address" ||
                          kind == "swapped_modules" || kind == "wrong_order" || kind == "swapped_across" ||
@@ -161,7 +161,7 @@ TEST(SeededMistakes, in_pairs_both_explanations_are_first) {
 }
 
 TEST(SeededMistakes, twenty_pairs_on_strapped_patches_have_one_finding_for_each_cause) {
-  // Two exchanged cables are one finding a pair, and hide what hangs on them; these do not.
+  // Two exchanged cables give one finding per pair, and hide the modules connected to them; these mistakes do not.
   const std::vector<std::string_view> names{"dead_chip",     "wrong_chip",   "missing_strap", "swapped_modules",
                                             "swapped_lines", "broken_joint", "loose_joint",   "saturated_module"};
   int pairs = 0, exact = 0;
@@ -184,7 +184,7 @@ TEST(SeededMistakes, twenty_pairs_on_strapped_patches_have_one_finding_for_each_
   EXPECT_EQ(exact, pairs);
 }
 
-// The table of docs/measurements/verify.md. TRISKIN_WRITE_TABLES=1 writes it (tools/make_mistake_table).
+// Compares with the table of docs/measurements/verify.md; TRISKIN_WRITE_TABLES=1 writes it (tools/make_mistake_table).
 TEST(SeededMistakes, long_the_table_in_the_docs_is_what_was_measured) {
   int blamed = 0;
   Score alone_total, pair_total;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a host sees of the converters' offsets, with the electrodes at either input.
+// Tests how a host sees the converters' offsets, with the electrodes at either input.
 #include "fixture.hpp"
 #include "triskin/diagnose/offset_report.hpp"
 #include "triskin/session/controller.hpp"
@@ -11,7 +11,7 @@ namespace {
 class Offsets : public testing::TestWithParam<bool> {};
 
 TEST_P(Offsets, EveryTaxelRestsInTheMiddleThirdAndPressureLowersIt) {
-  Fixture f(20);  // two patches
+  Fixture f(20);  // The strip has two patches.
   FlashOptions options;
   options.positive_input = GetParam();
   (void)f.flash(options);

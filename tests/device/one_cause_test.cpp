@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One cause gives one finding, however many modules or patches it concerns.
+// One cause must give one finding, however many modules or patches it concerns.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ design::Design other_strip(int modules, int per_patch) {
   return other;
 }
 
-// What every taxel reads now, once the converters have settled.
+// Returns what every taxel reads now, once the converters have settled.
 design::RestValues rest_now(Fixture& fixture) {
   fixture.bus().listen(fixture.bus().now_us() + 3'000'000);
   design::RestValues rest(fixture.design().layout.modules.size());
@@ -90,7 +90,7 @@ TEST(OneCause, a_wrong_design_file_is_thought_of_before_flashing) {
   EXPECT_THAT(files_of_design(folder / "absent", 1), IsEmpty());
 }
 
-// The strip is a chain: behind the joint of 4 and 5 lie 5, 6 and 7.
+// The strip is a chain, so 5, 6 and 7 lie behind the joint of 4 and 5.
 VerifyResult verify_switched(std::vector<scene::Fault> faults) {
   scene::Scene scene;
   scene.design = strip(8, 8);
@@ -131,7 +131,7 @@ TEST(OneCause, taxels_that_rest_elsewhere_are_counted_and_a_tare_ends_it) {
   options.rest = rest_now(fixture);
   ASSERT_EQ(options.rest.size(), 6U);
   EXPECT_THAT(verify(fixture.bus(), fixture.design(), options).findings, IsEmpty());
-  // A stale file: the pressure taxels of module 2 have moved, those of module 4 by less than counts as a touch.
+  // The file is stale: the pressure taxels of module 2 have moved, those of module 4 by less than a touch.
   for (std::size_t t = 0; t < layout::kTaxelsPerModule; ++t) {
     if (!layout::measures_pressure(t)) continue;
     options.rest[2][t] += kMaxRestError_counts + 1;
@@ -147,7 +147,7 @@ TEST(OneCause, taxels_that_rest_elsewhere_are_counted_and_a_tare_ends_it) {
   EXPECT_THAT(verify(fixture.bus(), fixture.design(), options).findings, IsEmpty());
 }
 
-// Warming moves all pads of a module alike, and is no stale rest value.
+// Warming moves all pads of a module alike, so it is no stale rest value.
 TEST(OneCause, what_all_pads_of_a_module_share_is_warming) {
   Fixture fixture(6);
   fixture.flash();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The steps that follow a finding, against the strip as it is drawn in support/strip_design.hpp.
+// Compares the steps that follow a finding with the strip drawn in support/strip_design.hpp.
 #include "triskin/diagnose/repair.hpp"
 
 #include <gmock/gmock.h>
@@ -25,8 +25,8 @@ std::vector<std::string> steps_after(std::vector<scene::Fault> faults, FindingKi
   return repair_steps(fixture.design(), *found, "d.json --link sim");
 }
 
-// Module 5 is a down tile with line 1 and address 1. Its parent 4 lies across its side 2, where port A is; module 6
-// hangs on it across side 0.
+// Module 5 is a down tile with line 1 and address 1. Its parent 4 lies across its side 2, where port A is; module 6 is
+// connected to it across side 0.
 TEST(Repair, a_dead_module_is_replaced_joint_by_joint) {
   const auto steps = steps_after({fault(FaultKind::kRemovedChip, 5)}, FindingKind::kAbsentModule);
   ASSERT_EQ(steps.size(), 10U);
@@ -42,7 +42,7 @@ TEST(Repair, a_dead_module_is_replaced_joint_by_joint) {
   EXPECT_THAT(steps[9], HasSubstr("triskin verify d.json --link sim"));
 }
 
-// The kind stands in the high bits of the id of a table's row.
+// The kind is in the high bits of the id of a table's row.
 TEST(Repair, modules_with_kinds_have_the_same_steps) {
   Finding f;
   f.kind = FindingKind::kAbsentModule;

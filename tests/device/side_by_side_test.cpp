@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Many controllers: addresses without collisions, tasks side by side, several links as one.
+// Tests many controllers: addresses without collisions, parallel tasks, several links as one.
 #include <gtest/gtest.h>
 
 #include <deque>
@@ -15,8 +15,7 @@
 namespace triskin::device {
 namespace {
 
-// A simulation whose controllers seem to have a wire each, as USB devices do, and where a frame of the host is on its
-// way for a while.
+// Simulates controllers that each seem to have their own wire, as USB devices do, with a delay for frames of the host.
 class Star final : public Link {
  public:
   Star(Link& inner, bool one_wire = false) : inner_(inner), one_wire_(one_wire) {}
@@ -60,7 +59,7 @@ TEST(Addresses, sixteen_fresh_boards_with_one_default_address_get_one_each) {
     EXPECT_EQ(c.node_address, 1);
     ids.insert(wire::claim_id(c.unique_id));
   }
-  EXPECT_EQ(ids.size(), 16U);  // So that their claims do not collide on the bus.
+  EXPECT_EQ(ids.size(), 16U);  // Different ids keep their claims from colliding on the bus.
   EXPECT_EQ(fixture.flash().patches.size(), 16U);
   expect_tables(fixture);
   EXPECT_EQ(fixture.flash().skipped, 16);
@@ -72,7 +71,7 @@ TEST(Addresses, sixteen_fresh_boards_on_a_bus_that_loses_and_delays_frames) {
     FaultyLink wire(fixture.bus().link(), false, {1, 1, 1, 0}, seed);
     Bus bus(wire);
     bool completed = false;
-    std::string last;  // what the last attempt said
+    std::string last;  // The last attempt gave this message.
     for (int attempt = 0; attempt < 60 && !completed; ++attempt) {
       try {
         completed = flash(bus, fixture.design()).patches.size() == 16;
@@ -86,7 +85,7 @@ TEST(Addresses, sixteen_fresh_boards_on_a_bus_that_loses_and_delays_frames) {
   }
 }
 
-// 126 claims of two frames each take longer than the window in which the first is waited for.
+// 126 claims of two frames each take longer than the window for the first one.
 TEST(Addresses, all_boards_of_a_slow_bus_are_found) {
   for (const int bit_rate : {1'000'000, 250'000, 125'000, 50'000}) {
     scene::Scene scene;
@@ -131,7 +130,7 @@ TEST(SideBySide, the_order_is_the_same_every_time) {
 
 TEST(SideBySide, one_that_fails_does_not_keep_the_others_from_their_tables) {
   Fixture fixture(12, 4);
-  (void)fixture.flash();  // So that all have their addresses.
+  (void)fixture.flash();  // This assigns all addresses.
   design::Design other = fixture.design();
   for (auto& p : other.patches) std::swap(p.modules[1].address, p.modules[2].address);
   other.design_id = design::design_id_of(other);
@@ -210,7 +209,7 @@ TEST(NodeMap, learns_from_claims_and_answers_and_forgets_when_addresses_change) 
   hear(first, 1, 10);
   EXPECT_EQ(map.wire_of(1), 10);
   hear(second, 1, 11);
-  EXPECT_FALSE(map.wire_of(1));  // two fresh boards
+  EXPECT_FALSE(map.wire_of(1));  // The two boards are fresh.
   map.sent(wire::encode_assignment(second, 2)[0]);
   EXPECT_FALSE(map.wire_of(1));
   wire::CanFrame answer;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Controllers as USB devices behind one simulated hub, in virtual time.
+// Simulates controllers as USB devices behind one hub, in virtual time.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -33,7 +33,7 @@ TEST(SimUsbLink, flash_and_verify_need_no_can_bus) {
   EXPECT_EQ(r.modules_ok, 12);
   EXPECT_EQ(r.touched, 12);
   EXPECT_TRUE(r.findings.empty());
-  // Each device has a wire of its own.
+  // Each device has its own wire.
   EXPECT_EQ((std::set{link->wire_of(1), link->wire_of(2), link->wire_of(3)}), (std::set{1, 2, 3}));
   EXPECT_EQ(link->skin().bus_busy_us(), 0U);
 }
@@ -47,7 +47,7 @@ TEST(SimUsbLink, finds_what_is_wrong_as_a_can_bus_does) {
   EXPECT_EQ(r.findings[0].kind, FindingKind::kSwappedModules);
 }
 
-// 16 requests to a device that is known take 16 / 19 ms of the hub; the same to nobody go to all three devices.
+// 16 requests to a known device take 16 / 19 ms of the hub; requests to nobody go to all three devices.
 TEST(SimUsbLink, the_hub_carries_19_packets_a_millisecond) {
   const auto link = simulated_hub(6, 2);
   Bus bus(*link);
@@ -61,7 +61,7 @@ TEST(SimUsbLink, the_hub_carries_19_packets_a_millisecond) {
     const std::uint64_t packets = link->packets(), from_us = link->now_us();
     for (int k = 0; k < 16; ++k) link->send(request);
     EXPECT_EQ(link->packets() - packets, 16 * devices);
-    // The last one is under way. The first waits for one at most, and each begins at a whole microsecond.
+    // The last one is under way. The first waits for at most one, and each begins at a whole microsecond.
     const double took_us = static_cast<double>(link->now_us() - from_us);
     EXPECT_GE(took_us, (16.0 * devices - 1) * 1000 / 19);
     EXPECT_LE(took_us, 16.0 * devices * (1000.0 / 19 + 1));
@@ -79,7 +79,7 @@ TEST(SimUsbLink, a_frame_longer_than_a_packet_is_refused) {
 StreamReport streamed(SimUsbLink& link, const design::Design& design, double seconds) {
   Bus bus(link);
   flash(bus, design);
-  bus.listen(bus.now_us() + 2'000'000);  // The offsets are found.
+  bus.listen(bus.now_us() + 2'000'000);  // The offsets are found by now.
   StreamOptions options;
   options.overload = true;
   Stream stream(bus, design, [](const ModuleSample&) {}, options);
@@ -96,8 +96,8 @@ TEST(SimUsbLink, every_sample_of_twenty_controllers_arrives) {
   EXPECT_NEAR(static_cast<double>(r.total.expected), 320 * 3.0 / 0.0369, 0.02 * 320 * 3.0 / 0.0369);
 }
 
-// 48 controllers are 10 % too much for one hub: what is missing is counted, and none is starved for another. Leases
-// begin one after the other, each after what waits on the full hub.
+// 48 controllers are 10 % too much for one hub: missing samples are counted, and no controller is starved for another.
+// Leases begin one after the other, each after the frames that wait on the full hub.
 TEST(SimUsbLink, what_a_full_hub_cannot_carry_is_counted_and_shared) {
   const auto link = simulated_hub(48 * 16, 16);
   const StreamReport r = streamed(*link, strip(48 * 16, 16), 3.0);
@@ -117,7 +117,7 @@ TEST(SimUsbLink, what_a_full_hub_cannot_carry_is_counted_and_shared) {
     most = std::max(most, share);
   }
   EXPECT_GE(least, 0.9 * most) << least << " … " << most;
-  EXPECT_NEAR(most, 19'000.0 * 0.0369 / (48 * 16), 0.05);  // Packets over samples that are due.
+  EXPECT_NEAR(most, 19'000.0 * 0.0369 / (48 * 16), 0.05);  // The ratio is packets over due samples.
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The tables of all boards of a bus in one pass, on a bus whose frames take their time and whose boards erase for 22
-// ms.
+// Writes the tables of all boards of a bus in one pass, on a bus with realistic times and boards that erase for 22 ms.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +17,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-/// Fresh boards with 16 modules each on one bus with 1 and 2 Mbit/s, or classic with 1 Mbit/s.
+/// Makes fresh boards with 16 modules each on one bus with 1 and 2 Mbit/s, or classic with 1 Mbit/s.
 class Boards {
  public:
   explicit Boards(int boards, bool fd = true) {
@@ -34,7 +33,7 @@ class Boards {
   [[nodiscard]] scene::VirtualSkin& skin() { return link_->skin(); }
   [[nodiscard]] Bus& bus() { return *bus_; }
   FlashResult flash(const FlashOptions& options = taking_over()) { return device::flash(*bus_, design(), options); }
-  /// The same wiring with two modules exchanged: another design for the same boards.
+  /// Returns the same wiring with two modules exchanged: another design for the same boards.
   [[nodiscard]] design::Design other() const {
     design::Design d = design();
     for (auto& patch : d.patches) std::swap(patch.modules[1].address, patch.modules[2].address);
@@ -56,7 +55,7 @@ struct Cost {
   double seconds = 0.0, busy_s = 0.0;
   std::uint64_t frames = 0;
 };
-/// All tables written anew over tables of another design, after which every board has to erase.
+/// Writes all tables anew over tables of another design, after which every board has to erase.
 Cost rewrite(Boards& boards, int per_wire) {
   (void)flash(boards.bus(), boards.other(), taking_over());
   boards.bus().listen(boards.bus().now_us() + 1'000'000);
@@ -78,13 +77,13 @@ TEST(TablePass, sixteen_boards_take_the_time_of_the_wire_and_little_more) {
     std::printf("16 boards, %s: %.3f s one after the other, %.3f s in one pass; the wire is busy %.3f s\n",
                 fd ? "FD" : "classic", before.seconds, now.seconds, now.busy_s);
     EXPECT_EQ(now.frames, before.frames) << "a request was repeated";
-    // Twice 60 ms in which claims are waited for, the erases of a slot and of a page of faults, and the wire.
+    // The time includes twice 60 ms of waiting for claims, the erases of a slot and of a page of faults, and the wire.
     EXPECT_LT(now.seconds, 0.12 + 2 * 0.023 + now.busy_s + 0.02);
     EXPECT_GT(before.seconds, 0.12 + 16 * 0.022);
   }
 }
 
-// 161 boards on eight buses, each of which has a time of its own: that of the one with 21.
+// 161 boards are on eight buses, each with its own time; the bus with 21 boards decides.
 TEST(TablePass, the_boards_of_a_robot_take_the_time_of_its_longest_bus) {
   double slow_s = 0.0, fast_s = 0.0;
   for (const int n : {20, 21}) {
@@ -97,12 +96,12 @@ TEST(TablePass, the_boards_of_a_robot_take_the_time_of_its_longest_bus) {
   EXPECT_LT(fast_s, 0.5 * slow_s);
 }
 
-// Fresh boards are asked for the shapes of their patches: all at the same time.
+// Fresh boards are asked for the shapes of their patches at the same time.
 TEST(TablePass, fresh_boards_look_at_their_patches_at_the_same_time) {
   std::array<double, 2> seconds{};
   for (const bool all : {false, true}) {
     scene::Scene scene;
-    scene.design = strip(136, 16);  // Eight of 16 and one of 8, whose shape tells it.
+    scene.design = strip(136, 16);  // Eight boards have 16 modules and one has 8, so its shape identifies it.
     SimLink link(std::move(scene));
     Bus bus(link);
     FlashOptions options;
@@ -122,8 +121,8 @@ TEST(TablePass, fresh_boards_look_at_their_patches_at_the_same_time) {
   EXPECT_LT(seconds[1], 0.6 * seconds[0]);
 }
 
-// One dead, one whose power is cut in its flash, one of version 0.1, each losing 1 % of the frames: the others have
-// their tables, and the two are named.
+// One board is dead, one loses power in its flash, one has version 0.1, and each loses 1 % of the frames: the others
+// get their tables, and the two are named.
 TEST(TablePass, losses_a_dead_board_a_cut_supply_and_an_old_firmware) {
   constexpr std::size_t kDead = 3, kCut = 6, kOld = 10;
   for (const unsigned seed : {1U, 2U, 3U, 4U}) {
@@ -168,7 +167,7 @@ TEST(TablePass, losses_a_dead_board_a_cut_supply_and_an_old_firmware) {
   }
 }
 
-// Nobody can tell which of the fresh boards is missing: those that are certain are served, the others named.
+// Nobody can tell which of the fresh boards is missing, so certain ones are served and the others named.
 TEST(TablePass, boards_that_are_certain_do_not_wait_for_one_that_is_missing) {
   Boards boards(4);
   (void)boards.flash();
@@ -190,7 +189,8 @@ TEST(TablePass, boards_that_are_certain_do_not_wait_for_one_that_is_missing) {
     EXPECT_THAT(e.what(), HasSubstr("2 of 4 controllers have their table (patches 0, 1)"));
     EXPECT_THAT(e.what(), HasSubstr("\n  patch 3: "));
   }
-  EXPECT_FALSE(Controller(boards.bus(), 5).active_table().present());  // It made way for the one that has a table.
+  // The fresh board yielded the address to the one that has a table.
+  EXPECT_FALSE(Controller(boards.bus(), 5).active_table().present());
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The USB link with devices that come and go; the real drivers are tested in the test machine (tests/vm).
+// Tests the USB link with devices that are plugged and unplugged; the real drivers are tested in the test machine
+// (tests/vm).
 #include "triskin/link/usb_link.hpp"
 
 #include <gtest/gtest.h>
@@ -9,7 +10,7 @@
 namespace triskin::device {
 namespace {
 
-// A device that answers every request with one byte more, and claims an address when it is asked who is there.
+// Answers every request with one byte more, and claims an address when the host asks who is there.
 struct Board {
   std::string serial, place;
   std::uint8_t node = 1;
@@ -110,7 +111,7 @@ wire::CanFrame request_to(std::uint8_t node) {
   return f;
 }
 
-// Frames that come within a moment.
+// Returns the frames that arrive within a moment.
 std::vector<wire::CanFrame> heard(UsbLink& link) {
   std::vector<wire::CanFrame> frames;
   const std::uint64_t until_us = link.now_us() + 150'000;
@@ -129,7 +130,7 @@ TEST(UsbLink, a_request_goes_to_the_device_that_claimed_its_address) {
   ASSERT_EQ(heard(link).size(), 1U);
   EXPECT_EQ(one.got.size(), 1U);
   EXPECT_EQ(two.got.size(), 2U);
-  link.send(request_to(3));  // Nobody has claimed it: everybody hears it.
+  link.send(request_to(3));  // Nobody has claimed the address, so everybody receives the frame.
   EXPECT_TRUE(heard(link).empty());
   EXPECT_EQ(one.got.size(), 2U);
 }
@@ -175,7 +176,7 @@ TEST(UsbLink, a_device_that_is_plugged_in_joins) {
   Plugs::pull(two);
   UsbLink link(std::make_unique<Driver>(plugs), "");
   plugs.plug(two);
-  (void)heard(link);  // The system tells of it.
+  (void)heard(link);  // The system reports the change.
   link.send(wire::who_is_there());
   EXPECT_EQ(heard(link).size(), 4U);
 }

@@ -65,7 +65,7 @@ wire::Crash a_crash() {
   return c;
 }
 
-// Also when its power has gone since; told once, and found again when it happens again.
+// A crash is also named after power was lost since; it is reported once, and again when it happens again.
 TEST(Verify, names_a_controller_that_crashed) {
   Fixture fixture(6);
   fixture.flash();
@@ -117,7 +117,7 @@ TEST(Verify, names_a_module_at_a_wrong_free_place) {
 }
 
 TEST(Verify, names_two_modules_at_one_address) {
-  scene::Fault moved = fault(FaultKind::kMovedChip, 5);  // onto module 2: line 0, address 2
+  scene::Fault moved = fault(FaultKind::kMovedChip, 5);  // The chip moves onto module 2: line 0, address 2.
   moved.line = 0;
   moved.address = 2;
   const VerifyResult r = verify_with({moved});
@@ -137,7 +137,7 @@ TEST(Verify, names_a_stuck_line_and_counts_its_modules) {
     stuck.patch = 0;
     stuck.line = 1;
     stuck.stuck_scl = scl;
-    const VerifyResult r = verify_with({stuck});  // modules 4 and 5
+    const VerifyResult r = verify_with({stuck});  // The line has modules 4 and 5.
     expect_one(r, FindingKind::kStuckLine, -1);
     EXPECT_EQ(r.findings[0].line, 1);
     EXPECT_EQ(r.modules_ok, 4);

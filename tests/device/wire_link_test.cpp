@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Two processes: `triskin simulate` serves the skin, this test and `triskin` are its clients.
+// Tests two processes: `triskin simulate` serves the skin, and this test and `triskin` are its clients.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/prctl.h>
@@ -37,7 +37,7 @@ class Served : public testing::Test {
     ::close(output_);
     fs::remove_all(folder_);
   }
-  // Serves on a free port, which it prints: "… on sim:127.0.0.1:PORT; …".
+  // Serves on a free port, which the program prints: "… on sim:127.0.0.1:PORT; …".
   void start() {
     std::array<int, 2> pipe{};
     ASSERT_EQ(::pipe(pipe.data()), 0);
@@ -59,7 +59,7 @@ class Served : public testing::Test {
     ASSERT_NE(at, std::string::npos) << line;
     port_ = static_cast<std::uint16_t>(std::stoi(line.substr(at + 10)));
   }
-  // The result: the last line. What `live` writes before it is an object a line too.
+  // Returns the result, which is the last line. The earlier output of `live` also has one object per line.
   nlohmann::json run(const std::string& command, int expected_status) const {
     const std::string line =
         test::program_file() + " " + command + " --link sim:127.0.0.1:" + std::to_string(port_) + " --json";
@@ -155,7 +155,7 @@ TEST(WireLink, records_survive_the_way_and_truncated_ones_wait) {
   EXPECT_TRUE(part.empty());
 }
 
-// The first sample still tells of a finger that has gone: neither it nor the rest that follows is a touch.
+// The first sample still shows a finger that has left: neither it nor the rest that follows is a touch.
 TEST(LiveStream, a_finger_that_has_just_gone_is_not_taken_for_rest) {
   const design::Design design = strip(1);
   TouchMap map(design);

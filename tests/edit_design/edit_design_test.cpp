@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Modules removed, added, kept and mirrored: the rest stays, and the result keeps every rule.
+// Removes, adds, keeps and mirrors modules: the rest must stay, and the result must keep every rule.
 #include "triskin/pipeline/edit_design.hpp"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ using design::kHeight_mm;
 using design::Tile;
 using design::Vec3;
 
-// Rules that a design breaks, by what `triskin check` says.
+// Returns the rules that a design breaks according to `triskin check`.
 std::vector<std::string> broken_by(const Design& d) {
   const fs::path file = fs::temp_directory_path() / ("edit_design." + std::to_string(::getpid()) + ".json");
   design::write_design(file, d);
@@ -49,8 +49,8 @@ void expect_where_they_stood(const Design& before, const EditedDesign& e) {
   EXPECT_EQ(ids.size(), e.design.layout.modules.size());
 }
 
-// Five of the six triangles round the lattice point (1, 1), which lies at (45, h), on a plate: 4 is missing. Tiles
-// counter-clockwise from the right; the plate ends 1 mm beside them.
+// Five of the six triangles around the lattice point (1, 1), which lies at (45, h), are on a plate; number 4 is
+// missing. Tiles run counter-clockwise from the right; the plate ends 1 mm beside them.
 const std::vector<Tile> kRing{{1, 1, true}, {0, 1, false}, {0, 1, true}, {0, 0, false}, {1, 0, true}, {1, 0, false}};
 constexpr std::size_t kMissing = 4;
 
@@ -62,7 +62,7 @@ Design ring() {
   for (const Tile& t : tiles) number.emplace(t, static_cast<int>(number.size()));
   for (std::size_t k = 0; k < tiles.size(); ++k) number[tiles[k]] = static_cast<int>(k);
   test::lay_modules(d, tiles, number);
-  return edit_design(d, {}).design;  // measured and wired
+  return edit_design(d, {}).design;  // The result is measured and wired.
 }
 
 std::string error_of(const std::function<void()>& work) {
@@ -79,7 +79,7 @@ TEST(EditDesign, removes_modules_and_parts_islands) {
   EXPECT_EQ(broken_by(before), Nothing{});
   ASSERT_EQ(before.layout.modules.size(), 5U);
   EXPECT_EQ(before.layout.islands, 1);
-  // Modules 0 … 3 hang together in this order, 4 at 0: without 1 and 2, module 3 is alone.
+  // Modules 0 … 3 are connected in this order, and 4 to 0; without 1 and 2, module 3 is alone.
   const EditedDesign e = edit_design(before, {{2, 1, 2}, {}});
   EXPECT_EQ(e.new_id, (std::vector{0, -1, -1, 1, 2}));
   EXPECT_TRUE(e.added.empty());
@@ -109,7 +109,8 @@ TEST(EditDesign, adds_the_module_that_closes_a_ring) {
 }
 
 TEST(EditDesign, a_tile_may_hang_on_one_that_was_just_added) {
-  const Design before = edit_design(ring(), {{2, 3}, {}}).design;  // 0, 1, 2 are left: tiles 0, 1 and 5 of the ring
+  // Modules 0, 1, 2 remain: tiles 0, 1 and 5 of the ring.
+  const Design before = edit_design(ring(), {{2, 3}, {}}).design;
   const EditedDesign e =
       edit_design(before, {{}, {TileOfIsland{0, kRing[2]}, TileOfIsland{0, kRing[3]}, BesideModule{2, 2}}});
   EXPECT_EQ(e.added, (std::vector{3, 4, 5}));
@@ -119,7 +120,7 @@ TEST(EditDesign, a_tile_may_hang_on_one_that_was_just_added) {
 
 TEST(EditDesign, names_the_limit_that_forbids_a_module) {
   const Design d = ring();
-  // Module 0 is the up tile (1, 1): beyond its side 1 the plate ends, 1 mm beside it.
+  // Module 0 is the up tile (1, 1): the plate ends 1 mm beyond its side 1.
   const std::string over = error_of([&] { (void)edit_design(d, {{}, {BesideModule{0, 1}}}); });
   EXPECT_NE(over.find("no module can stand at side 1 of module 0"), std::string::npos) << over;
   EXPECT_NE(over.find("overrun_mm"), std::string::npos) << over;
@@ -133,7 +134,7 @@ TEST(EditDesign, names_the_limit_that_forbids_a_module) {
             std::string::npos);
   EXPECT_NE(error_of([&] { (void)edit_design(d, {{0, 1, 2, 3, 4}, {}}); }).find("no module would be left"),
             std::string::npos);
-  // A slit: the tile across is taken, though nothing is joined there.
+  // At a slit the tile across is taken, though no joint is there.
   Design slit = d;
   slit.layout.modules[0].neighbour[2] = slit.layout.modules[1].neighbour[0] = -1;
   EXPECT_NE(error_of([&] { (void)edit_design(slit, {{}, {BesideModule{1, 0}}}); }).find("lies at a slit: module 0"),
@@ -143,7 +144,7 @@ TEST(EditDesign, names_the_limit_that_forbids_a_module) {
 TEST(EditDesign, kinds_go_with_their_modules_and_are_checked) {
   Design d = ring();
   d.kinds.kinds = {{"soft", 12, "foam", 80.0}};
-  // Round the lattice point (45, h): the modules above it, 0 … 2; by number module 4, below.
+  // The region covers the modules above the lattice point (45, h), 0 … 2, and by number module 4, below.
   d.kinds.regions = {{design::Box{{0, kHeight_mm, -1}, {100, 100, 1}}, 1}, {design::ModulePart{{4}}, 1}};
   design::assign_kinds(d.kinds, d.layout);
   d.design_id = design::design_id_of(d);
@@ -157,14 +158,15 @@ TEST(EditDesign, kinds_go_with_their_modules_and_are_checked) {
   const Design image = mirror_design(d, {Vec3::UnitY(), 0.0}).design;
   EXPECT_EQ(kinds(image), kinds(d));
   EXPECT_EQ(broken_by(image), Nothing{});
-  // Module 1 goes and comes again, 4 of the kind that its number had; the missing one below is of the standard kind.
+  // Module 1 is removed and added again, 4 gets the kind of its former number; the missing one below gets the standard
+  // kind.
   const EditedDesign e = edit_design(d, {{1}, {TileOfIsland{0, kRing[1]}, TileOfIsland{0, kRing[kMissing]}}});
   EXPECT_EQ(kinds(e.design), (std::vector{1, 1, 0, 1, 1, 0}));
   EXPECT_EQ(e.design.kinds.regions.size(), 1U);
   EXPECT_EQ(broken_by(e.design), Nothing{});
   Design damaged = d;
   damaged.layout.modules[3].kind = 1;
-  EXPECT_EQ(broken_by(damaged).size(), 1U);  // its id
+  EXPECT_EQ(broken_by(damaged).size(), 1U);  // The damaged value is its id.
   damaged = d;
   damaged.kinds.kinds[0].taxels = 13;
   damaged.design_id = design::design_id_of(damaged);
@@ -172,7 +174,7 @@ TEST(EditDesign, kinds_go_with_their_modules_and_are_checked) {
   EXPECT_EQ(broken_by(damaged), expected);
 }
 
-// The generated forearm.
+// The cover is the generated forearm.
 Design curved(int iterations) {
   geometry::GenerateOptions size;
   const test::CoverFile file("edit_cover", geometry::generate(*geometry::shape_named("forearm"), size));
@@ -185,7 +187,7 @@ Design curved(int iterations) {
 TEST(EditDesign, what_is_kept_stays_and_the_value_never_falls) {
   const Design whole = curved(1);
   const int count = static_cast<int>(whole.layout.modules.size());
-  // A band of it is kept, and what was thinned out is grown anew.
+  // A band of it is kept, and the removed modules are grown anew.
   std::vector<int> gone;
   for (int id = 0; id < count; ++id) {
     if (id % 3 == 0) gone.push_back(id);
@@ -227,7 +229,7 @@ TEST(EditDesign, what_is_kept_stays_and_the_value_never_falls) {
   EXPECT_THROW((void)grow_around(before, {count}, effort), InputError);
 }
 
-// Covers with small effort: whatever is done, the rules hold.
+// The covers are designed with small effort; the rules must hold in any case.
 class Covers : public testing::TestWithParam<test::CoverName> {};
 
 TEST_P(Covers, keep_every_rule_after_each_change) {
@@ -266,7 +268,7 @@ TEST_P(Covers, keep_every_rule_after_each_change) {
   EXPECT_EQ(image.design.layout.modules.size(), d.layout.modules.size());
   EXPECT_EQ(image.design.patches.size(), d.patches.size());
   EXPECT_EQ(image.design.name, d.name + "_mirrored");
-  // Twice at a plane of the axes is the same design, to the last digit of each corner.
+  // Mirroring twice at a coordinate plane gives the same design, to the last digit of each corner.
   const design::MirrorPlane y{Vec3::UnitY(), 0.0};
   const Design twice = mirror_design(mirror_design(d, y).design, y).design;
   EXPECT_EQ(twice.design_id, d.design_id);

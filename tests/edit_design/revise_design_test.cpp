@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A new version of a part: what its change does not touch stays, modules and tables.
+// Designs a new version of a part: modules and tables that the change does not touch must stay.
 #include "triskin/pipeline/revise_design.hpp"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,8 @@ using design::Vec3;
 
 constexpr double kHoleRadius_mm = 14.0;
 
-// A plate of 360 × 240 mm, bent to a cylinder of radius 300 mm, of cells of 4 mm without those in a round hole.
+// Makes a plate of 360 × 240 mm, bent to a cylinder of radius 300 mm, from cells of 4 mm without those in a round
+// hole.
 design::Mesh plate_with_hole(const Vec2& hole_mm) {
   constexpr int kColumns = 90, kRows = 60;
   constexpr double kCell_mm = 4.0, kRadius_mm = 300.0;
@@ -50,7 +51,7 @@ Vec3 on_plate(const Vec2& place_mm) {
   return {300.0 * std::sin(angle_rad), place_mm.y(), 300.0 * std::cos(angle_rad)};
 }
 
-// The design of a plate, made in a number of steps and not in a time.
+// Makes the design of a plate in a fixed number of steps, not in a time.
 Design design_of(const Vec2& hole_mm, const std::shared_ptr<const Design>& like, DesignNotes& notes) {
   const fs::path file = fs::temp_directory_path() / ("revise." + std::to_string(::getpid()) + ".obj");
   geometry::write_obj(file, plate_with_hole(hole_mm));
@@ -73,7 +74,7 @@ std::vector<std::string> broken_by(const Design& d) {
   return broken;
 }
 
-// Row by row what a controller's table says of a patch, with modules named by their ids in the older design.
+// Returns row by row what a controller's table says about a patch, with modules named by their ids in the older design.
 std::vector<std::array<int, 5>> table_of(const Design& d, int patch, const std::vector<int>& old_id) {
   const auto old = [&](int node) { return node < 0 ? -1 : old_id[static_cast<std::size_t>(node)]; };
   std::vector<std::array<int, 5>> rows;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// docs/examples/design_mesh.cpp does what it says.
+// The program docs/examples/design_mesh.cpp must do what it says.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -22,7 +22,7 @@ class DesignMeshExample : public testing::Test {
  protected:
   void SetUp() override { fs::create_directories(folder_); }
   void TearDown() override { fs::remove_all(folder_); }
-  // Exit status, and what it wrote to standard output and error.
+  // Returns the exit status, and the text on standard output and error.
   std::pair<int, std::string> run(const std::string& mesh) {
     write_file_atomically(folder_ / "plate.obj", mesh);
     const std::string out = folder_ / "out";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Flat islands, copper of the module, parts, solids: against numbers worked by hand and other readers.
+// Compares flat islands, copper of the module, parts and solids with numbers worked by hand and with other readers.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -53,7 +53,7 @@ double area_of(const std::vector<Vec2>& ring) {
   return twice / 2.0;
 }
 
-// The six triangles round grid vertex (1, 1).
+// Makes the six triangles around grid vertex (1, 1).
 Design hexagon() {
   Design d = test::flat_design("hexagon", {0, 0}, {100, 60});
   const std::vector<Tile> tiles{{1, 1, true}, {0, 1, false}, {0, 1, true}, {0, 0, false}, {1, 0, true}, {1, 0, false}};
@@ -76,7 +76,7 @@ class Folder {
 };
 
 // A rhombus of two modules has four sides of 30 mm; with 1 mm cut from each corner of both, 4 · 28 mm and 6 · 1 mm
-// stay.
+// remain.
 TEST(FlatIsland, RhombusHasTheOutlineWorkedByHand) {
   const FlatIsland island = only_island(test::strip(2));
   EXPECT_NEAR(length_of(island.outline_mm), 4 * 28.0 + 6 * 1.0, 1e-9);
@@ -116,7 +116,7 @@ TEST(FlatIsland, RefusesWhatCannotBeCut) {
   EXPECT_THROW((void)flat_islands(none, sheet::sides_of(none)), InputError);
 }
 
-// Converter inputs and pads are those that the software assumes: 12 taxels, of which two measure temperature.
+// Converter inputs and pads must be those that the software assumes: 12 taxels, two of which measure temperature.
 TEST(ModuleBoard, HasThePadsOfTheSoftware) {
   std::map<std::string, int> count;
   int temperature = 0;
@@ -142,7 +142,7 @@ TEST(ModuleBoard, PlatedHolesStayClearOfTheTaxels) {
   }
 }
 
-// Across a shared side any port meets any other: the contact at +x of one faces that at −x of its neighbour.
+// Across a shared side any port fits any other: the contact at +x of one faces that at −x of its neighbour.
 TEST(ModuleBoard, EveryPortFitsEveryOther) {
   for (std::size_t a = 0; a < 3; ++a) {
     for (std::size_t b = 0; b < 3; ++b) {
@@ -152,7 +152,8 @@ TEST(ModuleBoard, EveryPortFitsEveryOther) {
         const Vec2 mine = Eigen::Rotation2Dd(-turn_a) * contact_at(a, net, 1);
         const Vec2 other = Eigen::Rotation2Dd(-turn_b) * contact_at(b, net, -1);
         const double inradius_mm = design::kHeight_mm / 3;
-        const Vec2 across(-other.x(), -2 * inradius_mm - other.y());  // turned by 180° about the middle of the side
+        // The neighbour is turned by 180° about the middle of the side.
+        const Vec2 across(-other.x(), -2 * inradius_mm - other.y());
         EXPECT_NEAR(mine.x(), across.x(), 1e-9);
         EXPECT_NEAR(mine.y() + inradius_mm, -(across.y() + inradius_mm), 1e-9);
       }
@@ -211,8 +212,8 @@ TEST(Layer, OfAPlateIsExact) {
   EXPECT_EQ(layer.folded_faces, 0);
 }
 
-// A roof of 135° whose faces meet at the ridge under equal angles: the ridge moves by 1 / cos 22.5°, so that both
-// planes are as far away as they should be.
+// The faces of a roof of 135° meet at the ridge under equal angles: the ridge moves by 1 / cos 22.5°, so that both
+// planes are at the right distance.
 TEST(Layer, OfARoofIsExact) {
   design::Mesh roof;
   roof.vertices = {{0, 0, 0}, {30, 0, 0}, {30, 10, 10}, {0, 10, 10}, {30, 30, 10}, {0, 30, 10}};
@@ -223,7 +224,7 @@ TEST(Layer, OfARoofIsExact) {
   EXPECT_NEAR((ridge - roof.vertices[2]).norm(), 4.0 / std::cos(std::numbers::pi / 8), 1e-12);
 }
 
-// Random heights over a grid. The stated error is the largest that a look at every vertex and plane finds.
+// On random heights over a grid, the stated error is the largest that a test of every vertex and plane finds.
 TEST(Layer, StatesItsLargestError) {
   std::mt19937_64 random(3);
   constexpr int kSize = 8;
@@ -254,7 +255,7 @@ TEST(Layer, StatesItsLargestError) {
   EXPECT_NEAR(layer.error_mm, worst_mm, 1e-9);
 }
 
-// Inside of a half cylinder of radius 5 mm: an offset of 6 mm inwards turns its faces over, but for the first and last
+// Inside a half cylinder of radius 5 mm, an offset of 6 mm inwards turns its faces over, except for the first and last
 // strip, whose edge at the rim moves along their own normal and not to the axis.
 TEST(Layer, SaysWhereItFoldsOverItself) {
   design::Mesh groove;
@@ -282,9 +283,9 @@ TEST(Fabricate, SolidsAreReadBackWithTheirVolume) {
   const auto report = fabricate(d, folder.path(), {{Product::kSolids}, 1.0, 2.0, 3.0});
   EXPECT_EQ(report.files.size(), 4U);
   const double modules_mm3 = 6 * design::module_area_mm2(1.0) * kBoard_mm;
-  const double plate_mm3 = 1001.0 * 31.0 * 3.0;  // the surface of strip()
+  const double plate_mm3 = 1001.0 * 31.0 * 3.0;  // strip() has this surface.
   const auto volume = [&](const char* name) { return volume_mm3(geometry::read_mesh(folder.path() / name).mesh); };
-  EXPECT_NEAR(volume("solids/modules.stl") / modules_mm3, 1.0, 1e-4);  // single precision
+  EXPECT_NEAR(volume("solids/modules.stl") / modules_mm3, 1.0, 1e-4);  // The file has single precision.
   EXPECT_NEAR(volume("solids/carrier.stl") / plate_mm3, 1.0, 1e-4);
   EXPECT_NEAR(volume("solids/mould.stl") / plate_mm3, 1.0, 1e-4);
   EXPECT_NEAR(volume("solids/solids.3mf") / (modules_mm3 + 2 * plate_mm3), 1.0, 1e-6);
@@ -308,7 +309,7 @@ TEST(Fabricate, AssemblyIsReadBackWithNamesColoursAndVolumes) {
   EXPECT_NEAR(part.unit_mm, 1.0, 1e-12);
 }
 
-// A build without the geometry kernel: all else is written and the gap is said; who asks for STEP alone gets the
+// A build without the geometry kernel writes everything else and reports the gap; a request for STEP alone gets the
 // reason.
 TEST(Fabricate, SaysSoWithoutTheProgramForCadFiles) {
   const char* before = std::getenv("TRISKIN_CAD_READER");
@@ -326,7 +327,7 @@ TEST(Fabricate, SaysSoWithoutTheProgramForCadFiles) {
 TEST(Fabricate, WritesAllOrNothing) {
   const Folder folder;
   Design d = test::strip(3);
-  d.layout.corner_cut_mm = 5.0;  // no board can be made
+  d.layout.corner_cut_mm = 5.0;  // No board can be made with this cut.
   EXPECT_THROW((void)fabricate(d, folder.path(), {{Product::kDxf, Product::kKicad}, 1.0, 2.0, 2.0}), InputError);
   EXPECT_FALSE(fs::exists(folder.path()));
   (void)fabricate(d, folder.path(), {{Product::kDxf}, 1.0, 2.0, 2.0});

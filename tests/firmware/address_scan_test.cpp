@@ -22,8 +22,8 @@ TEST(AddressScan, AsksTheFourAddressesInTurn) {
   EXPECT_EQ(scan.result().answers, 0);
 }
 
-// A chip at 0, nothing at 1, another device at 2, a chip at 3: answers 1 + 4 + 8, wrong id 4. What id was read without
-// an acknowledgement (address 1) means nothing.
+// There is a chip at 0, nothing at 1, another device at 2, a chip at 3: answers are 1 + 4 + 8, the wrong id is 4. An id
+// that was read without an acknowledgement (address 1) has no meaning.
 TEST(AddressScan, KeepsWhoAnsweredAndWhoIsNoConverter) {
   AddressScan scan;
   scan.request();

@@ -19,7 +19,7 @@ namespace triskin::test {
 
 using Message = std::vector<std::uint8_t>;
 
-/// The whole application on virtual ports, four lines of doubles, and a tester on the bus.
+/// Runs the whole application on virtual ports, with four lines of doubles and a tester on the bus.
 class Bench {
  public:
   std::array<LineDouble, layout::kLines> lines;
@@ -27,7 +27,7 @@ class Bench {
   bool can_fd = true;
   std::uint8_t node = 1;
   std::uint64_t now_us = 0;
-  std::vector<wire::CanFrame> stream;  ///< What the controller sent beside answers.
+  std::vector<wire::CanFrame> stream;  ///< The controller sent these frames in addition to answers.
 
   void power_up() {
     controller = sim::make_virtual_controller({{&lines[0], &lines[1], &lines[2], &lines[3]},
@@ -44,7 +44,7 @@ class Bench {
     collect(nullptr);
   }
 
-  /// Sends a request and waits up to 200 ms for the answer; empty: there was none.
+  /// Sends a request and waits up to 200 ms for the answer; empty if there was none.
   Message ask(const Message& request, std::uint8_t frame_bytes = 8) {
     wire::IsoTp link(wire::physical_id(node, wire::kTesterAddress), wire::physical_id(wire::kTesterAddress, node),
                      frame_bytes);
@@ -58,7 +58,7 @@ class Bench {
     return {};
   }
 
-  /// Single frame to everybody; the answer comes as a single frame.
+  /// Sends a single frame to everybody; the answer is a single frame too.
   Message ask_all(const Message& request) {
     wire::IsoTp link(wire::kFunctionalId, wire::physical_id(wire::kTesterAddress, node), 8);
     EXPECT_EQ(link.send(request, now_us), Status::kOk);
@@ -120,7 +120,7 @@ class Bench {
   std::deque<wire::CanFrame> arrived_;
 };
 
-/// Two modules on each of the first three lines: module k at line k / 2, address k % 2.
+/// Makes a patch with two modules on each of the first three lines: module k at line k / 2, address k % 2.
 inline layout::PatchImage six_modules(std::uint8_t node = 1) {
   layout::PatchImage image;
   image.design_id = 6;

@@ -8,7 +8,7 @@
 
 namespace triskin::test {
 
-/// A calibration of every module of a table; the revision stands in all of its numbers.
+/// Makes a calibration of every module of a table; the revision is part of all of its numbers.
 inline wire::Calibration calibration_of(const layout::PatchImage& table, std::uint16_t revision) {
   wire::Calibration c{.exponent = 7, .revision = revision, .design_id = table.design_id, .made_unix_s = revision};
   for (const layout::ModuleRow& m : table.rows()) {

@@ -15,7 +15,7 @@ constexpr bool is_pad(std::size_t t) {
   return t == 6 || t == 10;
 }
 
-// The formula of compensation.hpp in real numbers, from its text.
+// Evaluates the formula of compensation.hpp in real numbers, from its text.
 struct Reference {
   std::array<double, layout::kTaxelsPerModule> baseline{}, output{}, gain{};
   double pads_at_start = 0.0;
@@ -78,7 +78,7 @@ TEST(Compensation, TemperatureThatAllFeelIsTakenAway) {
     c.add(raw, layout::kAllTaxels);
   }
   EXPECT_EQ(c.change(0), 0);
-  EXPECT_EQ(c.change(6), 5'000);  // The pads tell the temperature.
+  EXPECT_EQ(c.change(6), 5'000);  // The pads measure the temperature.
   raw[3] = static_cast<std::uint16_t>(raw[3] - 700);
   c.add(raw, layout::kAllTaxels);
   EXPECT_EQ(c.change(3), -700);
@@ -86,16 +86,16 @@ TEST(Compensation, TemperatureThatAllFeelIsTakenAway) {
 
 TEST(Compensation, ByHand) {
   Compensation c;
-  c.set_gain(0, 1 << 13);  // a half
+  c.set_gain(0, 1 << 13);  // The gain is one half.
   Taxels raw{};
   raw.fill(1'000);
   c.add(raw, layout::kAllTaxels);
   raw[6] = 1'100;
-  raw[10] = 1'300;  // 200 on the mean
+  raw[10] = 1'300;  // The mean is 200.
   c.add(raw, layout::kAllTaxels);
   EXPECT_EQ(c.change(0), -100);
   EXPECT_EQ(c.change(1), -200);
-  // Only one pad is valid: it alone counts.
+  // Only one pad is valid, so it alone counts.
   Compensation d;
   raw.fill(1'000);
   d.add(raw, layout::kAllTaxels);

@@ -17,7 +17,7 @@ TEST(ConfigurationCheck, IsDueAfterEachSixteenthReading) {
   check.confirmed();
   for (int reading = 1; reading <= 15; ++reading) EXPECT_FALSE(check.due_after_reading()) << reading;
   EXPECT_TRUE(check.due_after_reading());
-  EXPECT_TRUE(check.due_after_reading());  // The line had no time yet.
+  EXPECT_TRUE(check.due_after_reading());  // The line had no time until now.
   check.confirmed();
   for (int reading = 1; reading <= 15; ++reading) EXPECT_FALSE(check.due_after_reading()) << reading;
   EXPECT_TRUE(check.due_after_reading());

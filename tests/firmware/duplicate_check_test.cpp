@@ -19,7 +19,7 @@ Verdict compare(DuplicateCheck& check, std::uint16_t positive, std::uint16_t neg
   return check.compare(all(negative));
 }
 
-// 0x9000 and 0x7000 mirror each other at 0x8000: their sum is 0x10000.
+// 0x9000 and 0x7000 mirror each other at 0x8000, so their sum is 0x10000.
 TEST(DuplicateCheck, OneChipPasses) {
   DuplicateCheck check;
   EXPECT_FALSE(check.passed());
@@ -41,15 +41,16 @@ TEST(DuplicateCheck, TheWiredAndOfTwoChipsIsTooSmall) {
   EXPECT_FALSE(check.passed());
 }
 
-// 32 counts too few are what noise explains, 33 are not.
+// Noise explains a deficit of 32 counts, but not one of 33.
 TEST(DuplicateCheck, SuspectsAboveAMeanOf32Counts) {
   DuplicateCheck check;
   EXPECT_EQ(compare(check, 0x9000, 0x7000 - 32), Verdict::kSingle);
   EXPECT_EQ(compare(check, 0x9000, 0x7000 - 33), Verdict::kSuspected);
-  EXPECT_EQ(compare(check, 0x9000, 0x7000 + 500), Verdict::kSingle);  // A sum that is too large is no AND.
+  // A wired AND cannot give a sum that is too large.
+  EXPECT_EQ(compare(check, 0x9000, 0x7000 + 500), Verdict::kSingle);
 }
 
-// Eleven taxels with no deficit and one with 12 · 32 = 384: the mean is 32. One more count is too many.
+// Eleven taxels have no deficit and one has 12 · 32 = 384, so the mean is 32. One more count is too many.
 TEST(DuplicateCheck, TheMeanOfAllTaxelsCounts) {
   DuplicateCheck check;
   ad7147::Results negative = all(0x7000);
@@ -60,8 +61,8 @@ TEST(DuplicateCheck, TheMeanOfAllTaxelsCounts) {
   EXPECT_EQ(check.compare(negative), Verdict::kSuspected);
 }
 
-// Taxel 3 reads 0 at the negative input: 0x9000 and 0 lack 0x7000, but say nothing about two chips. Then at the
-// positive one: 0 and 0x1000 lack 0xF000.
+// Taxel 3 reads 0 at the negative input: 0x9000 and 0 lack 0x7000, but say nothing about two chips. The same holds at
+// the positive one, where 0 and 0x1000 lack 0xF000.
 TEST(DuplicateCheck, TaxelsAtTheEndOfTheirRangeDoNotCount) {
   DuplicateCheck check;
   ad7147::Results positive = all(0x9000), negative = all(0x7000);
@@ -72,14 +73,14 @@ TEST(DuplicateCheck, TaxelsAtTheEndOfTheirRangeDoNotCount) {
   negative[3] = 0x1000;
   check.store_other(positive);
   EXPECT_EQ(check.compare(negative), Verdict::kSingle);
-  EXPECT_EQ(compare(check, 0xFFFF, 0), Verdict::kSingle);  // nothing to compare
+  EXPECT_EQ(compare(check, 0xFFFF, 0), Verdict::kSingle);  // There is nothing to compare.
 }
 
 TEST(DuplicateCheck, IsCertainAfterThreeInARow) {
   DuplicateCheck check;
   EXPECT_EQ(compare(check, 0x8000, 0x7000), Verdict::kSuspected);
   EXPECT_EQ(compare(check, 0x8000, 0x7000), Verdict::kSuspected);
-  EXPECT_EQ(compare(check, 0x9000, 0x7000), Verdict::kSingle);  // A finger had been lifted.
+  EXPECT_EQ(compare(check, 0x9000, 0x7000), Verdict::kSingle);  // A finger was lifted in between.
   EXPECT_EQ(compare(check, 0x8000, 0x7000), Verdict::kSuspected);
   EXPECT_EQ(compare(check, 0x8000, 0x7000), Verdict::kSuspected);
   EXPECT_EQ(compare(check, 0x8000, 0x7000), Verdict::kDuplicate);
@@ -89,7 +90,7 @@ TEST(DuplicateCheck, ADuplicateIsConfirmedByOneReading) {
   DuplicateCheck check;
   for (int k = 0; k < 3; ++k) (void)compare(check, 0x8000, 0x7000);
   EXPECT_EQ(compare(check, 0x8000, 0x7000), Verdict::kDuplicate);
-  EXPECT_EQ(compare(check, 0x9000, 0x7000), Verdict::kSingle);  // strapped right
+  EXPECT_EQ(compare(check, 0x9000, 0x7000), Verdict::kSingle);  // The chip has the right straps now.
   EXPECT_EQ(compare(check, 0x8000, 0x7000), Verdict::kSuspected);
 }
 

@@ -10,8 +10,8 @@
 
 namespace triskin::test {
 
-/// Flash with the rules of the silicon, as a port (fw::FlashArea) or as a model (sim::FlashModel). Power can fail in
-/// any operation, which is an erase or one program unit; `tear` says how much of it is done then.
+/// Simulates flash with the rules of the silicon, as a port (fw::FlashArea) or as a model (sim::FlashModel). Power can
+/// fail in any operation, which is an erase or one program unit; `tear` sets how much of it is done then.
 template <class Interface>
 class FlashDouble final : public Interface {
  public:
@@ -20,7 +20,7 @@ class FlashDouble final : public Interface {
 
   explicit FlashDouble(std::size_t pages = 8) : bytes_(pages * kPage, 0xFF), written_(pages * kPage / kUnit, false) {}
 
-  /// The operation after `operations` more ones throws sim::PowerLost, once.
+  /// After `operations` more operations, the next one throws sim::PowerLost, once.
   void cut_after(int operations, Tear tear) {
     cut_ = operations;
     tear_ = tear;

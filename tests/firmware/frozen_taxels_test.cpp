@@ -11,7 +11,7 @@ namespace {
 
 using Taxels = FrozenTaxels::Taxels;
 
-/// A chip whose first `changing` taxels change at every reading while the others stay.
+/// Simulates a chip whose first `changing` taxels change at every reading while the others stay.
 struct Chip {
   FrozenTaxels taxels;
   int number = 0;
@@ -27,14 +27,14 @@ struct Chip {
   }
 };
 
-// The first reading differs from the zeros before it in all taxels. After it 26 readings are 286 changes, 27 are 297.
+// The first reading differs from the zeros before it in all taxels. The next 26 readings have 286 changes, 27 have 297.
 TEST(FrozenTaxels, ByHand) {
   Chip one;
   EXPECT_EQ(one.read(1 + 26, 11), 0);
   EXPECT_EQ(one.read(1, 11), 1U << 11);
-  EXPECT_EQ(one.read(2, 12), 0);  // it moves again
+  EXPECT_EQ(one.read(2, 12), 0);  // The taxel moves again.
   Chip eight;
-  EXPECT_EQ(eight.read(1 + 71, 4), 0);  // 284
+  EXPECT_EQ(eight.read(1 + 71, 4), 0);  // There are 284 changes.
   EXPECT_EQ(eight.read(1, 4), 0xFF0);
 }
 
@@ -50,8 +50,8 @@ TEST(FrozenTaxels, AFingerOnAQuietSkinSaysNothing) {
   EXPECT_EQ(chip.read(10'000, 3), 0);
 }
 
-// Resting values at the worst place, on a step of the converter; one taxel of twelve is frozen. A million readings of
-// each noise.
+// Resting values are at the worst place, on a step of the converter, and one taxel of twelve is frozen. Each noise has
+// a million readings.
 TEST(FrozenTaxels, LiveOnesAreNeverFrozenAndAFrozenOneIsFound) {
   std::mt19937_64 random(11);
   std::normal_distribution<double> normal;

@@ -57,10 +57,10 @@ TEST(StreamLeases, the_shortest_pace_counts) {
   EXPECT_EQ(leases.pace_us(), 40'000U);
 }
 
-// Two rows; the port takes nothing. Row 0: samples 1, 2, 5 wait, 3 and 4 were not read, 6 and 7 find no room.
+// With two rows the port takes nothing. In row 0, samples 1, 2, 5 wait, 3 and 4 were not read, 6 and 7 find no room.
 TEST(FullStream, every_sample_is_counted_once) {
   FullStream stream;
-  stream.add(sample(0, 1), 2, false);  // nobody reads
+  stream.add(sample(0, 1), 2, false);  // Nobody reads the stream.
   stream.restart(3);
   stream.renew({1, 100, 1, 0}, 0);
   for (const std::uint32_t n : {1U, 2U, 5U, 6U, 7U}) stream.add(sample(0, n), 2, false);
@@ -86,11 +86,11 @@ TEST(FullStream, only_multiples_count_when_only_they_are_wanted) {
   FullStream stream;
   stream.renew({1, 100, 4, 0}, 0);
   for (std::uint32_t n = 1; n <= 6; ++n) stream.add(sample(0, n), 1, false);
-  stream.add(sample(0, 14), 1, false);  // 8 and 12 were not read
+  stream.add(sample(0, 14), 1, false);  // Samples 8 and 12 were not read.
   EXPECT_EQ(stream.account(1, 0).modules[0], (wire::RowAccount{14, 2, 0, 0, 1}));
 }
 
-// The port takes a frame a millisecond, sixteen rows want three: each gets a third of what it wants.
+// The port takes a frame per millisecond, but sixteen rows want three, so each gets a third of what it wants.
 TEST(FullStream, rows_get_equal_shares_of_a_slow_port) {
   FullStream stream;
   std::map<int, int> sent;
@@ -106,8 +106,8 @@ TEST(FullStream, rows_get_equal_shares_of_a_slow_port) {
   for (const auto& [row, n] : sent) EXPECT_NEAR(n, 300, 4) << row;
 }
 
-// All rows come in the first 16 ms of a sequence of 37 ms, and the pace lets each send every 68 ms: those that come
-// late get as many as those that come early. They send in turns, so at any moment two differ by one at most.
+// All rows arrive in the first 16 ms of a sequence of 37 ms, and the pace lets each send every 68 ms: late rows get as
+// many turns as early ones. They send in turns, so at any moment two differ by at most one.
 TEST(FullStream, rows_get_equal_shares_whenever_their_samples_come) {
   FullStream stream;
   std::array<int, 16> sent{};
@@ -122,7 +122,7 @@ TEST(FullStream, rows_get_equal_shares_whenever_their_samples_come) {
   EXPECT_NEAR(least, 10'000 / 68, 2);
 }
 
-// A pace of 64 ms for four modules: a frame every 16 ms on the average, whatever the port takes.
+// A pace of 64 ms for four modules means a frame every 16 ms on average, whatever the port takes.
 TEST(FullStream, a_pace_holds_on_the_average) {
   FullStream stream;
   int sent = 0;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Random and damaged traffic against the whole application: it keeps answering, and a table that nobody unlocked stays.
+// Sends random and damaged traffic to the whole application: it must keep answering, and its table must stay while
+// nobody unlocks it.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -23,11 +24,13 @@ struct Traffic {
     f.fd = random() % 3 == 0;
     f.size = static_cast<std::uint8_t>(f.fd ? random() % 65 : random() % 9);
     for (std::size_t k = 0; k < f.size; ++k) f.data[k] = byte();
-    if (random() % 2 == 0) f.data[0] = static_cast<std::uint8_t>(random() % 0x40);  // a plausible ISO-TP head
+    // The byte makes a plausible ISO-TP head.
+    if (random() % 2 == 0) f.data[0] = static_cast<std::uint8_t>(random() % 0x40);
     return f;
   }
 
-  // A service that exists, with random parameters; not the security access, which random bytes could not pass anyway.
+  // Returns a service that exists, with random parameters; not the security access, which random bytes could not pass
+  // anyway.
   Message request() {
     constexpr std::array<std::uint8_t, 12> kServices{0x10, 0x11, 0x14, 0x19, 0x22, 0x2E,
                                                      0x31, 0x34, 0x35, 0x36, 0x37, 0x3E};
@@ -48,7 +51,7 @@ TEST(Fuzz, RandomFramesLeaveTheTableAndTheAnswers) {
   place_six(bench);
   bench.power_up();
   ASSERT_EQ(bench.flash_table(six_modules()), Status::kOk);
-  bench.run(6'000'000);  // The session has ended.
+  bench.run(6'000'000);  // The session has ended by now.
   const Message before = table_of(bench);
   Traffic traffic{std::mt19937(11)};
   for (int round = 0; round < 300; ++round) {
@@ -56,7 +59,7 @@ TEST(Fuzz, RandomFramesLeaveTheTableAndTheAnswers) {
       bench.controller->receive(traffic.frame());
       bench.run(traffic.random() % 300);
     }
-    bench.run(1'100'000);  // Whatever was under way has timed out.
+    bench.run(1'100'000);  // Every transfer under way has timed out by now.
     ASSERT_EQ(bench.ask({0x3E, 0x00}), (Message{0x7E, 0x00})) << "round " << round;
   }
   EXPECT_EQ(table_of(bench), before);
@@ -73,10 +76,10 @@ TEST(Fuzz, RandomRequestsAreAnsweredOrRefused) {
   Traffic traffic{std::mt19937(12)};
   for (int k = 0; k < 3000; ++k) {
     const Message request = traffic.request(), response = bench.ask(request, k % 2 == 0 ? 8 : 64);
-    if (response.empty()) continue;  // suppressed
+    if (response.empty()) continue;  // The response is suppressed.
     const bool negative = response.size() == 3 && response[0] == 0x7F && response[1] == request[0];
     ASSERT_TRUE(negative || response[0] == request[0] + 0x40) << testing::PrintToString(request);
-    // Nothing that changes the controller gets through without the key.
+    // Without the key, no request may change the controller.
     if (request[0] == 0x2E || request[0] == 0x34) {
       ASSERT_TRUE(negative);
     }

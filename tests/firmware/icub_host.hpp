@@ -11,16 +11,16 @@
 
 namespace triskin::test {
 
-/// An iCub host and an MTB4 board as their sources describe them (docs/icub.md names these). Nothing here is shared
-/// with our encoder: identifiers, masks and numbers are written down a second time on purpose.
+/// Describes an iCub host and an MTB4 board as their sources do (docs/icub.md names these). Nothing here is shared with
+/// our encoder: identifiers, masks and numbers are written down a second time on purpose.
 namespace icub_host {
 
-/// What the skin driver keeps of one triangle.
+/// Holds what the skin driver stores for one triangle.
 struct Triangle {
   std::array<int, 12> value{};
-  int halves = 0;                 ///< frames received, both kinds
-  std::optional<int> error_code;  ///< bytes 6 and 7 of the second frame, high byte first
-  /// The driver's reading of the code.
+  int halves = 0;                 ///< Received frames of both kinds are counted.
+  std::optional<int> error_code;  ///< The code is in bytes 6 and 7 of the second frame, high byte first.
+  /// Returns the driver's reading of the code.
   [[nodiscard]] std::string error() const {
     const int kind = error_code.value_or(0) & 0xF;
     if (kind == 0) return "";
@@ -30,7 +30,7 @@ struct Triangle {
   [[nodiscard]] int out_of_range() const { return (error_code.value_or(0) & 0xFFF0) >> 4; }
 };
 
-/// The driver's reader: takes every standard frame that is there, says what it does not know.
+/// Reads like the driver: takes every standard frame, and counts those that it does not know.
 class Reader {
  public:
   void take(const wire::CanFrame& f) {
@@ -51,12 +51,12 @@ class Reader {
       ++unknown;
     }
   }
-  std::map<std::pair<int, int>, Triangle> triangles;  ///< keyed by board and triangle
-  int unknown = 0;                                    ///< Frames of no class or half that the driver knows.
+  std::map<std::pair<int, int>, Triangle> triangles;  ///< The key is board and triangle.
+  int unknown = 0;                                    ///< The driver knows no class or half for these frames.
 };
 
-/// What an MTB4 board makes of a taxel without temperature compensation: `rise` is the change of the converter's result
-/// since the calibration, counted so that pressure makes it larger.
+/// Computes what an MTB4 board makes of a taxel without temperature compensation: `rise` is the change of the
+/// converter's result since the calibration, counted so that pressure makes it larger.
 struct Mtb4 {
   int no_load = 245, shift = 2;
   [[nodiscard]] int value(int rise) const {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The controller on the bus of an iCub: an independent reader and an independent board model agree with its frames.
+// On the bus of an iCub, an independent reader and an independent board model must agree with the frames of the
+// controller.
 #include "icub_host.hpp"
 
 #include <gtest/gtest.h>
@@ -31,7 +32,7 @@ struct IcubHost : testing::Test {
     bench.run(1'000'000);
   }
   ChipDouble& chip(std::size_t module) { return bench.lines[module / 2].chips[module % 2]; }
-  /// Triangle of module k of six_modules().
+  /// Returns the triangle of module k of six_modules().
   static int triangle(std::size_t module) { return static_cast<int>(4 * (module / 2) + module % 2); }
 
   void say(std::uint32_t id, std::initializer_list<std::uint8_t> bytes) {
@@ -40,7 +41,7 @@ struct IcubHost : testing::Test {
     for (const std::uint8_t b : bytes) f.data.at(f.size++) = b;
     bench.controller->receive(f);
   }
-  /// Says it; what comes within a millisecond that is no taxel frame.
+  /// Sends it and returns the frames within a millisecond that are no taxel frames.
   std::vector<wire::CanFrame> ask(std::uint32_t id, std::initializer_list<std::uint8_t> bytes) {
     bench.stream.clear();
     say(id, bytes);
@@ -57,7 +58,7 @@ struct IcubHost : testing::Test {
     say(0x201, {0x07, 0});
     bench.run(100'000);
   }
-  /// What the reader has after `us`.
+  /// Returns the state of the reader after `us`.
   std::map<std::pair<int, int>, Triangle>& listen(std::uint64_t us = 200'000) {
     bench.stream.clear();
     reader = {};
@@ -185,7 +186,7 @@ TEST_F(IcubHost, the_skin_type_chooses_the_compensation) {
   start(0, 200, 2);
   warm(80);
   for (const int v : listen().at({1, 0}).value)
-    EXPECT_NEAR(v, 200, 20);  // the pads explain it; they show it themselves
+    EXPECT_NEAR(v, 200, 20);  // The pads explain this change, and show it themselves.
   EXPECT_NEAR(reader.triangles.at({1, 0}).value[0], 200, 1);
   start(2, 200, 2);
   warm(80);
@@ -193,7 +194,7 @@ TEST_F(IcubHost, the_skin_type_chooses_the_compensation) {
   start(1, 200, 2);  // The gains of a palm are all zero.
   warm(80);
   for (const int v : listen().at({1, 0}).value) EXPECT_EQ(v, 180);
-  start(7, 200, 2);  // Low bytes of results whose middle the converter's offsets have moved.
+  start(7, 200, 2);  // The values are low bytes of results whose middle the converter's offsets have moved.
   const Triangle before = listen().at({1, 0});
   warm(5);
   const Triangle& raw = listen().at({1, 0});
@@ -242,8 +243,8 @@ TEST_F(IcubHost, a_fresh_board_has_the_defaults_of_the_other) {
   say(0x201, {0x07, 0});
   chip(1).counts[0] += 200;
   bench.run(100'000);
-  EXPECT_EQ(listen().at({1, 1}).value[0], 195);                   // 245 at rest, shift 2
-  EXPECT_NEAR(listen(10'000'000).at({1, 1}).halves, 2 * 200, 4);  // 50 ms
+  EXPECT_EQ(listen().at({1, 1}).value[0], 195);                   // The taxel reads 245 at rest, with shift 2.
+  EXPECT_NEAR(listen(10'000'000).at({1, 1}).halves, 2 * 200, 4);  // The period is 50 ms.
 }
 
 TEST_F(IcubHost, the_older_set_up_restores_defaults_calibrates_and_starts_at_40_ms) {
@@ -317,7 +318,7 @@ TEST_F(IcubHost, an_address_is_set_as_on_the_other_board) {
   EXPECT_TRUE(ask(0x701, {0xFF}).empty());
   EXPECT_TRUE(ask(0x705, {0x32, 9}).empty());
   ASSERT_EQ(ask(0x709, {0xFF}).size(), 1U);
-  EXPECT_TRUE(ask(0x709, {0x32, 0xFF, 0xFE, 0x0F}).empty());  // any but 1 … 11
+  EXPECT_TRUE(ask(0x709, {0x32, 0xFF, 0xFE, 0x0F}).empty());  // Every value but 1 … 11 is refused.
   const auto found = ask(0x70F, {0xFF});
   ASSERT_EQ(found.size(), 1U);
   EXPECT_GE(found[0].id >> 4 & 0xF, 12U);
@@ -399,19 +400,21 @@ TEST_F(IcubHost, a_board_that_gets_a_high_address_while_it_streams_stops) {
   EXPECT_TRUE(listen(500'000).empty());
 }
 
-// Discovery of the boards, silence, boards, triangles, half a second of rest, start; after that a press and the end.
+// The host sends discovery of the boards, silence, boards, triangles, half a second of rest, start; after that a press
+// and the end.
 TEST_F(IcubHost, the_start_of_an_ethernet_host_is_answered_as_by_the_other_board) {
   chip(4).powered = false;
   power_up();
   const auto version = ask(0x201, {0x1C, 2, 0});
   ASSERT_EQ(version.size(), 1U);
-  EXPECT_EQ(version[0].id >> 4 & 0xF, 1U);  // The host takes the address from the source.
+  EXPECT_EQ(version[0].id >> 4 & 0xF, 1U);  // The host takes the address from the source field.
   EXPECT_EQ(version[0].data[1], 0x0B);      // The type must be that of the configuration.
-  EXPECT_EQ(version[0].data[7], 1);         // the protocol fits
+  EXPECT_EQ(version[0].data[7], 1);         // The protocol fits.
   EXPECT_TRUE(ask(0x201, {0x07, 1}).empty());
   EXPECT_TRUE(ask(0x201, {0x4D, 0, 50, 245}).empty());
   EXPECT_TRUE(ask(0x201, {0x50, 0, 15, 2, 1, 0x00, 0x22}).empty());
-  EXPECT_TRUE(ask(0x201, {0x50, 12, 15, 2, 0, 0x00, 0x22}).empty());  // A special one: line 3 has no triangles.
+  // This special configuration fails because line 3 has no triangles.
+  EXPECT_TRUE(ask(0x201, {0x50, 12, 15, 2, 0, 0x00, 0x22}).empty());
   EXPECT_TRUE(listen(500'000).empty());
   EXPECT_TRUE(ask(0x201, {0x07, 0}).empty());
   auto& got = listen(1'000'000);

@@ -52,7 +52,7 @@ struct Icub : testing::Test {
 TEST_F(Icub, CommandsAreAnsweredAsTheFileSays) {
   for (const Vector& v : read_vectors("icub_commands.txt")) {
     SCOPED_TRACE(v.name);
-    send_status("201 07 01");  // No stream between the answers.
+    send_status("201 07 01");  // No stream arrives between the answers.
     send_status(v.one("host"));
     if (v.one("board").empty()) {
       std::erase_if(bench.stream, [](const wire::CanFrame& f) { return (f.id & 0x700) == 0x400; });
@@ -69,7 +69,7 @@ TEST_F(Icub, StartsStopsAndLeavesOutTriangles) {
   send_status("201 07 00");
   EXPECT_EQ(modules_of(200'000), (std::set<unsigned>{0, 1, 4, 5, 8, 9}));
   send_status("201 50 04 08 06 00 00 22");
-  EXPECT_TRUE(modules_of(200'000).empty());  // a configuration stops
+  EXPECT_TRUE(modules_of(200'000).empty());  // A configuration stops the stream.
   send_status("201 07 00");
   EXPECT_EQ(modules_of(200'000), (std::set<unsigned>{0, 1, 9}));
   send_status("201 07 01");
@@ -81,16 +81,16 @@ TEST_F(Icub, StartsStopsAndLeavesOutTriangles) {
 TEST_F(Icub, RestValueShiftAndPeriodAreObeyed) {
   send_status("201 4D 01 32 F5");
   send_status("201 50 00 0F 05 01 00 22");
-  bench.run(100'000);  // the reading at rest
+  bench.run(100'000);  // This reading is at rest.
   send_status("201 07 00");
   bench.lines[0].chips[0].counts[0] += 320;
   bench.run(100'000);
   bench.stream.clear();
   bench.run(5'000'000);
-  EXPECT_NEAR(static_cast<double>(bench.stream.size()) / 32, 100.0, 2.0);  // 50 ms
+  EXPECT_NEAR(static_cast<double>(bench.stream.size()) / 32, 100.0, 2.0);  // The period is 50 ms.
   const auto t = wire::decode_icub(bench.stream.at(0), bench.stream.at(1));
   ASSERT_TRUE(t);
-  EXPECT_EQ(t->value[0], 235);  // 320 >> 5 less than 245
+  EXPECT_EQ(t->value[0], 235);  // The value is 245 less 320 >> 5.
   EXPECT_EQ(t->value[1], 245);
 }
 

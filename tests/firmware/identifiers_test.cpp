@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The controller against the table of identifiers: each answers, with a value of its length, that its type decodes.
+// Compares the controller with the table of identifiers: each must answer with a value of its length that its type
+// decodes.
 #include <gtest/gtest.h>
 
 #include "bench.hpp"
@@ -39,8 +40,8 @@ TEST(Identifiers, each_answers_with_a_value_of_its_length) {
   for (const wire::Identifier& i : wire::kIdentifiers) {
     SCOPED_TRACE(i.id);
     const Message m = read(bench, i.id);
-    const bool silent =
-        i.access == wire::Access::kFreeze || i.id == wire::did::kImageState;  // There is no loader here.
+    // The test has no loader.
+    const bool silent = i.access == wire::Access::kFreeze || i.id == wire::did::kImageState;
     if (silent) {
       EXPECT_EQ(m, (Message{0x7F, 0x22, wire::nrc::kOutOfRange}));
       continue;
@@ -59,10 +60,12 @@ TEST(Identifiers, only_those_that_may_be_written_are) {
   start(bench);
   for (const wire::Identifier& i : wire::kIdentifiers) {
     SCOPED_TRACE(i.id);
-    bench.unlock();  // A written node address starts the controller anew.
+    // Writing a node address restarts the controller.
+    bench.unlock();
     Message value = read(bench, i.id);
     if (value.at(0) != 0x62) continue;
-    value[0] = 0x2E;  // What it says is written back.
+    // The test writes back the value that it read.
+    value[0] = 0x2E;
     const bool taken = bench.ask(value).at(0) == 0x6E;
     EXPECT_EQ(taken, i.access == wire::Access::kReadWrite);
     bench.unlock();

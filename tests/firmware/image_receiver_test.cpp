@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The controller's part in a broadcast update, on a flash with the rules of the silicon.
+// Tests the controller's part in a broadcast update, on a flash with the rules of the silicon.
 #include "triskin/boot/image_receiver.hpp"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ using wire::update::Command;
 using wire::update::Phase;
 
 constexpr std::array<std::uint32_t, 2> kOrigins{0x08004000, 0x08040000};
-constexpr std::size_t kPages = 120;  // 240 KB, as on the board
+constexpr std::size_t kPages = 120;  // The slot has 240 KB, as on the board.
 constexpr std::uint32_t kRuns = 0x00020000, kNew = 0x00030000;
 constexpr std::uint16_t kSession = 0x1234;
 
@@ -47,7 +47,7 @@ class Restarts final : public fw::Restart {
 std::vector<std::uint8_t> image_for(int slot, std::uint32_t version, std::size_t bytes, std::uint8_t fill) {
   std::vector<std::uint8_t> image(bytes);
   for (std::size_t k = 0; k < bytes; ++k) image[k] = static_cast<std::uint8_t>(fill + k / 8 + k % 8);
-  std::fill_n(image.begin() + 512, 64, std::uint8_t{0xFF});  // A gap that reads as erased.
+  std::fill_n(image.begin() + 512, 64, std::uint8_t{0xFF});  // This gap reads as erased.
   ByteWriter w(image);
   w.le32(0x20010000);
   w.le32(kOrigins[static_cast<std::size_t>(slot)] + 0x201);
@@ -56,7 +56,7 @@ std::vector<std::uint8_t> image_for(int slot, std::uint32_t version, std::size_t
   return image;
 }
 
-/// Slot 0 runs; slot 1 is free.
+/// Slot 0 runs, and slot 1 is free.
 class Receiver : public ::testing::Test {
  protected:
   Receiver() { put_running(true); }
@@ -137,11 +137,11 @@ class Receiver : public ::testing::Test {
 TEST_F(Receiver, takes_an_image_asks_for_what_was_lost_and_starts_it) {
   const auto image = image_for(1, kNew, 6000, 7);
   take_part(image);
-  // 6000 bytes: pages 0 … 2 and the page of records.
+  // 6000 bytes take pages 0 … 2 and the page of records.
   EXPECT_EQ(b.operations(), 4);
   send(image, {3, 10, 400, 749});
   const auto missing = ask_missing();
-  // Units 64 … 71 of the image read as erased: a host leaves them out of what it sends again.
+  // Units 64 … 71 of the image read as erased, so a host omits them when it repeats missing units.
   EXPECT_EQ(missing, (std::set<std::uint16_t>{3, 10, 64, 65, 66, 67, 68, 69, 70, 71, 400, 749}));
   to_all(Command::kCheck);
   EXPECT_EQ(receiver.state().status, Status::kBadCrc);
@@ -184,7 +184,7 @@ TEST_F(Receiver, says_what_runs) {
   EXPECT_EQ(wire::update::decode_image(port.sent[1].payload()).value().record_crc, slots.inspect(0).record_crc);
   EXPECT_EQ(wire::update::decode_state(port.sent[2].payload()), wire::update::State{});
   port.sent.clear();
-  order(wire::update::order_to(Command::kAsk, 0, 0xDEADBEEF));  // somebody else
+  order(wire::update::order_to(Command::kAsk, 0, 0xDEADBEEF));  // The order comes from another host.
   EXPECT_TRUE(port.sent.empty());
 }
 
@@ -237,7 +237,7 @@ TEST_F(Receiver, refuses_an_image_that_is_not_what_was_offered) {
   image[layout::kLabelOffset] = 0;
   EXPECT_EQ(refused(image), Status::kBadMagic) << "no label";
   image = image_for(1, kNew, 4096, 7);
-  image[7] = 0x20;  // Its entry lies in RAM.
+  image[7] = 0x20;  // The entry point is in RAM.
   EXPECT_EQ(refused(image), Status::kWrongTarget);
 }
 
@@ -256,7 +256,7 @@ TEST_F(Receiver, a_foreign_tester_changes_nothing) {
   to_all(Command::kActivate, kForeign);
   EXPECT_EQ(slots.choose(), 0);
   to_all(Command::kEnd);
-  // Its data in the middle of ours damage the image, and that is seen.
+  // Foreign data in the middle of ours damage the image, and this must be detected.
   take_part(image);
   const std::array<std::uint8_t, 8> foreign{9, 9, 9, 9, 9, 9, 9, 9};
   EXPECT_TRUE(receiver.handle(wire::update::encode_data(1, 100, foreign), now_us));
@@ -304,7 +304,7 @@ TEST_F(Receiver, answers_wait_for_room) {
 TEST_F(Receiver, power_cut_in_any_operation_leaves_a_slot_that_starts) {
   const auto image = image_for(1, kNew, 2048, 7);
   const Area a_before = a, b_before = b;
-  // Two erases, 256 units less the gap of eight, two units of the record.
+  // There are two erases, 256 units less the gap of eight, and two units of the record.
   constexpr int kOperations = 2 + 256 - 8 + 2;
   int news = 0;
   for (const auto tear : {Area::Tear::kNothing, Area::Tear::kHalf, Area::Tear::kAll}) {

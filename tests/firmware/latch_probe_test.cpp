@@ -32,7 +32,7 @@ TEST(LatchProbe, ResultsOfTheOldOneChangeAtTheEnd) {
   EXPECT_TRUE(probe.wanted());
 }
 
-// Stages 5 to 11 may or may not have ended: they do not count.
+// Stages 5 to 11 may or may not have ended, so they do not count.
 TEST(LatchProbe, OnlyTheFirstStagesCount) {
   LatchProbe probe;
   ad7147::Results middle = results(33'000);
@@ -45,17 +45,17 @@ TEST(LatchProbe, OnlyTheFirstStagesCount) {
 TEST(LatchProbe, NoiseAndAFingerGiveNoVerdict) {
   LatchProbe probe;
   probe.store(results(32'768));
-  probe.compare(results(32'766), results(32'770));  // too near
+  probe.compare(results(32'766), results(32'770));  // The values are too near to each other.
   EXPECT_TRUE(probe.wanted());
   probe.store(results(32'800));
-  probe.compare(results(32'000), results(34'000));  // a finger came
+  probe.compare(results(32'000), results(34'000));  // A finger arrived.
   EXPECT_TRUE(probe.wanted());
 }
 
 TEST(LatchProbe, TakesAChipWithoutVerdictForTheUsualOne) {
   LatchProbe probe;
   for (int n = 1; n < LatchProbe::kMaxProbes; ++n) {
-    probe.compare(results(100), results(60'000));  // Nothing was read in mid-sequence.
+    probe.compare(results(100), results(60'000));  // No value was read in mid-sequence.
     EXPECT_TRUE(probe.wanted()) << n;
   }
   probe.compare(results(100), results(60'000));

@@ -10,20 +10,20 @@
 
 namespace triskin::test {
 
-/// An AD7147 as far as the data sheet binds the firmware: registers, device id, results of the connected inputs.
-/// Written for these tests alone, apart from the chips of host/sim. Stage after stage ends; a sequence takes 36.9 ms
-/// from the writing of CONV_RESET.
+/// Models an AD7147 as far as the data sheet binds the firmware: registers, device id, results of the connected inputs.
+/// Written for these tests alone, independently of the chips of host/sim. Stages end one after another; a sequence
+/// takes 36.9 ms from the writing of CONV_RESET.
 struct ChipDouble {
   static constexpr std::uint64_t kSequence_us = 36'900;
   std::uint8_t address = 0x2C;
   std::uint16_t device_id = 0x1470;
   bool powered = true;
-  std::array<int, 12> counts{};  ///< capacitance of each electrode, 8 pF / 32768
-  int noise = 3;                 ///< amplitude of a change from sequence to sequence
-  std::uint16_t frozen = 0;      ///< bit t: no noise at input t
+  std::array<int, 12> counts{};  ///< Each electrode has this capacitance in units of 8 pF / 32768.
+  int noise = 3;                 ///< Values change from sequence to sequence by up to this amplitude.
+  std::uint16_t frozen = 0;      ///< Bit t switches off the noise at input t.
   std::map<std::uint16_t, std::uint16_t> registers;
   std::uint64_t started_us = 0;
-  int configurations = 0;  ///< writes to power control
+  int configurations = 0;  ///< Writes to power control are counted.
 
   void dip() { registers.clear(); }
 
@@ -45,7 +45,7 @@ struct ChipDouble {
 
  private:
   std::uint64_t status_us_ = 0;
-  std::array<std::uint16_t, 12> held_{};  // Results until a stage ends anew.
+  std::array<std::uint16_t, 12> held_{};  // Results stay until a stage ends anew.
   std::uint64_t held_us_ = 0;
 
   void hold(std::uint64_t now_us) {
@@ -54,7 +54,7 @@ struct ChipDouble {
     held_ = shown;
     held_us_ = now_us;
   }
-  // How often a stage has ended since the start; the status tells of those since it was read.
+  // Returns how often a stage has ended since the start; the status reports those since it was last read.
   [[nodiscard]] std::uint64_t ends(unsigned stage, std::uint64_t at_us) const {
     return (at_us - started_us + kSequence_us * (11 - stage) / 12) / kSequence_us;
   }
@@ -78,19 +78,20 @@ struct ChipDouble {
     const int wobble = (frozen >> stage & 1) != 0
                            ? 0
                            : static_cast<int>((sequence * 7 + static_cast<unsigned>(stage) * 5) % 11) * noise / 10;
-    const unsigned afe = registers[static_cast<std::uint16_t>(base + 2)];  // steps of 0.32 pF: low byte negative input
+    // The low byte sets the negative input, in steps of 0.32 pF.
+    const unsigned afe = registers[static_cast<std::uint16_t>(base + 2)];
     const auto offset = static_cast<int>(std::lround((connection == 2 ? afe >> 8 & 0x3F : afe & 0x3F) * 0.32 * 4096));
     const int value = 0x8000 + (connection == 2 ? 1 : -1) * (counts[static_cast<std::size_t>(stage)] - offset + wobble);
     return static_cast<std::uint16_t>(std::min(0xFFFF, std::max(0, value)));
   }
 };
 
-/// A line with chips; two at one address answer together as on open-drain wires.
+/// Simulates a line with chips; two at one address answer together as on open-drain wires.
 class LineDouble final : public sim::I2cBus {
  public:
   std::vector<ChipDouble> chips;
   bool sda_low = false, scl_low = false;
-  int frees_after_pulses = 0;  ///< 0: never
+  int frees_after_pulses = 0;  ///< Zero means that the line never becomes free.
   int pulses = 0, starts = 0;
 
   bool start(std::uint8_t address_byte, std::uint64_t now_us) override {
@@ -139,7 +140,7 @@ class LineDouble final : public sim::I2cBus {
   [[nodiscard]] bool stuck() const { return sda_low || scl_low; }
   std::vector<ChipDouble*> selected_;
   std::uint16_t register_ = 0;
-  unsigned outgoing_ = 0;  ///< A register is sampled as its high byte goes out.
+  unsigned outgoing_ = 0;  ///< A register is sampled when its high byte is sent.
   std::uint8_t high_ = 0;
   int written_ = 0;
   bool reading_ = false, high_next_ = true;

@@ -20,7 +20,7 @@ TEST(LineRecovery, LeavesTheLineAloneForASecondAfterThreeInARow) {
   EXPECT_EQ(recovery.count(), 3U);
   recovery.end_pause();
   EXPECT_EQ(recovery.paused_until_us(), 0U);
-  EXPECT_TRUE(recovery.held_low(1'002'000));  // three more
+  EXPECT_TRUE(recovery.held_low(1'002'000));  // Three more pulses follow.
   EXPECT_EQ(recovery.count(), 4U);
 }
 
@@ -39,7 +39,7 @@ TEST(LineRecovery, ALineThatLetsGoOnlyForAMomentIsLeftAloneToo) {
   LineRecovery recovery;
   for (int k = 0; k < 3; ++k) {
     EXPECT_TRUE(recovery.held_low(1'000));
-    recovery.recovered(true);  // And is held low again by the next transfer.
+    recovery.recovered(true);  // The next transfer finds the line held low again.
   }
   EXPECT_FALSE(recovery.held_low(1'000));
   EXPECT_TRUE(recovery.stuck());

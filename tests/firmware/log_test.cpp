@@ -58,7 +58,7 @@ TEST(Log, AReaderGetsItsLevelsOnce) {
   EXPECT_EQ(read_all(log, all), std::vector<std::string>{}) << "it has had them";
 }
 
-// The image is built with 3: a line of level 4 is not in it, and its text is not even made.
+// The image is built with level 3: a line of level 4 is not in it, and its text is not even formatted.
 TEST(Log, LevelsThatAreNotCompiledInCostNothing) {
   static_assert(kCompiledLogLevel == LogLevel::kInformation, "the levels of this build");
   Log log;
@@ -124,7 +124,7 @@ TEST(LogSender, SendsOneFrameAMillisecondAndWaitsForRoom) {
   EXPECT_EQ(port.frames[0].id, 0x18E4FF07U);
 }
 
-// Half of a line has left when sixteen others push it out: it is given up, what follows is whole.
+// When half of a line is sent, sixteen others overwrite it: it is given up, and the next line is complete.
 TEST(LogSender, ALineThatIsOverwrittenMeanwhileIsGivenUp) {
   Log log;
   Port port;

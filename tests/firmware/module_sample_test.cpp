@@ -22,7 +22,7 @@ TEST(ModuleSample, AllTaxelsInsideTheirRangeAreValid) {
   EXPECT_EQ(sample.raw[5], 0x8000);
 }
 
-// Taxels 0 and 11 at the ends: 0x0FFF − 0x0801 = 0x07FE.
+// Taxels 0 and 11 are at the ends: 0x0FFF − 0x0801 = 0x07FE.
 TEST(ModuleSample, ATaxelAtAnEndOfItsRangeIsSaturated) {
   ModuleSample sample;
   ad7147::Results results = middle();
@@ -40,7 +40,7 @@ TEST(ModuleSample, AFrozenTaxelIsNotValid) {
   EXPECT_EQ(sample.valid, 0x0FEF);
 }
 
-// A taxel that rests at the end of its range does not change either: it is saturated, not frozen.
+// A taxel that rests at the end of its range does not change either, but it counts as saturated, not frozen.
 TEST(ModuleSample, SaturatedComesBeforeFrozen) {
   ModuleSample sample;
   ad7147::Results results = middle();

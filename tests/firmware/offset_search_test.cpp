@@ -13,7 +13,7 @@ namespace {
 
 using Polarity = Ad7147::Polarity;
 
-/// Twelve electrodes at a converter of ± 8 pF with an offset of `step_pf` a step.
+/// Simulates twelve electrodes at a converter of ± 8 pF with an offset of `step_pf` per step.
 struct Electrodes {
   std::array<double, 12> pf{};
   double step_pf = 0.32;
@@ -26,7 +26,7 @@ struct Electrodes {
     }
     return r;
   }
-  /// Readings until the offsets stand.
+  /// Returns the number of readings until the offsets are found.
   [[nodiscard]] int settle(OffsetSearch& search, Polarity polarity) const {
     int readings = 1;
     while (search.adjust(read(search.offsets(), polarity), polarity)) ++readings;
@@ -34,8 +34,7 @@ struct Electrodes {
   }
 };
 
-// Worked by hand: 2 pF at 31 steps (9.92 pF) is 7.92 pF too little, 24.75 steps: 6 steps are 1.92 pF, 0.08 pF of 8
-// remain.
+// By hand: 2 pF at 31 steps (9.92 pF) is 7.92 pF too little, 24.75 steps: 6 steps are 1.92 pF, and 0.08 pF of 8 remain.
 TEST(OffsetSearch, OneReadingTellsWhatIsTooMuch) {
   Electrodes e;
   e.pf.fill(2.0);
@@ -65,7 +64,7 @@ TEST(OffsetSearch, EveryElectrodeOf2To18PfRestsInTheMiddleAfterThreeReadings) {
   }
 }
 
-// The step of a real chip may be off; so may each electrode.
+// The step of a real chip may be off, and so may each electrode.
 TEST(OffsetSearch, AStepThatIsWrongByAFifthCostsReadingsOnly) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> pf(2.0, 18.0);
@@ -87,8 +86,8 @@ TEST(OffsetSearch, KnownOffsetsStayWhileTheirTaxelRestsInTheMiddleThird) {
   e.pf.fill(10.0);
   ad7147::Offsets known{};
   known.fill(31);
-  known[3] = 24;  // 2.32 pF off: still inside
-  known[4] = 22;  // 2.96 pF off
+  known[3] = 24;  // At 2.32 pF off, the value is still inside.
+  known[4] = 22;  // The offset is 2.96 pF off.
   OffsetSearch search;
   search.begin(known);
   EXPECT_EQ(e.settle(search, Polarity::kPositive), 2);
@@ -100,22 +99,22 @@ TEST(OffsetSearch, KnownOffsetsStayWhileTheirTaxelRestsInTheMiddleThird) {
 TEST(OffsetSearch, WhatNoOffsetReachesIsNamed) {
   Electrodes e;
   e.pf.fill(10.0);
-  e.pf[2] = 40.0;    // shorted to the shield
-  e.pf[7] = -100.0;  // no electrode
+  e.pf[2] = 40.0;    // This electrode is shorted to the shield.
+  e.pf[7] = -100.0;  // There is no electrode.
   OffsetSearch search;
   search.begin();
   EXPECT_LE(e.settle(search, Polarity::kNegative), OffsetSearch::kMaxRounds);
   EXPECT_EQ(search.outside(), 1U << 2 | 1U << 7);
   EXPECT_EQ(search.offsets()[2], 63);
   EXPECT_EQ(search.offsets()[7], 0);
-  // Known as such it costs no reading more.
+  // An offset that is already known costs no further reading.
   const ad7147::Offsets found = search.offsets();
   search.begin(found);
   EXPECT_EQ(e.settle(search, Polarity::kNegative), 1);
   EXPECT_EQ(search.outside(), 1U << 2 | 1U << 7);
 }
 
-// Two chips that answer together never settle: the search ends all the same.
+// Two chips that answer together never settle, but the search must end all the same.
 TEST(OffsetSearch, EndsWhenTheResultsDoNotFollow) {
   OffsetSearch search;
   search.begin();

@@ -43,7 +43,7 @@ TEST(OffsetStore, KeepsWhatWasPut) {
   book[3].steps[11] = 63;
   put(book, 15, 7);
   write_all(store, book);
-  EXPECT_EQ(flash.operations(), 2 * 4);  // units of eight bytes, and no erase of a fresh board
+  EXPECT_EQ(flash.operations(), 2 * 4);  // Each record has units of eight bytes, and a fresh board needs no erase.
   const OffsetBook again = read_anew(flash);
   EXPECT_EQ(again[3].steps, book[3].steps);
   EXPECT_EQ(again[3].device_id, 0x1472);
@@ -101,11 +101,11 @@ TEST(OffsetStore, TheNewestCountsThroughManyPages) {
   std::mt19937 random(3);
   std::array<std::uint8_t, 16> steps{};
   for (std::size_t n = 0; n < 12 * kSlots; ++n) {
-    const std::size_t place = random() % 4 == 0 ? random() % 16 : 2;  // most places change seldom
+    const std::size_t place = random() % 4 == 0 ? random() % 16 : 2;  // Most places change rarely.
     steps[place] = static_cast<std::uint8_t>(random() % 64);
     put(book, place, steps[place]);
     write_all(*store, book);
-    if (n % 37 == 0) {  // power-up
+    if (n % 37 == 0) {  // This simulates a power-up.
       store = std::make_unique<OffsetStore>(flash);
       book = {};
       store->load(book);
@@ -118,7 +118,8 @@ TEST(OffsetStore, TheNewestCountsThroughManyPages) {
   }
 }
 
-// In each operation of filling two pages: every place has its old or its new offsets after it, and can be written.
+// Power is cut in each operation of filling two pages: afterwards every place has its old or its new offsets, and can
+// be written.
 TEST(OffsetStore, ACutOfPowerLosesNothingButTheRecordUnderWay) {
   for (const auto tear : {Flash::Tear::kNothing, Flash::Tear::kHalf, Flash::Tear::kAll}) {
     for (int cut = 0; cut < 330; ++cut) {

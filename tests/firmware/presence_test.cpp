@@ -6,7 +6,8 @@
 namespace triskin::fw {
 namespace {
 
-// Asked for at 10,000, but the line had time at 10,400 only; no answer at 10,430. Next at 19,200, not at 19,600.
+// The attempt was due at 10,000, but the line had time only at 10,400; there is no answer at 10,430. The next one is at
+// 19,200, not at 19,600.
 TEST(Presence, AttemptsStayInStepWhenTheLineIsLate) {
   Presence presence;
   presence.ask_at(10'000);
@@ -16,7 +17,7 @@ TEST(Presence, AttemptsStayInStepWhenTheLineIsLate) {
   EXPECT_EQ(presence.ask_us(), 28'400U);
 }
 
-// The line had no time for more than a period: 10,000 + 9,200 has passed at 25,030, so 25,000 + 9,200 counts.
+// The line had no time for more than a period: at 25,030, 10,000 + 9,200 has passed, so 25,000 + 9,200 counts.
 TEST(Presence, AnAttemptThatWaitedForAPeriodSetsTheStepAnew) {
   Presence presence;
   presence.ask_at(10'000);
@@ -26,7 +27,7 @@ TEST(Presence, AnAttemptThatWaitedForAPeriodSetsTheStepAnew) {
 
 TEST(Presence, IsLostRecentlyForATenthOfASecond) {
   Presence presence;
-  EXPECT_FALSE(presence.lost_recently(50'000));  // never lost
+  EXPECT_FALSE(presence.lost_recently(50'000));  // The module was never lost.
   presence.lost(1'000'000);
   EXPECT_TRUE(presence.lost_recently(1'000'000));
   EXPECT_TRUE(presence.lost_recently(1'099'999));

@@ -32,7 +32,7 @@ ReadingSchedule schedule_of(std::size_t stations, std::uint8_t every = 1) {
   return schedule;
 }
 
-// A chip that was started at `at_us` and whose status is not wanted.
+// Starts a chip at `at_us` whose status is not wanted.
 void start_without_status(ReadingSchedule& schedule, std::size_t station, std::uint64_t at_us) {
   schedule.start(station, at_us);
   schedule.forget_status(station);
@@ -50,7 +50,7 @@ TEST(ReadingSchedule, AReadingIsDueWithinItsWindow) {
   EXPECT_EQ(schedule.due(kT + 9'032), kNothing);
   EXPECT_EQ(schedule.next_us(kT + 9'032), kT + 9'033);
   EXPECT_EQ(schedule.due(kT + 9'033), (Due{Action::kRead, 0}));
-  EXPECT_EQ(schedule.due(kT + 9'383), (Due{Action::kRead, 0}));  // Asked for again, it was not begun.
+  EXPECT_EQ(schedule.due(kT + 9'383), (Due{Action::kRead, 0}));  // It was requested again because it was not begun.
   EXPECT_EQ(schedule.read(0, kT + 10'000), kT + 9'200);
   EXPECT_EQ(schedule.take_missed(0), 0U);
 }
@@ -63,8 +63,8 @@ TEST(ReadingSchedule, ASequenceWhoseWindowHasClosedIsMissed) {
   EXPECT_EQ(schedule.take_missed(0), 0U);
 }
 
-// Of three sequences one is sampled: the first one is missed, and the second one, which is not read either, is none
-// that was to be.
+// One of three sequences is sampled: the first one is missed, and the second one, which is not read either, was not
+// meant to be sampled.
 TEST(ReadingSchedule, OnlySequencesThatWereToBeSampledAreMissed) {
   ReadingSchedule schedule = schedule_of(1, 3);
   start_without_status(schedule, 0, kT);
@@ -74,8 +74,8 @@ TEST(ReadingSchedule, OnlySequencesThatWereToBeSampledAreMissed) {
 }
 
 // Without a reading of the status the second sequence ends in T + 17,639 … T + 19,161: 1,522 wide, too wide for a
-// window, 18,601 … 18,214. The third one is 2,258 wide, of which 2 * (736 + 2 * 25) = 1,572 are of the period alone:
-// the clock is uncertain and the sequence is begun anew at once. Nothing falls due before T + 28,169.
+// window, 18,601 … 18,214. The third one is 2,258 wide, of which 2 * (736 + 2 * 25) = 1,572 come from the period
+// alone: the clock is uncertain and the sequence is begun anew at once. Nothing is due before T + 28,169.
 TEST(ReadingSchedule, AnUncertainClockBeginsAnew) {
   ReadingSchedule schedule = schedule_of(1);
   start_without_status(schedule, 0, kT);
@@ -89,7 +89,8 @@ TEST(ReadingSchedule, AnUncertainClockBeginsAnew) {
   EXPECT_EQ(schedule.due(kT + 18'350 + 9'033), (Due{Action::kRead, 0}));
 }
 
-// Started 100 apart: at T + 9,133 the windows of both are open, the one that closes first is read first.
+// The two were started 100 apart: at T + 9,133 the windows of both are open, and the one that closes first is read
+// first.
 TEST(ReadingSchedule, TheEarliestEndIsReadFirst) {
   ReadingSchedule schedule = schedule_of(2);
   start_without_status(schedule, 1, kT);
@@ -99,7 +100,7 @@ TEST(ReadingSchedule, TheEarliestEndIsReadFirst) {
   EXPECT_EQ(schedule.due(kT + 9'300), (Due{Action::kRead, 0}));
 }
 
-// 500 before T + 9,033.
+// The expected time is 500 before T + 9,033.
 TEST(ReadingSchedule, AnErrandEndsBeforeTheNextWindowOpens) {
   ReadingSchedule schedule = schedule_of(2);
   start_without_status(schedule, 0, kT);
@@ -117,7 +118,7 @@ TEST(ReadingSchedule, AnErrandEndsBeforeTheNextWindowOpens) {
   EXPECT_EQ(schedule.due(kT + 5'000), kNothing);
 }
 
-// Errands of two stations: the lower number first, and before the status that both chips wait for as well.
+// Transactions of two chips are ordered by number, and precede the status for which both chips wait.
 TEST(ReadingSchedule, AnErrandComesBeforeTheStatus) {
   ReadingSchedule schedule = schedule_of(2);
   schedule.start(0, kT);
@@ -152,10 +153,10 @@ TEST(ReadingSchedule, TheStatusIsClearedWhenTheSequenceHasBegun) {
   EXPECT_EQ(schedule.due(kT + 761), (Due{Action::kStatus, 0}));
 }
 
-// A status that was cleared at T + 875 (25 before the end of its transfer). Stages end 766 apart, stage 11 at T +
-// 9,200: stage 0 at T + 767, stage 1 at T + 1,534, stage 2 at T + 2,300. The stage before the one that is looked for
-// must end half the doubt of 786, and 50, after T + 875, that is after T + 1,318: stage 1. So stage 2 is the first. The
-// chip samples the status 120 after the start of a transfer: T + 2,180, at most 30 + 786 / 8 = 128 later.
+// The status was cleared at T + 875 (25 before the end of its transfer). Stages end 766 apart, stage 11 at T + 9,200:
+// stage 0 at T + 767, stage 1 at T + 1,534, stage 2 at T + 2,300. The stage before the wanted one must end half the
+// doubt of 786, and 50, after T + 875, that is after T + 1,318: stage 1. So stage 2 is the first. The chip samples the
+// status 120 after the start of a transfer: T + 2,180, at most 30 + 786 / 8 = 128 later.
 struct Refinement : testing::Test {
   ReadingSchedule schedule = schedule_of(1);
   void SetUp() override {
@@ -172,22 +173,22 @@ TEST_F(Refinement, BeginsWithTheFirstStageThatCanShowIt) {
   EXPECT_EQ(schedule.due(kT + 2'308), (Due{Action::kStatus, 0}));
 }
 
-// Cleared at T + 1,200 instead: the stage before must end after T + 1,643. Stage 2 does, not stage 1: stage 3 is the
-// first, from T + 3,067 − 120 on.
+// Cleared at T + 1,200 instead, the stage before must end after T + 1,643. Stage 2 does, stage 1 does not: stage 3 is
+// the first, from T + 3,067 − 120 on.
 TEST_F(Refinement, BeginsLaterWhenTheStatusWasClearedLater) {
   schedule.start(0, kT);
   schedule.status_read(0, 0, kT + 1'225);
   EXPECT_EQ(schedule.next_us(kT + 1'225), kT + 2'947);
 }
 
-// Too late for stage 2. Stage 3 ends at T + 3,067, the status is read from T + 2,947 on.
+// It is too late for stage 2. Stage 3 ends at T + 3,067, and the status is read from T + 2,947 on.
 TEST_F(Refinement, TakesTheNextStageWhenItIsTooLate) {
   EXPECT_EQ(schedule.due(kT + 2'309), kNothing);
   EXPECT_EQ(schedule.next_us(kT + 2'309), kT + 2'947);
   EXPECT_EQ(schedule.due(kT + 2'947), (Due{Action::kStatus, 0}));
 }
 
-// Stages 1 and 2 had ended at T + 2,300. Nine stages are left, 9 * 9,568 / 12 = 7,176 at the longest: the sequence ends
+// Stages 1 and 2 had ended at T + 2,300. Nine stages remain, 9 * 9,568 / 12 = 7,176 at the longest: the sequence ends
 // by T + 9,501 (25 of slack) instead of T + 9,593, and the window opens 92 earlier.
 TEST_F(Refinement, AStageThatHasEndedOpensTheWindowEarlier) {
   schedule.status_read(0, 0b0110, kT + 2'325);
@@ -207,8 +208,8 @@ TEST_F(Refinement, AStageThatHasNotEndedKeepsTheWindowOpen) {
   EXPECT_EQ(schedule.take_missed(0), 1U);
 }
 
-// Stage 1 had ended long before T + 2,300 in any case. Without its bit the chip does not convert: there is no use in
-// reading the status again, and the window stays as it was.
+// Stage 1 had ended long before T + 2,300 in any case. Without its bit the chip does not convert, so reading the status
+// again is useless, and the window stays as it was.
 TEST_F(Refinement, AChipThatDoesNotConvertRefinesNothing) {
   schedule.status_read(0, 0b0100, kT + 2'325);
   EXPECT_EQ(schedule.next_us(kT + 2'325), kT + 9'033);
@@ -219,8 +220,8 @@ TEST_F(Refinement, EndsWhenTheStatusIsNotAcknowledged) {
   EXPECT_EQ(schedule.next_us(kT + 2'325), kT + 9'033);
 }
 
-// A reading that is due ends the search for a stage, the last one by then. A status that says at T + 9,800 that stage
-// 11 has not ended, but stage 10 has, would contradict the clock and move the window.
+// A due reading ends the search for a stage, at the latest. A status that says at T + 9,800 that stage 11 has not
+// ended, but stage 10 has, would contradict the clock and move the window.
 TEST_F(Refinement, EndsWithTheReading) {
   EXPECT_EQ(schedule.due(kT + 9'033), (Due{Action::kRead, 0}));
   schedule.status_read(0, 1U << 10, kT + 9'825);
@@ -240,8 +241,9 @@ TEST(ReadingSchedule, OfThreeChipsThatEndTogetherOneBeginsLater) {
   EXPECT_EQ(schedule.due(kT + 10'873), (Due{Action::kRestart, 0}));
 }
 
-// Of three sequences one is sampled, the one that has just been read. The one that begins anew at R is none: the clock
-// goes on to the next, whose status is cleared from R + 25 + 2 · 9,568 − 8,832 = R + 10,329 on, not from R + 761 on.
+// One of three sequences is sampled: the one that has just been read. The one that begins anew at R is not: the clock
+// continues to the next, whose status is cleared from R + 25 + 2 · 9,568 − 8,832 = R + 10,329 on, not from R + 761
+// on.
 TEST(ReadingSchedule, ARestartedSequenceThatIsNotSampledIsPassedOver) {
   ReadingSchedule schedule = schedule_of(3, 3);
   for (std::size_t k = 0; k < 3; ++k) start_without_status(schedule, k, kT);
@@ -256,7 +258,7 @@ TEST(ReadingSchedule, ARestartedSequenceThatIsNotSampledIsPassedOver) {
   EXPECT_EQ(schedule.due(kR + 10'329), (Due{Action::kStatus, 0}));
 }
 
-// A restart because of an uncertain clock that is not acknowledged: the clock is as uncertain as before.
+// A restart because of an uncertain clock is not acknowledged, so the clock is as uncertain as before.
 TEST(ReadingSchedule, ARestartThatFailedIsTriedAgainWhileTheClockIsUncertain) {
   ReadingSchedule schedule = schedule_of(1);
   start_without_status(schedule, 0, kT);
@@ -266,7 +268,8 @@ TEST(ReadingSchedule, ARestartThatFailedIsTriedAgainWhileTheClockIsUncertain) {
   EXPECT_EQ(schedule.due(kT + 18'500), (Due{Action::kRestart, 0}));
 }
 
-// The one because of others that end at the same time is not: the next reading finds out whether it is needed still.
+// A failed restart because of others that end at the same time is not repeated: the next reading finds out whether it
+// is still needed.
 TEST(ReadingSchedule, ARestartThatFailedIsNotTriedAgainForTheSakeOfOthers) {
   ReadingSchedule schedule = schedule_of(3);
   for (std::size_t k = 0; k < 3; ++k) start_without_status(schedule, k, kT);
@@ -277,15 +280,15 @@ TEST(ReadingSchedule, ARestartThatFailedIsNotTriedAgainForTheSakeOfOthers) {
   EXPECT_EQ(schedule.due(kT + 10'973), kNothing);
 }
 
-// A chip whose sequences last 9,200 exactly, and a line that serves it alone: 180 for the status (sampled 120 after its
-// start), 640 for a reading, 110 for a restart.
+// Simulates a chip whose sequences last exactly 9,200, and a line that serves it alone: 180 for the status (sampled 120
+// after its start), 640 for a reading, 110 for a restart.
 struct Line {
   ReadingSchedule schedule;
   std::uint64_t now_us = kT, started_us = kT, status_us = kT;
   std::vector<std::uint64_t> sampled{};
   int restarts = 0;
 
-  // Stage s ends (s + 1) · 9,200 / 12 after the start, and every 9,200.
+  // Stage s ends (s + 1) · 9,200 / 12 after the start, and every 9,200 after that.
   [[nodiscard]] std::uint16_t status_at(std::uint64_t at_us) const {
     unsigned bits = 0;
     for (unsigned s = 0; s < 12; ++s) {
@@ -338,7 +341,7 @@ TEST(ReadingSchedule, SamplesEachSequenceOfAChipThatIsAlone) {
   EXPECT_EQ(line.restarts, 0);
 }
 
-// A burst of 640 µs may begin until the window closes; one that was slowed down ends later.
+// A burst of 640 µs may begin until the window closes, but one that was slowed down ends later.
 TEST(ReadingSchedule, ABurstThatEndedTooLateIsNotInTime) {
   ReadingSchedule schedule;
   schedule.begin(1, 9'200, 1);
@@ -350,8 +353,8 @@ TEST(ReadingSchedule, ABurstThatEndedTooLateIsNotInTime) {
   EXPECT_FALSE(schedule.in_time(0, clock.last_start_us() + 640 + 21, 640));
 }
 
-// By a timer the first reading is due when the slowest converter has ended its sequence, 105 % of the nominal one after
-// the start (9,660), and then one each 9,200. One that would end within the next one is missed: 8,400 later.
+// With a timer the first reading is due when the slowest converter has ended its sequence, 105 % of the nominal one
+// after the start (9,660), and then one every 9,200. One that would end within the next one is missed: 8,400 later.
 ReadingSchedule by_timer(std::size_t stations, std::uint8_t every = 1) {
   ReadingSchedule schedule;
   schedule.begin(stations, kNominal_us, every, wire::SamplingTiming::kTimer);
@@ -388,8 +391,8 @@ TEST(ReadingByTimer, EachThirdOneOnly) {
   EXPECT_TRUE(schedule.read(0, kT + 37'260));
 }
 
-// Four chips that were started one after the other are read one after the other, and what a caller plans has its place
-// between them.
+// Four chips that were started one after the other are read in the same order, and planned transactions have their
+// place between them.
 TEST(ReadingByTimer, SharesTheLineAmongItsChips) {
   ReadingSchedule schedule = by_timer(2);
   schedule.start(0, kT);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Each failure of a module or a line, seen from the bus: what the controller says about it, and that the others go on.
+// For each failure of a module or a line, the bus must show the right message of the controller, and the others must
+// continue.
 #include <gtest/gtest.h>
 
 #include "bench.hpp"
@@ -37,10 +38,10 @@ struct Faults : testing::Test {
 TEST_F(Faults, NoneOnAHealthySkin) {
   start();
   expect_all_ok_but({}, ModuleState::kOk);
-  EXPECT_EQ(statistic(1), 0U);           // bus errors
-  EXPECT_EQ(chip(0).configurations, 3);  // offsets, then mirrored once, then for good
+  EXPECT_EQ(statistic(1), 0U);           // Bus errors are counted here.
+  EXPECT_EQ(chip(0).configurations, 3);  // The first is for offsets, the second mirrored once, the third final.
   const Message dtcs = bench.ask({0x19, 0x02, 0xFF});
-  EXPECT_EQ(dtcs, (Message{0x59, 0x02, 0x09}));  // And none was seen on the way.
+  EXPECT_EQ(dtcs, (Message{0x59, 0x02, 0x09}));  // No fault was seen in the meantime.
 }
 
 TEST_F(Faults, FirstReadingsAreReal) {
@@ -52,7 +53,7 @@ TEST_F(Faults, FirstReadingsAreReal) {
     EXPECT_EQ(r.le16(), 0x0FFF) << k;
     for (int t = 0; t < 12; ++t) {
       const double counts = r.le16() - 0x8000, steps = (counts + 8000 + 97 * k + 31 * t) / (0.32 * 4096);
-      EXPECT_LE(std::abs(counts), 0.32 * 4096);  // An offset takes the electrode away.
+      EXPECT_LE(std::abs(counts), 0.32 * 4096);  // An offset cancels the electrode.
       EXPECT_NEAR(steps, std::round(steps), 4 / (0.32 * 4096));
     }
   }
@@ -62,10 +63,11 @@ TEST_F(Faults, AbsentModule) {
   chip(3).powered = false;
   start();
   expect_all_ok_but({3}, ModuleState::kAbsent);
-  chip(3).powered = true;  // plugged in again
+  chip(3).powered = true;  // The chip is plugged in again.
   bench.run(1'000'000);
   expect_all_ok_but({}, ModuleState::kOk);
-  EXPECT_EQ(bench.ask({0x19, 0x02, 0x08}), (Message{0x59, 0x02, 0x09, 0x92, 0, 3, 0x08}));  // came and went
+  // The fault has come and gone.
+  EXPECT_EQ(bench.ask({0x19, 0x02, 0x08}), (Message{0x59, 0x02, 0x09, 0x92, 0, 3, 0x08}));
   EXPECT_EQ(bench.ask({0x19, 0x04, 0x92, 0, 3, 0xFF}).at(0), 0x59);
 }
 
@@ -100,7 +102,7 @@ TEST_F(Faults, TwoModulesAtOneAddress) {
   EXPECT_EQ(bench.state(0), ModuleState::kDuplicate);
   EXPECT_EQ(bench.state(1), ModuleState::kAbsent);
   EXPECT_EQ(bench.state(2), ModuleState::kOk);
-  chip(1).address = 0x2D;  // strapped right
+  chip(1).address = 0x2D;  // The chip has the right straps now.
   bench.run(3'000'000);
   expect_all_ok_but({}, ModuleState::kOk);
 }
@@ -118,7 +120,7 @@ TEST_F(Faults, AFingerDuringTheCheckIsNoSecondChip) {
 }
 
 TEST_F(Faults, SaturatedTaxel) {
-  chip(0).counts[11] = 140'000;  // 34 pF: no offset reaches it
+  chip(0).counts[11] = 140'000;  // No offset reaches 34 pF.
   start();
   expect_all_ok_but({0}, ModuleState::kSaturated);
   const Message live = bench.ask({0x22, 0xFD, 0x10});
@@ -149,7 +151,8 @@ TEST_F(Faults, LostConfigurationIsWrittenAgain) {
   const int before = chip(5).configurations;
   chip(5).dip();
   bench.run(50'000);
-  expect_all_ok_but({5}, ModuleState::kLostConfiguration);  // not "saturated", which its zeros look like
+  // The state must not be "saturated", although its zeros look like that.
+  expect_all_ok_but({5}, ModuleState::kLostConfiguration);
   bench.run(200'000);
   expect_all_ok_but({}, ModuleState::kOk);
   EXPECT_EQ(chip(5).configurations, before + 1);
@@ -163,7 +166,7 @@ TEST_F(Faults, StuckDataIsClockedFree) {
   bench.run(1'000'000);
   EXPECT_EQ(bench.lines[1].pulses, 4);
   expect_all_ok_but({}, ModuleState::kOk);
-  EXPECT_EQ(statistic(2), 1U);  // recoveries
+  EXPECT_EQ(statistic(2), 1U);  // Recoveries are counted here.
 }
 
 TEST_F(Faults, AShortedLineIsLeftAloneAndTheOthersKeepTheirRate) {

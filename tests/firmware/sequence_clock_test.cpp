@@ -9,8 +9,8 @@
 namespace triskin::fw {
 namespace {
 
-// A chip whose sequences last `period_us` each, changing by `wander` of itself in a second, and a controller whose
-// stamps are wrong by up to 20 µs.
+// Simulates a chip whose sequences last `period_us` each, changing by the fraction `wander` per second, and a
+// controller whose stamps are wrong by up to 20 µs.
 struct Chip {
   double period_us, wander_per_s = 0.0, end_us = 0.0;
   SequenceClock clock{};
@@ -29,7 +29,7 @@ struct Chip {
     }
     clock.next(static_cast<std::uint32_t>(count));
   }
-  // Refines as the sampler does: at every third stage, up to 60 µs later than is best.
+  // Refines as the sampler does: at every third stage, up to 60 µs later than ideal.
   void refine() {
     for (int stage = 2; stage < 12 && clock.refinement_wanted(); stage += 3) {
       const auto at = static_cast<std::uint64_t>(static_cast<double>(clock.stage_end_us(stage)) + uniform(0.0, 60.0));
@@ -37,7 +37,7 @@ struct Chip {
                    static_cast<double>(at) + uniform(-20.0, 20.0) >= end_us - (11 - stage) * period_us / 12.0);
     }
   }
-  // A burst anywhere in the window reads twelve results of one sequence.
+  // Returns true if a burst anywhere in the window reads twelve results of one sequence.
   [[nodiscard]] bool whole() const {
     return static_cast<double>(clock.read_us() + SequenceClock::kLastResult_us) >= end_us &&
            static_cast<double>(clock.last_start_us() + SequenceClock::kFirstResult_us) <= end_us + period_us / 12.0;
@@ -67,7 +67,7 @@ TEST(SequenceClock, EveryWindowIsWholeWithEveryOscillator) {
 }
 
 TEST(SequenceClock, FollowsAnOscillatorThatWarmsUp) {
-  Chip chip{9'200.0, 72e-6};  // 2 % in four and a half minutes
+  Chip chip{9'200.0, 72e-6};  // The period drifts by 2 % in four and a half minutes.
   chip.start(1'000'000, 9'200);
   for (int n = 1; n < 30'000; ++n, chip.next()) {
     ASSERT_TRUE(chip.whole()) << n;
@@ -109,7 +109,7 @@ TEST(SequenceClock, WithoutLooksTheWindowShrinksUntilItAsksForANewStart) {
   EXPECT_TRUE(chip.whole());
 }
 
-// Another chip in its place, or one that began anew unseen.
+// Another chip took its place, or one restarted unseen.
 TEST(SequenceClock, IsUncertainWhenLooksContradictAgainAndAgain) {
   Chip chip{9'200.0};
   chip.start(1'000'000, 9'200);
@@ -120,13 +120,13 @@ TEST(SequenceClock, IsUncertainWhenLooksContradictAgainAndAgain) {
     chip.clock.refine(at, 11, static_cast<double>(at) >= chip.end_us);
   }
   EXPECT_TRUE(chip.clock.uncertain());
-  chip.clock.restart(9'000'000);  // Nothing is taken for known.
+  chip.clock.restart(9'000'000);  // No earlier knowledge remains.
   EXPECT_FALSE(chip.clock.uncertain());
   EXPECT_EQ(chip.clock.may_pass(2), 1U);
   EXPECT_NEAR(static_cast<double>(chip.clock.doubt_us()), 0.08 * 9'200 + 50, 2.0);
 }
 
-// Worked by hand: started at 1 s, ± 4 % and 25 µs: the end lies in 1 008 807 … 1 009 593.
+// By hand: started at 1 s, ± 4 % and 25 µs, the end lies in 1 008 807 … 1 009 593.
 TEST(SequenceClock, WindowOfABurstLiesBetweenTheStages) {
   SequenceClock clock;
   clock.start(1'000'000, 9'200);
@@ -139,8 +139,7 @@ TEST(SequenceClock, WindowOfABurstLiesBetweenTheStages) {
   EXPECT_NEAR(static_cast<double>(clock.doubt_us()), 9'225 - 8'807, 1.0);
 }
 
-// Worked by hand for the same start: after the latest end, and before the earliest next one, 8,832 µs after the
-// earliest end.
+// By hand for the same start: after the latest end, and before the earliest next one, 8,832 µs after the earliest end.
 TEST(SequenceClock, ResultsThatChangeAtTheEndAreReadBetweenTwoEnds) {
   for (const wire::Latching latching : {wire::Latching::kEndOfSequence, wire::Latching::kUnknown}) {
     SequenceClock clock;

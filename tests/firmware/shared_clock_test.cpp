@@ -10,7 +10,7 @@
 namespace triskin::fw {
 namespace {
 
-// A line whose transfers end when the test says so.
+// Simulates a line whose transfers end when the test says so.
 struct FakeLine final : I2cLine {
   void start(std::uint8_t address, Bytes, std::span<std::uint8_t>) override {
     busy = true;
@@ -72,7 +72,7 @@ TEST_F(OneClock, OneTransferAtATimeInTheOrderOfTheirStarts) {
   EXPECT_EQ(clock.line(3).ended_us(), 1'700U);
 }
 
-// The line is held low: what another line transfers ends first, and its outcome is not lost.
+// The line is held low: the transfer of another line ends first, and its outcome is not lost.
 TEST_F(OneClock, ABusClearWaitsForTheTransferUnderWay) {
   start(1, 0x2C);
   lines[1].ready = true;

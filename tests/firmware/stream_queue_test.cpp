@@ -28,7 +28,7 @@ TEST(StreamQueue, GivesFramesInTheOrderTheyCame) {
   EXPECT_EQ(queue.dropped(), 0U);
 }
 
-// 46 of 47 places taken: two frames that belong together find no room, one does.
+// With 46 of 47 places taken, two frames that belong together find no room, but one does.
 TEST(StreamQueue, TakesAllFramesOrNone) {
   static_assert(StreamQueue::kCapacity == 47);
   StreamQueue queue;
@@ -43,7 +43,7 @@ TEST(StreamQueue, TakesAllFramesOrNone) {
   EXPECT_EQ(queue.front().id, 200U);
 }
 
-// 100 times five in and five out: the first place moves 500 places on, 30 behind the tenth turn of 47.
+// A hundred times, five go in and five out: the first place moves 500 places on, 30 behind the tenth turn of 47.
 TEST(StreamQueue, GoesRoundItsRing) {
   StreamQueue queue;
   ASSERT_TRUE(queue.push(frames_from(0, 40)));

@@ -74,13 +74,13 @@ TEST(TableStore, RefusesWithoutTouchingFlash) {
   bytes[4] = 2;
   EXPECT_EQ(flash_table(store, bytes), Status::kBadVersion);
   bytes = bytes_of(table(2, 5));
-  bytes.push_back(0xFF);  // More than the image says.
+  bytes.push_back(0xFF);  // The data is longer than the image states.
   EXPECT_EQ(flash_table(store, bytes), Status::kBadLength);
   bytes = bytes_of(table(2, 5));
   store.begin_download(bytes.size());
   ASSERT_EQ(store.append(Bytes(bytes).first(50)), Status::kOk);
-  EXPECT_EQ(store.activate(1), Status::kBadLength);  // half of it
-  EXPECT_EQ(store.append(bytes), Status::kNoSpace);  // too much of it
+  EXPECT_EQ(store.activate(1), Status::kBadLength);  // Only half of it is sent.
+  EXPECT_EQ(store.append(bytes), Status::kNoSpace);  // Too much of it is sent.
   EXPECT_EQ(flash.raw(), before);
   EXPECT_EQ(store.table(), table(1, 16));
 }
@@ -95,10 +95,10 @@ TEST(TableStore, AFlashThatRefusesLeavesTheOldTable) {
   EXPECT_EQ(store.table(), table(1, 3));
 }
 
-// Power fails in every operation of an activation in turn, before it, in its middle, and after it.
+// Power fails in every operation of an activation in turn: before it, in its middle, and after it.
 TEST(TableStore, APowerCutLeavesTheOldOrTheNewTable) {
   const auto next = bytes_of(table(99, 16));
-  for (int history = 0; history <= 2; ++history) {  // nothing, one slot, both slots in use
+  for (int history = 0; history <= 2; ++history) {  // The history is nothing, one slot, or both slots in use.
     for (const Tear tear : {Tear::kNothing, Tear::kHalf, Tear::kAll}) {
       int cuts = 0;
       for (bool completed = false; !completed; ++cuts) {
@@ -126,10 +126,10 @@ TEST(TableStore, APowerCutLeavesTheOldOrTheNewTable) {
                                 : after.has_table() && after.table() == table(static_cast<std::uint64_t>(history), 8);
         EXPECT_TRUE(is_new || is_old);
         EXPECT_TRUE(is_new || !completed);
-        EXPECT_EQ(flash_table(after, next), Status::kOk);  // Running it again completes the work.
+        EXPECT_EQ(flash_table(after, next), Status::kOk);  // Another run completes the work.
         EXPECT_EQ(after.table(), table(99, 16));
       }
-      EXPECT_EQ(cuts, 1 + 224 / 8 + 2 + 1);  // erase, image, commit record, and the run without a cut
+      EXPECT_EQ(cuts, 1 + 224 / 8 + 2 + 1);  // The sum is erase, image, commit record, and the run without a cut.
     }
   }
 }
@@ -140,14 +140,14 @@ TEST(TableStore, ADamagedSlotGivesWayToTheOther) {
   store.load();
   ASSERT_EQ(flash_table(store, bytes_of(table(1, 3))), Status::kOk);
   ASSERT_EQ(flash_table(store, bytes_of(table(2, 4))), Status::kOk);
-  flash.raw()[Flash::kPage + 33] ^= 0x10;  // the newer slot
+  flash.raw()[Flash::kPage + 33] ^= 0x10;  // This is the newer slot.
   TableStore after(flash);
   after.load();
   ASSERT_TRUE(after.has_table());
   EXPECT_EQ(after.table(), table(1, 3));
 }
 
-// What a controller keeps after power-up; empty: no calibration.
+// Returns what a controller keeps after power-up; empty if it has no calibration.
 std::vector<std::uint8_t> calibration_in(Flash& flash) {
   TableStore store(flash);
   store.load();
@@ -158,7 +158,7 @@ std::vector<std::uint8_t> calibration(const layout::PatchImage& table, std::uint
   return test::bytes_of(test::calibration_of(table, revision));
 }
 
-// A record of 16 modules takes 8 + 496 + 8 bytes: three beside the table, the fourth goes to the other slot.
+// A record of 16 modules takes 8 + 496 + 8 bytes: three fit beside the table, and the fourth goes to the other slot.
 TEST(KeptCalibration, IsTheNewestAndOutlivesAFullPage) {
   Flash flash;
   TableStore store(flash);
@@ -213,7 +213,7 @@ TEST(KeptCalibration, OfOtherModulesIsRefused) {
   EXPECT_EQ(calibration_in(flash), calibration(patch, 1));
 }
 
-// A table keeps what was found out about its modules when it has them at the same places.
+// A new table keeps the measurements of its modules if they are at the same places.
 TEST(KeptCalibration, GoesWithTheSameModulesToANewTable) {
   auto joined = table(7, 5), moved = table(7, 5), fewer = table(7, 4), named = table(7, 5);
   joined.modules[4].rotation = 2;
@@ -266,10 +266,10 @@ TEST(KeptCalibration, APowerCutLeavesTheOldOrTheNewOne) {
         TableStore after(flash);
         after.load();
         EXPECT_EQ(after.table(), patch);
-        ASSERT_EQ(after.set_calibration(calibration(patch, 10)), Status::kOk);  // And it can be written again.
+        ASSERT_EQ(after.set_calibration(calibration(patch, 10)), Status::kOk);  // The record can be written again.
         EXPECT_EQ(calibration_in(flash), calibration(patch, 10));
       }
-      // Head, value and CRC in units of 8 bytes; with a full page erase, table and commit record besides.
+      // A record has head, value and CRC in units of 8 bytes; a full page adds erase, table and commit record.
       EXPECT_EQ(cuts, 1 + 62 + 1 + (before == 3 ? 1 + 28 + 2 : 0) + 1);
     }
   }
@@ -311,7 +311,7 @@ TEST(NodeAddress, IsKeptOverManyChangesAndPowerCuts) {
   EXPECT_EQ(store.set_node_address(0), Status::kOutOfRange);
   EXPECT_EQ(store.set_node_address(127), Status::kOutOfRange);
   std::uint8_t old = 1;
-  for (int change = 0; change < 700; ++change) {  // fills both pages
+  for (int change = 0; change < 700; ++change) {  // This many changes fill both pages.
     const auto wanted =
         static_cast<std::uint8_t>(layout::kFirstNode + static_cast<std::size_t>(change * 37 + 1) % layout::kMaxNodes);
     if (change % 3 == 0) flash.cut_after(change % 2, change % 5 == 0 ? Tear::kHalf : Tear::kNothing);
@@ -342,7 +342,7 @@ TEST(FaultMemory, SurvivesPowerLossUntilItIsCleared) {
   EXPECT_EQ(frame->fault, (wire::FaultRecord{{wire::ModuleState::kAbsent, 3}, wire::fault_status::kConfirmed}));
   EXPECT_EQ(frame->freeze, (wire::Freeze{1500, 40}));
   EXPECT_FALSE(after.snapshot(0x920004));
-  EXPECT_FALSE(after.snapshot(0x910003));  // "ok" is no fault
+  EXPECT_FALSE(after.snapshot(0x910003));  // The state "ok" is no fault.
   EXPECT_FALSE(after.snapshot(0x92FF03));
   EXPECT_TRUE(after.clear());
   after.load();
@@ -399,7 +399,8 @@ wire::Crash a_crash(std::uint32_t number) {
   return c;
 }
 
-// Beside the faults of modules, until all is cleared; the faults of another table's rows go alone.
+// The crash is stored beside the faults of modules until all is cleared; faults of another table's rows are cleared
+// separately.
 TEST(FaultMemory, KeepsTheLastCrashUntilItIsCleared) {
   Flash flash;
   FaultMemory faults(flash);
@@ -420,7 +421,7 @@ TEST(FaultMemory, KeepsTheLastCrashUntilItIsCleared) {
   EXPECT_FALSE(after());
 }
 
-// Pages fill up: 127 records beside the head, five a crash.
+// Pages fill up: 127 records beside the head, five per crash.
 TEST(FaultMemory, CrashesFillOnePageAfterTheOther) {
   Flash flash;
   FaultMemory faults(flash);
@@ -433,7 +434,7 @@ TEST(FaultMemory, CrashesFillOnePageAfterTheOther) {
   }
 }
 
-// Power fails in each operation of the second crash: the first one is kept, or the second.
+// Power fails in each operation of the second crash: either the first one is kept, or the second.
 TEST(FaultMemory, APowerCutLosesAtMostTheNewCrash) {
   for (const Tear tear : {Tear::kNothing, Tear::kHalf, Tear::kAll}) {
     int cuts = 0;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The conversation of tests/vectors/uds.txt over CAN with the whole application, and what does not fit into it.
+// Runs the conversation of tests/vectors/uds.txt over CAN with the whole application, and tests cases that do not fit
+// into it.
 #include <gtest/gtest.h>
 
 #include "bench.hpp"
@@ -8,7 +9,7 @@
 namespace triskin::test {
 namespace {
 
-// One byte a word; KEY stands for the answer to the last seed.
+// Reads one byte per word; KEY stands for the answer to the last seed.
 Message request_of(const std::string& text, std::uint32_t seed) {
   std::istringstream in(text);
   Message m;
@@ -87,7 +88,7 @@ TEST(Uds, ANewNodeAddressTakesEffectAfterTheAnswer) {
   EXPECT_TRUE(bench.ask({0x3E, 0x00}).empty());
   bench.node = 0x42;
   EXPECT_EQ(bench.ask({0x3E, 0x00}), (Message{0x7E, 0x00}));
-  bench.power_up();  // and after a loss of power
+  bench.power_up();  // The value also survives a loss of power.
   EXPECT_EQ(bench.ask({0x22, 0xFD, 0x01}), (Message{0x62, 0xFD, 0x01, 0x42}));
 }
 
@@ -115,7 +116,7 @@ TEST(Uds, APowerCutAtEveryFlashOperationOfAFlashSession) {
     EXPECT_EQ(m[3], 0);
     const std::uint64_t design = ByteReader(Bytes(m).subspan(8)).le64();
     EXPECT_TRUE(design == 77 || design == 6) << "cut " << cut;
-    EXPECT_EQ(bench.flash_table(next), Status::kOk);  // the tool runs again
+    EXPECT_EQ(bench.flash_table(next), Status::kOk);  // The tool runs again.
     if (!lost) {
       EXPECT_GT(cut, 10);
       break;
@@ -155,14 +156,14 @@ TEST(Stream, IcubFramesFallWithPressure) {
   bench.run(1'000'000);
   bench.unlock();
   ASSERT_EQ(bench.ask({0x2E, 0xFD, 0x05, 0x01}).at(0), 0x6E);
-  bench.lines[1].chips[0].counts[7] += 400;  // module 2
+  bench.lines[1].chips[0].counts[7] += 400;  // This is module 2.
   bench.run(200'000);
   bench.stream.clear();
   bench.run(60'000);
   ASSERT_GE(bench.stream.size(), 32U);
   const auto t = wire::decode_icub(bench.stream[8], bench.stream[9]);
   ASSERT_TRUE(t);
-  EXPECT_EQ(t->module, 4);  // line 1, address 0
+  EXPECT_EQ(t->module, 4);  // The module has line 1, address 0.
   EXPECT_EQ(t->board, 1);
   for (std::size_t k = 0; k < layout::kTaxelsPerModule; ++k) EXPECT_NEAR(t->value[k], k == 7 ? 145 : 245, 1);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The USB device: descriptors that a host can walk, requests through HID and bulk, DFU; and malformed input of every
-// kind.
+// Tests the USB device: descriptors that a host can walk, requests through HID and bulk, DFU, and malformed input of
+// every kind.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -38,7 +38,7 @@ class Usb : public testing::Test {
         usb().control({type, request, static_cast<std::uint16_t>(value), static_cast<std::uint16_t>(index), 1024}, {});
     return answer ? Message(answer->begin(), answer->end()) : Message{};
   }
-  // One request and its answer through an interface.
+  // Sends one request through an interface and returns its answer.
   Message ask(std::uint8_t out, std::uint8_t in, const Message& request) {
     wire::IsoTp link(wire::physical_id(1, wire::kTesterAddress), wire::physical_id(wire::kTesterAddress, 1),
                      wire::kUsbFrameBytes);
@@ -96,12 +96,12 @@ TEST_F(Usb, DescriptorsAreWalkable) {
   }
   EXPECT_EQ(interfaces, config[4]);
   EXPECT_EQ(endpoints, 4);
-  // The platform capability names the length and the code of the Microsoft set, which is as long as it says.
+  // The platform capability names the length and the code of the Microsoft set, whose actual length must agree.
   ASSERT_EQ(bos.size(), 33U);
   const Message set = get(0xC0, bos[31], 0, 7);
   ASSERT_EQ(set.size(), static_cast<std::size_t>(bos[29] | bos[30] << 8));
   EXPECT_EQ(set[8] | set[9] << 8, static_cast<int>(set.size()));
-  std::size_t at = 10 + 8;  // set header, configuration subset
+  std::size_t at = 10 + 8;  // The set header and the configuration subset come first.
   EXPECT_EQ(set[10 + 6] | set[10 + 7] << 8, static_cast<int>(set.size() - 10));
   for (int function = 0; function < 2; ++function) at += static_cast<std::size_t>(set[at + 6] | set[at + 7] << 8);
   EXPECT_EQ(at, set.size());
@@ -136,10 +136,10 @@ TEST_F(Usb, DfuRefusesWhatIsNoPackageAndComesBack) {
   const int before = controller_->usb_session();
   run(1000);
   ASSERT_NE(controller_->usb_session(), before);
-  EXPECT_EQ(get(0x80, 6, 0x0100, 0)[10], 2);  // product of DFU mode
+  EXPECT_EQ(get(0x80, 6, 0x0100, 0)[10], 2);  // The product is that of DFU mode.
   EXPECT_EQ(status()[4], 2);
   EXPECT_FALSE(usb().control({0x21, 1, 0, 0, 64}, Message(64, 0x55)));
-  EXPECT_EQ(status()[0], 2);  // errFILE
+  EXPECT_EQ(status()[0], 2);  // The status is errFILE.
   EXPECT_EQ(status()[4], 10);
   ASSERT_TRUE(usb().control({0x21, 4, 0, 0, 0}, {}));
   EXPECT_EQ(status()[4], 2);
@@ -148,7 +148,8 @@ TEST_F(Usb, DfuRefusesWhatIsNoPackageAndComesBack) {
   EXPECT_EQ(get(0x80, 6, 0x0100, 0)[10], 1);
 }
 
-// Every request type with random fields, random packets on every end point, in both modes: it stays alive and answers.
+// Every request type with random fields and random packets on every end point are sent in both modes: the device stays
+// alive and answers.
 TEST_F(Usb, NonsenseNeverStopsIt) {
   std::mt19937 random(21);
   constexpr std::array<std::uint8_t, 8> kTypes{0x00, 0x01, 0x21, 0x80, 0x81, 0xA1, 0xC0, 0x02};
@@ -168,7 +169,7 @@ TEST_F(Usb, NonsenseNeverStopsIt) {
     }
     run(10'000);
   }
-  run(15'100'000);  // Out of DFU mode, if it was in it.
+  run(15'100'000);  // The device leaves DFU mode if it was in it.
   ASSERT_TRUE(usb().control({0x00, 9, 1, 0, 0}, {}));
   EXPECT_EQ(ask(wire::kHidOut, wire::kHidIn, {0x3E, 0x00}), (Message{0x7E, 0x00}));
 }

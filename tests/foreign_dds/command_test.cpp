@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The command itself, on a simulation in real time: what it says it published is what Fast DDS received, and what the
-// RTPS dissector of Wireshark sees on the wire.
+// Runs the command on a simulation in real time: the messages that it reports must be those that Fast DDS received, and
+// that the RTPS dissector of Wireshark sees on the wire.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -30,7 +30,7 @@ std::string bridge_line(const std::string& design, const std::string& link, std:
          std::to_string(seconds) + " --domain " + std::to_string(domain);
 }
 
-// A finger of 1 N on taxel 3 of module 5, from 3 s after the start of the simulation.
+// A finger presses taxel 3 of module 5 with 1 N, from 3 s after the start of the simulation.
 std::string pressed_scene(const test::FlashedSim& sim) {
   const std::string scene = sim.folder() / "pressed.json";
   write_file_atomically(scene, R"({"format":"triskin-scene","version":1,"design":"d.json","contacts":[)"
@@ -52,13 +52,13 @@ TEST(BridgeCommand, a_reader_on_Fast_DDS_counts_what_the_command_says) {
   Child command(bridge_line(sim.design_file(), served.link(), id, 6));
   const json told = json::parse(command.read_all());
   std::set<std::uint64_t> raw_seen;
-  std::map<std::uint8_t, std::set<std::uint32_t>> samples;  // Keyed by controller.
+  std::map<std::uint8_t, std::set<std::uint32_t>> samples;  // The key is the controller.
   raw.take([&](const RawFrame& frame, std::uint64_t sequence) {
     raw_seen.insert(sequence);
     samples[frame.node].insert(frame.sample);
   });
   ASSERT_FALSE(raw_seen.empty());
-  // Those from before the two had found each other are not for this reader; behind them all came.
+  // Samples from before the two had found each other are not for this reader; all later ones arrived.
   EXPECT_EQ(*raw_seen.rbegin(), told["published"]["raw"]);
   EXPECT_EQ(raw_seen.size(), *raw_seen.rbegin() - *raw_seen.begin() + 1);
   EXPECT_EQ(told["lost"], 0);
@@ -96,10 +96,10 @@ TEST(BridgeCommand, the_dissector_of_Wireshark_finds_topics_types_qualities_and_
   const test::FlashedSim sim;
   const ServedSimulation served(sim.scene_file());
   ASSERT_NE(served.link(), "");
-  // Cyclone DDS writes what it sends and receives to a file, so that no rights to capture are needed.
+  // Cyclone DDS writes the packets that it sends and receives to a file, so that no rights to capture are needed.
   const std::string packets = sim.folder() / "rtps.pcap";
   const std::uint32_t id = domain_with("<Tracing><PacketCaptureFile>" + packets + "</PacketCaptureFile></Tracing>");
-  Participant participant(id);  // Somebody has to listen, or nothing is sent.
+  Participant participant(id);  // Without a listener nothing is sent.
   FastReader<RawFrame> raw(participant, "rt/skin/arm/raw", bridge::dds_name(bridge::kRaw.message.name), true, false);
   FastReader<PointCloud2> points(participant, "rt/skin/arm/points", bridge::dds_name(bridge::kPoints.message.name),
                                  true, false);
@@ -110,7 +110,7 @@ TEST(BridgeCommand, the_dissector_of_Wireshark_finds_topics_types_qualities_and_
   const std::string script = "python3 '" + test::source_folder() + "/tests/foreign_dds/dissect.py' '" + packets + "'";
   const json topics = json::parse(Child(script).read_all());
   const auto no_message = [](const auto& /*message*/, std::uint64_t /*sequence*/) {};
-  // As docs/bridge.md has it: type, latched, messages that are kept, messages that were sent to the reader.
+  // docs/bridge.md gives type, latched, messages that are kept, messages that were sent to the reader.
   using Wanted = std::tuple<const bridge::RosType*, bool, int, std::size_t>;
   const std::map<std::string, Wanted> wanted{
       {"rt/skin/arm/raw", {&bridge::kRaw, false, 2000, raw.take(no_message)}},

@@ -21,14 +21,14 @@
 #include <mutex>
 #include <string>
 
-/// Readers on Fast DDS, with its own CDR. Types are structures with a function read(Cdr&).
+/// Reads with Fast DDS and its own CDR. Types are structures with a function read(Cdr&).
 namespace triskin::foreign {
 
 namespace dds = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
 using Cdr = eprosima::fastcdr::Cdr;
 
-/// A structure `Type` for Fast DDS, which reads only.
+/// Describes a structure `Type` to Fast DDS, for reading only.
 template <class Type>
 class ReadType final : public dds::TopicDataType {
  public:
@@ -57,13 +57,13 @@ class ReadType final : public dds::TopicDataType {
   bool getKey(void* /*data*/, rtps::InstanceHandle_t* /*key*/, bool /*md5*/) override { return false; }
 };
 
-/// What a writer said of itself when it was discovered.
+/// Holds what a writer announced when it was discovered.
 struct Announced {
   std::string type, user_data;
   bool reliable = false, latched = false;
 };
 
-/// A participant on the loopback interface alone, without multicast.
+/// Takes part on the loopback interface alone, without multicast.
 class Participant : public dds::DomainParticipantListener {
  public:
   explicit Participant(std::uint32_t domain) {
@@ -73,7 +73,7 @@ class Participant : public dds::DomainParticipantListener {
     udp->receiveBufferSize = 1 << 20;
     qos.transport().use_builtin_transports = false;
     qos.transport().user_transports.push_back(udp);
-    for (std::uint32_t k = 0; k < 8; ++k) {  // ports of the participants of this domain, by the rule of RTPS
+    for (std::uint32_t k = 0; k < 8; ++k) {  // RTPS defines the ports of the participants of this domain by this rule.
       rtps::Locator_t peer;
       rtps::IPLocator::setIPv4(peer, "127.0.0.1");
       peer.port = 7400 + 250 * domain + 10 + 2 * k;
@@ -113,7 +113,6 @@ class Participant : public dds::DomainParticipantListener {
   std::map<std::string, Announced> announced_;
 };
 
-/// A reader of one topic.
 template <class Type>
 class FastReader {
  public:
@@ -153,7 +152,7 @@ class FastReader {
     return reader_->get_subscription_matched_status(status) == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK &&
            status.current_count > 0;
   }
-  /// Messages that Fast DDS says were lost.
+  /// Returns the messages that Fast DDS reports as lost.
   [[nodiscard]] int lost() const { return listener_.lost; }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Fast DDS, the default of ROS 2, reads what the bridge publishes, and finds every number equal.
+// Fast DDS, the default of ROS 2, reads what the bridge publishes, and must find every number equal.
 #include "fast_reader.hpp"
 
 #include <gtest/gtest.h>
@@ -90,7 +90,7 @@ TEST(FastDds, raw_samples_arrive_whole_and_the_writer_is_announced_as_ROS_does) 
 
 TEST(FastDds, points_have_place_normal_and_value_of_every_taxel) {
   const std::uint32_t id = domain_with();
-  const design::Design design = test::strip(40, 4);  // 15 kB: more than a packet of Cyclone DDS
+  const design::Design design = test::strip(40, 4);  // Each message has 15 kB, more than a packet of Cyclone DDS.
   const auto domain = bridge::join_domain(id);
   bridge::Bridge bridge(*domain, design, options_of(10.0), kStart_ns);
   Participant participant(id);
@@ -121,7 +121,8 @@ TEST(FastDds, points_have_place_normal_and_value_of_every_taxel) {
           ASSERT_EQ(float_at(cloud, at + 4 * axis), static_cast<float>(poses[t].position_mm[a] / 1000.0));
           ASSERT_EQ(float_at(cloud, at + 12 + 4 * axis), static_cast<float>(poses[t].normal[a]));
         }
-        // The cloud goes out with the first sample of its number: module 0. The others are one older, or not there yet.
+        // The cloud is sent with the first sample of its number, which is module 0. The others are one older, or not
+        // there yet.
         const std::uint32_t of = m == 0 ? number : number - 1;
         std::uint16_t value = 0;
         std::memcpy(&value, cloud.data.data() + at + 28, sizeof value);
@@ -132,7 +133,7 @@ TEST(FastDds, points_have_place_normal_and_value_of_every_taxel) {
     }
   };
   const std::uint64_t published = bridge.published().points;
-  EXPECT_GE(published, 7U);  // 19 · 36.9 ms at 10 Hz, and the first
+  EXPECT_GE(published, 7U);  // There are 19 · 36.9 ms at 10 Hz, and the first.
   EXPECT_TRUE(wait_until([&] { return reader.take(compare), newest >= published; })) << newest;
 }
 
@@ -190,7 +191,7 @@ TEST(FastDds, contacts_have_place_force_area_and_taxels) {
   EXPECT_EQ(came[0].force_unit, "N");
   ASSERT_EQ(came[0].contacts.size(), 2U);
   const Contact& strong = came[0].contacts[0];
-  EXPECT_EQ(strong.position, (std::array{0.012, 0.02, 0.03}));  // (6 · 10 + 2 · 18) / 8
+  EXPECT_EQ(strong.position, (std::array{0.012, 0.02, 0.03}));  // The mean is (6 · 10 + 2 · 18) / 8.
   EXPECT_EQ(strong.normal, (std::array{0.0, 0.0, 1.0}));
   EXPECT_DOUBLE_EQ(strong.force, 8.0);
   EXPECT_DOUBLE_EQ(strong.area, 78e-6);
@@ -201,7 +202,7 @@ TEST(FastDds, contacts_have_place_force_area_and_taxels) {
   EXPECT_EQ(came[0].contacts[1].normal[0], 1.0);
 }
 
-// The numbers of samples that came, by module.
+// Holds the numbers of the received samples, by module.
 using Seen = std::map<std::uint32_t, std::set<std::uint32_t>>;
 
 std::uint64_t gaps_of(const Seen& seen) {
@@ -210,8 +211,8 @@ std::uint64_t gaps_of(const Seen& seen) {
   return gaps;
 }
 
-// A bus that is too slow, and a network that drops one packet of a hundred: a reliable reader has what the stream says
-// was received, no more and no less.
+// The bus is too slow, and the network drops one packet of a hundred: a reliable reader has exactly the samples that
+// the stream reports as received.
 TEST(FastDds, losses_at_a_reliable_reader_are_those_that_are_told_although_packets_are_lost) {
   const std::uint32_t id = domain_with(kOnePercentLost);
   scene::Scene scene;
@@ -240,14 +241,15 @@ TEST(FastDds, losses_at_a_reliable_reader_are_those_that_are_told_although_packe
   EXPECT_TRUE(wait_until([&] { return reader.take(count), received >= told.total.received; })) << received;
   EXPECT_EQ(received, told.total.received);
   EXPECT_EQ(told.total.expected - received, told.total.lost());
-  // What was lost before the first and behind the last sample of a module the reader cannot know: a few each.
+  // The reader cannot know what was lost before the first and behind the last sample of a module, which is a few for
+  // each.
   EXPECT_LE(gaps_of(seen), told.total.lost());
   EXPECT_GE(gaps_of(seen) + 8 * 8, told.total.lost());
   EXPECT_EQ(reader.lost(), 0);
 }
 
-// Best effort: what was published and did not come is what the reader counts, by the numbers of the messages, by the
-// numbers of the samples in them, and by Fast DDS itself.
+// With best effort, the reader must count exactly what was published and did not arrive, by the numbers of the
+// messages, by the numbers of the samples in them, and by Fast DDS itself.
 TEST(FastDds, losses_at_a_best_effort_reader_are_what_was_published_and_did_not_come) {
   const std::uint32_t id = domain_with(kOnePercentLost);
   const design::Design design = test::strip(4, 4);
@@ -274,7 +276,7 @@ TEST(FastDds, losses_at_a_best_effort_reader_are_what_was_published_and_did_not_
     publish();
     if (number % 50 == 0) (void)wait_until([&] { return reader.take(count), newest == number; }, 0.05);
   }
-  // Reads until the last one: no reader can know what is lost after the last message.
+  // Reads until the last one, because no reader can know what is lost after the last message.
   while (newest < number && number < 3100) {
     publish();
     (void)wait_until([&] { return reader.take(count), newest == number; }, 0.2);
@@ -282,7 +284,7 @@ TEST(FastDds, losses_at_a_best_effort_reader_are_what_was_published_and_did_not_
   const std::uint64_t lost = bridge.published().raw - received;
   std::printf("%llu of %u messages lost\n", static_cast<unsigned long long>(lost), number);
   ASSERT_EQ(newest, bridge.published().raw);
-  EXPECT_GT(lost, 5U);  // 30 are expected
+  EXPECT_GT(lost, 5U);  // The expectation is 30.
   EXPECT_LT(lost, 100U);
   EXPECT_EQ(newest - received, lost);
   ASSERT_FALSE(seen.empty());

@@ -7,7 +7,8 @@
 #include <string>
 #include <vector>
 
-/// The messages as a foreign program has them, written by hand from the definitions of ROS 2 and of ros/triskin_msgs.
+/// Declares the messages as a foreign program would, written by hand from the definitions of ROS 2 and of
+/// ros/triskin_msgs.
 namespace triskin::foreign {
 
 using Cdr = eprosima::fastcdr::Cdr;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every target with its corpus, and with mutations of it from a fixed seed.
+// Runs every target with its corpus, and with mutations of it from a fixed seed.
 #include <gtest/gtest.h>
 
 #include <algorithm>

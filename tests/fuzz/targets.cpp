@@ -40,7 +40,7 @@ void require(bool rule) {
   if (!rule) std::abort();
 }
 
-// Erased memory of any size; every operation is allowed.
+// Simulates erased memory of any size; every operation is allowed.
 class Memory final : public fw::FlashArea {
  public:
   explicit Memory(std::size_t size) : bytes_(size, 0xFF) {}
@@ -63,7 +63,7 @@ class Memory final : public fw::FlashArea {
   std::vector<std::uint8_t> bytes_;
 };
 
-// The input as a list of pieces: one byte of length before each.
+// Splits the input into pieces with one byte of length before each.
 template <typename F>
 void each_piece(Bytes input, F&& f) {
   while (!input.empty()) {
@@ -176,7 +176,7 @@ class Wire final : public fw::CanPort {
   }
 };
 
-// The first byte of a piece says whether it is a command or data of the image.
+// The first byte of a piece tells whether it is a command or data of the image.
 void loader(Bytes input) {
   Memory a(8192), b(8192);
   boot::SlotStore slots({&a, &b}, {0x08004000, 0x08040000});
@@ -211,8 +211,8 @@ class NoRestart final : public fw::Restart {
   std::optional<wire::ImageState> image_state() override { return std::nullopt; }
 };
 
-// The first byte of a piece says whether it is a command or data, which begins with the slot and the unit. What runs is
-// never touched.
+// The first byte of a piece tells whether it is a command or data, which begins with the slot and the unit. The running
+// slot must never change.
 void image_update(Bytes input) {
   constexpr wire::UniqueId kId{1, 2, 3};
   Memory a(8192), b(8192);
@@ -265,7 +265,7 @@ void patch_image(Bytes input) {
   if (!image) return;
   std::array<std::uint8_t, layout::kMaxImageBytes> bytes{};
   const auto size = layout::encode(*image, bytes);
-  require(size && *size <= input.size());  // A slot is longer.
+  require(size && *size <= input.size());  // A slot is longer than the input.
   require(layout::decode(Bytes(bytes).first(*size)) == image);
 }
 
@@ -293,7 +293,7 @@ void node_claim(Bytes input) {
   });
 }
 
-// What a decoder takes is encoded to the same bytes.
+// A value that a decoder accepts must be encoded to the same bytes.
 template <class Value>
 void answer(Bytes bytes) {
   const auto value = Value::decode(bytes);
@@ -352,7 +352,7 @@ void record(Bytes input) {
   try {
     while (const auto r = device::record::take(in)) (void)device::record::frame_of(*r);
   } catch (const DeviceError&) {
-    return;  // refused
+    return;  // The value was refused.
   }
 }
 

@@ -7,8 +7,8 @@
 
 namespace triskin::fuzz {
 
-/// One decoder and what must hold for any input: no crash, and what it accepts survives a round trip. A broken rule
-/// calls std::abort.
+/// Runs one decoder and tests rules that hold for any input: no crash, and accepted input survives a round trip. A
+/// broken rule calls std::abort.
 struct Target {
   std::string_view name;
   void (*run)(Bytes input);

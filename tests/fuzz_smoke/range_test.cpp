@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every number of a design, one after the other, takes extreme values: the readers and the checker refuse the file or
-// take it, and do so soon. Also what is no number's fault: lists of a wrong length, unknown keys, values of another
-// type, derived values that do not follow from the others.
+// Every number of a design takes extreme values in turn: the readers and the checker must quickly refuse or accept the
+// file. Other faults are tested too: lists of a wrong length, unknown keys, values of another type, derived values that
+// do not follow from the others.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -33,7 +33,7 @@ class Ranges : public testing::Test {
   }
   ~Ranges() override { fs::remove(path_); }
 
-  // Pointers to all numbers of the file.
+  // Collects pointers to all numbers of the file.
   static void collect(const json& j, const json::json_pointer& at, std::vector<json::json_pointer>& out) {
     if (j.is_number()) out.push_back(at);
     if (j.is_object())
@@ -41,7 +41,7 @@ class Ranges : public testing::Test {
     if (j.is_array())
       for (std::size_t k = 0; k < j.size(); ++k) collect(j[k], at / k, out);
   }
-  // True when reader and checker both took the file; what they throw must name it.
+  // Returns true when reader and checker both accepted the file; any exception must name it.
   [[nodiscard]] bool is_taken(const json& document) const {
     const std::string text = document.dump();
     bool taken = true;
@@ -78,13 +78,13 @@ class Ranges : public testing::Test {
     }
   }
   void write(const std::string& text) const {
-    fs::remove(path_);  // A file that is cut and written again is flushed to the disk.
+    fs::remove(path_);  // Truncating and rewriting a file would flush it to the disk, so it is removed first.
     std::ofstream(path_, std::ios::binary | std::ios::trunc) << text;
   }
 
   fs::path path_;
   json good_;
-  std::size_t violations_ = 0;  // Of the undamaged file, which is no real cover.
+  std::size_t violations_ = 0;  // The undamaged file, which is no real cover, has this number.
 };
 
 TEST_F(Ranges, no_number_crashes_or_stops_a_reader_or_the_checker) {
@@ -102,7 +102,7 @@ TEST_F(Ranges, no_number_crashes_or_stops_a_reader_or_the_checker) {
       document[at] = extreme;
       const std::clock_t before = std::clock();
       if (!is_taken(document)) ++refused;
-      // Processor time, so that other programs do not count; the limit for a hang is 2 s of one core.
+      // Processor time is measured, so that other programs do not count; the limit for a hang is 2 s of one core.
       const double used_s = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
       EXPECT_LT(used_s, 20.0) << at.to_string() << " = " << extreme;
     }
@@ -148,7 +148,7 @@ TEST_F(Ranges, an_unknown_key_is_refused_by_all) {
   }
 }
 
-// What the file says beside what it follows from.
+// The file states values that also follow from others.
 TEST_F(Ranges, derived_values_are_compared_by_all) {
   std::vector<json> changes(6, good_);
   std::swap(changes[0]["modules"][0]["taxels"][1], changes[0]["modules"][0]["taxels"][2]);

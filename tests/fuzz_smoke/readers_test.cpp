@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every reader of a file, fed with damaged files: a value or an Error that names the file, nothing else, and soon.
+// Every reader gets damaged files and must quickly return a value or an Error that names the file, and nothing else.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -66,7 +66,7 @@ void fuzz(const std::string& good, const std::string& extension, int runs,
           const std::function<void(const fs::path&)>& read) {
   const fs::path path = fs::temp_directory_path() / ("readers_test." + std::to_string(::getpid()) + extension);
   const auto write = [&](const std::string& text) {
-    fs::remove(path);  // A file that is cut and written again is flushed to the disk.
+    fs::remove(path);  // Truncating and rewriting a file would flush it to the disk, so it is removed first.
     std::ofstream(path, std::ios::binary) << text;
   };
   write(good);
@@ -186,7 +186,7 @@ TEST(Readers, meshes) {
       ".ply", 20, read);
 }
 
-// Damage of the package, and of the model in a whole package.
+// Covers damage of the package, and of the model in an intact package.
 TEST(Readers, packed_models) {
   const std::string model =
       R"(<model unit="millimeter" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The other side of a link sends without a pause, sends nonsense, or takes nothing: deadlines hold, and the first
-// Ctrl-C ends the command.
+// The other side of a link sends without a pause, sends nonsense, or takes nothing: deadlines must hold, and the first
+// Ctrl-C must end the command.
 #include <arpa/inet.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -81,7 +81,7 @@ class HostileServer {
   std::jthread thread_;
 };
 
-// Whole records only, so that a repetition begins with a record.
+// Returns whole records only, so that a repetition begins with a record.
 std::vector<std::uint8_t> many(const std::function<void(std::vector<std::uint8_t>&)>& put_one) {
   std::vector<std::uint8_t> bytes;
   while (bytes.size() < 60'000) put_one(bytes);
@@ -131,7 +131,7 @@ TEST(TcpLinkDeadline, a_server_that_takes_nothing_ends_the_link_and_not_the_pati
   }
 }
 
-// Frames that nobody waits for, samples, and answers of a controller that was not asked.
+// The flood has unexpected frames, samples, and answers of a controller that was not asked.
 TEST_F(Deaf, the_first_ctrl_c_ends_every_command_in_a_flood) {
   for (const std::uint32_t id : {0x123U, wire::kFullBase | 0x0100U, wire::physical_id(wire::kTesterAddress, 1)}) {
     const HostileServer server(frames_without_end(id));
@@ -172,8 +172,8 @@ TEST_F(Deaf, an_address_for_other_computers_needs_an_explicit_word) {
   EXPECT_THAT(o.messages, testing::Not(testing::HasSubstr("WARNING")));
 }
 
-// Without descriptors a waiting connection must not keep a core busy: served time needs processor time, and what the
-// server uses in this second of its own clock is compared with that second.
+// Without descriptors a waiting connection must not keep a core busy. Serving needs processor time, so the time that
+// the server uses in this second of its own clock is compared with that second.
 TEST(ServerWithoutDescriptors, rests) {
   scene::Scene scene;
   scene.design = strip(1, 1);
@@ -199,7 +199,7 @@ TEST(ServerWithoutDescriptors, rests) {
   for (const int fd : held) ::close(fd);
   (void)::setrlimit(RLIMIT_NOFILE, &before_limit);
   EXPECT_LT(used_s, 0.5);
-  server.run(never, 0.5);  // Now there are some again, and the client is served.
+  server.run(never, 0.5);  // Descriptors are available again, and the client is served.
   std::array<char, 1> byte{};
   EXPECT_EQ(::recv(client, byte.data(), 1, MSG_DONTWAIT), 1);
   ::close(client);

@@ -19,12 +19,12 @@
 
 namespace triskin::test {
 
-/// The library that shifts the clock and fills the disk of a program.
+/// Returns the library that shifts the clock and fills the disk of a program.
 inline std::string fault_library() {
   return (std::filesystem::path(program_file()).parent_path() / "libtriskin_test_faults.so").string();
 }
 
-/// Waits until `done`, at most half a minute; false: it was not.
+/// Waits at most half a minute for `done`; returns false if it did not become true.
 inline bool wait_until(const std::function<bool()>& done) {
   for (int k = 0; k < 3000; ++k) {
     if (done()) return true;
@@ -33,13 +33,14 @@ inline bool wait_until(const std::function<bool()>& done) {
   return false;
 }
 
-/// What the environment says to that library. The address sanitizer wants to be the first library, and is not here.
+/// Returns the environment for that library. The address sanitizer requires to be the first library, but it is not used
+/// here.
 inline std::string with_faults(const std::string& variables) {
   return "env ASAN_OPTIONS=verify_asan_link_order=0:detect_leaks=0 LD_PRELOAD='" + fault_library() + "' " + variables +
          " ";
 }
 
-/// A wall clock of other programs, which the test sets.
+/// Gives other programs a wall clock that the test sets.
 class SteppedClock {
  public:
   explicit SteppedClock(const std::filesystem::path& file) : file_(file) {
@@ -63,8 +64,8 @@ class SteppedClock {
   std::atomic<std::int64_t>* shift_ = nullptr;
 };
 
-/// A program under the shell whose end the test awaits. It writes into the file `log`. Not killed: it is ended by the
-/// kernel when the test dies.
+/// Runs a program under the shell and waits for its end. It writes into the file `log`. The test does not kill it: the
+/// kernel ends it when the test dies.
 class Running {
  public:
   Running(const std::string& line, std::filesystem::path log) : log_(std::move(log)) {
@@ -87,18 +88,18 @@ class Running {
   void signal(int number) const { (void)::kill(pid_, number); }
   [[nodiscard]] pid_t pid() const { return pid_; }
   [[nodiscard]] std::string text() const { return std::filesystem::exists(log_) ? read_file(log_) : ""; }
-  /// Waits until it has printed `sign`; false: it ended before, or half a minute passed.
+  /// Waits until it has printed `sign`; returns false if it ended before, or half a minute passed.
   bool says(const std::string& sign) {
     const auto said = [&] { return text().find(sign) != std::string::npos; };
     (void)wait_until([&] { return said() || has_ended(); });
     return said();
   }
-  /// True when it ends within half a minute, which is far above what a loaded machine needs: a program that is deaf to
-  /// signals would run for ever.
+  /// Returns true when it ends within half a minute, which is far above what a loaded machine needs: a program that
+  /// ignores signals would run forever.
   bool ends() {
     return wait_until([this] { return has_ended(); });
   }
-  /// Waits for its end; the exit status as a shell has it.
+  /// Waits for its end and returns the exit status in the way of a shell.
   int status() {
     if (!ended_) ::waitpid(pid_, &status_, 0);
     ended_ = true;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A command that is ended at a random moment, with or without the chance to say so, leaves what the next one can use.
-// The simulated boards are in the process: SIGKILL is the loss of their power at the same moment.
+// A command that is ended at a random moment, with or without a chance to react, must leave files that the next one can
+// use. The simulated boards are in the process, so SIGKILL is the loss of their power at the same moment.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -27,7 +27,7 @@ class Kills : public ShellCase {
     std::ofstream(folder_ / "new.tsk", std::ios::binary)
         .write(reinterpret_cast<const char*>(package.data()), static_cast<std::streamsize>(package.size()));
   }
-  // Microseconds that a command takes when nobody ends it.
+  // Returns the microseconds that an undisturbed command takes.
   [[nodiscard]] useconds_t duration_us(const std::string& command) const {
     const auto start = std::chrono::steady_clock::now();
     const Outcome o = run(command);
@@ -35,7 +35,7 @@ class Kills : public ShellCase {
     return static_cast<useconds_t>(
         std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start).count());
   }
-  // Starts a command, ends it at a random moment of `within_us` by a random signal; returns what the command was told.
+  // Starts a command and ends it at a random moment of `within_us` by a random signal, which it returns.
   int kill_at_random(const std::string& command, useconds_t within_us) {
     Running program(line(command), folder_ / "log");
     ::usleep(static_cast<useconds_t>(random_() % std::max<useconds_t>(within_us, 1)));
@@ -77,8 +77,8 @@ class Kills : public ShellCase {
       EXPECT_EQ(view.status(), 0);
     }
   }
-  // The file is the old recording, or the new one: complete where the program could end it, else it can be recovered
-  // as soon as a chunk was in it.
+  // The file is the old recording or the new one: complete if the program could end it, otherwise recoverable as soon
+  // as it had a chunk.
   void check_recording(const std::string& before, int signal, int round) const {
     const std::string now = read_file(folder_ / "r.mcap");
     if (now == before) return;

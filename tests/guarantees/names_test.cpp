@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A name in a design is text of a stranger. In every format that it is written to, and on the terminal, it stays text.
+// A name in a design is text of a stranger. It must stay text in every format that contains it, and on the terminal.
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -13,7 +13,8 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-// Ends texts, attributes, scripts, comments and CDATA of markup; moves a cursor and sets a title; begins a formula.
+// The name ends texts, attributes, scripts, comments and CDATA of markup; moves a cursor and sets a title; begins a
+// formula.
 constexpr const char* kHostile =
     "=1+1\x1B]0;owned\x07\x1B[2J</title></text></script></style>--><script>alert(1)</script>]]>\"'><img src=x "
     "onerror=alert(1)> & \xE2\x80\xAE\xC2\x9B\r";
@@ -27,7 +28,7 @@ class Names : public ShellCase {
     d.source_file = kHostile;
     design::write_design(folder_ / "strip.json", d);
   }
-  // What a terminal or a reader of text must not get.
+  // Fails for characters that a terminal or a reader of text must not get.
   static void expect_no_controls(const std::string& text, const std::string& where) {
     for (const char c : text)
       if (static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t' && c != '\r')
@@ -49,7 +50,7 @@ TEST_F(Names, stay_text_in_every_format_of_markup) {
   }
 }
 
-// The JSON of glTF is read back by a parser that is not ours; the tables of text have as many columns as their head.
+// A foreign parser reads the JSON of glTF back; the tables of text must have as many columns as their head.
 TEST_F(Names, stay_text_in_json_and_tables) {
   ASSERT_EQ(run("export strip.json --format gltf -o file.gltf").status, 0);
   const std::string gltf = read_file(folder_ / "file.gltf");
@@ -91,7 +92,7 @@ TEST_F(Names, do_not_command_the_terminal) {
   }
 }
 
-// A name of bytes that are no UTF-8 is a legal name of a file.
+// Bytes that are no UTF-8 are a legal name of a file.
 TEST_F(Names, of_files_may_be_no_utf8) {
   const std::string file = "bad\xFF\xFEname.json";
   std::filesystem::copy_file(folder_ / "strip.json", folder_ / file);

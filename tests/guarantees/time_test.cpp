@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A step of the wall clock, or a process that was stopped for a while, freezes nothing: paces and deadlines use the
-// monotonic clock. The clock is stepped for the program alone, by a library before it; the kernel's clock, and with it
-// every sleep, stays as it is.
+// A step of the wall clock, or a process that was stopped for a while, must freeze nothing: paces and deadlines use the
+// monotonic clock. A library before the program steps the clock for it alone; the kernel's clock, and with it every
+// sleep, is unchanged.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -21,10 +21,10 @@ using testing::StartsWith;
 
 constexpr std::int64_t kHour_s = 3600;
 
-// A page that reads the live skin.
+// Reads the live skin like a page in a browser.
 class Page {
  public:
-  // `address`: "http://127.0.0.1:PORT/TOKEN/".
+  // `address` is "http://127.0.0.1:PORT/TOKEN/".
   explicit Page(const std::string& address)
       : host_(address.substr(7, address.find('/', 7) - 7)),
         client_(static_cast<std::uint16_t>(std::stoi(host_.substr(host_.find(':') + 1)))) {
@@ -34,7 +34,7 @@ class Page {
                     address.substr(address.find('/', 7)), host_, host_));
     EXPECT_THAT(client_.read_to("\r\n\r\n"), StartsWith("HTTP/1.1 101"));
   }
-  // Reads messages until `count` frames with samples came; false: five seconds passed without a byte.
+  // Reads messages until `count` frames with samples have arrived; returns false if five seconds passed without a byte.
   bool gets_frames(int count) {
     while (count > 0) {
       const std::string head = client_.read(2);
@@ -71,7 +71,7 @@ class Time : public ShellCase {
     const auto file = folder_ / name;
     return wait_until([&] { return std::filesystem::exists(file) && std::filesystem::file_size(file) > 100; });
   }
-  // The address that view prints.
+  // Finds the address that view prints.
   static std::string address_in(const std::string& text) {
     const std::size_t at = text.find("http://");
     return at == std::string::npos ? "" : text.substr(at, text.find_first_of("\r\n", at) - at);
@@ -80,7 +80,7 @@ class Time : public ShellCase {
 
 TEST_F(Time, the_shifted_clock_is_what_the_program_sees) {
   SteppedClock clock(folder_ / "clock");
-  clock.shift(-400L * 365 * 24 * kHour_s / 10);  // 40 years
+  clock.shift(-400L * 365 * 24 * kHour_s / 10);  // The shift is 40 years.
   Running recorder(stepped(clock, "record " + file("strip.json") + " --link sim --seconds 0.5 -o " + file("r.mcap")),
                    folder_ / "log");
   ASSERT_EQ(recorder.status(), 0) << recorder.text();
@@ -151,7 +151,7 @@ TEST_F(Time, a_page_gets_frames_again_after_the_process_was_stopped) {
   EXPECT_TRUE(view.ends());
 }
 
-// What came while the recorder was stopped waits in the socket or is counted as lost; nothing disappears.
+// Frames that arrive while the recorder is stopped wait in the socket or are counted as lost; nothing disappears.
 TEST_F(Time, a_recorder_that_was_stopped_accounts_for_every_sample) {
   const ServedSimulation served((folder_ / "strip.json").string());
   Running recorder(line("record strip.json --seconds 5 --json --link " + served.link() + " -o r.mcap"),

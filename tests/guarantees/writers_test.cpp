@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Two programs that write one file, and a disk that is full or broken: old or new, never neither.
+// Two programs write one file, or the disk is full or broken: the old or the new file must remain, never neither.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -27,7 +27,7 @@ class Writers : public ShellCase {
     ASSERT_EQ(run("flash strip.json --link sim").status, 0);
   }
   [[nodiscard]] std::string path(const char* name) const { return (folder_ / name).string(); }
-  // Runs a command whose `at`-th change of a file, and all after it, fail.
+  // Runs a command whose change number `at` of a file fails, as do all later ones.
   [[nodiscard]] int run_failing(const std::string& arguments, int at, int cause) const {
     const std::string variables = fmt::format("TRISKIN_TEST_FAIL_AT={} TRISKIN_TEST_FAIL_ERRNO={}", at, cause);
     const std::string command = fmt::format("cd '{}' && {} {} {} >out 2>messages", folder_.string(),
@@ -78,7 +78,7 @@ TEST_F(Writers, a_robot_file_is_changed_by_one_program_at_a_time) {
   EXPECT_EQ(run("robot add r.json strip.json --name strip --bus left").status, 0);
 }
 
-// Commands that replace a file whole.
+// These commands replace a file whole.
 TEST_F(Writers, a_full_or_broken_disk_leaves_the_old_file_or_the_new_one) {
   ASSERT_EQ(run("robot new r.json --name r --bus left=sim").status, 0);
   const std::map<std::string, std::string> commands{
@@ -111,7 +111,7 @@ TEST_F(Writers, a_full_or_broken_disk_leaves_the_old_file_or_the_new_one) {
     EXPECT_FALSE(entry.path().filename().string().starts_with(".triskin-")) << "left behind: " << entry.path();
 }
 
-// The state of the boards is written too; it is the same before each run.
+// The state of the boards is written too, and is the same before each run.
 TEST_F(Writers, a_recording_that_replaces_another_is_the_old_one_or_begins_to_be_the_new_one) {
   ASSERT_EQ(run("record strip.json --link sim --seconds 1 -o old.mcap").status, 0);
   for (const int cause : {ENOSPC, EIO}) {

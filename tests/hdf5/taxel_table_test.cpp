@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What h5py cannot be asked: equal bytes, and a design without taxels. The content is read back in hdf5_test.py.
+// Tests what h5py cannot test: equal bytes, and a design without taxels. hdf5_test.py reads the content back.
 #include "triskin/hdf5/taxel_table.hpp"
 
 #include <gtest/gtest.h>

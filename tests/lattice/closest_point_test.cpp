@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The search tree of a surface and the grid of the growth against a loop over all faces and border edges.
+// Compares the search tree of a surface and the grid of the growth with a loop over all faces and border edges.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <random>
 
 #include "shapes.hpp"
-#include "triskin/lattice/near_surface.hpp"  // no public header
+#include "triskin/lattice/near_surface.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -15,7 +15,7 @@ namespace {
 constexpr int kQueries = 2000;
 constexpr double kRounding_mm = 1e-9;
 
-// Points near a saddle with border: in front of it, behind it and past its rim.
+// Points lie near a saddle with border: in front of it, behind it and past its rim.
 class ClosestPoint : public testing::Test {
  protected:
   Vec3 query() {
@@ -74,8 +74,9 @@ TEST_F(ClosestPoint, is_the_same_where_a_bound_of_it_is_known) {
   }
 }
 
-// Two triangles folded back onto each other: the sum of the normals at common corners was 1e-16 of rounding, made
-// a unit vector of any direction. `check` had another, and named a turn of the normal that was not the stated one.
+// Two triangles are folded back onto each other: the sum of the normals at common corners was 1e-16 of rounding,
+// normalized to a unit vector of arbitrary direction. `check` had another one, and reported a turn of the normal that
+// differed from the stated one.
 TEST(FoldedFlap, has_no_normal_at_its_fold_and_that_of_the_face_counts) {
   const Vec3 a(1.1, 2.3, 0.7), b(31.7, 5.9, 3.1), c(7.3, 33.3, 9.7);
   const Vec3 over = b + 0.73 * (a - b);

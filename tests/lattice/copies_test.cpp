@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Copies of a generated and of six real covers — turned, mirrored, in metres, numbered anew, divided, meshed anew —
-// give the same number of modules within 3 %. All costs are 0: with a price, layouts of nearly the same value differ by
-// more modules than that, because an island more or less pays for some. On LH and LUA one module is more than 3 %:
-// copies with the same triangles have to give the same number there, those with other triangles may miss by one (LUA
-// meshed anew gave 29 of 30). The steps are so many that the search has nearly ended: with 800 RUF meshed anew gave 59
-// of 61, with 1,500 61 of 62; with 500 LT divided gave 210 of 203.
+// Copies of a generated and of six real covers — turned, mirrored, in metres, renumbered, divided, meshed anew —
+// must give the same number of modules within 3 %. All costs are 0: with a price, layouts of nearly the same value
+// differ by more modules than that, because one island more or less pays for some. On LH and LUA one module is more
+// than 3 %: copies with the same triangles must give the same number there, those with other triangles may miss by one
+// (LUA meshed anew gave 29 of 30). The steps are so many that the search has nearly ended: with 800 RUF meshed anew
+// gave 59 of 61, with 1,500 61 of 62; with 500 LT divided gave 210 of 203.
 #include <CGAL/Polygon_mesh_processing/remesh.h>
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/Surface_mesh.h>
@@ -38,7 +38,7 @@ Mesh mirrored(Mesh m) {
   return m;
 }
 
-// Written in metres and read with the unit, as a user would.
+// The mesh is written in metres and read with the unit, as a user would do.
 Mesh in_metres(Mesh m) {
   for (Vec3& v : m.vertices) v /= 1000.0;
   const fs::path file = fs::temp_directory_path() / ("copies." + std::to_string(::getpid()) + ".obj");
@@ -64,7 +64,7 @@ Mesh numbered_anew(const Mesh& m) {
   return out;
 }
 
-// Isotropic triangles of 6 mm; the border stays.
+// Makes isotropic triangles of 6 mm; the border stays.
 Mesh meshed_anew(const Mesh& m) {
   using Cgal = CGAL::Surface_mesh<CGAL::Simple_cartesian<double>::Point_3>;
   Cgal mesh;

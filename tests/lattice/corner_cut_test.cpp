@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Modules with cut corners on surfaces: overlap against exact arithmetic, border by hand, and layouts that only cut
-// corners make possible.
+// Tests modules with cut corners on surfaces: overlap against exact arithmetic, border by hand, and layouts that only
+// cut corners make possible.
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/convex_hull_2.h>
 #include <gtest/gtest.h>
@@ -38,8 +38,8 @@ std::vector<Point> exact_outline(const std::array<Vec3, 3>& corner, double cut_m
   return points;
 }
 
-// The shortest way that parts two outlines: from the origin to the border of the set of all differences of their
-// points.
+// Returns the shortest way that separates two outlines: from the origin to the border of the set of all differences of
+// their points.
 double exact_depth(const std::vector<Point>& a, const std::vector<Point>& b) {
   std::vector<Point> differences, hull;
   for (const Point& p : a) {
@@ -77,7 +77,8 @@ TEST(CutModules, inset_outlines_are_drawn_in_by_the_inset_on_every_side) {
   const Vec3 center(3, -4, 0);
   for (const double inset_mm : {0.1, 0.5, 2.0, 4.0}) {
     const design::Outline o = design::inset_outline(corner, 3.0, inset_mm);
-    ASSERT_EQ(o.size, inset_mm < 2.5 ? 6U : 3U);  // A cut of 3 mm is 2.6 mm high: farther in the corner is a point.
+    // A cut of 3 mm is 2.6 mm high; deeper in the corner only a point remains.
+    ASSERT_EQ(o.size, inset_mm < 2.5 ? 6U : 3U);
     for (std::size_t k = 0; k < o.size; ++k) {
       const Vec3 a = o.point[k], along = (o.point[(k + 1) % o.size] - a).normalized();
       const double distance = (center - a - along.dot(center - a) * along).norm();
@@ -87,7 +88,7 @@ TEST(CutModules, inset_outlines_are_drawn_in_by_the_inset_on_every_side) {
   }
 }
 
-// A module whose tip points over the straight border of a plate, which lies at x = 100.
+// The tip of the module points over the straight border of a plate, which lies at x = 100.
 PlacedModule pointing_over(double past_mm) {
   PlacedModule m;
   m.corner_mm = module_at(100.0 + past_mm - 2.0 * kHeight_mm / 3.0, 50.0, 0.0);
@@ -107,7 +108,7 @@ TEST(CutModules, a_tip_over_the_border_counts_only_where_it_is_left) {
   }
 }
 
-// Depth: a module on a ridge dips under the surface least where its corners are, and most without them.
+// A module on a ridge dips least below the surface at its corners, and most without them.
 TEST(CutModules, depth_is_that_of_the_sides_that_are_left) {
   const Surface surface(half_cylinder(60.0, 100.0));
   PlacedModule m;
@@ -124,7 +125,7 @@ TEST(CutModules, depth_is_that_of_the_sides_that_are_left) {
   EXPECT_LE(cut.edge_depth_mm, m.edge_depth_mm + 1e-9);
 }
 
-// 24 mm of height: no whole module (25.98 mm) keeps 0.5 mm of overrun; one whose tip is cut (23.38 mm) does.
+// On a height of 24 mm no whole module (25.98 mm) keeps 0.5 mm of overrun, but one whose tip is cut (23.38 mm) does.
 TEST(CutModules, grow_on_a_strip_that_holds_no_whole_module) {
   const Surface strip(plane(200.0, 24.0));
   SurfaceLatticeOptions o = effort(60);

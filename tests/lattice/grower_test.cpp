@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Steps of the growth: what it tries, what it takes back, and what it charges before the wiring.
-#include "triskin/lattice/grower.hpp"  // no public header
+// Tests the steps of the growth: what it tries, what it undoes, and what it charges before the wiring.
+#include "triskin/lattice/grower.hpp"
 
 #include <gtest/gtest.h>
 
@@ -30,8 +30,8 @@ struct Growth {
   Dice random{1};
 };
 
-// Each module at the border used to be tried again with its corners clockwise: it then looks into the part, is never
-// right, and had been relaxed at full cost (13 % of the time on the torso).
+// Each module at the border used to be tried again with its corners clockwise: it then faces into the part, is never
+// right, and was relaxed at full cost (13 % of the time on the torso).
 TEST(Grower, tries_no_module_that_looks_into_the_part) {
   Growth growth(plane(300.0, 200.0));
   growth.grower.fill(growth.net, {}, growth.random, 100);
@@ -39,7 +39,7 @@ TEST(Grower, tries_no_module_that_looks_into_the_part) {
   EXPECT_EQ(growth.grower.refused[static_cast<std::size_t>(Refusal::kOutward)], 0);
 }
 
-// A module that relaxing moved others for goes: they are where they were, and are found there.
+// A module for which relaxing moved others is removed: the others are back at their places, and are found there.
 TEST(Relaxer, puts_back_what_gave_way) {
   Growth growth(half_cylinder(120.0, 200.0));
   ASSERT_TRUE(growth.grower.try_seed(growth.net, {Vec3(15, 85, 120), Vec3(-15, 85, 120), Vec3(0, 111, 120)}) ||
@@ -47,7 +47,7 @@ TEST(Relaxer, puts_back_what_gave_way) {
   growth.grower.grow(growth.net, {}, growth.random);
   growth.net.separate();
   ASSERT_GT(growth.net.size(), 20);
-  // A corner is drawn aside: it goes back, and its neighbours give way a little meanwhile.
+  // A corner is pulled aside: it returns, and its neighbours yield a little meanwhile.
   LatticeMesh net = growth.net;
   const int stretched = 5;
   const int corner = net.triangles()[stretched].vertex[0];
@@ -69,7 +69,7 @@ TEST(Relaxer, puts_back_what_gave_way) {
   EXPECT_EQ(net.signature(place, 45.0), before.signature(place, 45.0));
 }
 
-// A sheet whose upper border rises and falls at random every 1.5 mm, up to 1.2 mm.
+// The upper border of the sheet rises and falls at random every 1.5 mm, up to 1.2 mm.
 struct RaggedSheet {
   static constexpr int kColumns = 200;
   static constexpr double kWidth_mm = 300.0;
@@ -83,7 +83,7 @@ struct RaggedSheet {
       return Vec3(top.x(), v * top.y(), 0.0);
     });
   }
-  // How far a point lies past the border; 0 on the sheet.
+  // Returns how far a point lies past the border; 0 on the sheet.
   [[nodiscard]] double past(const Vec3& p) const {
     const auto k = static_cast<std::size_t>(p.x() / kWidth_mm * kColumns);
     const double x = p.x() / kWidth_mm * kColumns - static_cast<double>(k);
@@ -98,8 +98,8 @@ struct RaggedSheet {
   }
 };
 
-// The walk in steps misses what stands over between them: the layout would lose the module at the end. Held against
-// points every 0.01 mm of a ragged border.
+// The walk in steps misses an overhang between them, for which the layout would lose the module at the end. The test
+// compares with points every 0.01 mm of a ragged border.
 TEST(Rules, tell_an_overrun_between_the_steps_of_the_walk) {
   Dice random(5);
   const RaggedSheet sheet(random);
@@ -116,7 +116,7 @@ TEST(Rules, tell_an_overrun_between_the_steps_of_the_walk) {
     const int module = add_island(net, std::array{a, Vec3(a + side), apex});
     double worst = 0.0;
     for (int step = 0; step <= 3000; ++step) worst = std::max(worst, sheet.past(a + step / 3000.0 * side));
-    if (std::abs(worst - allowed_mm) < 0.03) continue;  // Found to 0.02 mm.
+    if (std::abs(worst - allowed_mm) < 0.03) continue;  // The value is found to 0.02 mm.
     EXPECT_EQ(growth.rules.exceeds_overrun(near, net.triangles()[at(module)]), worst > allowed_mm)
         << k << ": " << worst << " mm";
     over += worst > allowed_mm ? 1 : 0;
@@ -130,7 +130,7 @@ TEST(Rules, tell_an_overrun_between_the_steps_of_the_walk) {
   EXPECT_GT(missed_by_steps, 0);
 }
 
-// A layout that would be kept loses what stands over too far; fixed modules stay.
+// Before a layout is kept it loses modules that overhang too far; fixed modules stay.
 TEST(Grower, removes_what_stands_over_the_border_too_far_but_no_fixed_module) {
   Growth growth(plane(300.0, 60.0));
   const auto add = [&](double x, double y) {
@@ -147,8 +147,8 @@ TEST(Grower, removes_what_stands_over_the_border_too_far_but_no_fixed_module) {
   EXPECT_FALSE(growth.grower.remove_overrunning(growth.net));
 }
 
-// New modules of any kind: at open sides, at samples, at the border, beside others. What a module slides after it was
-// tried at its place is far less than 10 mm; without the zone the sheet is filled.
+// New modules of any kind are added: at open sides, at samples, at the border, beside others. A module slides much less
+// than 10 mm after it was tried at its place; without the zone the sheet is filled.
 TEST(Grower, adds_modules_in_its_zone_only) {
   constexpr double kSlide_mm = 10.0;
   Growth free(plane(240.0, 240.0)), confined(plane(240.0, 240.0));
@@ -167,8 +167,9 @@ TEST(Grower, adds_modules_in_its_zone_only) {
   }
 }
 
-// Σ p(nᵢ) − p(n) jumpers, p(n) = max(1, n / 16 + 15 / 32). 32, 8 and 1 modules: 79/32, 1 and 1 pieces; together
-// 41/16 + 15/32 = 97/32 controllers and (79 + 32 + 32 − 97)/32 = 46/32 jumpers. Apart: 143/32 controllers, none.
+// The jumpers are Σ p(nᵢ) − p(n), p(n) = max(1, n / 16 + 15 / 32). 32, 8 and 1 modules: 79/32, 1 and 1 pieces;
+// together 41/16 + 15/32 = 97/32 controllers and (79 + 32 + 32 − 97)/32 = 46/32 jumpers. Apart: 143/32 controllers,
+// none.
 TEST(RelaxedPrice, counts_jumpers_as_the_wiring_does) {
   const Price price{.controller = 2.0, .jumper = 0.25, .island = 0.1};
   EXPECT_DOUBLE_EQ(relaxed_price({32, 8, 1}, {0, 0, 0}, price).sum(), 2.0 * 97 / 32 + 0.25 * 46 / 32 + 0.3);
@@ -177,8 +178,8 @@ TEST(RelaxedPrice, counts_jumpers_as_the_wiring_does) {
   EXPECT_DOUBLE_EQ(relaxed_price({12}, {0}, price).sum(), 2.0 * 39 / 32 + 0.1);
 }
 
-// Jumpers: Σ ⌈nᵢ / 16⌉ − ⌈n / 16⌉. 90 and 6 modules are divided into 16 · 5 + 10 and 6: six controllers,
-// seven pieces, one jumper. One module more needs a seventh controller. Apart: the same seven, no jumper.
+// The jumpers are Σ ⌈nᵢ / 16⌉ − ⌈n / 16⌉. 90 and 6 modules are divided into 16 · 5 + 10 and 6: six
+// controllers, seven pieces, one jumper. One module more needs a seventh controller. Apart: the same seven, no jumper.
 TEST(RoundedPrice, counts_whole_controllers) {
   const Price price{.controller = 2.0, .jumper = 0.25, .island = 0.1};
   EXPECT_DOUBLE_EQ(rounded_price({90, 6}, {0, 0}, price), 2.0 * 6 + 0.25 + 0.2);

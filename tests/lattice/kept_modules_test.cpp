@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Modules that a search leaves where they are.
+// A search must leave kept modules where they are.
 #include "triskin/lattice/kept_modules.hpp"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 namespace triskin::geometry::surface_lattice {
 namespace {
 
-// The first `count` modules, with the joints among them.
+// Returns the first `count` modules, with the joints among them.
 std::vector<PlacedModule> first_of(const ModuleLayout& layout, int count) {
   std::vector<PlacedModule> kept(layout.modules.begin(), layout.modules.begin() + count);
   for (PlacedModule& m : kept) {
@@ -47,7 +47,7 @@ TEST(KeptModules, are_a_net_that_relaxing_does_not_move) {
   Relaxer relaxer(near, 1.5);
   (void)relaxer.relax(net, 0, 60.0, 5);
   expect_unmoved();
-  // A vertex of fixed modules only; the gap that they leave among them is no reason to move.
+  // A vertex of fixed modules only must not move because of a gap among them.
   for (const NetVertex& v : net.vertices()) EXPECT_TRUE(!v.used || v.is_fixed);
 }
 

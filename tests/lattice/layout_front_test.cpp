@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the growth keeps beside the best layout, and that it stays small on large parts.
-#include "triskin/lattice/layout_front.hpp"  // no public header
+// Tests which layouts the growth keeps beside the best one, and that they stay few on large parts.
+#include "triskin/lattice/layout_front.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 namespace triskin::geometry::surface_lattice {
 namespace {
 
-// A net of islands of one module each.
+// Makes a net of islands of one module each.
 NetCopy net_of(int modules) {
   auto net = std::make_shared<LatticeMesh>(std::vector{Vec3(0, 0, 0), Vec3(50.0 * modules, 50.0, 0)}, 0.0);
   for (int m = 0; m < modules; ++m) add_island(*net, Vec3(50.0 * m, 0, 0));
@@ -26,15 +26,15 @@ std::vector<std::pair<int, double>> kept(const LayoutFront& front) {
 TEST(LayoutFront, keeps_the_best_of_each_number_and_the_most_valuable_where_they_are_too_many) {
   LayoutFront front(10);
   front.keep(net_of(3), 2.0);
-  front.keep(net_of(3), 1.5);  // Less than what is there.
+  front.keep(net_of(3), 1.5);  // The value is less than the present one.
   front.keep(net_of(4), 3.0);
   EXPECT_EQ(kept(front), (std::vector<std::pair<int, double>>{{3, 2.0}, {4, 3.0}}));
-  EXPECT_FALSE(front.would_keep(*net_of(5), 1.9));  // 12 modules, and the others are worth more
+  EXPECT_FALSE(front.would_keep(*net_of(5), 1.9));  // There are 12 modules, and the others are worth more.
   front.keep(net_of(5), 2.5);
   EXPECT_EQ(kept(front), (std::vector<std::pair<int, double>>{{4, 3.0}, {5, 2.5}}));
   front.forget_below(5);
   EXPECT_EQ(kept(front), (std::vector<std::pair<int, double>>{{5, 2.5}}));
-  front.keep(net_of(5), 2.75);  // It replaces its like: there are still five modules.
+  front.keep(net_of(5), 2.75);  // It replaces the layout with the same numbers, so there are still five modules.
   front.keep(net_of(1), 0.5);
   EXPECT_EQ(kept(front), (std::vector<std::pair<int, double>>{{1, 0.5}, {5, 2.75}}));
 }
@@ -60,7 +60,7 @@ TEST(LayoutFront, holds_no_more_modules_than_it_may) {
   EXPECT_GE(front.found().size(), 8U);
 }
 
-// Islands of 1, 1, 1, 2 and 3 modules, of which one of the single ones is fixed.
+// There are islands of 1, 1, 1, 2 and 3 modules, and one of the single ones is fixed.
 TEST(Thinned, leaves_out_the_smallest_islands_until_few_enough_are_left) {
   LatticeMesh net({Vec3(0, 0, 0), Vec3(600, 60, 0)}, 0.0);
   const int fixed = add_island(net, Vec3(0, 0, 0));
@@ -93,8 +93,8 @@ TEST(Thinned, leaves_out_the_smallest_islands_until_few_enough_are_left) {
   EXPECT_EQ(sizes(8, 5), Sizes{});
   EXPECT_EQ(sizes(7, 5), (Sizes{{7, 4}}));
   EXPECT_EQ(sizes(5, 5), (Sizes{{4, 2}, {6, 3}, {7, 4}}));
-  EXPECT_EQ(sizes(5, 2), (Sizes{{4, 2}, {7, 4}}));  // every second
-  EXPECT_EQ(sizes(0, 1), (Sizes{{1, 1}}));          // The fixed one stays.
+  EXPECT_EQ(sizes(5, 2), (Sizes{{4, 2}, {7, 4}}));  // Every second layout is taken.
+  EXPECT_EQ(sizes(0, 1), (Sizes{{1, 1}}));          // The fixed module stays.
 }
 
 }  // namespace

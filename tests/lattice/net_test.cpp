@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The net of the growth against loops over all of it: random nets in a plane are grown, ruined, parted and taken back;
-// what it keeps up to date by changes must be what a count from nothing gives.
-#include "triskin/lattice/net.hpp"  // no public header
+// Compares the net of the growth with loops over all of it: random nets in a plane are grown, ruined, separated and
+// rolled back; the values that it updates by changes must equal a count from nothing.
+#include "triskin/lattice/net.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "triskin/lattice/net.hpp"  // no public header
+#include "triskin/lattice/net.hpp"
 
 namespace triskin::geometry::surface_lattice {
 
-// An island of one module in a horizontal plane, with these corners in tile order; its triangle.
+// Adds an island of one module in a horizontal plane, with these corners in tile order; returns its triangle.
 inline int add_island(LatticeMesh& net, const std::array<Vec3, 3>& corners) {
   std::array<int, 3> v{};
   for (int k = 0; k < 3; ++k) {
@@ -14,7 +14,7 @@ inline int add_island(LatticeMesh& net, const std::array<Vec3, 3>& corners) {
   return net.add_triangle(net.new_island(), {}, v);
 }
 
-// The same on the lattice whose origin lies at a place.
+// Does the same on the lattice whose origin lies at a place.
 inline int add_island(LatticeMesh& net, const Vec3& origin) {
   std::array<Vec3, 3> corners;
   for (int k = 0; k < 3; ++k) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How far a module stands over the border: its largest value against a fine grid of points, and what it costs where the
+// Compares the largest overhang of a module over the border with a fine grid of points, and limits its cost where the
 // border of other sheets runs along the surface, as in a skin with ribs or one that a repair left with cracks.
-#include "triskin/lattice/overrun.hpp"  // no public header
+#include "triskin/lattice/overrun.hpp"
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ namespace {
 constexpr double kCell_mm = 25.0;
 constexpr int kCells = 8;
 
-// A skin of square cells, bent to a radius along x, each parted from the next by a crack.
+// Makes a skin of square cells, bent to a radius along x, with a crack between each two.
 Mesh cracked_skin(double crack_mm, double radius_mm, bool with_hole) {
   Mesh skin;
   for (int i = 0; i < kCells; ++i) {
@@ -37,7 +37,7 @@ Mesh cracked_skin(double crack_mm, double radius_mm, bool with_hole) {
   return skin;
 }
 
-// Walls under a flat skin that end at it, or `gap_mm` below; none shares a vertex with it.
+// Makes walls under a flat skin that end at it, or `gap_mm` below; none shares a vertex with it.
 Mesh ribs(double gap_mm) {
   Mesh walls;
   for (int k = 1; k < 3 * kCells; ++k) {
@@ -58,7 +58,7 @@ design::Outline module_at(const Vec3& center, double turn_rad, const Vec3& tilt_
   return design::outline_of(corner, 0.0);
 }
 
-// The largest way across over the points of a grid.
+// Returns the largest distance across the border over the points of a grid.
 double over_a_grid(const Surface& surface, const design::Outline& module) {
   constexpr int kSteps = 150;
   const auto corner = module.points();
@@ -75,7 +75,7 @@ double over_a_grid(const Surface& surface, const design::Outline& module) {
   return most;
 }
 
-// One line of border under a module that is followed in the smallest parts costs ten times as many.
+// Following one line of border under a module in the smallest parts costs ten times as many.
 constexpr std::size_t kManyPoints = 10'000;
 
 TEST(Overrun, a_rib_under_the_skin_is_no_border_of_it_and_costs_little) {
@@ -134,7 +134,7 @@ TEST(Overrun, is_the_largest_of_a_fine_grid_beside_a_hole_a_rim_ribs_and_cracks)
       }
     }
   }
-  EXPECT_GE(over, 60);  // Else next to nothing was compared.
+  EXPECT_GE(over, 60);  // With fewer, next to nothing was compared.
 }
 
 }  // namespace

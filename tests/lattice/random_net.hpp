@@ -9,13 +9,13 @@
 
 #include "nets.hpp"
 #include "triskin/base/dice.hpp"
-#include "triskin/lattice/zones.hpp"  // no public header
+#include "triskin/lattice/zones.hpp"
 
 namespace triskin::geometry::surface_lattice {
 
 inline constexpr double kSheet_mm = 400.0;
 
-// Grown and ruined at random in a plane; all of it, or what lies in a zone.
+// Grows and ruins a net at random in a plane: all of it, or only the part in a zone.
 struct RandomNet {
   explicit RandomNet(std::uint64_t seed) : random(seed), net({Vec3(0, 0, 0), Vec3(kSheet_mm, kSheet_mm, 0)}, 0.0) {}
 
@@ -26,7 +26,7 @@ struct RandomNet {
     if (zone.holds(origin + Vec3(15.0, kHeight_mm / 3.0, 0.0))) add_island(net, origin);
   }
 
-  // A tile at an open side; one time in four it does not join a vertex that is there, which leaves a slit.
+  // Adds a tile at an open side; one time in four it does not join an existing vertex, which leaves a slit.
   void extend() {
     const int t = random.below(static_cast<int>(net.triangles().size())), side = random.below(3);
     if (!net.used(t) || net.neighbour(t, side) >= 0) return;
@@ -101,7 +101,7 @@ inline std::vector<int> used_triangles(const LatticeMesh& net) {
   return used;
 }
 
-// Everything that the net says about itself, counted from its triangles.
+// Compares all that the net states about itself with counts over its triangles.
 inline void expect_right(const LatticeMesh& net, const Vec3& place) {
   const std::vector<int> used = used_triangles(net);
   ASSERT_EQ(net.size(), static_cast<int>(used.size()));

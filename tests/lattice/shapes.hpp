@@ -11,7 +11,7 @@
 
 namespace triskin::geometry {
 
-// A grid of nu × nv cells over the unit square, brought to space.
+// Maps a grid of nu × nv cells over the unit square to space.
 inline Mesh grid_mesh(int nu, int nv, const std::function<Vec3(double, double)>& place) {
   Mesh m;
   for (int v = 0; v <= nv; ++v) {
@@ -38,14 +38,14 @@ inline Mesh half_cylinder(double radius, double length) {
 }
 
 inline Mesh sphere_cap(double radius, double opening) {
-  // Polar rings without a pole vertex would leave a hole: a square patch by gnomonic projection has none.
+  // Polar rings without a pole vertex would leave a hole; a square patch by gnomonic projection has none.
   const double t = std::tan(opening / 2.0);
   return grid_mesh(24, 24, [=](double u, double v) {
     return Vec3(radius * Vec3(t * (2 * u - 1), t * (2 * v - 1), 1.0).normalized());
   });
 }
 
-// Every face becomes four by the middles of its sides, so many times; the shape stays.
+// Divides every face into four at the middles of its sides, this many times; the shape stays the same.
 inline Mesh divided(const Mesh& m, int times = 1) {
   if (times == 0) return m;
   Mesh out{m.vertices, {}};

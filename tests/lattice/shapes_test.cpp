@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Layouts on surfaces of known curvature against closed formulas; copies of one surface give the same count.
+// Compares layouts on surfaces of known curvature with closed formulas; copies of one surface must give the same count.
 #include "shapes.hpp"
 
 #include <gtest/gtest.h>
@@ -47,8 +47,8 @@ TEST_P(SphereFormula, FoldAndCentreGapFollowTheRadius) {
   const ModuleLayout layout = grow_lattice(surface, {}, o);
   ASSERT_GE(layout.modules.size(), 6U);
   expect_limits(layout);
-  // Corners lie on the sphere: the plane of three of them is sqrt(R² − (2h/3)²) from its middle, the facets of the
-  // mesh a little less than R.
+  // The corners lie on the sphere: the plane of three of them is sqrt(R² − (2h/3)²) from its middle, and the facets
+  // of the mesh a little less than R.
   const double gap = radius - std::sqrt(radius * radius - 4.0 / 9.0 * kHeight * kHeight);
   EXPECT_NEAR(gap, 30.0 * 30.0 * (2.0 / radius) / 12.0, 0.05 * gap);
   for (const PlacedModule& m : layout.modules) EXPECT_NEAR(m.center_gap_mm, gap, 0.5);
@@ -87,9 +87,9 @@ TEST(Shapes, EveryLimitHoldsAndMostIsCovered) {
   }
 }
 
-// Corners at the distance ρ from the centre, ρ² = a² / 3, 120° apart: whatever the turn, the mean height of a
-// quadratic surface under them is ρ² (κ1 + κ2) / 4. The sum of the principal curvatures at a point of each shape,
-// from its formula.
+// The corners are at the distance ρ from the centre, ρ² = a² / 3, 120° apart: whatever the turn, the mean height
+// of a quadratic surface under them is ρ² (κ1 + κ2) / 4. The function returns the sum of the principal curvatures
+// at a point of each shape, from its formula.
 double curvature_of(const std::string& shape, const Vec3& p) {
   const double r = std::hypot(p.x(), p.y());
   if (shape == "cone") return 0.6 / r;  // A side (0.8, −0.6) has the normal (0.6, 0.8).
@@ -116,11 +116,11 @@ TEST(Shapes, CentreGapFollowsTheCurvatureAtEachModule) {
   }
 }
 
-// A torus patch of about 500 cm²: copies that are turned, mirrored or meshed anew must give the same within 3 %. The
-// search weighs modules against islands and controllers: five seeds on each of the two meshes gave 117 … 124 modules
-// (`triskin design --iterations 150 --threads 1`), with a standard deviation of 2.6. Another mesh is as another seed:
-// two single results differ by 3 % in every third try, means of five seeds by 2.6 · √(2/5) = 1.6 modules or 1.4 %
-// (standard deviation).
+// On a torus patch of about 500 cm², copies that are turned, mirrored or meshed anew must give the same within 3 %.
+// The search weighs modules against islands and controllers: five seeds on each of the two meshes gave 117 … 124
+// modules (`triskin design --iterations 150 --threads 1`), with a standard deviation of 2.6. Another mesh acts like
+// another seed: two single results differ by 3 % in every third try, means of five seeds by 2.6 · √(2/5) = 1.6
+// modules or 1.4 % (standard deviation).
 Mesh large_patch(int nu, int nv) {
   return grid_mesh(nu, nv, [](double u, double v) {
     const double a = 1.5 * u, b = 2.4 * (v - 0.5), r = 140.0 + 80.0 * std::cos(b);

@@ -18,7 +18,8 @@
 namespace triskin::geometry {
 namespace {
 
-// Clip one triangle by the other in the mean plane: area of overlap, by code that shares nothing with the search.
+// Clips one triangle by the other in the mean plane and returns the area of overlap, by code that shares nothing with
+// the search.
 double overlap_area(const PlacedModule& a, const PlacedModule& b) {
   if ((center_of(a) - center_of(b)).norm() > 36.0 || normal_of(a).dot(normal_of(b)) < 0) return 0.0;
   const Vec3 n = (normal_of(a) + normal_of(b)).normalized(), x = n.unitOrthogonal(), y = n.cross(x);
@@ -96,7 +97,7 @@ TEST(SurfaceLattice, NothingFitsWhereThereIsNoRoom) {
   EXPECT_TRUE(grow_lattice(Surface(plane(20.0, 20.0)), {}, effort(5)).modules.empty());
 }
 
-// A machine under load may have used the time before the search begins.
+// A loaded machine may have used up the time before the search begins.
 TEST(SurfaceLattice, FirstModuleIsFoundAfterTheTimeToo) {
   SurfaceLatticeOptions options;
   options.time_limit_s = 1e-9;
@@ -104,7 +105,7 @@ TEST(SurfaceLattice, FirstModuleIsFoundAfterTheTimeToo) {
 }
 
 TEST(SurfaceLattice, HoleInAModuleIsKeptFree) {
-  // One cell of 6 mm is missing in the middle of a plane: no module may cover its centre.
+  // One cell of 6 mm is missing in the middle of a plane, and no module may cover its centre.
   Mesh mesh = grid_mesh(15, 15, [](double u, double v) { return Vec3(90.0 * u, 90.0 * v, 0.0); });
   const std::size_t cell = 2 * (7 * 15 + 7);
   mesh.faces.erase(mesh.faces.begin() + static_cast<std::ptrdiff_t>(cell),
@@ -128,7 +129,7 @@ TEST(SurfaceLattice, CylinderIsCoveredAsThePlane) {
   expect_valid(surface, layout);
   EXPECT_GE(static_cast<double>(layout.modules.size()) * kModuleArea_mm2, 0.68 * surface.area_mm2());
   for (const PlacedModule& m : layout.modules) {
-    // a²κ/12 under the centre, plus what the facets of the mesh add.
+    // The limit is a²κ/12 under the centre, plus the deviation of the mesh's facets.
     EXPECT_LE(m.center_gap_mm, 30.0 * 30.0 / (12.0 * 60.0) + 0.3);
   }
 }
@@ -152,8 +153,8 @@ TEST(SurfaceLattice, SameSeedAndBudgetGiveTheSameLayout) {
   }
 }
 
-// With room for 90 modules each, three of four threads change one layout: the same for a seed and so many steps, within
-// the limits, and with more modules than one thread finds by as many steps as each of them.
+// With room for 90 modules each, three of four threads change one layout: the result is the same for a seed and a
+// number of steps, within the limits, and has more modules than one thread finds with as many steps as each of them.
 TEST(SurfaceLattice, ThreadsOfATeamShareTheSteps) {
   const Surface surface(grid_mesh(
       20, 20, [](double u, double v) { return Vec3(330.0 * u, 330.0 * v, 60.0 * u * (1.0 - u) + 40.0 * v * v); }));
@@ -179,8 +180,8 @@ TEST(SurfaceLattice, ThreadsOfATeamShareTheSteps) {
   EXPECT_GT(together, alone);
 }
 
-// A clock that stands still for some questions and is far past any end from then on: in the first growth, among the
-// starts, in the annealing. The growth ends soon after, with the best that it has, and certifies none beside it.
+// The clock stands still for some questions and is far past any end from then on: in the first growth, among the
+// starts, in the annealing. The growth ends soon after, with its best layout, and certifies none beside it.
 TEST(SurfaceLattice, GivesUpSoonAfterItsTime) {
   const Surface surface(turned_outward(half_cylinder(50.0, 90.0), Vec3(0, 45, 0)));
   SurfaceLatticeOptions options;
@@ -199,15 +200,15 @@ TEST(SurfaceLattice, GivesUpSoonAfterItsTime) {
   }
 }
 
-// Moved by more than rounding, mirrored and numbered from the other end: the search takes the same way, and what it
-// finds is carried back.
+// The copy is moved by more than rounding, mirrored and numbered from the other end: the search takes the same path,
+// and its result is carried back.
 TEST(SurfaceLattice, MovedAndMirroredCopyGetsTheSameLayout) {
   const auto place = [](double u, double v) {
     return Vec3(140.0 * u, 90.0 * v + 12.0 * u * u, 20.0 * u * v + 9.0 * v * v);
   };
   const Mesh mesh = grid_mesh(9, 7, place);
   Mesh copy = mesh;
-  for (Vec3& v : copy.vertices) v = Vec3(40.0 - v.y(), v.z() + 300.0, v.x() - 7.0);  // determinant −1
+  for (Vec3& v : copy.vertices) v = Vec3(40.0 - v.y(), v.z() + 300.0, v.x() - 7.0);  // The determinant is −1.
   for (auto& f : copy.faces) std::swap(f[1], f[2]);
   std::ranges::reverse(copy.faces);
   const Surface first(mesh), second(copy);
@@ -232,7 +233,7 @@ TEST(SurfaceLattice, DearControllersLeaveFewSmallIslands) {
   SurfaceLatticeOptions cheap = effort(60), dear = effort(60);
   cheap.price = {0.0, 0.0, 0.0};
   dear.price = {3.0, 0.25, 0.1};
-  cheap.hinge_reward = dear.hinge_reward = 0.0;  // It leaves few islands too.
+  cheap.hinge_reward = dear.hinge_reward = 0.0;  // Its result has few islands too.
   const ModuleLayout many = grow_lattice(surface, {}, cheap), few = grow_lattice(surface, {}, dear);
   EXPECT_LE(few.islands, many.islands);
 }
@@ -247,7 +248,7 @@ TEST(SurfaceLattice, BadOptionsAreNamed) {
   EXPECT_THROW((void)grow_lattice(surface, limits, effort(1)), InputError);
 }
 
-// A cover and the modules that it takes at least.
+// Each case is a cover and the least number of modules that it must take.
 class CoverLimits : public testing::TestWithParam<std::pair<test::CoverName, std::size_t>> {};
 
 TEST_P(CoverLimits, hold_for_every_module) {
@@ -256,7 +257,7 @@ TEST_P(CoverLimits, hold_for_every_module) {
   if (!file) GTEST_SKIP() << test::no_data();
   const Surface surface(extract(read_mesh(file->path()).mesh).surface);
   SurfaceLatticeOptions most = effort(12);
-  most.price = {0.05, 0.05, 0.05};  // What counts here are modules, nearly whatever they cost.
+  most.price = {0.05, 0.05, 0.05};  // With this price only the modules count, almost whatever they cost.
   const ModuleLayout layout = grow_lattice(surface, {}, most);
   expect_valid(surface, layout);
   EXPECT_GE(layout.modules.size(), least);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Why nothing fits, on shapes whose radius and width are known.
+// Tests the reason why nothing fits, on shapes whose radius and width are known.
 #include "triskin/lattice/what_refuses.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace {
 using design::Mesh;
 using design::Vec3;
 
-// A grid over [0, 1]², mapped into space; normals as the map turns.
+// Maps a grid over [0, 1]² into space; the map sets the direction of the normals.
 template <class Map>
 Surface sheet(int across, int along, const Map& map) {
   Mesh mesh;
@@ -29,7 +29,7 @@ Surface sheet(int across, int along, const Map& map) {
   return Surface(mesh);
 }
 
-// Most of a sphere, poles left out, seen from outside.
+// Makes most of a sphere, without the poles, seen from outside.
 Surface sphere(double radius_mm) {
   return sheet(60, 30, [=](double u, double v) {
     const double a = 1.9 * M_PI * u, b = M_PI * (0.1 + 0.8 * v);
@@ -37,7 +37,7 @@ Surface sphere(double radius_mm) {
   });
 }
 
-// docs/bending.md: with the lift, the centre gap lets a module lie on a sphere of 33 mm.
+// By docs/bending.md the centre gap, with the lift, allows a module on a sphere of 33 mm.
 TEST(WhatRefuses, a_sphere_of_20_mm_needs_33) {
   const auto o = what_refuses(sphere(20.0), {});
   ASSERT_TRUE(o);

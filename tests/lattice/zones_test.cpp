@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A net that several threads change, each in its zone. What the zones' nets say of their triangles is compared with
-// what the merged net says; the conflicts are made by hand.
-#include "triskin/lattice/zones.hpp"  // no public header
+// Several threads change a net, each in its zone. The zones' nets and the merged net must agree about their triangles;
+// the conflicts are made by hand.
+#include "triskin/lattice/zones.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 namespace triskin::geometry::surface_lattice {
 namespace {
 
-// A module by its place, and each of its joints by the place of the other.
+// A module is identified by its place, and each of its joints by the place of the other module.
 using Place = std::tuple<double, double>;
 Place place_of(const LatticeMesh& net, int t) {
   return {net.center(t).x(), net.center(t).y()};
@@ -55,12 +55,12 @@ TEST_P(Zones, hold_as_many_modules_each_and_lie_apart) {
       }
     }
   }
-  const std::size_t most = GetParam() == 1 ? 200 : 200 / at(GetParam()) / 5;  // a band of 60 mm of 400
+  const std::size_t most = GetParam() == 1 ? 200 : 200 / at(GetParam()) / 5;  // The band is 60 mm of 400.
   EXPECT_GE(inside[0].size(), most);
 }
 
-// Random steps in each zone, twelve rounds. Every triangle outside the zone stays as it was; what the zone's net says
-// of its own triangles, and what both say of the others, is what the merged net says.
+// Each zone makes random steps in twelve rounds. Every triangle outside the zone stays unchanged; the merged net must
+// agree with the zone's net about its own triangles, and with both about the others.
 TEST_P(Zones, are_merged_with_every_change_of_each) {
   RandomNet random(static_cast<std::uint64_t>(GetParam()));
   for (int k = 0; k < 6; ++k) random.seed();
@@ -119,7 +119,7 @@ TEST_P(Zones, are_merged_with_every_change_of_each) {
 }
 INSTANTIATE_TEST_SUITE_P(Count, Zones, testing::Values(1, 2, 3, 5));
 
-// Two islands, 200 mm apart, in zones at both sides of x = 0.
+// Two islands, 200 mm apart, are in zones at both sides of x = 0.
 struct TwoZones {
   LatticeMesh started = empty_net(), left, right;
   std::vector<Zone> zones{{{{-Vec3::UnitX(), kHalfBand_mm}}}, {{{Vec3::UnitX(), kHalfBand_mm}}}};
@@ -136,7 +136,8 @@ struct TwoZones {
 
 TEST(MergedZones, hold_a_tile_of_a_lattice_once) {
   TwoZones two;
-  // One island, although its modules lie far apart: its tiles 0/0/up … in a row, the middle ones in the band.
+  // All are one island, although its modules lie far apart: its tiles 0/0/up … are in a row, the middle ones in the
+  // band.
   int last = two.started.add_vertex({-90.0, 0, 0}, Vec3::UnitZ(), 0, 0);
   int other = two.started.add_vertex({-75.0, kHeight_mm, 0}, Vec3::UnitZ(), 0, 1);
   const int island = two.started.new_island();
@@ -151,7 +152,7 @@ TEST(MergedZones, hold_a_tile_of_a_lattice_once) {
   two.started.separate();
   ASSERT_EQ(two.started.islands(), 1);
   two.part();
-  // Both zones claim tile (9, 9): labels, not places, decide.
+  // Both zones claim tile (9, 9), so labels decide, not places.
   const auto claim = [&](LatticeMesh& net, double x) {
     const int t = [&] {
       for (const int u : used_triangles(net)) {

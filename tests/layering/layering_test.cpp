@@ -35,7 +35,7 @@ class Layering : public testing::Test {
     std::ofstream(root_ / path) << line << '\n';
     return run_check(root_);
   }
-  // `links`: lines "target: what it links", as the build writes them.
+  // `links` has lines "target: linked libraries", as the build writes them.
   int with_links(const std::string& links) {
     const fs::path file = root_ / "links.txt";
     std::ofstream(file) << links;
@@ -102,7 +102,7 @@ TEST_F(Layering, refuses_an_upward_arrow_inside_the_geometry) {
   EXPECT_NE(with_file("host/mesh/src/a.cpp", "#include \"triskin/lattice/grow_lattice.hpp\""), 0);
 }
 
-// A table with a circle is refused, even where no include makes use of it yet.
+// A table with a cycle is refused, even if no include uses it yet.
 TEST_F(Layering, refuses_a_circle_in_the_table) {
   const std::string tool = triskin::test::source_folder() + "/tools/check_layering.py";
   std::ifstream file(tool);

@@ -13,11 +13,11 @@
 
 namespace triskin::test {
 
-/// A folder with a design of eight modules on two controllers, a scene of it, and simulated boards that hold its
-/// tables.
+/// Prepares a folder with a design of eight modules on two controllers, a scene of it, and simulated boards that hold
+/// its tables.
 class FlashedSim {
  public:
-  /// `faults`: the value of that key of the scene.
+  /// `faults` is the value of that key of the scene.
   explicit FlashedSim(const std::string& faults = "[]")
       : folder_(std::filesystem::temp_directory_path() / ("library." + std::to_string(::getpid()))) {
     std::filesystem::remove_all(folder_);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What others do with the installed package: a C compiler with pkg-config, a CMake project, Python.
+// Uses the installed package as others do: a C compiler with pkg-config, a CMake project, Python.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
@@ -17,7 +17,7 @@ using test::FlashedSim;
 
 const fs::path kHere = fs::path(test::source_folder()) / "tests/library";
 
-// Exit status, and what it wrote.
+// Returns the exit status and the output.
 std::pair<int, std::string> shell(const FlashedSim& sim, const std::string& line) {
   const fs::path out = sim.folder() / "out";
   const int status = std::system(("(" + line + ") > '" + out.string() + "' 2>&1").c_str());
@@ -49,7 +49,7 @@ TEST(Installed, a_C_program_finds_it_by_pkg_config) {
   EXPECT_EQ(said, kWanted);
 }
 
-// docs/examples/read_samples.cpp, which is shown to readers.
+// The source is docs/examples/read_samples.cpp, which the pages show.
 TEST(Installed, the_first_example_prints_the_pressed_taxel) {
   const FlashedSim sim;
   const std::string prefix = install(sim), lib = prefix + "/" TRISKIN_LIBDIR, program = sim.folder() / "read_samples";
@@ -81,7 +81,7 @@ TEST(Installed, a_CMake_project_finds_it_by_find_package) {
   EXPECT_EQ(said, kWanted);
 }
 
-// What the Debian packages bring besides the program.
+// The Debian packages contain these files besides the program.
 TEST(Installed, the_program_comes_with_pages_rules_and_completion) {
   const FlashedSim sim;
   const fs::path prefix = sim.folder() / "installed";
@@ -110,7 +110,7 @@ TEST(Installed, Python_reads_a_served_simulation) {
   EXPECT_EQ(status, 0) << said;
 }
 
-// The script of the docs: from a surface to a plot.
+// Runs the script of the docs, from a surface to a plot.
 TEST(Installed, the_hour_of_a_researcher_ends_with_a_plot) {
   const FlashedSim sim;
   if (std::system(TRISKIN_PYTHON " -c 'import numpy' > /dev/null 2>&1") != 0)
@@ -131,7 +131,7 @@ TEST(Installed, the_hour_of_a_researcher_ends_with_a_plot) {
   EXPECT_TRUE(drawn("touch.svg") || drawn("touch.png")) << said;
 }
 
-// 30,840 taxels: 161 controllers on two served simulations.
+// There are 30,840 taxels on 161 controllers in two served simulations.
 TEST(Installed, Python_reads_161_controllers_for_a_minute) {
   const FlashedSim sim;
   const std::string one = sim.folder() / "one.json", two = sim.folder() / "two.json";

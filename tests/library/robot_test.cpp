@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A robot of two covers on two buses through the C interface: simulated in this process, and served.
+// Reads a robot of two covers on two buses through the C interface: simulated in this process, and served.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Cover arm: 8 modules on two controllers, 100 mm up; cover leg: 6 modules on two, 500 mm aside.
+// Cover arm has 8 modules on two controllers, 100 mm up; cover leg has 6 modules on two, 500 mm aside.
 class RobotSkin : public testing::Test {
  protected:
   RobotSkin() {
@@ -49,7 +49,7 @@ class RobotSkin : public testing::Test {
     options.link = link;
     ASSERT_EQ(triskin_open((folder_ / "robot.json").c_str(), &options, &skin_), TRISKIN_OK) << triskin_error();
   }
-  // All modules give every sample, whatever their bus.
+  // All modules must give every sample, whatever their bus.
   void read_some() const {
     std::map<int, std::set<std::uint32_t>> numbers;
     std::map<int, int> nodes;
@@ -69,7 +69,7 @@ class RobotSkin : public testing::Test {
       EXPECT_EQ(of.size(), *of.rbegin() - *of.begin() + 1) << module;
     }
     EXPECT_EQ(nodes[7], 2);
-    EXPECT_EQ(nodes[8], 1);  // the first of the other bus
+    EXPECT_EQ(nodes[8], 1);  // This is the first of the other bus.
     EXPECT_EQ(nodes[13], 2);
     ASSERT_EQ(triskin_stop(skin_), TRISKIN_OK);
     triskin_counts counts{};

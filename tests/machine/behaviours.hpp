@@ -7,7 +7,7 @@
 
 namespace triskin::machine {
 
-/// A way to read the data sheet of the converter where it is open (docs/silicon.md).
+/// Names one way to read the data sheet of the converter where it is ambiguous (docs/silicon.md).
 struct NamedBehaviour {
   std::string_view name;
   scene::Ad7147Behaviour chip;
@@ -20,7 +20,7 @@ inline constexpr std::array<NamedBehaviour, 5> kBehaviours{{
     {"AllAtOnce", {.shifted_after_stop = true, .latched_at_end = true, .afe_step_pf = 0.36}},
 }};
 
-/// The one of that name; without such a name the first.
+/// Returns the behaviour of that name, or the first one if there is none.
 [[nodiscard]] constexpr const scene::Ad7147Behaviour& behaviour_named(std::string_view name) {
   for (const NamedBehaviour& b : kBehaviours) {
     if (b.name == name) return b.chip;

@@ -121,7 +121,7 @@ std::vector<std::uint8_t> Bench::request(const std::vector<std::uint8_t>& bytes,
     while (const auto f = tester.transmit(now_us())) deliver(*f);
     run_for(500);
     for (; seen < frames.size(); ++seen) {
-      if (frames[seen].id != tester.rx_id()) continue;  // The stream goes on beside it.
+      if (frames[seen].id != tester.rx_id()) continue;  // The stream continues meanwhile.
       if (tester.receive(frames[seen], now_us()) != wire::IsoTp::Event::kReceived) continue;
       const Bytes m = tester.message();
       return {m.begin(), m.end()};

@@ -14,7 +14,7 @@ TEST_F(Bench, LoaderStartsTheApplicationAt160MHz) {
   EXPECT_EQ(machine->sysclk_hz(), 160'000'000U);
   EXPECT_EQ(machine->vector_table(), application.origin());
   EXPECT_GT(budget(offsetof(board::Budget, loops)), 1U);
-  EXPECT_GT(machine->counts().idle_us, 100'000U);  // Sleeps, does not spin.
+  EXPECT_GT(machine->counts().idle_us, 100'000U);  // The core sleeps instead of spinning.
 }
 
 TEST_F(Bench, AnswersUdsOnCan) {
@@ -23,12 +23,12 @@ TEST_F(Bench, AnswersUdsOnCan) {
   const auto hello = request({0x22, 0xFD, 0x00});
   ASSERT_GE(hello.size(), 26U);
   EXPECT_EQ(hello[0], 0x62);
-  EXPECT_EQ(hello[12], 0x10);  // the first byte of the unique id
+  EXPECT_EQ(hello[12], 0x10);  // This is the first byte of the unique id.
   expect_no_violation();
 }
 
-// The light of the board over a second, in tenths that it is on. A look each 20 ms, since a flash can be shorter than a
-// tenth: the loop that switches it sleeps up to 50 ms.
+// Measures the light of the board over a second, in tenths that it is on. It is read every 20 ms, since a flash can be
+// shorter than a tenth: the loop that switches it sleeps up to 50 ms.
 TEST_F(Bench, LightSaysWhatTheBoardDoes) {
   constexpr std::uint32_t kOutputsOfA = 0x48000014, kLight = 1U << 5;
   const auto on = [&] {
@@ -40,7 +40,7 @@ TEST_F(Bench, LightSaysWhatTheBoardDoes) {
     return (count + 2) / 5;
   };
   power_up();
-  run_for(450'000);  // The loader, the measurement of the crystal and the first pass are over.
+  run_for(450'000);  // The loader, the measurement of the crystal and the first pass are over by now.
   EXPECT_EQ(on(), 1) << "no table";
   store_table(patch(4));
   power_up();
@@ -69,8 +69,8 @@ TEST_F(Bench, FreshBoardOnAnIdleBusStartsTheRomsLoader) {
   EXPECT_TRUE(request({0x22, 0xFD, 0x00}).empty());
 }
 
-// Its first start happens without a bus. Two seconds later the options say that the flash is started whatever the bus
-// does, and the next power-up shows it.
+// The first start happens without a bus. Two seconds later the option bytes start from flash whatever the bus does, and
+// the next power-up shows it.
 TEST_F(Bench, FreshBoardIsSetToStartFromFlash) {
   flash.options = kFromFactory;
   boot_pin_high = false;
@@ -78,7 +78,8 @@ TEST_F(Bench, FreshBoardIsSetToStartFromFlash) {
   run_for(1'500'000);
   EXPECT_EQ(budget(offsetof(board::Budget, options)), kFromFactory);
   EXPECT_EQ(budget(offsetof(board::Budget, findings)), board::finding::kBootByPin | board::finding::kLowBrownOut);
-  EXPECT_EQ(flash.options, kFromFactory);  // Not before the supply has stood for two seconds.
+  // The options are not written before the supply has been stable for two seconds.
+  EXPECT_EQ(flash.options, kFromFactory);
   run_for(1'500'000);
   EXPECT_EQ(flash.options, (kFromFactory & ~(kBootByPin | kBrownOutMask)) | kBootOptionFlash | kBrownOut28);
   expect_no_violation();
@@ -102,7 +103,7 @@ TEST_F(Bench, ReadProtectedChipKeepsItsOptionsAndSaysSo) {
   expect_no_violation();
 }
 
-// Pages of 4 KB: an erase would take the neighbour along. It is refused.
+// Pages have 4 KB, so an erase would also take the neighbour; it is refused.
 TEST_F(Bench, ChipWithOneBankErasesNothing) {
   flash.options &= ~kTwoBanks;
   std::vector<FlashOperation> operations;

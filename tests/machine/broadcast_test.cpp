@@ -29,7 +29,7 @@ class Broadcast : public Sampling, public ::testing::WithParamInterface<std::tup
                         [this] { return now_us(); }, &frames, [this] { return machine->frames_waiting(); }},
                        fd);
   }
-  // Readings of all modules that were due and are not there, and the longest time between two of one module.
+  // Counts readings that were due but missing over all modules, and the longest time between two of one module.
   struct Account {
     std::size_t read = 0, missing = 0;
     std::uint64_t worst_gap_us = 0;
@@ -50,7 +50,7 @@ class Broadcast : public Sampling, public ::testing::WithParamInterface<std::tup
 TEST_P(Broadcast, TakesAnImageWhileSixteenModulesStreamAndStartsIt) {
   const bool fd = std::get<1>(GetParam());
   start(16, {wire::Decimation::k64, 1});
-  run_for(2'000'000);  // confirmed
+  run_for(2'000'000);  // The image is confirmed by now.
   const Time stalled_before = machine->counts().flash_stall;
   frames.clear();
   MachineLink host = link(fd);
@@ -87,7 +87,7 @@ TEST_P(Broadcast, TakesAnImageWhileSixteenModulesStreamAndStartsIt) {
   expect_no_violation();
 }
 
-// What all controllers listen to passes the filters of the image.
+// Frames for all controllers must pass the filters of the image.
 class Filters : public Sampling {};
 
 TEST_F(Filters, LetDiscoveryAssignmentAndLeasesThrough) {

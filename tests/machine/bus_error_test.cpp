@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Spurious bus errors (errata ES0430, 2.15.2) at random moments on all lines while sixteen modules stream: they are
-// cleared and counted, nothing else comes of them.
+// Spurious bus errors (errata ES0430, 2.15.2) occur at random moments on all lines while sixteen modules stream: they
+// must be cleared and counted, without any other effect.
 #include <cstdlib>
 
 #include "sampling_bench.hpp"
@@ -14,7 +14,7 @@ constexpr std::uint64_t kMinute_us = 60'000'000;
 
 class BusErrors : public Sampling {
  protected:
-  /// Minutes of virtual time: one, or TRISKIN_BUS_ERROR_MINUTES. The errors of an hour come in each.
+  /// Returns the minutes of virtual time: one, or TRISKIN_BUS_ERROR_MINUTES. The errors of an hour occur in each.
   static int minutes() {
     const char* wanted = std::getenv("TRISKIN_BUS_ERROR_MINUTES");
     return wanted == nullptr ? 1 : std::max(1, std::atoi(wanted));
@@ -23,7 +23,7 @@ class BusErrors : public Sampling {
 
 TEST_F(BusErrors, AreClearedAndCountedAndNothingIsLost) {
   disturbances.bus_errors = minutes() >= 60 ? kPerHour * 1.05 : kPerHour * 60 / minutes();
-  // The shortest sequence, or the firmware's own when it is to last.
+  // The sequence is the shortest, or the firmware's own in a long run.
   start(16, {minutes() < 10 ? wire::Decimation::k64 : wire::Decimation::k256, 1});
   run_for(1'000'000);
   const std::uint64_t begin_us = now_us();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Switched modules at the unmodified image: the chain at SPI2, EN and latch at pins, converters where the registers put
-// them.
+// Connects switched modules to the unmodified image: the chain at SPI2, EN and latch at pins, converters as the
+// registers place them.
 #include <bit>
 
 #include "bench.hpp"
@@ -13,10 +13,11 @@
 namespace triskin::machine {
 namespace {
 
-// A module that was not read for longer than Presence::kRecent_us is set up from nothing, as after power-up: the way to
-// it is looked for, then offsets and both inputs are looked at over some sequences of 36.9 ms.
+// A module that was not read for longer than Presence::kRecent_us is set up from nothing, as after power-up: the path
+// to it is searched, then offsets and both inputs are tested over some sequences of 36.9 ms.
 constexpr std::uint64_t kSetUp_us = 600'000;
-constexpr std::size_t kLiveHead = 12, kLiveModule = 26;  // sample and time; validity and twelve values
+// The head has sample and time; each module has validity and twelve values.
+constexpr std::size_t kLiveHead = 12, kLiveModule = 26;
 
 class SwitchedBench : public Bench {
  protected:
@@ -43,7 +44,7 @@ class SwitchedBench : public Bench {
   [[nodiscard]] wire::FoundTopology topology() {
     return wire::FoundTopology::decode(answer(wire::did::kTopology)).value();
   }
-  /// Modules all of whose taxels are valid, a bit a row.
+  /// Returns the modules all of whose taxels are valid, one bit per row.
   [[nodiscard]] std::uint32_t read_rows() {
     const std::vector<std::uint8_t> taxels = answer(wire::did::kLiveTaxels);
     std::uint32_t valid = 0;

@@ -6,13 +6,14 @@
 namespace triskin::board {
 namespace {
 
-// Worked by hand: 320 MHz of 8, 16 and 24 MHz are 40 times 8 MHz; 25 MHz leave no such divisor but 5, 64 times 5 MHz.
+// By hand: 320 MHz from 8, 16 and 24 MHz are 40 times 8 MHz; 25 MHz allow no such divisor but 5, 64 times 5 MHz.
 TEST(ClockPlan, WorkedByHand) {
   EXPECT_EQ(pll_setting(8'000'000), (PllSetting{1, 40}));
   EXPECT_EQ(pll_setting(16'000'000), (PllSetting{1, 20}));
   EXPECT_EQ(pll_setting(24'000'000), (PllSetting{3, 40}));
   EXPECT_EQ(pll_setting(25'000'000), (PllSetting{5, 64}));
-  EXPECT_EQ(pll_setting(26'000'000), std::nullopt);  // 13 · 2 MHz: the PLL takes no less than 2.66 MHz
+  // 13 · 2 MHz fails, because the PLL accepts no less than 2.66 MHz.
+  EXPECT_EQ(pll_setting(26'000'000), std::nullopt);
   EXPECT_EQ(pll_setting(3'000'000), std::nullopt);
 }
 
@@ -28,7 +29,8 @@ TEST(ClockPlan, EachSettingKeepsTheLimitsOfThePll) {
 }
 
 TEST(ClockPlan, MeasurementMeansTheCrystalWithinTwoPercent) {
-  EXPECT_EQ(crystal_near(24'480'000), 24'000'000U);  // 24 and 25 MHz are told apart at the edge of the oscillator
+  // At the edge of the oscillator's error, 24 and 25 MHz are still told apart.
+  EXPECT_EQ(crystal_near(24'480'000), 24'000'000U);
   EXPECT_EQ(crystal_near(24'500'000), 25'000'000U);
   EXPECT_EQ(crystal_near(24'490'000), std::nullopt);
   EXPECT_EQ(crystal_near(18'432'000), std::nullopt);

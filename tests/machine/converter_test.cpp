@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Real electrodes and what the data sheet of the converter leaves open: the image finds the offset of every stage,
-// keeps it, finds it anew for another chip, and tells by itself when a chip shows its results.
+// Tests real electrodes and cases that the data sheet of the converter leaves open: the image must find the offset of
+// every stage, keep it, find it anew for another chip, and detect by itself when a chip shows its results.
 #include <algorithm>
 #include <cmath>
 
@@ -36,7 +36,7 @@ class Converter : public Sampling, public ::testing::WithParamInterface<NamedBeh
     EXPECT_GT(answer.size(), 3U);
     return wire::Offsets::decode(Bytes(answer).subspan(3)).value();
   }
-  // Every taxel of every module, in its last sample.
+  // Tests every taxel of every module in its last sample.
   void expect_all_in_the_middle_third() {
     run_for(200'000);
     const auto by_module = samples();
@@ -76,13 +76,13 @@ TEST_P(Converter, ElectrodesOf2To18PfRestInTheMiddleThirdWithin2s) {
 TEST_P(Converter, OffsetsAreKeptAndAnExchangedChipGetsItsOwn) {
   begin(200);
   run_for(1'500'000);
-  power_up();  // the same flash
+  power_up();  // The flash stays the same.
   run_for(700'000);
   expect_states(OffsetState::kKept);
   EXPECT_EQ(offsets().searches, 0U);
   stream();
   expect_all_in_the_middle_third();
-  // One while it runs, another without power.
+  // One chip is exchanged while it runs, another without power.
   module_at(5).present = false;
   run_for(300'000);
   SkinLine::solder_electrodes(module_at(5), 900);
@@ -103,7 +103,7 @@ TEST_P(Converter, OffsetsAreKeptAndAnExchangedChipGetsItsOwn) {
   EXPECT_EQ(offsets().modules[5].state, OffsetState::kKept);
 }
 
-// The unplugged chip is replaced so fast that nobody misses it: only its configuration is gone.
+// The unplugged chip is replaced so fast that nobody misses it, but its configuration is lost.
 TEST_P(Converter, AChipThatIsExchangedUnseenGetsItsOwnToo) {
   begin(300);
   run_for(1'500'000);
@@ -125,13 +125,13 @@ TEST_P(Converter, RoutineSearchesThemAnew) {
   EXPECT_EQ(offsets().searches, 32U);
 }
 
-// The installed iCub boards do the same: the electrodes at the positive input, the code turned round, so that pressure
-// lowers what hosts see.
+// The installed iCub boards have the electrodes at the positive input, too: the code is inverted, so that pressure
+// lowers the values that hosts see.
 TEST_P(Converter, PositiveInputIsTurnedRound) {
   begin(500, true);
   run_for(1'500'000);
   EXPECT_TRUE(offsets().positive_input);
-  EXPECT_EQ(module_at(0).chip->read_register(0x082, now_us()) & 0xFF, 0);  // the positive input's offset
+  EXPECT_EQ(module_at(0).chip->read_register(0x082, now_us()) & 0xFF, 0);  // This is the offset of the positive input.
   stream();
   expect_all_in_the_middle_third();
   const int before = samples().at(3).back().value[4];
@@ -144,7 +144,7 @@ TEST_P(Converter, TwoChipsAtOneAddressAreToldApartWithEveryElectrode) {
   begin(600);
   run_for(1'500'000);
   stream();
-  module_at(4).address = 0;  // module 0's
+  module_at(4).address = 0;  // The address is that of module 0.
   self_test();
   run_for(1'500'000);
   frames.clear();

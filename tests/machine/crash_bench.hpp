@@ -4,7 +4,7 @@
 
 namespace triskin::machine {
 
-/// An image that is made to fail while it works: the sampler runs other instructions.
+/// Makes an image fail while it works, by replacing instructions of the sampler.
 class CrashBench : public Sampling {
  protected:
   static constexpr const char* kStep = "_ZN7triskin2fw11LineSampler4stepEy";
@@ -23,7 +23,7 @@ class CrashBench : public Sampling {
     machine->write_word(at + 4, second);
   }
   static constexpr std::uint32_t kUndefined = 0xDE01DE00, kForEver = 0xE7FEE7FE;
-  // push {r0, lr}; bl itself
+  // The instructions are push {r0, lr} and bl to itself.
   static constexpr std::uint32_t kRecursion[2] = {0xF7FFB501, 0xE7FEFFFD};
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The image is made to fail: what is left of it says where, and a loop of crashes ends.
+// The image is made to fail: its remains must tell where, and a loop of crashes must end.
 #include "crash_bench.hpp"
 
 namespace triskin::machine {
@@ -27,7 +27,8 @@ TEST_F(Crashes, UndefinedInstructionIsNamedWithItsPlace) {
 
 TEST_F(Crashes, AccessToNothingIsNamedWithItsAddress) {
   start_work();
-  machine->write_word(address_of("_ZN7triskin5board3canE"), 0x60000000);  // its table of functions
+  // The word points to the table of functions of the object.
+  machine->write_word(address_of("_ZN7triskin5board3canE"), 0x60000000);
   run_for(300'000);
   const auto c = crash();
   ASSERT_TRUE(c.has_value());
@@ -48,7 +49,7 @@ TEST_F(Crashes, LoopThatHangsIsNamedWithItsPlace) {
   expect_no_violation();
 }
 
-// cpsid i; b . : the interrupt before the watchdog does not come, so the place is not known.
+// The code is cpsid i; b . – the interrupt before the watchdog never runs, so the place is unknown.
 TEST_F(Crashes, LoopThatHangsWithInterruptsOffIsLeftToTheWatchdog) {
   start_work();
   overwrite(0xE7FEB672, kForEver);
@@ -71,7 +72,7 @@ TEST_F(Crashes, StackOverflowIsNamedWithTheFunctionThatWentDeepest) {
   EXPECT_EQ(c->lr & ~1U, address_of(kStep) + 6) << "behind the call";
 }
 
-// An image that crashes again and again is left: there is no other one, so the loader waits for a host.
+// An image that crashes again and again is abandoned: there is no other one, so the loader waits for a host.
 TEST_F(Crashes, LoopOfCrashesEndsInTheLoader) {
   start_work();
   int crashes = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Everything that happens to real buses, a hundred times as often as it should: no module is lost, no fault recorded,
-// no sample torn, and what could not be read in time is missing in the numbers.
+// All disturbances of real buses occur a hundred times as often as normal: no module may be lost, no fault recorded and
+// no sample torn, and samples that could not be read in time must be missing in the numbers.
 #include <algorithm>
 #include <string>
 
@@ -16,7 +16,7 @@ using wire::ModuleState;
 
 class Disturbed : public Ramps {
  protected:
-  static constexpr std::uint64_t kStep_us = 17;  // shorter than a byte on the line
+  static constexpr std::uint64_t kStep_us = 17;  // A step is shorter than a byte on the line.
 
   [[nodiscard]] wire::FaultList recorded() {
     const auto reply = request({0x19, 0x02, 0xFF});
@@ -24,8 +24,8 @@ class Disturbed : public Ramps {
     if (!list) ADD_FAILURE() << "no fault list";
     return list.value_or(wire::FaultList{});
   }
-  // What was recorded, and what had disturbed an I²C line in the 35 ms before it, at most: longer than a transfer
-  // is repeated, with the uncertainty of the time of the application.
+  // Tells what was recorded, and what had disturbed an I²C line in the 35 ms before it, at most: longer than a
+  // transfer is repeated, with the uncertainty of the application's time.
   [[nodiscard]] std::string story(const wire::FaultRecord& fault) {
     const std::uint32_t dtc = fault.code.dtc();
     const auto reply = request({0x19, 0x04, static_cast<std::uint8_t>(dtc >> 16), static_cast<std::uint8_t>(dtc >> 8),
@@ -47,7 +47,7 @@ class Disturbed : public Ramps {
     const wire::FaultList list = recorded();
     for (const wire::FaultRecord& fault : list.faults()) ADD_FAILURE() << story(fault);
   }
-  /// Each sample whole, in order and once. Result: the least part of its sequences that a module gave.
+  /// Expects each sample whole, in order and once. Returns the smallest fraction of its sequences that a module gave.
   double expect_single_sequences_missing() {
     double least = 1.0;
     for (const auto& [m, list] : samples()) {
@@ -65,14 +65,14 @@ class Disturbed : public Ramps {
     EXPECT_EQ(samples().size(), 16U);
     return least;
   }
-  /// Sixteen modules at the shortest sequence, nothing has disturbed them yet.
+  /// Starts sixteen modules at the shortest sequence, without disturbances so far.
   void start_undisturbed() {
     spread_clocks(0.05);
     start(16, {Decimation::k64, 1});
     run_for(500'000);
     frames.clear();
   }
-  /// Each transfer of the lines from `first` to `last` is broken off, as soon as it begins, for so long.
+  /// Breaks off each transfer of the lines from `first` to `last` as soon as it begins, for this long.
   void spoil_for(std::size_t first, std::size_t last, std::uint64_t us) {
     const std::uint64_t until = now_us() + us;
     while (now_us() < until) {
@@ -82,7 +82,7 @@ class Disturbed : public Ramps {
   }
 };
 
-// Seeds of the disturbances: three, or TRISKIN_DISTURBANCE_SEEDS.
+// Returns the number of seeds of the disturbances: three, or TRISKIN_DISTURBANCE_SEEDS.
 int seeds() {
   const char* wanted = std::getenv("TRISKIN_DISTURBANCE_SEEDS");
   return wanted == nullptr ? 3 : std::max(1, std::atoi(wanted));
@@ -91,7 +91,7 @@ int seeds() {
 class DisturbedAtRandom : public Disturbed, public ::testing::WithParamInterface<int> {};
 
 TEST_P(DisturbedAtRandom, CostsSingleSequencesOnly) {
-  constexpr double kPerHour = 18'000;  // five a second of each kind
+  constexpr double kPerHour = 18'000;  // Each kind occurs five times a second.
   disturbances = {kPerHour, kPerHour, kPerHour, kPerHour, kPerHour, static_cast<std::uint64_t>(GetParam())};
   spread_clocks(0.05);
   start(16, {Decimation::k64, 1});
@@ -103,7 +103,7 @@ TEST_P(DisturbedAtRandom, CostsSingleSequencesOnly) {
   const MachineCounts& counts = machine->counts();
   EXPECT_EQ(budget(offsetof(board::Budget, arbitration_losses)), counts.arbitration_losses);
   EXPECT_EQ(budget(offsetof(board::Budget, bus_errors)), counts.spurious_bus_errors);
-  // Six seconds of five a second; 30 of a Poisson process are fewer than 8 once in a million times.
+  // Six seconds of five a second give 30; a Poisson process gives fewer than 8 once in a million times.
   EXPECT_GE(counts.arbitration_losses, 8U);
   EXPECT_GE(counts.clock_stretches, 8U);
   EXPECT_GE(counts.can_errors, 8U);
@@ -119,8 +119,8 @@ TEST_P(DisturbedAtRandom, CostsSingleSequencesOnly) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, DisturbedAtRandom, ::testing::Range(1, seeds() + 1));
 
-// Two disturbances 0.76 ms apart broke the same reading off twice, and four modules were recorded as on a line that is
-// held low; nobody held it.
+// Two disturbances 0.76 ms apart used to break off the same reading twice, and four modules were recorded as on a line
+// that is held low, which nobody held.
 TEST_F(Disturbed, TransferThatIsLostTwiceIsNoFault) {
   start_undisturbed();
   for (std::size_t line = 0; line < layout::kLines; ++line) {
@@ -133,7 +133,7 @@ TEST_F(Disturbed, TransferThatIsLostTwiceIsNoFault) {
   expect_no_violation();
 }
 
-// An acknowledge that is spoilt on the wire looks like a chip that is not there: one was enough for the fault "absent".
+// An acknowledge that is spoilt on the wire looks like a missing chip; one used to be enough for the fault "absent".
 TEST_F(Disturbed, SpoiltAcknowledgeIsNoAbsentChip) {
   start_undisturbed();
   for (std::size_t line = 0; line < layout::kLines; ++line) {
@@ -148,7 +148,8 @@ TEST_F(Disturbed, SpoiltAcknowledgeIsNoAbsentChip) {
   expect_no_violation();
 }
 
-// IEC 61000-4-4: bursts of 15 ms, first on one line, then on all. A sequence lasts 9.2 ms: 15 ms touch three of them.
+// IEC 61000-4-4 has bursts of 15 ms, first on one line, then on all. A sequence lasts 9.2 ms, so 15 ms touch three of
+// them.
 TEST_F(Disturbed, BurstOfFastTransientsIsNoFault) {
   start_undisturbed();
   for (const std::size_t first : {std::size_t{2}, std::size_t{0}}) {
@@ -170,7 +171,7 @@ TEST_F(Disturbed, BurstOfFastTransientsIsNoFault) {
   expect_no_violation();
 }
 
-// Nothing that passes lasts so long: the line is called stuck, the others go on, and it comes back.
+// No temporary disturbance lasts this long: the line is called stuck, the others continue, and it recovers.
 TEST_F(Disturbed, LineThatIsAlwaysDisturbedIsCalledStuck) {
   start_undisturbed();
   spoil_for(2, 2, 60'000);
@@ -188,11 +189,11 @@ TEST_F(Disturbed, LineThatIsAlwaysDisturbedIsCalledStuck) {
   expect_no_violation();
 }
 
-// A chip may hold SCL low for less than a millisecond after each byte: that is slow, not stuck.
+// A chip may hold SCL low for less than a millisecond after each byte, which is slow but not stuck.
 TEST_F(Disturbed, ChipThatStretchesTheClockAgainAndAgainIsNoFault) {
   constexpr std::uint64_t kStretch_us = 900;
   start_undisturbed();
-  for (std::size_t round = 0; round < 12; ++round) {  // transfers of each kind
+  for (std::size_t round = 0; round < 12; ++round) {  // Transfers of each kind are tried.
     for (int k = 0; k < 20; ++k) {
       while (!machine->disturb(round % layout::kLines, Trouble::kStretch, kStretch_us)) run_for(kStep_us);
     }

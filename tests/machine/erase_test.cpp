@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A page is erased while sixteen modules stream, from either slot: the lines go on.
+// A page is erased while sixteen modules stream, from either slot: the lines must continue.
 #include <algorithm>
 
 #include "failure.hpp"
@@ -21,7 +21,7 @@ class Erase : public Sampling, public ::testing::WithParamInterface<int> {
     Bench::SetUp();
   }
   [[nodiscard]] long erases() const { return std::ranges::count(operations, true, &FlashOperation::erase); }
-  // A fault is recorded, repaired and cleared: what is confirmed moves to the other page, which is erased for it.
+  // Records, repairs and clears a fault: the confirmed records move to the other page, which is erased for it.
   void record_and_clear_a_fault(std::uint64_t phase_us) {
     inject(Failure::kSaturated, line_of(kFaultyModule), kFaultyModule, now_us());
     run_for(200'000);
@@ -30,7 +30,7 @@ class Erase : public Sampling, public ::testing::WithParamInterface<int> {
     ASSERT_EQ(request({0x14, 0xFF, 0xFF, 0xFF}), std::vector<std::uint8_t>{0x54});
     run_for(50'000);
   }
-  // Longest time between two readings of a module, and whether all twelve taxels of each are there.
+  // Returns the longest time between two readings of a module; all twelve taxels of each must be there.
   [[nodiscard]] std::uint64_t worst_gap_us() const {
     std::uint64_t worst = 0;
     for (const auto& [m, list] : samples()) {
@@ -46,7 +46,7 @@ TEST_P(Erase, OfAPageWhileStreamingLosesNoSequenceBeyondTheOneUnderWay) {
   flash.log = &operations;
   start(16, {wire::Decimation::k64, 1});
   ASSERT_EQ(machine->vector_table(), application.origin());
-  run_for(1'000'000);           // Every chip's clock is known.
+  run_for(1'000'000);           // Every chip's clock is known by now.
   record_and_clear_a_fault(0);  // The first page of a new board needs no erase.
   operations.clear();
   frames.clear();
@@ -71,8 +71,8 @@ TEST_P(Erase, OfAPageWhileStreamingLosesNoSequenceBeyondTheOneUnderWay) {
   expect_no_violation();
 }
 
-// The same with the stream over USB, which a host reads all the time. From slot B the code that sends its packets lay
-// in the bank that is erased, and everything stood for 22 ms.
+// The same holds with the stream over USB, which a host reads all the time. From slot B the code that sends its packets
+// used to lie in the bank that is erased, and everything stopped for 22 ms.
 TEST_P(Erase, OfAPageWhileAUsbHostReadsLosesNoSequenceBeyondTheOneUnderWay) {
   flash.log = &operations;
   store_table(patch(16));

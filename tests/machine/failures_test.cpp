@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Each failure of a strapped module, on each of sixteen: named right, and the others go on at their rate. On
-// board/posix one at a time, in the machine one on each line at once.
+// Tests each failure of a strapped module, on each of sixteen: it must be named right, and the others must keep their
+// rate. On board/posix there is one at a time, in the machine one on each line at once.
 #include <algorithm>
 
 #include "failure.hpp"
@@ -17,11 +17,11 @@ class Failures : public Sampling, public ::testing::WithParamInterface<bool> {
   void begin() {
     on_posix = GetParam();
     start(16, {wire::Decimation::k64, 1});
-    run_for(1'500'000);  // Every chip's clock is known, and they have moved apart.
+    run_for(1'500'000);  // Every chip's clock is known by now, and the chips have drifted apart.
   }
 
   void expect_named(Failure f, const std::vector<int>& broken, std::uint64_t took_us) {
-    std::vector<int> doubled;  // the places that a moved module came to
+    std::vector<int> doubled;  // These are the places to which a moved module came.
     for (const int m : broken) {
       if (f == Failure::kMoved) doubled.push_back((m + 4) % 16);
     }
@@ -50,7 +50,7 @@ class Failures : public Sampling, public ::testing::WithParamInterface<bool> {
   void one(Failure f, const std::vector<int>& broken) {
     for (const int m : broken) inject(f, line_of(m), m, now_us());
     if (f == Failure::kMoved) self_test();
-    if (f == Failure::kMoved) run_for(250'000);  // All sixteen are looked for anew.
+    if (f == Failure::kMoved) run_for(250'000);  // All sixteen are searched anew.
     frames.clear();
     const std::uint64_t window_us = f == Failure::kFrozen || f == Failure::kMoved ? 600'000 : 400'000;
     run_for(window_us);
@@ -68,7 +68,7 @@ class Failures : public Sampling, public ::testing::WithParamInterface<bool> {
 TEST_P(Failures, EachOnEachOfSixteenModulesIsNamedAndTheOthersGoOn) {
   begin();
   for (const Failure f : kAllFailures) {
-    if (holds_line(f)) continue;  // below
+    if (holds_line(f)) continue;  // A later test covers these failures.
     for (int m = 0; on_posix && m < layout::kMaxModules; ++m) one(f, {m});
     for (int turn = 0; !on_posix && turn < 4; ++turn) {
       std::vector<int> broken;
@@ -79,7 +79,7 @@ TEST_P(Failures, EachOnEachOfSixteenModulesIsNamedAndTheOthersGoOn) {
   if (!on_posix) expect_no_violation();
 }
 
-// The line's four modules share the name; the other lines do not notice.
+// All four modules of the line get this state, and the other lines are not affected.
 TEST_P(Failures, EachStuckLineIsNamedAndTheOthersGoOn) {
   begin();
   for (int line = 0; line < layout::kLines; ++line) {

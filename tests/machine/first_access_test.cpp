@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The first access to a RAM after a reset may be taken for a read (errata ES0430, 2.2.7): it must be one.
+// The chip may take the first access to a RAM after a reset for a read (errata ES0430, 2.2.7), so it must be one.
 #include <gtest/gtest.h>
 #include <unicorn/unicorn.h>
 
@@ -14,7 +14,7 @@ namespace {
 
 struct Ram {
   std::uint32_t base, bytes;
-  uc_mem_type first = UC_MEM_FETCH;  ///< none so far
+  uc_mem_type first = UC_MEM_FETCH;  ///< No access has happened so far.
 };
 
 class FirstAccess : public ::testing::TestWithParam<const char*> {};

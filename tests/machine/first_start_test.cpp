@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A new board: an erased chip, the factory file as a programmer writes it, and everything that happens to a board in
-// its first half minute.
+// Tests a new board: an erased chip, the factory file as a programmer writes it, and all events of a board's first half
+// minute.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -40,8 +40,8 @@ class NewBoard : public Sampling,
   [[nodiscard]] static const Crystal& crystal() { return kCrystals.at(std::get<0>(GetParam())); }
 };
 
-// The whole way of the bring-up guide, with each crystal, from either file, with chips that begin their sequence anew
-// on a write to power control and with chips that do not.
+// Follows the whole bring-up guide with each crystal, from either file, with chips that restart their sequence on a
+// write to power control and with chips that do not.
 TEST_P(NewBoard, FromTheFactoryFileToTheStream) {
   power_up();
   run_for(200'000);
@@ -83,7 +83,7 @@ class FirstStart : public Sampling {
   }
 };
 
-// Three of these left the board in its loader for ever: its only image had not been confirmed.
+// Three of these used to leave the board in its loader for ever, because its only image had not been confirmed.
 TEST_F(FirstStart, PowerCutsBeforeItHasWorkedStrandNobody) {
   for (int start = 1; start <= 8; ++start) {
     power_up();
@@ -93,7 +93,7 @@ TEST_F(FirstStart, PowerCutsBeforeItHasWorkedStrandNobody) {
   expect_no_violation();
 }
 
-// Uptime alone proves nothing: without a table and without a host the image has done nothing.
+// Uptime alone proves nothing, because without a table and without a host the image has done nothing.
 TEST_F(FirstStart, UptimeConfirmsNothing) {
   power_up();
   run_for(5'000'000);
@@ -111,7 +111,7 @@ TEST_F(FirstStart, CompletedReadingsConfirmWithoutAHost) {
   EXPECT_EQ(machine->read_word(kSlotA + 0x3B800 + 5 * 8), 0U);
 }
 
-// 200 boards, each reset or cut off from power up to five times within its first 30 s.
+// Each of 200 boards is reset or loses power up to five times within its first 30 s.
 TEST_F(FirstStart, RandomResetsAndPowerCutsEndInTheApplication) {
   constexpr unsigned kSeed = 40;
   constexpr int kBoards = 200;
@@ -124,7 +124,8 @@ TEST_F(FirstStart, RandomResetsAndPowerCutsEndInTheApplication) {
     machine->power_cycle(fresh);
     const std::uint64_t begin_us = now_us();
     for (auto k = 1 + random() % 5; k > 0; --k) {
-      // Most while something is written and decided, which is soon after a start; some anywhere in the half minute.
+      // Most cuts fall when something is written and decided, soon after a start; some fall anywhere in the half
+      // minute.
       run_for(random() % 4 == 0 ? random() % 6'000'000 : random() % 60'000);
       if (now_us() > begin_us + 30'000'000) break;
       if (random() % 2 == 0) {
@@ -136,7 +137,7 @@ TEST_F(FirstStart, RandomResetsAndPowerCutsEndInTheApplication) {
       machine->power_cycle(left);
       ++cuts;
     }
-    // A double reset leads into the loader, which goes on after 15 s without a host.
+    // A double reset leads into the loader, which continues after 15 s without a host.
     run_for(200'000);
     if (machine->vector_table() != kSlotA) run_for(16'000'000);
     ASSERT_EQ(machine->vector_table(), kSlotA) << "board " << chip << " of seed " << kSeed;
@@ -161,7 +162,7 @@ TEST_F(FirstStart, CrystalThatStopsLeavesTheBoardWithItsInternalOscillator) {
   expect_no_violation();
 }
 
-// An unused line without resistors floats; it was "found held low" for ever.
+// An unused line without resistors floats; it used to be "found held low" for ever.
 TEST_F(FirstStart, LineWithoutPullUpsIsNoFault) {
   lines[3].pull_ups = false;
   lines[3].modules.clear();

@@ -6,11 +6,11 @@
 namespace triskin::board {
 namespace {
 
-// Worked by hand for 160 MHz (6.25 ns). Data set-up needs 400 ns in at most 16 units, so a unit is at least 25 ns:
-// prescaler 3, 16 units. Both edges' synchronization is 2 · (50 + 2 · 6.25) = 125 ns; 2375 ns are left: 95 units of
-// low and high. Low needs 52 (1300 ns), high 24 (600 ns); of the spare 19 high gets a third, 6. The longest fall of
-// fast mode, 300 ns, less what the filter and three clocks hide, 68.75 ns: 231.25 ns are 10 units of data hold. Data
-// are valid after 250 + 260 + 25 + 300 = 835 ns, within 900.
+// By hand for 160 MHz (6.25 ns). Data set-up needs 400 ns in at most 16 units, so a unit is at least 25 ns: prescaler
+// 3, 16 units. The synchronization of both edges is 2 · (50 + 2 · 6.25) = 125 ns; 2375 ns remain: 95 units of low and
+// high. Low needs 52 (1300 ns), high 24 (600 ns); high gets a third of the spare 19, which is 6. The longest fall of
+// fast mode, 300 ns, less the part that the filter and three clocks hide, 68.75 ns: 231.25 ns are 10 units of data
+// hold. Data are valid after 250 + 260 + 25 + 300 = 835 ns, within 900.
 TEST(I2cTiming, WorkedByHandAt160MHz) {
   const auto t = compute_i2c_timing({});
   ASSERT_TRUE(t.has_value());
@@ -47,7 +47,8 @@ TEST(I2cTiming, RefusesWhatFastModeDoesNotHave) {
   EXPECT_EQ(compute_i2c_timing({160'000'000, 0, 300, 20}).error(), Status::kOutOfRange);
   EXPECT_EQ(compute_i2c_timing({160'000'000, 1'000'000, 300, 20}).error(), Status::kOutOfRange);
   EXPECT_EQ(compute_i2c_timing({4'000'000, 400'000, 300, 20}).error(), Status::kOutOfRange);
-  EXPECT_EQ(compute_i2c_timing({160'000'000, 400'000, 900, 20}).error(), Status::kOutOfRange);  // Data would be late.
+  // The data would be late.
+  EXPECT_EQ(compute_i2c_timing({160'000'000, 400'000, 900, 20}).error(), Status::kOutOfRange);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The pages of the loader are write-protected on request, and everything else goes on as before.
+// The pages of the loader are write-protected on request, and everything else must work as before.
 #include "sampling_bench.hpp"
 #include "triskin/board/budget.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The log of the image: on the serial port of the ST-LINK, and the same lines as frames over CAN and USB.
+// Tests the log of the image: on the serial port of the ST-LINK, and the same lines as frames over CAN and USB.
 #include "triskin/wire/log.hpp"
 
 #include <fstream>
@@ -22,12 +22,12 @@ std::vector<std::string> lines_of(const std::vector<wire::CanFrame>& frames) {
   return lines;
 }
 
-// Texts behind time and level.
+// Returns the texts behind time and level.
 std::vector<std::string> terminal_lines(const std::string& text) {
   std::vector<std::string> lines;
   std::istringstream in(text);
   for (std::string line; std::getline(in, line);) {
-    if (line.empty() || line.back() != '\r') continue;  // Its end has not left the port.
+    if (line.empty() || line.back() != '\r') continue;  // Its end has not left the port yet.
     line.pop_back();
     line = line.substr(12);
     for (const char* level : {"error: ", "warning: "}) {
@@ -70,7 +70,7 @@ TEST_F(Logs, SerialPortAndFramesHaveTheSameLines) {
   expect_no_violation();
 }
 
-// Lines come over USB to who asks there, and not over CAN.
+// Lines arrive over USB at the program that asks there, and not over CAN.
 TEST_F(Logs, UsbGetsTheLinesWhenItAsks) {
   store_table(patch(4));
   power_up();
@@ -88,7 +88,7 @@ TEST_F(Logs, UsbGetsTheLinesWhenItAsks) {
   expect_no_violation();
 }
 
-// Sixteen modules stream; chatter of the log at its worst costs no sample and keeps the budgets.
+// While sixteen modules stream, the worst chatter of the log costs no sample and keeps the budgets.
 TEST_F(Logs, CostsNoSample) {
   start(16, {wire::Decimation::k64, 1});
   ask_for_log(wire::LogLevel::kDebug);
@@ -119,7 +119,7 @@ TEST_F(Logs, CrashIsALineWithItsPlace) {
   EXPECT_TRUE(says(terminal_lines(machine->serial_text()), at.str())) << machine->serial_text();
 }
 
-// What runs in interrupts and during an erase is in this list, which the build makes from the graph of calls.
+// This list has all functions that run in interrupts and during an erase; the build makes it from the call graph.
 TEST_F(Logs, NothingOfItRunsInInterruptsOrDuringAnErase) {
   std::ifstream list(firmware(running_slot == 0 ? "triskin_app_a.elf.ram" : "triskin_app_b.elf.ram"));
   std::ostringstream text;

@@ -12,26 +12,26 @@
 
 namespace triskin::machine {
 
-/// The bus of a bench as a link of the host: time is that of the machine.
+/// Presents the bus of a bench as a link of the host; its time is that of the machine.
 class MachineLink final : public device::Link {
  public:
   struct Ends {
     std::function<void(const wire::CanFrame&)> send;
     std::function<void(std::uint64_t us)> run_for;
     std::function<std::uint64_t()> now_us;
-    const std::vector<wire::CanFrame>* frames;  ///< all that came, in order
-    std::function<std::size_t()> waiting;       ///< Frames sent that wait for the bus.
+    const std::vector<wire::CanFrame>* frames;  ///< All received frames are kept in order.
+    std::function<std::size_t()> waiting;       ///< Returns how many sent frames wait for the bus.
   };
   MachineLink(Ends ends, bool fd) : ends_(std::move(ends)), fd_(fd), seen_(ends_.frames->size()) {}
 
-  // Waits while the queue of a CAN adapter would be full.
+  // Waits as long as the queue of a CAN adapter would be full.
   void send(const wire::CanFrame& frame) override {
     while (ends_.waiting() >= kQueue) ends_.run_for(kSlice_us);
     ends_.send(frame);
   }
   std::optional<wire::CanFrame> receive(std::uint64_t until_us) override {
     while (true) {
-      if (seen_ > ends_.frames->size()) seen_ = 0;  // The test has cleared them.
+      if (seen_ > ends_.frames->size()) seen_ = 0;  // The test has cleared the list.
       if (seen_ < ends_.frames->size()) return (*ends_.frames)[seen_++];
       const std::uint64_t now = now_us();
       if (now >= until_us) return std::nullopt;
@@ -51,7 +51,7 @@ class MachineLink final : public device::Link {
   std::size_t seen_;
 };
 
-/// The application as a firmware file, from the two images, of the version that their labels say.
+/// Makes a firmware file of the application from the two images, with the version in their labels.
 inline device::FirmwarePackage package_of(const ElfImage& a, const ElfImage& b) {
   device::FirmwarePackage p;
   p.bytes.resize(layout::kPackageHeadBytes);

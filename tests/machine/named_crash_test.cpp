@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What stops a board is named as `triskin discover --elf` and `triskin verify --elf` name it: with function and line.
+// `triskin discover --elf` and `triskin verify --elf` must name what stops a board, with function and line.
 #include "crash_bench.hpp"
 #include "machine_link.hpp"
 #include "triskin/base/error.hpp"
@@ -14,7 +14,7 @@ class NamedCrashes : public CrashBench {
   [[nodiscard]] std::filesystem::path elf() const {
     return firmware(running_slot == 0 ? "triskin_app_a.elf" : "triskin_app_b.elf");
   }
-  /// All remarks that a host makes about the board, one a line.
+  /// Returns all remarks of a host about the board, one per line.
   std::string remarks() {
     MachineLink link({[this](const wire::CanFrame& f) { deliver(f); }, [this](std::uint64_t us) { run_for(us); },
                       [this] { return now_us(); }, &frames, [this] { return machine->frames_waiting(); }},
@@ -62,7 +62,7 @@ TEST_F(NamedCrashes, StackOverflow) {
 }
 
 TEST_F(NamedCrashes, BusOff) {
-  disturbances.can_errors = 3.6e6;  // one a millisecond
+  disturbances.can_errors = 3.6e6;  // One error occurs per millisecond.
   store_table(patch(16));
   power_up();
   run_for(300'000);
@@ -81,7 +81,7 @@ TEST_F(NamedCrashes, BusOff) {
   std::printf("%s", text.c_str());
 }
 
-// The RAM forgets with the power; the fault memory does not, until it is cleared.
+// The RAM is lost with the power, but the fault memory is not, until it is cleared.
 TEST_F(NamedCrashes, CrashOutlivesThePower) {
   start_work();
   overwrite(kUndefined, kUndefined);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sample rate against noise: the table of docs/firmware_budgets.md, which tools/make_noise_table writes from what is
-// printed here.
+// Measures sample rate against noise: tools/make_noise_table writes the table of docs/firmware_budgets.md from this
+// output.
 #include <algorithm>
 #include <cmath>
 
@@ -40,7 +40,8 @@ class Noise : public Sampling {
   }
 };
 
-// AD7147 data sheet: 3, 7 and 12 codes peak to peak at 256, 128 and 64; 36.9, 18.4 and 9.2 ms for twelve stages.
+// The AD7147 data sheet states 3, 7 and 12 codes peak to peak at 256, 128 and 64; 36.9, 18.4 and 9.2 ms for twelve
+// stages.
 TEST_F(Noise, FallsAsTheRateDoes) {
   struct Row {
     wire::Decimation decimation;
@@ -53,7 +54,7 @@ TEST_F(Noise, FallsAsTheRateDoes) {
     EXPECT_NEAR(m.samples_per_s, 1000 / row.sequence_ms, 0.02 * 1000 / row.sequence_ms);
     EXPECT_LE(m.peak_to_peak_counts, row.peak_to_peak + 1);
     EXPECT_NEAR(m.rms_counts, std::sqrt(std::pow(row.peak_to_peak / 6.6, 2) + 1.0 / 12),
-                0.15 * row.peak_to_peak / 6.6 + 0.05);  // and rounding
+                0.15 * row.peak_to_peak / 6.6 + 0.05);  // The second term is for rounding.
     std::printf("| %d | %.1f | %.1f | %.2f | %d |\n", row.factor, row.sequence_ms, m.samples_per_s, m.rms_counts,
                 m.peak_to_peak_counts);
   }

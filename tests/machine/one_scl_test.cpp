@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The board for installed iCub patches (firmware/board/stm32g474/boards/icub_patch): other pins, a light that is on
-// when its pin is low, no USB, and one clock wire for all lines.
+// Tests the board for installed iCub patches (firmware/board/stm32g474/boards/icub_patch): other pins, a light that is
+// on when its pin is low, no USB, and one clock wire for all lines.
 #include "ramps.hpp"
 #include "triskin/wire/identity.hpp"
 
@@ -14,7 +14,7 @@ class OneScl : public Ramps {
     running_slot = 0;
     Bench::SetUp();
   }
-  /// Samples that came of those that the converters made, and whether one of them is torn.
+  /// Returns the fraction of the conversions that arrived as samples; none of them may be torn.
   double share_read(std::uint64_t run_us) {
     frames.clear();
     run_for(run_us);
@@ -44,7 +44,7 @@ TEST_F(OneScl, FromTheFactoryFileToTheStream) {
   expect_no_violation();
 }
 
-// A model with two masters on one wire calls it a violation: this is what the other image does there.
+// A model with two masters on one wire reports a violation: this is what the other image does there.
 TEST_F(OneScl, FourMastersOfTheirOwnWouldFight) {
   BenchBoard nucleo = nucleo_board();
   nucleo.pins.one_scl = true;
@@ -93,7 +93,7 @@ TEST_F(OneScl, AChipThatIsAbsentStopsNoOther) {
   expect_no_violation();
 }
 
-// On at a low pin: half of the time while it samples.
+// The light is on at a low pin, for half of the time while it samples.
 TEST_F(OneScl, LightIsOnWhenItsPinIsLow) {
   constexpr std::uint32_t kOutputsOfB = 0x48000414;
   store_table(patch(4));

@@ -7,11 +7,11 @@
 
 namespace triskin::machine {
 
-/// Oscillators anywhere inside the data sheet's ± 4 %, each module's its own.
+/// The data sheet allows oscillators to be off by ± 4 %; each module has another error in this range.
 inline constexpr std::array<int, 16> kClock_ppm{-40'000, 40'000,  0,   12'000,  -3'000, 25'000, -31'000, 7'000,
                                                 39'000,  -15'000, 500, -39'500, 18'000, -500,   33'000,  -22'000};
 
-/// Each module on its own clock, with a ramp by which a value tells when it was converted.
+/// Gives each module its own clock, and a ramp by which a value tells when it was converted.
 class Ramps : public Sampling {
  protected:
   void spread_clocks(double part) {
@@ -20,7 +20,7 @@ class Ramps : public Sampling {
       module_at(m).source.ramp = true;
     }
   }
-  // When taxel `t` of module `m` was converted, in steps of the ramp; modulo its length.
+  // Returns when taxel `t` of module `m` was converted, in steps of the ramp; modulo its length.
   int converted(int m, std::size_t t, const wire::TaxelFrame& f) {
     const auto afe = module_at(m).chip->read_register(static_cast<std::uint16_t>(0x082 + 8 * t), 0) & 0x3F;
     const auto level =
@@ -32,9 +32,9 @@ class Ramps : public Sampling {
     return (later - earlier + kHalf + PadSource::kRampCounts) % PadSource::kRampCounts - kHalf;
   }
 
-  static constexpr double kNoise = 3.0;  // Counts of converter noise, and one of rounding.
+  static constexpr double kNoise = 3.0;  // The noise of the converter and one count of rounding add up to this.
   double stage_of(int m) { return static_cast<double>(module_at(m).chip->sequence_us()) / 12.0 / PadSource::kRamp_us; }
-  // All twelve taxels from one sequence.
+  // Expects all twelve taxels to come from one sequence.
   void expect_not_torn(int m, const wire::TaxelFrame& f) {
     ASSERT_EQ(f.valid, layout::kAllTaxels) << "module " << m;
     for (std::size_t t = 1; t < layout::kTaxelsPerModule; ++t) {
@@ -43,7 +43,7 @@ class Ramps : public Sampling {
     }
   }
 
-  // Every sequence once, all twelve taxels from the same one.
+  // Expects every sequence once, with all twelve taxels from the same one.
   void expect_whole(int m, const std::vector<wire::TaxelFrame>& list) {
     const double stage = stage_of(m);
     for (std::size_t k = 0; k < list.size(); ++k) {
@@ -51,7 +51,7 @@ class Ramps : public Sampling {
       if (k == 0) continue;
       ASSERT_EQ(list[k].sample, list[k - 1].sample + 1)
           << "lost: module " << m << ", sample " << k << " of " << list.size();
-      // A sequence that began anew comes later, never earlier.
+      // A sequence that was restarted arrives later, never earlier.
       const double passed = gap(converted(m, 0, list[k]), converted(m, 0, list[k - 1]));
       ASSERT_GE(passed, 12 * stage - kNoise - 9) << "repeated: module " << m << " sample " << list[k].sample;
       ASSERT_LE(passed, 24 * stage - kNoise) << "left out: module " << m << " sample " << list[k].sample;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Diagnostics beside the full stream of sixteen modules.
+// Sends diagnostic requests beside the full stream of sixteen modules.
 #include <random>
 
 #include "sampling_bench.hpp"

@@ -14,10 +14,11 @@ struct SamplingSetup {
   wire::SamplingTiming timing = wire::SamplingTiming::kTracked;
 };
 
-/// A patch that streams in full.
+/// Streams a patch in full.
 class Sampling : public Bench {
  protected:
-  /// Sampled as asked for, every module found, checked at both inputs, its clock known; nothing is in `frames` yet.
+  /// Afterwards sampling runs as requested, every module is found, checked at both inputs, and its clock is known;
+  /// `frames` is still empty.
   void start(int modules, SamplingSetup setup = {}) {
     store_table(patch(modules));
     power_up();
@@ -32,7 +33,7 @@ class Sampling : public Bench {
     run_for(setup.decimation == wire::Decimation::k256 ? 1'000'000 : 500'000);
     frames.clear();
   }
-  /// Full frames by row of the table.
+  /// Returns full frames by row of the table.
   [[nodiscard]] std::map<int, std::vector<wire::TaxelFrame>> samples() const {
     std::map<int, std::vector<wire::TaxelFrame>> out;
     for (const wire::CanFrame& f : frames) {

@@ -10,7 +10,8 @@ namespace {
 
 using wire::Decimation;
 
-// Decimation; part of the spread below; rate that must be reached; rise time of SCL, ns; behaviour of the chips.
+// The parameters are decimation; part of the spread below; rate that must be reached; rise time of SCL, ns; behaviour
+// of the chips.
 class Whole
     : public Ramps,
       public ::testing::WithParamInterface<std::tuple<Decimation, double, double, std::uint32_t, std::string_view>> {};
@@ -33,15 +34,15 @@ TEST_P(Whole, SixteenModulesOnTheirOwnClocksLoseNothing) {
     const double expected = static_cast<double>(kRun_us) / static_cast<double>(module_at(m).chip->sequence_us());
     least = std::min(least, static_cast<double>(list.size()) / expected);
     EXPECT_GE(static_cast<double>(list.size()), rate * expected - 1) << m;
-    // One more than fits because of the ends, and one that was converted before and still waited for the bus.
+    // One more may fit because of the ends, and one that was converted before may still have waited for the bus.
     EXPECT_LE(static_cast<double>(list.size()), expected + 2) << m;
   }
   std::printf("samples of the slowest module: %.1f %% of its sequences\n", 100 * least);
   if (!on_posix) expect_no_violation();
 }
 
-// Chips of one batch, and the widest that the data sheet allows: the ends of those meet again and again, and one
-// sequence begins anew then.
+// The cases have chips of one batch, and the widest spread that the data sheet allows: their ends meet again and again,
+// and one sequence is then restarted.
 INSTANTIATE_TEST_SUITE_P(Decimations, Whole,
                          ::testing::Values(std::tuple{Decimation::k64, 0.05, 0.99, 0U, ""},
                                            std::tuple{Decimation::k64, 1.0, 0.98, 0U, ""},
@@ -55,9 +56,9 @@ INSTANTIATE_TEST_SUITE_P(Decimations, Whole,
                                            std::tuple{Decimation::k64, 1.0, 0.98, 0U, "AllAtOnce"},
                                            std::tuple{Decimation::k256, 1.0, 0.985, 0U, "AllAtOnce"}));
 
-// So many errors that the controller leaves the bus again and again: it comes back, and answers.
+// The errors are so many that the controller leaves the bus again and again; it must return and answer.
 TEST_F(Sampling, ComesBackFromBusOff) {
-  disturbances.can_errors = 3.6e6;  // one a millisecond
+  disturbances.can_errors = 3.6e6;  // One error occurs per millisecond.
   store_table(patch(16));
   power_up();
   run_for(300'000);
@@ -78,8 +79,8 @@ TEST_F(Sampling, EachThirdSequenceOnly) {
   }
 }
 
-// 28 bytes of nine bits, start, repeated start and stop (one bit each) at 400 kHz, four modules on each line.
-// Edges without rise time, and as slow as fast mode allows them (UM10204 table 10).
+// A reading has 28 bytes of nine bits, start, repeated start and stop (one bit each) at 400 kHz, with four modules on
+// each line. The edges have no rise time, or the slowest one of fast mode (UM10204 table 10).
 class FullRead : public Sampling, public ::testing::WithParamInterface<std::uint32_t> {};
 
 TEST_P(FullRead, TakesNoMoreThanTheBusLimitAllows) {
@@ -109,7 +110,7 @@ TEST_F(Sampling, StaysInsideItsBudgetsAtTheShortSequence) {
   start(16, {Decimation::k64, 1});
   run_for(3'000'000);
   EXPECT_LE(budget(offsetof(board::Budget, worst_interrupt_us)), 25U);  // An I²C byte takes 22.5 µs.
-  EXPECT_LE(budget(offsetof(board::Budget, worst_loop_us)), 400U);      // the window of a burst allows for it
+  EXPECT_LE(budget(offsetof(board::Budget, worst_loop_us)), 400U);      // The window of a burst allows for this delay.
   EXPECT_GE(budget(offsetof(board::Budget, stack_free_bytes)), 2'048U);
   EXPECT_EQ(budget(offsetof(board::Budget, can_lost)), 0U);
   const double idle = static_cast<double>(machine->counts().idle_us) / static_cast<double>(machine->now_us());

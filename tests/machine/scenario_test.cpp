@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The same script against the image in the machine and against board/posix: equal frames, equal fault memory.
+// Runs the same script against the image in the machine and against board/posix: frames and fault memory must be equal.
 #include <algorithm>
 #include <fstream>
 #include <sstream>
@@ -34,7 +34,7 @@ std::vector<Event> read_script(const std::filesystem::path& path) {
   return events;
 }
 
-/// Frames of a module that say the same but for their number and time.
+/// Consecutive frames of a module that differ only in number and time.
 struct Stretch {
   wire::TaxelFrame first;
   std::size_t count = 0;
@@ -48,8 +48,8 @@ struct Outcome {
   std::vector<std::uint8_t> faults;
 };
 
-// The converters are quiet here: which sequence a reading falls into depends on the microseconds that code takes, and
-// their noise with it.
+// The converters have no noise here: the microseconds that code takes decide into which sequence a reading falls, and
+// so its noise.
 class Scenario : public Sampling, public ::testing::WithParamInterface<const char*> {
  protected:
   void hush() {
@@ -138,8 +138,8 @@ TEST_P(Scenario, GivesEqualFramesAndFaultsOnBothBoards) {
       EXPECT_TRUE(a[r].says_as(b[r].first)) << "module " << m << ", state " << static_cast<int>(a[r].first.state)
                                             << " and " << static_cast<int>(b[r].first.state);
       const std::size_t na = a[r].count, nb = b[r].count;
-      EXPECT_LE(na > nb ? na - nb : nb - na, 1U)
-          << "module " << m << ", state " << static_cast<int>(a[r].first.state);  // an event falls between two readings
+      // An event falls between two readings.
+      EXPECT_LE(na > nb ? na - nb : nb - na, 1U) << "module " << m << ", state " << static_cast<int>(a[r].first.state);
       compared += std::min(na, nb);
     }
   }

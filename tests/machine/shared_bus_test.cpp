@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sixteen boards on one bus: some of them the image in the machine, from either slot, the others the same application
-// on virtual ports. Each loses 1 % of the frames; one is dead, one loses its power, one has version 0.1.
+// Runs sixteen boards on one bus: some of them the image in the machine, from either slot, the others the same
+// application on virtual ports. Each loses 1 % of the frames; one is dead, one loses its power, one has version 0.1.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kBoards = 16;
 
-// One board: flash, lines without chips, the machine.
+// One board consists of flash, lines without chips, and the machine.
 struct MachineBoard {
   FlashChip flash;
   std::array<SkinLine, layout::kLines> lines;
@@ -54,8 +54,8 @@ struct MachineBoard {
   }
 };
 
-/// The machines and a simulated skin in step with each other: what the host sends reaches all, and what each sends
-/// reaches the host. Each has the bus for itself; answers that would wait for each other come side by side.
+/// Runs the machines and a simulated skin in step: frames of the host reach all, and frames of each reach the host.
+/// Each has the bus for itself, so answers that would wait for each other arrive in parallel.
 class SharedBus final : public device::Link {
  public:
   SharedBus(scene::VirtualSkin& skin, std::deque<MachineBoard>& machines) : skin_(skin), machines_(machines) {
@@ -156,7 +156,7 @@ TEST(UpdateOfSixteenBoards, with_losses_one_dead_one_cut_one_old_reaches_all_oth
     EXPECT_EQ(machines[k].machine->vector_table(), k % 2 == 0 ? 0x08040000U : 0x08004000U) << k;
     EXPECT_TRUE(machines[k].machine->violations().empty()) << k;
   }
-  cut.power_up();  // What the cut has left starts.
+  cut.power_up();  // The board starts from the state that the cut left.
   cut.run_until(100'000);
   EXPECT_EQ(cut.machine->vector_table(), (count - 1) % 2 == 0 ? 0x08004000U : 0x08040000U);
   std::printf(

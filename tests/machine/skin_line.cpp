@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::uint16_t kFirstResult = 0x00B;
 constexpr int kBurstBytes = 28;
-constexpr std::uint64_t kAddressByte_us = 25;  // Start condition and nine bits: the bus calls start() after them.
+constexpr std::uint64_t kAddressByte_us = 25;  // A start condition and nine bits precede the call of start().
 
 }  // namespace
 

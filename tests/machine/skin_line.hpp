@@ -11,8 +11,8 @@
 
 namespace triskin::machine {
 
-/// What the twelve pads of a test module feel: a level each, in converter counts; with `ramp` all fall by one count in
-/// 200 µs besides, so that a reading tells when it was converted.
+/// Gives each of the twelve pads of a test module a level, in converter counts; with `ramp` all fall by one count in
+/// 200 µs as well, so that a reading tells when it was converted.
 struct PadSource final : scene::CapacitanceSource {
   static constexpr double kRamp_us = 200.0;
   static constexpr int kRampCounts = 8192;
@@ -22,41 +22,41 @@ struct PadSource final : scene::CapacitanceSource {
   [[nodiscard]] double counts(int cin, std::uint64_t at_us) const override;
 };
 
-/// One module: a converter of host/sim (register level, stage by stage, noise and oscillator error of the data sheet)
-/// and its faults.
+/// Simulates one module: a converter of host/sim (register level, stage by stage, noise and oscillator error of the
+/// data sheet) and its faults.
 struct SkinModule {
   PadSource source;
   std::unique_ptr<scene::Ad7147> chip;
   scene::Ad7147Behaviour behaviour{};
-  std::uint8_t address = 0;  ///< strapped, 0..3
+  std::uint8_t address = 0;  ///< The straps select the address, 0..3.
   bool present = true;
-  std::uint16_t frozen = 0;  ///< Bit t: taxel t keeps `frozen_value`.
+  std::uint16_t frozen = 0;  ///< Bit t makes taxel t keep `frozen_value`.
   std::array<std::uint16_t, layout::kTaxelsPerModule> frozen_value{};
 };
 
-/// A burst of twelve results on the line, by the clock of the bus.
+/// A burst of twelve results on the line, timed by the clock of the bus.
 struct Burst {
   std::uint8_t address = 0;
   std::uint64_t start_us = 0, stop_us = 0;
 };
 
-/// One line with modules, as the controller's pins see it. Everything that happens on it is counted.
+/// Simulates one line with modules, as the controller's pins see it. All events on it are counted.
 class SkinLine final : public sim::I2cBus {
  public:
   std::vector<std::unique_ptr<SkinModule>> modules;
   bool sda_held = false, scl_held = false;
-  bool pull_ups = true;        ///< resistors on the line; without any it floats, which reads low here
-  int frees_after_pulses = 0;  ///< 0: never
+  bool pull_ups = true;        ///< These resistors pull the line up; without any it floats, which reads low here.
+  int frees_after_pulses = 0;  ///< Zero means that the line never becomes free.
   int pulses = 0, stops = 0;
   std::uint64_t bytes = 0;
-  std::uint64_t origin_us = 0;       ///< subtracted from the caller's time
-  std::uint64_t first_start_us = 0;  ///< time by the caller's clock; 0: none yet
+  std::uint64_t origin_us = 0;       ///< This is subtracted from the caller's time.
+  std::uint64_t first_start_us = 0;  ///< The time is the caller's; 0 means that there was none yet.
   std::vector<Burst> bursts;
 
   SkinModule& add(std::uint8_t address, int index, std::uint16_t device_id = scene::Ad7147::kDeviceId);
-  /// Another chip is put in its place: registers at their reset values.
+  /// Puts another chip in its place, with registers at their reset values.
   static void exchange(SkinModule& m, std::uint16_t device_id, int index);
-  /// Electrodes of 2 … 18 pF, another for each taxel; equal seeds give equal ones.
+  /// Gives each taxel another electrode of 2 … 18 pF; equal seeds give equal ones.
   static void solder_electrodes(SkinModule& m, unsigned seed);
   void dip(SkinModule& m, std::uint64_t now_us) { m.chip->write_register(0, 1U << 10, now_us - origin_us); }
   void freeze(SkinModule& m, int taxel, std::uint64_t now_us);

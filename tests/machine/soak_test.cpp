@@ -17,14 +17,14 @@ using wire::ModuleState;
 
 class Soak : public Bench, public ::testing::WithParamInterface<bool> {
  protected:
-  /// Minutes of virtual time: an hour on board/posix, five minutes of the image in the machine, or
+  /// Returns the minutes of virtual time: an hour on board/posix, five minutes of the image in the machine, or
   /// TRISKIN_SOAK_MINUTES.
   int minutes() const {
     const char* wanted = std::getenv("TRISKIN_SOAK_MINUTES");
     return wanted == nullptr ? (on_posix ? 60 : 5) : std::max(1, std::atoi(wanted));
   }
-  // One failure of 1.5 s, then time to recover. The record must hold it, with the time of its first moment, and nothing
-  // else.
+  // Makes one failure of 1.5 s, then leaves time to recover. The record must have exactly this failure, with the time
+  // of its first moment.
   void one_fault(std::mt19937& random) {
     const Failure failure = kAllFailures[random() % kAllFailures.size()];
     const auto m = static_cast<int>(random() % 16);
@@ -32,7 +32,7 @@ class Soak : public Bench, public ::testing::WithParamInterface<bool> {
     inject(failure, line_of(m), m, from_us);
     if (failure == Failure::kMoved) self_test();
     run_for((failure == Failure::kFrozen ? 4'500'000 : 1'500'000) +
-            random() % 100'000);  // 65 readings say that a taxel is frozen
+            random() % 100'000);  // After 65 readings a taxel is called frozen.
     const std::uint64_t to_us = now_us();
     repair(failure, line_of(m), m);
     if (failure == Failure::kMoved) self_test();
@@ -51,7 +51,7 @@ class Soak : public Bench, public ::testing::WithParamInterface<bool> {
     different.insert(record.begin(), record.end());
     ++faults;
   }
-  /// State and row of the table of every fault that the failure leaves.
+  /// Returns state and row of the table for every fault that the failure leaves.
   static std::set<std::pair<int, int>> expected_record(Failure failure, int m) {
     std::set<std::pair<int, int>> out;
     const int state = static_cast<int>(state_of(failure));
@@ -71,7 +71,7 @@ class Soak : public Bench, public ::testing::WithParamInterface<bool> {
     }
     return out;
   }
-  /// When a fault was first seen, since power-up.
+  /// Returns when a fault was first seen, since power-up.
   std::uint64_t first_ms(int state, int module) {
     const auto reply =
         request({0x19, 0x04, static_cast<std::uint8_t>(0x90 | state), 0, static_cast<std::uint8_t>(module), 0x01});
@@ -81,7 +81,7 @@ class Soak : public Bench, public ::testing::WithParamInterface<bool> {
     }
     return ByteReader(Bytes(reply).subspan(10)).le32();
   }
-  /// What the build found that the stack may need at most (tools/check_stack.py).
+  /// Returns the maximum stack need that the build found (tools/check_stack.py).
   std::uint32_t max_stack_bytes() const {
     std::uint32_t bytes = 0;
     std::ifstream(firmware(running_slot == 0 ? "triskin_app_a.elf.stack" : "triskin_app_b.elf.stack")) >> bytes;
@@ -89,8 +89,8 @@ class Soak : public Bench, public ::testing::WithParamInterface<bool> {
     return bytes;
   }
   static constexpr std::uint8_t kConfirmedOnly = 0x08;
-  /// At most, until the application's clock starts: the loader's window, its check of an image that fills the 80 KB of
-  /// the application (0.2 ms a KB), and 3 ms in which the crystal starts and is measured.
+  /// The application's clock starts at most this late: the loader's window, its check of an image that fills the 80 KB
+  /// of the application (0.2 ms per KB), and 3 ms in which the crystal starts and is measured.
   static constexpr std::uint64_t kBoot_us = wire::loader::kWindow_us + 80 * 200 + 3'000;
   std::set<std::pair<int, int>> different;
   int faults = 0;
@@ -98,7 +98,7 @@ class Soak : public Bench, public ::testing::WithParamInterface<bool> {
 
 TEST_P(Soak, RandomFaultsLeaveNoStuckStateAndAreAllInTheRecord) {
   on_posix = GetParam();
-  constexpr double kPerHour = 1'200;  // every three seconds, of each kind
+  constexpr double kPerHour = 1'200;  // Each kind occurs every three seconds.
   disturbances = {kPerHour, kPerHour, kPerHour, kPerHour, kPerHour};
   store_table(patch(16));
   power_up();

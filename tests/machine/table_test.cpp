@@ -10,7 +10,7 @@ namespace {
 
 class Table : public Bench {
  protected:
-  // Modules of the active table; 0: none.
+  // Returns the number of modules of the active table; 0 without one.
   int modules() {
     const auto reply = request({0x22, 0xFD, 0x02});
     return reply.size() >= 21 ? reply[3 + 1 + 4 + 8 + 4] : 0;
@@ -32,12 +32,12 @@ TEST_F(Table, PowerCutInEachFlashOperationLeavesTheOldOrTheNewTable) {
   store_table(patch(4));
   const FlashChip before = flash;
   power_up();
-  run_for(500'000);  // All four are found: no fault is written in between.
+  run_for(500'000);  // All four are found by now, so no fault is written in between.
   flash.operations = 0;
   const std::uint64_t first = flash.operations;
   ASSERT_TRUE(flash_table(patch(8)));
   const std::uint64_t operations = flash.operations - first;
-  EXPECT_EQ(operations, 1U + (32 + 8 * 12) / 8 + 2);  // erase, image, commit record
+  EXPECT_EQ(operations, 1U + (32 + 8 * 12) / 8 + 2);  // The operations are erase, image and commit record.
   for (std::uint64_t cut = 0; cut < operations; ++cut) {
     flash = before;
     flash.operations = 0;
@@ -48,8 +48,8 @@ TEST_F(Table, PowerCutInEachFlashOperationLeavesTheOldOrTheNewTable) {
     flash.cut_at = ~std::uint64_t{0};
     power_up();
     run_for(100'000);
-    EXPECT_EQ(modules(), 4) << "cut in operation " << cut;             // The last one, too, is torn: its CRC is wrong.
-    ASSERT_TRUE(flash_table(patch(6))) << "cut in operation " << cut;  // And the slot can be used again.
+    EXPECT_EQ(modules(), 4) << "cut in operation " << cut;  // The last record is torn, too: its CRC is wrong.
+    ASSERT_TRUE(flash_table(patch(6))) << "cut in operation " << cut;  // The slot can be used again.
     EXPECT_EQ(modules(), 6) << cut;
     expect_no_violation();
   }
@@ -79,7 +79,7 @@ class CalibrationCase : public Table {
     request_bytes.insert(request_bytes.end(), value.begin(), value.end());
     return request(request_bytes) == std::vector<std::uint8_t>{0x6E, 0xFD, 0x0D};
   }
-  /// What the controller says that it keeps; empty: none.
+  /// Returns the calibration that the controller reports; empty if it has none.
   std::vector<std::uint8_t> kept() {
     const auto reply = request({0x22, 0xFD, 0x0D});
     return reply.empty() || reply[0] != 0x62 ? std::vector<std::uint8_t>{}
@@ -112,7 +112,8 @@ TEST_P(CalibrationOfATable, OutlivesPowerAndAFullPage) {
 INSTANTIATE_TEST_SUITE_P(Boards, CalibrationOfATable, ::testing::Bool(),
                          [](const auto& tested) { return std::string(tested.param ? "posix" : "machine"); });
 
-// In the page that stands, and, when that is full, in the erase, the table and the calibration of the other one.
+// The cut falls in the present page or, when that is full, in the erase, the table and the calibration of the other
+// one.
 TEST_F(CalibrationCut, InEachFlashOperationLeavesTheOldOrTheNewOne) {
   const FlashChip empty = flash;
   for (const std::uint16_t before : {std::uint16_t{1}, std::uint16_t{12}}) {
@@ -125,7 +126,7 @@ TEST_F(CalibrationCut, InEachFlashOperationLeavesTheOldOrTheNewOne) {
     flash.operations = 0;
     ASSERT_TRUE(write(20));
     const std::uint64_t operations = flash.operations;
-    EXPECT_EQ(operations, before == 1 ? 20U : 1U + 10 + 20 + 2);  // erase, table, record, commit
+    EXPECT_EQ(operations, before == 1 ? 20U : 1U + 10 + 20 + 2);  // The operations are erase, table, record and commit.
     for (std::uint64_t cut = 0; cut < operations; ++cut) {
       SCOPED_TRACE(testing::Message() << before << " before, cut in operation " << cut);
       flash = chip;
@@ -137,7 +138,7 @@ TEST_F(CalibrationCut, InEachFlashOperationLeavesTheOldOrTheNewOne) {
       flash.cut_at = ~std::uint64_t{0};
       power_up();
       run_for(100'000);
-      EXPECT_EQ(kept(), value_of(before));  // The unit with the CRC, too, is torn.
+      EXPECT_EQ(kept(), value_of(before));  // The unit with the CRC is torn, too.
       EXPECT_EQ(modules(), 4);
       ASSERT_TRUE(write(30));
       EXPECT_EQ(kept(), value_of(30));

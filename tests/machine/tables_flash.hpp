@@ -7,7 +7,7 @@
 
 namespace triskin::machine {
 
-/// The pages of tables and fault memory of a flash chip, as board/posix sees them.
+/// Shows the pages of tables and fault memory of a flash chip as board/posix sees them.
 class TablesFlash final : public sim::FlashModel {
  public:
   static constexpr std::uint32_t kBase = 0x0807C000, kBytes = 0x4000;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Reading by a timer, as installed iCub boards do, beside reading in the window: torn samples and bus time.
+// Compares reading by a timer, as installed iCub boards do, with reading in the window: torn samples and bus time.
 #include <numeric>
 
 #include "ramps.hpp"
@@ -10,7 +10,7 @@ namespace {
 struct Comparison {
   std::string_view chip;
   wire::SamplingTiming timing;
-  double min_torn, max_torn;  ///< shares of the samples
+  double min_torn, max_torn;  ///< These are fractions of the samples.
 };
 
 class ReadingTiming : public Ramps, public ::testing::WithParamInterface<Comparison> {
@@ -22,7 +22,7 @@ class ReadingTiming : public Ramps, public ::testing::WithParamInterface<Compari
     }
     return false;
   }
-  // The first taxel comes from the same conversion as the one before.
+  // Returns true if the first taxel comes from the same conversion as the one before.
   [[nodiscard]] bool is_repeated(int m, const wire::TaxelFrame& f, const wire::TaxelFrame& before) {
     return gap(converted(m, 0, f), converted(m, 0, before)) < 6 * stage_of(m);
   }
@@ -66,8 +66,9 @@ TEST_P(ReadingTiming, TornSamplesAndBusTime) {
 }
 
 // A burst lasts some 640 of 9,200 us. A converter that shows its results stage by stage is torn at any moment but the
-// end of its sequence, so by far most samples are; one that shows them at the end of the sequence only while it is
-// read: 640 / 9,200 = 7 %, between 3 and 14 because phases of sixteen chips in three seconds are not spread evenly.
+// end of its sequence, so by far most samples are torn. One that shows them at the end of the sequence is torn only
+// while it is read: 640 / 9,200 = 7 %, between 3 and 14 because phases of sixteen chips in three seconds are not spread
+// evenly.
 INSTANTIATE_TEST_SUITE_P(Chips, ReadingTiming,
                          ::testing::Values(Comparison{"ConvReset", wire::SamplingTiming::kTracked, 0, 0},
                                            Comparison{"ConvReset", wire::SamplingTiming::kTimer, 0.5, 1},

@@ -13,16 +13,16 @@ using wire::loader::Command;
 
 inline constexpr std::uint32_t kSlotA = 0x08004000, kSlotB = 0x08040000;
 
-/// An update of the application through the loader, over CAN.
+/// Updates the application through the loader, over CAN.
 class Update : public Bench {
  protected:
   void SetUp() override {
-    running_slot = 0;  // B is the one that is written
+    running_slot = 0;  // With slot 0 running, the update is written to B.
     Bench::SetUp();
     if (IsSkipped()) return;
     next = whole_blocks(read_elf(firmware("triskin_app_b.elf")));
   }
-  // What the loader answered to a command, or empty.
+  // Returns the loader's answer to a command, or an empty one.
   [[gnu::noinline]] std::vector<std::uint8_t> command(Bytes bytes, std::uint64_t wait_us) {
     const std::size_t seen = frames.size();
     const std::uint8_t code = bytes[0];
@@ -47,7 +47,7 @@ class Update : public Bench {
         std::array{static_cast<std::uint8_t>(Command::kSelect), hello[3], hello[4], hello[5], hello[6]}, 20'000);
     ASSERT_FALSE(selected.empty());
   }
-  // Sends the image; the status of the last block.
+  // Sends the image and returns the status of the last block.
   [[gnu::noinline]] int write_image() {
     int status = -1;
     for (std::size_t at = 0; at < next.size(); at += 8) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Power fails in the middle of each flash operation of an update, from the first erase to the confirmation. What is
-// left in the cells is all that a controller has after that, so the update runs once, its operations are written down,
-// and for each of them a machine boots from the cells as that operation tore them.
+// Power fails in the middle of each flash operation of an update, from the first erase to the confirmation. After that
+// a controller has only the content of its cells, so the update runs once, its operations are recorded, and for each of
+// them a machine boots from the cells as that operation tore them.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -37,10 +37,10 @@ class UpdateCuts : public Update, public ::testing::WithParamInterface<int> {
         device::broadcast_firmware(std::array{device::UpdateBus{&bus, bus.discover()}}, package, {.force = true});
     ASSERT_EQ(result.boards.at(0).outcome, device::UpdateOutcome::kUpdated) << result.boards.at(0).why;
   }
-  // Writes the operations of an update into `slot` down, and cuts the power in those that `taken` names.
+  // Records the operations of an update into `slot`, and cuts the power in those that `taken` selects.
   template <class Way, class Taken>
   void cut_each(int slot, Way way, Taken taken);
-  // Waits until a controller answers what runs on it; empty after 300 ms.
+  // Waits until a controller answers which image it runs; empty after 300 ms.
   std::vector<std::uint8_t> boot_and_ask() {
     machine->power_cycle(torn_cells);
     frames.clear();
@@ -51,7 +51,7 @@ class UpdateCuts : public Update, public ::testing::WithParamInterface<int> {
     }
     return {};
   }
-  // How many of the operations lead to the commit record, whose second unit makes the slot valid.
+  // Returns how many operations lead up to the commit record, whose second unit makes the slot valid.
   static std::size_t up_to_commit(int slot, const std::vector<FlashOperation>& operations) {
     const std::uint32_t record =
         (kOrigins[static_cast<std::size_t>(slot)] + 0x3B800 + 8 - FlashChip::kBase) / FlashChip::kUnit;
@@ -79,7 +79,7 @@ void UpdateCuts::cut_each(int slot, Way way, Taken taken) {
   ASSERT_EQ(updated[4], 1) << "confirmed";
   ASSERT_GT(operations.size(), committed) << "its start and its confirmation are written";
   flash.log = nullptr;
-  const FlashChip after = flash;  // The machine goes on in the same chip.
+  const FlashChip after = flash;  // The machine continues on the same chip.
 
   FlashChip cells = before;
   cells.log = nullptr;
@@ -95,7 +95,7 @@ void UpdateCuts::cut_each(int slot, Way way, Taken taken) {
       const auto state = boot_and_ask();
       ASSERT_EQ(state.size(), old.size()) << "cut in operation " << k << ": it does not boot";
       const bool is_new = state[3] == slot;
-      // Slot, sequence, size and CRC of one or the other.
+      // Slot, sequence, size and CRC are those of one image or the other.
       EXPECT_TRUE(std::equal(state.begin() + 5, state.end(), (is_new ? updated : old).begin() + 5))
           << "cut in operation " << k;
       EXPECT_EQ(is_new, k >= committed) << "cut in operation " << k;
@@ -111,7 +111,8 @@ void UpdateCuts::cut_each(int slot, Way way, Taken taken) {
               new_ones);
 }
 
-// Every erase, what comes first and last, and one unit of `one_in` between; with TRISKIN_ALL_CUTS every operation.
+// Selects every erase, the first and last operations, and one unit of `one_in` between; with TRISKIN_ALL_CUTS every
+// operation.
 auto sample(std::size_t one_in) {
   const bool all = std::getenv("TRISKIN_ALL_CUTS") != nullptr;
   return [all, one_in](std::size_t k, const std::vector<FlashOperation>& operations) {
@@ -130,7 +131,7 @@ TEST_P(UpdateCuts, OfABroadcastLeaveTheOldOrTheNewApplicationAndItBoots) {
 
 TEST_P(UpdateCuts, OfABroadcastIntoTheFirstSlotLeaveTheOldOrTheNewApplicationAndItBoots) {
   by_broadcast();
-  run_for(2'500'000);  // What runs from the second slot is confirmed.
+  run_for(2'500'000);  // The image that runs from the second slot is confirmed by now.
   if (!HasFatalFailure()) cut_each(0, [this] { by_broadcast(); }, sample(32));
 }
 

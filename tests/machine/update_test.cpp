@@ -13,7 +13,7 @@ TEST_F(Update, NewApplicationIsWrittenCommittedStartedAndConfirmed) {
   EXPECT_EQ(machine->vector_table(), kSlotB);
   EXPECT_FALSE(request({0x22, 0xFD, 0x00}).empty());
   run_for(2'500'000);
-  for (int k = 0; k < 5; ++k) {  // confirmed: starts as often as one likes
+  for (int k = 0; k < 5; ++k) {  // A confirmed image starts any number of times.
     power_up();
     run_for(100'000);
     EXPECT_EQ(machine->vector_table(), kSlotB);
@@ -29,7 +29,7 @@ TEST_F(Update, ApplicationThatNeverConfirmsIsGivenUpAfterThreeStarts) {
   boot();
   for (int start = 2; start <= 3; ++start) {
     power_up();
-    run_for(100'000);  // power fails long before it confirms
+    run_for(100'000);  // Power fails long before the image confirms itself.
     EXPECT_EQ(machine->vector_table(), kSlotB) << start;
   }
   power_up();

@@ -23,7 +23,7 @@ std::array<std::uint8_t, 8> bytes_of(const wire::UsbSetup& s) {
 
 }  // namespace
 
-// Token, data and handshake at 12 Mbit/s: about ten bytes besides the data.
+// Adds the time of token, data and handshake at 12 Mbit/s: about ten bytes besides the data.
 UsbReply UsbHost::spend(UsbReply reply, std::size_t bytes) {
   machine_.run_until(machine_.now_us() + (reply == UsbReply::kNak ? kRetry_us : 1 + (bytes + 10) * 8 / 12));
   return reply;
@@ -47,7 +47,7 @@ UsbIn UsbHost::receive(std::uint8_t endpoint, std::uint64_t patience_us) {
   return in;
 }
 
-// A device whose last transfer is not served yet does not answer: a host tries three times.
+// A device whose last transfer is not served yet does not answer, so a host tries three times.
 bool UsbHost::begin(const wire::UsbSetup& setup) {
   for (int k = 0; k < 3; ++k) {
     if (spend(wire().setup(address_, bytes_of(setup)), 8) == UsbReply::kAck) return true;
@@ -80,7 +80,7 @@ std::optional<std::vector<std::uint8_t>> UsbHost::control(const wire::UsbSetup& 
   const UsbIn status = receive(0, kControl_us);
   if (status.reply != UsbReply::kAck || !status.bytes.empty()) return std::nullopt;
   if (!status.data1) ++toggle_errors;
-  if (setup.type == 0 && setup.request == 9) toggle_.clear();  // SET_CONFIGURATION
+  if (setup.type == 0 && setup.request == 9) toggle_.clear();  // The request is SET_CONFIGURATION.
   return std::vector<std::uint8_t>{};
 }
 

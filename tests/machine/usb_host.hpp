@@ -11,25 +11,25 @@
 
 namespace triskin::machine {
 
-/// A host at the other end of the machine's cable: transfers of packets of 64 bytes with data toggles, retries and
-/// time-outs, in virtual time.
+/// Plays the host at the other end of the machine's cable: transfers of packets of 64 bytes with data toggles, retries
+/// and time-outs, in virtual time.
 class UsbHost {
  public:
   explicit UsbHost(Machine& machine) : machine_(machine) {}
 
-  /// Waits up to a second for a device, resets the bus, gives the address. False: nobody there.
+  /// Waits up to a second for a device, resets the bus and assigns the address. Returns false if no device is there.
   bool connect(std::uint8_t address);
-  /// Empty: refused, or silent for five seconds.
+  /// Returns nothing if the device refused, or was silent for five seconds.
   std::optional<std::vector<std::uint8_t>> control(const wire::UsbSetup& setup, Bytes data = {});
-  /// False: not taken within 100 ms.
+  /// Returns false if the packet was not taken within 100 ms.
   bool out(std::uint8_t endpoint, Bytes packet);
-  /// Empty: nothing within `wait_us`.
+  /// Returns an empty packet if nothing arrived within `wait_us`.
   std::vector<std::uint8_t> in(std::uint8_t endpoint, std::uint64_t wait_us);
   /// Sends the last packet again, as if its acknowledgement had been lost.
   bool repeat_out(std::uint8_t endpoint, Bytes packet);
 
   [[nodiscard]] UsbWire& wire() { return machine_.usb(); }
-  int toggle_errors = 0;  ///< packets of the device with the wrong data toggle
+  int toggle_errors = 0;  ///< Packets of the device with the wrong data toggle are counted.
 
  private:
   UsbReply spend(UsbReply reply, std::size_t bytes);
@@ -40,7 +40,7 @@ class UsbHost {
 
   Machine& machine_;
   std::uint8_t address_ = 0;
-  std::map<std::uint8_t, bool> toggle_;  // Keyed by end point with direction.
+  std::map<std::uint8_t, bool> toggle_;  // The key is the end point with its direction.
 };
 
 }  // namespace triskin::machine

@@ -11,13 +11,13 @@
 
 namespace triskin::machine {
 
-/// A host that reads the full stream over bulk, and asks beside it.
+/// Reads the full stream over bulk, and sends requests meanwhile.
 class UsbStream {
  public:
   explicit UsbStream(Machine& machine) : machine_(machine), host_(machine) {}
-  /// Enumerates and configures.
+  /// Enumerates and configures the device.
   bool open() { return host_.connect(9) && host_.control({0x00, 9, 1, 0, 0}).has_value(); }
-  /// The shortest sequence, and the full stream to this host. False: refused.
+  /// Selects the shortest sequence, and the full stream to this host. Returns false if the device refused.
   bool unlock_and_stream() {
     std::vector<wire::CanFrame> others;
     if (ask({0x10, 0x03}, others).empty()) return false;
@@ -31,12 +31,13 @@ class UsbStream {
     const auto streaming = ask({0x2E, 0xFD, 0x05, 0x02}, others);
     return !streaming.empty() && streaming[0] == 0x6E;
   }
-  /// The next frame that the device sends; empty: none within a millisecond.
+  /// Returns the next frame that the device sends; empty if there is none within a millisecond.
   std::optional<wire::CanFrame> next() {
     const auto frame = wire::from_usb(host_.in(wire::kBulkIn, 1'000));
     return frame ? std::optional(*frame) : std::nullopt;
   }
-  /// One request; its answer, empty after 300 ms. Frames of the stream that come meanwhile go into `others`.
+  /// Sends one request and returns its answer, empty after 300 ms. Frames of the stream that arrive meanwhile go into
+  /// `others`.
   std::vector<std::uint8_t> ask(const std::vector<std::uint8_t>& bytes, std::vector<wire::CanFrame>& others) {
     wire::IsoTp tester(wire::physical_id(1, wire::kTesterAddress), wire::physical_id(wire::kTesterAddress, 1),
                        wire::kUsbFrameBytes);

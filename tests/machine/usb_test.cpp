@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The image as a USB device: enumeration, requests and stream over HID and bulk, firmware update over DFU.
+// Tests the image as a USB device: enumeration, requests and stream over HID and bulk, firmware update over DFU.
 #include <algorithm>
 #include <fstream>
 #include <iterator>
@@ -39,7 +39,7 @@ class Usb : public Sampling {
     const wire::UsbPacket p = wire::to_usb(frame).value();
     ASSERT_TRUE(host->out(hid ? wire::kHidOut : wire::kBulkOut, hid ? Bytes(p.bytes) : p.used()));
   }
-  // One request over ISO-TP; what it was answered by, empty after 200 ms. Frames of the stream go into `frames`.
+  // Sends one request over ISO-TP and returns its answer, empty after 200 ms. Frames of the stream go into `frames`.
   std::vector<std::uint8_t> ask(bool hid, const std::vector<std::uint8_t>& bytes) {
     wire::IsoTp tester(wire::physical_id(1, wire::kTesterAddress), wire::physical_id(wire::kTesterAddress, 1),
                        wire::kUsbFrameBytes);
@@ -75,7 +75,7 @@ TEST_F(Usb, EnumeratesAsHidBulkAndDfu) {
   EXPECT_EQ(device[8] | device[9] << 8, wire::kUsbVendor);
   EXPECT_EQ(device[10] | device[11] << 8, wire::kUsbProduct);
   EXPECT_EQ(text(device[15]), "Triskin patch controller");
-  EXPECT_EQ(text(device[16]), "101112131415161718191A1B");  // the unique id of the bench
+  EXPECT_EQ(text(device[16]), "101112131415161718191A1B");  // This is the unique id of the bench.
   const auto configuration = descriptor(kConfiguration, 0, 255);
   ASSERT_GT(configuration.size(), 64U) << "longer than one packet";
   EXPECT_EQ(configuration.size(), configuration[2] | configuration[3] << 8);
@@ -107,7 +107,7 @@ TEST_F(Usb, ReadsAnIdentifierOverHidAndOverBulk) {
   finish();
 }
 
-// The host missed an acknowledgement and repeats its packet: it must not count twice.
+// The host missed an acknowledgement and repeats its packet, which must not count twice.
 TEST_F(Usb, RepeatedPacketCountsOnce) {
   plug_in();
   configure();
@@ -143,7 +143,7 @@ TEST_F(Usb, SurvivesBusResetSuspendAndNonsense) {
   finish();
 }
 
-// All of the stream that the bus can bring: sixteen modules at their short sequence. Whoever reads finds no gap.
+// Sixteen modules at their short sequence fill the stream; a reader must find no gap.
 TEST_F(Usb, FullStreamOverBulkLosesNothing) {
   store_table(patch(16));
   plug_in();
@@ -180,11 +180,11 @@ TEST_F(Usb, FullStreamOverBulkLosesNothing) {
 class Dfu : public Usb {
  protected:
   void SetUp() override {
-    running_slot = 0;  // B is the one that is written
+    running_slot = 0;  // The update is written to B.
     Usb::SetUp();
   }
   static constexpr std::uint8_t kIdle = 2, kDownloadIdle = 5;
-  // Asks the run-time device to leave; it comes back as a DFU device.
+  // Asks the run-time device to detach; it returns as a DFU device.
   void enter_dfu() {
     plug_in();
     configure();
@@ -196,7 +196,7 @@ class Dfu : public Usb {
     ASSERT_EQ(device[10] | device[11] << 8, wire::kUsbDfuProduct);
     configure();
   }
-  std::array<int, 2> status() {  // error, state
+  std::array<int, 2> status() {  // The numbers are error and state.
     const auto s = host->control({0xA1, 3, 0, 0, 6});
     return s && s->size() == 6 ? std::array<int, 2>{s->at(0), s->at(4)} : std::array<int, 2>{-1, -1};
   }
@@ -241,7 +241,7 @@ TEST_F(Dfu, DamagedPackageIsRefusedAndTheOldApplicationGoesOn) {
   file[file.size() - 100] ^= 4;
   ASSERT_TRUE(download(file));
   EXPECT_NE(status()[0], 0);
-  ASSERT_TRUE(host->control({0x21, 4, 0, 0, 0}));  // clear status
+  ASSERT_TRUE(host->control({0x21, 4, 0, 0, 0}));  // This request clears the status.
   EXPECT_FALSE(download(std::vector<std::uint8_t>(3000, 0x5A)));
   leave_dfu();
   EXPECT_EQ(machine->vector_table(), 0x08004000U);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Laws that hold for every contact, limits that are known in closed form, and what is refused.
+// Tests laws that hold for every contact, limits that are known in closed form, and refused input.
 #include "triskin/mechanics/contact.hpp"
 
 #include <gmock/gmock.h>
@@ -20,7 +20,7 @@ namespace {
 
 using std::numbers::pi;
 
-// Simpson's rule: shares nothing with the Gauss rules of the code.
+// Simpson's rule shares nothing with the Gauss rules of the code.
 double simpson(double from, double to, int steps, const std::function<double(double)>& f) {
   const double step = (to - from) / (2 * steps);
   double sum = f(from) + f(to);
@@ -33,13 +33,13 @@ double over_plane(double edge, double reach, const std::function<double(double)>
   return simpson(0.0, edge, 200, ring) + simpson(edge, edge + reach, 600, ring);
 }
 
-// K by hand: E 100, ν 0.25: 100 · 0.75 / (1.25 · 0.5) = 120.
+// By hand with E 100 and ν 0.25, K is 100 · 0.75 / (1.25 · 0.5) = 120.
 TEST(Layer, ConfinedModulusByHand) {
   EXPECT_DOUBLE_EQ(confined_modulus_kpa({2.0, 0.25, 100.0}), 120.0);
 }
 
-// Long waves compress columns: c₀ · M(α) / α → 1/K. Short waves see a half-space, and their pressure stays
-// above.
+// Long waves compress columns: c₀ · M(α) / α → 1/K. Short waves see a half-space, and their pressure stays near
+// the surface.
 TEST(Layer, KernelHasBothLimits) {
   const Layer layer{1.0, 0.25, 100.0};
   const double alpha = 1e-3;
@@ -95,20 +95,20 @@ TEST(BondedLine, DisplacementAndBasePressureAddUpToTheForce) {
   EXPECT_NEAR(both_sides([&](double x) { return contact.field->base_pressure_kpa(x); }) / (1000.0 * force), 1.0, 1e-4);
 }
 
-// On a layer that is thick beside the contact Hertz holds: a³ = 3FR / 4E*, δ = a² / R, p = 3F / 2πa².
+// On a layer that is thick compared with the contact Hertz holds: a³ = 3FR / 4E*, δ = a² / R, p = 3F / 2πa².
 TEST(BondedLayer, ThickLayerIsHertz) {
   const Layer layer{100.0, 0.3, 100.0};
   const double force = 1e-3, radius = 5.0;
   const Contact contact = press_bonded(layer, {Shape::kParaboloid, radius}, force);
   const double reduced = 100.0 / (1.0 - 0.09);
   const double a = std::cbrt(0.75 * 1000.0 * force * radius / reduced);
-  // The layer's share is of the order a/h, 0.3 %.
+  // The effect of the layer is of the order a/h, 0.3 %.
   EXPECT_NEAR(contact.contact_radius_mm / a, 1.0, 0.005);
   EXPECT_NEAR(contact.indentation_mm / (a * a / radius), 1.0, 0.01);
   EXPECT_NEAR(contact.peak_pressure_kpa / (1.5 * 1000.0 * force / (pi * a * a)), 1.0, 0.005);
 }
 
-// A flat punch on a thick layer: F = 2E*aδ and half of the mean pressure in its centre (Boussinesq).
+// A flat punch on a thick layer has F = 2E*aδ and half of the mean pressure in its centre (Boussinesq).
 TEST(BondedLayer, ThickLayerUnderAPunchIsBoussinesq) {
   const Layer layer{200.0, 0.3, 100.0};
   const Contact contact = press_bonded(layer, {Shape::kFlatPunch, 1.0}, 0.01);
@@ -117,7 +117,7 @@ TEST(BondedLayer, ThickLayerUnderAPunchIsBoussinesq) {
   EXPECT_NEAR(contact.peak_pressure_kpa / (10.0 / (2.0 * pi)), 1.0, 0.01);
 }
 
-// Under a contact that is wide beside the layer the columns are independent; the difference falls as h/a.
+// Under a contact that is wide compared with the layer the columns are independent; the difference falls as h/a.
 TEST(BondedLayer, WideContactIsWinkler) {
   const Layer layer{1.0, 0.2, 100.0};
   const Indenter indenter{Shape::kParaboloid, 2000.0};
@@ -128,7 +128,7 @@ TEST(BondedLayer, WideContactIsWinkler) {
   EXPECT_NEAR(winkler.contact_radius_mm / exact.contact_radius_mm, 1.0, 0.03);
 }
 
-// Worked by hand: h 2, E 100, ν 0: K 100. A punch of 10 mm² area at 0.1 N has 10 kPa: Winkler 0.2 mm; columns with a
+// By hand: h 2, E 100, ν 0 give K 100. A punch of 10 mm² area at 0.1 N has 10 kPa: Winkler 0.2 mm; columns with a
 // logarithm 2·(1 − e^−0.1) = 0.190325 mm.
 TEST(Foundations, PunchByHand) {
   const Layer layer{2.0, 0.0, 100.0};
@@ -137,7 +137,7 @@ TEST(Foundations, PunchByHand) {
   EXPECT_NEAR(press(Level::kLogarithmic, layer, punch, 0.1).indentation_mm, 0.1903251639, 1e-9);
 }
 
-// The closed forms against Simpson's rule over the pressure that the field states.
+// Compares the closed forms with Simpson's rule over the pressure that the field states.
 TEST(Foundations, PressureAddsUpToTheForce) {
   const Layer layer{2.0, 0.3, 100.0};
   for (const Level level : {Level::kWinkler, Level::kLogarithmic}) {
@@ -152,7 +152,7 @@ TEST(Foundations, PressureAddsUpToTheForce) {
   }
 }
 
-// A disc under a wide flat punch moves as one: 20 kPa on K 100 kPa and 2 mm are u = 0.4 mm, ΔC/C = 0.4 / 1.6.
+// A disc under a wide flat punch moves uniformly: 20 kPa on K 100 kPa and 2 mm are u = 0.4 mm, ΔC/C = 0.4 / 1.6.
 TEST(Taxel, UnderAWidePunchByHand) {
   const Layer layer{2.0, 0.0, 100.0};
   const Contact contact = press(Level::kWinkler, layer, {Shape::kFlatPunch, 10.0}, 0.02 * pi * 100.0);
@@ -163,8 +163,9 @@ TEST(Taxel, UnderAWidePunchByHand) {
   EXPECT_NEAR(taxel_displacement_mm(contact, 3.0), 0.4, 1e-9);
 }
 
-// A disc whose diameter is the punch's edge, far out: half of it is pressed but for the bend of the edge. By area:
-// circles of radius 2 at distance 100 from the centre of one of radius 100 share 6.2567 mm² of 12.566.
+// The punch's edge crosses the disc along a diameter, far from the axis: half of the disc is pressed, apart from the
+// curvature of the edge. By area: circles of radius 2 at distance 100 from the centre of one of radius 100 share 6.2567
+// mm² of 12.566.
 TEST(Taxel, AcrossAnEdgeByArea) {
   const Layer layer{2.0, 0.0, 100.0};
   const Contact contact = press(Level::kWinkler, layer, {Shape::kFlatPunch, 100.0}, 0.02 * pi * 10000.0);
@@ -175,7 +176,7 @@ TEST(Taxel, AcrossAnEdgeByArea) {
 
 class Range : public testing::TestWithParam<double> {};
 
-// The table against the exact solution between its rows, and far down the edge of what it holds.
+// Compares the table with the exact solution between its rows, down to the edge of its range.
 TEST_P(Range, TableIsWithinHalfAPercent) {
   const Layer layer{2.0, GetParam(), 100.0};
   const ContactTable table(layer);

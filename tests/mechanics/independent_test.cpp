@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The exact contact by a route that shares nothing with the code: pressures as sums of (1 − r²/a²)^(n − 1/2),
-// whose transforms are Bessel functions (Sonine), collocated under the indenter. The code solves Abel-transformed dual
-// integral equations instead. Half-space displacements of these pressures are known in closed form (Weber and
+// Computes the exact contact by a method that shares nothing with the code: pressures as sums of (1 − r²/a²)^(n −
+// 1/2), whose transforms are Bessel functions (Sonine), collocated under the indenter. The code solves Abel-transformed
+// dual integral equations instead. Half-space displacements of these pressures are known in closed form (Weber and
 // Schafheitlin: Abramowitz and Stegun 11.4.33), so only the layer's share is integrated.
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ struct Solved {
   double indentation_mm, force, peak_kpa;
 };
 
-// 1 − M(k) of the layer (Jaffar 1989, equation of the kernel), k in 1/h.
+// Returns 1 − M(k) of the layer (Jaffar 1989, equation of the kernel), k in 1/h.
 double deficit(double k, double nu) {
   const double kappa = 3.0 - 4.0 * nu;
   const double top = 2.0 * kappa * std::sinh(2.0 * k) - 4.0 * k;
@@ -45,7 +45,7 @@ double hypergeometric(int n, double x) {
   return sum;
 }
 
-// ∫ p r J0(kr) dr of the n-th pressure.
+// Returns ∫ p r J0(kr) dr of the n-th pressure.
 double transform(int n, double a, double k) {
   const double x = std::max(k * a, 1e-6);
   return a * a * std::pow(2.0, n - 0.5) * std::tgamma(n + 0.5) * std::sqrt(2.0 / pi) *
@@ -54,7 +54,8 @@ double transform(int n, double a, double k) {
 
 constexpr int kTerms = 12, kPoints = 26;
 
-// Displacements at ρ = r/a, a row a point, a column a pressure. Lengths in thicknesses, unit compliance.
+// Returns displacements at ρ = r/a, one row per point, one column per pressure. Lengths are in thicknesses, with unit
+// compliance.
 Eigen::MatrixXd round_displacements(const Eigen::VectorXd& rho, double a, double nu) {
   Eigen::MatrixXd u(rho.size(), kTerms);
   constexpr int kSteps = 400;
@@ -81,14 +82,14 @@ Eigen::VectorXd collocation_points() {
   return (Eigen::ArrayXd::LinSpaced(kPoints, 0.5, kPoints - 0.5) * pi / (2.0 * kPoints)).sin().matrix();
 }
 
-// Pressures and indentation at which the displacement is δ − gap at all points.
+// Returns the pressures and the indentation at which the displacement is δ − gap at all points.
 Eigen::VectorXd collocated(const Eigen::MatrixXd& u, const Eigen::VectorXd& gaps) {
   Eigen::MatrixXd system(u.rows(), u.cols() + 1);
   system << u, Eigen::VectorXd::Constant(u.rows(), -1.0);
   return system.colPivHouseholderQr().solve(-gaps);
 }
 
-// The contact of radius `a` (thicknesses) of a sphere or paraboloid of radius `radius` (thicknesses).
+// Solves the contact of radius `a` (thicknesses) of a sphere or paraboloid of radius `radius` (thicknesses).
 Solved solve_round(const Layer& layer, Shape shape, double radius, double a) {
   const Eigen::VectorXd rho = collocation_points();
   const Eigen::ArrayXd r = a * rho.array();
@@ -104,7 +105,7 @@ Solved solve_round(const Layer& layer, Shape shape, double radius, double a) {
   return {x[kTerms] * h, force * h * h / compliance / 1000.0, peak / compliance};
 }
 
-// Line: ∫ p cos(kx) dx of the n-th pressure is √π Γ(n + 1/2) (2/s)ⁿ J_n(s) · a with s = ka.
+// For a line, ∫ p cos(kx) dx of the n-th pressure is √π Γ(n + 1/2) (2/s)ⁿ J_n(s) · a with s = ka.
 Solved solve_line(const Layer& layer, double radius, double a) {
   const Eigen::VectorXd xi = collocation_points();
   constexpr int kLineTerms = 10, kSteps = 6000;
@@ -141,13 +142,13 @@ void expect_equal(const Contact& contact, const Solved& solved, double a_mm, dou
 
 class Independent : public testing::TestWithParam<double> {};
 
-// A small contact on a thick layer, a wide one on a thin layer, and nearly incompressible layers, where the force at a
-// given indentation changes by a hundred times.
+// The cases are a small contact on a thick layer, a wide one on a thin layer, and nearly incompressible layers, where
+// the force at a given indentation changes a hundredfold.
 TEST_P(Independent, RoundContacts) {
   const Layer layer{2.0, GetParam(), 100.0};
   for (const double a : {0.05, 0.3, 1.0, 2.5, 6.0}) {
     for (const Shape shape : {Shape::kSphere, Shape::kParaboloid}) {
-      // The indentation is some a²/R: a fifth of the layer.
+      // The indentation is about a²/R, a fifth of the layer.
       const double radius = std::max(2.0 * a, 5.0 * a * a);
       const Solved solved = solve_round(layer, shape, radius, a);
       SCOPED_TRACE(testing::Message() << "a/h " << a << ", shape " << static_cast<int>(shape));

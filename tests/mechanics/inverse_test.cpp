@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contacts from taxels: the open observations, and noisy draws whose truth is known.
+// Finds contacts from taxels: the open observations, and noisy draws whose truth is known.
 #include "triskin/mechanics/inverse.hpp"
 
 #include <gmock/gmock.h>
@@ -30,7 +30,7 @@ std::filesystem::path observations_file() {
   return folder / "mechanics" / "open_inverse.json";
 }
 
-// Taxels of a triangular lattice, as dense as on a module.
+// Makes taxels of a triangular lattice, as dense as on a module.
 std::vector<Eigen::Vector2d> lattice() {
   std::vector<Eigen::Vector2d> taxels;
   for (int row = 0; row < 9; ++row) {
@@ -57,11 +57,11 @@ const Layer kFabric{2.0, 0.1, 30.0};
 
 class Inverse : public testing::Test {
  protected:
-  // It takes most of a second to make and serves all tests.
+  // The table takes most of a second to make, so all tests share it.
   static inline const ContactTable table{kFabric};
 };
 
-// The forward model of the fit against the exact contact and its own quadrature.
+// Compares the forward model of the fit with the exact contact and its own quadrature.
 TEST_F(Inverse, PredictionIsTheExactContact) {
   const Contact exact = press_bonded(kFabric, {Shape::kSphere, 12.0}, 0.4);
   const std::vector<Eigen::Vector2d> taxels = {{0, 0}, {2, 1}, {-3, 2}, {5, 0}, {0, 9}};
@@ -106,7 +106,7 @@ struct Scatter {
   [[nodiscard]] double mean_square() const { return squares / (3.0 * (draws - miscounted)); }
 };
 
-// Noisy draws of one contact: errors of x, y and force over their stated deviations.
+// Draws one contact with noise and returns errors of x, y and force over their stated deviations.
 Scatter scatter_of(const ContactTable& table, const ContactEstimate& truth, int draws) {
   std::mt19937_64 engine(7);
   std::normal_distribution<double> noise(0.0, 0.01);
@@ -132,18 +132,18 @@ Scatter scatter_of(const ContactTable& table, const ContactEstimate& truth, int 
   return scatter;
 }
 
-// Three taxels are pressed, and place, force and radius trade against each other along a bent ridge, so that the
-// curvature at the best fit says too little. A true deviation makes the mean square 1 and covers 95 %.
+// Three taxels are pressed, and place, force and radius trade off along a bent ridge, so that the curvature at the best
+// fit gives too little. A true deviation makes the mean square 1 and covers 95 %.
 TEST_F(Inverse, StatedDeviationsAreTrue) {
   const Scatter scatter = scatter_of(table, tip(27.3, 21.8, 0.5, 15.0), 50);
-  // The test for one more contact lets noise pass once in a thousand draws.
+  // The test for one more contact accepts noise once in a thousand draws.
   EXPECT_EQ(scatter.miscounted, 0);
   EXPECT_GT(scatter.coverage(), 0.90);
   EXPECT_GT(scatter.mean_square(), 0.6);
   EXPECT_LT(scatter.mean_square(), 1.5);
 }
 
-// Where many taxels are pressed the posterior is normal, and the bound of Cramér and Rao is reached.
+// If many taxels are pressed the posterior is normal, and the bound of Cramér and Rao is reached.
 TEST_F(Inverse, WideContactReachesTheCramerRaoBound) {
   const Scatter scatter = scatter_of(table, tip(26.0, 21.0, 1.4, 43.0), 50);
   EXPECT_EQ(scatter.miscounted, 0);
@@ -152,8 +152,8 @@ TEST_F(Inverse, WideContactReachesTheCramerRaoBound) {
   EXPECT_LT(scatter.mean_square(), 1.5);
 }
 
-// A signal of 0.03 at the end of the skin, three deviations of the noise, asks for a huge force beside the skin; no
-// search may begin there (it did, and ended as two contacts).
+// A signal of 0.03 at the end of the skin, three deviations of the noise, would need a huge force beside the skin; no
+// search may begin there (one did, and ended as two contacts).
 TEST_F(Inverse, NoiseAtTheEdgeOfTheSkinDoesNotMislead) {
   const auto taxels = lattice();
   const std::vector<ContactEstimate> contacts = {tip(27.3, 21.8, 0.5, 15.0)};
@@ -201,7 +201,7 @@ TEST_F(Inverse, CountsTwoContactsAndNone) {
   EXPECT_TRUE(find_contacts(table, {}, {}).contacts.empty());
 }
 
-// One pressed taxel cannot tell place, force and radius apart: the deviations have to say so.
+// One pressed taxel cannot separate place, force and radius, so the deviations must be wide.
 TEST_F(Inverse, SinglePressedTaxelHasWideDeviations) {
   const std::vector<Eigen::Vector2d> taxels = {{0, 0}, {12, 0}, {-12, 0}, {0, 12}, {0, -12}};
   const std::vector<ContactEstimate> contacts = {tip(1.0, 0.5, 0.05, 3.0)};
@@ -213,7 +213,7 @@ TEST_F(Inverse, SinglePressedTaxelHasWideDeviations) {
   EXPECT_GT(c.force_sd_n / c.force_n, 0.2);
 }
 
-// One of the pressed taxels is dead. Exact values say that they are exact and give the place; with a stated noise of
+// One of the pressed taxels is dead. Exact values show that they are exact and give the place; with a stated noise of
 // 0.01 the same values leave a wide posterior, whose mean is the estimate.
 TEST_F(Inverse, DeadTaxelsAreLeftOut) {
   const auto taxels = lattice();

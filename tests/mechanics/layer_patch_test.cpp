@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The grid solver for any body against the exact round and line contacts, and bodies against each other.
+// Compares the grid solver for any body with the exact round and line contacts, and bodies with each other.
 #include "triskin/mechanics/layer_patch.hpp"
 
 #include <gmock/gmock.h>
@@ -24,8 +24,8 @@ double cell_sum(const PatchContact& contact, const Eigen::ArrayXXd& field) {
 
 class PatchOfSphere : public testing::TestWithParam<double> {};
 
-// What issue and measurement ask of the level: 0.5 % and 1 % of the peak. Cells are in or out of the contact, so its
-// radius is known to a part of a cell: half of one at seven points a radius.
+// The limits of 0.5 % and 1 % of the peak come from issue and measurement. Cells are in or out of the contact, so its
+// radius is known to a part of a cell: half of one at seven points per radius.
 TEST_P(PatchOfSphere, AgreesWithTheExactContact) {
   const Layer layer{2.0, GetParam(), 100.0};
   const Contact exact = press_bonded(layer, {Shape::kSphere, 10.0}, 1.0);
@@ -51,7 +51,7 @@ TEST(Patch, PressureDisplacementAndBaseAddUp) {
   EXPECT_NEAR(cell_sum(contact, contact.displacement_mm), 300.0 * 2.0 / confined_modulus_kpa(layer), 1e-6);
 }
 
-// The conditions of a contact: no pull anywhere, gap + displacement equal where it presses and no less beside it.
+// A contact has no tension anywhere, and gap + displacement is equal where it presses and no less beside it.
 TEST(Patch, KeepsTheContactCondition) {
   const Layer layer{2.0, 0.45, 100.0};
   const PatchGrid grid{96, 80, 0.4};
@@ -70,14 +70,14 @@ TEST(Patch, KeepsTheContactCondition) {
   }
 }
 
-// In its middle a long capsule is a line contact; each millimetre carries as much as in the middle but near the ends.
+// In its middle a long capsule is a line contact; except near the ends, each millimetre carries as much as the middle.
 TEST(Patch, LongCapsuleIsALine) {
   const Layer layer{2.0, 0.3, 100.0};
   const PatchContact capsule = press_body(layer, Body::capsule(4.0, {-20.0, 0.0, 0.0}, {20.0, 0.0, 0.0}), 3.0, 0.5);
   const int middle_x = capsule.grid.points_x / 2, middle_y = capsule.grid.points_y / 2;
   const double per_mm = 1e-3 * capsule.pressure_kpa.row(middle_x).sum() * capsule.grid.spacing_mm;
   const Contact line = press_bonded(layer, {Shape::kLine, 4.0}, per_mm);
-  // The gap of the capsule is a circle, that of the line a parabola: δ / 2R apart, some percent.
+  // The gap of the capsule is a circle, that of the line a parabola, so they differ by δ / 2R, some percent.
   EXPECT_NEAR(capsule.displacement_mm(middle_x, middle_y) / line.indentation_mm, 1.0, 0.02);
   EXPECT_NEAR(capsule.pressure_kpa(middle_x, middle_y) / line.peak_pressure_kpa, 1.0, 0.02);
 }
@@ -113,16 +113,17 @@ TEST(Body, MeshOfABallIsNearlyASphere) {
 }
 
 TEST(Body, CapsuleByHand) {
-  // Lying along x: below the axis −4, beside it −√(16 − 4), past the end as a sphere.
+  // The capsule lies along x: below the axis the height is −4, beside it −√(16 − 4), past the end as for a
+  // sphere.
   const Body lying = Body::capsule(4.0, {-5.0, 0.0, 0.0}, {5.0, 0.0, 0.0});
   EXPECT_NEAR(lying.lower_surface_mm(1.0, 0.0), -4.0, 1e-9);
   EXPECT_NEAR(lying.lower_surface_mm(1.0, 2.0), -std::sqrt(12.0), 1e-9);
   EXPECT_NEAR(lying.lower_surface_mm(7.0, 0.0), -std::sqrt(12.0), 1e-6);
   EXPECT_TRUE(std::isinf(lying.lower_surface_mm(9.5, 0.0)));
-  // Tilted by 45°: a cylinder's lowest line over its axis is r·√2 below the axis.
+  // Tilted by 45°, a cylinder's lowest line over its axis is r·√2 below the axis.
   const Body tilted = Body::capsule(1.0, {0.0, 0.0, 0.0}, {10.0, 0.0, 10.0});
   EXPECT_NEAR(tilted.lower_surface_mm(5.0, 0.0), 5.0 - std::sqrt(2.0), 1e-6);
-  // Upright: the lower sphere.
+  // Upright, only the lower sphere counts.
   EXPECT_NEAR(Body::capsule(2.0, {0.0, 0.0, 0.0}, {0.0, 0.0, 6.0}).lower_surface_mm(0.0, 0.0), -2.0, 1e-12);
 }
 
@@ -130,7 +131,7 @@ TEST(Body, BoxByHand) {
   const Body flat = Body::box({4.0, 6.0, 2.0}, Eigen::Matrix3d::Identity());
   EXPECT_DOUBLE_EQ(flat.lower_surface_mm(1.9, -2.9), -1.0);
   EXPECT_TRUE(std::isinf(flat.lower_surface_mm(2.1, 0.0)));
-  // On its edge a cube of 2 mm stands √2 below its centre and rises by 45°.
+  // On its edge, a cube of 2 mm reaches √2 below its centre and rises by 45°.
   const Body edge =
       Body::box({2.0, 2.0, 2.0}, Eigen::AngleAxisd(pi / 4.0, Eigen::Vector3d::UnitY()).toRotationMatrix());
   EXPECT_NEAR(edge.lower_surface_mm(0.0, 0.3), -std::sqrt(2.0), 1e-12);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contacts against numbers that were made by other code: the open cases of the data folder.
+// Compares contacts with numbers from other code: the open cases of the data folder.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -30,9 +30,9 @@ struct Case {
 };
 
 struct Errors {
-  double number = 0.0;  // Relative errors of indentation, radius and peak pressure.
-  double taxel = 0.0;   // Error relative to the peak of dC/C.
-  double field = 0.0;   // Errors of displacement and base pressure, relative to their values in the centre.
+  double number = 0.0;  // The errors of indentation, radius and peak pressure are relative.
+  double taxel = 0.0;   // The error is relative to the peak of dC/C.
+  double field = 0.0;   // The errors of displacement and base pressure are relative to their values in the centre.
 };
 
 double value(const nlohmann::json& truth, const char* key) {
@@ -89,7 +89,7 @@ class Reference : public testing::Test {
   }
 };
 
-// The numbers are given to eight digits; what is asked for is 0.5 % and 1 %.
+// The numbers are given to eight digits; the requirement is 0.5 % and 1 %.
 TEST_F(Reference, ExactContactsAgreeToSixDigits) {
   const auto cases = read_cases();
   ASSERT_GE(cases.size(), 11U);
@@ -114,8 +114,8 @@ TEST_F(Reference, TableAgreesWithinOnePart) {
   }
 }
 
-// The table of design/mechanics.md: Winkler's foundation at ν 0.3 and a/h above 1.5 is within a few percent, at ν
-// 0.45 it is not. A foundation that agreed there would be the reference under another name.
+// By the table of design/mechanics.md, Winkler's foundation at ν 0.3 and a/h above 1.5 is within a few percent, but at
+// ν 0.45 it is not. A foundation that agreed there would be the reference under another name.
 TEST_F(Reference, FoundationIsGoodForCompressibleLayersOnly) {
   for (const Case& c : read_cases()) {
     if (c.indenter.shape != Shape::kSphere) continue;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contacts of a stream on a curved cover, and the net force and torque.
+// Tests contacts of a stream on a curved cover, and the net force and torque.
 #include "triskin/mechanics/surface_contacts.hpp"
 
 #include <gmock/gmock.h>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kCylinder_mm = 35.0;
 
-// A taxel of a cylinder about the z axis by its length along the circumference and its height.
+// Places a taxel on a cylinder about the z axis by its length along the circumference and its height.
 Eigen::Vector3d on_cylinder(const Eigen::Vector2d& place) {
   const double angle = place.x() / kCylinder_mm;
   return {kCylinder_mm * std::cos(angle), kCylinder_mm * std::sin(angle), place.y()};
@@ -55,7 +55,7 @@ class SurfaceContacts : public testing::Test {
     return contacts_from_taxels(table, positions, normals, values, {});
   }
 
-  // It takes most of a second to make and serves all tests.
+  // The table takes most of a second to make, so all tests share it.
   static inline const ContactTable table{{2.0, 0.1, 30.0}};
   std::mt19937_64 engine{11};
   std::vector<Eigen::Vector2d> flat;
@@ -75,7 +75,7 @@ TEST_F(SurfaceContacts, TwoTipsOnACylinder) {
   }
 }
 
-// A neighbour that presses on the next taxels belongs to the same group, and one tip does not explain it.
+// A second tip that presses on the next taxels belongs to the same group, and one tip does not explain it.
 TEST_F(SurfaceContacts, TwoTipsInOneGroup) {
   const std::vector<ContactEstimate> truth = {tip(40.0, 20.0, 0.6, 12.0), tip(55.0, 27.0, 0.6, 12.0)};
   const auto contacts = found_in(values_of(truth, 0.003));
@@ -93,7 +93,7 @@ TEST_F(SurfaceContacts, DeviationsCoverTheTruth) {
     if (contacts.size() != 1U) continue;
     ++found;
     within += std::abs(contacts[0].force_n - truth.force_n) < 1.96 * contacts[0].force_sd_n ? 1 : 0;
-    // Both axes together: 95 % of a normal distribution in the plane lie within 2.45 deviations of one axis.
+    // With both axes together, 95 % of a normal distribution in the plane lie within 2.45 deviations of one axis.
     const double distance = (contacts[0].position_mm - on_cylinder(truth.position_mm)).norm();
     within += distance < 2.45 * contacts[0].position_sd_mm ? 1 : 0;
   }
@@ -152,8 +152,8 @@ TEST(NetWrench, ByHand) {
   EXPECT_LT((wrench.force_n - Eigen::Vector3d(-2.0, 0.0, -1.0)).norm(), 1e-12);
   EXPECT_LT((wrench.torque_nmm - Eigen::Vector3d(-5.0, 0.0, 0.0)).norm(), 1e-12);
   EXPECT_LT((wrench.force_sd_n - Eigen::Vector3d(0.3, 0.0, 0.4)).norm(), 1e-12);
-  // 5 mm times 0.4 N about x; 0.5 mm times 2 N about y and z, and nothing else of the side's force, which meets the
-  // origin.
+  // The terms are 5 mm times 0.4 N about x and 0.5 mm times 2 N about y and z; the side's force adds nothing else,
+  // because it passes through the origin.
   EXPECT_LT((wrench.torque_sd_nmm - Eigen::Vector3d(2.0, 1.0, 1.0)).norm(), 1e-12);
   const Wrench about = net_wrench(contacts, {0.0, 0.0, 1.0});
   EXPECT_LT((about.torque_nmm - Eigen::Vector3d(-5.0, 2.0, 0.0)).norm(), 1e-12);

@@ -14,7 +14,7 @@ std::size_t at(int k) {
   return static_cast<std::size_t>(k);
 }
 
-// Vertices by their place in the grid; across the period the first column is the last.
+// Numbers vertices by their place in the grid; across the period the first column is the last.
 class Corners {
  public:
   Corners(WalledPart& part, const std::array<std::vector<double>, 3>& grid, const BlockSolid::Bend& bend, bool wraps)

@@ -8,21 +8,22 @@
 
 namespace triskin::testing {
 
-/// A solid of boxes along the axes, bent by a map: sharp edges, ribs, bosses and letters as CAD has them. The map takes
-/// (x, y, z) in mm of the unbent solid.
+/// Builds a solid of boxes along the axes, bent by a map: sharp edges, ribs, bosses and letters as CAD has them. The
+/// map takes (x, y, z) in mm of the unbent solid.
 class BlockSolid {
  public:
   using Bend = std::function<design::Vec3(const design::Vec3&)>;
-  /// Side of a face from its middle and normal before the solid is bent.
+  /// Decides the side of a face from its middle and normal before the solid is bent.
   using SideRule = std::function<int(const design::Vec3& middle, const design::Vec3& normal)>;
 
-  /// `step_mm`: longest edge of a facet along each axis. `period_mm` > 0: x and x + period are the same place.
+  /// `step_mm` is the longest edge of a facet along each axis. With `period_mm` > 0, x and x + period are the same
+  /// place.
   explicit BlockSolid(double step_mm, double period_mm = 0.0) : step_mm_(step_mm), period_mm_(period_mm) {}
 
   BlockSolid& add(const design::Vec3& low, const design::Vec3& high) { return put(low, high, true); }
   BlockSolid& cut(const design::Vec3& low, const design::Vec3& high) { return put(low, high, false); }
 
-  /// Adds the boundary to a part: closed, outward, when no two boxes touch in an edge alone.
+  /// Adds the boundary to a part; it is closed and faces outward if no two boxes touch only in an edge.
   void append_to(WalledPart& part, const Bend& bend, const SideRule& side) const;
 
  private:

@@ -22,7 +22,8 @@ inline std::size_t pick(Dice& d, std::size_t n) {
   return static_cast<std::size_t>(d() % n);
 }
 
-/// Grid of a parametric surface over u, v in 0 … 1, some 140 … 200 mm large. Closed ones are closed by welding.
+/// Makes a grid of a parametric surface over u, v in 0 … 1, some 140 … 200 mm large. Closed surfaces are closed by
+/// welding.
 inline Mesh grid_of(const std::function<Vec3(double, double)>& place, int n, int m) {
   Mesh mesh;
   for (int j = 0; j <= m; ++j) {
@@ -38,7 +39,7 @@ inline Mesh grid_of(const std::function<Vec3(double, double)>& place, int n, int
   return mesh;
 }
 
-/// Profile turned around z: radius and height over v.
+/// Turns a profile around z; it gives radius and height over v.
 inline std::function<Vec3(double, double)> turned(std::function<std::pair<double, double>(double)> profile) {
   return [profile = std::move(profile)](double u, double v) {
     const auto [r, z] = profile(v);
@@ -48,7 +49,7 @@ inline std::function<Vec3(double, double)> turned(std::function<std::pair<double
 
 struct BaseShape {
   const char* name;
-  bool convex;  ///< closed, and all of it sees half the sky
+  bool convex;  ///< True for a closed shape all of whose points see half the sky.
   std::function<Vec3(double, double)> place;
 };
 
@@ -113,13 +114,13 @@ inline Mesh apart(const Mesh& m) {
 
 struct Damage {
   const char* name;
-  bool keeps_outside;  ///< The clean shape is still what is seen from outside.
+  bool keeps_outside;  ///< True if the clean shape is still what is seen from outside.
   std::function<void(Mesh&, Dice&)> make;
 };
 
 namespace damage {
 
-// Vertices pushed through the other side.
+// Pushes vertices through the other side.
 inline void pushed(Mesh& m, Dice& d) {
   const Vec3 middle = middle_of(m);
   for (int k = 0; k < 3; ++k) {
@@ -156,7 +157,7 @@ inline void soup(Mesh& m, Dice& d) {
   }
   for (std::size_t k = m.faces.size(); k > 1; --k) std::swap(m.faces[k - 1], m.faces[pick(d, k)]);
 }
-// A sheet without thickness through the middle, both sides of it with other diagonals.
+// Adds a sheet without thickness through the middle, with different diagonals on its two sides.
 inline void sheet(Mesh& m, Dice& d) {
   const Vec3 middle = middle_of(m);
   const double s = dice(d, 30.0, 50.0);
@@ -233,7 +234,7 @@ inline void noise(Mesh& m, Dice& d) {
   for (Vec3& v : m.vertices) v += Vec3(dice(d, -3.0, 3.0), dice(d, -3.0, 3.0), dice(d, -3.0, 3.0));
 }
 
-// A vertex that two fans share: corners of tetrahedra that stand on it, and vertices pulled onto others.
+// Makes vertices that two fans share: corners of tetrahedra that stand on them, and vertices pulled onto others.
 inline void pinched(Mesh& m, Dice& d) {
   for (int k = 0; k < 6; ++k) {
     const int at = static_cast<int>(pick(d, m.vertices.size()));
@@ -249,7 +250,7 @@ inline void pinched(Mesh& m, Dice& d) {
   }
   for (int k = 0; k < 4; ++k) m.vertices[pick(d, m.vertices.size())] = m.vertices[pick(d, m.vertices.size())];
 }
-// Tetrahedra and single faces of a few mm that hang on nothing, far enough outside to hide nothing; some inside.
+// Adds tetrahedra and single faces of a few mm without connection, far enough outside to hide nothing; some lie inside.
 inline void crumbs(Mesh& m, Dice& d) {
   const Vec3 middle = middle_of(m);
   for (int k = 0; k < 25; ++k) {
@@ -265,7 +266,7 @@ inline void crumbs(Mesh& m, Dice& d) {
       m.faces.push_back(f);
   }
 }
-// Up to a kilometre off the origin, and a vertex without a face 10 km off.
+// Moves the mesh up to a kilometre off the origin, and adds a vertex without a face 10 km off.
 inline void far_off(Mesh& m, Dice& d) {
   const Vec3 by(dice(d, -1e6, 1e6), dice(d, -1e6, 1e6), std::pow(10.0, dice(d, 3.0, 6.0)));
   for (Vec3& v : m.vertices) v += by;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The search for faces that cross finds the pairs that CGAL's does, and those worked out by hand.
+// The search for faces that cross must find the pairs that CGAL's finds, and those worked out by hand.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Surface_mesh.h>
@@ -42,9 +42,9 @@ TEST(Crossings, of_two_triangles_apart) {
     return crossings_of(soup_of({kFlat, {a, b, c}}));
   };
   const Pairs one{{0, 1}};
-  EXPECT_EQ(with({1, 1, -1}, {1, 1, 1}, {2, 2, 1}), one);         // pierces
-  EXPECT_EQ(with({1, 1, 1e-9}, {1, 1, 1}, {2, 2, 1}), Pairs{});   // stands just above
-  EXPECT_EQ(with({1, 1, 0}, {1, 1, 1}, {2, 2, 1}), one);          // It stands on the face.
+  EXPECT_EQ(with({1, 1, -1}, {1, 1, 1}, {2, 2, 1}), one);         // The face pierces.
+  EXPECT_EQ(with({1, 1, 1e-9}, {1, 1, 1}, {2, 2, 1}), Pairs{});   // The face is just above.
+  EXPECT_EQ(with({1, 1, 0}, {1, 1, 1}, {2, 2, 1}), one);          // The face has a corner on the other one.
   EXPECT_EQ(with({4, 0, 0}, {5, 0, 1}, {5, 1, 1}), one);          // It touches a corner that is not its own.
   EXPECT_EQ(with({2, 2, 0}, {3, 3, 0}, {4, 2, 0}), one);          // It lies in the plane, with a corner on a side.
   EXPECT_EQ(with({2.5, 2, 0}, {3, 3, 0}, {4, 2, 0}), Pairs{});    // It lies in the plane, beside the face.
@@ -52,7 +52,7 @@ TEST(Crossings, of_two_triangles_apart) {
   EXPECT_EQ(with({5, -1, -1}, {5, 5, 1}, {6, 2, 0}), Pairs{});    // It passes through the plane, beside the face.
 }
 
-// Corner 0 is common: 1, 2 of the first, 3, 4 of the second.
+// Corner 0 is common; 1, 2 belong to the first, 3, 4 to the second.
 TEST(Crossings, of_two_triangles_at_a_corner) {
   const auto with = [](const Vec3& c, const Vec3& d) {
     return crossings_of({{kFlat[0], kFlat[1], kFlat[2], c, d}, {{0, 1, 2}, {0, 3, 4}}});
@@ -62,8 +62,8 @@ TEST(Crossings, of_two_triangles_at_a_corner) {
   EXPECT_EQ(with({-4, 4, 0}, {-4, 0, 0}), Pairs{});
   EXPECT_EQ(with({1, 1, 0}, {-1, 5, 0}), one);     // A side within the plane crosses the face.
   EXPECT_EQ(with({1, 1, -1}, {1, 1, 1}), one);     // It passes through the face.
-  EXPECT_EQ(with({1, 1, 1}, {2, 1, 3}), Pairs{});  // above
-  EXPECT_EQ(with({2, 0, 0}, {2, 0, -3}), one);     // a side on a side
+  EXPECT_EQ(with({1, 1, 1}, {2, 1, 3}), Pairs{});  // The face is above.
+  EXPECT_EQ(with({2, 0, 0}, {2, 0, -3}), one);     // A side lies on a side.
   EXPECT_EQ(with({8, 0, 0}, {8, 0, -3}), one);
 }
 
@@ -74,9 +74,9 @@ TEST(Crossings, of_two_triangles_at_an_edge) {
   };
   EXPECT_EQ(with({0, -4, 0}), Pairs{});
   EXPECT_EQ(with({0, 0, 4}), Pairs{});
-  EXPECT_EQ(with({1, 3, 1e-12}), Pairs{});      // nearly folded back
-  EXPECT_EQ(with({1, 3, 0}), (Pairs{{0, 1}}));  // folded back
-  EXPECT_EQ(with(kFlat[2]), (Pairs{{0, 1}}));   // onto itself
+  EXPECT_EQ(with({1, 3, 1e-12}), Pairs{});      // The faces are nearly folded back.
+  EXPECT_EQ(with({1, 3, 0}), (Pairs{{0, 1}}));  // The faces are folded back.
+  EXPECT_EQ(with(kFlat[2]), (Pairs{{0, 1}}));   // The face is folded onto itself.
 }
 
 TEST(Crossings, name_a_face_without_area_itself) {
@@ -103,7 +103,7 @@ Pairs crossings_by_cgal(const Mesh& mesh) {
   return pairs;
 }
 
-// Ten shapes with each kind of damage: 180 meshes of 500 to 1,100 faces, some with thousands of crossings.
+// Ten shapes with each kind of damage give 180 meshes of 500 to 1,100 faces, some with thousands of crossings.
 TEST(Crossings, are_those_that_cgal_finds) {
   std::size_t total = 0;
   for (const auto& damage : test::damages()) {
@@ -115,7 +115,7 @@ TEST(Crossings, are_those_that_cgal_finds) {
       try {
         mesh = geometry::repair_topology(test::read_back(mesh)).surface;
       } catch (const InputError&) {
-        continue;  // shattered
+        continue;  // The mesh is shattered.
       }
       const Pairs wanted = crossings_by_cgal(mesh);
       total += wanted.size();
@@ -126,7 +126,7 @@ TEST(Crossings, are_those_that_cgal_finds) {
   EXPECT_GT(total, 4000U);
 }
 
-// A sheet of 320,000 faces: the clock is asked before each part of 32,768 leaves.
+// On a sheet of 320,000 faces the clock is read before each part of 32,768 leaves.
 TEST(Crossings, say_how_many_faces_were_tested_before_time_was_over) {
   const Mesh sheet = test::grid_of([](double u, double v) { return Vec3(300 * u, 300 * v, 10 * u * v); }, 400, 400);
   int asked = 0;

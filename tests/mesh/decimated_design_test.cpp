@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A design of a mesh with more faces than its shape needs: searched on few, stated and checked on all.
+// Designs a mesh with more faces than its shape needs: the search uses few faces, while report and check use all.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -18,7 +18,7 @@ namespace {
 using geometry::Vec3;
 using triskin::at;
 
-// A roof of two planes and a bent eave, 180 × 150 mm; 120 × 100 cells.
+// Makes a roof of two planes and a bent eave, 180 × 150 mm; 120 × 100 cells.
 geometry::Mesh roof() {
   return geometry::grid_mesh(120, 100, [](double u, double v) {
     return Vec3(180 * u, 150 * v, std::min(20.0 * u, 12.0) + 4.0 * std::max(0.0, v - 0.5) * v);
@@ -45,7 +45,7 @@ TEST(DesignOfADenseMesh, is_measured_and_checked_on_all_faces) {
   geometry::write_obj(files.folder / "roof.obj", mesh);
   DesignOptions options = quick();
   options.regions.emplace();
-  design::FaceSet middle;  // free, by the faces of the file
+  design::FaceSet middle;  // The region must stay free and is given by the faces of the file.
   for (int f = 0; f < static_cast<int>(mesh.faces.size()); ++f) {
     const Vec3& p = mesh.vertices[at(mesh.faces[at(f)][0])];
     if (std::hypot(p.x() - 90.0, p.y() - 75.0) < 15.0) middle.faces.push_back(f);

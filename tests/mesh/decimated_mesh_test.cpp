@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The mesh on which the solvers work: what it may lose, and how far from the surface it may be. Distances are measured
-// here at random points and against every face.
+// Tests how much the mesh of the solvers may lose, and how far from the surface it may be. Distances are measured at
+// random points and against every face.
 #include "triskin/mesh/decimated_mesh.hpp"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ Mesh cube(double side_mm) {
   return m;
 }
 
-// A plate of n × n cells of 100/n mm, without the middle ninth.
+// Makes a plate of n × n cells of 100/n mm, without the middle ninth.
 Mesh plate_with_hole(int n) {
   Mesh m = grid_mesh(n, n, [](double u, double v) { return Vec3(100 * u, 100 * v, 0.0); });
   std::erase_if(m.faces, [&](const auto& f) {
@@ -85,7 +85,7 @@ double distance_to_border(const Vec3& p, const Surface& s) {
   return best;
 }
 
-// Measured at the corners and five places of each border edge of the first.
+// Measures at the corners and five places of each border edge of the first.
 double border_distance(const Surface& from, const Surface& to) {
   double most = 0.0;
   for (const auto& loop : from.border_loops()) {
@@ -97,7 +97,7 @@ double border_distance(const Surface& from, const Surface& to) {
   return most;
 }
 
-// The stated bounds hold at random points of both, and are what was asked for at most.
+// Expects the stated bounds to hold at random points of both, and to be at most the requested ones.
 void expect_bounds_hold(const Surface& original, const DecimatedMesh& solver, double asked_mm) {
   const Surface decimated(solver.mesh);
   test::Dice random(7);
@@ -134,7 +134,8 @@ TEST(DecimatedMesh, a_divided_cylinder_keeps_within_the_deviation) {
   for (const auto& [asked_mm, most] : {std::pair{0.2, 600U}, {0.05, 1'500U}, {0.01, 5'000U}}) {
     const DecimatedMesh solver = decimate(original, asked_mm);
     expect_bounds_hold(original, solver, asked_mm);
-    // Chords of a circle that deviate by d are √(8 r d) long: no mesh of corners on it has fewer strips of two faces.
+    // Chords of a circle that deviate by d are √(8 r d) long, so no mesh with corners on it has fewer strips of two
+    // faces.
     const double fewest = 2.0 * M_PI * r / std::sqrt(8.0 * r * asked_mm);
     EXPECT_GT(static_cast<double>(solver.mesh.faces.size()), 0.9 * fewest);
     EXPECT_LT(solver.mesh.faces.size(), most) << asked_mm;
@@ -155,15 +156,15 @@ TEST(DecimatedMesh, a_hole_stays) {
   const DecimatedMesh solver = decimate(original);
   const Surface decimated(solver.mesh);
   EXPECT_EQ(decimated.border_loops().size(), 2U);
-  EXPECT_EQ(solver.mesh.faces.size(), 8U);  // Eight corners, and a ring has as many faces.
+  EXPECT_EQ(solver.mesh.faces.size(), 8U);  // There are eight corners, and a ring has as many faces.
   EXPECT_NEAR(decimated.area_mm2(), original.area_mm2(), 1e-6);
   expect_bounds_hold(original, solver, kSolverDeviation_mm);
 }
 
-// A hole that is narrower than the bounds: drawn to three corners, it is not drawn shut.
+// A hole that is narrower than the bounds is reduced to three corners, but not closed.
 TEST(DecimatedMesh, a_slit_stays) {
   Mesh m = grid_mesh(40, 40, [](double u, double v) { return Vec3(100 * u, 100 * v, 0.0); });
-  std::map<int, int> upper;  // Copies of the corners between the ends of the slit.
+  std::map<int, int> upper;  // These are copies of the corners between the ends of the slit.
   for (int u = 11; u < 30; ++u) {
     const int v = 20 * 41 + u;
     upper[v] = static_cast<int>(m.vertices.size());
@@ -187,12 +188,12 @@ TEST(DecimatedMesh, a_round_border_stays_within_its_bound) {
   Mesh m = grid_mesh(720, 24, [](double u, double v) {
     return Vec3((20 + 30 * v) * Vec3(std::cos(2 * M_PI * u), -std::sin(2 * M_PI * u), 0.0));
   });
-  m = test::read_back(m);  // welded: a disc with a round hole
+  m = test::read_back(m);  // After welding it is a disc with a round hole.
   const Surface original(m);
   ASSERT_EQ(original.border_loops().size(), 2U);
   const DecimatedMesh solver = decimate(original);
   expect_bounds_hold(original, solver, kSolverDeviation_mm);
-  EXPECT_GT(solver.border_mm, 0.002);  // Else the test would say nothing.
+  EXPECT_GT(solver.border_mm, 0.002);  // Without this the test would prove nothing.
   EXPECT_LT(solver.mesh.faces.size(), 2'000U);
 }
 
@@ -205,7 +206,7 @@ TEST(DecimatedMesh, a_handle_stays) {
   expect_bounds_hold(original, solver, kSolverDeviation_mm);
 }
 
-// A vertex where two squares meet with nothing but it.
+// Two squares meet in nothing but one vertex.
 TEST(DecimatedMesh, a_corner_where_borders_meet_stays) {
   Mesh m = divided(square(50.0), 4);
   const Mesh one = m;
@@ -236,8 +237,8 @@ TEST(DecimatedMesh, nothing_goes_without_a_deviation) {
 
 TEST(DecimatedMesh, the_surface_itself_serves_where_its_faces_are_wide_or_few) {
   const LayoutLimits limits;
-  EXPECT_FALSE(solver_mesh_of(Surface(divided(square(20.0), 5)), limits));   // 2,048 faces of 0.2 mm²
-  EXPECT_FALSE(solver_mesh_of(Surface(divided(square(300.0), 6)), limits));  // 8,192 of 11 mm²
+  EXPECT_FALSE(solver_mesh_of(Surface(divided(square(20.0), 5)), limits));   // There are 2,048 faces of 0.2 mm².
+  EXPECT_FALSE(solver_mesh_of(Surface(divided(square(300.0), 6)), limits));  // There are 8,192 faces of 11 mm².
   const Surface fine(divided(square(100.0), 6));
   EXPECT_FALSE(solver_mesh_of(fine, limits, 0.0));
   ASSERT_TRUE(solver_mesh_of(fine, limits));
@@ -257,8 +258,7 @@ TEST(DecimatedMesh, takes_a_twentieth_of_a_narrow_limit) {
   EXPECT_DOUBLE_EQ(limits_on(coarse, {}).overrun_mm, 0.25);
 }
 
-// The search sees the solver's mesh alone; what it says of its modules is measured on the surface, and nothing is lost
-// there.
+// The search uses only the solver's mesh; its modules are measured on the surface, and none is lost there.
 TEST(DecimatedMesh, a_layout_is_measured_on_the_surface) {
   const Surface original(grid_mesh(
       120, 120, [](double u, double v) { return Vec3(160 * u, 160 * v, 10.0 * std::sin(3 * u) * std::cos(4 * v)); }));

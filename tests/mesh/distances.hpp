@@ -13,7 +13,7 @@
 
 namespace triskin::test {
 
-/// Point to triangle by its sides and its plane: shares nothing with the regions of the solver.
+/// Measures from a point to a triangle by its sides and its plane; shares nothing with the regions of the solver.
 inline double distance_to(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const auto to_segment = [&](const Vec3& s, const Vec3& e) {
     const double length = (e - s).squaredNorm();
@@ -28,7 +28,7 @@ inline double distance_to(const Vec3& p, const Vec3& a, const Vec3& b, const Vec
   return inside ? std::min(best, std::abs((p - a).dot(n)) / n.norm()) : best;
 }
 
-/// The same to the nearest face.
+/// Measures the same to the nearest face.
 inline double distance_to(const Vec3& p, const Mesh& mesh) {
   double best = std::numeric_limits<double>::infinity();
   for (const auto& f : mesh.faces) {
@@ -39,7 +39,7 @@ inline double distance_to(const Vec3& p, const Mesh& mesh) {
   return best;
 }
 
-/// Largest distance of random points of a mesh to another.
+/// Returns the largest distance of random points of a mesh to another.
 inline double sampled_distance(const Mesh& from, const Mesh& to, Dice& random, int samples) {
   double most = 0.0;
   for (int k = 0; k < samples; ++k) {
@@ -57,7 +57,7 @@ inline double sampled_distance(const Mesh& from, const Mesh& to, Dice& random, i
   return most;
 }
 
-/// Mesh as a file would hold it: coincident vertices are welded.
+/// Returns the mesh as reading a file gives it, with coincident vertices welded.
 inline Mesh read_back(const Mesh& mesh) {
   const std::filesystem::path path =
       std::filesystem::temp_directory_path() / fmt::format("triskin_repair_{}.obj", ::getpid());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Parts in a closed part: nobody can bring a module there. CGAL says what lies inside.
+// No module can be placed on parts in a closed part. CGAL tells what lies inside.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Side_of_triangle_mesh.h>
@@ -89,7 +89,7 @@ TEST(Enclosed, every_shell_but_the_outermost_goes_whatever_its_side) {
 }
 
 TEST(Enclosed, what_can_be_reached_stays) {
-  // The cube lies in the hole of a ring, that is in its box and not in it.
+  // The cube lies in the hole of a ring: inside its box but not inside it.
   const Extraction in_hole = extracted(both(ring(150.0, 30.0), cube(Vec3::Zero(), 40.0)));
   EXPECT_EQ(in_hole.report.enclosed_components, 0);
   EXPECT_EQ(in_hole.report.components, 2);
@@ -143,7 +143,7 @@ TEST(Enclosed, agrees_with_cgal_on_random_balls) {
     EXPECT_NEAR(area(e.surface), expected_mm2, 1e-9 * expected_mm2) << "scene " << scenes;
     enclosed_in_all += enclosed;
   }
-  EXPECT_GT(enclosed_in_all, 20);  // Else the scenes ask nothing.
+  EXPECT_GT(enclosed_in_all, 20);  // Without this the scenes would prove nothing.
 }
 
 }  // namespace

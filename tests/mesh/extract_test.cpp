@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Steps of extract beyond repair: the outside of nested shells, keep-outs, shrink-wrap.
+// Tests the steps of extract beyond repair: the outside of nested shells, keep-outs, shrink-wrap.
 #include "triskin/mesh/extract.hpp"
 
 #include <gtest/gtest.h>
@@ -53,7 +53,7 @@ TEST(Extract, KeepOutSphereLeavesNothingInsideAndLittleMore) {
   const Vec3 middle(43.0, 57.0, 3.0);
   o.spheres.push_back({middle, 12.0});
   const Extraction e = extract(square(100.0, 5), o);
-  const double r = std::sqrt(12.0 * 12.0 - 3.0 * 3.0);  // Radius of the circle that the sphere cuts out of the plane.
+  const double r = std::sqrt(12.0 * 12.0 - 3.0 * 3.0);  // The sphere cuts a circle of this radius out of the plane.
   EXPECT_GE(min_distance(e.surface, middle), 12.0);
   EXPECT_GE(e.report.kept_out_mm2, M_PI * r * r);
   EXPECT_LE(e.report.kept_out_mm2, M_PI * (r + 3.0) * (r + 3.0));
@@ -69,7 +69,7 @@ TEST(Extract, KeepOutBoxAndMeshAgree) {
                by_mesh = extract(square(100.0, 5), mesh).report.kept_out_mm2;
   EXPECT_GE(by_box, 900.0);
   EXPECT_LE(by_box, 36.0 * 36.0);
-  EXPECT_NEAR(by_mesh, by_box, 1.5 * 1.5);  // A face that just touches may fall either way.
+  EXPECT_NEAR(by_mesh, by_box, 1.5 * 1.5);  // A face that just touches may be kept or dropped.
   mesh.keep_out_margin_mm = 5.0;
   EXPECT_GE(extract(square(100.0, 5), mesh).report.kept_out_mm2, 30.0 * 30.0 + 4 * 30.0 * 5.0 + M_PI * 25.0);
 }
@@ -93,7 +93,7 @@ TEST(Extract, WrapClosesTwoCubesThatCross) {
   EXPECT_EQ(e.report.boundary_loops, 0);
   EXPECT_EQ(e.report.components, 1);
   EXPECT_NO_THROW(require_no_self_intersection(e.surface, "wrap"));
-  // The crossing hides a block of 30 × 50 × 55 mm on both: 2 · 6 · 60² − 2 (30·50 + 50·55 + 55·30) is left.
+  // The crossing hides a block of 30 × 50 × 55 mm on both: 2 · 6 · 60² − 2 (30·50 + 50·55 + 55·30) remains.
   EXPECT_NEAR(area(e.surface), 43200.0 - 11800.0, 0.04 * 31400.0);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Mesh files as programs write them: polygons, indices from the end, STL with wrong headers, units that nobody said.
+// Reads mesh files as programs write them: polygons, indices from the end, STL with wrong headers, unstated units.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -83,7 +83,7 @@ TEST_F(Formats, WrittenMeshIsReadBackBitForBit) {
   for (std::size_t v = 0; v < 3; ++v) EXPECT_EQ(back.vertices[v], m.vertices[v]);
 }
 
-// An L of 100 × 100 less 60 × 60: a fan from its first corner would cover more than its area.
+// The polygon is an L of 100 × 100 less 60 × 60: a fan from its first corner would cover more than its area.
 TEST_F(Formats, ConcavePolygonOfAnObjIsNotCoveredTwice) {
   const std::string corners = "v 100 0 0\nv 100 40 0\nv 40 40 0\nv 40 100 0\nv 0 100 0\nv 0 0 0\n";
   const Mesh m = read_mesh(file("c.obj", corners + "f 1//1 2//1 3//1 4/7/1 -2 -1\n")).mesh;
@@ -109,7 +109,7 @@ TEST_F(Formats, BinaryStlIsKnownByItsLengthNotByItsFirstWord) {
 }
 
 TEST_F(Formats, BinaryStlWithAWrongCountGivesWhatItHolds) {
-  // 0 and all ones stand for "unknown" in files that were written to a pipe; any other count is a promise.
+  // Files that were written to a pipe have 0 or all ones for "unknown"; any other count is binding.
   for (const std::uint32_t unknown : {0U, 0xFFFFFFFFU}) {
     const MeshFile read = read_mesh(file("g.stl", binary_stl("x", unknown, kSquare)));
     EXPECT_EQ(read.mesh.faces.size(), 2U);
@@ -169,7 +169,7 @@ TEST_F(Formats, UnlikelySizesAreAQuestion) {
   EXPECT_EQ(error_of("i.obj", triangle(0.3), LengthUnit::kMetre), "");
 }
 
-// A geometry of COLLADA with one triangle of legs `size`, named as the node that shows it.
+// Makes a geometry of COLLADA with one triangle of legs `size`, named as the node that shows it.
 std::string dae_geometry(const std::string& name, int size) {
   return fmt::format(
       R"(<geometry id="{0}-g" name="{0}"><mesh><source id="{0}-p"><float_array id="{0}-a" count="9">
@@ -192,7 +192,7 @@ std::string dae(const std::string& unit) {
       unit, dae_geometry("hull", 30), dae_geometry("fin", 20), node("hull"), node("fin"));
 }
 
-// 30 and 20 cm: 450 + 200 cm².
+// Legs of 30 and 20 cm give 450 + 200 cm².
 TEST_F(Formats, DaeSaysItsUnit) {
   const MeshFile cm = read_mesh(file("u.dae", dae(R"(<unit name="centimeter" meter="0.01"/>)")));
   EXPECT_TRUE(cm.report.unit_from_file);
@@ -247,7 +247,8 @@ TEST_F(Formats, OneObjectOfA3mf) {
   EXPECT_THROW((void)read_mesh(path, {}, "wing"), InputError);
 }
 
-// The fin, turned by 90° about z and moved by 100 cm in x, in an assembly that is moved by 7 in z; nothing else.
+// The fin is turned by 90° about z and moved by 100 cm in x, in an assembly that is moved by 7 in z; nothing else is
+// shown.
 TEST_F(Formats, ComponentsOfA3mfLieWhereTheirTransformsSay) {
   std::string model = model_3mf("unit=\"centimeter\"");
   const std::string assembly =
@@ -265,7 +266,7 @@ TEST_F(Formats, ComponentsOfA3mfLieWhereTheirTransformsSay) {
   EXPECT_THROW((void)read_mesh(package("c.3mf", model)), InputError);
 }
 
-// A triangle with legs of 0.1 m.
+// The triangle has legs of 0.1 m.
 TEST_F(Formats, GltfAndGlbAreInMetres) {
   const std::array<float, 9> corners{0, 0, 0, 0.1F, 0, 0, 0, 0.1F, 0};
   const std::string raw(reinterpret_cast<const char*>(corners.data()), sizeof(corners));
@@ -277,7 +278,7 @@ TEST_F(Formats, GltfAndGlbAreInMetres) {
 "bufferViews":[{{"buffer":0,"byteLength":36}}],"buffers":[{{"byteLength":36{}}}]}})",
         uri);
   };
-  const std::string base64 = "AAAAAAAAAAAAAAAAzczMPQAAAAAAAAAAAAAAAM3MzD0AAAAA";  // Encodes `raw`.
+  const std::string base64 = "AAAAAAAAAAAAAAAAzczMPQAAAAAAAAAAAAAAAM3MzD0AAAAA";  // The text encodes `raw`.
   std::string json = scene("");
   json.resize((json.size() + 3) / 4 * 4, ' ');
   std::string glb = "glTF";
@@ -328,7 +329,7 @@ TEST_F(Formats, OneSolidOfATextStl) {
   EXPECT_NE(error_of("s.stl", bytes, {}, "knee").find("left shin, right shin"), std::string::npos);
 }
 
-// Capitals, a byte order mark, no "solid", no end.
+// The text has capitals, a byte order mark, no "solid" and no end.
 TEST_F(Formats, TextStlWithAWrongHeadIsRead) {
   const Mesh m = read_mesh(file("v.stl",
                                 "\xEF\xBB\xBF"
@@ -351,7 +352,7 @@ TEST_F(Formats, PlyStripsAreTriangles) {
   const Mesh m = read_mesh(file("y.ply", text)).mesh;
   ASSERT_EQ(m.faces.size(), 3U);
   EXPECT_EQ(m.faces[0], (std::array{0, 1, 2}));
-  EXPECT_EQ(m.faces[1], (std::array{1, 3, 2}));  // It has the same orientation as the first, seen from above.
+  EXPECT_EQ(m.faces[1], (std::array{1, 3, 2}));  // The orientation is that of the first, seen from above.
   EXPECT_EQ(m.faces[2], (std::array{3, 2, 0}));
 }
 
@@ -366,7 +367,7 @@ TEST_F(Formats, NumbersThatAreNoneAreNamed) {
   EXPECT_NE(error_of("z.stl", binary_stl("x", 2, facets)).find("vertex 4"), std::string::npos);
 }
 
-// A vertex without a face, 10 km off: it made all others one, which lie within 1e-7 of the size.
+// A vertex without a face lies 10 km off; it used to merge all others, which lie within 1e-7 of that size.
 TEST_F(Formats, AVertexWithoutAFaceDoesNotTellTheSize) {
   const std::string text = "v 0 0 0\nv 100 0 0\nv 0 100 0\nv 0.3 0 0.5\nv 1e7 1e7 1e7\nf 1 2 3\nf 4 2 3\n";
   const MeshFile read = read_mesh(file("far.obj", text));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Generated covers are what they claim: clean ones manifold, outward, with their holes and curvature; dirty ones dirty.
+// Generated covers must be what they claim: clean ones manifold, outward, with their holes and curvature; dirty ones
+// dirty.
 #include "triskin/mesh/generate.hpp"
 
 #include <gtest/gtest.h>
@@ -29,7 +30,7 @@ double largest_side(const Mesh& m) {
   return box.sizes().maxCoeff();
 }
 
-// Angle deficits at the vertices off the border, rad: those of saddles and those of bumps.
+// Sums the angle deficits at the vertices off the border, rad: those of saddles and those of bumps.
 struct Curvature {
   double negative = 0.0, positive = 0.0;
 };
@@ -51,7 +52,7 @@ Curvature curvature_of(const Surface& s) {
   return sum;
 }
 
-// Smallest angle of a face, rad.
+// Returns the smallest angle of a face, rad.
 double sharpest_corner(const Mesh& m) {
   double least = M_PI;
   for (const auto& f : m.faces) {
@@ -93,7 +94,7 @@ std::string name_of(const testing::TestParamInfo<std::string_view>& p) {
 
 TEST_P(GenerateShape, has_the_size_and_the_faces_that_are_asked_for) {
   const ShapeInfo& row = row_named(GetParam());
-  // Bosses of the dirty shell, which are not scaled, may stand out by 3 mm.
+  // Bosses of the dirty shell, which are not scaled, may extend by 3 mm.
   const double beyond_mm = row.shape == Shape::kDirtyShell ? 3.0 : 0.0;
   const auto expect = [beyond_mm](const Mesh& m, double size_mm, int faces) {
     EXPECT_NEAR(largest_side(m), size_mm, 0.01 * size_mm + beyond_mm);
@@ -115,8 +116,8 @@ INSTANTIATE_TEST_SUITE_P(All, GenerateShape, testing::ValuesIn(names()), name_of
 struct Clean {
   Shape shape;
   std::size_t loops;
-  double area_cm2;      // Area at the size of the table, within 10 %.
-  double min_positive;  // rad
+  double area_cm2;      // The area at the size of the table holds within 10 %.
+  double min_positive;  // The unit is rad.
   double min_negative;
 };
 void PrintTo(const Clean& c, std::ostream* out) {
@@ -137,7 +138,7 @@ TEST_P(CleanCover, is_a_manifold_with_its_holes_and_curvature) {
   EXPECT_GE(curvature.positive, c.min_positive);
   EXPECT_LE(curvature.negative, -c.min_negative);
   EXPECT_GE(sharpest_corner(mesh), 0.05) << "a sliver";
-  // Normals go with the way from the middle of the box, over most of the area.
+  // Normals point away from the middle of the box, over most of the area.
   Eigen::AlignedBox3d box;
   for (const Vec3& v : mesh.vertices) box.extend(v);
   std::size_t outward = 0;
@@ -149,7 +150,8 @@ TEST_P(CleanCover, is_a_manifold_with_its_holes_and_curvature) {
   EXPECT_GE(share, 0.75);
   EXPECT_EQ(extract(mesh).surface.faces.size(), mesh.faces.size()) << "extract has nothing to mend";
 }
-// The real covers (docs/generate.md): one to four loops, 57 … 1043 cm², deficits that sum up to 0.2 … 17 rad.
+// The real covers (docs/generate.md) have one to four loops, 57 … 1043 cm², and deficits that sum up to 0.2 … 17
+// rad.
 INSTANTIATE_TEST_SUITE_P(
     Hard, CleanCover,
     testing::Values(Clean{Shape::kForearm, 1, 528.0, 0.0, 0.5}, Clean{Shape::kTorso, 4, 616.0, 6.0, 1.0},
@@ -161,8 +163,8 @@ TEST(Generate, dirty_shell_has_every_defect) {
   const MeshFile read = read_mesh(file->path());
   EXPECT_GE(read.report.welded_vertices, 1000);
   EXPECT_GE(read.report.duplicate_faces, 100);
-  // Two for each of 109 faces: with the corners read in double precision also those whose middle corner lies on the
-  // side have no area. Read in single precision 96 of them were slivers, and made 92 more crowded edges.
+  // Each of 109 faces gives two: in double precision, faces whose middle corner lies on the side have no area either.
+  // In single precision 96 of them were slivers, and made 92 more non-manifold edges.
   EXPECT_EQ(read.report.degenerate_faces, 218);
   EXPECT_THROW(require_manifold(read.mesh, "shell"), InputError);
   const ExtractReport report = extract(read.mesh).report;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the world sends, kind by kind (docs/measurements/inputs.md): one open quarter pipe in many dresses. Its area,
-// its number of faces and the side to which its faces look are known, so that a reader cannot be wrong in silence.
+// Tests the inputs of real users, kind by kind (docs/measurements/inputs.md): one open quarter pipe in many formats.
+// Its area, its number of faces and the side to which its faces point are known, so that a reader cannot be wrong
+// silently.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -28,7 +29,7 @@ using ::testing::Not;
 
 constexpr int kAcross = 8, kAlong = 6;
 
-// Around y, open towards -z; faces look away from the axis.
+// The pipe lies around y, open towards -z; its faces point away from the axis.
 Mesh quarter_pipe(double scale = 1.0) {
   Mesh mesh;
   for (int j = 0; j <= kAlong; ++j) {
@@ -93,7 +94,7 @@ void put(std::string& bytes, Value value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
 }
 
-// Floats, then indices of two bytes.
+// The buffer has floats, then indices of two bytes.
 std::string buffer_of(const Mesh& mesh) {
   std::string bytes;
   for (const Vec3& v : mesh.vertices)
@@ -103,7 +104,7 @@ std::string buffer_of(const Mesh& mesh) {
   return bytes;
 }
 
-// A glTF whose one node has `node` in it; `more` stands at the top level.
+// Makes a glTF whose one node contains `node`; `more` is at the top level.
 std::string gltf_of(const Mesh& mesh, const std::string& uri, const std::string& node, const std::string& more = "") {
   const std::size_t n = mesh.vertices.size(), positions = 12 * n, indices = 6 * mesh.faces.size();
   return fmt::format(
@@ -131,7 +132,7 @@ std::string model_of(const Mesh& mesh, const std::string& prefix, const std::str
                             p, item);
 }
 
-// A COLLADA file in mm with one node, which has `transform` in it.
+// Makes a COLLADA file in mm with one node, which contains `transform`.
 std::string dae_of(const Mesh& mesh, const std::string& up_axis, const std::string& transform = "") {
   std::string points, corners;
   for (const Vec3& v : mesh.vertices) points += fmt::format("{} {} {} ", v.x(), v.y(), v.z());
@@ -171,7 +172,7 @@ class Inputs : public ::testing::Test {
     }
     return {};
   }
-  // The pipe: all of its faces, their area, and the side to which they look.
+  // Expects the pipe: all of its faces, their area, and the side to which they face.
   static void expect_pipe(const fs::path& path, double area_of_scale = 1.0, std::optional<LengthUnit> unit = {}) {
     SCOPED_TRACE(path.filename().string());
     MeshFile read;
@@ -212,7 +213,7 @@ TEST_F(Inputs, collada_keeps_the_numbers_of_the_file) {
       for (std::size_t k = 0; k < 3; ++k) {
         const Vec3& is = read.vertices[static_cast<std::size_t>(read.faces[f][k])];
         const Vec3& wanted = pipe_.vertices[static_cast<std::size_t>(pipe_.faces[f][k])];
-        // The library stores single precision: 60 mm have 24 bits.
+        // The library stores single precision, so 60 mm have 24 bits.
         EXPECT_LT((is - wanted).norm(), 1e-5) << up << ", face " << f;
       }
     }
@@ -383,7 +384,7 @@ TEST_F(Inputs, coordinates_are_bounded) {
   EXPECT_THAT(error_of(file("farther.obj", obj_of(far))), HasSubstr("10,000 km"));
 }
 
-// A file that was cut is refused, is said, or gives the same mesh. Every byte, of every format.
+// A file that is cut at any byte, in any format, is refused, gives a note, or gives the same mesh.
 TEST_F(Inputs, a_cut_at_any_byte_is_never_silent) {
   const Mesh m{{{0, 0, 0}, {100, 0, 0}, {100, 100, 7}, {0, 100, 0}}, {{0, 1, 2}, {0, 2, 3}}};
   const Mesh metres{{{0, 0, 0}, {.1, 0, 0}, {.1, .1, .007}, {0, .1, 0}}, {{0, 1, 2}, {0, 2, 3}}};
@@ -409,7 +410,7 @@ TEST_F(Inputs, a_cut_at_any_byte_is_never_silent) {
   }
 }
 
-// Numbers that are changed in a text: whatever is read, nothing crashes, and no message of a library comes through.
+// Numbers are changed in a text: whatever is read, nothing crashes, and no message of a library is shown.
 TEST_F(Inputs, changed_bytes_are_read_or_refused) {
   std::mt19937_64 random(37);
   const Mesh m{{{0, 0, 0}, {100, 0, 0}, {100, 100, 7}, {0, 100, 0}}, {{0, 1, 2}, {0, 2, 3}}};

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Any triangles become a surface that design() takes, and the deviation that is stated is not exceeded.
-// TRISKIN_BROKEN_MESHES=n tries n seeded meshes: each kind of damage alone on each shape, then two kinds at random.
-// TRISKIN_BROKEN_FIRST=k leaves out the first k of them. TRISKIN_REPAIR_TABLE=1 prints a line a mesh,
-// TRISKIN_BESIDE_WRAP=1 besides what CGAL's alpha wrap alone makes of it.
+// Any triangles must become a surface that design() accepts, within the stated deviation. TRISKIN_BROKEN_MESHES=n tries
+// n seeded meshes: each kind of damage alone on each shape, then two kinds at random. TRISKIN_BROKEN_FIRST=k leaves out
+// the first k of them. TRISKIN_REPAIR_TABLE=1 prints one line per mesh, TRISKIN_BESIDE_WRAP=1 also the result of CGAL's
+// alpha wrap alone.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -28,7 +28,7 @@ using geometry::ExtractOptions;
 using geometry::Mesh;
 using geometry::Vec3;
 
-constexpr double kWrapAlpha_mm = 6.0, kWrapOffset_mm = 0.2;  // the defaults of extract()
+constexpr double kWrapAlpha_mm = 6.0, kWrapOffset_mm = 0.2;  // These are the defaults of extract().
 constexpr unsigned kWrapMost_s = 60;
 
 struct Case {
@@ -38,7 +38,7 @@ struct Case {
   double repair_s = 20.0;
 };
 
-// Processor time of this process and of the children that have ended.
+// Returns the processor time of this process and of the children that have ended.
 double processor_s() {
   double sum = 0.0;
   for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
@@ -55,8 +55,8 @@ double seconds_of(const std::function<void()>& work) {
   return processor_s() - start;
 }
 
-// What CGAL's alpha wrap alone makes of the same input, beside what extract() made: processor time, faces, and the
-// distance of 300 places of the surface from the input and, where that can be seen, of the clean shape from the
+// Prints what CGAL's alpha wrap alone makes of the same input, beside the result of extract(): processor time, faces,
+// and the distance of 300 places of the surface from the input and, where that can be seen, of the clean shape from the
 // surface.
 void print_beside_wrap(const std::string& name, const Mesh& input, const Mesh* clean, const Mesh& ours, double ours_s,
                        test::Dice& dice) {
@@ -79,7 +79,7 @@ void expect_repaired(const Case& c) {
   SCOPED_TRACE(name);
   test::Dice dice(c.seed);
   const Mesh clean = test::grid_of(c.shape.place, 20, 14);
-  // Written and read, so that coincident vertices are welded as those of any file.
+  // Writing and reading welds coincident vertices, as for any file.
   Mesh broken = test::read_back(clean);
   bool keeps_outside = c.shape.convex;
   for (const auto& damage : c.damages) {
@@ -96,7 +96,7 @@ void expect_repaired(const Case& c) {
   ASSERT_NO_THROW(ours_s = seconds_of([&] { e = geometry::extract(input, options); }));
   EXPECT_TRUE(geometry::usable(test::read_back(e.surface)));
   const auto& d = e.report.deviation;
-  const double slack = 1e-6;  // mm: the plane of a face 1e-5 mm high is known no better to distance_to()
+  const double slack = 1e-6;  // In mm: distance_to() knows the plane of a face 1e-5 mm high no better.
   const double away = test::sampled_distance(e.surface, input, dice, 300);
   EXPECT_LE(away, d.largest_mm + slack) << geometry::kRepairNames.name(e.report.repair);
   if (keeps_outside && e.report.repair != geometry::Repair::kNone) {
@@ -123,7 +123,7 @@ TEST_P(BrokenMeshes, become_usable_and_deviate_no_more_than_stated) {
 INSTANTIATE_TEST_SUITE_P(Damage, BrokenMeshes, testing::Range(std::size_t{0}, test::damages().size()),
                          [](const auto& p) { return std::string(test::damages()[p.param].name); });
 
-// 20 mm × 18 mm, 3.6 cm²: a wrap of it had 7.6 cm², on which a module was placed.
+// A surface of 20 mm × 18 mm has 3.6 cm²; a wrap of it had 7.6 cm², on which a module was placed.
 TEST(TooSmallMesh, is_refused_and_not_wrapped) {
   const Mesh plate = test::grid_of([](double u, double v) { return Vec3(20.0 * u, 18.0 * v, 0.0); }, 2, 2);
   ExtractOptions options;
@@ -137,7 +137,7 @@ TEST(TooSmallMesh, is_refused_and_not_wrapped) {
   }
 }
 
-// Two balls, one in the other, of 10,800 faces each: in 2 s of processor time 3,100 of them are asked for their sky.
+// Two balls, one in the other, have 10,800 faces each; 2 s of processor time allow the visibility of 3,100 faces.
 TEST(ManyFaces, share_answers_about_the_sky_and_hidden_ones_go) {
   const auto ball = test::base_shapes()[0].place;
   Mesh mesh = test::read_back(test::grid_of(ball, 90, 61));
@@ -150,7 +150,7 @@ TEST(ManyFaces, share_answers_about_the_sky_and_hidden_ones_go) {
   options.repair_s = 2.0;
   const Extraction e = geometry::extract(mesh, options);
   EXPECT_EQ(e.surface.faces.size(), outer);
-  for (const Vec3& v : e.surface.vertices) ASSERT_NEAR(v.norm(), 75.0, 1e-6);  // rounded when written
+  for (const Vec3& v : e.surface.vertices) ASSERT_NEAR(v.norm(), 75.0, 1e-6);  // Coordinates are rounded when written.
 }
 
 int number_from(const char* name, int otherwise) {
@@ -158,7 +158,7 @@ int number_from(const char* name, int otherwise) {
   return text != nullptr ? std::atoi(text) : otherwise;
 }
 
-// With a limit of 10 s design leaves so little that coarser ways are needed more often.
+// With a limit of 10 s, design leaves so little time that coarser methods are needed more often.
 constexpr double kShortRepair_s = 4.0;
 
 TEST(BrokenMeshesAtRandom, alone_and_mixed_long) {
@@ -174,7 +174,8 @@ TEST(BrokenMeshesAtRandom, alone_and_mixed_long) {
       c.damages = {damages[static_cast<std::size_t>(k) / shapes.size()]};
     } else {
       for (int n = 0; n < 2; ++n) c.damages.push_back(damages[test::pick(dice, damages.size())]);
-      // Its vertex 10 km off is no part of the shape: another damage would pull the others there, to 54 m (seed 339).
+      // Its vertex 10 km off does not belong to the shape: another damage would pull the others there, to 54 m (seed
+      // 339).
       if (std::string_view(c.damages[0].name) == "far_off") std::swap(c.damages[0], c.damages[1]);
     }
     expect_repaired(c);

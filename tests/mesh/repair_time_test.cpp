@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The parts of a repair give up in their turn: a simulated clock jumps past the end when a part begins. What comes out
-// is a surface that design() takes, and the deviation that is stated is still not exceeded.
+// The parts of a repair give up in turn: a simulated clock jumps past the end when a part begins. The result must be a
+// surface that design() accepts, still within the stated deviation.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -20,7 +20,7 @@ using geometry::Mesh;
 using geometry::Repair;
 using geometry::Vec3;
 
-// Seconds of a clock that stands still until a stage begins, and how often it is asked after that.
+// Counts the seconds of a clock that stands still until a stage begins, and how often it is read after that.
 struct JumpingClock {
   std::string stage;
   double now_s = 0.0;
@@ -40,13 +40,13 @@ struct Outcome {
   int asked_late = 0;
 };
 
-// `stage`: what the progress calls the part at whose beginning the time is over; empty: it never is.
+// `stage` is the progress name of the part at whose beginning the time is over; empty means never.
 Outcome repaired(const Mesh& mesh, const std::string& stage, double repair_s) {
   JumpingClock clock{stage};
   ExtractOptions options;
   options.repair = options.keep_usable = true;
   options.repair_s = repair_s;
-  options.wrap_alpha_mm = 12.0;  // a quarter of the time
+  options.wrap_alpha_mm = 12.0;  // This share is a quarter of the time.
   options.outer = options.wrap = ExtractOptions::When::kWhenNeeded;
   options.clock_s = [&clock] { return clock.ask(); };
   Extraction e = geometry::extract(mesh, options, [&clock](const Progress& p) { clock.see(p.stage); });
@@ -59,13 +59,13 @@ void expect_honest(const Outcome& run, const Mesh& input) {
   const auto& d = run.extraction.report.deviation;
   test::Dice dice(7);
   const double away_mm = test::sampled_distance(run.extraction.surface, input, dice, 300);
-  EXPECT_LE(away_mm, d.largest_mm + 1e-6);  // distance_to() of the test knows no more digits
+  EXPECT_LE(away_mm, d.largest_mm + 1e-6);  // distance_to() of the test has no more digits.
   EXPECT_LE(d.found_mm, d.largest_mm);
   EXPECT_GT(run.asked_late, 0);
-  EXPECT_LT(run.asked_late, 30);  // each part asks once or twice; a child process is ended at once
+  EXPECT_LT(run.asked_late, 30);  // Each part asks once or twice, and a child process is ended at once.
 }
 
-// Two balls of 2,400 faces that cross along a circle.
+// Makes two balls of 2,400 faces that cross along a circle.
 Mesh crossed_balls() {
   Mesh mesh = test::read_back(test::grid_of(test::base_shapes()[0].place, 40, 31));
   test::Dice dice(3);
@@ -73,7 +73,7 @@ Mesh crossed_balls() {
   return mesh;
 }
 
-// A ball of 2,400 faces none of which is joined with another: no part is as large as a module.
+// Makes a ball of 2,400 faces of which no two are joined, so no part is as large as a module.
 Mesh shattered_ball() {
   Mesh mesh = test::grid_of(test::base_shapes()[0].place, 40, 31);
   test::Dice dice(3);
@@ -88,7 +88,7 @@ double interval_mm(const Outcome& run) {
 
 constexpr double kPlenty_s = 40.0, kLittle_s = 1.0;
 
-// A clock that stands still for some questions and is far past any end from then on.
+// Returns a clock that stands still for some questions and is far past any end from then on.
 std::function<double()> ends_after(int questions) {
   return [left = questions]() mutable { return left-- > 0 ? 0.0 : 1e6; };
 }
@@ -113,22 +113,22 @@ TEST(RepairTime, test_whether_one_is_needed_gives_up_and_says_so) {
   EXPECT_EQ(part.surface.faces.size(), sheet.faces.size());
 }
 
-// The same with a strip that stands across it near the end that a tree of the faces has last: 800 of its faces cross.
+// In addition, a strip crosses the sheet near the end that a tree of the faces visits last; 800 of its faces cross.
 TEST(RepairTime, part_of_the_test_finds_a_crossing_that_is_long) {
   Mesh sheet = test::grid_of([](double u, double v) { return Vec3(300 * u, 300 * v, 10 * u * v); }, 400, 400);
   test::append(sheet, test::grid_of([](double u, double v) { return Vec3(280.2, 300 * u, 60 * v - 30); }, 40, 3));
   EXPECT_NE(tested(sheet, ends_after(3)).report.repair, Repair::kNone);
 }
 
-// Two balls of 14,400 faces each that cross: 1 s of repair is worth 20,000. They are reduced first, and said to be:
-// chords twice as long lie 0.1 mm under a ball of 75 mm, and the bounds of the steps between add up.
+// Two balls of 14,400 faces each cross, but 1 s of repair allows for 20,000. They are reduced first, which the report
+// states: chords twice as long lie 0.1 mm below a ball of 75 mm, and the bounds of the steps between add up.
 TEST(RepairTime, mesh_with_more_faces_than_it_is_worth_is_reduced_first) {
   Mesh mesh = test::read_back(test::grid_of(test::base_shapes()[0].place, 120, 61));
   test::Dice dice(3);
   test::damage::crossed(mesh, dice);
   const Extraction e = repaired(mesh, "", 1.0).extraction;
   EXPECT_EQ(e.report.repair, Repair::kLocal);
-  EXPECT_LT(e.surface.faces.size(), 21'000U);  // some are divided
+  EXPECT_LT(e.surface.faces.size(), 21'000U);  // Some faces are divided.
   EXPECT_GT(e.report.reduced_mm, 0.01);
   EXPECT_LT(e.report.reduced_mm, 0.3);
   EXPECT_GE(e.report.deviation.largest_mm, e.report.reduced_mm);
@@ -143,9 +143,10 @@ TEST(RepairTime, dividing_gives_up_and_what_crosses_goes) {
   EXPECT_EQ(late.extraction.report.repair, Repair::kLocal);
   EXPECT_EQ(whole.extraction.report.repair, Repair::kLocal);
   EXPECT_EQ(whole.extraction.report.reduced_mm, 0.0);
-  EXPECT_LT(whole.extraction.report.deviation.largest_mm, 0.1);  // Divided along the circle nothing is missing.
+  EXPECT_LT(whole.extraction.report.deviation.largest_mm, 0.1);  // Divided along the circle, nothing is missing.
   EXPECT_GT(late.extraction.report.deviation.largest_mm, 1.0);
-  EXPECT_LE(interval_mm(late), 0.02 + 1e-3);  // welding moves vertices by 1e-6 of 260 mm; few faces: soon measured
+  // Welding moves vertices by 1e-6 of 260 mm; the few faces are measured quickly.
+  EXPECT_LE(interval_mm(late), 0.02 + 1e-3);
 }
 
 TEST(RepairTime, settling_gives_up_without_a_look_at_the_sky) {
@@ -154,7 +155,8 @@ TEST(RepairTime, settling_gives_up_without_a_look_at_the_sky) {
   test::damage::noise(mesh, dice);
   const Outcome whole = repaired(mesh, "", kPlenty_s), late = repaired(mesh, "settling the repair", kPlenty_s);
   expect_honest(late, mesh);
-  EXPECT_NE(late.extraction.surface.faces.size(), whole.extraction.surface.faces.size());  // others of a pair went
+  // The other face of some pairs was dropped.
+  EXPECT_NE(late.extraction.surface.faces.size(), whole.extraction.surface.faces.size());
 }
 
 TEST(RepairTime, wrapping_gives_up_and_a_grid_follows) {

@@ -54,7 +54,7 @@ class Builder {
   }
   [[nodiscard]] Vec3 normal(int i, int j) const { return along(i, j, true).cross(along(i, j, false)).normalized(); }
   [[nodiscard]] Vec3 place(int i, int j, double height) const { return at(i, j) + height * wall(i, j) * normal(i, j); }
-  // Counter-clockwise, seen from outside.
+  // The order is counter-clockwise, seen from outside.
   [[nodiscard]] std::array<int, 2> around(int k) const {
     k %= 2 * (s_.columns + s_.rows);
     if (k < s_.columns) return {k, 0};

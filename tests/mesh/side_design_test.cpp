@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Designs of parts with a wall: on the outer side, with what the checker finds by its own rays.
+// Designs parts with a wall: modules must be on the outer side, which the checker tests by its own rays.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -43,7 +43,7 @@ class SideDesign : public ::testing::Test {
     options.side.wanted = wanted;
     return pipeline::make_design(folder_ / "part.obj", options, {}, &notes_);
   }
-  // Names of the rules of the side that are broken, one for each violation.
+  // Returns the names of the broken rules about sides, one for each violation.
   std::vector<std::string> broken(const nlohmann::json& design) {
     std::ofstream(folder_ / "checked.json") << design.dump();
     std::vector<std::string> names;
@@ -71,7 +71,7 @@ TEST_F(SideDesign, ModulesLieOnTheOuterSide) {
   }
 }
 
-// The inner side, with a file that says that nobody asked for it.
+// The design covers the inner side, although its file says that nobody asked for it.
 TEST_F(SideDesign, CheckerFindsModulesOnTheInnerSide) {
   nlohmann::json design = json_of(design_of("half_shell_with_holes", geometry::SideWanted::kInner));
   EXPECT_THAT(broken(design), IsEmpty());
@@ -81,7 +81,7 @@ TEST_F(SideDesign, CheckerFindsModulesOnTheInnerSide) {
   EXPECT_THAT(names, Not(Contains("back-to-back")));
 }
 
-// Both sides, with a file of before there was a choice.
+// The design covers both sides, in a file from before there was a choice.
 TEST_F(SideDesign, CheckerFindsModulesBackToBack) {
   nlohmann::json design = json_of(design_of("tray", geometry::SideWanted::kBoth));
   EXPECT_THAT(broken(design), IsEmpty());
@@ -98,7 +98,7 @@ TEST_F(SideDesign, ALidIsAskedAbout) {
   EXPECT_THROW((void)pipeline::make_design(folder_ / "part.obj", {}), InputError);
 }
 
-// The part comes back from the file as it was.
+// Reading the file restores the part unchanged.
 TEST_F(SideDesign, FileKeepsThePart) {
   const design::Design d = design_of("tray");
   design::write_design(folder_ / "design.json", d);

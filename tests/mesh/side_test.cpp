@@ -37,7 +37,7 @@ const WalledPart& part_named(const std::string& name) {
   return *found;
 }
 
-/// Area in mm² by truth (−1, 0, 1) and by what was chosen.
+/// The keys are the truth (−1, 0, 1) and the chosen side; the areas are in mm².
 using Areas = std::map<int, std::map<FaceSide, double>>;
 Areas areas_of(const WalledPart& part, const geometry::SideChoice& choice) {
   Areas areas;
@@ -67,13 +67,13 @@ TEST_P(WalledParts, OuterSideIsTakenOrAsked) {
     EXPECT_FALSE(choice.is_certain);
     return;
   }
-  if (!choice.is_certain) return;  // a question is no mistake; the next test counts them
+  if (!choice.is_certain) return;  // A question is no mistake; the next test counts them.
   Areas areas = areas_of(part, choice);
   EXPECT_GE(areas[1][FaceSide::kOuter], 0.85 * sum_of(areas[1]));
   EXPECT_LE(areas[-1][FaceSide::kOuter], 0.01 * sum_of(areas[1]));
 }
 
-// The thickness is that of the construction.
+// The thickness must be that of the construction.
 TEST_P(WalledParts, PosesDoNotMatter) {
   const WalledPart& part = part_named(GetParam());
   const geometry::SideChoice choice = geometry::find_sides(part.mesh);
@@ -93,8 +93,8 @@ std::vector<std::string> names() {
 }
 INSTANTIATE_TEST_SUITE_P(All, WalledParts, ::testing::ValuesIn(names()), [](const auto& i) { return i.param; });
 
-// Few questions: of the parts that a person can tell all but the hat, whose brim sees more from below, and the trays
-// that stand too near to each other.
+// A person can tell the sides of all these parts; only the hat, whose brim sees more from below, and trays too near to
+// each other may give a question.
 TEST(Side, QuestionsAreFew) {
   std::vector<std::string> asked;
   for (const WalledPart& p : testing::walled_parts()) {
@@ -103,7 +103,7 @@ TEST(Side, QuestionsAreFew) {
   EXPECT_LE(asked.size(), 2U) << ::testing::PrintToString(asked);
 }
 
-// A plate of 2 mm: by the point that it is looked at from, one face of 150 × 100 mm or the other.
+// On a plate of 2 mm, the point of view selects one face of 150 × 100 mm or the other.
 TEST(Side, PointOfViewTellsALid) {
   const WalledPart& lid = part_named("flat_lid");
   for (const double z : {500.0, -500.0}) {
@@ -135,7 +135,7 @@ TEST(Side, ChoicesOfALidAreItsTwoFaces) {
 }
 
 TEST(Side, InnerAndBothAreTakenOnDemand) {
-  const WalledPart& tray = part_named("tray");  // 160 × 120 × 25 mm outside, wall 2 mm
+  const WalledPart& tray = part_named("tray");  // The tray is 160 × 120 × 25 mm outside, with a wall of 2 mm.
   geometry::SideOptions options;
   options.wanted = SideWanted::kInner;
   EXPECT_NEAR(geometry::take_side(tray.mesh, options).taken_mm2, 156.0 * 116.0 + 2.0 * (156.0 + 116.0) * 23.0, 1.0);
@@ -147,7 +147,7 @@ TEST(Side, InnerAndBothAreTakenOnDemand) {
   EXPECT_NEAR(outer.choice.wall_mm, 2.0, 1e-6);
 }
 
-// Four screw holes of 4 mm and a window of 35 × 25 mm in a half shell.
+// A half shell has four screw holes of 4 mm and a window of 35 × 25 mm.
 TEST(Side, SmallHolesAreBridgedAndWindowsStay) {
   const WalledPart& shell = part_named("half_shell_with_holes");
   Mesh surface = geometry::take_side(shell.mesh).surface;
@@ -162,7 +162,7 @@ TEST(Side, SmallHolesAreBridgedAndWindowsStay) {
 TEST(Side, AHeadOfAScrewKeepsItsHoleOpen) {
   const WalledPart& shell = part_named("half_shell_with_holes");
   Mesh surface = geometry::take_side(shell.mesh).surface;
-  Mesh with_heads = shell.mesh;  // one vertex 2 mm above the first hole
+  Mesh with_heads = shell.mesh;  // One vertex lies 2 mm above the first hole.
   const double angle = 15.0 / 55.0;
   with_heads.vertices.emplace_back(57.0 * std::sin(angle), 15.0, 57.0 * std::cos(angle));
   const geometry::BridgeReport report = geometry::bridge_holes(surface, with_heads, 8.0);

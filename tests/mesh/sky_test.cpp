@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What faces see of the sky, in the time that is given: fewer faces are asked, then fewer rays are sent.
+// Tests the visibility of faces within a given time: first fewer faces are measured, then fewer rays are sent.
 #include <gtest/gtest.h>
 
-#include "triskin/mesh/extract_steps.hpp"  // no public header
+#include "triskin/mesh/extract_steps.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -52,7 +52,7 @@ TEST(Visibility, eight_rays_tell_a_box_from_the_one_inside_it) {
   }
 }
 
-// A face over which a wall hides half of the sky: eight rays find it within the share of one.
+// A wall hides half of the sky over a face; the answer of eight rays is within the share of one ray.
 TEST(Visibility, fewer_rays_find_about_the_same_share) {
   Mesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, -1e6, -1}, {-1, 1e6, -1}, {-1, 0, 1e6}};

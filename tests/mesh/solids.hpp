@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Simple meshes for the tests of extract.
+// Makes simple meshes for the tests of extract.
 #pragma once
 #include <array>
 #include <cmath>
@@ -13,7 +13,7 @@ namespace triskin::test {
 using geometry::Mesh;
 using geometry::Vec3;
 
-// Corners at the same place become one, as reading a file does.
+// Joins corners at the same place, as reading a file does.
 inline Mesh welded(const Mesh& m) {
   Mesh result;
   std::map<std::array<long, 3>, int> seen;
@@ -31,7 +31,7 @@ inline Mesh welded(const Mesh& m) {
   return result;
 }
 
-// Cube of 12 · n² faces, outward.
+// Makes a cube of 12 · n² faces that face outward.
 inline Mesh cube(const Vec3& middle, double side, int n = 4) {
   Mesh m;
   const std::array<Vec3, 3> axes{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};

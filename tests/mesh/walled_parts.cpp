@@ -22,7 +22,7 @@ BlockSolid::Bend straight() {
 BlockSolid::Bend moved(const Vec3& by, const BlockSolid::Bend& bend = straight()) {
   return [by, bend](const Vec3& p) { return Vec3(bend(p) + by); };
 }
-// x goes round an axis along y; z = 0 lies at the radius.
+// x runs around an axis along y; z = 0 lies at the radius.
 BlockSolid::Bend round_y(double radius) {
   return [radius](const Vec3& p) {
     const double r = radius + p.z(), a = p.x() / radius;
@@ -39,7 +39,7 @@ BlockSolid::Bend dome(double radius) {
   };
 }
 
-// A plate of the thickness of the wall under z = 0: its top is outside, letters may be cut into it by 1 mm.
+// The plate is as thick as the wall under z = 0: its top is outside, and letters may be cut into it by 1 mm.
 BlockSolid::SideRule top_is_outer(const Vec3& low, const Vec3& high) {
   return [low, high](const Vec3& m, const Vec3& n) {
     if (n.z() > 0.5) return m.z() > -1.01 ? 1 : -1;
@@ -49,7 +49,7 @@ BlockSolid::SideRule top_is_outer(const Vec3& low, const Vec3& high) {
     return is_edge || m.z() > -kWall_mm ? 0 : -1;
   };
 }
-// A box without a bottom: its five planes are outside.
+// A box without a bottom has five outside planes.
 BlockSolid::SideRule box_is_outer(const Vec3& low, const Vec3& high) {
   return [low, high](const Vec3& m, const Vec3& n) {
     if (n.z() < -0.5 && m.z() < low.z() + 1e-6) return 0;
@@ -83,7 +83,7 @@ void add_boss(BlockSolid& b, double x, double y, double low, double high) {
   b.add({x - 4, y - 4, low}, {x + 4, y + 4, high});
   b.cut({x - 1.5, y - 1.5, low - 1}, {x + 1.5, y + 1.5, high});
 }
-// Three strokes of an E, 12 mm high.
+// The three strokes of an E are 12 mm high.
 void engrave(BlockSolid& b, double x, double y, double depth) {
   b.cut({x, y, -depth}, {x + 2, y + 12, 1});
   for (const double up : {0.0, 5.0, 10.0}) b.cut({x, y + up, -depth}, {x + 8, y + up + 2, 1});
@@ -186,13 +186,13 @@ void add_shells(std::vector<WalledPart>& parts) {
   cap.wall_mm = even(2.0);
   cap.sheet = [](double u, double v) { return Vec3(dome(500)({(u - 0.5) * 200, (v - 0.5) * 150, 0})); };
   parts.push_back(shell_part("nearly_flat_lid", cap));
-  cap.sheet = [](double u, double v) {  // a shin guard: round across, hollow along
+  cap.sheet = [](double u, double v) {  // A shin guard is round across and hollow along.
     const double a = (u - 0.5) * 2.4, y = (v - 0.5) * 220, r = 40 + 25 * std::pow(2 * v - 1, 2);
     return Vec3(r * std::sin(a), y, r * std::cos(a));
   };
   parts.push_back(shell_part("shin_guard", cap));
   cap.wall_mm = even(1.2);
-  cap.sheet = [](double u, double v) {  // a cone of 220°
+  cap.sheet = [](double u, double v) {  // The cap is a cone of 220°.
     const double a = (u - 0.5) * 3.8, r = 30 + 35 * v;
     return Vec3(r * std::sin(a), 130 * v, r * std::cos(a));
   };
@@ -209,7 +209,7 @@ void add_shells(std::vector<WalledPart>& parts) {
   parts.push_back(shell_part("barrel", cap));
 }
 
-// A hat: crown, wall and a brim that goes out; the brim's top is outside too.
+// A hat has a crown, a wall and a brim that points outwards, whose top is outside too.
 void add_hat(std::vector<WalledPart>& parts) {
   BlockSolid hat = tray({130, 100, 30}, 2, 6);
   hat.add({-14, -14, -30}, {144, 114, -28});
@@ -224,7 +224,7 @@ void add_hat(std::vector<WalledPart>& parts) {
   parts.push_back(p);
 }
 
-// What a scanner sees: one sheet, rough, with no other side.
+// A scanner sees one rough sheet, without another side.
 void add_scans(std::vector<WalledPart>& parts) {
   std::mt19937 dice(7);
   std::normal_distribution<double> rough(0.0, 0.08);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Outlines in which every constraint alone can hold, but two or three together cannot. The values are worked by hand,
-// the bounds are shown by the checker, which shares no code with the search.
+// In these outlines every constraint alone can hold, but two or three together cannot. The values are worked by hand,
+// and the checker, which shares no code with the search, proves the bounds.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 namespace triskin::geometry {
 namespace {
 
-// Without contradictions some of these take millions of cells and do not end.
+// Without contradictions some of these would take millions of cells and not end.
 constexpr std::int64_t kMaxCells = 60'000;
 
 std::string wkt(const Polygon& p) {
@@ -50,7 +50,7 @@ Polygon rectangle(double length_mm, double width_mm) {
   return p;
 }
 
-// The trapezoid of a row of n triangles, all its sides moved in by `inset_mm`.
+// Makes the trapezoid of a row of n triangles, with all its sides moved in by `inset_mm`.
 Polygon trapezoid(int n, double inset_mm) {
   const double low_mm = kSide_mm * ((n + 1) / 2), high_mm = kSide_mm * (n / 2), d = inset_mm;
   // A side that leans by 60° moves along the level sides by 2/√3 of the inset, and 1/√3 more where it meets them.
@@ -65,7 +65,7 @@ Polygon trapezoid(int n, double inset_mm) {
   return p;
 }
 
-// Teeth `width_mm` wide on a back of 20 mm, in which no module fits.
+// Makes teeth `width_mm` wide on a back of 20 mm, in which no module fits.
 Polygon comb(int teeth, double width_mm, double length_mm) {
   constexpr double kBack_mm = 20.0, kBetween_mm = 17.0;
   double x = teeth * width_mm + (teeth - 1) * kBetween_mm;
@@ -109,7 +109,7 @@ TEST(Conflicts, a_trapezoid_of_modules_moved_in_by_a_hair_holds_nothing) {
   }
 }
 
-// In a tooth two rows wide, less a hair, the lower row needs one side and the upper row the other.
+// In a tooth slightly less than two rows wide, the lower row needs one side and the upper row the other.
 TEST(Conflicts, two_rows_of_a_tooth_exclude_each_other) {
   for (const double less_mm : {1e-2, 1e-5}) {
     const Polygon p = test::moved(comb(3, 2.0 * kHeight_mm - less_mm, 120.0), 0.2, {5, 5});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Modules with corners cut off: what lies inside, tile by tile, against exact arithmetic; the certified search against
-// brute force and against the checker of proofs, which knows the hexagon by its own numbers.
+// Tests modules with corners cut off: what lies inside, tile by tile, against exact arithmetic; the certified search
+// against brute force and against the checker of proofs, which has its own numbers for the hexagon.
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/Polygon_2.h>
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ using Exact = CGAL::Exact_predicates_exact_constructions_kernel;
 using Point = Exact::Point_2;
 using Ring = CGAL::Polygon_2<Exact>;
 
-// What touches the outline is taken for cut: for generic placements.
+// A tile that touches the outline counts as cut, so this is for generic placements.
 class ExactCutCount {
  public:
   ExactCutCount(const Polygon& p, const Placement& at, double cut_mm) : cut_mm_(cut_mm) {
@@ -57,7 +57,7 @@ class ExactCutCount {
     return {x - reach, y - reach, x + reach, y + reach};
   }
 
-  // Six points by exact division of the triangle's sides.
+  // Returns six points by exact division of the triangle's sides.
   [[nodiscard]] std::vector<Point> hexagon(const Tile& tile) const {
     std::array<Point, 3> corner;
     for (int k = 0; k < 3; ++k) {
@@ -114,7 +114,7 @@ TEST(CornerCut, tiles_inside_equal_exact_arithmetic_on_480_placements) {
       more_than_whole += tiles.size() > tiles_inside(p, at, 0.0).size() ? 1 : 0;
     }
   }
-  EXPECT_GT(more_than_whole, 120);  // the cut decides
+  EXPECT_GT(more_than_whole, 120);  // In these cases the cut decides.
 }
 
 PlacementResult best(const Polygon& p, double cut_mm, bool proof = false) {
@@ -125,7 +125,7 @@ PlacementResult best(const Polygon& p, double cut_mm, bool proof = false) {
   return place(p, options);
 }
 
-// One module with its corners cut off.
+// Makes the outline of one module with its corners cut off.
 Polygon hexagon_outline(double cut_mm) {
   const std::array<Vec3, 3> corner{Vec3(0, 0, 0), Vec3(30, 0, 0), Vec3(15, kHeight_mm, 0)};
   Polygon p;
@@ -142,7 +142,7 @@ TEST(CornerCut, an_outline_that_is_one_module_holds_one_with_this_cut_and_none_w
   EXPECT_EQ(best(hexagon_outline(3.0), 5.0).modules, 1);
 }
 
-// A strip as high as what a cut leaves of a module standing on its tip: 25.98 mm less the height of one corner.
+// The strip is as high as the rest of a cut module that stands on its tip: 25.98 mm less the height of one corner.
 TEST(CornerCut, a_strip_lower_than_a_module_holds_modules_when_corners_are_cut) {
   const auto strip = [](double height) {
     Polygon p;
@@ -151,7 +151,8 @@ TEST(CornerCut, a_strip_lower_than_a_module_holds_modules_when_corners_are_cut) 
   };
   const double height = kHeight_mm - design::cut_height_mm(3.0);
   EXPECT_EQ(best(strip(kHeight_mm - 0.01), 0.0).upper_bound, 0);
-  EXPECT_GE(best(strip(height + 0.01), 3.0).modules, 5);  // up modules alone: tips of down ones reach lower
+  // Only up modules fit, because the tips of down ones are lower.
+  EXPECT_GE(best(strip(height + 0.01), 3.0).modules, 5);
   EXPECT_EQ(best(strip(height - 0.01), 3.0).upper_bound, 0);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How far the sides of modules must give way for one module more.
+// Tests how far the sides of modules must be drawn in until one module more fits.
 #include <gtest/gtest.h>
 
 #include "polygons.hpp"
@@ -35,7 +35,7 @@ TEST(Deficit, triangles_smaller_than_a_module_lack_the_difference_of_inradii) {
   }
 }
 
-// Nothing of a module is left when its sides have given way so far that it fits here.
+// If the sides of a module have moved in so far that it fits here, nothing of it remains.
 TEST(Deficit, what_no_giving_way_mends_has_none) {
   const PlacementResult r = with_deficit(triangle_of_side(2.0));
   EXPECT_EQ(r.modules, 0);

@@ -11,8 +11,8 @@
 
 namespace triskin::test {
 
-/// The tiles of a placement counted one by one in exact arithmetic: shares no code with any evaluator. What touches the
-/// outline is taken for cut: for generic placements.
+/// Counts the tiles of a placement one by one in exact arithmetic, without code of any evaluator. A tile that touches
+/// the outline counts as cut, so it is meant for generic placements.
 class ExactCount {
  public:
   ExactCount(const geometry::Polygon& p, const geometry::Placement& at) {
@@ -26,7 +26,7 @@ class ExactCount {
     for (const auto& hole : p.holes) holes_.push_back(ring(hole));
   }
 
-  /// Sorted.
+  /// Returns the tiles sorted.
   [[nodiscard]] std::vector<geometry::Tile> tiles() const {
     using namespace geometry;
     const auto box = outer_.bbox();
@@ -48,7 +48,7 @@ class ExactCount {
   using Point = Exact::Point_2;
   using Ring = CGAL::Polygon_2<Exact>;
 
-  // No edge of any ring touches the tile, its centre is in the outer ring and in no hole.
+  // Requires that no edge of any ring touches the tile, and that its centre is in the outer ring and in no hole.
   [[nodiscard]] bool inside(const geometry::Tile& tile) const {
     std::array<Point, 3> t;
     for (int k = 0; k < 3; ++k) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Outlines that are exact unions of tiles hold just those: their area allows no more.
+// Outlines that are exact unions of tiles hold exactly these, because their area allows no more.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ constexpr int kUnions = 150;  // Ten thousand were run once (docs/measurements/p
 
 using Node = std::array<int, 2>;
 
-// A connected set of tiles, grown tile by tile.
+// Grows a connected set of tiles, tile by tile.
 std::set<Tile> random_union(std::mt19937_64& random, std::size_t tiles) {
   std::set<Tile> set{{0, 0, true}};
   while (set.size() < tiles) {
@@ -28,7 +28,7 @@ std::set<Tile> random_union(std::mt19937_64& random, std::size_t tiles) {
   return set;
 }
 
-// Sides that belong to one tile only, each from node to node with the tile on its left; none where a node has two
+// Returns sides that belong to one tile only, each from node to node with the tile on its left; none if a node has two
 // (the outline would touch itself).
 std::map<Node, Node> outline_of(const std::set<Tile>& tiles) {
   std::map<Node, Node> next;
@@ -50,7 +50,7 @@ std::map<Node, Node> outline_of(const std::set<Tile>& tiles) {
   return next;
 }
 
-// Its one ring; empty when there are holes too.
+// Returns its single ring; empty when there are holes too.
 std::vector<Vec2> ring_of(const std::map<Node, Node>& next) {
   std::vector<Vec2> ring;
   if (next.empty()) return ring;

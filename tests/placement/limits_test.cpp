@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What ends a search early, and outlines that are long or far away.
+// Tests the limits that end a search early, and outlines that are long or far away.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// Misses the hexagon of 24 tiles by a hair: a long search.
+// The disc misses the hexagon of 24 tiles only slightly, which makes a long search.
 Polygon hard() {
   Polygon p;
   for (int k = 0; k < 361; ++k) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Other aims than the number of modules: modules that hang together, and weights by place.
+// Tests objectives other than the number of modules: connected modules, and weights by place.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ Polygon polygon_of(std::vector<Vec2> outer) {
   return normalize_polygon(p, "polygon");
 }
 
-// Flood fill over shared sides, by the corners of the tiles.
+// Decides by flood fill over shared sides, using the corners of the tiles.
 bool hang_together(const std::vector<Tile>& tiles) {
   std::set<Tile> left(tiles.begin(), tiles.end());
   std::vector<Tile> next;
@@ -48,7 +48,7 @@ bool hang_together(const std::vector<Tile>& tiles) {
   return left.empty();
 }
 
-// A hill of height 1 and width `width_mm` at `top`.
+// Makes a hill of height 1 and width `width_mm` at `top`.
 WeightMap hill(const Vec2& top, double width_mm) {
   const Vec2 origin(-400, -400);
   constexpr double step_mm = 20.0;
@@ -77,8 +77,8 @@ double weight_at(const Polygon& p, const WeightMap& map, const Placement& at, do
   return sum;
 }
 
-// Two rooms of 100 mm × 90 mm joined by a corridor of 16 mm, through which no module fits: each room is a problem of
-// its own.
+// Two rooms of 100 mm × 90 mm are joined by a corridor of 16 mm, through which no module fits, so each room is a
+// separate problem.
 TEST(Connected, a_narrow_corridor_divides) {
   const Polygon both = polygon_of({{0, 0},
                                    {100, 0},
@@ -98,12 +98,12 @@ TEST(Connected, a_narrow_corridor_divides) {
   EXPECT_EQ(one.tiles.size(), static_cast<std::size_t>(one.modules));
   EXPECT_FALSE(hang_together(all.tiles));
   const PlacementResult room = place(polygon_of({{0, 0}, {100, 0}, {100, 90}, {0, 90}}));
-  EXPECT_GE(one.modules, room.modules);  // The mouth of the corridor may give room for one more.
+  EXPECT_GE(one.modules, room.modules);  // The mouth of the corridor may have room for one more.
   EXPECT_LE(one.modules, room.modules + 1);
   EXPECT_LT(one.modules, all.modules);
 }
 
-// Where the best placement hangs together the aim changes nothing; it never gives more, and no random motion has a
+// If the best placement is connected, the objective changes nothing; it never gives more, and no random motion has a
 // larger component.
 TEST(Connected, never_more_than_the_count_and_never_beaten) {
   std::mt19937_64 random(51);
@@ -172,13 +172,13 @@ TEST(Weights, move_with_the_polygon) {
   const PlacementResult here = weighted(p, hill({20, 0}, 60)),
                         there = weighted(test::moved(p, 0.0, {100, -60}), hill({120, -60}, 60));
   EXPECT_NEAR(there.weight, here.weight,
-              3e-5 * here.weight);  // Hills sampled on different rasters, each answer to 1e-5.
+              3e-5 * here.weight);  // The hills are sampled on different rasters, and each answer is exact to 1e-5.
 }
 
 TEST(WeightMap, keeps_planes_and_its_bounds) {
   const WeightMap plane({10, 20}, 5, {{0, 1, 2, 3, 4}, {2, 3, 4, 5, 6}, {4, 5, 6, 7, 8}, {6, 7, 8, 9, 10}});
   const auto jet = plane.at({20, 27.5});
-  EXPECT_NEAR(jet.value, 2.0 + 3.0, 1e-12);  // column 2, row 1.5
+  EXPECT_NEAR(jet.value, 2.0 + 3.0, 1e-12);  // The point is column 2, row 1.5.
   EXPECT_NEAR(jet.slope_per_mm.x(), 0.2, 1e-12);
   EXPECT_NEAR(jet.slope_per_mm.y(), 0.4, 1e-12);
   EXPECT_NEAR(plane.at({-1e6, -1e6}).value, 0.0, 1e-12);
@@ -197,8 +197,8 @@ TEST(WeightMap, keeps_planes_and_its_bounds) {
   }
 }
 
-// Two triangles of a square with weights 0, 10, 20, 10 at its corners: the plane (x + y) · 0.1; beyond the square as
-// at its nearest point.
+// Two triangles of a square have the weights 0, 10, 20, 10 at its corners, which is the plane (x + y) · 0.1; beyond
+// the square the weight is that of the nearest point.
 TEST(WeightMap, from_a_flat_mesh_with_a_weight_at_each_vertex) {
   const std::vector<WeightMap::Vertex> vertices{{{0, 0}, 0}, {{100, 0}, 10}, {{100, 100}, 20}, {{0, 100}, 10}};
   const WeightMap map = WeightMap::of_mesh(vertices, {{0, 1, 2}, {0, 2, 3}}, 5.0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The paper's Algorithm 1, both versions, against an independent exact count; and where it is wrong.
+// Compares both versions of the paper's Algorithm 1 with an independent exact count, and shows where it is wrong.
 #include <gtest/gtest.h>
 
 #include "exact_count.hpp"
@@ -38,7 +38,7 @@ TEST(PaperAlgorithm1, equals_an_exact_count_on_2000_placements_of_10_simple_poly
   EXPECT_GT(with_modules, 1800);
 }
 
-// Where no edge lies on a line the three wordings of the rule are one.
+// If no edge lies on a line, the three wordings of the rule are equivalent.
 TEST(PaperAlgorithm1, the_three_wordings_agree_on_generic_placements) {
   std::mt19937_64 random(kSeed + 1);
   const Polygon p = test::random_polygon(random, 30, 100, 0);
@@ -65,7 +65,7 @@ TEST(PaperAlgorithm1, a_far_polygon_has_the_patch_of_the_near_one) {
   }
 }
 
-// The pivot is where the turn happens: the vertex goes to its place plus (x, y), whatever the angle.
+// The pivot is the centre of the turn, so the vertex moves to its place plus (x, y), whatever the angle.
 TEST(PaperAlgorithm1, the_pivot_moves_by_x_and_y_alone) {
   std::mt19937_64 random(kSeed + 3);
   const Polygon p = test::random_polygon(random, 9, 60, 0);
@@ -80,8 +80,8 @@ TEST(PaperAlgorithm1, the_pivot_moves_by_x_and_y_alone) {
   EXPECT_THROW(Algorithm1(p, {.touch_mm = -1e-6}), std::invalid_argument);
 }
 
-// The paper takes one simple polygon. With holes the intervals follow from parity, but three contained sides do not
-// tell of a hole within a module.
+// The paper takes one simple polygon. With holes the intervals follow from parity, but three contained sides cannot
+// reveal a hole within a module.
 TEST(PaperAlgorithm1, counts_a_module_with_a_hole_inside) {
   std::mt19937_64 random(33);
   Polygon p = test::random_polygon(random, 20, 100, 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// R1 … R7 and Algorithms 2 and 3 of the paper: numbers of placements, what they lay where, and their order.
+// Tests R1 … R7 and Algorithms 2 and 3 of the paper: the numbers of placements, their places, and their order.
 #include <gtest/gtest.h>
 
 #include "polygons.hpp"
@@ -36,7 +36,7 @@ std::vector<int> values(Heuristic heuristic, const Polygon& p, const HeuristicOp
   });
   return all;
 }
-// Polygon like LH: 20 vertices, 57 cm².
+// Makes a polygon like LH with 20 vertices and 57 cm².
 Polygon like_lh(std::mt19937_64& random) {
   return test::random_polygon(random, 20, 57, 0);
 }
@@ -55,7 +55,8 @@ TEST(PaperHeuristics, numbers_of_placements_are_those_of_the_formulas) {
   EXPECT_EQ(placement_count(Heuristic::kR4, 715), 182'507'325);
 }
 
-// The pivot lies on the node, the other end of the edge on the line: to rounding, far within the touching distance.
+// The pivot lies on the node, and the other end of the edge on the line: up to rounding, far within the touching
+// distance.
 TEST(PaperHeuristics, r2_lays_both_edges_of_each_vertex_on_the_line) {
   std::mt19937_64 random(2);
   const Polygon p = test::random_polygon(random, 11, 60, 0);
@@ -89,8 +90,8 @@ TEST(PaperHeuristics, r3_lays_each_pair_of_vertices_on_the_line) {
   }
 }
 
-// Algorithm 3: line 9 names v_i as the pivot of a displacement that line 7 takes from v_k. Then v_k would not come to
-// lie on the node, which the loop is for: v_k is the pivot here.
+// In Algorithm 3, line 9 names v_i as the pivot of a displacement that line 7 takes from v_k. Then v_k would not lie on
+// the node, which is the purpose of the loop, so v_k is the pivot here.
 TEST(PaperHeuristics, r4_puts_every_vertex_on_the_node_for_each_pair) {
   std::mt19937_64 random(4);
   const Polygon p = test::random_polygon(random, 7, 60, 0);
@@ -133,8 +134,8 @@ TEST(PaperHeuristics, random_ones_move_within_one_period_and_less_than_60_degree
   EXPECT_EQ(produced(Heuristic::kR1, p, {.draws = 17}).size(), 17u);
 }
 
-// Section IV-C holds that x and y within one module and an angle in [0°, 60°) are all there is. They are half: this
-// outline of three modules, 1 mm wider and with a thorn, holds them about one placement only, and there its first
+// Section IV-C claims that x and y within one module and an angle in [0°, 60°) cover everything. They cover half:
+// this outline of three modules, 1 mm wider and with a thorn, holds them about one placement only, and there its first
 // vertex, the end of the thorn, lies in a down module.
 TEST(PaperHeuristics, one_module_and_60_degrees_are_half_of_all_placements) {
   Polygon p;
@@ -166,7 +167,7 @@ TEST(PaperHeuristics, a_seed_gives_the_same_placements_again) {
   EXPECT_NE(thetas(7), thetas(8));
 }
 
-// By the symmetry of the grid: turns by 60° about nodes and shifts from node to node map it onto itself.
+// By the symmetry of the grid, turns by 60° about nodes and shifts from node to node map it onto itself.
 TEST(PaperHeuristics, the_chosen_line_and_node_change_no_value) {
   std::mt19937_64 random(8);
   const Polygon p = like_lh(random);
@@ -177,7 +178,7 @@ TEST(PaperHeuristics, the_chosen_line_and_node_change_no_value) {
   }
 }
 
-// R4 has the placements of R3 (k = i) and of R2 (pairs of neighbours, k at either end).
+// R4 contains the placements of R3 (k = i) and of R2 (pairs of neighbours, k at either end).
 TEST(PaperHeuristics, r4_is_at_least_r3_and_r2) {
   std::mt19937_64 random(9);
   for (int n = 0; n < 12; ++n) {
@@ -205,8 +206,8 @@ TEST(PaperHeuristics, certified_search_is_at_least_r4_and_r4_at_least_r3) {
   EXPECT_GT(beaten, 0);
 }
 
-// An exact union of modules holds them at one placement only, all of whose contacts are by construction: R2, R3 and R4
-// find it at any angle, where a scan of angles does not.
+// An exact union of modules holds them at one placement only, and all its contacts are by construction: R2, R3 and R4
+// find it at any angle, but a scan of angles does not.
 TEST(PaperHeuristics, exact_unions_of_modules_are_found_by_contacts) {
   for (const double angle : {0.0, 0.1, 0.77, 2.0}) {
     Polygon p;
@@ -217,7 +218,7 @@ TEST(PaperHeuristics, exact_unions_of_modules_are_found_by_contacts) {
   }
 }
 
-// Section VI: R5 gives the very placement of R2 where no random place is better, since R2's are among its own.
+// By Section VI, R5 gives the very placement of R2 if no random place is better, since it includes those of R2.
 TEST(PaperHeuristics, r5_is_r2_where_no_random_place_is_better) {
   std::mt19937_64 random(12);
   int better = 0;
@@ -272,7 +273,7 @@ TEST(PaperHeuristics, wrong_options_are_refused) {
 TEST(PaperHeuristics, a_sample_takes_every_nth_pair) {
   std::mt19937_64 random(15);
   const Polygon p = like_lh(random);
-  EXPECT_EQ(produced(Heuristic::kR4, p, {.pair_step = 19}).size(), 10u * 20u);  // 190 pairs
+  EXPECT_EQ(produced(Heuristic::kR4, p, {.pair_step = 19}).size(), 10u * 20u);  // There are 190 pairs.
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The paper's heuristics by place() and by `triskin place --method`.
+// Runs the paper's heuristics by place() and by `triskin place --method`.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -59,7 +59,7 @@ TEST(PaperPlace, the_program_evaluates_as_many_placements_as_the_formulas_say) {
   EXPECT_EQ(answer(file, "--method r5 --draws 3").at("evaluations"), 80 * 4);
   const nlohmann::json r4 = answer(file, "--method r4 --line-deg 60 --node 2 -1");
   EXPECT_EQ(r4.at("modules"), answer(file, "--method r4").at("modules"));
-  // The pivot goes to its place plus (x, y): the node (2, −1).
+  // The pivot moves to its place plus (x, y), which is the node (2, −1).
   const auto& pivoted = r4.at("pivoted_placement");
   const Vec2 node = grid_point(2, -1);
   EXPECT_NEAR(pivoted.at("pivot_mm").at(0).get<double>() + pivoted.at("x_mm").get<double>(), node.x(), 1e-9);
@@ -82,8 +82,7 @@ TEST(PaperPlace, tiles_are_those_of_the_placement_and_the_search_is_not_beaten) 
   }
 }
 
-// Cracks of zero width in a simple ring, as nets of unfolders have them: some end in a module, through one of its
-// nodes.
+// Nets of unfolders have cracks of zero width in a simple ring; some end in a module, through one of its nodes.
 TEST(PaperPlace, cracks_of_zero_width_hold_no_module) {
   std::mt19937_64 random(73);
   for (int k = 0; k < 8; ++k) {

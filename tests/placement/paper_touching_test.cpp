@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The paper's rules for touching (Definitions 5 to 8, Conditions 1 and 2, Theorem 2), worked by hand. Coordinates are
-// those of nodes: (i, j) is a*i*(1, 0) + a*j*(½, √3/2); the up module of cell (i, j) has the corners (i, j), (i + 1,
-// j), (i, j + 1), the down module (i + 1, j), (i + 1, j + 1), (i, j + 1).
+// Tests the paper's rules for touching (Definitions 5 to 8, Conditions 1 and 2, Theorem 2), worked by hand. Coordinates
+// are those of nodes: (i, j) is a*i*(1, 0) + a*j*(½, √3/2); the up module of cell (i, j) has the corners (i, j), (i
+// + 1, j), (i, j + 1), the down module (i + 1, j), (i + 1, j + 1), (i, j + 1).
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_2.h>
 #include <gtest/gtest.h>
@@ -30,7 +30,8 @@ Polygon polygon(const std::vector<Point>& outer, const std::vector<std::vector<P
   return normalize_polygon(p, "nodes");
 }
 
-// The patch by all three programs, which must agree. The polygon is also laid by another pivot and from another angle.
+// Returns the patch of all three programs, which must agree. The polygon is also placed by another pivot and from
+// another angle.
 std::vector<Tile> patch(const Polygon& p, const Algorithm1Options& options = {}) {
   const std::vector<Tile> tiles = Algorithm1(p, options).patch({});
   EXPECT_EQ(algorithm1_cgal(p, {}, kInexact, options), tiles);
@@ -51,13 +52,13 @@ std::size_t count(const Polygon& p, ContainedSides sides = ContainedSides::kDefi
 constexpr auto kListing = ContainedSides::kContainmentInterval;
 constexpr auto kLetter = ContainedSides::kTheorem2;
 
-// Condition 1.
+// This is Condition 1.
 TEST(PaperTouching, module_inside_without_contact) {
   EXPECT_EQ(patch(polygon({{-0.2, -0.2}, {1.5, -0.2}, {-0.2, 1.5}})), (std::vector<Tile>{{0, 0, true}}));
 }
 
-// Condition 2: all sides lie on the outline, touched from inside. The listing looks at intervals only, and every line
-// of the outline has touching intersections only: it finds nothing.
+// By Condition 2 all sides lie on the outline, touched from inside. The listing considers intervals only, but every
+// line of the outline has touching intersections only, so it finds nothing.
 TEST(PaperTouching, module_that_is_the_polygon) {
   const Polygon p = polygon({{0, 0}, {1, 0}, {0, 1}});
   EXPECT_EQ(patch(p), (std::vector<Tile>{{0, 0, true}}));
@@ -77,21 +78,21 @@ TEST(PaperTouching, hexagon_of_six_modules) {
   EXPECT_EQ(count(p, kListing), 0u);  // Each has two sides inside and one on the outline.
 }
 
-// A module outside that shares its side with the polygon: that side is contained, the others are not.
+// A module outside shares its side with the polygon: that side is contained, the others are not.
 TEST(PaperTouching, module_touched_from_outside) {
   const auto tiles = patch(polygon({{0, 0}, {1, 0}, {0, 1}}));
   EXPECT_EQ(std::ranges::count(tiles, Tile{0, 0, false}), 0);
 }
 
-// An edge of the outline with a vertex in the middle of a module's side: no edge has the whole side.
+// The outline has a vertex in the middle of a module's side, so no edge has the whole side.
 TEST(PaperTouching, vertex_in_the_middle_of_a_side) {
   const Polygon p = polygon({{0, 0}, {0.5, 0}, {1, 0}, {0, 1}});
   EXPECT_EQ(count(p), 1u);
   EXPECT_EQ(count(p, kLetter), 0u);
 }
 
-// Figure 9, right: a stretch of the outline on the line, from (1, 0) to (1.5, 0), is one cutting intersection: below
-// the line the polygon is left of it, above it too. The interval ends there: the side from 0 to 1 is contained, for the
+// Figure 9, right: the outline runs on the line from (1, 0) to (1.5, 0), which is one cutting intersection: below the
+// line the polygon is left of it, above it too. The interval ends there: the side from 0 to 1 is contained, for the
 // modules on both sides of the line, that from 1 to 2 is not.
 TEST(PaperTouching, cutting_stretch_ends_an_interval) {
   const Polygon p = polygon({{-1.5, -1}, {2, -1}, {1, 0}, {1.5, 0}, {0.5, 1}, {-1.5, 1}});
@@ -103,19 +104,19 @@ TEST(PaperTouching, cutting_stretch_ends_an_interval) {
   EXPECT_EQ(tiles, patch(p, {.sides = kLetter}));
 }
 
-// The same with the stretch from (0.5, 0) to (1.5, 0): the side from 0 to 1 lies half in the interval, half on the
-// edge. It is in cl(P), so that the module above it is contained; to the letter of Theorem 2 it is not.
+// If the stretch is from (0.5, 0) to (1.5, 0), the side from 0 to 1 lies half in the interval, half on the edge. It is
+// in cl(P), so the module above it is contained; by the literal Theorem 2 it is not.
 TEST(PaperTouching, side_half_in_an_interval_half_on_an_edge) {
   const Polygon p = polygon({{-1.5, -1}, {1.5, -1}, {0.5, 0}, {1.5, 0}, {1.5, 1.2}, {-1.5, 1.2}});
   EXPECT_EQ(std::ranges::count(patch(p), Tile{0, 0, true}), 1);
   EXPECT_EQ(std::ranges::count(patch(p, {.sides = kLetter}), Tile{0, 0, true}), 0);
 }
 
-// Figure 10: a notch from above whose tip, or flat bottom, touches the line from above. The line keeps its one
-// interval: modules below stay, those that the notch pierces go (Figure 7).
+// Figure 10: a notch from above has a tip, or a flat bottom, that touches the line from above. The line keeps its one
+// interval: modules below remain, those that the notch pierces do not (Figure 7).
 TEST(PaperTouching, notch_that_touches_a_line) {
   const Polygon tip = polygon({{-1, -1.2}, {3.1, -1.2}, {3.1, 2.2}, {1.6, 2.2}, {0.5, 0}, {0.4, 2.2}, {-3, 2.2}});
-  EXPECT_EQ(std::ranges::count(patch(tip), Tile{0, -1, false}), 1);  // below the side (0, 0)–(1, 0)
+  EXPECT_EQ(std::ranges::count(patch(tip), Tile{0, -1, false}), 1);  // The module is below the side (0, 0)–(1, 0).
   EXPECT_EQ(std::ranges::count(patch(tip), Tile{0, 0, true}), 0);
   EXPECT_EQ(patch(tip), patch(tip, {.sides = kListing}));
   const Polygon flat = polygon({{-1, -1}, {3, -1}, {3, 2}, {1.6, 2}, {0.9, 0}, {0.3, 0}, {-0.6, 2}, {-3, 2}});
@@ -123,7 +124,7 @@ TEST(PaperTouching, notch_that_touches_a_line) {
   EXPECT_EQ(std::ranges::count(patch(flat), Tile{0, 0, true}), 0);
 }
 
-// Contact of type 2 (Definition 9): a vertex against a side. Deeper than the touching distance it pierces.
+// A contact of type 2 (Definition 9) is a vertex against a side. Deeper than the touching distance it pierces.
 TEST(PaperTouching, tip_a_hair_over_the_line) {
   const auto with_tip = [](double over_mm) {
     return polygon({{-1, -1}, {3, -1}, {3, 2}, {1.6, 2}, {0.5, -over_mm / kHeight_mm}, {0.4, 2}, {-3, 2}});
@@ -134,11 +135,11 @@ TEST(PaperTouching, tip_a_hair_over_the_line) {
   EXPECT_EQ(std::ranges::count(patch(with_tip(6e-7), {.touch_mm = 1e-6}), Tile{0, -1, false}), 1);
 }
 
-// Contact of type 1: the node (1, 0) against an edge that leans less than the side (1, 0)-(0, 1). The module touches it
-// from inside; an edge that leans more cuts the side; one that leans as much has the side on it. The touching distance,
-// 1.7e-8 sides, is taken along the lines.
+// A contact of type 1 is the node (1, 0) against an edge that leans less than the side (1, 0)-(0, 1). The module
+// touches it from inside; an edge that leans more cuts the side; one that leans as much has the side on it. The
+// touching distance, 1.7e-8 sides, is measured along the lines.
 TEST(PaperTouching, node_against_an_edge) {
-  const auto cut_at = [](double u, double lean) {  // the edge meets the line v = 0 at u
+  const auto cut_at = [](double u, double lean) {  // The edge meets the line v = 0 at u.
     return polygon({{-0.5, -0.5}, {u + 0.5 * lean, -0.5}, {u - 1.5 * lean, 1.5}, {-2.5, 1.5}});
   };
   EXPECT_EQ(std::ranges::count(patch(cut_at(1.0, 0.5)), Tile{0, 0, true}), 1);
@@ -150,18 +151,18 @@ TEST(PaperTouching, node_against_an_edge) {
   EXPECT_EQ(std::ranges::count(patch(cut_at(1.0 - 1e-6, 1.0)), Tile{0, 0, true}), 0);
 }
 
-// Figure 6, top: one module, no other node. Bottom: nodes, no module.
+// Figure 6 has at the top one module and no other node, at the bottom nodes but no module.
 TEST(PaperTouching, nodes_inside_say_nothing_of_modules) {
   EXPECT_EQ(count(polygon({{-0.1, -0.1}, {1.2, -0.1}, {-0.1, 1.2}})), 1u);
-  EXPECT_EQ(count(polygon({{-0.2, -0.1}, {3.3, -0.1}, {3.1, 0.1}, {-0.4, 0.1}})), 0u);  // four nodes in a strip
+  EXPECT_EQ(count(polygon({{-0.2, -0.1}, {3.3, -0.1}, {3.1, 0.1}, {-0.4, 0.1}})), 0u);  // Four nodes lie in a strip.
 }
 
-// Figure 7: all nodes inside, a side pierced.
+// Figure 7 has all nodes inside, but a side is pierced.
 TEST(PaperTouching, pierced_module_is_not_contained) {
   EXPECT_EQ(count(polygon({{-0.3, -0.3}, {0.4, -0.3}, {0.45, 0.2}, {0.5, -0.3}, {1.7, -0.3}, {-0.3, 1.7}})), 0u);
 }
 
-// Wrong as written: a hole that is a module has all three sides of that module on edges.
+// The rule as written is wrong here: a hole that is a module has all three sides of that module on edges.
 TEST(PaperTouching, hole_that_is_a_module) {
   const std::vector<Point> outer{{-1, -1}, {3, -1}, {-1, 3}};
   const auto whole = patch(polygon(outer));
@@ -173,7 +174,7 @@ TEST(PaperTouching, hole_that_is_a_module) {
   EXPECT_EQ(patch(p, {.reject_pierced = true}), amended);
 }
 
-// A hole of the size of a module that touches one side, and one across sides: with the amendment all is right.
+// A hole of the size of a module touches one side, and another crosses sides: with the amendment both are right.
 TEST(PaperTouching, holes_that_touch_or_cross_sides) {
   const std::vector<Point> outer{{-1, -1}, {3, -1}, {-1, 3}};
   const Polygon touching = polygon(outer, {{{0.2, 0}, {0.6, 0}, {0.2, 0.5}}});
@@ -184,8 +185,8 @@ TEST(PaperTouching, holes_that_touch_or_cross_sides) {
   EXPECT_EQ(patch(crossing, {.reject_pierced = true}).size(), 14u);
 }
 
-// A crack of zero width, which no simple polygon has: across a side it cuts that side, from a node into a module it is
-// not seen.
+// No simple polygon has a crack of zero width: across a side it cuts that side, but from a node into a module it is not
+// seen.
 TEST(PaperTouching, cracks_of_zero_width) {
   const Polygon across = polygon({{-1, -1}, {0.5, -1}, {0.5, -0.5}, {0.5, -1}, {3, -1}, {-1, 3}});
   EXPECT_EQ(patch(across).size(), 15u);
@@ -194,7 +195,8 @@ TEST(PaperTouching, cracks_of_zero_width) {
   EXPECT_EQ(patch(from_node, {.reject_pierced = true}).size(), 15u);
 }
 
-// Many exact contacts: outlines with vertices on thirds of the grid, counted by exact predicates on those numbers.
+// Outlines with vertices on thirds of the grid have many exact contacts, which are counted by exact predicates on those
+// numbers.
 namespace exact {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -217,7 +219,7 @@ Ring simple_star(std::mt19937_64& random) {
   return r;
 }
 
-// No edge meets the open tile, and its centre is inside.
+// Returns true if no edge meets the open tile, and its centre is inside.
 bool inside(const Ring& r, const Tile& tile) {
   std::array<Kernel::Point_2, 3> t;
   for (int k = 0; k < 3; ++k) {
@@ -235,7 +237,7 @@ bool inside(const Ring& r, const Tile& tile) {
     }
     if (!apart && left > 0 && right > 0) return false;
   }
-  // Exact: thirds of whole numbers in units of thirds.
+  // The centre is exact, because thirds of whole numbers are whole in units of thirds.
   return r.has_on_bounded_side({3.0 * tile.i + (tile.up ? 1 : 2), 3.0 * tile.j + (tile.up ? 1 : 2)});
 }
 

@@ -40,7 +40,7 @@ TEST(Place, a_triangle_of_side_n_holds_n_squared_modules) {
 
 TEST(Place, nothing_fits_and_that_is_proved) {
   Polygon p;
-  p.outer = {{0, 0}, {500, 0}, {500, 20}, {0, 20}};  // lower than a module
+  p.outer = {{0, 0}, {500, 0}, {500, 20}, {0, 20}};  // The strip is lower than a module.
   const PlacementResult r = certified(p);
   EXPECT_EQ(r.modules, 0);
   EXPECT_TRUE(r.proved);
@@ -48,10 +48,10 @@ TEST(Place, nothing_fits_and_that_is_proved) {
 }
 
 TEST(Place, a_row_of_height_h_holds_what_the_length_gives) {
-  // A strip one module high and L long: up and down alternate, each further half side adds one.
+  // In a strip one module high and L long, up and down alternate, and each further half side adds one.
   Polygon p;
   p.outer = {{0, 0}, {150, 0}, {150, kHeight_mm + 1e-3}, {0, kHeight_mm + 1e-3}};
-  EXPECT_EQ(certified(p).modules, 9);  // (150 − 30) / 15 + 1
+  EXPECT_EQ(certified(p).modules, 9);  // The number is (150 − 30) / 15 + 1.
 }
 
 // The first slices get their bounds however short the time is, and a value is sought among them.

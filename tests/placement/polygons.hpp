@@ -15,7 +15,7 @@ inline double uniform(std::mt19937_64& random, double low, double high) {
   return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
 }
 
-/// Star-shaped outline of about `area_cm2` with `n` vertices.
+/// Makes a star-shaped outline of about `area_cm2` with `n` vertices.
 inline std::vector<Vec2> star(std::mt19937_64& random, int n, double area_cm2, double roughness = 0.25) {
   const double radius = std::sqrt(area_cm2 * 100.0 / M_PI);
   std::vector<Vec2> ring;

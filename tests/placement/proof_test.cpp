@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The proof log against a checker that shares no code with the solver; logs that were tampered with must be rejected.
+// Tests the proof log with a checker that shares no code with the solver; it must reject logs that were tampered with.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -105,7 +105,7 @@ TEST_F(ProofTest, a_lowered_bound_is_noticed) {
   log["modules"] = log["modules"].get<int>() - 1;
   expect_rejected(log, "does not list");
   log["tiles"].erase(0);
-  expect_rejected(log, "may lie inside");  // Now only the cells can tell.
+  expect_rejected(log, "may lie inside");  // Only the cells can reveal the lie now.
 }
 
 TEST_F(ProofTest, a_moved_edge_is_noticed_in_either_file) {
@@ -113,7 +113,7 @@ TEST_F(ProofTest, a_moved_edge_is_noticed_in_either_file) {
   log["rings"][0][3][0] = log["rings"][0][3][0].get<double>() + 1e-9;
   expect_rejected(log, "not the polygon of the file");
   Polygon larger = polygon_;
-  for (Vec2& v : larger.outer) v *= 1.15;  // The same lie in both files.
+  for (Vec2& v : larger.outer) v *= 1.15;  // Both files have the same lie.
   log = log_;
   log["rings"] = json::parse(geojson(larger))["coordinates"];
   const auto r = check::check_placement_proof_text(log.dump(), geojson(larger));
@@ -141,7 +141,7 @@ TEST_F(ProofTest, the_report_says_what_the_log_is_about) {
   EXPECT_EQ(r.corner_cut_mm, 0.0);
   EXPECT_EQ(r.weights, "none");
   EXPECT_NEAR(r.outline_area_mm2, polygon_area(polygon_), 1e-9 * r.outline_area_mm2);
-  Polygon turned = polygon_;  // The same outline, its rings begin elsewhere.
+  Polygon turned = polygon_;  // The outline is the same, but its rings begin elsewhere.
   std::ranges::rotate(turned.outer, turned.outer.begin() + 5);
   std::ranges::reverse(turned.holes[0]);
   EXPECT_EQ(check::check_placement_proof_text(log_.dump(), geojson(turned)).outline_hash, r.outline_hash);
@@ -149,7 +149,7 @@ TEST_F(ProofTest, the_report_says_what_the_log_is_about) {
   EXPECT_NE(check::check_placement_proof_text(log_.dump(), geojson(turned)).outline_hash, r.outline_hash);
 }
 
-// With another tolerance the log may still be true, but it is another claim.
+// With another tolerance the log may still be true, but the claim is another one.
 TEST_F(ProofTest, a_log_about_something_else_than_expected_is_rejected) {
   json log = log_;
   log["tolerance_mm"] = 1e-3;

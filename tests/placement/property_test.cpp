@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// 500 random polygons a run: proved, not beaten by a heuristic, the same after a rigid motion and renumbering, proof
-// accepted.
+// For 500 random polygons per run, the result must be proved, not beaten by a heuristic, the same after a rigid motion
+// and renumbering, and its proof accepted.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -44,8 +44,8 @@ TEST_P(RandomPolygons, certified_value_holds_against_everything_else) {
   for (int k = 0; k < 50; ++k) {
     const int vertices = 5 + static_cast<int>(random() % 12);
     const double area_cm2 = test::uniform(random, 8, 60);
-    const Polygon p = test::random_polygon(random, vertices, area_cm2,
-                                           vertices > 8 && area_cm2 > 45 ? 1 : 0);  // Else a hole may not fit.
+    // A smaller outline may have no room for a hole.
+    const Polygon p = test::random_polygon(random, vertices, area_cm2, vertices > 8 && area_cm2 > 45 ? 1 : 0);
     SCOPED_TRACE(testing::Message() << "seed " << kSeed + static_cast<std::uint64_t>(GetParam()) << " polygon " << k
                                     << " " << wkt(p));
     const PlacementResult best = run(p, PlacementMethod::kBranchAndBound, true);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Other module shapes, gaps: the same search, hand-worked values.
+// Tests other module shapes and gaps: the same search, with values worked by hand.
 #include <gtest/gtest.h>
 
 #include "polygons.hpp"
@@ -30,7 +30,7 @@ TEST(Shapes, squares_fill_a_rectangle) {
 }
 
 TEST(Shapes, a_gap_between_squares_widens_the_pitch_by_itself) {
-  // n modules and n − 1 gaps in a row.
+  // A row has n modules and n − 1 gaps.
   EXPECT_EQ(best(rectangle(158.01, 62.01), TileShape::kSquare, 2.0).modules, 10);
   EXPECT_EQ(best(rectangle(157.9, 62.01), TileShape::kSquare, 2.0).modules, 8);
 }
@@ -38,13 +38,14 @@ TEST(Shapes, a_gap_between_squares_widens_the_pitch_by_itself) {
 TEST(Shapes, a_row_of_hexagons_is_as_long_as_their_widths) {
   const double width = 30.0 * std::sqrt(3.0);
   EXPECT_EQ(best(rectangle(3 * width + 0.01, 60.01), TileShape::kHexagon).modules, 3);
-  // Too low for that: turned by 30°, every second column still fits (60 + 90 mm long, 52 mm high).
+  // The outline is too low for that, but turned by 30°, every second column still fits (60 + 90 mm long, 52 mm high).
   EXPECT_EQ(best(rectangle(3 * width + 0.01, 59.9), TileShape::kHexagon).modules, 2);
   EXPECT_EQ(best(rectangle(3 * width + 0.01, 51.9), TileShape::kHexagon).modules, 0);
 }
 
 TEST(Shapes, facing_triangles_stand_apart_by_the_gap) {
-  // Up and down triangle across a common side, moved apart by 2 mm along its normal (√3, 1) mm: fills this rhombus.
+  // An up and a down triangle across a common side, moved apart by 2 mm along its normal (√3, 1) mm, fill this
+  // rhombus.
   const double grow = 2.0 / std::sqrt(3.0), height = kHeight_mm + 1.0;
   Polygon rhombus;
   rhombus.outer = {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The raster of a slice: bits and their sums worked by hand, the figure of one edge against its formula, and bounds of
-// random slices against motions in them.
+// Tests the raster of a slice: bits and their sums worked by hand, the figure of one edge against its formula, and
+// bounds of random slices against motions in them.
 #include "triskin/placement/kernels/slice_raster.hpp"
 
 #include <gtest/gtest.h>
@@ -21,12 +21,12 @@ TEST(SampleBits, parity_runs_from_word_to_word_and_stays_in_its_row) {
   bits.flip(5, 10);
   bits.flip(5, 90);
   bits.accumulate_parity();
-  EXPECT_EQ(*bits.word(3, 0), 0xffffffe0U);  // columns 5 … 39
+  EXPECT_EQ(*bits.word(3, 0), 0xffffffe0U);  // The set columns are 5 … 39.
   EXPECT_EQ(*bits.word(3, 1), 0x000000ffU);
   EXPECT_EQ(*bits.word(3, 2), 0U);
-  EXPECT_EQ(*bits.word(4, 0), 0x80000000U);  // column 31 alone
+  EXPECT_EQ(*bits.word(4, 0), 0x80000000U);  // Only column 31 is set.
   EXPECT_EQ(*bits.word(4, 1), 0U);
-  EXPECT_EQ(*bits.word(5, 0), 0xfffffc00U);  // columns 10 … 89
+  EXPECT_EQ(*bits.word(5, 0), 0xfffffc00U);  // The set columns are 10 … 89.
   EXPECT_EQ(*bits.word(5, 1), 0xffffffffU);
   EXPECT_EQ(*bits.word(5, 2), 0x03ffffffU);
   EXPECT_EQ(*bits.word(6, 1), 0U);
@@ -38,7 +38,7 @@ TEST(BitCounts, every_other_block_is_counted_without_what_is_cut) {
   cut.clear(4 * 16, 1);
   inside.flip(0 * 16 + 5, 3);
   inside.flip(2 * 16 + 5, 3);
-  inside.flip(2 * 16 + 5, 3 + 16);  // the same part of the next tile
+  inside.flip(2 * 16 + 5, 3 + 16);  // This is the same part of the next tile.
   inside.flip(1 * 16 + 5, 3);
   inside.flip(3 * 16 + 6, 15);
   cut.flip(2 * 16 + 5, 3);
@@ -60,7 +60,7 @@ TEST(BitCounts, every_other_block_is_counted_without_what_is_cut) {
   EXPECT_EQ(counts, BitCounts::Counts{});
 }
 
-// 2 words × 150 blocks of two tiles each: more than eight binary digits hold.
+// 2 words × 150 blocks of two tiles each exceed eight binary digits.
 TEST(BitCounts, six_hundred_tiles) {
   SampleBits inside, cut;
   inside.clear(300 * 16, 2);
@@ -76,7 +76,7 @@ TEST(BitCounts, six_hundred_tiles) {
   }
 }
 
-// Samples 1 mm apart around the origin, row 0 and column 0 at +200 mm.
+// Samples are 1 mm apart around the origin, with row 0 and column 0 at +200 mm.
 class OneEdge : public testing::Test {
  protected:
   static constexpr int kHalf_mm = 200;
@@ -108,8 +108,8 @@ class OneEdge : public testing::Test {
     fill_figures(edges_, grid_, terms_, outer, bits);
     return bits;
   }
-  // Compares with a truth for the centre (x, y) of a tile: the cut holds nothing that is not true, and all that is true
-  // within 0.01 mm around; what is touched holds all that is true, and nothing that is false 1.01 mm beside.
+  // Compares with a truth for the centre (x, y) of a tile: the cut contains only true samples, and all that are true
+  // within 0.01 mm around; the touched set contains all true samples, and none that is false 1.01 mm beside.
   template <typename Truth>
   void expect_figures(const Truth& truth) const {
     const SampleBits cut = figure(false), touched = figure(true);
@@ -136,8 +136,8 @@ class OneEdge : public testing::Test {
   FigureTerms terms_;
 };
 
-// An up tile of height h = 25.98 mm has its base h/3 under its centre; at a height t over the base it is 30·(1 - t/h)
-// wide. It meets the level edge from 0 to 30 where the edge is at such a height and not beside that width.
+// An up tile of height h = 25.98 mm has its base h/3 below its centre; at a height t over the base it is 30·(1 - t/h)
+// wide. It meets the level edge from 0 to 30 if the edge is at such a height and not beside that width.
 TEST_F(OneEdge, a_level_edge_and_an_up_tile) {
   set_edge({0, 0}, {30, 0});
   const double h = 15.0 * std::sqrt(3.0);
@@ -147,7 +147,7 @@ TEST_F(OneEdge, a_level_edge_and_an_up_tile) {
   });
 }
 
-// The mirror image: the tip of a down tile is 2h/3 under its centre.
+// In the mirror image, the tip of a down tile is 2h/3 below its centre.
 TEST_F(OneEdge, an_upright_edge_and_a_down_tile) {
   set_edge({5, -40}, {5, 30});
   terms_.sign = -1.0;
@@ -155,7 +155,7 @@ TEST_F(OneEdge, an_upright_edge_and_a_down_tile) {
   expect_figures([&](double x, double y) {
     if (std::abs(x - 5.0) >= 15.0) return false;
     const double top = y + h / 3.0,
-                 bottom = y - 2.0 * h / 3.0 + std::abs(x - 5.0) * std::sqrt(3.0);  // Edges of the tile at 5.
+                 bottom = y - 2.0 * h / 3.0 + std::abs(x - 5.0) * std::sqrt(3.0);  // The edge meets the tile at 5.
     return top > -40.0 && bottom < 30.0;
   });
 }
@@ -173,14 +173,14 @@ TEST_F(OneEdge, shifts_shrink_the_cut_and_grow_what_is_touched) {
   EXPECT_EQ(count(figure(false), kHalf_mm), 49);
   EXPECT_EQ(count(figure(true), kHalf_mm), 51 + 2);
   terms_.half_x = 2.0;
-  EXPECT_EQ(count(figure(false), kHalf_mm), 45);  // (−8, 38)
+  EXPECT_EQ(count(figure(false), kHalf_mm), 45);  // The range is (−8, 38).
   EXPECT_EQ(count(figure(true), kHalf_mm), 55 + 2);
   terms_.half_x = 0.0;
-  terms_.half_y = 1.0;  // Sides of 60°: 1 mm up is 0.577 mm aside.
+  terms_.half_y = 1.0;  // Sides lean by 60°, so 1 mm up is 0.577 mm aside.
   EXPECT_EQ(count(figure(false), kHalf_mm), 49);
-  terms_.half_y = 2.0;  // (−8.85, 38.85)
+  terms_.half_y = 2.0;  // The range is (−8.85, 38.85).
   EXPECT_EQ(count(figure(false), kHalf_mm), 47);
-  EXPECT_EQ(count(figure(false), kHalf_mm + 17), 0);  // 2 mm under the tip's reach
+  EXPECT_EQ(count(figure(false), kHalf_mm + 17), 0);  // This is 2 mm below the reach of the tip.
 }
 
 CellFrame frame_of(const PreparedPolygon& p, const TileGrid& grid, double theta, double half_theta) {
@@ -190,7 +190,7 @@ CellFrame frame_of(const PreparedPolygon& p, const TileGrid& grid, double theta,
   return f;
 }
 
-// Bound and certain tiles of each part against counts at motions in it, for all shapes.
+// Compares bound and certain tiles of each part with counts at motions in it, for all shapes.
 TEST(SliceRaster, bounds_hold_at_random_motions_and_are_close) {
   std::mt19937_64 random(97);
   const std::array grids{tile_grid(TileShape::kTriangle, 0.0), tile_grid(TileShape::kTriangle, 1.0, 3.0),
@@ -218,7 +218,7 @@ TEST(SliceRaster, bounds_hold_at_random_motions_and_are_close) {
       const auto motion = [&](double u, double v, double w) {
         return Motion{(x + u) / 16 * grid.row_step_mm, (y + v) / 16 * grid.row_height_mm, f.center[2] + w * f.half[2]};
       };
-      // The corners of the part at either end of the angles are where a bound breaks first.
+      // A bound breaks first at the corners of the part, at either end of the angles.
       for (int corner = 0; corner < 8; ++corner) {
         const int value = evaluator.count(motion(corner & 1, corner >> 1 & 1, corner >> 2 & 1 ? 1.0 : -1.0), 0.0);
         ASSERT_GE(may, value);
@@ -232,7 +232,7 @@ TEST(SliceRaster, bounds_hold_at_random_motions_and_are_close) {
       most += value;
     }
   }
-  EXPECT_LT(room, 0.15 * most);  // A raster that bounds nothing would hold as well.
+  EXPECT_LT(room, 0.15 * most);  // A raster that bounds nothing would pass without this.
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Numerically awkward polygons: the value is known, the search must say it and prove it.
+// Places numerically awkward polygons: the value is known, and the search must find and prove it.
 #include <gtest/gtest.h>
 
 #include "polygons.hpp"
@@ -52,10 +52,10 @@ TEST(Stability, collinear_and_repeated_vertices_change_nothing) {
 }
 
 TEST(Stability, a_needle_costs_what_it_touches_and_a_crack_cuts) {
-  Polygon needle = triangle(60);  // a spike out of the middle of the base, 1 µm wide
+  Polygon needle = triangle(60);  // A spike of 1 µm points out of the middle of the base.
   needle.outer.insert(needle.outer.begin() + 1, {{30, 0}, {30.0005, -40}, {30.001, 0}});
   expect_value(needle, 4, "needle outwards");
-  Polygon crack;  // a strip of two rows, cut by a crack of zero width along its middle
+  Polygon crack;  // A strip of two rows is cut by a crack of zero width along its middle.
   crack.outer = {{0, 0}, {90.001, 0}, {90.001, 52}, {45, 52}, {45, 1}, {45, 52}, {0, 52}};
   const int whole = certified(test::moved(
                                   [] {
@@ -74,11 +74,11 @@ TEST(Stability, scaled_polygons) {
   expect_value(small, 0, "a thousandth of its size");
   Polygon large = triangle(90);
   for (Vec2& v : large.outer) v *= 1e3;
-  EXPECT_THROW((void)certified(large), InputError);  // 3,500 m²
+  EXPECT_THROW((void)certified(large), InputError);  // The area is 3,500 m².
   expect_value(triangle(1e-6), 0, "a nanometre");
 }
 
-// A hexagon of 24 tiles has the radius 60 mm; in a disc that is smaller by a hair six of its corners do not fit.
+// A hexagon of 24 tiles has the radius 60 mm; in a slightly smaller disc six of its corners do not fit.
 TEST(Stability, a_disc_that_misses_a_pattern_by_a_hair) {
   for (const double missing_mm : {0.3, 0.03, 0.003}) {
     Polygon disc;
@@ -90,12 +90,12 @@ TEST(Stability, a_disc_that_misses_a_pattern_by_a_hair) {
 
 TEST(Stability, near_vertices_follow_the_tolerance) {
   Polygon p = triangle(60);
-  p.outer[2].y() -= 1e-7;  // a hair too low for the upper tile
+  p.outer[2].y() -= 1e-7;  // The outline is slightly too low for the upper tile.
   EXPECT_EQ(certified(p, 1e-6).modules, 4);
   EXPECT_LT(certified(p, 1e-8).modules, 4);
 }
 
-// Half the tolerance is for the search to find: where the outline lies decides nothing.
+// Half the tolerance is left for the search, so the pose of the outline decides nothing.
 TEST(Stability, a_vertex_too_low_by_less_than_half_the_tolerance_costs_nothing_in_any_pose) {
   std::mt19937_64 random(71);
   for (const double tolerance_mm : {1e-2, 1e-4, 1e-6}) {

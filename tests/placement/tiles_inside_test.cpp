@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The evaluation of a placement with holes against brute force in exact arithmetic, tile by tile.
+// Compares the evaluation of a placement with holes with brute force in exact arithmetic, tile by tile.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,13 +29,13 @@ TEST(TilesInside, equals_brute_force_on_2000_placements_of_10_polygons_with_hole
   EXPECT_GT(with_modules, 1800);
 }
 
-// Three sides that do not cross the polygon would let it pass.
+// Three sides that do not cross the polygon would accept it.
 TEST(TilesInside, a_hole_inside_one_tile_removes_that_tile) {
   Polygon p;
   p.outer = {{-100, -100}, {100, -100}, {100, 100}, {-100, 100}};
   const Placement at{};
   const std::size_t without = tiles_inside(normalize_polygon(p, "square"), at, 0.0).size();
-  p.holes = {{{14, 8}, {16, 8}, {15, 10}}};  // around the centre (15, 8.66) of the up tile (0, 0)
+  p.holes = {{{14, 8}, {16, 8}, {15, 10}}};  // The hole lies around the centre (15, 8.66) of the up tile (0, 0).
   const auto with = tiles_inside(normalize_polygon(p, "square"), at, 0.0);
   EXPECT_EQ(with.size(), without - 1);
   EXPECT_EQ(std::ranges::count(with, Tile{0, 0, true}), 0);

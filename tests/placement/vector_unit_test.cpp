@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The kernels for AVX-512, AVX2 and plain processors give the same answers to the last bit, and take the same way to
-// them.
+// The kernels for AVX-512, AVX2 and plain processors must give the same answers to the last bit, by the same steps.
 #include <gtest/gtest.h>
 
 #include <array>

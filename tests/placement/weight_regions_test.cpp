@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Worth by region less the weight of a module: the map at points whose worth is known, and what it changes in a
+// Tests the worth by region less the weight of a module: the map at points whose worth is known, and its effect on a
 // placement.
 #include "triskin/placement/weight_regions.hpp"
 
@@ -37,12 +37,13 @@ TEST(WeightRegions, worth_is_that_of_the_last_region_less_the_weight_of_the_modu
   EXPECT_NEAR(map.at({50, 900}).value, 0.5, 1e-12);
   WeightRegions heavy = two_regions();
   heavy.module_weight = 3.5;
-  EXPECT_EQ(weight_map_of(heavy).at({25, 50}).value, 0.0);  // Not negative: such a module is not built.
+  // The value is not negative, because such a module is not built.
+  EXPECT_EQ(weight_map_of(heavy).at({25, 50}).value, 0.0);
   EXPECT_NEAR(weight_map_of(heavy).at({75, 50}).value, 1.5, 1e-12);
 }
 
-// A strip just wide enough for one row; contact is likely at its right end alone. Without weights the modules may lie
-// anywhere in it; with them each lies as far right as it can.
+// The strip is just wide enough for one row, and contact is likely at its right end alone. Without weights the modules
+// may lie anywhere in it; with them each lies as far right as it can.
 TEST(WeightRegions, likely_contact_decides_where_modules_lie) {
   Polygon strip;
   strip.outer = box(0, 0, 100, 26.2);
@@ -56,10 +57,11 @@ TEST(WeightRegions, likely_contact_decides_where_modules_lie) {
   ASSERT_TRUE(r.proved);
   ASSERT_EQ(r.tile_weights.size(), r.tiles.size());
   EXPECT_NEAR(std::accumulate(r.tile_weights.begin(), r.tile_weights.end(), 0.0), r.weight, 1e-9);
-  // Centres of neighbours stand 15 mm apart, the last at least 15 mm from the end: 4 centres right of 40 mm at best.
+  // Centres of neighbours are 15 mm apart, the last at least 15 mm from the end, so at best 4 centres are right of 40
+  // mm.
   EXPECT_GE(r.weight, 2 * 9.0);
   EXPECT_LE(r.weight_bound, 4 * 9.0);
-  EXPECT_GT(std::ranges::count(r.tile_weights, 0.0), 0);  // worth less than they weigh
+  EXPECT_GT(std::ranges::count(r.tile_weights, 0.0), 0);  // These modules are worth less than they weigh.
 }
 
 TEST(WeightRegions, bad_wishes_name_what_is_wrong) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contacts gathered by hand-worked examples.
+// Tests the grouping of taxels into contacts by examples worked by hand.
 #include <gtest/gtest.h>
 
 #include "triskin/recording/cdr.hpp"
@@ -8,14 +8,14 @@
 namespace triskin::recording {
 namespace {
 
-constexpr double kModule_mm2 = 390.0;  // 39 a taxel for pressure
+constexpr double kModule_mm2 = 390.0;  // A module has 39 mm² per taxel for pressure.
 
 PressedTaxel taxel(int module, int number, double change, double x_mm, double z_mm = 0.0, double normal_z = 1.0) {
   return {module, number, change, {x_mm, 0.0, z_mm}, {0.0, 0.0, normal_z}};
 }
 
 TEST(Contacts, chains_of_near_taxels_are_one_and_its_middle_is_weighted) {
-  // 0 – 12 – 24: each is linked to the next one. 36.1 is not.
+  // The taxels at 0, 12 and 24 are each linked to the next one, but 36.1 is not.
   const std::vector<PressedTaxel> taxels{taxel(0, 0, 100.0, 0.0), taxel(1, 3, 300.0, 24.0), taxel(0, 1, 200.0, 12.0),
                                          taxel(1, 4, 500.0, 36.1)};
   const auto contacts = gather_contacts(taxels, kModule_mm2);
@@ -57,7 +57,7 @@ TEST(Contacts, a_force_says_its_unit) {
   }
 }
 
-// Two taxels with their own sensitivities: 0.1 N and 0.25 N are 0.35 N, whatever their counts.
+// Two taxels have their own sensitivities: 0.1 N and 0.25 N are 0.35 N, whatever their counts.
 TEST(Contacts, a_force_by_taxels_is_their_sum) {
   std::vector<PressedTaxel> taxels{taxel(0, 0, 400.0, 0.0), taxel(0, 1, 300.0, 6.0)};
   taxels[0].force_n = 0.1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A recording whose process is killed at a random moment holds everything up to one second before.
+// A recording whose process is killed at a random moment must hold everything up to one second before.
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
@@ -18,7 +18,7 @@ namespace {
 constexpr int kModules = 20;
 constexpr std::uint64_t kSecond_us = 1'000'000;
 
-// Counts samples in memory that both processes see.
+// Counts samples in memory that both processes share.
 class Progress {
  public:
   Progress()
@@ -47,7 +47,7 @@ class Progress {
   std::_Exit(1);
 }
 
-// Samples of the recording at the moment of the kill.
+// Returns the samples of the recording at the moment of the kill.
 std::uint64_t kill_after(const std::filesystem::path& path, const design::Design& design, std::uint64_t samples) {
   Progress progress;
   const pid_t child = ::fork();
@@ -70,7 +70,7 @@ void kill_and_read(int times, std::uint64_t seed) {
     const std::uint64_t killed_us = sample_of(count - 1, kModules).link_time_us;
     Summary summary;
     const auto read = samples_of(path, &summary);
-    std::array<std::uint64_t, 3> next{0, 0, 16};  // Indexed by node: number of its next sample.
+    std::array<std::uint64_t, 3> next{0, 0, 16};  // The index is the node, the value the number of its next sample.
     for (const ModuleSample& s : read) {
       std::uint64_t& expected = next.at(s.sample.node_address);
       ASSERT_EQ(s, sample_of(expected, kModules)) << "seed " << seed << ", kill " << k;

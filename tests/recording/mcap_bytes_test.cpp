@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Records and CDR against bytes that were worked out by hand from the public specifications.
+// Compares records and CDR with bytes that were worked out by hand from the public specifications.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ List list(Bytes bytes) {
   return {bytes.begin(), bytes.end()};
 }
 
-// Kind 5, 24 bytes: channel 1, sequence 7, log time 1000 = 0x3E8, publish time 1000, data AA BB.
+// The message has kind 5 and 24 bytes: channel 1, sequence 7, log time 1000 = 0x3E8, publish time 1000, data AA BB.
 const List kMessage{5, 24, 0, 0, 0, 0, 0,    0, 0, 1, 0, 7, 0, 0, 0,    0xE8, 3,
                     0, 0,  0, 0, 0, 0, 0xE8, 3, 0, 0, 0, 0, 0, 0, 0xAA, 0xBB};
 
@@ -42,8 +42,8 @@ TEST(McapBytes, a_schema_and_a_channel) {
 }
 
 TEST(McapBytes, a_chunk_with_its_crc) {
-  // Kind 6; contents 8 + 8 + 8 + 4 + 4 + 8 = 40 bytes of head and 33 of records. CRC of the records by zlib:
-  // 0x957D7C16.
+  // The kind is 6; contents are 8 + 8 + 8 + 4 + 4 + 8 = 40 bytes of head and 33 of records. zlib gives the CRC
+  // 0x957D7C16 of the records.
   List expected{6,  73, 0, 0, 0, 0, 0, 0, 0,    0xE8, 3,    0,    0, 0, 0, 0, 0,  0xE8, 3, 0, 0, 0, 0, 0, 0,
                 33, 0,  0, 0, 0, 0, 0, 0, 0x16, 0x7C, 0x7D, 0x95, 0, 0, 0, 0, 33, 0,    0, 0, 0, 0, 0, 0};
   expected.insert(expected.end(), kMessage.begin(), kMessage.end());
@@ -57,7 +57,7 @@ TEST(McapBytes, an_index_names_time_and_offset) {
 }
 
 TEST(McapBytes, an_attachment_with_its_crc) {
-  // CRC of the 36 bytes before it by zlib.
+  // zlib gives the CRC of the 36 bytes before it.
   EXPECT_THAT(list(encode(mcap::Attachment{5, 0, "a", "b", "hi"}).view()),
               ElementsAreArray(List{5,   0, 0, 0, 0, 0,   0, 0, 0, 0, 0, 0, 0, 0, 0,   0,   1,    0,    0,    0,
                                     'a', 1, 0, 0, 0, 'b', 2, 0, 0, 0, 0, 0, 0, 0, 'h', 'i', 0xF8, 0x05, 0x24, 0x19}));
@@ -82,9 +82,11 @@ TEST(CdrBytes, fields_are_aligned_to_their_size_behind_the_head) {
   w.text("ab");
   w.u64(4);
   w.f32(1.0F);
-  EXPECT_THAT(list(w.message()), ElementsAreArray(List{0, 1, 0, 0,                  // plain CDR, little-endian
-                                                       1, 0, 2, 0, 3,   0,   0, 0,  // u8, one byte of padding, u16, u32
-                                                       3, 0, 0, 0, 'a', 'b', 0, 0,  // length with the 0, padding to 16
+  // The rows have the head of plain little-endian CDR; u8, one byte of padding, u16, u32; the text with its length,
+  // which includes the 0, padded to 16 bytes; and the last two numbers.
+  EXPECT_THAT(list(w.message()), ElementsAreArray(List{0, 1, 0, 0,                  //
+                                                       1, 0, 2, 0, 3,   0,   0, 0,  //
+                                                       3, 0, 0, 0, 'a', 'b', 0, 0,  //
                                                        4, 0, 0, 0, 0,   0,   0, 0, 0, 0, 0x80, 0x3F}));
   CdrReader r(w.message());
   EXPECT_EQ(r.u8(), 1);

@@ -12,7 +12,7 @@
 
 namespace triskin::recording {
 
-/// A folder of its own for one test.
+/// Gives each test its own folder.
 class Folder {
  public:
   explicit Folder(const std::string& name)
@@ -31,8 +31,8 @@ class Folder {
 
 inline constexpr std::uint64_t kSamplePeriod_us = 36'900;
 
-/// Sample k of a skin with `modules` modules in patches of 16, as the stream brings them: all modules of sample 1, then
-/// those of sample 2 …
+/// Makes sample k of a skin with `modules` modules in patches of 16, in the order of the stream: all modules of sample
+/// 1, then those of sample 2 …
 inline ModuleSample sample_of(std::uint64_t k, int modules) {
   const auto n = static_cast<std::uint64_t>(modules);
   const std::uint64_t round = k / n, module = k % n;
@@ -42,7 +42,8 @@ inline ModuleSample sample_of(std::uint64_t k, int modules) {
   s.sample.node_address = static_cast<std::uint8_t>(module / 16 + 1);
   s.sample.module = static_cast<std::uint8_t>(module % 16);
   s.sample.sample = static_cast<std::uint32_t>(round + 1);
-  s.sample.device_time_us = 500'000 + round * kSamplePeriod_us - module % 4 * 1'000;  // Lines are not read at once.
+  // Lines are not read at the same time.
+  s.sample.device_time_us = 500'000 + round * kSamplePeriod_us - module % 4 * 1'000;
   s.sample.valid = static_cast<std::uint16_t>(0xFFF & ~(k % 3));
   s.sample.state = wire::ModuleState::kOk;
   for (std::size_t t = 0; t < s.sample.value.size(); ++t)
@@ -58,7 +59,7 @@ inline Origin origin() {
   return o;
 }
 
-/// Records `count` samples into `path` and ends in order.
+/// Records `count` samples into `path` and closes the recording properly.
 inline void record_samples(const std::filesystem::path& path, const design::Design& design, std::uint64_t count,
                            Origin from = origin()) {
   OutputFile file(path);
@@ -69,7 +70,7 @@ inline void record_samples(const std::filesystem::path& path, const design::Desi
   file.close();
 }
 
-/// All samples of a recording.
+/// Returns all samples of a recording.
 inline std::vector<ModuleSample> samples_of(const std::filesystem::path& path, Summary* summary = nullptr) {
   std::vector<ModuleSample> samples;
   Summary s = read_recording(path, [&](const ModuleSample& m) { samples.push_back(m); });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Recordings: what was written is read back, also from a file that was cut or damaged anywhere.
+// A recording must read back what was written, even from a file that was cut or damaged anywhere.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace {
 
 using test::strip;
 
-// Chunks of a file with the times of their first and last message.
+// Collects the chunks of a file with the times of their first and last message.
 class Chunks final : public mcap::Visitor {
  public:
   void on_message(const mcap::Message& m) override { log_ns.push_back(m.log_ns); }
@@ -29,7 +29,7 @@ std::vector<ModuleSample> first(std::uint64_t count, int modules) {
   return samples;
 }
 
-// Samples of one controller in the order in which they were given: the file groups them by controller.
+// Returns the samples of one controller in their given order, because the file groups them by controller.
 std::vector<ModuleSample> of_node(const std::vector<ModuleSample>& all, int node) {
   std::vector<ModuleSample> some;
   std::ranges::copy_if(all, std::back_inserter(some),
@@ -58,12 +58,13 @@ TEST(Recording, modules_of_one_sample_share_a_message) {
   Chunks chunks;
   const InputFile file(folder / "r.mcap");
   (void)mcap::read_file(file, "r.mcap", chunks);
-  EXPECT_EQ(chunks.log_ns.size(), 2U + 2 * 2'000 / 20);  // layout and readers, and two controllers a sample
-  // 26 bytes are the values and the validity of a module; everything else costs less than once more.
+  // There are layout and readers, and two controllers per sample.
+  EXPECT_EQ(chunks.log_ns.size(), 2U + 2 * 2'000 / 20);
+  // The values and the validity of a module take 26 bytes; everything else together costs less than that again.
   EXPECT_LT(file.size(), 2'000U * 2 * 26 + 40'000);
 }
 
-// Topics of a file with the bytes of their messages.
+// Collects the topics of a file with the bytes of their messages.
 class Topics final : public mcap::Visitor {
  public:
   void on_channel(const mcap::Channel& channel) override { names_[channel.id] = channel.topic; }
@@ -80,7 +81,7 @@ bool holds(const std::vector<std::uint8_t>& message, std::string_view text) {
   return !std::ranges::search(message, text).empty();
 }
 
-// Two covers of a robot in one viewer: each has topics and a frame of its own, and the frame has its place.
+// Two covers of a robot in one viewer each have their own topics and frame, and the frame has its place.
 TEST(Recording, of_a_cover_on_a_robot_has_its_own_topics_and_frame) {
   const Folder folder("recording");
   Origin from = origin();
@@ -96,7 +97,8 @@ TEST(Recording, of_a_cover_on_a_robot_has_its_own_topics_and_frame) {
     EXPECT_FALSE(topics.messages[topic].empty()) << topic;
   for (const char* topic : {"/skin/left_arm/layout", "/skin/left_arm/points", "/tf_static"})
     EXPECT_TRUE(holds(topics.messages[topic].front(), std::string_view("skin_left_arm", 14))) << topic;
-  // By hand: 0.5 is 0x3FE0'0000'0000'0000 and -0.25 is 0xBFD0'0000'0000'0000, seven numbers of eight bytes at the end.
+  // By hand: 0.5 is 0x3FE0'0000'0000'0000 and -0.25 is 0xBFD0'0000'0000'0000, with seven numbers of eight bytes at the
+  // end.
   const auto& tf = topics.messages["/tf_static"].front();
   ASSERT_GE(tf.size(), 56U);
   const std::vector<std::uint8_t> x(tf.end() - 56, tf.end() - 48), z(tf.end() - 40, tf.end() - 32);
@@ -112,7 +114,7 @@ TEST(Recording, no_point_of_the_first_cloud_is_zero_because_its_module_was_not_h
   Topics topics;
   (void)mcap::read_file(InputFile(folder / "r.mcap"), "r.mcap", topics);
   const auto& cloud = topics.messages["/skin/points"].front();
-  // 240 points of 32 bytes, then is_dense; the value stands at byte 28 of a point.
+  // There are 240 points of 32 bytes, then is_dense; the value is at byte 28 of a point.
   for (std::size_t point = cloud.size() - 1 - std::size_t{32} * 240; point + 32 < cloud.size(); point += 32)
     ASSERT_NE(cloud[point + 28] + 256 * cloud[point + 29], 0) << point;
 }
@@ -153,7 +155,8 @@ TEST(Recording, a_table_of_a_simulation_says_so_in_each_row) {
   }
 }
 
-// As 0.2 wrote them before it told readers, and 0.1: who adopted a module is not known, all else is.
+// The files are as 0.2 wrote them before it recorded readers, and as 0.1: adopters are unknown, everything else is
+// read.
 TEST(Recording, one_without_readers_is_read_as_before) {
   const Folder folder("recording");
   const auto samples = first(40, 20);
@@ -171,15 +174,15 @@ TEST(Recording, one_without_readers_is_read_as_before) {
   EXPECT_TRUE(summary.reader_changes.empty());
 }
 
-// Worked by hand: module 1 of two is read by the controller at address 5, which serves patch 3; module 0 has no patch.
+// By hand: module 1 of two is read by the controller at address 5, which serves patch 3; module 0 has no patch.
 TEST(Recording, a_message_of_readers_is_what_its_definition_says) {
   const std::vector<Reader> readers{{-1, 0}, {3, 5}};
-  const std::vector<std::uint8_t> bytes{0,    1, 0, 0,                             // CDR, little-endian
-                                        2,    0, 0, 0, 7,    0,    0,    0,        // 2.000000007 s
-                                        5,    0, 0, 0, 's',  'k',  'i',  'n',  0,  // frame
-                                        0,    0, 0, 0, 0,    0,    0,              // to a multiple of 8
-                                        0x10, 0, 0, 0, 0,    0,    0,    0,        // 16 us
-                                        2,    0, 0, 0, 0xFF, 0xFF, 0xFF, 0xFF,     // two patches
+  const std::vector<std::uint8_t> bytes{0,    1, 0, 0,                       // The encoding is CDR, little-endian.
+                                        2,    0, 0, 0, 7,    0,    0,    0,  // The time is 2.000000007 s.
+                                        5,    0, 0, 0, 's',  'k',  'i',  'n',  0,  // This is the frame.
+                                        0,    0, 0, 0, 0,    0,    0,              // Padding ends at a multiple of 8.
+                                        0x10, 0, 0, 0, 0,    0,    0,    0,        // The number is 16 us.
+                                        2,    0, 0, 0, 0xFF, 0xFF, 0xFF, 0xFF,     // There are two patches.
                                         3,    0, 0, 0, 2,    0,    0,    0,    0, 5};
   EXPECT_EQ(encode_readers(readers, 16, 2'000'000'007), bytes);
   const auto read = decode_readers(bytes);
@@ -189,14 +192,14 @@ TEST(Recording, a_message_of_readers_is_what_its_definition_says) {
   for (std::size_t size = 0; size < bytes.size(); ++size)
     EXPECT_FALSE(decode_readers(Bytes(bytes).first(size))) << size;
   std::vector<std::uint8_t> unequal = bytes;
-  unequal[unequal.size() - 6] = 1;  // one address for two patches
+  unequal[unequal.size() - 6] = 1;  // There is one address for two patches.
   EXPECT_FALSE(decode_readers(unequal));
 }
 
 TEST(Recording, a_file_cut_anywhere_is_read_up_to_the_last_whole_chunk_and_recovered) {
   const Folder folder("recording");
   const int modules = 2;
-  record_samples(folder / "whole.mcap", strip(modules), 200);  // 3.7 s: eight chunks
+  record_samples(folder / "whole.mcap", strip(modules), 200);  // 3.7 s give eight chunks.
   const std::string whole = triskin::read_file(folder / "whole.mcap");
   const auto written = first(200, modules);
   std::size_t before = 0;
@@ -219,7 +222,7 @@ TEST(Recording, a_file_cut_anywhere_is_read_up_to_the_last_whole_chunk_and_recov
   EXPECT_EQ(before, 200U);
 }
 
-// Bytes in memory, of which only the first are there.
+// Serves bytes from memory, of which only the first ones exist.
 class Cut final : public ByteSource {
  public:
   Cut(const std::string& bytes, std::size_t size) : bytes_(bytes), size_(size) {}
@@ -263,7 +266,7 @@ TEST(Recording, a_recovered_file_is_the_file_that_was_cut) {
   EXPECT_EQ(recover(folder / "cut.mcap", folder / "new.mcap").messages, recover(folder / "r.mcap", {}).messages);
   std::string recovered = triskin::read_file(folder / "new.mcap");
   ASSERT_EQ(recovered.size(), whole.size());
-  // Only the CRC of the data section is left out, which lies behind the head of the record kind 15.
+  // Only the CRC of the data section is left out, which follows the head of the record kind 15.
   const std::size_t data_end = std::mismatch(whole.begin(), whole.end(), recovered.begin()).first - whole.begin();
   EXPECT_EQ(recovered.substr(data_end, 4), std::string(4, '\0'));
   recovered.replace(data_end, 4, whole.substr(data_end, 4));

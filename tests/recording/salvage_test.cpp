@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// recover keeps every chunk that is whole, wherever the damage is, and says what is missing. The oracle knows the file
-// by the offsets of its chunks alone, which a walk over the undamaged file gives.
+// recover must keep every chunk that is whole, wherever the damage is, and state what is missing. The oracle knows the
+// file only by the offsets of its chunks, which a walk over the undamaged file gives.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ struct Span {
   mcap::Kind kind;
 };
 
-// The records of the data section, a chunk together with its indexes.
+// Returns the records of the data section, with a chunk and its indexes together.
 std::vector<Span> records_of(const std::string& bytes) {
   std::vector<Span> records;
   for (std::size_t at = mcap::kMagic.size(); at + mcap::kHeadBytes <= bytes.size();) {
@@ -40,14 +40,14 @@ std::vector<Span> records_of(const std::string& bytes) {
   return records;
 }
 
-// Samples of the chunks that have no byte of `damaged` behind the first `free_bytes` of their contents.
+// Returns the samples of chunks that have no byte of `damaged` behind the first `free_bytes` of their contents.
 std::vector<ModuleSample> samples_without(const Folder& folder, const std::string& whole,
                                           const std::vector<std::size_t>& damaged, std::size_t free_bytes) {
   std::string kept = whole.substr(0, mcap::kMagic.size());
   for (const Span& record : records_of(whole)) {
     ByteReader r(Bytes(reinterpret_cast<const std::uint8_t*>(whole.data()) + record.from + 1, 8));
-    const std::size_t end = record.from + mcap::kHeadBytes + r.le64();  // Its indexes can be made again,
-    const std::size_t times = record.from + mcap::kHeadBytes;           // And so can 24 bytes of times and size.
+    const std::size_t end = record.from + mcap::kHeadBytes + r.le64();  // The indexes can be made again.
+    const std::size_t times = record.from + mcap::kHeadBytes;  // Its 24 bytes of times and size can be made again.
     const bool is_hit = record.kind == mcap::Kind::kChunk && std::ranges::any_of(damaged, [&](std::size_t at) {
                           return at >= record.from && at < end && (at < times || at >= times + free_bytes);
                         });
@@ -87,7 +87,7 @@ class Salvaged : public ::testing::Test {
     return r;
   }
 
-  // The samples of the new file are those of the chunks that have no byte of `damaged`.
+  // Expects the samples of the new file to be those of the chunks that have no byte of `damaged`.
   ::testing::AssertionResult is_kept_but(const std::vector<std::size_t>& damaged, std::size_t free_bytes = 24) {
     const auto wanted = samples_without(folder_, whole_, damaged, free_bytes);
     if (samples_ == wanted) return ::testing::AssertionSuccess();
@@ -133,7 +133,7 @@ TEST_F(Salvaged, a_closed_file_is_never_changed_in_place) {
   }
 }
 
-// Every 41st byte of the file: a prime, so that the bytes fall on every field of the records.
+// Every 41st byte of the file is changed: a prime, so that the bytes fall on every field of the records.
 TEST_F(Salvaged, a_changed_byte_anywhere_costs_the_chunk_that_it_is_in_and_is_said) {
   std::mt19937_64 random(3);
   for (std::size_t at = 0; at < whole_.size() - mcap::kMagic.size(); at += 41) {
@@ -146,7 +146,7 @@ TEST_F(Salvaged, a_changed_byte_anywhere_costs_the_chunk_that_it_is_in_and_is_sa
 TEST_F(Salvaged, two_changed_bytes_cost_the_chunks_that_they_are_in) {
   std::mt19937_64 random(4);
   for (int trial = 0; trial < 100; ++trial) {
-    // One of both may hit the definitions of the channels or their copy in the summary, not both.
+    // Either one may hit the definitions of the channels or their copy in the summary, but not both.
     const std::size_t a = random() % whole_.size(), b = first_chunk_ + random() % (data_end_ - first_chunk_);
     if (a == b || a >= whole_.size() - mcap::kMagic.size()) continue;
     const Recovery r = recovered(changed(changed(whole_, a, random), b, random));
@@ -191,7 +191,7 @@ TEST_F(Salvaged, messages_without_the_definition_of_their_channel_are_counted) {
   const auto records = records_of(whole_);
   const auto channel = std::ranges::find(records, mcap::Kind::kChannel, &Span::kind);
   std::string cut = whole_.substr(0, chunks_[5].from);
-  cut.erase(channel->from, channel->to - channel->from);  // No summary holds a second copy of it.
+  cut.erase(channel->from, channel->to - channel->from);  // No summary has a second copy of it.
   write_file_atomically(folder_ / "damaged.mcap", cut);
   const Recovery r = recover(folder_ / "damaged.mcap", folder_ / "new.mcap");
   ASSERT_FALSE(r.losses.empty());

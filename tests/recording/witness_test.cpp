@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A reader that is not ours, @mcap/core, opens whole, cut and recovered recordings and finds all CRCs right.
-// `tools/setup test` installs it where npm is there; without it the test is skipped.
+// A foreign reader, @mcap/core, opens whole, cut and recovered recordings and must find all CRCs right. `tools/setup
+// test` installs it if npm is there; without it the test is skipped.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
@@ -16,16 +16,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Folder that holds node_modules/@mcap/core; empty: none.
+// Returns the folder with node_modules/@mcap/core; empty if there is none.
 fs::path modules_folder() {
   const char* given = std::getenv("TRISKIN_NPM");
   const fs::path folder = given != nullptr ? fs::path(given) : fs::path(test::source_folder()) / "build" / "npm";
   return fs::exists(folder / "node_modules/@mcap/core") ? folder : fs::path{};
 }
 
-// What the witness prints for a file: messages read in order, messages found by the index, topics.
+// Returns the output of the witness for a file: messages read in order, messages found by the index, topics.
 std::string ask(const fs::path& modules, const fs::path& file, const fs::path& out) {
-  const fs::path script = modules / "read_recording.mjs";  // Node looks for packages beside the script
+  const fs::path script = modules / "read_recording.mjs";  // Node looks for packages beside the script.
   std::error_code none;
   fs::copy_file(fs::path(test::source_folder()) / "tests/recording/read_recording.mjs", script,
                 fs::copy_options::overwrite_existing, none);
@@ -42,8 +42,8 @@ TEST(Witness, mcap_core_reads_whole_cut_and_recovered_recordings) {
   Origin with_cloud = origin();
   with_cloud.cloud_period_us = 100'000;
   record_samples(folder / "r.mcap", test::strip(20), 2'000, with_cloud);
-  // 100 samples of 20 modules are 3.7 s: 200 raw frames of two controllers; a cloud with every third sample,
-  // the first after 100 ms: 34; one layout; the readers at the beginning.
+  // 100 samples of 20 modules are 3.7 s: 200 raw frames of two controllers; a cloud with every third sample, the first
+  // after 100 ms, which makes 34; one layout; the readers at the beginning.
   EXPECT_EQ(ask(modules, folder / "r.mcap", folder / "out"),
             "read 236, indexed 236, /skin/contacts /skin/layout /skin/points /skin/raw /skin/readers, attachment "
             "design.json, "

@@ -18,7 +18,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 TEST(BusThreads, buses_are_served_at_the_same_time) {
-  std::barrier all(3);  // Nobody gets past it before all three are there.
+  std::barrier all(3);  // No thread passes before all three are there.
   std::atomic<int> done = 0;
   on_each_bus({"a", "b", "c"}, [&](std::size_t) {
     all.arrive_and_wait();

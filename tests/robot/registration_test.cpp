@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Poses by touches. Witness: Eigen::umeyama, which is not ours.
+// Tests poses by touches. The witness is Eigen::umeyama, which is not ours.
 #include "triskin/robot/registration.hpp"
 
 #include <fmt/format.h>
@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 
 constexpr std::uint64_t kSeed = 7;
 
-// A strip that is bent into the third dimension: module k is lifted by height_of(x).
+// Makes a strip that is bent into the third dimension: module k is lifted by height_of(x).
 design::Design bent_strip(int modules, double bend_mm, double mirror = 1.0) {
   design::Design d = test::strip(modules);
   for (auto& m : d.layout.modules) {
@@ -49,14 +49,14 @@ std::vector<Touch> touches_on(const design::Design& d, const Eigen::Isometry3d& 
 const Eigen::Isometry3d kPose = pose_of({120, -40, 300, 0.4, -1.1, 2.5});
 
 TEST(FitPose, a_quarter_turn_worked_by_hand) {
-  // x → y, y → −x, then moved by (10, 0, 5).
+  // The pose maps x → y and y → −x, then moves by (10, 0, 5).
   const std::vector<Vector3d> from{{0, 0, 0}, {2, 0, 0}, {0, 3, 0}, {0, 0, 4}};
   const std::vector<Vector3d> to{{10, 0, 5}, {10, 2, 5}, {7, 0, 5}, {10, 0, 9}};
   const Fit fit = fit_pose(from, to);
   EXPECT_NEAR(fit.rms_mm, 0.0, 1e-12);
   EXPECT_TRUE((fit.pose.linear() * Vector3d(1, 0, 0)).isApprox(Vector3d(0, 1, 0), 1e-12));
   EXPECT_TRUE(fit.pose.translation().isApprox(Vector3d(10, 0, 5), 1e-12));
-  // The mirror image of three axes of other lengths cannot fit.
+  // The mirror image of three axes of different lengths cannot fit.
   EXPECT_GT(fit_pose(from, to, true).rms_mm, 0.5);
 }
 
@@ -86,7 +86,8 @@ TEST(FitPose, touches_on_a_line_are_refused) {
 TEST(Register, finds_the_pose_with_its_residual) {
   const design::Design cover = bent_strip(20, 20.0);
   const Registration r = register_cover({"arm", &cover}, {}, touches_on(cover, kPose, 1.0));
-  // Eight touches of 1 mm a coordinate, six of 24 numbers are spent on the pose: rms = √(3 · 18/24) = 1.5 mm.
+  // Eight touches have 1 mm per coordinate, and six of 24 numbers are spent on the pose: rms = √(3 · 18/24) = 1.5
+  // mm.
   EXPECT_NEAR(r.fit.rms_mm, 1.5, 0.6);
   EXPECT_LT((r.fit.pose.translation() - kPose.translation()).norm(), 3.0);
   EXPECT_TRUE(r.good(3.0));
@@ -116,7 +117,7 @@ TEST(Register, touches_in_a_plane_leave_the_mirror_image_open) {
   const design::Design plane = test::strip(20);
   auto touches = touches_on(plane, kPose, 0.0);
   EXPECT_TRUE(register_cover({"plane", &plane}, {}, touches).mirror_unknown || true);
-  touches[2].taxel = 9;  // off the line
+  touches[2].taxel = 9;  // The taxel is off the line.
   touches[5].taxel = 9;
   touches[2].in_link_mm += kPose.linear() * Vector3d(0, 11.317, 0);
   const Registration r = register_cover({"plane", &plane}, {}, touches);

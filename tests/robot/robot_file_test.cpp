@@ -19,7 +19,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// Two covers on one bus, one on another: 12, 8 and 4 modules on 3, 2 and 1 controllers.
+// Makes two covers on one bus and one on another: 12, 8 and 4 modules on 3, 2 and 1 controllers.
 Assembly small_robot() {
   Assembly a;
   a.file = "robot.json";
@@ -70,14 +70,14 @@ TEST(RobotFile, is_read_as_it_was_written) {
   const Robot back = parse_robot(text, "robot.json");
   EXPECT_EQ(robot_text(back), text);
   EXPECT_EQ(back.covers[0].frame, "l_arm \"1\"");
-  EXPECT_EQ(back.covers[1].pose.matrix(), a.robot.covers[1].pose.matrix());  // every bit
+  EXPECT_EQ(back.covers[1].pose.matrix(), a.robot.covers[1].pose.matrix());  // Every bit must agree.
   EXPECT_TRUE(back.covers[0].pose.isApprox(a.robot.covers[0].pose));
   EXPECT_EQ(back.covers[1].measured->points, 8);
 }
 
 TEST(RobotFile, rpy_turns_about_fixed_axes_as_in_urdf) {
   constexpr double kRight = std::numbers::pi / 2;
-  // First about x: y → z. Then about z: z stays, x → y.
+  // The turn about x comes first: y → z. The one about z follows: z stays, x → y.
   const Eigen::Isometry3d pose = pose_of({0, 0, 0, kRight, 0, kRight});
   EXPECT_TRUE((pose * Eigen::Vector3d::UnitY()).isApprox(Eigen::Vector3d::UnitZ(), 1e-12));
   EXPECT_TRUE((pose * Eigen::Vector3d::UnitX()).isApprox(Eigen::Vector3d::UnitY(), 1e-12));
@@ -135,12 +135,12 @@ TEST(RobotFile, addresses_of_the_covers_of_a_bus_follow_each_other) {
 TEST(RobotFile, a_changed_design_keeps_its_addresses_and_takes_free_ones) {
   Assembly a = small_robot();
   a.robot.covers[0].controllers[1].serial = "0123456789ABCDEF01234567";
-  seat(a.robot, a.robot.covers[0], test::strip(16, 4));  // a patch more
+  seat(a.robot, a.robot.covers[0], test::strip(16, 4));  // The design has one more patch.
   EXPECT_EQ(nodes_of(a.robot.covers[0]), (std::vector{1, 2, 3, 6}));
   EXPECT_EQ(a.robot.covers[0].controllers[1].serial, "0123456789ABCDEF01234567");
   seat(a.robot, a.robot.covers[0], test::strip(4, 4));
   EXPECT_EQ(nodes_of(a.robot.covers[0]), (std::vector{1}));
-  EXPECT_EQ(nodes_of(a.robot.covers[1]), (std::vector{4, 5}));  // Others are left alone.
+  EXPECT_EQ(nodes_of(a.robot.covers[1]), (std::vector{4, 5}));  // Other covers are unchanged.
 }
 
 TEST(RobotFile, a_full_range_of_addresses_is_said) {
@@ -173,7 +173,7 @@ TEST(RobotCheck, names_thing_place_and_remedy) {
   EXPECT_THAT(only_problem(a), HasSubstr("cover upper, patch 2: has no controller"));
   a = small_robot();
   a.robot.covers[0].controllers[2].patch = 1;
-  EXPECT_EQ(check(a).size(), 2U);  // Patch 1 has two, patch 2 none.
+  EXPECT_EQ(check(a).size(), 2U);  // Patch 1 has two, patch 2 has none.
   a = small_robot();
   a.robot.covers[0].controllers[0].bus = "middle";
   EXPECT_THAT(only_problem(a), HasSubstr("there is no bus \"middle\""));
@@ -187,11 +187,11 @@ TEST(RobotCheck, names_thing_place_and_remedy) {
 
 TEST(RobotCheck, cables_have_their_longest) {
   Assembly a = small_robot();
-  a.robot.buses[1].cable_mm = 51'000;  // 25 m at 1 Mbit/s, so 50 m at 500 kbit/s
+  a.robot.buses[1].cable_mm = 51'000;  // 25 m at 1 Mbit/s allow 50 m at 500 kbit/s.
   EXPECT_THAT(only_problem(a), HasSubstr("cable of 51.0 m is longer than 50.0 m, the most at 500 kbit/s"));
   a.robot.buses[1].cable_mm = 50'000;
   EXPECT_TRUE(check(a).empty());
-  a.robot.covers[0].controllers[0].cable_mm = 800;  // 1.5 m at 1 Mbit/s, so 0.75 m with data at 2 Mbit/s
+  a.robot.covers[0].controllers[0].cable_mm = 800;  // 1.5 m at 1 Mbit/s allow 0.75 m with data at 2 Mbit/s.
   EXPECT_THAT(only_problem(a), HasSubstr("its stub of 0.80 m is longer than 0.75 m"));
   a.robot.covers[0].controllers[0].cable_mm = 700;
   a.robot.buses[0].link = "usb";
@@ -199,8 +199,8 @@ TEST(RobotCheck, cables_have_their_longest) {
   EXPECT_THAT(only_problem(a), HasSubstr("5 m"));
 }
 
-// Worked by hand: a sample takes 317.5 µs of 1 and 2 Mbit/s, converters run 4 % fast: 20 modules are
-// 1.04 · 20 · 317.5 / 36,900 = 17.9 % of the bus. 101 modules are 90.4 % and no longer fit into 90 %.
+// By hand: a sample takes 317.5 µs of 1 and 2 Mbit/s, converters run 4 % fast: 20 modules are 1.04 · 20 · 317.5 /
+// 36,900 = 17.9 % of the bus. 101 modules are 90.4 % and no longer fit into 90 %.
 TEST(RobotCheck, the_samples_of_all_covers_of_a_bus_are_summed) {
   Assembly a = small_robot();
   EXPECT_NEAR(bus_loads(a)[0].full, 0.179, 0.001);
@@ -210,7 +210,7 @@ TEST(RobotCheck, the_samples_of_all_covers_of_a_bus_are_summed) {
   seat(a.robot, a.robot.covers[0], a.designs[0]);
   EXPECT_EQ(bus_loads(a)[0].every, 2);
   EXPECT_TRUE(check(a).empty());
-  a.robot.covers[1].rate_hz = 27.0;  // 1e6 / 36,900 = 27.1, of which every second is left
+  a.robot.covers[1].rate_hz = 27.0;  // 1e6 / 36,900 = 27.1, but only every second one remains.
   EXPECT_THAT(only_problem(a), HasSubstr("cover lower: wants 27.0 samples a second; bus left carries 13.6"));
 }
 
@@ -229,7 +229,7 @@ TEST(Site, has_each_bus_with_its_covers_and_addresses) {
   EXPECT_EQ(site.buses[1].covers[0].design.node_addresses, (std::vector<std::uint8_t>{0, 7}));
   EXPECT_EQ(site.buses[1].covers[1].first_module, 8);
   EXPECT_EQ(site.buses[0].every, 0);  // The cover upper leaves its rate open.
-  EXPECT_EQ(site.buses[1].every, 2);  // 27.1 / 2 = 13.6 ≥ 10
+  EXPECT_EQ(site.buses[1].every, 2);  // 27.1 / 2 = 13.6 is at least 10.
   a.robot.covers[0].controllers[0].node = 2;
   try {
     (void)site_of(a);
@@ -247,7 +247,7 @@ TEST(Frames, of_a_urdf_at_joints_0) {
       <origin xyz="0.1 0 0" rpy="1.5707963267948966 0 0"/></joint></robot>)",
                                            "r.urdf");
   EXPECT_EQ(frames.base(), "base");
-  // 300 mm along the arm's z, which is the base's -y.
+  // The hand is 300 mm along the arm's z, which is the base's -y.
   EXPECT_TRUE(frames.pose("hand").translation().isApprox(Eigen::Vector3d(100, -300, 0), 1e-9));
   for (const char* bad : {"<a/>", "<robot><link/></robot>", "no xml", "<robot><link name='a'/><link name='b'/></robot>",
                           "<robot><link name='a'/><joint name='j'><parent link='a'/><child link='c'/></joint></robot>"})

@@ -14,7 +14,7 @@
 
 namespace triskin::test {
 
-/// A robot without covers; its buses are simulated.
+/// Makes a robot without covers; its buses are simulated.
 inline robot::Assembly bare_robot(int buses) {
   robot::Assembly a;
   a.file = "robot.json";
@@ -23,7 +23,7 @@ inline robot::Assembly bare_robot(int buses) {
   return a;
 }
 
-/// A strip of `modules`, `per_patch` to a controller, on bus `bus`.
+/// Adds a strip of `modules`, `per_patch` to a controller, on bus `bus`.
 inline void add_strip(robot::Assembly& a, const std::string& name, int bus, int modules, int per_patch) {
   a.designs.push_back(strip(modules, per_patch));
   robot::CoverEntry cover;
@@ -34,8 +34,8 @@ inline void add_strip(robot::Assembly& a, const std::string& name, int bus, int 
   robot::seat(a.robot, a.robot.covers.back(), a.designs.back());
 }
 
-/// One bus of a robot in the simulation, whose boards keep their flash in `folder` (empty: in memory). Their serial
-/// numbers ascend with the node addresses, or are drawn from `board_seed`.
+/// Simulates one bus of a robot, whose boards keep their flash in `folder` (empty: in memory). Their serial numbers
+/// ascend with the node addresses, or are drawn from `board_seed`.
 class SimulatedBus {
  public:
   explicit SimulatedBus(const robot::BusConfig& site, const std::filesystem::path& folder = {},
@@ -49,15 +49,14 @@ class SimulatedBus {
     const robot::CoverConfig& c = site_.covers[cover];
     return device::flash(bus_, c.design, robot::flash_options(site_, c, options));
   }
-  /// Flash operations of every controller, by node address.
+  /// Returns the flash operations of every controller, by node address.
   [[nodiscard]] std::vector<std::uint64_t> operations() {
     std::vector<std::uint64_t> counts(128);
     for (std::size_t p = 0; p < skin().controllers(); ++p)
       counts[skin().scene().design.node_addresses[p]] = skin().flash(p).operations();
     return counts;
   }
-  /// Waits until the controllers have found and stored the offsets of their converters, after which they write
-  /// nothing.
+  /// Waits until the controllers have found and stored the offsets of their converters, after which they write nothing.
   void settle() { bus_.listen(bus_.now_us() + 3'000'000); }
 
  private:

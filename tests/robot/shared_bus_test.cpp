@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Several covers on one bus: addresses of the robot file, boards that are left alone, one stream for all.
+// Tests several covers on one bus: addresses of the robot file, boards that are left alone, one stream for all.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -22,7 +22,7 @@ using test::add_strip;
 using test::bare_robot;
 using test::SimulatedBus;
 
-// Controllers 1 … 3, 4 and 5, 6.
+// The covers have controllers 1 … 3, 4 and 5, 6.
 Assembly three_covers() {
   Assembly a = bare_robot(1);
   add_strip(a, "upper", 0, 12, 4);
@@ -31,7 +31,7 @@ Assembly three_covers() {
   return a;
 }
 
-// Number of a cover's first controller on the bus.
+// Returns the number of a cover's first controller on the bus.
 int device_number(const Site& site, std::size_t cover) {
   std::size_t number = 0;
   for (std::size_t c = 0; c < cover; ++c) number += site.buses[0].covers[c].design.patches.size();
@@ -55,7 +55,7 @@ TEST(SharedBus, covers_are_flashed_one_after_the_other_whatever_the_order) {
   for (std::size_t cover = 0; cover < 3; ++cover) EXPECT_EQ(bus.flash(cover).bytes, 0U);
 }
 
-// Fresh boards in any order, as on a workbench, of covers with equal and with different patches: 4, 4, 4; 5, 5; 3.
+// Fresh boards are in any order, as on a workbench, of covers with equal and with different patches: 4, 4, 4; 5, 5; 3.
 TEST(SharedBus, fresh_boards_in_any_order_find_the_patch_that_they_hang_on) {
   const Site site = site_of(three_covers());
   for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 5U}) {
@@ -76,7 +76,7 @@ TEST(SharedBus, fresh_boards_in_any_order_find_the_patch_that_they_hang_on) {
   }
 }
 
-// The same in one pass: boards that a cover has got are no longer there for the next, though they have no table yet.
+// In one pass, boards that a cover has got are no longer available for the next, though they have no table yet.
 TEST(SharedBus, all_covers_of_a_bus_are_written_in_one_pass) {
   const Site site = site_of(three_covers());
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
@@ -106,8 +106,8 @@ TEST(SharedBus, all_covers_of_a_bus_are_written_in_one_pass) {
   }
 }
 
-// Twelve covers of one board each, of 3 … 14 modules. What is known of the bus after one cover serves the next: who
-// answers, and the shapes. What was wrong: every cover asked all of it anew, 4.03 s in all.
+// Twelve covers have one board each, of 3 … 14 modules. Knowledge about the bus from one cover serves the next: who
+// answers, and the shapes. Every cover used to ask for all of it anew, 4.03 s in all.
 TEST(SharedBus, fresh_boards_are_asked_once_for_all_covers) {
   Assembly a = bare_robot(1);
   for (int k = 0; k < 12; ++k) add_strip(a, fmt::format("cover{}", k), 0, 3 + k, 16);
@@ -131,7 +131,7 @@ TEST(SharedBus, fresh_boards_are_asked_once_for_all_covers) {
   std::printf("12 covers of a fresh bus: %.2f s of bus time\n", seconds);
 }
 
-// The hand's board is dead, and the robot file knows the boards of the others: they get their tables.
+// The hand's board is dead, but the robot file knows the boards of the others, which get their tables.
 TEST(SharedBus, a_cover_without_its_board_leaves_the_others_their_tables) {
   Assembly a = three_covers();
   int n = 0;
@@ -162,7 +162,8 @@ TEST(SharedBus, a_cover_without_its_board_leaves_the_others_their_tables) {
   EXPECT_EQ(std::ranges::count(tables, true, &wire::NodeClaim::has_table), 5);
 }
 
-// On a real bus nothing presses: what shapes do not settle is refused, also where the other cover has the equal patch.
+// On a real bus nothing presses: patches that shapes do not decide are refused, even if the other cover has the equal
+// patch.
 TEST(SharedBus, fresh_boards_that_could_be_of_two_covers_are_refused_without_a_touch) {
   Assembly a = bare_robot(1);
   add_strip(a, "left", 0, 4, 4);
@@ -196,7 +197,7 @@ TEST(SharedBus, every_cover_verifies_with_its_own_modules) {
     EXPECT_EQ(r.touched, static_cast<int>(cover.design.layout.modules.size()));
     EXPECT_EQ(r.modules_ok, r.modules);
   }
-  // Without its own count of modules a cover sees the touch on its neighbour.
+  // Without its own count of modules a cover would take a touch on its neighbour for its own.
   options.actuator = device::touch_actuator_of(bus.link());
   EXPECT_FALSE(device::verify(bus.bus(), site.buses[0].covers[1].design, options).findings.empty());
 }
@@ -216,12 +217,13 @@ TEST(SharedBus, one_stream_reads_all_covers_and_knows_each_account) {
   EXPECT_EQ(stream.report().modules.size(), 25U);
   EXPECT_EQ(stream.report(1).modules.size(), 10U);
   EXPECT_EQ(stream.report(2).modules.size(), 3U);
-  // One budget for the 25 modules: 1.04 · 25 · 317.5 / 36,900.
+  // All 25 modules share one budget: 1.04 · 25 · 317.5 / 36,900.
   EXPECT_NEAR(stream.budget().full, 0.224, 0.001);
 }
 
-// A lease is for all that hear it: a reader of one cover lets the others stream as well. What was wrong: 245 modules on
-// one bus, and the reader of 123 of them took every second sample, which is 110 % of the bus; a tenth found no room.
+// A lease is for all that receive it: a reader of one cover makes the others stream as well. With 245 modules on one
+// bus, the reader of 123 of them used to take every second sample, which is 110 % of the bus, and a tenth found no
+// room.
 TEST(SharedBus, the_budget_of_one_cover_counts_the_others) {
   Assembly a = bare_robot(1);
   add_strip(a, "near", 0, 64, 16);
@@ -232,14 +234,14 @@ TEST(SharedBus, the_budget_of_one_cover_counts_the_others) {
   bus.settle();
   const std::array streamed{&site.buses[0].covers[0].design};
   device::Stream stream(bus.bus(), streamed, {}, stream_options(site.buses[0], streamed, {}));
-  EXPECT_EQ(stream.budget().every, 2);  // 144 modules are 129 % of the bus, 64 alone were 57 %
+  EXPECT_EQ(stream.budget().every, 2);  // 144 modules are 129 % of the bus, while 64 alone were 57 %.
   stream.run_until(bus.bus().now_us() + 1'000'000);
   stream.finish();
   EXPECT_TRUE(stream.report().complete());
   EXPECT_EQ(stream.report().modules.size(), 64U);
 }
 
-// A cover that is replaced by one of another design, with boards of its own: the other boards are not written.
+// A cover is replaced by one of another design, with its own boards; the other boards are not written.
 TEST(SharedBus, a_replaced_cover_leaves_the_other_boards_as_they_are) {
   const auto folder = std::filesystem::temp_directory_path() / ("shared_bus." + std::to_string(::getpid()));
   std::filesystem::remove_all(folder);
@@ -250,7 +252,7 @@ TEST(SharedBus, a_replaced_cover_leaves_the_other_boards_as_they_are) {
     for (std::size_t cover = 0; cover < 3; ++cover) (void)bus.flash(cover);
     bus.settle();
   }
-  a.designs[1] = test::strip(12, 4);  // three controllers instead of two
+  a.designs[1] = test::strip(12, 4);  // There are three controllers instead of two.
   seat(a.robot, a.robot.covers[1], a.designs[1]);
   const Site site = site_of(a);
   SimulatedBus bus(site.buses[0], folder);
@@ -264,8 +266,8 @@ TEST(SharedBus, a_replaced_cover_leaves_the_other_boards_as_they_are) {
   std::filesystem::remove_all(folder);
 }
 
-// The same boards get a new design: they hold the table of the old one, and only their names in the robot file, or
-// the option, say that it is meant.
+// The same boards get a new design: they hold the table of the old one, and only their names in the robot file, or the
+// option, confirm that this is intended.
 TEST(SharedBus, boards_of_a_changed_design_are_written_when_the_file_names_them) {
   Assembly a = three_covers();
   int n = 0;
@@ -300,7 +302,7 @@ TEST(SharedBus, boards_of_a_changed_design_are_written_when_the_file_names_them)
   std::filesystem::remove_all(folder);
 }
 
-// Two covers of one design on one bus: the address says which is which.
+// Two covers of one design are on one bus, and the address tells them apart.
 TEST(SharedBus, equal_designs_are_told_apart_by_their_addresses) {
   Assembly a = bare_robot(1);
   add_strip(a, "left", 0, 8, 4);

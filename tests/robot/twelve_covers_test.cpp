@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A robot as the program sees it: 12 covers, 96 controllers and more, 6 CAN buses and 2 USB hubs, one file.
+// Tests a robot as the program sees it: 12 covers, at least 96 controllers, 6 CAN buses and 2 USB hubs, one file.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -28,8 +28,8 @@ class RobotCommands : public ShellCase {
     if (server_ > 0) (void)std::system(fmt::format("kill {}", server_).c_str());
     ShellCase::TearDown();
   }
-  // Cover k has strips of 30 + k modules, so that no two designs are equal.
-  // The last `hubs` of the buses are USB hubs, the others CAN.
+  // Cover k has strips of 30 + k modules, so that no two designs are equal. The last `hubs` of the buses are USB hubs,
+  // the others CAN.
   void make_robot(int covers, int buses, int modules, int per_patch, int hubs = 0) {
     std::string command = "robot new robot.json --name robot";
     for (int b = 0; b < buses; ++b) command += fmt::format(" --bus bus{}={}", b, b < buses - hubs ? "sim" : "sim-usb");
@@ -66,7 +66,7 @@ class RobotCommands : public ShellCase {
   int server_ = 0;
 };
 
-// The same as below, small.
+// This is a small version of the test below.
 TEST_F(RobotCommands, two_buses_by_one_file) {
   make_robot(3, 2, 6, 3);
   const json shown = asked("robot show robot.json");
@@ -101,7 +101,7 @@ TEST_F(RobotCommands, a_bus_that_is_away_leaves_the_others_their_tables) {
   ASSERT_NE(text.find(right), std::string::npos);
   text.replace(text.find(right), right.size(), R"("name":"bus1","link":"can:nobody0")");
   write_file_atomically(folder_ / "robot.json", text);
-  EXPECT_EQ(run("flash robot.json").status, 3);  // Known before anything is written.
+  EXPECT_EQ(run("flash robot.json").status, 3);  // The error is known before anything is written.
   EXPECT_EQ(asked("flash robot.json --cover cover0")["bytes"].get<int>() > 0, true);
   EXPECT_EQ(asked("verify robot.json --cover cover0 --watch-s 0.5")["findings"], 0);
 }
@@ -112,7 +112,7 @@ TEST_F(RobotCommands, refusals_name_the_remedy) {
   EXPECT_THAT(run("verify robot.json --cover head").messages, HasSubstr("cover0, cover1"));
   EXPECT_THAT(run("robot add robot.json cover0.json --name cover0").messages, HasSubstr("--replace"));
   EXPECT_THAT(run("robot show robot.json --name x").messages, HasSubstr("--name is for another action"));
-  // The design file is made anew under its old name.
+  // The design file is written anew under its old name.
   design::write_design(folder_ / "cover1.json", strip(9, 3));
   const Outcome changed = run("flash robot.json");
   EXPECT_EQ(changed.status, 2);
@@ -124,7 +124,7 @@ TEST_F(RobotCommands, refusals_name_the_remedy) {
 
 TEST_F(RobotCommands, register_writes_a_pose_and_leaves_the_file_alone_for_a_bad_one) {
   make_robot(1, 1, 20, 16);
-  // Turned by 90° about z and moved.
+  // The touches are turned by 90° about z and moved.
   std::string good = "module,taxel,x_mm,y_mm,z_mm\n";
   const auto wiring = design::wiring_of(strip(20));
   for (const int m : {0, 4, 7, 9, 13, 18}) {
@@ -136,18 +136,19 @@ TEST_F(RobotCommands, register_writes_a_pose_and_leaves_the_file_alone_for_a_bad
   write_file_atomically(folder_ / "touches.csv", good);
   const json r = asked("robot register robot.json touches.csv --name cover0");
   EXPECT_LT(r["rms_mm"].get<double>(), 1e-3);
-  EXPECT_TRUE(r["mirror_unknown"]);  // A strip is flat.
+  EXPECT_TRUE(r["mirror_unknown"]);  // A strip is flat, so its mirror image fits as well.
   EXPECT_THAT(read_file(folder_ / "robot.json"), HasSubstr("\"measured\":{\"points\":6"));
   EXPECT_EQ(run("robot show robot.json").status, 0);
   const std::string before = read_file(folder_ / "robot.json");
-  write_file_atomically(folder_ / "touches.csv", good + "19,3,0,0,0\n");  // 300 mm from where it should be
+  write_file_atomically(folder_ / "touches.csv", good + "19,3,0,0,0\n");  // The touch is 300 mm from its right place.
   const Outcome bad = run("robot register robot.json touches.csv --name cover0");
   EXPECT_EQ(bad.status, 1);
   EXPECT_THAT(bad.out, HasSubstr("is above 5 mm, largest at touch 7"));
   EXPECT_EQ(read_file(folder_ / "robot.json"), before);
 }
 
-// More than half of a bus's addresses: fresh boards, which got free ones to be asked, sit on those of other covers.
+// The boards are more than half of a bus's addresses: fresh boards, which got free addresses to be asked, occupy those
+// of other covers.
 TEST_F(RobotCommands, fresh_controllers_fill_a_bus) {
   make_robot(5, 1, 20, 1);
   const json flashed = asked("flash robot.json");
@@ -157,7 +158,7 @@ TEST_F(RobotCommands, fresh_controllers_fill_a_bus) {
 }
 
 TEST_F(RobotCommands, TwelveCovers_96_controllers_6_buses_2_hubs) {
-  make_robot(12, 8, 30, 4, 2);  // 30 … 41 modules, 8 … 11 controllers a cover
+  make_robot(12, 8, 30, 4, 2);  // Each cover has 30 … 41 modules and 8 … 11 controllers.
   const json shown = asked("robot show robot.json");
   int controllers = 0, modules = 0;
   for (const auto& bus : shown["buses"]) {
@@ -175,7 +176,7 @@ TEST_F(RobotCommands, TwelveCovers_96_controllers_6_buses_2_hubs) {
   EXPECT_EQ(asked("live robot.json --seconds 2")["lost"], 0);
   EXPECT_EQ(asked("record robot.json -o recorded --seconds 2")["lost"], 0);
   EXPECT_EQ(asked("discover robot.json --note")["noted"], controllers);
-  // A cover is replaced: only its boards are written.
+  // A cover is replaced, and only its boards are written.
   design::write_design(folder_ / "cover3.json", strip(28, 4));
   EXPECT_EQ(asked("robot add robot.json cover3.json --name cover3 --replace")["nodes"].size(), 7U);
   const json again = asked("flash robot.json");
@@ -187,7 +188,7 @@ TEST_F(RobotCommands, TwelveCovers_96_controllers_6_buses_2_hubs) {
               flashed["link_s"].get<double>());
 }
 
-// The simulation of another process, a port a bus. On a busy computer it may be late for an answer: asked again.
+// Another process simulates with one port per bus. On a busy computer it may answer late, so the question is repeated.
 TEST_F(RobotCommands, served_buses_have_ports_that_follow_each_other) {
   make_robot(3, 2, 6, 3);
   const std::string link = " --link " + serve();
@@ -200,7 +201,7 @@ TEST_F(RobotCommands, served_buses_have_ports_that_follow_each_other) {
     if (o.status == 0) again = json::parse(o.out);
   }
   EXPECT_EQ(again["skipped"], 8);
-  // One cover alone is found at the port of its bus.
+  // A single cover is found at the port of its bus.
   status = 3;
   for (int tries = 0; status == 3 && tries < 5; ++tries) status = run("flash robot.json --cover cover1" + link).status;
   EXPECT_EQ(status, 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The commands of docs/robot_file.md do what the page says.
+// The commands of docs/robot_file.md must do what the page says.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

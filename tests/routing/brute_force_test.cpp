@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Small patches, solved by trying everything: partitions by subsets, trees by subsets of joints, lines by all
+// Solves small patches by trying everything: partitions by subsets, trees by subsets of joints, lines by all
 // assignments.
 #include <gtest/gtest.h>
 
@@ -43,10 +43,10 @@ int fewest_parts(const geometry::ModuleGraph& g) {
 }
 
 struct SmallTree {
-  std::vector<int> parent, depth;  // Indexed by position in the part.
+  std::vector<int> parent, depth;  // The index is the position in the part.
 };
 
-// Fewest hops of a rooted tree over all assignments of lines.
+// Returns the fewest hops of a rooted tree over all assignments of lines.
 int fewest_hops(const SmallTree& t) {
   const std::size_t n = t.parent.size();
   int best = 1 << 20;
@@ -65,7 +65,7 @@ int fewest_hops(const SmallTree& t) {
   return best;
 }
 
-// (no border entry, Σ depth, hops, depth), or hops before Σ depth, over all joint subsets and entries.
+// Returns (no border entry, Σ depth, hops, depth), or hops before Σ depth, over all joint subsets and entries.
 std::array<int, 4> best_wiring(const geometry::ModuleGraph& g, const std::vector<int>& part, bool hops_first) {
   std::vector<std::array<int, 2>> joints;
   const auto index = [&](int node) { return static_cast<int>(std::ranges::find(part, node) - part.begin()); };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The random numbers of the solvers: a seed stands for a design, so the sequence is fixed.
+// A seed stands for a design, so the random numbers of the solvers must follow a fixed sequence.
 #include "triskin/base/dice.hpp"
 
 #include <gtest/gtest.h>

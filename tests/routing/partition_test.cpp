@@ -54,13 +54,13 @@ TEST(Partition, dendritic_patches_are_proved_or_bounded) {
 TEST(Partition, very_large_patch_has_an_interval) {
   const Listed patch = random_patch(Shape::kCompact, 2600, 5);
   const geometry::RoutingResult r = geometry::route(patch.graph);
-  EXPECT_EQ(r.lower_bound, 163);  // ⌈2600 / 16⌉
+  EXPECT_EQ(r.lower_bound, 163);  // The bound is ⌈2600 / 16⌉.
   EXPECT_LE(r.patches.size(), 165U);
   std::printf("2600 modules: [%d, %zu] in %.3f s\n", r.lower_bound, r.patches.size(), r.seconds);
 }
 
 TEST(Partition, a_star_needs_more_than_the_size_bound) {
-  // A centre with three arms of 10: 31 modules, ⌈31 / 16⌉ = 2; but no two arms fit together with the centre.
+  // A centre has three arms of 10: 31 modules, ⌈31 / 16⌉ = 2; but no two arms fit together with the centre.
   Tiles tiles{{0, 0, true}};
   for (int side = 0; side < 3; ++side) {
     Tile t = geometry::across({0, 0, true}, side).tile;
@@ -123,7 +123,7 @@ TEST(Routing, rejects_a_capacity_that_the_lines_cannot_carry) {
 }
 
 TEST(Routing, a_pair_is_wired_by_hand) {
-  // Two tiles: one hop, depth 1, one line. Failure of the entry: with a second entry only itself.
+  // Two tiles have one hop, depth 1 and one line. If the entry fails, a second entry loses only the entry itself.
   const Listed patch = listed({{0, 0, true}, {0, 0, false}});
   const geometry::RoutingResult r = geometry::route(patch.graph);
   ASSERT_EQ(r.patches.size(), 1U);
@@ -131,13 +131,13 @@ TEST(Routing, a_pair_is_wired_by_hand) {
   EXPECT_EQ(r.max_depth, 1);
   const geometry::Patch& p = r.patches[0];
   EXPECT_NE(p.second_entry, p.entry);
-  ASSERT_EQ(p.failures.size(), 3U);  // two modules, one joint
+  ASSERT_EQ(p.failures.size(), 3U);  // There are two modules and one joint.
   for (const auto& f : p.failures) EXPECT_EQ(f.lost_backed_up, f.other_node < 0 ? 1 : 0);
   EXPECT_DOUBLE_EQ(r.mean_loss, 0.0);
-  EXPECT_DOUBLE_EQ(r.mean_loss_one_entry, 2.0 / 3.0);  // the other module, when the entry or the joint fails
+  EXPECT_DOUBLE_EQ(r.mean_loss_one_entry, 2.0 / 3.0);  // The other module is lost when the entry or the joint fails.
 }
 
-// Modules that the normal tree with the listed changes still leads to an entry.
+// Returns the modules that the normal tree with the listed changes still leads to an entry.
 int kept_by_backup(const geometry::Patch& patch, const geometry::FailureLoss& f) {
   std::map<int, int> parent;
   for (const auto& m : patch.modules) parent[m.node] = m.parent;
@@ -167,11 +167,11 @@ TEST(Routing, the_backup_of_a_failure_keeps_what_its_loss_says) {
       }
     }
   }
-  EXPECT_GT(with_second, 100);  // the second entry decides in many
+  EXPECT_GT(with_second, 100);  // The second entry decides in many cases.
 }
 
 TEST(Routing, electrical_rule_by_hand) {
-  // 2 modules on one line, 1 joint, 0.5 m: 0.5·60 + 1·2 + 2·10 = 52 pF; R = 2.9 V / 3 mA; t = 0.8473·R·C.
+  // With 2 modules on one line, 1 joint and 0.5 m: 0.5·60 + 1·2 + 2·10 = 52 pF; R = 2.9 V / 3 mA; t = 0.8473·R·C.
   const geometry::RoutingResult r = geometry::route(listed({{0, 0, true}, {0, 0, false}}).graph);
   const geometry::LineElectrical& line = r.patches[0].lines[0];
   EXPECT_DOUBLE_EQ(line.capacitance_pf, 52.0);
@@ -183,7 +183,7 @@ TEST(Routing, electrical_rule_by_hand) {
 
 TEST(Routing, a_long_cable_is_reported) {
   geometry::RoutingOptions options;
-  options.electrical.cable_m = 8.0;  // 480 pF alone: above the 366 pF of fast mode
+  options.electrical.cable_m = 8.0;  // The cable alone has 480 pF, above the 366 pF of fast mode.
   const geometry::RoutingResult r = geometry::route(random_patch(Shape::kCompact, 16, 1).graph, options);
   EXPECT_EQ(r.electrical_violations, 4);
   EXPECT_DOUBLE_EQ(r.patches[0].lines[0].max_bus_hz, 100e3);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The independent checker accepts what the program writes and names each seeded damage.
+// The independent checker must accept the output of the program and name each seeded damage.
 #include "triskin/check/routing_rules.hpp"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ json module_list(const Listed& patch) {
   return {{"modules", modules}};
 }
 
-// What the program writes for a list: through its own files, as a user has it.
+// Returns the output of the program for a list, through its own files, as a user gets it.
 json routed(const json& modules, const std::string& name) {
   const auto folder = std::filesystem::temp_directory_path() /
                       ("triskin_routing_" + name + std::to_string(::testing::UnitTest::GetInstance()->random_seed()));

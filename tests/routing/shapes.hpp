@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Short names of what the routing tests use of the random patches.
+// Gives short names to the parts of the random patches that the routing tests use.
 #pragma once
 #include <set>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a person sees of scenes at the command line.
+// Tests what a person sees of scenes at the command line.
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>

@@ -15,7 +15,7 @@
 namespace triskin::scenario {
 namespace {
 
-// A finger of 3 mm on the middle taxel of module 1 for 3 s, and one on that of module 4 for 1 s.
+// A finger of 3 mm presses the middle taxel of module 1 for 3 s, and one presses that of module 4 for 1 s.
 scene::Scene two_touches() {
   scene::Scene scene;
   scene.design = test::strip(6);
@@ -47,7 +47,7 @@ TEST(ContactDensity, the_regions_are_read_by_design) {
   std::filesystem::remove(file);
   ASSERT_EQ(regions.regions.size(), 2U);
   EXPECT_EQ(regions.elsewhere, 1.0);
-  // 1 + 6 · (1 s / 3 s), then the most important place.
+  // The weight is 1 + 6 · (1 s / 3 s), and the most important place follows.
   EXPECT_NEAR(*regions.regions[0].region.weight, 3.0, 1e-9);
   EXPECT_NEAR(*regions.regions[1].region.weight, 7.0, 1e-9);
   const auto& ball = std::get<design::Sphere>(regions.regions[1].region.shape);

@@ -59,7 +59,7 @@ TEST(ContactStream, a_contact_reaches_the_samples_and_the_frames) {
   const double begin_s = stream.time_s();
   const json quiet = json::parse(stream.take(step_to(begin_s + 0.2, "")));
   EXPECT_LT(largest_change(quiet, 2), 100.0);
-  // Centre of module 2 of the strip, given 3 mm above the skin in metres.
+  // The centre of module 2 of the strip is given 3 mm above the skin in metres.
   const design::Vec3 at = scene::center_of(test::strip(6), 2) * 1e-3;
   const std::string contact =
       fmt::format(R"({{"body":"cover","point_m":[{},{},0.003],"normal":[0,0,1],"force_n":5}})", at.x(), at.y());
@@ -139,7 +139,7 @@ TEST(ContactStream, damaged_lines_are_refused_with_a_sentence) {
   EXPECT_EQ(stream.time_s(), now_s);
 }
 
-// A client of the server, line by line.
+// Acts as a client of the server, line by line.
 class Client {
  public:
   explicit Client(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
@@ -155,7 +155,7 @@ class Client {
   void send(const std::string& text) const {
     EXPECT_EQ(::send(socket_, text.data(), text.size(), MSG_NOSIGNAL), static_cast<ssize_t>(text.size()));
   }
-  // Empty: the server has closed the connection.
+  // An empty line means that the server has closed the connection.
   [[nodiscard]] std::string line() const {
     std::string text;
     for (char c = 0; ::recv(socket_, &c, 1, 0) == 1 && c != '\n';) text += c;

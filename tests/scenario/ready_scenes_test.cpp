@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The scenes of docs/examples/scenes hold, and the page names all of them.
+// The expectations of the scenes in docs/examples/scenes must hold, and the page must name all scenes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

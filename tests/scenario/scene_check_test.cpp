@@ -24,7 +24,7 @@ Expectation expect(Kind kind, int module, std::uint64_t from_us, double bound = 
   return e;
 }
 
-// A strip of six modules; a palm of 30 N presses module 4 from 2 s until 3 s.
+// A palm of 30 N presses module 4 of a strip of six modules from 2 s until 3 s.
 scene::Scene touched() {
   scene::Scene scene;
   scene.design = test::strip(6);

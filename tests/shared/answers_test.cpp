@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every answer of the controller: bytes worked by hand in tests/vectors/answers.txt.
+// Compares every answer of the controller with bytes worked by hand in tests/vectors/answers.txt.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -53,7 +53,7 @@ ModuleStates states(const Vector& v) {
   for (const std::uint64_t n : test::numbers(v.one("states"), 10)) s.add(static_cast<ModuleState>(n));
   return s;
 }
-// state.row.status of each
+// Each entry reads state.row.status.
 FaultList fault_list(const Vector& v) {
   FaultList list;
   std::istringstream in(v.one("faults"));
@@ -189,7 +189,7 @@ const std::map<std::string, Status> kStatuses{{"too_short", Status::kTooShort},
                                               {"out_of_range", Status::kOutOfRange},
                                               {"duplicate", Status::kDuplicate}};
 
-// Refused as the vector says, or decoded to its fields, which encode to its bytes.
+// The bytes must be refused as the vector says, or decode to its fields, which encode to its bytes.
 template <class Value>
 void check(const Vector& v, const std::function<Value(const Vector&)>& fields) {
   const auto bytes = test::hex_bytes(v.one("hex"));
@@ -251,7 +251,7 @@ SelfTestResult self_test(const Vector& v) {
 StreamSetting stream(const Vector& v) {
   return {static_cast<StreamMode>(v.number("mode"))};
 }
-// number.unread.dropped.sent.waiting of each row
+// Each row reads number.unread.dropped.sent.waiting.
 StreamAccount stream_account(const Vector& v) {
   StreamAccount a{byte(v, "starts"), v.number("time_us")};
   for (const std::uint64_t n : test::numbers(v.one("readers"), 10))
@@ -265,7 +265,7 @@ StreamAccount stream_account(const Vector& v) {
   }
   return a;
 }
-// parent.port.own port.line.address of each adopted module
+// Each adopted module reads parent.port.own port.line.address.
 Adoption adoption(const Vector& v) {
   Adoption a{byte(v, "rows"), number<std::uint16_t>(v, "out_of_reach"), byte(v, "list")};
   std::istringstream in(v.one("guests"));
@@ -334,7 +334,7 @@ TEST(AnswerVectors, encode_and_decode_as_the_file_says) {
   }
 }
 
-// What is small is worked out by the compiler, too.
+// The compiler also evaluates small cases.
 template <class Value>
 consteval bool encodes_to(const Value& value, std::initializer_list<std::uint8_t> bytes) {
   std::array<std::uint8_t, 64> buffer{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The frames of tests/vectors/frames.txt, which docs/protocol.md shows.
+// Tests the frames of tests/vectors/frames.txt, which docs/protocol.md shows.
 #include <gtest/gtest.h>
 
 #include "triskin/wire/adoption.hpp"
@@ -97,7 +97,7 @@ TEST(FrameVectors, lines_of_the_log) {
   }
 }
 
-// The second of four frames is lost: nothing comes of this line, and the next one is whole.
+// The second of four frames is lost, so this line is dropped, and the next one is whole.
 TEST(Log, a_line_with_a_lost_frame_is_dropped) {
   const LogLine line = log_line_of(vector_named("a line of the log"));
   LogEncoder encoder;
@@ -126,10 +126,10 @@ TEST(Log, frames_of_others_and_damaged_ones_are_ignored) {
   f.extended = false;
   EXPECT_FALSE(reads(f));
   f = good;
-  f.data[1] = 5;  // no level
+  f.data[1] = 5;  // No such level exists.
   EXPECT_FALSE(reads(f));
   f = good;
-  f.size = 6;  // not even a head
+  f.size = 6;  // The frame has not even a head.
   EXPECT_FALSE(reads(f));
   f = good;
   f.size = 0;
@@ -167,10 +167,10 @@ TEST(Reach, damaged_frames_are_refused) {
   f.size = 5;
   EXPECT_EQ(decode_reach(f).error(), Status::kBadLength);
   f = good;
-  f.data[2] = 16;  // A controller reads sixteen modules at most, one of them its own.
+  f.data[2] = 16;  // A controller reads at most sixteen modules, one of them its own.
   EXPECT_EQ(decode_reach(f).error(), Status::kOutOfRange);
   f = good;
-  f.id = kReachBase;  // no node address
+  f.id = kReachBase;  // This is no node address.
   EXPECT_EQ(decode_reach(f).error(), Status::kOutOfRange);
   f = good;
   f.id = kReachBase + 0x105;
@@ -187,18 +187,18 @@ TEST(Leases, damaged_ones_are_refused) {
   f.size = 7;
   EXPECT_EQ(decode_lease(f).error(), Status::kBadLength);
   f = good;
-  f.data[0] = 0;  // no reader
+  f.data[0] = 0;  // There is no reader.
   EXPECT_EQ(decode_lease(f).error(), Status::kOutOfRange);
   f = good;
-  f.data[5] = 0;  // no n-th sample
+  f.data[5] = 0;  // There is no n-th sample.
   EXPECT_EQ(decode_lease(f).error(), Status::kOutOfRange);
   f = good;
   f.extended = false;
   EXPECT_EQ(decode_lease(f).error(), Status::kOutOfRange);
 }
 
-// Worked from ISO 11898-1: 36 + 9 + 13 bits at 1 Mbit/s, then 6 + 384 + 97 + 4 + 21 + 7 at 2 Mbit/s. 193 modules
-// at 36.9 ms are 1.66 of such a bus; of a classic one the iCub stream of 16 modules at 50 ms is 0.09.
+// By ISO 11898-1 there are 36 + 9 + 13 bits at 1 Mbit/s, then 6 + 384 + 97 + 4 + 21 + 7 at 2 Mbit/s. 193 modules at
+// 36.9 ms are 1.66 of such a bus; on a classic one the iCub stream of 16 modules at 50 ms is 0.09.
 TEST(BusLoad, of_the_stream) {
   const BitRates fd{1'000'000, 2'000'000}, classic{1'000'000, 0};
   EXPECT_EQ(full_sample_ns(fd), 58'000U + 259'500U);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The frames of tests/vectors/image_update.txt, which docs/protocol.md shows, and what is refused.
+// Tests the frames of tests/vectors/image_update.txt, which docs/protocol.md shows, and frames that must be refused.
 #include "triskin/wire/image_update.hpp"
 
 #include <gtest/gtest.h>
@@ -135,7 +135,8 @@ TEST(ImageUpdate, damaged_frames_are_refused) {
     return any;
   };
   ASSERT_TRUE(completes(orders));
-  for (std::size_t k = 0; k < orders.size(); ++k) {  // One lost, one of another session, one twice.
+  // One order is lost, one belongs to another session, one is sent twice.
+  for (std::size_t k = 0; k < orders.size(); ++k) {
     std::vector<Order> list(orders.begin(), orders.end());
     list.erase(list.begin() + static_cast<std::ptrdiff_t>(k));
     EXPECT_FALSE(completes(list)) << k;

@@ -70,7 +70,7 @@ TEST(IsoTpVectors, FramesAsTheFileSays) {
   }
 }
 
-// Passes frames until both ends are silent; `drop` decides by frame number what gets lost.
+// Passes frames until both ends are silent; `drop` decides by frame number which ones get lost.
 template <class Lost>
 Event converse(IsoTp& a, IsoTp& b, Lost lost, std::uint64_t& now_us) {
   int number = 0;
@@ -106,20 +106,21 @@ TEST(IsoTp, LongerOrEmptyMessagesAreRefused) {
   EXPECT_EQ(a.send({}, 0), Status::kNoSpace);
   EXPECT_EQ(a.send(counting(IsoTp::kCapacity + 1), 0), Status::kNoSpace);
   EXPECT_EQ(a.send(counting(20), 0), Status::kOk);
-  EXPECT_EQ(a.send(counting(3), 0), Status::kOutOfRange);  // busy
+  EXPECT_EQ(a.send(counting(3), 0), Status::kOutOfRange);  // The sender is busy.
 }
 
 TEST(IsoTp, ALostFrameNeverGivesAWrongMessage) {
   for (int lost = 0; lost < 7; ++lost) {
     IsoTp a = tester(), b = node();
-    ASSERT_EQ(a.send(counting(40), 0), Status::kOk);  // first frame, flow control, five consecutive frames
+    // There are a first frame, flow control and five consecutive frames.
+    ASSERT_EQ(a.send(counting(40), 0), Status::kOk);
     std::uint64_t now = 0;
     EXPECT_EQ(converse(a, b, [&](int n) { return n == lost; }, now), Event::kNone) << "frame " << lost;
     now += IsoTp::kTimeout_us + 1;
     (void)a.tick(now);
     (void)b.tick(now);
     EXPECT_FALSE(a.sending());
-    ASSERT_EQ(a.send(counting(9), now), Status::kOk);  // And the connection works again.
+    ASSERT_EQ(a.send(counting(9), now), Status::kOk);  // The connection works again.
     EXPECT_EQ(converse(a, b, [](int) { return false; }, now), Event::kReceived);
     EXPECT_EQ(received(b), counting(9));
   }
@@ -131,10 +132,10 @@ TEST(IsoTp, DuplicatedAndReorderedFramesEndTheMessage) {
                  two = frame({0x22, 13, 14, 15, 16, 17, 18, 19});
   EXPECT_EQ(b.receive(first, 0), Event::kNone);
   EXPECT_EQ(b.receive(one, 0), Event::kNone);
-  EXPECT_EQ(b.receive(one, 0), Event::kFailed);  // duplicated
-  EXPECT_EQ(b.receive(two, 0), Event::kNone);    // belongs to nothing any more
+  EXPECT_EQ(b.receive(one, 0), Event::kFailed);  // The frame is duplicated.
+  EXPECT_EQ(b.receive(two, 0), Event::kNone);    // The frame belongs to no transfer any more.
   EXPECT_EQ(b.receive(first, 0), Event::kNone);
-  EXPECT_EQ(b.receive(two, 0), Event::kFailed);  // reordered
+  EXPECT_EQ(b.receive(two, 0), Event::kFailed);  // The frames are reordered.
   EXPECT_EQ(b.receive(first, 0), Event::kNone);
   EXPECT_EQ(b.receive(first, 0), Event::kNone);  // A first frame starts over.
   EXPECT_EQ(b.receive(one, 0), Event::kNone);
@@ -144,7 +145,7 @@ TEST(IsoTp, DuplicatedAndReorderedFramesEndTheMessage) {
 
 TEST(IsoTp, ShortFramesAreAcceptedOnlyAtTheEnd) {
   IsoTp b = node();
-  EXPECT_EQ(b.receive(frame({0x03, 0x22, 0xF1, 0x90}), 0), Event::kReceived);  // unpadded single frame
+  EXPECT_EQ(b.receive(frame({0x03, 0x22, 0xF1, 0x90}), 0), Event::kReceived);  // This single frame is unpadded.
   EXPECT_EQ(received(b), (Message{0x22, 0xF1, 0x90}));
   const CanFrame first = frame({0x10, 15, 0, 1, 2, 3, 4, 5});
   EXPECT_EQ(b.receive(first, 0), Event::kNone);
@@ -158,21 +159,21 @@ TEST(IsoTp, ShortFramesAreAcceptedOnlyAtTheEnd) {
 TEST(IsoTp, NonsenseIsIgnored) {
   IsoTp b = node();
   EXPECT_EQ(b.receive(frame({}), 0), Event::kNone);
-  EXPECT_EQ(b.receive(frame({0x00}), 0), Event::kNone);                          // length 0
-  EXPECT_EQ(b.receive(frame({0x05, 1, 2}), 0), Event::kNone);                    // Says 5, has 2.
-  EXPECT_EQ(b.receive(frame({0x10, 7, 0, 1, 2, 3, 4, 5}), 0), Event::kNone);     // 7 bytes are a single frame
-  EXPECT_EQ(b.receive(frame({0x10, 20, 0, 1}), 0), Event::kNone);                // first frame cut off
-  EXPECT_EQ(b.receive(frame({0x21, 6, 7, 8, 9, 10, 11, 12}), 0), Event::kNone);  // nothing under way
-  EXPECT_EQ(b.receive(frame({0x30, 0, 0}), 0), Event::kNone);                    // not sending
-  EXPECT_EQ(b.receive(frame({0x40, 1, 2, 3}), 0), Event::kNone);                 // no such frame
+  EXPECT_EQ(b.receive(frame({0x00}), 0), Event::kNone);                       // The length is 0.
+  EXPECT_EQ(b.receive(frame({0x05, 1, 2}), 0), Event::kNone);                 // The frame announces 5 bytes but has 2.
+  EXPECT_EQ(b.receive(frame({0x10, 7, 0, 1, 2, 3, 4, 5}), 0), Event::kNone);  // 7 bytes would be a single frame.
+  EXPECT_EQ(b.receive(frame({0x10, 20, 0, 1}), 0), Event::kNone);             // The first frame is cut off.
+  EXPECT_EQ(b.receive(frame({0x21, 6, 7, 8, 9, 10, 11, 12}), 0), Event::kNone);  // No transfer is under way.
+  EXPECT_EQ(b.receive(frame({0x30, 0, 0}), 0), Event::kNone);                    // The receiver is not sending.
+  EXPECT_EQ(b.receive(frame({0x40, 1, 2, 3}), 0), Event::kNone);                 // No such frame exists.
   EXPECT_FALSE(b.transmit(0));
 }
 
 TEST(IsoTp, TooLongAMessageIsAnsweredWithOverflow) {
   IsoTp b = node();
-  EXPECT_EQ(b.receive(frame({0x14, 0x01, 0, 1, 2, 3, 4, 5}), 0), Event::kNone);  // 1025 bytes
+  EXPECT_EQ(b.receive(frame({0x14, 0x01, 0, 1, 2, 3, 4, 5}), 0), Event::kNone);  // The length is 1025 bytes.
   EXPECT_EQ(b.transmit(0)->data[0], 0x32);
-  EXPECT_EQ(b.receive(frame({0x10, 0, 0, 1, 0, 0, 4, 5}), 0), Event::kNone);  // 65536 bytes, escaped length
+  EXPECT_EQ(b.receive(frame({0x10, 0, 0, 1, 0, 0, 4, 5}), 0), Event::kNone);  // The escaped length is 65536 bytes.
   EXPECT_EQ(b.transmit(0)->data[0], 0x32);
   IsoTp a = tester();
   ASSERT_EQ(a.send(counting(30), 0), Status::kOk);
@@ -185,14 +186,14 @@ TEST(IsoTp, BlockSizeAndGapAreKept) {
   IsoTp a = tester();
   ASSERT_EQ(a.send(counting(6 + 5 * 7), 0), Status::kOk);
   ASSERT_TRUE(a.transmit(0));
-  EXPECT_FALSE(a.transmit(0));                                      // Waits for flow control.
-  EXPECT_EQ(a.receive(frame({0x30, 2, 0xF3}), 100), Event::kNone);  // two frames, 300 µs apart
+  EXPECT_FALSE(a.transmit(0));                                      // The sender waits for flow control.
+  EXPECT_EQ(a.receive(frame({0x30, 2, 0xF3}), 100), Event::kNone);  // Two frames follow, 300 µs apart.
   EXPECT_TRUE(a.transmit(100));
   EXPECT_FALSE(a.transmit(399));
   EXPECT_EQ(a.next_event_us(), 400U);
   EXPECT_TRUE(a.transmit(400));
-  EXPECT_FALSE(a.transmit(10'000));                                  // block is full
-  EXPECT_EQ(a.receive(frame({0x30, 0, 20}), 10'000), Event::kNone);  // the rest, 20 ms apart
+  EXPECT_FALSE(a.transmit(10'000));                                  // The block is full.
+  EXPECT_EQ(a.receive(frame({0x30, 0, 20}), 10'000), Event::kNone);  // The rest follows, 20 ms apart.
   EXPECT_TRUE(a.transmit(10'000));
   EXPECT_FALSE(a.transmit(29'999));
   EXPECT_TRUE(a.transmit(30'000));

@@ -93,7 +93,7 @@ PatchImage random_image(std::mt19937& random) {
   std::array<int, layout::kMaxModules> slots{};
   for (int k = 0; k < layout::kMaxModules; ++k) slots[static_cast<std::size_t>(k)] = k;
   std::shuffle(slots.begin(), slots.end(), random);
-  std::vector<std::pair<std::uint8_t, std::uint8_t>> free_ports;  // parent, port
+  std::vector<std::pair<std::uint8_t, std::uint8_t>> free_ports;  // The pairs are parent and port.
   for (std::uint8_t k = 0; k < image.module_count; ++k) {
     ModuleRow& m = image.modules[k];
     m = {static_cast<std::uint16_t>(k * 257U),
@@ -146,7 +146,7 @@ TEST(PatchImage, RandomBytesNeverPass) {
     for (auto& b : bytes) b = static_cast<std::uint8_t>(random());
     std::array<std::uint8_t, layout::kMaxImageBytes> good{};
     (void)layout::encode(random_image(random), good);
-    std::copy_n(good.begin(), random() % 32, bytes.begin());  // a plausible beginning
+    std::copy_n(good.begin(), random() % 32, bytes.begin());  // The random bytes get a plausible beginning.
     EXPECT_FALSE(layout::decode(Bytes(bytes).first(random() % bytes.size())));
   }
 }

@@ -66,10 +66,10 @@ TEST(TaxelVectors, EncodeAndDecodeAsTheFileSays) {
 
 TEST(TaxelFrames, ForeignFramesAreRefused) {
   const auto good = encode_icub({.board = 1, .module = 2});
-  EXPECT_FALSE(decode_icub(good[1], good[0]));  // second before first
+  EXPECT_FALSE(decode_icub(good[1], good[0]));  // The second frame comes before the first.
   EXPECT_FALSE(decode_icub(good[0], good[0]));
   auto other = good;
-  other[1].id ^= 1;  // two modules
+  other[1].id ^= 1;  // The frames belong to two modules.
   EXPECT_FALSE(decode_icub(other[0], other[1]));
   other = good;
   other[1].size = 7;
@@ -86,13 +86,13 @@ TEST(TaxelFrames, DamagedFullFramesAreRefused) {
   f.size = 32;
   EXPECT_EQ(decode_full(f).error(), Status::kBadLength);
   f = good;
-  f.data[15] = 14;  // Module differs from the identifier's.
+  f.data[15] = 14;  // The module differs from the one in the identifier.
   EXPECT_FALSE(decode_full(f));
   f = good;
-  f.data[14] = 9;  // A state that does not exist.
+  f.data[14] = 9;  // This state does not exist.
   EXPECT_EQ(decode_full(f).error(), Status::kOutOfRange);
   f = good;
-  f.data[13] = 0x10;  // a thirteenth taxel
+  f.data[13] = 0x10;  // There is no thirteenth taxel.
   EXPECT_EQ(decode_full(f).error(), Status::kOutOfRange);
   f = good;
   f.id ^= 0x100000;

@@ -22,7 +22,7 @@ FoundTopology found_of(const Vector& v, std::uint8_t flags) {
   t.cable_port = static_cast<std::uint8_t>(v.number("cable"));
   for (const std::uint64_t row : test::numbers(v.one("rows"), 10)) t.row.at(t.count++) = static_cast<std::uint8_t>(row);
   std::istringstream joints(v.one("joints"));
-  for (std::string joint; joints >> joint;) {  // M.P-M.P
+  for (std::string joint; joints >> joint;) {  // A joint is written as M.P-M.P.
     const auto end = [&](std::size_t at) {
       return std::pair(static_cast<std::size_t>(joint[at] - '0'), static_cast<std::size_t>(joint[at + 2] - 'A'));
     };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The surface in the overview: shape by shape where it has few faces, a picture in each view where it has many.
+// The overview must draw a surface of few faces shape by shape, and one of many faces as a picture in each view.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,7 +10,7 @@
 namespace triskin::test {
 namespace {
 
-// The strip on a wavy rectangle of 2 · cells² faces.
+// Puts the strip on a wavy rectangle of 2 · cells² faces.
 design::Design on_waves(int cells) {
   design::Design d = strip(6);
   d.surface.vertices.clear();
@@ -46,7 +46,7 @@ TEST(Overview, few_faces_are_shapes_and_many_are_a_picture_in_each_view) {
   EXPECT_EQ(count(more, "<path"), count(few, "<path") + 6U * (200 - 32));
   EXPECT_EQ(count(many, "<image"), 6U);
   EXPECT_EQ(count(many, "<path"), count(few, "<path") - 6U * 32);
-  EXPECT_LT(many.size(), more.size());  // 7,200 faces against 200
+  EXPECT_LT(many.size(), more.size());  // There are 7,200 faces against 200.
   EXPECT_LT(sheet::pdf(on_waves(60), sheet::Paper::kA4).size(), 300'000U);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the assembly sheet says, before anything is drawn; worked by hand on strips and on two islands.
+// Tests the content of the assembly sheet before anything is drawn, worked by hand on strips and on two islands.
 #include "triskin/sheet/plan.hpp"
 
 #include <gmock/gmock.h>
@@ -43,7 +43,7 @@ TEST(PageCode, refuses_what_is_none) {
   EXPECT_FALSE(sheet::is_page_code("forearm.json"));
 }
 
-// Modules 0, 1 and 2, 3 on two controllers, in one row: 0 – 1 | 2 – 3.
+// Modules 0, 1 and 2, 3 are on two controllers, in one row: 0 – 1 | 2 – 3.
 TEST(Sides, of_a_strip_on_two_controllers) {
   const auto sides = sheet::sides_of(strip(4, 2));
   EXPECT_EQ(sides.of[0][1].kind, SideKind::kKept);
@@ -52,7 +52,7 @@ TEST(Sides, of_a_strip_on_two_controllers) {
   EXPECT_EQ(sides.of[1][0].kind, SideKind::kApart);
   EXPECT_EQ(sides.of[0][0].kind, SideKind::kOutline);
   EXPECT_TRUE(sides.of[0][2].cable);
-  EXPECT_TRUE(sides.of[2][2].cable);  // Through the skin, over the joint that is cut.
+  EXPECT_TRUE(sides.of[2][2].cable);  // The cable passes through the skin, over the joint that is cut.
   EXPECT_EQ(sides.of[2][2].kind, SideKind::kApart);
   EXPECT_TRUE(sides.matches.empty());
 }
@@ -60,16 +60,17 @@ TEST(Sides, of_a_strip_on_two_controllers) {
 TEST(Sides, cut_joints_and_slits) {
   design::Design d = strip(3, 3);
   d.patches[0].cut_joints = {{1, 2}};
-  d.layout.modules[0].neighbour[1] = d.layout.modules[1].neighbour[2] = -1;  // 0 and 1 lie side by side, not joined
+  // Modules 0 and 1 lie side by side without a joint.
+  d.layout.modules[0].neighbour[1] = d.layout.modules[1].neighbour[2] = -1;
   const auto sides = sheet::sides_of(d);
   EXPECT_EQ(sides.of[2][2].kind, SideKind::kCut);
   EXPECT_EQ(sides.of[0][1].kind, SideKind::kSlit);
   EXPECT_EQ(sides.of[0][1].other, 1);
-  ASSERT_EQ(sides.matches.size(), 1U);  // the two sides of the slit
+  ASSERT_EQ(sides.matches.size(), 1U);  // These are the two sides of the slit.
   EXPECT_EQ(sides.matches[0].gap_mm, 0.0);
 }
 
-// A roof: the second module hangs down by 30° from the joint, seen from outside away from the viewer.
+// On a roof, the second module bends down by 30° at the joint: seen from outside, away from the viewer.
 TEST(Sides, fold_is_positive_away_from_the_viewer) {
   design::Design d = strip(2);
   auto& corners = d.layout.modules[1].corner_mm;
@@ -84,7 +85,7 @@ TEST(Sides, fold_is_positive_away_from_the_viewer) {
   EXPECT_NEAR(sheet::sides_of(d).of[0][1].fold_rad, -0.5235987755982988, 1e-9);
 }
 
-// Two islands of one module, 5 mm apart.
+// Makes two islands of one module, 5 mm apart.
 design::Design two_islands() {
   design::Design d = flat_design("two", {-10, -40}, {40, 40});
   d.layout.islands = 2;
@@ -129,7 +130,7 @@ TEST(Bill, of_a_strip) {
   EXPECT_EQ(bill.kept_joints, 2);
   EXPECT_EQ(bill.apart_joints, 1);
   EXPECT_EQ(bill.cut_joints, 0);
-  // Entry 0 lies at (7.5, 13.0), 8.5 mm from the rim x = −1; entry 2 at (37.5, 13.0), 14.0 mm from the rim y = −1.
+  // Entry 0 is at (7.5, 13.0), 8.5 mm from the rim x = −1; entry 2 is at (37.5, 13.0), 14.0 mm from the rim y = −1.
   EXPECT_THAT(bill.cables, ElementsAre(PieceCount{10, 1}, PieceCount{20, 1}));
 }
 
@@ -180,7 +181,7 @@ TEST(Landmarks, of_a_part_without_rim_are_its_farthest_points) {
 }
 
 TEST(Landmarks, two_distances_that_meet_at_a_point) {
-  // R1 and R2 lie in one line with the point, R3 aside: 30, 40 and 60 mm away.
+  // R1 and R2 are in one line with the point, R3 is aside: 30, 40 and 60 mm away.
   const std::vector<sheet::Landmark> marks{{"R1", {30, 0, 0}, ""}, {"R2", {-40, 0, 0}, ""}, {"R3", {0, 60, 0}, ""}};
   const auto fix = sheet::fix_of(marks, {0, 0, 0});
   EXPECT_THAT(fix.landmark, ElementsAre(0, 2));
@@ -195,7 +196,7 @@ void expect_on_paper(const sheet::IslandPage& island, const sheet::Page& page, c
   }
 }
 
-// Forty islands, every second of one module, the others of eleven; a controller for each.
+// Makes forty islands, every second of one module, the others of eleven, with a controller for each.
 design::Design forty_islands() {
   design::Design d = strip(240);
   d.patches.clear();
@@ -240,7 +241,7 @@ TEST(Plan, of_forty_islands_has_at_most_a_page_for_each_and_ten_more) {
   EXPECT_EQ(steps, 1) << "the steps stand there once";
 }
 
-// No two modules that share a page lie on each other, nor nearer than the labels around an island need.
+// No two modules that share a page overlap, or are nearer than the labels around an island need.
 TEST(Plan, islands_that_share_a_page_keep_their_distance) {
   const design::Design d = forty_islands();
   for (const auto& page : sheet::plan_of(d, sheet::Paper::kA4).pages) {
@@ -263,7 +264,8 @@ TEST(Plan, islands_that_share_a_page_keep_their_distance) {
 }
 
 TEST(Plan, says_to_what_radius_a_module_is_bent) {
-  // By hand: a chord of 30 mm whose middle lies 4.5 mm under it is 25 mm of radius by c²/(8s); 2.25 mm is 50 mm.
+  // By hand: a chord of 30 mm whose middle lies 4.5 mm below the arc gives a radius of 25 mm by c²/(8s); 2.25 mm give
+  // 50 mm.
   EXPECT_DOUBLE_EQ(sheet::bend_radius_of_depth(4.5), 25.0);
   EXPECT_DOUBLE_EQ(sheet::bend_radius_of_depth(2.25), 50.0);
   EXPECT_TRUE(std::isinf(sheet::bend_radius_of_depth(0.0)));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Lengths of CAN frames with their stuff bits, counted by hand.
+// Compares lengths of CAN frames, including stuff bits, with counts by hand.
 #include "triskin/machine/can_bits.hpp"
 
 #include <gtest/gtest.h>
@@ -7,14 +7,14 @@
 namespace triskin::machine {
 namespace {
 
-// 19 zeros and a CRC of zero: 34 equal bits take a stuff bit after each five; 13 bits follow.
+// With 19 zeros and a CRC of zero, 34 equal bits get a stuff bit after each five; 13 bits follow.
 TEST(CanBits, AFrameOfZerosHasSixStuffBits) {
   wire::CanFrame f;
   EXPECT_EQ(can_bits(f).nominal, 34U + 6U + 13U);
   EXPECT_EQ(can_bits(f).data, 0U);
 }
 
-// Bits 0 101 0101 0101 0 0 0 0010 10101010 10101010: two runs of three, none of five up to the CRC.
+// The bits 0 101 0101 0101 0 0 0 0010 10101010 10101010 have two runs of three, and none of five up to the CRC.
 TEST(CanBits, BitsThatAlternateNeedNone) {
   wire::CanFrame f;
   f.id = 0x555;
@@ -22,19 +22,19 @@ TEST(CanBits, BitsThatAlternateNeedNone) {
   f.data = {0xAA, 0xAA};
   const std::uint32_t bits = can_bits(f).nominal;
   EXPECT_GE(bits, 34U + 16U + 13U);
-  EXPECT_LE(bits, 34U + 16U + 13U + 2U);  // The CRC may have up to two.
+  EXPECT_LE(bits, 34U + 16U + 13U + 2U);  // The CRC may have up to two stuff bits.
 }
 
-// An FD frame, 11-bit identifier of alternating bits, rate switched, no data. Arbitration: 17 bits, none stuffed
-// (0 10101010101 0 0 1 0 1), 12 at the end. Data: ESI, DLC 0000 after a 1: five zeros, whose stuff bit is the first
-// fixed one; stuff count and CRC of 21 bits with 6 fixed stuff bits; CRC delimiter.
+// The FD frame has an 11-bit identifier of alternating bits, a switched rate and no data. Arbitration: 17 bits, none
+// stuffed (0 10101010101 0 0 1 0 1), 12 at the end. Data: ESI, DLC 0000 after a 1: five zeros, whose stuff bit is the
+// first fixed one; stuff count and CRC of 21 bits with 6 fixed stuff bits; CRC delimiter.
 TEST(CanBits, AnFdFrameHasFixedStuffBitsInItsCrc) {
   wire::CanFrame f;
   f.id = 0x555;
   f.fd = f.bit_rate_switch = true;
   EXPECT_EQ(can_bits(f).nominal, 17U + 12U);
   EXPECT_EQ(can_bits(f).data, 5U + 21U + 6U + 1U);
-  f.bit_rate_switch = false;  // BRS is a zero, too: seven in a row, the stuff bit stands after the fifth
+  f.bit_rate_switch = false;  // BRS is a zero, too, so there are seven in a row, and the stuff bit follows the fifth.
   EXPECT_EQ(can_bits(f).data, 0U);
   EXPECT_EQ(can_bits(f).nominal, 17U + 12U + 5U + 1U + 21U + 6U + 1U);
 }

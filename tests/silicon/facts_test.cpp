@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The constants of the firmware and of the modelled machine, and the reset values of the machine, against
-// tests/silicon/facts.txt, whose numbers nobody here shares.
+// Compares the constants of the firmware and of the modelled machine, and the reset values of the machine, with
+// tests/silicon/facts.txt, whose numbers have no common source with them.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -60,7 +60,7 @@ TEST(Facts, EachConstantOfFirmwareAndMachineIsWhatTheFactSays) {
 TEST(Facts, TheMachineComesOutOfResetWithTheRegistersOfTheFacts) {
   std::array<QuietLine, 4> lines;
   machine::FlashChip flash;
-  flash.store(0x08000000, {0, 0, 0, 0x20, 1, 0, 0, 8});  // A stack and an entry are fetched.
+  flash.store(0x08000000, {0, 0, 0, 0x20, 1, 0, 0, 8});  // The core fetches a stack pointer and an entry.
   machine::MachineSetup setup;
   for (std::size_t k = 0; k < 4; ++k) setup.lines[k] = &lines[k];
   setup.flash = &flash;

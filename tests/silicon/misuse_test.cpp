@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the chip would not forgive is a violation in the machine, and the right order is none.
+// An action that the chip would not forgive must be a violation in the machine, and the right order must not.
 #include <gtest/gtest.h>
 
 #include <optional>
@@ -28,7 +28,7 @@ class Around final : public Surroundings {
     time_.advance(by);
     time_.run_due();
   }
-  /// Exactly one, and it says so.
+  /// Expects exactly one violation with this text.
   void expect(const char* part) const {
     ASSERT_EQ(violations.size(), 1U) << part;
     EXPECT_NE(violations[0].find(part), std::string::npos) << violations[0];
@@ -144,7 +144,7 @@ TEST_F(FlashMisuse, OptionsCountWhenTheyAreWritten) {
   EXPECT_TRUE(around.violations.empty());
 }
 
-// The loader has pages 0 … 7 of bank 1; the page behind them and bank 2 are written as before.
+// The loader has pages 0 … 7 of bank 1; the page behind them and bank 2 can be written as before.
 TEST_F(FlashMisuse, WriteProtectedPagesStay) {
   chip.write_protection = 7U << 16;
   flash.reset();
@@ -178,8 +178,8 @@ TEST(Misuse, VectorsThatAreNotAligned) {
   around.expect("VTOR");
 }
 
-// A PLL that is asked for what its oscillator cannot give never gets ready, and the question is a violation: 24 MHz by
-// 2 times 85 is 1,020 MHz.
+// A PLL never becomes ready at a frequency that its oscillator cannot give, and the request is a violation: 24 MHz by 2
+// times 85 is 1,020 MHz.
 class PllMisuse : public ::testing::Test {
  protected:
   static constexpr std::uint32_t kCr = 0x00, kPll = 0x0C, kHse = 1U << 16, kPllOn = 1U << 24, kPllReady = 1U << 25;
@@ -241,7 +241,7 @@ TEST(Misuse, DelayCompensationWithALargeDataPrescaler) {
   around.expect("PB8");
 }
 
-// Lines 1 and 2 have function 4, lines 3 and 4 have function 8; all open drain.
+// Lines 1 and 2 need function 4, lines 3 and 4 need function 8; all are open drain.
 TEST(Misuse, LineStartedWhileItsPinsAreSomethingElse) {
   Around around;
   Rcc rcc(around, {});
@@ -251,7 +251,7 @@ TEST(Misuse, LineStartedWhileItsPinsAreSomethingElse) {
   Gpio gpio(around, rcc, {&buses[0], &buses[1], &buses[2], &buses[3]}, chain);
   Dma dma(around, [](std::uint32_t) -> std::uint8_t* { return nullptr; });
   I2cController line(around, 2, buses[2], 92, 93, dma, nullptr, [&] { return gpio.line_ready(2); });
-  constexpr std::uint32_t kPortC = 0x800, kTiming = 0x10305F7F;  // slow enough
+  constexpr std::uint32_t kPortC = 0x800, kTiming = 0x10305F7F;  // The timing is slow enough.
   const auto start = [&] {
     line.write(0x00, 0, 4);
     line.write(0x10, kTiming, 4);
@@ -261,25 +261,25 @@ TEST(Misuse, LineStartedWhileItsPinsAreSomethingElse) {
   start();
   around.expect("I2C3");
   around.violations.clear();
-  gpio.write(kPortC + 0x04, 0x300, 4);       // open drain
-  gpio.write(kPortC + 0x24, 0x88, 4);        // function 8
-  gpio.write(kPortC + 0x00, 0xFFFAFFFF, 4);  // alternate
+  gpio.write(kPortC + 0x04, 0x300, 4);       // The pins are open drain.
+  gpio.write(kPortC + 0x24, 0x88, 4);        // The pins have function 8.
+  gpio.write(kPortC + 0x00, 0xFFFAFFFF, 4);  // The pins are in alternate mode.
   start();
   EXPECT_TRUE(around.violations.empty());
-  gpio.write(kPortC + 0x24, 0x84, 4);  // SCL has the function of line 1
+  gpio.write(kPortC + 0x24, 0x84, 4);  // SCL has the function of line 1.
   start();
   around.expect("I2C3");
 }
 
-// Line on which a chip acknowledges everything.
+// Simulates a line on which a chip acknowledges everything.
 class WillingLine final : public QuietLine {
  public:
   bool start(std::uint8_t, std::uint64_t) override { return true; }
   bool write(std::uint8_t, std::uint64_t) override { return true; }
 };
 
-// Between the bytes that were written and the repeated start the controller holds SCL low: nobody can be taken for
-// another master then. With a loss there, firmware that follows the manual was blamed for its repeated start.
+// Between the written bytes and the repeated start the controller holds SCL low, so nobody can be taken for another
+// master. With a loss there, firmware that follows the manual would be blamed for its repeated start.
 TEST(Misuse, ArbitrationCannotBeLostWhileTheControllerHoldsSclItself) {
   Around around;
   WillingLine bus;
@@ -289,7 +289,7 @@ TEST(Misuse, ArbitrationCannotBeLostWhileTheControllerHoldsSclItself) {
   line.write(0x10, 0x10305F7F, 4);
   line.write(0x00, 1, 4);
   EXPECT_FALSE(line.lose_arbitration()) << "idle";
-  line.write(0x04, 0x2C << 1 | kStart | 1U << 16, 4);  // One byte, no automatic end.
+  line.write(0x04, 0x2C << 1 | kStart | 1U << 16, 4);  // The transfer has one byte and no automatic end.
   around.pass(kSecond);
   ASSERT_EQ(line.read(0x18, 4) & kTxIs, kTxIs);
   EXPECT_FALSE(line.lose_arbitration()) << "waits for the byte to send";

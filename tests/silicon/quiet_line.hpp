@@ -6,7 +6,7 @@
 
 namespace triskin {
 
-/// An I²C line on which nobody answers; both wires are high.
+/// Simulates an I²C line on which nobody answers; both wires are high.
 class QuietLine : public sim::I2cBus {
  public:
   bool start(std::uint8_t, std::uint64_t) override { return false; }

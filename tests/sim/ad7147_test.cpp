@@ -18,7 +18,7 @@ class Source final : public CapacitanceSource {
 
 constexpr std::uint16_t kFullPower12Stages = 0x00B0;
 
-// Stage s converts pin s at the negative input: field 01 at bits 2s of the low word, from pin 7 on of the high word.
+// Stage s converts pin s at the negative input: field 01 is at bits 2s of the low word, from pin 7 on of the high word.
 void connect_all(Ad7147& chip) {
   for (int s = 0; s < 12; ++s) {
     const auto base = static_cast<std::uint16_t>(0x080 + 8 * s);
@@ -27,7 +27,7 @@ void connect_all(Ad7147& chip) {
                         s < 7 ? std::uint16_t{0} : static_cast<std::uint16_t>(1 << (2 * (s - 7))), 0);
   }
   chip.write_register(0x000, kFullPower12Stages, 0);
-  chip.write_register(0x002, 0x8000, 0);  // CONV_RESET
+  chip.write_register(0x002, 0x8000, 0);  // The register is CONV_RESET.
 }
 
 TEST(Ad7147Chip, holds_reset_values_and_its_id) {
@@ -46,7 +46,7 @@ TEST(Ad7147Chip, converts_the_connected_pin_and_falls_with_capacitance_at_the_ne
   EXPECT_EQ(chip.read_register(0x00B + 5, 50'000), 0x8000 - 500);
   EXPECT_EQ(chip.read_register(0x00B + 11, 50'000), 0x8000 - 1100);
   EXPECT_EQ(chip.read_register(0x00B + 5, 1'100'000), 0x8000 - 1500);
-  // The positive input (field 10) rises instead; nothing connected gives mid-scale.
+  // The positive input (field 10) rises instead, and an unconnected one gives mid-scale.
   chip.write_register(0x080 + 8 * 5, 2 << 10, 1'100'000);
   EXPECT_EQ(chip.read_register(0x00B + 5, 1'200'000), 0x8000 + 1500);
   chip.write_register(0x080 + 8 * 5, 0, 1'200'000);
@@ -57,7 +57,8 @@ TEST(Ad7147Chip, one_afe_step_is_a_twenty_fifth_of_the_half_range) {
   const Source source;
   Ad7147 chip(source);
   connect_all(chip);
-  chip.write_register(0x082, 0x0001, 0);  // Stage 0, negative offset 1: 0.32 pF of 8 pF = 32768/25 = 1310.72 counts.
+  // Stage 0 gets the negative offset 1: 0.32 pF of 8 pF = 32768/25 = 1310.72 counts.
+  chip.write_register(0x082, 0x0001, 0);
   EXPECT_EQ(chip.read_register(0x00B, 50'000), 0x8000 + 1311);
   chip.write_register(0x082, 0x0200, 0);
   EXPECT_EQ(chip.read_register(0x00B, 50'000), 0x8000 - 2621);
@@ -76,7 +77,8 @@ TEST(Ad7147Chip, a_result_changes_only_when_its_stage_has_ended) {
   const Source source;
   Ad7147 chip(source);
   connect_all(chip);
-  // Stage 2 ends at 3 · 3075 µs, then every 36,900 µs: the last end before 1 s + one sequence after the change.
+  // Stage 2 ends at 3 · 3075 µs, then every 36,900 µs; the last end before 1 s and one sequence after the change are
+  // tested.
   EXPECT_EQ(chip.read_register(0x00D, 9'224), 0);
   EXPECT_EQ(chip.read_register(0x00D, 9'225), 0x8000 - 200);
   // 9225 + 26·36900 = 968,625 is before the change at 1 s; 1,005,525 is after it.
@@ -91,11 +93,12 @@ TEST(Ad7147Chip, only_conv_reset_begins_the_sequence_anew_unless_power_control_i
     chip.set_behaviour({.power_control_restarts = restarts});
     connect_all(chip);
     (void)chip.read_register(0x00A, 40'000);
-    chip.write_register(0x000, kFullPower12Stages, 40'000);  // the same value, in mid-sequence
-    // Stage 1 ends at 43,050 µs in the sequence that began at 36,900; stage 0 at 43,075 in one that began anew.
+    chip.write_register(0x000, kFullPower12Stages, 40'000);  // The same value is written in mid-sequence.
+    // Stage 1 ends at 43,050 µs in the sequence that began at 36,900; stage 0 ends at 43,075 in one that was
+    // restarted.
     EXPECT_EQ(chip.read_register(0x00A, 43'080), restarts ? 0x001 : 0x002);
     chip.write_register(0x002, 0x8000, 50'000);
-    EXPECT_EQ(chip.read_register(0x002, 50'000), 0);  // clears itself
+    EXPECT_EQ(chip.read_register(0x002, 50'000), 0);  // The bit clears itself.
     (void)chip.read_register(0x00A, 50'000);
     EXPECT_EQ(chip.read_register(0x00A, 53'074), 0x000);
     EXPECT_EQ(chip.read_register(0x00A, 53'076), 0x001);
@@ -120,7 +123,7 @@ TEST(Ad7147Chip, results_may_change_together_at_the_end_of_the_sequence) {
   Ad7147 chip(source);
   chip.set_behaviour({.latched_at_end = true});
   connect_all(chip);
-  EXPECT_EQ(chip.read_register(0x00B, 36'899), 0);  // Stage 0 has ended long ago.
+  EXPECT_EQ(chip.read_register(0x00B, 36'899), 0);  // Stage 0 ended long ago.
   EXPECT_EQ(chip.read_register(0x00B, 36'900), 0x8000);
   EXPECT_EQ(chip.read_register(0x00B + 11, 36'900), 0x8000 - 1100);
 }
@@ -129,7 +132,7 @@ TEST(Ad7147Chip, results_from_before_a_change_of_the_setup_stay_until_the_stage_
   const Source source;
   Ad7147 chip(source);
   connect_all(chip);
-  chip.write_register(0x082 + 8 * 5, 0x0001, 50'000);  // one step more
+  chip.write_register(0x082 + 8 * 5, 0x0001, 50'000);  // The offset has one more step.
   EXPECT_EQ(chip.read_register(0x00B + 5, 50'001), 0x8000 - 500);
   EXPECT_EQ(chip.read_register(0x00B + 5, 36'900 + 6 * 3'075), 0x8000 - 500 + 1311);
 }
@@ -187,7 +190,7 @@ TEST_F(Line, transfers_are_big_endian_and_the_address_increments) {
   EXPECT_EQ(read(0x2D, 0x080), 0x1234);
   EXPECT_EQ(read(0x2D, 0x081), 0x5678);
   EXPECT_EQ(read(0x2D, 0x017), 0x1472);
-  EXPECT_EQ(read(0x2C, 0x017), 0xFFFF);  // nobody answers
+  EXPECT_EQ(read(0x2C, 0x017), 0xFFFF);  // Nobody answers at this address.
 }
 
 TEST_F(Line, two_chips_at_one_address_are_a_wired_and) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is wrong with a scene is said with file, line and remedy.
+// A fault in a scene must be reported with file, line and remedy.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,8 +13,8 @@ namespace {
 using testing::HasSubstr;
 
 struct BadScene {
-  const char* line;    // Stands in line 3 of the file.
-  const char* remedy;  // Part of the message that says what is wrong or what to do.
+  const char* line;    // The text is in line 3 of the file.
+  const char* remedy;  // The message must contain this statement of the fault or the remedy.
 };
 
 void PrintTo(const BadScene& bad, std::ostream* out) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Serial numbers of simulated boards.
+// Tests the serial numbers of simulated boards.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -22,7 +22,7 @@ std::vector<wire::UniqueId> ids_of(const Scene& scene) {
 
 Scene numbered(std::optional<std::uint64_t> seed) {
   Scene scene;
-  scene.design = test::strip(40, 4);  // ten patches
+  scene.design = test::strip(40, 4);  // There are ten patches.
   scene.board_seed = seed;
   return scene;
 }
@@ -38,13 +38,13 @@ TEST(BoardNumbers, follow_the_seed_and_are_in_no_order) {
     sorted += std::ranges::is_sorted(ids) ? 1 : 0;
   }
   EXPECT_EQ(all.size(), 1000U);  // No two boards are equal.
-  EXPECT_EQ(sorted, 0);          // one in 3.6 million
+  EXPECT_EQ(sorted, 0);          // The chance is one in 3.6 million.
   Scene other = numbered(1);
   ++other.design.design_id;
   EXPECT_NE(ids_of(other)[0], ids_of(numbered(1))[0]);
 }
 
-// What was wrong: the boards of a scene hung on the bus in the order of their patches.
+// The boards of a scene used to be on the bus in the order of their patches.
 TEST(BoardNumbers, of_files_are_drawn_from_the_seed_of_the_scene) {
   const auto folder = std::filesystem::temp_directory_path() / ("board_numbers." + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);

@@ -116,7 +116,7 @@ TEST(SceneContacts, places_and_keyframes_of_a_file) {
   EXPECT_NEAR((pressing->position_mm - (center_of(scene.design, 0) + center_of(scene.design, 4)) / 2.0).norm(), 0.0,
               1e-9);
   EXPECT_EQ(scene.contacts[2].until_us, 3 * kSecond);
-  // The way 30 mm above the skin was put on it.
+  // The path 30 mm above the skin was projected onto it.
   EXPECT_NEAR(state_of(scene.contacts[3], 1'500'000)->position_mm.z(), 0.0, 1e-9);
   EXPECT_NEAR(state_of(scene.contacts[3], 1'500'000)->position_mm.x(), 45.0, 1e-6);
 }

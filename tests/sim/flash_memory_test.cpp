@@ -21,8 +21,8 @@ TEST(FlashMemory, refuses_what_the_silicon_refuses) {
   EXPECT_EQ(flash.bytes()[0], 0xFF);
   EXPECT_TRUE(flash.program(8, kUnit));
   EXPECT_EQ(flash.bytes()[8], 1);
-  EXPECT_FALSE(flash.program(8, kUnit));   // A unit takes data once.
-  EXPECT_FALSE(flash.program(12, kUnit));  // alignment
+  EXPECT_FALSE(flash.program(8, kUnit));   // A unit can be programmed once.
+  EXPECT_FALSE(flash.program(12, kUnit));  // The address is not aligned.
   EXPECT_FALSE(flash.program(16, std::span(kUnit).first(4)));
   EXPECT_FALSE(flash.program(4096, kUnit));
   EXPECT_FALSE(flash.program(~std::size_t{7}, kUnit));
@@ -38,10 +38,10 @@ TEST(FlashMemory, power_fails_in_the_operation_that_was_named) {
   FlashMemory flash(4096);
   flash.cut_power_after(2, FlashMemory::Tear::kHalf);
   EXPECT_THROW((void)flash.program(0, data), sim::PowerLost);
-  // Two whole units, half of the third, nothing of the fourth.
+  // Two whole units are written, half of the third, and nothing of the fourth.
   EXPECT_EQ(std::count(flash.bytes().begin(), flash.bytes().end(), 0), 8 + 8 + 4);
   EXPECT_EQ(flash.operations(), 3U);
-  EXPECT_TRUE(flash.program(64, data));  // one shot
+  EXPECT_TRUE(flash.program(64, data));  // The cut happens only once.
   flash.cut_power_after(0, FlashMemory::Tear::kBefore);
   EXPECT_THROW((void)flash.erase_page(0), sim::PowerLost);
   EXPECT_EQ(flash.bytes()[0], 0);

@@ -13,7 +13,7 @@
 
 namespace triskin::scene {
 
-/// Scene files beside the design of a strip of six modules, d.json.
+/// Puts scene files beside the design of a strip of six modules, d.json.
 class SceneCase : public testing::Test {
  protected:
   void SetUp() override {
@@ -22,7 +22,7 @@ class SceneCase : public testing::Test {
     design::write_design(folder_ / "d.json", test::strip(6));
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
-  /// What the reader says of a scene with this text.
+  /// Returns the reader's message about a scene with this text.
   [[nodiscard]] std::string error_of(const std::string& text) const {
     write_file_atomically(folder_ / "s.json", text);
     try {

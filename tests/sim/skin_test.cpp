@@ -21,7 +21,7 @@ Scene scene_of(int modules) {
 
 TEST(SkinModel, pressure_is_that_of_hertz) {
   Scene scene = scene_of(1);
-  // Taxel 3 lies at the centroid, taxel 0 at 6.533 mm from it. F = 2 N, r = 10 mm: p0 = 3·2/(2π·1e-4) = 9549.3 Pa.
+  // Taxel 3 is at the centroid, taxel 0 at 6.533 mm from it. F = 2 N, r = 10 mm: p0 = 3·2/(2π·1e-4) = 9549.3 Pa.
   const Touch touch{1, {100, 200, center_of(scene.design, 0), {}, 10.0, 2.0}};
   ModuleSkin skin(scene, 0, 0);
   skin.add(touch);
@@ -66,7 +66,7 @@ TEST(SkinModel, noise_is_seeded_and_has_the_deviation_asked_for) {
     sum += x;
     sum2 += x * x;
   }
-  EXPECT_NEAR(sum / kSamples, 0.0, 0.15);  // four standard errors
+  EXPECT_NEAR(sum / kSamples, 0.0, 0.15);  // The tolerance is four standard errors.
   EXPECT_NEAR(std::sqrt(sum2 / kSamples), 5.0, 0.1);
   EXPECT_EQ(equal, 0);
 }
@@ -89,7 +89,7 @@ TEST(SkinModel, each_taxel_has_its_own_electrode_of_2_to_18_pF) {
   EXPECT_DOUBLE_EQ(ModuleSkin(scene, 0, 0).rest_counts(5), 7.0 * 4096);
 }
 
-// Each pad feels the pressure by its own gain; pads 6 and 10 feel none.
+// Each pad responds to the pressure by its own gain; pads 6 and 10 do not respond.
 TEST(SkinModel, a_pressure_everywhere_changes_each_taxel_by_its_sensitivity) {
   Scene scene = scene_of(2);
   scene.effects.sensitivity_spread = 0.3;
@@ -133,7 +133,7 @@ bool answers(Skin& skin, int line, int address) {
 }
 
 TEST(SkinModel, chips_sit_where_the_design_and_the_faults_put_them) {
-  Scene scene = scene_of(6);  // module 5: line 1, address 1
+  Scene scene = scene_of(6);  // Module 5 has line 1, address 1.
   EXPECT_TRUE(answers(*std::make_unique<Skin>(scene), 1, 1));
   EXPECT_FALSE(answers(*std::make_unique<Skin>(scene), 1, 2));
   Fault moved;
@@ -152,8 +152,8 @@ TEST(SkinModel, chips_sit_where_the_design_and_the_faults_put_them) {
   EXPECT_TRUE(answers(skin, 0, 1));
 }
 
-// Worked from ISO 11898-1: extended classic frame with 8 bytes: 1 + 32 + 6 + 64 + 15 = 118 bits may be stuffed, 29
-// stuff bits at most, 13 more bits from the CRC delimiter to the interframe space.
+// By ISO 11898-1, an extended classic frame with 8 bytes has 1 + 32 + 6 + 64 + 15 = 118 bits that may be stuffed, at
+// most 29 stuff bits, and 13 more bits from the CRC delimiter to the interframe space.
 TEST(BusTime, classic_frames_have_the_worst_case_length) {
   wire::CanFrame frame;
   frame.extended = true;

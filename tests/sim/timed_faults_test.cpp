@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every fault of a chip, a line or a pad begins and ends when the scene says so.
+// Every fault of a chip, a line or a pad must begin and end at the times of the scene.
 #include <gtest/gtest.h>
 
 #include "support/strip_design.hpp"
@@ -12,7 +12,7 @@ constexpr std::uint64_t kFrom = 1'000, kUntil = 2'000;
 
 Scene with(Fault fault) {
   Scene scene;
-  scene.design = test::strip(6);  // Module 5: line 1, address 1.
+  scene.design = test::strip(6);  // Module 5 has line 1, address 1.
   fault.from_us = kFrom;
   fault.until_us = kUntil;
   scene.faults = {fault};
@@ -75,7 +75,7 @@ TEST(TimedFaults, a_wrong_id_is_shown_for_a_time) {
 }
 
 TEST(TimedFaults, swapped_chips_sit_at_each_others_place) {
-  // The wrong id tells the chip of module 5 from that of module 0.
+  // The wrong id distinguishes the chip of module 5 from that of module 0.
   Scene scene = with(fault(FaultKind::kSwappedChips, 0, 5));
   Fault marked = fault(FaultKind::kWrongId, 5);
   marked.value = 0xABCD;
@@ -125,7 +125,8 @@ TEST(TimedFaults, a_turned_module_feels_a_tip_with_another_taxel) {
   f.value = 1;
   Scene scene = with(f);
   Contact tip;
-  tip.position_mm = design::taxels_of(scene.design.layout.modules[0], 2)[0].position_mm;  // Rotation of the strip.
+  // The modules of the strip have rotation 2.
+  tip.position_mm = design::taxels_of(scene.design.layout.modules[0], 2)[0].position_mm;
   tip.radius_mm = 1.0;
   scene.contacts = {tip};
   const Skin skin(scene);

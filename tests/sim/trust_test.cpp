@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A scene that would silently do nothing is refused, and the boards of one scene do not remember the faults of another.
+// A scene that would silently do nothing must be refused, and the boards of one scene must not remember the faults of
+// another.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -62,7 +63,7 @@ TEST_F(SceneTrust, text_that_is_not_json_is_said_without_names_of_the_library) {
   EXPECT_THAT(error, AllOf(HasSubstr("s.json"), HasSubstr("line 1, column"), Not(HasSubstr("json.exception"))));
 }
 
-// Whether a board remembers something in its fault pages.
+// Returns true if the fault pages of a board hold a record.
 bool remembers(const fs::path& folder) {
   const FlashMemory flash(VirtualSkin::kFlashBytes, folder / "controller_1.flash");
   const auto pages = flash.bytes().subspan(layout::kFirstFaultPage * FlashMemory::kPageBytes,
@@ -70,12 +71,12 @@ bool remembers(const fs::path& folder) {
   return std::ranges::any_of(pages, [](std::uint8_t b) { return b != 0xFF; });
 }
 
-// What the firmware does when it notes a fault.
+// Writes what the firmware writes when it notes a fault.
 void note_fault(const fs::path& folder) {
   FlashMemory flash(VirtualSkin::kFlashBytes, folder / "controller_1.flash");
   const std::array<std::uint8_t, 8> record{1, 2, 3, 4, 5, 6, 7, 8};
   ASSERT_TRUE(flash.program(layout::kFirstFaultPage * FlashMemory::kPageBytes, record));
-  ASSERT_TRUE(flash.program(0, record));  // a table
+  ASSERT_TRUE(flash.program(0, record));  // The slot holds a table.
 }
 
 TEST_F(SceneTrust, faults_of_one_scene_are_not_remembered_in_another_but_tables_are) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which link is used where several things name one: the program and the library ask the same function.
+// If several settings name a link, program and library must choose the same one, by the same function.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A simulated skin as every reader sees it: samples in one form, rest values, tare, losses, a link that comes back.
+// Tests a simulated skin as every reader sees it: samples in one form, rest values, tare, losses, a link that returns.
 #include "triskin/skin/live_skin.hpp"
 
 #include <gtest/gtest.h>
@@ -23,8 +23,8 @@ namespace {
 
 constexpr int kModules = 8, kPressed = 5, kTaxel = 3;
 
-// A design of eight modules on two simulated controllers that hold its tables; what is kept goes to a folder of the
-// test.
+// Provides a design of eight modules on two simulated controllers that hold its tables; stored files go to a folder of
+// the test.
 class LiveSkins : public testing::Test {
  protected:
   void SetUp() override {
@@ -62,17 +62,17 @@ TEST_F(LiveSkins, give_samples_of_every_module_with_their_time) {
     newest_ns = std::max(newest_ns, s.unix_ns);
     EXPECT_EQ(s.cover, 0);
     EXPECT_EQ(s.valid, s.raw.sample.valid);
-    EXPECT_FALSE(s.pressure_kpa.has_value());  // Nobody has calibrated it.
+    EXPECT_FALSE(s.pressure_kpa.has_value());  // Nobody has calibrated the skin.
   });
   pass(bus, 1'000'000);
   EXPECT_EQ(heard.size(), static_cast<std::size_t>(kModules));
-  // The newest one is no older than a sequence and its way over the bus.
+  // The newest sample is no older than a sequence and its transfer over the bus.
   EXPECT_LT(bus.unix_ns(bus.now_us()) - newest_ns, 100'000'000U);
   bus.finish();
   EXPECT_EQ(bus.report().total.lost(), 0U);
   EXPECT_EQ(bus.report(0).total.received, bus.report().total.received);
   EXPECT_EQ(bus.totals().frames, bus.report().total.received);
-  // A second stream is counted with the first.
+  // A second stream is counted together with the first.
   const std::uint64_t before = bus.totals().frames;
   bus.start({}, {});
   pass(bus, 500'000);
@@ -184,11 +184,11 @@ TEST_F(LiveSkins, wait_in_a_queue_and_are_dropped_when_nobody_reads_them) {
   const auto samples = queue.read(1.0, 5);
   ASSERT_FALSE(samples.empty());
   EXPECT_LE(samples.size(), 5U);
-  EXPECT_GE(samples[0].module, 100);  // Numbers count over all covers.
+  EXPECT_GE(samples[0].module, 100);  // Module numbers count over all covers.
   queue.tare();
-  EXPECT_DOUBLE_EQ(queue.change_counts(0)[0], 0.0);  // No cover has it.
+  EXPECT_DOUBLE_EQ(queue.change_counts(0)[0], 0.0);  // No cover has this module.
   EXPECT_EQ(queue.dropped(), 0U);
-  // A tare lets 0.1 s pass at least: five of them are longer than samples wait.
+  // A tare takes at least 0.1 s, and five of them are longer than samples wait.
   for (int k = 0; k < 6; ++k) queue.tare();
   EXPECT_GT(queue.dropped(), 0U);
   queue.stop();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// When a tare ends, and how. Times and samples are worked by hand.
+// Tests when and how a tare ends. Times and samples are worked by hand.
 #include "triskin/skin/tare.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace {
 using State = Tare::State;
 constexpr double kRest = 30'000.0;
 
-// A cover of two modules that rest at kRest.
+// Provides a cover of two modules that rest at kRest.
 class Tares : public testing::Test {
  protected:
   void hear(int module, std::uint16_t valid = layout::kAllTaxels) {

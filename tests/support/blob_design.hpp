@@ -10,8 +10,8 @@
 
 namespace triskin::test {
 
-/// Random patches on the plane z = 0, side by side, `sizes[p]` modules each (1 … 16): every patch is a tree of joined
-/// tiles from its entry. Lines and addresses go round in the order of growth: no router, no mesh.
+/// Makes random patches on the plane z = 0, side by side, `sizes[p]` modules each (1 … 16): every patch is a tree of
+/// joined tiles from its entry. Lines and addresses cycle in the order of growth: no router, no mesh.
 inline design::Design blob(const std::vector<int>& sizes, std::uint64_t seed) {
   using design::Tile;
   std::mt19937_64 random(seed);

@@ -11,11 +11,11 @@
 
 namespace triskin::test {
 
-/// A program that runs beside the test. Reading waits for it.
+/// Runs a program beside the test. Reading waits for its output.
 class Child {
  public:
-  /// `line`: a program and its arguments, as the shell reads them. The kernel ends it when the test dies, which CTest
-  /// would else wait for: the program holds the test's output open.
+  /// `line` is a program and its arguments, as the shell reads them. The kernel ends it when the test dies; otherwise
+  /// CTest would wait for it, because it holds the test's output open.
   explicit Child(const std::string& line)
       : pipe_(::popen(("echo $$; exec setpriv --pdeathsig KILL -- " + line).c_str(), "r")) {
     pid_ = static_cast<pid_t>(std::strtol(read_line().c_str(), nullptr, 10));
@@ -29,13 +29,13 @@ class Child {
     for (int c = std::fgetc(pipe_); c != EOF && c != '\n'; c = std::fgetc(pipe_)) line += static_cast<char>(c);
     return line;
   }
-  /// All that it still says, up to its end.
+  /// Returns its remaining output, up to its end.
   std::string read_all() {
     std::string text;
     for (int c = std::fgetc(pipe_); c != EOF; c = std::fgetc(pipe_)) text += static_cast<char>(c);
     return text;
   }
-  /// Ctrl-C, unless it has ended.
+  /// Sends Ctrl-C unless it has already ended.
   int end() {
     if (pipe_ == nullptr) return 0;
     if (pid_ > 1) (void)::kill(pid_, SIGINT);
@@ -49,7 +49,7 @@ class Child {
   pid_t pid_ = 0;
 };
 
-/// `triskin simulate SCENE`, in real time.
+/// Runs `triskin simulate SCENE` in real time.
 class ServedSimulation {
  public:
   explicit ServedSimulation(const std::string& scene)

@@ -16,19 +16,19 @@
 
 namespace triskin::test {
 
-/// Folder with parts/ and hard/: the variable TRISKIN_DATA, else the one CMake was given (TRISKIN_SHARED_DATA). It need
-/// not exist.
+/// Returns the folder with parts/ and hard/: the variable TRISKIN_DATA, or else the one that CMake was given
+/// (TRISKIN_SHARED_DATA). It need not exist.
 inline std::filesystem::path data_folder() {
   const char* named = std::getenv("TRISKIN_DATA");
   return named != nullptr ? named : configured_data_folder();
 }
 
-/// Reason of a case that is skipped because that folder does not exist; tools/test counts these words.
+/// Returns the reason of a case that is skipped because that folder does not exist; tools/test counts these words.
 inline std::string no_data() {
   return "left out without data: " + data_folder().string() + " does not exist (TRISKIN_SHARED_DATA)";
 }
 
-/// A mesh file for a test. A generated one is deleted at the end.
+/// Provides a mesh file for a test and deletes a generated one at the end.
 class CoverFile {
  public:
   explicit CoverFile(std::filesystem::path real) : path_(std::move(real)) {}
@@ -51,8 +51,7 @@ class CoverFile {
   bool is_generated_ = false;
 };
 
-/// Name of a generated shape, or of a file (without extension) of the data folder's parts/; for a generated one also
-/// its size.
+/// Names a generated shape, or a file (without extension) of the data folder's parts/; a generated one also has a size.
 struct CoverName {
   std::string name;
   geometry::GenerateOptions options = {};
@@ -61,8 +60,8 @@ inline void PrintTo(const CoverName& cover, std::ostream* out) {
   *out << cover.name;
 }
 
-/// Its file; nothing when it is a real cover and there is no data folder. A file that is missing from an existing
-/// folder is not forgiven: reading it fails the test.
+/// Returns its file; nothing when it is a real cover and there is no data folder. A file that is missing from an
+/// existing folder makes the test fail when it is read.
 inline std::optional<CoverFile> cover_file(const CoverName& cover) {
   if (const auto shape = geometry::shape_named(cover.name))
     return CoverFile(cover.name, geometry::generate(*shape, cover.options));

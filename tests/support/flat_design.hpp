@@ -9,7 +9,7 @@
 
 namespace triskin::test {
 
-/// A design without modules on the rectangle from `low_mm` to `high_mm` of the plane z = 0.
+/// Makes a design without modules on the rectangle from `low_mm` to `high_mm` of the plane z = 0.
 inline design::Design flat_design(const std::string& name, const design::Vec2& low_mm, const design::Vec2& high_mm) {
   design::Design d;
   d.name = name;
@@ -25,7 +25,7 @@ inline design::Design flat_design(const std::string& name, const design::Vec2& l
 }
 
 /// Appends a module at each of `tiles`, moved by `shift_mm`, to an island. `number` has the id of the module at each
-/// tile: tiles side by side there are joined.
+/// tile: adjacent tiles there are joined.
 inline void lay_modules(design::Design& d, const std::vector<design::Tile>& tiles,
                         const std::map<design::Tile, int>& number, int island = 0,
                         const design::Vec2& shift_mm = {0, 0}) {

@@ -15,7 +15,7 @@ namespace triskin::test {
 inline constexpr double kSeam_mm = 5.0;
 
 /// Appends an island of `modules` random connected tiles: rows j ≥ 0 of the lattice (upper), or rows j < 0 moved down
-/// by kSeam_mm. Tile (0, 0, up) and tile (0, -1, down) are always there: they face each other across the seam.
+/// by kSeam_mm. Tile (0, 0, up) and tile (0, -1, down) always exist and face each other across the seam.
 inline void add_island(design::Design& d, int modules, bool upper, std::mt19937_64& random) {
   using design::Tile;
   const int island = d.layout.islands++, base = static_cast<int>(d.layout.modules.size());
@@ -29,7 +29,8 @@ inline void add_island(design::Design& d, int modules, bool upper, std::mt19937_
   lay_modules(d, tiles, number, island, {0.0, upper ? 0.0 : -kSeam_mm});
 }
 
-/// Two islands on the plane with a seam of 5 mm between them, measured, joined by jumpers where that pays, and wired.
+/// Makes two islands on the plane with a seam of 5 mm between them, measured, joined by jumpers if that pays, and
+/// wired.
 inline design::Design jumpered_design(int upper, int lower, std::mt19937_64& random) {
   design::Design d = flat_design("jumpered", {-900, -900}, {900, 900});
   d.layout.islands = 0;

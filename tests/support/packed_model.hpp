@@ -8,7 +8,7 @@
 
 namespace triskin::test {
 
-/// Writes a 3MF file with this model (the text of 3D/3dmodel.model), packed as its programs do; replaces `path`.
+/// Writes a 3MF file with this model (the text of 3D/3dmodel.model), packed as 3MF programs do; replaces `path`.
 inline void write_packed_model(const std::filesystem::path& path, const std::string& model) {
   const std::string types =
       R"(<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"><Default Extension="model" )"

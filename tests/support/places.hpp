@@ -4,10 +4,10 @@
 
 namespace triskin::test {
 
-/// The folders that CMake knows. They stand in the command line of one source: a clone in another folder can then take
-/// the compiled tests from the compiler's cache.
-const std::string& source_folder();           ///< root folder of the project
-const std::string& program_file();            ///< the program `triskin`
-const std::string& configured_data_folder();  ///< TRISKIN_SHARED_DATA; it need not exist
+/// Returns the folders that CMake knows. They are in the command line of one source file only, so that a clone in
+/// another folder can take the compiled tests from the compiler's cache.
+const std::string& source_folder();           ///< Returns the root folder of the project.
+const std::string& program_file();            ///< Returns the program `triskin`.
+const std::string& configured_data_folder();  ///< Returns TRISKIN_SHARED_DATA; the folder need not exist.
 
 }  // namespace triskin::test

@@ -14,7 +14,7 @@
 
 namespace triskin::test {
 
-/// A random connected set of tiles on the plane, routed: a design without a mesh. Joints are those of the lattice,
+/// Routes a random connected set of tiles on the plane: a design without a mesh. Joints are those of the lattice,
 /// cycles included.
 inline design::Design random_design(int modules, std::mt19937_64& random) {
   using design::Tile;
@@ -32,13 +32,13 @@ inline design::Design random_design(int modules, std::mt19937_64& random) {
   return d;
 }
 
-/// What is broken in patch 0, by row.
+/// Lists what is broken in patch 0, by row.
 struct Broken {
   std::vector<int> dead;
   std::vector<std::pair<int, int>> cut;
 };
 
-/// Rows that can be reached from one: flood fill over the joints that survive, a bit a row.
+/// Returns the rows that can be reached from one: flood fill over the surviving joints, one bit per row.
 inline std::uint32_t reached_from(int start, const design::PortEnds& ends, const Broken& broken) {
   const auto dead = [&](int m) { return std::ranges::find(broken.dead, m) != broken.dead.end(); };
   const auto cut = [&](int a, int b) {
@@ -57,15 +57,15 @@ inline std::uint32_t reached_from(int start, const design::PortEnds& ends, const
   return reached;
 }
 
-/// Row with the second cable; -1: none.
+/// Returns the row with the second cable; -1 if there is none.
 inline int second_entry_row(const design::Design& design) {
   const design::Patch& patch = design.patches[0];
   const auto found = std::ranges::find(patch.modules, patch.second_entry, &design::RoutedModule::node);
   return patch.second_entry < 0 || found == patch.modules.end() ? -1 : static_cast<int>(found - patch.modules.begin());
 }
 
-/// Rows that the controller can read over one of its cables: the first, unless it reaches nobody, or less than half of
-/// the patch and not more than the second.
+/// Returns the rows that the controller can read over one of its cables: the first, unless it reaches nobody, or less
+/// than half of the patch and not more than the second.
 inline std::uint32_t rows_that_survive(const design::Design& design, const Broken& broken) {
   const design::PortEnds ends = design::joints_of(design, 0);
   const int second_row = second_entry_row(design);

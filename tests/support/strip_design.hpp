@@ -4,8 +4,8 @@
 
 namespace triskin::test {
 
-/// A straight strip of `count` modules on the plane z = 0, divided into patches of `per_patch`; in a patch module k has
-/// line k / 4 and address k % 4, and hangs on module k - 1.
+/// Makes a straight strip of `count` modules on the plane z = 0, divided into patches of `per_patch`; in a patch module
+/// k has line k / 4 and address k % 4, and its parent is module k - 1.
 inline design::Design strip(int count, int per_patch = 16) {
   using design::kHeight_mm;
   using design::Vec3;
@@ -14,7 +14,7 @@ inline design::Design strip(int count, int per_patch = 16) {
     const double x = 30.0 * (k / 2);
     design::PlacedModule m;
     m.tile = {k / 2, 0, k % 2 == 0};
-    // Tile corners and sides as in tile.hpp; side 1 of an up tile is side 2 of the down tile with the same (i, j).
+    // Tile corners and sides are as in tile.hpp; side 1 of an up tile is side 2 of the down tile with the same (i, j).
     if (m.tile.up) {
       m.corner_mm = {Vec3{x, 0, 0}, Vec3{x + 30, 0, 0}, Vec3{x + 15, kHeight_mm, 0}};
       m.neighbour = {-1, k + 1 < count ? k + 1 : -1, k - 1};

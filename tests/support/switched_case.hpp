@@ -14,7 +14,7 @@
 
 namespace triskin::test {
 
-/// Commands on the simulated switched modules of one design, as processes, in a folder of their own.
+/// Runs commands on the simulated switched modules of one design, as processes, in their own folder.
 class SwitchedCase : public testing::Test {
  protected:
   void SetUp() override {

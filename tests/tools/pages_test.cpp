@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The checks of pages: their length, and whether their commands give what the page says.
+// Tests the checks of pages: their length, and whether their commands give what the page says.
 #include <gtest/gtest.h>
 
 #include <filesystem>

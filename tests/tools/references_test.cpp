@@ -31,7 +31,7 @@ TEST_F(References, accepts_files_and_headings_that_exist) {
       "[page](docs/page.md), [part](docs/page.md#2-how-it-is-built), `a.hpp`, host/base, "
       "host/{base,base/include}/a.hpp "
       "or host/*/include; docs/page.md, section 2\n");
-  EXPECT_EQ(ran.exit_status, 1) << ran.output;  // One of the two is not there.
+  EXPECT_EQ(ran.exit_status, 1) << ran.output;  // One of the two does not exist.
   EXPECT_NE(ran.output.find("no such file: host/base/a.hpp"), std::string::npos) << ran.output;
   EXPECT_NE(ran.output.find(" 1 dead"), std::string::npos) << ran.output;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A folder of its own for each case, in which a program of tools/ is run.
+// Gives each case its own folder in which a program of tools/ runs.
 #pragma once
 #include <gtest/gtest.h>
 #include <stdlib.h>
@@ -15,7 +15,7 @@
 
 namespace triskin::tests {
 
-/// What a program wrote to standard output, and its exit status (-1: it did not end by itself).
+/// The output and exit status of a program (-1: it did not end by itself).
 struct Ran {
   int exit_status = -1;
   std::string output;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The bound of the stack must hold every chain of calls, and be refused where a call cannot be followed.
+// The bound of the stack must cover every chain of calls, and be refused if a call cannot be followed.
 #include <gtest/gtest.h>
 
 #include "support/places.hpp"
@@ -33,8 +33,8 @@ class Stack : public ScratchTree {
   }
 };
 
-// Worked by hand: `deep` holds 64 bytes, LR and a word that aligns the stack; `shallow` 32 and as much; reset_handler
-// two words. The handlers need nothing but what the processor pushes, 104 + 4 bytes.
+// By hand: `deep` needs 64 bytes, LR and a word that aligns the stack; `shallow` needs 32 and as much; reset_handler
+// two words. The handlers need only what the processor pushes, 104 + 4 bytes.
 constexpr const char* kTwoLevels =
     "NEVER_INLINE void deep() { char a[64]; hole(a); }\nNEVER_INLINE void shallow() { char a[32]; hole(a); }\n"
     "extern \"C\" {\nNEVER_INLINE void hole(void*) { asm volatile(\"\"); }\n"
@@ -89,7 +89,7 @@ TEST_F(Stack, refuses_a_call_that_it_cannot_follow) {
   EXPECT_NE(ran.output.find("is not known"), std::string::npos) << ran.output;
 }
 
-// `todo` is called in a place that has a rule, but the rule does not name what it points to.
+// `todo` is called in a place that has a rule, but the rule does not name its target.
 TEST_F(Stack, refuses_a_function_that_no_rule_leads_to) {
   const Ran ran = bound(
       "NEVER_INLINE void secret() { asm volatile(\"\"); }\nvoid (*volatile todo)() = secret;\n"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A place that says another version than CMakeLists.txt is found and named.
+// A place that states another version than CMakeLists.txt must be found and named.
 #include <gtest/gtest.h>
 
 #include "tools/scratch_tree.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A recording says which controller read each module at which time, also of modules that a neighbour adopts.
+// A recording must tell which controller read each module at which time, including modules that a neighbour adopts.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -33,7 +33,7 @@ namespace {
 
 class AdoptionRecording : public ShellCase {
  protected:
-  using Sample = std::pair<int, std::uint64_t>;  // module, when it came
+  using Sample = std::pair<int, std::uint64_t>;  // The pair is the module and its arrival time.
 
   // A module fails after half a second, and is whole again two seconds later.
   void record() {
@@ -78,8 +78,8 @@ class AdoptionRecording : public ShellCase {
 
   const design::Design design_ = joined_patches(4, 8);
   const Unreachable unreachable_ = unreachable_of(design_).front();
-  std::map<Sample, int> adopter_;  // Adopters as the stream reports them.
-  std::set<Sample> empty_;         // Samples whose controller did not reach the module.
+  std::map<Sample, int> adopter_;  // The stream reported these adopters.
+  std::set<Sample> empty_;         // For these samples the controller did not reach the module.
   std::uint64_t failed_us_ = 0, whole_us_ = 0;
 };
 
@@ -96,7 +96,7 @@ TEST_F(AdoptionRecording, says_who_read_each_module_at_each_time) {
       });
   EXPECT_EQ(read, adopter_.size());
   EXPECT_GE(adopted, 20 * unreachable_.modules.size());
-  // Each unreachable module went to a neighbour and came back, nothing else changed its reader.
+  // Each unreachable module moved to a neighbour and back, and nothing else changed its reader.
   std::map<int, std::vector<recording::ReaderChange>> changes;
   for (const auto& c : summary.reader_changes) changes[c.module].push_back(c);
   EXPECT_EQ(changes.size(), unreachable_.modules.size());
@@ -112,7 +112,7 @@ TEST_F(AdoptionRecording, says_who_read_each_module_at_each_time) {
     EXPECT_TRUE(back.own);
     EXPECT_GT(back.link_time_us, whole_us_);
     // Checks by time that the reader in the changes read every sample with data of the module. Until the stream knows
-    // who its adopter is, its own controller says that it does not reach it.
+    // its adopter, its own controller reports that it cannot reach it.
     for (const auto& [sample, adopter] : adopter_) {
       if (sample.first != m || empty_.contains(sample)) continue;
       const bool away = sample.second >= there.link_time_us && sample.second < back.link_time_us;
@@ -121,7 +121,7 @@ TEST_F(AdoptionRecording, says_who_read_each_module_at_each_time) {
   }
 }
 
-// Fields of the lines of a CSV file, by name of the column.
+// Returns the fields of the lines of a CSV file, by name of the column.
 std::vector<std::map<std::string, std::string>> lines_of(const std::string& text) {
   const auto split = [](const std::string& line) {
     std::vector<std::string> fields(1);
@@ -181,7 +181,7 @@ TEST_F(AdoptionRecording, replay_shows_who_read_a_module) {
       EXPECT_TRUE(unreachable_modules.contains(a["module"].get<int>())) << line.dump();
   }
   EXPECT_TRUE(any);
-  EXPECT_FALSE(lines.back().contains("adopted"));  // all came back
+  EXPECT_FALSE(lines.back().contains("adopted"));  // All modules are back.
   EXPECT_EQ(lines.back()["readers"].size(), 2 * unreachable_modules.size());
   const Outcome said = run("replay adoption.mcap --speed 0");
   EXPECT_NE(said.out.find(fmt::format("module {} is read by its own, the controller of patch {}",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Modules that their own controller cannot reach, read by the controller of the patch beside it: two applications on
-// one set of joined modules.
+// The controller of a neighbouring patch reads modules that their own controller cannot reach: two applications on one
+// set of joined modules.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,12 +22,12 @@
 namespace triskin::test {
 namespace {
 
-/// A flashed skin that streams; who reads which module, by its samples.
+/// Streams a flashed skin and tracks which controller reads which module, by its samples.
 class Fixture {
  public:
   explicit Fixture(const design::Design& design) : link_(scene_of(design)), bus_(link_) {
     device::flash(bus_, this->design());
-    bus_.listen(bus_.now_us() + 3'000'000);  // Also a patch whose first look was disturbed.
+    bus_.listen(bus_.now_us() + 3'000'000);  // The time also suffices for a patch whose first search was disturbed.
     stream_.emplace(bus_, this->design(), [this](const device::ModuleSample& f) { take(f); });
     run_us(500'000);
     for (int m = 0; m < modules(); ++m) rest_[m] = last_[m].sample.value;
@@ -43,26 +43,27 @@ class Fixture {
   }
   scene::VirtualSkin& skin() { return link_.skin(); }
   [[nodiscard]] std::uint64_t now_us() const { return bus_.now_us(); }
-  /// Node address of the controller whose valid sample of the module came last; 0: none since `since_us`.
+  /// Returns the node address of the controller that sent the last valid sample of the module; 0 if there was none
+  /// since `since_us`.
   [[nodiscard]] int reader_of(int module, std::uint64_t since_us) {
     const auto& all = valid_[module];
     return all.empty() || all.back().first < since_us ? 0 : all.back().second;
   }
-  /// Time after `since_us` at which the first valid sample of the module came; −1: none.
+  /// Returns the time after `since_us` of the first valid sample of the module; −1 if there was none.
   [[nodiscard]] std::int64_t first_after(int module, std::uint64_t since_us) {
     for (const auto& [at_us, node] : valid_[module]) {
       if (at_us > since_us) return static_cast<std::int64_t>(at_us - since_us);
     }
     return -1;
   }
-  /// How often another controller than before gave a sample of the module.
+  /// Returns how often the controller that sends samples of the module changed.
   [[nodiscard]] int changes_of_reader(int module) {
     const auto& all = valid_[module];
     int changes = 0;
     for (std::size_t k = 1; k < all.size(); ++k) changes += all[k].second != all[k - 1].second ? 1 : 0;
     return changes;
   }
-  /// Longest time between two valid samples of the module from `since_us` on.
+  /// Returns the longest time between two valid samples of the module from `since_us` on.
   [[nodiscard]] std::uint64_t longest_gap_us(int module, std::uint64_t since_us) {
     std::uint64_t last_us = 0, longest_us = 0;
     for (const auto& [at_us, node] : valid_[module]) {
@@ -72,7 +73,7 @@ class Fixture {
     }
     return longest_us;
   }
-  int wrong = 0;  ///< Valid values that are not those of the module.
+  int wrong = 0;  ///< Valid values that do not belong to the module are counted.
 
  private:
   void take(const device::ModuleSample& f) {
@@ -81,7 +82,7 @@ class Fixture {
     valid_[f.module].emplace_back(f.link_time_us, f.sample.node_address);
     const auto rest = rest_.find(f.module);
     if (rest == rest_.end()) return;
-    // Every controller finds the same offsets for a converter: a module has the same counts whoever reads it.
+    // Every controller finds the same offsets for a converter, so a module has the same counts whoever reads it.
     if (f.sample.value != rest->second) ++wrong;
   }
   device::SimLink link_;
@@ -92,8 +93,9 @@ class Fixture {
   std::optional<device::Stream> stream_;
 };
 
-constexpr std::uint64_t kAdopted_us = 1'500'000;  // docs/adoption.md
-constexpr std::uint64_t kBack_us = 5'000'000;     // the owner's second look, after 2 + 2 s, and the hand-back
+constexpr std::uint64_t kAdopted_us = 1'500'000;  // docs/adoption.md states this time.
+// The time has the owner's second search, after 2 + 2 s, and the hand-back.
+constexpr std::uint64_t kBack_us = 5'000'000;
 
 TEST(Adoption, an_orphan_is_read_by_the_neighbour_under_its_own_identity_and_handed_back) {
   const design::Design design = joined_patches(4, 8);
@@ -135,7 +137,7 @@ TEST(Adoption, an_orphan_is_read_by_the_neighbour_under_its_own_identity_and_han
   }
 }
 
-// Module 4 touches the neighbour's patch, 3 lies behind it: the neighbour looks twice, and 4 is read on meanwhile.
+// Module 4 touches the neighbour's patch, and 3 lies behind it: the neighbour searches twice and keeps reading 4.
 TEST(Adoption, a_adopted_that_stays_is_not_set_up_again) {
   const design::Design design = joined_patches(4, 8);
   const Unreachable o = unreachable_of(design).front();
@@ -152,15 +154,15 @@ TEST(Adoption, a_adopted_that_stays_is_not_set_up_again) {
   std::printf("longest gap %.1f ms\n", static_cast<double>(gap_us) / 1000);
 }
 
-// What neighbours read after every failure of a cover that leaves modules to them.
+// Sums up what neighbours read after every failure of a cover that leaves modules to them.
 struct Tally {
   int failures = 0, promised = 0, read = 0, named = 0, lost = 0, wrong = 0, kept = 0;
   std::int64_t slowest_us = 0;
   std::uint32_t longest_look_us = 0;
 };
 
-// One failure, and the way back. Where addresses are too few for all, neighbours may read others than those that the
-// design names, so the number is what counts.
+// Makes one failure and repairs it. If there are too few addresses for all, neighbours may read other modules than the
+// design names, so only the number counts.
 void add_failure(Fixture& f, const Unreachable& o, Tally& t) {
   const design::Design& design = f.design();
   const std::uint64_t failed_us = f.now_us();
@@ -203,7 +205,7 @@ void send_status(const Tally& t) {
       t.failures, t.read, t.promised, t.named, static_cast<double>(t.slowest_us) / 1000, t.longest_look_us / 1000.0);
 }
 
-// What the design promises of adoption, failure by failure. The time is that of the page.
+// The design's prediction of adoption is tested failure by failure. The time is that of the page.
 TEST(Adoption, every_failure_is_mended_as_the_design_says) {
   Tally t;
   for (const auto& [columns, capacity] : {std::pair{4, 8}, std::pair{5, 10}, std::pair{6, 12}})
@@ -218,8 +220,8 @@ TEST(Adoption, every_failure_is_mended_as_the_design_says) {
   send_status(t);
 }
 
-// Patches of every size, so also neighbours that have few addresses left. What is not read:
-// docs/measurements/rerouting.md.
+// Patches have every size, so some neighbours have few addresses left. docs/measurements/rerouting.md lists the modules
+// that are not read.
 TEST(AdoptionOnManyCovers, leaves_one_orphan_of_a_hundred_at_most) {
   Tally t;
   for (const int columns : {4, 5, 6}) {
@@ -261,13 +263,13 @@ TEST(Adoption, an_owner_that_restarts_gets_its_modules_back) {
   f.run_us(kAdopted_us);
   f.set_dead(o.dead, false);
   f.skin().power_cycle(static_cast<std::size_t>(o.patch));
-  // The model takes a restarted controller through the time since the beginning at once, while its neighbours stand
-  // still: its looks after that are those that count.
+  // The model runs a restarted controller through the time since the beginning at once, while its neighbours stand
+  // still; only its later searches count.
   f.run_us(10'000'000);
   for (const int m : o.modules) EXPECT_EQ(f.reader_of(m, f.now_us() - 100'000), o.patch + 1) << "module " << m;
 }
 
-// Nobody repeats the offer: after three seconds the modules are let go, and the owner takes them when it is back.
+// Nobody repeats the offer: after three seconds the modules are released, and the owner takes them when it returns.
 TEST(Adoption, ends_when_the_owner_falls_silent) {
   const design::Design design = joined_patches(4, 8);
   const Unreachable o = unreachable_of(design).front();
@@ -294,7 +296,7 @@ class ChainOf final : public fw::RouteChain {
   sim::ChainModel& model_;
 };
 
-// As at power-up, when no neighbour holds its modules yet: a look takes none of them unless it may.
+// As at power-up, no neighbour holds its modules yet: a search takes none of them unless it may.
 TEST(Adoption, a_look_that_may_not_adopt_stays_inside_the_border) {
   const design::Design design = joined_patches(4, 8);
   scene::SwitchedHardware hardware(scene_of(design));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The whole controller on switched modules: samples around a failure, found through the frames that it sends.
+// Tests the whole controller on switched modules: samples around a failure, found through the frames that it sends.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,11 +22,11 @@ scene::Scene switched_scene(const design::Design& design) {
   scene::Scene s;
   s.design = design;
   s.switched = true;
-  s.effects.taxel_spread_counts = 3000;  // every taxel of every module rests somewhere else
+  s.effects.taxel_spread_counts = 3000;  // Every taxel of every module has another rest value.
   return s;
 }
 
-// Flashed, streaming; knows what every taxel must read.
+// The skin is flashed and streams, and the fixture knows what every taxel must read.
 class Fixture {
  public:
   explicit Fixture(const design::Design& design) : Fixture(switched_scene(design)) {}
@@ -46,8 +46,8 @@ class Fixture {
   void listen_us(std::uint64_t us) { bus_.listen(bus_.now_us() + us); }
   /// Starts the measurement of times.
   void mark() { from_us_ = bus_.now_us(); }
-  /// Time after mark() until the newest samples of all modules, each taken since, were valid for exactly these; −1:
-  /// that did not come.
+  /// Returns the time after mark() until the newest samples of all modules, each taken since, were valid for exactly
+  /// these; −1 if that did not happen.
   std::int64_t until_exactly(std::uint32_t rows, std::uint64_t limit_us) {
     wanted_ = rows;
     reached_us_ = 0;
@@ -81,12 +81,12 @@ class Fixture {
   std::size_t rows_;
   std::vector<std::array<std::uint16_t, layout::kTaxelsPerModule>> expected_;
   std::uint64_t from_us_ = 0, reached_us_ = 0;
-  std::uint32_t valid_ = 0, seen_ = 0, wanted_ = ~0U;  // bit: row
+  std::uint32_t valid_ = 0, seen_ = 0, wanted_ = ~0U;  // Bit r stands for row r.
 };
 
 struct Failure {
-  int row = -1, line = -1;        // dead, or holding a line
-  int a = -1, port = -1, b = -1;  // joint
+  int row = -1, line = -1;        // The module is dead, or holds a line.
+  int a = -1, port = -1, b = -1;  // The joint is broken.
   bool shorted = false;
   void apply(scene::SwitchedPatch& p, bool on) const {
     using Joint = scene::SwitchedPatch::JointFault;
@@ -134,7 +134,7 @@ TEST(Application, every_single_failure_leaves_the_best_set_within_100_ms_and_no_
     const design::Design design = random_design(2 + trial % 15, random);
     Fixture fixture(design);
     for (const Failure& f : failures_of(design)) {
-      fixture.listen_us(7'000 + random() % 37'000);  // The failure may come at any moment of a cycle.
+      fixture.listen_us(7'000 + random() % 37'000);  // The failure may happen at any moment of a cycle.
       fixture.mark();
       f.apply(fixture.hardware(), true);
       const std::uint32_t wanted = best(design, {f});
@@ -152,7 +152,7 @@ TEST(Application, every_single_failure_leaves_the_best_set_within_100_ms_and_no_
       }
       ++failures;
       f.apply(fixture.hardware(), false);
-      fixture.controller().reroute();  // it returns on command
+      fixture.controller().reroute();  // The tree returns on command.
       fixture.mark();
       ASSERT_GE(fixture.until_exactly(fixture.all(), 400'000), 0) << "after repair, trial " << trial;
       ASSERT_EQ(fixture.wrong, 0) << "trial " << trial << " row " << f.row << " joint " << f.a << '-' << f.b;
@@ -226,7 +226,7 @@ TEST(Application, what_comes_back_is_taken_back_by_itself) {
   EXPECT_LE(took_us, 2'200'000);
 }
 
-// The same tables on strapped modules, with and without a chain port on the board.
+// The same tables are used on strapped modules, with and without a chain port on the board.
 TEST(Application, strapped_modules_are_read_as_before) {
   std::mt19937_64 random(25);
   const design::Design design = random_design(16, random);
@@ -238,7 +238,7 @@ TEST(Application, strapped_modules_are_read_as_before) {
   EXPECT_FALSE(fixture.controller().route().switched);
   EXPECT_EQ(fixture.controller().topology().count, 0);
 
-  // Both boards: one without a chain, one with a chain on which nobody answers.
+  // There are two boards: one without a chain, one with a chain on which nobody answers.
   scene::SwitchedPatch nobody(design::PortEnds(1), 0, 1);
   nobody.set_dead(0, true);
   std::array<std::vector<wire::CanFrame>, 2> frames;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The chain moves bytes while no bit can flip: the same as bit by bit.
+// The chain moves bytes while no bit can flip, which must give the same result as bit by bit.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -10,7 +10,7 @@
 namespace triskin::test {
 namespace {
 
-constexpr double kNever = 1e-300;  // Asks for single bits, flips none.
+constexpr double kNever = 1e-300;  // The value asks for single bits but flips none.
 
 TEST(ChainLevels, bytes_and_bits_give_the_same) {
   std::mt19937_64 random(51);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a technician types: flash, discover --topology, flash --route and verify on switched modules, as processes.
+// Runs what a technician types: flash, discover --topology, flash --route and verify on switched modules, as processes.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -69,8 +69,8 @@ TEST_F(Commands, a_turned_module_is_named_and_fails_the_command) {
   EXPECT_NE(std::ranges::find(findings, "rotated_module"), findings.end());
 }
 
-// A module dies: verify names it; the route prepared for that is flashed, says so, and the normal one comes back by
-// flashing again.
+// A module dies: verify names it; the prepared route for that is flashed and reported, and flashing again restores the
+// normal one.
 TEST_F(Commands, the_route_prepared_for_a_failure_is_flashed_and_taken_back) {
   scene(json::array());
   run("flash patch.json --scene scene.json", 0);
@@ -89,7 +89,7 @@ TEST_F(Commands, the_route_prepared_for_a_failure_is_flashed_and_taken_back) {
     run(std::string("flash patch.json --scene scene.json --route ") + malformed, 2);
 }
 
-// The entry dies: the second cable reads the rest, and the commands say so.
+// The entry dies: the second cable reads the rest, and the commands report that.
 TEST_F(Commands, a_dead_entry_is_told_with_the_second_cable) {
   ASSERT_GE(second_entry_row(design_), 1);
   scene(json::array());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which controller hangs on which patch, found out before a table is written.
+// Tests which controller belongs to which patch, found out before a table is written.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ namespace {
 using device::BoardShape;
 using device::FoundBy;
 
-// A skin whose boards were never flashed and hang on the bus in any order of their ids.
+// Simulates a skin whose boards were never flashed and are on the bus in any order of their ids.
 class FreshSkin {
  public:
   FreshSkin(const design::Design& design, bool switched, std::uint64_t seed, std::vector<scene::Fault> faults = {},
@@ -52,7 +52,7 @@ class FreshSkin {
            std::ranges::all_of(r.patches, [&](const auto& p) { return p.serial == serial(p.patch); });
   }
   [[nodiscard]] device::Bus& bus() { return bus_; }
-  /// The board of a patch is exchanged for one that was never flashed, and everybody has power for three seconds.
+  /// Replaces the board of a patch by one that was never flashed, and powers everything for three seconds.
   void forget(std::size_t patch) {
     auto& flash = link_.skin().flash(patch);
     for (std::size_t at = 0; at < flash.size_bytes(); at += flash.page_bytes()) ASSERT_TRUE(flash.erase_page(at));
@@ -76,12 +76,12 @@ class FreshSkin {
   device::Bus bus_;
 };
 
-// Two patches alike: a strip in which they repeat.
+// Makes two equal patches: a strip in which they repeat.
 design::Design alike() {
   return strip(12, 4);
 }
 
-// What was wrong: fresh boards got the patches in the order of their ids, so switched patches got wrong tables.
+// Fresh boards used to get the patches in the order of their ids, so switched patches got wrong tables.
 TEST(FreshBoards, switched_patches_are_recognised_by_their_shape_though_all_share_an_address) {
   std::mt19937_64 random(51);
   int wrong_by_order = 0, several = 0;
@@ -100,7 +100,7 @@ TEST(FreshBoards, switched_patches_are_recognised_by_their_shape_though_all_shar
     EXPECT_TRUE(device::verify(skin.bus(), design, {}).findings.empty()) << seed;
   }
   EXPECT_GE(several, 6);
-  EXPECT_GE(wrong_by_order, 4);  // There are 8: with three patches one order in six is right by chance.
+  EXPECT_GE(wrong_by_order, 4);  // Of the 8 cases with three patches, one order in six is right by chance.
 }
 
 TEST(FreshBoards, equal_shapes_are_refused_and_no_table_is_written) {
@@ -122,9 +122,9 @@ TEST(FreshBoards, the_finger_of_a_simulation_tells_equal_shapes_apart) {
   }
 }
 
-// Strapped modules show no joints, but where chips answer. Only the patches that are alike are asked for.
+// Strapped modules show no joints, but only where chips answer. Questions are needed only for equal patches.
 TEST(FreshBoards, strapped_patches_are_recognised_by_their_places) {
-  FreshSkin skin(strip(10, 4), false, 5);  // 4, 4 and 2 modules
+  FreshSkin skin(strip(10, 4), false, 5);  // The patches have 4, 4 and 2 modules.
   const std::string text = skin.refusal();
   EXPECT_NE(text.find("patches 0, 1:"), std::string::npos) << text;
   EXPECT_EQ(text.find(skin.serial(2)), std::string::npos) << text;
@@ -154,9 +154,9 @@ FreshSkin joined(const design::Design& design, std::uint64_t seed, std::vector<s
   return {design, true, seed, std::move(faults), {}, true};
 }
 
-// What was wrong: a fresh board whose patch is joined to others took sixteen modules of any patch and held them, and
-// began anew for each port behind which was a seventeenth. Some boards said who they are after more than the 0.12 s in
-// which that is waited for, and the shapes were those of no patch.
+// A fresh board whose patch is joined to others used to take sixteen modules of any patch and hold them, and to begin
+// anew for each port behind which was a seventeenth. Some boards announced themselves after more than the 0.12 s of
+// waiting, and the shapes fitted no patch.
 TEST(FreshBoards, whose_patches_are_joined_all_answer_and_are_recognised) {
   std::mt19937_64 random(53);
   int by_shape = 0, all = 0, several = 0;
@@ -176,7 +176,7 @@ TEST(FreshBoards, whose_patches_are_joined_all_answer_and_are_recognised) {
   std::printf("%d of %d joined patches recognised by their shape, the others by touch\n", by_shape, all);
 }
 
-// A board that is replaced: those beside it hold their modules.
+// A board is replaced while its neighbours hold their modules.
 TEST(FreshBoards, that_replaces_one_among_joined_patches_answers_and_is_recognised) {
   const design::Design design = joined_patches(8, 12);
   ASSERT_GE(design.patches.size(), 4U);
@@ -190,7 +190,7 @@ TEST(FreshBoards, that_replaces_one_among_joined_patches_answers_and_is_recognis
   }
 }
 
-// Where shapes and the finger decide nothing, the message names what to do.
+// If shapes and the finger decide nothing, the message names the remedy.
 TEST(FreshBoards, of_joined_patches_that_look_alike_are_refused_by_name) {
   FreshSkin skin = joined(joined_patches(16, 12), 6);
   const std::string text = skin.refusal();
@@ -215,11 +215,11 @@ BoardShape answers(std::uint8_t line0, std::uint8_t line1 = 0) {
 }
 
 TEST(Shapes, differ_in_the_places_where_only_one_has_a_chip) {
-  const design::Design design = strip(10, 4);  // patches 0 and 1: line 0, addresses 0 … 3; patch 2: 0 and 1
+  const design::Design design = strip(10, 4);  // Patches 0 and 1 have line 0, addresses 0 … 3; patch 2 has 0 and 1.
   EXPECT_EQ(device::shape_difference(answers(0b1111), design, 0), 0);
   EXPECT_EQ(device::shape_difference(answers(0b0111), design, 0), 1);
   EXPECT_EQ(device::shape_difference(answers(0b1111, 1), design, 0), 1);
-  EXPECT_EQ(device::shape_difference(answers(0b0001), design, 0), -1);  // three of four
+  EXPECT_EQ(device::shape_difference(answers(0b0001), design, 0), -1);  // Three of four answer.
   EXPECT_EQ(device::shape_difference(answers(0), design, 2), -1);
 }
 
@@ -232,16 +232,16 @@ TEST(Shapes, settle_what_every_way_to_serve_all_patches_agrees_on) {
   const auto plain = settled({answers(0b1111), answers(0b0011), answers(0b1111)});
   EXPECT_EQ(plain.seat, (std::vector<int>{-1, 2, -1}));
   EXPECT_EQ(plain.likely, (std::vector<std::vector<int>>{{0, 1}, {2}, {0, 1}}));
-  // A dead chip on one of the patches of four: it is nearest to them all the same.
+  // One of the patches of four has a dead chip, but is still nearest to them.
   EXPECT_EQ(settled({answers(0b1111), answers(0b0011), answers(0b1101)}).seat, (std::vector<int>{-1, 2, -1}));
-  // A fourth board that equals patch 2, too: one of the two has it.
+  // A fourth board equals patch 2 too, so one of the two has it.
   EXPECT_EQ(settled({answers(0b1111), answers(0b0011), answers(0b1111), answers(0b0011)}).seat,
             (std::vector<int>{-1, -1, -1, -1}));
   // Nothing answers.
   EXPECT_EQ(settled({answers(0), answers(0b0011)}).seat, (std::vector<int>{-1, 2}));
 }
 
-// Patches of 4 and 3: with one dead chip both boards look like the patch of three.
+// Patches have 4 and 3 modules: with one dead chip both boards look like the patch of three.
 TEST(Shapes, do_not_settle_what_one_dead_chip_explains_otherwise) {
   const design::Design design = strip(7, 4);
   const std::vector<int> all{0, 1};
@@ -275,11 +275,11 @@ TEST(Identify, says_who_felt_the_finger) {
     const auto boards = device::identify(skin.bus(), design, options);
     ASSERT_EQ(boards.size(), 3U);
     for (const auto& b : boards) EXPECT_EQ(b.serial, skin.serial(b.patch)) << b.patch;
-    EXPECT_EQ(asked, (std::vector<int>{0, 1}));  // The third is the only one left.
+    EXPECT_EQ(asked, (std::vector<int>{0, 1}));  // Only the third is left.
     EXPECT_EQ(boards[2].by, FoundBy::kOnly);
     ASSERT_EQ(said.size(), 1U);
     EXPECT_NE(said[0].find("two patches"), std::string::npos);
-    // Its tables are nobody's: the design is flashed as if the boards were fresh.
+    // Its tables belong to nobody: the design is flashed as if the boards were fresh.
     device::FlashOptions named;
     for (const auto& b : boards) named.assign.push_back({b.patch, b.serial});
     EXPECT_TRUE(skin.right(device::flash(skin.bus(), design, named)));
@@ -310,7 +310,7 @@ TEST(Identify, asks_for_one_patch_also_where_its_table_is_there) {
   ASSERT_EQ(boards.size(), 1U);
   EXPECT_EQ(boards[0].serial, skin.serial(2));
   EXPECT_EQ(boards[0].by, FoundBy::kTouch);
-  EXPECT_TRUE(device::verify(skin.bus(), design, {}).findings.empty());  // its tables stayed
+  EXPECT_TRUE(device::verify(skin.bus(), design, {}).findings.empty());  // Its tables are unchanged.
   options.patch = 3;
   EXPECT_THROW((void)device::identify(skin.bus(), design, options), InputError);
 }

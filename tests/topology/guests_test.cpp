@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which modules of a neighbour a controller takes in: small patches, worked by hand. Modules of the patch come first in
-// the joints, then those of the neighbour, whose controller, where there is one, is number 1.
+// Tests which modules of a neighbour a controller adopts, on small patches worked by hand. Modules of the patch come
+// first in the joints, then those of the neighbour, whose controller, if there is one, is number 1.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -13,7 +13,7 @@ namespace {
 using Look = fw::Topology::Look;
 constexpr std::uint8_t kA = 0, kB = 1, kC = 2;
 
-/// Joints by hand: "module a, port p to module b, port q".
+/// Lists joints by hand: "module a, port p to module b, port q".
 class Joints {
  public:
   explicit Joints(int modules) : ends_(static_cast<std::size_t>(modules)) {}
@@ -28,8 +28,8 @@ class Joints {
   design::PortEnds ends_;
 };
 
-/// A patch of the first `own` modules, its cable at module 0, with a table of the joints among them. No parents: the
-/// tree is the one of least depth.
+/// Makes a patch of the first `own` modules, with its cable at module 0 and a table of the joints among them. Without
+/// parents the tree is the one of least depth.
 class Patch {
  public:
   Patch(const design::PortEnds& joints, int own, int cable_port = kA)
@@ -65,7 +65,7 @@ class Patch {
   fw::Topology::Table table;
 };
 
-// 0 – 1 – 2 are joined in a row; the stranger 3 touches 0 and 2. A walk that went on through 3 would come to 2 by a
+// 0 – 1 – 2 are joined in a row; the stranger 3 touches 0 and 2. A walk that continued through 3 would reach 2 by a
 // joint that the table does not know.
 TEST(AdoptedModules, a_way_through_a_stranger_back_into_the_patch_hides_no_own_module) {
   Patch p(Joints(4).join(0, kC, 1, kA).join(1, kB, 2, kA).join(0, kB, 3, kC).join(3, kA, 2, kB), 3);
@@ -78,7 +78,7 @@ TEST(AdoptedModules, a_way_through_a_stranger_back_into_the_patch_hides_no_own_m
   EXPECT_TRUE(p.topology.intact());
 }
 
-// Strangers 1 – 2 – 3 – 4 in a row behind module 0, and 5 at its other port.
+// Strangers 1 – 2 – 3 – 4 are in a row behind module 0, and 5 is at its other port.
 TEST(AdoptedModules, come_in_layer_by_layer) {
   const Joints joints =
       Joints(6).join(0, kB, 1, kA).join(1, kC, 2, kB).join(2, kA, 3, kA).join(3, kC, 4, kB).join(0, kC, 5, kA);
@@ -114,7 +114,7 @@ TEST(AdoptedModules, end_where_the_table_leaves_no_address) {
   EXPECT_FALSE(full.model.reached(16));
 }
 
-// The stranger 2 holds line 1 low: it stays outside, 3 beside it comes in.
+// The stranger 2 holds line 1 low: it stays outside, but 3 beside it is adopted.
 TEST(AdoptedModules, one_that_holds_a_line_stays_outside) {
   Patch p(Joints(4).join(0, kB, 1, kA).join(1, kB, 2, kC).join(1, kC, 3, kA), 2);
   p.model.set_stuck_line(2, 1);
@@ -131,11 +131,11 @@ TEST(AdoptedModules, one_that_holds_a_line_stays_outside) {
   EXPECT_EQ(q.model.stuck_lines(), 0);
 }
 
-// What a port of an adopted module leads to breaks the chain in its middle: nothing of it may be latched in the modules
-// behind.
+// A port of an adopted module leads to a fault that breaks the chain in its middle: the modules behind must latch
+// nothing of it.
 TEST(AdoptedModules, shorts_and_open_ends_behind_a_adopted_cost_no_module) {
   const Joints joints = Joints(5).join(0, kB, 1, kA).join(0, kC, 2, kA).join(1, kB, 3, kA).join(3, kB, 4, kA);
-  Patch p(joints, 3);  // Modules 3 and 4 are strangers, 2 lies behind them in the chain.
+  Patch p(joints, 3);  // Modules 3 and 4 are strangers, and 2 lies behind them in the chain.
   p.model.set_joint({3, kB}, SwitchedPatch::JointFault::kShort);
   EXPECT_EQ(p.adopt().alive, 0b111);
   EXPECT_EQ(p.adopted_modules(), (std::vector<wire::AdoptedModule>{{1, kB, kA, 3}}));
@@ -153,7 +153,7 @@ TEST(AdoptedModules, are_none_while_an_own_module_is_missing) {
   EXPECT_EQ(p.adopted_modules().size(), 1U);
 }
 
-// Module 2 has a cable of its own at port B and is held by its controller: refused. Let go, it comes in.
+// Module 2 has its own cable at port B and is held by its controller, so it is refused. Once released, it is adopted.
 TEST(AdoptedModules, are_none_that_somebody_holds) {
   Patch p(Joints(3).join(0, kB, 1, kA).join(1, kC, 2, kA), 2);
   auto& other = p.model.chain_of(p.model.add_controller({2, kB}));
@@ -165,14 +165,14 @@ TEST(AdoptedModules, are_none_that_somebody_holds) {
   (void)p.adopt();
   EXPECT_EQ(p.adopted_modules(), (std::vector<wire::AdoptedModule>{{1, kC, kA, 2}}));
   EXPECT_EQ(p.model.controller_of(2), 0);
-  // Taken away while it is an adopted module: the check sees it, and the own modules go on without it.
+  // The module is removed while it is adopted: the check detects that, and the own modules continue without it.
   p.model.set_dead(2, true);
   EXPECT_FALSE(p.topology.intact());
   EXPECT_EQ(p.adopt().alive, 0b11);
   EXPECT_TRUE(p.adopted_modules().empty());
 }
 
-// The first modules of a random patch are those of the table, the others strangers.
+// The first modules of a random patch are those of the table, the others are strangers.
 Patch patch_within(const RandomPatch& r, int own) {
   return {r.joints, own, r.cable_port};
 }
@@ -200,7 +200,7 @@ TEST(AdoptedModules, are_all_strangers_of_200_random_patches) {
   std::printf("slowest look with guests: %.1f ms of virtual time\n", slowest_us / 1000);
 }
 
-// A marginal clock flips bits: what is said to be read is read where it is said to be.
+// A marginal clock flips bits: a module that is reported as read must be read at its stated place.
 TEST(AdoptedModules, are_never_in_a_wrong_place_where_bits_flip) {
   std::mt19937_64 random(12);
   int complete = 0;
@@ -209,7 +209,7 @@ TEST(AdoptedModules, are_never_in_a_wrong_place_where_bits_flip) {
     p.model.set_bit_error_rate(2e-5);
     const auto report = p.adopt();
     p.model.set_bit_error_rate(0.0);
-    if (!report.complete || !p.topology.intact()) continue;  // The next look has another chance.
+    if (!report.complete || !p.topology.intact()) continue;  // The next search has another chance.
     complete += report.alive == 0x3FF && p.topology.adopted_count() == 4 ? 1 : 0;
     for (int m = 0; m < 10; ++m) {
       if ((report.alive >> m & 1) != 0) p.expect_at(m, m);

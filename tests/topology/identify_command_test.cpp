@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a person types who has plugged in boards that look alike, as processes.
+// Runs what a person types after plugging in boards that look alike, as processes.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -43,7 +43,7 @@ TEST_F(AlikeBoards, are_refused_identified_and_flashed) {
   EXPECT_TRUE(run("verify patch.json --scene scene.json --watch-s 0", 0)["findings"].empty());
 }
 
-// What was wrong: boards that share address 1 were not asked at all.
+// Boards that share address 1 used not to be asked at all.
 TEST_F(AlikeBoards, are_recognised_by_discover_as_one_of_several_patches) {
   scene(json::array());
   const json found = run("discover --topology --scene scene.json --design patch.json", 0);
@@ -64,13 +64,13 @@ TEST_F(AlikeBoards, touches_of_the_scene_are_waited_for) {
   const json found = run("identify patch.json --scene scene.json --patch 1 --limit-s 8 -o boards.json", 0);
   const json simulated = run("simulate scene.json --seconds 0.01", 0, "");
   EXPECT_EQ(found["boards"][0]["serial"], simulated["boards"][1]["serial"]);
-  // One at a time: the file is added to.
+  // One board is identified at a time, and the file is extended.
   const json none = run("identify patch.json --scene scene.json --patch 2 --limit-s 2 -o boards.json", 1);
   EXPECT_EQ(none["missing"], json::array({2}));
   EXPECT_EQ(boards()["boards"].size(), 1U);
 }
 
-// A board's tables are kept, lost to another design and brought back.
+// A board's tables are saved, lost to another design and restored.
 TEST_F(AlikeBoards, what_they_hold_is_saved_and_restored) {
   scene(json::array());
   (void)run("flash patch.json --scene scene.json", 0);
@@ -82,7 +82,7 @@ TEST_F(AlikeBoards, what_they_hold_is_saved_and_restored) {
   EXPECT_EQ(run("flash patch.json --scene scene.json --dry-run", 0)["skipped"], 0);
   const json restored = run("flash patch.json --scene scene.json --restore kept.json", 0);
   EXPECT_EQ(restored["controllers"], 3);
-  EXPECT_EQ(restored["bytes"], 3 * (32 + 4 * 12));  // docs/flash_layout.md: 32 bytes, 12 a module
+  EXPECT_EQ(restored["bytes"], 3 * (32 + 4 * 12));  // By docs/flash_layout.md there are 32 bytes, and 12 per module.
   EXPECT_EQ(run("flash patch.json --scene scene.json --dry-run", 0)["skipped"], 3);
   EXPECT_TRUE(run("verify patch.json --scene scene.json --watch-s 0", 0)["findings"].empty());
   std::ofstream(folder_ / "cut.json") << text.substr(0, text.size() / 2);

@@ -9,7 +9,7 @@
 
 namespace triskin::test {
 
-/// Three rows of tiles, two patches or more with free addresses, whose modules join across the border.
+/// Makes three rows of tiles with two patches or more with free addresses, whose modules join across the border.
 inline design::Design joined_patches(int columns, int capacity, bool second_entry = false) {
   using design::Tile;
   std::vector<Tile> tiles;
@@ -32,7 +32,7 @@ inline design::Design joined_patches(int columns, int capacity, bool second_entr
   return d;
 }
 
-/// A failure of a module after which others are left to a neighbour.
+/// A failure of a module that leaves other modules to a neighbour.
 struct Unreachable {
   int dead = -1, patch = -1;
   std::vector<int> modules;
@@ -54,7 +54,7 @@ inline scene::Scene scene_of(const design::Design& design) {
   scene::Scene s;
   s.design = design;
   s.switched = s.border_joints = true;
-  s.effects.taxel_spread_counts = 3000;  // every taxel of every module rests somewhere else
+  s.effects.taxel_spread_counts = 3000;  // Every taxel of every module has another rest value.
   return s;
 }
 

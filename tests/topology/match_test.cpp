@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is found on the chain, laid over the design: every difference named.
+// Compares the modules found on the chain with the design: every difference must be named.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -57,7 +57,8 @@ const device::TopologyDifference& only(const device::TopologyMatch& m) {
   return m.differences.empty() ? kNone : m.differences[0];
 }
 
-// A joint whose loss parts nobody from the entry, between modules that are not the entry; −1 when there is none.
+// Returns a joint whose loss separates nobody from the entry, between modules that are not the entry; −1 when there
+// is none.
 std::pair<int, int> spare_joint(const design::Design& design) {
   const design::Patch& patch = design.patches[0];
   for (const auto& m : patch.modules) {
@@ -128,7 +129,7 @@ TEST(Match, names_exchanged_modules_and_an_extra_joint) {
       EXPECT_EQ(std::minmax(d.module, d.other), std::minmax(a.node, b.node));
       ++exchanges;
     }
-    // Two border modules that are no neighbours, joined by a wire.
+    // Two border modules that are no neighbours are joined by a wire.
     const auto free_sides = [&](int node) {
       return std::ranges::count(design.layout.modules[static_cast<std::size_t>(node)].neighbour, -1);
     };

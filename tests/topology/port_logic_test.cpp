@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every state that modules of small patches can reach, gates acting in any order, any bits latched at any time.
+// Visits every state that modules of small patches can reach, with gates acting in any order and any bits latched at
+// any time.
 #include "triskin/sim/port_logic.hpp"
 
 #include <gtest/gtest.h>
@@ -23,7 +24,7 @@ struct State {
     int grant = sim::kNoGrant;
   };
   std::array<One, 4> module{};
-  std::uint32_t cables = 0;  // bit c: EN of cable c
+  std::uint32_t cables = 0;  // Bit c is EN of cable c.
   [[nodiscard]] std::uint32_t key() const {
     std::uint32_t k = cables;
     for (const One& m : module) k = k << 5 | static_cast<std::uint32_t>(m.enable << 2 | m.grant);
@@ -31,7 +32,7 @@ struct State {
   }
 };
 
-// Each cable is that of another controller.
+// Each cable belongs to another controller.
 class Explorer {
  public:
   explicit Explorer(Patch patch, std::vector<Wire> cables = {{0, 0}})
@@ -51,7 +52,7 @@ class Explorer {
       for (std::size_t m = 0; m < patch_.size(); ++m) {
         gates(s, m);
         if (!from_controller(s, static_cast<int>(m))) continue;
-        for (std::uint8_t bits = 0; bits < 8; ++bits) {  // whatever a latch pulse writes
+        for (std::uint8_t bits = 0; bits < 8; ++bits) {  // A latch pulse may write any of these values.
           State next = s;
           next.module[m].enable = bits;
           visit(next);
@@ -81,7 +82,7 @@ class Explorer {
   [[nodiscard]] bool closed(const State& s, int m, int p) const {
     return (sim::switches(inputs(s, static_cast<std::size_t>(m))) >> p & 1) != 0;
   }
-  // Joint whose switches are closed at both ends.
+  // Returns true if the switches of a joint are closed at both ends.
   [[nodiscard]] bool conducts(const State& s, int m, int p) const {
     const Wire w = patch_[static_cast<std::size_t>(m)][static_cast<std::size_t>(p)];
     return w.module >= 0 && closed(s, m, p) && closed(s, w.module, w.port);
@@ -112,8 +113,8 @@ class Explorer {
       visit(next);
     }
   }
-  // Paths of conducting joints from a cable: as many joints as modules reached besides the first, so none has two ways;
-  // and no module is reached from two cables.
+  // Expects as many conducting joints on the paths from a cable as modules reached besides the first, so that none has
+  // two ways, and no module that two cables reach.
   void expect_one_path(const State& s) const {
     std::vector<bool> in(patch_.size(), false);
     for (std::size_t c = 0; c < cables_.size(); ++c) {
@@ -159,13 +160,13 @@ TEST(PortLogic, no_reachable_state_of_two_modules_with_two_joints_has_two_paths)
 }
 
 TEST(PortLogic, no_reachable_state_of_four_modules_with_every_possible_joint_has_two_paths) {
-  // 0-1, 0-2, 1-2, 1-3, 2-3: two cycles; port 0 of module 0 is the cable.
+  // The joints 0-1, 0-2, 1-2, 1-3, 2-3 form two cycles; port 0 of module 0 is the cable.
   const Patch four{
       {{{-1, 0}, {1, 0}, {2, 0}}}, {{{0, 1}, {2, 1}, {3, 0}}}, {{{0, 2}, {1, 1}, {3, 1}}}, {{{1, 2}, {2, 2}, {-1, 0}}}};
   EXPECT_GT(Explorer(four).run(), 5000U);
 }
 
-// The joint of 1 and 2 is the border of two patches: each controller may open it from its side at any time.
+// The joint of 1 and 2 is the border of two patches, and each controller may open it from its side at any time.
 TEST(PortLogic, no_reachable_state_of_two_controllers_joins_their_lines) {
   const Patch row{{{{-1, 0}, {1, 0}, {-1, 0}}},
                   {{{0, 1}, {2, 0}, {-1, 0}}},
@@ -177,13 +178,13 @@ TEST(PortLogic, no_reachable_state_of_two_controllers_joins_their_lines) {
   EXPECT_GT(Explorer(ring, {{0, 0}, {3, 2}}).run(), 20000U);
 }
 
-// Hand-worked rows of the truth table in docs/switched_module.md.
+// These rows of the truth table in docs/switched_module.md are worked by hand.
 TEST(PortLogic, truth_table) {
   using sim::PortInputs;
-  EXPECT_EQ(sim::en_out(sim::kNoGrant, 7), 0);                         // no parent: everything closed
+  EXPECT_EQ(sim::en_out(sim::kNoGrant, 7), 0);                         // Without a parent everything is closed.
   EXPECT_EQ(sim::en_out(0, 7), 6);                                     // The parent's own port is never driven.
-  EXPECT_EQ(sim::switches({.enable = 2, .en_in = 1, .grant = 0}), 3);  // parent and opened port
-  EXPECT_EQ(sim::switches({.enable = 2, .en_in = 3, .grant = 0}), 1);  // Both ends open one joint: it stays cut.
+  EXPECT_EQ(sim::switches({.enable = 2, .en_in = 1, .grant = 0}), 3);  // The parent and the opened port are set.
+  EXPECT_EQ(sim::switches({.enable = 2, .en_in = 3, .grant = 0}), 1);  // Both ends open one joint, so it stays cut.
   EXPECT_EQ(sim::switches({.enable = 7, .en_in = 7, .grant = sim::kNoGrant}), 0);
   EXPECT_TRUE(sim::loses_grant({.enable = 0, .en_in = 6, .grant = 0}));
   EXPECT_FALSE(sim::loses_grant({.enable = 0, .en_in = 1, .grant = 0}));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the host predicted for a failure, and what the controller makes of it, must agree.
+// The host's prediction for a failure and the result of the controller must agree.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -62,8 +62,8 @@ TEST(Prediction, every_failure_of_a_design_costs_what_the_host_said) {
       break_it(model, design, f, true);
       const auto report = topology.reroute(fw::Topology::table_of(normal));
       const int n = static_cast<int>(patch.modules.size());
-      // Over the first cable what the host said for one entry; over the second, when the entry died, what it said for
-      // two.
+      // The first cable must reach what the host predicted for one entry; if the entry died, the second must reach what
+      // it predicted for two.
       const bool entry_died = f.other_node < 0 && f.node == patch.entry;
       if (entry_died || !report.second_cable) {
         EXPECT_EQ(std::popcount(report.alive), n - (entry_died ? f.lost_backed_up : f.lost_one_entry))
@@ -106,7 +106,7 @@ TEST(Tables, of_random_designs_hold_every_joint_and_survive_the_round_trip) {
     ASSERT_TRUE(back);
     EXPECT_EQ(*back, image);
     if (image.module_count < 2) continue;
-    layout::PatchImage damaged = image;  // A joint with one end.
+    layout::PatchImage damaged = image;  // The joint has only one end.
     auto& joints = damaged.modules[1].joints;
     *std::ranges::find_if(joints, [](std::uint8_t j) { return j != 0; }) = 0;
     EXPECT_EQ(layout::check(damaged), Status::kBadTree);

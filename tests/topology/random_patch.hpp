@@ -21,7 +21,7 @@ struct RandomPatch {
   [[nodiscard]] SwitchedPatch::End end(int m, int p) const {
     return joints[static_cast<std::size_t>(m)][static_cast<std::size_t>(p)];
   }
-  /// Each joint once.
+  /// Lists each joint once.
   [[nodiscard]] std::vector<SwitchedPatch::End> joint_ends() const {
     std::vector<SwitchedPatch::End> list;
     for (int m = 0; m < size(); ++m) {
@@ -55,7 +55,8 @@ inline bool add_joint(RandomPatch& patch, int a, int b, std::mt19937_64& random)
   return true;
 }
 
-/// A random tree with random ports, then up to `cycles` more joints; more tangled than modules on a surface can be.
+/// Makes a random tree with random ports, then adds up to `cycles` more joints; it is more tangled than modules on a
+/// surface can be.
 inline RandomPatch random_patch(int modules, int cycles, std::mt19937_64& random) {
   RandomPatch patch;
   patch.joints.resize(1);
@@ -73,7 +74,7 @@ inline RandomPatch random_patch(int modules, int cycles, std::mt19937_64& random
   return patch;
 }
 
-/// The firmware's port over the modelled modules.
+/// Connects the firmware's port to the modelled modules.
 class ModelledChain final : public fw::RouteChain {
  public:
   explicit ModelledChain(SwitchedPatch& patch) : patch_(patch) {}
@@ -89,7 +90,7 @@ class ModelledChain final : public fw::RouteChain {
   std::uint8_t stuck_lines() override { return patch_.stuck_lines(); }
 
   int exchanges = 0;
-  std::function<void()> watch;  ///< called in every settled state
+  std::function<void()> watch;  ///< The model calls this in every settled state.
 
  private:
   SwitchedPatch& patch_;
@@ -108,7 +109,8 @@ inline fw::PatchGraph table_of(const RandomPatch& patch) {
   return graph;
 }
 
-/// The same graph with modules renumbered in the order of a walk from the entry, ports A, B, C: equal when isomorphic.
+/// Renumbers the modules of the same graph in the order of a walk from the entry, ports A, B, C: isomorphic graphs
+/// become equal.
 inline fw::PatchGraph canonical(const fw::PatchGraph& g) {
   std::vector<int> number(layout::kMaxModules, -1);
   std::vector<std::size_t> queue;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pairs of mistakes on switched patches: one finding for each cause, and none beside.
+// Seeds pairs of mistakes on switched patches: each cause must give one finding, and nothing else any.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ namespace {
 using device::FindingKind;
 using scene::FaultKind;
 
-// A patch, and what is wrong with it.
+// A patch and its fault.
 struct Seeded {
   scene::Fault fault;
   FindingKind kind = FindingKind::kMissingModule;
@@ -28,7 +28,7 @@ struct Seeded {
 std::set<int> subtree_of(const design::Patch& patch, int module) {
   std::set<int> below{module};
   for (const design::RoutedModule& m : patch.modules) {
-    if (below.contains(m.parent)) below.insert(m.node);  // Parents stand before their children.
+    if (below.contains(m.parent)) below.insert(m.node);  // Parents precede their children.
   }
   return below;
 }
@@ -41,7 +41,7 @@ scene::Fault fault_of(FaultKind kind, int module, int other = -1) {
   return f;
 }
 
-// Joints whose loss parts the modules behind them from the entry: those that the design lists as bridges.
+// Opens a joint whose loss separates the modules behind it from the entry; the design lists these as bridges.
 std::optional<Seeded> open_bridge(const design::Patch& patch, std::mt19937_64& random) {
   std::vector<std::array<int, 2>> bridges;
   for (const auto& b : patch.bridges) bridges.push_back({b[0], b[1]});
@@ -56,7 +56,7 @@ std::optional<Seeded> open_bridge(const design::Patch& patch, std::mt19937_64& r
   return Seeded{fault_of(FaultKind::kOpenJoint, a, b), kind, concerned};
 }
 
-// A module at which no other hangs, so that its loss is its own.
+// Picks a module without children, so that its loss concerns only itself.
 std::optional<Seeded> on_leaf(const design::Patch& patch, std::mt19937_64& random, FaultKind fault, FindingKind kind) {
   for (int k = 0; k < 100; ++k) {
     const design::RoutedModule& m = patch.modules[random() % patch.modules.size()];

@@ -13,7 +13,7 @@ using Fault = SwitchedPatch::JointFault;
 
 std::array<fw::LineAddress, layout::kMaxModules> addresses_of(int modules) {
   std::array<fw::LineAddress, layout::kMaxModules> addresses{};
-  // Not in order, so that a slot given to the wrong module shows.
+  // The order is mixed, so that a slot given to the wrong module is detected.
   for (int m = 0; m < modules; ++m) {
     const int s = (7 * m + 3) % 16;
     addresses[static_cast<std::size_t>(m)] = {static_cast<std::uint8_t>(s % 4), static_cast<std::uint8_t>(s / 4)};
@@ -22,9 +22,9 @@ std::array<fw::LineAddress, layout::kMaxModules> addresses_of(int modules) {
 }
 
 struct Failure {
-  int module = -1;  // dead, or with `line` holding a line down
+  int module = -1;  // The module is dead, or with `line` holds a line down.
   int line = -1;
-  SwitchedPatch::End joint{};  // when module < 0
+  SwitchedPatch::End joint{};  // The joint counts when module < 0.
   Fault fault = Fault::kNone;
 };
 
@@ -45,7 +45,8 @@ void repair(SwitchedPatch& model, const Failure& f) {
     model.set_joint(f.joint, Fault::kNone);
 }
 
-// Best possible: least number of joints from the entry over what survives, −1 when there is no way.
+// Returns the best possible depths: least number of joints from the entry over what survives, −1 when there is no
+// way.
 std::vector<int> best_depths(const RandomPatch& patch, const std::vector<Failure>& failures) {
   const auto dead = [&](int m) {
     return std::any_of(failures.begin(), failures.end(), [&](const Failure& f) { return f.module == m; });
@@ -83,7 +84,8 @@ class Fixture {
         topology(chain),
         table{table_of(patch), addresses_of(patch.size()), {}} {}
 
-  // Checks after rerouting that exactly the best set is reached, least deep, each module at its own line and address.
+  // Checks after rerouting that exactly the best set is reached, least deep, with each module at its own line and
+  // address.
   void expect_best(const std::vector<Failure>& failures) {
     const double start = model.time_us();
     const fw::Topology::Report report = topology.reroute(table);
@@ -148,8 +150,8 @@ TEST(Discovery, finds_every_joint_of_1000_random_patches_within_50_ms) {
   std::printf("slowest discovery: %.1f ms of virtual time, %d cycles in all\n", slowest_us / 1000, cycles_seen);
 }
 
-// Without a table nothing says where the patch ends. What was wrong: each port behind which was a seventeenth module
-// began the look anew.
+// Without a table nothing tells where the patch ends. Each port behind which was a seventeenth module used to restart
+// the search.
 TEST(Discovery, of_a_patch_that_is_joined_to_others_takes_sixteen_modules_within_60_ms) {
   std::mt19937_64 random(9);
   double slowest_us = 0.0;
@@ -225,7 +227,7 @@ TEST(Healing, any_two_failures_end_at_the_best_possible) {
   }
 }
 
-// A failure between two checks is seen by the next check, so that no sample of that cycle counts.
+// The next check sees a failure between two checks, so that no sample of that cycle counts.
 TEST(Healing, the_check_sees_every_loss_and_a_module_that_resets_alone) {
   std::mt19937_64 random(5);
   for (int trial = 0; trial < 100; ++trial) {
@@ -243,7 +245,7 @@ TEST(Healing, the_check_sees_every_loss_and_a_module_that_resets_alone) {
   }
 }
 
-// While the tree is being changed no two modules that the lines reach hold one slot, but for those that have none yet.
+// While the tree changes, no two modules that the lines reach hold the same slot, except those that have none yet.
 TEST(Healing, no_two_configured_modules_share_a_slot_at_any_latch) {
   std::mt19937_64 random(6);
   for (int trial = 0; trial < 100; ++trial) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What boards hold is kept in a file and written back, or refused before the first byte.
+// The content of boards is saved to a file and written back, or refused before the first byte.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -27,7 +27,7 @@ class Backups : public testing::Test {
   void SetUp() override {
     file_ = fs::temp_directory_path() / fmt::format("triskin_backup.{}.json", ::getpid());
     hub_.flash();
-    bus_.listen(bus_.now_us() + 3'000'000);  // Offsets are searched and kept.
+    bus_.listen(bus_.now_us() + 3'000'000);  // Offsets are searched and stored by now.
   }
   void TearDown() override { fs::remove(file_); }
 
@@ -60,7 +60,7 @@ class Backups : public testing::Test {
   }
 
   fs::path file_;
-  SharedSkin hub_{strip_scene(12, 4)};  // three controllers
+  SharedSkin hub_{strip_scene(12, 4)};  // There are three controllers.
   SharedSkin::Client link_{hub_};
   Bus bus_{link_};
 };
@@ -73,14 +73,13 @@ TEST_F(Backups, keep_every_value_that_the_protocol_reads) {
     EXPECT_EQ(b.node_address, p + 1);
     EXPECT_EQ(b.table, bytes_of(image_of(hub_.design(), p)));
     for (const wire::Identifier& row : wire::kIdentifiers) {
-      // Simulated controllers are not started from a slot, so they have no image to tell of; none is calibrated or has
-      // crashed.
+      // Simulated controllers are not started from a slot, so they report no image; none is calibrated or has crashed.
       const bool silent =
           row.id == wire::did::kImageState || row.id == wire::did::kCalibration || row.id == wire::did::kCrash;
       if (row.access == wire::Access::kFreeze || silent) continue;
       EXPECT_TRUE(b.values.contains(row.id)) << std::hex << row.id;
     }
-    EXPECT_EQ(b.values.at(wire::did::kOffsets).size(), 5U + 16U * 4);  // 4 modules, 16 bytes each
+    EXPECT_EQ(b.values.at(wire::did::kOffsets).size(), 5U + 16U * 4);  // There are 4 modules with 16 bytes each.
   }
   const auto again = read_of(backup_text(boards));
   ASSERT_EQ(again.size(), 3U);
@@ -111,8 +110,8 @@ TEST_F(Backups, carry_the_calibration_that_is_kept_for_a_board) {
   EXPECT_NE(error_of(backup_text(boards)).find("is not that of this controller"), std::string::npos);
 }
 
-// What the controllers keep themselves goes with the table: into the file, back after another design, and onto a new
-// board.
+// The calibration that the controllers keep goes with the table: into the file, back after another design, and onto a
+// new board.
 TEST_F(Backups, bring_the_calibration_back_that_a_controller_kept) {
   const auto claims = bus_.discover();
   design::BoardCalibration calibration{to_text(claims.at(1).unique_id),
@@ -164,7 +163,7 @@ TEST_F(Backups, remember_faults_and_when_they_came) {
   const auto boards = read_of(backup_text(save_boards(bus, {})));
   ASSERT_EQ(boards.size(), 1U);
   ASSERT_EQ(boards[0].faults.size(), 1U);
-  EXPECT_EQ(boards[0].faults[0].code, 0x920002U);  // absent, row 2
+  EXPECT_EQ(boards[0].faults[0].code, 0x920002U);  // The state is absent, the row is 2.
   EXPECT_TRUE(wire::FreezeFrame::decode(boards[0].faults[0].noted));
 }
 
@@ -194,14 +193,14 @@ TEST_F(Backups, come_back_one_after_the_other_when_asked_for) {
     for (const RestoredBoard& r : restore_boards(bus_, kept, options)) EXPECT_TRUE(r.written);
     return bus_.now_us() - before;
   };
-  // An erase takes 22 ms and is the longest part: side by side three boards wait for it once.
+  // An erase takes 22 ms and is the longest part; in parallel, three boards wait for it once.
   EXPECT_GT(restore_us(1), restore_us(3) + 2 * 22'000);
 }
 
 TEST_F(Backups, put_a_new_board_in_the_place_of_a_broken_one) {
   const auto boards = save_boards(bus_, {});
   scene::Scene scene = strip_scene(12, 4);
-  scene.board_seed = 11;  // other boards, never flashed
+  scene.board_seed = 11;  // These are other boards, which were never flashed.
   SharedSkin other(std::move(scene));
   SharedSkin::Client link(other);
   Bus bus(link);
@@ -249,7 +248,7 @@ TEST_F(Backups, that_were_cut_or_changed_are_refused) {
   EXPECT_EQ(refused, tried);
 }
 
-// A table that is none, with a CRC that fits: the second check.
+// The data is no table, but its CRC fits, so the second check must refuse it.
 TEST_F(Backups, of_something_else_than_a_table_are_refused) {
   auto boards = save_boards(bus_, {});
   boards[0].table[40] ^= 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Readers of one bus come, go and die: none of them ends the stream of another.
+// Readers of one bus begin, end and die: none of them may end the stream of another.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -14,7 +14,7 @@ using test::kSequence_us;
 using test::SharedSkin;
 using test::strip_scene;
 
-/// A program that reads: a link, a bus and a stream of its own.
+/// Simulates a reading program with its own link, bus and stream.
 class Reader {
  public:
   Reader(SharedSkin& hub, int every) : link_(hub), bus_(link_) {
@@ -29,7 +29,7 @@ class Reader {
     link_.cut();
     stream_.reset();
   }
-  /// Ends in order; every sample of the lease must be there.
+  /// Ends properly; every sample of the lease must be there.
   void go(std::size_t modules) {
     const double seconds_us = static_cast<double>(bus_.now_us() - begin_us_);
     stream_->finish();
@@ -48,7 +48,7 @@ class Reader {
   int every_ = 1;
 };
 
-// 54 samples a second for one reader; another, who wants 108, would change what the first one reads.
+// One reader has 54 samples a second; another that wants 108 would change what the first one reads.
 TEST(Leases, decimation_is_chosen_by_the_first_reader) {
   SharedSkin hub(strip_scene(6, 3));
   hub.flash();
@@ -73,11 +73,11 @@ TEST(Leases, decimation_is_chosen_by_the_first_reader) {
   const StreamReport r = first.report();
   EXPECT_TRUE(r.complete()) << sentences(r).at(0);
   EXPECT_NEAR(static_cast<double>(r.total.expected), 6 * 2.0 / 0.0184, 0.05 * 6 * 2.0 / 0.0184);
-  options.decimation = wire::Decimation::k256;  // nobody reads now
+  options.decimation = wire::Decimation::k256;  // Nobody reads now.
   EXPECT_NO_THROW(Stream(other_bus, hub.design(), [](const ModuleSample&) {}, options));
 }
 
-// What was wrong: the reader that ended first switched the streams off; the other had half its data, "0 lost".
+// The reader that ended first used to switch the streams off; the other then had half its data and "0 lost".
 TEST(Leases, the_end_of_one_reader_leaves_the_other_its_stream) {
   SharedSkin hub(strip_scene(6, 3));
   hub.flash();
@@ -123,10 +123,10 @@ constexpr std::uint64_t kLease_us = 1'000'000;
 /// Readers with every sample or each second or third one begin, end and die in any order.
 struct Interleaving {
   SharedSkin& hub;
-  std::vector<std::uint64_t> died_us;  // When those that died did.
+  std::vector<std::uint64_t> died_us;  // Each reader that died did so at one of these times.
   int refused = 0;
 
-  // A dead reader keeps its place until its lease ends; who finds none is told so, and nobody else is.
+  // A dead reader keeps its place until its lease ends; a reader that finds no place gets a message, and no other does.
   std::unique_ptr<Reader> begin(int every, std::size_t alive) {
     const std::uint64_t now_us = hub.skin().now_us();
     try {
@@ -158,7 +158,7 @@ struct Interleaving {
         readers.erase(which);
       }
       std::ranges::shuffle(readers, random);
-      // Time passes only while somebody waits: without this, leases of eight dead readers would stand for ever.
+      // Time passes only while somebody waits; without this, leases of eight dead readers would last forever.
       if (readers.empty()) hub.skin().run_until(hub.skin().now_us() + random() % 100'000);
       for (auto& r : readers) r->run(random() % 30'000);
     }

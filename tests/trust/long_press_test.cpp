@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A press of ten minutes: what is reported stays what it was, warm or cold, while the installed skins lose it after
-// half a minute.
+// During a press of ten minutes the report must not change, warm or cold, while the installed skins lose it after half
+// a minute.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -36,7 +36,7 @@ TEST_P(LongPress, stays_within_two_percent_of_its_value_at_ten_seconds) {
   FlashOptions flash_options;
   flash_options.take_over = true;
   (void)device::flash(bus, link.skin().scene().design, flash_options);
-  bus.listen(bus.now_us() + 3 * kSecond_us);  // offsets are found
+  bus.listen(bus.now_us() + 3 * kSecond_us);  // The offsets are found by now.
 
   LiveMonitor monitor(link.skin().scene().design);
   Stream stream(bus, link.skin().scene().design, [&](const ModuleSample& f) { monitor.add(f); });
@@ -50,7 +50,7 @@ TEST_P(LongPress, stays_within_two_percent_of_its_value_at_ten_seconds) {
   const int id = link.skin().skin().press(finger);
   const std::uint64_t begin_us = bus.now_us();
   const auto sum_at = [&](std::uint64_t second) {
-    // The mean of a second: noise of a single sample is no loss of the contact.
+    // We take the mean of a second, because noise of a single sample is no loss of the contact.
     double sum = 0.0;
     constexpr int kLooks = 10;
     for (int k = 0; k < kLooks; ++k) {

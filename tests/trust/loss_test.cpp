@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every sample that was due is received, or lost at a place that is named.
+// Every sample that was due must be received, or counted as lost at a named place.
 #include <gtest/gtest.h>
 
 #include "shared_skin.hpp"
@@ -15,11 +15,11 @@ using test::SampleName;
 using test::SharedSkin;
 using test::strip_scene;
 
-// 193 modules on 13 controllers on one bus with 1 Mbit/s and 2 Mbit/s data: 163 % of it.
+// 193 modules on 13 controllers share one bus with 1 Mbit/s and 2 Mbit/s data: 163 % of it.
 class Crowded : public testing::Test {
  protected:
   Crowded() { hub_.flash(); }
-  // Streams for `seconds` and keeps what came.
+  // Streams for `seconds` and keeps the samples.
   StreamReport run(double seconds, StreamOptions options) {
     hub_.forget();
     Stream stream(
@@ -30,7 +30,7 @@ class Crowded : public testing::Test {
     stream.finish();
     return stream.report();
   }
-  // Each sample that was on the bus between the first and the last that came of its module has come.
+  // For each module, every sample that was on the bus between the first and the last received one must be received.
   void expect_as_on_the_bus() const {
     std::map<std::pair<int, int>, std::pair<std::uint32_t, std::uint32_t>> range;
     for (const SampleName& s : came_) {
@@ -52,8 +52,8 @@ class Crowded : public testing::Test {
   std::set<SampleName> came_;
 };
 
-// What was wrong: "31312 module samples, 0 lost", status 0; 76 of 193 modules were not in the file. Now every sample is
-// asked for all the same, and each that is missing is counted.
+// The report used to be "31312 module samples, 0 lost", status 0, while 76 of 193 modules were not in the file. Now
+// every sample is still requested, and each missing one is counted.
 TEST_F(Crowded, a_bus_that_is_too_slow_is_said_and_every_module_gets_its_share) {
   StreamOptions options;
   options.every = 1;
@@ -102,7 +102,7 @@ TEST(Loss, what_the_computer_loses_is_counted_by_the_frame) {
   hub.flash();
   SharedSkin::Client link(hub);
   Bus bus(link);
-  std::map<std::uint32_t, std::uint64_t> lost;  // Keyed by identifier.
+  std::map<std::uint32_t, std::uint64_t> lost;  // The key is the identifier.
   int turn = 0;
   link.lose = [&](const wire::CanFrame& f) { return wire::decode_full(f) && ++turn % 7 == 0 && ++lost[f.id] > 0; };
   Stream stream(bus, hub.design(), {});
@@ -116,7 +116,7 @@ TEST(Loss, what_the_computer_loses_is_counted_by_the_frame) {
   for (const ModuleCounts& m : r.modules) {
     const std::uint32_t id =
         wire::kFullBase | static_cast<std::uint32_t>(m.patch + 1) << 8 | static_cast<std::uint32_t>(m.module % 3);
-    // A frame that was lost before the lease began, or after its end, is none of its samples.
+    // A frame that was lost before the lease began, or after its end, does not belong to its samples.
     EXPECT_LE(m.counts.on_the_way, lost[id]) << m.module;
     EXPECT_GE(m.counts.on_the_way + 2, lost[id]) << m.module;
   }
@@ -157,11 +157,11 @@ TEST(Loss, a_module_that_gives_no_data_was_never_heard) {
   const StreamReport r = stream.report();
   EXPECT_EQ(r.never_heard, std::vector<int>{4});
   EXPECT_FALSE(r.complete());
-  EXPECT_EQ(r.total.lost(), 0U);  // The controller said each time that there was nothing.
+  EXPECT_EQ(r.total.lost(), 0U);  // The controller reported each time that there was nothing.
 }
 
-// A controller that loses its power streams again by itself: the lease is renewed, and what it did not take is counted
-// by the rate.
+// A controller that loses power resumes streaming by itself: the lease is renewed, and the samples that it did not take
+// are counted by the rate.
 TEST(Loss, a_controller_that_was_away_is_noticed_in_half_a_second_and_counted) {
   SharedSkin hub(strip_scene(6, 3));
   hub.flash();

@@ -34,16 +34,16 @@ class Owners : public testing::Test {
     return n;
   }
 
-  SharedSkin hub_{strip_scene(12, 4)};  // three controllers
+  SharedSkin hub_{strip_scene(12, 4)};  // There are three controllers.
   SharedSkin::Client link_{hub_};
   Bus bus_{link_};
 };
 
-// What was wrong: flash with another design took the controllers without a word, and the first design's verify then
-// found 5 of 96 modules.
+// A flash with another design used to take the controllers silently, and the first design's verify then found 5 of 96
+// modules.
 TEST_F(Owners, another_design_is_left_alone) {
   (void)flash(hub_.design());
-  // A new table lets the controllers search the offsets of their converters, about 1 s, and keep them in flash.
+  // After a new table the controllers search the offsets of their converters, about 1 s, and store them in flash.
   bus_.listen(bus_.now_us() + 3'000'000);
   const std::uint64_t before = operations();
   bus_.listen(bus_.now_us() + 1'000'000);
@@ -69,7 +69,7 @@ TEST_F(Owners, a_named_controller_gets_its_patch_whatever_it_holds) {
   options.assign = {{0, serial(2)}, {1, serial(0)}, {2, serial(1)}};
   const FlashResult r = flash(hub_.design(), options);
   for (const auto& a : options.assign) EXPECT_EQ(r.patches.at(static_cast<std::size_t>(a.patch)).serial, a.serial);
-  // The assignment is kept by the controllers: a second flash finds every table equal.
+  // The controllers keep the assignment, so a second flash finds every table equal.
   EXPECT_EQ(flash(hub_.design()).skipped, 3);
 }
 
@@ -83,7 +83,7 @@ TEST_F(Owners, one_board_at_a_time) {
   ASSERT_EQ(r.patches.size(), 1U);
   EXPECT_EQ(r.patches[0].patch, 1);
   EXPECT_EQ(Controller(bus_, 2).active_table().modules, 4);
-  // With one left for each patch nothing has to be named.
+  // With one board left for each patch, nothing has to be named.
   for (std::size_t k = 0; k < 2; ++k) {
     options.patch = k == 0 ? 0 : 2;
     options.assign = {{options.patch, serial(k)}};

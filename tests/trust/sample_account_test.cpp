@@ -34,21 +34,22 @@ TEST(SampleAccount, a_module_that_was_never_heard_has_lost_all_that_was_due) {
 
 TEST(SampleAccount, what_is_none_of_the_lease_counts_for_nothing) {
   SampleAccount a(2, kInterval_us);
-  EXPECT_FALSE(a.add(sample(8), 0));  // no account yet
+  EXPECT_FALSE(a.add(sample(8), 0));  // There is no account yet.
   a.begin(0, {10, 0, 0, 10, 0}, 0);
-  EXPECT_FALSE(a.add(sample(10), 0));  // before
-  EXPECT_FALSE(a.add(sample(11), 0));  // no multiple
+  EXPECT_FALSE(a.add(sample(10), 0));  // The sample came before the account.
+  EXPECT_FALSE(a.add(sample(11), 0));  // The number is no multiple.
   EXPECT_TRUE(a.add(sample(12), 0));
-  EXPECT_FALSE(a.add(sample(12), 0));  // twice
+  EXPECT_FALSE(a.add(sample(12), 0));  // The sample came twice.
   a.end(0, {14, 0, 0, 14, 1}, 0);
   EXPECT_FALSE(a.complete());
   EXPECT_TRUE(a.add(sample(14), 0));
-  EXPECT_FALSE(a.add(sample(16), 0));  // after
+  EXPECT_FALSE(a.add(sample(16), 0));  // The sample came after the end.
   EXPECT_TRUE(a.complete());
   EXPECT_EQ(a.counts(), (SampleCounts{2, 2, 2, 0, 0, 0, 0}));
 }
 
-// At 1 kHz the 32 bits of a number wrap after 49 days. On both sides of the wrap: 2^32 − 2, 2^32 − 1, 0, 1, 2.
+// At 1 kHz the 32 bits of a number wrap after 49 days. The numbers are on both sides of the wrap: 2^32 − 2, 2^32 −
+// 1, 0, 1, 2.
 TEST(SampleAccount, goes_on_where_the_numbers_wrap) {
   SampleAccount a(1, kInterval_us);
   a.begin(0, {0xFFFF'FFFDU, 0, 0, 0, 0}, 0);
@@ -67,7 +68,7 @@ TEST(SampleAccount, goes_on_where_the_numbers_wrap) {
   EXPECT_FALSE(a.complete());
 }
 
-// Multiples of 3 around the wrap, as the controller finds them in its 32 bits: 2^32 − 4, 2^32 − 1, 0, 3.
+// Multiples of 3 around the wrap, as the controller finds them in its 32 bits, are 2^32 − 4, 2^32 − 1, 0, 3.
 TEST(SampleAccount, counts_the_multiples_of_each_round_of_numbers) {
   SampleAccount a(3, kInterval_us);
   a.begin(0, {0xFFFF'FFFBU, 0, 0, 0, 0}, 0);
@@ -89,7 +90,7 @@ TEST(SampleAccount, a_restart_from_a_high_number_is_no_wrap) {
   t.starts = 7;
   EXPECT_TRUE(a.add(t, 0));
   t = sample(1);
-  t.starts = 7;  // A controller that forgets how often it started.
+  t.starts = 7;  // The controller forgets how often it started.
   EXPECT_TRUE(a.add(t, 40'000));
   EXPECT_EQ(a.counts().received, 2U);
   EXPECT_LE(a.counts().expected, 3U);
@@ -99,11 +100,11 @@ TEST(SampleAccount, a_restart_from_a_high_number_is_no_wrap) {
 TEST(SampleAccount, losses_are_counted_over_the_wraps_of_their_counters) {
   SampleAccount a(1, kInterval_us);
   a.begin(0, {10, 0xFFFFU, 0xFFFF'FFFFU, 0, 0}, 0);
-  EXPECT_TRUE(a.add(sample(14, 1, 0), 0));  // 11 unread; 12 and 13 found no room
+  EXPECT_TRUE(a.add(sample(14, 1, 0), 0));  // 11 is unread; 12 and 13 found no room.
   EXPECT_EQ(a.counts(), (SampleCounts{4, 1, 1, 1, 2, 0, 0}));
 }
 
-// The answer that ends the account was composed before sample 13, and came after it.
+// The answer that ends the account was composed before sample 13, but arrived after it.
 TEST(SampleAccount, a_sample_that_overtakes_the_last_answer_is_no_restart) {
   SampleAccount a(1, kInterval_us);
   a.begin(0, {10, 0, 0, 10, 0}, 0);
@@ -119,7 +120,7 @@ TEST(SampleAccount, a_trailer_says_where_a_gap_comes_from) {
   SampleAccount a(1, kInterval_us);
   a.begin(0, {65'000, 65'534, 7, 0, 0}, 0);
   EXPECT_TRUE(a.add(sample(65'001, 7, 65'534), 0));
-  EXPECT_TRUE(a.add(sample(65'010, 9, 1), 0));  // 8 are missing: 2 found no room, 3 were not read, 3 were lost here
+  EXPECT_TRUE(a.add(sample(65'010, 9, 1), 0));  // 8 are missing: 2 found no room, 3 were not read, 3 were lost here.
   EXPECT_EQ(a.counts(), (SampleCounts{10, 2, 2, 3, 2, 3, 0}));
 }
 
@@ -133,14 +134,14 @@ TEST(SampleAccount, a_controller_that_began_anew_is_counted_by_its_rate) {
         return t;
       }(),
       36'900));
-  // Heard again 100 intervals later with sample 5: 95 were due that nobody took.
+  // The controller answers again 100 intervals later with sample 5: 95 were due that nobody took.
   auto late = sample(5);
   late.starts = 1;
   EXPECT_TRUE(a.add(late, 101 * kInterval_us));
   const SampleCounts c = a.counts();
   EXPECT_EQ(c.silent, 95U);
   EXPECT_EQ(c.received, 2U);
-  EXPECT_EQ(c.on_the_way, 4U);  // 1 … 4 of the new numbers
+  EXPECT_EQ(c.on_the_way, 4U);  // The new numbers are 1 … 4.
   EXPECT_EQ(c.expected, 101U);
 }
 
@@ -152,7 +153,7 @@ TEST(SampleAccount, a_controller_that_does_not_answer_at_the_end_owes_what_was_d
   EXPECT_EQ(a.counts(), (SampleCounts{28, 1, 1, 0, 0, 0, 27}));
 }
 
-// Random fates of each sample, and the counts of the controller that follow from them: the account finds each again.
+// Each sample gets a random fate, from which the counts of the controller follow; the account must recover each.
 TEST(SampleAccount, agrees_with_the_truth_in_a_thousand_random_streams) {
   for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
     std::mt19937_64 random(seed);

@@ -16,23 +16,22 @@
 
 namespace triskin::test {
 
-/// Default time between two samples of a module, for a controller with 16 modules.
+/// This is the default time between two samples of a module, for a controller with 16 modules.
 inline constexpr double kSequence_us = 36'900.0;
 
-/// A module's sample: node address, row, number.
+/// A sample is named by node address, row and number.
 struct SampleName {
   int node = 0, row = 0;
   std::uint32_t number = 0;
   auto operator<=>(const SampleName&) const = default;
 };
 
-/// One simulated bus with several computers on it, in virtual time. Counts every sample that leaves the bus.
+/// Simulates one bus with several computers on it, in virtual time, and counts every sample that leaves the bus.
 class SharedSkin {
  public:
   explicit SharedSkin(scene::Scene scene) : skin_(std::move(scene)) {
     skin_.on_frame([this](const wire::CanFrame& frame, std::uint64_t) { arrived(frame); });
   }
-  /// A computer on the bus.
   class Client final : public device::Link {
    public:
     explicit Client(SharedSkin& hub) : hub_(hub) { hub_.clients_.insert(this); }
@@ -59,12 +58,12 @@ class SharedSkin {
       return wire::full_sample_ns(hub_.skin_.bit_rates());
     }
     [[nodiscard]] std::uint64_t thrown_away() const override { return thrown_away_; }
-    /// The program that uses it dies: nothing goes in or out any more.
+    /// Simulates that its program dies: no frame goes in or out any more.
     void cut() {
       cut_ = true;
       inbox_.clear();
     }
-    /// Frames for which this is true never come; counted as thrown away when `count`.
+    /// Frames for which this returns true never arrive; with `count` they are counted as thrown away.
     std::function<bool(const wire::CanFrame&)> lose;
     bool count = false;
 
@@ -83,7 +82,7 @@ class SharedSkin {
     device::Bus bus(client);
     (void)device::flash(bus, design());
   }
-  /// Samples that left the bus since the last call of forget().
+  /// Returns the samples that left the bus since the last call of forget().
   [[nodiscard]] const std::set<SampleName>& on_bus() const { return on_bus_; }
   void forget() { on_bus_.clear(); }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The two largest covers of the robot, by their numbers of modules, on one FD bus for a minute: what fits arrives, and
-// what does not is counted, module by module, as the simulated hardware had it.
+// Runs the two largest covers of the robot, by their numbers of modules, on one FD bus for a minute: samples that fit
+// must arrive, and the others must be counted, module by module, as the simulated hardware had them.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -21,8 +21,8 @@ using test::strip_scene;
 
 constexpr double kSeconds = 60.0;
 
-// `nominal`, `data`: bit/s, that a clock of 80 MHz divides into; `every`: n. `load`: by each n-th sample, with the
-// longest frames, 1 = the share of samples.
+// `nominal` and `data` are in bit/s and must divide a clock of 80 MHz; `every` is n. `load` is that of each n-th
+// sample, with the longest frames; 1 is the share of samples.
 struct Case {
   const char* name;
   int modules, controllers;
@@ -43,11 +43,11 @@ TEST_P(LargeCover, every_sample_of_a_minute_arrives_or_is_counted) {
   hub.flash();
   SharedSkin::Client link(hub);
   Bus bus(link);
-  bus.listen(bus.now_us() + 2'000'000);  // The offsets are found.
+  bus.listen(bus.now_us() + 2'000'000);  // The offsets are found by now.
   const double share = wire::kStreamShare * kSequence_us * 1e3 / static_cast<double>(link.sample_ns(1));
   EXPECT_NEAR(c.modules / (share * c.every), c.load, 0.05 * c.load) << "the case is not what its name says";
 
-  std::map<std::pair<int, int>, std::set<std::uint32_t>> came;  // node address and row
+  std::map<std::pair<int, int>, std::set<std::uint32_t>> came;  // The key is node address and row.
   StreamOptions options;
   options.every = c.every;
   options.overload = true;
@@ -59,13 +59,13 @@ TEST_P(LargeCover, every_sample_of_a_minute_arrives_or_is_counted) {
   stream.finish();
   const StreamReport r = stream.report();
 
-  // The scene's truth: which samples left the bus, and how many conversions there were in the time.
+  // The scene gives the truth: which samples left the bus, and how many conversions there were in the time.
   std::map<std::pair<int, int>, std::set<std::uint32_t>> truth;
   for (const SampleName& s : hub.on_bus()) truth[{s.node, s.row}].insert(s.number);
   std::uint64_t left = 0;
   for (const auto& [module, numbers] : came) {
     for (const std::uint32_t n : numbers) EXPECT_TRUE(truth[module].contains(n));
-    // Those before the lease and after its end are none of this reader's: no more than one each side.
+    // Samples before the lease and after its end do not belong to this reader: at most one on each side.
     const auto& all = truth[module];
     EXPECT_LE(std::distance(all.lower_bound(*numbers.begin()), all.upper_bound(*numbers.rbegin())),
               static_cast<std::ptrdiff_t>(numbers.size()));

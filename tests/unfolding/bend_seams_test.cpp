@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pieces along what bends too much, on surfaces whose radii are known.
+// Tests pieces along places that bend too much, on surfaces whose radii are known.
 #include "triskin/unfolding/bend_seams.hpp"
 
 #include <gtest/gtest.h>
@@ -40,7 +40,7 @@ void write_obj(const Mesh& mesh, const std::filesystem::path& file) {
   for (const auto& f : mesh.faces) out << "f " << f[0] + 1 << " " << f[1] + 1 << " " << f[2] + 1 << "\n";
 }
 
-// Two plates of 100 mm, joined by a quarter of a cylinder: a sheet of one piece that can be laid flat.
+// Two plates of 100 mm, joined by a quarter of a cylinder, are a sheet of one piece that can be laid flat.
 Mesh bent_sheet(double radius_mm) {
   const double bend = 0.5 * M_PI * radius_mm, length = 200.0 + bend;
   const int n = static_cast<int>(std::lround(length / 4.0));
@@ -75,7 +75,7 @@ TEST(BendSeams, a_bend_under_the_limit_becomes_a_piece_of_its_own) {
   options.seams = seams_along_bends(sheet, 50.0);
   const Net net = unfold(sheet, options);
   ASSERT_EQ(net.pieces.size(), 3U);
-  std::multiset<double> areas;  // plates of about 100 mm less what is near the bend; the bend
+  std::multiset<double> areas;  // The areas are plates of about 100 mm less the part near the bend, and the bend.
   for (const Piece& p : net.pieces) {
     double x = 0.0;
     for (const auto& t : p.flat)
@@ -101,7 +101,7 @@ TEST(BendSeams, a_radius_that_is_none_is_an_error) {
 
 // The modules that the lattice grows keep the radius as well: by hand, the sagitta of 30 mm on 50 mm is 2.25 mm.
 TEST(BendLimits, hold_for_the_modules_of_a_design) {
-  // A tube of 40 mm: a side across it asks for 2.8 mm, sides of which one lies along it for 2.1 mm.
+  // On a tube of 40 mm, a side across it needs 2.8 mm, and sides of which one lies along it need 2.1 mm.
   const Mesh half_tube = grid(24, 40, [](int u, int v) {
     const double angle = M_PI * (0.1 + 0.8 * u / 24.0);
     return Vec3(-40.0 * std::cos(angle), 5.0 * v, 40.0 * std::sin(angle));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every generated and every real cover becomes a design that the independent checker accepts; broken files end in a
-// clear error.
+// Every generated and every real cover must become a design that the independent checker accepts; broken files must end
+// in a clear error.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The design of the cover is accepted by the checker, and read back it is the same.
+// Expects the checker to accept the design of the cover, and reading it back to give the same design.
 design::Design accepted_design(const std::string& name, const fs::path& mesh, const pipeline::DesignOptions& options) {
   design::Design design = pipeline::make_design(mesh, options);
   const fs::path file = fs::temp_directory_path() / ("parts_test." + name + "." + std::to_string(::getpid()) + ".json");
@@ -47,7 +47,7 @@ INSTANTIATE_TEST_SUITE_P(Covers, Parts,
                                          "UA_upperarm_v1", "UL_upperleg_v1", "UT_torso_v1"),
                          [](const auto& part) { return std::string(part.param); });
 
-// A generated cover and the share of its area that modules cover at least, after few steps.
+// Each case is a generated cover and the least fraction of its area that modules must cover after few steps.
 class GeneratedParts : public testing::TestWithParam<std::pair<test::CoverName, double>> {};
 
 TEST_P(GeneratedParts, designs_and_passes_every_rule) {
@@ -66,7 +66,7 @@ INSTANTIATE_TEST_SUITE_P(Covers, GeneratedParts,
                                          std::pair{test::CoverName{"near-degenerate"}, 0.55}),
                          [](const auto& p) { return test::case_name(p.param.first.name); });
 
-// A raw CAD mesh becomes a design, or the error names the file and the place.
+// Expects a raw CAD mesh to become a design, or an error that names the file and the place.
 void expect_design_or_clear_error(const std::string& name, const fs::path& mesh) {
   try {
     pipeline::DesignOptions options;
@@ -100,24 +100,25 @@ TEST(HardMeshes, generated_shell_is_repaired_or_refused_as_asked) {
   EXPECT_GT(notes.extract.deviation.largest_mm, 0.0);
 }
 
-// Pieces that cannot win in their share of the time leave it to the growth.
+// Pieces that cannot win in their part of the time leave it to the growth.
 TEST(TimeLimit, pieces_give_up_soon_after_their_time) {
   const auto mesh = test::cover_file({"thigh"});
   const geometry::Surface surface(geometry::read_mesh(mesh->path()).mesh);
-  int asked = 0;  // Stands for a clock.
+  int asked = 0;  // This number replaces a clock.
   geometry::UnfoldingOptions options;
   options.give_up = [&] { return ++asked > 3; };
   EXPECT_TRUE(geometry::unfold(surface, options).pieces.empty());
-  EXPECT_LT(asked, 12);  // It stops soon after.
+  EXPECT_LT(asked, 12);  // The search stops soon after.
   const std::size_t whole = geometry::unfold(surface).pieces.size();
   EXPECT_GT(whole, 0U);
   options.give_up = [] { return false; };
   EXPECT_EQ(geometry::unfold(surface, options).pieces.size(), whole);
 }
 
-// Pieces for which no time is left to bring them to the surface are left out, and counted.
+// Pieces are left out and counted if no time remains to map them to the surface.
 TEST(TimeLimit, the_mapping_gives_up_between_pieces_and_counts_what_it_leaves_out) {
-  geometry::Mesh sheet;  // Room for 2,500 modules: more than are mapped between two looks at the clock.
+  // The sheet has room for 2,500 modules: more than are mapped between two readings of the clock.
+  geometry::Mesh sheet;
   sheet.vertices = {{0, 0, 0}, {1000, 0, 0}, {1000, 1000, 0}, {0, 1000, 0}};
   sheet.faces = {{0, 1, 2}, {0, 2, 3}};
   const geometry::Surface surface(sheet);
@@ -142,7 +143,7 @@ TEST(TimeLimit, the_mapping_gives_up_between_pieces_and_counts_what_it_leaves_ou
     EXPECT_TRUE(alone.modules[k].corner_mm == mapped.modules[k].corner_mm) << "module " << k;
 }
 
-// Tetrahedra of a solid that were written as faces of four corners: every inner edge has many faces, all cross.
+// Tetrahedra of a solid were written as faces of four corners: every inner edge has many faces, and all cross.
 TEST(HardMeshes, tetrahedra_read_as_quadrangles_become_a_design_that_passes_every_rule) {
   constexpr int kCells = 6;
   constexpr std::array<std::array<int, 4>, 6> kCorners{

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Seams that a user asks for or forbids.
+// Tests seams that a user asks for or forbids.
 #include "triskin/unfolding/seams.hpp"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ std::size_t at(int k) {
   return static_cast<std::size_t>(k);
 }
 
-// nu × nv cells; wrapped: the last column is the first.
+// The sheet has nu × nv cells; if wrapped, the last column is the first.
 Mesh sheet(int nu, int nv, bool wrapped, const std::function<Vec3(double, double)>& map) {
   Mesh mesh;
   const int columns = wrapped ? nu : nu + 1;
@@ -52,7 +52,7 @@ Mesh dome(double radius) {
   });
 }
 
-// Corner k of a face on the plane; nothing when the face is in another piece.
+// Returns corner k of a face on the plane; nothing when the face is in another piece.
 std::optional<std::pair<std::size_t, Vec2>> flat_corner(const Net& net, int face, int k) {
   for (std::size_t p = 0; p < net.pieces.size(); ++p) {
     const auto found = std::ranges::find(net.pieces[p].faces, face);
@@ -62,7 +62,7 @@ std::optional<std::pair<std::size_t, Vec2>> flat_corner(const Net& net, int face
   return std::nullopt;
 }
 
-// Both ends of the edge lie at the same places of one piece, seen from either face.
+// Returns true if both ends of the edge are at the same places of one piece, seen from either face.
 bool is_joined(const Surface& s, const Net& net, const SurfaceEdge& edge) {
   const int other = s.neighbours(edge.face)[at(edge.side)];
   const auto &f = s.mesh().faces[at(edge.face)], &g = s.mesh().faces[at(other)];
@@ -108,7 +108,7 @@ TEST(Seams, a_tube_opens_where_it_is_asked_to) {
 
 TEST(Seams, a_forbidden_line_is_not_cut) {
   const Surface s(dome(130.0));
-  // Where the division cuts by itself:
+  // The free division cuts here by itself:
   const Net free = unfold(s, {.edge_error_mm = 0.5});
   ASSERT_GT(free.pieces.size(), 1U);
   const auto edges = edges_along(s, {{{-80, 0, 65}, {80, 0, 65}}}, "line", 100.0);

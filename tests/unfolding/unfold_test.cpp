@@ -11,7 +11,7 @@
 namespace triskin::geometry {
 namespace {
 
-// Grid over [0, 1]² mapped into space, `n` cells a side.
+// Maps a grid over [0, 1]² into space, with `n` cells per side.
 Mesh sheet(int n, const std::function<Vec3(double, double)>& map) {
   Mesh mesh;
   for (int v = 0; v <= n; ++v) {
@@ -59,7 +59,7 @@ TEST(Unfold, cylinder_and_cone_are_developable) {
 TEST(Unfold, a_closed_tube_is_cut_without_help) {
   Mesh mesh = sheet(
       24, [](double u, double v) { return Vec3(50 * std::cos(2 * M_PI * u), 50 * std::sin(2 * M_PI * u), 120 * v); });
-  // Weld the seam: column 24 is column 0.
+  // Welding the seam makes column 24 equal to column 0.
   for (auto& f : mesh.faces) {
     for (int& v : f) {
       if (v % 25 == 24) v -= 24;
@@ -74,7 +74,7 @@ TEST(Unfold, a_closed_tube_is_cut_without_help) {
   EXPECT_NEAR(flat_area(net) / s.area_mm2(), 1.0, 1e-3);
 }
 
-// Polar grid over a disc of radius ρ (arc length from the middle), 16 rings of 48 sectors, mapped into space.
+// Maps a polar grid over a disc of radius ρ (arc length from the middle), 16 rings of 48 sectors, into space.
 Mesh disc(double rho_mm, const std::function<Vec3(double, double)>& map) {
   constexpr int kRings = 16, kSectors = 48;
   Mesh mesh;
@@ -126,7 +126,7 @@ TEST(Unfold, a_cap_is_cut_where_the_least_error_passes_the_limit) {
   }
 }
 
-// A dart to the middle lets a cap open into a cone: it stays one piece at an error that it would be divided for.
+// A dart to the middle lets a cap open into a cone, so it stays one piece at an error for which it would be divided.
 TEST(Unfold, a_dart_saves_a_division) {
   for (const double radius : {50.0, 100.0, 150.0}) {
     const double rho = 0.35 * radius, least = 30.0 * rho * rho / (12 * radius * radius);
@@ -139,7 +139,7 @@ TEST(Unfold, a_dart_saves_a_division) {
   }
 }
 
-// Saddle z = xy/R: K ≈ −1/R² near the middle, the same least error as on the sphere.
+// The saddle z = xy/R has K ≈ −1/R² near the middle, with the same least error as on the sphere.
 TEST(Unfold, a_saddle_has_the_error_of_its_curvature) {
   const double radius = 150.0, rho = 40.0;
   const Surface s(disc(rho, [=](double r, double a) {
@@ -152,7 +152,8 @@ TEST(Unfold, a_saddle_has_the_error_of_its_curvature) {
   EXPECT_NEAR(net.pieces[0].max_edge_error_mm / formula, 1.0, 0.25);
 }
 
-// A whole torus is closed and has both signs of curvature: it must come apart by itself, every piece within the limit.
+// A whole torus is closed and has both signs of curvature: it must be divided automatically, with every piece within
+// the limit.
 TEST(Unfold, a_torus_comes_apart_by_itself) {
   constexpr int kN = 32;
   Mesh mesh;
@@ -216,7 +217,7 @@ TEST(Extract, turns_faces_that_disagree_and_splits_a_third_face_off) {
   Mesh mesh = sheet(6, [](double u, double v) { return Vec3(100 * u, 100 * v, 0); });
   std::swap(mesh.faces[7][0], mesh.faces[7][1]);
   const int a = mesh.faces[20][0], b = mesh.faces[20][1];
-  mesh.vertices.emplace_back(50, 50, 20);  // a fin on an inner edge
+  mesh.vertices.emplace_back(50, 50, 20);  // The mesh has a fin on an inner edge.
   mesh.faces.push_back({a, b, static_cast<int>(mesh.vertices.size()) - 1});
   EXPECT_THROW(require_manifold(mesh, "fin.obj"), InputError);
   const Extraction e = extract(mesh);

@@ -5,7 +5,7 @@
 
 namespace triskin::test {
 
-/// A frame as the vector files write it: kind (S 11 bit, E 29 bit, F 29 bit FD), identifier and bytes in hex.
+/// Reads a frame as the vector files write it: kind (S 11 bit, E 29 bit, F 29 bit FD), identifier and bytes in hex.
 inline wire::CanFrame frame_of(const std::string& text) {
   std::istringstream in(text);
   std::string kind, id, rest;

@@ -12,8 +12,8 @@
 
 namespace triskin::test {
 
-/// One block of tests/vectors/*.txt: `## name`, then `key = value` lines in order. The same files are the examples in
-/// docs/.
+/// A block of tests/vectors/*.txt is `## name`, then `key = value` lines in order. The examples in docs/ come from the
+/// same files.
 struct Vector {
   std::string name;
   std::vector<std::pair<std::string, std::string>> lines;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A client that is free to break every rule: it writes bytes and reads bytes.
+// Acts as a client that is free to break every rule: it writes bytes and reads bytes.
 #pragma once
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -16,7 +16,7 @@ namespace triskin::test {
 
 class RawClient {
  public:
-  /// Connects to 127.0.0.1. `receive_bytes`: size of the kernel's receive buffer, 0 leaves it as it is.
+  /// Connects to 127.0.0.1. `receive_bytes` sets the size of the kernel's receive buffer; 0 leaves it unchanged.
   explicit RawClient(std::uint16_t port, int receive_bytes = 0) : fd_(::socket(AF_INET, SOCK_STREAM, 0)) {
     if (receive_bytes > 0) ::setsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &receive_bytes, sizeof receive_bytes);
     sockaddr_in to{};
@@ -31,20 +31,20 @@ class RawClient {
 
   void send(const std::string& bytes) const { (void)::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL); }
 
-  /// Reads until `size` bytes are there, the server closes, or nothing comes for `patience_ms`.
+  /// Reads until `size` bytes have arrived, the server closes, or nothing arrives for `patience_ms`.
   std::string read(std::size_t size, int patience_ms = 5000) {
     while (pending_.size() < size && fill(patience_ms)) {
     }
     return take(size);
   }
-  /// Reads until `mark` came; the mark belongs to the answer.
+  /// Reads until `mark` arrives; the answer includes the mark.
   std::string read_to(const std::string& mark) {
     while (pending_.find(mark) == std::string::npos && fill(5000)) {
     }
     const std::size_t at = pending_.find(mark);
     return take(at == std::string::npos ? pending_.size() : at + mark.size());
   }
-  /// True when the server closes the connection before `patience_ms` pass without a byte.
+  /// Returns true when the server closes the connection before `patience_ms` pass without a byte.
   bool is_closed_by_server(int patience_ms = 8000) {
     while (fill(patience_ms)) pending_.clear();
     return closed_;
@@ -71,7 +71,7 @@ class RawClient {
   std::string pending_;
 };
 
-/// A WebSocket frame as a browser sends it: masked with zeros. `opcode`: 1 text, 2 binary, 8 close; at most 65535
+/// Makes a WebSocket frame like a browser's: masked with zeros. `opcode`: 1 text, 2 binary, 8 close; at most 65535
 /// bytes.
 inline std::string masked_frame(int opcode, const std::string& payload) {
   std::string frame(1, static_cast<char>(0x80 | opcode));

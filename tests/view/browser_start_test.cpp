@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a browser is started with, as a program in its place sees it.
+// A program in place of the browser checks how a browser is started.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/stat.h>
@@ -72,7 +72,7 @@ TEST_F(BrowserStarts, with_a_file_that_nobody_else_can_read_and_that_goes_with_t
 }
 
 TEST_F(BrowserStarts, in_a_session_of_its_own_without_our_descriptors) {
-  const int ours = ::dup(0);  // Not closed on exec.
+  const int ours = ::dup(0);  // This descriptor is not closed on exec.
   const view::BrowserStart start(kAddress);
   const std::string text = seen();
   ::close(ours);

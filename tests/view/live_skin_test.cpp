@@ -41,7 +41,7 @@ TEST(ViewLiveSkin, sends_each_module_once_after_it_changed) {
   EXPECT_EQ(le(frame, 2, 2), 2U);
   EXPECT_EQ(std::bit_cast<double>(le(frame, 8, 8)), 1250.0);
   EXPECT_EQ(le(frame, 16, 2), 0U);
-  EXPECT_EQ(le(frame, 22, 2), 250U);  // ms older than the newest
+  EXPECT_EQ(le(frame, 22, 2), 250U);  // The unit is ms older than the newest.
   EXPECT_EQ(le(frame, 48, 2), 2U);
   EXPECT_TRUE(skin.frame_since(seen).empty());
   skin.add(1, sample_of(10), 1'300'000);
@@ -72,7 +72,8 @@ TEST(ViewLiveSkin, ignores_modules_that_the_design_lacks) {
   EXPECT_TRUE(skin.frame_since(seen).empty());
 }
 
-// Two modules every 20 ms for 100 ms: the samples at 0 and 20 ms make the first frame, those at 40 and 60 the second.
+// Two modules send every 20 ms for 100 ms: the samples at 0 and 20 ms make the first frame, those at 40 and 60 the
+// second.
 TEST(ViewFrameTrack, gathers_the_samples_of_33_ms_into_a_frame) {
   view::FrameTrack track(2, 10'000);
   for (int k = 0; k < 6; ++k) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The model that the page gets, and the page in one file.
+// Tests the model that the page gets, and the page in one file.
 #include "triskin/view/page.hpp"
 
 #include <gmock/gmock.h>
@@ -92,7 +92,7 @@ TEST(ViewModel, a_report_that_is_none_is_refused_with_its_name) {
   }
 }
 
-// A plate 2.5 mm thick under two of three modules; the third has only the upper side under it.
+// A plate 2.5 mm thick lies under two of three modules; the third has only the upper side under it.
 TEST(ViewModel, knows_the_wall_under_each_module) {
   design::Design d = strip(3);
   EXPECT_TRUE(view::wall_under_modules(d).empty()) << "no part, no wall";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Who may read the page, and what a hostile or slow reader costs.
+// Tests who may read the page, and what a hostile or slow reader costs.
 #include "triskin/view/server.hpp"
 
 #include <fmt/format.h>
@@ -42,7 +42,7 @@ class ViewServer : public testing::Test {
   [[nodiscard]] std::string host() const { return fmt::format("127.0.0.1:{}", server_.port()); }
   [[nodiscard]] std::string path(const std::string& name) const { return fmt::format("/{}/{}", server_.token(), name); }
   [[nodiscard]] std::string ours() const { return fmt::format("Host: {}\r\n", host()); }
-  // The answer's header and body to a request with these header lines.
+  // Returns the answer's header and body to a request with these header lines.
   [[nodiscard]] std::string ask(const std::string& first_line, const std::string& more) const {
     RawClient client(server_.port());
     client.send(fmt::format("{} HTTP/1.1\r\n{}Connection: close\r\n\r\n", first_line, more));
@@ -61,7 +61,7 @@ class ViewServer : public testing::Test {
     EXPECT_THAT(client->read_to("\r\n\r\n"), StartsWith("HTTP/1.1 101"));
     return client;
   }
-  // The next frame of the server; empty: it closed.
+  // Returns the next frame of the server; empty if it closed.
   static std::string next_message(RawClient& client) {
     const std::string head = client.read(2);
     if (head.size() < 2) return {};
@@ -71,7 +71,7 @@ class ViewServer : public testing::Test {
     for (const char c : client.read(more)) size = size << 8 | static_cast<unsigned char>(c);
     return client.read(size);
   }
-  // A message after a sample came.
+  // Returns a message that arrived after a sample.
   std::string next_message_after_sample(RawClient& client) {
     fill_skin(1.0);
     return next_message(client);
@@ -180,16 +180,16 @@ TEST_F(ViewServer, sends_the_state_of_the_link_and_then_what_changed) {
   // This frame is older than the last sample.
   while (frame.size() == 48 && frame[24] == 0) frame = next_message(*page);
   ASSERT_EQ(frame.size(), LiveSkin::kHeaderBytes + LiveSkin::kRecordBytes);
-  EXPECT_EQ(frame[2], 1);                                                  // one module
-  EXPECT_EQ(frame[16], 5);                                                 // this one
-  EXPECT_EQ(static_cast<unsigned char>(frame[24]) | frame[25] << 8, 300);  // its change
+  EXPECT_EQ(frame[2], 1);                                                  // The frame has one module.
+  EXPECT_EQ(frame[16], 5);                                                 // The module is this one.
+  EXPECT_EQ(static_cast<unsigned char>(frame[24]) | frame[25] << 8, 300);  // The value is its change.
 }
 
 TEST_F(ViewServer, hands_over_commands_of_the_page) {
   const auto page = open_live();
   page->send(masked_frame(1, R"({"do":"press","module":70000000,"taxel":-1})"));  // ignored
   page->send(masked_frame(1, R"({"do":"press","module":3})"));                    // ignored
-  page->send(masked_frame(1, "[[[["));                                            // ignored
+  page->send(masked_frame(1, "[[[["));                                            // The server ignores this text.
   page->send(masked_frame(1, R"({"do":"press","module":3,"taxel":7})"));
   auto future = command_.get_future();
   ASSERT_EQ(future.wait_for(std::chrono::seconds(5)), std::future_status::ready);
@@ -229,7 +229,7 @@ TEST_F(ImpatientServer, cuts_a_slow_reader_while_others_read_on) {
       std::this_thread::yield();
     }
   });
-  // The slow one reads nothing; the quick one gets whole frames all the time until the slow one is gone.
+  // The slow client reads nothing; the quick one gets whole frames all the time until the slow one is disconnected.
   int frames = 0;
   while (server_.connections() > 1 && frames < 2000) {
     const std::string message = next_message(*quick);
@@ -253,8 +253,8 @@ TEST_F(ImpatientServer, refuses_pages_beyond_its_number) {
   EXPECT_FALSE(next_message_after_sample(*a).empty()) << "the others are not disturbed";
 }
 
-// Any user of the computer can connect. One who opens connections and sends nothing must not keep out who has the
-// token.
+// Any user of the computer can connect. A user who opens connections and sends nothing must not keep out the one who
+// has the token.
 TEST_F(ImpatientServer, who_has_no_token_does_not_keep_out_who_has_it) {
   std::vector<std::unique_ptr<RawClient>> idle;
   for (int k = 0; k < 200; ++k) {
@@ -276,7 +276,7 @@ TEST_F(ViewServer, refuses_a_request_with_two_origins) {
     EXPECT_THAT(ask("GET " + path(""), ours() + other), StartsWith("HTTP/1.1 403"));
 }
 
-// Resident memory of this process, bytes.
+// Returns the resident memory of this process, bytes.
 std::size_t resident_bytes() {
   std::ifstream statm("/proc/self/statm");
   std::size_t total = 0, resident = 0;
@@ -300,7 +300,7 @@ TEST(ViewDocuments, are_shared_by_readers_that_are_slow) {
   EXPECT_LT(resident_bytes(), before + 3 * kBody_bytes) << "twenty copies would be 320 MiB";
 }
 
-// Without file descriptors a connection that waits must not keep the server's thread busy.
+// Without file descriptors a waiting connection must not keep the server's thread busy.
 TEST(ViewWithoutDescriptors, rests) {
   const LiveSkin live(1);
   rlimit old{};

@@ -69,13 +69,13 @@ std::string read_file(const std::filesystem::path& path) {
   }
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError(fmt::format("{}: cannot read ({})", path.string(), std::strerror(errno)));
-  std::string bytes;  // Filled in one piece if the size is known, which it is not for a pipe.
+  std::string bytes;  // The size is known except for a pipe; the buffer is then filled in one piece.
   if (const auto size = std::filesystem::file_size(path, ec); !ec) {
     bytes.resize(static_cast<std::size_t>(size));
     in.read(bytes.data(), static_cast<std::streamsize>(size));
     bytes.resize(static_cast<std::size_t>(in.gcount()));
   }
-  // The file may have grown.
+  // The file may have grown since its size was read.
   if (in) bytes.append(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
   return bytes;
 }
@@ -84,7 +84,7 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view b
   const auto [fd, temporary] = create_beside(path);
   if (fd < 0) fail_write(path, "create", errno);
   const int cause = write_all(fd, bytes);
-  const int close_cause = ::close(fd) == 0 ? 0 : errno;  // A network file system may tell of a full disk here.
+  const int close_cause = ::close(fd) == 0 ? 0 : errno;  // A network file system may report a full disk only here.
   if (cause != 0 || close_cause != 0) {
     ::unlink(temporary.c_str());
     fail_write(path, "write", cause != 0 ? cause : close_cause);
@@ -165,7 +165,7 @@ std::filesystem::path state_home() {
   std::error_code error;
   if (!base.empty()) std::filesystem::create_directories(base, error);
   if (!base.empty() && !error) return base / "triskin";
-  // Shared by all users of the computer, so that each has a folder of his own there.
+  // All users of the computer share this folder, so each has a subfolder of his own there.
   base = std::filesystem::temp_directory_path(error);
   if (error) base = "/tmp";
   return base / fmt::format("triskin-{}", ::getuid());

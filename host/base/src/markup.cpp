@@ -18,7 +18,7 @@ std::string_view entity_of(char32_t c) {
       return "&quot;";
     case '\'':
       return "&#39;";
-    // In an attribute white space would be read as a blank (XML 1.0, section 3.3.3).
+    // A parser would read white space in an attribute as a blank (XML 1.0, section 3.3.3).
     case '\t':
       return "&#9;";
     case '\n':
@@ -30,7 +30,7 @@ std::string_view entity_of(char32_t c) {
   }
 }
 
-// Characters of XML 1.0, section 2.2, without the controls of the second block, which HTML refuses.
+// Allows the characters of XML 1.0, section 2.2, without the controls of the second block, which HTML refuses.
 bool is_in_markup(char32_t c) {
   if (c < 0x20) return c == '\t' || c == '\n' || c == '\r';
   return (c < 0x7F || c > 0x9F) && c != 0xFFFE && c != 0xFFFF;

@@ -12,7 +12,7 @@ bool is_control(char32_t c) {
   return (c < 0x20 && c != '\n' && c != '\t') || (c >= 0x7F && c < 0xA0);
 }
 
-// Marks that reorder text (Unicode standard annex 9) and line separators.
+// Recognises marks that reorder text (Unicode standard annex 9) and line separators.
 bool reorders(char32_t c) {
   return c == 0x061C || c == 0x200E || c == 0x200F || (c >= 0x2028 && c <= 0x202E) || (c >= 0x2066 && c <= 0x2069);
 }

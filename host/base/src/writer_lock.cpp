@@ -20,7 +20,7 @@
 namespace triskin {
 namespace {
 
-// FNV-1a: two paths that share a lock would only wait for each other.
+// FNV-1a may give two paths the same lock; they would then only wait for each other.
 std::uint64_t hash_of(const std::string& text) {
   std::uint64_t hash = 0xCBF29CE484222325U;
   for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3U;
@@ -44,7 +44,7 @@ std::string name_of_process(const std::string& pid) {
 
 }  // namespace
 
-// A line of /proc/locks: "3: FLOCK  ADVISORY  WRITE 4711 08:01:1234567 0 EOF".
+// Parses a line of /proc/locks: "3: FLOCK  ADVISORY  WRITE 4711 08:01:1234567 0 EOF".
 std::string lock_holder(int fd) {
   struct stat status{};
   if (::fstat(fd, &status) != 0) return "another program";

@@ -15,7 +15,7 @@ using design::Vec2;
 using design::Vec3;
 
 constexpr double kWidth = 600.0, kGap = 20.0, kText = 16.0;
-// Faces far apart on the colour wheel: multiples of the golden angle.
+// Multiples of the golden angle keep the colours of faces far apart on the colour wheel.
 constexpr double kGolden_deg = 137.508;
 
 struct View {

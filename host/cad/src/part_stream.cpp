@@ -150,7 +150,7 @@ std::string encode_part(const Part& part) {
                       {"deviation_mm", part.deviation_mm},
                       {"warnings", part.warnings},
                       {"faults", part.faults}};
-  // Names come from a file: bytes that are no UTF-8 are replaced.
+  // Names come from a file, so bytes that are no UTF-8 are replaced.
   const std::string text = facts.dump(-1, ' ', false, json::error_handler_t::replace);
   std::string out = size_bytes(text.size()) + text;
   append(out, part.mesh.vertices);

@@ -43,7 +43,7 @@ bool has_step_name(const std::filesystem::path& path) {
   return extension == ".step" || extension == ".stp" || extension == ".p21";
 }
 
-// Remedy for a hidden shape.
+// Explains how to export a shape that is hidden in the file.
 std::string no_geometry(const StepText& step) {
   if (!step.external_files.empty()) {
     const auto shown = std::min<std::size_t>(step.external_files.size(), 3);
@@ -112,7 +112,7 @@ class PartReading {
     for (std::string& file : step_.external_files) clean_name(file);
     if (step_.faces == 0) step_refers_elsewhere();
   }
-  // Faces of other kinds of models (GEOMETRIC_SET of surfaces) carry no face entity; the kernel decides on those.
+  // Faces of other kinds of models (GEOMETRIC_SET of surfaces) have no face entity, so the kernel decides on those.
   void step_refers_elsewhere() const {
     if (!step_.external_files.empty() || step_.tessellated > 0 || step_.csg > 0) fail(no_geometry(step_));
   }

@@ -23,10 +23,10 @@
 namespace triskin::cad {
 namespace {
 
-// A sound file with deep trees needs some; deep brackets never arrive here.
+// A sound file with deep trees needs some of it; deep brackets are refused earlier.
 constexpr std::uint64_t kStack_bytes = 64ULL << 20U;
 
-// A file descriptor that is closed at the end.
+// Closes a file descriptor at the end of its scope.
 class Descriptor {
  public:
   explicit Descriptor(int fd = -1) : fd_(fd) {}
@@ -59,7 +59,7 @@ void set_limit(int resource, std::uint64_t soft, std::uint64_t hard) {
   (void)::setrlimit(static_cast<__rlimit_resource_t>(resource), &limit);
 }
 
-// Between fork and exec of a program with threads only calls that are safe in a signal handler are allowed.
+// Between fork and exec, a program with threads may only use calls that are safe in a signal handler.
 [[noreturn]] void become(const char* program, char* const* arguments, int in, int out, const ProcessLimits& limits,
                          pid_t parent) {
   (void)::prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -78,7 +78,7 @@ void set_limit(int resource, std::uint64_t soft, std::uint64_t hard) {
   ::_exit(EXIT_FAILURE);
 }
 
-// Everything until the other end is closed; false when the time is over.
+// Reads until the other end is closed; returns false when the time is over.
 bool read_until(int fd, std::chrono::steady_clock::time_point end, std::string& bytes) {
   std::array<char, 65536> buffer;
   for (;;) {

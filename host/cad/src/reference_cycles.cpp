@@ -39,15 +39,15 @@ std::vector<std::pair<std::int64_t, std::int64_t>> ReferenceGraph::dangling() {
   return out;
 }
 
-// Depth first with a stack of its own: files hold chains of 100,000 references. Several nodes may have the same id (a
-// product with several components); a path goes on through all of them.
+// Searches depth first with an explicit stack, because files have chains of 100,000 references. Several nodes may have
+// the same id (a product with several components); a path continues through all of them.
 std::vector<ReferenceGraph::Step> ReferenceGraph::circle() {
   sort();
   enum class State : std::uint8_t { kNew, kOnPath, kDone };
   struct Visit {
     std::size_t first, node, reference;
   };
-  std::vector<State> states(nodes_.size(), State::kNew);  // Indexed by the first node of an id.
+  std::vector<State> states(nodes_.size(), State::kNew);  // The index is the first node of an id.
   std::vector<Visit> path;
   for (std::size_t root = 0; root < nodes_.size(); ++root) {
     const std::size_t start = first_of(nodes_[root].id);

@@ -19,7 +19,7 @@ namespace {
 using design::Vec3;
 
 constexpr std::size_t kMaxListed = 10;
-// Colours of display differ by rounding between programs.
+// The same display colour differs by rounding between programs.
 constexpr int kSameColour = 8;
 
 template <class Value>
@@ -62,7 +62,7 @@ bool is_body(const Part& part, int body, const std::string& wanted) {
   return b.name == wanted || b.path == wanted || std::to_string(body) == wanted;
 }
 
-// Triangle nearest to a point, by the distance to its plane region; exact enough where faces meet.
+// Returns the distance of a triangle from a point, measured to its plane region; exact enough where faces meet.
 double distance_to(const Part& part, std::size_t t, const Vec3& p) {
   const auto& f = part.mesh.faces[t];
   const auto at = [&](std::size_t k) { return part.mesh.vertices[static_cast<std::size_t>(f[k])]; };
@@ -92,10 +92,10 @@ int nearest_face(const Part& part, const Vec3& point) {
   return face;
 }
 
-// Pairs of faces that meet along sides which all turn less than the limit.
+// Returns pairs of faces whose common sides all turn less than the limit.
 std::vector<std::pair<int, int>> smooth_neighbours(const Part& part, double smooth_deg) {
   std::map<std::pair<int, int>, std::size_t> first_side;
-  std::map<std::pair<int, int>, double> sharpest;  // Keyed by two faces: least cosine between their normals.
+  std::map<std::pair<int, int>, double> sharpest;  // Two faces have the least cosine between their normals.
   const auto normal = [&](std::size_t t) {
     const auto& f = part.mesh.faces[t];
     const auto at = [&](std::size_t k) { return part.mesh.vertices[static_cast<std::size_t>(f[k])]; };

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kShown = 24;
 
-// The C library's tests ask the locale.
+// The tests of the C library depend on the locale.
 bool is_digit(unsigned char c) {
   return c >= '0' && c <= '9';
 }
@@ -117,7 +117,7 @@ StepToken StepLexer::number() {
   return take(StepToken::Kind::kNumber, length);
 }
 
-// Also -inf and the like, which no file may have: they are refused where a value is wanted.
+// Also accepts -inf and the like, which no file may have; they are refused where a value is expected.
 StepToken StepLexer::word() {
   return take(StepToken::Kind::kKeyword, std::max<std::size_t>(1, 1 + run_of(is_word, at_ + 1)));
 }

@@ -6,7 +6,6 @@
 
 namespace triskin::cad {
 
-/// A token of a STEP file (ISO 10303-21).
 struct StepToken {
   enum class Kind : std::uint8_t {
     kEnd,
@@ -26,27 +25,27 @@ struct StepToken {
     kSemicolon,
   };
   Kind kind = Kind::kEnd;
-  std::string_view text;  ///< It is the text in the file; for a string, what is between its quotes.
-  std::string problem;    ///< It is the message of kBad, a sentence.
+  std::string_view text;  ///< The text is that of the file; for a string, only the part between its quotes.
+  std::string problem;    ///< A kBad token has its message here, as a sentence.
 
   [[nodiscard]] bool is_value() const { return kind >= Kind::kReference && kind <= Kind::kDerived; }
-  /// Text in upper case.
+  /// Returns the text in upper case.
   [[nodiscard]] std::string upper() const;
-  /// Text for a message: no more than 24 characters, without control characters.
+  /// Returns the text for a message: no more than 24 characters, without control characters.
   [[nodiscard]] std::string shown() const;
 };
 
-/// Takes a STEP file apart; white space and comments fall away.
+/// Splits a STEP file into tokens and skips white space and comments.
 class StepLexer {
  public:
   explicit StepLexer(std::string_view bytes) : bytes_(bytes) {}
 
-  /// The next token, kEnd for ever at the end; also kEnd where the file ends within a token.
+  /// Returns the next token, and kEnd at every call after the end; also kEnd if the file ends within a token.
   StepToken next();
-  /// The next character that is neither white space nor comment, 0 at the end; nothing is taken.
+  /// Returns the next character that is neither white space nor comment, 0 at the end, without consuming it.
   [[nodiscard]] char peek();
   [[nodiscard]] bool at_end() { return peek() == '\0' && at_ >= bytes_.size(); }
-  /// Line of the last token, from 1. Cost: amortized linear.
+  /// Returns the line of the last token, counted from 1. Cost: amortized linear.
   [[nodiscard]] std::size_t line() const;
 
  private:

@@ -17,7 +17,7 @@ namespace triskin::cad {
 namespace {
 
 constexpr std::size_t kMaxDepth = 64;  // Real files nest control points three deep.
-// No unit makes a part of a robot of this; kernels search for its triangles until memory ends.
+// No unit makes a robot part of this size; kernels search for its triangles until memory ends.
 constexpr double kMaxCoordinate = 1e9;
 
 enum Trait : std::uint8_t { kFace = 1, kAssembly = 2, kDocumentFile = 4, kUnits = 8, kLengthUnit = 16, kPoint = 32 };
@@ -70,7 +70,7 @@ class Reader {
     return entity_.id > 0 ? fmt::format("#{} (line {})", entity_.id, lexer_.line())
                           : fmt::format("line {}", lexer_.line());
   }
-  // The next token; it must be there.
+  // Returns the next token, which must exist.
   StepToken next() {
     StepToken token = lexer_.next();
     if (token.kind == Kind::kEnd) ends_here();
@@ -188,7 +188,7 @@ class Reader {
     out_.text += ')';
   }
 
-  // Values up to the bracket that closes the one before them. Nesting is counted, not called.
+  // Reads values up to the bracket that closes the one before them. Nesting is counted instead of recursing.
   void list() {
     std::size_t depth = 1;
     bool wants_value = true, may_close = true;
@@ -235,7 +235,7 @@ class Reader {
     if ((traits_ & kPoint) != 0 && std::abs(value) > kMaxCoordinate)
       fail(fmt::format("the coordinate {} is no place on a part", token.shown()));
   }
-  // Programs write −1 for a reference to nothing, as a number of 64 bits; it leads nowhere.
+  // Programs write −1 for a reference to nothing, as a number of 64 bits; it is ignored.
   static std::int64_t reference_of(const StepToken& token) {
     std::int64_t id = 0;
     const auto [rest, error] = std::from_chars(token.text.data() + 1, token.text.data() + token.text.size(), id);
@@ -249,7 +249,7 @@ class Reader {
     return id;
   }
 
-  // Files hold millions of entities: what is kept of one is its references and its traits.
+  // Files hold millions of entities, so only the references and traits of each are kept.
   void keep() {
     if ((traits_ & kPoint) != 0 && (numbers_in_entity_ < 1 || numbers_in_entity_ > 3))
       fail(fmt::format("a point has {} coordinates", numbers_in_entity_));

@@ -37,7 +37,7 @@ unsigned byte_at(std::string_view text, std::size_t at) {
   return at < text.size() ? static_cast<unsigned char>(text[at]) : 0;
 }
 
-// Length of the UTF-8 character that begins at `at`; 0 where none does.
+// Returns the length of the UTF-8 character that begins at `at`; 0 if none does.
 std::size_t utf8_length(std::string_view text, std::size_t at) {
   const unsigned first = byte_at(text, at);
   const std::size_t length = first < 0x80                    ? 1
@@ -58,8 +58,8 @@ char32_t utf8_value(std::string_view text, std::size_t at, std::size_t length) {
   return value;
 }
 
-// Bytes of another character set as UTF-8; nothing where the C library does not know the set or the bytes are none of
-// it.
+// Converts bytes of another character set to UTF-8; returns nothing if the C library does not know the set or the bytes
+// do not belong to it.
 std::optional<std::string> converted(std::string_view bytes, const char* set) {
   const iconv_t converter = ::iconv_open("UTF-8", set);
   if (converter == reinterpret_cast<iconv_t>(-1)) return std::nullopt;
@@ -133,7 +133,7 @@ class Unescaper {
     at_ += length;
     return true;
   }
-  // \S\d is d with its highest bit set, in the page of ISO 8859 that \PA\ … \PI\ chose.
+  // \S\d stands for d with its highest bit set, in the page of ISO 8859 that \PA\ … \PI\ chose.
   bool shifted() {
     const char high = static_cast<char>(byte_at(text_, at_ + 3) | 0x80U);
     const std::string set = fmt::format("ISO-8859-{}", page_ - 'A' + 1);

@@ -5,16 +5,15 @@
 
 namespace triskin::cad {
 
-/// How a STEP file writes bytes above 127, which its standard forbids and programs write all the same.
+/// The standard of STEP forbids bytes above 127, but programs write them in these encodings.
 enum class RawEncoding { kUtf8, kGbk, kLatin1 };
-/// What the bytes above 127 of a file most likely are. GBK: they come in pairs. Cost: linear.
+/// Guesses the encoding of the bytes above 127. Bytes of GBK come in pairs. Cost: linear.
 [[nodiscard]] RawEncoding guess_encoding(std::string_view bytes);
 
-/// Text of a STEP string (what stands between its quotes, '' still doubled) as UTF-8: \X\, \X2\, \X4\, \S\, \P\,
-/// \N\ and
-/// \\ resolved, raw bytes by `encoding`, control characters dropped. Damaged escapes stay as they are.
+/// Returns the text of a STEP string (between its quotes, '' still doubled) as UTF-8: \X\, \X2\, \X4\, \S\, \P\, \N\
+/// and \\ resolved, raw bytes by `encoding`, control characters dropped. Damaged escapes stay as they are.
 [[nodiscard]] std::string decode_step_string(std::string_view raw, RawEncoding encoding);
-/// The same text as a STEP string in ASCII, without the quotes.
+/// Returns the same text as a STEP string in ASCII, without the quotes.
 [[nodiscard]] std::string encode_step_string(std::string_view utf8);
 
 }  // namespace triskin::cad

@@ -29,19 +29,20 @@
 namespace triskin::cad_reader {
 namespace {
 
-// Triangles within the deviation of a curved face lose this much of its area at most, beside a rim as wide as the
+// Triangles within the deviation of a curved face lose at most this fraction of its area, beside a rim as wide as the
 // deviation: a chord of 0.2 rad loses 0.17 %.
 constexpr double kAreaFraction = 0.005;
-// Step widths, in deviations, that are tried while faces fail. A face may fail at one and not at its neighbours.
 // A plane without bounds has 8e98 mm² for the kernel; a part of 5 m has less than this.
 constexpr double kUnbounded_mm2 = 1e9;
 constexpr int kSideSteps = 4;
 constexpr double kStill = 1e-9;
 // The mesh follows the edges of the file; edges of public parts lie up to 0.1 mm beside their surfaces.
 constexpr double kFaultInDeviations = 3.0;
+// The step widths, in units of the deviation, are tried in turn while faces fail: a face may fail at one width at which
+// its neighbours do not.
 constexpr std::array<double, 5> kSteps{1.0, 0.4, 2.0, 4.0, 0.2};
 
-// A side of the parameters is one point when the surface stands still along it.
+// A side of the parameters is a single point if the surface does not move along it.
 void find_singular_sides(ExactFace& face) {
   const BRepAdaptor_Surface& s = face.surface;
   const double u0 = s.FirstUParameter(), u1 = s.LastUParameter(), v0 = s.FirstVParameter(), v1 = s.LastVParameter();
@@ -67,7 +68,7 @@ double area_of(const BodyMesh& mesh, const Triangle& t) {
   return 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm();
 }
 
-// Takes the kernel's triangles of a body over into one mesh.
+// Copies the kernel's triangles of a body into one mesh.
 class Taker {
  public:
   Taker(const TopoDS_Shape& body, BodyMesh& mesh) : mesh_(mesh), nodes_(body, mesh.points) {}
@@ -142,7 +143,7 @@ void drop_collapsed(BodyMesh& mesh) {
   });
 }
 
-// Edges that one face has once are the border of an open surface; a seam is twice in its face.
+// Edges that one face has once are the border of an open surface; a seam occurs twice in its face.
 void note_free_edges(const TopoDS_Shape& body, EdgeNodes& nodes, double deflection_mm, BodyMesh& mesh) {
   TopTools_IndexedDataMapOfShapeListOfShape faces_of;
   TopExp::MapShapesAndAncestors(body, TopAbs_EDGE, TopAbs_FACE, faces_of);
@@ -196,7 +197,7 @@ std::vector<int> failed_faces(const BodyMesh& mesh) {
   return failed;
 }
 
-// Takes the kernel's triangles, with those of our own for the faces in `patched`.
+// Combines the kernel's triangles with our own for the faces in `patched`.
 BodyMesh assemble(const TopoDS_Shape& body, const std::vector<ExactFace>& faces, const std::vector<int>& patched,
                   double deflection_mm, double max_deviation_mm) {
   BodyMesh mesh;

@@ -44,7 +44,7 @@
 namespace triskin::cad_reader {
 namespace {
 
-// Edges of loose faces that lie this near are the same: IGES files state 0.001 … 0.01 mm.
+// Edges of loose faces that are this near count as the same: IGES files state 0.001 … 0.01 mm.
 constexpr double kSewing_mm = 0.02;
 constexpr int kMaxNamed = 5;
 
@@ -78,7 +78,7 @@ std::string colour_of(const Handle(XCAFDoc_ColorTool) & colours, const TDF_Label
   return {};
 }
 
-// Takes the bodies out of a document of assemblies.
+// Extracts the bodies of a document of assemblies.
 class Collector {
  public:
   Collector(const Handle(TDocStd_Document) & xde, Document& out)
@@ -178,7 +178,7 @@ class Collector {
   std::vector<PlacedBody> loose_;
 };
 
-// "#17" of an entity.
+// Returns the number of an entity as "#17".
 std::string number_of(const Handle(StepData_StepModel) & model, const Handle(Standard_Transient) & entity) {
   return std::string("#").append(std::to_string(model->IdentLabel(entity)));
 }
@@ -210,13 +210,13 @@ class LostEntities {
   std::string numbers_;
 };
 
-// How shape representations use an entity.
+// Tells how shape representations use an entity.
 struct Use {
   bool is_used = false;
   bool is_shape = false;  // True under an item of a representation, false for contexts, units and the like.
 };
 
-// Uses indexed by the number in the model: a file may contain entities that nothing uses.
+// Lists uses by the number in the model: a file may contain entities that nothing uses.
 std::vector<Use> uses_of(const Handle(StepData_StepModel) & model) {
   const Interface_Graph graph(model, Standard_False);
   std::vector<Use> uses(static_cast<std::size_t>(model->NbEntities()) + 1);
@@ -245,7 +245,7 @@ bool has_face(const TopoDS_Shape& shape) {
   return !shape.IsNull() && TopExp_Explorer(shape, TopAbs_FACE).More();
 }
 
-// Names and numbers of faces and solids.
+// Finds the names and numbers of faces and solids.
 void match_names(const Handle(StepData_StepModel) & model, const Handle(Transfer_TransientProcess) & transferred,
                  Document& out) {
   for (int e = 1; e <= model->NbEntities(); ++e) {
@@ -270,7 +270,8 @@ bool is_open_solid(const Handle(Standard_Transient) & entity, const TopoDS_Shape
          !TopExp_Explorer(shape, TopAbs_SOLID).More();
 }
 
-// Entities that the kernel could not read, faces that it dropped, solids that it left open: it goes on without a word.
+// Finds entities that the kernel could not read, faces that it dropped and solids that it left open, because it does
+// not report them.
 void find_lost(const Handle(StepData_StepModel) & model, const Handle(Transfer_TransientProcess) & transferred,
                Document& out) {
   const std::vector<Use> uses = uses_of(model);
@@ -300,7 +301,7 @@ Handle(TDocStd_Document) new_document() {
   return xde;
 }
 
-// Full names of the units that the kernel shortens.
+// Expands the names of units that the kernel shortens.
 std::string unit_name(const std::string& name) {
   if (name == "MM") return "millimetre";
   if (name == "CM") return "centimetre";

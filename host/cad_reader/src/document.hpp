@@ -9,28 +9,29 @@
 
 namespace triskin::cad_reader {
 
-/// What a file says of one face, solid or shell, whatever its place in an assembly.
+/// Holds what a file says about one face, solid or shell, whatever its place in an assembly.
 struct Label {
   std::string name, colour, entity;
 };
 
-/// A solid, a shell or a lone face in its place, in the unit of the document (mm).
+/// A solid, a shell or a single face at its place, in the unit of the document (mm).
 struct PlacedBody {
   TopoDS_Shape shape;
   std::string name, path, colour;
 };
 
-/// Bodies of a file with what it says of their faces.
+/// Holds the bodies of a file and the labels of their faces.
 struct Document {
-  std::string unit;      ///< It is the name of the unit of length in the file, and empty where there is none.
-  double unit_mm = 1.0;  ///< The kernel applied this length for one unit.
+  std::string unit;      ///< The file calls its unit of length so; empty if there is none.
+  double unit_mm = 1.0;  ///< The kernel scaled one unit to this length.
   std::vector<PlacedBody> bodies;
-  std::unordered_map<const void*, Label> labels;  ///< They are keyed by the shared shape of a face.
-  std::vector<std::string> warnings;  ///< Each is one sentence about what could not be read beside the shapes.
-  std::vector<std::string> faults;    ///< Each is one sentence about entities that gave no shape.
+  std::unordered_map<const void*, Label> labels;  ///< The key is the shared shape of a face.
+  /// Each warning is one sentence about information that could not be read beside the shapes.
+  std::vector<std::string> warnings;
+  std::vector<std::string> faults;  ///< Each fault is one sentence about entities that gave no shape.
 };
 
-/// Called with what is done next.
+/// Receives the name of the next step.
 using StageSink = std::function<void(const std::string&)>;
 
 /// Reads STEP from a stream. Errors: std::runtime_error with a sentence.
@@ -38,7 +39,7 @@ using StageSink = std::function<void(const std::string&)>;
 /// Reads IGES from a file. Errors: std::runtime_error with a sentence.
 [[nodiscard]] Document read_iges(const std::string& path, const StageSink& stage);
 
-/// The label of a face; an empty one where the file says nothing. Constant cost.
+/// Returns the label of a face; an empty one if the file has none. Constant cost.
 [[nodiscard]] const Label& label_of(const Document& document, const TopoDS_Shape& shape);
 
 }  // namespace triskin::cad_reader

@@ -11,20 +11,20 @@
 
 namespace triskin::cad_reader {
 
-/// Corners along the edges and at the vertices of a body: the faces at an edge find the same ones.
+/// Keeps the corners along the edges and at the vertices of a body, so that the faces at an edge find the same ones.
 class EdgeNodes {
  public:
-  /// `points`: of the mesh, to which nodes are added.
+  /// `points` are those of the mesh, to which nodes are added.
   EdgeNodes(const TopoDS_Shape& body, std::vector<Vec3>& points);
 
-  /// Nodes along an edge by the parameters of its curve, first to last. The first caller decides the parameters; a
-  /// later one whose number differs gets the nearest node of each of its places.
+  /// Returns nodes along an edge by the parameters of its curve, first to last. The first caller decides the
+  /// parameters; a later one whose number differs gets the nearest node for each of its places.
   [[nodiscard]] std::vector<int> along(const TopoDS_Edge& edge, const std::vector<Vec3>& places);
-  /// Parameters of an edge as its first face divided it; made from its curvature where no face has.
+  /// Returns the parameters of an edge as its first face divided it; without one they are made from its curvature.
   [[nodiscard]] std::vector<double> parameters(const TopoDS_Edge& edge, double deflection_mm);
   /// Notes the parameters that a face used.
   void note_parameters(const TopoDS_Edge& edge, std::vector<double> parameters);
-  /// Places of an edge at these parameters.
+  /// Returns the places of an edge at these parameters.
   [[nodiscard]] static std::vector<Vec3> places(const TopoDS_Edge& edge, const std::vector<double>& parameters);
 
  private:
@@ -33,9 +33,9 @@ class EdgeNodes {
 
   std::vector<Vec3>& points_;
   TopTools_IndexedMapOfShape edges_, vertices_;
-  std::vector<std::vector<int>> nodes_;          // Indexed by edge.
-  std::vector<std::vector<double>> parameters_;  // Indexed by edge.
-  std::vector<int> vertex_nodes_;                // Indexed by vertex.
+  std::vector<std::vector<int>> nodes_;
+  std::vector<std::vector<double>> parameters_;
+  std::vector<int> vertex_nodes_;
 };
 
 }  // namespace triskin::cad_reader

@@ -21,7 +21,7 @@ constexpr double kWholeTurn_rad = 0.9 * 2.0 * std::numbers::pi;
 struct HollowWall {
   std::size_t face = 0;
   Vec3 origin, axis;
-  double radius_mm = 0.0;  // Radius at the reference plane.
+  double radius_mm = 0.0;  // The radius is that at the reference plane.
   double widest_mm = 0.0;
   double turn_rad = 0.0;
 };

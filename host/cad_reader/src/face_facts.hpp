@@ -7,12 +7,11 @@
 
 namespace triskin::cad_reader {
 
-/// Kind of the surface under a face.
 [[nodiscard]] cad::SurfaceKind kind_of(const ExactFace& face);
-/// Radius of a cylinder, sphere or torus tube; 0 for other kinds.
+/// Returns the radius of a cylinder, sphere or torus tube; 0 for other kinds.
 [[nodiscard]] double radius_of(const ExactFace& face);
-/// Diameter of the round hole whose wall each face is, 0 where it is none. Faces of one axis and radius, such as two
-/// half cylinders, are one wall. Cost: quadratic in the cylinders and cones that are hollow.
+/// Returns the diameter of the round hole whose wall each face is, 0 if it is none. Faces of one axis and radius, such
+/// as two half cylinders, are one wall. Cost: quadratic in the hollow cylinders and cones.
 [[nodiscard]] std::vector<double> hole_diameters(const std::vector<ExactFace>& faces);
 
 }  // namespace triskin::cad_reader

@@ -22,22 +22,22 @@ using Primitive = CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterato
 using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
 
 constexpr double kThickestWall_mm = 10.0;
-constexpr double kStandOff_mm = 1e-3;  // Rays begin this far beside their triangle.
+constexpr double kStandOff_mm = 1e-3;  // Rays begin this far from their triangle.
 constexpr int kRays = 16;
 constexpr std::size_t kMaxPlaces = 12'000, kMaxPlacesAFace = 16, kMinPlacesAFace = 3;
-// Shares of free rays: a difference below the first says nothing at 16 places of 16 rays.
+// These are fractions of free rays: a difference below the first is not significant at 16 places of 16 rays.
 constexpr double kClearDifference = 0.1, kMostlyFree = 0.5, kMostlyHidden = 0.3;
 constexpr double kClearBulge_rad = 0.02;
 
 struct Place {
   Vec3 at, normal;
-  double free = 0.0;  // Share of its rays that are free.
-  int behind = -1;    // Triangle of the other sheet.
+  double free = 0.0;  // This fraction of its rays is free.
+  int behind = -1;    // The triangle belongs to the other sheet; −1 if there is none.
 };
 struct FaceView {
   std::vector<Place> places;
   double free = 0.0;
-  double bulge_rad = 0.0;  // Positive if its normals spread.
+  double bulge_rad = 0.0;  // Positive if the normals spread.
 };
 
 Kernel::Point_3 point(const Vec3& p) {
@@ -80,7 +80,7 @@ class SideFinder {
     return point(part_.mesh.vertices[static_cast<std::size_t>(f[k])]);
   }
 
-  // Triangles at even steps of the area stand for their face.
+  // Triangles at even steps of the area represent their face.
   void collect_places() {
     std::vector<std::vector<std::pair<double, int>>> by_face(part_.faces.size());
     for (std::size_t t = 0; t < part_.mesh.faces.size(); ++t)
@@ -112,7 +112,7 @@ class SideFinder {
     }
     view.bulge_rad = bulge(view.places);
   }
-  // Cosine-weighted directions on a spiral: the same for every place.
+  // Uses the same cosine-weighted directions on a spiral for every place.
   [[nodiscard]] double free_share(const Place& place) const {
     const Vec3 x = place.normal.unitOrthogonal(), y = place.normal.cross(x);
     const Kernel::Point_3 from = point(place.at + kStandOff_mm * place.normal);
@@ -124,7 +124,7 @@ class SideFinder {
     }
     return static_cast<double>(free) / kRays;
   }
-  // The other sheet of a thin wall: near behind the place, with its normal turned away.
+  // Finds the other sheet of a thin wall: close behind the place, with its normal turned away.
   [[nodiscard]] int behind(const Place& place) const {
     const Kernel::Segment_3 ray(point(place.at - kStandOff_mm * place.normal),
                                 point(place.at - kThickestWall_mm * place.normal));
@@ -140,7 +140,7 @@ class SideFinder {
     }
     return found >= 0 && place_on(found).normal.dot(place.normal) < -0.5 ? found : -1;
   }
-  // Mean angle by which normals of two places spread: positive on the outside of a tube.
+  // Returns the mean angle by which normals of two places spread: positive on the outside of a tube.
   static double bulge(const std::vector<Place>& places) {
     double sum = 0.0, pairs = 0.0;
     for (std::size_t a = 0; a < places.size(); ++a) {

@@ -29,7 +29,7 @@ constexpr const char* kInput = "/proc/self/fd/0";
 
 class FrameWriter {
  public:
-  // The kernel prints to standard output: that becomes nothing, frames go to a copy of it.
+  // The kernel prints to standard output, so that is redirected to nothing and frames use a copy of it.
   FrameWriter() : out_(::dup(STDOUT_FILENO)) {
     const int nothing = ::open("/dev/null", O_WRONLY);
     ::dup2(nothing, STDOUT_FILENO);
@@ -89,6 +89,6 @@ int main(int count, char** arguments) {
   } catch (const Standard_Failure& e) {
     frames.write(cad::FrameKind::kError, std::string("the geometry kernel gives up: ") + e.DynamicType()->Name());
   }
-  // Destructors of what the kernel built may crash, and the answer is out.
+  // Destructors of the kernel's objects may crash, and the answer is already sent.
   std::_Exit(EXIT_SUCCESS);
 }

@@ -26,7 +26,7 @@ std::string place_text(const Vec3& p) {
   return text("(%.1f, %.1f, %.1f) mm", p.x(), p.y(), p.z());
 }
 
-// Triangles of a body as they go into the part.
+// Copies the triangles of a body into the part.
 class PartBuilder {
  public:
   PartBuilder(const Document& document, double scale) : document_(document), scale_(scale) {}
@@ -78,7 +78,7 @@ class PartBuilder {
   double scale_;
 };
 
-// Place and mean normal of every face from its triangles.
+// Computes place and mean normal of every face from its triangles.
 void set_places(cad::Part& part) {
   std::vector<Vec3> normals(part.faces.size(), Vec3::Zero()), middles = normals;
   std::vector<double> areas(part.faces.size(), 0.0), nearest(part.faces.size(), 1e300);

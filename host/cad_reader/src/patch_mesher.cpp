@@ -21,7 +21,7 @@ struct RingNode {
 };
 using Ring = std::vector<RingNode>;
 
-// A wire in the parameters of the face, in its direction round the face.
+// A wire in the parameters of the face, in its direction around the face.
 class RingBuilder {
  public:
   RingBuilder(const BodyMesh& mesh, int face, EdgeNodes& nodes, double deflection_mm)
@@ -53,7 +53,7 @@ class RingBuilder {
       if (ring.empty() || !is_same(ring.back(), node)) ring.push_back(node);
     }
   }
-  // Curves of neighbouring edges may lie whole periods apart.
+  // Curves of neighbouring edges may be whole periods apart.
   void bring_near(const Vec2& end, Ring& part) const {
     const auto shift = [&](bool is_periodic, double period, Eigen::Index axis) {
       if (!is_periodic) return;
@@ -73,7 +73,7 @@ class RingBuilder {
   double deflection_mm_;
 };
 
-// Lengths in u and v differ, and Delaunay triangles want one measure.
+// Lengths in u and v differ, but Delaunay triangles need a common measure.
 Vec2 scale_of(const ExactFace& face, const std::vector<Ring>& rings) {
   Vec2 sum = Vec2::Zero();
   for (const Ring& ring : rings) {

@@ -30,7 +30,8 @@ Vec3 value(const ExactFace& face, const Vec2& uv) {
   return point_of(face.surface.Value(uv.x(), uv.y()));
 }
 
-// Distance of a point of a triangle from the surface, by Gauss-Newton steps from `uv`: never less than the true one.
+// Returns the distance of a point of a triangle from the surface, by Gauss-Newton steps from `uv`; it is never less
+// than the true one.
 double distance_to_surface(const ExactFace& face, const Vec3& place, Vec2 uv) {
   double best = 1e300;
   for (int step = 0; step < kMaxProjectionSteps; ++step) {
@@ -50,8 +51,8 @@ double distance_to_surface(const ExactFace& face, const Vec3& place, Vec2 uv) {
   return best;
 }
 
-// Distance of a point of the surface from the plane of its triangle. What lies beside it in the plane does not count:
-// parameters of an edge may be off along the surface.
+// Returns the distance of a point of the surface from the plane of its triangle. An offset within the plane does not
+// count, because parameters of an edge may be off along the surface.
 double distance_to_plane(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 normal = (b - a).cross(c - a);
   const double length = normal.norm();
@@ -63,7 +64,7 @@ bool is_on(const std::vector<double>& sides, double parameter) {
       sides, [&](double side) { return std::abs(side - parameter) < kOnSide * (1.0 + std::abs(side)); });
 }
 
-// Mean of parameters, where a corner in a pole has no u of its own.
+// Returns the mean of parameters; a corner in a pole has no u of its own.
 Vec2 mean_uv(const ExactFace& face, std::initializer_list<Vec2> corners) {
   Vec2 sum = Vec2::Zero(), count = Vec2::Zero(), all = Vec2::Zero();
   for (const Vec2& uv : corners) {
@@ -106,7 +107,6 @@ class Refiner {
     return std::max(from_surface, distance_to_surface(face, place, uv));
   }
 
-  // Distances of one triangle from its surface.
   struct Distances {
     std::array<double, 3> sides{};
     double centre = 0.0, worst = 0.0;
@@ -128,7 +128,7 @@ class Refiner {
     return d;
   }
 
-  // Marks the sides that have to be divided, or keeps what was measured of a triangle that stays.
+  // Marks the sides that have to be divided, or keeps the measurements of a triangle that stays.
   void inspect(const Triangle& t, bool is_last) {
     ExactFace& face = mesh_.faces[static_cast<std::size_t>(t.face)];
     if (face.surface.GetType() == GeomAbs_Plane) return;
@@ -161,7 +161,7 @@ class Refiner {
     return true;
   }
 
-  // Divides every triangle with a marked side; returns those that are new.
+  // Divides every triangle with a marked side and returns the new ones.
   std::vector<std::size_t> divide() {
     std::vector<std::size_t> changed;
     const std::size_t count = mesh_.triangles.size();
@@ -236,7 +236,7 @@ class Refiner {
       emit(from, (from + 2) % n, (from + 3) % n);
       return;
     }
-    // Five in the ring: the corner between the two middles is cut off, the rest is a quadrangle.
+    // The ring has five corners: the one between the two middles is cut off, and a quadrangle remains.
     const std::size_t corner = (middle_at[1] - middle_at[0] == 2) ? middle_at[0] + 1 : 0;
     const std::size_t before = (corner + n - 1) % n, after = (corner + 1) % n;
     emit(corner, after, before);

@@ -51,13 +51,13 @@ void mark_depths(Triangulation& triangulation) {
   }
 }
 
-// False where the ring crosses what is there: that makes a corner which no ring has.
+// Returns false if the ring crosses an existing edge, which would create a corner that no ring has.
 bool insert_ring(Triangulation& triangulation, const std::vector<Eigen::Vector2d>& ring, int first) {
   std::vector<Triangulation::Vertex_handle> handles;
   for (const Eigen::Vector2d& p : ring) {
     const std::size_t before = triangulation.number_of_vertices();
     handles.push_back(triangulation.insert({p.x(), p.y()}));
-    // A ring may touch itself in a corner (a seam); the first corner then stands for both.
+    // A ring may touch itself in a corner (a seam); the first corner then represents both.
     if (triangulation.number_of_vertices() > before)
       handles.back()->info() = first + static_cast<int>(handles.size()) - 1;
   }

@@ -35,7 +35,7 @@
 namespace triskin::cad_reader {
 namespace {
 
-// Faces of one body with the edges and corners that they share.
+// Builds the faces of one body with the edges and corners that they share.
 class BodyBuilder {
  public:
   explicit BodyBuilder(const cad::StepBody& body) : body_(body) {
@@ -121,7 +121,7 @@ Handle(TDocStd_Document) document_of(const cad::StepAssembly& assembly) {
   return document;
 }
 
-// The kernel writes to files only: this one is in memory.
+// The kernel writes only to files, so this file is in memory.
 std::string written(STEPCAFControl_Writer& writer) {
   const int file = ::memfd_create("step", MFD_CLOEXEC);
   const std::string path = "/proc/self/fd/" + std::to_string(file);
@@ -147,7 +147,8 @@ std::string step_of(const cad::StepAssembly& assembly, const StageSink& stage) {
   if (!writer.Transfer(document, STEPControl_AsIs)) throw std::runtime_error("the kernel translated no body");
   APIHeaderSection_MakeHeader header(writer.ChangeWriter().Model());
   header.SetName(new TCollection_HAsciiString(assembly.name.c_str()));
-  header.SetTimeStamp(new TCollection_HAsciiString("1970-01-01T00:00:00"));  // Equal designs give equal files.
+  // A fixed time makes equal designs give equal files.
+  header.SetTimeStamp(new TCollection_HAsciiString("1970-01-01T00:00:00"));
   stage("writing them");
   return written(writer);
 }

@@ -7,7 +7,7 @@
 
 namespace triskin::cad_reader {
 
-/// The assembly as a STEP file (AP214). Errors: std::runtime_error with a sentence.
+/// Writes the assembly as a STEP file (AP214). Errors: std::runtime_error with a sentence.
 [[nodiscard]] std::string step_of(const cad::StepAssembly& assembly, const StageSink& stage);
 
 }  // namespace triskin::cad_reader

@@ -13,15 +13,15 @@ namespace {
 constexpr double kTouch_mm = 1e-7;     // Distances to surface and border that differ by less count as equal.
 constexpr double kSmallest_mm = 1e-3;  // Parts of a module are not divided below this radius.
 // Three halvings at most halve the radius of a part, and a module is at most 120 mm across (surface_rules.cpp), so that
-// 3 log2(120 mm / 1 µm) = 51 of them end every branch; a face that divides a part may stand between two halvings.
+// 3 log2(120 mm / 1 µm) = 51 of them end every branch; a face that divides a part may come between two halvings.
 constexpr int kMaxDepth = 128;
-constexpr std::size_t kMaxParts = 300'000;  // A hundred times what a module among many sheets needs.
+constexpr std::size_t kMaxParts = 300'000;  // A module among many sheets needs a hundredth of this.
 
 // A border edge seen from a point.
 struct Sight {
-  double along;  // Position of the foot: 0 at a, 1 at b, clamped.
-  P3 off;        // Vector from the foot to the point.
-  P3 normal;     // Unit normal of the surface at the foot.
+  double along;  // The position of the foot runs from 0 at a to 1 at b, clamped.
+  P3 off;        // The vector leads from the foot to the point.
+  P3 normal;     // The normal of the surface at the foot has unit length.
 };
 
 Sight sight_of(const BorderEdge& e, const P3& p) {
@@ -41,12 +41,12 @@ double area_in_space(const Outline3& part) {
   return twice.norm() / 2;
 }
 
-// What of a part is on the near side of the plane through p, and what is on the side that the normal points to.
+// Cuts a part at the plane through p into the near side and the side to which the normal points.
 std::array<Outline3, 2> cut(const Outline3& part, const P3& p, const P3& normal) {
   return {clipped(part, p, normal), clipped(part, p, -normal)};
 }
 
-// A part in two, across its greatest length.
+// Halves a part across its greatest length.
 std::array<Outline3, 2> halved(const Outline3& part, const P3& middle) {
   P3 length = P3::Zero();
   for (const P3& a : part)
@@ -55,8 +55,8 @@ std::array<Outline3, 2> halved(const Outline3& part, const P3& middle) {
   return cut(part, middle, length);
 }
 
-// A part as one face of the surface divides it: `over` is between the planes that stand on the sides of the face,
-// up to kTouchingSide_mm past them.
+// Divides a part by one face of the surface: `over` is between the planes that stand on the sides of the face, up to
+// kTouchingSide_mm past them.
 constexpr double kTouchingSide_mm = 1e-6;
 struct Division {
   Outline3 over;
@@ -76,8 +76,8 @@ Division divide_by(const Triangle3& face, Outline3 part) {
   return d;
 }
 
-// Branch and bound over convex parts of one module; points count that are past the border by `past_mm`, or lack no more
-// than its negative.
+// Runs branch and bound over convex parts of one module; points count that are past the border by `past_mm`, or lack no
+// more than its negative.
 class OverrunSearch {
  public:
   OverrunSearch(const SurfaceIndex& surface, double past_mm)
@@ -95,7 +95,7 @@ class OverrunSearch {
       if ((e.a - c).norm() <= reach + (e.b - e.a).norm() && sight_of(e, c).off.norm() <= reach) near.push_back(&e);
     }
     if (near.empty()) return {};
-    for (std::size_t k = 0; k < n; ++k) {  // The largest value is mostly found here, which ends the search sooner.
+    for (std::size_t k = 0; k < n; ++k) {  // The largest value is usually found here, which ends the search sooner.
       visit(module[k], surface_.distance(module[k]), near);
       const P3 middle = (module[k] + module[(k + 1) % n]) / 2;
       visit(middle, surface_.distance(middle), near);
@@ -123,8 +123,8 @@ class OverrunSearch {
     if (nearest <= to_surface + touch && past >= past_mm_) best_ = std::max(best_, over);
   }
 
-  // No point within the part exceeds this while the edge is the nearest of the surface. The foot slides no farther than
-  // the point, the distance to a point or a line is convex, and the normal turns by at most `turn` a mm.
+  // Bounds the overrun of all points of the part while the edge is the nearest of the surface. The foot slides no
+  // farther than the point, the distance to a point or a line is convex, and the normal turns by at most `turn` per mm.
   [[nodiscard]] double bound(const BorderEdge& e, const Outline3& part, const P3& middle, double radius) const {
     const double length = (e.b - e.a).norm(), slack = radius / length;
     const Sight s = sight_of(e, middle);
@@ -144,9 +144,9 @@ class OverrunSearch {
     return most + turned;
   }
 
-  // Some point of the part may be as near to the edge as to the surface, of which `foot` is a point. The squared
-  // distance to the edge's line less that to the foot is concave, so its least value is at a corner; it must not exceed
-  // what visit() takes for touching, and a second edge that is as near.
+  // Returns true if some point of the part may be as near to the edge as to the surface, of which `foot` is a point.
+  // The squared distance to the edge's line less that to the foot is concave, so its least value is at a corner; it
+  // must not exceed the tolerance of visit() for touching, and for a second edge that is as near.
   [[nodiscard]] bool may_be_nearest(const BorderEdge& e, const Outline3& part, const P3& foot) const {
     const P3 along = (e.b - e.a).normalized();
     return std::ranges::any_of(part, [&](const P3& q) {
@@ -155,17 +155,19 @@ class OverrunSearch {
     });
   }
 
-  // No point of the part is farther from the surface than its farthest corner is from the face. The border that is
-  // nearest to a point which stands over it is no farther either, so the point is past it by no more.
+  // Returns true if the face is close: no point of the part is farther from the surface than its farthest corner is
+  // from the face. The border that is nearest to a point which overhangs it is no farther either, so the point is past
+  // it by no more.
   [[nodiscard]] bool is_close(std::size_t face, const Outline3& part) const {
     const auto distance = [&](const P3& q) { return surface_.distance_to(face, q); };
     const double far = std::ranges::max(part | std::views::transform(distance)) + 2.0 * kTouch_mm;
     return far <= best_ + kOverrunStep_mm || far < past_mm_;
   }
 
-  // The part is between the planes of the face, and no edge of the border that may be nearest leaves the face toward
-  // it. An edge at the face's level or behind it is as near as the face only to points straight before the edge, within
-  // a band that kTouch_mm and kTouchingSide_mm make: sqrt(4 * 1e-6 * 5) = 0.005 mm for a part 5 mm high.
+  // Returns true if the part is between the planes of the face, and no edge of the border that may be nearest leaves
+  // the face toward it. An edge at the face's level or behind it is as near as the face only to points straight before
+  // the edge, within a band that kTouch_mm and kTouchingSide_mm make: sqrt(4 * 1e-6 * 5) = 0.005 mm for a part 5 mm
+  // high.
   [[nodiscard]] bool is_covered(const Triangle3& face, const Outline3& part,
                                 const std::vector<const BorderEdge*>& near) const {
     const P3 normal = unit_normal(face);
@@ -188,7 +190,7 @@ class OverrunSearch {
     for (const P3& q : part) radius = std::max(radius, (q - m).norm());
     const auto hit = surface_.closest(m);
     const double to_surface = (m - hit.point).norm();
-    std::vector<const BorderEdge*> near;  // All edges that may be nearest to a point of the part.
+    std::vector<const BorderEdge*> near;  // These edges may be nearest to a point of the part.
     for (const BorderEdge* e : candidates) {
       if (sight_of(*e, m).off.norm() <= to_surface + 2.0 * radius + lack_mm_ && may_be_nearest(*e, part, hit.point))
         near.push_back(e);
@@ -214,7 +216,7 @@ class OverrunSearch {
   double past_mm_, lack_mm_;
   double best_ = 0.0;
   std::size_t points_ = 0, parts_ = 0;
-  bool is_cut_off_ = false;  // The bounds did not close in kMaxParts parts: the value is not known.
+  bool is_cut_off_ = false;  // True if the bounds did not close in kMaxParts parts, so the value is unknown.
 };
 
 }  // namespace

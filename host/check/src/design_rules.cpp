@@ -19,8 +19,8 @@ void stated(Findings& f, const char* rule, double says, double is, double tolera
   if (!(std::abs(says - is) <= tolerance)) f.broken(rule, "design", fmt::format("states {:.6g}, is {:.6g}", says, is));
 }
 
-// Limits are the user's choice and say what the design is measured against; one that is no length or angle makes every
-// comparison void.
+// Limits are the user's choice and define what the design is measured against; one that is no length or angle makes
+// every comparison void.
 void check_limits(const CheckedDesign::Limits& l, bool with_jumpers, DesignReport& report, Findings& f) {
   f.rule("limits");
   std::vector<std::pair<const char*, double>> limits{{"edge_error_mm", l.edge_error},   {"hinge_gap_mm", l.hinge_gap},
@@ -39,7 +39,7 @@ void check_limits(const CheckedDesign::Limits& l, bool with_jumpers, DesignRepor
   }
 }
 
-// FNV-1a of 64 bits over little-endian words, as docs/design_file.md defines the id.
+// Computes FNV-1a of 64 bits over little-endian words, as docs/design_file.md defines the id.
 class Fnv {
  public:
   void add(std::int64_t word) {
@@ -52,7 +52,7 @@ class Fnv {
   std::uint64_t value_ = 0xCBF29CE484222325U;
 };
 
-// Kinds are in tables as numbers of three bits above ids of thirteen.
+// Tables store a kind as a number of three bits above an id of thirteen.
 void check_kinds(const CheckedDesign& d, Findings& f) {
   f.rule("kinds");
   constexpr std::size_t kMaxKinds = 7, kMaxModules = 8192;
@@ -77,7 +77,7 @@ void check_kinds(const CheckedDesign& d, Findings& f) {
   }
 }
 
-// A controller whose id matches is not flashed again: an id that belongs to other modules would leave it as it is.
+// A controller whose id matches is not flashed again, so an id that belongs to other modules would leave it unchanged.
 void check_id(const CheckedDesign& d, Findings& f) {
   f.rule("design-id");
   Fnv fnv;

@@ -144,7 +144,7 @@ class FailureRules {
     }
   }
 
-  // The normal tree with the listed changes reaches every living module over living joints, from an entry.
+  // Checks that the normal tree with the listed changes reaches every living module over living joints, from an entry.
   void backup(const FailureRow& x) {
     std::map<int, int> parent;
     for (const RouteRow& r : p_.rows) parent[r.id] = r.parent;

@@ -11,17 +11,18 @@ namespace triskin::check {
 namespace {
 
 constexpr double kStated_mm = 0.01;  // Among closest points that tie, another may be chosen.
-constexpr double kBehind_mm = 0.5;   // Where modules overlap, a side may lie so far behind the other.
-constexpr double kLayer_mm = 10.0;   // A jumper does not cross what lies farther off along the normal.
-constexpr int kSteps = 32;           // docs/design_file.md says where the length is measured.
+constexpr double kBehind_mm = 0.5;   // Overlapping modules may have a side this far behind the other.
+constexpr double kLayer_mm = 10.0;   // A jumper does not cross a module that lies farther off along the normal.
+constexpr int kSteps = 32;  // docs/design_file.md defines the number of points at which the length is measured.
 
 struct Cable {
-  P3 a, b;          // Middles of the sides.
-  P3 out_a, out_b;  // Unit directions away from the centroids.
+  P3 a, b;          // The cable leads between these middles of sides.
+  P3 out_a, out_b;  // Both are unit vectors that point away from the centroids.
   P3 normal_a, normal_b;
 };
 
-// Length inside a module, seen from above it, of the part of the segment that is `depth` and more from its sides.
+// Returns the length, inside a module and seen from above it, of the part of the segment that is at least `depth` from
+// its sides.
 double length_inside(const P3& a, const P3& b, const Triangle3& t, double depth) {
   const P3 n = unit_normal(t), between = b - a;
   if (std::abs((a + 0.5 * between - t[0]).dot(n)) > kLayer_mm) return 0.0;
@@ -40,7 +41,7 @@ double length_inside(const P3& a, const P3& b, const Triangle3& t, double depth)
   return std::max(0.0, high - low) * between.norm();
 }
 
-// Two segments cross, seen along the mean of the normals: each has its ends on both sides of the other.
+// Returns true if two segments cross, seen along the mean of the normals: each has its ends on both sides of the other.
 bool crossing(const Cable& p, const Cable& q) {
   const P3 n = (p.normal_a + p.normal_b + q.normal_a + q.normal_b).normalized();
   if (!n.allFinite() || std::abs(n.dot(p.a + p.b - q.a - q.b)) / 2 > kLayer_mm) return false;
@@ -82,7 +83,7 @@ class JumperRules {
   }
   [[nodiscard]] static bool apart(const CheckedDesign::Jumper& j) { return j.module[0] != j.module[1]; }
 
-  // Kind, free sides, islands, patches.
+  // Covers kinds, free sides, islands and patches.
   void ends(const CheckedDesign::Jumper& j, std::size_t k) {
     if (j.kind != "cable") broken("jumper-kind", k, fmt::format("is of kind \"{}\", cable is possible", j.kind));
     if (!pairs_.insert(std::minmax(j.module[0], j.module[1])).second)
@@ -118,7 +119,7 @@ class JumperRules {
     return {middle[0], middle[1], out[0], out[1], normal[0], normal[1]};
   }
 
-  // Direction, length, fold and what lies under it.
+  // Covers direction, length, fold and the modules under the cable.
   void course(const CheckedDesign::Jumper& j, std::size_t k, const Cable& c) {
     const double turned = std::acos(std::clamp(c.out_a.dot(c.out_b), -1.0, 1.0));
     const double ahead = std::min((c.b - c.a).dot(c.out_a), (c.a - c.b).dot(c.out_b));
@@ -143,7 +144,7 @@ class JumperRules {
     }
   }
 
-  // Along the surface, at the heights of its ends above it.
+  // Measures along the surface, at the heights of its ends above it.
   [[nodiscard]] double length_of(const Cable& c) const {
     const P3 off_a = c.a - surface_.closest(c.a).point, off_b = c.b - surface_.closest(c.b).point;
     double length = 0.0;

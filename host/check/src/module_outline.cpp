@@ -8,7 +8,8 @@ namespace triskin::check {
 namespace {
 
 const double kRoot3 = std::sqrt(3.0);
-const double kToSide = kSide * kRoot3 / 6.0, kToCorner = kSide * kRoot3 / 3.0;  // Distances from the centre.
+// Both distances are taken from the centre.
+const double kToSide = kSide * kRoot3 / 6.0, kToCorner = kSide * kRoot3 / 3.0;
 
 double cut_from_center(double cut) {
   return kToCorner - cut * kRoot3 / 2.0;

@@ -14,8 +14,8 @@ namespace {
 constexpr double kRigid_mm = 1e-6;
 constexpr double kStated = 1e-6;  // Stated numbers are printed in full, so they must agree to rounding.
 
-// Pads of the iCub triangle relative to the centroid (skinGui), x along side 0 of the turned module, y to the far
-// corner.
+// Gives the pads of the iCub triangle relative to the centroid (skinGui), x along side 0 of the turned module, y to the
+// far corner.
 constexpr double kPad[12][2] = {{6.533, 0},      {9.8, -5.66},  {3.267, -5.66},  {0, 0},
                                 {-3.267, -5.66}, {-9.8, -5.66}, {-6.533, -3.75}, {-6.533, 0},
                                 {-3.267, 5.66},  {0, 11.317},   {0, 7.507},      {3.267, 5.66}};
@@ -99,7 +99,7 @@ void check_hinges(const CheckedDesign& d, Findings& f) {
       if (m.neighbour[s] >= 0) {
         const auto& o = d.modules[static_cast<std::size_t>(m.neighbour[s])];
         const int t = matching_side(m, static_cast<int>(s), o);
-        if (t < 0) continue;  // The rule joint-lattice reports it.
+        if (t < 0) continue;  // The rule joint-lattice already reports this.
         const P3 &a = m.corner[s], &b = m.corner[(s + 1) % 3], &c = o.corner[static_cast<std::size_t>((t + 1) % 3)],
                  &e = o.corner[static_cast<std::size_t>(t)];
         gap = std::max((a - c).norm(), (b - e).norm());
@@ -129,7 +129,7 @@ void check_taxels(const CheckedDesign& d, Findings& f) {
   f.rule("taxel-pose");
   for (std::size_t k = 0; k < d.modules.size(); ++k) {
     const auto& m = d.modules[k];
-    if (m.rotation < 0 || m.rotation > 2) continue;  // The rule rotation reports it.
+    if (m.rotation < 0 || m.rotation > 2) continue;  // The rule rotation already reports this.
     const auto r = static_cast<std::size_t>(m.rotation);
     const P3 c = centroid(m.corner), n = unit_normal(m.corner);
     const P3 x = (m.corner[(r + 1) % 3] - m.corner[r]) / kSide, y = n.cross(x);

@@ -46,7 +46,7 @@ class PatchChecker {
     islands();
   }
 
-  // Islands hang together by jumpers only; the tree rules say whether they do.
+  // Islands are connected by jumpers only; the tree rules tell whether they are.
   void islands() {
     std::set<int> islands;
     for (const int m : members_) islands.insert(module(m).island);
@@ -141,7 +141,7 @@ class PatchChecker {
     }
   }
 
-  // The second cable goes to a side without joint of the patch that is not the first one's.
+  // The second cable must be at a side without a joint of the patch, and not at the side of the first cable.
   void second_entry() {
     if (p_.second_entry < 0) return;
     if (!members_.contains(p_.second_entry))
@@ -160,7 +160,7 @@ class PatchChecker {
     int deepest = 0, hops = 0;
     for (const int m : p_.modules) {
       deepest = std::max(deepest, module(m).depth);
-      std::set<int> lines;  // Lines that are used at or below m.
+      std::set<int> lines;  // These lines are used at or below m.
       for (const int v : p_.modules) {
         int u = v;
         for (std::size_t guard = 0; u >= 0 && u != m && guard < p_.modules.size(); ++guard) u = module(u).parent;

@@ -83,7 +83,7 @@ void check_simple(const CheckedDesign::Piece& p, std::size_t k, Findings& f) {
   }
 }
 
-// Each corner gives way to two points, `cut` mm from it along its sides.
+// Replaces each corner by two points, `cut` mm from it along its sides.
 std::vector<P2> without_corners(const std::array<P2, 3>& t, double cut) {
   if (!(cut > 0.0)) return {t.begin(), t.end()};
   std::vector<P2> points;
@@ -94,7 +94,7 @@ std::vector<P2> without_corners(const std::array<P2, 3>& t, double cut) {
   return points;
 }
 
-// A net is no wider than its faces in a row. One that is has a point far out, and the tiles of its box have no end.
+// A net is no wider than its faces in a row. A wider one has a point far out, and its box would have endless tiles.
 bool is_as_wide_as_its_faces(const CheckedDesign& d, const CheckedDesign::Piece& p) {
   double length = 0.0;
   for (const int f : p.faces) {
@@ -109,12 +109,12 @@ bool is_as_wide_as_its_faces(const CheckedDesign& d, const CheckedDesign::Piece&
   }
   Eigen::AlignedBox2d box;
   for (const Edge& e : edges_of(p)) box.extend(e.a);
-  constexpr double kStretch = 1.5;  // Far above any edge error that a limit allows.
+  constexpr double kStretch = 1.5;  // No limit allows an edge error anywhere near this.
   return !(box.diagonal().norm() > kStretch * length);
 }
 
-// Tiles of the grid inside the moved outline, counted tile by tile: no edge may enter a tile's interior, its centre
-// lies inside.
+// Counts the tiles of the grid inside the moved outline one by one: no edge may enter a tile's interior, and its centre
+// must lie inside.
 int tiles_inside(const CheckedDesign::Piece& p, double cut) {
   const double c = std::cos(p.theta), s = std::sin(p.theta), h = kSide * std::sqrt(3.0) / 2;
   std::vector<Edge> edges = edges_of(p);

@@ -24,10 +24,10 @@ std::string shown(const json& j) {
   return j.dump().substr(0, 40);
 }
 
-// A double still resolves 2 µm there, and no micrometre that a design id has in it leaves 64 bits.
+// A double still resolves 2 µm there, and no micrometre in a design id exceeds 64 bits.
 constexpr double kMaxNumber = 1e10;
 
-// JSON converts a number to any type that is asked for, whether it fits or not.
+// JSON converts a number to any requested type, whether it fits or not.
 double number(const json& j) {
   if (!j.is_number()) throw InputError(fmt::format("{} must be a number", shown(j)));
   const double value = j.get<double>();
@@ -42,7 +42,7 @@ int integer(const json& j) {
   return j.get<int>();
 }
 
-// A list of another length is not what it should be, whatever stands at its beginning.
+// A list of another length is wrong, whatever its beginning is.
 const json& list_of(const json& j, std::size_t n) {
   if (!j.is_array() || j.size() != n) throw InputError(fmt::format("{} must be a list of {}", shown(j), n));
   return j;
@@ -78,7 +78,7 @@ int bounded(int value, int low, int high, const char* what) {
   return value;
 }
 
-// Short sides nearer to the centre than the long ones are no cut corners any more.
+// With short sides nearer to the centre than the long ones, corners are no longer cut.
 double corner_cut(double value) {
   if (!(value > 0.0 && value <= 10.0)) throw InputError(fmt::format("corner_cut_mm {} is outside 0 … 10", value));
   return value;
@@ -253,7 +253,8 @@ CheckedDesign read_all(const json& j) {
   if (d.faces.empty()) throw InputError("the surface has no faces");
   if (j.contains("side")) read_side(j.at("side"), d);
   const json& l = j.at("limits");
-  const bool with_lift = l.contains("lift_mm") || l.contains("depth_mm");  // A file has both, or is older than them.
+  // A file has both keys, or is older than them.
+  const bool with_lift = l.contains("lift_mm") || l.contains("depth_mm");
   d.limits = {number(l.at("edge_error_mm")),
               number(l.at("hinge_gap_mm")),
               number(l.at("center_gap_mm")),
@@ -297,8 +298,9 @@ CheckedDesign read_all(const json& j) {
   return d;
 }
 
-// Numbers that no rule reads, counts of other layouts, prices and times, are bounded all the same: what reads the file
-// next may count with them. Coordinates have the bound of a coordinate; the radius of a flat place has none.
+// Numbers that no rule reads, counts of other layouts, prices and times, are bounded all the same, because the next
+// reader of the file may calculate with them. Coordinates have the bound of a coordinate; the radius of a flat place
+// has none.
 void require_bounded(const json& j, const std::string& key, double bound) {
   constexpr std::array kCoordinates{"vertices", "faces", "corners",   "position", "outline",
                                     "holes",    "flat",  "placement", "sphere",   "box"};
@@ -315,7 +317,7 @@ void require_bounded(const json& j, const std::string& key, double bound) {
   }
 }
 
-// A key that no reader knows would change nothing, whatever its author meant by it.
+// A key that no reader knows would have no effect, whatever its author meant by it.
 constexpr std::array<std::string_view, 123> kKnownKeys{"address",
                                                        "alternatives",
                                                        "area_cm2",
@@ -440,7 +442,7 @@ constexpr std::array<std::string_view, 123> kKnownKeys{"address",
                                                        "x_mm",
                                                        "y_mm"};
 
-// Not inside "selection", which is what the user chose of a CAD part, and "refused", whose keys are names of limits.
+// Skips "selection", which is what the user chose of a CAD part, and "refused", whose keys are names of limits.
 void require_known_keys(const json& j) {
   if (j.is_object()) {
     for (const auto& [key, value] : j.items()) {

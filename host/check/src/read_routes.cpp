@@ -42,7 +42,8 @@ std::vector<std::array<int, 2>> pairs(const json& object, const char* name, cons
   return result;
 }
 
-// Sides as documented: 0, 1, 2 counter-clockwise from the bottom of an up tile, from the right of a down tile.
+// Sides are numbered as documented: 0, 1, 2 counter-clockwise from the bottom of an up tile, from the right of a down
+// tile.
 std::array<int, 3> tile_beyond(const std::array<int, 3>& t, int side) {
   static constexpr int kFromUp[3][2] = {{0, -1}, {0, 0}, {-1, 0}}, kFromDown[3][2] = {{1, 0}, {0, 1}, {0, 0}};
   const auto& d = t[2] != 0 ? kFromUp[side] : kFromDown[side];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Regions: what must stay free is, what must be covered is.
+// Checks regions: places that must stay free are free, and those that must be covered are covered.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,10 +12,11 @@
 namespace triskin::check {
 namespace {
 
-constexpr double kPlaceStep_mm = 0.9;   // Distance between places that must be covered.
-constexpr double kPlaceSlack_mm = 1.0;  // Solver and checker look at other places, which may be this much farther off.
+constexpr double kPlaceStep_mm = 0.9;  // Places that must be covered are this far apart.
+// Solver and checker test different places, so one may be this much farther off.
+constexpr double kPlaceSlack_mm = 1.0;
 constexpr double kStatedReach_mm = 0.15;
-constexpr double kMaxParts = 5000.0;  // A side of a face has at most so many parts: no cover is larger than 5 m.
+constexpr double kMaxParts = 5000.0;  // No side of a face needs more parts, because no cover is larger than 5 m.
 constexpr double kSheet_mm = 8.0;     // Points higher over a module belong to another sheet.
 
 double distance_to_edge(const P3& p, const P3& a, const P3& b) {
@@ -24,13 +25,13 @@ double distance_to_edge(const P3& p, const P3& a, const P3& b) {
   return (a + part * d - p).norm();
 }
 
-// A region, and which faces of the surface it names.
+// A region, and the faces of the surface that it names.
 class RegionArea {
  public:
   RegionArea(const CheckedDesign& d, const CheckedDesign::Region& r) : d_(d), r_(r), named_(d.faces.size(), false) {
     for (const int f : r.faces) named_[static_cast<std::size_t>(f)] = true;
     if (r.kind != CheckedDesign::Region::Kind::kFaces) return;
-    std::map<std::pair<int, int>, std::array<int, 2>> sides;  // Faces at each side, named or not.
+    std::map<std::pair<int, int>, std::array<int, 2>> sides;  // The faces at each side are counted, named or not.
     for (std::size_t f = 0; f < d.faces.size(); ++f) {
       for (std::size_t k = 0; k < 3; ++k)
         ++sides[std::minmax(d.faces[f][k], d.faces[f][(k + 1) % 3])][named_[f] ? 0 : 1];
@@ -42,7 +43,7 @@ class RegionArea {
     }
   }
 
-  // Distance to the rim, negative outside.
+  // Returns the distance to the rim, negative outside.
   [[nodiscard]] double depth(const P3& p, std::size_t face) const {
     using Kind = CheckedDesign::Region::Kind;
     if (r_.kind == Kind::kSphere) return r_.radius - (p - r_.a).norm();
@@ -56,7 +57,7 @@ class RegionArea {
     return named_[face] ? least : -least;
   }
 
-  // Calls `visit(place)` for places of the region not farther apart than the step.
+  // Calls `visit(place)` for places of the region that are at most the step apart.
   void each_place(double step, const auto& visit) const {
     for (std::size_t f = 0; f < d_.faces.size(); ++f) {
       const auto corner = [&](std::size_t k) { return d_.vertices[static_cast<std::size_t>(d_.faces[f][k])]; };
@@ -80,9 +81,10 @@ class RegionArea {
   std::vector<std::pair<P3, P3>> rim_;
 };
 
-// How far the feet of a module's points reach into the region: by parts, as the overrun.
+// Returns how far the projection of a module's points on the surface reaches into the region, by parts as for the
+// overrun.
 double reach_into(const RegionArea& area, const SurfaceIndex& surface, const Outline3& outline) {
-  constexpr double kStep = 0.02, kPart = 0.05, kSlope = 2.0;  // Depths beyond 1 mm are measured to 5 % only.
+  constexpr double kStep = 0.02, kPart = 0.05, kSlope = 2.0;  // Depths beyond 1 mm are only measured to 5 %.
   double most = 0.0;
   std::vector<std::array<P3, 3>> parts;
   for (std::size_t k = 2; k < outline.size(); ++k) parts.push_back({outline[0], outline[k - 1], outline[k]});
@@ -104,7 +106,7 @@ double reach_into(const RegionArea& area, const SurfaceIndex& surface, const Out
   return most;
 }
 
-// Distance from a module, seen along its normal; infinite for a place on another sheet.
+// Returns the distance from a module, seen along its normal; infinite for a place on another sheet.
 double distance_from(const Outline3& outline, const P3& place) {
   const P3 n = (outline[1] - outline[0]).cross(outline[2] - outline[0]).normalized();
   const double height = n.dot(place - outline[0]);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Input of the routing rules: own structures, filled from the two documents.
+// The routing rules use their own structures, which are filled from the two documents.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -13,14 +13,14 @@
 
 namespace triskin::check {
 
-/// A joint between two modules, the lesser id first.
+/// A joint between two modules, with the lower id first.
 using Edge = std::pair<int, int>;
 [[nodiscard]] inline Edge edge(int a, int b) {
   return std::minmax(a, b);
 }
 
 struct ListedModule {
-  std::array<int, 3> beside{-1, -1, -1};  ///< Each is the id across that side.
+  std::array<int, 3> beside{-1, -1, -1};  ///< Each entry is the id of the module across that side.
   bool border = true;
 };
 using ModuleMap = std::map<int, ListedModule>;

@@ -136,7 +136,7 @@ class TreeRules {
 
   void totals() {
     int hops = 0, deepest = 0;
-    std::map<int, std::set<int>> lines_at;  // Lines used at or below a module.
+    std::map<int, std::set<int>> lines_at;  // These lines are used at or below a module.
     for (const RouteRow& r : p_.rows) {
       deepest = std::max(deepest, r.depth);
       int v = r.id;
@@ -227,7 +227,7 @@ DesignReport check_routes(const nlohmann::json& modules, const nlohmann::json& r
   for (std::size_t p = 0; p < document.patches.size(); ++p) {
     check_route_tree(map, document.patches[p], fmt::format("patch {}", p), limits, f);
   }
-  // Failures are followed only on trees that are trees.
+  // Failures are only simulated on valid trees.
   if (f.report.violations.empty()) {
     for (std::size_t p = 0; p < document.patches.size(); ++p) check_route_failures(map, document, p, limits, f);
   }

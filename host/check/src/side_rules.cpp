@@ -23,14 +23,15 @@ using RayPrimitive = CGAL::AABB_triangle_primitive<RayKernel, Triangles::const_i
 using RayTree = CGAL::AABB_tree<CGAL::AABB_traits<RayKernel, RayPrimitive>>;
 
 constexpr double kMinWall_mm = 0.3, kMaxWall_mm = 8.0;  // docs/side.md defines a wall by these limits.
-constexpr double kOpposite = -0.7;                      // Cosine between the normals of the two sides of a wall.
-constexpr double kOff_mm = 0.02;  // Rays start this far off, or the side they start on would stop them.
+constexpr double kOpposite = -0.7;  // The two sides of a wall have normals with at most this cosine.
+// Rays start this far off, because otherwise the side on which they start would stop them.
+constexpr double kOff_mm = 0.02;
 constexpr int kRays = 96;
 // Two means of seven views of 96 rays each differ by chance by 0.03; both sides of a lid by less than 0.1.
 constexpr double kSeesMore = 0.1;
-constexpr int kMinPlaces = 3;       // Of seven places at least this many must have a wall behind them.
-constexpr double kReach_mm = 40.0;  // The middles of two modules that overlap are nearer, even across a wall.
-constexpr int kMinBehind = 2;       // Of ten places of a module at least this many must lie over the other one.
+constexpr int kMinPlaces = 3;       // This many of the seven places must have a wall behind them.
+constexpr double kReach_mm = 40.0;  // If two modules overlap, even across a wall, their middles are nearer than this.
+constexpr int kMinBehind = 2;       // This many of ten places of a module must lie over the other one.
 
 RayKernel::Point_3 point(const P3& p) {
   return {p.x(), p.y(), p.z()};
@@ -43,7 +44,7 @@ struct Place {
   P3 point, normal;
 };
 
-/// The whole part, or the surface where the file has no part.
+/// Represents the whole part, or the surface if the file has no part.
 class Part {
  public:
   explicit Part(const CheckedDesign& d)
@@ -54,7 +55,7 @@ class Part {
     return place(vector(q), primitive);
   }
 
-  // The other side of the wall under a place.
+  // Returns the other side of the wall under a place.
   [[nodiscard]] std::optional<Place> across(const Place& here) const {
     const P3 from = here.point - kOff_mm * here.normal;
     const RayKernel::Segment_3 inward(point(from), point(here.point - kMaxWall_mm * here.normal));
@@ -72,7 +73,7 @@ class Part {
     return nearest->normal.dot(here.normal) < kOpposite ? nearest : std::nullopt;
   }
 
-  // Share of the directions over a place in which nothing of the part is, weighted by their height.
+  // Returns the fraction of the directions over a place in which nothing of the part lies, weighted by their height.
   [[nodiscard]] double openness(const Place& here) const {
     const P3 x = here.normal.unitOrthogonal(), y = here.normal.cross(x);
     const P3 from = here.point + kOff_mm * here.normal;
@@ -110,7 +111,7 @@ class Part {
   RayTree tree_;
 };
 
-// The middle, and half-way to corners and sides.
+// Returns the middle, and the points half-way to corners and sides.
 std::vector<P3> places_of(const Triangle3& t) {
   const P3 c = centroid(t);
   std::vector<P3> places{c};
@@ -151,7 +152,7 @@ bool lies_over(const P3& p, const Triangle3& t) {
   return true;
 }
 
-// Each behind the other, with no more than a wall between what they lie on.
+// Returns true if each is behind the other, with at most a wall between the surfaces on which they lie.
 bool back_to_back(const Triangle3& a, const Triangle3& b, const Part& part) {
   const P3 na = unit_normal(a), nb = unit_normal(b), between = centroid(b) - centroid(a);
   if (between.norm() > kReach_mm || na.dot(nb) > -0.5 || between.dot(na) >= 0.0 || between.dot(nb) <= 0.0) return false;
@@ -173,7 +174,7 @@ void check_backs(const CheckedDesign& d, const Part& part, Findings& f) {
   }
 }
 
-// A surface with a border may be folded onto itself: its modules then lie back to back without a wall between them.
+// A surface with a border may be folded onto itself; its modules then lie back to back without a wall between them.
 bool is_closed(const CheckedDesign& d) {
   std::set<std::pair<int, int>> open;
   for (const auto& face : d.faces) {

@@ -11,7 +11,7 @@ std::size_t at(int k) {
   return static_cast<std::size_t>(k);
 }
 
-// Normals of a vertex that cancel, as of a flap folded back onto its own faces, leave a sum of rounding errors; the
+// Normals of a vertex that cancel, as of a flap folded back onto its own faces, leave a sum of rounding errors, so the
 // face decides there.
 constexpr double kCancelled_rad = 1e-6, kNoNormal = 1e-9;
 

@@ -9,10 +9,11 @@
 namespace triskin::check {
 namespace {
 
-// Stated and measured numbers may differ by how finely the sides are walked and by how normals are interpolated.
+// Stated and measured numbers may differ because the sides are walked in other steps and normals are interpolated
+// differently.
 constexpr double kStated_mm = 0.05;
 constexpr double kStatedHeight_mm = 0.1;
-constexpr double kStep_mm = 0.5;  // Step along the sides, for lift and depth.
+constexpr double kStep_mm = 0.5;  // Lift and depth are measured in these steps along the sides.
 
 void within_limit(Findings& f, const char* rule, std::size_t module, double measured, double limit) {
   if (!(measured <= limit)) f.broken(rule, module_name(module), fmt::format("{:.3f} mm, limit {} mm", measured, limit));
@@ -23,7 +24,7 @@ void as_stated(Findings& f, const char* rule, std::size_t module, double measure
     f.broken(rule, module_name(module), fmt::format("stated {:.3f} mm, measured {:.3f} mm", stated, measured));
 }
 
-// How much the normal turns between the middle and a corner; the radius is the distance divided by that.
+// Computes the turn of the normal between the middle and a corner; the radius is the distance divided by that.
 void check_bend(const CheckedDesign::Module& m, std::size_t k, const SurfaceIndex& surface, const P3& normal,
                 Findings& f) {
   double turn = 0.0;
@@ -47,7 +48,7 @@ void check_overrun(const CheckedDesign& d, std::size_t k, const SurfaceIndex& su
   as_stated(f, "overrun", k, measured, m.overrun);
 }
 
-// The least and the greatest height of the sides over the surface, along its normal.
+// Returns the least and the greatest height of the sides over the surface, along its normal.
 std::array<double, 2> heights_of_sides(const Outline3& outline, const SurfaceIndex& surface) {
   std::array<double, 2> range{0.0, 0.0};
   for (std::size_t s = 0; s < outline.size(); ++s) {
@@ -75,7 +76,7 @@ void check_sides(const CheckedDesign& d, std::size_t k, const SurfaceIndex& surf
   if (std::isfinite(d.limits.lift)) check("edge-lift", high, m.edge_lift, d.limits.lift);
 }
 
-// Sides are walked in steps, so that one that is no side of a module would cost time without end.
+// Sides are walked in steps, so a wrong side of huge length would take endless time.
 bool has_size_of_module(const CheckedDesign::Module& m) {
   for (std::size_t s = 0; s < 3; ++s) {
     const double side = (m.corner[(s + 1) % 3] - m.corner[s]).norm();
@@ -109,7 +110,8 @@ void check_against_surface(const CheckedDesign& d, Findings& f) {
   }
 }
 
-// Overlap of two convex outlines: the least distance that separates them, over the directions of their sides.
+// Returns the overlap of two convex outlines: the least distance that separates them, over the directions of their
+// sides.
 double overlap(const std::vector<P2>& a, const std::vector<P2>& b) {
   double least = std::numeric_limits<double>::infinity();
   const auto range_of = [](const std::vector<P2>& t, const P2& n) {
@@ -130,7 +132,7 @@ double overlap(const std::vector<P2>& a, const std::vector<P2>& b) {
   return std::max(0.0, least);
 }
 
-// Two modules lie over each other when their outlines, seen along the mean of their normals, overlap within one layer.
+// Two modules overlap when their outlines, seen along the mean of their normals, overlap within one layer.
 double module_overlap(const Triangle3& a, const Triangle3& b, double cut) {
   const P3 na = unit_normal(a), nb = unit_normal(b);
   const P3 between = centroid(b) - centroid(a);
@@ -154,22 +156,22 @@ bool left_of_all_sides(const Outline3& outline, const P3& normal, const P3& p) {
   return true;
 }
 
-// Open segment against the inside of an outline. The heights of the ends over the plane say whether the segment crosses
-// it, and by their ratio where: that point lies on the segment however flat it crosses, so that no determinant that
-// vanishes on flat faces decides, and no tolerance is needed.
+// Tests an open segment against the inside of an outline. The heights of the ends over the plane tell whether the
+// segment crosses it, and by their ratio where: that point lies on the segment however flat it crosses, so that no
+// determinant that vanishes on flat faces decides, and no tolerance is needed.
 bool pierces(const P3& a, const P3& b, const Outline3& t) {
   const P3 e1 = t[1] - t[0], e2 = t[2] - t[0], normal = e1.cross(e2);
   const double height_a = normal.dot(a - t[0]), height_b = normal.dot(b - t[0]);
   if (!(height_a < 0 && height_b > 0) && !(height_a > 0 && height_b < 0)) return false;
   const P3 hit = a + height_a / (height_a - height_b) * (b - a), at = hit - t[0];
   if (t.size() > 3) return left_of_all_sides(t, normal, hit);
-  // Barycentric coordinates by the Gram matrix of the sides; its determinant is the square of twice the area.
+  // Computes barycentric coordinates by the Gram matrix of the sides; its determinant is the square of twice the area.
   const double g11 = e1.dot(e1), g12 = e1.dot(e2), g22 = e2.dot(e2), r1 = e1.dot(at), r2 = e2.dot(at);
   const double u = g22 * r1 - g12 * r2, v = g11 * r2 - g12 * r1;
   return u > 0 && v > 0 && u + v < g11 * g22 - g12 * g12;
 }
 
-// How far inside the other triangle the piercing goes, in space: shrink one until it no longer pierces.
+// Returns how far inside the other triangle the piercing goes, in space: shrinks one until it no longer pierces.
 bool cross_in_space(const Triangle3& a, const Triangle3& b, double cut, double allowed_mm) {
   if ((centroid(a) - centroid(b)).norm() > 2.0 * kSide) return false;
   const Outline3 p = module_outline(a, cut, allowed_mm), q = module_outline(b, cut, allowed_mm);

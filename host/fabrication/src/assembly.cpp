@@ -11,7 +11,7 @@
 namespace triskin::fabrication {
 namespace {
 
-constexpr std::size_t kMaxCoverFaces = 20'000;  // Each takes about a millisecond and 2 kB of the file.
+constexpr std::size_t kMaxCoverFaces = 20'000;  // Each face takes about a millisecond and 2 kB of the file.
 
 cad::StepBody cover_body(const design::Mesh& surface) {
   cad::StepBody body{"cover", {180, 180, 180}, surface.vertices, {}};
@@ -19,7 +19,7 @@ cad::StepBody cover_body(const design::Mesh& surface) {
   return body;
 }
 
-// A prism keeps its plane faces: lower and upper outline, and a quadrilateral a side.
+// A prism keeps its plane faces: lower and upper outline, and one quadrilateral per side.
 cad::StepBody module_body(const Solid& solid) {
   cad::StepBody body{solid.name, solid.colour, solid.mesh.vertices, {}};
   const int n = static_cast<int>(solid.mesh.vertices.size()) / 2;

@@ -7,8 +7,9 @@
 
 namespace triskin::fabrication {
 
-/// Cover ("cover", a shell of plane faces as its mesh has them) and modules (solids M<id>) as a STEP assembly. A cover
-/// of more than 20,000 faces is left out, with a sentence in `left_out`. Errors: as cad::write_step().
+/// Writes the cover ("cover", a shell of plane faces as its mesh has them) and the modules (solids M<id>) as a STEP
+/// assembly. A cover of more than 20,000 faces is left out, with a sentence in `left_out`. Errors: as
+/// cad::write_step().
 [[nodiscard]] std::string assembly_step(const design::Design& design, double corner_cut_mm,
                                         std::vector<std::string>& left_out);
 

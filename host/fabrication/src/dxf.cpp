@@ -5,7 +5,7 @@
 
 #include "triskin/fabrication/flat_island.hpp"
 
-// DXF R12 (AC1009): every program reads it, and it needs neither handles nor object tables.
+// Writes DXF R12 (AC1009), because every program reads it and it needs neither handles nor object tables.
 namespace triskin::fabrication {
 namespace {
 
@@ -13,7 +13,7 @@ using design::Vec2;
 
 struct DxfLayer {
   const char* name;
-  int colour;  // AutoCAD colour index
+  int colour;  // The colour is an AutoCAD colour index.
 };
 constexpr std::array<DxfLayer, 5> kDxfLayers{{{"OUTLINE", 7}, {"HOLES", 1}, {"FOLDS", 5}, {"SLITS", 6}, {"MARKS", 3}}};
 
@@ -40,7 +40,7 @@ std::string line(const char* layer, const Vec2& from, const Vec2& to) {
   return fmt::format("0\nLINE\n8\n{}\n{}11\n{:.6f}\n21\n{:.6f}\n31\n0.0\n", layer, point(from), to.x(), to.y());
 }
 
-// A text whose middle is at its place: the second point is the one that counts for 72 and 73.
+// Writes a text with its middle at its place: with groups 72 and 73 the second point counts.
 std::string centered_text(const char* layer, const Mark& mark) {
   return fmt::format("0\nTEXT\n8\n{}\n{}40\n{:.3f}\n1\n{}\n50\n{:.4f}\n72\n1\n11\n{:.6f}\n21\n{:.6f}\n31\n0.0\n73\n2\n",
                      layer, point(mark.at_mm), mark.height_mm, mark.text, mark.angle_rad * 180.0 / std::numbers::pi,

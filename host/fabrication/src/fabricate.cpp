@@ -26,7 +26,7 @@ void require_thickness(double thickness_mm, const char* what) {
     throw InputError(fmt::format("{} of {} mm is out of range: {} … {} mm", what, thickness_mm, kMin_mm, kMax_mm));
 }
 
-// A folder that takes its name when all files are in it, and is removed otherwise.
+// Makes a folder that gets its name when all files are in it, and is removed otherwise.
 class NewFolder {
  public:
   explicit NewFolder(const fs::path& folder) : folder_(folder.has_filename() ? folder : folder.parent_path()) {
@@ -47,7 +47,7 @@ class NewFolder {
   [[nodiscard]] const fs::path& path() const { return temporary_; }
   void commit() {
     std::error_code error;
-    fs::remove(folder_, error);  // An empty folder of this name.
+    fs::remove(folder_, error);  // An empty folder of this name may exist.
     fs::rename(temporary_, folder_, error);
     if (error) fail(error);
     temporary_.clear();

@@ -22,7 +22,7 @@ using design::Vec2;
 namespace {
 
 using GridVertex = std::array<int, 2>;
-// The end of a corner cut: it lies on the lattice side from `from` towards `to`, one cut away from `from`.
+// The end of a corner cut lies on the lattice side from `from` towards `to`, one cut away from `from`.
 using CutEnd = std::array<GridVertex, 2>;
 
 Vec2 place_of(const FlatIsland& island, const CutEnd& end) {
@@ -30,7 +30,7 @@ Vec2 place_of(const FlatIsland& island, const CutEnd& end) {
   return island.shift_mm + from + island.corner_cut_mm / design::kSide_mm * (to - from);
 }
 
-// Edges of the contour, each from one end of a cut to the next. Material lies on the left.
+// Returns the edges of the contour, each from one end of a cut to the next. Material lies on the left.
 std::map<CutEnd, CutEnd> contour_edges(const design::Design& design, const sheet::Sides& sides,
                                        const std::vector<int>& modules) {
   std::map<CutEnd, CutEnd> next;
@@ -79,7 +79,7 @@ void add_lines(const design::Design& design, const sheet::Sides& sides, FlatIsla
     const Tile& tile = design.layout.modules[at(id)].tile;
     for (int s = 0; s < 3; ++s) {
       const sheet::Side& side = sides.of[at(id)][at(s)];
-      if (side.other < id) continue;  // A pair is drawn from its lesser module; an outline has no other.
+      if (side.other < id) continue;  // A pair is drawn from its lower module; an outline has no other.
       const GridVertex a = design::tile_corner_index(tile, s), b = design::tile_corner_index(tile, (s + 1) % 3);
       const Vec2 from = place_of(island, {a, b}), to = place_of(island, {b, a});
       if (side.kind == sheet::SideKind::kSlit) {

@@ -28,7 +28,7 @@ constexpr const char* kBoardLayers =
     "    (46 \"B.CrtYd\" user \"B.Courtyard\")\n    (47 \"F.CrtYd\" user \"F.Courtyard\")\n    (48 \"B.Fab\" user)\n"
     "    (49 \"F.Fab\" user)\n    (50 \"User.1\" user \"Folds\")\n    (51 \"User.2\" user \"Slits\")\n"
     "    (52 \"User.3\" user \"Marks\")\n  )\n";
-// Polyimide flex of four layers; a board house will change it.
+// The default is polyimide flex of four layers; a board house will change it.
 constexpr const char* kBoardSetup =
     "  (setup\n    (stackup\n"
     "      (layer \"F.Mask\" (type \"Top Solder Mask\") (thickness 0.025))\n"
@@ -45,7 +45,7 @@ constexpr const char* kBoardSetup =
     "      (layer \"B.Mask\" (type \"Bottom Solder Mask\") (thickness 0.025))\n"
     "      (copper_finish \"ENIG\")\n      (dielectric_constraints no)\n    )\n    (pad_to_mask_clearance 0)\n  )\n";
 
-// Where a module lies on its island, and how the side of its port A is turned there.
+// Tells where a module lies on its island, and how the side of its port A is turned there.
 struct Pose {
   Vec2 center_mm;
   double angle_rad = 0.0;
@@ -58,7 +58,7 @@ Pose pose_of(const FlatIsland& island, const PlacedModule& module, int rotation)
   return {(a + b + c) / 3.0, std::atan2((b - a).y(), (b - a).x())};
 }
 
-// A cable at a port: that of a controller, or one end of a jumper.
+// A cable at a port belongs to a controller, or is one end of a jumper.
 struct Cable {
   std::string reference;
   int module = -1;
@@ -88,7 +88,7 @@ class Board {
     return all + items_ + drawing() + ")\n";
   }
 
-  // Pins of each net: reference and pad.
+  // Returns the pins of each net: reference and pad.
   [[nodiscard]] const std::map<std::string, std::vector<std::array<std::string, 2>>>& pins() const { return pins_; }
   [[nodiscard]] const std::vector<std::array<std::string, 2>>& components() const { return components_; }
 
@@ -116,7 +116,7 @@ class Board {
       items_ += pad_text(pad, pose.angle_rad, pad_net.empty() ? "" : net_text(pad_net));
       auto& pins = pins_[pad_net];
       const std::array<std::string, 2> pin{reference, pad.name};
-      if (pins.empty() || pins.back() != pin) pins.push_back(pin);  // A contact has two pads of one name.
+      if (pins.empty() || pins.back() != pin) pins.push_back(pin);  // A contact has two pads of the same name.
     }
     items_ += "  )\n";
     components_.push_back({reference, name});
@@ -149,7 +149,7 @@ class Board {
     return net_of({strap.name + ".1", PadLayer::kBack, {}, {}, 0.0}, setting);
   }
 
-  // Straight tracks over every kept fold, drawn from the lesser module. A contact at +x meets the other's at −x.
+  // Draws straight tracks over every kept fold, from the lower module. A contact at +x meets the other's at −x.
   void add_joints(int id, const ModuleSetting& setting, const Pose& pose) {
     for (int s = 0; s < 3; ++s) {
       const sheet::Side& side = sides_.of[static_cast<std::size_t>(id)][static_cast<std::size_t>(s)];

@@ -13,7 +13,7 @@ namespace {
 
 using design::Vec2;
 
-// KiCad reads −0 as well as 0, but a file should not depend on the sign of nothing.
+// KiCad reads −0 as well as 0, but equal designs should give equal files.
 double unsigned_zero(double value) {
   return value == 0.0 ? 0.0 : value;
 }
@@ -46,7 +46,7 @@ std::string pin(const std::string& name, const std::string& number, double x_mm,
       x_mm, y_mm, angle_deg, name, number);
 }
 
-// Component and pin of a pad of the module: U1.5 is pin 5 of U1, A3 pin 3 of port A, T4 the only pin of T4.
+// Returns component and pin of a pad of the module: U1.5 is pin 5 of U1, A3 pin 3 of port A, T4 the only pin of T4.
 std::pair<std::string, std::string> component_of(const ModulePad& pad) {
   const std::string& name = pad.name;
   if (pad.layer == PadLayer::kThrough) return {fmt::format("PORT_{}", name[0]), name.substr(1)};

@@ -10,11 +10,11 @@ namespace triskin::fabrication {
 inline constexpr const char* kModuleName = "Module";
 inline constexpr const char* kCableName = "Cable_10";
 
-/// A pad inside a footprint that is turned by `turn_rad`; KiCad's y runs downwards and the angle of a pad in a board
-/// includes that of its footprint. `net`: its element, or empty.
+/// Writes a pad inside a footprint that is turned by `turn_rad`; KiCad's y runs downwards, and the angle of a pad in a
+/// board includes that of its footprint. `net` is its element, or empty.
 [[nodiscard]] std::string pad_text(const ModulePad& pad, double turn_rad, const std::string& net);
 
-/// The ten pads of a cable in the frame of port A, named "1" … "10".
+/// Returns the ten pads of a cable in the frame of port A, named "1" … "10".
 [[nodiscard]] std::vector<ModulePad> cable_pads();
 
 [[nodiscard]] double degrees(double angle_rad);

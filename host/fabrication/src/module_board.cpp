@@ -26,7 +26,7 @@ double port_angle_rad(std::size_t port) {
   return kThird_rad * static_cast<double>(port);
 }
 
-// Module frame of a place given along the side of port A and from it.
+// Converts a place given along the side of port A and from it to the module frame.
 Vec2 beside_port_a(double along_mm, double inset_mm) {
   return {along_mm, inset_mm - kInradius_mm};
 }
@@ -56,7 +56,7 @@ void add_taxels(std::vector<ModulePad>& pads) {
   }
 }
 
-// Pins of the chip run clockwise as seen from the touch side, as the taxels do. Pins 1 … 6 look to the left.
+// Pins of the chip run clockwise as seen from the touch side, as the taxels do. Pins 1 … 6 are on the left.
 void add_chip(std::vector<ModulePad>& pads) {
   constexpr double kFromMiddle_mm = 1.95, kFirst_mm = 1.25, kPitch_mm = 0.5;
   for (int pin = 0; pin < 24; ++pin) {
@@ -85,7 +85,7 @@ void add_capacitors(std::vector<ModulePad>& pads) {
 
 constexpr double kStrapPadLength_mm = 0.6, kStrapPadWidth_mm = 0.5;
 
-// Four straps in two rows towards corner 0 and its turned copies.
+// Four straps lie in two rows towards corner 0, and their turned copies at the other corners.
 Strap strap_at(std::string name, std::size_t corner, std::size_t place) {
   constexpr double kFirstRow_mm = 3.6, kRowPitch_mm = 1.0, kBesideMiddle_mm = 0.85, kHalfPitch_mm = 0.35;
   const double from_middle_mm = kFirstRow_mm + kRowPitch_mm * static_cast<double>(place / 2);
@@ -135,13 +135,13 @@ std::string own_net(const ModuleSetting& setting, std::string_view name) {
   return fmt::format("M{}_{}", setting.id, name);
 }
 
-// Net of the chip's data or clock pin: that of its line where a strap is closed.
+// Returns the net of the chip's data or clock pin: that of its line if a strap is closed.
 std::string line_net(const ModuleSetting& setting, std::size_t clock) {
   if (!setting.line) return own_net(setting, clock == 0 ? "SDA" : "SCL");
   return bus_net_name(setting, data_net(*setting.line) + clock);
 }
 
-// Net of an address pin: bit `bit` of the address, GND for 0.
+// Returns the net of an address pin: bit `bit` of the address, GND for 0.
 std::string address_net(const ModuleSetting& setting, int bit) {
   if (!setting.address) return own_net(setting, bit == 0 ? "ADD0" : "ADD1");
   return bus_net_name(setting, static_cast<std::size_t>((*setting.address >> bit) & 1));
@@ -228,10 +228,12 @@ Vec2 contact_at(std::size_t port, std::size_t net, int sign) {
 std::vector<Vec2> ring_of(std::size_t net, double corner_cut_mm) {
   const Contact& contact = kContacts.at(net);
   const double d = contact.inset_mm;
-  // Distance of the ring's short side from the corner, along its bisector: as far from the cut as the ring from a side.
+  // The short side of the ring is as far from the cut as the ring from a side; this is its distance from the corner,
+  // along the bisector.
   const double short_side_mm = std::max(2.0 * d, design::cut_height_mm(corner_cut_mm) + d);
   const double half_mm = design::kSide_mm / 2.0 - (short_side_mm - d / 2.0) / std::cos(std::numbers::pi / 6.0);
-  // Where the cut does not reach, both ends of the short side are the corner of the ring: it has one point there.
+  // If the cut does not reach that far, both ends of the short side are the corner of the ring, which then has one
+  // point there.
   constexpr double kSame_mm = 1e-6;
   std::vector<Vec2> ring;
   for (std::size_t port = 0; port < layout::kPorts; ++port) {
@@ -248,7 +250,7 @@ Vec2 cable_pad_at(std::size_t pin) {
   return beside_port_a(kCablePitch_mm * (static_cast<double>(pin) - 4.5), kCableInset_mm);
 }
 
-// The three outer pins of each end leave towards the middle of the module and turn outwards in lanes of their own, the
+// The three outer pins of each end leave towards the middle of the module and turn outwards in separate lanes, the
 // outermost pin in the lowest one, so that no two cross. The four middle pins run straight to their contacts.
 std::vector<Vec2> cable_track(std::size_t pin) {
   constexpr double kFirstLane_mm = 2.65, kLanePitch_mm = 0.25;
@@ -263,7 +265,7 @@ std::vector<Vec2> cable_track(std::size_t pin) {
     return {pad, beside_port_a(pad.x(), lane_mm), beside_port_a(along_mm, lane_mm),
             beside_port_a(along_mm, contact.inset_mm)};
   }
-  constexpr double kBeside_mm = 0.2;  // The last middle pin passes its neighbours at a distance before it turns in.
+  constexpr double kBeside_mm = 0.2;  // The last middle pin passes its neighbours at this distance before it turns in.
   const double straight_mm = pin == 6 ? contact.along_mm + kBeside_mm : along_mm;
   return {pad,
           {straight_mm, pad.y()},

@@ -9,7 +9,7 @@
 namespace triskin::fabrication {
 namespace {
 
-// What each module carries (module_board.hpp).
+// Lists the parts on each module (module_board.hpp).
 std::vector<PartLine> module_parts(int modules) {
   return {
       {"capacitance converter", modules, "Analog Devices", "AD7147ACPZ-1500RL7", "U1, LFCSP-24 4 x 4 mm, I2C"},

@@ -32,7 +32,7 @@ Vec3 normal_of(const Mesh& mesh, const std::array<int, 3>& f) {
   return (at(1) - at(0)).cross(at(2) - at(0));
 }
 
-// Prism over a convex outline, from its plane to `height` above it.
+// Makes a prism over a convex outline, from its plane to `height` above it.
 Mesh prism(std::span<const Vec3> outline, const Vec3& height) {
   Mesh mesh;
   const int n = static_cast<int>(outline.size());
@@ -50,8 +50,8 @@ Mesh prism(std::span<const Vec3> outline, const Vec3& height) {
   return mesh;
 }
 
-// How a vertex moves for an offset of 1 mm: along the mean of the normals of its faces, as far as keeps the largest and
-// the smallest distance from their planes equally wrong.
+// Returns how a vertex moves for an offset of 1 mm: along the mean of the normals of its faces, by the length that
+// makes the largest and the smallest distance from their planes equally wrong.
 std::vector<Vec3> offset_directions(const Mesh& mesh) {
   std::vector<Vec3> mean(mesh.vertices.size(), Vec3::Zero());
   std::vector<double> low(mesh.vertices.size(), 1.0), high(mesh.vertices.size(), -1.0);
@@ -73,12 +73,12 @@ std::vector<Vec3> offset_directions(const Mesh& mesh) {
     low[v] = std::min(low[v], mean[v].dot(normal));
     high[v] = std::max(high[v], mean[v].dot(normal));
   });
-  constexpr double kMinShare = 0.5;  // A vertex of a needle's tip would move without end.
+  constexpr double kMinShare = 0.5;  // Without a limit, the vertex at a needle's tip would move extremely far.
   for (std::size_t v = 0; v < mean.size(); ++v) mean[v] /= std::max(kMinShare, (low[v] + high[v]) / 2.0);
   return mean;
 }
 
-// Edges that one face has, in the direction in which that face runs along them.
+// Returns the edges that belong to one face, in the direction of that face.
 std::vector<std::array<int, 2>> rim_of(const Mesh& mesh) {
   std::map<std::array<int, 2>, int> count;
   for (const auto& f : mesh.faces) {

@@ -6,7 +6,7 @@
 #include "triskin/base/markup.hpp"
 #include "triskin/fabrication/solids.hpp"
 
-// 3MF core specification 1.3: an OPC package (zip) of a list of types, one relation and the model.
+// Follows the 3MF core specification 1.3: an OPC package (zip) of a list of types, one relation and the model.
 namespace triskin::fabrication {
 namespace {
 
@@ -33,7 +33,7 @@ class ZipFile {
     if (zip_ != nullptr) ::zipClose(zip_, nullptr);
   }
   void add(const char* name, const std::string& bytes) {
-    const zip_fileinfo no_date{};  // Equal solids give equal bytes.
+    const zip_fileinfo no_date{};  // A fixed date makes equal solids give equal bytes.
     const bool is_written = ::zipOpenNewFileInZip(zip_, name, &no_date, nullptr, 0, nullptr, 0, nullptr, Z_DEFLATED,
                                                   Z_DEFAULT_COMPRESSION) == ZIP_OK &&
                             ::zipWriteInFileInZip(zip_, bytes.data(), static_cast<unsigned>(bytes.size())) == ZIP_OK &&

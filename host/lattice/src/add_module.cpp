@@ -17,7 +17,7 @@ namespace {
 
 using surface_lattice::Triangle;
 
-constexpr double kFinalMargin = 0.98;  // An independent measurement must agree.
+constexpr double kFinalMargin = 0.98;  // The margin lets an independent measurement agree.
 constexpr double kSnap_mm = 7.0;       // Neighbours in the lattice whose corners lie nearer pull the module to them.
 constexpr double kOutward = 0.6;       // The growth uses the same cosine between module and surface.
 constexpr double kMaxLift_mm = 1.5;
@@ -34,7 +34,7 @@ Vec3 normal_of(const Triangle& t) {
   return (t[1] - t[0]).cross(t[2] - t[0]).normalized();
 }
 
-// A place for the module, and how it keeps the limits: 1 = at what is allowed.
+// A place for the module, and how it keeps the limits; 1 means exactly at a limit.
 struct Judged {
   PlacedModule module;
   double worst = 0.0, sum = 0.0;
@@ -69,7 +69,7 @@ class ModulePlacer {
     }
   }
 
-  // A place that keeps the limits, or the one that the module would have without any slide, for the message.
+  // Returns a place that keeps the limits, or the one that the module would have without any slide, for the message.
   [[nodiscard]] Judged best() const {
     const Triangle beside = rolled(), between = pulled(beside);
     for (const Triangle& start : {beside, between}) {
@@ -79,7 +79,7 @@ class ModulePlacer {
     return first.cost() <= second.cost() ? first : second;
   }
 
-  // Neighbours of the tile across its other sides, with the limits of a joint kept.
+  // Joins neighbours of the tile across its other sides if they keep the limits of a joint.
   void join(PlacedModule& m, ModuleLayout& layout) const {
     const int id = static_cast<int>(layout.modules.size());
     for (int s = 0; s < 3; ++s) {
@@ -106,7 +106,7 @@ class ModulePlacer {
                                  beside_, holder - modules.begin()));
   }
 
-  // The third corner by turning the height about the side until it meets the surface.
+  // Finds the third corner by turning the height about the side until it meets the surface.
   [[nodiscard]] Triangle rolled() const {
     const auto& c = layout_.modules[at(beside_)].corner_mm;
     const Vec3 &a = c[at(side_)], &b = c[at((side_ + 1) % 3)];
@@ -127,7 +127,7 @@ class ModulePlacer {
     return t;
   }
 
-  // Each corner in the middle of the corners that neighbours in the lattice have near it.
+  // Moves each corner to the middle of the corners that neighbours in the lattice have near it.
   [[nodiscard]] Triangle pulled(const Triangle& from) const {
     const int island = layout_.modules[at(beside_)].island;
     Triangle t = from;
@@ -201,7 +201,7 @@ class ModulePlacer {
     const auto allowed = [](double limit) { return kFinalMargin * limit; };
     judge_joint(m, its_side_, beside_, j);
     for (const int k : near_) judge_overlap(m, k, j);
-    if (j.worst > kHopeless) {  // The rest would only take time.
+    if (j.worst > kHopeless) {  // Further measurements would only take time.
       j.sum += kFar;
       return;
     }

@@ -44,7 +44,7 @@ CanonicalCopy::CanonicalCopy(const Mesh& original) {
   move_and_sort(original, true);
 }
 
-// Moments of the area, not of the vertices: they do not depend on how a shape is meshed.
+// Uses moments of the area, not of the vertices, because they do not depend on how a shape is meshed.
 void CanonicalCopy::choose_axes(const Mesh& original) {
   double area = 0.0;
   for (const auto& f : original.faces) {

@@ -11,7 +11,7 @@
 namespace triskin::geometry::surface_lattice {
 namespace {
 
-// Module k is triangle triangle_of[k] of the net.
+// Makes a layout whose module k is triangle triangle_of[k] of the net.
 ModuleLayout layout_of(const LatticeMesh& net, std::vector<int>& triangle_of) {
   ModuleLayout layout;
   layout.method = LayoutMethod::kSurface;
@@ -43,7 +43,7 @@ ModuleLayout layout_of(const LatticeMesh& net, std::vector<int>& triangle_of) {
 
 }  // namespace
 
-// Corners stay, so what depends on the surface does too.
+// Corners do not move, so values that depend on the surface alone are unchanged.
 void Certifier::measure_on_surface(ModuleLayout& layout, Known& own, int threads) const {
   const auto corners_of = [](const PlacedModule& m) {
     Corners corners;
@@ -77,7 +77,7 @@ void Certifier::measure_on_surface(ModuleLayout& layout, Known& own, int threads
 }
 
 // The growth asks this of the mesh that it searches on. On the surface itself the nearest sheet may be another one: a
-// rib or the other side of a thin wall, which the mesh with fewer faces has not.
+// rib or the other side of a thin wall that the decimated mesh lacks.
 std::vector<int> Certifier::turned_modules(const ModuleLayout& layout) const {
   std::vector<int> turned;
   for (std::size_t k = options_.kept.size(); k < layout.modules.size(); ++k) {

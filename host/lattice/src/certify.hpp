@@ -11,18 +11,18 @@
 
 namespace triskin::geometry::surface_lattice {
 
-/// Makes layouts of nets on the original surface, in which every module keeps every limit as `measure` measures it:
-/// the finer walk along the sides may find what the search did not. Modules that break a limit are removed, the worst
-/// first; those that are kept stay. What the first net's modules were measured to is known for the others, which differ
-/// from it in few.
+/// Makes layouts of nets on the original surface, in which every module keeps every limit as `measure` measures it: the
+/// finer walk along the sides may find what the search did not. Modules that break a limit are removed, the worst
+/// first; kept modules stay. The measurements of the first net's modules are reused for the others, which differ from
+/// it in few.
 class Certifier {
  public:
-  /// All must live as long as this. Of the options: the modules that are kept, regions, threads.
+  /// All arguments must outlive the object. Of the options it uses the kept modules, regions and threads.
   Certifier(const Surface& original, const CanonicalCopy& copy, const LayoutLimits& limits,
             const SurfaceLatticeOptions& options)
       : surface_(original), copy_(copy), limits_(limits), options_(options) {}
 
-  /// Uses all threads. Cost: some 0.1 ms a module.
+  /// Uses all threads. Cost: some 0.1 ms per module.
   [[nodiscard]] ModuleLayout first(LatticeMesh net) { return certified(std::move(net), known_, options_.threads); }
   /// Runs on the calling thread; thread-safe after first().
   [[nodiscard]] ModuleLayout other(const LatticeMesh& net) const {

@@ -9,21 +9,21 @@ namespace triskin::geometry::surface_lattice {
 namespace {
 
 constexpr int kStepsAStart = 30;
-constexpr double kStartsShare = 0.08;  // The starts together get at most this share of the time.
+constexpr double kStartsShare = 0.08;  // The starts together get at most this fraction of the time.
 constexpr double kRaceHeat = 0.1;
-// Each annealing has 40 steps per module; there are at most 20 of them.
+// Each annealing has 40 steps per module, and there are at most 20 annealings.
 constexpr int kStepsAModule = 40, kMaxRuns = 20;
 constexpr double kHot = 0.6, kCold = 0.05;  // A step may lose this many modules at the start and at the end.
 constexpr int kSmallIsland = 8;             // An island of up to 8 modules may be removed as a whole.
-constexpr double kIslandShare = 0.15;       // This share of the steps removes a whole island, if the tries find one.
+constexpr double kIslandShare = 0.15;       // This fraction of the steps removes a whole island, if the tries find one.
 constexpr int kTriesForIsland = 9, kTriesForPlace = 8;
-constexpr double kMargin_mm = 40.0;  // Islands grow within this distance of what was removed.
+constexpr double kMargin_mm = 40.0;  // Islands grow within this distance of the removed part.
 
 }  // namespace
 
-// Measured (docs/measurements/lattice.md): in a small part few islands can be divided as the rounded price hopes, and
-// its steps part layouts from each other; in a large one steps are few, so that they are better spent on one layout
-// than on a race.
+// Measured (docs/measurements/lattice.md): in a small part few islands can be divided as the rounded price assumes, and
+// its steps separate layouts from each other. In a large part steps are few, and are better spent on one layout than on
+// a race.
 SearchPlan SearchPlan::of(double room_modules) {
   constexpr double kNever = 2.0;
   if (room_modules < kRoundedModules) return {12, 0.08, 1.0, kNever};
@@ -149,7 +149,7 @@ void Chain::plan_runs(int chains) {
   schedule_.runs = std::clamp(static_cast<int>(chains * steps_left / (kStepsAModule * best_->size())), 1, kMaxRuns);
 }
 
-// Annealings, with the part of the current one.
+// Returns the number of annealings done, with the fraction of the current one.
 double Chain::runs_done() const {
   const double left = 1.0 - schedule_.begun_at + 1e-9;
   return schedule_.runs * std::clamp((task_.fraction(steps_) - schedule_.begun_at) / left, 0.0, 1.0);
@@ -166,7 +166,7 @@ double Chain::heat() const {
   return race_heat_ > 0.0 ? race_heat_ : kHot * std::pow(kCold / kHot, fraction_);
 }
 
-// Value that a step compares.
+// Returns the value that a step compares.
 double Chain::searched(const Value& value) const {
   const SearchPlan& plan = task_.plan;
   if (fraction_ >= plan.rounded_from) return value.rounded();
@@ -208,7 +208,7 @@ Value Chain::ruin_and_recreate() {
   return task_.value(now_, price_, worth_);
 }
 
-// The best of all, and the best of each number of modules near it.
+// Keeps the best of all, and the best for each number of modules near it.
 void Chain::keep() {
   auto net = std::make_shared<LatticeMesh>(now_);
   unpin(*net, pinned_);
@@ -224,7 +224,7 @@ const Sample& Chain::some_sample() {
   return task_.samples[at(samples_[at(random_.scaled_below(static_cast<int>(samples_.size())))])];
 }
 
-// Around an uncovered place when one is found quickly, else around any; what must be covered first.
+// Picks a place around uncovered surface if one is found quickly, else any; places that must be covered come first.
 Vec3 Chain::place_to_ruin() {
   const auto& must_cover = task_.regions.must_cover();
   for (int k = 0; k < 2 && !must_cover.empty(); ++k) {
@@ -249,7 +249,7 @@ Grower::Ball Chain::ruin() {
   return ball;
 }
 
-// A module of a small island, when a few tries find one.
+// Returns a module of a small island if a few tries find one.
 std::optional<int> Chain::some_triangle_of_small_island() {
   std::optional<int> found;
   const auto is_in_small_island = [&](int t) {
@@ -265,7 +265,7 @@ std::optional<int> Chain::some_triangle_of_small_island() {
   return found;
 }
 
-// A small island goes as a whole; what stood round it may then close the gap.
+// Removes a small island as a whole; the modules around it may then close the gap.
 std::optional<Grower::Ball> Chain::ruin_island() {
   const std::optional<int> first = some_triangle_of_small_island();
   if (!first) return std::nullopt;

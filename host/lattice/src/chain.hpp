@@ -13,34 +13,33 @@
 
 namespace triskin::geometry::surface_lattice {
 
-inline constexpr double kNothing = -1e300;  // Value if there is no layout.
+inline constexpr double kNothing = -1e300;  // The search gives this value to an empty layout.
 
-/// Value of a layout less its price, in the forms that the search compares.
+/// The value of a layout less its price, in the forms that the search compares.
 struct Value {
-  double module_value = kNothing;  ///< It is the value of the modules and joints, counted in modules.
+  double module_value = kNothing;  ///< Modules and joints are counted here, in units of modules.
   EstimatedPrice price;
   [[nodiscard]] double rounded() const { return module_value - price.rounded; }
-  /// `share`: of what joins the controllers, 0 … 1.
+  /// `share` (0 … 1) scales the price of the jumpers and islands that join the controllers.
   [[nodiscard]] double relaxed(double share = 1.0) const {
     return module_value - price.relaxed.controllers - share * price.relaxed.joining;
   }
 };
 
-/// Room for so many modules, from which on layouts are kept by whole controllers, and from which on a part is large.
+/// From room for kRoundedModules on, layouts are priced by whole controllers; from kLargeModules on, a part is large.
 inline constexpr double kRoundedModules = 48.0, kLargeModules = 128.0;
 
-/// How a chain spends its steps.
 struct SearchPlan {
-  int starts;         ///< So many complete layouts race.
-  double race_share;  ///< Each round of the race takes this share of the search.
-  /// What joins the controllers (jumpers, islands) counts by this share at the beginning of an annealing, by the whole
-  /// at `rounded_from`: an early island is room found for modules, and later steps join it to others.
+  int starts;         ///< The race begins with this many complete layouts.
+  double race_share;  ///< Each round of the race takes this fraction of the search.
+  /// The price of jumpers and islands counts by this fraction at the beginning of an annealing and in full at
+  /// `rounded_from`: an early island is room found for modules, and later steps join it to others.
   double first_share;
-  double rounded_from;  ///< Whole controllers count from this part of an annealing on; above 1 they never do.
+  double rounded_from;  ///< From this fraction of an annealing on, whole controllers count; above 1 they never do.
   [[nodiscard]] static SearchPlan of(double room_modules);
 };
 
-/// Data that all chains of a search share. Refers to its arguments.
+/// Holds the data that all chains of a search share. Refers to its arguments.
 struct GrowthTask {
   const Surface& surface;
   const Rules& rules;
@@ -48,7 +47,7 @@ struct GrowthTask {
   const std::vector<Sample>& samples;
   const CopiedRegions& regions;
   double jumper_mm, corner_lift_mm;
-  const LatticeMesh& started;  ///< It has the modules that are kept, or none.
+  const LatticeMesh& started;  ///< The net holds the kept modules, or is empty.
   Grower::Clock::time_point start, end;
   SearchPlan plan;
 
@@ -57,22 +56,22 @@ struct GrowthTask {
   [[nodiscard]] double kept_value(const Value& value) const {
     return plan.rounded_from <= 1.0 ? value.rounded() : value.relaxed();
   }
-  /// Progress of the search after so many steps of each chain, 0 … 1.
+  /// Returns the progress of the search after so many steps of each chain, 0 … 1.
   [[nodiscard]] double fraction(int steps) const;
 };
 
-/// Annealed sequence of ruin and recreate. Alone it follows its own schedule; in a team it works in a zone of the
-/// layout of the team's first chain, whose schedule it follows. One thread at a time.
+/// Anneals a sequence of ruin and recreate. Alone it follows its own schedule; in a team it works in a zone of the
+/// layout of the team's first chain, whose schedule it follows. Used by one thread at a time.
 class Chain {
  public:
   Chain(const GrowthTask& task, std::uint64_t seed);
 
-  /// Makes complete layouts from several starts: place and turn of the first module decide more than later steps mend.
-  /// The better half is improved for a while, and again its better half, until one is left.
+  /// Makes complete layouts from several starts, because place and turn of the first module decide more than later
+  /// steps can mend. The better half is improved for a while, then again its better half, until one remains.
   void build();
   /// Divides the rest of the search into annealings; `chains` share the steps of each.
   void plan_runs(int chains);
-  /// Makes another start where the next annealing is due.
+  /// Makes another start if the next annealing is due.
   void begin_due_run();
   void run(int steps);
   /// Changes when its growing gives up.
@@ -92,12 +91,12 @@ class Chain {
   [[nodiscard]] const LayoutFront& front() const { return front_; }
   [[nodiscard]] int steps() const { return steps_; }
   [[nodiscard]] Dice& random() { return random_; }
-  /// True in the last annealing, when results of other chains may be taken over.
+  /// Returns true in the last annealing, when results of other chains may be taken over.
   [[nodiscard]] bool in_last_run() const { return schedule_.run == schedule_.runs - 1; }
 
  private:
   struct Schedule {
-    double begun_at = 0.0;  // Share of the search at which it began.
+    double begun_at = 0.0;  // The annealing began at this fraction of the search.
     int runs = 1, run = 0;
   };
   void set(LatticeMesh net);
@@ -126,16 +125,16 @@ class Chain {
   NetPrice price_;
   PlaceValue worth_;
   Grower grower_;
-  std::vector<int> samples_;  // Samples of the task that lie in the zone.
-  std::vector<int> pinned_;   // Triangles outside the zone.
-  LatticeMesh now_;           // The lattice that price_ knows.
+  std::vector<int> samples_;  // These samples of the task lie in the zone.
+  std::vector<int> pinned_;   // These triangles lie outside the zone.
+  LatticeMesh now_;           // price_ knows this lattice.
   NetCopy best_;
   LayoutFront front_;
   Value value_;
   double best_value_ = kNothing;
-  double race_heat_ = 0.0;   // If > 0, it replaces the heat of the schedule.
+  double race_heat_ = 0.0;   // A positive value replaces the heat of the schedule.
   double fraction_ = 0.0;    // Progress of the current annealing, 0 … 1.
-  double raced_from_ = 0.0;  // Share of the search after which the race began.
+  double raced_from_ = 0.0;  // The race began after this fraction of the search.
   Schedule schedule_;
   int steps_ = 0;
 };

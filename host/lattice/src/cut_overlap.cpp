@@ -24,7 +24,8 @@ std::size_t deepest_along(const Outline& o, const Vec3& out) {
   return deepest;
 }
 
-// Segment through the inside of a flat outline with this normal, as `passes` of overlap.cpp for triangles.
+// Returns true if a segment passes through the inside of a flat outline with this normal, like `passes` of overlap.cpp
+// for triangles.
 bool passes(const Vec3& from, const Vec3& to, const Outline& o, const Vec3& normal) {
   const double below = normal.dot(o.point[0] - from), above = normal.dot(to - o.point[0]);
   if ((below > 0) != (above > 0) || below == 0 || above == 0) return false;

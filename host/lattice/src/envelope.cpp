@@ -7,7 +7,7 @@
 namespace triskin::geometry::surface_lattice {
 namespace {
 
-// Four sums side by side: one alone would wait for each addition.
+// Keeps four sums side by side, because a single one would wait for each addition.
 double dot(const double* a, const double* b, int count) {
   double s0 = 0.0, s1 = 0.0, s2 = 0.0, s3 = 0.0;
   int k = 0;
@@ -39,7 +39,7 @@ void EnvelopeSystem::reset(const std::vector<int>& first) {
   right_.assign(2 * first.size(), 0.0);
 }
 
-// The diagonal holds the reciprocals of the factor's: a division a row, none an entry.
+// The diagonal holds the reciprocals of the factor's, which saves one division per entry and costs one per row.
 void EnvelopeSystem::solve() {
   const int rows = static_cast<int>(right_.size());
   const auto entry = [&](int row, int column) {

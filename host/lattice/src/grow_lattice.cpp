@@ -26,13 +26,14 @@ using namespace surface_lattice;
 
 constexpr int kStepsARound = 64;      // Each chain takes this many steps between two reports.
 constexpr int kRoundsAnExchange = 2;  // The chains exchange their best layout after this many rounds.
-// Room for so many modules makes a chain of a team worth its thread: fewer leave little between the bands of its zone,
-// and islands are parted by them (HEAD with four zones of 64 is worth less than with two).
+// With room for this many modules, a chain of a team is worth its thread. With fewer, the bands of its zone leave
+// little room, and they separate islands (HEAD with four zones of 64 is worth less than with two).
 constexpr double kModulesAChain = 90.0;
 constexpr std::size_t kMore = 8;     // We certify at most this many other layouts that have as many modules.
 constexpr std::size_t kThinned = 5;  // We make this many smaller layouts from the best one.
 constexpr double kSampleArea_mm2 = 50.0;
-// The corners of the rigid module stand off a little more than those of the lattice, so these get 70 % of the limit.
+// The corners of the rigid module stand off a little more than those of the lattice, so the lattice gets 70 % of the
+// limit.
 constexpr double kLiftShare = 0.7;
 
 Grower::Clock::duration duration_of(double s) {
@@ -62,8 +63,8 @@ const Chain& best_of(const std::deque<Chain>& chains) {
                                    [](const Chain& a, const Chain& b) { return a.best_value() < b.best_value(); });
 }
 
-// The best of all chains for each number of modules, most modules first, then the most valuable of the others, with as
-// many modules on more or fewer islands; not the best of all, which is kept anyway.
+// Returns the best of all chains for each number of modules, most modules first, then the most valuable of the others,
+// with as many modules on more or fewer islands; omits the best of all, which is kept anyway.
 std::vector<const LatticeMesh*> front_of(const std::deque<Chain>& chains) {
   std::map<std::pair<int, int>, const FoundLayout*, std::greater<>> found;
   for (const Chain& chain : chains) {
@@ -91,7 +92,7 @@ std::vector<const LatticeMesh*> front_of(const std::deque<Chain>& chains) {
   return nets;
 }
 
-// Lets the caller see the first layout and shorten or lengthen the time.
+// Shows the caller the first layout, and takes the time limit that it answers with.
 void show_first(GrowthTask& task, const Certifier& certifier, std::deque<Chain>& chains) {
   if (!task.options.first_layout || task.options.iterations > 0) return;
   const LatticeMesh& first = *best_of(chains).best();
@@ -100,7 +101,7 @@ void show_first(GrowthTask& task, const Certifier& certifier, std::deque<Chain>&
   for (Chain& c : chains) c.end_at(task.end);
 }
 
-// Rounds of all teams side by side, until time or steps are over.
+// Runs rounds of all teams side by side until time or steps are over.
 void search(GrowthTask& task, const Certifier& certifier, std::deque<Chain>& chains, int max_in_a_team,
             const ProgressSink& progress) {
   const int iterations = task.options.iterations;
@@ -125,7 +126,7 @@ void search(GrowthTask& task, const Certifier& certifier, std::deque<Chain>& cha
   }
 }
 
-// Counts, for the report, the limits that refuse further modules; a module that fits after all is kept.
+// Counts, for the report, the limits that refuse further modules; if a module fits after all, it is kept.
 void count_refusals(const GrowthTask& task, LatticeMesh& net, ModuleLayout& layout) {
   Dice random(task.options.seed);
   Grower grower(task.surface, task.rules, task.samples, task.corner_lift_mm, Grower::Clock::time_point::max());
@@ -135,11 +136,11 @@ void count_refusals(const GrowthTask& task, LatticeMesh& net, ModuleLayout& layo
   }
 }
 
-// Appends layouts made of the best one, with fewer islands and a controller less, and the others that were found, as
-// far as the time goes.
+// Appends layouts made from the best one, with fewer islands and a controller less, and the others that were found, as
+// far as time allows.
 void certify_others(const GrowthTask& task, const Certifier& certifier, const LatticeMesh& best,
                     const std::vector<const LatticeMesh*>& found, std::vector<ModuleLayout>& layouts) {
-  // Number of modules that one controller less reads.
+  // One controller less can read this many modules.
   const int full = (best.size() - 1) / kModulesAController * kModulesAController;
   const std::vector<LatticeMesh> less = thinned(best, full, kThinned);
   std::vector<const LatticeMesh*> others;

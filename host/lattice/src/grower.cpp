@@ -10,7 +10,7 @@
 namespace triskin::geometry::surface_lattice {
 namespace {
 
-constexpr double kSnap_mm = 7.0;  // An apex this near to a corner of the same lattice point joins it.
+constexpr double kSnap_mm = 7.0;  // An apex this near to a corner at the same lattice point joins it.
 // Modules within these radii may give way, at the first and second try.
 constexpr double kRelaxRadius_mm = 60.0, kSecondRadius_mm = 90.0;
 constexpr int kRelaxSteps = 5, kSecondSteps = 6;
@@ -20,7 +20,7 @@ constexpr double kReach_mm = 45.0;
 constexpr double kCornerReach_mm =
     28.0;  // A vertex is 17.3 mm from the centre of its triangle; the rest allows for the largest edge error.
 constexpr double kSampleCell_mm = 20.0;
-constexpr double kSurroundings_mm = 45.0;  // Farther modules hardly decide whether one more fits.
+constexpr double kSurroundings_mm = 45.0;  // Modules farther away hardly decide whether one more fits.
 
 NetTriangle loose(const Triangle& corners, double corner_cut_mm) {
   NetTriangle t;
@@ -62,7 +62,7 @@ Grower::Grower(const Surface& surface, const Rules& rules, const std::vector<Sam
   for (int k = 0; k < static_cast<int>(samples.size()); ++k) sample_grid_.add(k, samples[at(k)].point);
 }
 
-// The point of the surface 30 mm from both ends of a side, found by turning the height about the side.
+// Finds the point of the surface 30 mm from both ends of a side by turning the height about the side.
 bool Grower::roll(const Vec3& a, const Vec3& b, const Vec3& away, Foot& apex) {
   const Vec3 middle = 0.5 * (a + b), along = (b - a).normalized();
   Vec3 direction = (away - away.dot(along) * along).normalized();
@@ -89,7 +89,7 @@ bool Grower::try_side(LatticeMesh& net, Side side) {
     return false;
   }
   const auto label = tile_corner_index(next.tile, (next.side + 2) % 3);
-  // Corners of the same lattice point nearby: joining them closes the ring round a corner.
+  // Corners of the same lattice point nearby; joining them closes the ring around a corner.
   std::vector<std::pair<double, int>> snaps;
   (void)net.any_near(apex.point, kSnap_mm + kCornerReach_mm, [&](int other) {
     if (net.triangles()[at(other)].island != t.island) return false;
@@ -122,8 +122,8 @@ bool Grower::try_corner(LatticeMesh& net, Side side, int apex) {
   return keep_or_revert(net, net.add_triangle(t.island, next.tile, v));
 }
 
-// A module that is refused after a hopeful start, beside others of its island, is tried again with more around it
-// giving way.
+// A module that is refused after a hopeful start, beside others of its island, is tried again with more of its
+// surroundings free to move.
 bool Grower::keep_or_revert(LatticeMesh& net, int triangle) {
   Refusal refusal = refusal_of(net, triangle, kRelaxRadius_mm, kRelaxSteps);
   const bool was_hopeful = !relaxer_.changed().empty();
@@ -183,7 +183,7 @@ bool Grower::seed_at_sample(LatticeMesh& net, const Sample& sample, Dice& random
   return try_seed(net, corners);
 }
 
-// One side along the nearest border, counter-clockwise seen from outside.
+// Lays one side along the nearest border, counter-clockwise seen from outside.
 bool Grower::seed_at_border(LatticeMesh& net, const Sample& sample) {
   const double reach = surface_.surface().border_distance(sample.point);
   if (!(reach < 20.0)) return false;
@@ -213,7 +213,7 @@ void Grower::grow(LatticeMesh& net, const Ball& ball, Dice& random) {
   grow_from(net, open_sides(net, ball), ball, random);
 }
 
-// Sides with small keys first: near the start, with noise so that each growth is another one.
+// Takes sides with small keys first: near the start, with noise so that each growth differs.
 void Grower::grow_from(LatticeMesh& net, const std::vector<Side>& front, const Ball& ball, Dice& random) {
   struct Entry {
     double key;
@@ -248,7 +248,7 @@ void Grower::grow_from(LatticeMesh& net, const std::vector<Side>& front, const B
   }
 }
 
-// Centre of a module at a side, if there were no fold.
+// Returns the centre of a module at a side, as if there were no fold.
 Vec3 Grower::place_beside(const LatticeMesh& net, Side side) {
   const NetTriangle& t = net.triangles()[at(side.triangle)];
   return t.rigid[at(side.side)] + t.rigid[at((side.side + 1) % 3)] - t.center;

@@ -16,7 +16,8 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kOutwardCosine = 0.6;  // `check` asks for 0.5; the rest is for another way of measuring.
+// `check` asks for 0.5; the difference leaves room for another way of measuring.
+constexpr double kOutwardCosine = 0.6;
 
 class Keeper {
  public:
@@ -44,9 +45,9 @@ class Keeper {
     remove_modules(layout_, bad);
   }
 
-  // First joints (they become slits), then modules; a margin of 2 % keeps another measurement from disagreeing.
+  // Drops joints first (they become slits), then modules; a margin of 2 % keeps another measurement from disagreeing.
   void give_up_bad() {
-    // Measured once: nothing moves below, so pairs can only disappear.
+    // Pairs are measured once: nothing moves below, so they can only disappear.
     std::vector<OverlappingPair> pairs = overlapping_pairs(layout_);
     for (;;) {
       measure_between(layout_, pairs);

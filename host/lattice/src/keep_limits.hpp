@@ -8,14 +8,14 @@
 
 namespace triskin::geometry {
 
-/// measure_on_surface() of the modules from `first` on, on all processors.
+/// Runs measure_on_surface() for the modules from `first` on, on all processors.
 void measure_modules(const Surface& surface, ModuleLayout& layout, std::size_t first, const SurfaceRegions* regions);
 
-/// True if the surface nearest to a module's middle faces another way: a rib, or the other side of a thin wall. The
-/// module would be measured against that. Cost: a closest point.
+/// Returns true if the surface nearest to a module's middle faces another way: a rib, or the other side of a thin wall.
+/// The module would be measured against that. Cost: one closest point.
 [[nodiscard]] bool is_turned(const Surface& surface, const PlacedModule& module);
 
-/// keep_limits() of a layout whose modules are as measure_on_surface() left them.
+/// Does what keep_limits() does, for a layout already measured by measure_on_surface().
 void keep_limits_as_measured(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout);
 
 }  // namespace triskin::geometry

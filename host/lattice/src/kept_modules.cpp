@@ -7,7 +7,7 @@
 
 namespace triskin::geometry::surface_lattice {
 
-// Corners that modules share by their joints are one vertex, in the middle of them.
+// Corners that modules share by their joints become one vertex, in the middle of them.
 LatticeMesh net_of_kept(const Surface& surface, const CanonicalCopy& copy, const std::vector<PlacedModule>& kept,
                         double corner_cut_mm) {
   LatticeMesh net(surface.mesh().vertices, corner_cut_mm);
@@ -25,7 +25,7 @@ LatticeMesh net_of_kept(const Surface& surface, const CanonicalCopy& copy, const
       corners.join(3 * k + (s + 1) % 3, 3 * other + t);
     }
   }
-  std::map<int, std::vector<Vec3>> points;  // Keyed by the leader of the corners.
+  std::map<int, std::vector<Vec3>> points;  // The key is the leader of the corners.
   for (int c = 0; c < 3 * count; ++c) points[corners.find(c)].push_back(modules[at(c / 3)].corner_mm[at(c % 3)]);
   std::map<int, int> vertex, island;
   for (int k = 0; k < count; ++k) {

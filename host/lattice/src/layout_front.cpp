@@ -36,7 +36,7 @@ std::map<LayoutFront::Numbers, FoundLayout>::const_iterator LayoutFront::min_val
 
 namespace {
 
-// Triangles of each island that may go, the smallest island first.
+// Lists the triangles of each removable island, the smallest island first.
 std::vector<std::vector<int>> small_islands(const LatticeMesh& net) {
   std::vector<std::vector<int>> islands(net.island_sizes().size());
   for (int t = 0; t < static_cast<int>(net.triangles().size()); ++t) {

@@ -17,10 +17,11 @@
 namespace triskin::geometry {
 namespace {
 
-// Triangles of a flat piece by squares of a grid, so that those near a point are found without walking over all.
+// Sorts the triangles of a flat piece into squares of a grid, so that those near a point are found without visiting
+// all.
 class TriangleGrid {
  public:
-  // A triangle is near what lies within `reach_mm` of its box.
+  // A triangle is near everything within `reach_mm` of its box.
   TriangleGrid(const std::vector<std::array<Vec2, 3>>& triangles, double reach_mm) : reach_mm_(reach_mm) {
     if (triangles.empty()) return;
     Vec2 high = triangles.front()[0];
@@ -32,7 +33,7 @@ class TriangleGrid {
     }
     low_.array() -= reach_mm;
     high.array() += reach_mm;
-    // About one square for each triangle, each not narrower than the reach.
+    // There is about one square per triangle, and none is narrower than the reach.
     const Vec2 size = high - low_;
     side_mm_ = std::max({std::sqrt(size.prod() / static_cast<double>(triangles.size())), reach_mm, 1e-9 * size.norm()});
     for (int k = 0; k < 2; ++k) squares_[at(k)] = 1 + static_cast<int>(size[k] / side_mm_);
@@ -69,10 +70,10 @@ class TriangleGrid {
   Vec2 low_ = Vec2::Zero();
   std::array<int, 2> squares_{};
   std::vector<std::array<Vec2, 2>> boxes_;
-  std::vector<std::vector<std::size_t>> near_;  // Indexed by square.
+  std::vector<std::vector<std::size_t>> near_;
 };
 
-// Point of the flat piece → point of the surface.
+// Maps a point of the flat piece to a point of the surface.
 class PieceMap {
  public:
   // Grid vertices may lie outside the piece by `overhang_mm`.
@@ -86,7 +87,7 @@ class PieceMap {
   }
 
  private:
-  // The triangle that holds the point, or (rounding at the border) misses it least.
+  // Uses the triangle that contains the point, or (rounding at the border) misses it least.
   [[nodiscard]] Vec3 at_flat(const Vec2& p) const {
     double best = -1e300;
     Vec3 best_weights = Vec3::Zero();
@@ -109,8 +110,8 @@ class PieceMap {
     return best_weights[0] * v[at(face[0])] + best_weights[1] * v[at(face[1])] + best_weights[2] * v[at(face[2])];
   }
 
-  // How far inside a triangle a point with these weights lies, negative outside: small triangles near the point must
-  // not lose against large ones far away.
+  // Returns how far inside a triangle a point with these weights lies, negative outside: small triangles near the point
+  // must not lose against large ones far away.
   static double min_height_mm(const std::array<Vec2, 3>& t, const Vec3& weights, double twice_area) {
     double least = 1e300;
     for (int k = 0; k < 3; ++k)
@@ -132,7 +133,7 @@ class Mapper {
     layout_.corner_cut_mm = corner_cut_mm;
   }
 
-  // Pieces have no joints in common, so some are mapped after the others: those that have time.
+  // Pieces have no joints in common, so they are mapped one after another while time remains.
   ModuleLayout run(const std::vector<TiledPiece>& pieces, const std::function<bool()>& give_up) {
     constexpr std::size_t kTogether = 1000;  // This many modules give all processors work.
     std::size_t mapped = 0;
@@ -177,7 +178,8 @@ class Mapper {
     }
   }
 
-  // The modules from `first` on: joined corners pull each other together on the surface; the modules stay rigid.
+  // Relaxes the modules from `first` on: joined corners pull each other together on the surface; the modules stay
+  // rigid.
   void relax_and_measure(std::size_t first) {
     const std::size_t n = layout_.modules.size() - first;
     std::vector<std::array<Vec3, 3>> fitted(n);
@@ -212,7 +214,7 @@ class Mapper {
   const Surface& surface_;
   const LayoutLimits limits_;
   const SurfaceRegions* regions_;
-  const double overhang_mm_;  // Corners may extend over the border by this much because they are cut off.
+  const double overhang_mm_;  // Corners may overhang the border by this much because they are cut off.
   ModuleLayout layout_;
 };
 

@@ -31,7 +31,8 @@ double angle_between(const Vec3& a, const Vec3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-// Smallest overlap of the two projected outlines over the directions normal to their sides (separating axes).
+// Returns the smallest overlap of the two projected outlines over the directions normal to their sides (separating
+// axes).
 template <std::size_t N>
 double planar_depth(const std::array<Vec2, N>& a, const std::array<Vec2, N>& b) {
   double least = std::numeric_limits<double>::infinity();
@@ -72,7 +73,7 @@ void measure_joint(const std::vector<PlacedModule>& modules, PlacedModule& m, in
              &d = other.corner_mm[at(t)];
   m.hinge_gap_mm[at(s)] = std::max((a - c).norm(), (b - d).norm());
   m.fold_rad[at(s)] = angle_between(normal_of(m.corner_mm), normal_of(other.corner_mm));
-  // The net's edge runs between the mean places of its ends, which two rigid sides share.
+  // The net's edge connects the mean places of its ends, which two rigid sides share.
   m.edge_error_mm = std::max(m.edge_error_mm, std::abs((0.5 * (b + d) - 0.5 * (a + c)).norm() - kSide_mm));
 }
 

@@ -53,8 +53,8 @@ const NearSurface::Voxel* NearSurface::voxel_at(const Vec3& query_mm) {
   return &filled_[at(index)];
 }
 
-// The face nearest to a point of the voxel is no farther from the middle than the nearest one there plus the voxel's
-// diagonal.
+// The face nearest to a point of the voxel is no farther from the middle than the face nearest to the middle plus the
+// voxel's diagonal.
 int NearSurface::fill(const Vec3& middle) {
   const double half = 0.5 * std::sqrt(3.0) * size_mm_;
   const SurfacePoint nearest = surface_.closest(middle);
@@ -109,7 +109,7 @@ Foot NearSurface::closest(const Vec3& query_mm) {
   for (int k = voxel->first; k < voxel->first + voxel->count; ++k) {
     const auto [face, middle_mm] = candidates_[at(k)];
     const double at_least = middle_mm - off_middle_mm;
-    // The list is sorted, so all that follow are farther.
+    // The list is sorted, so all later ones are farther.
     if (at_least > 0.0 && at_least * at_least > best_squared) break;
     const auto& f = mesh.faces[at(face)];
     const Vec3& a = mesh.vertices[at(f[0])];

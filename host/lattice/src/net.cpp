@@ -13,8 +13,8 @@ constexpr double kCell_mm = 40.0;  // Most searches reach 20 … 45 mm.
 }  // namespace
 
 // Three points fix the plane; within it the best turn is the mean of the turns of the three corners, weighted by their
-// distance (the planar case of Kabsch's fit, as complex numbers). Corners of the rest pose, from its centre: 2/3 h at
-// −150°, −30° and 90°, so that their conjugates are kRadius · (∓√3/2 + i/2), −i.
+// distance (the planar case of Kabsch's fit, as complex numbers). The corners of the rest pose, from its centre, are
+// 2/3 h at −150°, −30° and 90°, so that their conjugates are kRadius · (∓√3/2 + i/2), −i.
 Triangle fit_rigid(const Triangle& target) {
   constexpr double kRadius = 2.0 * kHeight_mm / 3.0, kCos = 0.86602540378443864676;
   const Vec3 center = (target[0] + target[1] + target[2]) / 3.0;
@@ -73,7 +73,7 @@ bool LatticeMesh::has_tile(int island, const Tile& tile) const {
   return false;
 }
 
-// Twice as many buckets: a power of two.
+// The number of buckets doubles, because it must be a power of two.
 void LatticeMesh::grow_tiles() {
   tiles_ = Buckets(2 * tiles_.count());
   for (int t = 0; t < static_cast<int>(triangles_.size()); ++t) {
@@ -168,7 +168,7 @@ int LatticeMesh::add_vertex(const Vec3& point, const Vec3& normal, int i, int j)
   return vertex;
 }
 
-// The number, or for −1 the one that became free last; numbers that are left out become free.
+// Takes this number, or for −1 the one that became free last; skipped numbers become free.
 int LatticeMesh::take_number(int number) {
   if (number < 0 && free_triangles_.empty()) number = static_cast<int>(triangles_.size());
   if (number < 0) number = free_triangles_.back();

@@ -10,12 +10,12 @@
 namespace triskin::geometry::surface_lattice {
 namespace {
 
-constexpr double kRoundedUp = 15.0 / 32.0;  // Mean of ⌈n / 16⌉ − n / 16.
+constexpr double kRoundedUp = 15.0 / 32.0;  // The mean of ⌈n / 16⌉ − n / 16.
 // The centres of two modules are at most this much farther apart than the middles of their sides.
 constexpr double kCenters_mm = 2.0 * kHeight_mm / 3.0 + 1.0;
 constexpr double kStraight = 0.95;  // A jumper along the surface is a little longer than the straight line.
 
-// Controllers of n modules that hang together.
+// Returns the controllers of n connected modules.
 double relaxed_controllers(int n) {
   return n > 0 ? std::max(1.0, n / double{kModulesAController} + kRoundedUp) : 0.0;
 }
@@ -52,7 +52,7 @@ void NetPrice::unlink(int triangle) {
   linked_[at(triangle)].clear();
 }
 
-// Free sides of both that face each other within the reach.
+// Returns true if both have free sides that face each other within the reach.
 bool NetPrice::can_be_joined(const LatticeMesh& net, int a, int b) const {
   const double reach = kStraight * jumper_mm_;
   for (int s = 0; s < 3; ++s) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a net does after changes: fans and islands that no longer hang together are parted.
+// Repairs a net after changes: separates fans and islands that are no longer connected.
 #include <algorithm>
 #include <utility>
 
@@ -9,19 +9,19 @@
 namespace triskin::geometry::surface_lattice {
 namespace {
 
-// Breadth-first searches from all triangles beside those that were removed, one triangle of each in turn; those that
-// meet go on as one. A search that comes to its end is a part of its own; when only one goes on, what it has not seen
-// need not be looked at.
+// Runs breadth-first searches from all triangles beside removed ones, one triangle of each in turn; searches that meet
+// continue as one. A search that finishes is a separate part; when only one remains, the triangles that it has not seen
+// need no visit.
 class IslandSearch {
  public:
-  // `search_of`: by triangle, −1 in all; it is so again afterwards.
+  // `search_of`, by triangle, must be −1 in all entries, and is so again afterwards.
   IslandSearch(const LatticeMesh& net, std::vector<int>& search_of, const std::vector<int>& from)
       : net_(net), search_of_(search_of), searches_(from.size()), met_(from.size()) {
     for (int k = 0; k < count(); ++k) reach(k, from[at(k)]);
   }
 
-  // The parts that need a number of their own: all but the one that is still open, or one when all were seen to their
-  // ends.
+  // Returns the parts that need a new number: all but the one that is still open, or all but one when all were
+  // finished.
   std::vector<std::vector<int>> parts() {
     while (several_open()) {
       for (int k = 0; k < count(); ++k) {
@@ -67,7 +67,7 @@ class IslandSearch {
         met_.join(search_of_[at(n)], k);
     }
   }
-  // Searches that have not met go on.
+  // Tells whether searches that have not met are still running.
   [[nodiscard]] bool several_open() {
     int first = -1;
     for (int k = 0; k < count(); ++k) {
@@ -97,7 +97,7 @@ void LatticeMesh::separate() {
   part_islands();
 }
 
-// Triangles round a vertex that are not joined side by side get copies of it.
+// Triangles around a vertex that are not joined side by side get copies of it.
 void LatticeMesh::split_fans(int vertex) {
   std::vector<int> rest(vertices_[at(vertex)].triangles.begin(),
                         vertices_[at(vertex)].triangles.begin() + vertices_[at(vertex)].valence);
@@ -129,7 +129,7 @@ void LatticeMesh::split_fans(int vertex) {
   }
 }
 
-// An island hangs together as before unless triangles were removed from it: then what stood beside them is asked.
+// An island stays connected unless triangles were removed from it, so only their neighbours are searched.
 void LatticeMesh::part_islands() {
   std::erase_if(beside_removed_, [&](int t) { return !used(t); });
   std::ranges::sort(beside_removed_, {}, [&](int t) { return std::pair(triangles_[at(t)].island, t); });

@@ -12,9 +12,10 @@ namespace {
 constexpr double kLayer_mm = 10.0;  // Modules farther apart along the normal lie on different sheets.
 constexpr double kOpposite = -0.2;
 
-// Segment through the inside of a triangle: its ends lie on different sides of the plane, and the point between them,
-// in the ratio of their distances, lies left of every side. On flat faces the distances are rounding alone; the point
-// then still lies on the segment, and modules that are shrunk from each other stay apart there.
+// Returns true if a segment passes through the inside of a triangle: its ends lie on different sides of the plane, and
+// the point between them, in the ratio of their distances, lies left of every side. On flat faces the distances are
+// rounding alone; the point then still lies on the segment, and modules that are shrunk from each other stay apart
+// there.
 bool passes(const Vec3& from, const Vec3& to, const Triangle& t) {
   const Vec3 normal = (t[1] - t[0]).cross(t[2] - t[0]);
   const double below = normal.dot(t[0] - from), above = normal.dot(to - t[0]);
@@ -27,9 +28,9 @@ bool passes(const Vec3& from, const Vec3& to, const Triangle& t) {
   return true;
 }
 
-// Two convex outlines are apart when all of one lies beyond a side of the other, and the least motion that parts them
-// is normal to a side: only outward directions have to be tried. Nothing is normalized before it is known that they
-// overlap.
+// Two convex outlines are apart when all of one lies beyond a side of the other, and the least motion that separates
+// them is normal to a side, so only outward directions have to be tried. Nothing is normalized before it is known that
+// they overlap.
 Overlap overlap_of_triangles(const NetTriangle& a, const NetTriangle& b, int& first_axis) {
   Overlap result;
   const Vec3 between = a.center - b.center;

@@ -6,16 +6,16 @@
 
 namespace triskin::geometry {
 
-/// Two modules that lie over each other, as penetration_depth() measures it.
+/// Two modules that overlap as penetration_depth() measures it.
 struct OverlappingPair {
   int a, b;
   double depth_mm;
 };
 
-/// All pairs of the layout that overlap. Cost: some µs a module.
+/// Returns all pairs of the layout that overlap. Cost: some µs per module.
 [[nodiscard]] std::vector<OverlappingPair> overlapping_pairs(const ModuleLayout& layout);
 
-/// measure_between() with the pairs known. Cost: that of the joints.
+/// Does what measure_between() does, with known pairs. Cost: that of the joints.
 void measure_between(ModuleLayout& layout, const std::vector<OverlappingPair>& pairs);
 
 }  // namespace triskin::geometry

@@ -18,19 +18,19 @@ namespace triskin::geometry {
 namespace {
 
 constexpr double kStep_mm = 0.02;                           // The largest overrun is found with this accuracy.
-constexpr double kFineSide_mm = 5e-4, kFineArea_mm = 4e-3;  // Parts that reach no farther are not divided.
+constexpr double kFineSide_mm = 5e-4, kFineArea_mm = 4e-3;  // Parts that extend no farther are not divided.
 constexpr double kTouching_mm = 1e-7;                       // Distances closer than this count as equal.
 
-/// A point of a module over surface and border.
+/// Relates a point of a module to surface and border.
 struct Stand {
   SurfacePoint foot;
   double to_border_mm;
-  double across_mm;  ///< It is the distance from the nearest point of the border, across the normal there.
-  /// The border is the nearest of the surface: the point stands over it by across_mm.
+  double across_mm;  ///< The distance from the nearest point of the border is taken across the normal there.
+  /// Returns true if the border is the nearest part of the surface: the point then overhangs it by across_mm.
   [[nodiscard]] bool over() const { return to_border_mm <= foot.distance_mm + kTouching_mm; }
 };
 
-/// What the distances of a point cannot exceed, from those of another: the searches are several times as short.
+/// Bounds the distances of a point by those of another, which makes the searches several times shorter.
 struct Near {
   double surface_mm = std::numeric_limits<double>::infinity(), border_mm = surface_mm;
 
@@ -39,7 +39,7 @@ struct Near {
   }
 };
 
-// The way less what of it is along a unit normal.
+// Returns the path without its component along a unit normal.
 double across(const Vec3& way, const Vec3& normal) {
   return (way - way.dot(normal) * normal).norm();
 }
@@ -51,10 +51,10 @@ Stand stand(const Surface& surface, const Vec3& p, const Near& near) {
   return {foot, border.distance_mm, across(p - border.position_mm, surface.normal_at(border))};
 }
 
-// The least way from p to a point that is as near to some point of an edge as to a point f of the surface; b is the
-// edge's nearest to p. For the edge's point at t from b the two are parted by a plane; from p it is
-// (|p - b|² + t² - |p - f|²) / 2|b + t - f| off, and |b + t - f| <= |b - f| + t. Least over t. A border that a sheet
-// passes below is told from one that ends it: the distances themselves differ by x² / 2z only at the height z.
+// Returns the shortest path from p to a point that is as near to some point of an edge as to a point f of the surface;
+// b is the edge's nearest point to p. A plane separates the edge's point at t from b; from p it is (|p - b|² + t² -
+// |p - f|²) / 2|b + t - f| away, and |b + t - f| <= |b - f| + t. The result is the least over t. This tells a border
+// that a sheet passes below from one that ends it: the distances themselves differ by x² / 2z only at the height z.
 double way_to_nearer(const Vec3& p, const Vec3& f, const Vec3& b) {
   // Distances near 20 mm that agree to 1e-7 mm have squares that differ by less than this.
   constexpr double kRounding_mm2 = 1e-5;
@@ -62,10 +62,10 @@ double way_to_nearer(const Vec3& p, const Vec3& f, const Vec3& b) {
   return n <= 0.0 ? 0.0 : std::sqrt(d * d + n) - d;
 }
 
-/// One face of the surface with the planes through its sides, across it.
+/// One face of the surface with the planes through its sides, perpendicular to it.
 class FacePrism {
  public:
-  // A part may reach past a side by this, which avoids splinters at the sides.
+  // A part may extend past a side by this much, which avoids splinters at the sides.
   static constexpr double kTouch_mm = 1e-6;
 
   FacePrism(const Surface& surface, int face) : n_(surface.face_normal(face)) {
@@ -79,7 +79,7 @@ class FacePrism {
   }
   [[nodiscard]] bool has_area() const { return n_.squaredNorm() > 0.5; }
   [[nodiscard]] double height(const Vec3& p) const { return n_.dot(p - corner_[0]); }
-  /// How far p lies past side k, less what may be past it.
+  /// Returns how far p lies past side k, less the allowance.
   [[nodiscard]] double past(std::size_t k, const Vec3& p) const { return out_[k].dot(p - corner_[k]) - kTouch_mm; }
 
  private:
@@ -89,7 +89,7 @@ class FacePrism {
 
 using Polygon = std::vector<Vec3>;  // All polygons are convex.
 
-// The two sides of a convex polygon at a line, given by its signed distance: negative, positive.
+// Cuts a convex polygon at a line, given by its signed distance, into the negative and the positive side.
 std::pair<Polygon, Polygon> cut(const Polygon& polygon, const auto& distance) {
   Polygon in, out;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
@@ -111,7 +111,7 @@ double area_of(std::span<const Vec3> polygon) {
   return 0.5 * twice.norm();
 }
 
-/// Searches parts of one module, the largest value so far in hand.
+/// Searches parts of one module and keeps the largest value so far.
 class OverrunSearch {
  public:
   OverrunSearch(const Surface& surface, double known_mm) : surface_(surface), best_{known_mm, 0} {}
@@ -144,13 +144,13 @@ class OverrunSearch {
 
   const Surface& surface_;
   Overrun best_;
-  std::vector<BorderPoint> near_;  // Border near the point of the last may_exceed().
+  std::vector<BorderPoint> near_;  // These border points lie near the point of the last may_exceed().
 };
 
-// True if a part of the module, all within `reach` of a point, may stand over the border by more than is known. The
-// distances to the surface and to an edge change by no more than the way of the point, so an edge that is nearest to
-// some point of the part lies within twice the reach of being nearest here; the part may lie under another sheet of the
-// surface, so that it need not be the nearest one here. Of two edges at a corner one passes the test of the side.
+// Returns true if a part of the module, all within `reach` of a point, may overhang the border by more than is known.
+// The distances to the surface and to an edge change by no more than the path of the point, so an edge that is nearest
+// to some point of the part lies within twice the reach of being nearest here; the part may lie under another sheet of
+// the surface, so it need not be the nearest one here. Of two edges at a corner one passes the test of the side.
 bool OverrunSearch::may_exceed(std::span<const Vec3> part, const Vec3& p, const Stand& s, double reach) {
   if (s.to_border_mm - s.foot.distance_mm > 2.0 * reach) return false;
   near_.clear();
@@ -165,10 +165,11 @@ bool OverrunSearch::may_exceed(std::span<const Vec3> part, const Vec3& p, const 
   });
 }
 
-// A bound for the way across the normal from an edge to those points of a part that the edge is the nearest border of;
-// `off` to its middle from the edge's point b. A point that just leaves the surface may at once stand over the border
-// by as much as the normals of vertices are turned from the face's: such slivers are searched for. Three: the normal
-// turns along the border, too. The way across a fixed normal is largest at a corner; what the normal turns is added.
+// Bounds the distance across the normal from an edge to those points of a part whose nearest border is the edge; `off`
+// leads to its middle from the edge's point b. A point that just leaves the surface may at once overhang the border by
+// as much as the normals of vertices are turned from the face's: such slivers are searched for. The reach counts three
+// times, since the normal turns along the border too. The distance across a fixed normal is largest at a corner; the
+// turn of the normal is added.
 double OverrunSearch::max_across(const BorderPoint& b, std::span<const Vec3> part, const Vec3& off,
                                  double reach) const {
   const Vec3 n = surface_.normal_at(b.point);
@@ -194,10 +195,10 @@ double OverrunSearch::max_across(const BorderPoint& b, std::span<const Vec3> par
   return std::min(around, at_corners + std::max(past_from, past_to) + turned);
 }
 
-// How far past an end of an edge, along it, a point of a part may be that the end is nearest to: the border goes on
-// there, and the end is nearest only between the planes across both edges. So no farther than the way from the line
-// times the tangent of their angle; infinite at a sharp corner. Negative: the border beyond is nearer to all of the
-// part.
+// Bounds how far past an end of an edge, along it, a point of a part may be if the end is nearest to it: the border
+// continues there, and the end is nearest only between the planes across both edges. So the bound is the distance from
+// the line times the tangent of their angle; infinite at a sharp corner. A negative value means that the border beyond
+// is nearer to all of the part.
 double OverrunSearch::past_end(const Vec3& end, int beyond, const Vec3& way, std::span<const Vec3> part,
                                double from_line) const {
   const Vec3 next = (surface_.mesh().vertices[at(beyond)] - end).normalized();
@@ -215,17 +216,18 @@ std::pair<const Vec3&, const Vec3&> OverrunSearch::ends_of(const BorderPoint& b)
   return {corner(b.side), corner(b.side + 1)};
 }
 
-// True if no point of a part can stand over the border by more than is known, by one face alone: then the part need not
-// be divided where a border runs along the surface, as that of another sheet that ends there. The surface is no farther
-// than the face, and the distance to a face is largest at a corner of the part: no point stands over a border by more.
+// Returns true if a single face shows that no point of a part can overhang the border by more than is known. The part
+// then need not be divided where a border runs along the surface, as that of another sheet that ends there. The surface
+// is no farther than the face, and the distance to a face is largest at a corner of the part, so no point overhangs a
+// border by more.
 bool OverrunSearch::is_close(const FacePrism& face, std::span<const Vec3> part) const {
   return std::ranges::all_of(
       part, [&](const Vec3& p) { return face.distance(p) + 2.0 * kTouching_mm <= best_.mm + kStep_mm; });
 }
 
-// The same for a part between the planes of the face, at any height. A border that does not rise from the face toward
-// the part is nearer than the face only to points within sqrt(4 * kTouch_mm * height), 5 µm at 5 mm, of the line under
-// them: a band as narrow as parts that are not divided.
+// Does the same for a part between the planes of the face, at any height. A border that does not rise from the face
+// toward the part is nearer than the face only to points within sqrt(4 * kTouch_mm * height), 5 µm at 5 mm, of the
+// line under them: a band as narrow as parts that are not divided.
 bool OverrunSearch::covers(const FacePrism& face, std::span<const Vec3> part) const {
   if (!face.has_area()) return false;
   double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -244,8 +246,8 @@ bool OverrunSearch::covers(const FacePrism& face, std::span<const Vec3> part) co
   });
 }
 
-// What of a part lies beside the face under its middle, when the face covers the rest and that is worth a cut.
-// Splinters thinner than what may lie past a side are left to the face.
+// Returns the parts that lie beside the face under the middle, when the face covers the rest and that is worth a cut.
+// Splinters thinner than the allowance past a side are left to the face.
 std::optional<std::vector<std::array<Vec3, 3>>> OverrunSearch::beside_face(const Stand& s,
                                                                            const std::array<Vec3, 3>& part) const {
   constexpr double kWorth = 0.25;  // A division is worth it only if more than a quarter of the area lies over the face.
@@ -273,7 +275,7 @@ void OverrunSearch::walk(const Vec3& from, const Vec3& to, const Near& near) {
   if (reach < kFineSide_mm || !may_exceed(line, middle, s, reach)) return;
   const FacePrism face(surface_, s.foot.face);
   if (is_close(face, line)) return;
-  double first = 0.0, last = 1.0;  // Range of the way that lies over the face.
+  double first = 0.0, last = 1.0;  // The range of the path that lies over the face.
   for (std::size_t k = 0; k < 3; ++k) {
     const double at_from = face.past(k, from), at_to = face.past(k, to);
     if (at_from > 0.0 && at_to > 0.0) last = 0.0;
@@ -281,7 +283,7 @@ void OverrunSearch::walk(const Vec3& from, const Vec3& to, const Near& near) {
     if (at_from > 0.0 && at_to <= 0.0) first = std::max(first, at_from / (at_from - at_to));
   }
   const std::array over{Vec3(from + first * way), Vec3(from + last * way)};
-  constexpr double kWorth = 0.5;  // A division is worth it only if half of the way lies over the face.
+  constexpr double kWorth = 0.5;  // A division is worth it only if half of the path lies over the face.
   const Near beside = Near::beside(s, reach);
   if (last - first >= kWorth && (is_close(face, over) || covers(face, over))) {
     if (first > 0.0) walk(from, over[0], beside);
@@ -293,7 +295,7 @@ void OverrunSearch::walk(const Vec3& from, const Vec3& to, const Near& near) {
   walk(middle, to, half);
 }
 
-// The same over the area: notches and holes of the border under the module.
+// Does the same over the area, to find notches and holes of the border under the module.
 void OverrunSearch::area(const std::array<Vec3, 3>& part, const Near& near) {
   const Vec3 middle = (part[0] + part[1] + part[2]) / 3.0;
   double reach = 0.0;

@@ -11,8 +11,8 @@ namespace triskin::geometry::surface_lattice {
 namespace {
 
 constexpr double kDamping = 0.02;
-// Overlap left after each step that is given up: of the modules that fit in the end, one in two hundred had
-// more; of those that do not, a third have.
+// After each step a larger overlap is hopeless: of the modules that fit in the end, one in two hundred had more; of
+// those that do not, a third have.
 constexpr std::array kFarOff_mm{3.0, 2.4, 1.8, 1.2};
 constexpr double kReach_mm = 2.0 * kHeight_mm / 3.0;  // The corners of a module are this far from its centre.
 constexpr double kPair_mm = 38.0;  // Modules with centroids nearer than this may come to overlap while sliding.
@@ -20,12 +20,12 @@ constexpr double kAllowedOverlap_mm = 0.1;
 constexpr double kSettled_mm = 0.02;
 constexpr double kMoved_mm = 0.01;
 constexpr double kNearBorder_mm = 12.0;
-constexpr double kWantedGap_mm = 2.0;  // Corners lift off where the centre would be deeper than this.
+constexpr double kWantedGap_mm = 2.0;  // Corners are lifted if the centre would otherwise be deeper than this.
 constexpr double kLongest_mm = 5.0;    // A single step moves no farther than this.
 
-// Square of the way along a surface between two points whose normals have this cosine, as on an arc over the chord:
-// the chord times (asin s / s)², s² = (1 - cosine) / 2, by its first four terms. What lies on another side of a
-// narrow part is far away.
+// Returns the squared length of the path along a surface between two points whose normals have this cosine, as on an
+// arc over the chord: the chord times (asin s / s)², s² = (1 - cosine) / 2, by its first four terms. The other side
+// of a narrow part is thus far away.
 double squared_way(const Vec3& chord, double cosine) {
   const double s2 = 0.5 * (1.0 - cosine);
   return chord.squaredNorm() * (1.0 + s2 * (1.0 / 3.0 + s2 * (8.0 / 45.0 + s2 * (4.0 / 35.0))));
@@ -103,7 +103,7 @@ void Relaxer::find_pairs(const LatticeMesh& net) {
   pairs_.clear();
   for (const int a : triangles_) {
     for (const int b : near_) {
-      if (b == a || (b < a && is_local_[at(b)])) continue;  // The pair is found from its own side.
+      if (b == a || (b < a && is_local_[at(b)])) continue;  // The other module of the pair finds it.
       if ((net.center(a) - net.center(b)).squaredNorm() < kPair_mm * kPair_mm && !net.joined(a, b)) {
         pairs_.push_back({a, b, net.in_fan(a, b)});
       }
@@ -120,7 +120,7 @@ void Relaxer::add_residual(double value, double weight, const std::array<int, 2>
     const Moving& m = moving_[at(r.local[k])];
     r.gradient[k] = {gradient[k].dot(m.x), gradient[k].dot(m.y)};
   }
-  if (r.local[0] == r.local[1]) return;  // A corner cannot part from itself.
+  if (r.local[0] == r.local[1]) return;  // A corner cannot be separated from itself.
   if (r.local[0] < r.local[1]) {
     std::swap(r.local[0], r.local[1]);
     std::swap(r.gradient[0], r.gradient[1]);
@@ -128,7 +128,8 @@ void Relaxer::add_residual(double value, double weight, const std::array<int, 2>
   residuals_.push_back(r);
 }
 
-// Long and short edges weigh more, so that the largest error falls; a module is easier to part than to push together.
+// Long and short edges weigh more, so that the largest error falls; a module is easier to separate than to push
+// together.
 void Relaxer::add_edges(const LatticeMesh& net) {
   for (const int t : triangles_) {
     const auto& v = net.triangles()[at(t)].vertex;
@@ -148,13 +149,13 @@ void Relaxer::add_pairs(const LatticeMesh& net) {
     const NetTriangle &p = net.triangles()[at(pair.a)], &q = net.triangles()[at(pair.b)];
     const Overlap o = overlap_of(p, q, pair.axis);
     if (o.depth_mm <= kAllowedOverlap_mm) continue;
-    // The whole module gives way, the touching corner most.
+    // The whole module yields, the touching corner most.
     add_residual(o.depth_mm - kAllowedOverlap_mm, 3.0, {p.vertex[at(o.corner_a)], q.vertex[at(o.corner_b)]},
                  {o.axis, Vec3(-o.axis)});
   }
 }
 
-// Sides of modules near the border: what stands over it is pushed back through the corners of the side.
+// Takes sides of modules near the border: a side that overhangs is pushed back through its corners.
 void Relaxer::add_border(const LatticeMesh& net) {
   for (const Moving& m : moving_) {
     const NetVertex& v = net.vertices()[at(m.vertex)];
@@ -180,7 +181,7 @@ void Relaxer::add_side_at_border(const NetTriangle& triangle, std::size_t side) 
   }
 }
 
-// The point at part x of a side; how far from it no other has to be looked at.
+// Adds the point at fraction x of a side and returns how far from it no other point needs a test.
 double Relaxer::add_point_at_border(const NetTriangle& triangle, std::size_t side, double x) {
   const Vec3 &a = triangle.rigid[side], &b = triangle.rigid[(side + 1) % 3];
   const Vec3 p = a + x * (b - a);
@@ -265,7 +266,7 @@ void Relaxer::move(LatticeMesh& net, const Moving& moving, const Vec3& by) {
   if (v.on_border) v.outward = over / length;
 }
 
-// Modules that bridge a strong convex bend dip under it at the centre: their corners stand off a little.
+// Modules that bridge a strong convex bend dip below it at the centre, so their corners are lifted a little.
 void Relaxer::adapt_lift(LatticeMesh& net) {
   if (lift_mm_ <= 0.0) return;
   bool any = false;
@@ -288,8 +289,8 @@ void Relaxer::adapt_lift(LatticeMesh& net) {
   if (any) apply_lift(net);
 }
 
-// Height of the surface over the centre of a module; below the wanted gap it may be any number below it. The distance
-// changes by no more than the centre moves: most centres need not be measured again.
+// Returns the height of the surface over the centre of a module; below the wanted gap it may be any lower number. The
+// distance changes by no more than the centre moves, so most centres need not be measured again.
 double Relaxer::height_of_surface(int t, const NetTriangle& triangle) {
   KnownGap& known = known_gaps_[at(t)];
   const double room = kWantedGap_mm - known.distance_mm;
@@ -314,7 +315,7 @@ void Relaxer::apply_lift(LatticeMesh& net) {
   }
 }
 
-// Corners that hardly moved go back, so that their modules need no new evaluation.
+// Corners that hardly moved return to their place, so that their modules need no new evaluation.
 void Relaxer::settle(LatticeMesh& net, int triangle) {
   for (Moving& m : moving_) {
     NetVertex& v = net.edit_vertex(m.vertex);

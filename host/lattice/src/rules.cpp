@@ -18,11 +18,11 @@ constexpr double kStep_mm = 1.5;          // We walk along a side near the borde
 constexpr double kSideStep_mm = 0.5;      // The final measurement of lift and depth uses the same step along a side.
 constexpr double kOverrunStep_mm = 0.02;  // The largest overrun of a line is found with this accuracy.
 constexpr int kSideParts = 4;
-constexpr double kClear_mm = 5.0;  // A point farther from the border than a module may stand off is not over it.
-// A module whose centre is farther from the border does not reach over it.
+constexpr double kClear_mm = 5.0;  // A point farther from the border than a module may stand off does not overhang it.
+// A module whose centre is farther from the border does not extend over it.
 constexpr double kBorderFar_mm = 2.0 * kHeight_mm / 3.0 + kClear_mm;
-constexpr double kOutward = 0.6;  // Cosine between module and surface.
-// Probes stand this far apart along the border, and beyond it at this multiple of the limit.
+constexpr double kOutward = 0.6;  // The cosine is between module and surface.
+// Probes are this far apart along the border, and beyond it at this multiple of the limit.
 constexpr double kProbeStep_mm = 1.0, kProbeOut = 1.01;
 constexpr double kProbeHeight_mm = 8.0;
 // We use 70 % of the room: the height changes by as much as a side moves, and its normal turns.
@@ -40,7 +40,7 @@ Vec3 corner_at(const LatticeMesh& net, int triangle, int vertex) {
   return t.vertex[0] == vertex ? t.rigid[0] : t.vertex[1] == vertex ? t.rigid[1] : t.rigid[2];
 }
 
-// True if a point over the whole triangle lies in a corner that is cut off.
+// Returns true if a point over the whole triangle lies in a corner that is cut off.
 bool in_cut_corner(const NetTriangle& t, const Vec3& p) {
   constexpr double kCircumradius_mm = 2.0 * kHeight_mm / 3.0;
   const double limit = kCircumradius_mm * design::short_side_offset_mm(t.corner_cut_mm);
@@ -48,7 +48,7 @@ bool in_cut_corner(const NetTriangle& t, const Vec3& p) {
                              [&](const Vec3& corner) { return (corner - t.center).dot(p - t.center) > limit; });
 }
 
-// Seen along the module's normal, and near its plane.
+// Returns true for a point over the module, seen along its normal and near its plane.
 bool covers(const NetTriangle& t, const Vec3& p) {
   const Vec3 d = p - t.center;
   if (d.squaredNorm() > kModuleReach_mm * kModuleReach_mm || std::abs(d.dot(t.normal)) > kProbeHeight_mm) return false;
@@ -135,8 +135,7 @@ Refusal Rules::evaluate_joints(const LatticeMesh& net, int triangle) const {
   return Refusal::kNone;
 }
 
-// Lift and depth along the sides, as they are measured at the end; points far from both limits are followed by large
-// steps.
+// Walks lift and depth along the sides, as in the final measurement, with large steps at points far from both limits.
 Refusal Rules::evaluate_sides(NearSurface& surface, const NetTriangle& t, KnownSides& known) const {
   double moved = 0.0;
   for (std::size_t k = 0; k < 3; ++k) moved = std::max(moved, (t.rigid[k] - known.rigid[k]).squaredNorm());
@@ -177,7 +176,7 @@ bool Rules::exceeds_overrun(NearSurface& surface, const NetTriangle& t) const {
   return false;
 }
 
-// A plane that separates the outlines separates the modules in space too; else both measures have to agree.
+// A plane that separates the outlines separates the modules in space too; otherwise both measures have to agree.
 bool Rules::overlap(const NetTriangle& a, const NetTriangle& b, int& axis) const {
   if ((a.center - b.center).squaredNorm() > 16.0 / 9.0 * kHeight_mm * kHeight_mm) return false;
   const Overlap o = overlap_of(a, b, axis);
@@ -188,7 +187,7 @@ bool Rules::over_border(NearSurface& surface, const LatticeMesh& net, int triang
   const NetTriangle& t = net.triangles()[at(triangle)];
   if (surface.border_at_least(t.center) >= kBorderFar_mm) return false;
   for (std::size_t s = 0; s < 3; ++s) {
-    // A notch under a joined side opens under a free one or is met by the probes.
+    // A notch under a joined side opens under a free one or is found by the probes.
     const bool is_free = net.neighbour(triangle, static_cast<int>(s)) < 0;
     if (t.corner_cut_mm > 0.0 ? cut_sides_over_border(surface, t, s, is_free)
                               : is_free && side_over_border(surface, t.rigid[s], t.rigid[(s + 1) % 3], kSide_mm))
@@ -197,7 +196,7 @@ bool Rules::over_border(NearSurface& surface, const LatticeMesh& net, int triang
   return probe_grid_.any_near(t.center, kModuleReach_mm, [&](int k) { return covers(t, probes_[at(k)]); });
 }
 
-// The long side s, when it is free, and the short one at its end: a hole may lie where the cut corners of several
+// Tests the long side s, if it is free, and the short one at its end: a hole may lie where the cut corners of several
 // modules meet.
 bool Rules::cut_sides_over_border(NearSurface& surface, const NetTriangle& t, std::size_t s, bool is_free) const {
   const design::Outline outline = design::outline_of(t.rigid, t.corner_cut_mm);

@@ -3,7 +3,7 @@
 
 namespace triskin::geometry {
 
-/// A bound for searches of closest points that a distance itself lies within, for distances in mm.
+/// Returns a bound for searches of closest points that contains the distance itself, for distances in mm.
 [[nodiscard]] constexpr double search_bound(double distance_mm) {
   return (1.0 + 1e-9) * distance_mm + 1e-9;
 }

@@ -7,8 +7,8 @@
 namespace triskin::geometry::surface_lattice {
 namespace {
 
-constexpr int kMinInAZone = 32;  // Counts modules, including half of the band around the zone.
-constexpr double kBehind = 0.5;  // The last annealing hardly makes up for a deficit of this many modules.
+constexpr int kMinInAZone = 32;  // This many modules, including half of the band around the zone, make a zone worth it.
+constexpr double kBehind = 0.5;  // The last annealing rarely makes up for a deficit of this many modules.
 
 }  // namespace
 

@@ -17,10 +17,10 @@ using namespace surface_lattice;
 
 constexpr int kPlaces = 8;
 constexpr int kDirections = 12;
-constexpr double kReach_mm = 10.0;     // Curvature is measured over this distance: that of a module, not of a face.
+constexpr double kReach_mm = 10.0;  // Curvature is measured over this distance, the size of a module and not of a face.
 constexpr double kNearPlace_mm = 5.0;  // A module that covers this much beside the place has found room.
 
-// Curvatures of the normal sections at a point, 1/mm: positive where the surface bends away from its normal.
+// Curvatures of the normal sections at a point, 1/mm; positive if the surface bends away from its normal.
 struct Bend {
   double mean = 0.0, largest = 0.0, least = 0.0;
 };
@@ -43,8 +43,8 @@ Bend bend_at(const Surface& surface, const Vec3& place) {
   return bend;
 }
 
-// The quantity that a limit bounds, for a surface with these curvatures (docs/bending.md), and its limit. It grows with
-// the curvature, or for the edge error with its square.
+// Gives the quantity that a limit bounds, for a surface with these curvatures (docs/bending.md), and its limit. It
+// grows with the curvature, or for the edge error with its square.
 struct Demand {
   double is_mm = 0.0, allowed_mm = 0.0, power = 1.0;
 };
@@ -69,7 +69,7 @@ void add_radius(Obstacle& o, const Surface& surface, const LayoutLimits& limits,
   o.needed_limit_mm = demand.is_mm - (o.limit == "center_gap_mm" ? lift_mm : 0.0);
 }
 
-// Twice the distance to the border where that is greatest, among corners and middles of faces.
+// Returns twice the greatest distance to the border, and its place, among corners and middles of faces.
 std::pair<double, Vec3> widest_mm(const Surface& surface) {
   std::pair<double, Vec3> widest{0.0, Vec3::Zero()};
   const auto offer = [&](const Vec3& p) {

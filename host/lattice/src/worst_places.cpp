@@ -28,7 +28,7 @@ Vec3 center_of(const PlacedModule& m) {
   return (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0;
 }
 
-// How far over its limits a module is, 1 = at the limit, and the one that is broken most.
+// Returns how far a module is over its limits (1 means at the limit), and the limit that is broken most.
 std::pair<double, const char*> worst_limit(const PlacedModule& m, const LayoutLimits& l) {
   return std::max({std::pair{m.edge_error_mm / l.edge_error_mm, "edge_error_mm"},
                    std::pair{m.center_gap_mm / l.center_gap_mm, "center_gap_mm"},

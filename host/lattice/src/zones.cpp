@@ -38,7 +38,7 @@ void divide_further(std::vector<Vec3> centers, const Zone& zone, int count, Dice
   divide_further({middle, centers.end()}, above, count - first, random, zones);
 }
 
-// The triangles of all zones, and which of their corners are one vertex.
+// Lists the triangles of all zones, and which of their corners are one vertex.
 class Merge {
  public:
   Merge(LatticeMesh empty, const std::vector<ZoneNet>& zones) : net_(std::move(empty)), zones_(zones) {
@@ -60,8 +60,8 @@ class Merge {
   struct Entry {
     int zone;  // kShared stands for all zones, and such a module is unchanged.
     int triangle;
-    int number = -1;  // Number in the merged lattice.
-    int island = -1;  // An entry of the same island, which serves as its leader.
+    int number = -1;  // The number in the merged lattice; −1 until it has one.
+    int island = -1;  // The leader is an entry of the same island.
   };
 
   [[nodiscard]] const LatticeMesh& net_of(const Entry& e) const { return zones_[at(std::max(e.zone, 0))].net; }
@@ -110,7 +110,8 @@ class Merge {
     return of;
   }
 
-  // Its own, or where another entry has that, the least that none has; entries in the order of their numbers.
+  // An entry keeps its own number; if another entry has that, it gets the least free one. Entries follow the order of
+  // their numbers.
   void give_numbers() {
     std::vector<char> is_taken;
     const auto take = [&](Entry& e, int number) {
@@ -127,7 +128,7 @@ class Merge {
     std::ranges::sort(entries_, {}, &Entry::number);
   }
 
-  // Islands are what hangs together over sides.
+  // Connected modules form an island.
   void find_islands() {
     DisjointSets islands(entries_.size());
     std::map<std::pair<int, int>, int> sides;
@@ -143,7 +144,7 @@ class Merge {
   }
 
   void add_triangles() {
-    std::map<int, int> vertex, island;  // Keyed by corner and by leader.
+    std::map<int, int> vertex, island;  // The keys are a corner and the leader of an island.
     for (const Entry& e : entries_) {
       const NetTriangle& t = triangle_of(e);
       const auto of = corners_of(e);
@@ -190,8 +191,8 @@ class Merge {
   LatticeMesh net_;
   const std::vector<ZoneNet>& zones_;
   std::vector<Entry> entries_;
-  std::vector<int> first_corner_;  // Indexed by zone.
-  DisjointSets corners_;           // Joins the vertices of all zones.
+  std::vector<int> first_corner_;
+  DisjointSets corners_;  // Joins the vertices of all zones.
 };
 
 }  // namespace

@@ -25,8 +25,8 @@ double sphere_bottom(double radius, const Eigen::Vector2d& offset) {
   return squared < 0.0 ? kInfinity : -std::sqrt(squared);
 }
 
-// Lowest point of the spheres along a segment over one point. The height is convex along the segment, so an interval
-// that always keeps the lower half finds it.
+// Finds the lowest point of the spheres along a segment over one point. The height is convex along the segment, so an
+// interval that always keeps the lower half finds it.
 double capsule_bottom(double radius, const Eigen::Vector3d& first, const Eigen::Vector3d& second,
                       const Eigen::Vector2d& point) {
   const Eigen::Vector2d direction = (second - first).head<2>();
@@ -40,7 +40,7 @@ double capsule_bottom(double radius, const Eigen::Vector3d& first, const Eigen::
   if (length_squared == 0.0) return std::min(height(0.0), height(1.0));
   if (height(nearest) == kInfinity) return kInfinity;
   double low = 0.0, high = 1.0;
-  // Outside of the spheres that reach this point the height is infinite: shrink towards the nearest centre first.
+  // Outside of the spheres that reach this point the height is infinite, so we first shrink towards the nearest centre.
   const double reach = std::sqrt(
       std::max(0.0, radius * radius - (point - (first + nearest * (second - first)).head<2>()).squaredNorm()) /
       length_squared);
@@ -70,7 +70,7 @@ double triangle_height(const Triangle& t, const Eigen::Vector2d& p) {
 }
 
 std::vector<std::array<int, 3>> box_triangles() {
-  // Corner k has the signs of its bits; each side is two triangles.
+  // The bits of k give the signs of corner k; each side is two triangles.
   std::vector<std::array<int, 3>> triangles;
   for (int axis = 0; axis < 3; ++axis) {
     const int u = 1 << ((axis + 1) % 3), v = 1 << ((axis + 2) % 3);

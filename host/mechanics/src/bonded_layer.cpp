@@ -25,7 +25,7 @@ RadialGap gap_of(const Indenter& indenter, double thickness_mm) {
   return indenter.shape == Shape::kParaboloid ? paraboloid_gap(radius) : flat_gap();
 }
 
-// A solved contact in thicknesses of the layer.
+// Lengths are in thicknesses of the layer.
 struct Solved {
   RadialField field;
   double contact_radius, indentation, centre_pressure;
@@ -81,7 +81,7 @@ double smooth_force(const RadialSystem& system, const RadialGap& gap, double& in
                   kMaxContactRadius));
 }
 
-// Contact radius at which a smooth indenter carries `force`.
+// Finds the contact radius at which a smooth indenter carries `force`.
 double radius_for(double force, double poisson, const RadialGap& gap, double max_radius) {
   const auto excess = [&](double log_radius) {
     double indentation = 0.0;

@@ -4,7 +4,7 @@
 
 namespace triskin::mechanics {
 
-/// Line contact of press_bonded(): `force` in N/mm.
+/// Solves the line contact of press_bonded(); `force` is in N/mm.
 [[nodiscard]] Contact press_bonded_line(const Layer& layer, double radius_mm, double force);
 
 }  // namespace triskin::mechanics

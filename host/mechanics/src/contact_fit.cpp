@@ -24,7 +24,7 @@ class Search {
  public:
   Search(const FitProblem& problem, std::span<const Eigen::Index> frozen) : problem_(problem), frozen_(frozen) {}
 
-  // Moves there if it is possible and better than here.
+  // Moves to the place if it is possible and better than the current one.
   bool look_at(const Eigen::VectorXd& place) {
     const std::vector<FitContact> contacts = contacts_from(place);
     auto response = problem_.model.respond(contacts, true);
@@ -39,7 +39,7 @@ class Search {
     derivatives_ = std::move(response->derivatives);
     return true;
   }
-  // One accepted step; false when there is no better place.
+  // Makes one accepted step; returns false when there is no better place.
   bool improve() {
     const auto [matrix, half_gradient] = normal_equations();
     while (damping_ < kMaxDamping) {

@@ -13,12 +13,12 @@ namespace triskin::mechanics {
 struct Fit {
   std::vector<FitContact> contacts;
   double noise = 0.0;
-  Eigen::MatrixXd precision;  // Gauss-Newton matrix of the four parameters of each contact
-  double residual_sum = 0.0;  // Sum of squares, without priors.
-  double objective = 0.0;     // It is (residual / noise)² and the priors.
+  Eigen::MatrixXd precision;  // The Gauss-Newton matrix has four parameters per contact.
+  double residual_sum = 0.0;  // The sum of squares does not include the priors.
+  double objective = 0.0;     // The objective sums (residual / noise)² and the priors.
 };
 
-/// What a fit is made to.
+/// A fit needs this model, the observations and the priors.
 struct FitProblem {
   const TaxelModel& model;
   const Eigen::VectorXd& observed;
@@ -26,15 +26,16 @@ struct FitProblem {
   FitPriors priors;
 };
 
-/// Levenberg-Marquardt from `start`, at most `max_steps` accepted steps; parameters in `frozen` stay. Nothing where the
-/// start itself is impossible.
+/// Runs Levenberg-Marquardt from `start`, at most `max_steps` accepted steps; parameters in `frozen` stay. Returns
+/// nothing if the start itself is impossible.
 [[nodiscard]] std::optional<Fit> fit_contacts(const FitProblem& problem, const std::vector<FitContact>& start,
                                               int max_steps = 60, std::span<const Eigen::Index> frozen = {});
 
-/// Twice the negative logarithm of the posterior of `contacts`, but for a constant; infinite where they are impossible.
+/// Returns twice the negative logarithm of the posterior of `contacts`, up to a constant; infinite if they are
+/// impossible.
 [[nodiscard]] double posterior_objective(const FitProblem& problem, std::span<const FitContact> contacts);
 
-/// Four parameters a contact: x, y, ln F, ln R; and back.
+/// Converts between contacts and parameters, four per contact: x, y, ln F, ln R.
 [[nodiscard]] Eigen::VectorXd parameters_of(std::span<const FitContact> contacts);
 [[nodiscard]] std::vector<FitContact> contacts_from(const Eigen::VectorXd& parameters);
 

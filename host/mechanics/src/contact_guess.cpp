@@ -18,13 +18,15 @@ constexpr double kGrid_mm = 2.0;
 constexpr double kGridReach_mm = 5.0;
 constexpr int kMaxActive = 40;
 constexpr double kWeakShare = 0.02;
-// Points that move every taxel less than this share of the best: a small signal there asks for a huge force.
+// Points that move every taxel less than this fraction of the best are dropped: a small signal there would need a huge
+// force.
 constexpr double kMinInfluenceShare = 0.3;
-// The volume of a taxel's surroundings is its displacement times its cell; sparse taxels do not see that far.
+// The volume around a taxel is its displacement times its cell; this caps the cell of sparse taxels, which do not
+// measure that far.
 constexpr double kMaxCell_mm2 = 45.0;
 constexpr double kCentroidReach_mm = 9.0;
 
-// Points of a grid that lie near a pressed taxel.
+// Returns points of a grid that lie near a pressed taxel.
 std::vector<Eigen::Vector2d> candidates(const TaxelModel& model, const Eigen::VectorXd& observed, double floor) {
   std::set<std::pair<int, int>> cells;
   const int reach = static_cast<int>(kGridReach_mm / kGrid_mm) + 1;
@@ -44,7 +46,8 @@ std::vector<Eigen::Vector2d> candidates(const TaxelModel& model, const Eigen::Ve
   return points;
 }
 
-// Mean displacement of a taxel per newton on a punch as wide as the layer is thick: linear, and soft enough for a grid.
+// Returns the mean displacement of a taxel per newton on a punch as wide as the layer is thick: linear, and soft enough
+// for a grid.
 Eigen::MatrixXd influence(const TaxelModel& model, const std::vector<Eigen::Vector2d>& points) {
   const Layer& layer = model.table().layer();
   const double unit = 1e-3;
@@ -66,7 +69,7 @@ Eigen::MatrixXd influence(const TaxelModel& model, const std::vector<Eigen::Vect
   return matrix;
 }
 
-// Leaves only the points that move some taxel well; returns the columns of the rest.
+// Keeps only the points that move some taxel well; returns their columns.
 Eigen::MatrixXd keep_influential(std::vector<Eigen::Vector2d>& points, const Eigen::MatrixXd& all) {
   const Eigen::VectorXd norms = all.colwise().norm();
   std::vector<Eigen::Index> kept;
@@ -80,7 +83,7 @@ Eigen::MatrixXd keep_influential(std::vector<Eigen::Vector2d>& points, const Eig
   return all(Eigen::all, kept);
 }
 
-// Joins forces whose points are neighbours, also diagonally. The guess that explains most comes first.
+// Joins forces at neighbouring points, also diagonally. The guess that explains most comes first.
 std::vector<ForceGuess> joined(const std::vector<Eigen::Vector2d>& points, const Eigen::VectorXd& forces,
                                const Eigen::VectorXd& norms) {
   const Eigen::VectorXd signals = forces.cwiseProduct(norms);
@@ -116,12 +119,12 @@ std::vector<ForceGuess> joined(const std::vector<Eigen::Vector2d>& points, const
   return guesses;
 }
 
-// A disc that moves as one says x = u / (h − u).
+// Inverts x = u / (h − u), which holds for a disc that moves uniformly.
 Eigen::VectorXd displacements(const TaxelModel& model, const Eigen::VectorXd& observed) {
   return (model.table().layer().thickness_mm * observed.array() / (1.0 + observed.array()).max(0.1)).matrix();
 }
 
-// Area of a cell of a triangular lattice with the pitch of the nearest neighbour.
+// Returns the area of a cell of a triangular lattice with the pitch of the nearest neighbour.
 double cell_mm2(const std::vector<Eigen::Vector2d>& taxels, std::size_t taxel) {
   double nearest = std::sqrt(kMaxCell_mm2);
   for (std::size_t t = 0; t < taxels.size(); ++t) {

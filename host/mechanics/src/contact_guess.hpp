@@ -12,13 +12,13 @@ struct ForceGuess {
   double force_n = 0.0;
 };
 
-/// Contacts that a non-negative least-squares fit suggests; the one that explains most comes first. `signal_floor` is
-/// the change of capacitance below which a taxel does not count as pressed.
+/// Returns contacts that a non-negative least-squares fit suggests; the one that explains most comes first. A taxel
+/// whose capacitance changes less than `signal_floor` does not count as pressed.
 [[nodiscard]] std::vector<ForceGuess> guess_contacts(const TaxelModel& model, const Eigen::VectorXd& observed,
                                                      double signal_floor);
 
-/// One contact about the strongest value, seen in two ways: at the centroid of the displacements around it, and at the
-/// taxel itself. Forces follow from ∫ u dA = F·h/K. Nothing where no value is positive.
+/// Guesses one contact about the strongest value in two ways: at the centroid of the displacements around it, and at
+/// the taxel itself. Forces follow from ∫ u dA = F·h/K. Returns nothing if no value is positive.
 [[nodiscard]] std::vector<ForceGuess> guess_peak(const TaxelModel& model, const Eigen::VectorXd& observed);
 
 }  // namespace triskin::mechanics

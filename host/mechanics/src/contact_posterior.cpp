@@ -12,10 +12,11 @@ namespace triskin::mechanics {
 namespace {
 
 constexpr int kWarmUpSteps = 100, kSteps = 800;
-// Around a single taxel the matrix knows no bound for a place.
+// Around a single taxel the matrix does not bound the place.
 constexpr double kMaxStep_mm = 2.0;
 constexpr std::uint64_t kSeed = 20190814;
-// The objective is looked at so many deviations from its minimum, and may differ by so much of its quadratic growth.
+// The objective is tested this many deviations from its minimum, and may differ by this fraction of its quadratic
+// growth.
 constexpr double kLookDeviations = 1.5, kMaxCurvatureError = 0.25;
 
 using Vector = Eigen::VectorXd;
@@ -40,8 +41,8 @@ bool is_normal(const FitProblem& problem, const Fit& fit) {
   return true;
 }
 
-// A sampler of all contacts. Each sweep proposes for each contact a place on its ridge and a step from where it is, and
-// a step of all of them.
+// Samples all contacts. Each sweep proposes for each contact a place on its ridge and a step from its current place,
+// and a step of all of them.
 class Chain {
  public:
   Chain(const FitProblem& problem, const Fit& fit)
@@ -61,7 +62,7 @@ class Chain {
     Vector mean = Vector::Zero(n), square = Vector::Zero(n);
     for (int step = 1; step <= kSteps; ++step) {
       sweep();
-      // Welford's running moments.
+      // The moments are updated by Welford's method.
       const Vector values = physical(), difference = values - mean;
       mean += difference / step;
       square += difference.cwiseProduct(values - mean);
@@ -91,13 +92,14 @@ class Chain {
     place.segment<4>(at) = there;
     move(place, proposals_[contact].log_density(here) - proposals_[contact].log_density(there));
   }
-  // A step as long as Gelman, Roberts and Gilks advise: 2.4 deviations over the root of the dimension.
+  // A step has the length that Gelman, Roberts and Gilks advise: 2.4 deviations over the root of the dimension.
   Vector drawn(const Matrix& root) {
     Vector unit(root.rows());
     for (double& u : unit) u = standard_normal(dice_);
     return 2.4 / std::sqrt(static_cast<double>(root.rows())) * (root * unit);
   }
-  // Metropolis and Hastings' rule; the correction is the logarithm of the ratio of proposals, back over there.
+  // Applies Metropolis and Hastings' rule; the correction is the logarithm of the ratio of proposals, backward over
+  // forward.
   void move(const Vector& place, double correction) {
     const double chance = 1.0 - dice_.unit();
     const double objective = posterior_objective(problem_, contacts_from(place));

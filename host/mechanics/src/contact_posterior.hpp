@@ -8,14 +8,14 @@
 
 namespace triskin::mechanics {
 
-/// Moments of the posterior of each contact of a fit. Where the objective grows along every principal axis as the
-/// Gauss-Newton matrix says, the posterior is normal and the matrix gives them; elsewhere (few pressed taxels) samples
-/// of all contacts together do, by the Metropolis-Hastings algorithm. Deterministic. Cost: eight forward models a
-/// contact, or some 1,800 of them for each contact.
+/// Returns the moments of the posterior of each contact of a fit. If the objective grows along every principal axis as
+/// the Gauss-Newton matrix predicts, the posterior is normal and the matrix gives them; otherwise (few pressed taxels)
+/// samples of all contacts together do, by the Metropolis-Hastings algorithm. Deterministic. Cost: eight forward models
+/// per contact, or some 1,800 of them for each contact.
 [[nodiscard]] std::vector<ContactMoments> posterior_moments(const FitProblem& problem, const Fit& fit);
 
-/// The same from the ridges alone, one contact at a time, the others as fitted: each cell of a ridge is a normal
-/// distribution of known weight. Cost: some hundred forward models a contact.
+/// Computes the same from the ridges alone, one contact at a time with the others as fitted: each cell of a ridge is a
+/// normal distribution of known weight. Cost: some hundred forward models per contact.
 [[nodiscard]] std::vector<ContactMoments> ridge_moments(const FitProblem& problem, const Fit& fit);
 
 }  // namespace triskin::mechanics

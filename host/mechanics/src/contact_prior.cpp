@@ -11,7 +11,7 @@
 namespace triskin::mechanics {
 namespace {
 
-// Keeps the matrix regular where a contact moves no taxel; the gradient does not know it.
+// Keeps the matrix regular if a contact moves no taxel; the gradient does not include it.
 constexpr double kRidgePerMm2 = 1.0 / (20.0 * 20.0);
 
 Eigen::Vector2d from_nearest_taxel(std::span<const Eigen::Vector2d> taxels, const Eigen::Vector2d& position) {

@@ -12,15 +12,15 @@
 namespace triskin::mechanics {
 namespace {
 
-// Width of a cell: a share of the fit's deviation of ln R, bounded for radii that the fit hardly knows.
+// The width of a cell is a fraction of the fit's deviation of ln R, bounded for radii that the fit hardly determines.
 constexpr double kWidthShare = 0.6, kMaxWidth = 0.3, kMinWidth = 1e-5;
 constexpr int kMaxCells = 20, kFollowSteps = 5;
 // A ridge ends where the density has fallen to exp(−8), and one that starts below exp(−5) is left out.
 constexpr double kMaxRise = 16.0, kMaxModeRise = 10.0;
-// Other sides of a taxel that are looked at, and how far modes are apart.
+// Modes are searched on this many sides of the nearest taxel, each by a fit with this many steps.
 constexpr int kSides = 6, kModeSteps = 10;
 constexpr double kSideDistance_mm = 3.5, kModeDistance_mm = 1.0;
-// Along the circle about a single taxel the Gauss-Newton matrix knows no bound; the circle bends away from it.
+// Along the circle about a single taxel the Gauss-Newton matrix has no bound, and the circle bends away from it.
 constexpr double kMaxDeviation_mm = 2.0;
 // Draws are wider than the normal distribution, and some are much wider, so that tails are covered.
 constexpr double kWidening = 1.2, kFarWidening = 3.0, kFarShare = 0.2;
@@ -35,7 +35,7 @@ Eigen::Index first_parameter(std::size_t contact) {
   return static_cast<Eigen::Index>(kParametersPerContact * contact);
 }
 
-// Root of the covariance of place and force at a given radius.
+// Returns the root of the covariance of place and force at a given radius.
 Eigen::Matrix3d place_root(const Fit& fit, std::size_t contact) {
   Eigen::Matrix3d precision = fit.precision.block<3, 3>(first_parameter(contact), first_parameter(contact));
   precision.diagonal().head<2>().array() += 1.0 / (kMaxDeviation_mm * kMaxDeviation_mm);
@@ -46,7 +46,7 @@ Eigen::Vector3d place_of(const FitContact& c) {
   return {c.position_mm.x(), c.position_mm.y(), c.log_force};
 }
 
-// Parameters other than place and force of the contact.
+// Returns the indices of all parameters except place and force of the contact.
 std::vector<Eigen::Index> all_but_place(const Fit& fit, std::size_t contact) {
   const Eigen::Index at = first_parameter(contact);
   std::vector<Eigen::Index> frozen;
@@ -80,7 +80,7 @@ ContactProposal::ContactProposal(const FitProblem& problem, const Fit& fit, std:
   share_out();
 }
 
-// The fit, and optima at its tip radius on other sides of the nearest taxel.
+// Returns the fit, and optima at its tip radius on other sides of the nearest taxel.
 std::vector<Fit> ContactProposal::modes(const FitProblem& problem, const Fit& fit, std::size_t contact) {
   std::vector<Fit> found = {fit};
   const auto frozen = all_but_place(fit, contact);
@@ -103,7 +103,7 @@ std::vector<Fit> ContactProposal::modes(const FitProblem& problem, const Fit& fi
 ContactProposal::Ridge ContactProposal::ridge_from(const FitProblem& problem, const Fit& fit, std::size_t contact) {
   Ridge ridge;
   const Eigen::Index at = first_parameter(contact);
-  // At a mode that was found with the radius frozen its variance is that of the prior at most.
+  // At a mode that was found with the radius frozen, its variance is at most that of the prior.
   const double radius_variance = fit.precision.block<4, 4>(at, at).inverse()(3, 3);
   ridge.width = std::clamp(kWidthShare * std::sqrt(radius_variance), kMinWidth, kMaxWidth);
   ridge.cells = followed(problem, fit, contact, -ridge.width);

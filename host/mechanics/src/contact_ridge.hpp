@@ -8,38 +8,39 @@
 
 namespace triskin::mechanics {
 
-/// Four parameters of one contact: x, y, ln F, ln R.
+/// A contact has four parameters: x, y, ln F, ln R.
 using ContactVector = Eigen::Vector4d;
 
-/// Means and standard deviations of x, y (mm), force (N) and radius (mm) of one contact.
+/// Gives means and standard deviations of x, y (mm), force (N) and radius (mm) of one contact.
 struct ContactMoments {
   Eigen::Vector4d mean, deviation;
 };
 
-/// Proposals for one contact, the others as fitted. A blunt tip far away and a sharp one near by explain few taxels
-/// alike, so the posterior is a long, bent ridge: for each tip radius there is a best place and force, with their
-/// normal distribution about it. Where a contact presses one taxel only, ridges on several sides of the taxel stand
-/// side by side. A distribution that follows them proposes samples that are taken.
+/// Proposes samples for one contact, with the others as fitted. A blunt tip far away and a sharp one near by explain
+/// few taxels alike, so the posterior is a long, bent ridge: for each tip radius there is a best place and force, with
+/// their normal distribution about it. If a contact presses one taxel only, there are parallel ridges on several sides
+/// of the taxel. A distribution that follows the ridges proposes samples that are likely to be accepted.
 class ContactProposal {
  public:
-  /// Whether optima on other sides of the nearest taxel are looked for.
+  /// kAll also searches optima on other sides of the nearest taxel.
   enum class Sides { kOne, kAll };
   ContactProposal(const FitProblem& problem, const Fit& fit, std::size_t contact, Sides sides);
   [[nodiscard]] ContactVector draw(Dice& dice) const;
-  /// Logarithm of the density that draw() has, but for a constant; minus infinity beside the ridges.
+  /// Returns the logarithm of the density of draw(), up to a constant; minus infinity beside the ridges.
   [[nodiscard]] double log_density(const ContactVector& at) const;
-  /// Moments of the posterior as the cells have it: exp(−objective / 2) times the volume of each normal distribution.
+  /// Returns the moments of the posterior according to the cells: exp(−objective / 2) times the volume of each normal
+  /// distribution.
   [[nodiscard]] ContactMoments moments() const;
 
  private:
-  // The optimum at one ln R, the root of the covariance there and the share of draws.
+  // Holds the optimum at one ln R, the root of the covariance there and the fraction of draws.
   struct Cell {
     double log_radius, objective;
     Eigen::Vector3d place;
     Eigen::Matrix3d root;
     double share = 0.0;
   };
-  // Cells of equal width in ln R.
+  // All cells have equal width in ln R.
   struct Ridge {
     double width = 0.0, share = 0.0;
     std::vector<Cell> cells;
@@ -54,7 +55,7 @@ class ContactProposal {
   std::vector<Ridge> ridges_;
 };
 
-/// A standard normal number by Box and Muller's transform: equal on every compiler.
+/// Draws a standard normal number by Box and Muller's transform, which is equal on every compiler.
 [[nodiscard]] double standard_normal(Dice& dice);
 
 }  // namespace triskin::mechanics

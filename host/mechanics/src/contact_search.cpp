@@ -14,20 +14,20 @@
 namespace triskin::mechanics {
 namespace {
 
-// The superposition is exact to about this share of the peak; smaller residuals do not call for another contact.
+// The superposition is exact to about this fraction of the peak; smaller residuals do not require another contact.
 constexpr double kModelErrorShare = 1e-3;
-// The table is exact to about this share, so no fit is trusted further.
+// The table is exact to about this fraction, so no fit is trusted further.
 constexpr double kTableErrorShare = 5e-5;
-// Noise that is assumed in the first fits where none is stated, as a share of the peak.
+// If no noise is stated, the first fits assume this fraction of the peak.
 constexpr double kFirstNoiseShare = 0.01;
-// A taxel counts as pressed above this share of the peak and so many deviations of a stated noise.
+// A taxel counts as pressed above this fraction of the peak and so many deviations of a stated noise.
 constexpr double kSignalShare = 0.02, kSignalDeviations = 3.5;
 constexpr double kKnownRadiusSd = 1e-3;
-// Steps of a fit from each start, and how many of the fits go on.
+// Each start gets this many steps; only the best fits then continue to their minimum.
 constexpr int kFirstSteps = 8;
 constexpr std::size_t kFinalists = 3;
-// One more contact that gains less than this share of what it should is the last one that is tried: a further one would
-// have to gain the rest.
+// If one more contact gains less than this fraction of what it should, no further one is tried, because that would have
+// to gain the rest.
 constexpr double kHopelessShare = 0.5;
 constexpr double kGoodDeviations = 2.0;
 
@@ -39,7 +39,7 @@ std::vector<FitContact> with_radius(const std::vector<ForceGuess>& guesses, doub
   return contacts;
 }
 
-// The nearest two become one until `count` are left.
+// Merges the nearest two until `count` remain.
 std::vector<ForceGuess> merged(std::vector<ForceGuess> guesses, std::size_t count) {
   while (guesses.size() > count) {
     std::size_t a = 0, b = 1;
@@ -106,7 +106,8 @@ class ContactSearch {
   std::vector<ForceGuess> guesses_;
 };
 
-// True if what is left looks like the stated noise: its sum of squares has a mean of n and a deviation of √2n.
+// Returns true if the remainder looks like the stated noise: its sum of squares has a mean of n and a deviation of
+// √2n.
 bool ContactSearch::explains_all(const Fit& fit) const {
   if (!options_.noise_dc_over_c) return false;
   const auto n = static_cast<double>(observed_.size());
@@ -115,10 +116,9 @@ bool ContactSearch::explains_all(const Fit& fit) const {
   return fit.residual_sum < variance * (n + kGoodDeviations * std::sqrt(2.0 * n));
 }
 
-// What the likelihood ratio gains of what so many more contacts have to gain: above 1 they count. The error of the
-// model stands beside the noise, so that exact data does not call for more and more contacts. Where the noise is not
-// stated, the logarithm of the ratio takes the place of the gain, with Bartlett's factor for the parameters that the
-// fit spends.
+// Returns the gain of the likelihood ratio over the required gain for that many more contacts; above 1 they count. The
+// error of the model is added to the noise, so that exact data does not require ever more contacts. If the noise is not
+// stated, the logarithm of the ratio replaces the gain, with Bartlett's factor for the parameters that the fit spends.
 double ContactSearch::gain_share(const Fit& more, const Fit& fewer) const {
   const auto n = static_cast<double>(observed_.size());
   const auto further = static_cast<double>(more.contacts.size() - fewer.contacts.size());
@@ -138,7 +138,7 @@ std::vector<double> ContactSearch::radii(std::size_t count) const {
   return count == 1 ? std::vector<double>{5.0, 14.0, 40.0} : std::vector<double>{8.0, 25.0};
 }
 
-// One more contact where the fewer leave most unexplained, and the strongest split in two directions.
+// Adds one more contact where the fewer leave most unexplained, and splits the strongest in two directions.
 Starts ContactSearch::added(const Fit& fewer) const {
   Starts starts;
   const auto response = model_.respond(fewer.contacts, false);
@@ -176,7 +176,7 @@ Starts ContactSearch::starts(std::size_t count, const Fit& fewer) const {
   return starts;
 }
 
-// A guess of the force may push a small tip through the layer: a blunter one holds it.
+// A guessed force may push a small tip through the layer; a blunter one stays inside.
 std::optional<Fit> ContactSearch::first_fit(std::vector<FitContact> start) const {
   for (int attempt = 0; attempt < 6; ++attempt) {
     if (auto fit = fit_contacts(problem(noise_), start, kFirstSteps)) return fit;
@@ -186,7 +186,7 @@ std::optional<Fit> ContactSearch::first_fit(std::vector<FitContact> start) const
   return std::nullopt;
 }
 
-// All starts go a few steps, the most promising go on to their minimum.
+// All starts make a few steps, and the most promising continue to their minimum.
 std::optional<Fit> ContactSearch::best_fit(const Starts& starts) const {
   std::vector<Fit> fits;
   for (const std::vector<FitContact>& start : starts) {
@@ -228,7 +228,7 @@ InverseResult ContactSearch::report(const Fit& fit) const {
   return result;
 }
 
-// More and more contacts until none more explains enough, or as many as are asked for.
+// Adds contacts until none more explains enough, or the requested number is reached.
 Fit ContactSearch::search() const {
   Fit best, fewer;
   best.residual_sum = observed_.squaredNorm();

@@ -7,12 +7,12 @@
 
 namespace triskin::mechanics {
 
-/// How much a search spends: kFull starts in many ways and samples the posterior; kStream starts at the strongest
-/// taxel, stops when what is left looks like the stated noise, and takes the deviations from the ridges of the
+/// Sets how much a search spends: kFull has many starts and samples the posterior; kStream starts at the strongest
+/// taxel, stops when the remainder looks like the stated noise, and takes the deviations from the ridges of the
 /// posterior.
 enum class Effort { kFull, kStream };
 
-/// The search behind find_contacts(); the options are in range and the values finite.
+/// Runs the search of find_contacts(); the options must be in range and the values finite.
 [[nodiscard]] InverseResult search_contacts(const TaxelModel& model, const Eigen::VectorXd& observed,
                                             const InverseOptions& options, Effort effort);
 

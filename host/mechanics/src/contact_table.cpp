@@ -43,7 +43,7 @@ class TableField : public ContactField {
   TableRow row_;
 };
 
-// Coefficients of r², r⁴, r⁶, each over the contact radius to its power, that meet the gap at three radii.
+// Returns coefficients of r², r⁴, r⁶, each over the contact radius to its power, that meet the gap at three radii.
 Eigen::Vector3d gap_coefficients(const Indenter& indenter, double contact_radius_mm) {
   Eigen::Matrix3d powers;
   Eigen::Vector3d gaps;
@@ -58,8 +58,8 @@ Eigen::Vector3d gap_coefficients(const Indenter& indenter, double contact_radius
 
 }  // namespace
 
-// Tables of one Poisson's ratio; each is made when it is first used. ContactTable::Impl holds them, so the class cannot
-// be local to this file.
+// Holds tables of one Poisson's ratio; each is made when it is first used. ContactTable::Impl holds them, so the class
+// cannot be local to this file.
 class SharedTables {
  public:
   const std::array<ProfileTable, 4>& round(double poisson) {
@@ -80,8 +80,8 @@ class SharedTables {
 struct ContactTable::Impl {
   const std::array<ProfileTable, 4>& round() { return tables->round(layer.poisson); }
   const ProfileTable& line() { return tables->line(layer.poisson); }
-  // Row of an indenter at a contact radius; `look_up` is ProfileTable::at or ProfileTable::numbers_at. Its lengths are
-  // in thicknesses.
+  // Returns the row of an indenter at a contact radius; `look_up` is ProfileTable::at or ProfileTable::numbers_at. Its
+  // lengths are in thicknesses.
   TableRow row(const Indenter& indenter, double radius, bool with_profiles) {
     const double h = layer.thickness_mm;
     const auto look_up = [&](const ProfileTable& table) {
@@ -96,7 +96,7 @@ struct ContactTable::Impl {
     sum += look_up(round()[3]).scaled(c[2]);
     return sum;
   }
-  // Force in N, or N/mm for a line, of a row's force.
+  // Converts the force of a row to N, or N/mm for a line.
   double force_unit(const Indenter& indenter) const {
     const double h = layer.thickness_mm;
     const double area = indenter.shape == Shape::kLine ? h : h * h;

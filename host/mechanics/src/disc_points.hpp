@@ -6,15 +6,15 @@
 namespace triskin::mechanics {
 
 struct DiscPoint {
-  Eigen::Vector2d position;  // Position in radii of the disc.
+  Eigen::Vector2d position;  // The unit is the radius of the disc.
   double weight;             // All weights add up to 1.
 };
 
-/// Points whose weighted sum is the mean over a disc: six rings of Gauss in r² with sixteen points each, turned
+/// Returns points whose weighted sum is the mean over a disc: six Gauss rings in r² with sixteen points each, rotated
 /// against each other.
 [[nodiscard]] const std::vector<DiscPoint>& disc_points();
 
-/// A quarter of the points, for discs on which nothing bends sharply.
+/// Returns a quarter of the points, for discs on which nothing bends sharply.
 [[nodiscard]] const std::vector<DiscPoint>& coarse_disc_points();
 
 }  // namespace triskin::mechanics

@@ -6,15 +6,15 @@
 
 namespace triskin::mechanics {
 
-/// Contact on columns: the displacement is δ − gap inside the contact and nothing outside, and `law` turns a
-/// displacement in mm into a pressure in kPa. The caller has found `indentation_mm`.
+/// Computes a contact on columns: the displacement is δ − gap inside the contact and nothing outside, and `law`
+/// turns a displacement in mm into a pressure in kPa. The caller has found `indentation_mm`.
 [[nodiscard]] Contact foundation_contact(const Indenter& indenter, double force, double indentation_mm,
                                          std::function<double(double)> law);
 
-/// Radius, or half width, at which the gap of the indenter is `indentation_mm`; of a punch its own radius.
+/// Returns the radius, or half width, at which the gap of the indenter is `indentation_mm`; for a punch its own radius.
 [[nodiscard]] double foundation_radius_mm(const Indenter& indenter, double indentation_mm);
 
-/// Gap of the indenter above its lowest point at a distance inside its contact, mm.
+/// Returns the gap of the indenter above its lowest point at a distance inside its contact, mm.
 [[nodiscard]] double gap_mm(const Indenter& indenter, double distance_mm);
 
 }  // namespace triskin::mechanics

@@ -46,7 +46,7 @@ std::vector<double> predict_taxels(const ContactTable& table, std::span<const Ei
                                    std::span<const ContactEstimate> contacts, double disc_diameter_mm) {
   std::vector<FitContact> all;
   for (const ContactEstimate& c : contacts) {
-    // Throws with the reason where a contact is impossible by itself.
+    // This throws with the reason if a contact is impossible by itself.
     (void)table.press({Shape::kSphere, c.tip_radius_mm}, c.force_n);
     all.push_back({c.position_mm, std::log(c.force_n), std::log(c.tip_radius_mm)});
   }

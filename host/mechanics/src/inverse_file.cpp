@@ -18,7 +18,7 @@ namespace {
 
 using nlohmann::json;
 
-// A value of the file and the words that lead there.
+// A value of the file and the path to it, for messages.
 class Place {
  public:
   Place(const json& value, std::string name) : value_(value), name_(std::move(name)) {}
@@ -36,7 +36,7 @@ class Place {
     if (!value_.is_number()) throw InputError(fmt::format("{}: is no number", name_));
     return value_.get<double>();
   }
-  // NaN for null.
+  // Returns NaN for null.
   [[nodiscard]] double number_or_nan() const {
     return value_.is_null() ? std::numeric_limits<double>::quiet_NaN() : number();
   }
@@ -108,7 +108,7 @@ InverseCase read_case(const Place& file, const Place& place, const std::vector<s
   one.options.disc_diameter_mm = optional_number(file, "taxel_disc_diameter_mm").value_or(4.0);
   one.options.noise_dc_over_c = optional_number(place, "noise_dC_over_C0");
   if (!one.options.noise_dc_over_c) one.options.noise_dc_over_c = optional_number(file, "noise_dC_over_C0");
-  // A noise of 0 says that there is none, which the scatter shows as well.
+  // A noise of 0 states that there is none, which the scatter shows as well.
   if (one.options.noise_dc_over_c == 0.0) one.options.noise_dc_over_c.reset();
   one.options.tip_radius_mm = optional_number(place, "R_mm");
   if (place.has("contacts") && !place.value().at("contacts").is_null())

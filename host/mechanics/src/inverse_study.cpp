@@ -20,7 +20,7 @@ namespace {
 constexpr double kStudyThickness_mm = 2.0, kStudyModulus_kpa = 30.0;
 constexpr double kMinTip_mm = 4.0, kMaxTip_mm = 40.0, kMinShare = 0.15, kMaxShare = 0.5;
 constexpr double kMinSignal = 10.0;
-// Superposition holds from 0.7 thicknesses between the edges on.
+// Superposition holds if the edges are at least 0.7 thicknesses apart.
 constexpr double kEdgeGap_mm = 1.4, kMaxDistance_mm = 30.0;
 constexpr double kBoundPosition_mm = 0.5, kBoundForce = 0.05;
 constexpr double kQuantile = 1.96;
@@ -28,7 +28,8 @@ constexpr double kQuantile = 1.96;
 using Positions = std::vector<Eigen::Vector2d>;
 using Contacts = std::vector<ContactEstimate>;
 
-// Taxels of a module of 30 mm in rows of 4, 3, 2 and 1, and of the module beside it, turned by half a turn.
+// Lays out the taxels of a module of 30 mm in rows of 4, 3, 2 and 1, and those of the module beside it, rotated by half
+// a turn.
 Positions module_pairs() {
   constexpr double kPitch = 6.533, kRow = 5.66, kBase = 3.0;
   const double height = 30.0 * std::sqrt(0.75);
@@ -64,7 +65,7 @@ struct Draw {
   std::vector<double> exact;
 };
 
-// Bounds of x, y and force of each contact from Fisher's information, by differences of the forward model.
+// Returns bounds of x, y and force of each contact from Fisher's information, by differences of the forward model.
 std::vector<Eigen::Vector3d> cramer_rao(const Draw& draw, const Positions& taxels, double noise) {
   const auto n = static_cast<Eigen::Index>(4 * draw.truth.size());
   Eigen::MatrixXd slopes(static_cast<Eigen::Index>(taxels.size()), n);
@@ -109,7 +110,7 @@ class Study {
   }
 
  private:
-  // One contact somewhere between the taxels; nothing where the table or the layer does not hold it.
+  // Draws one contact somewhere between the taxels; returns nothing if the table or the layer does not allow it.
   std::optional<ContactEstimate> drawn_contact(const ContactTable& table) {
     ContactEstimate c;
     c.position_mm = {uniform(dice_, 12.0, 93.0), uniform(dice_, 3.0, 48.0)};
@@ -151,7 +152,7 @@ class Study {
     if (with_noise) options.noise_dc_over_c = noise_;
     return find_contacts(*draw.table, observations, options).contacts;
   }
-  // The estimates in the order of the truth.
+  // Returns the estimates in the order of the truth.
   static Contacts in_order(Contacts found, const Contacts& truth) {
     if (truth.size() == 2 &&
         (found[0].position_mm - truth[0].position_mm).norm() + (found[1].position_mm - truth[1].position_mm).norm() >

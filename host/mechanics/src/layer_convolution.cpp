@@ -7,7 +7,7 @@
 namespace triskin::mechanics {
 namespace {
 
-// Wave number of the k-th of `points` coefficients; the upper half stands for negative ones.
+// Returns the wave number of the k-th of `points` coefficients; the upper half stands for negative ones.
 double wave_number(int k, int points, double spacing_mm) {
   const int folded = 2 * k <= points ? k : k - points;
   return 2.0 * std::numbers::pi * folded / (points * spacing_mm);

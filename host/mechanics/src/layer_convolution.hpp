@@ -13,9 +13,9 @@ namespace triskin::mechanics {
 class LayerConvolution {
  public:
   LayerConvolution(const Layer& layer, const PatchGrid& grid);
-  /// Displacement of the surface, mm, under a pressure in kPa.
+  /// Returns the displacement of the surface, mm, under a pressure in kPa.
   [[nodiscard]] Eigen::ArrayXXd displacement(const Eigen::ArrayXXd& pressure_kpa);
-  /// Pressure on the base, kPa.
+  /// Returns the pressure on the base, kPa.
   [[nodiscard]] Eigen::ArrayXXd base_pressure(const Eigen::ArrayXXd& pressure_kpa);
 
  private:
@@ -24,7 +24,7 @@ class LayerConvolution {
   [[nodiscard]] Eigen::ArrayXXd backward(Spectrum spectrum);
 
   int points_x_, points_y_;
-  Eigen::ArrayXXd compliance_, base_;  // Values for half of the wave numbers in x.
+  Eigen::ArrayXXd compliance_, base_;  // The transform of real values needs only half of the wave numbers in x.
   Eigen::FFT<double> real_transform_, transform_;
 };
 

@@ -22,7 +22,7 @@ constexpr int kMaxIterations = 1000;
 constexpr double kTolerance = 1e-7;
 constexpr double kBorderThicknesses = 4.0;
 constexpr int kMinPoints = 8, kMaxPoints = 2048;
-// A patch that grows for a body stops here, or a plate would be followed for ever.
+// A patch that grows for a body stops here, because it would follow a plate forever.
 constexpr int kMaxBodyPoints = 400;
 
 void check_grid(const PatchGrid& grid, const Eigen::ArrayXXd& gap) {
@@ -37,25 +37,25 @@ void check_grid(const PatchGrid& grid, const Eigen::ArrayXXd& gap) {
   if (!gap.isFinite().any()) throw InputError("patch: no point of it lies under the body; move the body");
 }
 
-// Conjugate gradients of Polonsky and Keer. The unknown is the pressure; `residual` is gap + displacement less its mean
-// over the points in contact.
+// Runs the conjugate gradients of Polonsky and Keer. The unknown is the pressure; `residual` is gap + displacement less
+// its mean over the points in contact.
 class PressureSearch {
  public:
   PressureSearch(LayerConvolution& convolution, const Eigen::ArrayXXd& gap, double pressure_sum,
                  double stiffness_kpa_per_mm)
       : convolution_(convolution), gap_(gap), sum_(pressure_sum) {
-    // Points beside the body never touch; a large finite gap says so without infinities in the sums.
+    // Points beside the body never touch; a large finite gap expresses that without infinities in the sums.
     const double far = 10.0 * (1.0 + gap.isFinite().select(gap, 0.0).maxCoeff());
     gap_ = gap.isFinite().select(gap, far);
     pressure_ = column_pressure(stiffness_kpa_per_mm);
     direction_ = Eigen::ArrayXXd::Zero(gap.rows(), gap.cols());
   }
-  // One step; returns how much of the force moved.
+  // Makes one step and returns how much of the force moved.
   double step();
   [[nodiscard]] const Eigen::ArrayXXd& pressure() const { return pressure_; }
 
  private:
-  // Pressure of independent columns with the wanted sum: the start.
+  // Returns the pressure of independent columns with the wanted sum, as the start.
   [[nodiscard]] Eigen::ArrayXXd column_pressure(double stiffness_kpa_per_mm) const {
     const auto pressure = [&](double depth) -> Eigen::ArrayXXd {
       return stiffness_kpa_per_mm * (depth - gap_).max(0.0);
@@ -93,7 +93,7 @@ double PressureSearch::step() {
   return (pressure_ - before).abs().sum() / sum_;
 }
 
-// True if all of the contact lies so far inside that the copies of the patch around it do not matter.
+// Returns true if all of the contact lies so far inside that the copies of the patch around it do not matter.
 bool is_clear_of_border(const Layer& layer, const PatchContact& contact) {
   const PatchGrid& grid = contact.grid;
   const int margin = static_cast<int>(std::ceil(kBorderThicknesses * layer.thickness_mm / grid.spacing_mm));

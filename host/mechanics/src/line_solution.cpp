@@ -18,7 +18,7 @@ int term_count(double half_width) {
   return 14 + static_cast<int>(2.5 * half_width);
 }
 
-// The kernel ∫ compliance_ratio(k) / k · cos(kx) dk is −ln|x| + ½ ln(1 + x²) + ∫ B(k) cos(kx) dk with this B.
+// With this B, the kernel ∫ compliance_ratio(k) / k · cos(kx) dk is −ln|x| + ½ ln(1 + x²) + ∫ B(k) cos(kx) dk.
 double smooth_kernel(double k, double poisson) {
   return (std::exp(-k) - compliance_deficit(k, poisson)) / k;
 }
@@ -27,7 +27,7 @@ Eigen::ArrayXd terms(const Quadrature& spectrum, double poisson, double (*kernel
   return spectrum.weights * spectrum.nodes.unaryExpr([&](double k) { return kernel(k, poisson); });
 }
 
-// Nodes cos θ of Gauss-Chebyshev; T₂ₙ is cos 2nθ there.
+// The nodes are cos θ of Gauss-Chebyshev; T₂ₙ is cos 2nθ there.
 Eigen::ArrayXd chebyshev_angles(int count) {
   return Eigen::ArrayXd::LinSpaced(count, 0.5, count - 0.5) * std::numbers::pi / count;
 }
@@ -37,7 +37,7 @@ Eigen::MatrixXd even_polynomials(const Eigen::ArrayXd& angles, int count) {
   return (angles.matrix() * orders.matrix().transpose()).array().cos().matrix();
 }
 
-// ∫ −ln|x − aη| T₂ₙ(η) / √(1 − η²) dη on the contact, over T₂ₙ.
+// Returns ∫ −ln|x − aη| T₂ₙ(η) / √(1 − η²) dη on the contact, over T₂ₙ.
 Eigen::ArrayXd logarithm_factors(int count, double half_width) {
   Eigen::ArrayXd factors(count);
   factors[0] = std::numbers::pi * (std::numbers::ln2 - std::log(half_width));
@@ -49,7 +49,7 @@ Eigen::MatrixXd cosines(const Eigen::ArrayXd& a, const Eigen::ArrayXd& b) {
   return (a.matrix() * b.matrix().transpose()).array().cos().matrix();
 }
 
-// The smooth part of the kernel between all pairs of points; sums of sines vanish for an even pressure.
+// Evaluates the smooth part of the kernel between all pairs of points; sums of sines vanish for an even pressure.
 Eigen::MatrixXd smooth_matrix(const Eigen::ArrayXd& points, const Quadrature& spectrum, const Eigen::ArrayXd& kernel) {
   const Eigen::MatrixXd c = cosines(spectrum.nodes, points);
   Eigen::MatrixXd s = c.transpose() * kernel.matrix().asDiagonal() * c;
@@ -74,7 +74,7 @@ LineSolution::LineSolution(double poisson, double half_width, double curvature)
   points_ = half_width * angles.cos();
   const Eigen::MatrixXd smooth = weight * smooth_matrix(points_, spectrum_, kernel) * polynomials;
   const Eigen::ArrayXd factors = half_width * logarithm_factors(count, half_width);
-  // Half of the nodes carries all: the contact is even. Unknowns are the coefficients and the indentation.
+  // Half of the nodes is enough because the contact is even. Unknowns are the coefficients and the indentation.
   Eigen::MatrixXd system = Eigen::MatrixXd::Zero(count + 1, count + 1);
   system.topLeftCorner(count, count) =
       (polynomials * factors.matrix().asDiagonal() + smooth).topRows(count) / std::numbers::pi;

@@ -6,19 +6,19 @@
 
 namespace triskin::mechanics {
 
-// Line contact of half width a on the bonded layer in plane strain; units as in radial_solution.hpp. The pressure is
-// Σ bₙ T₂ₙ(x/a) / √(1 − (x/a)²). The kernel −ln|x| is diagonal in these polynomials, and what the layer
-// adds to it is smooth (Jaffar, Int. J. Mech. Sci. 31 (1989) 229 solves the same equation).
+// Solves a line contact of half width a on the bonded layer in plane strain; units as in radial_solution.hpp. The
+// pressure is Σ bₙ T₂ₙ(x/a) / √(1 − (x/a)²). The kernel −ln|x| is diagonal in these polynomials, and the
+// layer adds a smooth term (Jaffar, Int. J. Mech. Sci. 31 (1989) 229 solves the same equation).
 
-/// Solution under the parabola x² / 2 · curvature that presses with no pressure at its edges.
+/// Solves the contact under the parabola x² / 2 · curvature that presses with no pressure at its edges.
 class LineSolution {
  public:
   LineSolution(double poisson, double half_width, double curvature);
-  /// Force per length.
+  /// Returns the force per length.
   [[nodiscard]] double force() const;
   [[nodiscard]] double indentation() const { return indentation_; }
   [[nodiscard]] double centre_pressure() const;
-  /// Displacement at distance x outside the contact, up to half_width + 25.
+  /// Returns the displacement at distance x outside the contact, up to half_width + 25.
   [[nodiscard]] double displacement_outside(double x) const;
   [[nodiscard]] double base_pressure(double x) const;
 
@@ -27,7 +27,8 @@ class LineSolution {
 
   double half_width_, indentation_ = 0.0;
   Eigen::VectorXd coefficients_;
-  Eigen::ArrayXd points_, weighted_pressure_;  // Nodes in −a … a, and pressure times weight there.
+  // The nodes lie in −a … a; the other array has pressure times weight there.
+  Eigen::ArrayXd points_, weighted_pressure_;
   Quadrature spectrum_;
   Eigen::ArrayXd smooth_terms_, base_terms_;
 };

@@ -13,8 +13,8 @@
 namespace triskin::mechanics {
 namespace {
 
-// ∫ −ln(w) · (b − w) dw from 1 − d to 1, in thicknesses of the layer: the sphere's columns, w = 1 − u, r
-// dr = (b − w) dw.
+// Returns ∫ −ln(w) · (b − w) dw from 1 − d to 1, in thicknesses of the layer: the sphere's columns, w = 1 −
+// u, r dr = (b − w) dw.
 double sphere_integral(double radius, double d) {
   const double b = 1.0 + radius - d;
   const auto primitive = [b](double w) {
@@ -23,13 +23,13 @@ double sphere_integral(double radius, double d) {
   return primitive(1.0) - primitive(1.0 - d);
 }
 
-// The same with r dr = radius dw.
+// Does the same with r dr = radius dw.
 double paraboloid_integral(double radius, double d) {
   const double w = 1.0 - d;
   return radius * (1.0 - w + (w <= 0.0 ? 0.0 : w * std::log(w)));
 }
 
-// ∫ −ln(w + x² / 2R) dx over the half width, where the argument reaches 1.
+// Returns ∫ −ln(w + x² / 2R) dx over the half width, where the argument reaches 1.
 double line_integral(double radius, double d) {
   const double half_width = std::sqrt(2.0 * radius * d);
   const double w = std::max(0.0, 1.0 - d);
@@ -37,7 +37,7 @@ double line_integral(double radius, double d) {
   return 2.0 * half_width - 2.0 * root * std::atan2(half_width, root);
 }
 
-// Force over the confined modulus, in thicknesses of the layer.
+// Returns the force over the confined modulus, in thicknesses of the layer.
 double scaled_force(Shape shape, double radius, double d) {
   switch (shape) {
     case Shape::kSphere:

@@ -17,7 +17,7 @@ Eigen::VectorXd solve_for(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, co
   return columns.colPivHouseholderQr().solve(b);
 }
 
-// Largest share of the way from x to `target` on which no entry turns negative.
+// Returns the largest fraction of the way from x to `target` on which no entry turns negative.
 double feasible_share(const Eigen::VectorXd& x, const Eigen::VectorXd& target, const std::vector<Index>& active) {
   double share = 1.0;
   for (std::size_t k = 0; k < active.size(); ++k) {
@@ -49,7 +49,7 @@ Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& a, const Eigen:
   Eigen::VectorXd x = Eigen::VectorXd::Zero(a.cols());
   std::vector<Index> active;
   const double enough = 1e-9 * (a.transpose() * b).cwiseAbs().maxCoeff();
-  // Rounding can let one entry come and go for ever, so the number of turns is bounded.
+  // Rounding can add and remove one entry forever, so the number of turns is bounded.
   for (Index turn = 0; turn < 3 * a.cols() && static_cast<int>(active.size()) < max_active; ++turn) {
     Eigen::VectorXd gain = a.transpose() * (b - a * x);
     for (const Index i : active) gain[i] = -std::numeric_limits<double>::infinity();

@@ -4,8 +4,8 @@
 
 namespace triskin::mechanics {
 
-/// x ≥ 0 that minimizes |A·x − b|² (Lawson and Hanson 1974, algorithm NNLS). At most `max_active` entries are
-/// positive.
+/// Returns x ≥ 0 that minimizes |A·x − b|² (Lawson and Hanson 1974, algorithm NNLS). At most `max_active` entries
+/// are positive.
 [[nodiscard]] Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& a, const Eigen::VectorXd& b,
                                                         int max_active);
 

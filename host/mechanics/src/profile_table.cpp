@@ -30,7 +30,6 @@ Eigen::MatrixXd bessel_matrix(const Eigen::ArrayXd& distances, const Eigen::Arra
   return (distances.matrix() * wave_numbers.matrix().transpose()).unaryExpr([](double x) { return ::j0(x); });
 }
 
-// Data that the rows of one contact radius share.
 struct RowPoints {
   Eigen::ArrayXd distances, sine_sums;
   FieldSpectrum spectrum;

@@ -72,7 +72,7 @@ std::array<double, 4> cubic_weights(double x) {
 
 NodeInterpolation::NodeInterpolation(const Quadrature& rule, double length)
     : nodes_(rule.nodes), weights_(rule.nodes.size()) {
-  // Barycentric weights of Gauss-Legendre nodes (Wang and Xiang, Math. Comp. 81 (2012) 861).
+  // The barycentric weights of Gauss-Legendre nodes follow Wang and Xiang, Math. Comp. 81 (2012) 861.
   const Eigen::ArrayXd x = 2.0 * nodes_ / length - 1.0;
   weights_ = ((1.0 - x * x) * rule.weights).sqrt();
   for (Eigen::Index i = 1; i < weights_.size(); i += 2) weights_[i] = -weights_[i];

@@ -11,7 +11,7 @@
 namespace triskin::mechanics {
 namespace {
 
-// The deficit falls as exp(−2k) and the base kernel as exp(−k): what is left out is below 1e-9 of the pressure.
+// The deficit falls as exp(−2k) and the base kernel as exp(−k), so the omitted part is below 1e-9 of the pressure.
 constexpr double kDeficitCutoff = 16.0;
 constexpr double kBaseCutoff = 26.0;
 

@@ -4,8 +4,8 @@
 
 namespace triskin::mechanics {
 
-/// Root of the increasing function `f` in [low, high], where it changes its sign; Illinois' rule of false position.
-/// The result is exact to `tolerance` of the interval's upper end.
+/// Finds the root of the increasing function `f` in [low, high], where it changes its sign, by the Illinois variant of
+/// false position. The result is exact to `tolerance` of the interval's upper end.
 [[nodiscard]] double root_between(double low, double high, const auto& f, double tolerance = 1e-12) {
   double at_low = f(low), at_high = f(high);
   double x = high;

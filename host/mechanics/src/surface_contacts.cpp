@@ -18,9 +18,9 @@ namespace triskin::mechanics {
 namespace {
 
 constexpr double kPressedDeviations = 4.0;
-// Taxels about a group say where nothing presses; farther ones say nothing new.
+// Taxels about a group show where nothing presses; farther ones add no information.
 constexpr double kSurroundings_mm = 10.0;
-// Taxels that face away more than a right angle are on another side of the part.
+// Taxels whose normals differ by nearly a right angle or more are on another side of the part.
 constexpr double kMinFacing = 0.2;
 constexpr int kMaxContactsOfGroup = 3;
 
@@ -45,15 +45,15 @@ void check(const Cover& cover, const SurfaceOptions& options) {
   if (options.max_contacts < 1) throw InputError("contacts: at least one contact has to be allowed");
 }
 
-// What the taxels of a group are pressed in by, in thicknesses: it grows as the force does (∫ u dA = F·h/K).
+// Returns the volume by which the taxels of a group are pressed in, in thicknesses; it is proportional to the force
+// (∫ u dA = F·h/K).
 double volume_of(const Cover& cover, const Group& group) {
   double sum = 0.0;
   for (const std::size_t t : group) sum += cover.values[t] / (1.0 + cover.values[t]);
   return sum;
 }
 
-// Pressed taxels that hang together, each group from its strongest taxel on; the group that is pressed most comes
-// first.
+// Groups connected pressed taxels, each group from its strongest taxel on; the group that is pressed most comes first.
 std::vector<Group> pressed_groups(const Cover& cover, const SurfaceOptions& options) {
   Group pressed;
   for (std::size_t t = 0; t < cover.values.size(); ++t) {
@@ -83,7 +83,7 @@ std::vector<Group> pressed_groups(const Cover& cover, const SurfaceOptions& opti
   return groups;
 }
 
-// The tangent plane at the strongest taxel of a group.
+// Maps the cover to the tangent plane at the strongest taxel of a group.
 class Chart {
  public:
   Chart(const Cover& cover, const Group& group) : origin_(cover.positions[group[0]]), axes_(Eigen::Matrix3d::Zero()) {
@@ -95,7 +95,7 @@ class Chart {
   }
   [[nodiscard]] double facing(const Eigen::Vector3d& normal) const { return normal.dot(axes_.col(2)); }
   [[nodiscard]] const Eigen::Vector3d& origin() const { return origin_; }
-  // Where a taxel lies in the plane: as far away as along an arc that turns by the angle between the normals.
+  // Returns the place of a taxel in the plane: as far away as along an arc that turns by the angle between the normals.
   [[nodiscard]] Eigen::Vector2d laid_out(const Eigen::Vector3d& position, const Eigen::Vector3d& normal,
                                          const Eigen::Vector3d& normal_at_origin) const {
     const Eigen::Vector3d chord = position - origin_;
@@ -135,14 +135,15 @@ Layout laid_out(const Cover& cover, const Group& group) {
   return layout;
 }
 
-// Back onto the cover: from the nearest taxel along its tangent plane, in the directions in which its neighbours lie.
+// Maps a contact back onto the cover: from the nearest taxel along its tangent plane, in the directions of its
+// neighbours.
 SurfaceContact on_cover(const Cover& cover, const Layout& layout, const ContactEstimate& found) {
   std::size_t nearest = 0;
   for (std::size_t k = 1; k < layout.places.size(); ++k) {
     if ((layout.places[k] - found.position_mm).norm() < (layout.places[nearest] - found.position_mm).norm())
       nearest = k;
   }
-  // The linear map from the plane to space that fits the taxels about it best.
+  // Fits the linear map from the plane to space to the taxels about it.
   Eigen::Matrix2d moments = 1e-9 * Eigen::Matrix2d::Identity();
   Eigen::Matrix<double, 3, 2> products = Eigen::Matrix<double, 3, 2>::Zero();
   const std::size_t centre = layout.taxels[nearest];
@@ -201,8 +202,8 @@ Wrench net_wrench(std::span<const SurfaceContact> contacts, const Eigen::Vector3
     wrench.torque_nmm += arm.cross(force);
     force_variance += (c.force_sd_n * c.normal).cwiseAbs2();
     torque_variance += (c.force_sd_n * arm.cross(c.normal)).cwiseAbs2();
-    // A shift s along the cover turns by s × force. Over both directions of the plane its squares add up to the
-    // projection onto the plane.
+    // A shift s along the cover changes the torque by s × force. Over both directions of the plane its squares add up
+    // to the projection onto the plane.
     const double turn = c.position_sd_mm * c.force_n;
     torque_variance += turn * turn * (Eigen::Vector3d::Ones() - c.normal.cwiseAbs2());
   }

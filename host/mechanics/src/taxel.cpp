@@ -15,7 +15,7 @@ constexpr int kNodesPerInterval = 24;
 
 using Profile = std::function<double(double)>;
 
-// Integral of `integrand` from `from` to `to`, which may bend like a square root at each of `bends`.
+// Integrates `integrand` from `from` to `to`, which may bend like a square root at each of `bends`.
 double integral(double from, double to, std::vector<double> bends, const Profile& integrand) {
   std::erase_if(bends, [&](double b) { return b <= from || b >= to; });
   bends.push_back(from);
@@ -29,7 +29,7 @@ double integral(double from, double to, std::vector<double> bends, const Profile
   return sum;
 }
 
-// Half of the angle over which the circle of radius r about the axis lies in the disc.
+// Returns half of the angle over which the circle of radius r about the axis lies in the disc.
 double half_angle(double r, double distance, double disc_radius) {
   if (r <= disc_radius - distance) return std::numbers::pi;
   const double cosine = (r * r + distance * distance - disc_radius * disc_radius) / (2.0 * r * distance);

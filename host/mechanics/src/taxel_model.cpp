@@ -12,15 +12,15 @@ namespace triskin::mechanics {
 namespace {
 
 constexpr double kSampleStep_mm = 0.05;
-// What a contact does farther away from its edge than this many thicknesses is below 0.1 % of its peak.
+// Farther from its edge than this many thicknesses, the effect of a contact is below 0.1 % of its peak.
 constexpr double kReachThicknesses = 8.0;
-// Displacements below this share of the peak are left out: less than the table is exact to.
+// Displacements below this fraction of the peak are left out, because the table is less exact than that.
 constexpr double kMinShare = 1e-5;
-// So far from its edge, in thicknesses, a contact bends the surface only gently.
+// At this distance from its edge, in thicknesses, a contact bends the surface only gently.
 constexpr double kSmoothThicknesses = 0.3;
 constexpr double kLogStep = 1e-3;
 constexpr std::size_t kRemembered = 16;
-// So near to the axis the displacement has no slope.
+// This near to the axis the displacement has no slope.
 constexpr double kCentre_mm = 1e-9;
 constexpr double kMaxIndentationShare = 0.999;
 
@@ -44,7 +44,7 @@ double SampledProfile::at(double r) const {
   return values_[k] + (position - static_cast<double>(k)) * (values_[k + 1] - values_[k]);
 }
 
-// Displacement of one contact and its central differences by ln F and ln R.
+// Gives the displacement of one contact and its central differences by ln F and ln R.
 struct TaxelModel::Profiles {
   double log_force, log_radius;
   bool has_derivatives;
@@ -79,7 +79,7 @@ TaxelModel::SharedProfiles TaxelModel::profiles_of(const FitContact& contact, bo
   return profiles;
 }
 
-// Adds one point of a taxel's disc to its value and derivatives; false where the layer is pressed to its base.
+// Adds one point of a taxel's disc to its value and derivatives; returns false if the layer is pressed to its base.
 class TaxelModel::DiscSum {
  public:
   DiscSum(double thickness_mm, std::span<const FitContact> contacts, const std::vector<SharedProfiles>& profiles,

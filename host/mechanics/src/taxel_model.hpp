@@ -11,7 +11,7 @@
 
 namespace triskin::mechanics {
 
-/// A contact as the fit moves it.
+/// A contact in the form that the fit varies.
 struct FitContact {
   Eigen::Vector2d position_mm;
   double log_force = 0.0, log_radius = 0.0;
@@ -19,19 +19,19 @@ struct FitContact {
 
 inline constexpr int kParametersPerContact = 4;
 
-/// Values of the taxels and their derivatives: four columns a contact, by x, y, ln F and ln R.
+/// Gives the values of the taxels and their derivatives: four columns per contact, by x, y, ln F and ln R.
 struct TaxelResponse {
   Eigen::VectorXd values;
   Eigen::MatrixXd derivatives;
 };
 
-/// Profile of a displacement over the distance from the axis, sampled evenly for quick look-up.
+/// Samples the profile of a displacement evenly over the distance from the axis, for quick look-up.
 class SampledProfile {
  public:
   SampledProfile() = default;
   SampledProfile(const ContactField& field, double reach_mm);
   [[nodiscard]] double at(double r) const;
-  /// Where the profile ends: it is zero from there on.
+  /// Returns where the profile ends; it is zero beyond.
   [[nodiscard]] double reach_mm() const { return step_ * static_cast<double>(values_.size()); }
 
  private:
@@ -39,12 +39,12 @@ class SampledProfile {
   std::vector<double> values_;
 };
 
-/// The forward model: discs at given places under contacts of spheres whose displacements add up. It remembers the last
-/// profiles, so one object serves one thread.
+/// Evaluates the forward model: discs at given places under contacts of spheres whose displacements add up. It caches
+/// the last profiles, so each thread needs its own object.
 class TaxelModel {
  public:
   TaxelModel(const ContactTable& table, std::vector<Eigen::Vector2d> positions_mm, double disc_radius_mm);
-  /// Nothing where a contact is outside of the table or reaches the base of the layer.
+  /// Returns nothing if a contact is outside of the table or reaches the base of the layer.
   [[nodiscard]] std::optional<TaxelResponse> respond(std::span<const FitContact> contacts, bool with_derivatives) const;
   [[nodiscard]] const ContactTable& table() const { return table_; }
   [[nodiscard]] const std::vector<Eigen::Vector2d>& positions_mm() const { return positions_mm_; }

@@ -3,11 +3,11 @@
 
 namespace triskin::mechanics {
 
-/// 1 N/mm² is 1000 kPa: a pressure in kPa over mm² is a force in mN.
+/// 1 N/mm² is 1000 kPa, so a pressure in kPa over mm² is a force in mN.
 inline constexpr double kKpaMm2PerN = 1000.0;
 
-/// Distance from the contact, in thicknesses of the layer, beyond which fields are zero. They fall by exp(−1 …
-/// −2) a thickness.
+/// Beyond this distance from the contact, in thicknesses, fields count as zero. They fall by exp(−1 … −2) per
+/// thickness.
 inline constexpr double kFieldReach = 25.0;
 
 }  // namespace triskin::mechanics

@@ -12,7 +12,7 @@
 namespace triskin::mechanics {
 namespace {
 
-// Displaced volume (mm³, of a line mm²) at which columns of 1 kPa/mm carry the force.
+// Returns the displaced volume (mm³, of a line mm²) at which columns of 1 kPa/mm carry the force.
 double displaced(const Indenter& indenter, double indentation_mm) {
   const double radius = indenter.radius_mm, d = indentation_mm;
   switch (indenter.shape) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Faces that cross are divided along their common lines, with exact constructions; the others stay as they are.
+// Divides faces that cross along their common lines, with exact constructions; the others stay unchanged.
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 
@@ -110,7 +110,7 @@ class Arrangement {
   }
 
   const Mesh& mesh_;
-  std::map<int, std::vector<Line>> lines_;  // Keyed by face: the lines that others draw on it.
+  std::map<int, std::vector<Line>> lines_;  // The key is a face, the value the lines that others draw on it.
   std::map<Point3, int> vertex_;
   Mesh result_;
 };

@@ -19,14 +19,14 @@ std::size_t hash_of(const auto& three) {
   return hash ^ (hash >> 32U);
 }
 
-// Numbers by what they stand for. Slots in one block of memory: a table with a node for each took half of the time of
-// reading a million faces.
+// A hash table of numbers, compared by what they stand for. All slots are in one block of memory: a table with a node
+// per entry took half of the time of reading a million faces.
 class NumberTable {
  public:
-  /// Has room for `most` numbers.
+  /// Reserves room for `most` numbers.
   explicit NumberTable(std::size_t most) : slots_(std::bit_ceil(2 * most + 1), -1) {}
 
-  /// The number that is there and equal, or `number`, which is put there.
+  /// Returns an equal number that is already present; otherwise stores and returns `number`.
   int find_or_put(std::size_t hash, int number, const auto& is_equal) {
     const std::size_t mask = slots_.size() - 1;
     for (std::size_t k = hash & mask;; k = (k + 1) & mask) {
@@ -44,7 +44,7 @@ class NumberTable {
 void weld(Mesh& mesh, MeshReadReport& report) {
   const double cell = std::max(1e-7 * diagonal_of(mesh), std::numeric_limits<double>::min());
   NumberTable first(mesh.vertices.size());
-  std::vector<std::array<std::int64_t, 3>> keys;  // Keys of the vertices that are kept.
+  std::vector<std::array<std::int64_t, 3>> keys;  // Each vertex that is kept has a key.
   keys.reserve(mesh.vertices.size());
   std::vector<int> target(mesh.vertices.size());
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
@@ -118,7 +118,7 @@ double diagonal_of(const Mesh& mesh) {
   return mesh.vertices.empty() ? 0.0 : box.diagonal().norm();
 }
 
-// A vertex without a face may lie anywhere and must not tell the size by which the others are welded.
+// A vertex without a face may lie anywhere and must not affect the size that sets the welding distance.
 void clean(Mesh& mesh, MeshReadReport& report, Corners corners) {
   drop_unused_vertices(mesh);
   if (corners == Corners::kWelded) weld(mesh, report);

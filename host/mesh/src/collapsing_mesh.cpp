@@ -11,7 +11,7 @@
 namespace triskin::geometry {
 namespace {
 
-// Far above the rounding of some hundred operations on lengths of metres, which is one step.
+// This is far above the rounding of some hundred operations on lengths of metres, which is one step.
 constexpr double kRounding_mm = 1e-9;
 
 // A shape that uses all of the allowed deviation counts a fourth of one that uses none.
@@ -110,8 +110,8 @@ CollapsingMesh::Move CollapsingMesh::best_move(int vertex, double deviation_mm, 
   return best;
 }
 
-// The neighbours that both have are those at the edge between them, and no face stands on the other side of a single
-// new one.
+// Their common neighbours must be exactly those at the edge between them, and no single new side may already have a
+// face beyond it.
 bool CollapsingMesh::keeps_edges_single(int vertex, const Ring& ring, std::size_t j) const {
   Ring around;
   if (!ring_of(ring.corners[j], around)) return false;
@@ -126,7 +126,7 @@ bool CollapsingMesh::keeps_edges_single(int vertex, const Ring& ring, std::size_
                               [&](int f) { return std::ranges::all_of(faces_[at(f)], in_ring); });
 }
 
-// The neighbour across the side from one corner to the next.
+// Sets the neighbour across the side from one corner to the next.
 void CollapsingMesh::point_side(int face, int from, int to, int neighbour) {
   if (face < 0) return;
   for (std::size_t s = 0; s < 3; ++s) {
@@ -134,12 +134,13 @@ void CollapsingMesh::point_side(int face, int from, int to, int neighbour) {
   }
 }
 
-// A face with the middle and the corner that it is drawn onto: what stood at its two other sides is joined.
+// Removes a face with the middle and the corner onto which it is collapsed, and joins the neighbours at its two other
+// sides.
 void CollapsingMesh::remove_face(int face, int vertex, int corner) {
   const auto f = faces_[at(face)];
   const auto sides = neighbours_[at(face)];
   const std::size_t v = corner_in(f, vertex), c = corner_in(f, corner), third = 3 - v - c;
-  const auto opposite = [&](std::size_t k) { return sides[(k + 1) % 3]; };  // The neighbour opposite corner k.
+  const auto opposite = [&](std::size_t k) { return sides[(k + 1) % 3]; };  // Returns the neighbour opposite corner k.
   const int inner = opposite(c), outer = opposite(v);
   // The side of `one` between `end` and the third corner is joined to `other`.
   const auto join = [&](int one, int end, int other) {

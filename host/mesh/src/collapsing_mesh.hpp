@@ -9,38 +9,38 @@
 
 namespace triskin::geometry {
 
-/// The faces of a surface while corners are drawn onto neighbours, with the bounds of how far each part is from the
-/// surface by now. Queries are const and thread-safe between changes.
+/// Holds the faces of a surface while corners are collapsed onto neighbours, with bounds of how far each part has moved
+/// from the surface. Queries are const and thread-safe between changes.
 class CollapsingMesh {
  public:
   explicit CollapsingMesh(const Surface& surface);
 
-  /// The faces round a corner, counter-clockwise, and its neighbours: of an open ring one more.
+  /// The faces around a corner, counter-clockwise, and its neighbours; an open ring has one neighbour more than faces.
   struct Ring {
     std::array<int, FlatStar::kMaxCorners> faces, corners;
     std::size_t n_faces = 0, n_corners = 0;
     [[nodiscard]] bool is_open() const { return n_corners > n_faces; }
   };
-  /// False for a corner that is gone, that has too many neighbours or where borders meet.
+  /// Returns false for a corner that was removed, that has too many neighbours or at which several borders meet.
   [[nodiscard]] bool ring_of(int vertex, Ring& ring) const;
 
-  /// The best neighbour that a corner can be drawn onto within the bounds.
+  /// The best neighbour onto which a corner can be collapsed within the bounds.
   struct Move {
-    int onto = -1;  ///< It is −1 when the point lies within none of them.
+    int onto = -1;  ///< −1 means that no move stays within the bounds.
     /// The new faces deviate by the first and the new border edge by the second.
     double deviation_mm = 0.0, border_mm = 0.0;
-    /// It is the least deviation among moves that only the limit ruled out; infinity means that there was none.
+    /// Among the moves that only the limit ruled out, this is the least deviation; infinity means that there was none.
     double needs_mm;
   };
   [[nodiscard]] Move best_move(int vertex, double deviation_mm, double border_mm) const;
 
-  /// Draws a corner onto a neighbour; appends the corners whose faces changed. False, and nothing is changed, where an
-  /// edge would get more than two faces.
+  /// Collapses a corner onto a neighbour and appends the corners whose faces changed. Returns false and changes nothing
+  /// if an edge would get more than two faces.
   bool collapse(int vertex, const Move& move, std::vector<int>& changed);
 
-  /// Number of faces that are left.
+  /// Returns the number of remaining faces.
   [[nodiscard]] std::size_t n_faces() const { return n_faces_; }
-  /// What is left, in the old order, and the largest bounds.
+  /// Returns the remaining faces in the old order, with the largest bounds.
   [[nodiscard]] Mesh mesh() const;
   [[nodiscard]] double deviation_mm() const;
   [[nodiscard]] double border_mm() const;
@@ -54,10 +54,10 @@ class CollapsingMesh {
   const std::vector<Vec3>& places_;
   std::vector<std::array<int, 3>> faces_, neighbours_;  // A removed face has corners −1.
   std::size_t n_faces_;
-  std::vector<int> face_of_;      // Vertex → one of its faces, −1: removed.
-  std::vector<char> is_locked_;   // Indexed by vertex: its faces are not a single fan.
-  std::vector<float> deviation_;  // Indexed by face, rounded up.
-  std::vector<float> border_;     // Indexed by the vertex at which the border edge begins, rounded up.
+  std::vector<int> face_of_;      // Gives one face of each vertex; −1 marks a removed vertex.
+  std::vector<char> is_locked_;   // True for a vertex whose faces are not a single fan.
+  std::vector<float> deviation_;  // The bound of each face is rounded up.
+  std::vector<float> border_;     // The index is the vertex at which the border edge begins; values are rounded up.
 };
 
 }  // namespace triskin::geometry

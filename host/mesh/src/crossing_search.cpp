@@ -21,17 +21,18 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Triangle = std::array<Vec3, 3>;
 
-constexpr double kRounding = 4e-15;          // Relative rounding of a sum of three products of rounded differences.
+// This bounds the relative rounding of a sum of three products of rounded differences.
+constexpr double kRounding = 4e-15;
 constexpr double kMinExactProduct = 1e-280;  // Smaller products of doubles lose digits.
-constexpr double kSurelyWide = 1e-12;        // A larger cross product or cosine is far above its rounding.
+constexpr double kSurelyWide = 1e-12;        // A cross product or cosine above this is far above its rounding.
 constexpr std::size_t kChunk = 256;          // A thread takes this many leaves at once.
-constexpr std::size_t kBatch = 128;          // Number of chunks between two looks at the clock.
+constexpr std::size_t kBatch = 128;          // The clock is read once after so many chunks.
 
 Kernel::Point_3 point(const Vec3& p) {
   return {p.x(), p.y(), p.z()};
 }
 
-// The corners that two faces have in common, by their places in both.
+// Lists the corners that two faces have in common, by their places in both.
 struct Shared {
   std::size_t count = 0;
   std::array<std::size_t, 3> in_one{}, in_other{};
@@ -52,7 +53,7 @@ Shared shared_of(const std::array<int, 3>& one, const std::array<int, 3>& other)
   return shared;
 }
 
-// The sign of a height over a plane through `from` is that of both ends where they agree, whatever the rounding.
+// If both ends agree in sign, the height over a plane through `from` has that sign, whatever the rounding.
 struct Height {
   double low, high;
 };
@@ -62,7 +63,7 @@ Height height_of(const Vec3& axis, const Vec3& p, const Vec3& from) {
   return {height - error, height + error};
 }
 
-// True if all points of one lie above, along the axis, what all points of the other do.
+// Returns true if all points of one are above all points of the other along the axis.
 bool is_above(const Vec3& axis, std::span<const Vec3> one, std::span<const Vec3> other, const Vec3& from) {
   double least = std::numeric_limits<double>::infinity(), most = -least;
   for (const Vec3& p : one) least = std::min(least, height_of(axis, p, from).low);
@@ -77,7 +78,7 @@ Vec3 cross_of(const Triangle& t) {
   return (t[1] - t[0]).cross(t[2] - t[0]);
 }
 
-// A plane parts them. Not all of the planes that may are tried.
+// Returns true if some plane separates them. Not every possible plane is tried.
 bool are_apart(const Triangle& one, const Triangle& other) {
   const Vec3 between = (one[0] + one[1] + one[2]) - (other[0] + other[1] + other[2]);
   if (is_above(between, one, other, one[0])) return true;
@@ -91,7 +92,7 @@ bool are_apart(const Triangle& one, const Triangle& other) {
   return false;
 }
 
-// A plane through the common corner has the other corners of one above it and those of the other below.
+// Returns true if a plane through the common corner has the other corners of one above it and those of the other below.
 bool are_apart_at_corner(const Vec3& corner, const std::array<Vec3, 2>& one, const std::array<Vec3, 2>& other) {
   const auto towards = [&](const std::array<Vec3, 2>& t) {
     return Vec3(((t[0] - corner).normalized() + (t[1] - corner).normalized()).normalized());
@@ -101,7 +102,7 @@ bool are_apart_at_corner(const Vec3& corner, const std::array<Vec3, 2>& one, con
          std::ranges::all_of(other, [&](const Vec3& p) { return height_of(axis, p, corner).high < 0.0; });
 }
 
-// The angle at the common edge is surely not 0: one is not folded back onto the other.
+// Returns true if the angle at the common edge is surely not 0, so that one face is not folded back onto the other.
 bool is_open_at_edge(const Triangle& one, const Triangle& other) {
   const Vec3 n = cross_of(one), m = cross_of(other);
   const double size =
@@ -109,8 +110,8 @@ bool is_open_at_edge(const Triangle& one, const Triangle& other) {
   return n.dot(m) > kSurelyWide * size;
 }
 
-// A stride that visits all of n places, and any first part of them all over: a search that ends early has seen a little
-// of everything, and the first crossing is found soon where there are many.
+// Returns a stride that visits all of n places and spreads any first part over all of them: a search that ends early
+// has sampled everything, and the first crossing is found soon if there are many.
 std::size_t spread_over(std::size_t n) {
   auto stride = static_cast<std::size_t>(0.381966 * static_cast<double>(n)) + 1;
   while (std::gcd(stride, n) > 1) ++stride;
@@ -184,7 +185,7 @@ class Searcher {
 
   static Kernel::Triangle_3 exact(const Triangle& t) { return {point(t[0]), point(t[1]), point(t[2])}; }
 
-  // Beyond the corner they meet where the side of one that is opposite to it meets the other.
+  // Beyond the corner they meet only if the opposite side of one meets the other.
   static bool cross_at_corner(const Triangle& a, std::size_t i, const Triangle& b, std::size_t k) {
     const std::array<Vec3, 2> of_a{a[(i + 1) % 3], a[(i + 2) % 3]}, of_b{b[(k + 1) % 3], b[(k + 2) % 3]};
     if (are_apart_at_corner(a[i], of_a, of_b) || has_no_area(a) || has_no_area(b)) return false;

@@ -21,8 +21,9 @@ constexpr double kWorthwhile = 0.5;    // A decimated mesh with more than half o
 constexpr double kOfLimit = 0.05;      // The deviation may take this share of the narrowest limit.
 constexpr double kMinLimit = 0.5;      // At least half of each limit is left.
 
-// Takes corners out in rounds: of each round no two are neighbours, so that what is known of one stays true when others
-// go. A corner that cannot go is not asked again until the faces round it change, or more deviation is allowed.
+// Collapses corners in rounds. No two corners of a round are neighbours, so that the measurements of one remain valid
+// when others are collapsed. A corner that cannot be collapsed is tried again only when its faces change or more
+// deviation is allowed.
 class Reducer {
  public:
   Reducer(const Surface& surface, double border_mm, int threads)
@@ -64,7 +65,7 @@ class Reducer {
     waiting_.push_back(vertex);
   }
 
-  // Those that wait, none beside another; the others wait on.
+  // Chooses waiting corners of which no two are neighbours; the others keep waiting.
   void choose() {
     chosen_.clear();
     std::vector<int> later, blocked;
@@ -104,7 +105,7 @@ class Reducer {
   CollapsingMesh mesh_;
   double border_mm_;
   int threads_;
-  std::vector<float> needs_mm_;  // Indexed by vertex: below this deviation no move is possible.
+  std::vector<float> needs_mm_;  // Below this deviation no move of the vertex is possible.
   std::vector<char> is_waiting_, is_blocked_;
   std::vector<int> waiting_, chosen_, changed_;
   std::vector<CollapsingMesh::Move> moves_;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Distance between two sets of triangles with a proved upper bound: the distance to one triangle is convex, so over any
-// triangles it is at most that of their farthest corner. Whole sets of triangles are bounded first and divided only
-// where their bound is above a distance that is known to occur, so the search may end at any time with both.
+// Measures the distance between two sets of triangles with a proved upper bound: the distance to one triangle is
+// convex, so over any triangles it is at most that of their farthest corner. Whole sets of triangles are bounded first
+// and divided only where their bound is above a distance that is known to occur, so the search may end at any time with
+// both.
 #include <tbb/parallel_for.h>
 
 #include <Eigen/Geometry>
@@ -20,10 +21,12 @@ namespace triskin::geometry {
 namespace {
 
 constexpr double kTolerance_mm = 0.02;  // The stated bound may exceed the largest distance by this much.
-constexpr int kMaxDivisions = 40'000;   // After so many divisions of triangles the bound is coarser, and still a bound.
-constexpr std::size_t kBatch = 64;      // At least this many are divided side by side.
-constexpr std::size_t kMinSteps = 20'000;     // The clock is not read before: some 0.1 s, and the bound is no guess.
-constexpr std::size_t kMeanSamples = 20'000;  // Middles of triangles for the mean.
+// After this many divisions of triangles the bound is coarser, but it remains a bound.
+constexpr int kMaxDivisions = 40'000;
+constexpr std::size_t kBatch = 64;  // At least this many are divided side by side.
+// The clock is not read before, so that the bound is no guess; this takes some 0.1 s.
+constexpr std::size_t kMinSteps = 20'000;
+constexpr std::size_t kMeanSamples = 20'000;  // The mean is sampled at the middles of this many triangles.
 
 using Triangle = std::array<Vec3, 3>;
 
@@ -40,7 +43,7 @@ Vec3 middle_of(const Triangle& t) {
   return (t[0] + t[1] + t[2]) / 3.0;
 }
 
-// Corner places of a face in a fixed order: equal for the same triangle of two meshes.
+// Lists the corners of a face in a fixed order, so that the same triangle of two meshes has the same key.
 using Key = std::array<std::array<double, 3>, 3>;
 Key key_of(const Triangle& t) {
   Key key;
@@ -57,13 +60,14 @@ std::vector<Key> keys_of(const Mesh& mesh) {
   return keys;
 }
 
-// Upper bound of the distances of all points of some triangles, and the distance of one of them.
+// Holds an upper bound of the distances of all points of some triangles, and the distance of one of them.
 struct Bounds {
   double upper = std::numeric_limits<double>::infinity(), lower = 0.0;
   Vec3 lower_at = Vec3::Zero();
 };
 
-// Measures from the faces of one mesh that `wanted` names to another mesh. The same triangle of both is at distance 0.
+// Measures from the faces that `wanted` selects in one mesh to another mesh. A triangle that both meshes have counts as
+// 0.
 class Way {
  public:
   Way(const Mesh& from, const std::vector<bool>& wanted, const Mesh& to) : to_(to) {
@@ -78,10 +82,10 @@ class Way {
 
   [[nodiscard]] std::span<Triangle> changed() { return changed_; }
 
-  // Mean over the area from the middles of the changed triangles, or of a sample at even steps of area if there are
-  // many.
+  // Returns the mean over the area from the middles of the changed triangles, or from a sample at even steps of area if
+  // there are many.
   [[nodiscard]] double mean() const {
-    std::vector<double> until;  // Area of the changed triangles up to each.
+    std::vector<double> until;  // Running sum of the area of the changed triangles.
     double sum = 0.0;
     for (const Triangle& t : changed_) until.push_back(sum += area_of(t));
     if (!(sum > 0.0)) return 0.0;
@@ -98,14 +102,14 @@ class Way {
     return total / area_;
   }
 
-  // Bounds of one triangle; ends early when the bound is at most `enough`.
+  // Bounds one triangle; ends early when the bound is at most `enough`.
   [[nodiscard]] Bounds bounds_of(const Triangle& t, double enough) const {
     Bounds b;
     look_from(middle_of(t), {&t, 1}, b);
     for (std::size_t k = 0; k < 3 && b.upper > enough; ++k) look_from(t[k], {&t, 1}, b);
     return b;
   }
-  // Bounds of several triangles, from the corner nearest to the middle of their box.
+  // Bounds several triangles, starting from the corner nearest to the middle of their box.
   [[nodiscard]] Bounds bounds_of(std::span<const Triangle> triangles) const {
     Eigen::AlignedBox3d box;
     for (const Triangle& t : triangles) box.extend(t[0]).extend(t[1]).extend(t[2]);
@@ -121,8 +125,8 @@ class Way {
   }
 
  private:
-  // The distance of one of their points, and what follows from it for all: no point is farther than that and the way to
-  // it, nor than the farthest corner from the face that was nearest.
+  // Measures one point and derives a bound for all: no point is farther than that distance plus the way to it, nor than
+  // the farthest corner from the face that was nearest.
   void look_from(const Vec3& point, std::span<const Triangle> triangles, Bounds& b) const {
     const SurfacePoint found = to_.closest(point);
     const Triangle face = triangle_of(to_.mesh(), found.face);
@@ -145,16 +149,16 @@ class Way {
   double area_ = 0.0;
 };
 
-// What is not settled yet: faces of a mesh, or one triangle that may be a part of a face.
+// An open item of the search: several faces of a mesh, or one triangle that may be a part of a face.
 struct Open {
-  // Bound that also holds for the triangle that it is a part of.
+  // The bound of the triangle from which this part was cut holds here too.
   double upper = std::numeric_limits<double>::infinity();
   const Way* way = nullptr;
-  std::span<Triangle> faces{};  // Holds several faces; a single one is in `part`.
+  std::span<Triangle> faces{};  // An item with a single face keeps it in `part`.
   Triangle part{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
 };
 
-// The faces in two halves along the longest side of their box; a triangle in four.
+// Splits faces into two halves along the longest side of their box, and a single triangle into four.
 void divide(const Open& open, std::vector<Open>& parts) {
   const auto add_part = [&](const Triangle& t) { parts.push_back({.upper = open.upper, .way = open.way, .part = t}); };
   if (open.faces.empty()) {
@@ -178,7 +182,7 @@ void divide(const Open& open, std::vector<Open>& parts) {
   parts.push_back({.upper = open.upper, .way = open.way, .faces = open.faces.subspan(half)});
 }
 
-// Branch and bound over the triangles of both ways: what has the largest bound is divided, until no bound is above a
+// Branch and bound over the triangles of both ways: the item with the largest bound is divided until no bound exceeds a
 // distance that is known to occur, or the time is over.
 class Search {
  public:

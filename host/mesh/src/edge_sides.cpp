@@ -15,7 +15,8 @@
 namespace triskin::geometry {
 
 EdgeSides::EdgeSides(const Mesh& mesh) : sides_(3 * mesh.faces.size()) {
-  std::vector<std::size_t> begin(mesh.vertices.size() + 1, 0);  // Start of the sides of each low vertex.
+  // For each low vertex, this is the index of its first side.
+  std::vector<std::size_t> begin(mesh.vertices.size() + 1, 0);
   const auto low_of = [&](const std::array<int, 3>& f, std::size_t s) { return std::min(f[s], f[(s + 1) % 3]); };
   for (const auto& f : mesh.faces) {
     for (std::size_t s = 0; s < 3; ++s) ++begin[at(low_of(f, s)) + 1];
@@ -40,7 +41,7 @@ EdgeSides::EdgeSides(const Mesh& mesh) : sides_(3 * mesh.faces.size()) {
 std::vector<std::array<int, 3>> neighbours_of(const Mesh& mesh) {
   std::vector<std::array<int, 3>> neighbour(mesh.faces.size(), {-1, -1, -1});
   const auto start = [&](const EdgeSide& s) { return mesh.faces[at(s.face)][at(s.side)]; };
-  std::optional<EdgeSide> repeats;  // First side with the direction of an earlier one.
+  std::optional<EdgeSide> repeats;  // The first side that has the direction of an earlier one.
   const EdgeSides sides(mesh);
   sides.each_edge([&](std::span<const EdgeSide> edge) {
     for (std::size_t k = 1; k < edge.size(); ++k) {
@@ -61,7 +62,7 @@ std::vector<std::array<int, 3>> neighbours_of(const Mesh& mesh) {
 }
 
 std::vector<std::vector<int>> border_loops_of(const Mesh& mesh, const std::vector<std::array<int, 3>>& neighbours) {
-  std::multimap<int, int> next;  // Border edges by start vertex; a pinched vertex has several.
+  std::multimap<int, int> next;  // The key is the start vertex; a pinched vertex has several edges.
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     for (std::size_t s = 0; s < 3; ++s) {
       if (neighbours[f][s] < 0) next.emplace(mesh.faces[f][s], mesh.faces[f][(s + 1) % 3]);

@@ -9,20 +9,21 @@
 
 namespace triskin::geometry {
 
-/// Side of a face (corner `side` → `side` + 1), with the vertices of its edge.
+/// Names a side of a face (corner `side` → `side` + 1), with the vertices of its edge.
 struct EdgeSide {
   int low, high;  ///< The lower one comes first.
   int face, side;
 };
 
-/// The sides of all faces of any mesh, those of an edge beside each other. A sort by buckets: a tree of edges took most
-/// of the time of what joins and tests meshes of 100,000 faces.
+/// Lists the sides of all faces of any mesh, with those of one edge beside each other. It sorts by buckets: a tree of
+/// edges took most of the time of the functions that join and test meshes of 100,000 faces.
 class EdgeSides {
  public:
-  /// Cost: O(n) for vertices of bounded degree.
+  /// Sorts the sides of all faces. Cost: O(n) for vertices of bounded degree.
   explicit EdgeSides(const Mesh& mesh);
 
-  /// Calls `work` with the sides of each edge, in the order of faces and their sides; edges by their vertices.
+  /// Calls `work` with the sides of each edge, in the order of faces and their sides; edges follow the order of their
+  /// vertices.
   void each_edge(const auto& work) const {
     for (std::size_t first = 0, end = 0; first < sides_.size(); first = end) {
       while (end < sides_.size() && sides_[end].low == sides_[first].low && sides_[end].high == sides_[first].high)
@@ -35,11 +36,12 @@ class EdgeSides {
   std::vector<EdgeSide> sides_;
 };
 
-/// The face across each side (corner s → s + 1) of each face, −1 at the border. Errors: InputError when an edge has
-/// more than two faces, or two that disagree in orientation. Cost: that of EdgeSides.
+/// Returns the face across each side (corner s → s + 1) of each face, −1 at the border. Errors: InputError when an
+/// edge has more than two faces, or two that disagree in orientation. Cost: that of EdgeSides.
 [[nodiscard]] std::vector<std::array<int, 3>> neighbours_of(const Mesh& mesh);
 
-/// The border loops as vertex indices, surface on the left. Cost: O(n), and O(b log b) of b border edges.
+/// Returns the border loops as vertex indices, with the surface on the left. Cost: O(n), and O(b log b) of b border
+/// edges.
 [[nodiscard]] std::vector<std::vector<int>> border_loops_of(const Mesh& mesh,
                                                             const std::vector<std::array<int, 3>>& neighbours);
 

@@ -79,7 +79,7 @@ class Extractor {
   [[nodiscard]] int start(const EdgeSide& s) const { return start(s.face, s.side); }
   [[nodiscard]] int start(int face, int side) const { return mesh_.faces[at(face)][at(side)]; }
 
-  // Walks each component; where a face that is already oriented disagrees, the edge is opened.
+  // Walks each component and opens the edge to a face that is already oriented the other way.
   void orient_components() {
     component_.assign(mesh_.faces.size(), -1);
     flipped_.assign(mesh_.faces.size(), false);
@@ -123,7 +123,7 @@ class Extractor {
     return std::minmax(a[at(s)], a[at((s + 1) % 3)]) == std::minmax(b[at(back)], b[at((back + 1) % 3)]);
   }
 
-  // The file's own orientation wins where most of the area has it.
+  // The orientation in the file wins if most of the area has it.
   void prefer_majority(const std::vector<int>& faces) {
     double turned = 0.0, total = 0.0;
     for (const int f : faces) {
@@ -151,7 +151,7 @@ class Extractor {
     }
   }
 
-  // New vertices: one per fan of joined faces, so that no edge has more than two faces and no vertex is pinched.
+  // Makes new vertices, one per fan of joined faces, so that no edge has more than two faces and no vertex is pinched.
   void rebuild() {
     std::vector<std::array<int, 3>> vertex(mesh_.faces.size(), {-1, -1, -1});
     if (has_unjoined_) used_edges_.reserve(3 * mesh_.faces.size());
@@ -171,7 +171,8 @@ class Extractor {
     }
   }
 
-  // Two unjoined faces can still meet at an edge when the fans at both ends connect them elsewhere: the later one goes.
+  // Two unjoined faces can still meet at an edge when the fans at both ends connect them elsewhere; the later one is
+  // dropped.
   void add_face(const std::array<int, 3>& face) {
     if (!has_unjoined_) {
       result_.faces.push_back(face);
@@ -220,14 +221,14 @@ class Extractor {
   std::vector<bool> keep_;
   Mesh result_;
   std::vector<int> fan_;
-  bool has_unjoined_ = false;                     // Some faces meet at an edge and are not neighbours there.
-  std::unordered_set<std::uint64_t> used_edges_;  // Directed edges: from, to.
+  bool has_unjoined_ = false;                     // True if some faces meet at an edge without being neighbours there.
+  std::unordered_set<std::uint64_t> used_edges_;  // Each key packs a directed edge, from vertex and to vertex.
   ExtractReport report_;
 };
 
 constexpr unsigned kWrap_s = 600;   // This limit is processor time.
-constexpr double kShattered = 0.6;  // The largest part should have this share of the area.
-// Faces per second of the repair (measured: 44 µs of processor time each).
+constexpr double kShattered = 0.6;  // The input counts as shattered if the largest part has less of the area.
+// The repair handles this many faces per second (measured: 44 µs of processor time each).
 constexpr double kRepairedFaces = 20'000.0;
 constexpr double kMaxReduced_mm = 1.0, kLooseShare = 0.05;  // Small parts may make up this share of the area.
 
@@ -253,7 +254,7 @@ double largest_share(const Mesh& mesh) {
   return largest / area_of(mesh);
 }
 
-// What the earlier steps counted stays in the report.
+// The counts of the earlier steps stay in the report.
 void repair_again(Extraction& e, const Mesh& mesh, const char* step) {
   if (mesh.faces.empty()) throw InputError(fmt::format("surface: {} leaves nothing", step));
   const ExtractReport before = e.report;
@@ -282,7 +283,7 @@ void drop_hidden(Extraction& e, const ExtractOptions& options, const ProgressSin
   e.report.removed_faces += static_cast<int>(before - e.surface.faces.size());
 }
 
-// The steps that were asked for, as they are; the result may be one that design() refuses.
+// Takes the requested steps as they are; the result may be one that design() refuses.
 Extraction stepwise(const Mesh& mesh, const ExtractOptions& options, const ProgressSink& progress) {
   using When = ExtractOptions::When;
   Extraction e = repair_topology(mesh);
@@ -302,7 +303,7 @@ Extraction stepwise(const Mesh& mesh, const ExtractOptions& options, const Progr
   return e;
 }
 
-// The steps where they lead to a surface that design() takes, and else the repair.
+// Takes the requested steps if they lead to a surface that design() accepts, and repairs otherwise.
 Extraction stepwise_or_repaired(const Mesh& mesh, const ExtractOptions& options, const RepairTime& time,
                                 const ProgressSink& progress) {
   ExtractOptions first = options;
@@ -312,20 +313,20 @@ Extraction stepwise_or_repaired(const Mesh& mesh, const ExtractOptions& options,
     const bool shattered = messy(e.report) && e.report.outer && largest_share(e.surface) < kShattered;
     if (!shattered && usable(e.surface)) return e;
   } catch (const InputError&) {
-    // nothing is left of the steps alone
+    // Nothing remains after the steps alone.
   }
   return repaired(mesh, options, time, progress);
 }
 
-// A mesh with fewer faces where what can be joined of it has more than the repair has time for; none where it has not,
-// or too much would be missing.
+// Decimates a mesh if its joined part has more faces than the repair has time for. Returns nothing if it has not, or if
+// too much would be missing.
 std::optional<DecimatedMesh> decimated(const Mesh& mesh, const std::optional<Extraction>& joined, std::size_t most) {
   if (!joined || joined->surface.faces.size() <= most || area_of(joined->surface) < (1.0 - kLooseShare) * area_of(mesh))
     return std::nullopt;
   return decimate(Surface(joined->surface), kMaxReduced_mm, kMaxReduced_mm, all_threads(), most);
 }
 
-// What the report of a repair says of the mesh that it began with.
+// Copies into the report of a repair what is known about the mesh with which it began.
 void add_reduction(ExtractReport& report, const ExtractReport& before, const DecimatedMesh& reduction) {
   report.reduced_mm = std::max(reduction.deviation_mm, reduction.border_mm);
   report.deviation.largest_mm += report.reduced_mm;
@@ -337,14 +338,14 @@ void add_reduction(ExtractReport& report, const ExtractReport& before, const Dec
 
 Extraction chosen(const Mesh& mesh, const ExtractOptions& options, const ProgressSink& progress) {
   const RepairTime time(options);
-  // A wrap has both sides of a sheet and would make one that is too small large enough.
+  // A wrap has both sides of a sheet, so it would make a sheet that is too small large enough.
   if (const double area_mm2 = area_of(mesh); area_mm2 < kModuleArea_mm2) {
     throw InputError(fmt::format("surface: {:.2g} cm², less than one module (3.9 cm²); check mesh and unit (--unit)",
                                  area_mm2 / 100.0));
   }
   const auto most = static_cast<std::size_t>(kRepairedFaces * options.repair_s);
   UsableTest test;
-  // What is broken is mostly found soon; where nothing is, the repair needs no time.
+  // A fault is usually found soon; if there is none, the repair needs no time.
   if (options.keep_usable || mesh.faces.size() > most) test = test_usable(mesh, time.part(1.0));
   if (test.is_usable && options.keep_usable) return std::move(*test.joined);
   const auto reduction = test.is_usable ? std::nullopt : decimated(mesh, test.joined, most);

@@ -14,8 +14,9 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kNeedle = 0.03;  // Height over longest edge; new faces are worse only if old ones are.
-constexpr double kLean = 0.5;  // Cosine between a face and the mean normal; new faces are worse only if old ones are.
+constexpr double kNeedle = 0.03;  // The ratio is height over longest edge; new faces may be worse only if old ones are.
+// The cosine is between a face and the mean normal; new faces may be worse only if old ones are.
+constexpr double kLean = 0.5;
 
 double squared(const auto& a, const auto& b) {
   return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y) + (a.z - b.z) * (a.z - b.z);
@@ -65,8 +66,8 @@ FlatStar::Face FlatStar::face_of(const Corner& a, const Corner& b, const Corner&
   return {area / longest, nz / area};
 }
 
-// Every step from one neighbour to the next is a left turn of less than half a circle: each time the x axis is passed
-// upwards is one more round. An open star begins on it.
+// Every step from one neighbour to the next is a left turn of less than half a circle, so each upward crossing of the x
+// axis is one more round. An open star begins on it.
 bool FlatStar::turns_once() const {
   int rounds = 0;
   for (std::size_t k = 0; k < faces(); ++k) rounds += ring_[k].y < 0.0 && ring_[next(k)].y >= 0.0 ? 1 : 0;
@@ -78,8 +79,8 @@ bool FlatStar::is_beside(std::size_t j, std::size_t k) const {
   return high - low == 1 || (!is_open_ && low == 0 && high == size_ - 1);
 }
 
-// A closed ring that is simple and that faces with positive area fill is filled once. The faces at an open one must not
-// go round its corner.
+// A simple closed ring that is filled by faces of positive area is filled once. The faces of an open one must not go
+// round its corner.
 std::optional<double> FlatStar::worst_new_shape(std::size_t j) const {
   const Corner& v = ring_[j];
   double worst = 1.0;
@@ -114,7 +115,7 @@ double FlatStar::between(std::size_t j) const {
   return most;
 }
 
-// Height of the new face under or over the middle; beyond a border there is none.
+// Returns the height of the new face under or over the middle; beyond a border there is none.
 double FlatStar::at_middle(std::size_t j) const {
   const Corner& v = ring_[j];
   double height = 0.0, best = is_open_ ? 0.0 : -std::numeric_limits<double>::infinity();
@@ -130,7 +131,7 @@ double FlatStar::at_middle(std::size_t j) const {
   return height;
 }
 
-// The largest difference where the new edge from j to q crosses old ones.
+// Returns the largest height difference at which the new edge from j to q crosses old ones.
 double FlatStar::at_crossings(std::size_t j, std::size_t q) const {
   const Corner &v = ring_[j], &w = ring_[q];
   double most = 0.0;

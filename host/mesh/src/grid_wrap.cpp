@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Closed surface around any triangles by marching tetrahedra: each tetrahedron holds its own triangles, so the result
-// is a manifold that does not cross itself, whatever the input.
+// Makes a closed surface around any triangles by marching tetrahedra. Each tetrahedron contains its own triangles, so
+// the result is a manifold that does not cross itself, whatever the input.
 #include <tbb/parallel_for.h>
 
 #include <Eigen/Geometry>
@@ -17,12 +17,13 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr int kMargin = 3;          // Number of empty cells around the mesh.
-constexpr double kLevel = 0.9;      // In cells: over half a body diagonal, so that no sheet slips between two nodes.
+constexpr int kMargin = 3;  // This many empty cells surround the mesh.
+// In cells, this is over half a body diagonal, so that no sheet slips between two nodes.
+constexpr double kLevel = 0.9;
 constexpr double kFromNode = 0.05;  // A corner of the result keeps this share of the edge away from the nodes.
 constexpr int kBlock = 4;
 
-// Kuhn's six tetrahedra of a cube, as bits of x, y, z from its low corner.
+// These are Kuhn's six tetrahedra of a cube, as bits of x, y, z from its low corner.
 constexpr std::array<std::array<int, 4>, 6> kTetrahedra{
     {{0, 1, 3, 7}, {0, 1, 5, 7}, {0, 2, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 4, 6, 7}}};
 
@@ -59,7 +60,7 @@ class GridWrap {
                                   static_cast<double>(i / (size_[0] * size_[1])));
   }
 
-  // Distance above the level; blocks far from the mesh get the bound of their middle.
+  // Computes the distance above the level; blocks far from the mesh get the bound of their middle.
   void measure() {
     value_.assign(static_cast<std::size_t>(size_[0] * size_[1] * size_[2]), 0.0F);
     tbb::parallel_for(std::int64_t{0}, (size_[2] + kBlock - 1) / kBlock, [&](std::int64_t slab) {
@@ -76,14 +77,14 @@ class GridWrap {
       for (std::int64_t y = y0; y < std::min(y0 + kBlock, size_[1]); ++y) {
         for (std::int64_t x = x0; x < std::min(x0 + kBlock, size_[0]); ++x) {
           const std::size_t n = node(x, y, z);
-          // Only the sign counts where the neighbours are as far.
+          // If the neighbours are as far, only the sign counts.
           value_[n] = static_cast<float>(least > 2.0 * cell_ ? least : surface_.closest(place(n)).distance_mm - level_);
         }
       }
     }
   }
 
-  // What can be reached from the corner of the grid along the edges of the tetrahedra is outside.
+  // Everything that can be reached from the corner of the grid along the edges of the tetrahedra is outside.
   void flood() {
     outside_.assign(value_.size(), 0);
     std::vector<std::size_t> open{0};
@@ -158,7 +159,7 @@ class GridWrap {
   std::array<std::int64_t, 3> size_{};
   std::vector<float> value_;
   std::vector<std::uint8_t> outside_;
-  std::unordered_map<std::uint64_t, int> corner_of_;  // Keyed by the edge of the grid.
+  std::unordered_map<std::uint64_t, int> corner_of_;
   Mesh result_;
 };
 

@@ -20,11 +20,11 @@ namespace triskin::geometry {
 namespace {
 
 constexpr int kPoll_ms = 20;
-// A child that waits uses no processor time, so the clock on the wall ends it as well. A busy machine may give it a
-// tenth of a processor.
+// A waiting child uses no processor time, so wall-clock time limits it as well. A busy machine may give it a tenth of a
+// processor.
 constexpr unsigned kWallFactor = 10;
 
-// What the parent has mapped is mapped here too, so the limit comes on top of it.
+// The child inherits everything that the parent has mapped, so the limit is added to that.
 void limit_memory(std::uint64_t bytes) {
   std::ifstream statm("/proc/self/statm");
   std::uint64_t pages = 0;

@@ -8,13 +8,13 @@
 namespace triskin::geometry {
 
 struct IsolatedLimits {
-  unsigned cpu_s = 1;              ///< The child may use so much processor time, and ten times that on the clock.
-  std::uint64_t memory_bytes = 0;  ///< It may allocate so much beside what this process has; 0 sets no limit.
+  unsigned cpu_s = 1;  ///< The child may use this much processor time, and ten times that of wall-clock time.
+  std::uint64_t memory_bytes = 0;  ///< The child may allocate this much more than the parent has; 0 sets no limit.
 };
 
 /// Does `work` in a child process and returns its bytes. Returns nothing when the child crashed, was ended by the
-/// library, exceeded a limit, or when `is_late` (may be empty; asked every 20 ms) says that it has to end. `work` must
-/// not throw and must not wait for other threads. Throws InputError when no child process can be started.
+/// library, exceeded a limit, or when `is_late` (may be empty; asked every 20 ms) tells it to end. `work` must not
+/// throw and must not wait for other threads. Throws InputError when no child process can be started.
 [[nodiscard]] std::optional<std::string> run_isolated(const std::function<std::string()>& work,
                                                       const IsolatedLimits& limits,
                                                       const std::function<bool()>& is_late = {});

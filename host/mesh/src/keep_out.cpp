@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kFinest_mm = 1.5;
 
-// Signed distance to the union of the keep-outs, negative inside; no steeper than 1.
+// The signed distance to the union of the keep-outs is negative inside and nowhere steeper than 1.
 class KeepOuts {
  public:
   explicit KeepOuts(const ExtractOptions& options) : options_(options) {
@@ -42,7 +42,8 @@ class KeepOuts {
 };
 
 struct Reach {
-  double distance, radius;  // Distance of the centroid, and from there to the farthest corner.
+  // The distance belongs to the centroid, and the radius reaches from there to the farthest corner.
+  double distance, radius;
 };
 
 Reach reach_of(const KeepOuts& outs, const Mesh& mesh, const std::array<int, 3>& f) {
@@ -51,7 +52,7 @@ Reach reach_of(const KeepOuts& outs, const Mesh& mesh, const std::array<int, 3>&
   return {outs.distance(middle), std::max({(a - middle).norm(), (b - middle).norm(), (c - middle).norm()})};
 }
 
-// One pass: every marked edge gets a vertex in its middle, in all faces that have it, so that the mesh stays
+// In one pass every marked edge gets a vertex in its middle, in all faces that have it, so that the mesh stays
 // conforming.
 class Divider {
  public:

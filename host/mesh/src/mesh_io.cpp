@@ -28,7 +28,7 @@ namespace triskin::geometry {
 namespace {
 
 constexpr double kSmallestPart_mm = 20.0;
-constexpr double kLargestGuess_mm = 3000.0;  // Used for files without a unit.
+constexpr double kLargestGuess_mm = 3000.0;  // Without a stated unit, a mesh larger than this is refused.
 constexpr double kLargestPart_mm = 5000.0;
 
 // A double still resolves 2 µm there; `check` has the same bound.
@@ -55,7 +55,7 @@ struct UnitRow {
 constexpr std::array<UnitRow, 4> kUnits{
     {{"mm", "millimetres", 1.0}, {"cm", "centimetres", 10.0}, {"in", "inches", 25.4}, {"m", "metres", 1000.0}}};
 
-// Units in which a mesh of this size (mm) would be a body part, and how large it would be.
+// Lists the units in which a mesh of this size (mm) would be a body part, and how large it would be.
 std::string fitting_units(double size_mm) {
   std::vector<std::string> names, options;
   for (const UnitRow& unit : kUnits) {
@@ -95,7 +95,7 @@ void require_object(const std::string& name, const ObjectFilter& objects) {
       fmt::format("{}: has no object \"{}\"; it has {}", name, objects.wanted, fmt::join(objects.names, ", ")));
 }
 
-// The content decides. An extension that says something else is a mistake of the one who named the file, and is said.
+// The content decides. An extension that says something else is the user's mistake and gives a note.
 MeshFormat format_of(const MeshSource& source, const std::string& extension) {
   const MeshFormat by_content = format_by_content(source.bytes), by_name = format_by_extension(extension);
   const bool is_same = name_of(by_content) == name_of(by_name);
@@ -188,7 +188,7 @@ double scale_of(LengthUnit unit) {
 MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit, const std::string& object,
                    const cad::FaceSelection& faces) {
   const std::string name = path == "-" ? "standard input" : path.string();
-  const std::string read = read_file(path);  // Once, because it may be a pipe.
+  const std::string read = read_file(path);  // The file is read only once, because it may be a pipe.
   if (cad::is_cad_file(path, read)) return read_part_mesh(path, read, unit, with_body(faces, object));
   if (!faces.is_empty())
     throw InputError(
@@ -240,7 +240,7 @@ void write_obj(const std::filesystem::path& path, const Mesh& mesh) {
 
 namespace {
 
-// Text, because the binary form keeps single precision only.
+// Text keeps double precision; the binary form keeps single precision only.
 void write_text_stl(const std::filesystem::path& path, const Mesh& mesh) {
   std::string text = "solid triskin\n";
   for (const auto& f : mesh.faces) {

@@ -25,15 +25,15 @@ using Tree =
 
 constexpr double kStart_mm = 0.05;  // Rays start this far above the face.
 constexpr int kEvenPasses = 4;
-constexpr double kRaysPer_s = 8e5;  // Rays per second of processor time, measured on scans of 50,000 … 120,000 faces.
-constexpr double kMinVisibility_s = 0.2;  // Processor time; it suffices to sample each of up to 1,250 faces.
-constexpr double kSameDirection = 0.8;    // Cosine between the normals of faces that share an answer.
+constexpr double kRaysPer_s = 8e5;        // The rate was measured on scans of 50,000 … 120,000 faces.
+constexpr double kMinVisibility_s = 0.2;  // This much processor time is enough to sample each of up to 1,250 faces.
+constexpr double kSameDirection = 0.8;    // Faces share an answer if the cosine between their normals is at least this.
 
 Kernel::Point_3 point(const Vec3& p) {
   return {p.x(), p.y(), p.z()};
 }
 
-// Malley's method over a Fibonacci spiral: even points of the disc, raised to the half sphere, are cosine weighted.
+// Malley's method over a Fibonacci spiral: even points of the disc, raised to the half sphere, are cosine-weighted.
 std::vector<Vec3> directions(int rays) {
   std::vector<Vec3> result;
   constexpr double kGoldenAngle = 2.399963229728653;
@@ -65,12 +65,12 @@ double share_free(const Tree& tree, const std::vector<Vec3>& directions, const V
   return static_cast<double>(free) / static_cast<double>(directions.size());
 }
 
-// Sides that run opposite ways; of several that run the same way, each with the last before it that runs the other.
+// Pairs sides that run opposite ways; if several run the same way, each is paired with the last opposite one before it.
 std::vector<std::array<int, 3>> pairs_across(const Mesh& mesh) {
   std::vector<std::array<int, 3>> neighbour(mesh.faces.size(), {-1, -1, -1});
   const EdgeSides sides(mesh);
   sides.each_edge([&](std::span<const EdgeSide> edge) {
-    std::array<const EdgeSide*, 2> last{};  // Sides that start at the low vertex, and at the high one.
+    std::array<const EdgeSide*, 2> last{};  // The first starts at the low vertex, the second at the high one.
     for (const EdgeSide& s : edge) {
       const std::size_t way = mesh.faces[at(s.face)][at(s.side)] == s.low ? 0 : 1;
       last[way] = &s;
@@ -83,7 +83,7 @@ std::vector<std::array<int, 3>> pairs_across(const Mesh& mesh) {
   return neighbour;
 }
 
-// Connected faces, at most `most` together, that face about as the first and largest of them does.
+// Groups connected faces, at most `most` together, that face about the same way as the first and largest of them.
 std::vector<std::vector<int>> groups_of(const Mesh& mesh, std::size_t most) {
   const auto neighbour = pairs_across(mesh);
   std::vector<Vec3> cross(mesh.faces.size());
@@ -111,7 +111,7 @@ std::vector<std::vector<int>> groups_of(const Mesh& mesh, std::size_t most) {
   return groups;
 }
 
-// Whole parts may be stored inside out: what sees more with its back is turned.
+// Whole parts may be stored inside out: a part that sees more with its back is turned.
 void turn_parts(Mesh& mesh, std::vector<Visibility>& visibility, const std::vector<std::array<int, 3>>& neighbour) {
   std::vector<bool> seen(mesh.faces.size(), false);
   for (std::size_t first = 0; first < mesh.faces.size(); ++first) {

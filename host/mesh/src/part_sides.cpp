@@ -12,7 +12,7 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr std::size_t kAsked = 16;  // Corners sampled per part: one is enough if no two faces cross.
+constexpr std::size_t kAsked = 16;  // This many corners are sampled per part; one is enough if no two faces cross.
 
 struct Part {
   std::vector<int> faces;
@@ -47,7 +47,8 @@ std::vector<Part> parts_of(const Mesh& mesh) {
   return parts;
 }
 
-// How often a closed part goes round a point: the sum of the solid angles of its faces (van Oosterom, Strackee 1983).
+// Returns how often a closed part winds around a point: the sum of the solid angles of its faces (van Oosterom,
+// Strackee 1983).
 double winding_number(const Mesh& mesh, const Part& part, const Vec3& p) {
   double angle = 0.0;
   for (const int face : part.faces) {

@@ -19,7 +19,7 @@ Vec3 normal_of(const Mesh& mesh, const std::vector<int>& corners) {
   return sum;
 }
 
-// Is corner k an ear: convex, and no other corner in its triangle?
+// Tells whether corner k is an ear: convex, with no other corner in its triangle.
 bool is_ear(const Mesh& mesh, const std::vector<int>& corners, std::size_t k, const Vec3& normal) {
   const std::size_t n = corners.size();
   const int ia = corners[(k + n - 1) % n], ib = corners[k], ic = corners[(k + 1) % n];

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// From any triangles to a surface that design() takes. Each way is tried in turn; the last one always gives a result.
+// Turns any triangles into a surface that design() accepts. The methods are tried in turn, and the last one always
+// gives a result.
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
@@ -26,26 +27,29 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kApart_mm = 0.01;              // Corners that would only touch are moved apart by this.
-constexpr int kRoundsApart = 5;                 // Corners are moved this often; after that, what touches is dropped.
-constexpr int kRoundsDivided = 3;               // Dividing is repeated because rounded coordinates may cross again.
-constexpr double kHiddenVisibility = 0.05;      // A part of the arrangement that sees less is inside.
+constexpr double kApart_mm = 0.01;          // Corners that would only touch are moved apart by this distance.
+constexpr int kRoundsApart = 5;             // Corners are moved at most this often; parts that still touch are dropped.
+constexpr int kRoundsDivided = 3;           // Dividing is repeated because rounded coordinates may cross again.
+constexpr double kHiddenVisibility = 0.05;  // A part of the arrangement that sees less of the sky counts as inside.
 constexpr std::size_t kVisibilitySamples = 48;  // This many faces of a part are sampled.
-constexpr double kLooseShare = 0.05;  // Losing more of the area with small parts, the input counts as shattered.
-constexpr double kGoodDeviation_mm = 5.0, kGoodMean_mm = 0.2;  // Up to these values the next way is not tried.
-constexpr double kSlitWidth_mm = 0.1;  // Area of a border loop to its length: a hole of 0.4 mm across has this.
+// If small parts with more than this fraction of the area are lost, the input counts as shattered.
+constexpr double kLooseShare = 0.05;
+constexpr double kGoodDeviation_mm = 5.0, kGoodMean_mm = 0.2;  // Below both values the next method is not tried.
+// The width is the area of a border loop over its length: a hole of 0.4 mm across has this value.
+constexpr double kSlitWidth_mm = 0.1;
 constexpr std::size_t kMaxSlitCorners = 60, kMaxSlits = 10;
 constexpr double kGridNodes = 1.5e6;
-constexpr double kGridCost_s = 1e-4;  // Measured time for each cell² of the area, with all that follows.
+constexpr double kGridCost_s = 1e-4;  // This time was measured for each cell² of the area, including all later steps.
 constexpr double kMinCell_mm = 1.0;
-// Largest share of the time for each part; they add up to more than 1, since few meshes need all of them. That of the
-// dividing, on which the others rest, is processor time: on a busy machine it may take all the time.
+// Each step may take at most this fraction of the time; they add up to more than 1, since few meshes need all of them.
+// The fraction for dividing, on which the others depend, is processor time: on a busy machine it may take all the time.
 constexpr double kDivideShare = 0.4, kWrapShare = 0.4, kNearShare = 0.15, kSettleShare = 0.25, kMeasureShare = 0.12;
 constexpr double kMinGridShare = 0.2;
-constexpr double kNeedle = 1e-5;        // Twice the area to the square of the longest side.
-constexpr int kRoundsNear = 6;          // A grid's surface is drawn to the input this often.
-constexpr double kWrapCost_s = 1.2e-3;  // Processor time for each alpha² of the area; measured: 0.1e-3 … 1.1e-3.
-constexpr double kWelding = 1e-6;       // Welding moves vertices by this share of the size, over all steps.
+constexpr double kNeedle = 1e-5;  // The ratio is twice the area over the square of the longest side.
+constexpr int kRoundsNear = 6;    // The surface of a grid is moved toward the input this often.
+// The cost is processor time for each alpha² of the area; 0.1e-3 … 1.1e-3 were measured.
+constexpr double kWrapCost_s = 1.2e-3;
+constexpr double kWelding = 1e-6;  // Welding moves vertices by this share of the size, over all steps.
 
 using Pairs = std::vector<std::pair<int, int>>;
 
@@ -75,7 +79,7 @@ std::vector<bool> border_vertices(const Mesh& mesh) {
   return border;
 }
 
-// Vertices at the same place go a little towards their own faces: those at a border, or else all of them.
+// Moves vertices at the same place a little towards their own faces: those at a border, or else all of them.
 void draw_apart(Mesh& mesh) {
   const auto place = [&](int v) {
     const Vec3& p = mesh.vertices[at(v)];
@@ -109,7 +113,7 @@ void draw_apart(Mesh& mesh) {
   }
 }
 
-// Border loops, each turned to bound faces that would fill it, that are too narrow to be meant.
+// Returns border loops that are too narrow to be intended, each oriented for the faces that would fill it.
 std::vector<std::vector<int>> slits_of(const Mesh& mesh) {
   std::vector<std::vector<int>> slits;
   const Surface surface(mesh);
@@ -129,7 +133,8 @@ std::vector<std::vector<int>> slits_of(const Mesh& mesh) {
   return slits;
 }
 
-// Closes the slits that dropped faces leave: all, or else, unless late, one by one those where nothing crosses.
+// Closes the slits that dropped faces leave: all of them, or else, unless late, one by one those that cause no
+// crossing.
 void close_slits(Mesh& mesh, const IsLate& is_late) {
   const auto slits = slits_of(mesh);
   const auto closed = [](Mesh m, const std::vector<int>& slit) {
@@ -148,7 +153,8 @@ void close_slits(Mesh& mesh, const IsLate& is_late) {
   }
 }
 
-// What decides which of two faces that cross goes: the sky that each sees, or where that is not asked, its area.
+// Values the two faces of a crossing: the one with less visibility is dropped, or if that is not measured, the smaller
+// one.
 std::map<int, double> values_of(const Mesh& mesh, const Pairs& crossings, double visibility_s, bool is_late) {
   std::vector<int> asked;
   for (const auto& [a, b] : crossings) asked.insert(asked.end(), {a, b});
@@ -177,11 +183,11 @@ Mesh without_crossings(const Mesh& mesh, const Pairs& crossings, double visibili
   return result;
 }
 
-// Divides what crosses, in a child process: exact constructions may take long. A round that begins late might leave
-// nothing of those before it.
+// Divides crossing faces in a child process, because exact constructions may take long. A round that begins late could
+// lose the result of those before it.
 std::optional<Mesh> divided(const Mesh& mesh, const RepairTime& time) {
   const double half_s = 0.5 * time.cpu_s(kDivideShare);
-  // Processor time of the child.
+  // Returns the processor time of the child.
   const auto used_s = [] { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; };
   const auto work = [&] {
     Mesh m = mesh;
@@ -211,7 +217,7 @@ std::optional<Mesh> divided(const Mesh& mesh, const RepairTime& time) {
   return mesh_of(*answer);
 }
 
-// Parts that hang together over edges of two faces.
+// Returns the parts that are connected over edges of two faces.
 std::vector<std::vector<int>> parts_of(const Mesh& mesh) {
   std::vector<std::array<int, 3>> neighbour(mesh.faces.size(), {-1, -1, -1});
   const EdgeSides sides(mesh);
@@ -238,7 +244,7 @@ std::vector<std::vector<int>> parts_of(const Mesh& mesh) {
   return parts;
 }
 
-// The largest faces of a part: they stand for it when the sky is asked.
+// Returns the largest faces of a part, which represent it when visibility is measured.
 std::vector<int> samples_of(const Mesh& mesh, std::vector<int> part, std::size_t most) {
   const std::size_t n = std::min(part.size(), most);
   std::ranges::partial_sort(part, part.begin() + static_cast<std::ptrdiff_t>(n), std::greater<>(),
@@ -247,8 +253,9 @@ std::vector<int> samples_of(const Mesh& mesh, std::vector<int> part, std::size_t
   return part;
 }
 
-// Parts whose better side sees next to nothing, in the mean over their samples, are inside. Many parts have fewer
-// samples each; where they are too many for one each in `visibility_s`, those of most faces are asked.
+// Parts whose better side sees next to nothing, in the mean over their samples, are inside. If there are many parts,
+// each has fewer samples; if even one sample per part exceeds `visibility_s`, only the parts with most faces are
+// tested.
 Mesh without_hidden_parts(const Mesh& mesh, double visibility_s) {
   auto parts = parts_of(mesh);
   if (parts.size() < 2) return mesh;
@@ -283,7 +290,7 @@ Mesh without_hidden_parts(const Mesh& mesh, double visibility_s) {
   return result.faces.empty() ? mesh : result;
 }
 
-// What the deviation is measured from, and which of its faces are outside.
+// The deviation is measured from this mesh; the flags mark its outside faces.
 struct Reference {
   Mesh mesh;
   std::vector<bool> outside;
@@ -301,7 +308,7 @@ bool is_needle(const Vec3& a, const Vec3& b, const Vec3& c) {
   return (b - a).cross(c - a).norm() < kNeedle * longest;
 }
 
-// Faces that cross, or have hardly an area.
+// Returns faces that cross, or have almost no area.
 std::vector<int> bad_faces(const Mesh& mesh) {
   std::vector<int> bad;
   for (const auto& [a, b] : crossing_faces(mesh)) bad.insert(bad.end(), {a, b});
@@ -313,8 +320,8 @@ std::vector<int> bad_faces(const Mesh& mesh) {
   return bad;
 }
 
-// The corners of a wrap go up to the gap to the input; those of faces that would cross stay on the way, or where they
-// are. A wrap that does not cross itself stays one; when late it stays as it is.
+// Moves the corners of a wrap up to the gap to the input; those of faces that would cross stop on the way or stay. A
+// wrap that does not cross itself stays free of crossings; when late it stays unchanged.
 Mesh drawn_near(const Mesh& wrap, const Mesh& input, double gap_mm, const IsLate& is_late) {
   const TriangleTree surface(input);
   std::vector<Vec3> way(wrap.vertices.size());
@@ -357,7 +364,7 @@ class Repairer {
   }
 
  private:
-  // A wrap changes all faces: it is worth that only where much is missing.
+  // A wrap changes all faces, which is worth it only if much is missing.
   [[nodiscard]] bool good() const {
     if (!best_) return false;
     const Deviation& d = best_->report.deviation;
@@ -374,7 +381,7 @@ class Repairer {
       before_ = e.report;
       if (area_of(e.surface) >= (1.0 - kLooseShare) * area_of(mesh_)) input = std::move(e.surface);
     } catch (const InputError&) {
-      // shattered: only the wraps help
+      // The input is shattered, so only the wraps help.
       crossings_ = static_cast<int>(crossing_faces(mesh_).size());
     }
     const auto parts = divided(input, time_);
@@ -383,7 +390,7 @@ class Repairer {
                  options_.outer == ExtractOptions::When::kAlways);
   }
 
-  // The steps after a wrap take as long as its share; the remaining time must hold both.
+  // The steps after a wrap take as long as the wrap itself; the remaining time must hold both.
   void wrap(double alpha_mm) {
     const double max_s = std::min(kWrapShare * options_.repair_s, 0.5 * time_.left_s());
     if (kWrapCost_s * area_of(reference_.mesh) / (alpha_mm * alpha_mm) > max_s) return;
@@ -393,7 +400,7 @@ class Repairer {
     if (mesh) try_settling(*mesh, Repair::kWrap, options_.outer != ExtractOptions::When::kNever);
   }
 
-  // Makes the grid as fine as the remaining time allows. A repair that has nothing yet takes a little more.
+  // Makes the grid as fine as the remaining time allows. A repair without any result yet takes a little more.
   void grid() {
     const double min_s = best_ ? 0.0 : kMinGridShare * options_.repair_s;
     const double left_s = std::max(min_s, time_.left_s());
@@ -429,7 +436,7 @@ class Repairer {
       r.deviation.largest_mm += kWelding * diagonal_of(mesh_);
       if (!best_ || r.deviation.largest_mm < best_->report.deviation.largest_mm) best_ = std::move(e);
     } catch (const InputError&) {
-      // nothing large enough is left this way; the next one is tried
+      // This method left nothing large enough, so the next one is tried.
     }
   }
 

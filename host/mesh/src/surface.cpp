@@ -13,11 +13,11 @@
 namespace triskin::geometry {
 namespace {
 
-// Minimum length of the sum of a vertex's normals, weighted by angle. A shorter one is rounding of normals that
-// cancel, and its direction would depend on the order of the sum.
+// The sum of a vertex's normals, weighted by angle, must be at least this long. A shorter one comes from rounding of
+// normals that cancel, and its direction would depend on the order of the sum.
 constexpr double kCancelled_rad = 1e-6;
 
-// 0: at a … 1: at b.
+// Returns 0 at a … 1 at b.
 double closest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 d = b - a;
   const double length_squared = d.squaredNorm();
@@ -26,7 +26,7 @@ double closest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
 
 }  // namespace
 
-// Regions of Voronoi of the triangle's features (Ericson, Real-Time Collision Detection, 5.1.5).
+// Tests the Voronoi regions of the triangle's features (Ericson, Real-Time Collision Detection, 5.1.5).
 Vec3 closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a, ac = c - a, ap = p - a;
   const double d1 = ab.dot(ap), d2 = ac.dot(ap);
@@ -80,7 +80,7 @@ void Surface::compute_normals() {
 
 void Surface::find_border() {
   std::vector<int> before(mesh_.vertices.size(), -1),
-      after = before;  // The walk follows the border; of several edges at a vertex the last one counts.
+      after = before;  // The walk follows the border; of several edges at a vertex, the last one counts.
   for (std::size_t f = 0; f < mesh_.faces.size(); ++f) {
     for (int s = 0; s < 3; ++s) {
       if (neighbour_[f][at(s)] >= 0) continue;

@@ -19,12 +19,12 @@ namespace {
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr double kFreeRim_mm = 1.5, kFreeRimStep_mm = 0.5, kFreeStep_mm = 3.0;
 constexpr double kCoverStep_mm = 1.0, kWorthStep_mm = 3.0;
-// Reach from a module's corner to a place beside it: within_mm, a side, some height.
+// A place beside a module may be this far from its corner: within_mm, a side, some height.
 constexpr double kBeside_mm = 75.0;
-constexpr double kSheet_mm = 8.0;  // What lies higher or lower is another sheet.
-constexpr double kStretch = 1.5;   // The way on the surface may be this much longer than along the module.
+constexpr double kSheet_mm = 8.0;  // Anything higher or lower belongs to another sheet.
+constexpr double kStretch = 1.5;   // The path on the surface may be this much longer than the one along the module.
 constexpr double kReachStep_mm = 0.005,
-                 kReachPart = 0.05;  // keep_out_mm() is found to this share of what exceeds 1 mm.
+                 kReachPart = 0.05;  // keep_out_mm() is exact to this fraction of the reach beyond 1 mm.
 constexpr double kModuleRadius_mm = 2.0 * kHeight_mm / 3.0;
 
 double distance_to_segment(const Vec3& p, const std::array<Vec3, 2>& s) {
@@ -91,20 +91,20 @@ SurfaceRegions::SurfaceRegions(const Surface& surface, design::Regions regions)
   }
 }
 
-// > 0 inside: the distance to the rim, or a lower bound of it; < 0 outside.
+// Returns a value > 0 inside, which is the distance to the rim or a lower bound of it; < 0 outside.
 double SurfaceRegions::inside_mm(std::size_t region, const Vec3& p, int face) const {
   const design::Region& r = regions_.list[region];
   if (const auto* s = std::get_if<design::Sphere>(&r.shape)) return s->radius_mm - (p - s->center_mm).norm();
   if (const auto* b = std::get_if<design::Box>(&r.shape))
     return std::min((p - b->low_mm).minCoeff(), (b->high_mm - p).minCoeff());
   const Group& group = groups_[region];
-  double least = 1e6;  // Larger than any surface.
+  double least = 1e6;  // No surface has points this far away.
   for (const auto& edge : group.rim) least = std::min(least, distance_to_segment(p, edge));
   return group.holds[at(face)] ? least : -least;
 }
 
-// Points of a region with the area that each stands for: parts of faces, divided until they are smaller than the step;
-// nearer than `rim_mm` to the rim than the step there.
+// Samples a region by points with the area that each represents: parts of faces, divided until they are smaller than
+// the step. A finer step holds nearer than `rim_mm` to the rim.
 void SurfaceRegions::sample(std::size_t region, double rim_step_mm, double step_mm, double rim_mm,
                             const std::function<void(const Vec3&, double)>& visit) const {
   const Mesh& mesh = surface_.mesh();
@@ -120,7 +120,7 @@ void SurfaceRegions::sample(std::size_t region, double rim_step_mm, double step_
       if (inside >= 0.0) visit(middle, 0.5 * (t[1] - t[0]).cross(t[2] - t[0]).norm());
       return;
     }
-    std::size_t s = 0;  // It begins with the longest side.
+    std::size_t s = 0;  // The search begins with the longest side.
     for (std::size_t k = 1; k < 3; ++k) {
       if ((t[(k + 1) % 3] - t[k]).norm() > (t[(s + 1) % 3] - t[s]).norm()) s = k;
     }
@@ -148,7 +148,8 @@ double SurfaceRegions::weight_at(const Vec3& center_mm) const {
   return regions_.elsewhere;
 }
 
-// A part of the module whose middle reaches in by x can reach in by no more than x + kStretch · its radius.
+// If the middle of a part of the module reaches in by x, no point of it can reach in by more than x + kStretch · its
+// radius.
 double SurfaceRegions::keep_out_mm(const std::array<Vec3, 3>& corner_mm, double corner_cut_mm) const {
   double deepest = 0.0;
   const Vec3 center = (corner_mm[0] + corner_mm[1] + corner_mm[2]) / 3.0;
@@ -185,7 +186,7 @@ std::vector<SurfaceRegions::MustCover> SurfaceRegions::must_cover(double step_mm
     if (!r.cover) continue;
     const std::size_t first = places.size();
     double area = 0.0;
-    // A region smaller than the step is found with a smaller one.
+    // A smaller step finds a region that is smaller than the first one.
     for (double step = step_mm; places.size() == first && step > 0.01; step *= 0.5) {
       sample(k, step, step, 0.0, [&](const Vec3& p, double share) {
         places.push_back({p, static_cast<int>(k), r.within_mm, share});

@@ -8,23 +8,23 @@
 
 namespace triskin::geometry {
 
-/// Boxes of the faces of a mesh.
 [[nodiscard]] std::vector<Bvh::Extent> extents_of_faces(const Mesh& mesh);
-/// Tree of them, made on `threads` (≥ 1).
+/// Builds the tree of these boxes on `threads` (≥ 1).
 [[nodiscard]] Bvh tree_of_faces(const Mesh& mesh, int threads = 1);
 
-/// Closest point of the mesh that `tree` was made of, of those nearer than within_mm. Without any: face -1 and distance
-/// infinity.
+/// Returns the closest point of the mesh from which `tree` was made, if it is nearer than within_mm; otherwise face -1
+/// and distance infinity.
 [[nodiscard]] SurfacePoint closest_face_point(const Bvh& tree, const Mesh& mesh, const Vec3& query_mm,
                                               double within_mm = std::numeric_limits<double>::infinity());
 
-/// Closest points of any triangles, a surface or not. The mesh must outlive it. Queries are thread-safe.
+/// Finds closest points of any set of triangles, which need not be a surface. The mesh must outlive it. Queries are
+/// thread-safe.
 class TriangleTree {
  public:
   explicit TriangleTree(const Mesh& mesh) : mesh_(mesh), tree_(tree_of_faces(mesh)) {}
 
   [[nodiscard]] const Mesh& mesh() const { return mesh_; }
-  /// Cost: O(log n) typical.
+  /// Returns the point of the triangles that is closest to the query. Cost: O(log n) typical.
   [[nodiscard]] SurfacePoint closest(const Vec3& query_mm) const { return closest_face_point(tree_, mesh_, query_mm); }
 
  private:

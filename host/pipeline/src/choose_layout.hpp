@@ -14,31 +14,31 @@ namespace triskin::pipeline {
 struct WiredLayout {
   design::ModuleLayout layout;
   std::vector<design::Jumper> places;  ///< Jumpers are possible at these places.
-  /// Division of the modules among controllers, with jumpers at the places.
+  /// Divides the modules among controllers, with jumpers at the places.
   std::shared_ptr<const geometry::Division> division;
-  int patches = 0, jumpers = 0;  ///< They belong to the cheapest solution found.
-  double price = 0.0;            ///< It sums patches, jumpers and islands.
-  double module_value = 0.0;     ///< It is the value of the modules, or their number without regions.
-  /// Worth − price; of no module less than anything, since a cover was asked for.
+  int patches = 0, jumpers = 0;  ///< Both numbers belong to the cheapest solution found.
+  double price = 0.0;            ///< The price sums patches, jumpers and islands.
+  double module_value = 0.0;     ///< The value of the modules, or their number without regions.
+  /// Returns worth − price. A layout without modules is worth less than any other, since a cover was asked for.
   [[nodiscard]] double value() const { return layout.modules.empty() ? -1e300 : module_value - price; }
 };
 
-/// Finds the places of jumpers and the cheapest controllers of a layout. `regions` of the surface, or null. Cost: about
-/// 0.1 s for 150 modules, 2 s for 4,500.
+/// Finds the places of jumpers and the cheapest controllers of a layout. `regions` of the surface may be null. Cost:
+/// about 0.1 s for 150 modules, 2 s for 4,500.
 [[nodiscard]] WiredLayout priced(const geometry::Surface& surface, design::ModuleLayout layout,
                                  const design::LayoutLimits& limits, const geometry::RoutingOptions& routing,
                                  const geometry::SurfaceRegions* regions);
 
-/// The same for each of several layouts. The first is always priced; others that are not begun when routing.give_up()
-/// are left out. Uses `threads` ≥ 1 threads; while it is not late the result does not depend on their
-/// number.
+/// Does the same for each of several layouts. The first is always priced; others that are not begun when
+/// routing.give_up() returns true are left out. Uses `threads` ≥ 1 threads; while it is not late the result does not
+/// depend on their number.
 [[nodiscard]] std::vector<WiredLayout> priced(const geometry::Surface& surface,
                                               std::vector<design::ModuleLayout> layouts,
                                               const design::LayoutLimits& limits,
                                               const geometry::RoutingOptions& routing,
                                               const geometry::SurfaceRegions* regions, int threads);
 
-/// Layouts that no other beats in both value and price, the highest value first.
+/// Returns layouts that no other beats in both value and price, the highest value first.
 [[nodiscard]] std::vector<design::Alternative> front_of(const std::vector<WiredLayout>& wired);
 
 }  // namespace triskin::pipeline

@@ -38,7 +38,7 @@ void finish(design::Design& d, const geometry::Surface& surface, const geometry:
   d.report.seconds = seconds_since(start);
 }
 
-// Indexed by id: true if it is named or, with `others`, if it is not.
+// Marks each id that is named or, with `others`, that is not.
 std::vector<bool> marked(const design::Design& d, const std::vector<int>& ids, bool others = false) {
   std::vector<bool> mark(d.layout.modules.size(), others);
   for (const int id : ids) {
@@ -48,7 +48,7 @@ std::vector<bool> marked(const design::Design& d, const std::vector<int>& ids, b
   return mark;
 }
 
-// The module and side that a place hangs on, in a layout whose islands still have their old numbers.
+// Returns the module and side beside which a place lies, in a layout whose islands still have their old numbers.
 BesideModule resolved(const NewPlace& place, const design::ModuleLayout& layout, const std::vector<int>& new_id) {
   if (const auto* beside = std::get_if<BesideModule>(&place)) {
     const int id = new_id.at(static_cast<std::size_t>(beside->module));
@@ -74,7 +74,7 @@ std::string text_of(const NewPlace& place) {
   return fmt::format("tile {}/{}/{} of island {}", tile.i, tile.j, tile.up ? "up" : "down", island);
 }
 
-// "overrun_mm 4.90 (0.49 is allowed), …", modules by their old ids.
+// Writes "overrun_mm 4.90 (0.49 is allowed), …", with modules by their old ids.
 std::string text_of(const std::vector<geometry::BrokenLimit>& broken, const std::vector<int>& new_id) {
   std::string text;
   for (const geometry::BrokenLimit& b : broken) {
@@ -100,8 +100,8 @@ void add_one(const NewPlace& place, const geometry::Surface& surface, const geom
   result.added.push_back(static_cast<int>(d.layout.modules.size()) - 1);
 }
 
-// Kinds by place for the modules from number `first` on; the others keep theirs. Regions that name modules or islands
-// by their old numbers have done their work.
+// Assigns kinds by place to the modules from number `first` on; the others keep theirs. Regions that name modules or
+// islands by their old numbers have already been applied.
 void give_kinds(design::Design& d, std::size_t first) {
   std::erase_if(d.kinds.regions, [](const auto& r) { return !design::is_place(r.region); });
   design::assign_kinds_by_place(d.kinds, d.layout, first);
@@ -113,7 +113,7 @@ EditedDesign unchanged(const design::Design& design) {
   return result;
 }
 
-// The layouts of the search and that of the design, best first.
+// Returns the layouts of the search and that of the design, best first.
 std::vector<WiredLayout> choices_around(const design::Design& d, const geometry::Surface& surface,
                                         const geometry::SurfaceRegions* regions,
                                         const std::vector<design::PlacedModule>& kept, const GrowAroundOptions& options,

@@ -8,9 +8,9 @@
 
 namespace triskin::pipeline {
 
-/// The regions on the surface that was made of a mesh file: groups and faces of the file become faces of the surface.
-/// Errors: InputError naming the region for groups and faces that are not there, that do not belong to the surface, and
-/// for any of them where the mesh had to be repaired, so that its faces are others. Cost: O(faces) a region of faces.
+/// Maps regions to the surface that was made of a mesh file: groups and faces of the file become faces of the surface.
+/// Errors: InputError naming the region for groups and faces that do not exist or do not belong to the surface, and for
+/// any of them if the mesh had to be repaired, which changes its faces. Cost: O(faces) per region of faces.
 [[nodiscard]] design::Regions resolve_regions(const std::filesystem::path& mesh, const geometry::MeshFile& file,
                                               const geometry::Extraction& surface, const design::RegionFile& wanted);
 

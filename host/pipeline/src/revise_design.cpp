@@ -18,7 +18,7 @@ bool keeps_limits(const design::PlacedModule& m, const design::LayoutLimits& lim
          m.edge_depth_mm <= limits.depth_mm && m.overrun_mm <= limits.overrun_mm && m.keep_out_mm <= limits.overrun_mm;
 }
 
-// The modules of the older design that can stand on the new surface; the ids that they get.
+// Takes over the modules of the older design that fit on the new surface; returns their new ids.
 std::vector<int> take_over(const design::Design& old, design::Design& d) {
   const geometry::Surface surface(d.surface);
   const auto regions = regions_of(surface, d);
@@ -35,7 +35,7 @@ std::vector<int> take_over(const design::Design& old, design::Design& d) {
   return new_id;
 }
 
-// The same jumper between the new ids among the places, where its cable is measured on the new surface.
+// Returns the same jumper between the new ids among the places, with its cable measured on the new surface.
 std::optional<design::Jumper> jumper_now(const design::Jumper& was, const std::vector<int>& new_id,
                                          const std::vector<design::Jumper>& places) {
   for (design::Jumper place_now : places) {
@@ -47,7 +47,7 @@ std::optional<design::Jumper> jumper_now(const design::Jumper& was, const std::v
   return std::nullopt;
 }
 
-// Keeps the patches whose modules and joints are as they were.
+// Keeps the patches whose modules and joints are unchanged.
 class PatchKeeper {
  public:
   PatchKeeper(const design::Design& old, const design::Design& now, const std::vector<int>& new_id,
@@ -70,7 +70,7 @@ class PatchKeeper {
   [[nodiscard]] bool has_modules(const design::Patch& patch) const {
     return std::ranges::all_of(patch.modules, [&](const auto& m) { return new_id_[at(m.node)] >= 0; });
   }
-  // Joints to modules of the same patch; those to others may come and go.
+  // Only joints to modules of the same patch count; those to others may change.
   [[nodiscard]] bool has_joints(const design::Patch& patch) const {
     const int index = wiring_[at(patch.modules.front().node)].patch;
     return std::ranges::all_of(patch.modules, [&](const auto& m) {
@@ -109,7 +109,7 @@ class PatchKeeper {
   std::vector<design::ModuleWiring> wiring_;
 };
 
-// Free places that no new patch filled are gone, so what follows them moved up.
+// Free places that no new patch filled are removed, so later patches moved up.
 void follow_gaps(const design::Design& old, const design::Design& now, Revision& revision) {
   const auto wiring = design::wiring_of(now);
   for (std::size_t p = 0; p < revision.new_patch.size(); ++p) {

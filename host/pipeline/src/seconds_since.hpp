@@ -11,8 +11,8 @@ using Clock = std::chrono::steady_clock;
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// True from `end_s` after `start` on. Empty with a fixed number of `iterations`: the result must not depend on the
-/// time.
+/// Returns true from `end_s` after `start` on. Empty with a fixed number of `iterations`, because the result must not
+/// depend on the time.
 [[nodiscard]] inline std::function<bool()> give_up_at(Clock::time_point start, double end_s, int iterations) {
   if (iterations > 0) return {};
   return [start, end_s] { return seconds_since(start) > end_s; };

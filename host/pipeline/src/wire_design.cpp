@@ -29,7 +29,7 @@ void fill_report(design::Design& design, const geometry::Surface& surface) {
   }
 }
 
-// The wiring looks longer for the cheapest than the pricing did: what the taken alternative costs is what was wired.
+// The wiring searches longer than the pricing did, so the taken alternative states the cost of the actual wiring.
 void state_taken(design::Design& design) {
   if (design.taken < 0) return;
   design::Alternative& taken = design.alternatives[static_cast<std::size_t>(design.taken)];
@@ -72,7 +72,7 @@ void wire(design::Design& design, const geometry::Surface& surface, const geomet
           const std::shared_ptr<const geometry::Division>& division, const geometry::KeptWiring* kept) {
   geometry::RoutingOptions routing = routing_options(design);
   routing.division = division;
-  // The places are joints that the router may take: none of them is in the layout yet.
+  // The router may turn these places into joints; none of them is in the layout yet.
   design.layout.jumpers.clear();
   const design::ModuleGraph graph = design::graph_of(design.layout);
   geometry::RoutingResult routes = kept == nullptr ? geometry::route(graph, places, routing, progress)

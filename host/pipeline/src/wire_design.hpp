@@ -11,16 +11,17 @@
 
 namespace triskin::pipeline {
 
-/// Seed and price of a design for the router.
+/// Passes the seed and price of a design to the router.
 [[nodiscard]] geometry::RoutingOptions routing_options(const design::Design& design);
 
-/// The regions of a design on its surface, which it refers to; null without regions. Cost: linear in the faces.
+/// Returns the regions of a design on its surface, to which they refer; null without regions. Cost: linear in the
+/// faces.
 [[nodiscard]] std::unique_ptr<const geometry::SurfaceRegions> regions_of(const geometry::Surface& surface,
                                                                          const design::Design& design);
 
 /// Gives the layout of a design, whose modules are measured, controllers, jumpers (at some of `places`), report and id;
-/// the alternative that is taken states what they cost. `regions` of the surface, or null; `division` of this layout
-/// with these places, when it is known. `kept`: wiring that stays; null: all is wired anew.
+/// the alternative that is taken states what they cost. `regions` of the surface may be null; `division` is that of
+/// this layout with these places, if it is known. `kept` is wiring that stays; null wires everything anew.
 void wire(design::Design& design, const geometry::Surface& surface, const geometry::SurfaceRegions* regions,
           const std::vector<design::Jumper>& places, const ProgressSink& progress,
           const std::shared_ptr<const geometry::Division>& division = nullptr,

@@ -8,12 +8,12 @@
 namespace triskin::geometry {
 namespace {
 
-// I²C-bus specification UM10204, table 10: fastest bus at which a rise time is allowed.
+// Gives the fastest bus at which a rise time is allowed (I²C-bus specification UM10204, table 10).
 struct Mode {
   double bus_hz, rise_ns;
 };
 constexpr Mode kFast{400e3, 300.0}, kStandard{100e3, 1000.0};
-constexpr double kRise = 0.8473;  // This is ln(0.7 / 0.3).
+constexpr double kRise = 0.8473;  // ln(0.7 / 0.3) relates RC to the rise from 30 to 70 %.
 
 double allowed_rise_ns(double bus_hz) {
   return bus_hz > kStandard.bus_hz ? kFast.rise_ns : kStandard.rise_ns;
@@ -43,7 +43,7 @@ std::vector<LineLoad> line_loads(const ElectricalModel& model, const std::vector
                                  const std::vector<int>& line, int lines, double cable_m,
                                  const std::vector<double>& jumper_m) {
   const int n = static_cast<int>(parent.size());
-  std::vector<unsigned> below(parent.size(), 0);  // Lines used at or below a node.
+  std::vector<unsigned> below(parent.size(), 0);  // Each bit is a line that is used at or below the node.
   for (std::size_t v = parent.size(); v-- > 0;) {
     below[v] |= 1U << line[v];
     if (parent[v] >= 0) below[at(parent[v])] |= below[v];

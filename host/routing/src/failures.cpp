@@ -11,14 +11,14 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr int kBorderWorth = 6;  // Counted in modules.
+constexpr int kBorderWorth = 6;  // A border entry is worth this many modules.
 
 struct Failure {
-  int dead = -1;                      // Local number of the failed node.
-  std::array<int, 2> broken{-1, -1};  // Local numbers of parent and child.
+  int dead = -1;                      // The failed node has this local number.
+  std::array<int, 2> broken{-1, -1};  // Parent and child have local numbers.
 };
 
-// Owner and depth of every node, shared by all patches of a result.
+// Holds owner and depth of every node, shared by all patches of a result.
 struct Ownership {
   std::vector<int> patch, depth;
 };
@@ -43,7 +43,7 @@ class PatchAnalysis {
       if (m->parent >= 0) size_[at(index(m->parent))] += size_[at(index(m->node))];
     }
     entry_ = index(patch.entry);
-    // The cable of an inner entry lies in a joint: that joint is gone for good.
+    // The cable of an inner entry occupies a joint, which is lost permanently.
     const int behind = g_.neighbour[at(entry_)][at(patch.modules[0].rotation)];
     if (behind >= 0) {
       bits_.cut(entry_, behind);
@@ -114,7 +114,8 @@ class PatchAnalysis {
       const auto [side, border] = connector_side(v);
       if (side < 0) continue;
       const int saves = total_reached(1U << entry_ | 1U << v) - without;
-      // A cable from outside is worth a few modules over all failures: inside only where it saves clearly more.
+      // A cable from outside is worth a few modules over all failures; an inner entry is taken only if it saves clearly
+      // more.
       const int score = saves > 0 ? saves + (border ? kBorderWorth : 0) : 0;
       if (score <= best) continue;
       best = score;
@@ -125,7 +126,8 @@ class PatchAnalysis {
     }
   }
 
-  // A side without a joint of this patch, best on the border; otherwise at the seam to another patch. −1: none.
+  // Returns a side without a joint of this patch, best on the border; otherwise at the seam to another patch. −1 if
+  // there is none.
   [[nodiscard]] std::pair<int, bool> connector_side(int v) const {
     int seam = -1;
     for (int s = 0; s < 3; ++s) {
@@ -160,8 +162,8 @@ class PatchAnalysis {
     return !(f.dead < 0 && ((a == f.broken[0] && b == f.broken[1]) || (a == f.broken[1] && b == f.broken[0])));
   }
 
-  // Takes `v` into the live tree below `parent`, and with it all that hangs together by tree joints: it is turned, not
-  // rebuilt.
+  // Takes `v` into the live tree below `parent`, together with everything connected to it by tree joints: the subtree
+  // is re-rooted, not rebuilt.
   void attach(const Failure& f, int v, int parent) {
     std::vector<std::array<int, 2>> queue{{v, parent}};
     for (std::size_t k = 0; k < queue.size(); ++k) {
@@ -187,7 +189,7 @@ class PatchAnalysis {
     rejoin(f);
   }
 
-  // The joint from the shallowest live module to an unreachable module, again and again.
+  // Joins the shallowest live module to an unreachable one, repeatedly.
   void rejoin(const Failure& f) {
     for (;;) {
       std::tuple<int, int, int> best{1 << 20, -1, -1};
@@ -203,12 +205,12 @@ class PatchAnalysis {
     }
   }
 
-  // Orphans that touch another patch with free addresses are read by it, nearest to its entry first.
+  // Orphans that touch another patch with free addresses are read by it, the one nearest to its entry first.
   void adopt(const Failure& f, FailureLoss& result) const {
     std::vector<int> adopter(at(g_.size()), -1), depth(at(g_.size()), 0);
     std::vector<std::array<int, 2>> taken;  // Each entry is a patch and the number of modules it takes.
     for (;;) {
-      std::tuple<int, int, int> best{1 << 20, -1, -1};  // Depth, unreachable module and parent node.
+      std::tuple<int, int, int> best{1 << 20, -1, -1};  // The entries are depth, unreachable module and parent node.
       for (int v = 0; v < g_.size(); ++v) {
         if (depth_[at(v)] >= 0 || v == f.dead || adopter[at(v)] >= 0) continue;
         for (const int node : graph_.nodes[at(g_.node[at(v)])].neighbour)
@@ -245,7 +247,7 @@ class PatchAnalysis {
     if (used < options_.lines * options_.addresses) best = std::min(best, {d, v, node});
   }
 
-  // A cable, this patch's or the other's, lies in the joint of v and the node.
+  // Returns true if a cable, this patch's or the other's, occupies the joint of v and the node.
   [[nodiscard]] bool cable_between(int v, int node) const {
     const Patch& other = patches_[at(owner_.patch[at(node)])];
     const int mine = g_.node[at(v)];
@@ -279,7 +281,7 @@ void analyse_failures(const ModuleGraph& graph, const RoutingOptions& options, s
       owner.depth[at(m.node)] = m.depth;
     }
   }
-  // Every connector is planned before losses are counted: it takes a joint that adoption could use.
+  // Every connector is planned before losses are counted, because it occupies a joint that adoption could use.
   for (Patch& patch : patches) PatchAnalysis(graph, options, patches, owner, patch).plan();
   for (Patch& patch : patches) PatchAnalysis(graph, options, patches, owner, patch).run();
 }

@@ -8,7 +8,7 @@ namespace triskin::geometry {
 
 /// Fills, for every patch, the loss under each single failure of a module or tree joint, the backup trees, the second
 /// entry that saves most, articulation modules and bridges. A switched patch re-joins every orphaned subtree where it
-/// comes to lie least deep; what no joint reaches is read through the second entry, then by neighbouring patches with
+/// lies least deep; modules that no joint reaches are read through the second entry, then by neighbouring patches with
 /// free addresses.
 void analyse_failures(const ModuleGraph& graph, const RoutingOptions& options, std::vector<Patch>& patches);
 

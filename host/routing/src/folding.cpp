@@ -6,7 +6,7 @@
 namespace triskin::geometry {
 namespace {
 
-// Peels leaves until only the core is left; `settle` sees every folded node before its attachment, core nodes last.
+// Peels leaves until only the core remains; `settle` visits every folded node before its attachment, core nodes last.
 class Folder {
  public:
   Folder(const LocalGraph& g, const std::vector<int>& part_of, int part, int capacity)
@@ -102,7 +102,7 @@ class Folder {
   const std::vector<int>& part_of_;
   int part_, capacity_;
   std::vector<int> degree_;
-  std::vector<std::array<int, 3>> kept_;  // Branches, the lightest first, −1 when closed.
+  std::vector<std::array<int, 3>> kept_;  // Branches are sorted, the lightest first; −1 marks a closed one.
   std::vector<int> weight_;
   std::vector<bool> gone_;
   std::vector<int> closed_, core_;

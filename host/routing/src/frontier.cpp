@@ -13,8 +13,8 @@ namespace {
 struct State {
   FrontierKey key;
   int closed = 0;
-  int before = -1;      // State of the previous layer.
-  unsigned joined = 0;  // Sides over which the node joined its neighbour's part.
+  int before = -1;      // The state belongs to the previous layer.
+  unsigned joined = 0;  // At these sides the node joined its neighbour's part.
   bool keeps_branch = true;
 };
 
@@ -72,11 +72,11 @@ class FrontierProgramme {
     return true;
   }
 
-  // All ways to join v to the blocks of its neighbours, with and without its branch.
+  // Tries all ways to join v to the blocks of its neighbours, with and without its branch.
   void expand(const State& state, int index, int v, const std::vector<int>& frontier, const std::vector<bool>& stays,
               int to_come) {
     const FrontierBlocks blocks = unpack_blocks(state.key, frontier.size());
-    std::array<int, 3> block_at{-1, -1, -1};  // Block at each side; every block is listed once.
+    std::array<int, 3> block_at{-1, -1, -1};  // Every block is listed at one side only.
     for (std::size_t s = 0; s < 3; ++s) {
       const auto position = std::ranges::find(frontier, g_.neighbour[at(v)][s]);
       if (position == frontier.end()) continue;

@@ -11,14 +11,14 @@ enum class Decision { kFeasible, kInfeasible, kTooLarge };
 
 struct FrontierAnswer {
   Decision decision = Decision::kTooLarge;
-  std::vector<std::vector<int>> parts;  ///< They are the parts of the whole graph, if it is feasible.
+  std::vector<std::vector<int>> parts;  ///< If the graph is feasible, all parts of it are listed.
 };
 
-/// Can the folded graph be divided into at most k parts? Exact, by a dynamic programme that adds the core's nodes one
-/// by one and keeps, for the nodes that still have neighbours to come (the frontier), which of them share a part and
-/// the weight of each such part (docs/routing.md). A state is dropped when its closed parts and ⌈open weight /
-/// capacity⌉ exceed k. Answers kTooLarge after `budget` state transitions or when the frontier outgrows 12 nodes:
-/// counted, so equal on every machine.
+/// Decides exactly whether the folded graph can be divided into at most k parts. A dynamic programme adds the core's
+/// nodes one by one and keeps, for the nodes that still have unplaced neighbours (the frontier), which of them share a
+/// part and the weight of each such part (docs/routing.md). A state is dropped when its closed parts and ⌈open weight
+/// / capacity⌉ exceed k. Answers kTooLarge after `budget` state transitions or when the frontier exceeds 12 nodes;
+/// transitions are counted, so the answer is equal on every machine.
 [[nodiscard]] FrontierAnswer divide_exactly(const LocalGraph& g, const Folding& folding, int capacity, int k,
                                             long budget);
 

@@ -17,7 +17,8 @@ FrontierOrder grow(const LocalGraph& g, const std::vector<int>& nodes, const std
   }
   int frontier = 0;
   while (!border.empty()) {
-    std::pair<int, std::size_t> best{9, 0};  // Change of the frontier, and place in the border.
+    // The first is the change of the frontier, the second the place in the border.
+    std::pair<int, std::size_t> best{9, 0};
     for (std::size_t k = 0; k < border.size(); ++k) {
       int change = missing[at(border[k])] > 0 ? 1 : 0;
       for (const int w : g.neighbour[at(border[k])]) change -= w >= 0 && placed[at(w)] && missing[at(w)] == 1 ? 1 : 0;

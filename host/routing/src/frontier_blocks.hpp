@@ -7,14 +7,14 @@
 
 #include "folding.hpp"
 
-/// What the dynamic programmes over a frontier share (frontier.cpp, jumper_frontier.cpp): an order of the nodes that
-/// keeps the frontier small, and states that are equal when the nodes of the frontier share parts in the same way.
+/// The dynamic programmes over a frontier share this code (frontier.cpp, jumper_frontier.cpp): an order of the nodes
+/// that keeps the frontier small, and states that are equal when the nodes of the frontier share parts in the same way.
 namespace triskin::geometry {
 
-inline constexpr int kMaxFrontier = 12;  ///< More nodes do not fit a key.
+inline constexpr int kMaxFrontier = 12;  ///< A key has no room for more nodes.
 
-/// Position s of the frontier: 4 bits of `label` name its block, 5 bits of `weight` at the label hold the block's
-/// weight. Labels are numbered by first appearance, so equal situations have equal keys.
+/// At position s of the frontier, 4 bits of `label` name its block, and 5 bits of `weight` at the label hold the
+/// block's weight. Labels are numbered by first appearance, so equal situations have equal keys.
 struct FrontierKey {
   std::uint64_t label = 0, weight = 0;
   bool operator==(const FrontierKey&) const = default;
@@ -26,7 +26,7 @@ struct FrontierKeyHash {
   }
 };
 
-/// The block of each frontier node and the weights, unpacked.
+/// Unpacks the block of each frontier node and the weights.
 struct FrontierBlocks {
   std::array<int, kMaxFrontier + 1> label{};
   std::array<int, kMaxFrontier + 2> weight{};
@@ -40,22 +40,23 @@ struct FrontierBlocks {
   return b;
 }
 
-/// A frontier after one more node: its key, the weight of the parts that stay open, and how many parts were closed
-/// because no node of them has neighbours to come.
+/// The frontier after one more node: its key, the weight of the parts that stay open, and how many parts were closed
+/// because none of their nodes has unplaced neighbours.
 struct NextFrontier {
   FrontierKey key;
   int open_weight = 0, closed = 0;
 };
 
-/// The frontier after node v, which stands behind its nodes, has joined the blocks `block_at[side]` of the sides set in
-/// `joined`; `weight` is that of v's part then. `stays[s]`: position s has neighbours to come. Cost: some 12 x 3 steps.
+/// Returns the frontier after node v, which stands behind its nodes, has joined the blocks `block_at[side]` of the
+/// sides set in `joined`; `weight` is then that of v's part. `stays[s]` tells that position s has unplaced neighbours.
+/// Cost: some 12 x 3 steps.
 [[nodiscard]] inline NextFrontier next_frontier(const FrontierBlocks& before, unsigned joined,
                                                 const std::array<int, 3>& block_at, int weight,
                                                 const std::vector<bool>& stays) {
   const std::size_t n = stays.size() - 1;
   std::array<int, kMaxFrontier + 2> renamed{};
   renamed.fill(-1);
-  const int fresh = kMaxFrontier + 1;  // Number of the block of v.
+  const int fresh = kMaxFrontier + 1;  // The block of v has this number.
   const auto block_of = [&](std::size_t position) {
     if (position == n) return fresh;
     for (std::size_t side = 0; side < 3; ++side) {

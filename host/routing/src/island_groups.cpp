@@ -51,7 +51,7 @@ std::int64_t IslandGroups::price_of(const Group& g) const {
   return price_.of(parts_of(g.weight) + saved_together(g), std::popcount(g.islands) - 1);
 }
 
-// Islands of `placed` with neighbours to come.
+// Returns the islands of `placed` that have unplaced neighbours.
 IslandSet IslandGroups::growing(IslandSet placed) const {
   IslandSet growing = 0;
   for (IslandSet rest = placed; rest != 0; rest &= rest - 1) {
@@ -61,7 +61,7 @@ IslandSet IslandGroups::growing(IslandSet placed) const {
   return growing;
 }
 
-// Tries each start. The next island is the neighbour after which the fewest can grow; ties go to the one with most
+// Tries each start. The next island is the neighbour after which the fewest can grow; ties are won by the one with most
 // neighbours placed. The order with the least Σ 4^(how many can grow) is taken.
 std::vector<int> IslandGroups::order() const {
   const int n = static_cast<int>(graph_.weight.size());
@@ -88,7 +88,7 @@ std::vector<int> IslandGroups::order() const {
   return best;
 }
 
-// The island alone or with any of the groups that it touches; false where `visit` says so.
+// Visits the island alone and with any of the groups that it touches; returns false if `visit` does.
 template <typename Visit>
 bool IslandGroups::for_each_way(const State& state, const Layer& layer, const Visit& visit) const {
   const Group mine{layer.can_grow & only(layer.island), only(layer.island), graph_.weight[at(layer.island)]};
@@ -127,7 +127,7 @@ bool IslandGroups::for_each_way(const State& state, const Layer& layer, const Vi
   return true;
 }
 
-// Parts that an island alone needs beyond its weight, and not when it is joined to others.
+// Returns the parts that an island alone needs beyond its weight, and saves when it is joined to others.
 int IslandGroups::saved_together(const Group& g) const {
   return std::has_single_bit(g.islands) ? graph_.alone[at(std::countr_zero(g.islands))] - parts_of(g.weight) : 0;
 }
@@ -135,7 +135,7 @@ int IslandGroups::free_places(const Group& g) const {
   return (parts_of(g.weight) + saved_together(g)) * capacity_ - g.weight;
 }
 
-// What follows depends on where a group can grow, its free places, and what it saves when it is alone no more.
+// The rest depends on where a group can grow, its free places, and what it saves when it is joined to others.
 IslandGroups::Key IslandGroups::key_of(const State& state) const {
   Key key;
   key.reserve(2 * state.size());
@@ -152,15 +152,15 @@ IslandGroups::Key IslandGroups::pattern_of(const State& state) {
   return pattern;
 }
 
-// What the islands to come add at least: as if they could fill all free places, and what is free then be saved, as
-// groups that are joined save controllers.
+// Returns the least that later islands add: as if they could fill all free places, and the free places could then be
+// saved, as groups that are joined save controllers.
 std::int64_t IslandGroups::filled(const State& state, int weight_to_come) const {
   for (const Group& g : state) weight_to_come -= free_places(g);
   return price_.of(weight_to_come > 0 ? parts_of(weight_to_come) : -(-weight_to_come / capacity_), 0);
 }
 
-// Price of the controllers that give the groups of `other`, of the same pattern, as many free places as those of
-// `state` have. With them whatever follows `state` can follow `other` at the same price or a lower one.
+// Returns the price of the controllers that give the groups of `other`, of the same pattern, as many free places as
+// those of `state` have. With them everything that follows `state` can follow `other` at the same price or a lower one.
 std::int64_t IslandGroups::lacking(const State& state, const State& other) const {
   int parts = 0;
   for (std::size_t g = 0; g < state.size(); ++g)
@@ -168,7 +168,7 @@ std::int64_t IslandGroups::lacking(const State& state, const State& other) const
   return price_.of(parts, 0);
 }
 
-// Lower bound of the price to come, also for a state that the layer lacks.
+// Returns a lower bound of the remaining price, also for a state that the layer lacks.
 std::int64_t IslandGroups::to_come(const State& state, const Layer& layer, long& budget) const {
   std::int64_t least = filled(state, layer.weight_to_come);
   const auto alike = layer.alike.find(pattern_of(state));
@@ -178,7 +178,7 @@ std::int64_t IslandGroups::to_come(const State& state, const Layer& layer, long&
   return least;
 }
 
-// All states forwards, then the least price of what follows each backwards. False: the budget ended.
+// Computes all states forwards, then the least remaining price of each backwards. Returns false if the budget ended.
 bool IslandGroups::lay_out(long budget) {
   std::vector<std::vector<Arc>> arcs;
   layers_.emplace_back();
@@ -197,7 +197,7 @@ bool IslandGroups::lay_out(long budget) {
   layers_.back().to_come.assign(layers_.back().state.size(), 0);
   for (std::size_t layer = arcs.size(); layer-- > 0;) {
     Layer& l = layers_[layer];
-    // What would reach the limit was left out: no less than up to there.
+    // States that would reach the limit were left out, so the bound ends there.
     for (const std::int64_t price : l.price) l.to_come.push_back(limit_ - price);
     for (const Arc& a : arcs[layer])
       l.to_come[at(a.from)] = std::min(l.to_come[at(a.from)], a.price + layers_[layer + 1].to_come[at(a.to)]);
@@ -228,7 +228,7 @@ bool IslandGroups::advance(Layer& next, long& budget, std::vector<Arc>& arcs) co
   return thin(next, budget, arcs);
 }
 
-// Leaves out states for which another stands in: with the controllers that it lacks it is no dearer.
+// Drops states that another can replace: with the controllers that it lacks the other one is no dearer.
 bool IslandGroups::thin(Layer& layer, long& budget, std::vector<Arc>& arcs) const {
   std::vector<int> order(layer.state.size());
   std::iota(order.begin(), order.end(), 0);

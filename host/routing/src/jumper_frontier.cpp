@@ -12,9 +12,9 @@ namespace triskin::geometry {
 namespace {
 
 constexpr int kStarts = 24;    // We try this many orders of the nodes.
-constexpr int kMaxUnits = 40;  // Caps the exponent of an order's cost, which is a power of two.
+constexpr int kMaxUnits = 40;  // The cost of an order is a power of two, and this caps the exponent.
 
-// What a slot costs in the choice of an order; jumpers count less than joints since most of them are not fitted.
+// Weighs slots in the choice of an order; jumpers count less than joints since most of them are not fitted.
 struct SlotUnits {
   int joint, jumper;
 };
@@ -22,11 +22,11 @@ struct SlotUnits {
 struct NodeOrder {
   std::vector<int> nodes;
   long cost = 0;
-  int reached = 0;  // Nodes placed until the budget ended.
+  int reached = 0;  // This many nodes were placed before the budget ended.
 };
 
-// An order of the nodes from each of some starts that keeps the slots few: the next node is the one after which they
-// are fewest.
+// Builds an order of the nodes from each of some starts that keeps the slots few: the next node is the one after which
+// they are fewest.
 class SlotOrder {
  public:
   SlotOrder(const JumperGraph& g, SlotUnits units) : g_(g), units_(units) {}
@@ -53,7 +53,7 @@ class SlotOrder {
   }
 
  private:
-  // Change of the units of all slots when v is placed.
+  // Returns the change of the units of all slots when v is placed.
   [[nodiscard]] int change(int v) const {
     int units = 0;
     bool stays = false;
@@ -82,18 +82,19 @@ struct Slot {
   int node, side;  // Side −1 means that it spans all joints.
 };
 
-// How a node meets the slots: the same for all states of a layer.
+// Tells how a node meets the slots, which is the same for all states of a layer.
 struct Step {
-  std::array<int, 3> over_joint{-1, -1, -1}, over_jumper{-1, -1, -1};  // Slots of placed neighbours at each side.
-  std::vector<int> kept;                                               // Slots of the previous layer that stay.
+  // These are the slots of placed neighbours at each side.
+  std::array<int, 3> over_joint{-1, -1, -1}, over_jumper{-1, -1, -1};
+  std::vector<int> kept;  // These slots of the previous layer remain.
   std::vector<bool> kept_is_jumper;
   bool stays = false;       // The node itself becomes a slot.
   int new_jumpers = 0;      // Jumpers to later nodes become slots, too.
-  int islands_to_come = 0;  // Number of islands that have no placed node.
+  int islands_to_come = 0;  // These islands have no placed node yet.
   bool between = false;     // Every other island is placed already.
 };
 
-// A way to join a node to the blocks of its neighbours.
+// One way to join a node to the blocks of its neighbours.
 struct Choice {
   unsigned sides = 0, blocks = 0, fitted = 0;  // All are bit sets; `fitted` holds the new jumpers.
   int weight = 1;
@@ -191,20 +192,20 @@ class CheapestPartition {
     return std::ranges::any_of(graph_.apart.neighbour[at(v)], [&](int w) { return w >= 0 && !placed_[at(w)]; });
   }
 
-  // All ways to join the node; jumpers that were fitted for it must be used.
+  // Tries all ways to join the node; jumpers that were fitted for it must be used.
   void expand(const JumperState& state, int index, const Step& step) {
     Choice forced;
     for (std::size_t s = 0; s < 3; ++s) {
       const int b = step.over_jumper[s] < 0 ? kNoBlock : state.labels.get(step.over_jumper[s]);
       if (b == kNoBlock) continue;
-      if ((forced.blocks >> b & 1) != 0) return;  // A single jumper is enough.
+      if ((forced.blocks >> b & 1) != 0) return;  // A single jumper to the block is enough.
       join(state, s, b, forced);
     }
-    std::array<int, 3> offered{kNoBlock, kNoBlock, kNoBlock};  // Block at each side; every block is listed once.
+    std::array<int, 3> offered{kNoBlock, kNoBlock, kNoBlock};  // Every block is listed at one side only.
     for (std::size_t s = 0; s < 3; ++s) {
       const int b = step.over_joint[s] < 0 ? kNoBlock : state.labels.get(step.over_joint[s]);
       if (b == kNoBlock || std::ranges::count(offered, b) > 0) continue;
-      if ((forced.blocks >> b & 1) != 0) return;  // The joint is enough.
+      if ((forced.blocks >> b & 1) != 0) return;  // The joint already connects the block.
       offered[s] = b;
     }
     for (unsigned sides = 0; sides < 8; ++sides) {
@@ -226,13 +227,13 @@ class CheapestPartition {
     choice.weight += state.weight(block);
   }
 
-  // A full part is closed at once: its slots belong to no block.
+  // A full part is closed at once, so its slots belong to no block.
   void commit(const JumperState& before, int index, const Step& step, const Choice& choice) {
     JumperState s;
     s.before = index;
     s.joined = static_cast<std::uint8_t>(choice.sides);
     const bool full = choice.weight == capacity_;
-    const int fresh = kMaxBlocks;  // Number of the node's block.
+    const int fresh = kMaxBlocks;  // The node's block has this number.
     std::array<int, kMaxBlocks + 1> renamed{};
     renamed.fill(-1);
     // All but slot and weight count jumpers.
@@ -256,8 +257,8 @@ class CheapestPartition {
       }
       label(mine ? fresh : b);
     }
-    if (choice.weight + mine_open > capacity_) return;  // There is no place for the modules behind the jumpers.
-    if (step.between && open == 0) return;              // Nothing would join the islands to come.
+    if (choice.weight + mine_open > capacity_) return;  // The modules behind the jumpers would have no place.
+    if (step.between && open == 0) return;              // Nothing could then join the later islands.
     if (step.stays) label(fresh);
     for (int k = 0; k < step.new_jumpers; ++k) label((choice.fitted >> k & 1) != 0 ? fresh : kNoBlock);
     int closed = renamed[at(fresh)] < 0 ? 1 : 0;
@@ -320,7 +321,7 @@ class CheapestPartition {
 
 }  // namespace
 
-// Only trying shows which order is good: all get a small budget, those that got far a larger one.
+// Only a trial shows which order is good: all get a small budget, and those that got far a larger one.
 CheapestParts cheapest_parts(const JumperGraph& g, int capacity, const IntegerPrice& price, std::int64_t limit,
                              long& budget) {
   std::vector<NodeOrder> orders;

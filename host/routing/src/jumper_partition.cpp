@@ -14,9 +14,10 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr long kFirstGroupBudget = 30'000, kGroupBudget = 500'000;  // State transitions, which take about 0.3 s.
-constexpr long kExactBudget = 4'000'000;                            // State transitions, which take about 0.3 s.
-constexpr long kPeelBudget = 200'000;                               // Node visits, which take about 3 ms.
+// The budgets count state transitions; the larger one takes about 0.3 s.
+constexpr long kFirstGroupBudget = 30'000, kGroupBudget = 500'000;
+constexpr long kExactBudget = 4'000'000;  // The budget counts state transitions, which take about 0.3 s.
+constexpr long kPeelBudget = 200'000;     // The budget counts node visits, which take about 3 ms.
 
 class JumperPartitioner {
  public:
@@ -46,14 +47,14 @@ class JumperPartitioner {
   [[nodiscard]] std::int64_t cost() const { return price_.of(best_.parts, best_.jumpers); }
   [[nodiscard]] bool met() const { return cost() <= bound_; }
   [[nodiscard]] bool is_late() const { return give_up_ && give_up_(); }
-  // Lower bound of the jumpers for as many parts as the best has.
+  // Returns a lower bound of the jumpers for as many parts as the best has.
   [[nodiscard]] int jumpers_bound() const {
     const std::int64_t of_jumpers = bound_ - price_.of(best_.parts, 0);
     const std::int64_t by_price = of_jumpers <= 0 ? 0 : (of_jumpers + price_.jumper - 1) / price_.jumper;
     return std::max(static_cast<int>(by_price), pieces_bound_ - best_.parts);
   }
 
-  // Every island alone: what is needed without jumpers, and how many pieces the islands fall into at least.
+  // Divides every island alone, to find the need without jumpers and the least number of pieces of the islands.
   void divide_islands() {
     std::vector<int> part_of(at(g_.apart.size()), -1);
     int parts = 0;
@@ -81,7 +82,7 @@ class JumperPartitioner {
     bound_ = std::max(bound_, groups->least().value_or(bound_));
   }
 
-  // Raises the bound by one jumper at most at a time: far fewer divisions lie below that than below the best.
+  // Raises the bound by at most one jumper at a time: far fewer divisions lie below that than below the best.
   void settle_groups(const IslandGroups& groups) {
     long budget = kGroupBudget;
     while (!met() && !is_late()) {
@@ -112,17 +113,17 @@ class JumperPartitioner {
     return graph;
   }
 
-  // What is known of a group: no division that joins all its islands costs less than `least`.
+  // Keeps what is known of a group: no division that joins all its islands costs less than `least`.
   struct Settled {
-    JumperGraph graph;  // Its `node` is the local node of the whole.
+    JumperGraph graph;  // `node` is here the local node of the whole graph.
     std::int64_t least = 0;
     JumperDivision best;
     bool too_large = false;  // True if the exact programme could not solve it because of its size.
   };
   [[nodiscard]] std::int64_t price_of(const JumperDivision& d) const { return price_.of(d.parts, d.jumpers); }
 
-  // Works on the groups of a division until one is dearer than was known; where none is, their own best together may be
-  // cheaper than the best of the whole. False where nothing was gained: nothing can be.
+  // Works on the groups of a division until one is dearer than known before; if none is, their own best together may be
+  // cheaper than the best of the whole. Returns false if nothing was gained, because then nothing can be.
   bool settle(const IslandGroups& groups, const IslandGroups::Division& division) {
     bool gained = false;
     for (const IslandSet group : division.groups) {
@@ -166,7 +167,7 @@ class JumperPartitioner {
     return s;
   }
 
-  // Finds a division of the group that costs `least`, or raises that: to the limit, by one jumper at most.
+  // Finds a division of the group that costs `least`, or raises `least`: up to the limit, by at most one jumper.
   void raise(Settled& s, std::int64_t limit) {
     const std::int64_t next = std::min({price_of(s.best), limit, s.least + price_.jumper});
     const CheapestParts exact = cheapest_parts(s.graph, capacity_, price_, next, exact_budget_);
@@ -183,7 +184,7 @@ class JumperPartitioner {
   const std::function<bool()>& give_up_;
   Dice random_;
   std::vector<std::vector<int>> islands_;
-  std::vector<int> alone_;  // Indexed by island: no partition of the island has fewer parts.
+  std::vector<int> alone_;  // No partition of the island alone has fewer parts.
   JumperDivision best_;
   int pieces_bound_ = 0;
   std::int64_t bound_ = 0;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kTrees = 100;
 constexpr int kMovesAPart = 400, kMovesAQuestion = 64;
-constexpr long kAlwaysVisited = 300'000;  // Nodes of search trees, which take some 10 ms.
+constexpr long kAlwaysVisited = 300'000;  // The limit counts nodes of search trees, which take some 10 ms.
 
 // A spanning tree of some nodes, and the most that can be saved by joining its nodes into parts.
 class TreeDivision {
@@ -26,8 +26,8 @@ class TreeDivision {
         most_(at(g.joined.size())),
         taken_(at(g.joined.size())) {}
 
-  // Random tree over the nodes v with scope[v] == stamp, which are connected; joints before jumpers, but for one tree
-  // in four.
+  // Draws a random tree over the nodes v with scope[v] == stamp, which must be connected; joints come before jumpers,
+  // except in one tree of four.
   void draw(const std::vector<int>& scope, int stamp, int root, Dice& random) {
     struct Step {
       int from, to;
@@ -63,8 +63,8 @@ class TreeDivision {
     }
   }
 
-  // The cheapest parts that the tree allows, exact: by node and weight of the part at it, the most that joining saves.
-  // Numbers the parts from `first` on; returns how many there are.
+  // Finds the cheapest parts that the tree allows, exactly: by node and weight of the part at it, the most that joining
+  // saves. Numbers the parts from `first` on and returns their number.
   int divide(int first, std::vector<int>& part_of) {
     for (const int v : order_) {
       saved_[at(v)][1] = 0;
@@ -164,11 +164,11 @@ class JumperSearch {
  private:
   [[nodiscard]] std::int64_t cost() const { return price_.of(best_.parts, best_.jumpers); }
   // However late it is, some search is made: without any, every island has controllers of its own, and 211 modules had
-  // 19 of them where 14 do.
+  // 19 of them where 14 are enough.
   [[nodiscard]] bool is_late() const { return visited_nodes_ > kAlwaysVisited && give_up_ && give_up_(); }
 
-  // Some neighbouring parts are joined and divided along another tree. Equal prices are taken, in the first half of the
-  // moves sometimes also one jumper more.
+  // Joins some neighbouring parts and divides them along another tree. Equal prices are accepted, and in the first half
+  // of the moves sometimes also one more jumper.
   void improve(std::int64_t bound) {
     now_ = best_.part_of;
     members_.assign(at(best_.parts), {});
@@ -185,7 +185,7 @@ class JumperSearch {
     }
   }
 
-  // Parts of the move: one, and neighbours of what is taken until there are two to five.
+  // Chooses the parts of the move: one, and neighbours of the chosen ones until there are two to five.
   void choose() {
     ++stamp_;
     chosen_.clear();
@@ -203,7 +203,7 @@ class JumperSearch {
     for (const int v : members_[at(part)]) scope_[at(v)] = stamp_;
   }
 
-  // The change of the price, 0 when the move is refused.
+  // Returns the change of the price, 0 when the move is refused.
   std::int64_t move(std::int64_t allowed) {
     choose();
     std::int64_t before = 0;
@@ -234,7 +234,7 @@ class JumperSearch {
         renumber(static_cast<int>(members_.size()) - 1);
       }
     }
-    // The last part takes the number that becomes free.
+    // The last part takes the number that became free.
     for (std::size_t k = chosen_.size(); k > fresh.size(); --k) {
       const int free = chosen_[k - 1];
       if (free + 1 < static_cast<int>(members_.size())) {
@@ -253,7 +253,7 @@ class JumperSearch {
     best_.jumpers = jumpers_of(g_, now_, best_.parts);
   }
 
-  // Number of pieces of a part without its jumpers.
+  // Returns the number of pieces of a part without its jumpers.
   int pieces(const std::vector<int>& part, const std::vector<int>& part_of) {
     visited_.resize(at(g_.apart.size()), 0);
     ++visit_;

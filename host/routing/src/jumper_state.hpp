@@ -6,15 +6,15 @@
 
 #include "triskin/base/index.hpp"
 
-/// States of the exact programme over joints and jumpers (jumper_frontier.cpp). A slot is what a node yet to come can
-/// join: a placed node over a joint, or the far end of a jumper. A block is a part that can still grow.
+/// Defines the states of the exact programme over joints and jumpers (jumper_frontier.cpp). A slot is what a later node
+/// can join: a placed node over a joint, or the far end of a jumper. A block is a part that can still grow.
 namespace triskin::geometry {
 
 inline constexpr int kMaxSlots = 32, kMaxBlocks = 12;
 inline constexpr int kNoBlock =
     15;  ///< This label marks a slot that cannot be joined, because its part is full or its jumper not fitted.
 
-/// The block of each slot, 4 bits each; blocks are numbered by first appearance, so equal situations are equal.
+/// Stores the block of each slot in 4 bits; blocks are numbered by first appearance, so equal situations are equal.
 struct SlotLabels {
   std::array<std::uint64_t, 2> half{};
   [[nodiscard]] int get(int slot) const { return static_cast<int>(half[at(slot / 16)] >> (4 * (slot % 16)) & 15); }
@@ -31,15 +31,15 @@ struct SlotLabelsHash {
 struct JumperState {
   SlotLabels labels;
   std::uint64_t weights = 0;  ///< Each block has five bits, of which the highest is 0.
-  std::int64_t cost = 0;      ///< It sums the closed parts and the fitted jumpers.
-  int before = -1;            ///< It is the number of the state in the previous layer.
+  std::int64_t cost = 0;      ///< The cost covers the closed parts and the fitted jumpers.
+  int before = -1;            ///< The state numbered so in the previous layer led here.
   std::uint8_t blocks = 0;
-  std::uint8_t joined = 0;  ///< Over these sides the node joined a neighbour's part.
+  std::uint8_t joined = 0;  ///< At these sides the node joined a neighbour's part.
 
   [[nodiscard]] int weight(int block) const { return static_cast<int>(weights >> (5 * block) & 31); }
-  /// True if, with the same labels, whatever completes `other` completes this at no higher price.
+  /// Returns true if, with the same labels, everything that completes `other` completes this at no higher price.
   [[nodiscard]] bool beats(const JumperState& other) const {
-    constexpr std::uint64_t kGuards = 0x0842108421084210ULL;  // Bit 4 of each of 12 fields.
+    constexpr std::uint64_t kGuards = 0x0842108421084210ULL;  // The mask has bit 4 of each of 12 fields.
     return cost <= other.cost && (((other.weights | kGuards) - weights) & kGuards) == kGuards;
   }
 };

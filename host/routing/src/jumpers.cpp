@@ -12,16 +12,17 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kRounding_mm = 1e-9;  // Rounding error of 32 steps.
+constexpr double kRounding_mm = 1e-9;  // This covers the rounding error of 32 steps.
 constexpr int kSteps = 32;             // We measure the length of a jumper in this many steps.
-constexpr double kLayer_mm = 10.0;     // A jumper does not cross what lies farther off along the normal.
+constexpr double kLayer_mm = 10.0;     // A jumper does not cross a module that lies farther off along the normal.
 constexpr double kReach_mm = 17.4;     // The corners of a module are this far from its centroid.
 
 Vec3 normal_of(const std::array<Vec3, 3>& t) {
   return (t[1] - t[0]).cross(t[2] - t[0]).normalized();
 }
 
-// The segment has a point that lies more than `depth_mm` inside the module, seen along the module's normal.
+// Returns true if the segment has a point that lies more than `depth_mm` inside the module, seen along the module's
+// normal.
 bool crosses_module(const Vec3& a, const Vec3& b, const std::array<Vec3, 3>& t, double depth_mm) {
   const Vec3 center = (t[0] + t[1] + t[2]) / 3.0, normal = normal_of(t);
   if ((0.5 * (a + b) - center).norm() > kReach_mm + (b - a).norm()) return false;
@@ -101,7 +102,7 @@ class JumperFinder {
     return j;
   }
 
-  // Shortest first; each side and each pair of modules once, and none across another.
+  // Takes the shortest first; uses each side and each pair of modules once, and none across another.
   [[nodiscard]] std::vector<Jumper> without_conflicts(const std::vector<Jumper>& places) const {
     std::set<std::array<int, 2>> used_sides, used_pairs;
     std::vector<Segment> segments;

@@ -21,7 +21,7 @@ int LineAssigner::number(const Fill& fill) {
   return found->second;
 }
 
-// Distinct sums only, each with the first permutation that gives it.
+// Lists distinct sums only, each with the first permutation that gives it.
 const std::vector<LineAssigner::Way>& LineAssigner::ways(int a, int b) {
   const auto [found, is_new] = ways_.try_emplace({a, b});
   if (!is_new) return found->second;
@@ -39,7 +39,7 @@ const std::vector<LineAssigner::Way>& LineAssigner::ways(int a, int b) {
   return found->second;
 }
 
-// tables_[v][k]: fills of v with its first k children; each step keeps the cheapest way to a fill.
+// tables_[v][k] has the fills of v with its first k children; each step keeps the cheapest way to a fill.
 void LineAssigner::solve(const std::vector<int>& parent) {
   children_.assign(parent.size(), {});
   tables_.assign(parent.size(), {});
@@ -85,11 +85,11 @@ LineAssignment LineAssigner::assign(const std::vector<int>& parent) {
   return result;
 }
 
-// `physical[position]`: line that stands at this position of the sorted fill.
+// `physical[position]` is the line at this position of the sorted fill.
 void LineAssigner::read_back(std::size_t v, int fill, std::vector<int> physical, std::vector<int>& line) const {
   for (std::size_t k = children_[v].size(); k > 0; --k) {
     const Entry& e = *std::ranges::find(tables_[v][k], fill, &Entry::fill);
-    // Sorting moved the lines: find which position of the sum each position of `before` became.
+    // Sorting moved the lines, so we search which position of the sum each position of `before` became.
     Fill sum = fills_[static_cast<std::size_t>(e.before)];
     const Fill& child = fills_[static_cast<std::size_t>(e.child)];
     for (std::size_t l = 0; l < sum.size(); ++l) sum[static_cast<std::size_t>(e.way->onto[l])] += child[l];

@@ -11,23 +11,24 @@ namespace triskin::geometry {
 
 struct LineAssignment {
   std::vector<int> line;  ///< Each node has its line, and at most `per_line` nodes share one.
-  int line_hops = 0;      ///< It sums over the edges how many lines are used below each.
+  int line_hops = 0;      ///< The sum over the edges counts how many lines are used below each.
 };
 
-/// Fewest line hops of a rooted tree, exact: dynamic programme bottom-up over the sorted numbers of nodes that a
-/// subtree puts on each line. A tree is given as parent[0] = −1 and parents before children; n ≤ lines · per_line.
-/// Keeps tables between calls; one object per thread. Cost: at most 8² pairs of fills an edge for four lines of four.
+/// Finds the fewest line hops of a rooted tree, exactly: dynamic programme bottom-up over the sorted numbers of nodes
+/// that a subtree puts on each line. A tree is given as parent[0] = −1 and parents before children; n ≤ lines ·
+/// per_line. Keeps tables between calls, so each thread needs its own object. Cost: at most 8² pairs of fills per edge
+/// for four lines of four.
 class LineAssigner {
  public:
   LineAssigner(int lines, int per_line) : lines_(lines), per_line_(per_line) {}
   [[nodiscard]] int min_hops(const std::vector<int>& parent);
   [[nodiscard]] LineAssignment assign(const std::vector<int>& parent);
-  /// Σ over edges of ⌈size below / per_line⌉ ≤ min_hops.
+  /// Returns Σ over edges of ⌈size below / per_line⌉ ≤ min_hops.
   [[nodiscard]] int bound(const std::vector<int>& parent) const;
 
  private:
-  using Fill = std::vector<int>;  // Nodes on each line, the largest first.
-  struct Way {                    // Two fills are added so that line l of the second lies on line onto[l] of the first.
+  using Fill = std::vector<int>;  // A fill counts the nodes on each line, the largest first.
+  struct Way {                    // Adds two fills so that line l of the second lies on line onto[l] of the first.
     int sum = 0;
     std::vector<int> onto;
   };

@@ -6,7 +6,7 @@
 namespace triskin::geometry {
 namespace {
 
-// `neighbours_of(node)`: those over its three sides, −1 for none.
+// `neighbours_of(node)` returns those over its three sides, −1 for none.
 std::vector<std::vector<int>> components(std::size_t nodes, const auto& neighbours_of) {
   std::vector<std::vector<int>> result;
   std::vector<bool> seen(nodes, false);

@@ -8,7 +8,7 @@
 
 namespace triskin::geometry {
 
-/// A part of at most 32 nodes as bit sets, for reachability without queues.
+/// Represents a part of at most 32 nodes as bit sets, for reachability without queues.
 struct PartBits {
   int n = 0;
   std::uint32_t all = 0;
@@ -23,7 +23,7 @@ struct PartBits {
     joined[at(a)] &= ~(1U << b);
     joined[at(b)] &= ~(1U << a);
   }
-  /// Nodes of `allowed` that the seeds reach.
+  /// Returns the nodes of `allowed` that the seeds reach.
   [[nodiscard]] std::uint32_t reach(std::uint32_t seeds, std::uint32_t allowed) const {
     std::uint32_t seen = seeds & allowed, front = seen;
     while (front != 0) {
@@ -34,7 +34,7 @@ struct PartBits {
     }
     return seen;
   }
-  /// Σ of distances from v within `allowed`, which is connected and holds v.
+  /// Returns the sum of distances from v within `allowed`, which must be connected and contain v.
   [[nodiscard]] int sum_of_distances(int v, std::uint32_t allowed) const {
     std::uint32_t seen = 1U << v, front = seen;
     int sum = 0;

@@ -9,8 +9,8 @@ namespace triskin::geometry {
 namespace {
 
 constexpr int kTrees = 24;
-constexpr long kPeelBudget = 1'000'000;   // Node visits, which take about 15 ms.
-constexpr long kExactBudget = 2'000'000;  // State transitions, which take about 0.3 s.
+constexpr long kPeelBudget = 1'000'000;   // The budget counts node visits, which take about 15 ms.
+constexpr long kExactBudget = 2'000'000;  // The budget counts state transitions, which take about 0.3 s.
 
 class Partitioner {
  public:
@@ -55,7 +55,7 @@ class Partitioner {
     }
   }
 
-  // Downwards from the best, so that a large patch that misses the bound still ends near it.
+  // Tries downwards from the best, so that a large patch that misses the bound still ends near it.
   void try_peel(long budget) {
     std::vector<int> part_of;
     if (peel(g_, capacity_, best_.lower_bound, budget, random_, part_of)) return offer(part_of, best_.lower_bound);

@@ -7,7 +7,7 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr int kLeft = -1;  // Part number of unassigned nodes.
+constexpr int kLeft = -1;  // Unassigned nodes have this part number.
 
 class Peeler {
  public:
@@ -27,7 +27,7 @@ class Peeler {
       if (done) continue;
       ++stuck;
       give_back(1 + stuck % 3);
-      if (stuck % 24 == 0) give_back(k_);  // Start afresh in this region.
+      if (stuck % 24 == 0) give_back(k_);  // This region is started afresh.
     }
     if (left_ == 0) return true;
     if (unused_.empty()) return false;
@@ -45,7 +45,7 @@ class Peeler {
   }
 
   bool peel_one() {
-    // Parts that stay to be made may waste this many places altogether.
+    // The remaining parts may waste this many places altogether.
     const int slack = static_cast<int>(unused_.size()) * capacity_ - left_;
     if (slack < 0) return false;
     random_tree(g_, part_of_, kLeft, some_left_node(), random_, tree_);
@@ -63,7 +63,7 @@ class Peeler {
       else if (above >= lightest && above <= capacity_)
         candidates_.push_back(v);
     }
-    // Full parts first: slack is spent only where it must be.
+    // Full parts come first, so that slack is spent only when it must be.
     for (int tries = 0; tries < 3 && !candidates_.empty(); ++tries) {
       int best = candidates_[at(random_.below(static_cast<int>(candidates_.size())))];
       const int other = candidates_[at(random_.below(static_cast<int>(candidates_.size())))];
@@ -78,7 +78,7 @@ class Peeler {
     return below <= capacity_ ? below : left_ - below;
   }
 
-  // Makes the subtree of v, or all but it, a part; undoes it if the remaining nodes then need more than k parts.
+  // Makes the subtree of v, or everything else, a part; undoes it if the remaining nodes then need more than k parts.
   bool take(int v) {
     const bool subtree = weight_[at(v)] <= capacity_;
     const int part = unused_.back();

@@ -24,7 +24,7 @@ int joints(const std::set<Tile>& tiles, const Tile& t) {
   return n;
 }
 
-// Grows from one tile; the next is the one of least `cost` among those beside it.
+// Grows from one tile; the next tile is the neighbour of least `cost`.
 template <class Cost>
 std::set<Tile> grow(int n, Cost cost) {
   std::set<Tile> tiles{{0, 0, true}}, rim;
@@ -53,7 +53,7 @@ std::set<Tile> grow(int n, Cost cost) {
 std::set<Tile> random_tiles(PatchShape shape, int n, std::uint64_t seed) {
   Dice dice(seed);
   const double width = 2.0 + dice.below(4);
-  // Holes: discs of one to seven tiles that growth avoids.
+  // Each hole is a disc of one to seven tiles that growth avoids.
   std::vector<Vec2> holes;
   if (shape == PatchShape::kHoled) {
     const int radius = 2 + static_cast<int>(std::sqrt(n) / 3);

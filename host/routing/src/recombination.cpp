@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kJumper = 1'000'000, kNoBorder = 20'000, kLost = 24, kDepth = 3;
 constexpr int kFirstThreshold = 120;
-constexpr int kExchanges = 8;  // Single modules tried on each pair of parts.
+constexpr int kExchanges = 8;  // This many single modules are tried for each pair of parts.
 
 std::uint32_t bit(int v) {
   return 1U << v;
@@ -21,7 +21,7 @@ int lowest(std::uint32_t set) {
   return std::countr_zero(set);
 }
 
-// One bit of `set` at random.
+// Returns one bit of `set` at random.
 int pick(std::uint32_t set, Dice& random) {
   for (int k = random.below(std::popcount(set)); k > 0; --k) set &= set - 1;
   return lowest(set);
@@ -59,14 +59,14 @@ class Recombiner {
   }
 
   void run(int moves) {
-    // The second half only descends: the end is a local optimum of what was visited.
+    // The second half only descends, so the result is a local optimum of the visited divisions.
     for (int k = 0; k < moves; ++k) move(std::max(0, kFirstThreshold - 2 * kFirstThreshold * k / moves));
   }
 
  private:
   [[nodiscard]] const PartBits& bits() const { return *bits_; }
 
-  // The union of two parts as local numbers 0 … n−1; the first part's nodes come first.
+  // Loads the union of two parts as local numbers 0 … n−1; the first part's nodes come first.
   void load(const std::vector<int>& a, const std::vector<int>& b) {
     both_.node = a;
     both_.node.insert(both_.node.end(), b.begin(), b.end());
@@ -118,14 +118,14 @@ class Recombiner {
     first_ = first;
   }
 
-  // Nodes of `set` beside `other`.
+  // Returns the nodes of `set` beside `other`.
   [[nodiscard]] std::uint32_t rim(std::uint32_t set, std::uint32_t other) const {
     std::uint32_t touched = 0;
     for (; other != 0; other &= other - 1) touched |= bits().joined[at(lowest(other))];
     return touched & set;
   }
 
-  // Moves one module across, or swaps two where a part is full.
+  // Moves one module across, or swaps two if a part is full.
   void exchange(int threshold) {
     const std::uint32_t second = bits().all & ~first_;
     const std::uint32_t rim_first = rim(first_, second), rim_second = rim(second, first_);
@@ -185,7 +185,7 @@ class Recombiner {
   int now_ = 0;
 };
 
-// Jumpers that hold a part together: its pieces without them, less one.
+// Returns how many jumpers hold a part together: its pieces without them, less one.
 int jumpers_within(const PartBits& bits, const PartSurroundings& around, std::uint32_t part) {
   int pieces = 0;
   for (std::uint32_t rest = part; rest != 0; ++pieces) {
@@ -202,9 +202,10 @@ int jumpers_within(const PartBits& bits, const PartSurroundings& around, std::ui
   return pieces - 1;
 }
 
-// Modules lost beyond the failed one, over all single module failures, with `entry` and the best second entry.
+// Returns the modules lost beyond the failed one, over all single module failures, with `entry` and the best second
+// entry.
 int lost_with_two_entries(const PartBits& bits, std::uint32_t part, int entry) {
-  std::array<std::uint32_t, 64> pieces;  // Pieces of the part without the entry.
+  std::array<std::uint32_t, 64> pieces;  // Without the entry, the part falls into these pieces.
   std::size_t count = 0;
   for (std::uint32_t left = part; left != 0; left &= left - 1) {
     std::uint32_t rest = part & ~(left & (~left + 1));

@@ -48,7 +48,8 @@ void require_options(const RoutingOptions& o) {
   }
 }
 
-// The shortest of the places that hold each part together, given what holds without them: fewest by number.
+// Returns the shortest of the places that hold each part together, as few as possible, given what is connected without
+// them.
 std::vector<Jumper> fitted_jumpers(const JumperGraph& g, const std::vector<Jumper>& places,
                                    const std::vector<int>& part_of) {
   DisjointSets sets(part_of.size());
@@ -71,7 +72,7 @@ std::vector<Jumper> fitted_jumpers(const JumperGraph& g, const std::vector<Jumpe
 }
 
 struct IslandDivision {
-  std::vector<int> part_of;  // Indexed by local node.
+  std::vector<int> part_of;
   int parts = 0, parts_bound = 0, jumpers_bound = 0;
   PartitionProof proof = PartitionProof::kOpen;
   bool price_proved = false;
@@ -199,16 +200,16 @@ class Router {
     for (const auto& part : parts) result_.patches.push_back(wire(graph_, part, options_, lines_, fitted_));
   }
 
-  // The jumpers of the islands before, and these.
+  // Fits these jumpers in addition to those of earlier islands.
   void fit(const std::vector<Jumper>& jumpers) {
     fitted_ = result_.jumpers;
     fitted_.insert(fitted_.end(), jumpers.begin(), jumpers.end());
     graph_ = design::with_jumpers(apart_, fitted_);
   }
 
-  const ModuleGraph& apart_;    // The graph without jumpers.
-  ModuleGraph possible_;        // The graph with a jumper at each possible place.
-  ModuleGraph graph_;           // The graph with the fitted jumpers.
+  const ModuleGraph& apart_;    // This graph has no jumpers.
+  ModuleGraph possible_;        // This graph has a jumper at each possible place.
+  ModuleGraph graph_;           // This graph has the fitted jumpers.
   std::vector<Jumper> places_;  // The shortest comes first.
   std::vector<Jumper> fitted_;
   bool price_proved_ = true;

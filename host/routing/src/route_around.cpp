@@ -10,7 +10,7 @@
 namespace triskin::geometry {
 namespace {
 
-// The part of a graph that is not wired yet, with nodes of its own.
+// The part of a graph that is not wired yet, with its own node numbers.
 class OpenPart {
  public:
   OpenPart(const ModuleGraph& whole, const KeptWiring& kept) : local_(whole.nodes.size(), 0) {
@@ -53,18 +53,18 @@ class OpenPart {
  private:
   [[nodiscard]] int whole(int node) const { return node < 0 ? node : node_[at(node)]; }
 
-  // No cable reaches a side that a kept module is joined to: border stays false there.
+  // No cable reaches a side that is joined to a kept module, so border stays false there.
   [[nodiscard]] ModuleGraph::Node cut_off(ModuleGraph::Node node) const {
     for (int& neighbour : node.neighbour) neighbour = neighbour < 0 ? -1 : local_[at(neighbour)];
     return node;
   }
 
-  std::vector<int> local_;  // Indexed by node of the whole graph; −1: kept.
-  std::vector<int> node_;   // Indexed by local node.
+  std::vector<int> local_;  // The index is a node of the whole graph; −1 marks kept ones.
+  std::vector<int> node_;
   ModuleGraph graph_;
 };
 
-// New patches take the free places, then stand behind the others.
+// New patches take the free places, and the remaining ones follow at the end.
 std::vector<Patch> merged(std::vector<Patch> kept, std::vector<Patch> added) {
   std::size_t next = 0;
   for (Patch& patch : kept) {
@@ -82,7 +82,7 @@ RoutingResult route_around(const ModuleGraph& graph, const std::vector<Jumper>& 
   RoutingOptions without_failures = options;
   without_failures.failure_analysis = false;
   without_failures.division = nullptr;
-  RoutingResult result = route(graph, places, without_failures, progress);  // For the bounds.
+  RoutingResult result = route(graph, places, without_failures, progress);  // Only the bounds of this result are used.
   const std::size_t fewest = result.patches.size();
   const OpenPart open(graph, kept);
   std::vector<Patch> added;
@@ -101,7 +101,8 @@ RoutingResult route_around(const ModuleGraph& graph, const std::vector<Jumper>& 
   }
   if (options.failure_analysis) analyse_failures(joined, options, result.patches);
   result.proved = static_cast<int>(result.patches.size()) == result.lower_bound;
-  if (result.patches.size() != fewest) result.jumpers_lower_bound = 0;  // It held for that many controllers.
+  // The bound held for that number of controllers.
+  if (result.patches.size() != fewest) result.jumpers_lower_bound = 0;
   result.price_proved = false;
   return result;
 }

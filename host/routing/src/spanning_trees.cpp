@@ -8,7 +8,8 @@
 namespace triskin::geometry {
 namespace {
 
-// Decides joint by joint: it joins the tree unless it closes a cycle, and is left out unless the rest falls apart.
+// Decides joint by joint: a joint is added to the tree unless it closes a cycle, and left out unless the rest falls
+// apart.
 class Enumerator {
  public:
   Enumerator(const LocalGraph& g, const std::function<void(const std::vector<Joint>&)>& visit)

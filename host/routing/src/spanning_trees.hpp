@@ -13,7 +13,7 @@ struct Joint {
 [[nodiscard]] std::vector<Joint> joints_of(const LocalGraph& g);
 
 /// Calls `visit` with the joints of every spanning tree of a connected graph, each once, in a fixed order. A patch of
-/// 16 modules has at most about a thousand. Cost: O(n) a tree.
+/// 16 modules has at most about a thousand. Cost: O(n) per tree.
 void for_each_spanning_tree(const LocalGraph& g, const std::function<void(const std::vector<Joint>&)>& visit);
 
 }  // namespace triskin::geometry

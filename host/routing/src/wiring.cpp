@@ -13,9 +13,9 @@ namespace {
 using Key = std::array<int, 5>;
 
 struct RootedTree {
-  std::vector<int> order;   // Local nodes, parents first.
-  std::vector<int> parent;  // Positions in `order`.
-  std::vector<int> depth;   // Indexed by position in `order`.
+  std::vector<int> order;   // Local nodes are listed with parents first.
+  std::vector<int> parent;  // Parents are positions in `order`.
+  std::vector<int> depth;   // The index is a position in `order`.
   int sum_of_depths = 0;
   int max_depth = 0;
 };
@@ -49,7 +49,8 @@ class Wirer {
     }
   }
 
-  // Side of the root where the cable enters: no tree joint there; a border side before others. −1: none.
+  // Returns the side of the root at which the cable enters: one without a tree joint, border sides first; −1 if there
+  // is none.
   [[nodiscard]] int entry_side(int root) const {
     int fallback = -1;
     for (int s = 0; s < 3; ++s) {
@@ -115,7 +116,8 @@ class Wirer {
     return state;
   }
 
-  // Jumper length of the joint from each node of the tree to its parent; -1: no jumper. Empty: none at all.
+  // Returns the jumper length of the joint from each node of the tree to its parent; -1 if it is no jumper. Empty if
+  // there is none at all.
   [[nodiscard]] std::vector<double> jumper_lengths_m() const {
     if (jumpers_.empty()) return {};
     std::vector<double> length_m(now_.order.size(), -1.0);
@@ -163,7 +165,7 @@ class Wirer {
   LocalGraph g_;
   const RoutingOptions& options_;
   LineAssigner& lines_;
-  std::vector<Jumper> jumpers_;  // Jumpers that begin in this part.
+  std::vector<Jumper> jumpers_;  // These jumpers begin in this part.
   std::vector<std::vector<int>> tree_;
   bool has_border_ = false, found_ = false;
   RootedTree now_, best_;

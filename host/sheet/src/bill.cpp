@@ -9,7 +9,7 @@
 namespace triskin::sheet {
 namespace {
 
-// A length that is 10 mm but for rounding needs no 20 mm.
+// A length of 10 mm plus a rounding error must not become 20 mm.
 int rounded_up_mm(double length_mm, int step_mm) {
   return length_mm < 0.0 ? 0 : step_mm * static_cast<int>(std::ceil(length_mm / step_mm - 1e-9));
 }
@@ -23,7 +23,7 @@ std::vector<PieceCount> list_of(const std::map<int, int>& counts) {
 void count_sides(const Sides& sides, Bill& bill) {
   for (std::size_t k = 0; k < sides.of.size(); ++k) {
     for (const Side& side : sides.of[k]) {
-      // A pair is drawn once, from the lesser module; an outline has no other.
+      // A pair is counted once, from the lower module; an outline has no other.
       if (side.other < static_cast<int>(k)) continue;
       bill.kept_joints += side.kind == SideKind::kKept;
       bill.cut_joints += side.kind == SideKind::kCut;

@@ -36,7 +36,7 @@ struct Canvas::Cairo {
   std::string bytes;
   cairo_surface_t* surface = nullptr;
   cairo_t* context = nullptr;
-  // While a picture is drawn: the page, and where on it the picture will be.
+  // While a picture is drawn, these keep the page, and where on it the picture will be.
   cairo_t* page = nullptr;
   Vec2 picture_mm{0, 0};
   double dots_per_mm = 1.0;
@@ -65,7 +65,7 @@ Canvas::Canvas(Kind kind, std::vector<Vec2> page_sizes_mm) : cairo_(std::make_un
   }
   if (kind == Kind::kPdf) {
     c.surface = cairo_pdf_surface_create_for_stream(append, &c.bytes, width_mm / kPoint_mm, height_mm / kPoint_mm);
-    // A date would make equal designs differ.
+    // A date would make the files of equal designs differ.
     cairo_pdf_surface_set_metadata(c.surface, CAIRO_PDF_METADATA_CREATE_DATE, "");
     cairo_pdf_surface_set_metadata(c.surface, CAIRO_PDF_METADATA_CREATOR, "triskin");
   } else {
@@ -78,7 +78,7 @@ Canvas::Canvas(Kind kind, std::vector<Vec2> page_sizes_mm) : cairo_(std::make_un
 Canvas::~Canvas() {
   cairo_destroy(cairo_->context);
   cairo_surface_destroy(cairo_->surface);
-  // Fonts stay loaded until the process ends, which a leak checker takes for leaks.
+  // Fonts stay loaded until the process ends, which a leak checker reports as leaks.
   cairo_debug_reset_static_data();
   FcFini();
 }
@@ -233,7 +233,7 @@ void draw_qr(Canvas& canvas, const std::string& text, const Vec2& corner, double
     for (int x = 0; x < code->width; ++x) {
       const int first = x;
       while (x < code->width && (code->data[y * code->width + x] & 1) != 0) ++x;
-      // A hair more than a row, so that no gap shows to the next one.
+      // Each row is slightly larger, so that no gap shows to the next one.
       if (x > first)
         canvas.fill_rectangle(corner + square_mm * Vec2(first, y), {square_mm * (x - first), square_mm * 1.03}, kBlack);
     }
@@ -259,7 +259,7 @@ bool Canvas::is_built() {
   return false;
 }
 
-// No canvas exists here that these could be called on.
+// This build has no canvas on which these could be called.
 void Canvas::next_page() {}
 void Canvas::line(const Vec2& /*from*/, const Vec2& /*to*/, const Pen& /*pen*/) {}
 void Canvas::outline(std::span<const Vec2> /*points*/, const Pen& /*pen*/) {}

@@ -17,7 +17,7 @@ struct Color {
 inline constexpr Color kBlack{0, 0, 0}, kGrey{0.55, 0.55, 0.55}, kPale{0.85, 0.85, 0.85}, kWhite{1, 1, 1},
     kRed{0.8, 0.05, 0.05}, kBlue{0.05, 0.2, 0.75};
 
-/// A line of some width; dashes of `dash_mm` where that is above 0.
+/// A positive `dash_mm` draws dashes of that length.
 struct Pen {
   double width_mm = 0.2;
   Color color = kBlack;
@@ -30,16 +30,16 @@ struct TextLook {
   bool bold = false;
   double align = 0.0;
   Color color = kBlack;
-  double turn_rad = 0.0;  ///< It is clockwise for who looks at the page.
+  double turn_rad = 0.0;  ///< Positive angles turn clockwise as seen on the page.
 };
 
-/// What pages are drawn on; the only place that knows Cairo. Lengths in mm, from the upper left corner of the page, y
-/// downwards. One at a time in a process: it gives the fonts back when it ends.
+/// Draws pages, and is the only class that uses Cairo. Lengths are in mm from the upper left corner of the page, y
+/// downwards. A process may have only one at a time, because it releases the fonts when it ends.
 class Canvas {
  public:
   enum class Kind { kPdf, kSvg };
-  /// Pages of these sizes; next_page() begins each of them, the first too. Throws InputError where the program was
-  /// built without Cairo.
+  /// Prepares pages of these sizes; next_page() begins each of them, the first too. Throws InputError if the program
+  /// was built without Cairo.
   Canvas(Kind kind, std::vector<Vec2> page_sizes_mm);
   ~Canvas();
   Canvas(const Canvas&) = delete;
@@ -49,10 +49,10 @@ class Canvas {
 
   void next_page();
   void line(const Vec2& from, const Vec2& to, const Pen& pen);
-  /// Closed line through the points.
+  /// Draws a closed line through the points.
   void outline(std::span<const Vec2> points, const Pen& pen);
   void fill(std::span<const Vec2> points, const Color& color);
-  /// Filled a hair larger than it is, so that no gap shows beside the next one.
+  /// Fills slightly more than the outline, so that no gap shows beside the next shape.
   void fill_tight(std::span<const Vec2> points, const Color& color);
   void rectangle(const Vec2& corner, const Vec2& size_mm, const Pen& pen);
   void fill_rectangle(const Vec2& corner, const Vec2& size_mm, const Color& color);
@@ -62,11 +62,11 @@ class Canvas {
   /// Limits drawing to the rectangle until end_clip().
   void begin_clip(const Vec2& corner, const Vec2& size_mm);
   void end_clip();
-  /// Draws into a picture of `dots_per_mm` until end_raster(), which then fills the rectangle. Use it for too many
-  /// shapes to write one by one. White where nothing is drawn.
+  /// Draws into a picture of `dots_per_mm` until end_raster(), which then fills the rectangle; meant for shapes that
+  /// are too many to write one by one. White where nothing is drawn.
   void begin_raster(const Vec2& corner, const Vec2& size_mm, double dots_per_mm);
   void end_raster();
-  /// Ends the drawing: the bytes of the file. Throws InputError when Cairo reports an error.
+  /// Ends the drawing and returns the bytes of the file. Throws InputError when Cairo reports an error.
   [[nodiscard]] std::string finish();
 
  private:
@@ -74,8 +74,8 @@ class Canvas {
   std::unique_ptr<Cairo> cairo_;
 };
 
-/// Draws `text` as a QR code with error correction M; its dark squares fill `size_mm` from `corner`, the quiet zone of
-/// four squares lies around it. Throws InputError where the program was built without libqrencode.
+/// Draws `text` as a QR code with error correction M; its dark squares fill `size_mm` from `corner`, and the quiet zone
+/// of four squares lies around it. Throws InputError if the program was built without libqrencode.
 void draw_qr(Canvas& canvas, const std::string& text, const Vec2& corner, double size_mm);
 
 }  // namespace triskin::sheet

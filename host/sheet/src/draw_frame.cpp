@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kRuler_mm = 100.0, kCode_mm = 22.0, kTableCode_mm = 15.0;
 
-// A ruler of 100 mm from `from`, along `along`; its ticks point to `aside`.
+// Draws a ruler of 100 mm from `from`, along `along`; its ticks point to `aside`.
 void draw_ruler(Canvas& canvas, const Vec2& from, const Vec2& along, const Vec2& aside) {
   canvas.line(from, from + kRuler_mm * along, {0.2, kBlack, 0.0});
   for (int mm = 0; mm <= 100; ++mm) {

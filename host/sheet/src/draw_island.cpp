@@ -18,7 +18,7 @@ namespace {
 struct PageSide {
   Vec2 from, to, outward;
   [[nodiscard]] Vec2 middle() const { return (from + to) / 2.0; }
-  // Reads from left to right along the side.
+  // Text reads from left to right along the side.
   [[nodiscard]] double turn_rad() const {
     const Vec2 along = to - from;
     const double angle = std::atan2(along.y(), along.x());
@@ -43,14 +43,14 @@ void write_along(const Drawing& d, const PageSide& at, double part, double out_m
   TextLook turned = look;
   turned.turn_rad = at.turn_rad();
   turned.align = 0.5;
-  // Text stands on its baseline: outside of a lower side it begins a line lower.
+  // Text is placed by its baseline, so outside of a lower side it begins one line lower.
   const Vec2 up(std::sin(turned.turn_rad), -std::cos(turned.turn_rad));
   const double shift_mm = at.outward.dot(up) * out_mm >= 0.0 ? 0.0 : -0.75 * look.size_mm;
   d.canvas.text(at.from + part * (at.to - at.from) + out_mm * at.outward + shift_mm * up, text, turned);
 }
 
-// Position of a mark's text along its side. In a notch of the outline the two sides of a mark meet: their texts stand
-// away from the corner, or they would run into each other (each is 20 mm long and 5 mm high with its distance).
+// Returns the position of a mark's text along its side. In a notch of the outline the two sides of a mark meet; their
+// texts keep away from the corner, or they would overlap (each is 20 mm long and 5 mm high with its distance).
 double part_of_mark(const Drawing& d, const PageSide& at, int match, int other) {
   constexpr double kAway = 4.0 / design::kSide_mm;
   if (d.design.layout.modules[index(other)].island != d.island->island) return 0.5;
@@ -92,7 +92,7 @@ void draw_jumper(const Drawing& d, const PageSide& at, const Side& side, int mod
 
 void draw_cable(const Drawing& d, const PageSide& at, const Side& side, int module) {
   if (!side.cable && !side.second_cable) return;
-  const double from_mm = is_joint(side) ? 4.0 : 9.0;  // At a joint the neighbour takes the room.
+  const double from_mm = is_joint(side) ? 4.0 : 9.0;  // At a joint the neighbour needs the room.
   draw_arrow(d.canvas, at.middle() + from_mm * at.outward, at.middle(), kBlue);
   const double align = at.outward.x() > 0.1 ? 0.0 : at.outward.x() < -0.1 ? 1.0 : 0.5;
   d.canvas.text(at.middle() + (from_mm + 1.0) * at.outward + Vec2(0, at.outward.y() > 0.9 ? 2.2 : 0.8),
@@ -100,7 +100,7 @@ void draw_cable(const Drawing& d, const PageSide& at, const Side& side, int modu
                 {.size_mm = 2.6, .bold = true, .align = align, .color = kBlue});
 }
 
-// A module of another page, pale, so that the pages can be laid together.
+// Draws a module of another page pale, so that the pages can be laid together.
 void draw_ghost(const Drawing& d, const PageSide& at, int other) {
   for (int s = 0; s < 3; ++s) {
     const PageSide side = side_on(d, other, s);
@@ -142,7 +142,7 @@ void draw_short_sides(const Drawing& d, int module) {
     d.canvas.line(side_on(d, module, s).to, side_on(d, module, (s + 1) % 3).from, kCutThrough);
 }
 
-// Away from the modules of the page that meet at a corner: there is nothing else to read.
+// Returns the direction away from the modules of the page that meet at a corner, where no other text is.
 Vec2 outward_at(const Drawing& d, const Vec2& corner) {
   Vec2 sum = Vec2::Zero();
   for (const int id : d.island->modules) {
@@ -160,7 +160,7 @@ std::string text_of_point(const Drawing& d, std::size_t k) {
                      d.island->parts > 1 ? fmt::format(", page {}", d.plan.page_of_module[index(a.module)]) : "");
 }
 
-// Name and points: at the head of a page that shows one island, else over each of them.
+// Writes name and points: at the head of a page that shows one island, otherwise over each of them.
 void draw_captions(const Drawing& d) {
   const auto& anchors = d.plan.anchors[index(d.island->island)];
   if (d.page.islands.size() == 1) {
@@ -190,8 +190,7 @@ void draw_anchors(const Drawing& d, const std::set<int>& here) {
   }
 }
 
-// The real module bends along the surface where the drawn triangle is flat: the radius stands in the corner that is
-// free.
+// The real module bends along the surface, but the drawn triangle is flat; the radius is written in the free corner.
 void draw_bend(const Drawing& d, int module) {
   const double radius_mm = bend_radius_of_depth(d.design.layout.modules[index(module)].edge_depth_mm);
   if (radius_mm >= kPaperBendRadius_mm) return;

@@ -6,11 +6,11 @@
 namespace triskin::sheet {
 namespace {
 
-// A line of text beside its symbol.
+// Draws each symbol with a line of text beside it.
 class Key {
  public:
   Key(Canvas& canvas, double top_mm) : canvas_(canvas), y_(top_mm) {}
-  /// Middle of the place of the next symbol.
+  /// Returns the middle of the place of the next symbol.
   Vec2 next(std::initializer_list<const char*> text, double height_mm) {
     const Vec2 middle(kMargin_mm + 18.0, y_ + height_mm / 2.0);
     double line = middle.y() + 1.0 - 2.3 * (static_cast<double>(text.size()) - 1.0);
@@ -28,7 +28,7 @@ class Key {
 };
 
 void draw_example(Canvas& canvas, const Vec2& middle) {
-  // Larger than life, so that nobody measures it.
+  // The symbol is larger than a real module, so that nobody measures it.
   const double half = 18.0, height = 2.0 * half * 0.8660254;
   const std::array<Vec2, 3> corners{middle + Vec2(-half, height / 3), middle + Vec2(half, height / 3),
                                     middle + Vec2(0, -2 * height / 3)};
@@ -36,7 +36,7 @@ void draw_example(Canvas& canvas, const Vec2& middle) {
     draw(canvas, corners, {.number = "17", .line = 2, .address = 1, .rotation = 1});
 }
 
-// Middle of a line, 24 mm long, as on the pages.
+// Returns the ends of a line around its middle, 24 mm long, as on the pages.
 std::pair<Vec2, Vec2> line_at(const Vec2& middle) {
   return {middle - Vec2(12, 0), middle + Vec2(12, 0)};
 }

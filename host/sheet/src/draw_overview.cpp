@@ -16,7 +16,7 @@ namespace {
 using design::Vec3;
 using Box = Eigen::AlignedBox2d;
 
-// Orthographic view of the part; z of a flat point rises towards the viewer.
+// An orthographic view of the part; z of a flat point rises towards the viewer.
 struct View {
   const char* name;
   Vec3 toward, up;
@@ -44,8 +44,8 @@ Vec3 normal_of(const std::array<Vec3, 3>& p) {
   return (p[1] - p[0]).cross(p[2] - p[0]).normalized();
 }
 
-// A mesh of more faces is drawn as a picture: the generated forearm, six times 3,840 faces, was 4.5 MB of SVG, 0.2 kB a
-// face. At six dots a mm the eye sees none at arm's length.
+// A mesh with more faces is drawn as a picture: the generated forearm, six times 3,840 faces, was 4.5 MB of SVG, 0.2 kB
+// per face. At six dots per mm the eye sees no dots at arm's length.
 constexpr std::size_t kMaxDrawnFaces = 1000;
 constexpr double kDotsPerMm = 6.0;
 
@@ -72,7 +72,7 @@ void draw_surface(const Drawing& d, const View& view) {
   if (as_picture) d.canvas.end_raster();
 }
 
-// Modules that show their front. Result: the centres of those of each island.
+// Draws modules that show their front; returns the centres of those of each island.
 std::map<int, std::vector<Vec2>> draw_modules(const Drawing& d, const View& view) {
   std::vector<Shape> shapes;
   std::map<int, std::vector<Vec2>> islands;
@@ -95,7 +95,7 @@ std::map<int, std::vector<Vec2>> draw_modules(const Drawing& d, const View& view
   return islands;
 }
 
-// The point nearest to the mean: the mean itself may lie beside the island.
+// Returns the point nearest to the mean, because the mean itself may lie beside the island.
 Vec2 middle_of_points(const std::vector<Vec2>& points) {
   Vec2 mean(0, 0);
   for (const Vec2& p : points) mean += p / static_cast<double>(points.size());
@@ -120,7 +120,7 @@ void draw_entries(const Drawing& d, const View& view) {
   }
 }
 
-// A landmark is shown where most of it is seen: in the views whose direction it is far along.
+// A landmark is drawn in the views that show it best: those whose direction it is far along.
 void draw_landmarks(const Drawing& d, const View& view, double middle_height) {
   for (const Landmark& l : d.plan.landmarks) {
     if (view.toward.dot(l.at_mm) < middle_height - 1e-6) continue;
@@ -134,7 +134,8 @@ std::vector<Vec3> points_of(const design::Design& design) {
   return points;
 }
 
-// 1:1, 1:1.25, 1:1.6, 1:2, 1:2.5, 1:4, 1:5, 1:6, 1:8 and these times ten: scales that one can compute with.
+// Returns 1:1, 1:1.25, 1:1.6, 1:2, 1:2.5, 1:4, 1:5, 1:6, 1:8 or these times ten: scales that are easy to calculate
+// with.
 double round_scale(double most) {
   for (double ten = 1.0; ten < 1e6; ten *= 10.0) {
     for (const double by : {1.0, 1.25, 1.6, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0}) {

@@ -31,7 +31,7 @@ namespace {
 
 constexpr double kRollWidth_mm = 610.0, kRollLongest_mm = 3000.0, kRollShortest_mm = 150.0;
 
-// How an island is divided on the paper: columns × rows of pages.
+// Divides an island on the paper into columns × rows of pages.
 struct Division {
   int sixths = 0;
   Vec2 paper_mm{0, 0};
@@ -45,7 +45,7 @@ Vec2 room_mm(const Vec2& paper_mm) {
   return paper_mm - Vec2(around, around + kHead_mm + kFoot_mm);
 }
 
-// A module belongs to the part that holds its centre and may stand over its border, so a part is narrower than the
+// A module belongs to the part that contains its centre and may extend over its border, so a part is narrower than the
 // room.
 int parts_along(double length_mm, double room_mm) {
   return length_mm <= room_mm ? 1 : static_cast<int>(std::ceil(length_mm / (room_mm - design::kSide_mm)));
@@ -82,7 +82,7 @@ Division divide(const design::Design& design, const std::vector<int>& modules, P
   return *std::ranges::min_element(ways, {}, worse);  // Among equals the first wins, which is upright and not turned.
 }
 
-// Modules by the part that holds their centre, row by row.
+// Groups modules by the part that contains their centre, row by row.
 std::map<int, std::vector<int>> parts_of(const design::Design& design, const std::vector<int>& modules,
                                          const Division& way) {
   std::map<int, std::vector<int>> parts;
@@ -111,7 +111,7 @@ struct OpenPage {
   std::vector<Shelf> shelves{};
   Page page{};
 
-  // Upper left corner of a free place, from that of the room; empty: there is none.
+  // Returns the upper left corner of a free place, relative to that of the room; empty if there is none.
   std::optional<Vec2> place(const Vec2& cell_mm) {
     for (Shelf& shelf : shelves) {
       if (cell_mm.y() > shelf.height_mm || shelf.used_mm + cell_mm.x() > room_mm.x()) continue;
@@ -126,10 +126,10 @@ struct OpenPage {
   }
 };
 
-constexpr double kCaption_mm = 14.0;  // Name of an island and its two points.
+constexpr double kCaption_mm = 14.0;  // The caption holds the name of an island and its two points.
 constexpr double kCaptionWidth_mm = 96.0;
 
-// Room that an island takes on a page that it shares.
+// Returns the room that an island takes on a page that it shares.
 Vec2 cell_of(const Vec2& box_mm) {
   return {std::max(box_mm.x() + 2.0 * kLabels_mm, kCaptionWidth_mm), box_mm.y() + 2.0 * kLabels_mm + kCaption_mm};
 }
@@ -146,7 +146,7 @@ void put_on(OpenPage& open, const Vec2& at_mm, const design::Design& design, Isl
   open.page.islands.push_back(std::move(island));
 }
 
-// Small islands share pages: the tallest first, each in the first place that is free.
+// Small islands share pages: the tallest first, each in the first free place.
 std::vector<Page> shared_pages(const design::Design& design, std::vector<Page> alone) {
   const auto size_of = [&](const Page& p) { return box_of(design, p.islands[0].modules, p.islands[0]).sizes().eval(); };
   std::ranges::stable_sort(alone, std::greater<>{}, [&](const Page& p) { return size_of(p).y(); });
@@ -192,7 +192,7 @@ Page page_alone(const design::Design& design, IslandPage island, const Division&
   return page;
 }
 
-// Half a page and less in one direction: another island may stand beside or below it.
+// An island that takes at most half a page in one direction leaves room for another beside or below it.
 bool may_share(const design::Design& design, const Page& page) {
   const IslandPage& island = page.islands[0];
   const Vec2 cell = cell_of(box_of(design, island.modules, island).sizes()), room = shared_room(page.size_mm);

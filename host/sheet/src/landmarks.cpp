@@ -17,7 +17,7 @@ using design::Vec3;
 constexpr double kShortestRim_mm = 30.0, kSameHeight_mm = 0.5, kApart_mm = 5.0;
 constexpr std::array<const char*, 6> kDirections{"+x", "−x", "+y", "−y", "+z", "−z"};
 
-// Next vertex along the rim, by vertex: an edge that one face uses, against the direction of that face.
+// Gives for each vertex the next one along the rim: an edge that one face uses, against the direction of that face.
 std::map<int, int> rim_edges(const Mesh& surface) {
   std::map<std::array<int, 2>, int> uses;
   for (const auto& f : surface.faces) {
@@ -30,7 +30,8 @@ std::map<int, int> rim_edges(const Mesh& surface) {
   return next;
 }
 
-// Closed chains of rim edges. A vertex where two rims touch has one successor here, so that each edge is walked once.
+// Returns closed chains of rim edges. A vertex where two rims touch has one successor here, so that each edge is walked
+// once.
 std::vector<std::vector<Vec3>> rims_of(const Mesh& surface) {
   std::map<int, int> next = rim_edges(surface);
   std::vector<std::vector<Vec3>> rims;
@@ -54,7 +55,7 @@ double length_mm(const std::vector<Vec3>& rim) {
   return length;
 }
 
-// How sharply a closed chain turns at a point: −1 straight on, 1 back.
+// Returns how sharply a closed chain turns at a point: −1 straight on, 1 back.
 double turn_at(const std::vector<Vec3>& chain, std::size_t k) {
   const Vec3 in = chain[k] - chain[(k + chain.size() - 1) % chain.size()],
              out = chain[(k + 1) % chain.size()] - chain[k];

@@ -6,12 +6,12 @@
 
 namespace triskin::sheet {
 
-/// Modules are numbered with int; vectors want something else.
+/// Modules are numbered with int, but vectors need std::size_t.
 [[nodiscard]] constexpr std::size_t index(int value) {
   return static_cast<std::size_t>(value);
 }
 
-/// Middle of the corners of a module, mm.
+/// Returns the mean of the corners of a module, mm.
 [[nodiscard]] inline design::Vec3 center_of(const design::PlacedModule& m) {
   return (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0;
 }

@@ -22,7 +22,7 @@ const CornerPlace& farthest_from(const Vec3& from, const std::vector<CornerPlace
   return *std::ranges::max_element(corners, {}, [&](const CornerPlace& c) { return (c.at_mm - from).norm(); });
 }
 
-// Two corners of an island far apart: with both in place the whole island is.
+// Chooses two corners of an island far apart: with both in place the whole island is in place.
 std::array<Anchor, 2> anchors_of(const std::vector<CornerPlace>& corners, const std::vector<Landmark>& landmarks) {
   if (corners.empty()) return {};
   Vec3 middle(0, 0, 0);
@@ -40,7 +40,7 @@ std::vector<std::array<Anchor, 2>> all_anchors(const design::Design& design, con
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
     const auto& m = design.layout.modules[k];
     const design::Outline outline = design::outline_of(m.corner_mm, design.layout.corner_cut_mm);
-    // What is left of corner c, at side c: each second point where corners are cut.
+    // Takes the remaining end of corner c at side c, which is each second point if corners are cut.
     for (int c = 0; c < 3; ++c)
       corners[static_cast<std::size_t>(m.island)].push_back(
           {static_cast<int>(k), c, outline.point[static_cast<std::size_t>(c) * (outline.size / 3)]});
@@ -61,7 +61,7 @@ void number_pages(Plan& plan) {
 }  // namespace
 
 double bend_radius_of_depth(double depth_mm) {
-  // Sagitta of a chord: R = c²/(8 s) for s much smaller than c.
+  // The sagitta of a chord gives R = c²/(8 s) for s much smaller than c.
   return depth_mm > 0.0 ? design::kSide_mm * design::kSide_mm / (8.0 * depth_mm)
                         : std::numeric_limits<double>::infinity();
 }
@@ -88,7 +88,7 @@ Plan plan_of(const design::Design& design, Paper paper) {
     number_pages(plan);
   };
   put_together();
-  put_together();  // Only now does the text know the numbers of the pages.
+  put_together();  // The numbers of the pages are known only now.
   return plan;
 }
 

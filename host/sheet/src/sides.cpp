@@ -79,7 +79,7 @@ std::vector<FreeSide> free_sides(const design::Design& design, const Sides& side
     for (int s = 0; s < 3; ++s) {
       const SideKind kind = sides.of[k][index(s)].kind;
       if (kind != SideKind::kOutline && kind != SideKind::kSlit) continue;
-      if (sides.of[k][index(s)].jumper >= 0) continue;  // The jumper says what lies opposite.
+      if (sides.of[k][index(s)].jumper >= 0) continue;  // The jumper already defines the opposite side.
       const PlacedModule& m = design.layout.modules[k];
       const Vec3 middle = middle_of(m, s);
       free.push_back({static_cast<int>(k), s, middle, (middle - center_of(m)).normalized()});
@@ -88,7 +88,7 @@ std::vector<FreeSide> free_sides(const design::Design& design, const Sides& side
   return free;
 }
 
-// Index of the nearest side that faces `from`; none: the number of sides.
+// Returns the index of the nearest side that faces `from`; the number of sides if there is none.
 std::size_t nearest(const std::vector<FreeSide>& free, std::size_t from) {
   std::size_t best = free.size();
   double best_mm = kFarthestMatch_mm;

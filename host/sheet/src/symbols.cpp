@@ -19,7 +19,7 @@ Vec2 center_of(const std::array<Vec2, 3>& c) {
   return (c[0] + c[1] + c[2]) / 3.0;
 }
 
-// A label and four pads; the one to close is black.
+// Draws a label and four pads; the one to close is black.
 void draw_strap(Canvas& canvas, const Vec2& middle, const std::string& label, int closed) {
   canvas.text(middle + Vec2(kRowLeft_mm, 0.85), label, {.size_mm = 2.6, .bold = true});
   for (int k = 0; k < 4; ++k) {
@@ -82,7 +82,7 @@ void draw_anchor(Canvas& canvas, const Vec2& at, const Vec2& outward, const std:
   canvas.circle(at, 1.8, {0.35, kBlue, 0.0});
   canvas.line(at - Vec2(2.8, 0), at + Vec2(2.8, 0), {0.25, kBlue, 0.0});
   canvas.line(at - Vec2(0, 2.8), at + Vec2(0, 2.8), {0.25, kBlue, 0.0});
-  // A capital is 0.7 of its size high: its middle lies on the line outwards.
+  // A capital is 0.7 of its size high, so this puts its middle on the line outwards.
   canvas.text(at + 4.6 * outward + Vec2(0, 1.4), name, {.size_mm = 4.0, .bold = true, .align = 0.5, .color = kBlue});
 }
 
@@ -103,7 +103,7 @@ void draw_ground(Canvas& canvas, const std::array<Vec2, 3>& corners, const Modul
   std::vector<Vec2> outline;
   for (const auto& p : shape.points()) outline.emplace_back(p.x(), p.y());
   canvas.fill(outline, color_of(marks.patch, 0.95));
-  canvas.outline(outline, {0.05, kGrey, 0.0});  // A hairline: what is cut or folded is drawn over it.
+  canvas.outline(outline, {0.05, kGrey, 0.0});  // A hairline is enough, because lines to cut or fold are drawn over it.
 }
 
 void draw_module(Canvas& canvas, const std::array<Vec2, 3>& corners, const ModuleMarks& marks) {

@@ -16,9 +16,9 @@ namespace triskin::sheet {
 namespace {
 
 using Lines = std::vector<TextLine>;
-constexpr std::size_t kLongestLine = 112;  // Bytes; this many characters of 3.1 mm fit on A4.
-constexpr std::size_t kBesideCode = 96;    // And this many where a QR code stands at the right.
-const std::vector<double> kBoxed_mm{6.0};  // The text stands beside a box to tick.
+constexpr std::size_t kLongestLine = 112;  // The unit is bytes; this many characters of 3.1 mm fit on A4.
+constexpr std::size_t kBesideCode = 96;    // This many characters fit if a QR code is at the right.
+const std::vector<double> kBoxed_mm{6.0};  // The text begins beside a box to tick.
 
 std::vector<std::string> wrapped(const std::string& text, std::size_t longest) {
   std::vector<std::string> lines;
@@ -50,7 +50,7 @@ void add_tick(Lines& lines, const std::string& text) {
   }
 }
 
-// The parts of an island follow each other.
+// The parts of an island are on consecutive pages.
 std::string text_of_pages(const std::vector<int>& pages) {
   if (pages.empty()) return "";
   return pages.size() == 1 ? std::to_string(pages.front()) : fmt::format("{} to {}", pages.front(), pages.back());
@@ -74,7 +74,7 @@ int page_of_controller(const Plan& plan, int patch) {
   return 0;
 }
 
-// ---- parts
+// The functions from here on list the parts.
 
 void add_pieces(Lines& lines, const char* what, const char* least, const std::vector<PieceCount>& pieces,
                 const std::vector<double>& columns) {
@@ -130,7 +130,7 @@ void add_parts(Lines& lines, const design::Design& design, const Bill& bill) {
       "the rim and the controller.");
 }
 
-// Never "-0.0".
+// Avoids the text "-0.0".
 double tenths(double value) {
   return std::round(value * 10.0) / 10.0 + 0.0;
 }
@@ -152,7 +152,7 @@ void add_landmarks(Lines& lines, const Plan& plan) {
          columns});
 }
 
-// ---- order of work
+// The functions from here on describe the order of work.
 
 void add_preparation(Lines& lines, const design::Design& design, const Plan& plan) {
   add_title(lines, "Order of work: before");
@@ -175,7 +175,7 @@ void add_preparation(Lines& lines, const design::Design& design, const Plan& pla
                                 design.layout.corner_cut_mm, design::kSide_mm - 2.0 * design.layout.corner_cut_mm));
 }
 
-// What is done with every island, once; the list of islands behind it is ticked off.
+// Describes once what is done with every island; the list of islands behind it is ticked off.
 void add_island_steps(Lines& lines, const Plan& plan) {
   add_title(lines, "Order of work: each island of the list");
   add_text(lines,
@@ -221,7 +221,7 @@ void add_island_list(Lines& lines, const Plan& plan, const std::vector<int>& mod
   }
 }
 
-// Modules that are bent more than the paper allows.
+// Lists the modules that are bent more than the paper allows.
 void add_bends(Lines& lines, const design::Design& design) {
   std::vector<std::pair<double, int>> bends;
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
@@ -303,7 +303,7 @@ Lines work_lines(const design::Design& design, const Plan& plan) {
   return lines;
 }
 
-// ---- controllers
+// The functions from here on make the tables of the controllers.
 
 void add_entry(Lines& lines, const design::Design& design, const Plan& plan, int module, int side,
                const std::string& what) {
@@ -369,7 +369,7 @@ double room_of(Paper paper) {
   return text_size_mm(paper).y() - 2.0 * kMargin_mm - kHead_mm - kFoot_mm;
 }
 
-// The head of a table, repeated where the table goes on.
+// Returns the head of a table, which is repeated where the table continues.
 const TextLine* head_above(const Lines& lines, std::size_t k) {
   while (k > 0 && lines[k].kind == LineKind::kTickRow) --k;
   return lines[k].kind == LineKind::kHead ? &lines[k] : nullptr;
@@ -396,7 +396,7 @@ std::vector<Page> paginated(const Lines& lines, const std::string& title, Paper 
   return pages;
 }
 
-// Tables of controllers, as many on a page as fit whole.
+// Puts as many tables of controllers on a page as fit completely.
 std::vector<Page> controller_pages(const design::Design& design, const Plan& plan, Paper paper) {
   std::vector<Page> pages;
   double used_mm = 0.0;

@@ -45,7 +45,7 @@ double bending_radius(const Surface& surface, int face) {
   return least;
 }
 
-// Faces of one kind that hang together; the kind of those that are smaller than a module is turned.
+// Finds connected faces of one kind and changes the kind of those that are smaller than a module.
 void give_up_small_parts(const Surface& surface, std::vector<char>& is_tight) {
   const int count = static_cast<int>(is_tight.size());
   std::vector<char> seen(is_tight.size(), 0);

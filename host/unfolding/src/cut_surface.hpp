@@ -7,14 +7,14 @@
 
 namespace triskin::geometry {
 
-/// A surface with sides that are cut open. Faces are joined only across sides that are not cut.
+/// Represents a surface some of whose sides are cut open. Faces are joined only across the other sides.
 class CutSurface {
  public:
   explicit CutSurface(const Surface& surface)
       : surface_(surface), cut_(surface.mesh().faces.size(), {false, false, false}) {}
 
   [[nodiscard]] const Surface& surface() const { return surface_; }
-  /// Face across side s, −1 at the border and at a cut.
+  /// Returns the face across side s, −1 at the border and at a cut.
   [[nodiscard]] int neighbour(int face, int side) const {
     return cut_[static_cast<std::size_t>(face)][static_cast<std::size_t>(side)]
                ? -1

@@ -17,9 +17,9 @@ struct Reached {
 };
 
 struct Inside {
-  // Edges between two faces of the set, in both directions.
+  // Lists the edges between two faces of the set, in both directions.
   std::map<int, std::vector<std::pair<int, SurfaceEdge>>> from;
-  std::set<int> border;  // Vertices of the other edges.
+  std::set<int> border;  // These vertices belong to edges with a single face of the set.
 };
 
 Inside inside_of(const CutSurface& cut, const std::vector<int>& faces, const std::set<std::pair<int, int>>& uncut) {

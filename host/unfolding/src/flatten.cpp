@@ -19,7 +19,7 @@ const Vec3& corner(const Surface& s, int face, int k) {
   return s.mesh().vertices[at(s.mesh().faces[at(face)][at(k)])];
 }
 
-// The triangle in its own plane: corner 0 at the origin, corner 1 on the x axis.
+// Returns the triangle in its own plane: corner 0 at the origin, corner 1 on the x axis.
 std::array<Vec2, 3> own_plane(const Surface& s, int face) {
   const Vec3 e1 = corner(s, face, 1) - corner(s, face, 0), e2 = corner(s, face, 2) - corner(s, face, 0);
   const double length = e1.norm(), along = e2.dot(e1) / length;
@@ -40,7 +40,7 @@ FlatChart make_chart(const CutSurface& cut, const std::vector<int>& faces) {
       const int id = static_cast<int>(c.vertices.size());
       const int vertex = s.mesh().faces[at(faces[k])][at(v)];
       c.vertices.push_back(vertex);
-      std::vector<int> fan{faces[k]};  // Faces around the vertex that are connected by edges.
+      std::vector<int> fan{faces[k]};  // These faces around the vertex are connected by edges.
       std::set<int> seen{faces[k]};
       for (std::size_t f = 0; f < fan.size(); ++f) {
         const auto& corners = s.mesh().faces[at(fan[f])];
@@ -65,7 +65,7 @@ int middle_face(const Surface& s, const std::vector<int>& faces) {
       std::ranges::min_element(faces, {}, [&](int f) { return (middle(f) - center).squaredNorm(); }) - faces.begin());
 }
 
-// Unfolds breadth first across edges; a vertex keeps the first place that it gets.
+// Unfolds breadth first across edges; a vertex keeps its first place.
 void unfold_start(const CutSurface& cut, FlatChart& c) {
   const Surface& s = cut.surface();
   std::map<int, int> local_of;
@@ -108,7 +108,7 @@ void unfold_start(const CutSurface& cut, FlatChart& c) {
 
 struct Solver {
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor;
-  std::vector<std::array<double, 3>> weight;  // Cotangent of the angle opposite side k.
+  std::vector<std::array<double, 3>> weight;  // Entry k is the cotangent of the angle opposite side k.
   std::vector<std::array<Vec2, 3>> own;
   std::vector<std::array<double, 3>> cotangent;
 };
@@ -152,7 +152,7 @@ void factorize(const FlatChart& c, const std::vector<double>& face_weight, Solve
   solver.factor.factorize(matrix);
 }
 
-// One local/global step: the best rotation of every triangle, then the vertices that fit all of them best.
+// Does one local/global step: the best rotation of every triangle, then the vertices that fit all of them best.
 void step(FlatChart& c, const Solver& solver) {
   Eigen::MatrixX2d right = Eigen::MatrixX2d::Zero(static_cast<Eigen::Index>(c.flat.size()), 2);
   for (std::size_t f = 0; f < c.faces.size(); ++f) {
@@ -182,7 +182,7 @@ void step(FlatChart& c, const Solver& solver) {
   for (std::size_t v = 0; v < c.flat.size(); ++v) c.flat[v] = solution.row(static_cast<Eigen::Index>(v)).transpose();
 }
 
-// Largest scaled error of the edges of each face.
+// Returns the largest scaled error among the edges of each face.
 std::vector<double> face_errors(const FlatChart& c, const Solver& solver) {
   std::vector<double> errors(c.faces.size(), 0.0);
   for (std::size_t f = 0; f < c.faces.size(); ++f) {
@@ -195,7 +195,7 @@ std::vector<double> face_errors(const FlatChart& c, const Solver& solver) {
   return errors;
 }
 
-// Weights grow where the error is large: the largest error goes down towards the least possible one.
+// Weights grow where the error is large, so that the largest error falls towards the least possible one.
 void even_out(FlatChart& c, Solver& solver, double limit_mm) {
   constexpr int kRounds = 8, kSteps = 5;
   std::vector<double> weight(c.faces.size(), 1.0);
@@ -235,7 +235,7 @@ FlatChart flatten(const CutSurface& cut, const std::vector<int>& faces, int iter
   prepare_solver(surface, chart, solver);
   factorize(chart, std::vector<double>(faces.size(), 1.0), solver);
   double error = 0.0, before = 1e300;
-  // An open dart swings slowly to its place: as long as that pays, a few times the steps.
+  // An open dart swings slowly to its place, so a few times as many steps are allowed while they pay off.
   for (int k = 1; k <= iterations || (k <= 5 * iterations && error < 0.98 * before); ++k) {
     if (give_up && give_up()) break;
     step(chart, solver);

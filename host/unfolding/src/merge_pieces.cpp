@@ -13,7 +13,8 @@
 namespace triskin::geometry {
 namespace {
 
-// A joined piece gets a new number, so what the queue holds of its parts is out of date and each pair is tried once.
+// A joined piece gets a new number, so that queue entries of its parts are recognised as outdated and each pair is
+// tried once.
 class Merger {
  public:
   Merger(const CutSurface& cut, std::vector<Piece>& pieces, const TryPiece& try_piece, const ProgressSink& progress)
@@ -94,7 +95,7 @@ class Merger {
   const TryPiece& try_piece_;
   const ProgressSink& progress_;
   std::vector<std::optional<Piece>> alive_;
-  std::vector<std::map<int, double>> seams_;  // Indexed by piece: neighbour → mm.
+  std::vector<std::map<int, double>> seams_;  // Each piece maps its neighbours to the length of their seam in mm.
   std::priority_queue<std::tuple<double, int, int>> queue_;
 };
 

@@ -9,11 +9,11 @@
 
 namespace triskin::geometry {
 
-/// Lays the faces (sorted) flat as one piece; nothing when that breaks a limit.
+/// Lays the faces (sorted) flat as one piece; returns nothing when that breaks a limit.
 using TryPiece = std::function<std::optional<Piece>(const std::vector<int>& faces)>;
 
-/// Joins pieces that meet at sides that are not cut again, longest seam first, where the joined piece keeps the limits.
-/// The faces laid flat on the way are bounded (30 times those of the surface, at least 60,000), so a dirty mesh of
+/// Joins pieces again across sides that are not cut, longest seam first, if the joined piece keeps the limits. The
+/// number of faces laid flat on the way is bounded (30 times those of the surface, at least 60,000), so a dirty mesh of
 /// thousands of pieces ends too.
 void merge_pieces(const CutSurface& cut, std::vector<Piece>& pieces, const TryPiece& try_piece,
                   const ProgressSink& progress);

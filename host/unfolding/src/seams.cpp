@@ -45,7 +45,6 @@ std::vector<Vec3> read_line(std::istringstream& words, const std::vector<Vec3>& 
   return line;
 }
 
-// The vertices of a surface and the edges between them.
 class EdgeGraph {
  public:
   explicit EdgeGraph(const Surface& surface) : surface_(surface), from_(surface.mesh().vertices.size()) {
@@ -64,7 +63,7 @@ class EdgeGraph {
                             v.begin());
   }
 
-  // Empty when no way leads there.
+  // Returns an empty path when no edges lead there.
   [[nodiscard]] std::vector<SurfaceEdge> way(int from, int to) const {
     const auto& v = surface_.mesh().vertices;
     std::vector<double> distance(v.size(), std::numeric_limits<double>::infinity());

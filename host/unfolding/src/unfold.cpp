@@ -71,7 +71,7 @@ class Unfolder {
   }
 
  private:
-  // Parts of a face set that hang together by edges.
+  // Splits a set of faces into parts that are connected by edges.
   std::vector<std::vector<int>> connected(const std::vector<int>& faces) {
     const int mark = ++stamp_;
     for (const int f : faces) member_[at(f)] = mark;
@@ -120,7 +120,8 @@ class Unfolder {
 
   [[nodiscard]] bool gave_up() const { return options_.give_up && options_.give_up(); }
 
-  // A full turn of the normals (a tube, a ball) never flattens unless a seam of the user opens it: saves the solve.
+  // A full turn of the normals (a tube, a ball) never flattens unless a seam of the user opens it, so the solve can be
+  // skipped.
   bool turns_too_far(const std::vector<int>& faces) const {
     Vec3 sum = Vec3::Zero();
     double area = 0.0;
@@ -147,11 +148,13 @@ class Unfolder {
     } catch (const InputError&) {
       return false;
     }
-    // What a reader lets pass as touching is still a crossing of two pieces of surface here.
+    // The tolerance with which readers accept touching edges is too wide here: such edges mean that two pieces of
+    // surface cross.
     return !crosses_itself(piece.outline) && std::abs(polygon_area(piece.outline) - area) <= 1e-6 * area;
   }
 
-  // Two faces far apart over the dual graph, then each face (with those it must stay joined to) to the nearer one.
+  // Finds two faces far apart over the dual graph, then assigns each face (with those it must stay joined to) to the
+  // nearer one.
   std::vector<std::vector<int>> divide(const std::vector<int>& faces) {
     const auto farthest = [&](int from) {
       const auto d = distances(faces, from);
@@ -164,7 +167,7 @@ class Unfolder {
     };
     const int a = farthest(faces.front()), b = farthest(a);
     const auto da = distances(faces, a), db = distances(faces, b);
-    std::map<int, double> nearer_to_b;  // Keyed by group: if > 0, the group goes to b.
+    std::map<int, double> nearer_to_b;  // A positive value assigns the group to b.
     for (const int f : faces) nearer_to_b[group_[at(f)]] += da[at(f)] - db[at(f)];
     nearer_to_b[group_[at(a)]] = -1.0;
     nearer_to_b[group_[at(b)]] = 1.0;
@@ -186,7 +189,7 @@ class Unfolder {
                     faces.size(), p.x(), p.y(), p.z(), options_.edge_error_mm));
   }
 
-  // Along the dual graph of the faces; by face of the surface, infinite outside.
+  // Distances follow the dual graph; the index is the face of the surface, and faces outside have infinity.
   std::vector<double> distances(const std::vector<int>& faces, int from) {
     const int mark = ++stamp_;
     for (const int f : faces) member_[at(f)] = mark;
@@ -234,8 +237,8 @@ class Unfolder {
     for (std::size_t f = 0; f < group_.size(); ++f) group_[f] = root(static_cast<int>(f));
   }
 
-  // Cuts along the shortest ways from the border to inner vertices, the farthest from it first, until the faces lie
-  // flat; all are taken back when they do not, or are longer than the seam that dividing needs.
+  // Cuts along the shortest paths from the border to inner vertices, the farthest from it first, until the faces lie
+  // flat. Undoes all cuts if the faces do not become flat or the cuts are longer than the seam needed for splitting.
   std::optional<Piece> darted(const std::vector<int>& faces) {
     if (faces.size() < 12 || turns_too_far(faces)) return std::nullopt;
     double left_mm = 0.7 * std::sqrt(area_of(faces));  // A seam across the piece is longer than this.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A library that a test puts before the program (LD_PRELOAD). It shifts the wall clock while the program runs, as a
-// person or NTP does, by the seconds in the file TRISKIN_TEST_WALL, and lets the TRISKIN_TEST_FAIL_AT-th change of a
-// regular file fail with the error TRISKIN_TEST_FAIL_ERRNO, and all that follow: a full or broken disk.
+// A test loads this library before the program (LD_PRELOAD). It shifts the wall clock while the program runs, as a
+// person or NTP does, by the seconds in the file TRISKIN_TEST_WALL, and makes the TRISKIN_TEST_FAIL_AT-th change of a
+// regular file, and all later ones, fail with the error TRISKIN_TEST_FAIL_ERRNO: a full or broken disk.
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -30,7 +30,7 @@ const std::atomic<std::int64_t>* shift_s() {
 
 std::atomic<long> changes = 0;
 
-// True when this change of a file is one that has to fail; errno is set then.
+// Returns true when this change of a file has to fail; errno is set then.
 bool fails() {
   static const long kFirst = [] {
     const char* text = std::getenv("TRISKIN_TEST_FAIL_AT");

@@ -8,14 +8,14 @@ namespace {
 
 constexpr std::array<std::uint8_t, 16> kSizes{0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64};
 
-/// Counts bits as they go out, stuff bits too, and the CRC of a classic frame.
+/// Counts bits as they are sent, including stuff bits, and the CRC of a classic frame.
 class Stuffer {
  public:
   void put(std::uint32_t value, int count) {
     for (int k = count - 1; k >= 0; --k) put_bit((value >> k & 1) != 0);
   }
   [[nodiscard]] std::uint32_t sent() const { return sent_; }
-  /// The last bit is a stuff bit.
+  /// Returns true if the last bit is a stuff bit.
   [[nodiscard]] bool ends_stuffed() const { return ends_stuffed_; }
   [[nodiscard]] std::uint32_t crc15() const { return crc_; }
 
@@ -44,18 +44,18 @@ std::uint32_t code_of(std::uint8_t size) {
   return code;
 }
 
-// Start bit and identifier, up to the bit that tells classic from FD.
+// Sends start bit and identifier, up to the bit that distinguishes classic from FD.
 void put_identifier(Stuffer& out, const wire::CanFrame& f) {
   out.put(0, 1);
   if (!f.extended) {
     out.put(f.id, 11);
-    out.put(0, 2);  // RTR or RRS, IDE
+    out.put(0, 2);  // The bits are RTR or RRS, and IDE.
     return;
   }
   out.put(f.id >> 18, 11);
-  out.put(3, 2);  // SRR, IDE
+  out.put(3, 2);  // The bits are SRR and IDE.
   out.put(f.id & 0x3FFFF, 18);
-  out.put(0, 1);  // RTR or RRS
+  out.put(0, 1);  // The bit is RTR or RRS.
 }
 
 void put_data(Stuffer& out, const wire::CanFrame& f) {
@@ -66,24 +66,26 @@ void put_data(Stuffer& out, const wire::CanFrame& f) {
 }  // namespace
 
 CanBits can_bits(const wire::CanFrame& frame) {
-  constexpr std::uint32_t kEnd = 2 + 7 + 3;  // Acknowledge and its delimiter, end of frame, interframe space.
+  // The frame ends with acknowledge and its delimiter, end of frame, interframe space.
+  constexpr std::uint32_t kEnd = 2 + 7 + 3;
   Stuffer out;
   put_identifier(out, frame);
   if (!frame.fd) {
-    out.put(0, frame.extended ? 2 : 1);  // r1, r0
+    out.put(0, frame.extended ? 2 : 1);  // The bits are r1 and r0.
     put_data(out, frame);
     out.put(out.crc15(), 15);
     return {out.sent() + 1 + kEnd, 0};
   }
-  out.put(2, 2);  // FDF, res
+  out.put(2, 2);  // The bits are FDF and res.
   out.put(frame.bit_rate_switch ? 1 : 0, 1);
   const std::uint32_t arbitration = out.sent();
-  out.put(0, 1);  // ESI
+  out.put(0, 1);  // The bit is ESI.
   put_data(out, frame);
   const std::uint32_t crc = frame.size > 16 ? 21 : 17;
-  const std::uint32_t field = 4 + crc, fixed = 1 + field / 4;  // stuff count and CRC; a stuff bit before each four bits
+  // The field has stuff count and CRC, with a stuff bit before each four bits.
+  const std::uint32_t field = 4 + crc, fixed = 1 + field / 4;
   const std::uint32_t before =
-      out.sent() - arbitration - (out.ends_stuffed() ? 1 : 0);  // The first fixed one does as well.
+      out.sent() - arbitration - (out.ends_stuffed() ? 1 : 0);  // The first fixed stuff bit replaces it.
   const std::uint32_t data = before + field + fixed + 1;
   return frame.bit_rate_switch ? CanBits{arbitration + kEnd, data} : CanBits{arbitration + kEnd + data, 0};
 }

@@ -24,13 +24,13 @@ void check(uc_err error, const char* what) {
 
 }  // namespace
 
-/// Callbacks of Unicorn. They only note what happened: the core's state changes between two runs.
+/// Callbacks of Unicorn only note what happened, because the core's state may change only between two runs.
 struct Hooks {
   static Machine::Core& core(void* user) { return *static_cast<Machine::Core*>(user); }
 
   static void block(uc_engine* uc, std::uint64_t address, std::uint32_t size, void* user) {
     Machine::Core& c = core(user);
-    // An interrupt that waits behind PRIMASK is taken as soon as that falls.
+    // An interrupt that waits behind PRIMASK is taken as soon as PRIMASK is cleared.
     const bool unmasked = c.waits_behind_mask_ && (c.reg(UC_ARM_REG_PRIMASK) & 1) == 0;
     const bool stalls = c.flash_.busy_at(static_cast<std::uint32_t>(address));
     const bool stop = c.one_block_
@@ -66,7 +66,7 @@ struct Hooks {
     return true;
   }
   static void watched_read(uc_engine*, uc_mem_type, std::uint64_t, int, std::int64_t, void*) {}
-  // The value comes when the operation is over. Events that fall due meanwhile come late.
+  // The value arrives when the operation is over. Events that fall due meanwhile are late.
   static void flash_read(uc_engine*, uc_mem_type, std::uint64_t address, int, std::int64_t, void* user) {
     Machine::Core& c = core(user);
     if (!c.flash_.busy_at(static_cast<std::uint32_t>(address))) return;
@@ -185,12 +185,12 @@ void Machine::Core::map_memory() {
   check(
       uc_mem_map_ptr(uc_, FlashChip::kBase, FlashChip::kBytes, UC_PROT_READ | UC_PROT_EXEC, setup_.flash->bytes.data()),
       "map flash");
-  // At each store Unicorn 2.0 looks through the translated code of the memory around it, some MB in the order of
-  // mapping. Memory that nobody may touch keeps the RAM out of the flash's surroundings: a store costs a third less.
+  // At each store Unicorn 2.0 searches the translated code of the memory around it, some MB in the order of mapping.
+  // Inaccessible memory keeps the RAM out of the flash's surroundings, which makes a store a third cheaper.
   check(uc_mem_map(uc_, kNoMansLand, kNoMansLandBytes, UC_PROT_NONE), "map no man's land");
   check(uc_mem_map_ptr(uc_, kRamBase, kRamBytes, UC_PROT_READ | UC_PROT_WRITE, ram_.data()), "map RAM");
   check(uc_mem_map(uc_, kNoMansLand + kNoMansLandBytes, kNoMansLandBytes, UC_PROT_NONE), "map more of it");
-  // Its alias behind SRAM2 is left out: the images use one of the two addresses only.
+  // The alias behind SRAM2 is left out, because the images use only one of the two addresses.
   check(uc_mem_map_ptr(uc_, map::kCodeRam, map::kCodeRamBytes, UC_PROT_ALL, code_ram_.data()), "map CCM RAM");
   check(uc_mem_map(uc_, kSystemMemory, 0x1000, UC_PROT_READ), "map system memory");
   check(uc_mem_write(uc_, map::kUniqueId, setup_.unique_id.data(), setup_.unique_id.size()), "unique id");
@@ -199,7 +199,7 @@ void Machine::Core::map_memory() {
   check(uc_mmio_map(uc_, kScs, kScsBytes, Hooks::read_scs, this, Hooks::write_scs, this), "map SCS");
 }
 
-// A hook on all stores would slow every one of them; the flash is not writable to Unicorn, and it asks.
+// A hook on all stores would slow down every one of them. The flash is not writable to Unicorn, so Unicorn asks.
 void Machine::Core::add_hooks() {
   uc_hook h = 0;
   check(uc_hook_add(uc_, &h, UC_HOOK_BLOCK, reinterpret_cast<void*>(&Hooks::block), this, 1, 0), "block hook");
@@ -234,7 +234,7 @@ void Machine::Core::watch_torn_units() {
   }
 }
 
-// Unicorn forgets what it translated from memory that is written through it.
+// Unicorn drops its translation of memory that is written through it.
 void Machine::Core::cells_changed(std::uint32_t address, std::uint32_t size) {
   const auto first = setup_.flash->bytes.begin() + (address - FlashChip::kBase);
   const std::vector<std::uint8_t> cells(first, first + size);
@@ -264,18 +264,19 @@ void Machine::Core::press_reset() {
   request_reset(1U << 26);
 }
 
-// RM0440 table 5. Boot from RAM (nBOOT1 = 0) is not modelled.
+// Follows RM0440 table 5. Boot from RAM (nBOOT1 = 0) is not modelled.
 bool Machine::Core::boots_from_rom() const {
   const std::uint32_t options = setup_.flash->options;
   const bool by_pin = (options >> 26 & 1) != 0;
   return by_pin ? setup_.boot_pin_high : (options >> 27 & 1) == 0;
 }
 
-// RAM keeps what it holds; everything else starts anew.
+// RAM keeps its content; everything else starts anew.
 void Machine::Core::reset_core() {
   time_.clear();
   nvic_.reset();
-  std::ranges::fill(code_ram_blocks_, Block{});  // The start-up code of another image may fill it anew.
+  // The start-up code of another image may fill it anew.
+  std::ranges::fill(code_ram_blocks_, Block{});
   for (const Window& w : windows_) w.block->reset();
   gpio_.reset();
   gpio_.set_boot_pin(setup_.boot_pin_high);
@@ -286,7 +287,8 @@ void Machine::Core::reset_core() {
     book(t);
   sleeping_ = fp_active_ = nmi_ = reset_wanted_ = stalled_ = false;
   in_rom_loader_ = boots_from_rom();
-  sleeping_ = in_rom_loader_;  // It waits for a host on UART, I²C, SPI, USB or CAN, which nobody here is.
+  // The loader waits for a host on UART, I²C, SPI, USB or CAN, which does not exist here.
+  sleeping_ = in_rom_loader_;
   reg(UC_ARM_REG_IPSR, 0);
   reg(UC_ARM_REG_CONTROL, 0);
   reg(UC_ARM_REG_PRIMASK, 0);
@@ -304,7 +306,7 @@ void Machine::Core::reg(int id, std::uint32_t value) {
   uc_reg_write(uc_, id, &value);
 }
 
-// RAM and flash are memory of ours that Unicorn maps: no need to ask it, which is slow.
+// RAM and flash are memory of ours that Unicorn maps, so we avoid its slow access functions.
 std::uint8_t* Machine::Core::memory_at(std::uint32_t address) {
   if (address >= kRamBase && address + 4 <= kRamBase + kRamBytes) return &ram_[address - kRamBase];
   if (address >= FlashChip::kBase && address + 4 <= FlashChip::kBase + FlashChip::kBytes)
@@ -335,7 +337,8 @@ void Machine::Core::violation(std::string what) {
 }
 
 void Machine::Core::request_reset(std::uint32_t cause) {
-  rcc_.note_reset(cause | 1U << 26);  // the chip pulls its own reset pin low
+  // The chip pulls its own reset pin low.
+  rcc_.note_reset(cause | 1U << 26);
   reset_wanted_ = true;
 }
 
@@ -389,11 +392,12 @@ Machine::Core::Block Machine::Core::decode_block(std::uint32_t address, std::uin
   for (std::uint32_t k = 0; k + 1 < size; ++b.instructions) {
     const unsigned half = code[k] | static_cast<unsigned>(code[k + 1]) << 8;
     const bool wide = half >> 11 >= 0x1D;
-    b.ends_in_wait = half == 0xBF30;  // Compares a whole instruction: the second half of a wide one may look the same.
+    // The test compares a whole instruction, because the second half of a wide one may look the same.
+    b.ends_in_wait = half == 0xBF30;
     if (wide && k + 3 < size) {
       const unsigned second = code[k + 2] | static_cast<unsigned>(code[k + 3]) << 8;
-      b.floating_point =
-          b.floating_point || ((half & 0xEC00) == 0xEC00 && (second >> 9 & 7) == 5);  // coprocessor 10 or 11
+      // Coprocessors 10 and 11 are the floating-point unit.
+      b.floating_point = b.floating_point || ((half & 0xEC00) == 0xEC00 && (second >> 9 & 7) == 5);
     }
     k += wide ? 4 : 2;
   }
@@ -459,7 +463,7 @@ double Machine::Core::per_hour(Trouble trouble) const {
   return d.can_errors;
 }
 
-// The next one; the times between two are exponential.
+// Books the next one; the times between two are exponentially distributed.
 void Machine::Core::book(Trouble trouble) {
   if (per_hour(trouble) <= 0) return;
   const double mean_s = 3600 / per_hour(trouble);
@@ -467,7 +471,7 @@ void Machine::Core::book(Trouble trouble) {
   time_.after(static_cast<Time>(wait_s * static_cast<double>(kSecond)), [this, trouble] { make(trouble); });
 }
 
-// When nothing is under way it waits for the next transfer or frame.
+// If nothing is under way it waits for the next transfer or frame.
 void Machine::Core::make(Trouble trouble) {
   if (disturb_any(trouble)) return book(trouble);
   time_.after(17 * kMicrosecond, [this, trouble] { make(trouble); });
@@ -516,8 +520,8 @@ bool Machine::Core::spoil_frame() {
   return true;
 }
 
-// The core waits for an instruction from the bank that is being written (RM0440 §3.3.5): nothing else happens, no
-// exception is taken. The peripherals go on.
+// The core waits for an instruction from the bank that is being written (RM0440 §3.3.5): nothing else happens, and no
+// exception is taken. The peripherals continue.
 void Machine::Core::wait_for_flash(Time until) {
   const Time begin = time_.now();
   while (flash_.busy() && time_.now() < until) {
@@ -528,8 +532,8 @@ void Machine::Core::wait_for_flash(Time until) {
   stalled_ = flash_.busy();
 }
 
-// A translated block ends at each kilobyte, also inside an IT block. Unicorn cannot put ITSTATE away and back, so no
-// exception is taken there but after the next block: a delay of some instructions.
+// A translated block ends at each kilobyte, also inside an IT block. Unicorn cannot save and restore ITSTATE, so an
+// exception there is taken only after the next block: a delay of some instructions.
 void Machine::Core::finish_it_block() {
   constexpr std::uint32_t kItState = 0x0600FC00;
   while (!sleeping_ && (reg(UC_ARM_REG_XPSR) & kItState) != 0) {
@@ -551,7 +555,7 @@ void Machine::Core::execute(Time until) {
   after_execution(error);
 }
 
-// Why did execution end? An exception return, a WFI, a fault, or a wish of ours.
+// Finds out why execution ended: an exception return, a WFI, a fault, or a stop that we asked for.
 void Machine::Core::after_execution(uc_err error) {
   apply_flash_writes();
   const std::uint32_t pc = reg(UC_ARM_REG_PC);
@@ -574,7 +578,7 @@ void Machine::Core::after_execution(uc_err error) {
   }
 }
 
-// ARMv7-M B3.2.15: what the processor could not do, precise; each escalates to a hard fault.
+// Sets precise fault status (ARMv7-M B3.2.15); each fault escalates to a hard fault.
 void Machine::Core::note_fault(uc_err error, std::uint32_t pc) {
   constexpr std::uint32_t kPrecise = 1U << 9 | 1U << 15, kFetch = 1U << 8, kUndefined = 1U << 16;
   const bool access = error == UC_ERR_READ_UNMAPPED || error == UC_ERR_WRITE_UNMAPPED || error == UC_ERR_READ_PROT ||
@@ -584,7 +588,7 @@ void Machine::Core::note_fault(uc_err error, std::uint32_t pc) {
   nvic_.note_fault(access ? kPrecise : fetch ? kFetch : kUndefined, access ? fault_address_ : 0);
 }
 
-// Takes back what the stores did to the memory, then lets the controller decide.
+// Undoes the effect of the stores on the memory, then lets the controller decide.
 void Machine::Core::apply_flash_writes() {
   if (cell_writes_.empty()) return;
   const std::vector<CellWrite> writes = std::exchange(cell_writes_, {});

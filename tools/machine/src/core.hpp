@@ -18,7 +18,7 @@
 
 namespace triskin::machine {
 
-/// The Cortex-M4 in Unicorn, the bus with its peripherals, and the loop that joins execution and virtual time.
+/// Joins the Cortex-M4 in Unicorn, the bus with its peripherals, and the loop that couples execution and virtual time.
 class Machine::Core final : public Surroundings {
  public:
   explicit Core(const MachineSetup& setup);
@@ -57,12 +57,12 @@ class Machine::Core final : public Surroundings {
   struct Block {
     std::uint32_t size = 0, instructions = 0;
     bool floating_point = false;
-    bool ends_in_wait = false;  ///< Its last instruction is WFI.
+    bool ends_in_wait = false;  ///< True if its last instruction is WFI.
   };
   struct Window {
     Peripheral* block;
     std::uint32_t base, size;
-    std::uint32_t enable_offset;  ///< offset in RCC; 0: no gate
+    std::uint32_t enable_offset;  ///< The offset is in RCC; 0 means that there is no clock gate.
     unsigned enable_bit;
     const char* name;
   };
@@ -131,7 +131,7 @@ class Machine::Core final : public Surroundings {
   FdcanRam can_ram_;
   std::vector<Window> windows_;
   std::vector<std::uint8_t> ram_, code_ram_;
-  std::vector<Block> blocks_, code_ram_blocks_;  ///< indexed by half-word; code elsewhere is not remembered
+  std::vector<Block> blocks_, code_ram_blocks_;  ///< The index is a half-word; code elsewhere is not remembered.
   Block elsewhere_;
   std::vector<CellWrite> cell_writes_;
   std::mt19937_64 random_{setup_.disturbances.seed};
@@ -141,7 +141,8 @@ class Machine::Core final : public Surroundings {
        block_begun_ = false, waits_behind_mask_ = false, sleeping_ = false, reset_wanted_ = false, fp_active_ = false,
        nmi_ = false;
   std::uint32_t interrupt_code_ = ~0U, last_block_pc_ = 0, fault_address_ = 0;
-  std::uint32_t wait_end_ = 0;  // address behind the WFI that the last block of this run ended in; 0: in none
+  // The address behind the WFI at the end of the last block of this run; 0 if there was none.
+  std::uint32_t wait_end_ = 0;
 };
 
 }  // namespace triskin::machine

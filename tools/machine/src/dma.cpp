@@ -32,9 +32,9 @@ std::uint32_t Dma::read(std::uint32_t offset, unsigned) {
   }
 }
 
-// Count and addresses are fixed while a channel is on (§12.6.4 … §12.6.6).
+// Count and addresses cannot change while a channel is on (§12.6.4 … §12.6.6).
 void Dma::write(std::uint32_t offset, std::uint32_t value, unsigned) {
-  if (offset < kFirst) return;  // flags: no interrupt of a channel is modelled
+  if (offset < kFirst) return;  // These are flags; no interrupt of a channel is modelled.
   if (offset >= kFirst + kStride * channels_.size())
     return around_.violation(fmt::format("DMA register {:#x} is not modelled", offset));
   Channel& c = channels_[(offset - kFirst) / kStride];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Exception entry and return (ARMv7-M ARM, B1.5.6 … B1.5.8).
+// Implements exception entry and return (ARMv7-M ARM, B1.5.6 … B1.5.8).
 #include <algorithm>
 
 #include "core.hpp"
@@ -28,7 +28,7 @@ int Machine::Core::mask_priority() const {
   return base == 0 ? p : std::min(p, static_cast<int>(base));
 }
 
-// A pending interrupt ends a sleep even when PRIMASK keeps it from being taken.
+// A pending interrupt ends a sleep even if PRIMASK keeps it from being taken.
 void Machine::Core::take_exception() {
   const int e = nvic_.next();
   waits_behind_mask_ = false;
@@ -44,8 +44,8 @@ void Machine::Core::take_exception() {
     waits_behind_mask_ = nvic_.priority(e) < nvic_.running_priority();
 }
 
-// False: the stack has left its memory. Then nothing of the frame is there, and what is entered is a hard fault
-// (ARMv7-M B1.5.11).
+// Returns false if the stack has left its memory. Then nothing of the frame is written, and a hard fault is entered
+// instead (ARMv7-M B1.5.11).
 bool Machine::Core::push_frame(bool extended) {
   const std::uint32_t sp = reg(UC_ARM_REG_SP);
   const bool pad = (sp & 4) != 0;
@@ -73,7 +73,7 @@ bool Machine::Core::push_frame(bool extended) {
   return true;
 }
 
-// Unicorn banks the stack pointers when IPSR is written, so the frame is pushed on the current stack before.
+// Unicorn banks the stack pointers when IPSR is written, so the frame is pushed on the current stack first.
 void Machine::Core::enter_exception(int exception) {
   const bool thread = nvic_.running() == 0, process_stack = thread && (reg(UC_ARM_REG_CONTROL) & 2) != 0,
              extended = fp_active_;
@@ -101,7 +101,7 @@ void Machine::Core::leave_exception(std::uint32_t code) {
   std::array<std::uint32_t, 6> saved{};
   for (std::uint32_t k = 0; k < 6; ++k) saved[k] = load(frame + 4 * k);
   const std::uint32_t pc = load(frame + 24), flags = load(frame + 28);
-  reg(UC_ARM_REG_IPSR, flags & 0x1FF);  // first: this selects the stack
+  reg(UC_ARM_REG_IPSR, flags & 0x1FF);  // IPSR comes first, because it selects the stack.
   for (std::size_t k = 0; k < saved.size(); ++k) reg(kStacked[k], saved[k]);
   if (extended) {
     for (int k = 0; k < 16; ++k) reg(UC_ARM_REG_S0 + k, load(frame + 0x20 + 4 * static_cast<std::uint32_t>(k)));

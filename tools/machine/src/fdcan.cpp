@@ -17,7 +17,8 @@ constexpr std::uint32_t kFifo0 = 0x0B0, kTx = 0x278, kElement = 72, kExtFilters 
 constexpr std::array<std::uint8_t, 16> kSizes{0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64};
 constexpr std::uint32_t kNewMessage = 1, kFull = 2, kLost = 4, kTxDone = 1U << 7, kPassiveChanged = 1U << 17,
                         kWarningChanged = 1U << 18, kOffChanged = 1U << 19;
-constexpr std::uint32_t kWarning = 96, kPassive = 128, kOff = 256;  // error counters (ISO 11898-1)
+// ISO 11898-1 defines these limits of the error counters.
+constexpr std::uint32_t kWarning = 96, kPassive = 128, kOff = 256;
 
 }  // namespace
 
@@ -53,7 +54,8 @@ Time Fdcan::frame_time(const wire::CanFrame& frame) const {
   return nominal_bit() * bits.nominal + data * bits.data;
 }
 
-// Who sees an error while it sends counts eight, while it receives one; each frame without error takes one away.
+// A node that sees an error counts eight while it sends and one while it receives; each frame without error subtracts
+// one.
 void Fdcan::count_error() {
   const auto state = [&] { return protocol_status() & 0xE0U; };
   const std::uint32_t before = state();
@@ -72,7 +74,7 @@ void Fdcan::count_success(bool mine) {
   count -= std::min(count, 1U);
 }
 
-// Bus-off: the block stops by itself, and may come back after 129 times eleven recessive bits once INIT is cleared.
+// At bus-off the block stops by itself, and may return after 129 times eleven recessive bits once INIT is cleared.
 void Fdcan::leave_bus() {
   bus_off_ = true;
   ++bus_offs_;
@@ -80,7 +82,7 @@ void Fdcan::leave_bus() {
   regs_[kIr / 4] |= kOffChanged;
 }
 
-// PSR: error passive, warning, bus-off.
+// PSR reports error passive, warning and bus-off.
 std::uint32_t Fdcan::protocol_status() const {
   const std::uint32_t most = std::max(send_errors_, receive_errors_);
   return (most >= kPassive ? 1U << 5 : 0U) | (most >= kWarning ? 1U << 6 : 0U) | (bus_off_ ? 1U << 7 : 0U);
@@ -98,7 +100,7 @@ void Fdcan::rejoin() {
 
 bool Fdcan::spoil_frame() {
   if (!bus_busy_ || !running()) return false;
-  ++generation_;  // The frame does not end.
+  ++generation_;  // The new generation cancels the end of the frame.
   count_error();
   around_.time().after(nominal_bit() * kErrorFrameBits, [this, g = generation_] {
     if (g != generation_) return;
@@ -136,7 +138,7 @@ void Fdcan::write_element(std::uint32_t offset, const wire::CanFrame& f) {
   }
 }
 
-// Classic filters (identifier and mask) into FIFO 0, then what RXGFC says about the rest.
+// Applies the classic filters (identifier and mask) into FIFO 0, then the rule of RXGFC for all other frames.
 bool Fdcan::accepted(const wire::CanFrame& f) const {
   const std::uint32_t rxgfc = regs_[kRxgfc / 4];
   const std::uint32_t count = f.extended ? rxgfc >> 24 & 15 : rxgfc >> 16 & 31;
@@ -154,7 +156,7 @@ bool Fdcan::accepted(const wire::CanFrame& f) const {
 
 void Fdcan::deliver(const wire::CanFrame& frame) {
   if (!running() || !accepted(frame)) return;
-  if (frame.fd && (regs_[kCccr / 4] >> 8 & 1) == 0) return;  // an error frame on the real bus
+  if (frame.fd && (regs_[kCccr / 4] >> 8 & 1) == 0) return;  // The real bus would see an error frame.
   if (fill_ == 3) {
     regs_[kIr / 4] |= kLost;
   } else {
@@ -170,7 +172,7 @@ void Fdcan::from_bus(const wire::CanFrame& frame) {
   next_on_bus();
 }
 
-// One frame at a time; the lower identifier wins (11-bit before 29-bit with equal leading bits).
+// Sends one frame at a time; the lower identifier wins (11-bit before 29-bit with equal leading bits).
 void Fdcan::next_on_bus() {
   if (bus_busy_ || (incoming_.empty() && (to_send_.empty() || !running()))) return;
   if (around_.time().now() < joins_at_) return;
@@ -237,8 +239,8 @@ void Fdcan::check_start() {
 }
 
 std::uint32_t Fdcan::read(std::uint32_t offset, unsigned) {
-  if (offset == 0x00) return 0x32141218;  // CREL
-  if (offset == 0x04) return 0x87654321;  // ENDN
+  if (offset == 0x00) return 0x32141218;  // The register is CREL.
+  if (offset == 0x04) return 0x87654321;  // The register is ENDN.
   if (offset == 0x40)
     return send_errors_ | std::min(receive_errors_, 127U) << 8 | (receive_errors_ > 127 ? 1U << 15 : 0U);
   if (offset == 0x44) return protocol_status();

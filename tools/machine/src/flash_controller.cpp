@@ -49,7 +49,7 @@ std::uint32_t FlashController::read(std::uint32_t offset, unsigned) {
 }
 
 void FlashController::error(std::uint32_t flag, const char* what) {
-  sr_ |= flag | ((cr_ & kErrorInterrupt) != 0 ? 2U : 0U);  // OPERR only with its interrupt (§3.7.5)
+  sr_ |= flag | ((cr_ & kErrorInterrupt) != 0 ? 2U : 0U);  // OPERR is set only with its interrupt enabled (§3.7.5).
   around_.violation(what);
 }
 
@@ -68,7 +68,8 @@ void FlashController::write_key(std::uint32_t value) {
   }
 }
 
-// Reset of a cache only while it is off (§3.7.1). What an erase left in the data cache must go before it is on again.
+// A cache may be reset only while it is off (§3.7.1). Data that an erase left in the data cache must be removed before
+// it is on again.
 void FlashController::write_access(std::uint32_t value) {
   if ((value & kDataCacheReset) != 0 && (acr_ & kDataCache) != 0)
     around_.violation("FLASH_ACR.DCRST written while the data cache is on");
@@ -94,12 +95,12 @@ void FlashController::write_option_key(std::uint32_t value) {
   option_keys_ = 0;
 }
 
-// Errata ES0430, 2.2.2: one bank read while the other is written may corrupt the data cache.
+// By errata ES0430, 2.2.2, reading one bank while the other is written may corrupt the data cache.
 void FlashController::check_data_cache() {
   if ((acr_ & kDataCache) != 0) around_.violation("flash written with the data cache on");
 }
 
-// The new bytes are in the cells; the chip follows them after the next power-up (§3.4.2).
+// The new bytes are in the cells; the chip uses them after the next power-up (§3.4.2).
 void FlashController::start_options() {
   check_data_cache();
   sr_ |= kBusy;
@@ -175,7 +176,7 @@ void FlashController::write_control(std::uint32_t value) {
     start_erase();
 }
 
-// Counts the operation; when power fails in it, half of it has happened.
+// Counts the operation; if power fails in it, half of it has happened.
 void FlashController::begin(Time duration, const FlashOperation& operation) {
   check_data_cache();
   sr_ |= kBusy;
@@ -198,7 +199,7 @@ void FlashController::begin(Time duration, const FlashOperation& operation) {
   });
 }
 
-// Area A of bank 1 (§3.7.11); what it protects follows the option bytes as they were loaded last.
+// Covers area A of bank 1 (§3.7.11); the protected pages follow the option bytes as they were last loaded.
 bool FlashController::is_protected(std::uint32_t page) const {
   return page >= (protected_now_ & 127) && page <= (protected_now_ >> 16 & 127);
 }
@@ -242,7 +243,7 @@ void FlashController::cell_write(std::uint32_t address, std::uint32_t value, uns
   program_unit();
 }
 
-// Erased units only; all zeros may be written over anything (§3.3.8).
+// Only erased units can be programmed, but all zeros may be written over anything (§3.3.8).
 void FlashController::program_unit() {
   const std::uint32_t unit = (half_address_ - FlashChip::kBase) / FlashChip::kUnit;
   if (is_protected(unit * FlashChip::kUnit / FlashChip::kPage))
@@ -256,7 +257,7 @@ void FlashController::program_unit() {
 
 void FlashController::torn_read(std::uint32_t unit) {
   if (!chip_.torn.contains(unit)) return;
-  // Address in the bank, and the bank (§3.7.7); kept until the flag is cleared.
+  // The register has the address in the bank, and the bank (§3.7.7), until the flag is cleared.
   constexpr std::uint32_t kUnitsOfBank = FlashChip::kBytes / FlashChip::kUnit / 2;
   if ((eccr_ & kEcc) == 0) eccr_ = kEcc | (unit / kUnitsOfBank) << 21 | (unit % kUnitsOfBank) * FlashChip::kUnit;
   around_.raise_nmi();

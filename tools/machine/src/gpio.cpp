@@ -8,10 +8,10 @@
 #include "triskin/machine/map.hpp"
 
 namespace triskin::machine {
-// Pins float at a reset; the pull-downs of the patch end EN and latch.
+// Pins float at a reset; the patch has pull-downs on EN and latch.
 void Gpio::reset() {
   ports_ = {};
-  // PA13, PA14, PA15, PB3 and PB4 are the debugger's (RM0440 §9.4.1 … §9.4.4).
+  // PA13, PA14, PA15, PB3 and PB4 belong to the debugger (RM0440 §9.4.1 … §9.4.4).
   ports_[0].moder = 0xABFFFFFF;
   ports_[0].ospeedr = 0x0C000000;
   ports_[0].pupdr = 0x64000000;
@@ -101,7 +101,7 @@ std::uint32_t Gpio::read(std::uint32_t offset, unsigned) {
   }
 }
 
-// A line without pull-ups of its own floats, unless the chip pulls it up.
+// A line without pull-ups of its own floats unless the chip pulls it up.
 void Gpio::follow_pulls() {
   const auto up = [this](unsigned port, unsigned pin) { return (ports_[port].pupdr >> (2 * pin) & 3) == 1; };
   for (std::size_t k = 0; k < buses_.size(); ++k) {

@@ -24,9 +24,9 @@ void I2cController::reset() {
   update_irqs();
 }
 
-// SCLL + SCLH and the synchronization of both edges: filter 50 ns and two kernel clocks each (§39.4.10). The high time
-// is counted from where the pin reads high: a line that charges through its pull-up is at 70 % after ln(1 / 0.3) of its
-// time constant, and takes ln(0.7 / 0.3) of it from 30 to 70 %.
+// The period is SCLL + SCLH and the synchronization of both edges: filter 50 ns and two kernel clocks each (§39.4.10).
+// The high time is counted from where the pin reads high: a line that charges through its pull-up is at 70 % after ln(1
+// / 0.3) of its time constant, and takes ln(0.7 / 0.3) of it from 30 to 70 %.
 Time I2cController::scl_period() const {
   const Time clock = kSecond / around_.sysclk_hz();
   const Time unit = ((timing_ >> 28) + 1) * clock;
@@ -34,7 +34,7 @@ Time I2cController::scl_period() const {
          static_cast<Time>(kRiseToHigh * rise_ns_ * 1000);
 }
 
-// Fast mode wants SCL low for 1.3 µs and high for 0.6 µs, and no more than 400 kHz (UM10204 table 10).
+// Fast mode requires SCL low for 1.3 µs and high for 0.6 µs, and no more than 400 kHz (UM10204 table 10).
 void I2cController::check_timing() {
   const Time unit = ((timing_ >> 28) + 1) * (kSecond / around_.sysclk_hz());
   const Time low = ((timing_ & 255) + 1) * unit, high = ((timing_ >> 8 & 255) + 1) * unit;
@@ -96,15 +96,15 @@ bool I2cController::spurious_bus_error() {
   return true;
 }
 
-// Arbitration is lost while SCL is high. A master that waits for its program keeps SCL low: before a repeated start, or
-// for a byte to send, or until one is taken.
+// Arbitration can only be lost while SCL is high. A master that waits for its program keeps SCL low: before a repeated
+// start, or for a byte to send, or until a byte is taken.
 bool I2cController::holds_scl() const {
   return (isr_ & kTc) != 0 || stretched_ || (!shifting_ && (isr_ & kTxIs) != 0);
 }
 
 bool I2cController::lose_arbitration() {
   if (!on_bus_ || (cr1_ & 1) == 0 || holds_scl()) return false;
-  ++generation_;  // Nothing that was under way ends.
+  ++generation_;  // The new generation cancels all pending events.
   cr2_ &= ~kStartBit;
   tx_waits_ = shifting_ = stretched_ = on_bus_ = spoilt_ = false;
   busy_time_ += around_.time().now() - busy_since_;
@@ -175,7 +175,7 @@ void I2cController::write(std::uint32_t offset, std::uint32_t value, unsigned) {
         around_.violation(fmt::format("I2C{}: TIMEOUTA changed while it counts", line_ + 1));
       timeout_ = value;
       break;
-    case 0x18:  // TXE written as 1 empties the data register
+    case 0x18:  // Writing TXE as 1 empties the data register.
       if ((value & 1) != 0) tx_waits_ = false;
       break;
     case 0x1C:
@@ -229,10 +229,10 @@ void I2cController::begin() {
     return;
   }
   if (trace_ != nullptr) trace_->i2c_start(line_, around_.time().now());
-  after(scl_period() * 10, [this] { address_sent(); });  // Start condition and nine bits.
+  after(scl_period() * 10, [this] { address_sent(); });  // The time covers the start condition and nine bits.
 }
 
-// Nothing moves any more. With SCL low the time-out counter reports it; with SDA low nobody does.
+// The bus hangs. With SCL low the time-out counter reports it; with SDA low nothing does.
 void I2cController::hang() {
   if (bus_.scl() || (timeout_ & 0x8000) == 0) return;
   const Time wait = Time{(timeout_ & 0xFFF) + 1} * 2048 * kSecond / around_.sysclk_hz();
@@ -289,13 +289,13 @@ void I2cController::shift_in() {
     if (trace_ != nullptr) trace_->i2c_byte(line_, held_, more, around_.time().now(), scl_period());
     ++moved_;
     if ((isr_ & kRxNe) != 0)
-      stretched_ = true;  // Nobody has taken the byte before: SCL stays low.
+      stretched_ = true;  // Nobody has taken the byte before, so SCL stays low.
     else
       deliver();
   });
 }
 
-// The byte goes to the data register while the next one comes in.
+// The byte goes to the data register while the next one arrives.
 void I2cController::deliver() {
   rx_ = held_;
   isr_ |= kRxNe;

@@ -9,7 +9,7 @@ void Nvic::reset() {
   pending_ = enabled_ = is_active_ = {};
   priority_ = {};
   active_.clear();
-  vtor_ = image_ = map::kFlashCells;  // The alias at 0 that BOOT0 selects.
+  vtor_ = image_ = map::kFlashCells;  // BOOT0 selects the alias at 0.
   cfsr_ = hfsr_ = bfar_ = 0;
   cpacr_ = tick_control_ = tick_reload_ = 0;
   ++tick_generation_;
@@ -54,7 +54,7 @@ void Nvic::leave() {
   const int e = active_.back();
   active_.pop_back();
   is_active_[at(e)] = false;
-  if (e >= 16 && level_[at(e)]) pending_[at(e)] = true;  // The source still asks.
+  if (e >= 16 && level_[at(e)]) pending_[at(e)] = true;  // The source still asserts its line.
   poked = true;
 }
 
@@ -91,7 +91,7 @@ std::uint32_t Nvic::read(std::uint32_t offset, unsigned) {
              static_cast<std::uint32_t>(std::min<Time>(tick_reload_, gone * (tick_reload_ + 1) / tick_period()));
     }
     case 0xD00:
-      return 0x410FC241;  // CPUID: Cortex-M4 r0p1
+      return 0x410FC241;  // CPUID reads Cortex-M4 r0p1.
     case 0xD04:
       return static_cast<std::uint32_t>(running());
     case 0xD08:
@@ -126,7 +126,7 @@ void Nvic::write_bits(std::uint32_t offset, std::uint32_t value) {
     const std::size_t e = 16 + (offset & 0x7F) * 8 + k;
     if ((value >> k & 1) != 0 && e < kExceptions) target[e] = set;
   }
-  if (!set && offset >= 0x200) {  // A level that still stands pends again.
+  if (!set && offset >= 0x200) {  // A level that is still high becomes pending again.
     for (std::size_t e = 16; e < kExceptions; ++e) pending_[e] = pending_[e] || level_[e];
   }
 }

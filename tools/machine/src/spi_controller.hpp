@@ -7,12 +7,12 @@
 
 namespace triskin::machine {
 
-/// SPI2 as a master with frames of eight bits, mode 0, most significant bit first (RM0440 §42.5, §42.9): FIFOs of 32
-/// bits, the time of each frame, overrun. Anything else it is asked for is a violation.
+/// Models SPI2 as a master with frames of eight bits, mode 0, most significant bit first (RM0440 §42.5, §42.9): FIFOs
+/// of 32 bits, the time of each frame, overrun. Any other setting is a violation.
 class SpiController final : public Peripheral {
  public:
-  /// `exchange` is what hangs at the wires: a byte out, a byte in. `pins_ready`: clock and data are alternate
-  /// functions.
+  /// `exchange` stands for the device at the wires: a byte out, a byte in. `pins_ready` tells that clock and data are
+  /// alternate functions.
   SpiController(Surroundings& around, std::function<std::uint8_t(std::uint8_t)> exchange,
                 std::function<bool()> pins_ready)
       : Peripheral(around), exchange_(std::move(exchange)), pins_ready_(std::move(pins_ready)) {}

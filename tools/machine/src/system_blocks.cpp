@@ -10,7 +10,7 @@ constexpr Time kCrystalStart = 2000 * kMicrosecond, kPllStart = 40 * kMicrosecon
 constexpr std::uint32_t kCr = 0x00, kCfgr = 0x08, kCifr = 0x1C, kCicr = 0x20, kPllCfgr = 0x0C, kCsr = 0x94,
                         kCrrcr = 0x98;
 constexpr std::uint64_t kHsi_hz = 16'000'000;
-// DS12288, PLL characteristics.
+// The limits are from DS12288, PLL characteristics.
 constexpr std::uint64_t kMinPllInput_hz = 2'660'000, kMaxPllInput_hz = 16'000'000, kMinVco_hz = 96'000'000,
                         kMaxVco_hz = 344'000'000;
 
@@ -19,11 +19,11 @@ constexpr std::uint64_t kMinPllInput_hz = 2'660'000, kMaxPllInput_hz = 16'000'00
 void Rcc::reset() {
   ++generation_;
   regs_ = {};
-  regs_[kCr / 4] = 0x500;  // HSI on and ready
+  regs_[kCr / 4] = 0x500;  // HSI is on and ready.
   regs_[kCfgr / 4] = 5;
   regs_[kPllCfgr / 4] = 0x1000;
   regs_[map::kAhb1 / 4] = 1U << map::kFlashBit;
-  regs_[map::kApb1 / 4] = 0x400;  // bus clock of the RTC
+  regs_[map::kApb1 / 4] = 0x400;  // The bit enables the bus clock of the RTC.
   sysclk_hz_ = kHsi_hz;
   wait_states_ = 0;
   boost_ = stopped_ = false;
@@ -34,7 +34,7 @@ std::uint64_t Rcc::crystal_hz() const {
   return ready && around_.time().now() < crystal_.fails_at ? crystal_.hz : 0;
 }
 
-// The divisors decide alone where the oscillator of the PLL has to go; outside its limits it need not follow.
+// The divisors alone decide the frequency of the PLL's oscillator; outside its limits it may not lock.
 void Rcc::start_pll(std::uint32_t before) {
   const std::uint32_t cr = regs_[kCr / 4], pll = regs_[kPllCfgr / 4];
   if ((cr >> 24 & 1) == 0 || (before >> 24 & 1) != 0) return;
@@ -95,7 +95,7 @@ void Rcc::write_control(std::uint32_t value) {
   });
 }
 
-// What the clock tree gives, and the rules for going fast: wait states, boost, AHB halved in between.
+// Computes the clock and checks the rules for a high frequency: wait states, boost, AHB halved in between.
 void Rcc::switch_clock() {
   std::uint32_t& cfgr = regs_[kCfgr / 4];
   const std::uint32_t wanted = cfgr & 3;
@@ -158,7 +158,7 @@ void Rcc::write(std::uint32_t offset, std::uint32_t value, unsigned) {
 
 void Pwr::reset() {
   regs_ = {};
-  regs_[0] = 0x200;  // range 1
+  regs_[0] = 0x200;  // The voltage range is 1.
   regs_[0x80 / 4] = 0x100;
 }
 
@@ -179,7 +179,7 @@ bool Tim16::captures() const {
          regs_[0x5C / 4] == kCrystalBy32 && rcc_.crystal_hz() != 0;
 }
 
-// Edges that have come since the last look: the last one's count stays, and it says so when it covered one.
+// Takes the edges since the last call: the count of the last one stays, and a flag tells when it overwrote one.
 void Tim16::catch_up() {
   if (!captures()) return;
   const Time since = around_.time().now() - started_;

@@ -8,16 +8,16 @@
 
 namespace triskin::machine {
 
-/// The sender of USART2 with eight bits, no parity, one stop bit and its FIFO (RM0440 §40.5, §40.8). A baud rate that
-/// is off by more than 2 % from 115,200 loses its text, as at a receiver that expects that.
+/// Models the sender of USART2 with eight bits, no parity, one stop bit and its FIFO (RM0440 §40.5, §40.8). A baud
+/// rate that is off by more than 2 % from 115,200 loses its text, as at a receiver that expects that rate.
 class Usart final : public Peripheral {
  public:
-  /// `pin_ready`: the sender's pin is at its alternate function.
+  /// `pin_ready` tells that the sender's pin is at its alternate function.
   Usart(Surroundings& around, std::function<bool()> pin_ready) : Peripheral(around), pin_ready_(std::move(pin_ready)) {}
   std::uint32_t read(std::uint32_t offset, unsigned size) override;
   void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
   void reset() override;
-  /// What a terminal at 115,200 baud has shown since power-up.
+  /// Returns the text that a terminal at 115,200 baud has shown since power-up.
   [[nodiscard]] const std::string& text() const { return text_; }
 
  private:

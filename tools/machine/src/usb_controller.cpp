@@ -17,7 +17,7 @@ constexpr std::uint32_t kReceived = 1U << 15, kSetup = 1U << 11, kSent = 1U << 7
 constexpr std::uint32_t kToggled = kReceiveToggle | 3U << 12 | kSendToggle | 3U << 4;
 constexpr std::uint32_t kDisabled = 0, kStall = 1, kNak = 2, kValid = 3;
 constexpr std::uint32_t kSendAddress = 0, kSendCount = 1, kReceiveAddress = 2, kReceiveCount = 3;
-constexpr Time kStartUp = 1 * kMicrosecond;  // STM32G474 data sheet, USB start-up time
+constexpr Time kStartUp = 1 * kMicrosecond;  // The time is from the STM32G474 data sheet, USB start-up time.
 
 std::uint32_t receive_status(std::uint32_t r) {
   return r >> 12 & 3;
@@ -105,7 +105,8 @@ void UsbController::write(std::uint32_t offset, std::uint32_t value, unsigned si
   update_irq();
 }
 
-// Powered up first, out of reset 1 µs later (§45.5.2); the reset of a bus that runs puts the end points back.
+// The block is powered up first and leaves reset 1 µs later (§45.5.2); a bus reset while it runs resets the end
+// points.
 void UsbController::write_control(std::uint32_t value) {
   if ((control_ & 2) != 0 && (value & 2) == 0) {
     powered_ = around_.time().now();
@@ -188,7 +189,8 @@ void UsbController::bus_suspend(bool suspended) {
   update_irq();
 }
 
-// A control end point takes a SETUP also while it says NAK or STALL, but not while one is unserved (§45.5.3).
+// A control end point takes a SETUP even while it answers NAK or STALL, but not while another one is unserved
+// (§45.5.3).
 UsbReply UsbController::setup(std::uint8_t address, std::span<const std::uint8_t, 8> bytes) {
   std::uint32_t* r = find(address, 0);
   if (r == nullptr || !control_type(*r) || receive_status(*r) == kDisabled || (*r & kReceived) != 0)
@@ -208,7 +210,7 @@ UsbReply UsbController::out(std::uint8_t address, std::uint8_t endpoint, bool da
   if (receive_status(*r) == kStall) return UsbReply::kStall;
   if (receive_status(*r) == kNak) return UsbReply::kNak;
   if (data1 != ((*r & kReceiveToggle) != 0))
-    return UsbReply::kAck;  // Had it before: the host missed the acknowledgement.
+    return UsbReply::kAck;  // The packet was received before, but the host missed the acknowledgement.
   if (!store(index_of(r), bytes)) return UsbReply::kNone;
   *r = (*r & ~kSetup) | kReceived;
   *r ^= kReceiveToggle;

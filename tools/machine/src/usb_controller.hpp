@@ -8,11 +8,11 @@
 
 namespace triskin::machine {
 
-/// USB full-speed device (RM0440 §45) with its packet memory: end point registers that toggle, buffer table,
-/// transactions, suspend. Double buffers, isochronous end points and link power management are not modelled.
+/// Models the USB full-speed device (RM0440 §45) with its packet memory: end point registers that toggle, buffer
+/// table, transactions, suspend. Double buffers, isochronous end points and link power management are not modelled.
 class UsbController final : public Peripheral, public UsbWire {
  public:
-  /// `clock_ready`: 48 MHz are there.
+  /// `clock_ready` tells that the 48 MHz clock is available.
   UsbController(Surroundings& around, std::function<bool()> clock_ready)
       : Peripheral(around), clock_ready_(std::move(clock_ready)) {
     reset();
@@ -53,7 +53,7 @@ class UsbController final : public Peripheral, public UsbWire {
   Time powered_ = kNever;
 };
 
-/// The packet memory's window on the bus.
+/// Maps the packet memory into the address space of the bus.
 class UsbMemory final : public Peripheral {
  public:
   UsbMemory(Surroundings& around, UsbController& usb) : Peripheral(around), usb_(usb) {}
@@ -67,7 +67,7 @@ class UsbMemory final : public Peripheral {
   UsbController& usb_;
 };
 
-/// Clock recovery system (§8): only that it is switched on matters here.
+/// Models the clock recovery system (§8), of which only the enable bit matters here.
 class Crs final : public Peripheral {
  public:
   explicit Crs(Surroundings& around) : Peripheral(around) {}

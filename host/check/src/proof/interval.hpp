@@ -5,8 +5,9 @@
 
 namespace triskin::check {
 
-/// Closed interval that holds the true value: every operation moves its ends outward by more than the rounding of the
-/// operation (2⁻⁵² of the end, twice the error of one rounding to nearest), so that no rounding mode is needed.
+/// A closed interval that contains the true value: every operation moves its ends outward by more than the rounding of
+/// the operation (2⁻⁵² of the end, twice the error of one rounding to nearest), so that no rounding mode is
+/// needed.
 struct Interval {
   double low = 0.0, high = 0.0;
 
@@ -34,7 +35,7 @@ inline Interval operator*(const Interval& a, const Interval& b) {
   return outward(std::min({p, q, r, s}), std::max({p, q, r, s}));
 }
 
-/// Cosine and sine over an interval of angles of less than a quarter turn: midpoint value, slope at most 1.
+/// Bounds cosine and sine over an interval of angles of less than a quarter turn: midpoint value, slope at most 1.
 inline Interval around(double value, double radius) {
   return outward(std::max(-1.0, value - radius - 4e-16), std::min(1.0, value + radius + 4e-16));
 }
@@ -49,7 +50,7 @@ inline Interval sine(const Interval& angle) {
   return around(std::sin(middle), half + std::abs(middle) * 0x1p-52);
 }
 
-/// Middle of an interval, rounded: a place to look at, never part of a bound.
+/// Returns the rounded middle of an interval: a place to test, never part of a bound.
 inline double middle(const Interval& i) {
   return 0.5 * (i.low + i.high);
 }

@@ -7,7 +7,7 @@
 namespace triskin::check {
 namespace {
 
-constexpr double kOpposed = -0.998;      // Cosine of two normals.
+constexpr double kOpposed = -0.998;      // Two normals with a smaller cosine count as opposed.
 constexpr double kMinMultiplier = 0.04;  // Needs of a triple with a smaller multiplier are ignored.
 constexpr int kMaxHalvings = 16;         // Bounds the halvings of a region's angles.
 constexpr std::size_t kMaxNeeds = 30;    // More needs of a module would give too many triples.
@@ -78,8 +78,8 @@ void JointBound::add_triples(std::span<const Need> needs) {
   }
 }
 
-// Sum of multiplier * need. Points are taken from the last one's: what the rest of the normals leaves of the
-// translation is bounded by the farthest point of the region.
+// Adds the sum of multiplier * need. Points are relative to the last one's: the rest of the normals leaves a part of
+// the translation, bounded by the farthest point of the region.
 void JointBound::add_sum(std::span<const Need* const> needs, std::span<const double> multipliers) {
   AngleNeed sum;
   IntervalPoint rest{0.0, 0.0};
@@ -97,7 +97,7 @@ void JointBound::add_sum(std::span<const Need* const> needs, std::span<const dou
   sums_.push_back(sum);
 }
 
-// Mean value form over the angles; where no sum stays below its constant, over either half.
+// Uses the mean value form over the angles, and if no sum stays below its constant, tries either half.
 bool JointBound::excluded(double low, double high, int halvings) const {
   const double at = 0.5 * (low + high), half = std::max(high - at, at - low) * (1.0 + 1e-12) + 1e-16;
   const Interval c = cosine(Interval(at)), s = sine(Interval(at));
@@ -133,7 +133,7 @@ bool JointBound::contradictory(std::span<const Need> a, std::span<const Need> b)
   return !sums_.empty() && excluded(low, high, kMaxHalvings);
 }
 
-// Each pair holds one module at most. Augmenting paths between the two colours of the rivals.
+// Each pair holds at most one module. Finds them by augmenting paths between the two colours of the rivals.
 int JointBound::disjoint_conflicts() {
   const std::size_t n = needs_.size();
   rivals_.assign(n, {});

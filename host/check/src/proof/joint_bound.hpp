@@ -7,15 +7,15 @@
 
 namespace triskin::check {
 
-/// What two or three needs of a region say of its angles when their normals cancel: the translation drops out, and
-/// cosine * cos(theta) + sine * sin(theta) >= constant is left.
+/// States what two or three needs of a region say about its angles when their normals cancel: the translation drops
+/// out, and cosine * cos(theta) + sine * sin(theta) >= constant remains.
 struct AngleNeed {
   Interval cosine, sine, constant;
 };
 
-/// Upper bound of the modules that lie inside at one motion of a region, from needs that contradict each other: modules
-/// that lie inside nowhere, and disjoint pairs of modules that never lie inside together. Angles are halved until one
-/// contradiction holds over each part, so that the sums are not made linear. One object per thread.
+/// Bounds the modules that lie inside at one motion of a region by needs that contradict each other: modules that lie
+/// inside nowhere, and disjoint pairs of modules that never lie inside together. Angles are halved until one
+/// contradiction holds over each part, so that the sums are not linearized. Each thread needs its own object.
 class JointBound {
  public:
   JointBound(const MotionRegion& region, const CandidateList& list);
@@ -35,7 +35,7 @@ class JointBound {
   bool rematch(std::size_t module, std::vector<bool>& asked);
 
   const MotionRegion& region_;
-  std::vector<std::vector<Need>> needs_;  // Indexed by module of the list.
+  std::vector<std::vector<Need>> needs_;  // The index is a module of the list.
   std::vector<bool> dead_;
   std::vector<AngleNeed> sums_;
   std::vector<std::vector<std::size_t>> rivals_;

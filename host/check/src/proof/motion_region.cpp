@@ -7,7 +7,7 @@ namespace triskin::check {
 namespace {
 
 constexpr double kFacing = 0.05;    // An edge faces a side when the cosine between their normals is at least this.
-constexpr double kSlack_mm = 1e-6;  // Far above the rounding of plain doubles at 1e6 mm.
+constexpr double kSlack_mm = 1e-6;  // This is far above the rounding of plain doubles at 1e6 mm.
 
 IntervalPoint scaled(const IntervalPoint& p, double sign) {
   return sign > 0.0 ? p : IntervalPoint{-p.x, -p.y};
@@ -59,7 +59,8 @@ bool ProofPolygon::contains(double x, double y) const {
 }
 
 struct MotionRegion::Moved {
-  std::array<IntervalPoint, 2> end, end_turn;  // Values at the middle; derivative by the angle over the region.
+  // Values are taken at the middle, the derivative by the angle over the region.
+  std::array<IntervalPoint, 2> end, end_turn;
   IntervalPoint normal, normal_range, normal_turn;
 };
 
@@ -115,7 +116,7 @@ MotionRegion::Verdict MotionRegion::one_side_frees(std::size_t side, const Inter
   return certain ? Verdict::kAlways : Verdict::kMay;
 }
 
-// Does one of the module's sides separate it from the edge: always, for some motions, never?
+// Tells whether one of the module's sides separates it from the edge: always, for some motions, or never.
 MotionRegion::Verdict MotionRegion::side_frees(const IntervalPoint& center, double sign, const Moved& m,
                                                double allowance_mm) const {
   Verdict best = Verdict::kNever;
@@ -127,7 +128,7 @@ MotionRegion::Verdict MotionRegion::side_frees(const IntervalPoint& center, doub
   return best;
 }
 
-// The edge's own line: the whole module left of it, or the whole module right of it.
+// Tests the edge's own line: the whole module left of it, or the whole module right of it.
 MotionRegion::Ways MotionRegion::line_ways(const IntervalPoint& center, double sign, const ProofEdge& edge,
                                            const Moved& m, double allowance_mm) const {
   Ways ways;
@@ -173,8 +174,8 @@ void MotionRegion::add_side_needs(const Candidate& module, std::uint32_t edge, s
 }
 
 // The edge may also lie beyond a side of the module that faces it. A point of the module whose foot is on the edge then
-// still lies on the same side of the edge's line (left: turn 1): the foot is beyond the side, the point is not, and the
-// side faces the line.
+// still lies on the same side of the edge's line (left for turn 1): the foot is beyond the side, the point is not, and
+// the side faces the line.
 void MotionRegion::add_needs_over(const Candidate& module, std::uint32_t edge, double turn,
                                   std::vector<Need>& needs) const {
   const ProofEdge& e = polygon_.edges()[edge];
@@ -210,7 +211,7 @@ void MotionRegion::add_needs(const Candidate& module, std::uint32_t edge, std::v
   const Moved m = moved(e);
   const double sign = module.tile.up ? 1.0 : -1.0;
   Ways ways = line_ways(module.center, sign, e, m, 0.0);
-  Interval against(-1.0, -1.0);  // Least and largest component of the sides' normals along that of the edge.
+  Interval against(-1.0, -1.0);  // The least and largest component of the sides' normals along that of the edge.
   bool first = true;
   for (std::size_t k = 0; k < polygon_.module().normal.size(); ++k) {
     if (one_side_frees(k, module.center, sign, m, 0.0) == Verdict::kNever) continue;
@@ -292,7 +293,7 @@ std::vector<MotionRegion::Span> MotionRegion::row_spans(double first_y, double r
     if (a[1] > b[1]) std::swap(a, b);
     const double slope = b[1] > a[1] ? (b[0] - a[0]) / (b[1] - a[1]) : 0.0;
     for (std::size_t r = row(a[1] - wider); r <= row(b[1] + wider); ++r) {
-      // The part of the edge beside the row; the first and the last row have what lies beyond them too.
+      // Takes the part of the edge beside the row; the first and the last row also take everything beyond them.
       const double low = r == 0 ? a[1] : std::clamp(first_y + row_height * static_cast<double>(r) - wider, a[1], b[1]);
       const double high =
           r + 1 == rows ? b[1] : std::clamp(first_y + row_height * static_cast<double>(r + 1) + wider, a[1], b[1]);

@@ -6,11 +6,11 @@
 
 namespace triskin::check {
 
-/// Edge of the polygon relative to the pivot.
+/// An edge of the polygon relative to the pivot.
 struct ProofEdge {
   std::array<IntervalPoint, 2> end;
-  Interval offset;         ///< It is the left normal, which is not of unit length, times the end.
-  double length_mm = 0.0;  ///< It is an upper bound.
+  Interval offset;         ///< The offset is the left normal, which is not of unit length, times the end.
+  double length_mm = 0.0;  ///< The value is an upper bound of the length.
 };
 
 /// A module near the outline, with its edges as a range of indices.
@@ -18,18 +18,18 @@ struct Candidate {
   ProofTile tile;
   IntervalPoint center;
   std::uint32_t first = 0, count = 0;
-  bool inside = false;  ///< Its centre is known to lie inside over the whole region.
+  bool inside = false;  ///< True if the centre is known to lie inside over the whole region.
 };
 struct CandidateList {
   std::vector<Candidate> tiles;
   std::vector<std::uint32_t> edges;
-  int certain = 0;  ///< So many modules lie inside whatever the motion.
+  int certain = 0;  ///< This many modules lie inside whatever the motion.
   [[nodiscard]] int bound() const { return certain + static_cast<int>(tiles.size()); }
 };
 
-/// What a module needs in order to lie inside, whichever way it keeps clear of the edge, at every motion of a region:
-/// normal . R(-theta) (point - t) >= constant for a point of the module and the edge's line, and by a side of the
-/// module normal . (R(theta) point + t) >= constant for an end of the edge.
+/// States what a module needs in order to lie inside, whichever way it keeps clear of the edge, at every motion of a
+/// region: normal . R(-theta) (point - t) >= constant for a point of the module and the edge's line, and by a side of
+/// the module normal . (R(theta) point + t) >= constant for an end of the edge.
 struct Need {
   bool by_side = false;
   std::uint32_t edge = 0;
@@ -38,7 +38,7 @@ struct Need {
   double farthest_mm = 0.0;  ///< The normal is multiplied with vectors of at most this length.
 };
 
-/// The problem in the checker's own terms.
+/// Holds the polygon and the claims in the checker's own terms.
 class ProofPolygon {
  public:
   ProofPolygon(const std::vector<std::array<PlanePoint, 2>>& edges, const PlanePoint& pivot, const ProofModule& module,
@@ -49,7 +49,8 @@ class ProofPolygon {
   [[nodiscard]] double pitch_mm() const { return pitch_; }
   [[nodiscard]] double radius_mm() const { return radius_; }
   [[nodiscard]] IntervalPoint center_of(const ProofTile& tile) const { return module_.center(tile, pitch_); }
-  /// Even-odd test of a point in the polygon's frame, in plain doubles: only for points that are far from every edge.
+  /// Tests by even-odd rule whether a point in the polygon's frame is inside, in plain doubles: only for points that
+  /// are far from every edge.
   [[nodiscard]] bool contains(double x, double y) const;
 
  private:
@@ -61,30 +62,31 @@ class ProofPolygon {
   double radius_ = 0.0;
 };
 
-/// All motions of a box: decides for modules and edges what holds for every one of them.
+/// Covers all motions of a box and decides for modules and edges what holds for every one of them.
 class MotionRegion {
  public:
   MotionRegion(const ProofPolygon& polygon, const ProofBox& box);
 
-  /// How far a point of the polygon moves inside the region, mm, at most.
+  /// Returns how far a point of the polygon moves inside the region, in mm, at most.
   [[nodiscard]] double reach_mm() const { return reach_; }
-  /// Every module that may lie inside for some motion.
+  /// Returns every module that may lie inside for some motion.
   [[nodiscard]] CandidateList all() const;
-  /// Drops what cannot lie inside and edges that cannot cut.
+  /// Drops modules that cannot lie inside and edges that cannot cut.
   [[nodiscard]] CandidateList filtered(const CandidateList& list) const;
-  /// The angles of the region, rad, none left out.
+  /// Returns the range of angles of the region, rad, none left out.
   [[nodiscard]] std::array<double, 2> angles() const { return {theta_ - half_theta_, theta_ + half_theta_}; }
-  /// Adds what the module needs because of one edge.
+  /// Adds the needs of the module that one edge causes.
   void add_needs(const Candidate& module, std::uint32_t edge, std::vector<Need>& needs) const;
-  /// Is the need met nowhere in the region?
+  /// Returns true if no motion of the region meets the need.
   [[nodiscard]] bool never_met(const Need& need) const;
-  /// True if the module lies inside and stands over by no more than `tolerance_mm`. The region must be one motion.
+  /// Returns true if the module lies inside and overhangs by no more than `tolerance_mm`. The region must be one
+  /// motion.
   [[nodiscard]] bool holds(const ProofTile& tile, double tolerance_mm) const;
 
  private:
   enum class Verdict { kNever, kMay, kAlways };
   struct Moved;
-  /// Ways in which a module can keep clear of an edge somewhere in the region.
+  /// Lists the ways in which a module can keep clear of an edge somewhere in the region.
   struct Ways {
     bool left = true, right = true, always = false;
     std::vector<std::size_t> sides;

@@ -16,11 +16,12 @@
 namespace triskin::check {
 namespace {
 
-constexpr double kListReach_mm = 40.0;  // Above it the list of modules would take longer than the work it saves.
-constexpr int kDeepest = 26;            // Largest number of halvings of one cell of the log.
-constexpr int kJointEvery = 3;          // Halvings between two searches for contradictions.
-constexpr int kJointCredit = 6;         // After a search that helped, this many regions are searched.
-// It covers the rounding of the placement itself, beside its tolerance, and grows with the distance.
+// Above this, building the list of modules would take longer than the work it saves.
+constexpr double kListReach_mm = 40.0;
+constexpr int kDeepest = 26;     // One cell of the log is halved at most this often.
+constexpr int kJointEvery = 3;   // This many halvings separate two searches for contradictions.
+constexpr int kJointCredit = 6;  // After a search that helped, this many regions are searched.
+// The spare covers the rounding of the placement itself, beside its tolerance, and grows with the distance.
 constexpr double kSpare_mm = 1e-9;
 
 struct Rejected {
@@ -57,8 +58,8 @@ class Checker {
   }
 
  private:
-  // Splits the region along faces of cells until each part lies in one of them; `list` holds the modules of a region
-  // around it, null as long as that would be too long.
+  // Splits the region along faces of cells until each part lies in one of them; `list` has the modules of a region
+  // around it, or is null while it would be too long.
   void cover(const ProofBox& region, const std::vector<std::uint32_t>& cells, const CandidateList* list,
              double list_reach) {
     const double reach = MotionRegion(polygon_, region).reach_mm();
@@ -75,7 +76,7 @@ class Checker {
         halve(region, list, kDeepest);
       return;
     }
-    if (proves) proved_ = true;  // The parts must only be covered.
+    if (proves) proved_ = true;  // The parts must only be covered by cells.
     for (const auto& [part, inner] : divided(region, cells)) cover(part, inner, list, list_reach);
     if (proves) proved_ = false;
   }
@@ -134,7 +135,7 @@ class Checker {
     return list != nullptr ? region.filtered(*list) : region.all();
   }
 
-  // One cell of the log: halved where a bound over the whole of it is too weak.
+  // Takes one cell of the log and halves it if a bound over the whole of it is too weak.
   void halve(const ProofBox& box, const CandidateList* list, int deepest) {
     if (deepest == 0) {
       throw Rejected{fmt::format("more than {} modules may lie inside near x {}, y {}, theta {}", log_.upper_bound,
@@ -154,8 +155,8 @@ class Checker {
     }
   }
 
-  // Needs of modules that contradict each other are looked for where halving alone has not helped.
-  // at first and where that is in vain seldom; more often after it has helped.
+  // Looks for needs of modules that contradict each other if halving alone has not helped: first at once, rarely after
+  // it failed, more often after it helped.
   bool closed_jointly(const ProofBox& box, CandidateList& list, int deepest) {
     if (joint_credit_ == 0 && (kDeepest - deepest) % kJointEvery != kJointEvery - 1) return false;
     const MotionRegion region(polygon_, box);
@@ -207,7 +208,7 @@ void require_placement(const ProofLog& log, const ProofPolygon& polygon) {
   }
 }
 
-// Shoelace formula about the first point; holes are the rings after the first.
+// Uses the shoelace formula about the first point; holes are the rings after the first.
 double area_of(const std::vector<Ring>& rings) {
   double area = 0.0;
   for (std::size_t r = 0; r < rings.size(); ++r) {
@@ -246,7 +247,7 @@ ProofReport said_by(const ProofLog& log, const std::vector<Ring>& rings) {
   report.outline_hash = hash_of(edge_set(rings));
   if (!log.shape) return report;
   report.shape = kProofShapeNames.name(*log.shape);
-  // Facing sides of triangles move apart by 1/√3 of what the pitch grows.
+  // Facing sides of triangles move apart by 1/√3 of the growth of the pitch.
   const double wider_mm = log.pitch_mm - proof_module(*log.shape, 0.0).min_pitch_mm;
   report.gap_mm = std::max(0.0, *log.shape == ProofShape::kTriangle ? wider_mm / std::sqrt(3.0) : wider_mm);
   if (report.gap_mm < 1e-9) report.gap_mm = 0.0;

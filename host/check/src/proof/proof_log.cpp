@@ -59,7 +59,7 @@ std::vector<Ring> json_rings(const json& rings, const std::string& name) {
   return result;
 }
 
-// The polygon inside features and collections of one.
+// Finds the polygon inside features and collections of one.
 const json& find_polygon(const json& value, const std::string& name) {
   const std::string type =
       value.is_object() && value.contains("type") && value["type"].is_string() ? value["type"].get<std::string>() : "";
@@ -75,7 +75,7 @@ const json& find_polygon(const json& value, const std::string& name) {
   return type == "MultiPolygon" ? parts[0] : find_polygon(parts[0], name);
 }
 
-// The type in front of the parentheses, in capitals and without spaces, SRID and byte order mark.
+// Returns the type before the parentheses, in capitals and without spaces, SRID and byte order mark.
 std::string wkt_type(std::string_view text) {
   if (const auto srid = text.find(';'); srid != std::string_view::npos && srid < text.find('('))
     text.remove_prefix(srid + 1);
@@ -86,7 +86,7 @@ std::string wkt_type(std::string_view text) {
   return type;
 }
 
-// Numbers of a point as the letters of the type say; 0: two to four.
+// Returns the numbers per point as the letters of the type say; 0 allows two to four.
 std::size_t wkt_numbers(const std::string& type, const std::string& name) {
   const std::string letters = type.substr(type.starts_with("MULTI") ? 12 : 7);
   if (letters.empty()) return 0;
@@ -94,8 +94,8 @@ std::size_t wkt_numbers(const std::string& type, const std::string& name) {
   return 2 + letters.size();
 }
 
-// POLYGON ((x y, …), (…)): numbers between parentheses, commas between points. A MULTIPOLYGON has a pair of
-// parentheses more.
+// Reads POLYGON ((x y, …), (…)): numbers between parentheses, commas between points. A MULTIPOLYGON has one more
+// pair of parentheses.
 std::vector<Ring> wkt_rings(const std::string& text, const std::string& name) {
   const std::string type = wkt_type(text);
   if (!type.starts_with("POLYGON") && !type.starts_with("MULTIPOLYGON")) fail(name, "not a WKT polygon");
@@ -137,7 +137,7 @@ std::vector<Ring> wkt_rings(const std::string& text, const std::string& name) {
   return rings;
 }
 
-// A key that stands twice in an object: one of the two would be dropped without a word.
+// Refuses a key that occurs twice in an object, because one of the two would be dropped silently.
 json parse(const std::string& text, const std::string& name) {
   std::vector<std::set<std::string>> open;
   const auto once = [&](int, json::parse_event_t event, json& value) {
@@ -164,7 +164,7 @@ ProofBox box_of(const json& c, const std::string& name) {
   return box;
 }
 
-// The cells are taken out one by one: a document of all of them would be ten times as long as the log.
+// Takes the cells out one by one, because a document of all of them would be ten times as long as the log.
 json parse_log(const std::string& text, const std::string& name, std::vector<ProofBox>& cells) {
   bool in_cells = false;
   const auto take = [&](int depth, json::parse_event_t event, json& parsed) {

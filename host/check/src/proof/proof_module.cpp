@@ -6,7 +6,7 @@ namespace {
 
 const Interval kHalfRoot3{0.86602540378443859, 0.86602540378443871};  // √3/2 lies between these two neighbours.
 const Interval kThird{1.0 / 3.0 - 1e-16, 1.0 / 3.0 + 1e-16};
-// They lie a hair above 60° and 90°.
+// Both are slightly above 60° and 90°.
 constexpr double kSixth_rad = 1.0471975511965979, kQuarter_rad = 1.5707963267948968;
 constexpr double kHalfSide_mm = 0.5 * kModuleSide_mm;
 
@@ -24,8 +24,8 @@ ProofModule triangle() {
           .period_high_rad = kSixth_rad};
 }
 
-// Two corners for each, on the sides that meet there, and the side between them: its normal points from the centre to
-// the corner that is gone, whose distance is 2/3 of the height.
+// Each corner becomes two, on the sides that meet there, with a side between them: its normal points from the centre to
+// the removed corner, whose distance is 2/3 of the height.
 void cut_corners(ProofModule& module, double cut_mm) {
   const Interval part = Interval(cut_mm) * Interval(1.0 / kModuleSide_mm - 1e-17, 1.0 / kModuleSide_mm + 1e-17);
   const std::vector<IntervalPoint> whole = std::move(module.corner);
@@ -60,7 +60,7 @@ ProofModule square() {
           .period_high_rad = kQuarter_rad};
 }
 
-// Corners above and below, sides left and right.
+// The corners are above and below, the sides left and right.
 ProofModule hexagon() {
   const Interval inradius = Interval(kModuleSide_mm) * kHalfRoot3;
   return {.normal =

@@ -85,7 +85,7 @@ class ValidRings {
     meetings_[*point].insert(f.ring);
   }
 
-  // Is some part of `ring`, between two points where it meets `other`, on that side of it?
+  // Tells whether some part of `ring`, between two points where it meets `other`, is on that side of it.
   [[nodiscard]] bool has_part(std::size_t ring, std::size_t other, CGAL::Bounded_side side) const {
     return std::ranges::any_of(edges_, [&](const Edge& e) {
       if (e.ring != ring) return false;
@@ -102,8 +102,8 @@ class ValidRings {
     });
   }
 
-  // Rings and the points where they meet are the nodes of a graph. The inside is connected where it has no circle,
-  // which a walk through it shows that comes to a node a second time.
+  // Rings and the points where they meet are the nodes of a graph. The inside is connected if the graph has no cycle; a
+  // walk that reaches a node a second time shows one.
   void require_tree() const {
     std::set<std::size_t> seen;
     for (std::size_t r = 0; r < outlines_.size(); ++r) {

@@ -20,7 +20,7 @@ struct Sign {
   std::size_t at = 0;
 };
 
-// Signatures as their formats define them.
+// Each signature is taken from the definition of its format.
 constexpr auto kForeign = std::to_array<Sign>({
     {"version https://git-lfs", "a pointer of Git LFS, not the file itself; run \"git lfs pull\""},
     {"\x1F\x8B", "gzip data; unpack it with gunzip"},
@@ -67,7 +67,7 @@ std::string_view without_space(std::string_view text) {
   return from == std::string_view::npos ? std::string_view() : text.substr(from);
 }
 
-// The name of the first element, in lower case and without its prefix; empty: it is no XML or HTML.
+// Returns the name of the first element, in lower case and without its prefix; empty if the text is no XML or HTML.
 std::string root_element(std::string_view text) {
   text = without_space(text);
   while (text.starts_with("<?") || text.starts_with("<!--") || lower_case(text.substr(0, 9)) == "<!doctype") {
@@ -105,7 +105,7 @@ std::string foreign_json(std::string_view text) {
   return has("\"asset\"") || has("\"meshes\"") || has("\"accessors\"") ? "" : "JSON of another kind";
 }
 
-// A word with which a line of an OBJ begins, and a number or name behind it.
+// Recognises a word that begins a line of an OBJ, with a number or name after it.
 bool begins_as_obj(std::string_view text) {
   LineReader lines(text);
   for (std::string_view line; lines.next(line);) {
@@ -137,7 +137,7 @@ MeshFormat format_by_content(const std::string& bytes) {
   if (head.starts_with("glTF")) return MeshFormat::kGltf;
   if (head.starts_with("Kaydara FBX")) return MeshFormat::kLibrary;
   if (is_binary_stl(bytes) && bytes.size() >= 84) {
-    // Only the length that its count demands is proof: any bytes may hold a zero.
+    // Only the length that the count demands is proof, because any bytes may hold a zero.
     std::size_t count = 0;
     for (int k = 3; k >= 0; --k)
       count = count << 8 | static_cast<unsigned char>(bytes[80 + static_cast<std::size_t>(k)]);

@@ -5,25 +5,24 @@
 
 namespace triskin::geometry {
 
-/// Formats that read_mesh() reads.
 enum class MeshFormat { kObj, kTextStl, kBinaryStl, kPly, kOff, kThreeMf, kGltf, kDae, kLibrary, kUnknown };
 
-/// Name of a format for messages: "OBJ", "STL" …
+/// Returns the name of a format for messages: "OBJ", "STL" …
 [[nodiscard]] std::string_view name_of(MeshFormat format);
 
-/// The format that the bytes themselves show, whatever the file is called; kUnknown where they show none. Cost: linear
-/// in the first kilobytes.
+/// Recognises a format by the bytes alone, whatever the file is called; kUnknown if they fit none. Cost: linear in the
+/// first kilobytes.
 [[nodiscard]] MeshFormat format_by_content(const std::string& bytes);
 
-/// The format that a file's extension (lower case, with the dot) stands for; kUnknown for an empty or unknown one.
+/// Returns the format of a file extension (lower case, with the dot); kUnknown for an empty or unknown one.
 [[nodiscard]] MeshFormat format_by_extension(std::string_view extension);
 
-/// What bytes are that are no mesh, with what to do: "a pointer of Git LFS; run git lfs pull". Empty where they may be
-/// a mesh. Cost: as format_by_content().
+/// Explains what the bytes are if they are no mesh, with a remedy: "a pointer of Git LFS; run git lfs pull". Empty if
+/// they may be a mesh. Cost: as format_by_content().
 [[nodiscard]] std::string foreign_content(const std::string& bytes);
 
-/// Text in UTF-16 (with a byte order mark, or with a zero in every other byte of its beginning) becomes UTF-8; all
-/// other bytes stay. Halves of surrogate pairs become U+FFFD. Cost: linear.
+/// Converts text in UTF-16 (with a byte order mark, or with a zero in every other byte of its beginning) to UTF-8 and
+/// leaves all other bytes unchanged. Halves of surrogate pairs become U+FFFD. Cost: linear.
 [[nodiscard]] std::string without_utf16(std::string bytes);
 
 }  // namespace triskin::geometry

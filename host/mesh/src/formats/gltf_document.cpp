@@ -20,10 +20,10 @@ using nlohmann::json;
 
 constexpr std::size_t kMaxElements = 100'000'000;
 
-// Component types by their numbers in the standard (that of OpenGL).
+// The standard numbers component types as OpenGL does.
 struct TypeRow {
   std::size_t number, bytes;
-  double largest;  // Largest value of a normalized integer; 0: not an integer.
+  double largest;  // A normalized integer is divided by this value; 0 marks a type that is no integer.
   bool is_signed;
 };
 constexpr std::array<TypeRow, 6> kTypes{{{5120, 1, 127.0, true},
@@ -63,7 +63,7 @@ std::uint32_t word_at(const std::string& bytes, std::size_t at) {
   return value;
 }
 
-// Six bits a character; nothing where a character is none of the alphabet.
+// Decodes six bits per character; returns nothing at a character outside the alphabet.
 std::string from_base64(std::string_view text) {
   constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string bytes;
@@ -82,7 +82,8 @@ std::string from_base64(std::string_view text) {
   return bytes;
 }
 
-// Changes no surface: materials, textures, lights, cameras, variants, meta data; quantized positions are read.
+// These extensions change no surface (materials, textures, lights, cameras, variants, meta data) or are read (quantized
+// positions).
 bool is_known(std::string_view extension) {
   constexpr std::array<std::string_view, 6> kBeginnings{"KHR_materials_", "KHR_texture_",  "KHR_lights_",
                                                         "EXT_texture_",   "MSFT_texture_", "KHR_xmp"};
@@ -117,7 +118,7 @@ void GltfDocument::read_json(std::string_view text) {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   int depth = 0;
-  for (const char c : text) {  // The parser recurses.
+  for (const char c : text) {  // The JSON parser recurses, so deep nesting could overflow the stack.
     depth += c == '{' || c == '[' ? 1 : c == '}' || c == ']' ? -1 : 0;
     if (depth > 1000) fail("its JSON is nested too deeply");
   }

@@ -8,26 +8,26 @@
 
 namespace triskin::geometry {
 
-/// The JSON of a glTF 2.0 file with its buffers, whose every access is checked. Errors of all functions: InputError
-/// naming file and place.
+/// Gives access to the JSON of a glTF 2.0 file and its buffers and checks every access. Errors of all functions:
+/// InputError naming file and place.
 class GltfDocument {
  public:
-  /// Reads the JSON, and the binary chunk of a GLB. Refuses other versions than 2 and extensions that the file requires
-  /// and this reader has not, naming them. `source` outlives the document.
+  /// Reads the JSON, and the binary chunk of a GLB. Refuses versions other than 2 and required extensions that this
+  /// reader does not support, naming them. `source` must outlive the document.
   explicit GltfDocument(const MeshSource& source);
 
-  /// The JSON of the file.
   [[nodiscard]] const nlohmann::json& root() const { return json_; }
-  /// Element `index` of the top-level list `list` ("nodes").
+  /// Returns element `index` of the top-level list `list` ("nodes").
   [[nodiscard]] const nlohmann::json& element(const char* list, std::size_t index) const;
-  /// A whole number of an object, 0 …; `fallback` where the key is missing.
+  /// Returns a whole number ≥ 0 of an object; `fallback` if the key is missing.
   [[nodiscard]] std::size_t whole(const nlohmann::json& object, const char* key, std::size_t fallback) const;
-  /// The same, for a key that must be there.
+  /// Does the same for a key that must be present.
   [[nodiscard]] std::size_t whole(const nlohmann::json& object, const char* key) const;
-  /// Numbers of a list of `n` of them; empty where the key is missing.
+  /// Returns the numbers of a list that must have `n` of them; empty if the key is missing.
   [[nodiscard]] std::vector<double> numbers(const nlohmann::json& object, const char* key, std::size_t n) const;
-  /// Elements of accessor `index`, which must have `width` components each (1: SCALAR, 3: VEC3): integers are
-  /// normalized where the accessor says so (also KHR_mesh_quantization), sparse values are in place. Cost: linear.
+  /// Returns the elements of accessor `index`, which must have `width` components each (1: SCALAR, 3: VEC3). Integers
+  /// are normalized if the accessor asks for it (also KHR_mesh_quantization), and sparse values are applied. Cost:
+  /// linear.
   [[nodiscard]] std::vector<double> accessor(std::size_t index, std::size_t width);
 
   [[noreturn]] void fail(const std::string& what) const;
@@ -50,7 +50,7 @@ class GltfDocument {
 
   const MeshSource& source_;
   nlohmann::json json_;
-  std::string binary_;  // Binary chunk of a GLB.
+  std::string binary_;  // Only a GLB has a binary chunk.
   bool has_binary_ = false;
   std::vector<std::string> buffers_;
   std::vector<bool> is_loaded_;

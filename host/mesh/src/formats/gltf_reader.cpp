@@ -15,7 +15,8 @@ using nlohmann::json;
 
 constexpr int kMaxDepth = 200;
 constexpr std::size_t kMaxShown = 1'000'000, kMaxFaces = 50'000'000;
-constexpr std::size_t kTriangles = 4, kStrip = 5, kFan = 6;  // glTF numbers the modes of a primitive so.
+// The glTF standard gives the primitive modes these numbers.
+constexpr std::size_t kTriangles = 4, kStrip = 5, kFan = 6;
 
 std::string name_of(const json& j) {
   return j.contains("name") && j["name"].is_string() ? j["name"].get<std::string>() : std::string();
@@ -64,7 +65,7 @@ class GltfReader {
     return roots;
   }
 
-  // A matrix, or a scale that is followed by a rotation (a quaternion x, y, z, w) and a translation.
+  // A node has either a matrix, or a scale followed by a rotation (quaternion x, y, z, w) and a translation.
   [[nodiscard]] Eigen::Affine3d place_of(const json& node) const {
     Eigen::Affine3d place = Eigen::Affine3d::Identity();
     if (const auto m = document_.numbers(node, "matrix", 16); !m.empty()) {
@@ -81,7 +82,7 @@ class GltfReader {
     return place;
   }
 
-  // True where the node or one below it has faces. Nodes below the wanted one belong to it.
+  // Returns true if the node or one below it has faces. Nodes below the wanted one belong to it.
   bool take(std::size_t index, const Eigen::Affine3d& parent, bool is_in, int depth) {
     if (depth > kMaxDepth || ++shown_ > kMaxShown) document_.fail("its nodes have no end");
     const json& node = document_.element("nodes", index);

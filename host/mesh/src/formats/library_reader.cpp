@@ -25,7 +25,7 @@ namespace {
 // For files of 0.1, 5 and 67 MB the whole program needed less than eleven times their size.
 constexpr std::uint64_t kSpareMemory_bytes = 256'000'000, kMemoryFactor = 40;
 
-// Unit of formats for which assimp reports it as a property of the scene. 0: none.
+// Returns the unit of formats for which assimp reports it as a property of the scene; 0 if there is none.
 double unit_of_scene_mm(const aiScene& scene) {
   double centimetres = 0.0;
   float single = 0.0F;
@@ -35,8 +35,8 @@ double unit_of_scene_mm(const aiScene& scene) {
   return 0.0;
 }
 
-// Length of the unit that a COLLADA text states (`<unit meter="0.01"/>`); 0 where it states none. Throws where the text
-// is no XML, which the library would read up to the damage.
+// Returns the length of the unit that a COLLADA text states (`<unit meter="0.01"/>`); 0 if it states none. Throws if
+// the text is no XML, because the library would silently read up to the damage.
 double unit_of_dae_mm(const MeshSource& source) {
   double unit_mm = 0.0;
   XmlHandler handler;
@@ -64,7 +64,7 @@ void append_part(const aiMesh& part, const aiMatrix4x4& transform, Mesh& out) {
   }
 }
 
-// Takes the faces of a scene that are wanted. Nodes below the wanted one belong to it.
+// Collects the wanted faces of a scene. Nodes below the wanted one belong to it.
 class Collector {
  public:
   Collector(const aiScene& scene, ObjectFilter& objects) : scene_(scene), objects_(objects) {}
@@ -75,7 +75,7 @@ class Collector {
   }
 
  private:
-  // True where the node or one below it has faces.
+  // Returns true if the node or one below it has faces.
   bool take(const aiNode& node, const aiMatrix4x4& parent, bool is_in) {
     const aiMatrix4x4 transform = parent * node.mTransformation;
     const std::string name = node.mName.C_Str();
@@ -98,7 +98,7 @@ class Collector {
   Mesh mesh_;
 };
 
-// What the child process hands over: "m", unit, length of the names, names each on a line, mesh; or "!".
+// The child process returns "m", unit, length of the names, names each on a line, mesh; or "!".
 std::string library_answer(const std::string& bytes, const std::string& extension, double dae_unit_mm,
                            ObjectFilter objects) {
   Assimp::Importer importer;

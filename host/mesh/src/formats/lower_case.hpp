@@ -7,14 +7,14 @@
 
 namespace triskin::geometry {
 
-/// ASCII letters in lower case; the rest as it is.
+/// Converts ASCII letters to lower case and leaves other bytes unchanged.
 [[nodiscard]] inline std::string lower_case(std::string_view text) {
   std::string result(text);
   for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return result;
 }
 
-/// Extension of a file's name in lower case, with the dot; empty: it has none.
+/// Returns the extension of a file name in lower case, with the dot; empty if it has none.
 [[nodiscard]] inline std::string extension_of(const std::filesystem::path& path) {
   return lower_case(path.extension().string());
 }

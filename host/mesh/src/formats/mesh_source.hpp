@@ -9,20 +9,22 @@
 
 namespace triskin::geometry {
 
-/// A mesh file that is in memory, for the reader of its format.
+/// Passes a mesh file in memory to the reader of its format.
 struct MeshSource {
-  const std::string& bytes;  ///< Text is in UTF-8 when it arrives here.
+  const std::string& bytes;  ///< Text is already converted to UTF-8.
   std::string name;          ///< Messages call the file by this name.
-  /// Folder in which files beside it are looked for; empty: it came from a pipe, there are none.
+  /// Files that the mesh refers to are looked for in this folder. It is empty for a mesh from a pipe, which can refer
+  /// to no file.
   std::filesystem::path folder;
   ObjectFilter& objects;
-  std::vector<std::string>& notes;  ///< Each is a sentence for the user about what may be missing or was left out.
+  /// Each note is a sentence for the user about something that may be missing or was left out.
+  std::vector<std::string>& notes;
 };
 
-/// Faces in the unit of a file, and that unit.
+/// Faces in the unit of their file, and that unit.
 struct MeshInUnit {
   Mesh mesh;
-  double unit_mm = 0.0;  ///< The file or its format says this unit; 0 means neither does.
+  double unit_mm = 0.0;  ///< The file or its format states this unit; 0 means that neither does.
 };
 
 }  // namespace triskin::geometry

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Our own reader: the library that reads the rarer formats keeps single precision.
+// We read OBJ ourselves, because the library that reads the rarer formats keeps single precision.
 #include "obj_reader.hpp"
 
 #include <fmt/format.h>
@@ -15,7 +15,7 @@
 namespace triskin::geometry {
 namespace {
 
-// Words of the specification and of common extensions that carry no polygon.
+// The specification and common extensions define these words, which carry no polygon.
 constexpr std::array<std::string_view, 32> kOtherWords{
     "vt",  "vn",    "vp",    "l",    "p",     "s",        "mg",       "mtllib", "usemtl",     "maplib",    "usemap",
     "deg", "bmat",  "step",  "con",  "bevel", "c_interp", "d_interp", "lod",    "shadow_obj", "trace_obj", "call",
@@ -138,8 +138,9 @@ class ObjReader {
   const MeshSource& source_;
   LineReader lines_;
   Mesh mesh_;
-  std::vector<bool> is_used_;    // Indexed by vertex.
-  std::array<bool, 2> is_in_{};  // The wanted object, and one of the wanted groups.
+  std::vector<bool> is_used_;
+  // The first flag tells whether we are in the wanted object, the second whether in a wanted group.
+  std::array<bool, 2> is_in_{};
   std::string_view last_;
   int free_forms_ = 0, unknown_ = 0;
   std::string first_unknown_;

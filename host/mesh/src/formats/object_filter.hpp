@@ -5,12 +5,12 @@
 
 namespace triskin::geometry {
 
-/// Object of a mesh file to be read, and the names that a reader met.
+/// Selects the object of a mesh file and collects the names that a reader met.
 struct ObjectFilter {
-  std::string wanted;           ///< An empty name wants all objects.
-  std::set<std::string> names;  ///< They are the names of all objects, groups, solids or nodes that have faces.
+  std::string wanted;           ///< An empty name selects all objects.
+  std::set<std::string> names;  ///< All objects, groups, solids or nodes that have faces are listed.
 
-  /// Notes a name; true when it is the wanted one.
+  /// Notes a name and returns true when it is the wanted one.
   bool meets(const std::string& name) {
     if (!name.empty()) names.insert(name);
     return !wanted.empty() && name == wanted;

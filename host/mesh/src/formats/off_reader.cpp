@@ -21,7 +21,7 @@ struct Word {
   int line;
 };
 
-// What stands before "OFF" in the first word: texture, colours, normals, four coordinates.
+// The first word may name texture, colours, normals or four coordinates before "OFF".
 struct Head {
   bool has_texture = false, has_colour = false, has_normal = false, is_homogeneous = false, is_n_dimensional = false;
 };
@@ -42,7 +42,7 @@ std::optional<Head> head_of(std::string_view word) {
   return word.empty() ? std::optional(head) : std::nullopt;
 }
 
-// The words of a text without its comments, line by line; lines without a word are left out.
+// Splits a text into words line by line, without its comments; lines without a word are left out.
 std::vector<std::vector<Word>> lines_of(std::string_view text) {
   std::vector<std::vector<Word>> lines;
   LineReader reader(text);
@@ -77,7 +77,7 @@ class OffReader {
                                  source_.name, line, what));
   }
 
-  // Leaves in lines_ what follows the counts.
+  // Keeps in lines_ only the text after the counts.
   void read_head() {
     if (lines_.empty()) fail(1, "the file ends before the counts");
     std::vector<Word>& first = lines_.front();
@@ -127,7 +127,7 @@ class OffReader {
     if (corners.size() >= 3) add_polygon(mesh, std::move(corners));
   }
 
-  // What follows the coordinates or the corners in a line (normals, colours) is left alone.
+  // Anything after the coordinates or the corners in a line (normals, colours) is ignored.
   Mesh by_lines() {
     Mesh mesh;
     std::size_t at = 0;
@@ -156,14 +156,14 @@ class OffReader {
     return mesh;
   }
 
-  // The last number of a file that was cut may be a shorter one.
+  // The last number of a truncated file may have lost digits.
   void note_cut() const {
     const char last = source_.bytes.back();
     if (last != '\n' && last != '\r')
       source_.notes.emplace_back("ends without a line end: if the file was cut, its last number may be another one");
   }
 
-  // Numbers alone count, so that every one of them must be used.
+  // Without line breaks only numbers can be told apart, so every one of them must be used.
   bool by_words(Mesh& mesh) const {
     std::vector<Word> words;
     for (const auto& line : lines_) words.insert(words.end(), line.begin(), line.end());

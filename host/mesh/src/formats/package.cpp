@@ -14,7 +14,7 @@ namespace triskin::geometry {
 
 constexpr std::size_t kMaxBytes = 2'000'000'000;
 
-// The library reads files; these functions make the bytes one.
+// The library reads files; these functions let it read the bytes like one.
 struct Package::Stream {
   const std::string& bytes;
   std::size_t at = 0;

@@ -5,19 +5,19 @@
 
 namespace triskin::geometry {
 
-/// A zip archive in memory.
+/// Reads the parts of a zip archive in memory.
 class Package {
  public:
-  /// `bytes` outlives the package. Errors: InputError naming `name` where they are no archive, or one that was cut.
+  /// `bytes` must outlive the package. Errors: InputError naming `name` if they are no archive, or a truncated one.
   Package(const std::string& bytes, std::string name);
   ~Package();
   Package(const Package&) = delete;
   Package& operator=(const Package&) = delete;
 
-  /// Is a part there? Upper and lower case are the same, a slash at the beginning is left out.
+  /// Tells whether a part exists. Case is ignored, and so is a slash at the beginning.
   [[nodiscard]] bool has(const std::string& part);
-  /// Contents of a part. Errors: InputError naming it where it is missing, damaged (CRC-32), encrypted or larger than
-  /// 2 GB. Cost: linear.
+  /// Returns the contents of a part. Errors: InputError naming it if it is missing, damaged (CRC-32), encrypted or
+  /// larger than 2 GB. Cost: linear.
   [[nodiscard]] std::string read(const std::string& part);
 
  private:

@@ -6,7 +6,7 @@
 
 namespace triskin::geometry {
 
-/// A URI with its percent-encoded bytes (RFC 3986, section 2.1) decoded; a % that no two hexadecimal digits follow
+/// Decodes the percent-encoded bytes of a URI (RFC 3986, section 2.1); a % without two hexadecimal digits after it
 /// stays. Cost: linear.
 [[nodiscard]] inline std::string percent_decoded(std::string_view uri) {
   std::string text;

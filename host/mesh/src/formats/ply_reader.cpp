@@ -25,7 +25,7 @@ namespace {
 
 enum class Kind : std::uint8_t { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
 
-// Both names of each type, and its bytes.
+// Each type has two names and a size in bytes.
 struct TypeRow {
   std::string_view name, other;
   Kind kind;
@@ -43,7 +43,7 @@ constexpr std::array<TypeRow, 8> kTypes{{{"char", "int8", Kind::kInt8, 1},
 struct Property {
   std::string name;
   const TypeRow* type = nullptr;
-  const TypeRow* count = nullptr;  // Type of a list's length.
+  const TypeRow* count = nullptr;  // The length of a list has this type.
 };
 struct Element {
   std::string name;
@@ -86,7 +86,7 @@ class PlyReader {
     if (next_line() != "ply") fail("it is not PLY");
     for (std::string line = next_line(); line != "end_header"; line = next_line()) header_line(line);
   }
-  // Behind a CR a binary number may begin with a byte that looks like a LF, so that files with CR alone are told by
+  // After a CR a binary number may begin with a byte that looks like a LF, so files with CR alone are recognised by
   // their first line.
   std::string next_line() {
     const std::size_t end = bytes_.find_first_of("\r\n", at_);
@@ -99,7 +99,7 @@ class PlyReader {
     return line;
   }
 
-  // Faces of corners that have places.
+  // The vertices must have coordinates for the faces to have a place.
   void require_surface() const {
     if (format_.empty()) fail("its header has no format");
     const auto has = [&](const char* element, auto is_wanted) {
@@ -183,7 +183,7 @@ class PlyReader {
     if (e.name == "face") polygons_.push_back(std::move(values));
     if (e.name == "tristrips") add_strips(values);
   }
-  // Three in a row are a triangle, every second one turned; -1 begins a new strip.
+  // Three in a row form a triangle, with every second one turned; -1 begins a new strip.
   void add_strips(const std::vector<int>& values) {
     std::size_t first = 0;
     for (std::size_t k = 0; k < values.size(); ++k) {
@@ -246,7 +246,7 @@ class PlyReader {
   const std::string& file_;
   std::vector<std::string>& notes_;
   std::string format_;
-  std::optional<bool> ends_in_cr_;  // True if its first line ends in CR.
+  std::optional<bool> ends_in_cr_;  // True if the first line ends in CR.
   std::size_t at_ = 0;
   bool text_ = false, swapped_ = false;
   std::vector<Element> elements_;

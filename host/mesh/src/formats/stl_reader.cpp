@@ -26,7 +26,7 @@ std::uint32_t stated_count(const std::string& bytes) {
   return count;
 }
 
-// Whole facets that are there; throws where the count promises more.
+// Returns the number of whole facets in the file; throws if the count promises more.
 std::size_t facets_of(const MeshSource& source) {
   const std::uint32_t count = stated_count(source.bytes);
   const std::size_t held = (source.bytes.size() - kHeaderBytes) / kFacetBytes;
@@ -66,7 +66,7 @@ class TextStl {
                                  source_.name, lines_.number(), what));
   }
 
-  // Takes the next word of the file, in lower case, into word_.
+  // Takes the next word of the file into word_, in lower case.
   bool next() {
     word_ = lower_case(next_word(line_));
     while (word_.empty()) {
@@ -103,7 +103,7 @@ class TextStl {
     in_solid_ = false;
     (void)name();
   }
-  // The rest of the line, or of it what stands before the first facet or solid in a file without lines.
+  // Returns the rest of the line; in a file without line breaks, only the text before the first facet or solid.
   std::string name() {
     const std::string lower = lower_case(line_);
     const std::size_t end = std::min({lower.find("facet normal"), lower.find(" solid "), line_.size()});
@@ -113,7 +113,7 @@ class TextStl {
     return std::string(text.substr(0, text.find_last_not_of(kBlanks) + 1));
   }
 
-  // The normal is what the corners say, so that one that is missing or no number costs nothing.
+  // The normal is computed from the corners, so a missing or malformed one does no harm.
   void facet() {
     if (in_facet_) fail("\"endfacet\" is missing before a new \"facet\"");
     in_facet_ = true;

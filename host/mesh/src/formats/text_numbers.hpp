@@ -9,7 +9,7 @@ namespace triskin::geometry {
 
 inline constexpr std::string_view kBlanks = " \t\f\v";
 
-/// Takes the next word off the front of `line`; empty when none is left. Cost: linear in the word.
+/// Takes the next word off the front of `line`; returns an empty one at the end. Cost: linear in the word.
 [[nodiscard]] inline std::string_view next_word(std::string_view& line) {
   line.remove_prefix(std::min(line.find_first_not_of(kBlanks), line.size()));
   const std::string_view word = line.substr(0, line.find_first_of(kBlanks));
@@ -17,26 +17,27 @@ inline constexpr std::string_view kBlanks = " \t\f\v";
   return word;
 }
 
-/// A decimal number in any notation that programs write: 1, -1.5, +2e3, and 1.5D+02 of Fortran. nullopt for anything
-/// else, also where bytes follow it. "nan" and "inf" are numbers here, so that a later step can name their vertex.
+/// Reads a decimal number in any notation that programs write: 1, -1.5, +2e3, and 1.5D+02 of Fortran. Returns nullopt
+/// for anything else, also if bytes follow it. "nan" and "inf" are numbers here, so that a later step can name their
+/// vertex.
 [[nodiscard]] std::optional<double> decimal_number(std::string_view word);
 
-/// A whole number. nullopt for anything else.
+/// Returns nullopt for anything but a whole number.
 [[nodiscard]] std::optional<long> whole_number(std::string_view word);
 
-/// Is the word a number whose decimal sign is a comma, as programs write it under some languages?
+/// Tells whether the word is a number with a decimal comma, as programs write it under some locales.
 [[nodiscard]] bool has_decimal_comma(std::string_view word);
 
-/// Lines that end with LF, CR or CRLF, also mixed in one text.
+/// Splits text into lines that end with LF, CR or CRLF, also mixed in one text.
 class LineReader {
  public:
-  /// `text` outlives the reader; a byte order mark of UTF-8 at its beginning is skipped.
+  /// `text` must outlive the reader; a byte order mark of UTF-8 at its beginning is skipped.
   explicit LineReader(std::string_view text);
-  /// The next line without its end; false when the text is over.
+  /// Gives the next line without its end; false at the end of the text.
   [[nodiscard]] bool next(std::string_view& line);
-  /// Number of the line that next() gave, 1-based.
+  /// Returns the number of the line that next() gave, counted from 1.
   [[nodiscard]] int number() const { return number_; }
-  /// Did the line that next() gave have a line end?
+  /// Tells whether the line that next() gave had a line end.
   [[nodiscard]] bool has_end() const { return has_end_; }
 
  private:

@@ -23,12 +23,12 @@ namespace {
 constexpr std::string_view kCore = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02";
 constexpr std::string_view kProduction = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
 constexpr std::string_view kModelRelation = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel";
-// Extensions that change no surface: materials, sets of triangles.
+// These extensions change no surface: materials, sets of triangles.
 constexpr std::array<std::string_view, 4> kHarmless{
     kCore, kProduction, "http://schemas.microsoft.com/3dmanufacturing/material/2015/02",
     "http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07"};
 constexpr std::size_t kMaxFaces = 50'000'000;
-constexpr int kMaxShown = 1'000'000;  // Objects, each counted whenever it is shown.
+constexpr int kMaxShown = 1'000'000;  // An object counts once for each time it is shown.
 constexpr int kMaxDepth = 32;         // Components may contain components this deep.
 
 struct UnitRow {
@@ -38,7 +38,7 @@ struct UnitRow {
 constexpr std::array<UnitRow, 6> kUnits{
     {{"micron", 1e-3}, {"millimeter", 1.0}, {"centimeter", 10.0}, {"inch", 25.4}, {"foot", 304.8}, {"meter", 1e3}}};
 
-// An object shown at a place.
+// An object that is shown at a place.
 struct Shown {
   std::string part, id;
   Eigen::Affine3d place;
@@ -50,11 +50,11 @@ struct Object {
 };
 struct Model {
   double unit_mm = 1.0;
-  std::map<std::string, Object> objects;  // Keyed by id.
+  std::map<std::string, Object> objects;
   std::vector<Shown> build;
 };
 
-// Reads one model part.
+// Reads one model part of the package.
 class ModelReader {
  public:
   ModelReader(std::string file, std::string part) : file_(std::move(file)), part_(std::move(part)) {}
@@ -125,7 +125,7 @@ class ModelReader {
     return static_cast<int>(*value);
   }
 
-  // Twelve numbers: the rows of a matrix that is multiplied from the left by a point (x, y, z, 1).
+  // A transform has twelve numbers: the rows of a matrix that is multiplied from the left by a point (x, y, z, 1).
   [[nodiscard]] Shown shown(const XmlTag& tag) const {
     const std::string path = percent_decoded(tag.attribute("path", kProduction));
     Shown s{path.empty() ? part_ : path, std::string(tag.attribute("objectid")), Eigen::Affine3d::Identity()};
@@ -141,7 +141,7 @@ class ModelReader {
   }
 
   std::string file_, part_;
-  std::map<std::string, std::string> spaces_;  // Keyed by prefix.
+  std::map<std::string, std::string> spaces_;  // Maps a prefix to the URI of its namespace.
   Model model_;
   Object* object_ = nullptr;
   long line_ = 0;
@@ -223,8 +223,8 @@ class ThreeMf {
 
   const MeshSource& source_;
   Package package_;
-  std::map<std::string, Model> models_;  // Keyed by part.
-  std::map<std::string, int> left_out_;  // Objects, counted by type.
+  std::map<std::string, Model> models_;
+  std::map<std::string, int> left_out_;  // The key is the type of an object, the value the number of objects left out.
   int shown_ = 0;
   MeshInUnit result_;
 };

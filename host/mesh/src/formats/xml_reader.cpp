@@ -16,7 +16,7 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr char kSeparator = '\n';  // No URI of a namespace has one.
+constexpr char kSeparator = '\n';  // A URI of a namespace cannot contain a line feed.
 
 std::pair<std::string_view, std::string_view> split(std::string_view full) {
   const std::size_t at = full.rfind(kSeparator);
@@ -24,13 +24,13 @@ std::pair<std::string_view, std::string_view> split(std::string_view full) {
   return {full.substr(0, at), full.substr(at + 1)};
 }
 
-// Text that was UTF-16 and is UTF-8 now still says what it was.
+// Text that was converted from UTF-16 to UTF-8 still declares its old encoding.
 bool was_utf16(std::string_view bytes) {
   const std::string head = lower_case(bytes.substr(0, std::min<std::size_t>(bytes.find("?>"), 200)));
   return head.starts_with("<?xml") && head.find("utf-16") != std::string::npos;
 }
 
-// The library calls C functions, which no exception may leave.
+// The library calls C functions, and no exception may leave them.
 class Parse {
  public:
   Parse(const std::string& name, const XmlHandler& handler, const char* encoding)
@@ -49,7 +49,8 @@ class Parse {
   }
 
   void run(std::string_view bytes) {
-    constexpr std::size_t kPiece = std::size_t{1} << 24;  // The library counts in int.
+    // The library counts bytes in int, so large texts are passed in pieces.
+    constexpr std::size_t kPiece = std::size_t{1} << 24;
     for (std::size_t at = 0;; at += kPiece) {
       const std::string_view piece = bytes.substr(std::min(at, bytes.size()), kPiece);
       const bool is_last = at + kPiece >= bytes.size();

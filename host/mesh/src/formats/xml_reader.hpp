@@ -8,29 +8,31 @@
 
 namespace triskin::geometry {
 
-/// The start tag of an XML element, with its namespace resolved. Valid during the call that gets it.
+/// The start tag of an XML element with its namespace resolved. It is valid only during the call that receives it.
 struct XmlTag {
-  std::string_view space;  ///< It is the URI of the namespace, empty where there is none.
-  std::string_view name;   ///< The prefix is taken off.
+  std::string_view space;  ///< The namespace is given by its URI, and is empty if there is none.
+  std::string_view name;   ///< The name has no prefix.
   long line = 0;           ///< Lines are counted from 1.
-  /// Each is "URI\nname" or "name", with its value.
+  /// Each name is "URI\nname" or "name", followed by its value.
   std::vector<std::pair<std::string_view, std::string_view>> attributes;
 
-  /// Value of an attribute, `space` empty for one without a prefix; nullptr data where the tag has none.
+  /// Returns the value of an attribute; `space` is empty for one without a prefix. The data is nullptr if the tag has
+  /// no such attribute.
   [[nodiscard]] std::string_view attribute(std::string_view wanted, std::string_view in_space = {}) const;
 };
 
-/// What parse_xml() calls, in the order of the text. Functions may be empty, and may throw.
+/// parse_xml() calls these functions in the order of the text. They may be empty, and may throw.
 struct XmlHandler {
   std::function<void(const XmlTag&)> start;
   std::function<void(std::string_view space, std::string_view name)> end;
-  std::function<void(std::string_view)> text;  ///< It is called for each piece of text.
-  /// Called ahead of the tag that declares it.
+  std::function<void(std::string_view)> text;  ///< One text may arrive in several pieces.
+  /// This call precedes the tag that declares the namespace.
   std::function<void(std::string_view prefix, std::string_view uri)> declare;
 };
 
-/// Parses XML 1.0 in UTF-8 or UTF-16 with namespaces (expat). Comments, processing instructions and CDATA are what the
-/// standard says. Errors: InputError "name, line N: …" in our own words, and what the handler throws. Cost: linear.
+/// Parses XML 1.0 in UTF-8 or UTF-16 with namespaces (expat). Comments, processing instructions and CDATA are treated
+/// as the standard says. Errors: InputError "name, line N: …" in our own words, and what the handler throws. Cost:
+/// linear.
 void parse_xml(std::string_view bytes, const std::string& name, const XmlHandler& handler);
 
 }  // namespace triskin::geometry

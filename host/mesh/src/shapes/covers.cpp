@@ -17,7 +17,7 @@ struct Ball {
   double radius_mm;
 };
 
-// Distance to the nearest of these balls: what lies inside one is cut away.
+// Returns the distance to the nearest of these balls; the inside of each ball is cut away.
 double outside_of(std::initializer_list<Ball> balls, const Vec3& p) {
   double least = 1e9;
   for (const Ball& b : balls) least = std::min(least, (p - b.center_mm).norm() - b.radius_mm);

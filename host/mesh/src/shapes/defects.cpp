@@ -32,7 +32,7 @@ std::vector<Vec3> normals_of(const Mesh& m) {
   return normal;
 }
 
-// Walls, ribs and loose parts of the shell; `normal` holds one vector for each vertex of the cover.
+// Adds walls, ribs and loose parts of the shell; `normal` holds one vector for each vertex of the cover.
 class Shell {
  public:
   explicit Shell(const Mesh& cover) : cover_(cover), normal_(normals_of(cover)), mesh_(cover) {}
@@ -55,13 +55,13 @@ class Shell {
     for (const auto& [a, b, c] : cover_.faces) mesh_.faces.push_back({base + a, base + c, base + b});
   }
 
-  // Two faces that stand on a side of a face of the outer wall and end inside the inner one.
+  // Adds two faces that stand on a side of a face of the outer wall and end inside the inner one.
   void rib(const Face& face) {
     const int a = face[0], b = face[1], c = add(mesh_, below(a, 9.0)), d = add(mesh_, below(b, 9.0));
     mesh_.faces.insert(mesh_.faces.end(), {{a, b, d}, {a, d, c}});
   }
 
-  // Open tube of 8 sides, 3 mm radius, 5 … 13 mm inside the wall.
+  // Adds an open tube of 8 sides, 3 mm radius, 5 … 13 mm inside the wall.
   void boss(int v) {
     const Vec3& n = normal_[static_cast<std::size_t>(v)];
     const Vec3 x = n.unitOrthogonal(), y = n.cross(x);
@@ -101,7 +101,7 @@ void own_vertices(Mesh& m, Face& face) {
   for (int& v : face) v = add(m, Vec3(vertex(m, v)));
 }
 
-// log-uniform between the two
+// Draws a log-uniform number between the two.
 double between(Dice& dice, double low, double high) {
   return low * std::pow(high / low, dice.unit());
 }
@@ -116,8 +116,8 @@ Sides sides_of(const Mesh& m) {
   return sides;
 }
 
-// Divides the side a->b of a face and of its neighbour close to a, so that both lose a needle. Only where the neighbour
-// is as it was.
+// Divides the side a->b of a face and of its neighbour close to a, so that both lose a needle. The neighbour must be
+// unchanged so far.
 void make_needles(Mesh& m, std::size_t f, const Sides& sides, std::vector<bool>& touched, double width_mm) {
   const auto [a, b, c] = m.faces[f];
   const auto other = sides.find({b, a});
@@ -131,7 +131,7 @@ void make_needles(Mesh& m, std::size_t f, const Sides& sides, std::vector<bool>&
   touched[f] = touched[other->second] = true;
 }
 
-// A vertex inside the face, `height_mm` from the middle of its first side: the new face there is a sliver.
+// Adds a vertex inside the face, `height_mm` from the middle of its first side, so that the new face there is a sliver.
 void make_sliver(Mesh& m, std::size_t f, double height_mm) {
   const auto [a, b, c] = m.faces[f];
   const Vec3 middle = 0.5 * (vertex(m, a) + vertex(m, b)), way = vertex(m, c) - middle;

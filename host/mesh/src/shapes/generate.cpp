@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kSmallest_mm = 20.0, kLargest_mm = 5000.0;
 constexpr int kMinFaces = 50, kMaxFaces = 2'000'000;
-// Faces that the defects make of one face of the clean cover.
+// The defects turn each face of the clean cover into this many, on average.
 constexpr double kDirtyFaces = 2.25, kNearDegenerateFaces = 1.52;
 
 constexpr std::array kShapes{
@@ -31,7 +31,7 @@ constexpr std::array kShapes{
               1000},
 };
 
-// The largest side of the bounding box becomes `size_mm`.
+// Scales the mesh so that the largest side of its bounding box is `size_mm`.
 Mesh scaled(Mesh mesh, double size_mm) {
   Eigen::AlignedBox3d box;
   for (const Vec3& v : mesh.vertices) box.extend(v);

@@ -10,7 +10,7 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kJitter = 0.28;  // Share of a grid cell.
+constexpr double kJitter = 0.28;  // Vertices move by at most this fraction of a grid cell.
 constexpr double kSnap = 0.3;     // A vertex this near to the cut moves onto it, so that no sliver is cut off.
 constexpr std::uint64_t kSeed = 7;
 
@@ -18,7 +18,7 @@ std::size_t at(int k) {
   return static_cast<std::size_t>(k);
 }
 
-// One grid of the sheet: vertices in (u, v), faces, and the value of `keep`, 0 for vertices on the cut.
+// One grid of the sheet: vertices in (u, v), faces, and the value of `keep`, which is 0 for vertices on the cut.
 class Grid {
  public:
   Grid(const Sheet& sheet, int nu, int nv) : sheet_(sheet), nu_(nu), nv_(nv) {
@@ -65,14 +65,14 @@ class Grid {
     }
   }
 
-  // Point at t of the way from a to b; a tube is crossed at its seam.
+  // Returns the point at fraction t of the way from a to b; a tube is crossed at its seam.
   [[nodiscard]] Vec2 between(int a, int b, double t) const {
     Vec2 to = uv_[at(b)];
     if (sheet_.closed) to.x() -= std::round(to.x() - uv_[at(a)].x());
     return uv_[at(a)] + t * (to - uv_[at(a)]);
   }
 
-  // Share of the way from a to b at which `keep` changes its sign.
+  // Returns the fraction of the way from a to b at which `keep` changes its sign.
   [[nodiscard]] double root(int a, int b) const {
     double low = 0.0, high = 1.0;
     for (int k = 0; k < 40; ++k) {
@@ -83,7 +83,7 @@ class Grid {
   }
 
   void snap() {
-    std::map<int, std::pair<double, Vec2>> nearest;  // Keyed by vertex: share of an edge, and the new position.
+    std::map<int, std::pair<double, Vec2>> nearest;  // Each vertex has the fraction of an edge and the new position.
     for (const auto& f : faces_) {
       for (std::size_t s = 0; s < 3; ++s) {
         const int a = f[s], b = f[(s + 1) % 3];
@@ -128,7 +128,7 @@ class Grid {
   std::vector<Vec2> uv_;
   std::vector<double> keep_;
   std::vector<std::array<int, 3>> faces_;
-  std::map<std::pair<int, int>, int> cuts_;  // Vertex of each edge that is cut.
+  std::map<std::pair<int, int>, int> cuts_;  // Each edge that is cut has one vertex.
 };
 
 }  // namespace
@@ -150,7 +150,7 @@ Mesh without_unused_vertices(const Mesh& mesh) {
   return out;
 }
 
-// What the cut takes is not known beforehand: the number of cells is corrected twice.
+// The cut removes an area that is not known beforehand, so the number of cells is corrected twice.
 Mesh mesh_of(const Sheet& sheet, int faces) {
   double cells = 0.5 * faces;
   Mesh mesh;

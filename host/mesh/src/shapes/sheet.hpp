@@ -6,20 +6,20 @@
 
 namespace triskin::geometry {
 
-/// Surface over the unit square, with what is cut away.
+/// Describes a surface over the unit square and what is cut away from it.
 struct Sheet {
-  std::function<Vec3(double u, double v)> place;  ///< It returns mm, and ∂u × ∂v points outwards.
-  /// It is positive, in mm, where the surface stays; an empty function keeps everything.
+  std::function<Vec3(double u, double v)> place;  ///< The function returns mm, and ∂u × ∂v points outwards.
+  /// The surface stays wherever this value (mm) is positive; an empty function keeps everything.
   std::function<double(const Vec3&)> keep;
-  double aspect = 1.0;  ///< The grid has so many cells along u for each along v.
-  bool closed = false;  ///< In a closed shape u = 1 is u = 0, as on a tube.
+  double aspect = 1.0;  ///< The grid has this many cells along u for each cell along v.
+  bool closed = false;  ///< True for a closed shape, in which u = 1 meets u = 0, as on a tube.
 };
 
-/// Triangles of irregular size and direction, as CAD programs make them, about `faces` of them (within a fifth). The
-/// border follows keep = 0. Equal for equal arguments. Cost: linear in the faces.
+/// Makes about `faces` triangles (within a fifth) of irregular size and direction, as CAD programs do. The border
+/// follows keep = 0. Equal arguments give equal meshes. Cost: linear in the faces.
 [[nodiscard]] Mesh mesh_of(const Sheet& sheet, int faces);
 
-/// The same without the vertices that no face names.
+/// Removes the vertices that no face uses.
 [[nodiscard]] Mesh without_unused_vertices(const Mesh& mesh);
 
 }  // namespace triskin::geometry

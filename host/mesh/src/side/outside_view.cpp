@@ -17,7 +17,7 @@ constexpr double kGoldenAngle = 2.399963229728653;
 constexpr double kAbove_mm = 0.05;
 constexpr double kFar_mm = 1e6;  // A part is at most 5 m across.
 
-// A Fibonacci spiral on the sphere: even directions.
+// A Fibonacci spiral spreads the directions evenly over the sphere.
 const std::vector<Vec3>& hull_directions() {
   static const std::vector<Vec3> directions = [] {
     std::vector<Vec3> result;
@@ -51,7 +51,7 @@ HullDepth::HullDepth(const std::vector<Vec3>& points_mm) {
   for (const std::size_t k : extremes) extremes_mm_.push_back(points_mm[k]);
 }
 
-// The half space of the normal itself is exact where the surface is flat, which those of other directions are not.
+// The half space of the normal itself is exact on flat surfaces; those of other directions are not.
 double HullDepth::along(const Vec3& point_mm, const Vec3& normal) const {
   double depth = 0.0;
   for (const Vec3& p : extremes_mm_) depth = std::max(depth, normal.dot(p - point_mm));

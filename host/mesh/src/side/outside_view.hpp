@@ -7,23 +7,23 @@
 
 namespace triskin::geometry {
 
-/// Convex hull of points as the half spaces of many directions, which it exceeds by little: on a sphere of radius r by
-/// r / 1,000.
+/// Approximates the convex hull of points by half spaces in many directions. It exceeds the hull by little: on a sphere
+/// of radius r by r / 1,000.
 class HullDepth {
  public:
-  /// Cost: O(n).
+  /// Finds the extreme point in each direction. Cost: O(n).
   explicit HullDepth(const std::vector<Vec3>& points_mm);
 
-  /// Distance from a point along a unit normal to where it leaves the hull; 0 on the hull. Cost: constant.
+  /// Returns the distance from a point along a unit normal to where it leaves the hull; 0 on the hull. Cost: constant.
   [[nodiscard]] double along(const Vec3& point_mm, const Vec3& normal) const;
 
  private:
-  std::vector<double> heights_mm_;  // Height of the hull in each direction.
-  std::vector<Vec3> extremes_mm_;   // They are points of the hull, at most one for each direction.
+  std::vector<double> heights_mm_;  // Each direction has the height of the hull along it.
+  std::vector<Vec3> extremes_mm_;   // These points lie on the hull, at most one for each direction.
 };
 
-/// Cosine-weighted share of the half sphere above a point, 0 … 1, in which no ray meets the part. `turn` (any number)
-/// turns the rays, so that the error of neighbouring points is not the same. Cost: `rays` rays.
+/// Returns the cosine-weighted fraction of the half sphere above a point, 0 … 1, in which no ray meets the part.
+/// `turn` (any number) rotates the rays, so that neighbouring points do not share the same error. Cost: `rays` rays.
 [[nodiscard]] double visibility_of(const RayCaster& part, const Vec3& point_mm, const Vec3& normal, int rays,
                                    unsigned turn);
 

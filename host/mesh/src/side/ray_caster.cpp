@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kMiss = -1.0;
 
-// Möller, Trumbore, Fast, minimum storage ray/triangle intersection, 1997. Negative for a ray that passes by.
+// Follows Möller, Trumbore, Fast, minimum storage ray/triangle intersection, 1997. Returns a negative value for a ray
+// that misses.
 double distance_along(const Mesh& mesh, int face, const Vec3& from, const Vec3& direction) {
   const auto& f = mesh.faces[at(face)];
   const Vec3& a = mesh.vertices[at(f[0])];

@@ -8,27 +8,27 @@
 
 namespace triskin::geometry {
 
-/// First face that a ray meets.
+/// The first face that a ray meets.
 struct RayHit {
-  int face = -1;  ///< It is −1 when there is none.
+  int face = -1;  ///< −1 means that the ray meets none.
   double distance_mm = std::numeric_limits<double>::infinity();
 };
 
-/// Rays against the triangles of a mesh, which must outlive it. Queries are const and thread-safe.
+/// Casts rays against the triangles of a mesh, which must outlive it. Queries are const and thread-safe.
 class RayCaster {
  public:
-  /// Cost: O(n log n), on `threads` (≥ 1).
+  /// Builds the tree of the faces on `threads` (≥ 1). Cost: O(n log n).
   RayCaster(const Mesh& mesh, int threads);
 
   [[nodiscard]] const Mesh& mesh() const { return mesh_; }
-  /// Unit normal of a face; zero for one without area.
+  /// Returns the unit normal of a face; zero for one without area.
   [[nodiscard]] const Vec3& normal(int face) const { return normals_[static_cast<std::size_t>(face)]; }
   [[nodiscard]] double area_mm2(int face) const { return areas_mm2_[static_cast<std::size_t>(face)]; }
 
-  /// The first face between two distances along a unit direction; `but_face` is not asked. Cost: O(log n) typical.
+  /// Returns the first face between two distances along a unit direction, ignoring `but_face`. Cost: O(log n) typical.
   [[nodiscard]] RayHit first_hit(const Vec3& from_mm, const Vec3& direction, double nearest_mm, double farthest_mm,
                                  int but_face) const;
-  /// True if the ray leaves the part: no face within `farthest_mm`. Cost: O(log n) typical.
+  /// Returns true if the ray leaves the part without a hit within `farthest_mm`. Cost: O(log n) typical.
   [[nodiscard]] bool is_free(const Vec3& from_mm, const Vec3& direction, double farthest_mm) const;
 
  private:

@@ -28,10 +28,11 @@ double median_wall(const std::vector<WallSample>& samples) {
   return *middle;
 }
 
-// An open surface with less of a wall than this is a sheet with folds; a tenth below what the decision asks for.
+// An open surface with a smaller walled fraction is a sheet with folds. The limit is a tenth below the one of the
+// decision.
 constexpr double kMinWalledOpen = 0.15;
 
-constexpr double kVisibility_s = 0.2;  // Processor time for the view of crossing faces, which are rare.
+constexpr double kVisibility_s = 0.2;  // The view of crossing faces, which are rare, may take this much processor time.
 
 bool has_border(const std::vector<std::array<int, 3>>& neighbours) {
   return std::ranges::any_of(neighbours, [](const auto& n) { return n[0] < 0 || n[1] < 0 || n[2] < 0; });
@@ -45,7 +46,7 @@ SideChoice one_side(const Mesh& mesh) {
   return choice;
 }
 
-// kOuter where nobody asks stands for: whatever side of what is undecided was chosen.
+// If nobody asks for a side, kOuter takes the side that was chosen for the undecided faces.
 bool is_taken(const SideChoice& choice, int face, const SideOptions& options) {
   const bool wants_inner = options.wanted == SideWanted::kInner;
   switch (choice.side_of(face)) {
@@ -108,7 +109,7 @@ TakenSide take_side(const Mesh& part, const SideOptions& options) {
   if (kept.faces.empty())
     throw InputError("side: nothing of the part lies on the side that was asked for; try --side both, or --from X,Y,Z");
   taken.surface = extract(kept).surface;
-  // Outer faces that were joined at a corner only now have coinciding corners.
+  // Outer faces that were joined only at a corner now have coinciding corners.
   if (!usable(taken.surface)) taken.surface = remove_crossings(taken.surface, kVisibility_s).surface;
   return taken;
 }

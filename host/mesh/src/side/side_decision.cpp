@@ -12,12 +12,12 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kDecided = 0.15;  // |outwardness| from which a region is decided; see docs/side.md
+constexpr double kDecided = 0.15;  // A region is decided from this |outwardness| on; see docs/side.md.
 constexpr double kPocket = -0.3;   // Below this outwardness the floor of a thick body is a pocket.
 constexpr double kHiddenVisibility = 0.2;
 constexpr double kWalledRegion = 0.5;  // A region counts as walled when this share of its area has a wall.
-// An edge weighs as much as a strip of this width: more where the sheets across the wall meet behind it too, so that
-// the wall as a whole turns there, which it does not at the foot of a rib.
+// An edge weighs as much as a strip of this width. It weighs more if the sheets across the wall meet behind it too,
+// because then the wall as a whole turns there; at the foot of a rib it does not.
 constexpr double kBesideWidth_mm = 12.0, kBendWidth_mm = 100.0;
 constexpr double kAcrossWeight = 1.0;
 constexpr double kRibFoot = 0.2;         // This share of a rib's border is its foot.
@@ -28,7 +28,7 @@ constexpr double kModuleInradius_mm = 8.66;
 constexpr double kRimSurroundings = 0.9;  // This share of a rim strip's border lies on outer regions.
 constexpr double kMinUndecided_mm2 = 400.0, kMaxUndecidedFraction = 0.15, kLargeRegion = 0.05;
 constexpr double kMinWalledFraction = 0.25, kMinInnerFraction = 0.05;
-constexpr double kJoinedFraction = 0.1;  // Share of a component's walled area, on its lesser side.
+constexpr double kJoinedFraction = 0.1;  // The lesser side of a component must have this fraction of its walled area.
 constexpr int kPasses = 400;
 constexpr double kSettled = 1e-5;
 
@@ -69,7 +69,7 @@ class Decision {
     const RegionEvidence& e = region(r);
     return e.walled_mm2 - e.self_mm2 >= kWalledRegion * e.area_mm2;
   }
-  // A strip as narrow as the wall is thick.
+  // A strip is as narrow as the wall is thick.
   [[nodiscard]] bool is_strip(int r) const {
     return !has_wall(r) && 2.0 * region(r).area_mm2 < options_.max_wall_mm * region(r).border_mm;
   }
@@ -103,7 +103,7 @@ class Decision {
     }
   }
 
-  // The region that lies across the wall of most of each one's area; −1: none.
+  // Finds for each region the one across the wall of most of its area; −1 if there is none.
   [[nodiscard]] std::vector<int> partners() const {
     std::vector<int> partner(evidence_.regions.size(), -1);
     std::vector<double> most(partner.size(), 0.0);
@@ -123,7 +123,7 @@ class Decision {
     return a >= 0 && b >= 0 && a != pair.second && a != b && evidence_.beside_mm.contains(std::minmax(a, b));
   }
 
-  // Gauss, Seidel; the matrix is dominated by its diagonal.
+  // Gauss-Seidel converges because the matrix is dominated by its diagonal.
   [[nodiscard]] std::vector<double> relaxed(const std::vector<double>& wanted,
                                             const std::vector<double>& weight) const {
     std::vector<double> x = wanted;
@@ -174,7 +174,8 @@ class Decision {
     }
   }
 
-  // What stands on the inner side alone is inside: a rib looks alike on both sides, the last one of a row even outer.
+  // Regions that stand on the inner side alone are inside: a rib looks alike on both sides, and the last one of a row
+  // even looks outer.
   void label_ribs() {
     std::vector<double> inner_mm(evidence_.regions.size(), 0.0), outer_mm = inner_mm;
     const auto count_border = [&](int r, int other, double length) {
@@ -196,7 +197,8 @@ class Decision {
     }
   }
 
-  // Regions that are outer by their neighbours alone, against their own evidence, and pairs that both are outer.
+  // Doubts regions that are outer only through their neighbours, against their own evidence, and pairs of which both
+  // are outer.
   void doubt() {
     for (int r = 0; r < count(); ++r) {
       if (out_.side[at(r)] != FaceSide::kOuter || !has_wall(r) || region(r).outwardness > -kDecided) continue;
@@ -213,8 +215,8 @@ class Decision {
     }
   }
 
-  // The last rib of a row may see as much as the outer side does. No module fits on it, and none reaches it from
-  // outer regions on which one fits without crossing a rim, so it is left out.
+  // The last rib of a row may see as much as the outer side does. No module fits on it, and none reaches it without
+  // crossing a rim from outer regions on which one fits, so it is left out.
   void drop_lone_strips() {
     const auto is_outer = [&](int r) { return out_.side[at(r)] == FaceSide::kOuter; };
     std::vector<std::vector<int>> beside(evidence_.regions.size());
@@ -268,10 +270,10 @@ class Decision {
     out_.is_certain = 0.5 * undecided < std::max(kMinUndecided_mm2, kMaxUndecidedFraction * (outer + 0.5 * undecided));
   }
 
-  // Whether most of the wall has both its sides in one component, as a solid has. Two sheets that no rim joins may as
-  // well be two surfaces, and the one that is inside would be gone without a question.
+  // Tells whether most of the wall has both its sides in one component, as a solid has. Two sheets that no rim joins
+  // may be two separate surfaces, and the inner one would disappear without a question.
   [[nodiscard]] bool is_joined() const {
-    std::map<int, std::array<double, 2>> sides;  // Keyed by component: outer, other.
+    std::map<int, std::array<double, 2>> sides;  // For each component, the areas of outer and other regions.
     for (int r = 0; r < count(); ++r) {
       const FaceSide side = out_.side[at(r)];
       if (has_wall(r) && side != FaceSide::kRim)
@@ -286,7 +288,8 @@ class Decision {
     return joined >= 0.5 * all;
   }
 
-  // Numbers the undecided regions that belong together: the largest one counts as the outer side, the others follow.
+  // Numbers the undecided regions that belong together: the largest one counts as the outer side, and the others follow
+  // it.
   void number_choices() {
     const auto is_open = [&](std::size_t r) { return out_.side[r] == FaceSide::kUndecided && out_.choice[r] == 0; };
     for (;;) {

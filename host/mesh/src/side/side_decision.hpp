@@ -4,18 +4,19 @@
 
 namespace triskin::geometry {
 
-/// Labels of the regions, and whether they are certain.
+/// Labels the regions and tells whether the labels are certain.
 struct SideDecision {
-  std::vector<FaceSide> side;        ///< There is one for each region.
-  std::vector<double> outwardness;   ///< It lies in −1 … 1, after each region took its neighbours into account.
-  std::vector<std::uint8_t> choice;  ///< It is 1 or 2 for undecided regions, otherwise 0.
+  std::vector<FaceSide> side;
+  /// The value lies in −1 … 1 and already includes the influence of neighbouring regions.
+  std::vector<double> outwardness;
+  std::vector<std::uint8_t> choice;  ///< Undecided regions have 1 or 2, all others 0.
   bool has_wall = false, is_certain = true;
   bool has_loose_sheets = false;
   double margin = 1.0;
 };
 
-/// Decides. Regions across a wall should differ, regions beside each other should agree, each should follow its own
-/// evidence: the least sum of squares of what is not so. Deterministic. Cost: O(regions and their pairs) a pass.
+/// Decides the side of each region by least squares: regions across a wall should differ, regions beside each other
+/// should agree, and each should follow its own evidence. Deterministic. Cost: O(regions and their pairs) per pass.
 [[nodiscard]] SideDecision decide_sides(const SideEvidence& evidence, const SideOptions& options);
 
 }  // namespace triskin::geometry

@@ -15,22 +15,23 @@ constexpr int kRays = 32;
 constexpr int kViews = 6'000;  // The view is taken from this many samples.
 constexpr int kMinViewsPerRegion = 6;
 constexpr std::size_t kChunk = 16;
-constexpr double kFarthestOpposite_mm = 60.0;  // The other side of a thick body still says which one is a pocket.
-// Less depth than this is the chord of a facet, or the play of a lid.
+// Even across a thick body the other side still shows which one is a pocket.
+constexpr double kFarthestOpposite_mm = 60.0;
+// A smaller depth comes from the chord of a facet, or from the play of a lid.
 constexpr double kMinDepthScale_mm = 1.0;
-// The views of two sides of a lid differ by some hundredths; a quarter is a difference beyond doubt.
+// The views of the two sides of a lid differ by some hundredths; a quarter is a difference beyond doubt.
 constexpr double kVisibilityGain = 4.0;
-// Both sides of a rib see a third to a half of the sky, the outer side of a cover more.
+// Both sides of a rib see a third to a half of the sky; the outer side of a cover sees more.
 constexpr double kRibVisibility = 0.35, kOpenVisibility = 0.65;
 constexpr double kHiddenOutwardness = -0.5;
 
 struct View {
   double visibility = 0.0;
-  double depth_mm = 0.0;        // Depth under the hull of its own component.
-  double whole_depth_mm = 0.0;  // Depth under the hull of all components.
+  double depth_mm = 0.0;        // The depth is under the hull of its own component.
+  double whole_depth_mm = 0.0;  // The depth is under the hull of all components.
 };
 
-// What one sample says of its side, and how much of its area counts.
+// One sample's evidence for its side, and how much of its area counts.
 struct Opinion {
   double outwardness = 0.0, weight = 0.0;
   View here;
@@ -56,7 +57,7 @@ std::vector<int> components_of(const std::vector<std::array<int, 3>>& neighbours
   return component;
 }
 
-// Positive where the first is nearer to the hull.
+// Returns a positive value if the first is nearer to the hull.
 double contrast(double here_mm, double there_mm, double scale_mm) {
   return (there_mm - here_mm) / (there_mm + here_mm + scale_mm);
 }
@@ -141,7 +142,7 @@ class Evidence {
     }
   }
 
-  // Evenly by area within each region, a few at least of each.
+  // Samples are spread evenly by area within each region, with at least a few in each.
   [[nodiscard]] std::vector<int> viewed_samples() const {
     double total = 0.0;
     for (const RegionEvidence& e : found_.regions) total += e.area_mm2;

@@ -13,14 +13,14 @@
 namespace triskin::geometry {
 namespace {
 
-// A cylinder of 11 facets turns by 33° from facet to facet; the chamfer of an edge by 45°.
-// It is the cosine of 35°, the sharpest turn of an edge that counts as smooth.
+// A cylinder of 11 facets turns by 33° from facet to facet, and the chamfer of an edge by 45°. The limit is the
+// cosine of 35°, the sharpest turn of an edge that counts as smooth.
 constexpr double kSmoothCosine = 0.82;
-constexpr double kMaxTurnCosine = 0.766;  // It is the cosine of 40°, which is less than half of a rounded rim.
-// It is the cosine of 50°: regions that meet above a rib are joined, and those across a rim are not.
+constexpr double kMaxTurnCosine = 0.766;  // The cosine of 40°, which is less than half of a rounded rim.
+// At the cosine of 50°, regions that meet above a rib are joined, and those across a rim are not.
 constexpr double kJoinedTurnCosine = 0.64;
 constexpr double kWalled = 0.5;
-constexpr double kNeedleHeight_mm = 0.01;  // The normal of a lower triangle is mostly rounding.
+constexpr double kNeedleHeight_mm = 0.01;  // The normal of a lower triangle consists mostly of rounding errors.
 constexpr int kNeedlePasses = 4;
 
 class Division {
@@ -47,7 +47,7 @@ class Division {
   }
   [[nodiscard]] bool is_smooth(int a, int b) const { return turn(normals_, a, b) > kSmoothCosine; }
 
-  // A needle takes the normal of the face across its longest side, so that it parts nothing.
+  // A needle takes the normal of the face across its longest side, so that it separates nothing.
   void smooth_needles(const RayCaster& part) {
     const Mesh& mesh = part.mesh();
     for (int pass = 0; pass < kNeedlePasses; ++pass) {
@@ -75,9 +75,9 @@ class Division {
     }
   }
 
-  // Best first: a face goes to the region from which it turns least.
+  // Grows best first: a face joins the region from which it turns least.
   void grow() {
-    // A step is the cosine of the turn, the face, and the face it is reached from.
+    // A step has the cosine of the turn, the face, and the face from which it is reached.
     using Step = std::tuple<double, int, int>;
     std::priority_queue<Step, std::vector<Step>, std::less<>> queue;
     const auto look_around = [&](int f) {
@@ -117,7 +117,7 @@ class Division {
   const std::vector<std::array<int, 3>>& neighbours_;
   const std::vector<double>& walled_;
   DisjointSets sets_;
-  std::vector<Vec3> source_, normals_;  // A source is the normal of the walled face from which a face was reached.
+  std::vector<Vec3> source_, normals_;  // The source is the normal of the walled face from which a face was reached.
 };
 
 }  // namespace

@@ -14,11 +14,12 @@ constexpr double kSampledArea_mm2 = 16.0;  // The thickness of a wall changes ov
 constexpr int kMaxSamplesPerFace = 64;
 // At a rounded rim both sheets turn toward each other; within 37° of opposite they still are two sides of one wall.
 constexpr double kMaxPartnerCosine = -0.8;
-constexpr double kStart_mm = 0.01;  // Rays start inside the material: a face that shares a corner is no partner.
+// Rays start inside the material, because a face that shares a corner is no partner.
+constexpr double kStart_mm = 0.01;
 constexpr std::size_t kChunk = 512;
 constexpr std::size_t kFewFaces = 4'000;
 
-// Even points of the unit square (the R2 sequence of M. Roberts), folded into the triangle.
+// Spreads points evenly over the unit square (the R2 sequence of M. Roberts), folded into the triangle.
 Vec3 point_of(const Mesh& mesh, int face, int k, int samples) {
   const auto& f = mesh.faces[at(face)];
   const Vec3 &a = mesh.vertices[at(f[0])], &b = mesh.vertices[at(f[1])], &c = mesh.vertices[at(f[2])];

@@ -7,24 +7,25 @@
 
 namespace triskin::geometry {
 
-/// A place on a face, and the place on the other sheet of the wall behind it.
+/// A place on a face, and the place opposite to it on the other sheet of the wall.
 struct WallSample {
   int face = -1;
   Vec3 point_mm = Vec3::Zero();
-  double area_mm2 = 0.0;           ///< Each sample stands for this share of its face's area.
-  int partner = -1;                ///< It is the face across the wall; −1 means that there is no wall here.
-  double wall_mm = 0.0;            ///< It is the distance to the partner.
+  double area_mm2 = 0.0;  ///< Each sample stands for this share of its face's area.
+  int partner = -1;       ///< The face across the wall; −1 means that there is no wall here.
+  double wall_mm = 0.0;
   Vec3 partner_mm = Vec3::Zero();  ///< The ray meets the partner at this point.
 };
 
-/// Samples of all faces, one or more a face, in the order of the faces. The partner is the first face that a ray into
-/// the material meets, where it lies within the thickness of a wall and faces the opposite way. Cost: one ray a sample.
+/// Returns one or more samples per face, in the order of the faces. The partner is the first face that a ray into the
+/// material meets, if it lies within the thickness of a wall and faces the opposite way. Cost: one ray per sample.
 [[nodiscard]] std::vector<WallSample> wall_samples(const RayCaster& part, const SideOptions& options);
 
-/// Share of the part's area that has a partner, 0 … 1, from some thousand faces at most. Cost: as many rays.
+/// Returns the fraction of the part's area that has a partner, 0 … 1, from some thousand faces at most. Cost: as many
+/// rays.
 [[nodiscard]] double walled_fraction_of_few(const RayCaster& part, const SideOptions& options);
 
-/// Share of each face's area, 0 … 1, that has a partner.
+/// Returns the fraction of each face's area, 0 … 1, that has a partner.
 [[nodiscard]] std::vector<double> walled_fractions(const std::vector<WallSample>& samples, std::size_t faces);
 
 }  // namespace triskin::geometry

@@ -21,7 +21,7 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using nlohmann::json;
 constexpr double kLargestCoordinate_mm = 1e8;
-constexpr double kTouching_mm = 1e-9;  // Far below every tolerance.
+constexpr double kTouching_mm = 1e-9;  // This is far below every tolerance.
 
 std::string ring_name(std::size_t ring) {
   return ring == 0 ? "outer ring" : fmt::format("hole {}", ring - 1);
@@ -38,7 +38,7 @@ Vec2 json_point(const json& j, const std::string& name, std::size_t ring, std::s
   return {j[0].get<double>(), j[1].get<double>()};
 }
 
-// GeoJSON closes its rings: the first vertex stands again at the end (RFC 7946, 3.1.6).
+// GeoJSON closes its rings by repeating the first vertex at the end (RFC 7946, 3.1.6).
 void require_closed(const std::vector<Vec2>& ring, const std::string& name, std::size_t index) {
   if (ring.size() < 4)
     fail(name, fmt::format("{}: needs at least 3 vertices and the first again at the end, has {}", ring_name(index),
@@ -85,8 +85,8 @@ Polygon from_geojson(const json& j, const std::string& name) {
   return from_coordinates(coordinates[0], name);
 }
 
-// POLYGON ((x y, x y, …), (…)) of OGC 06-103r4, also with Z and M, both ignored, a MULTIPOLYGON of one, and SRID
-// as PostGIS writes it.
+// Reads POLYGON ((x y, x y, …), (…)) of OGC 06-103r4, also with Z and M, both ignored, a MULTIPOLYGON of one, and
+// SRID as PostGIS writes it.
 class WktReader {
  public:
   WktReader(const std::string& text, const std::string& name) : text_(text), name_(name) {
@@ -126,7 +126,7 @@ class WktReader {
   void expect(char c) {
     if (!accept(c)) fail_here(fmt::format("expected '{}'", c));
   }
-  // Letters, in upper case.
+  // Returns the next letters in upper case.
   std::string word() {
     skip();
     std::string word;
@@ -144,7 +144,7 @@ class WktReader {
     if (end == std::string::npos) fail_here("expected ';' behind SRID");
     at_ = end + 1;
   }
-  // Z, M, ZM or nothing, behind the type with a space or without, and EMPTY.
+  // Z, M, ZM or nothing may follow the type with a space or without, then EMPTY.
   void read_dimension(std::string dimension) {
     std::string next = dimension.empty() ? word() : dimension;
     if (next == "Z" || next == "M" || next == "ZM") {
@@ -170,7 +170,7 @@ class WktReader {
     const Vec2 p(x, number());
     std::size_t count = 2;
     for (skip(); at_ < text_.size() && text_[at_] != ',' && text_[at_] != ')'; skip(), ++count) (void)number();
-    if (numbers_ == 0) numbers_ = count;  // Older writers leave the letter out.
+    if (numbers_ == 0) numbers_ = count;  // Older writers omit the letter, so the first point decides.
     if (count != numbers_ || count > 4) fail_here(fmt::format("a point has {} numbers, not {}", count, numbers_));
     return p;
   }
@@ -238,7 +238,8 @@ bool touches(const Edge& e, const Vec2& p) {
   return distance_mm(e, p) <= std::max(kTouching_mm, 4.0 * 0x1p-52 * largest);
 }
 
-// Interiors cross: the ends of each edge lie strictly on both sides of the other. Touching is allowed.
+// Returns true if the interiors cross: the ends of each edge lie strictly on both sides of the other. Touching is
+// allowed.
 bool cross_exactly(const Edge& e, const Edge& f) {
   const auto s1 = side(e, f.a), s2 = side(e, f.b);
   if (s1 == CGAL::COLLINEAR || s1 == s2 || s2 == CGAL::COLLINEAR) return false;
@@ -250,7 +251,7 @@ bool cross(const Edge& e, const Edge& f) {
   return cross_exactly(e, f) && !touches(e, f.a) && !touches(e, f.b) && !touches(f, e.a) && !touches(f, e.b);
 }
 
-// The first two edges that cross, as `do_cross` says.
+// Returns the first two edges that cross according to `do_cross`.
 std::optional<std::pair<Edge, Edge>> find_crossing(const Polygon& polygon, bool (*do_cross)(const Edge&, const Edge&)) {
   std::vector<Edge> edges;
   const auto add = [&](const std::vector<Vec2>& ring, std::size_t index) {
@@ -298,7 +299,7 @@ std::vector<Vec2> net_ring(const json& ring, const std::string& name, std::size_
   return points;
 }
 
-// Outlines of a net as unfold writes it (docs/unfolding.md).
+// Returns the outlines of a net as unfold writes it (docs/unfolding.md).
 std::vector<Polygon> pieces_of_net(const json& net, const std::string& name) {
   const json pieces = net.value("pieces", json());
   if (!pieces.is_array() || pieces.empty()) fail(name, "the net has no pieces");
@@ -313,7 +314,7 @@ std::vector<Polygon> pieces_of_net(const json& net, const std::string& name) {
   return polygons;
 }
 
-// A net may have cracks of zero width, which its pieces need; what a person draws may not.
+// A net may have cracks of zero width, which its pieces need; a drawn polygon may not.
 Polygon valid_polygon(Polygon polygon, const std::string& name) {
   Polygon cleaned = polygon;
   clean_ring(cleaned.outer, name, 0);

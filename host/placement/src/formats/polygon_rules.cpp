@@ -43,7 +43,7 @@ bool is_before(const Vec2& p, const Vec2& q) {
   return std::pair(p.x(), p.y()) < std::pair(q.x(), q.y());
 }
 
-// True if a point on the line of an edge lies on the edge.
+// Returns true if a point on the line of an edge lies on the edge.
 bool is_within(const Edge& e, const Vec2& p) {
   const auto& [low, high] = is_before(e.a, e.b) ? std::pair(e.a, e.b) : std::pair(e.b, e.a);
   return !is_before(p, low) && !is_before(high, p);
@@ -138,7 +138,7 @@ class Rules {
     on_[{f.ring, f.vertex}].push_back({e.ring, point});
   }
 
-  // 1 inside, 0 on it, -1 outside, of a ring. Exact.
+  // Returns 1 inside, 0 on, -1 outside a ring. Exact.
   [[nodiscard]] int place(const ExactPoint& p, std::size_t r) const {
     bool is_inside = false;
     const Ring& points = ring(r);
@@ -151,8 +151,8 @@ class Rules {
     return is_inside ? 1 : -1;
   }
 
-  // A point of the ring `inner` that is not on the ring `outer`: rings that do not cross lie on one side of each other,
-  // except between points where they touch, so that each part between such points has one.
+  // Finds points of the ring `inner` that are not on the ring `outer`. Rings that do not cross lie on one side of each
+  // other except where they touch, so each part between such points has one witness.
   [[nodiscard]] std::vector<ExactPoint> witnesses(std::size_t inner, std::size_t outer) const {
     std::vector<ExactPoint> points;
     const Ring& corners = ring(inner);
@@ -177,7 +177,7 @@ class Rules {
     return std::ranges::all_of(points, [&](const ExactPoint& p) { return place(p, outer) > 0; });
   }
 
-  // Holes by pairs whose boxes meet. Rings may also cross at their corners alone, so that every part is asked.
+  // Compares holes in pairs whose boxes meet. Rings may also cross at their corners alone, so every part is tested.
   void require_apart() const {
     std::vector<Eigen::AlignedBox2d> boxes(polygon_.holes.size());
     for (std::size_t h = 0; h < boxes.size(); ++h)
@@ -192,7 +192,7 @@ class Rules {
     }
   }
 
-  // Rings and points where they touch: a circle of them cuts the inside in two.
+  // In the graph of rings and the points where they touch, a cycle cuts the inside in two.
   void require_connected() const {
     const std::size_t rings = polygon_.holes.size() + 1;
     DisjointSets sets(rings + touches_.size());
@@ -216,8 +216,9 @@ class Rules {
   const Polygon& polygon_;
   const std::string& name_;
   std::vector<Edge> edges_;
-  std::map<ExactPoint, std::set<std::pair<std::size_t, std::size_t>>> touches_;  // Rings that meet, by point.
-  // Points of other rings on an edge, by ring and vertex of the edge.
+  // The key is a point, the value the pairs of rings that meet there.
+  std::map<ExactPoint, std::set<std::pair<std::size_t, std::size_t>>> touches_;
+  // Lists the points of other rings on an edge, keyed by ring and vertex of the edge.
   std::map<std::pair<std::size_t, std::size_t>, std::vector<std::pair<std::size_t, Vec2>>> on_;
 };
 

@@ -22,7 +22,7 @@ nlohmann::json rings_of(const Polygon& polygon) {
   return rings;
 }
 
-// All but the cells.
+// Returns everything in the proof except the cells.
 nlohmann::json claims(const Polygon& polygon, const PlacementResult& result) {
   const auto& motion = result.proof.motion;
   nlohmann::json tiles = nlohmann::json::array();
@@ -58,7 +58,7 @@ void ProofWriter::add_cell(const ProofCell& c) {
 
 void ProofWriter::finish(const Polygon& polygon, const PlacementResult& result) {
   part_ += "],";
-  part_ += claims(polygon, result).dump().substr(1);  // The cells have opened the object.
+  part_ += claims(polygon, result).dump().substr(1);  // The cells have already opened the object.
   part_ += "\n";
   write_(part_);
   part_.clear();

@@ -15,7 +15,7 @@
 namespace triskin::geometry {
 namespace {
 
-// The four cubic B-splines over one interval, 0 ≤ t < 1, and their slopes.
+// Evaluates the four cubic B-splines over one interval, 0 ≤ t < 1, and their slopes.
 std::array<double, 4> splines(double t) {
   const double u = 1.0 - t;
   return {u * u * u / 6.0, (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0, (3.0 * u * u * u - 6.0 * u * u + 4.0) / 6.0,
@@ -26,7 +26,7 @@ std::array<double, 4> slopes(double t) {
   return {-0.5 * u * u, 1.5 * t * t - 2.0 * t, -1.5 * u * u + 2.0 * u, 0.5 * t * t};
 }
 
-// Weight at the point of the face that is nearest to p, and its distance squared.
+// Returns the weight at the point of the face that is nearest to p, and its squared distance.
 std::pair<double, double> nearest_on_face(const Vec2& p, const std::array<WeightMap::Vertex, 3>& face) {
   const auto& [a, b, c] = face;
   const Vec2 u = b.at_mm - a.at_mm, v = c.at_mm - a.at_mm, w = p - a.at_mm;

@@ -12,7 +12,7 @@ namespace triskin::geometry {
 namespace {
 
 constexpr double kMaxPoints = 1e6, kMaxWeight = 1e12;
-// The raster reaches so many steps beyond the regions; farther out the map goes on as at its rim.
+// The raster extends this many steps beyond the regions; farther out the map continues its rim.
 constexpr double kRim = 3.0;
 
 bool contains(const std::vector<Vec2>& ring, const Vec2& p) {

@@ -4,11 +4,11 @@
 
 namespace triskin::geometry {
 
-/// The largest set of the tiles that hangs together by sides; of equal ones that with the first tile. `tiles` must be
-/// sorted, the result is.
+/// Returns the largest set of tiles that are connected by sides; of equal ones that with the first tile. `tiles` must
+/// be sorted, and so is the result.
 [[nodiscard]] std::vector<Tile> largest_component(const TileGrid& grid, const std::vector<Tile>& tiles);
 
-/// The number of tiles that hang together. Bound: as if every open tile were inside.
+/// Maximizes the number of tiles that are connected by sides. Its bound assumes that every open tile is inside.
 class ConnectedTiles final : public Objective {
  public:
   explicit ConnectedTiles(const TileGrid& grid) : grid_(grid) {}

@@ -12,7 +12,7 @@ bool Contraction::clip(MotionBox& box, const OffsetBoxes& boxes, int need) {
     const double center = box.center(axis), half = box.half(axis);
     double low = -half, high = half;
     if (!sweep(boxes.low[axis], boxes.high[axis], half, need, low, high)) return false;
-    // Faces keep their bits where nothing is clipped: the cells of a proof must fit together.
+    // Faces keep their bits if nothing is clipped, because the cells of a proof must fit together.
     if (low > -half) box.low[axis] = std::max(box.low[axis], center + low);
     if (high < half) box.high[axis] = std::min(box.high[axis], center + high);
   }

@@ -6,11 +6,11 @@
 
 namespace triskin::geometry {
 
-/// Contraction of a cell: clips its box, axis by axis, to the range in which at least `need` of the tiles' boxes
-/// overlap.
+/// Contracts a cell: clips its box, axis by axis, to the range in which at least `need` of the tiles' boxes overlap.
 class Contraction {
  public:
-  /// False: on some axis fewer than `need` boxes overlap everywhere; `box` is then undefined within its old bounds.
+  /// Returns false if on some axis fewer than `need` boxes overlap everywhere; `box` is then undefined within its old
+  /// bounds.
   bool clip(MotionBox& box, const OffsetBoxes& boxes, int need);
 
  private:

@@ -27,7 +27,7 @@ using Bytes = std::int8_t __attribute__((vector_size(kLanes)));
   load(block + 5 * kLanes, ny);
   load(block + 6 * kLanes, sign);
   const Vector zero = {};
-  // Both ends beyond one side of the tile.
+  // Both ends lie beyond one side of the tile.
   const Vector sax = sign * ax, say = sign * ay, sbx = sign * bx, sby = sign * by;
   Vector beyond = zero - 1e300;
   for (int k = 0; k < grid.corners; ++k) {
@@ -36,7 +36,7 @@ using Bytes = std::int8_t __attribute__((vector_size(kLanes)));
     const Vector room = nearer - grid.offset_mm[static_cast<std::size_t>(k)];
     beyond = room > beyond ? room : beyond;
   }
-  // All corners on one side of the edge's line.
+  // All corners lie on one side of the edge's line.
   const Vector level = nx * ax + ny * ay, snx = sign * nx, sny = sign * ny;
   Vector low = zero + 1e300, high = zero - 1e300;
   for (int k = 0; k < grid.corners; ++k) {

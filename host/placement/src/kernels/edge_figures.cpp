@@ -12,25 +12,25 @@ namespace {
 
 constexpr std::size_t kEdges = EdgeArrays::kLanes;
 constexpr double kLevel = 1e-4;     // A half plane bounds columns only when the x of its normal exceeds this.
-constexpr double kSlack_mm = 1e-6;  // Far above the rounding of coordinates and sample positions.
+constexpr double kSlack_mm = 1e-6;  // This is far above the rounding of coordinates and sample positions.
 constexpr double kNoBound = 1e9;
 
 using Vector = double __attribute__((vector_size(8 * kEdges), may_alias));
 using Index = std::int32_t __attribute__((vector_size(4 * kEdges), may_alias));
 using Single = float __attribute__((vector_size(4 * kEdges), may_alias));
 
-// Eight edges as EdgeArrays has them, (x, y) the normal of the line.
+// Holds eight edges as EdgeArrays stores them, with (x, y) the normal of the line.
 struct Edges {
   Vector ax, ay, bx, by, x, y, offset, far;
 };
 
-// The half planes of a direction each: sides of the tile, m·c ≥ limit, and lines n·c between low and high.
+// Holds one half plane per direction: sides of the tile, m·c ≥ limit, and lines n·c between low and high.
 struct HalfPlanes {
   Vector side[6];
   Vector x[2], y[2], low[2], high[2];
 };
 
-// Column ≥ or ≤ at + slope·row of eight figures; their row 0 is the first of each.
+// Bounds the columns of eight figures: column ≥ or ≤ at + slope·row, where row 0 is the first of each.
 struct Lines {
   static constexpr std::size_t kMaxLines = 8;
   alignas(64) float at[kMaxLines][kEdges], slope[kMaxLines][kEdges];
@@ -38,12 +38,12 @@ struct Lines {
 };
 
 struct Figures {
-  Vector left, right, low, high;  // Boxes, mm.
-  Vector first, rows;             // Positions in the raster.
+  Vector left, right, low, high;  // The boxes are in mm.
+  Vector first, rows;             // The positions refer to the raster.
   Lines lower, upper;
 };
 
-// Passed by reference: vectors passed by value would depend on the instruction set.
+// Vectors are passed by reference, because passing them by value depends on the instruction set.
 [[gnu::always_inline]] inline void load(const std::vector<double>& from, std::size_t at, Vector& to) {
   std::memcpy(&to, from.data() + at, sizeof to);
 }
@@ -66,7 +66,7 @@ struct Figures {
   to = whole < v ? whole + 1.0 : whole;
 }
 
-// The corners of a tile farthest to the right and to the left of the edge.
+// Holds the corners of a tile that are farthest to the right and to the left of the edge.
 struct Extremes {
   Vector right_x, right_y, left_x, left_y;
 };
@@ -84,7 +84,7 @@ struct Extremes {
   }
 }
 
-// Beyond no side both ends keep the separation: at every motion (turned outwards, moved out) or at some.
+// Requires that both ends keep the separation beyond no side: at every motion (turned outwards, moved out), or at some.
 [[gnu::always_inline]] inline void add_sides(const Edges& e, const TileGrid& grid, const FigureTerms& t, bool outer,
                                              const Vector& separation, HalfPlanes& to) {
   const double turn = outer ? -t.turn : t.turn;
@@ -99,8 +99,8 @@ struct Extremes {
   }
 }
 
-// Neither all corners of the tile keep the separation to the left of the edge's line nor all to the right. The line
-// turned by both ends of the range of angles for the cut: in between the value of a corner is linear.
+// Requires that the corners of the tile do not all keep the separation to the left of the edge's line, nor all to the
+// right. The cut uses the line turned by both ends of the range of angles: in between the value of a corner is linear.
 [[gnu::always_inline]] inline void add_strips(const Edges& e, const TileGrid& grid, const FigureTerms& t, bool outer,
                                               const Vector& separation, HalfPlanes& to) {
   Extremes corners{};
@@ -140,8 +140,8 @@ struct Extremes {
   to.high += room;
 }
 
-// low ≤ x*c.x + y*c.y ≤ high where x is next to nothing: as if it were, with the worst c.x for the cut and the best
-// for the rest.
+// Handles low ≤ x*c.x + y*c.y ≤ high for a negligible x: the term is fixed with the worst c.x for the cut and the
+// best for the rest.
 [[gnu::always_inline]] inline void clip_level(const Vector& x, const Vector& y, const Vector& low, const Vector& high,
                                               bool outer, Figures& f) {
   Vector level, least, most, bottom, top, size;
@@ -158,7 +158,7 @@ struct Extremes {
   f.high = size <= level ? top : f.high;
 }
 
-// x·c.x + y·c.y ≤ v, or ≥ v, as a bound of columns; `lower`: where it bounds them below.
+// Turns x·c.x + y·c.y ≤ v, or ≥ v, into a bound of columns; `lower` tells where it bounds them below.
 [[gnu::always_inline]] inline void add_line(const FigureTerms& t, const Vector& x, const Vector& y, const Vector& v,
                                             bool outer, bool lower, Figures& f) {
   Lines& to = lower ? f.lower : f.upper;
@@ -209,7 +209,8 @@ struct Extremes {
   }
 }
 
-// Figures of eight edges. Inside a part the remainder of Taylor's formula is at most (far·turn/2 + slide)·turn.
+// Makes the figures of eight edges. Inside a part the remainder of Taylor's formula is at most (far·turn/2 +
+// slide)·turn.
 [[gnu::always_inline]] inline void make_figures(const Edges& e, const TileGrid& grid, const FigureTerms& t, bool outer,
                                                 Figures& to) {
   const double slide = std::sqrt(t.half_x * t.half_x + t.half_y * t.half_y), beyond = 3.0 * grid.circumradius_mm;
@@ -217,7 +218,7 @@ struct Extremes {
   const Vector separation = outer ? t.separation_mm + pad : t.separation_mm - pad;
   Vector room = Vector{} + (grid.circumradius_mm + kSlack_mm);
   if (outer) {
-    // A tile whose sides have moved out by so much reaches farther at its corners.
+    // A tile whose sides have moved out by this much extends farther at its corners.
     Vector moved;
     greater(Vector{}, separation + slide + t.turn * far, moved);
     room = grid.circumradius_mm * (1.0 + moved * (1.0 / grid.inradius_mm)) + kSlack_mm;
@@ -235,8 +236,8 @@ using Reals = float __attribute__((vector_size(4 * kRows)));
 using Whole = std::int32_t __attribute__((vector_size(4 * kRows)));
 using Words = std::uint32_t __attribute__((vector_size(4 * kRows)));
 
-// Columns [begin, end) of sixteen rows from `first` on that lie between the bounds: strictly inside, or (outer) with up
-// to one more on either side. Columns below 0 are cut off; begin ≥ end: none.
+// Finds columns [begin, end) of sixteen rows from `first` on that lie between the bounds: strictly inside, or (outer)
+// with up to one more on either side. Columns below 0 are cut off; begin ≥ end means none.
 [[gnu::always_inline]] inline void spans(const Figures& f, std::size_t lane, int first, int rows, bool outer,
                                          Whole& begin, Whole& end) {
   const Reals zero = {}, number = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
@@ -250,7 +251,7 @@ using Words = std::uint32_t __attribute__((vector_size(4 * kRows)));
     const Reals v = f.upper.at[k][lane] + f.upper.slope[k][lane] * row;
     high = v < high ? v : high;
   }
-  high = high < low ? low - 3.0F : high;  // Marks an empty range.
+  high = high < low ? low - 3.0F : high;  // high < low marks an empty range.
   low = low < static_cast<float>(kNoBound) ? low : zero + static_cast<float>(kNoBound);
   const int room = outer ? 1 : 0;
   begin = __builtin_convertvector(low, Whole) + (1 - room);
@@ -258,7 +259,7 @@ using Words = std::uint32_t __attribute__((vector_size(4 * kRows)));
   end = row < static_cast<float>(rows) ? end : begin;
 }
 
-// Ones in the bits under `column`.
+// Sets the bits below `column`.
 [[gnu::always_inline]] inline void ones_below(const Whole& column, Words& to) {
   const Words none = {};
   to = ((none + 1U) << __builtin_convertvector(column & (SampleBits::kWord - 1), Words)) - 1U;

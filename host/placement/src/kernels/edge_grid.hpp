@@ -8,18 +8,18 @@
 
 namespace triskin::geometry {
 
-/// Bucket grid of the edges in the polygon's frame: edges near a point in constant time. Immutable: any number of
-/// threads.
+/// A bucket grid of the edges in the polygon's frame that finds edges near a point in constant time. Immutable, so any
+/// number of threads may read it.
 class EdgeGrid {
  public:
   EdgeGrid(const PreparedPolygon& polygon, double reach_mm);
   [[nodiscard]] double reach_mm() const { return reach_mm_; }
-  /// All edges within reach_mm of p, and some others.
+  /// Returns all edges within reach_mm of p, and some others.
   [[nodiscard]] std::span<const std::uint32_t> near(const Vec2& p) const;
 
  private:
   double reach_mm_ = 0.0, origin_ = 0.0, scale_ = 1.0;
-  int buckets_ = 1;  // Number of buckets per axis.
+  int buckets_ = 1;
   std::vector<std::uint32_t> first_, edges_;
 };
 

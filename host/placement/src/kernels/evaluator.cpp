@@ -5,7 +5,7 @@
 
 namespace triskin::geometry {
 // Marks have room for every tile that an edge can cut. An edge that cuts a tile meets the tile grown by the inset: a
-// corner moves out more than a side, and where a side is level the tile reaches no farther than that.
+// corner moves out more than a side, and at a level side the tile extends no farther than the inset.
 void Evaluator::set_frame(double inset_mm) {
   double high_x = -1e300, low_y = 1e300, high_y = -1e300;
   low_x_ = 1e300;
@@ -66,7 +66,7 @@ void Evaluator::mark(const Motion& motion, double inset_mm) {
   for (std::size_t k = 0; k < mark_of_.size(); ++k) marks_[mark_of_[k]] |= static_cast<std::uint8_t>(kCut & cuts[k]);
 }
 
-// Rows and columns count from the window's corner and so are positive: truncation is the floor.
+// Rows and columns are counted from the window's corner and so are positive: truncation is the floor.
 void Evaluator::mark_edge(std::size_t edge, const Vec2& normal, const Rows& rows, int up) {
   const Vec2 a = moved_[edge], b = moved_[polygon_.next[edge]];
   const double low = std::min(a.y(), b.y()), high = std::max(a.y(), b.y()),
@@ -81,7 +81,7 @@ void Evaluator::mark_edge(std::size_t edge, const Vec2& normal, const Rows& rows
       const int before = static_cast<int>(column);
       marks_[first + static_cast<std::size_t>(before + (before < column ? 1 : 0))] ^= kFlip;
     }
-    // Only the part of the edge beside the tiles.
+    // Only the part of the edge beside the tiles matters.
     double left = a.x() + (std::max(y - rows.below, low) - a.y()) * slope,
            right = a.x() + (std::min(y + rows.above, high) - a.y()) * slope;
     if (low == high) right = b.x();

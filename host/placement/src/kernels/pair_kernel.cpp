@@ -17,7 +17,7 @@ struct Lanes {
       normal_y[kLanes], offset[kLanes];
 };
 
-// Passed by reference: vectors passed by value would depend on the instruction set.
+// Vectors are passed by reference, because passing them by value depends on the instruction set.
 [[gnu::always_inline]] inline Vector& vector_at(double* lanes) {
   return *reinterpret_cast<Vector*>(lanes);
 }
@@ -41,29 +41,29 @@ struct Lanes {
   }
 }
 
-// Hull over the directions of a pair and the best separations among them.
+// Collects the hull over the directions of a pair and the best separations among them.
 struct Hull {
   Vector low_x, low_y, low_t, high_x, high_y, high_t, surest, value;
 };
 
-// Terms of the cell that are equal for all directions: half widths, pad less inset.
+// These terms of the cell are equal for all directions: half widths, and pad less inset.
 struct CellTerms {
   double hx, hy, ht, pad_less_inset;
 };
 
-// One direction: N linear constraints value ≥ inset with one common gradient (gx, gy) in x and y, and a slope each by
-// theta. Refers to the caller's vectors.
+// One direction has N linear constraints value ≥ inset with one common gradient (gx, gy) in x and y, and a slope each
+// by theta. Refers to the caller's vectors.
 template <int N>
 struct Direction {
   const Vector (&value)[N];
   const Vector (&slope)[N];
-  const Vector (&inverse_slope)[N];  // 1 / |slope|
+  const Vector (&inverse_slope)[N];  // The values are 1 / |slope|.
   const Vector &gx, &gy;
-  const Vector &inverse_x, &inverse_y;  // 1 / |gx|, 1 / |gy|
-  const Vector& reach;                  // Largest change of the value by x and y inside the cell.
+  const Vector &inverse_x, &inverse_y;  // The values are 1 / |gx| and 1 / |gy|.
+  const Vector& reach;                  // Inside the cell x and y change the value by at most this.
 };
 
-// Adds a direction to the hull and writes its room. In the clip of one axis the others are at their best.
+// Adds a direction to the hull and writes its room. While one axis is clipped, the others take their best value.
 template <int N>
 [[gnu::always_inline]] inline void include(Hull& hull, const CellTerms& cell, const Direction<N>& d, Vector& room_of) {
   const Vector zero = {}, full_x = zero + cell.hx, full_y = zero + cell.hy;
@@ -83,7 +83,7 @@ template <int N>
   const Vector open_x = room * d.inverse_x - cell.hx, open_y = room * d.inverse_y - cell.hy;
   const Vector limit_x = open_x < full_x ? open_x : full_x, limit_y = open_y < full_y ? open_y : full_y;
   const Vector left_t = high_t - low_t;
-  room = left_t < room ? left_t : room;  // If negative, the direction holds nowhere.
+  room = left_t < room ? left_t : room;  // A negative room means that the direction holds nowhere.
   room_of = room;
   const Vector never_low = zero + 1e300, never_high = zero - 1e300;
   const Vector low_x = room >= zero ? (d.gx > zero ? -limit_x : -full_x) : never_low,
@@ -102,14 +102,14 @@ template <int N>
   hull.value = least > hull.value ? least : hull.value;
 }
 
-// Absolute value, but never so small that a product of six reciprocals overflows.
+// Takes the absolute value, but never one so small that a product of six reciprocals overflows.
 [[gnu::always_inline]] inline void bounded_size(const Vector& v, Vector& size) {
   const Vector zero = {}, tiny = zero + 1e-30;
   size = v < zero ? -v : v;
   size = size > tiny ? size : tiny;
 }
 
-// Reciprocals of N sizes with one division.
+// Computes the reciprocals of N sizes with one division.
 template <int N>
 [[gnu::always_inline]] inline void invert(const Vector (&size)[N], Vector (&inverse)[N]) {
   Vector product[N];
@@ -124,8 +124,8 @@ template <int N>
   inverse[0] = rest;
 }
 
-// The edge's own line: all corners of the tile left of it, or all right of it. The separation of a corner falls as the
-// edge moves along its normal.
+// Tests the edge's own line: all corners of the tile left of it, or all right of it. The separation of a corner falls
+// as the edge moves along its normal.
 template <int J>
 [[gnu::always_inline]] inline void lines(Hull& hull, const CellTerms& cell, const TileGrid& grid, Lanes& in,
                                          PairBlock& out) {
@@ -160,7 +160,7 @@ template <int J>
              vector_at(out.room[1].data()));
 }
 
-// The sides of the tile: both ends of the edge beyond one of them.
+// Tests the sides of the tile: both ends of the edge beyond one of them.
 template <int J>
 [[gnu::always_inline]] inline void sides(Hull& hull, const CellTerms& cell, const TileGrid& grid, Lanes& in,
                                          PairBlock& out) {

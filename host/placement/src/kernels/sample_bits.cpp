@@ -28,7 +28,7 @@ using Words = std::uint32_t __attribute__((vector_size(4 * kLanes)));
   }
 }
 
-// A sum of a few blocks, binary digits in registers.
+// Sums a few blocks with the binary digits in registers.
 struct FewBlocks {
   static constexpr int kPlanes = 8, kMaxBlocks = (1 << kPlanes) - 1;
   Words plane[kPlanes];
@@ -49,7 +49,6 @@ struct FewBlocks {
   ++few.blocks;
 }
 
-// Adds the counts to all planes.
 [[gnu::always_inline]] inline void flush(FewBlocks& few, std::uint32_t* planes, std::size_t count) {
   Words carry = {};
   for (std::size_t p = 0; p < count; ++p, planes += kLanes) {
@@ -112,7 +111,7 @@ TRISKIN_FOR_VECTOR_UNITS(TRISKIN_SAMPLE_BITS)
 
 }  // namespace
 
-// A block more of rows: a fill that ends between two blocks reads and writes a whole one.
+// One more block of rows is needed, because a fill that ends between two blocks reads and writes a whole one.
 void SampleBits::clear(int rows, int words) {
   rows_ = rows;
   words_ = words;

@@ -12,13 +12,15 @@ int round_up(int v, int step) {
 
 }  // namespace
 
-// The moved polygon with room for every tile that an edge can touch, wherever in its cell the lattice lies.
+// Sets the window to the moved polygon with room for every tile that an edge can touch, wherever in its cell the
+// lattice lies.
 void SliceRaster::set_window(const CellFrame& f) {
   step_x_ = grid_.row_step_mm / kSteps;
   step_y_ = grid_.row_height_mm / kSteps;
   const auto [low_x, high_x] = std::ranges::minmax(f.x);
   const auto [low_y, high_y] = std::ranges::minmax(f.y);
-  // The figures of touched tiles reach a little farther than a tile; every tile that has a sample there is seen whole.
+  // The figures of touched tiles extend a little farther than a tile; every tile that has a sample there is covered
+  // completely.
   const double change = f.certain_mm + f.pad_mm + f.reach_mm - std::hypot(f.half[0], f.half[1]) +
                         4.0 * grid_.circumradius_mm * f.half[2] + step_x_ + step_y_;
   const double room = grid_.circumradius_mm * (1.5 + std::max(0.0, change) / grid_.inradius_mm) +
@@ -66,8 +68,9 @@ void SliceRaster::set_terms(const CellFrame& frame, bool up, FigureTerms& to) co
   to.turn = frame.half[2];
 }
 
-// Parity of the crossings to the right of each sample. Each vertex belongs to one row, so that every row is crossed
-// evenly often; where along the row matters little, for whatever lies near the outline is cut.
+// Takes the parity of the crossings to the right of each sample. Each vertex belongs to one row, so every row is
+// crossed an even number of times. The exact place along the row matters little, because everything near the outline is
+// cut.
 void SliceRaster::scan_inside(const CellFrame& f, Kind& kind) {
   SampleBits& bits = kind.bits[kInside];
   row_of_.clear();
@@ -77,7 +80,7 @@ void SliceRaster::scan_inside(const CellFrame& f, Kind& kind) {
                       bottom = top == k ? next : k;
     if (row_of_[top] == row_of_[bottom]) continue;
     const double slope = (f.x[bottom] - f.x[top]) / (f.y[bottom] - f.y[top]);
-    const double height = step_y_ * (kind.terms.row0 - row_of_[top]);  // Height of the row.
+    const double height = step_y_ * (kind.terms.row0 - row_of_[top]);
     const double x = f.x[top] + (height - f.y[top]) * slope;
     const double step = step_y_ * slope / step_x_;
     double at = kind.terms.column0 - x / step_x_ + 1;
@@ -98,7 +101,7 @@ void SliceRaster::collect(const CellFrame& frame) {
   }
 }
 
-// Tile by tile: outside or cut in all parts, certain in all, or a border tile.
+// Sorts each tile: outside or cut in all parts, certain in all, or a border tile.
 void SliceRaster::collect_kind(bool up) {
   const int columns = (words_ - 1) * SampleBits::kWord;
   for (int j = (first_row_ - rows_) / kSteps + 1; kSteps * j <= first_row_; ++j) {
@@ -108,7 +111,7 @@ void SliceRaster::collect_kind(bool up) {
   }
 }
 
-// Columns [column, column + 16) of the rows from `row` on.
+// Takes columns [column, column + 16) of the rows from `row` on.
 void SliceRaster::take_rows(const SampleBits& bits, int row, int column, BlockWords& to) {
   const int shift = column % SampleBits::kWord;
   std::memcpy(&to, bits.word(row, column / SampleBits::kWord), sizeof to);

@@ -7,14 +7,14 @@
 
 namespace triskin::geometry {
 
-/// weight·x ≤ limit.
+/// The constraint weight·x ≤ limit.
 template <std::size_t D>
 struct LinearRow {
   std::array<double, D> weight{};
   double limit = 0.0;
 };
 
-/// Work space of a linear program of few variables: one object a thread, it keeps its memory.
+/// Work space of a linear program of few variables. It keeps its memory, so each thread needs its own object.
 template <std::size_t D>
 struct LinearWork {
   std::vector<LinearRow<D>> rows;
@@ -25,7 +25,7 @@ struct LinearWork<1> {
   std::vector<LinearRow<1>> rows;
 };
 
-/// The points on the plane of a row: x[pivot] = at + Σ slope·(the others).
+/// Parametrizes the points on the plane of a row: x[pivot] = at + Σ slope·(the others).
 template <std::size_t D>
 class LinearPlane {
  public:
@@ -47,7 +47,7 @@ class LinearPlane {
     }
     return rest;
   }
-  /// A row, or an objective with any limit, on the plane.
+  /// Restricts a row, or an objective with any limit, to the plane.
   [[nodiscard]] LinearRow<D - 1> on_plane(const LinearRow<D>& row) const {
     LinearRow<D - 1> next{others(row.weight), row.limit - row.weight[pivot_] * at_};
     for (std::size_t m = 0; m + 1 < D; ++m) next.weight[m] += row.weight[pivot_] * slope_[m];
@@ -88,9 +88,10 @@ inline bool maximize(const std::array<double, 1>& objective, const std::array<do
   return least <= most + kLinearTolerance;
 }
 
-/// Maximizes objective·x over low ≤ x ≤ high and work.rows; false: nothing satisfies all rows (within 1e-10).
-/// Row after row: where the optimum so far breaks a row, the new one lies on it, a program of one variable less
-/// (Seidel, 1991). Rows that bind should stand first: expected cost O(rows), O(rows^D) at worst.
+/// Maximizes objective·x over low ≤ x ≤ high and work.rows; returns false if nothing satisfies all rows (within
+/// 1e-10). Rows are added one by one: if the optimum so far breaks a row, the new one lies on it, which leaves a
+/// program of one variable less (Seidel, 1991). Rows that bind should come first: expected cost O(rows), O(rows^D) at
+/// worst.
 template <std::size_t D>
 bool maximize(const std::array<double, D>& objective, const std::array<double, D>& low,
               const std::array<double, D>& high, LinearWork<D>& work, std::array<double, D>& x) {

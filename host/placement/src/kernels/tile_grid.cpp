@@ -23,7 +23,7 @@ void fill_outline(TileGrid& g, double first_angle) {
   }
 }
 
-// Each corner becomes two, and a short side across the line from the centre.
+// Each corner becomes two, with a short side across the line from the centre.
 void cut_corners(TileGrid& g, double cut_mm) {
   const TileGrid whole = g;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -42,7 +42,7 @@ void cut_corners(TileGrid& g, double cut_mm) {
 
 TileGrid triangles(double gap_mm, double corner_cut_mm) {
   TileGrid g;
-  // Facing sides move apart by 1/√3 of what the pitch grows.
+  // Facing sides move apart by 1/√3 of the growth of the pitch.
   const double pitch = kSide_mm + 2.0 * kHalfRoot3 * gap_mm;
   g.row_step_mm = pitch;
   g.row_shift_mm = 0.5 * pitch;
@@ -65,7 +65,7 @@ TileGrid squares(double gap_mm) {
   return g;
 }
 
-// Pointed upwards: rows of hexagons that touch with their vertical sides.
+// The hexagons point upwards, so that those of a row touch with their vertical sides.
 TileGrid hexagons(double gap_mm) {
   TileGrid g;
   g.corners = g.neighbours = 6;

@@ -17,7 +17,7 @@ void add_ring(const std::vector<Vec2>& ring, const Vec2& first, std::vector<std:
   }
 }
 
-// Centre of a small enclosing circle: steps towards the farthest vertex (Bădoiu and Clarkson, 2003).
+// Finds the centre of a small enclosing circle by steps towards the farthest vertex (Bădoiu and Clarkson, 2003).
 Vec2 enclosing_center(const std::vector<std::array<Vec2, 2>>& edges) {
   Vec2 center = edges.front()[0];
   for (int step = 1; step <= 200; ++step) {
@@ -88,7 +88,7 @@ PreparedPolygon prepare(const Polygon& polygon) {
     for (Vec2& v : e) v -= p.center;
     p.radius_mm = std::max(p.radius_mm, e[0].norm());
   }
-  // Sums of some products of coordinates: six roundings of the radius, and five times as much to be sure.
+  // Sums of some products of coordinates have six roundings of the radius; five times as much is safe.
   p.rounding_mm = std::max(1e-9, 32.0 * 0x1p-52 * p.radius_mm);
   fill_slabs(p);
   fill_arrays(p, polygon);

@@ -3,8 +3,8 @@
 
 namespace triskin::geometry {
 
-/// The widest vector unit of this machine that a kernel is built for, or the narrower one that the environment variable
-/// TRISKIN_VECTOR_UNIT (plain, avx2, avx512) asks for. All give the same answers. Read once.
+/// Names the widest vector unit of this machine that a kernel is built for, or the narrower one that the environment
+/// variable TRISKIN_VECTOR_UNIT (plain, avx2, avx512) asks for. All give the same answers. The variable is read once.
 enum class VectorUnit { kPlain, kAvx2, kAvx512 };
 [[nodiscard]] VectorUnit vector_unit();
 
@@ -24,8 +24,8 @@ Function fastest(Function plain, [[maybe_unused]] Function avx2, [[maybe_unused]
 
 }  // namespace triskin::geometry
 
-/// DEFINE(plain, ), and where the processor may have them DEFINE(avx2, attribute) and DEFINE(avx512, attribute): the
-/// builds of a kernel.
+/// Expands to DEFINE(plain, ), and for processors that may have them DEFINE(avx2, attribute) and DEFINE(avx512,
+/// attribute): the builds of a kernel.
 #if defined(__x86_64__)
 #define TRISKIN_FOR_VECTOR_UNITS(DEFINE) \
   DEFINE(plain, )                        \

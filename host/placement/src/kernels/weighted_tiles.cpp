@@ -7,7 +7,7 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kRounding = 1e-12;  // Relative rounding of sums of some thousand terms.
+constexpr double kRounding = 1e-12;  // This bounds the relative rounding of sums of some thousand terms.
 
 double spread(const std::array<double, 3>& slope, const std::array<double, 3>& half) {
   return std::abs(slope[0]) * half[0] + std::abs(slope[1]) * half[1] + std::abs(slope[2]) * half[2];
@@ -26,7 +26,7 @@ double WeightedTiles::value(const Motion& m, const std::vector<Tile>& inside) {
 }
 
 // The centre of a tile, seen from the polygon, is q = Rᵀ(c − t): ∂q/∂t = −Rᵀ, ∂q/∂θ = (q_y, −q_x).
-// It moves by at most `far` in the cell; the first order leaves out `bend` of that.
+// It moves by at most `far` in the cell; the first order omits `bend` of that.
 WeightedTiles::Term WeightedTiles::term(const CellFrame& f, const Vec2& center) const {
   const Vec2 p = center - Vec2(f.center[0], f.center[1]);
   const Vec2 q(f.cosine * p.x() + f.sine * p.y(), -f.sine * p.x() + f.cosine * p.y());

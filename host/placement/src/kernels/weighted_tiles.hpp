@@ -5,8 +5,8 @@
 
 namespace triskin::geometry {
 
-/// The sum of the weights at the centres of the tiles. The certain tiles are bounded as one function of the motion, to
-/// first order with the curvature of the map: near the optimum their slopes cancel, which single bounds would not see.
+/// Sums the weights at the centres of the tiles. The certain tiles are bounded as one function of the motion, to first
+/// order with the curvature of the map: near the optimum their slopes cancel, which single bounds would not see.
 class WeightedTiles final : public Objective {
  public:
   WeightedTiles(const PreparedPolygon& polygon, const TileGrid& grid, const WeightMap& map)
@@ -21,8 +21,8 @@ class WeightedTiles final : public Objective {
  private:
   struct Term {
     double value;
-    std::array<double, 3> slope;  // Slopes along x, y and theta.
-    double rest;                  // The first order leaves out at most this in the cell.
+    std::array<double, 3> slope;  // The slopes are along x, y and theta.
+    double rest;                  // The first-order term is off by at most this in the cell.
   };
   [[nodiscard]] Term term(const CellFrame& cell, const Vec2& center) const;
 
@@ -30,7 +30,7 @@ class WeightedTiles final : public Objective {
   const TileGrid& grid_;
   const WeightMap& map_;
   double certain_ = 0.0;
-  std::vector<double> open_;  // Bounds of the open tiles.
+  std::vector<double> open_;
 };
 
 }  // namespace triskin::geometry

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Algorithm 1 of the paper (Section IV-B) with Definitions 5 to 8 and Theorems 1 and 2 (Section IV-A).
+// Implements Algorithm 1 of the paper (Section IV-B) with Definitions 5 to 8 and Theorems 1 and 2 (Section IV-A).
 #include "triskin/placement/paper/algorithm1.hpp"
 
 #include <algorithm>
@@ -14,11 +14,11 @@
 namespace triskin::geometry::paper {
 namespace {
 
-// What the outline has on one generating line. A point has low == high; vertices on the line that follow one another
-// are one stretch, which Definition 6 shrinks to a point.
+// A point or stretch of the outline on one generating line. A point has low == high; consecutive vertices on the line
+// form one stretch, which Definition 6 shrinks to a point.
 struct Stretch {
   int line = 0;
-  double low = 0.0, high = 0.0;  // Positions along the line, in sides.
+  double low = 0.0, high = 0.0;  // Positions along the line are in sides.
 };
 
 }  // namespace
@@ -27,7 +27,7 @@ struct Algorithm1::State {
   GridFrame frame;
   Algorithm1Options options;
   SideMarks marks;
-  std::vector<Stretch> cutting;  // Intersections 𝕀ᶜ of all lines of one direction.
+  std::vector<Stretch> cutting;  // These are the intersections 𝕀ᶜ of all lines of one direction.
 
   State(const Polygon& polygon, const Algorithm1Options& o) : frame(polygon, o.touch_mm), options(o) {}
 
@@ -60,7 +60,7 @@ struct Algorithm1::State {
     }
   }
 
-  // The stretch on a line that begins at vertex `start`; the vertex before it is beside the line.
+  // Handles the stretch on a line that begins at vertex `start`; the vertex before it is beside the line.
   void visit_stretch(std::size_t direction, std::size_t first, std::size_t last, std::size_t start) {
     const std::vector<double>&across = frame.across(direction), &along = frame.along(direction);
     const double line = across[start];
@@ -83,7 +83,8 @@ struct Algorithm1::State {
   }
 
   // Theorem 1: of the sorted cutting intersections of a line, each odd one and the next bound a containment interval.
-  // By Definition 5 the stretches at its ends belong to it; by the letter they are points, and the interval ends there.
+  // By Definition 5 the stretches at its ends belong to it; taken literally they are points, and the interval ends
+  // there.
   void mark_intervals(std::size_t direction) {
     std::ranges::sort(cutting, {}, [](const Stretch& s) { return std::tuple(s.line, s.low, s.high); });
     const bool whole = options.sides == ContainedSides::kDefinition5;

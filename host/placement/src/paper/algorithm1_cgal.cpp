@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Algorithm 1 of the paper (Section IV-B) line by line, with CGAL as its authors had it (Section VI).
+// Implements Algorithm 1 of the paper (Section IV-B) line by line, with CGAL as its authors did (Section VI).
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/intersections.h>
@@ -41,9 +41,9 @@ class LineByLine {
   using Point = typename Kernel::Point_2;
   using Line = typename Kernel::Line_2;
   using Segment = typename Kernel::Segment_2;
-  using Stretch = std::pair<Point, Point>;  // Runs along the line, from left to right.
+  using Stretch = std::pair<Point, Point>;  // The stretch runs along the line, from left to right.
 
-  // The placement in the numbers of the kernel, as coordinates (u, v) of the grid.
+  // Applies the placement in the numbers of the kernel, as coordinates (u, v) of the grid.
   void place(const std::vector<Vec2>& ring, const Polygon& polygon, const PivotedPlacement& at) {
     const Vec2 pivot = at.vertex < 0 ? Vec2(0, 0) : polygon.outer[static_cast<std::size_t>(at.vertex)];
     const Number c = std::cos(at.theta_rad), s = std::sin(at.theta_rad), px = pivot.x(), py = pivot.y(),
@@ -56,7 +56,7 @@ class LineByLine {
     }
   }
 
-  // What is nearer to a line than the touching distance lies on it.
+  // A vertex nearer to a line than the touching distance is moved onto it.
   [[nodiscard]] Number laid(const Number& across) const {
     const Number line = std::nearbyint(CGAL::to_double(across));
     return CGAL::abs(across - line) <= frame_.touch_across() ? line : across;
@@ -97,8 +97,8 @@ class LineByLine {
     }
   }
 
-  // Definition 6 on one ring: all intersections with the line, sorted out by the half planes of the vertices before and
-  // after; and the edges on the line.
+  // Applies Definition 6 to one ring: computes all intersections with the line and sorts them out by the half planes of
+  // the vertices before and after; also takes the edges on the line.
   void intersect(const Line& line, std::size_t first, std::size_t last) {
     for (std::size_t k = first; k < last; ++k) {
       const std::size_t next = k + 1 == last ? first : k + 1;
@@ -117,7 +117,7 @@ class LineByLine {
     }
   }
 
-  // Vertices on the line that follow one another, from `start` on; the one before is on side `from`.
+  // Handles consecutive vertices on the line from `start` on; the one before is on side `from`.
   void visit_stretch(const Line& line, std::size_t first, std::size_t last, std::size_t start,
                      CGAL::Oriented_side from) {
     Stretch s{points_[start], points_[start]};
@@ -135,7 +135,7 @@ class LineByLine {
     if (options_.sides == ContainedSides::kDefinition5) contained_.push_back(s);
   }
 
-  GridFrame frame_;  // Holds the window, and what the paper does not define.
+  GridFrame frame_;  // The frame provides the window and everything that the paper does not define.
   const Algorithm1Options& options_;
   const bool sides_first_;
   const Number touch_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Algorithm 2 of the paper (Section V).
+// Implements Algorithm 2 of the paper (Section V).
 #include "triskin/placement/paper/heuristics.hpp"
 
 namespace triskin::geometry::paper {

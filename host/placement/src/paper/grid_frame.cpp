@@ -7,7 +7,7 @@
 namespace triskin::geometry::paper {
 namespace {
 
-// The nearest whole number; |x| is far below 2^51.
+// Returns the nearest whole number; |x| must be far below 2^51.
 double nearest(double x) {
   constexpr double kShift = 0x1.8p52;
   return (x + kShift) - kShift;

@@ -8,8 +8,8 @@ namespace triskin::geometry::paper {
 namespace {
 
 struct Position {
-  Tile tile;           // Tile that holds the point.
-  double depth = 0.0;  // Depth to its nearest side, in rows.
+  Tile tile;           // The tile that contains the point.
+  double depth = 0.0;  // The depth to its nearest side is in rows.
 };
 
 Position locate(double u, double v) {
@@ -19,7 +19,7 @@ Position locate(double u, double v) {
   return {tile, std::min({1.0 - in_u, 1.0 - in_v, past})};
 }
 
-// The module that a ring of the polygon lies in, sides included, if there is one: that of its mean vertex.
+// Finds the module that contains a ring of the polygon, sides included, if there is one: that of its mean vertex.
 bool fills_one_module(const GridFrame& frame, std::size_t first, std::size_t last, Tile& tile) {
   double u = 0.0, v = 0.0;
   for (std::size_t k = first; k < last; ++k) {

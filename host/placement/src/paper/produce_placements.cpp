@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// R1 … R7 of the paper (Section V), R4 as Algorithm 3 (Appendix A).
+// Implements R1 … R7 of the paper (Section V), with R4 as Algorithm 3 (Appendix A).
 #include <cmath>
 #include <random>
 #include <stdexcept>
@@ -42,15 +42,15 @@ class Producer {
       if (!lay(0, theta, random_place())) return;
     }
   }
-  // Each vertex in turn on the node, its edges to the next and to the preceding vertex laid on the line.
+  // Puts each vertex in turn on the node and lays its edges to the next and to the preceding vertex on the line.
   bool r2() {
     return for_edges([&](int k, double theta) { return lay(k, theta, node_); });
   }
-  // Each pair of vertices, the segment between them laid on the line, the first of them on the node.
+  // Lays the segment between each pair of vertices on the line, with the first of them on the node.
   bool r3() {
     return for_pairs([&](int i, double theta) { return lay(i, theta, node_); });
   }
-  // Algorithm 3: R3, and for each pair every vertex v_k in turn on the node, the pivot of the turn.
+  // Algorithm 3 takes R3, and for each pair puts every vertex v_k in turn on the node as the pivot of the turn.
   void r4() {
     for_pairs([&](int, double theta) {
       for (int k = 0; k < n_; ++k) {
@@ -59,11 +59,11 @@ class Producer {
       return true;
     });
   }
-  // R2, and each of its placements moved to random places.
+  // Takes R2 and moves each of its placements to random places.
   void r5() {
     if (r2()) for_edges([&](int k, double theta) { return lay_at_random_places(k, theta); });
   }
-  // Each vertex in turn on the node, the angle random.
+  // Puts each vertex in turn on the node, at random angles.
   void r6() {
     for (int k = 0; k < n_; ++k) {
       for (int draw = 0; draw < draws_; ++draw) {
@@ -71,13 +71,13 @@ class Producer {
       }
     }
   }
-  // R3, and each of its placements moved to random places.
+  // Takes R3 and moves each of its placements to random places.
   void r7() {
     if (r3()) for_pairs([&](int i, double theta) { return lay_at_random_places(i, theta); });
   }
 
  private:
-  // The polygon turned by theta about vertex v, and v moved to `target` on the grid (line 7 of Algorithm 3).
+  // Turns the polygon by theta about vertex v, and moves v to `target` on the grid (line 7 of Algorithm 3).
   bool lay(int v, double theta, const Vec2& target) {
     const Vec2 by = target - vertices_[static_cast<std::size_t>(v)];
     return visit_({by.x(), by.y(), theta, v});
@@ -89,12 +89,12 @@ class Producer {
     return true;
   }
 
-  // The turn that makes the segment from vertex i to vertex j run along the line (line 8 of Algorithm 3).
+  // Returns the turn that lays the segment from vertex i to vertex j along the line (line 8 of Algorithm 3).
   [[nodiscard]] double angle_to_line(int i, int j) const {
     const Vec2 d = vertices_[static_cast<std::size_t>(j)] - vertices_[static_cast<std::size_t>(i)];
     return line_rad_ - std::atan2(d.y(), d.x());
   }
-  // False when a visit ended the list.
+  // Returns false when a visit ended the list.
   template <class Visit>
   bool for_edges(Visit visit) {
     for (int k = 0; k < n_; ++k) {
@@ -115,7 +115,7 @@ class Producer {
 
   double unit() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
   double random_angle() { return unit() * M_PI / 3.0; }
-  // An up module and the down module beside it are one period: one of them alone would leave out half of all places.
+  // An up module and the down module beside it form one period; one of them alone would omit half of all places.
   Vec2 random_place() {
     const double u = unit(), v = unit();
     return {kSide_mm * (u + 0.5 * v), kHeight_mm * v};

@@ -7,7 +7,7 @@
 namespace triskin::geometry::paper {
 
 void SideMarks::reset(const GridFrame& frame) {
-  constexpr int kMargin = 2;  // Modules beside a line that touches the polygon's box.
+  constexpr int kMargin = 2;  // This many modules are added beside a line that touches the polygon's box.
   const auto [low_u, high_u] = std::ranges::minmax(frame.u());
   const auto [low_v, high_v] = std::ranges::minmax(frame.v());
   first_i_ = static_cast<int>(std::floor(low_u)) - kMargin;

@@ -7,13 +7,13 @@
 
 namespace triskin::geometry::paper {
 
-/// Marks the contained sides among the three of each module of a window around the polygon (ns_j of Algorithm 1, one
-/// bit a direction: a side that lies in an interval and on an edge counts once).
+/// Marks the contained sides among the three of each module of a window around the polygon (ns_j of Algorithm 1). Each
+/// direction has one bit, so a side that lies in an interval and on an edge counts once.
 class SideMarks {
  public:
   void reset(const GridFrame& frame);
 
-  /// The side on `line` of `direction` from node `at` along the line to the next: marked for its two modules.
+  /// Marks the side on `line` of `direction` from node `at` along the line to the next, for its two modules.
   void mark(std::size_t direction, int line, int at) {
     switch (direction) {
       case 0:
@@ -30,11 +30,11 @@ class SideMarks {
         break;
     }
   }
-  /// The module is not contained, whatever its sides say.
+  /// Excludes a module, whatever its sides say.
   void reject(const Tile& tile) { bits(tile.i, tile.j, tile.up) |= kRejected; }
 
   [[nodiscard]] int count() const;
-  /// Sorted.
+  /// Returns the contained modules, sorted.
   [[nodiscard]] std::vector<Tile> contained() const;
 
  private:

@@ -16,12 +16,14 @@ namespace triskin::geometry {
 namespace {
 
 constexpr std::size_t kMaxAsGood = 64;
-constexpr double kReach_mm = 9.0;   // A tile's edges are looked up within this distance; children of slices move less.
-constexpr double kSlice_mm = 2.5;   // The farthest vertex moves this far from one side of a slice to the other.
-constexpr std::size_t kBatch = 16;  // Cells refined together: fixed, so that the search does not depend on the threads.
-constexpr double kLogged_s = 1.5e-6;  // Measured: 0.7e-6 s to write a cell to the log; we reserve twice that.
-constexpr std::int64_t kLong = 2000;  // After so many cells a search looks for constraints that contradict each other.
-constexpr std::size_t kTried = 16;    // So many slices have their most promising motion tried before any is divided.
+constexpr double kReach_mm = 9.0;  // A tile's edges are looked up within this distance; children of slices move less.
+constexpr double kSlice_mm = 2.5;  // The farthest vertex moves this far from one side of a slice to the other.
+// Cells are refined in batches of a fixed size, so that the search does not depend on the threads.
+constexpr std::size_t kBatch = 16;
+constexpr double kLogged_s = 1.5e-6;  // Writing a cell to the log takes 0.7e-6 s (measured); we reserve twice that.
+// After this many cells a search looks for constraints that contradict each other.
+constexpr std::int64_t kLong = 2000;
+constexpr std::size_t kTried = 16;  // This many slices have their most promising motion tried before any is divided.
 
 class BranchAndBound {
  public:
@@ -44,7 +46,7 @@ class BranchAndBound {
     while (!open_.empty() && open_.begin()->first > result_.best) {
       result_.upper_bound = std::max(result_.best, open_.begin()->first);
       if (demand_.rising && demand_.inset_mm > demand_.last_inset_mm) break;
-      // Some slices have a bound before a limit can be reached: then there is a motion to return.
+      // Some slices are bounded before a limit can be reached, so that there is a motion to return.
       if (result_.cells > 0 && limit_reached()) break;
       report(progress_, "placing", -1.0, fmt::format("{} modules, bound {}", result_.best, result_.upper_bound));
       if (bounded(next())) seek_start();
@@ -77,7 +79,7 @@ class BranchAndBound {
     goal_.closed({box.low[0], box.high[0], box.low[1], box.high[1], box.low[2], box.high[2]});
   }
 
-  // Open cells end as cells of the proof, and that takes its time too.
+  // Open cells end as cells of the proof, and writing them takes time too.
   bool limit_reached() {
     const bool logged = static_cast<bool>(goal_.closed);
     const std::chrono::duration<double> log_time(logged ? kLogged_s * static_cast<double>(open_cells_) : 0.0);
@@ -112,11 +114,12 @@ class BranchAndBound {
   void add_roots() {
     double twice_area = 0.0;
     for (const auto& [a, b] : polygon_.edges) twice_area += a.x() * b.y() - a.y() * b.x();
-    // A tile that may stand over still has what lies deeper than that inside.
+    // A tile that may overhang still has everything that lies deeper inside.
     const double inset_mm = goal_.inset_mm - (goal_.raise ? 0.0 : 0.5 * goal_.tolerance_mm),
                  kept = 1.0 + std::min(0.0, inset_mm) / grid_.inradius_mm;
     area_bound_ = static_cast<int>(std::floor(0.5 * twice_area / (kept * kept * grid_.area_mm2) * (1.0 + 1e-6) + 1e-3));
-    // Slices of all translations: constraints are all but linear in x and y, so that a slice can be cut finely at once.
+    // Slices have all translations: constraints are almost linear in x and y, so that a slice can be cut finely at
+    // once.
     if (goal_.slices != nullptr) {
       for (const MotionBox& box : *goal_.slices) push({.box = box, .certain = 0, .bound = area_bound_, .list = {}});
       return;
@@ -138,7 +141,7 @@ class BranchAndBound {
   [[nodiscard]] const Cell& next() const { return open_.begin()->second.back(); }
   [[nodiscard]] static bool bounded(const Cell& cell) { return cell.list || cell.promising; }
 
-  // The highest bounds, the last one first among equals. Slices without a bound come first and alone: the value
+  // Takes the highest bounds, the last one first among equals. Slices without a bound come first and alone: the value
   // to beat is sought when all have one.
   void take_batch() {
     batch_.clear();
@@ -155,8 +158,8 @@ class BranchAndBound {
     expansions_.assign(batch_.size(), {});
   }
 
-  // A value to beat, once: a descent from the best of the most promising motions. The search then opens only cells that
-  // promise more.
+  // Seeks a value to beat, once, by a descent from the best of the most promising motions. The search then opens only
+  // cells that promise more.
   void seek_start() {
     if (demand_.rising || started_) return;
     started_ = true;

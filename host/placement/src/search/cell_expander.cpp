@@ -9,12 +9,12 @@ namespace {
 
 constexpr int kMaxPasses = 4;
 constexpr double kWorthAnotherPass = 0.7;
-constexpr int kMaxPartsOfSlice = 8, kMaxPartsOfCube = 8;  // Limits for the parts of one child.
-constexpr int kWellFilled = 2;  // A box is not divided further if one of so many parts is open.
+constexpr int kMaxPartsOfSlice = 8, kMaxPartsOfCube = 8;  // Both values limit the parts of one child.
+constexpr int kWellFilled = 2;  // A box is not divided further if one out of this many parts is open.
 
 using Index = std::array<int, 3>;
 
-// Box of the parts low ≤ index < high; outer faces keep their bits, so that neighbours fit together.
+// Returns the box of the parts low ≤ index < high; outer faces keep their bits, so that neighbours fit together.
 MotionBox part_box(const MotionBox& box, const Index& parts, const Index& low, const Index& high) {
   MotionBox part = box;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -34,7 +34,7 @@ void add_tile(const CellList& from, std::size_t number, CellList& to) {
   to.tiles.push_back(tile);
 }
 
-// Bits of the parts low ≤ index < high in the words of tiles.
+// Returns the bits of the parts low ≤ index < high in the words of tiles.
 PartWord wanted_parts(const Index& low, const Index& high) {
   PartWord wanted{};
   for (int x = low[0]; x < high[0]; ++x) {
@@ -46,7 +46,7 @@ PartWord wanted_parts(const Index& low, const Index& high) {
 
 }  // namespace
 
-// The open ones among some parts: their bounds, number and highest count.
+// Summarizes the open ones among some parts: their bounds, number and highest count.
 struct CellExpander::OpenParts {
   Index low{99, 99, 99}, high{0, 0, 0};
   int count = 0, most = 0;
@@ -92,7 +92,7 @@ void CellExpander::expand(Cell cell, const Demand& demand, int best, bool keep_c
   result.best = best_;
 }
 
-// The bound alone: of many slices the best value found meanwhile makes an end before they are divided.
+// Computes only the bound: a better value found meanwhile closes many slices before they are divided.
 void CellExpander::bound_slice(Cell& cell) {
   ++result_->passes;
   set_frame(cell.box);
@@ -123,7 +123,7 @@ void CellExpander::refine_slice(Cell& cell) {
   divide_slice(cell, {0, 0, 0}, parts_, 0, 0);
 }
 
-// A slice that may hold as many tiles as the best: a search for ties begins with it.
+// Notes a slice that may hold as many tiles as the best; a search for ties begins with it.
 void CellExpander::note_tie(const Cell& cell) {
   int most = 0;
   for (int y = 0; y < parts_[1]; ++y) {
@@ -141,8 +141,8 @@ std::size_t CellExpander::longest_axis(const MotionBox& box, const Index& parts)
   return axis;
 }
 
-// Children: small boxes around open parts, of which at least half are open. chosen_[first_chosen …) may be undecided
-// among the parts, `certain` more tiles than in the slice are certain there.
+// Makes children: small boxes around open parts, of which at least half are open. chosen_[first_chosen …) may be
+// undecided among the parts; `certain` more tiles than in the slice are certain there.
 void CellExpander::divide_slice(const Cell& cell, const Index& low, const Index& high, std::size_t first_chosen,
                                 int certain) {
   const OpenParts open = open_parts(cell, low, high);
@@ -164,7 +164,7 @@ void CellExpander::divide_slice(const Cell& cell, const Index& low, const Index&
   chosen_.resize(last_chosen);
 }
 
-// choose() for the border tiles of a slice.
+// Does what choose() does, for the border tiles of a slice.
 int CellExpander::choose_border(const Index& low, const Index& high, std::size_t first, std::size_t last) {
   const auto lanes = static_cast<std::uint32_t>((1U << high[0]) - (1U << low[0]));
   BlockWords wanted{};
@@ -183,7 +183,7 @@ int CellExpander::choose_border(const Index& low, const Index& high, std::size_t
   return certain;
 }
 
-// Edges are looked up when a child is opened, since most children are pruned before by a better value.
+// Edges are looked up when a child is opened, since most children are pruned earlier by a better value.
 void CellExpander::add_slice_child(const Cell& cell, const MotionBox& box, const OpenParts& open,
                                    std::size_t first_chosen, int certain) {
   auto list = std::make_shared<CellList>();
@@ -196,7 +196,8 @@ void CellExpander::add_slice_child(const Cell& cell, const MotionBox& box, const
     const SliceRaster::Border& border = raster_.border()[chosen_[n]];
     std::uint32_t may_not = 0;
     for (int y = open.low[1]; y < open.high[1]; ++y) may_not |= ~border.may[static_cast<std::size_t>(y)] & lanes;
-    // A tile that may hold has its centre inside at the middle of the part, and so wherever in the part it holds.
+    // A tile that may hold has its centre inside at the middle of the part, and so everywhere in the part where it
+    // holds.
     list->tiles.push_back({grid_.center(border.tile), border.tile, may_not == 0, 0, 0});
   }
   result_->children.push_back(
@@ -217,7 +218,7 @@ void CellExpander::list_with_edges(const Cell& cell, CellList& to) const {
   }
 }
 
-// The edges that come within reach of a point of the polygon's frame.
+// Adds the edges that come within reach of a point of the polygon's frame.
 void CellExpander::add_pairs(const Vec2& p, double reach_mm, std::uint32_t tile, std::vector<Pair>& pairs) const {
   if (reach_mm > edges_.reach_mm()) {
     for (std::uint32_t edge = 0; edge < polygon_.x.size(); ++edge) pairs.push_back({tile, edge});
@@ -265,7 +266,7 @@ void CellExpander::refine(Cell& cell) {
   look_ahead(cell, list);
 }
 
-// True: the cell is closed, or divided by its angles alone.
+// Returns true if the cell is closed, or divided by its angles alone.
 bool CellExpander::closed_by_conflicts(Cell& cell, CellList& list) {
   const ConflictBound::Verdict verdict = conflicts_.judge(frame_, list, best_ + 1 - cell.certain);
   if (verdict == ConflictBound::Verdict::kClosed) {
@@ -283,7 +284,7 @@ bool CellExpander::closed_by_conflicts(Cell& cell, CellList& list) {
   return true;
 }
 
-// Applies to the list and to halves_, which has the constraints of the same tiles in the same order.
+// Drops the same tiles from the list and from halves_, which has their constraints in the same order.
 void CellExpander::drop_dead(CellList& list) {
   const std::vector<std::uint8_t>& dead = conflicts_.dead();
   if (std::ranges::none_of(dead, [](std::uint8_t d) { return d != 0; })) return;
@@ -335,7 +336,7 @@ void CellExpander::look_ahead(Cell& cell, const CellList& list) {
   for (std::uint32_t t = 0; t < list.tiles.size(); ++t) {
     chosen_.push_back(t);
     if (list.tiles[t].inside) continue;
-    for (std::uint32_t& word : words_[t]) word &= 0xffffU;  // The tile is free of all edges, but perhaps outside.
+    for (std::uint32_t& word : words_[t]) word &= 0xffffU;  // The tile is free of all edges, but it may be outside.
   }
   parts_ = {kPartsPerAxis, kPartsPerAxis, kPartsPerAxis};
   divide(cell, list, {0, 0, 0}, parts_, 0, 0);
@@ -358,8 +359,8 @@ int CellExpander::choose(const Index& low, const Index& high, std::size_t first,
   return certain;
 }
 
-// divide_slice() for cubes. chosen_[first_chosen …) may be undecided in the parts, `certain` more tiles than in the
-// cell are certain there.
+// Does what divide_slice() does, for cubes. chosen_[first_chosen …) may be undecided in the parts; `certain` more
+// tiles than in the cell are certain there.
 void CellExpander::divide(const Cell& cell, const CellList& list, const Index& low, const Index& high,
                           std::size_t first_chosen, int certain) {
   const MotionBox whole = part_box(cell.box, parts_, low, high);
@@ -382,7 +383,7 @@ void CellExpander::divide(const Cell& cell, const CellList& list, const Index& l
   chosen_.resize(last_chosen);
 }
 
-// The top of the stack as a list of its own.
+// Copies the top of the stack into a list of its own.
 std::shared_ptr<const CellList> CellExpander::chosen_list(const CellList& list, std::size_t first_chosen) const {
   auto to = std::make_shared<CellList>();
   to->tiles.reserve(chosen_.size() - first_chosen);
@@ -397,7 +398,7 @@ void CellExpander::note_value(int value) {
   if (value > best_) try_motion(motion);
 }
 
-// Counted at the very motion that is returned; the filtered lists are only a shortcut.
+// The count is made at the very motion that is returned; the filtered lists are only a shortcut.
 void CellExpander::try_motion(const Motion& motion) {
   const int counted = evaluator_.count(motion, demand_.inset_mm - demand_.tolerance_mm);
   if (counted == best_) result_->as_good.push_back(motion);
@@ -408,8 +409,8 @@ void CellExpander::try_motion(const Motion& motion) {
   result_->as_good.clear();
 }
 
-// Half the tolerance is for the search to find: what holds with that leaves a box of motions that count, and the middle
-// of a small cell lies in it. With none it would be luck that a single motion is met.
+// The search may use half the tolerance: a tile that holds with it leaves a box of motions that count, and the middle
+// of a small cell lies in that box. Without it, only luck would hit a single motion.
 void CellExpander::set_frame(const MotionBox& box) {
   const double spare = demand_.rising ? 0.0 : 0.5 * demand_.tolerance_mm;
   frame_.set(polygon_, grid_, box, demand_.inset_mm - spare, demand_.inset_mm - demand_.tolerance_mm);
@@ -424,7 +425,7 @@ void CellExpander::close(const MotionBox& box) {
   if (keep_closed_) result_->closed.push_back(box);
 }
 
-// The slabs that were cut off.
+// Closes the slabs that were cut off.
 void CellExpander::close_clipped(MotionBox whole, const MotionBox& clipped) {
   if (!keep_closed_) return;
   for (std::size_t k = 0; k < 3; ++k) {

@@ -13,43 +13,42 @@
 
 namespace triskin::geometry {
 
-/// An open node of the branch and bound: a box of motions with a bound. "Cell" means nothing else here. A slice has all
-/// translations of one lattice period.
+/// An open node of the branch and bound: a box of motions with a bound. A cell that is a slice has all translations of
+/// one lattice period.
 struct Cell {
   MotionBox box;
-  int certain = 0;                       ///< So many tiles hold in all of it, beside those of the list.
-  int bound = 0;                         ///< No motion in it has a higher value.
-  std::shared_ptr<const CellList> list;  ///< A slice has none.
+  int certain = 0;                       ///< This many tiles hold in the whole cell, in addition to those of the list.
+  int bound = 0;                         ///< No motion in the cell has a higher value.
+  std::shared_ptr<const CellList> list;  ///< A slice has no list.
   /// If positive, the list has no edges yet, and those within this distance of a tile may cut it.
   double reach_mm = 0.0;
-  /// Middle of the part that gives a slice its bound. None: not bounded yet.
+  /// The middle of the part that gives a slice its bound. Empty until the slice is bounded.
   std::optional<Motion> promising = std::nullopt;
 };
 
-/// Separation that a tile must keep: it counts for a value from inset − tolerance on, for the bound from half the
-/// tolerance less than the inset on, or, when that rises, from the inset on.
+/// States the separation that a tile must keep. It counts for a value from inset − tolerance on; for the bound from
+/// half the tolerance less than the inset on, or, if the inset rises, from the inset on.
 struct Demand {
   double inset_mm = 0.0, tolerance_mm = 0.0, resolution_mm = 0.0;
-  /// Tiles that hold with less are kept in the lists, so that the inset may be raised up to this.
+  /// Tiles that hold with less are kept in the lists, so that the inset may be raised up to this value.
   double last_inset_mm = 0.0;
-  bool rising = false;     ///< The inset is raised when more than `best` tiles hold, and `best` stays.
-  bool conflicts = false;  ///< Looking for constraints that contradict each other is worth it in long searches only.
+  bool rising = false;     ///< The inset is raised when more than `best` tiles hold, and `best` stays unchanged.
+  bool conflicts = false;  ///< Only in long searches is it worth looking for constraints that contradict each other.
 };
 
-/// Result of expanding one cell.
 struct Expansion {
   std::vector<Cell> children;
   std::vector<MotionBox> closed;  ///< Together with the children they cover the cell; they are kept only on request.
   std::vector<Motion> as_good;    ///< These motions reach `best` in the filtered lists and are not counted exactly.
-  std::vector<std::pair<int, Motion>> better;  ///< They are counted exactly, in the order of rising values.
+  std::vector<std::pair<int, Motion>> better;  ///< These motions are counted exactly and sorted by rising value.
   /// These slices may hold `best` tiles or more; each has its bound.
   std::vector<std::pair<int, MotionBox>> tied_slices;
   int best = 0;              ///< as_good refers to this value.
-  int unresolved_bound = 0;  ///< It is the bound of the parts that are too small to be split.
+  int unresolved_bound = 0;  ///< The parts that are too small to be split have this bound.
   int passes = 0;
 };
 
-/// Refines cells one after the other: bounds, clips, divides. One object a thread: it keeps its memory.
+/// Refines one cell after another: bounds, clips and divides it. Keeps its memory, so each thread needs its own object.
 class CellExpander {
  public:
   CellExpander(const PreparedPolygon& polygon, const TileGrid& grid, const EdgeGrid& edges)
@@ -61,7 +60,7 @@ class CellExpander {
         conflicts_(polygon, grid),
         grid_(grid) {}
 
-  /// Children are the parts of the cell that may hold more than `best` tiles.
+  /// The children are those parts of the cell that may hold more than `best` tiles.
   void expand(Cell cell, const Demand& demand, int best, bool keep_closed, Expansion& result);
 
  private:
@@ -110,8 +109,9 @@ class CellExpander {
   std::vector<HalfSpace> halves_;
   Lookahead lookahead_;
   std::vector<PartWord> words_;
-  std::vector<std::uint32_t> chosen_;  // Stack of lists of tiles: those undecided in the parts that are being divided.
-  std::array<int, 3> parts_{};         // Number of parts per axis.
+  // A stack of lists of tiles: those undecided in the parts that are being divided.
+  std::vector<std::uint32_t> chosen_;
+  std::array<int, 3> parts_{};
   Demand demand_;
   int best_ = 0;
   bool keep_closed_ = false;

@@ -7,7 +7,7 @@ namespace triskin::geometry {
 namespace {
 
 constexpr std::size_t kNoBlock = static_cast<std::size_t>(-1);
-constexpr double kSlack_mm = 1e-6;  // Far above the rounding of distances.
+constexpr double kSlack_mm = 1e-6;  // This is far above the rounding of distances.
 
 }  // namespace
 
@@ -27,8 +27,8 @@ const PairBlock& CellFilter::block_of(const CellFrame& frame, const CellList& fr
   return block_;
 }
 
-// The possible directions of a pair with those of their constraints that may fail. One that cannot fail at all: no
-// restriction.
+// Collects the possible directions of a pair with those of their constraints that may fail. A direction that cannot
+// fail removes the restriction.
 void CellFilter::collect(const CellFrame& f, double sign, std::uint32_t edge, std::size_t lane,
                          std::vector<HalfSpace>& halves) const {
   const std::size_t first = halves.size(), corners = static_cast<std::size_t>(grid_.corners);
@@ -36,7 +36,7 @@ void CellFilter::collect(const CellFrame& f, double sign, std::uint32_t edge, st
   for (std::size_t d = 0; d < 2 + corners; ++d) {
     if (!(block_.room[d][lane] >= 0.0)) continue;
     const bool line = d < 2;
-    const double turn = d == 0 ? -1.0 : 1.0;  // Sign of the normal, and for direction 1 of the values.
+    const double turn = d == 0 ? -1.0 : 1.0;  // Gives the sign of the normal, and for direction 1 of the values.
     const Vec2 gradient =
         line ? Vec2(turn * f.normal_x[edge], turn * f.normal_y[edge]) : Vec2(sign * grid_.normal[d - 2]);
     const double slide = std::abs(gradient.x()) * f.half[0] + std::abs(gradient.y()) * f.half[1];
@@ -62,8 +62,8 @@ CellFilter::Fate CellFilter::evaluate_tile(const CellFrame& f, const CellList& f
   const std::size_t end = tile.first + tile.count, kept_first = kept.pairs.size();
   const auto kept_tile = static_cast<std::uint32_t>(kept.tiles.size());
   const double sure = f.certain_mm + f.pad_mm;
-  // A tile that holds somewhere in the cell has its centre at least this far from every edge: where the centre moves
-  // less against the polygon, inside at the middle is inside wherever the tile holds.
+  // A tile that holds somewhere in the cell has its centre at least this far from every edge. If the centre moves less
+  // than that against the polygon, a tile that is inside at the middle is inside wherever it holds.
   if (!tile.inside && f.reach_mm < grid_.inradius_mm + std::min(f.inset_mm, 0.0) - kSlack_mm) {
     if (!center_inside(f, tile.center)) return Fate::kDead;
     tile.inside = true;

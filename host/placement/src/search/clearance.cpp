@@ -14,7 +14,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kMaxStarts = 6;
 constexpr double kStartsMayStandOver_mm = 1e-2;
 
-// Precision of the answer.
+// Returns the clearance plus the precision of the answer.
 double more(double clearance) {
   return std::max(5e-3, 0.02 * std::abs(clearance));
 }

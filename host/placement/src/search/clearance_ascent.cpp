@@ -41,8 +41,8 @@ std::vector<Motion> ClearanceAscent::max_promising(const std::vector<Motion>& mo
   return best;
 }
 
-// Those that hold with the inset; when there are more than needed, those with the most room. Returns the least
-// separation.
+// Chooses the tiles that hold with the inset; if there are more than needed, those with the most room. Returns the
+// least separation.
 double ClearanceAscent::choose_tiles(const Motion& motion, double inset_mm) {
   const std::vector<Tile> found = evaluator_.tiles(motion, inset_mm);
   if (found.size() < modules_) return -grid_.inradius_mm;
@@ -91,7 +91,7 @@ double ClearanceAscent::min_separation(const Motion& motion, bool collect) {
   return least;
 }
 
-// The constraints of the direction with the most room: inset − gradient·move ≤ level.
+// Collects the constraints of the direction with the most room: inset − gradient·move ≤ level.
 void ClearanceAscent::collect_rows(std::size_t pair, std::size_t lane) {
   if (block_.value[lane] > grid_.inradius_mm + 3.0 * kLargestRadius_mm) return;
   const auto corners = static_cast<std::size_t>(grid_.corners);
@@ -106,7 +106,7 @@ void ClearanceAscent::collect_rows(std::size_t pair, std::size_t lane) {
     const Vec2 gradient =
         d < 2 ? Vec2(-flip * Vec2(frame_.normal_x[edge], frame_.normal_y[edge])) : Vec2(sign * grid_.normal[d - 2]);
     for (std::size_t c = begin; c < end; ++c) {
-      // The angle counts as the way of the farthest vertex.
+      // The angle is measured by the path of the farthest vertex.
       program_.rows.push_back(
           {{-gradient.x(), -gradient.y(), -flip * block_.slope[c][lane] / std::max(1.0, polygon_.radius_mm), 1.0},
            flip * block_.level[c][lane]});
@@ -121,7 +121,7 @@ bool ClearanceAscent::step(double radius_mm, std::array<double, 4>& move) {
     return std::tie(a.limit, a.weight) < std::tie(b.limit, b.weight);
   });
   const double r = radius_mm, high = grid_.inradius_mm;
-  // What stays behind the first row by more than the step can change never binds.
+  // A row that lies behind the first one by more than the step can change never binds.
   const double limit = rows.empty() ? high : rows.front().limit + 6.0 * r + 1.0;
   while (!rows.empty() && rows.back().limit > limit) rows.pop_back();
   return maximize<4>({0.0, 0.0, 0.0, 1.0}, {-r, -r, -r, -high - 4.0 * r - 10.0}, {r, r, r, high}, program_, move);
@@ -149,7 +149,7 @@ double ClearanceAscent::climb(Motion& motion, double inset_mm) {
   return counted(motion, reached, inset_mm);
 }
 
-// The largest inset that Evaluator confirms: its count is the definition.
+// Returns the largest inset that Evaluator confirms, because its count is the definition.
 double ClearanceAscent::counted(const Motion& motion, double reached, double least) {
   const auto holds = [&](double inset) { return evaluator_.count(motion, inset) >= static_cast<int>(modules_); };
   for (const double inset : {reached, reached - 1e-9, reached - 1e-6}) {

@@ -7,7 +7,8 @@
 
 namespace triskin::geometry {
 
-/// Moves a placement of `modules` tiles to where they have the most room. One object a thread: it keeps its memory.
+/// Moves a placement of `modules` tiles to where they have the most room. Keeps its memory, so each thread needs its
+/// own object.
 class ClearanceAscent {
  public:
   ClearanceAscent(const PreparedPolygon& polygon, const TileGrid& grid, int modules);
@@ -16,9 +17,9 @@ class ClearanceAscent {
   /// together.
   std::vector<Motion> max_promising(const std::vector<Motion>& motions, std::size_t n, double min_mm);
 
-  /// The inset at which `modules` tiles hold at `motion`, after it was moved to a local maximum of that; −inradius
-  /// when fewer hold with `inset_mm`. Linear programs in trust regions: each step widens the narrowest places of the
-  /// tiles that hold.
+  /// Moves `motion` to a local maximum of the inset at which `modules` tiles hold, and returns that inset; −inradius
+  /// when fewer hold with `inset_mm`. Solves linear programs in trust regions: each step widens the narrowest places of
+  /// the tiles that hold.
   double climb(Motion& motion, double inset_mm);
 
  private:
@@ -35,7 +36,7 @@ class ClearanceAscent {
   EdgeGrid edges_;
   std::size_t modules_;
   std::vector<OpenTile> tiles_;
-  std::vector<double> separation_;  // Separation of each tile.
+  std::vector<double> separation_;
   std::vector<Pair> pairs_;
   CellFrame frame_;
   PairBlock block_;

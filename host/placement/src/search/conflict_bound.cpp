@@ -58,7 +58,7 @@ void ConflictBound::collect(const CellFrame& frame, const CellList& list) {
   }
 }
 
-// What a tile needs whichever of the possible directions separates it from the edge.
+// Adds what a tile needs whichever of the possible directions separates it from the edge.
 void ConflictBound::collect_pair(const CellFrame& frame, const OpenTile& tile, const Pair& pair, std::size_t lane) {
   const auto corners = static_cast<std::size_t>(grid_.corners);
   const bool left = block_.room[0][lane] >= 0.0, right = block_.room[1][lane] >= 0.0;
@@ -83,9 +83,9 @@ void ConflictBound::collect_pair(const CellFrame& frame, const OpenTile& tile, c
   }
 }
 
-// The edge lies beyond a side that faces it, or the tile left of its line. Either way a point of the tile whose foot is
-// on the edge lies left of the line: with normal m, and the edge at least c beyond the side with normal n, by
-// c / -(n.m), since n.(foot - point) >= c and foot - point = -(height of the point) m.
+// The edge lies beyond a side that faces it, or the tile lies left of its line. Either way a point of the tile whose
+// foot is on the edge lies left of the line: with normal m, and the edge at least c beyond the side with normal n, by c
+// / -(n.m), since n.(foot - point) >= c and foot - point = -(height of the point) m.
 void ConflictBound::add_points_over_edge(const CellFrame& frame, const OpenTile& tile, const Pair& pair,
                                          double min_mm) {
   const std::size_t next = polygon_.next[pair.edge];
@@ -113,7 +113,7 @@ void ConflictBound::add_points_over_edge(const CellFrame& frame, const OpenTile&
   }
 }
 
-// A point of the tile at least `min_mm` left (turn 1) or right (−1) of the edge's line.
+// Requires a point of the tile at least `min_mm` left (turn 1) or right (−1) of the edge's line.
 void ConflictBound::add_line(const CellFrame& frame, const Pair& pair, double turn, const Vec2& point, double min_mm) {
   const Vec2 normal(turn * frame.normal_x[pair.edge], turn * frame.normal_y[pair.edge]),
       from(point.x() - frame.center[0], point.y() - frame.center[1]), arm = from - pivot_;
@@ -122,8 +122,8 @@ void ConflictBound::add_line(const CellFrame& frame, const Pair& pair, double tu
         -normal.dot(quarter_turn(arm)), std::max(0.0, -normal.dot(arm)) * curve_});
 }
 
-// Both ends of the edge beyond a side of the tile. Linear in the translation itself, which is w where all normals of a
-// sum are of this kind and cancel; a sum of both kinds is not formed.
+// Requires both ends of the edge beyond a side of the tile. The constraint is linear in the translation itself, which
+// is w when all normals of a sum are of this kind and cancel; a sum of both kinds is not formed.
 void ConflictBound::add_side(const CellFrame& frame, const OpenTile& tile, const Pair& pair, std::size_t side) {
   const Vec2 normal = (tile.tile.up ? 1.0 : -1.0) * grid_.normal[side],
              from(tile.center.x() - frame.center[0], tile.center.y() - frame.center[1]);
@@ -144,7 +144,7 @@ bool ConflictBound::opposed(const Row& a, const Row& b) {
   return a.by_side == b.by_side && a.edge != b.edge && a.normal.dot(b.normal) <= kOpposed;
 }
 
-// Upper bound of the tiles that can hold together by the constraints; ends below `need`.
+// Returns an upper bound of the tiles that can hold together by the constraints; stops below `need`.
 int ConflictBound::survivors(const CellList& list, double softness, int need) {
   std::ranges::fill(dead_, 0);
   int alive = static_cast<int>(list.tiles.size());
@@ -179,7 +179,7 @@ void ConflictBound::add_pairs_of(std::size_t first, std::size_t last, double sof
   }
 }
 
-// Three constraints whose normals surround the origin.
+// Combines three constraints whose normals surround the origin.
 void ConflictBound::add_triples_of(std::size_t first, std::size_t last, double softness) {
   for (std::size_t a = first; a < last; ++a) {
     for (std::size_t b = a + 1; b < last; ++b) {
@@ -225,11 +225,11 @@ bool ConflictBound::angles_covered() {
   return !excluded_.empty() && reached >= sigma_;
 }
 
-// Tiles that cannot hold together, at edges with opposed normals.
+// Finds tiles that cannot hold together, at edges with opposed normals.
 void ConflictBound::find_conflicts(double softness) {
   conflicts_.resize(dead_.size());
   for (auto& list : conflicts_) list.clear();
-  by_edge_.clear();  // Holds the first rows of a tile at each edge.
+  by_edge_.clear();  // For each edge, the first rows of each tile.
   for (std::uint32_t k = 0; k < rows_.size(); ++k) {
     const bool continued = k > 0 && rows_[k - 1].tile == rows_[k].tile && rows_[k - 1].edge == rows_[k].edge;
     if (!continued && dead_[rows_[k].tile] == 0) by_edge_.push_back(k);
@@ -263,8 +263,8 @@ bool ConflictBound::exclude_each_other(std::size_t a, std::size_t a_end, std::si
   return angles_covered();
 }
 
-// Number of disjoint pairs of tiles that exclude each other: each such pair holds one tile at most. Largest in the
-// bipartite graph that is left after dropping conflicts inside a side.
+// Returns the number of disjoint pairs of tiles that exclude each other: each such pair holds one tile at most. It is
+// the largest in the bipartite graph that remains after dropping conflicts inside a side.
 int ConflictBound::matching(std::size_t tiles) {
   side_.assign(tiles, -1);
   mate_.assign(tiles, -1);

@@ -8,14 +8,13 @@
 
 namespace triskin::geometry {
 
-/// Bound of a cell from constraints that contradict each other, although each of them alone can hold: a tile between
-/// two parallel edges that are a hair too close, or two tiles of which one needs the lower and the other the upper
-/// edge.
+/// Bounds a cell by constraints that contradict each other, although each of them alone can hold: a tile between two
+/// parallel edges that are slightly too close, or two tiles of which one needs the lower and the other the upper edge.
 ///
 /// With w = R(-phi) * (t - centre) and sigma = sin(phi), phi the turn from the centre of the cell, a constraint between
-/// a point of a tile and the line of an edge is linear in w and sigma but for 1 - cos(phi). Where the normals of two or
-/// three constraints cancel, their weighted sum depends on the angle alone, whatever the translations of the cell: no
-/// box needs to be small along the free direction. One object per thread: it keeps its memory.
+/// a point of a tile and the line of an edge is linear in w and sigma but for 1 - cos(phi). If the normals of two or
+/// three constraints cancel, their weighted sum depends on the angle alone, whatever the translations of the cell, so
+/// no box needs to be small along the free direction. Keeps its memory, so each thread needs its own object.
 class ConflictBound {
  public:
   ConflictBound(const PreparedPolygon& polygon, const TileGrid& grid) : polygon_(polygon), grid_(grid) {}
@@ -25,14 +24,14 @@ class ConflictBound {
     kNarrower,  ///< They would contradict each other in a cell with a smaller range of angles.
     kClosed     ///< Fewer than `need` tiles hold anywhere in the cell.
   };
-  /// Can `need` of the tiles of `list` hold at one motion of the cell? Cost: O(pairs + pairs of tiles at opposed
-  /// edges).
+  /// Tells whether `need` of the tiles of `list` can hold at one motion of the cell. Cost: O(pairs + pairs of tiles at
+  /// opposed edges).
   Verdict judge(const CellFrame& frame, const CellList& list, int need);
-  /// One entry per tile of the last list: not 0 if the tile holds nowhere in the cell.
+  /// Returns one entry per tile of the last list: not 0 if the tile holds nowhere in the cell.
   [[nodiscard]] const std::vector<std::uint8_t>& dead() const { return dead_; }
 
  private:
-  /// level - normal.w + slope * sigma >= 0, up to `soft`, which vanishes with the range of angles.
+  /// The constraint level - normal.w + slope * sigma >= 0, up to `soft`, which vanishes with the range of angles.
   struct Row {
     std::uint32_t tile = 0, edge = 0;
     bool by_side = false;  // The point is an end of the edge, and the translation turns against the side's normal.
@@ -65,15 +64,15 @@ class ConflictBound {
   const PreparedPolygon& polygon_;
   const TileGrid& grid_;
   PairBlock block_;
-  // Mean of the tiles' centres, relative to the centre of the cell: keeps 1 - cos(phi) times its arm small.
+  // The mean of the tiles' centres, relative to the centre of the cell, keeps 1 - cos(phi) times its arm small.
   Vec2 pivot_;
-  // They are the ranges of sin φ, 1 − cos φ, the translation and w.
+  // These bound sin φ, 1 − cos φ, the translation and w.
   double sigma_ = 0.0, curve_ = 0.0, slide_ = 0.0, shift_ = 0.0;
   std::vector<Row> rows_;  // Rows of one tile are consecutive.
   std::vector<std::uint8_t> dead_;
-  std::vector<Interval> excluded_;  // Ranges of sigma.
+  std::vector<Interval> excluded_;  // These intervals of sigma are excluded.
   std::vector<std::uint32_t> by_edge_;
-  std::vector<std::vector<std::uint32_t>> conflicts_;  // Indexed by tile.
+  std::vector<std::vector<std::uint32_t>> conflicts_;  // Each tile lists the tiles with which it cannot hold.
   std::vector<std::int32_t> side_, mate_;
   std::vector<std::uint8_t> seen_;
 };

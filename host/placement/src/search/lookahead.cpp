@@ -14,7 +14,7 @@ constexpr std::size_t kRows = kPartsPerAxis;
 using Reals = float __attribute__((vector_size(4 * kLanes), may_alias));
 using Flags = std::int32_t __attribute__((vector_size(4 * kLanes), may_alias));
 
-// Middle of part k of four in half widths of the cell.
+// Returns the middle of part k of four, in half widths of the cell.
 constexpr float middle(std::size_t k) {
   return 0.25F * (2.0F * static_cast<float>(k) + 1.0F) - 1.0F;
 }
@@ -31,7 +31,7 @@ constexpr Layout kLayout = [] {
   return l;
 }();
 
-// Truth of half spaces in all rows: of a direction so far, of a pair, of a tile.
+// Tracks which half spaces hold in all rows: of a direction so far, of a pair, of a tile.
 struct Truth {
   Flags direction[kRows], pair[kRows], tile[kRows];
 };
@@ -105,7 +105,7 @@ Lookahead::Sharp sharpen(const HalfSpace& h, const PartsView& view) {
   const double x = h.x * view.half[0], y = h.y * view.half[1], theta = h.theta * view.half[2];
   const double size = std::abs(x) + std::abs(y) + std::abs(theta);
   const double level = h.level + h.x * view.shift[0] + h.y * view.shift[1] + h.theta * view.shift[2];
-  // A part's own half widths are in the level; 1e-6 is above the rounding of seven operations in single precision.
+  // The level includes a part's own half widths; 1e-6 is above the rounding of seven operations in single precision.
   const double slack = size / kPartsPerAxis + 1e-6 * (std::abs(level) + size);
   const auto sure = static_cast<float>((2.0 * slack + view.sure_mm) * (1.0 + 1e-6) + 1e-30);
   return {static_cast<float>(level + slack),

@@ -14,11 +14,11 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kRoot_mm = 8.0;  // Extent of a root cell along each axis.
+constexpr double kRoot_mm = 8.0;  // A root cell has this extent along each axis.
 constexpr double kCell_bytes = sizeof(MotionBox) + 48.0;
-constexpr double kResolution_mm = 1e-7;  // Cells near the rounding pad are not halved any more.
+constexpr double kResolution_mm = 1e-7;  // Cells near the rounding pad are not halved any further.
 
-// Tiles of a cell, certain and open; shared by its halves, which filter them again.
+// Lists the certain and open tiles of a cell. Its halves share the list and filter it again.
 struct Known {
   std::vector<OpenTile> certain;
   CellList open;
@@ -27,8 +27,8 @@ struct Known {
 struct ObjectiveCell {
   MotionBox box;
   double bound = 0.0;
-  std::int64_t number = 0;             // Among equals the last one comes first.
-  std::shared_ptr<const Known> known;  // Null for a root.
+  std::int64_t number = 0;             // Among equals the last cell comes first.
+  std::shared_ptr<const Known> known;  // A root has no list.
   bool operator<(const ObjectiveCell& other) const {
     return std::tie(bound, number) < std::tie(other.bound, other.number);
   }
@@ -87,7 +87,7 @@ class ObjectiveSearch {
     }
   }
 
-  // Both halves of a cell share it.
+  // Both halves of a cell share the list.
   static double bytes_of(const std::shared_ptr<const Known>& known) {
     if (!known) return 0.0;
     return static_cast<double>(sizeof(Known) + known->open.pairs.capacity() * sizeof(Pair) +
@@ -99,7 +99,7 @@ class ObjectiveSearch {
     open_.push({box, bound, ++pushed_, std::move(known)});
   }
 
-  // All tiles near the polygon, with the edges that can come near them in the cell.
+  // Returns all tiles near the polygon, with the edges that can come near them in the cell.
   [[nodiscard]] std::shared_ptr<const Known> root(const MotionBox& box) const {
     auto known = std::make_shared<Known>();
     const double c = std::cos(box.center(2)), s = std::sin(box.center(2)),

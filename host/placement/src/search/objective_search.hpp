@@ -9,24 +9,24 @@
 
 namespace triskin::geometry {
 
-/// Objective other than the number of tiles; it grows with every tile that is inside.
+/// An objective other than the number of tiles; it must grow with every tile that is inside.
 class Objective {
  public:
   virtual ~Objective() = default;
-  /// Value of the tiles that are inside at a motion.
+  /// Returns the value of the tiles that are inside at a motion.
   virtual double value(const Motion& motion, const std::vector<Tile>& inside) = 0;
-  /// No motion of the cell has a higher value: the certain tiles are inside, any of the open ones may be.
+  /// Returns a bound that no motion of the cell exceeds: the certain tiles are inside, any of the open ones may be.
   virtual double bound(const CellFrame& cell, const std::vector<OpenTile>& certain,
                        const std::vector<OpenTile>& open) = 0;
-  /// Number of open tiles of the last bound() that must be inside for a value over `value`.
+  /// Returns how many open tiles of the last bound() must be inside for a value over `value`.
   [[nodiscard]] virtual int needed(double value) const = 0;
-  /// A bound of at most this much over `value` counts as proved.
+  /// Returns the slack: a bound of at most this much over `value` counts as proved.
   [[nodiscard]] virtual double slack(double value) const = 0;
 };
 
 struct ObjectiveLimits {
   std::chrono::steady_clock::time_point deadline;
-  double memory_bytes = 0.0;  ///< The open cells take so much memory.
+  double memory_bytes = 0.0;  ///< The open cells may take this much memory.
 };
 
 struct ObjectiveResult {
@@ -37,10 +37,10 @@ struct ObjectiveResult {
   std::int64_t cells = 0;
 };
 
-/// Branch and bound for an Objective: like branch_and_bound(), but a cell keeps its certain tiles, not only their
-/// number; cells are filtered, contracted and halved. Slower than the count, and therefore apart from it. One thread,
-/// deterministic; `first` is a motion to begin with, `bound` what is known to be no less than the best value. Cost:
-/// some microseconds a tile and cell.
+/// Runs branch and bound for an Objective, like branch_and_bound(), but a cell keeps its certain tiles, not only their
+/// number; cells are filtered, contracted and halved. This is slower than the count, and therefore separate. One
+/// thread, deterministic; `first` is a motion to begin with, `bound` a known bound of the best value. Cost: some
+/// microseconds per tile and cell.
 [[nodiscard]] ObjectiveResult search_objective(const PreparedPolygon& polygon, const TileGrid& grid,
                                                Objective& objective, double tolerance_mm, const Motion& first,
                                                double bound, const ObjectiveLimits& limits,

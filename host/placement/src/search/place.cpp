@@ -23,7 +23,7 @@ using Clock = std::chrono::steady_clock;
 constexpr double kMaxCellText_bytes = 150.0;  // A cell is six numbers of up to 24 characters.
 constexpr double kMaxRadius_mm = 1e6;
 constexpr double kMaxTiles = 1e6;
-// Share of the inradius: what is left of a module beyond that is not worth the search.
+// Beyond this fraction of the inradius, the rest of a module is not worth the search.
 constexpr double kMaxDeficit = 0.8;
 
 Clock::time_point deadline_after(double seconds) {
@@ -70,7 +70,7 @@ void require_sane(const PlacementOptions& o) {
   require_corner_cut(o);
 }
 
-// Far from the centre, and of coordinates far from the origin, doubles are too coarse for the tolerance.
+// Far from the centre or from the origin of the coordinates, doubles are too coarse for the tolerance.
 void require_resolved(const PreparedPolygon& polygon, double tolerance_mm) {
   if (polygon.radius_mm > kMaxRadius_mm) {
     throw InputError(
@@ -92,18 +92,18 @@ void require_resolved(const PreparedPolygon& polygon, double tolerance_mm) {
   }
 }
 
-// One call of place().
+// Holds the state of one call of place().
 struct Placing {
   const PreparedPolygon& polygon;
   const TileGrid& grid;
   const PlacementOptions& options;
   const ProgressSink& progress;
   Clock::time_point start, deadline;
-  double area_mm2;  // Area of the polygon.
+  double area_mm2;
   PlacementResult result;
   Motion motion;
-  std::vector<Motion> as_good;         // Other motions that seem to hold as many tiles.
-  std::vector<MotionBox> tied_slices;  // Fewer tiles hold elsewhere.
+  std::vector<Motion> as_good;         // These motions seem to hold as many tiles.
+  std::vector<MotionBox> tied_slices;  // Outside these slices fewer tiles hold.
 
   [[nodiscard]] double memory_limit_bytes() const { return 1e6 * options.memory_limit_mb; }
 
@@ -170,7 +170,7 @@ struct Placing {
     motion = c.motion;
   }
 
-  // Deficit: the least distance by which all sides must be drawn in until one module more fits.
+  // Finds the deficit: the least distance by which all sides must be drawn in until one module more fits.
   void find_deficit(std::vector<Motion> starts) {
     const Clearance c = clearance_of(result.modules + 1, -kMaxDeficit * grid.inradius_mm, 0.0, std::nullopt,
                                      std::move(starts), nullptr);
@@ -180,7 +180,7 @@ struct Placing {
     result.deficit_placement = to_placement(polygon, c.motion);
   }
 
-  // The placement of the most tiles is where the search for another aim begins, their number a bound.
+  // The search for another objective begins at the placement of the most tiles and takes their number as a bound.
   void certify_objective() {
     std::unique_ptr<Objective> objective;
     if (options.weights)
@@ -213,14 +213,14 @@ struct Placing {
     bound_by_area();
   }
 
-  // B_u of the paper (Section IV-C), with room for rounding.
+  // Computes B_u of the paper (Section IV-C), with room for rounding.
   void bound_by_area() {
     result.upper_bound = static_cast<int>(std::floor(area_mm2 / grid.area_mm2 * (1.0 + 1e-6) + 1e-3));
     result.proved = result.modules == result.upper_bound;
   }
 
-  // Algorithm 2 with one of R1 … R7. Touching is half the tolerance, so that what stands over by two contacts passes
-  // the exact recheck.
+  // Runs Algorithm 2 with one of R1 … R7. The touching distance is half the tolerance, so that an overhang by two
+  // contacts passes the exact recheck.
   void by_paper(const Polygon& normalized) {
     const auto heuristic =
         static_cast<paper::Heuristic>(1 + static_cast<int>(options.method) - static_cast<int>(PlacementMethod::kR1));
@@ -232,7 +232,7 @@ struct Placing {
     result.evaluations = best.evaluations;
     result.pivoted = best.placement;
     if (best.placement) motion = to_motion(polygon, paper::without_pivot(normalized, *best.placement));
-    // A crack thinner than the tolerance through a node escapes the three sides: such modules do not stay.
+    // A crack thinner than the tolerance through a node escapes the three sides; this removes such modules.
     std::ranges::set_intersection(best.patch, Evaluator(polygon, grid).tiles(motion, -options.tolerance_mm),
                                   std::back_inserter(result.tiles));
     result.modules = static_cast<int>(result.tiles.size());

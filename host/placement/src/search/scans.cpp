@@ -11,7 +11,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kDescents = 40;  // Random starts of PlacementMethod::kDescent.
+constexpr int kDescents = 40;  // PlacementMethod::kDescent makes this many random starts.
 
 class Scan {
  public:
@@ -28,7 +28,7 @@ class Scan {
     }
   }
 
-  // The best of the six axis steps while it is no worse, halving the step.
+  // Takes the best of the six axis steps while it is no worse, halving the step.
   void descend(Motion at) {
     int value = try_motion(at);
     for (double step = 4.0; step > 0.05; step *= 0.5) {

@@ -5,7 +5,8 @@
 
 namespace triskin {
 
-/// Bytes as text of A-Z, a-z, 0–9, + and /, four characters for three bytes, filled up with = (RFC 4648, section 4).
+/// Encodes bytes as text of A-Z, a-z, 0–9, + and /, four characters for three bytes, padded with = (RFC 4648, section
+/// 4).
 [[nodiscard]] std::string base64(std::string_view bytes);
 
 }  // namespace triskin

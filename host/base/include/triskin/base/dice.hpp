@@ -5,18 +5,18 @@
 
 namespace triskin {
 
-/// Random numbers of the solvers: equal for a seed on every compiler and machine (the distributions of the standard
-/// library are not). One object a thread.
+/// Draws the random numbers of the solvers: a seed gives the same sequence on every compiler and machine (the
+/// distributions of the standard library do not). Each thread needs its own object.
 class Dice {
  public:
-  /// Any seed; equal seeds give equal sequences.
+  /// Any seed is allowed; equal seeds give equal sequences.
   explicit Dice(std::uint64_t seed) : engine_(seed) {}
-  /// Uniform in 0 … n − 1 as the remainder of a draw; n ≥ 1. Routing and random patches draw this way.
+  /// Draws uniformly from 0 … n − 1 as the remainder of a draw; n ≥ 1. Routing and random patches draw this way.
   [[nodiscard]] int below(int n) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(n)); }
-  /// Uniform in [0, 1), in steps of 2⁻⁵³.
+  /// Draws uniformly from [0, 1), in steps of 2⁻⁵³.
   [[nodiscard]] double unit() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
-  /// Uniform in 0 … n - 1 as ⌊n * unit()⌋; n >= 1. The lattice on the surface draws this way. A seed stands for a
-  /// design, so neither way may replace the other.
+  /// Draws uniformly from 0 … n - 1 as ⌊n * unit()⌋; n >= 1. The lattice on the surface draws this way. A seed
+  /// stands for a design, so neither way may replace the other.
   [[nodiscard]] int scaled_below(int n) { return static_cast<int>(unit() * n); }
 
  private:

@@ -5,21 +5,21 @@
 
 namespace triskin {
 
-/// Error that ends a command. The message names the thing, the place and the remedy.
+/// Ends a command. The message names the thing, the place and the remedy.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
-  /// Process exit status of the command line: 2 unusable input, 3 device or link.
+  /// Returns the exit status of the command line: 2 for unusable input, 3 for a device or link.
   [[nodiscard]] virtual int exit_status() const { return 2; }
 };
 
-/// Unusable arguments or input: file, line or place, and what to do. Nothing was written.
+/// Reports unusable arguments or input: file, line or place, and what to do. No output was written.
 class InputError : public Error {
  public:
   using Error::Error;
 };
 
-/// A device or a link failed: device, operation, address and cause.
+/// Reports that a device or a link failed: device, operation, address and cause.
 class DeviceError : public Error {
  public:
   using Error::Error;

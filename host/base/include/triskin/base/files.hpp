@@ -6,24 +6,24 @@
 
 namespace triskin {
 
-/// Whole file as bytes; "-" is standard input. Throws InputError naming the file when it cannot be read.
+/// Reads a whole file as bytes; "-" is standard input. Throws InputError naming the file when it cannot be read.
 [[nodiscard]] std::string read_file(const std::filesystem::path& path);
 
 /// Writes `bytes` so that `path` appears whole or not at all (temporary file in the same folder, fsync,
 /// rename). Throws InputError naming the file and the cause; then the old file, if any, is unchanged.
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes);
 
-/// Writes what a user asked for with -o, as the tools of coreutils would: "-" is standard output; a symbolic link is
-/// followed, also one whose file does not exist yet, and the file that it names appears whole or not at all, with the
-/// permissions that it had; into a device or pipe the bytes are written.
-/// Throws InputError naming the file and the cause, also for a folder.
+/// Writes an output that a user asked for with -o, as the tools of coreutils would: "-" is standard output; a symbolic
+/// link is followed, also one whose file does not exist yet, and the file that it names appears whole or not at all,
+/// with its old permissions; into a device or pipe the bytes are written. Throws InputError naming the file and the
+/// cause, also for a folder.
 void write_output(const std::filesystem::path& path, std::string_view bytes);
 
-/// The same for text that is made part by part. Without commit() a file is as it was before; what went to standard
-/// output, a device or a pipe stays there. One thread.
+/// Does the same for text that is made part by part. Without commit() a file stays as it was before, but output to
+/// standard output, a device or a pipe cannot be undone. One thread.
 class OutputFile {
  public:
-  /// Throws as write_output().
+  /// Throws as write_output() does.
   explicit OutputFile(const std::filesystem::path& path);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
@@ -40,10 +40,11 @@ class OutputFile {
   int fd_ = -1;
 };
 
-/// Throws InputError where write_output() could not write: before long work, not behind it. Leaves nothing behind.
+/// Throws InputError if write_output() could not write, so that a command fails before its long work and not after.
+/// Leaves no file behind.
 void require_writable(const std::filesystem::path& path);
 
-/// Folder for what the program keeps on this computer between two runs: $XDG_STATE_HOME/triskin, else
+/// Returns the folder for data that the program keeps on this computer between two runs: $XDG_STATE_HOME/triskin, else
 /// ~/.local/state/triskin, else triskin-<user number> in the temporary folder. Creates the folder above it if missing.
 [[nodiscard]] std::filesystem::path state_home();
 

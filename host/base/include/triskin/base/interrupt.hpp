@@ -7,7 +7,8 @@
 
 namespace triskin {
 
-/// A person ended the command (Ctrl-C). The work under way ended in a safe state; the message says what was done.
+/// Reports that a person ended the command (Ctrl-C). The work under way ended in a safe state; the message says what
+/// was done.
 class Cancelled : public Error {
  public:
   using Error::Error;
@@ -16,10 +17,10 @@ class Cancelled : public Error {
 
 /// Makes the first SIGINT, SIGTERM or SIGHUP only set interrupt_request(); a second one then ends the process at once.
 void catch_interrupts();
-/// Number of the signal that was caught; 0: none. Lock-free.
+/// Returns the number of the signal that was caught; 0 means none. Lock-free.
 [[nodiscard]] int interrupt_signal();
-/// True when the process was asked to end. Long work reads it at points where it can stop safely. Lock-free; tests may
-/// set it.
+/// Becomes true when the process was asked to end. Long work reads it at points where it can stop safely. Lock-free;
+/// tests may set it.
 [[nodiscard]] std::atomic<bool>& interrupt_request();
 
 }  // namespace triskin

@@ -5,7 +5,7 @@
 
 namespace triskin {
 
-/// Message of a JSON parser for a person: the message of an exception without the name and number of its class
+/// Shortens the message of a JSON parser for a person by removing the name and number of the exception's class
 /// ("[json.exception.parse_error.101] parse error at line 1, column 5: …" becomes "line 1, column 5: …").
 [[nodiscard]] inline std::string json_cause(std::string_view what) {
   if (what.starts_with("[json.exception")) {

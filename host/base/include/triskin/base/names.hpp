@@ -9,28 +9,28 @@
 
 namespace triskin {
 
-/// The one table that gives each value of an enumeration the name under which files, reports and options know it.
+/// The single table that gives each value of an enumeration its name in files, reports and options.
 template <class Enum, std::size_t kCount>
 class NameTable {
  public:
-  /// One row a value; names and values must each be unique.
+  /// Takes one row per value; names and values must each be unique.
   constexpr explicit NameTable(std::array<std::pair<Enum, std::string_view>, kCount> rows) : rows_(rows) {}
 
-  /// Name of a value; empty when the table lacks it. Cost: one comparison a row.
+  /// Returns the name of a value; empty when the table lacks it. Cost: one comparison per row.
   [[nodiscard]] constexpr std::string_view name(Enum value) const {
     for (const auto& [v, n] : rows_) {
       if (v == value) return n;
     }
     return {};
   }
-  /// Value of a name, upper and lower case as in the table; nullopt when it is unknown.
+  /// Returns the value of a name, upper and lower case as in the table; nullopt when it is unknown.
   [[nodiscard]] constexpr std::optional<Enum> value(std::string_view name) const {
     for (const auto& [v, n] : rows_) {
       if (n == name) return v;
     }
     return std::nullopt;
   }
-  /// All names for a message: "a, b or c".
+  /// Lists all names for a message: "a, b or c".
   [[nodiscard]] std::string list() const {
     std::string text;
     for (std::size_t k = 0; k < kCount; ++k) {
@@ -39,7 +39,7 @@ class NameTable {
     }
     return text;
   }
-  /// All rows in the order of the table: value, name.
+  /// Returns all rows (value, name) in the order of the table.
   [[nodiscard]] constexpr const auto& rows() const { return rows_; }
 
  private:

@@ -7,19 +7,19 @@ namespace triskin {
 
 /// A file under another name beside the one that it will replace.
 struct TemporaryFile {
-  int fd = -1;       ///< open for reading and writing; -1: it could not be made, and errno says why
-  std::string path;  ///< path in the folder of the target, with a short name of its own
+  int fd = -1;  ///< The file is open for reading and writing; -1 means that it could not be made, and errno tells why.
+  std::string path;  ///< The path is in the folder of the target, with a short name of its own.
 };
 
-/// Creates the temporary file of `target` with the permissions that the target has, or, where there is none, with those
-/// that the umask leaves of rw-rw-rw-.
+/// Creates the temporary file of `target` with the permissions of the target or, if there is none, with those that the
+/// umask leaves of rw-rw-rw-.
 [[nodiscard]] TemporaryFile create_beside(const std::filesystem::path& target);
 
-/// The file that a path names in the end: symbolic links are followed, also one whose file does not exist yet.
+/// Returns the file that a path finally names: symbolic links are followed, also one whose file does not exist yet.
 [[nodiscard]] std::filesystem::path target_of(const std::filesystem::path& path);
 
-/// Brings the entry of a file in its folder to the disk, so that a rename outlives a loss of power. A file system that
-/// cannot is taken as it is. Cost: waits for the disk.
+/// Flushes the directory entry of a file to the disk, so that a rename survives a loss of power. Ignores a file system
+/// that cannot do this. Cost: waits for the disk.
 void sync_folder_of(const std::filesystem::path& path);
 
 }  // namespace triskin

@@ -10,16 +10,17 @@ namespace triskin {
 /// Threads: any.
 bool sleep_until(std::chrono::steady_clock::time_point end);
 
-/// Holds a link back to real time whose own time runs faster, as that of a simulation in this process does. A link that
-/// falls behind by more than 0.2 s, or a process that was stopped, does not catch up: the difference is taken as it is.
-/// Paces by the monotonic clock; the wall clock gives labels only. Threads: one.
+/// Slows a link whose own time runs faster down to real time, as for a simulation in this process. A link that falls
+/// behind by more than 0.2 s, or a process that was stopped, does not catch up: the delay is accepted. Paces by the
+/// monotonic clock; the wall clock gives labels only. Threads: one.
 class Pace {
  public:
-  /// `link_us`: time of the link now, µs.
+  /// `link_us` is the present time of the link, µs.
   explicit Pace(std::uint64_t link_us);
   /// Waits until as much time has passed here as on the link; a request to end the process ends the wait.
   void hold(std::uint64_t link_us);
-  /// Wall-clock label of a time of the link, µs since 1970. A step of the wall clock shows from the next hold() on.
+  /// Converts a time of the link to a wall-clock label, µs since 1970. A step of the wall clock shows from the next
+  /// hold() on.
   [[nodiscard]] std::int64_t unix_us(std::uint64_t link_us) const {
     return unix_minus_link_us_ + static_cast<std::int64_t>(link_us);
   }

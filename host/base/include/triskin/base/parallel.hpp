@@ -10,15 +10,14 @@
 
 namespace triskin {
 
-/// Threads that this computer runs side by side, ≥ 1.
+/// Returns how many threads this computer runs side by side, ≥ 1.
 [[nodiscard]] inline int all_threads() {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
 /// Calls `work(k)` for k = 0 … count - 1, in no order, on `threads` threads (≥ 1), the caller's among them; returns
-/// when all have returned. What a call throws is thrown again, the first of them, and no further call begins. `work`
-/// must be safe to call from several threads at once. Cost: a thread is started for each but the caller's, where there
-/// is work.
+/// when all have returned. The first exception of a call is thrown again, and no further call begins. `work` must be
+/// safe to call from several threads at once. Cost: starts a thread for each but the caller's, if there is work for it.
 void in_parallel(int threads, std::size_t count, const auto& work) {
   std::atomic<std::size_t> next{0};
   std::mutex mutex;

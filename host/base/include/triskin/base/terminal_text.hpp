@@ -5,13 +5,13 @@
 
 namespace triskin {
 
-/// `text` as it may go to a terminal: control characters other than line feed and tabulator, those of Unicode that
+/// Makes `text` safe for a terminal: control characters other than line feed and tabulator, those of Unicode that
 /// change the direction of text, and bytes that are no UTF-8 become visible as \x1B or \u202E. A name in a file can
 /// thus not move the cursor, change colours, set the title or hide what was printed. Cost: linear. Threads: any.
 [[nodiscard]] std::string for_terminal(std::string_view text);
 
-/// Code point of the UTF-8 character at `text[at]` and its bytes; 0 bytes: what stands there is no UTF-8 (also overlong
-/// forms, surrogates). Constant cost.
+/// Gives the code point of the UTF-8 character at `text[at]` and its number of bytes; 0 bytes mean that there is no
+/// UTF-8 (also overlong forms, surrogates). Constant cost.
 struct Utf8Character {
   char32_t code = 0;
   std::size_t bytes = 0;

@@ -10,10 +10,10 @@
 #include "triskin/base/names.hpp"
 #include "triskin/design/mesh.hpp"
 
-/// Parts as mechanical designers hand them over: bodies of exact faces in STEP or IGES files (docs/cad.md).
+/// Reads parts as mechanical designers deliver them: bodies of exact faces in STEP or IGES files (docs/cad.md).
 namespace triskin::cad {
 
-/// Kind of the exact surface under a face.
+/// Tells which kind of exact surface lies under a face.
 enum class SurfaceKind : std::uint8_t {
   kPlane,
   kCylinder,
@@ -26,7 +26,7 @@ enum class SurfaceKind : std::uint8_t {
   kOffset,
   kOther,
 };
-/// Names in output and options.
+/// Output and options use these names.
 inline constexpr NameTable kSurfaceKindNames{
     std::array<std::pair<SurfaceKind, std::string_view>, 10>{{{SurfaceKind::kPlane, "plane"},
                                                               {SurfaceKind::kCylinder, "cylinder"},
@@ -39,64 +39,65 @@ inline constexpr NameTable kSurfaceKindNames{
                                                               {SurfaceKind::kOffset, "offset"},
                                                               {SurfaceKind::kOther, "other"}}}};
 
-/// Side of the wall on which a face lies.
+/// Tells on which side of the wall a face lies.
 enum class FaceSide : std::uint8_t {
-  kOutward,    ///< Most of what is in front of it is free, or it is the outer sheet of a thin wall.
-  kInward,     ///< It looks at the part itself, or is the inner sheet of a thin wall.
+  kOutward,    ///< Most of the space in front of it is free, or it is the outer sheet of a thin wall.
+  kInward,     ///< It faces the part itself, or is the inner sheet of a thin wall.
   kUndecided,  ///< Both sheets of its wall look alike.
 };
-/// Names in output.
+/// Output uses these names.
 inline constexpr NameTable kFaceSideNames{std::array<std::pair<FaceSide, std::string_view>, 3>{
     {{FaceSide::kOutward, "outward"}, {FaceSide::kInward, "inward"}, {FaceSide::kUndecided, "undecided"}}}};
 
-/// One face of a body. Its index is its place in Part::faces.
+/// The index of a face is its place in Part::faces.
 struct Face {
-  std::string name;    ///< It is UTF-8 as the file has it, may hold any character and is often empty.
-  std::string colour;  ///< It is the "#rrggbb" of the face, else of its body, and empty without a colour.
-  std::string entity;  ///< It is "#17" of a STEP file or "D17" of an IGES file, and empty when unknown.
+  std::string name;    ///< The UTF-8 name from the file may contain any character and is often empty.
+  std::string colour;  ///< The colour "#rrggbb" of the face, or else of its body; empty without a colour.
+  std::string entity;  ///< The entity is "#17" of a STEP file or "D17" of an IGES file; empty when unknown.
   SurfaceKind kind = SurfaceKind::kOther;
   FaceSide side = FaceSide::kUndecided;
-  int body = 0;            ///< It indexes Part::bodies.
-  double area_mm2 = 0.0;   ///< It is the area of the exact face.
-  double radius_mm = 0.0;  ///< It belongs to a cylinder, a sphere or the tube of a torus, and is 0 for other kinds.
-  /// Diameter of the round hole that this face bounds (cylinder or cone all round, seen from its hollow side); 0: none.
+  int body = 0;            ///< The index refers to Part::bodies.
+  double area_mm2 = 0.0;   ///< The area is that of the exact face, not of its triangles.
+  double radius_mm = 0.0;  ///< Cylinders, spheres and the tubes of tori have a radius; other kinds have 0.
+  /// Diameter of the round hole that this face bounds (cylinder or cone all round, seen from its hollow side); 0 if it
+  /// bounds none.
   double hole_diameter_mm = 0.0;
-  design::Vec3 place_mm{0, 0, 0};  ///< It is a point of the face's mesh near its middle.
-  design::Vec3 normal{0, 0, 0};    ///< It is the mean outward normal of unit length, and zero for a closed face.
-  double deviation_mm = 0.0;       ///< It is the largest distance found between its triangles and the exact surface.
-  std::string fault;               ///< It says why the face's mesh is not to be trusted and is empty if it is sound.
+  design::Vec3 place_mm{0, 0, 0};  ///< This point of the face's mesh lies near its middle.
+  design::Vec3 normal{0, 0, 0};    ///< The mean outward normal has unit length, and is zero for a closed face.
+  double deviation_mm = 0.0;       ///< The largest distance found between its triangles and the exact surface.
+  std::string fault;               ///< The reason why the mesh of the face cannot be trusted; empty if it is sound.
 };
 
-/// A solid, or faces that hang together without closing. Its faces follow each other in Part::faces.
+/// A solid, or connected faces that do not close. Its faces are consecutive in Part::faces.
 struct Body {
-  std::string name{};  ///< It is the name of the product in the file.
-  std::string path{};  ///< The names of the assemblies that hold it and its own name are joined by '/'.
+  std::string name{};  ///< The file calls the product by this name.
+  std::string path{};  ///< The path joins the names of the assemblies that contain the body and its own name by '/'.
   std::string colour{};
   bool is_solid = false;
   int first_face = 0, face_count = 0;
-  int free_edges = 0;  ///< They are edges of one face in the file, the border of an open surface.
-  /// They are sides of triangles without a neighbour that lie on no free edge: leaks of the mesh.
+  int free_edges = 0;  ///< In the file these edges have a single face: they are the border of an open surface.
+  /// These sides of triangles have no neighbour but lie on no free edge: they are leaks of the mesh.
   int open_edges = 0;
   double area_mm2 = 0.0;
 };
 
-/// What a CAD file holds, and its mesh.
+/// The content of a CAD file, and its mesh.
 struct Part {
-  std::string format;        ///< It is "STEP AP214" and the like, or "IGES".
-  std::string unit;          ///< It is the name in the file ("millimetre"), and empty if the file has none.
-  double unit_mm = 1.0;      ///< One unit of the file's numbers was taken as this length.
-  bool unit_given = false;   ///< The caller gave the unit.
-  std::vector<Body> bodies;  ///< They stand in the order of the file.
+  std::string format;        ///< Examples are "STEP AP214" and "IGES".
+  std::string unit;          ///< The file calls its unit so ("millimetre"); empty if it has none.
+  double unit_mm = 1.0;      ///< One unit of the file's numbers was read as this length.
+  bool unit_given = false;   ///< True means that the caller gave the unit.
+  std::vector<Body> bodies;  ///< Bodies keep the order of the file.
   std::vector<Face> faces;
-  design::Mesh mesh;  ///< It is in mm; corners are shared along the edges of one body, never between bodies.
+  design::Mesh mesh;  ///< Lengths are in mm; corners are shared along the edges of one body, never between bodies.
   std::vector<int> face_of_triangle;  ///< Each face of `mesh` has its index in `faces`.
-  double deviation_mm = 0.0;          ///< It is the largest of the faces.
-  std::vector<std::string> warnings;  ///< Each is one sentence, and nothing is missing because of it.
-  /// Each is one sentence about something of the file that is missing in `mesh` or wrong.
+  double deviation_mm = 0.0;          ///< No face of the mesh deviates more than this from its exact surface.
+  std::vector<std::string> warnings;  ///< Each warning is one sentence; nothing is missing because of it.
+  /// Each fault is one sentence about something of the file that is missing in `mesh` or wrong.
   std::vector<std::string> faults;
 };
 
-/// Extent of the mesh along the axes, mm; zero without triangles. Cost: linear.
+/// Returns the extent of the mesh along the axes in mm; zero without triangles. Cost: linear.
 [[nodiscard]] design::Vec3 size_of(const Part& part);
 
 }  // namespace triskin::cad

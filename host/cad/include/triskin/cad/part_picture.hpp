@@ -7,8 +7,8 @@
 
 namespace triskin::cad {
 
-/// SVG of a part from in front and from behind (two isometric views): each face in a colour of its own with its index,
-/// what is not in `selected` grey; an empty list selects all. Names in it are escaped. Cost: O(n log n).
+/// Draws a part from the front and from behind as SVG (two isometric views): each face in its own colour with its
+/// index, faces outside `selected` grey; an empty list selects all. Names in it are escaped. Cost: O(n log n).
 [[nodiscard]] std::string part_svg(const Part& part, const std::vector<int>& selected = {});
 
 }  // namespace triskin::cad

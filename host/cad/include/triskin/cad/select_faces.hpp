@@ -10,35 +10,36 @@ namespace triskin::cad {
 
 /// Selects faces of a part. Values in one list are alternatives; lists that are not empty must all be met.
 struct FaceSelection {
-  std::vector<int> indices{};        ///< They index Part::faces.
-  std::vector<std::string> names{};  ///< They are whole names of faces.
+  std::vector<int> indices{};        ///< The indices refer to Part::faces.
+  std::vector<std::string> names{};  ///< Only whole names match.
   std::vector<std::string>
-      colours{};  ///< They are "#rrggbb", or red, green, blue, yellow, cyan, magenta, black, white, grey, orange.
+      colours{};  ///< A colour is "#rrggbb", or red, green, blue, yellow, cyan, magenta, black, white, grey, orange.
   std::vector<SurfaceKind> kinds{};
-  std::vector<std::string> bodies{};  ///< Each is an index, a name or a path.
+  std::vector<std::string> bodies{};  ///< A body is named by its index, name or path.
   std::optional<double> min_area_cm2{}, max_area_cm2{};
-  std::optional<design::Vec3> from_point_mm{};  ///< The face nearest to it and what continues it smoothly are chosen.
-  double smooth_deg = 20.0;                     ///< Edges that turn less are smooth, 0 … 180.
-  bool only_outward = false;                    ///< It chooses FaceSide::kOutward alone.
-  double without_holes_mm = 0.0;  ///< If positive, the walls of round holes up to this diameter are not chosen.
-  std::vector<std::string> without_bodies{};  ///< Each is an index, a name or a path.
+  /// Selects the face nearest to this point and all faces that continue it smoothly.
+  std::optional<design::Vec3> from_point_mm{};
+  double smooth_deg = 20.0;       ///< An edge is smooth if it turns less than this, 0 … 180.
+  bool only_outward = false;      ///< True selects FaceSide::kOutward only.
+  double without_holes_mm = 0.0;  ///< A positive value leaves out the walls of round holes up to this diameter.
+  std::vector<std::string> without_bodies{};  ///< A body is named by its index, name or path.
 
-  /// Nothing is asked for: every face is meant.
+  /// Returns true if no condition is set, so that every face is selected.
   [[nodiscard]] bool is_empty() const;
 };
 
-/// Indices of the faces that are meant, ascending; all of them for an empty selection. Errors: InputError for an index,
-/// a name, a colour or a body that the part has not (listing up to ten that it has), and when no face meets everything.
-/// Cost: linear; with a point O(n log n).
+/// Returns the indices of the selected faces, ascending; all of them for an empty selection. Errors: InputError for an
+/// index, a name, a colour or a body that the part lacks (listing up to ten that it has), and when no face meets all
+/// conditions. Cost: linear; with a point O(n log n).
 [[nodiscard]] std::vector<int> select_faces(const Part& part, const FaceSelection& selection);
 
-/// The selection as a JSON object of what is asked for, under the names of the members. Cost: linear.
+/// Writes the conditions that are set as a JSON object, under the names of the members. Cost: linear.
 [[nodiscard]] std::string selection_text(const FaceSelection& selection);
-/// The selection of selection_text(). Errors: InputError for text that is none.
+/// Reads the text of selection_text(). Errors: InputError for other text.
 [[nodiscard]] FaceSelection parse_selection(const std::string& text);
 
-/// Triangles of these faces alone, without vertices that none uses. Errors: std::out_of_range for an index that is not
-/// there. Cost: linear.
+/// Returns the triangles of these faces alone, without unused vertices. Errors: std::out_of_range for an index that
+/// does not exist. Cost: linear.
 [[nodiscard]] design::Mesh mesh_of_faces(const Part& part, const std::vector<int>& faces);
 
 }  // namespace triskin::cad

@@ -16,19 +16,19 @@ using P2 = Eigen::Vector2d;
 using P3 = Eigen::Vector3d;
 using Triangle3 = std::array<P3, 3>;
 
-/// The design as the checker reads it.
+/// The checker reads the design with its own code, so it shares no type with the solvers.
 struct CheckedDesign {
   struct Module {
     int island, i, j;
     bool up;
     Triangle3 corner;
     std::array<int, 3> neighbour;
-    std::array<int, 3> beside;  ///< It lists the neighbours and what a jumper leads to.
+    std::array<int, 3> beside;  ///< A side lists its neighbour, or the module to which a jumper leads.
     double edge_error, center_gap, edge_lift, edge_depth, penetration, overrun, keep_out, bend_radius;
     std::array<double, 3> hinge_gap, fold;
     int patch, line, address, rotation, parent, depth;
     std::array<P3, 12> taxel, taxel_normal;
-    std::string kind;  ///< It is empty in a file without kinds.
+    std::string kind;  ///< A file without kinds leaves this empty.
   };
   struct Piece {
     std::vector<P2> outline;
@@ -54,7 +54,7 @@ struct CheckedDesign {
     enum class Kind { kSphere, kBox, kFaces };
     std::string name;
     Kind kind;
-    P3 a, b;  ///< They are a centre, or the low and high corner.
+    P3 a, b;  ///< A sphere has its centre in `a`; a box has its low and high corner.
     double radius;
     std::vector<int> faces;
     bool cover, free;
@@ -67,21 +67,21 @@ struct CheckedDesign {
   };
   struct Limits {
     double edge_error, hinge_gap, center_gap, fold, penetration, overrun;
-    double lift, depth;  ///< They are infinite in files that do not limit the sides.
-    double jumper;       ///< It is 0 in a file without jumpers.
+    double lift, depth;  ///< Files that do not limit the sides have infinite values.
+    double jumper;       ///< A file without jumpers has 0.
   };
   std::vector<P3> vertices;
   std::vector<std::array<int, 3>> faces;
-  std::string side;  ///< This side was taken of a part with a wall; if it is empty, the file does not say.
+  std::string side;  ///< This side was taken of a part with a wall; empty if the file does not say.
   bool is_side_certain = true;
   std::vector<P3> part_vertices;
-  /// They are the faces of the whole part; if there are none, the part has only the surface.
+  /// The whole part has these faces; if there are none, the part has only the surface.
   std::vector<std::array<int, 3>> part_faces;
   Limits limits;
   int islands;
-  double corner_cut;  ///< It is in mm, and 0 where the file has none.
+  double corner_cut;  ///< The length is in mm; 0 if the file has none.
   std::vector<Module> modules;
-  std::vector<Kind> kinds;  ///< They come in addition to the standard kind.
+  std::vector<Kind> kinds;  ///< The standard kind is not listed here.
   std::vector<Jumper> jumpers;
   std::vector<Piece> pieces;
   std::vector<Region> regions;
@@ -92,7 +92,7 @@ struct CheckedDesign {
   std::uint64_t design_id;
 };
 
-/// Number of a kind by its name: 0 the standard one, k + 1 kinds[k], −1 none.
+/// Returns the number of a kind by its name: 0 the standard one, k + 1 kinds[k], −1 none.
 [[nodiscard]] int kind_number(const CheckedDesign& design, const std::string& name);
 
 [[nodiscard]] CheckedDesign read_checked_design(const std::filesystem::path& path);
@@ -110,17 +110,18 @@ class Findings {
   DesignReport& report_;
 };
 
-void check_modules(const CheckedDesign& design, Findings& findings);  ///< It checks lattice, rigidity and joints.
-/// It checks gaps, border, overlap and orientation.
+void check_modules(const CheckedDesign& design, Findings& findings);  ///< Covers lattice, rigidity and joints.
+/// Covers gaps, border, overlap and orientation.
 void check_surface(const CheckedDesign& design, Findings& findings);
-/// It checks that no module is on the inner side of a wall, or back to back with another.
+/// Finds modules on the inner side of a wall, or back to back with another.
 void check_side(const CheckedDesign& design, Findings& findings);
-void check_pieces(const CheckedDesign& design, Findings& findings);   ///< It checks nets and placements on the plane.
-void check_jumpers(const CheckedDesign& design, Findings& findings);  ///< It checks joints between islands.
-void check_patches(const CheckedDesign& design, Findings& findings);  ///< It checks the wiring.
-/// It checks what must stay free and what must be covered.
+void check_pieces(const CheckedDesign& design, Findings& findings);   ///< Covers nets and placements on the plane.
+void check_jumpers(const CheckedDesign& design, Findings& findings);  ///< Covers joints between islands.
+/// Covers members, trees and addresses of all patches, and the stated bound of their number.
+void check_patches(const CheckedDesign& design, Findings& findings);
+/// Covers regions that must stay free or must be covered.
 void check_regions(const CheckedDesign& design, Findings& findings);
-/// It checks the numbers and the id that the file states.
+/// Compares the numbers and the id that the file states.
 void check_report(const CheckedDesign& design, Findings& findings);
 
 inline constexpr double kSide = 30.0;
@@ -134,9 +135,9 @@ inline constexpr double kSide = 30.0;
   return (t[1] - t[0]).cross(t[2] - t[0]).normalized();
 }
 
-/// Grid vertex of a corner, written down from docs/design_file.md.
+/// Returns the grid vertex of a corner, written down from docs/design_file.md.
 [[nodiscard]] std::array<int, 2> corner_vertex(const CheckedDesign::Module& m, int corner);
-/// Side of the neighbour's tile that joins side s, −1 when the tiles do not share that side.
+/// Returns the side of the neighbour's tile that joins side s, −1 when the tiles do not share that side.
 [[nodiscard]] int matching_side(const CheckedDesign::Module& m, int side, const CheckedDesign::Module& other);
 
 }  // namespace triskin::check

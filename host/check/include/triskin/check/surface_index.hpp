@@ -10,19 +10,19 @@
 
 namespace triskin::check {
 
-/// An edge of the surface that has one face.
+/// An edge of the surface that has only one face.
 struct BorderEdge {
   P3 a, b;
-  P3 normal_a, normal_b;  ///< They are the unit normals of the surface at its ends.
-  P3 out;                 ///< It is a unit vector across the edge in the plane of its face, away from the face.
+  P3 normal_a, normal_b;  ///< The surface has these unit normals at the ends of the edge.
+  P3 out;                 ///< This unit vector lies in the plane of the face, across the edge and away from the face.
 };
 
-/// Closest points of the mesh of a design. Immutable; refers to the design.
+/// Finds closest points of the mesh of a design. Immutable; refers to the design.
 class SurfaceIndex {
  public:
   struct Hit {
     P3 point;
-    P3 normal;  ///< It is a unit vector, interpolated from the corners of the face.
+    P3 normal;  ///< The unit normal is interpolated from the corners of the face.
     std::size_t face;
   };
 
@@ -48,21 +48,21 @@ class SurfaceIndex {
   std::vector<BorderEdge> border_;
 };
 
-/// How far a module stands over the border, mm: the largest distance across the normal from a point of its whole area
-/// (sides, corners and inside, so holes count too) to the point of the border that is nearest to it, among the points
-/// to which no other part of the surface is nearer. By branch and bound with bounds that hold for every point of a part
-/// of the module: the value is attained, and no point exceeds it by more than kOverrunStep_mm. Cost: a few hundred
-/// closest points where the border is near, some thousand where that of other sheets runs along the surface.
+/// Returns how far a module overhangs the border, mm: the largest distance across the normal from a point of its whole
+/// area (sides, corners and inside, so holes count too) to the point of the border that is nearest to it, among the
+/// points to which no other part of the surface is nearer. By branch and bound with bounds that hold for every point of
+/// a part of the module: the value is attained, and no point exceeds it by more than kOverrunStep_mm. Cost: a few
+/// hundred closest points if the border is near, some thousand if that of other sheets runs along the surface.
 ///
-/// A point high above the surface that passes the border stands over it at once by as much as the normal, which is
-/// interpolated, leans from the face's. A module that leaves the surface by a micrometre therefore has no number that
-/// is worth stating, but two: the largest over the points that are past the border by `past_mm` = kPast_mm at least,
-/// and with -kPast_mm also over those that lack no more to be past it.
+/// A point high above the surface that passes the border overhangs it at once by as much as the interpolated normal
+/// leans from the face's. A module that leaves the surface by a micrometre therefore has no single meaningful number,
+/// but two: the largest over the points that are past the border by `past_mm` = kPast_mm at least, and with -kPast_mm
+/// also over those that lack no more to be past it.
 inline constexpr double kOverrunStep_mm = 0.002, kPast_mm = 0.02;
-/// Its recursion is bounded by construction: a module on which the bounds do not close has an infinite overrun.
+/// The recursion is bounded by construction: a module on which the bounds do not close has an infinite overrun.
 struct Overrun {
   double mm = 0.0;
-  std::size_t points = 0;  ///< So many points of the module were compared with surface and border.
+  std::size_t points = 0;  ///< This many points of the module were compared with surface and border.
 };
 [[nodiscard]] Overrun overrun_of(const Outline3& module, const SurfaceIndex& surface, double past_mm);
 

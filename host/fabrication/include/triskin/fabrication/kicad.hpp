@@ -6,25 +6,26 @@
 #include "triskin/fabrication/flat_island.hpp"
 #include "triskin/sheet/sides.hpp"
 
-/// Files of KiCad 6 (s-expressions of version 20211014). docs/fabrication.md says what is on which layer.
+/// Writes files of KiCad 6 (s-expressions of version 20211014). docs/fabrication.md says what is on which layer.
 namespace triskin::fabrication {
 
-/// The board of an island: its edge, a footprint "Triskin:Module" a module with nets, rings and joints as tracks,
-/// closed straps, pads for the cables of entries and jumpers, folds on User.1, slits on User.2, marks on User.3. Tracks
-/// between chip, taxels, straps and capacitors inside a module are not drawn. Errors: InputError for a corner cut above
-/// kMaxBoardCornerCut_mm. Cost: linear.
+/// Returns the board of an island: its edge, a footprint "Triskin:Module" per module with nets, rings and joints as
+/// tracks, closed straps, pads for the cables of entries and jumpers, folds on User.1, slits on User.2, marks on
+/// User.3. Tracks between chip, taxels, straps and capacitors inside a module are not drawn. Errors: InputError for a
+/// corner cut above kMaxBoardCornerCut_mm. Cost: linear.
 [[nodiscard]] std::string island_board(const design::Design& design, const sheet::Sides& sides,
                                        const FlatIsland& island);
 
-/// The project file beside a board, which holds the rules that it is checked by. Cost: constant.
+/// Returns the project file for a board, with the design rules by which KiCad checks it. Cost: constant.
 [[nodiscard]] std::string board_project(const std::string& file_name);
 
-/// Net list of an island as an editor of circuits would export it: modules and cables with their nets. Cost: linear.
+/// Returns the net list of an island as a schematic editor would export it: modules and cables with their nets. Cost:
+/// linear.
 [[nodiscard]] std::string island_netlist(const design::Design& design, const sheet::Sides& sides,
                                          const FlatIsland& island);
 
-/// The module alone: footprint, symbol (ports and taxels), and its net list with chip, capacitors, straps and taxels as
-/// components. Cost: constant.
+/// Returns the module alone: footprint, symbol (ports and taxels), and its net list with chip, capacitors, straps and
+/// taxels as components. Cost: constant.
 [[nodiscard]] std::string module_footprint();
 [[nodiscard]] std::string module_symbol();
 [[nodiscard]] std::string module_netlist();

@@ -9,27 +9,27 @@
 #include "triskin/design/design.hpp"
 #include "triskin/layout/module.hpp"
 
-/// Copper of the strapped module: the only owner of its pads, contacts and rings. A proposal until one is built
-/// (docs/fabrication.md). Frame of the module: seen from the touch side, origin at the centroid, x along the side of
-/// port A to the right, y up, mm. Port p is port A turned by 120° · p counter-clockwise.
+/// Defines the copper of the strapped module: the only owner of its pads, contacts and rings. It is a proposal until
+/// one is built (docs/fabrication.md). Frame of the module: seen from the touch side, origin at the centroid, x along
+/// the side of port A to the right, y up, mm. Port p is port A turned by 120° · p counter-clockwise.
 namespace triskin::fabrication {
 
-/// What every port carries: power, then data and clock of each line.
+/// Every port carries power, then data and clock of each line.
 inline constexpr std::size_t kBusNets = 2 + 2 * layout::kLines;
 inline constexpr std::array<std::string_view, kBusNets> kBusNetNames{"GND",  "VDD",  "SDA0", "SCL0", "SDA1",
                                                                      "SCL1", "SDA2", "SCL2", "SDA3", "SCL3"};
-/// Number of the data line of I²C line `line`; its clock is the next one.
+/// Returns the number of the data line of I²C line `line`; its clock has the next number.
 [[nodiscard]] constexpr std::size_t data_net(int line) {
   return 2 + 2 * static_cast<std::size_t>(line);
 }
 
-/// Place of a contact of a port: `along_mm` from the middle of its side, and again at −along_mm, so that any port of
-/// one module fits any port of another; `inset_mm` from the side. The ring of the net runs at the same inset.
+/// A contact of a port lies `along_mm` from the middle of its side, and again at −along_mm, so that any port of one
+/// module fits any port of another; it is `inset_mm` from the side. The ring of the net runs at the same inset.
 struct Contact {
   double along_mm, inset_mm;
 };
-/// By bus net. Four nets cross between the two middle taxels of a side, six between the outer ones, because their
-/// plated holes reach the touch side. GND is the outermost ring.
+/// The index is the bus net. Four nets cross between the two middle taxels of a side, six between the outer ones,
+/// because their plated holes reach the touch side. GND is the outermost ring.
 inline constexpr std::array<Contact, kBusNets> kContacts{{{5.5, 0.8},
                                                           {5.9, 1.2},
                                                           {6.3, 1.6},
@@ -44,73 +44,75 @@ inline constexpr std::array<Contact, kBusNets> kContacts{{{5.5, 0.8},
 inline constexpr double kTrack_mm = 0.15, kNarrowTrack_mm = 0.1, kStrapTrack_mm = 0.4;
 inline constexpr double kClearance_mm = 0.1, kEdgeClearance_mm = 0.3;
 inline constexpr double kContactPad_mm = 0.4, kContactHole_mm = 0.2;
-inline constexpr double kPressurePad_mm = 3.5, kTemperaturePad_mm = 2.0;  ///< diameters
-/// Largest corner cut that leaves kEdgeClearance_mm beside the pads of the corner taxels.
+inline constexpr double kPressurePad_mm = 3.5, kTemperaturePad_mm = 2.0;  ///< Both values are diameters.
+/// A larger corner cut would leave less than kEdgeClearance_mm beside the pads of the corner taxels.
 inline constexpr double kMaxBoardCornerCut_mm = 4.5;
 
-/// Layers on which a module has pads.
+/// A module has pads on these layers.
 enum class PadLayer {
-  kThrough,  ///< plated hole through all four
-  kTouch,    ///< front copper: the side that is touched
-  kBack,     ///< back copper: chip, straps, capacitors
+  kThrough,  ///< A plated hole goes through all four layers.
+  kTouch,    ///< The front copper is on the side that is touched.
+  kBack,     ///< The back copper carries chip, straps and capacitors.
 };
 
 /// One pad in the frame of the module.
 struct ModulePad {
-  std::string name;  ///< contacts A1 … C10, each twice; taxels T0 … T11; U1.1 … U1.25; C1.1 …; SDA0.1 …
+  /// Contacts are A1 … C10, each twice; taxels T0 … T11; chip pins U1.1 … U1.25; capacitors C1.1 …; straps
+  /// SDA0.1 …
+  std::string name;
   PadLayer layer = PadLayer::kBack;
   design::Vec2 at_mm;
-  design::Vec2 size_mm;    ///< equal: a circle on kThrough and kTouch; on kBack a rectangle
-  double angle_rad = 0.0;  ///< of the rectangle, counter-clockwise
+  design::Vec2 size_mm;    ///< Equal sizes mean a circle on kThrough and kTouch, but a rectangle on kBack.
+  double angle_rad = 0.0;  ///< The rectangle is turned counter-clockwise.
 };
 
-/// All pads of the module, always the same. Cost: constant.
+/// Returns all pads of the module, always the same. Cost: constant.
 [[nodiscard]] const std::vector<ModulePad>& module_pads();
 
-/// Name of pin 1 … 24 of the AD7147-1 in its LFCSP of 24 pins, [0] is pin 1. Source: its data sheet, functional block
-/// diagram.
+/// Returns the names of pins 1 … 24 of the AD7147-1 in its LFCSP of 24 pins; [0] is pin 1. Source: its data sheet,
+/// functional block diagram.
 [[nodiscard]] const std::array<std::string_view, 24>& chip_pins();
 
-/// A strap: two pads on the back, NAME.1 and NAME.2, that copper joins where it is closed.
+/// A strap has two pads on the back, NAME.1 and NAME.2, which copper joins when it is closed.
 struct Strap {
-  std::string name;  ///< SDA0 … SCL3: the line; ADD0L, ADD0H, ADD1L, ADD1H: address pins to GND or VDD
+  std::string name;  ///< SDA0 … SCL3 select the line; ADD0L, ADD0H, ADD1L, ADD1H tie address pins to GND or VDD.
   design::Vec2 at_mm[2];
 };
-/// Constant cost.
+/// Returns all straps of a module. Constant cost.
 [[nodiscard]] const std::vector<Strap>& straps();
 
-/// What a module is set to.
+/// States patch, line and address of a module.
 struct ModuleSetting {
   int id = 0;
-  int patch = -1;              ///< −1: in none; its nets are then its own
-  std::optional<int> line;     ///< 0 … 3
-  std::optional<int> address;  ///< 0 … 3
+  int patch = -1;              ///< −1 means no patch; the nets of the module are then its own.
+  std::optional<int> line;     ///< The lines are 0 … 3.
+  std::optional<int> address;  ///< The addresses are 0 … 3.
 };
-/// The setting of a module of a design. `wiring`: wiring_of() of the design. Errors: std::out_of_range.
+/// Returns the setting of a module of a design. `wiring` must be wiring_of() of the design. Errors: std::out_of_range.
 [[nodiscard]] ModuleSetting setting_of(const std::vector<design::ModuleWiring>& wiring, int id);
 
-/// True when the strap is closed on a module of this setting. Without line and address none is.
+/// Returns true when the strap is closed on a module of this setting. Without line and address all are open.
 [[nodiscard]] bool is_closed(const Strap& strap, const ModuleSetting& setting);
 
-/// Net of bus net `net` on this module, as P0_SDA2. Errors: std::out_of_range.
+/// Returns the name of bus net `net` on this module, such as P0_SDA2. Errors: std::out_of_range.
 [[nodiscard]] std::string bus_net_name(const ModuleSetting& setting, std::size_t net);
-/// Net of a pad of module_pads() on this module; empty: not connected.
+/// Returns the net of a pad of module_pads() on this module; empty if it is not connected.
 [[nodiscard]] std::string net_of(const ModulePad& pad, const ModuleSetting& setting);
 
-/// Points of the ring of a bus net, closed, counter-clockwise, contacts among them; the corners of the module are cut
-/// by `corner_cut_mm`. Cost: constant.
+/// Returns the points of the ring of a bus net, closed, counter-clockwise, including its contacts; the corners of the
+/// module are cut by `corner_cut_mm`. Cost: constant.
 [[nodiscard]] std::vector<design::Vec2> ring_of(std::size_t net, double corner_cut_mm);
 
-/// Place of a contact of port `port`: `sign` +1 or −1 for the two of a net.
+/// Returns the place of a contact of port `port`; `sign` +1 or −1 selects one of the two of a net.
 [[nodiscard]] design::Vec2 contact_at(std::size_t port, std::size_t net, int sign);
 
-/// Pads on the back for the flat cable of an entry or jumper at a port: ten at 1 mm. Pin 1 lies at −4.5 mm along the
-/// side, seen from the touch side. The bus net of each pin:
+/// The flat cable of an entry or jumper has ten pads on the back of a port, at 1 mm. Pin 1 lies at −4.5 mm along the
+/// side, seen from the touch side. The table gives the bus net of each pin.
 inline constexpr std::array<std::size_t, kBusNets> kCablePinNets{0, 1, 2, 9, 7, 6, 8, 5, 4, 3};
 inline constexpr double kCablePitch_mm = 1.0, kCableInset_mm = 1.7, kCablePadWidth_mm = 0.6, kCablePadLength_mm = 1.55;
-/// Middle of cable pad `pin` (0-based) of port A.
+/// Returns the middle of cable pad `pin` (0-based) of port A.
 [[nodiscard]] design::Vec2 cable_pad_at(std::size_t pin);
-/// Track on the back from cable pad `pin` of port A to a contact of its net, in the frame of the module.
+/// Returns the track on the back from cable pad `pin` of port A to a contact of its net, in the frame of the module.
 [[nodiscard]] std::vector<design::Vec2> cable_track(std::size_t pin);
 
 }  // namespace triskin::fabrication

@@ -9,21 +9,22 @@
 
 namespace triskin::fabrication {
 
-/// One line of what has to be bought or made.
+/// One line of parts that have to be bought or made.
 struct PartLine {
-  std::string part;  ///< what it is
+  std::string part;  ///< The text describes the part for a person.
   int quantity = 0;
-  std::string manufacturer;  ///< empty: of any
-  std::string part_number;   ///< order number of the manufacturer, which distributors use; our own for boards
+  std::string manufacturer;  ///< An empty name allows any manufacturer.
+  /// The manufacturer's order number, which distributors use; boards have a number of our own.
+  std::string part_number;
   std::string note;
 };
 
-/// Boards, chips, capacitors, controllers and cables of a design. `sides`, `islands`: of the same design. Errors: none
-/// for a design that was read or made. Cost: O(n + patches · faces).
+/// Lists boards, chips, capacitors, controllers and cables of a design. `sides` and `islands` must belong to the same
+/// design. Errors: none for a design that was read or made. Cost: O(n + patches · faces).
 [[nodiscard]] std::vector<PartLine> parts_of(const design::Design& design, const sheet::Sides& sides,
                                              const std::vector<FlatIsland>& islands);
 
-/// The list as CSV (RFC 4180): part,quantity,manufacturer,part_number,note. Cost: linear.
+/// Returns the list as CSV (RFC 4180): part,quantity,manufacturer,part_number,note. Cost: linear.
 [[nodiscard]] std::string parts_csv(const std::vector<PartLine>& parts);
 
 }  // namespace triskin::fabrication

@@ -6,22 +6,22 @@
 
 namespace triskin::geometry::surface_lattice {
 
-/// Items 0, 1, 2 … in numbered buckets, each item in one bucket or in none: doubly linked lists in arrays, so that
-/// adding, removing and copying cost no allocation for each item. The order within a bucket says nothing.
+/// Keeps items 0, 1, 2 … in numbered buckets, each item in one bucket or in none: doubly linked lists in arrays, so
+/// that adding, removing and copying cost no allocation per item. The order within a bucket has no meaning.
 class Buckets {
  public:
   Buckets() = default;
-  /// Empty buckets 0 … count − 1.
+  /// Makes empty buckets 0 … count − 1.
   explicit Buckets(int count) : first_(at(count), -1) {}
 
   [[nodiscard]] int count() const { return static_cast<int>(first_.size()); }
-  /// First item of a bucket, the one after an item; −1 at the end.
+  /// Returns the first item of a bucket, or the one after an item; −1 at the end.
   [[nodiscard]] int first(int bucket) const { return first_[at(bucket)]; }
   [[nodiscard]] int next(int item) const { return next_[at(item)]; }
-  /// Bucket of an item, −1 in none.
+  /// Returns the bucket of an item, −1 if it is in none.
   [[nodiscard]] int bucket_of(int item) const { return at(item) < bucket_.size() ? bucket_[at(item)] : -1; }
 
-  /// The item must be in none.
+  /// The item must not be in any bucket yet.
   void add(int item, int bucket) {
     if (bucket_.size() <= at(item)) {
       bucket_.resize(at(item) + 1, -1);
@@ -46,8 +46,8 @@ class Buckets {
   }
 
  private:
-  std::vector<int> first_;                     // Indexed by bucket.
-  std::vector<int> bucket_, next_, previous_;  // Indexed by item.
+  std::vector<int> first_;
+  std::vector<int> bucket_, next_, previous_;
 };
 
 }  // namespace triskin::geometry::surface_lattice

@@ -4,13 +4,13 @@
 
 namespace triskin::geometry::surface_lattice {
 
-/// A mesh in a frame of its own — middle of its area, principal axes, the longer side first —, on a grid of 1/256
-/// mm, its corners and faces in the order of their places: copies that are turned, shifted, mirrored or numbered anew
-/// give the same mesh, so that the search, which depends on every digit, gives the same layout. Where two axes are
-/// alike the copies may differ.
+/// Copies a mesh into a frame of its own — middle of its area, principal axes, the longer side first —, on a grid
+/// of 1/256 mm, its corners and faces in the order of their places. Copies that are turned, shifted, mirrored or
+/// renumbered give the same mesh, so that the search, which depends on every digit, gives the same layout. If two axes
+/// are alike the copies may differ.
 class CanonicalCopy {
  public:
-  /// Cost: O(n log n).
+  /// Makes the copy and the motion that leads back. Cost: O(n log n).
   explicit CanonicalCopy(const Mesh& original);
 
   [[nodiscard]] const Mesh& mesh() const { return mesh_; }
@@ -20,10 +20,10 @@ class CanonicalCopy {
   [[nodiscard]] Vec3 to_copy(const Vec3& p) const {
     return {axis_[0].dot(p - middle_), axis_[1].dot(p - middle_), axis_[2].dot(p - middle_)};
   }
-  /// A layout on this copy → the same on the original: corners are moved, and where the copy is a mirror image tiles
-  /// are too.
+  /// Moves a layout on this copy back to the original: corners are moved, and if the copy is a mirror image, so are
+  /// tiles.
   void carry_back(ModuleLayout& layout) const;
-  /// A module of the original → the same on this copy.
+  /// Moves a module of the original to this copy.
   [[nodiscard]] PlacedModule carried_there(PlacedModule module) const;
 
  private:

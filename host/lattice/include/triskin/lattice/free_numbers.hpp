@@ -8,7 +8,8 @@
 
 namespace triskin::geometry::surface_lattice {
 
-/// Numbers that may be used again, the least first. A number may be taken elsewhere meanwhile: pop() asks. Value type.
+/// Keeps numbers that may be used again, the least first. A number may be taken elsewhere meanwhile, so pop() asks.
+/// Value type.
 class FreeNumbers {
  public:
   void push(int number) {
@@ -18,7 +19,7 @@ class FreeNumbers {
     heap_.push_back(number);
     std::ranges::push_heap(heap_, std::greater{});
   }
-  /// The smallest number for which `is_free(number)` is true, or −1; smaller ones are dropped.
+  /// Returns the smallest number for which `is_free(number)` is true, or −1; smaller ones are dropped.
   [[nodiscard]] int pop(const auto& is_free) {
     while (!heap_.empty()) {
       std::ranges::pop_heap(heap_, std::greater{});
@@ -32,7 +33,7 @@ class FreeNumbers {
 
  private:
   std::vector<int> heap_;
-  std::vector<char> holds_;  // Indexed by number: true while the number is in the heap.
+  std::vector<char> holds_;  // True while the number is in the heap.
 };
 
 }  // namespace triskin::geometry::surface_lattice

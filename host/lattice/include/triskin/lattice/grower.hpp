@@ -14,32 +14,32 @@
 
 namespace triskin::geometry::surface_lattice {
 
-/// Points spread evenly over a surface, where islands may start.
+/// Islands may start at these points, which are spread evenly over a surface.
 struct Sample {
   Vec3 point, normal;
 };
 [[nodiscard]] std::vector<Sample> spread_samples(const Surface& surface, double area_each_mm2, std::uint64_t seed);
 
-/// Adds modules to a net one by one; each is kept only when it and all that moved for it keep the rules.
+/// Adds modules to a net one by one; each is kept only if it and all modules that moved for it keep the rules.
 class Grower {
  public:
   using Clock = std::chrono::steady_clock;
-  /// `now`: what the end is measured by; none: the steady clock.
+  /// `now` measures the deadline; an empty function selects the steady clock.
   Grower(const Surface& surface, const Rules& rules, const std::vector<Sample>& samples, double corner_lift_mm,
          Clock::time_point end, std::function<Clock::time_point()> now = {});
 
-  Grower(const Grower&) = delete;  // Deleted because the relaxer refers to surface_.
+  Grower(const Grower&) = delete;  // The relaxer refers to surface_, so the object cannot be copied.
   Grower& operator=(const Grower&) = delete;
 
-  /// Region of work: modules whose centre lies in the ball.
+  /// Limits work to modules whose centre lies in the ball.
   struct Ball {
     Vec3 center = Vec3::Zero();
     double radius_mm = 1e9;
     [[nodiscard]] bool holds(const Vec3& p) const { return (p - center).squaredNorm() < radius_mm * radius_mm; }
   };
-  /// Grows the islands that reach into the ball over their open sides, until nothing more fits.
+  /// Grows the islands that reach into the ball over their open sides until nothing more fits.
   void grow(LatticeMesh& net, const Ball& ball, Dice& random);
-  /// Starts islands on what is uncovered in the ball and grows each.
+  /// Starts islands on uncovered surface in the ball and grows each.
   void fill(LatticeMesh& net, const Ball& ball, Dice& random, int attempts);
 
   /// Restricts new modules to those with centres in the zone.
@@ -49,16 +49,17 @@ class Grower {
   /// Begins an island with a module at three corners, if it keeps the rules.
   bool try_seed(LatticeMesh& net, const Triangle& corners);
 
-  /// Removes what stands over the border by more than is allowed, as it is measured at the end, but for fixed
-  /// triangles: whether there was any. The net has to be separated afterwards. Measures what moved since the last call.
+  /// Removes modules that overhang the border by more than is allowed, as the final measurement finds it, except fixed
+  /// triangles, and returns whether there was any. The net has to be separated afterwards. Only modules that moved
+  /// since the last call are measured.
   bool remove_overrunning(LatticeMesh& net);
 
   [[nodiscard]] bool covered(const LatticeMesh& net, const Vec3& p) const;
   void end_at(Clock::time_point end) { end_ = end; }
   [[nodiscard]] bool late() const { return (now_ ? now_() : Clock::now()) > end_ || interrupt_request(); }
-  /// Same as late(), but the time never ends the search for the first module, since a layout needs one.
+  /// Does the same as late(), but the time never ends the search for the first module, since a layout needs one.
   [[nodiscard]] bool late(const LatticeMesh& net) const { return (net.size() > 0 && late()) || interrupt_request(); }
-  /// Number of refusals by limit since the last reset.
+  /// Counts the refusals by limit since the last reset.
   std::array<int, kRefusals> refused{};
 
  private:
@@ -87,11 +88,11 @@ class Grower {
   Relaxer relaxer_;
   Zone zone_;
   std::vector<int> near_;
-  // Indexed by side: signature of its surroundings when a module was refused there. The side is not tried again until
-  // it changes.
+  // Each side has the signature of its surroundings when a module was refused there. The side is not tried again until
+  // that changes.
   std::vector<std::array<std::uint64_t, 3>> failed_join_, failed_seed_;
   std::vector<KnownSides> known_sides_;
-  std::vector<Triangle> known_within_;  // Indexed by triangle: where it was last seen to keep within the border.
+  std::vector<Triangle> known_within_;  // Each triangle was last seen within the border at this place.
   Clock::time_point end_;
   std::function<Clock::time_point()> now_;
 };

@@ -8,8 +8,8 @@
 
 namespace triskin::geometry::surface_lattice {
 
-/// A net of fixed modules alone: kept[k] (of the original, neighbours among `kept`) is triangle k. `surface`: of the
-/// copy.
+/// Makes a net of fixed modules alone: kept[k] (of the original, neighbours among `kept`) becomes triangle k. `surface`
+/// is that of the copy.
 [[nodiscard]] LatticeMesh net_of_kept(const Surface& surface, const CanonicalCopy& copy,
                                       const std::vector<PlacedModule>& kept, double corner_cut_mm);
 

@@ -9,30 +9,30 @@
 
 namespace triskin::geometry::surface_lattice {
 
-/// Layouts with up to so many modules fewer than the best are kept beside it.
+/// Layouts with up to this many modules fewer than the best are kept beside it.
 inline constexpr int kFront = 12;
 
 using NetCopy = std::shared_ptr<const LatticeMesh>;
 
-/// A layout and what the growth takes it to be worth.
+/// A layout and its value as estimated by the growth.
 struct FoundLayout {
   NetCopy net;
   double value;
 };
 
-/// The most valuable layout found for each number of modules and of islands: the price of the growth is not that of the
-/// wired layout, and islands are what the two see most differently. Together they have at most `max_modules` modules,
-/// or are one layout: where there are more, the least valuable go. Work of one thread.
+/// Keeps the most valuable layout found for each number of modules and of islands. The price of the growth is not that
+/// of the wired layout, and the two differ most about islands. All layouts together have at most `max_modules` modules
+/// unless there is only one; the least valuable are dropped. Not thread-safe.
 class LayoutFront {
  public:
-  using Numbers = std::pair<int, int>;         // Numbers of modules and islands.
-  static constexpr int kMaxModules = 200'000;  ///< So many modules take some 100 MB.
+  using Numbers = std::pair<int, int>;         // The first is the number of modules, the second that of islands.
+  static constexpr int kMaxModules = 200'000;  ///< This many modules take some 100 MB.
   explicit LayoutFront(int max_modules = kMaxModules) : max_modules_(max_modules) {}
 
   [[nodiscard]] bool would_keep(const LatticeMesh& net, double value) const;
-  /// Keeps the layout where would_keep() says so. Cost: the number of layouts where some have to go.
+  /// Keeps the layout if would_keep() says so. Cost: the number of layouts if some must be dropped.
   void keep(const NetCopy& net, double value);
-  /// Layouts of fewer modules go.
+  /// Drops layouts with fewer modules.
   void forget_below(int modules);
   [[nodiscard]] const std::map<Numbers, FoundLayout>& found() const { return found_; }
 
@@ -43,9 +43,9 @@ class LayoutFront {
   std::map<Numbers, FoundLayout> found_;
 };
 
-/// Cheaper layouts made of one, `layouts` ≥ 1 of them at most: islands of up to sixteen modules go, the smallest
-/// first, until `modules` are left or fewer; those with fixed modules stay. The one with fewest modules comes first.
-/// The other end of the choice, where a search ends at many modules. Cost: O(n) a layout.
+/// Makes cheaper layouts from one, `layouts` ≥ 1 of them at most, for a search that ends at many modules: removes
+/// islands of up to sixteen modules, the smallest first, until `modules` or fewer remain; islands with fixed modules
+/// stay. The layout with fewest modules comes first. Cost: O(n) per layout.
 [[nodiscard]] std::vector<LatticeMesh> thinned(const LatticeMesh& net, int modules, std::size_t layouts);
 
 }  // namespace triskin::geometry::surface_lattice

@@ -7,38 +7,37 @@
 
 namespace triskin::geometry::surface_lattice {
 
-/// The relaxed price in two parts: controllers, and what joins them, jumpers and islands.
+/// The relaxed price in two parts: controllers, and the jumpers and islands that join them.
 struct RelaxedPrice {
   double controllers = 0.0, joining = 0.0;
   [[nodiscard]] double sum() const { return controllers + joining; }
 };
 
-/// Price of islands before they are wired. n modules that hang together are counted as p(n) = max(1, n / 16 + 15 / 32)
-/// pieces, one for each controller. Islands of one group can be joined by jumpers; a group of n modules in islands of
-/// n₁, n₂ … has p(n) controllers and, as when wired, a jumper for each piece more: Σ p(nᵢ) - p(n). They are
-/// fractions, because a search that pays a whole controller for the next module never places it. `group[k]` ≥ 0 of
-/// island k. Cost: O(islands).
+/// Estimates the price of islands before they are wired. n connected modules count as p(n) = max(1, n / 16 + 15 / 32)
+/// pieces, one for each controller. Jumpers can join islands of one group; a group of n modules in islands of n₁,
+/// n₂ … has p(n) controllers and, as when wired, a jumper for each further piece: Σ p(nᵢ) - p(n). The numbers
+/// are fractions, because a search that pays a whole controller for the next module never places it. `group[k]` ≥ 0
+/// is that of island k. Cost: O(islands).
 [[nodiscard]] RelaxedPrice relaxed_price(const std::vector<int>& sizes, const std::vector<int>& group,
                                          const Price& price);
 
-/// The same with ⌈n / 16⌉ for p(n): what the wiring costs where every island can be divided so that parts of
-/// several fill one controller, and never more than the wiring costs. The search approaches a multiple of 16 by the
+/// Estimates the same with ⌈n / 16⌉ for p(n): the cost of the wiring if every island can be divided so that parts
+/// of several fill one controller, and never more than the wiring costs. The search approaches a multiple of 16 by the
 /// relaxed price and fills the last controller by this one. Cost: O(islands).
 [[nodiscard]] double rounded_price(const std::vector<int>& sizes, const std::vector<int>& group, const Price& price);
 
-/// A layout's price, relaxed and rounded.
 struct EstimatedPrice {
   RelaxedPrice relaxed;
   double rounded = 0.0;
 };
 
-/// Both prices of a net, updated from its changes. Islands are in one group where two free sides lie within
-/// `jumper_mm` and face each other. One object a thread. Cost: what changed since the last call, and a few ns for each
-/// module.
+/// Keeps both prices of a net up to date from its changes. Islands are in one group if two free sides lie within
+/// `jumper_mm` and face each other. Each thread needs its own object. Cost: the changes since the last call, and a few
+/// ns per module.
 class NetPrice {
  public:
   NetPrice(const Price& price, double jumper_mm) : price_(price), jumper_mm_(jumper_mm) {}
-  /// Prices the net of the last call after changes or, after forget(), any net. Consumes its list of changes.
+  /// Prices the net of the last call after changes or, after forget(), any net. Clears its list of changes.
   [[nodiscard]] EstimatedPrice operator()(LatticeMesh& net);
   void forget() { knows_net_ = false; }
 
@@ -51,7 +50,7 @@ class NetPrice {
   Price price_;
   double jumper_mm_;
   bool knows_net_ = false;
-  // Indexed by triangle: the triangles that have a free side opposite one of its own.
+  // Lists for each triangle those that have a free side opposite one of its own.
   std::vector<std::vector<int>> linked_;
   DisjointSets islands_;  // Joins the numbers of islands that jumpers can connect.
   std::vector<int> changed_, sizes_, group_;

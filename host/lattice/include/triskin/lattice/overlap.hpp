@@ -4,7 +4,7 @@
 
 namespace triskin::geometry::surface_lattice {
 
-/// Two circumradii: modules whose centroids are farther apart cannot touch.
+/// Two circumradii; modules whose centroids are farther apart cannot touch.
 inline constexpr double kApart_mm = 4.0 * kHeight_mm / 3.0;
 
 /// Two triangles that may come to overlap, and the separating axis that was found last (0 … 5: sides of a, then of
@@ -15,7 +15,7 @@ struct Pair {
   int axis = 0;
 };
 
-/// Depth by which two rigid modules lie over each other, and the motion that reduces it: corner `corner_a` of a against
+/// Holds the depth by which two rigid modules overlap, and the motion that reduces it: corner `corner_a` of a against
 /// corner `corner_b` of b along `axis` (unit): depth = axis · (a[corner_a] − b[corner_b]).
 struct Overlap {
   double depth_mm = 0.0;
@@ -23,13 +23,13 @@ struct Overlap {
   int corner_a = 0, corner_b = 0;
 };
 
-/// Separating axes in the mean plane, as `penetration_depth` of map_modules.hpp defines it. Tries `first_axis` first
-/// and leaves the one that separates in it: neighbours that move little stay separated by the same.
+/// Tests separating axes in the mean plane, as `penetration_depth` of map_modules.hpp defines the overlap. Tries
+/// `first_axis` first and leaves the separating one in it: neighbours that move little stay separated by the same axis.
 [[nodiscard]] Overlap overlap_of(const NetTriangle& a, const NetTriangle& b, int& first_axis);
 [[nodiscard]] Overlap overlap_of(const NetTriangle& a, const NetTriangle& b);
 
-/// True when two modules (corners in mm; less their corner cut), each shrunk by `allowed_mm` on all sides, pass through
-/// each other in space, however they face.
+/// Returns true when two modules (corners in mm; less their corner cut), each shrunk by `allowed_mm` on all sides, pass
+/// through each other in space, whichever way they face.
 [[nodiscard]] bool pierced(const Triangle& a, const Triangle& b, double corner_cut_mm, double allowed_mm);
 
 }  // namespace triskin::geometry::surface_lattice

@@ -7,17 +7,16 @@
 
 namespace triskin::geometry {
 
-/// A measured overrun.
 struct Overrun {
-  double mm = 0.0;  ///< It is never too large, and too small by at most 0.02 mm.
-  /// Number of points of the module that were compared with surface and border: a measure of the cost.
+  double mm = 0.0;  ///< The value is never too large, and at most 0.02 mm too small.
+  /// This many points of the module were compared with surface and border, as a measure of the cost.
   std::size_t points = 0;
 };
 
-/// Overrun of a line over the border; `known_mm` where none is larger. A larger `known_mm` is faster.
+/// Returns the overrun of a line over the border, or `known_mm` if none is larger. A larger `known_mm` is faster.
 [[nodiscard]] Overrun overrun_of_line(const Surface& surface, const Vec3& from, const Vec3& to, double known_mm = 0.0);
-/// Overrun of a module, sides and area. Some hundred points where the border is near, also where the border of another
-/// sheet runs along the surface under the module, as that of a rib that ends at the skin.
+/// Returns the overrun of a module, sides and area. Takes some hundred points if the border is near, also if the border
+/// of another sheet runs along the surface under the module, as that of a rib that ends at the skin.
 [[nodiscard]] Overrun overrun_of(const Surface& surface, const design::Outline& outline);
 
 }  // namespace triskin::geometry

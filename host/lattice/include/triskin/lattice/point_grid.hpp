@@ -15,7 +15,7 @@ namespace triskin::geometry::surface_lattice {
 class PointGrid {
  public:
   PointGrid() = default;
-  /// Covers the box around `around` with cubes of `cell_mm`, or larger ones to have no more than kMaxCells.
+  /// Covers the box around `around` with cubes of `cell_mm`, or larger ones so that there are at most kMaxCells.
   PointGrid(const std::vector<Vec3>& around, double cell_mm) {
     Vec3 high = around.empty() ? Vec3::Zero().eval() : around.front();
     low_ = high;
@@ -43,8 +43,8 @@ class PointGrid {
     buckets_.add(point, cell);
   }
 
-  /// Calls `visit(point)` for every point in the cubes that a ball meets, in no order; ends when it answers true, and
-  /// then is true. Whether the point lies in the ball is for the caller to see.
+  /// Calls `visit(point)` for every point in the cubes that a ball meets, in no order, and stops with true when a call
+  /// answers true. The caller must test whether the point lies in the ball.
   [[nodiscard]] bool any_near(const Vec3& place, double radius_mm, const auto& visit) const {
     const std::array<int, 3> from = cube_at(place - Vec3::Constant(radius_mm)),
                              to = cube_at(place + Vec3::Constant(radius_mm));
@@ -62,9 +62,9 @@ class PointGrid {
   }
 
  private:
-  static constexpr double kMaxCells = 400'000.0;  // So many cells take 1.6 MB.
+  static constexpr double kMaxCells = 400'000.0;  // This many cells take 1.6 MB.
 
-  // Points outside the box count to the cubes at its border; so does what is asked for there.
+  // Points outside the box belong to the cubes at its border, and so do queries there.
   [[nodiscard]] std::array<int, 3> cube_at(const Vec3& place) const {
     std::array<int, 3> cube{};
     for (int k = 0; k < 3; ++k) {

@@ -9,39 +9,40 @@
 
 namespace triskin::geometry::surface_lattice {
 
-/// Slides the corners near a place on the surface until edges are 30 mm long, nothing stands over the border and
-/// modules do not overlap: damped Gauss–Newton over two tangent coordinates a corner. Work arrays are kept between
-/// calls; one object a thread.
+/// Slides the corners near a place on the surface until edges are 30 mm long, nothing overhangs the border and modules
+/// do not overlap: damped Gauss–Newton over two tangent coordinates per corner. Work arrays are kept between calls,
+/// so each thread needs its own object.
 class Relaxer {
  public:
   Relaxer(NearSurface& surface, double corner_lift_mm) : surface_(surface), lift_mm_(corner_lift_mm) {}
 
   /// Moves the vertices within `radius_mm` of a triangle that was just added. Afterwards `changed()` lists it and the
-  /// triangles that moved. False: it cannot fit; the remaining steps are skipped and `changed()` is empty.
+  /// triangles that moved. Returns false if it cannot fit; the remaining steps are skipped and `changed()` is empty.
   bool relax(LatticeMesh& net, int triangle, double radius_mm, int steps);
-  /// Takes back the last relax (triangles added before it stay).
+  /// Undoes the last relax (triangles added before it stay).
   void undo(LatticeMesh& net) const;
   [[nodiscard]] const std::vector<int>& changed() const { return changed_; }
-  /// Pairs of unjoined triangles that are near enough to overlap, where one may have moved.
+  /// Returns pairs of unjoined triangles that are near enough to overlap, one of which may have moved.
   [[nodiscard]] std::vector<Pair>& pairs() { return pairs_; }
 
  private:
   struct Moving {
     int vertex;
-    double key;  // Position along the line that sorts them.
-    Vec3 x, y;   // Axes of the tangent frame.
+    double key;  // The key is the position along the line that sorts them.
+    Vec3 x, y;   // The axes span the tangent plane.
     Vec3 saved_point, saved_normal;
     double saved_lift_mm;
     double wanted_lift_mm;
-    bool is_lifted;  // The last apply_lift() lifted or lowered it.
+    bool is_lifted;  // True if the last apply_lift() lifted or lowered the vertex.
   };
   struct KnownGap {
     Vec3 center = Vec3::Zero();
-    double distance_mm = 1e300;  // Distance of the centre from the surface.
+    // The initial value means that the distance of the centre from the surface is still unknown.
+    double distance_mm = 1e300;
   };
   struct Residual {
     double value, weight;
-    std::array<int, 2> local;  // Moving vertices, −1: fixed; the first is never −1.
+    std::array<int, 2> local;  // Moving vertices at the ends, −1 for a fixed one; the first is never −1.
     std::array<std::array<double, 2>, 2> gradient;
   };
   void choose(const LatticeMesh& net, int triangle, double radius_mm);
@@ -63,13 +64,13 @@ class Relaxer {
 
   NearSurface& surface_;
   double lift_mm_;
-  double overhang_mm_ = 0.0;  // Corners may extend over the border by this much because they are cut off.
+  double overhang_mm_ = 0.0;  // Corners may overhang the border by this much because they are cut off.
   std::vector<int> local_;    // Maps a vertex to its index among the moving ones, or -1.
   std::vector<Moving> moving_;
   std::vector<int> triangles_, near_, changed_;
-  std::vector<ModuleShape> saved_;    // Former shapes of triangles_.
-  std::vector<KnownGap> known_gaps_;  // Indexed by triangle: where its centre was measured last.
-  std::vector<char> is_local_;        // Indexed by triangle: true if it is in triangles_.
+  std::vector<ModuleShape> saved_;    // These are the former shapes of triangles_.
+  std::vector<KnownGap> known_gaps_;  // The centre of each triangle was last measured here.
+  std::vector<char> is_local_;        // True if the triangle is in triangles_.
   std::vector<Pair> pairs_;
   std::vector<Residual> residuals_;
   std::vector<int> first_;

@@ -11,7 +11,7 @@
 
 namespace triskin::geometry::surface_lattice {
 
-/// Limit that refuses a module; kNone when all limits hold.
+/// Names the limit that refuses a module; kNone when all limits hold.
 enum class Refusal {
   kNone,
   kEdgeError,
@@ -28,30 +28,31 @@ enum class Refusal {
 inline constexpr std::size_t kRefusals = 11;
 [[nodiscard]] const char* name_of(Refusal refusal);
 
-/// Corners that no module has.
+/// No module can have these corners.
 inline const Triangle kNowhere{Vec3::Constant(1e300), Vec3::Constant(1e300), Vec3::Constant(1e300)};
 
-/// Last measurement of a triangle's sides and their distance from a limit: they keep it until they move by about as
-/// much.
+/// The last measurement of a triangle's sides and their distance from a limit: they keep the limit until they move by
+/// about as much.
 struct KnownSides {
   Triangle rigid = kNowhere;
   double room_mm = 0.0;
 };
 
-/// The limits, measured on rigid modules. Immutable: shared by the chains.
+/// Applies the limits to rigid modules. Immutable, so the chains share it.
 class Rules {
  public:
   /// No module may cover one of `free_points`.
   Rules(const Surface& surface, const LayoutLimits& limits, const std::vector<Vec3>& free_points = {});
 
   [[nodiscard]] const LayoutLimits& limits() const { return limits_; }
-  /// The first limit that one of the triangles breaks, cheapest limits first. `pairs`: all that may overlap and are not
-  /// joined; `known`, by triangle, is work of one thread. Cost: about 1 µs a triangle, ten times that at the border.
+  /// Returns the first limit that one of the triangles breaks, cheapest limits first. `pairs` must list all that may
+  /// overlap and are not joined; `known`, by triangle, must not be shared between threads. Cost: about 1 µs per
+  /// triangle, ten times that at the border.
   [[nodiscard]] Refusal evaluate(NearSurface& surface, const LatticeMesh& net, const std::vector<int>& triangles,
                                  std::vector<Pair>& pairs, std::vector<KnownSides>& known) const;
 
-  /// True if a side stands over the border by more than is allowed, as it is measured at the end: evaluate() looks at
-  /// the border in steps. Cost: some 0.05 ms at the border, nothing far from it.
+  /// Returns true if a side overhangs the border by more than is allowed, as the final measurement finds it: evaluate()
+  /// only tests the border in steps. Cost: some 0.05 ms at the border, nothing far from it.
   [[nodiscard]] bool exceeds_overrun(NearSurface& surface, const NetTriangle& triangle) const;
 
  private:
@@ -63,9 +64,9 @@ class Rules {
   [[nodiscard]] bool cut_sides_over_border(NearSurface& surface, const NetTriangle& triangle, std::size_t side,
                                            bool is_free) const;
 
-  LayoutLimits limits_;  // The margin is already taken off.
+  LayoutLimits limits_;  // The margin is already subtracted.
   double fold_cosine_;
-  std::vector<Vec3> probes_;  // Points just outside the border, which no module may cover.
+  std::vector<Vec3> probes_;  // These points lie just outside the border, and no module may cover them.
   PointGrid probe_grid_;
   std::vector<Vec3> free_points_;
   PointGrid free_grid_;

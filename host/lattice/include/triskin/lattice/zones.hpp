@@ -7,13 +7,14 @@
 
 namespace triskin::geometry::surface_lattice {
 
-/// Part of space in which one thread changes a net while others change the rest of it: an intersection of half-spaces.
+/// A part of space in which one thread changes a net while others change the rest of it: an intersection of
+/// half-spaces.
 struct Zone {
   struct HalfSpace {
     Vec3 normal;
-    double from_mm;  ///< It is measured along the normal.
+    double from_mm;  ///< The plane is at this distance from the origin along the normal.
   };
-  std::vector<HalfSpace> sides;  ///< Without any, the zone is all of space.
+  std::vector<HalfSpace> sides;  ///< Without any half-space the zone is all of space.
   [[nodiscard]] bool holds(const Vec3& p) const {
     for (const HalfSpace& side : sides) {
       if (side.normal.dot(p) < side.from_mm) return false;
@@ -22,30 +23,31 @@ struct Zone {
   }
 };
 
-/// Half the distance of two zones. A module of one and a module of another are 60 mm apart when they begin; those that
-/// touch are at most 4h/3 = 34.6 mm apart, so both may slide by a third of a side.
+/// Two zones are twice this far apart. Modules of two zones are 60 mm apart when they begin; those that touch are at
+/// most 4h/3 = 34.6 mm apart, so both may slide by a third of a side.
 inline constexpr double kHalfBand_mm = 30.0;
 
-/// `count` ≥ 1 zones with about as many modules in each, by planes of random directions. Cost: O(n log count).
+/// Divides a net into `count` ≥ 1 zones with about as many modules in each, by planes of random directions. Cost: O(n
+/// log count).
 [[nodiscard]] std::vector<Zone> divide(const LatticeMesh& net, int count, Dice& random);
 
-/// Makes what lies outside a zone fixed (LatticeMesh::pin); its triangles, ascending, without those that were fixed
-/// before.
+/// Pins everything outside a zone (LatticeMesh::pin) and returns the triangles, ascending, without those that were
+/// fixed before.
 [[nodiscard]] std::vector<int> pin_outside(LatticeMesh& net, const Zone& zone);
 
-/// Takes that back.
+/// Undoes pin_outside() for these triangles.
 void unpin(LatticeMesh& net, const std::vector<int>& triangles);
 
 /// A net that was changed in one zone only.
 struct ZoneNet {
   const LatticeMesh& net;
-  const std::vector<int>& pinned;  ///< It is what pin_outside() returned.
+  const std::vector<int>& pinned;  ///< pin_outside() returned these triangles.
 };
 
-/// One net with the changes of all zones, begun from copies of one net; nothing in it is pinned but what was fixed in
-/// that net. Triangles keep their numbers where these are free. `empty`: where the triangles are put, a net of none.
-/// Where islands of two zones come to hold the same tile of one lattice, or modules of two zones slid within reach of
-/// each other, that of the later zone goes. Cost: O(n log n).
+/// Merges the changes of all zones into one net, begun from copies of one net; only what was fixed in that net is
+/// pinned in it. Triangles keep their numbers if these are free. `empty` is a net without triangles that receives them.
+/// If islands of two zones come to hold the same tile of one lattice, or modules of two zones slid within reach of each
+/// other, that of the later zone is dropped. Cost: O(n log n).
 [[nodiscard]] LatticeMesh merge_zones(LatticeMesh empty, const std::vector<ZoneNet>& zones);
 
 }  // namespace triskin::geometry::surface_lattice

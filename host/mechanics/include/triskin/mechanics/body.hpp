@@ -12,19 +12,19 @@ namespace triskin::mechanics {
 /// triangles that name a vertex that does not exist throw InputError.
 class Body {
  public:
-  /// Sphere about the origin of the body. Throws InputError for a radius that is not positive.
+  /// Makes a sphere about the origin of the body. Throws InputError for a radius that is not positive.
   [[nodiscard]] static Body sphere(double radius_mm);
-  /// Capsule about the segment from `first` to `second`. Throws InputError for a radius that is not positive.
+  /// Makes a capsule about the segment from `first` to `second`. Throws InputError for a radius that is not positive.
   [[nodiscard]] static Body capsule(double radius_mm, const Eigen::Vector3d& first, const Eigen::Vector3d& second);
-  /// Box of the given edge lengths about the origin, turned by `rotation`. Throws InputError for a length that is not
-  /// positive.
+  /// Makes a box of the given edge lengths about the origin, turned by `rotation`. Throws InputError for a length that
+  /// is not positive.
   [[nodiscard]] static Body box(const Eigen::Vector3d& size_mm, const Eigen::Matrix3d& rotation);
-  /// Closed or open triangle mesh. Each triangle is seen from below. Throws InputError for a vertex that does not
-  /// exist.
+  /// Takes a closed or open triangle mesh. Each triangle is seen from below. Throws InputError for a vertex that does
+  /// not exist.
   [[nodiscard]] static Body mesh(std::vector<Eigen::Vector3d> vertices, std::vector<std::array<int, 3>> triangles);
 
-  /// Height in mm of the lower surface over (x, y), or infinity. Cost: constant, for a capsule some 60 evaluations of a
-  /// distance, for a mesh proportional to its triangles. Thread-safe.
+  /// Returns the height in mm of the lower surface over (x, y), or infinity. Cost: constant, for a capsule some 60
+  /// evaluations of a distance, for a mesh proportional to its triangles. Thread-safe.
   [[nodiscard]] double lower_surface_mm(double x_mm, double y_mm) const { return lower_surface_(x_mm, y_mm); }
 
  private:

@@ -8,32 +8,33 @@
 
 namespace triskin::mechanics {
 
-/// Worst relative errors of one level against the exact solution. The error of a taxel is a share of the peak of ΔC/C.
+/// Gives the worst relative errors of one level against the exact solution. The error of a taxel is relative to the
+/// peak of ΔC/C.
 struct LevelErrors {
   double indentation = 0.0, contact_radius = 0.0, peak_pressure = 0.0, taxel = 0.0;
-  int refused = 0;  ///< The exact solution has an answer for these contacts and this level has none.
+  int refused = 0;  ///< The exact solution has an answer for these contacts, but this level has none.
 };
 
-/// Contacts of one Poisson's ratio and one range of contact radii, with the errors of the levels winkler, log and
-/// table.
+/// Gives the errors of the levels winkler, log and table for contacts of one Poisson's ratio and one range of contact
+/// radii.
 struct ComparisonRow {
   std::string indenter;
   double poisson = 0.0;
-  double min_ratio = 0.0, max_ratio = 0.0;  ///< They are contact radii in thicknesses of the layer.
+  double min_ratio = 0.0, max_ratio = 0.0;  ///< The contact radii are in thicknesses of the layer.
   int contacts = 0;
   std::array<LevelErrors, 3> levels;
 };
 
-/// Cost of one contact by a level, the median, in microseconds.
+/// Gives the median cost of one contact by a level, in microseconds.
 struct LevelCost {
   std::string level;
   double microseconds = 0.0;
 };
 
-/// The grid of layer_patch.hpp against the exact solution of a sphere.
+/// Compares the grid of layer_patch.hpp with the exact solution of a sphere.
 struct PatchRow {
   double poisson = 0.0, points_per_radius = 0.0;
-  int points = 0;  ///< The patch has so many points on a side.
+  int points = 0;  ///< The patch has this many points per side.
   double milliseconds = 0.0;
   LevelErrors errors;
 };
@@ -42,16 +43,16 @@ struct Comparison {
   std::vector<ComparisonRow> rows;
   std::vector<LevelCost> costs;
   std::vector<PatchRow> patches;
-  double table_seconds = 0.0;  ///< It takes so long to make the table of one Poisson's ratio.
-  int contacts = 0;            ///< The exact solution answered so many contacts.
-  int left_out = 0;            ///< So many contacts would press the layer to more than 0.6 of its thickness.
+  double table_seconds = 0.0;  ///< Making the table of one Poisson's ratio takes this long.
+  int contacts = 0;            ///< The exact solution answered this many contacts.
+  int left_out = 0;            ///< These contacts would press the layer to more than 0.6 of its thickness.
 };
 
 /// Compares the levels on spheres of 3 … 50 mm, flat punches and lines, 0.1 … 20 N, layers of 1 … 3 mm, ν 0.1
 /// … 0.45, E 100 kPa. Cost: some 10 s.
 [[nodiscard]] Comparison compare_levels();
 
-/// The comparison as Markdown tables.
+/// Writes the comparison as Markdown tables.
 [[nodiscard]] std::string comparison_text(const Comparison& comparison);
 
 }  // namespace triskin::mechanics

@@ -18,37 +18,37 @@ enum class Shape {
 /// A rigid body that a force presses on the layer without friction.
 struct Indenter {
   Shape shape = Shape::kSphere;
-  double radius_mm = 5.0;  ///< It is the radius of curvature, or of the punch.
+  double radius_mm = 5.0;  ///< The radius is that of curvature, or that of the punch.
 };
 
 /// Throws InputError unless the radius is positive and finite.
 void check(const Indenter& indenter);
 
-/// What a contact does to the layer. `distance_mm` is from the axis, or from the line; at least 0. Thread-safe.
+/// Describes what a contact does to the layer. `distance_mm` is from the axis, or from the line; at least 0.
+/// Thread-safe.
 class ContactField {
  public:
   ContactField() = default;
   ContactField(const ContactField&) = delete;
   ContactField& operator=(const ContactField&) = delete;
   virtual ~ContactField() = default;
-  /// Normal displacement of the surface into the layer, mm. It is a little negative where the layer bulges.
+  /// Returns the normal displacement of the surface into the layer, mm. It is slightly negative where the layer bulges.
   [[nodiscard]] virtual double displacement_mm(double distance_mm) const = 0;
-  /// Normal pressure on the rigid base, kPa.
+  /// Returns the normal pressure on the rigid base, kPa.
   [[nodiscard]] virtual double base_pressure_kpa(double distance_mm) const = 0;
 };
 
-/// One contact on a layer.
 struct Contact {
-  double force = 0.0;              ///< It is in N, and for a line in N/mm.
-  double indentation_mm = 0.0;     ///< The indenter moved so far after it first touched.
-  double contact_radius_mm = 0.0;  ///< For a line it is the half width.
-  /// It is the pressure in the centre, since that of a flat punch is infinite at its edge.
+  double force = 0.0;              ///< The unit is N, and for a line N/mm.
+  double indentation_mm = 0.0;     ///< The indenter moved this far after it first touched.
+  double contact_radius_mm = 0.0;  ///< A line has its half width here.
+  /// The pressure is that in the centre, since that of a flat punch is infinite at its edge.
   double peak_pressure_kpa = 0.0;
   bool is_line = false;
   std::shared_ptr<const ContactField> field;
 };
 
-/// Models of a contact, from fast to exact. docs/measurements/contact.md has their error and cost.
+/// The models are ordered from fast to exact. docs/measurements/contact.md has their error and cost.
 enum class Level { kWinkler, kLogarithmic, kTable, kFft };
 
 /// Presses `indenter` on `layer` with `force` (N; of a line N/mm) and returns the contact by `level`:
@@ -61,7 +61,7 @@ enum class Level { kWinkler, kLogarithmic, kTable, kFft };
 /// Throws InputError unless `force` is positive and finite.
 void check_force(double force);
 
-/// Throws InputError when `indentation_mm` reaches the thickness of the layer: the message says the limit and what to
+/// Throws InputError when `indentation_mm` reaches the thickness of the layer; the message states the limit and what to
 /// change.
 void check_indentation(const Layer& layer, double indentation_mm);
 

@@ -9,7 +9,7 @@
 
 namespace triskin::mechanics {
 
-/// What one taxel says: where its electrode lies on the plane layer and the relative change of its capacitance.
+/// One taxel's observation: where its electrode lies on the plane layer and the relative change of its capacitance.
 struct TaxelObservation {
   Eigen::Vector2d position_mm;
   double dc_over_c = 0.0;
@@ -17,16 +17,16 @@ struct TaxelObservation {
 
 struct InverseOptions {
   double disc_diameter_mm = 4.0;
-  /// Standard deviation of dc_over_c. Without it the scatter about the fit says it.
+  /// Standard deviation of dc_over_c. If it is missing, it is estimated from the scatter about the fit.
   std::optional<double> noise_dc_over_c = std::nullopt;
-  /// Number of contacts. Without it a likelihood-ratio test chooses from 0 to max_contacts.
+  /// Number of contacts. If it is missing, a likelihood-ratio test chooses from 0 to max_contacts.
   std::optional<int> contacts = std::nullopt;
   int max_contacts = 6;
-  /// Radius of the round tips that press. Without it each contact has its own, with the prior below.
+  /// Radius of the round tips that press. If it is missing, each contact has its own, with the prior below.
   std::optional<double> tip_radius_mm = std::nullopt;
 };
 
-/// One contact with standard deviations.
+/// One contact with the standard deviations of its values.
 struct ContactEstimate {
   Eigen::Vector2d position_mm = Eigen::Vector2d::Zero(), position_sd_mm = Eigen::Vector2d::Zero();
   double force_n = 0.0, force_sd_n = 0.0;
@@ -36,34 +36,34 @@ struct ContactEstimate {
 
 struct InverseResult {
   std::vector<ContactEstimate> contacts;  ///< The strongest comes first.
-  double noise_dc_over_c = 0.0;           ///< It is the given value, or the one that was found.
-  double residual_dc_over_c = 0.0;        ///< It is the root mean square of what the contacts do not explain.
+  double noise_dc_over_c = 0.0;           ///< The noise is the given value, or the one that was estimated.
+  double residual_dc_over_c = 0.0;        ///< The root mean square of the values that the contacts do not explain.
 };
 
-/// Finds the contacts of round tips that explain what the taxels say.
+/// Finds the contacts of round tips that explain the values of the taxels.
 ///
 /// 1. Starts: the strongest taxel, and forces on a grid about the pressed taxels, none negative, that explain the
-///    displacements (non-negative least squares on the influence of a small punch), joined where they are neighbours.
+///    displacements (non-negative least squares on the influence of a small punch), joined if they are neighbours.
 /// 2. Gauss-Newton with damping on position, force and tip radius of all contacts, with the forward model of the table:
 ///    displacements of the contacts add up, and a taxel is the mean of h / (h − u) over its disc. The lowest minimum
-///    of all starts counts.
+///    of all starts wins.
 /// 3. A likelihood-ratio test adds contacts one by one; noise passes for one more with a probability of 0.001 at most.
 ///
-/// Estimates and deviations are those of the posterior: of the Gauss-Newton matrix where the objective is a parabola,
-/// elsewhere (few pressed taxels) of samples of it. Weak priors keep it regular: a factor of e² about the force that
+/// Estimates and deviations are those of the posterior: of the Gauss-Newton matrix if the objective is a parabola,
+/// otherwise (few pressed taxels) of samples of it. Weak priors keep it regular: a factor of e² about the force that
 /// presses a tip of 12 mm by a quarter of the thickness, of e about that radius, and some 6 mm about the taxels. A
-/// single pressed taxel cannot tell place, force and radius apart; then the deviations are as wide as the priors.
+/// single pressed taxel cannot separate place, force and radius; then the deviations are as wide as the priors.
 ///
-/// `observations`: taxels that feel pressure, any number; those that are not finite are left out. Throws InputError
+/// `observations` are taxels that feel pressure, any number; those that are not finite are left out. Throws InputError
 /// when an option is out of range. Cost: 0.1 … 1 s for 120 taxels beside the table, which is made once; for a stream
 /// see surface_contacts.hpp. Thread-safe. Source: Lawson and Hanson, Solving Least Squares Problems (1974), chapter 23;
 /// Hastings, Biometrika 57 (1970) 97.
 [[nodiscard]] InverseResult find_contacts(const ContactTable& table, std::span<const TaxelObservation> observations,
                                           const InverseOptions& options);
 
-/// Relative changes of capacitance that contacts of round tips cause at the positions of `taxels`; the forward model of
-/// find_contacts(). Only position, force and tip radius of the contacts are read. Throws InputError as
-/// ContactTable::press(), and when the displacements add up to the thickness of the layer.
+/// Returns the relative changes of capacitance that contacts of round tips cause at the positions of `taxels`; this is
+/// the forward model of find_contacts(). Only position, force and tip radius of the contacts are read. Throws
+/// InputError as ContactTable::press(), and when the displacements add up to the thickness of the layer.
 [[nodiscard]] std::vector<double> predict_taxels(const ContactTable& table,
                                                  std::span<const Eigen::Vector2d> taxel_positions_mm,
                                                  std::span<const ContactEstimate> contacts,

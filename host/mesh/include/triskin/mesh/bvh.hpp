@@ -11,10 +11,10 @@
 
 namespace triskin::geometry {
 
-/// Bounding volume hierarchy over items given by their boxes. Own, not CGAL's AABB tree, for three reasons: one
-/// traversal serves triangles, border edges and range queries and yields barycentric weights; the checker measures
-/// with CGAL's tree and must not share code with the solver; and it is faster (200,000 queries about 4 mm off the
-/// forearm and torso covers: 2.5 and 3.1 µs, CGAL's tree 3.8 and 4.4 µs with the same distances to 6e-14 mm).
+/// Finds items by a bounding volume hierarchy over their boxes. We use our own tree and not CGAL's AABB tree for three
+/// reasons: one traversal serves triangles, border edges and range queries and yields barycentric weights; the checker
+/// measures with CGAL's tree and must not share code with the solver; and ours is faster (200,000 queries about 4 mm
+/// off the forearm and torso covers: 2.5 and 3.1 µs, CGAL's tree 3.8 and 4.4 µs with the same distances to 6e-14 mm).
 /// Immutable after construction; queries are const and thread-safe.
 class Bvh {
  public:
@@ -72,7 +72,8 @@ class Bvh {
     }
   }
 
-  /// Number of leaves; each holds a few items that lie near each other, and so do those of leaves beside each other.
+  /// Returns the number of leaves. A leaf holds a few items that lie near each other; leaves with neighbouring numbers
+  /// are near each other too.
   [[nodiscard]] std::size_t n_leaves() const { return leaves_.size(); }
   /// Calls `visit(items, others)`, spans of item numbers, with the items of a leaf and those of each leaf after it
   /// whose box touches its own, and first with its items twice. Cost: O(log n + leaves found) typical.
@@ -97,7 +98,7 @@ class Bvh {
 
  private:
   struct Box {
-    int first = 0, end = 0;  ///< It holds the items [first, end).
+    int first = 0, end = 0;  ///< The box holds the items [first, end).
     int left = -1;           ///< The right child follows the left one; −1 marks a leaf.
     Eigen::Array3d low = Eigen::Array3d::Zero(), high = Eigen::Array3d::Zero();
   };
@@ -111,7 +112,7 @@ class Bvh {
 
   std::vector<Box> boxes_;
   std::vector<int> items_;
-  std::vector<int> leaves_;  // Boxes in the order of their items.
+  std::vector<int> leaves_;  // Leaves are listed in the order of their items.
 };
 
 inline double Bvh::distance_squared(const Box& box, const Vec3& q) {
@@ -121,8 +122,8 @@ inline double Bvh::distance_squared(const Box& box, const Vec3& q) {
   return x * x + y * y + z * z;
 }
 
-/// Position where a ray enters a box, in lengths of its direction; infinity if it misses. A ray in a side of the box
-/// (0/0) counts as inside.
+/// Returns the position where a ray enters a box, in lengths of its direction; infinity if it misses. A ray that lies
+/// in a side of the box (0/0) counts as inside.
 inline double Bvh::entry(const Box& box, const Vec3& from, const Eigen::Array3d& inverse) {
   double enter = 0.0, leave = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) {

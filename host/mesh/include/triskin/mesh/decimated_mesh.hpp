@@ -8,42 +8,42 @@
 
 namespace triskin::geometry {
 
-/// How far a mesh of the solvers may be from the surface that it stands for, mm unless another is asked for.
+/// By default the mesh of the solvers may be this far from the surface that it stands for.
 inline constexpr double kSolverDeviation_mm = 0.05;
-/// The same of their borders: what stands over a border is measured to 0.02 mm.
+/// By default its borders may be off by this much: the overhang of modules over a border is measured to 0.02 mm.
 inline constexpr double kSolverBorder_mm = 0.01;
 
-/// A mesh with fewer faces for the solvers, whose cost follows the area and the shape of a surface and not its faces.
-/// Its corners are corners of the surface; parts, holes and handles are the same.
+/// Stands for a surface with more faces than the solvers need: their cost follows the area and the shape, not the
+/// number of faces. Its corners are corners of the surface; parts, holes and handles are the same.
 struct DecimatedMesh {
   Mesh mesh;
-  /// No point of either is farther from the other: a proved bound, but for rounding (1e-9 mm a step), and at most what
-  /// was asked for.
+  /// No point of either mesh is farther from the other. The bound is proved, but for rounding (1e-9 mm per step), and
+  /// never exceeds what the caller asked for.
   double deviation_mm = 0.0;
-  double border_mm = 0.0;  ///< The borders may move by so much.
+  double border_mm = 0.0;  ///< No border moved farther than this.
 };
 
-/// Takes out corners while the bounds hold, where the surface is flattest first: an edge is drawn together where the
-/// faces round a corner and those that replace them lie over each other one to one, seen along their mean normal; what
-/// lies between them, measured along it, is added to the bound of the new faces. Sharp edges, bends and borders stay
-/// where the bounds need them. A corner where several borders meet stays. Faces of the result may come nearer to each
-/// other than those of the surface, by twice the deviation at most. Errors: none; with a
-/// deviation of 0 nothing is taken out. The bound of the deviation grows in steps, each four times the one before; with
-/// `enough_faces` no further step begins when no more are left. Deterministic, whatever the number of threads. Uses
-/// `threads` (≥ 1); thread-safe. Cost: O(n), 2 … 3 µs of processor time a face that goes, 60 bytes a face.
+/// Removes corners while the bounds hold, at the flattest places first. An edge is collapsed if the faces around a
+/// corner and those that replace them cover each other one to one, seen along their mean normal; the distance between
+/// them along it is added to the bound of the new faces. Sharp edges, bends and borders stay where the bounds need
+/// them, and so do corners where several borders meet. Faces of the result may be nearer to each other than those of
+/// the surface, by at most twice the deviation. Errors: none; with a deviation of 0 nothing is removed. The bound of
+/// the deviation grows in steps, each four times the one before; with `enough_faces` no further step begins once no
+/// more faces than that are left. Deterministic, whatever the number of threads. Uses `threads` (≥ 1); thread-safe.
+/// Cost: O(n), 2 … 3 µs of processor time per removed face, 60 bytes per face.
 [[nodiscard]] DecimatedMesh decimate(const Surface& surface, double deviation_mm = kSolverDeviation_mm,
                                      double border_mm = kSolverBorder_mm, int threads = 2,
                                      std::size_t enough_faces = 0);
 
-/// The mesh on which the solvers work with these limits in place of a surface with more faces than they need; none
-/// where the surface itself serves: fewer than 5,000 faces or more than 4 mm² a face on the mean, `deviation_mm` <= 0,
-/// or no more than half of the faces can go. Against a narrow limit of lift, depth, centre gap or overrun the deviation
-/// is smaller than asked: a twentieth of it. Cost: that of reduce(), or nothing.
+/// Returns the mesh for the solvers with these limits if the surface has more faces than they need. Returns nothing if
+/// the surface itself is suitable: fewer than 5,000 faces or more than 4 mm² per face on average, `deviation_mm` <= 0,
+/// or more than half of the faces would remain. With a narrow limit of lift, depth, centre gap or overrun the deviation
+/// is smaller than asked for: a twentieth of that limit. Cost: that of decimate(), or nothing.
 [[nodiscard]] std::optional<DecimatedMesh> solver_mesh_of(const Surface& surface, const LayoutLimits& limits,
                                                           double deviation_mm = kSolverDeviation_mm, int threads = 2);
 
-/// The limits that a module has to keep on the solver's mesh so that it keeps the given ones on the surface: lift,
-/// depth and centre gap less the deviation, overrun less that of the border; at least half of each.
+/// Returns the limits that a module must keep on the solver's mesh so that it keeps the given ones on the surface:
+/// lift, depth and centre gap less the deviation, overrun less that of the border; at least half of each.
 [[nodiscard]] LayoutLimits limits_on(const DecimatedMesh& solver, LayoutLimits limits);
 
 }  // namespace triskin::geometry

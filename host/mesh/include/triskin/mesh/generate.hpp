@@ -9,33 +9,36 @@
 
 namespace triskin::geometry {
 
-/// Covers of our own, as hard as those of a robot (docs/generate.md).
+/// Names the generated covers, which are as hard as those of a robot (docs/generate.md).
 enum class Shape : std::uint8_t { kForearm, kTorso, kHip, kThigh, kDirtyShell, kNearDegenerate };
 
-/// Row of the table of shapes: the one place where their names stand.
+/// One row of the table of shapes, the only place that states their names.
 struct ShapeInfo {
   Shape shape;
-  std::string_view name;     ///< The name is that of the command line and of the tests.
+  std::string_view name;     ///< Command line and tests use this name.
   std::string_view summary;  ///< The summary tells what makes the shape hard.
-  double size_mm;            ///< generate() gives this largest side of the bounding box when no size is asked for.
-  int faces;                 ///< It asks for this number of faces when none is given.
+  double size_mm;            ///< The bounding box gets this largest side unless the options give a size.
+  int faces;                 ///< The mesh gets about this many faces unless the options give a number.
 };
 
-/// Every shape, in the order of the enumeration.
+/// Lists every shape, in the order of the enumeration.
 [[nodiscard]] std::span<const ShapeInfo> generated_shapes();
-/// Shape of this name; nothing when there is none.
+/// Returns nothing when no shape has this name.
 [[nodiscard]] std::optional<Shape> shape_named(std::string_view name);
 
 struct GenerateOptions {
-  double size_mm = 0.0;  ///< The largest side of the bounding box is 20 … 5000 mm; 0 takes that of the table.
-  int faces = 0;         ///< The number of faces, 50 … 2,000,000, is met within a fifth; 0 takes the table's.
+  /// This is the largest side of the bounding box, 20 … 5000 mm; 0 selects the size in the table.
+  double size_mm = 0.0;
+  /// The result has this number of faces (50 … 2,000,000) within a fifth; 0 selects the number in the table.
+  int faces = 0;
 };
 
-/// Triangle mesh of a cover, mm. kForearm … kThigh are oriented manifolds without self-intersection, normals outwards
-/// (those of kForearm inwards, as in release 0.1); kDirtyShell has what CAD exports have (two walls, ribs, loose parts,
-/// duplicate, flipped and degenerate faces, T-junctions, unshared vertices) and needs extract(); kNearDegenerate is the
-/// surface of kHip cut into needles, slivers and edges from 2e-6 mm on, and a manifold once read_mesh() has welded it.
-/// Equal for equal options. Throws InputError naming an option out of its range. Cost: linear in the faces.
+/// Makes the triangle mesh of a cover, in mm. kForearm … kThigh are oriented manifolds without self-intersection,
+/// normals outwards (those of kForearm inwards, as in release 0.1); kDirtyShell has the faults of CAD exports (two
+/// walls, ribs, loose parts, duplicate, flipped and degenerate faces, T-junctions, unshared vertices) and needs
+/// extract(); kNearDegenerate is the surface of kHip cut into needles, slivers and edges from 2e-6 mm on, and a
+/// manifold once read_mesh() has welded it. Equal options give equal meshes. Throws InputError naming an option out of
+/// its range. Cost: linear in the faces.
 [[nodiscard]] Mesh generate(Shape shape, const GenerateOptions& options = {});
 
 }  // namespace triskin::geometry

@@ -4,18 +4,18 @@
 
 namespace triskin::geometry {
 
-/// Side to which the faces of a part with a border look. A closed part has an outside, an open one has two sides.
+/// Tells which way the faces of a part with a border face. A closed part has an outside, an open one has two sides.
 struct OpenSide {
-  bool is_open = false;  ///< Some edge has a single face.
-  /// It is the mean of the unit normals over the area, and is shorter than 1 where they turn.
+  bool is_open = false;  ///< True if some edge has a single face.
+  /// This mean of the unit normals over the area is shorter than 1 if they turn.
   design::Vec3 normal = design::Vec3::Zero();
-  double toward_middle = 0.0;  ///< It is the share of the area (0 … 1) that looks at the middle of the part.
+  double toward_middle = 0.0;  ///< This fraction (0 … 1) of the area faces the middle of the part.
 };
 
-/// Measures the side to which the faces of a mesh look. Cost: linear in the faces. Threads: any.
+/// Measures which way the faces of a mesh face. Cost: linear in the faces. Threads: any.
 [[nodiscard]] OpenSide open_side_of(const design::Mesh& mesh);
 
-/// Turns every face over.
+/// Reverses the orientation of every face.
 void turn_over(design::Mesh& mesh);
 
 }  // namespace triskin::geometry

@@ -11,47 +11,49 @@
 
 namespace triskin::geometry {
 
-/// The regions of a cover on its surface: worth of a place, what must stay free, what must be covered. Immutable; all
-/// queries are const and thread-safe. Refers to the surface.
+/// Applies the regions of a cover to its surface: the weight of each place, and what must be covered or stay free.
+/// Immutable; all queries are const and thread-safe. Refers to the surface.
 class SurfaceRegions {
  public:
-  /// Errors: InputError naming the region for shapes without size, weights or distances out of range, faces that are
-  /// not there, a region that is both `cover` and `free`, that says nothing, or that no part of the surface lies in.
+  /// Errors: InputError naming the region for shapes without size, weights or distances out of range, unknown faces, a
+  /// region that is both `cover` and `free` or states neither a weight nor one of them, or that contains no part of the
+  /// surface.
   SurfaceRegions(const Surface& surface, design::Regions regions);
 
   [[nodiscard]] const design::Regions& regions() const { return regions_; }
   [[nodiscard]] bool has_weights() const { return has_weights_; }
-  /// Worth of a module with this centre. Cost: one closest point.
+  /// Returns the weight of a module with this centre. Cost: one closest point.
   [[nodiscard]] double weight_at(const Vec3& center_mm) const;
-  /// How far the module (corners in mm, less its corner cut) reaches into a region that must stay free: the largest
-  /// distance from a foot of the module on the surface to the rim of the region, to 0.005 mm below, beyond 1 mm to 5 %.
-  /// 0: it does not. Cost: nothing far from such regions, some hundred closest points near one.
+  /// Returns how far the module (corners in mm, less its corner cut) reaches into a region that must stay free: the
+  /// largest distance from a point of the module's projection on the surface to the rim of the region, exact to 0.005
+  /// mm plus 5 % of what exceeds 1 mm. Zero means that the module keeps out. Cost: nothing far from such regions, some
+  /// hundred closest points near one.
   [[nodiscard]] double keep_out_mm(const std::array<Vec3, 3>& corner_mm, double corner_cut_mm) const;
 
-  /// Points of the regions that must stay free, 0.5 mm apart at their rims and 3 mm inside: a module that covers none
-  /// of them reaches in by no more than about 0.4 mm.
+  /// Samples the regions that must stay free every 0.5 mm at their rims and every 3 mm inside: a module that covers
+  /// none of these points reaches in by no more than about 0.4 mm.
   [[nodiscard]] const std::vector<Vec3>& free_points() const { return free_points_; }
 
-  /// A place that must be covered.
+  /// A place that some module must cover.
   struct MustCover {
     Vec3 point_mm;
-    int region;        ///< It is an index in regions().list.
+    int region;        ///< The index refers to regions().list.
     double within_mm;  ///< A module must be at least this near.
-    double share;      ///< It is a share of the region's area.
+    double share;      ///< The place stands for this fraction of the region's area.
   };
-  /// Places of the must-cover regions, at most `step_mm` > 0 apart (a region smaller than that has one).
+  /// Returns places of the must-cover regions, at most `step_mm` > 0 apart; a region smaller than that has one.
   [[nodiscard]] std::vector<MustCover> must_cover(double step_mm) const;
-  /// The must-cover regions that the modules do not cover, each with its worst place; `why` is empty. Places are 1 mm
-  /// apart.
+  /// Returns the must-cover regions that the modules do not cover, each with its worst place; `why` is empty. Places
+  /// are 1 mm apart.
   [[nodiscard]] std::vector<design::Uncovered> uncovered(const ModuleLayout& layout) const;
-  /// Σ weight_at() of the modules.
+  /// Returns the sum of weight_at() over the modules.
   [[nodiscard]] double weight_of(const ModuleLayout& layout) const;
-  /// weight_of(), less kUncoveredCost modules for each share of a must-cover region that is not
-  /// covered, at places 3 mm apart.
+  /// Returns weight_of(), less kUncoveredCost for a must-cover region that is not covered at all, and proportionally
+  /// less for a part of it; the places tested are 3 mm apart.
   [[nodiscard]] double module_value(const ModuleLayout& layout) const;
 
  private:
-  struct Group {  // A group is the faces of a set, with the edges that separate it from the others.
+  struct Group {  // A group has the faces of a set and the edges that separate it from the others.
     std::vector<char> holds;
     std::vector<std::array<Vec3, 2>> rim;
   };
@@ -62,16 +64,16 @@ class SurfaceRegions {
 
   const Surface& surface_;
   design::Regions regions_;
-  std::vector<Group> groups_;  // Indexed by region; empty for other shapes.
+  std::vector<Group> groups_;  // The index is the region; other shapes have an empty group.
   std::vector<Vec3> free_points_;
   bool has_weights_ = false;
 };
 
-/// Modules that a must-cover region is worth which is not covered at all: more than any lattice round it could gain.
+/// A must-cover region that is not covered at all costs this many modules, more than any lattice around it could gain.
 inline constexpr double kUncoveredCost = 20.0;
 
-/// Distance of a place of the surface from a module, seen along the module's normal, mm; infinity for one that is not
-/// near, or on another sheet. Constant cost.
+/// Returns the distance in mm of a place of the surface from a module, seen along the module's normal; infinity for one
+/// that is not near, or on another sheet. Constant cost.
 [[nodiscard]] double distance_beside(const std::array<Vec3, 3>& corner_mm, double corner_cut_mm, const Vec3& place_mm);
 
 }  // namespace triskin::geometry

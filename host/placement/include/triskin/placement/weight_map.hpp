@@ -8,39 +8,39 @@
 
 namespace triskin::geometry {
 
-/// Weight of a module by the place of its centre on the polygon (contact likelihood): a uniform cubic B-spline
-/// over a raster, so that it is smooth (C²), lies between the raster's least and largest value, and has bounds for its
-/// slopes. Outside the raster its rim goes on. Immutable: any number of threads.
+/// Weighs a module by the place of its centre on the polygon (contact likelihood): a uniform cubic B-spline over a
+/// raster, so that it is smooth (C²), lies between the raster's least and largest value, and has bounds for its
+/// slopes. Outside the raster its rim continues. Immutable, so any number of threads may read it.
 class WeightMap {
  public:
-  /// values[row][column], 0 … 1e12, stands at origin + step·(column, row), mm in the frame of the polygon. Errors:
-  /// InputError for rows of different lengths, values out of range, a step that is not positive, no
-  /// values.
+  /// values[row][column], 0 … 1e12, belongs to origin + step·(column, row), mm in the frame of the polygon. Errors:
+  /// InputError for rows of different lengths, values out of range, a step that is not positive, no values.
   WeightMap(const Vec2& origin_mm, double step_mm, const std::vector<std::vector<double>>& values);
 
-  /// Vertex of of_mesh(): place on the polygon and weight, 0 … 1e12.
+  /// A vertex of of_mesh(): place on the polygon and weight, 0 … 1e12.
   struct Vertex {
     Vec2 at_mm;
     double weight = 0.0;
   };
   /// Makes the map from a flat mesh with a weight at each vertex (an unfolded cover), linear on its faces; elsewhere
-  /// as at the nearest point of a face. Cost: raster points in the box of the mesh, each against every face. Errors:
-  /// as above, and for faces with vertices that are not there, no face, or a step that gives too many points.
+  /// the weight is that of the nearest point of a face. Cost: raster points in the box of the mesh, each against every
+  /// face. Errors: as above, and for faces with vertices that do not exist, no face, or a step that gives too many
+  /// points.
   [[nodiscard]] static WeightMap of_mesh(const std::vector<Vertex>& vertices,
                                          const std::vector<std::array<int, 3>>& faces, double step_mm);
 
-  /// Value and gradient at a point.
+  /// A jet has the value and the gradient of the map at a point.
   struct Jet {
     double value = 0.0;
     Vec2 slope_per_mm = Vec2::Zero();
   };
-  /// Value and gradient at a point in the frame of the polygon, mm; any finite point. Constant cost.
+  /// Returns value and gradient at a point in the frame of the polygon, mm; any finite point is allowed. Constant cost.
   [[nodiscard]] Jet at(const Vec2& p_mm) const;
-  /// Upper bound of all values.
+  /// Returns an upper bound of all values.
   [[nodiscard]] double most() const { return most_; }
-  /// Upper bound of the length of the gradient, per mm.
+  /// Returns an upper bound of the length of the gradient, per mm.
   [[nodiscard]] double max_slope_per_mm() const { return max_slope_; }
-  /// Upper bound of the second derivative in every direction, per mm².
+  /// Returns an upper bound of the second derivative in every direction, per mm².
   [[nodiscard]] double max_curvature_per_mm2() const { return max_curvature_; }
 
  private:

@@ -10,53 +10,54 @@
 
 namespace triskin::geometry {
 
-/// A set of islands, one bit each.
+/// Each bit stands for one island.
 using IslandSet = std::uint64_t;
 inline constexpr int kMaxIslands = 64;
 
-/// Islands that jumpers can join.
+/// Describes which islands jumpers can join.
 struct IslandGraph {
-  std::vector<int> weight;           ///< Each is a number of modules.
+  std::vector<int> weight;           ///< The weight of an island is its number of modules.
   std::vector<int> alone;            ///< No partition of the island alone has fewer parts.
   std::vector<IslandSet> neighbour;  ///< A jumper can lead to these islands.
 };
 
-/// Lower bounds of the price by *groups*: islands that fitted jumpers join, directly or over others. No part reaches
-/// over two groups, and m islands need m - 1 jumpers to hang together. A group costs at least ⌈weight / capacity⌉
+/// Finds lower bounds of the price by *groups*: islands that fitted jumpers join, directly or through others. No part
+/// spans two groups, and m islands need m - 1 jumpers to be connected. A group costs at least ⌈weight / capacity⌉
 /// controllers and m − 1 jumpers, and no partition costs less than the cheapest division of the islands into groups.
-/// That is found exactly: islands are placed one by one; a state keeps the groups that can still grow.
+/// That division is found exactly: islands are placed one by one; a state keeps the groups that can still grow.
 class IslandGroups {
  public:
-  /// What groups cost at least where more is known than price_of(), never less.
+  /// Lists the least cost of groups for which more is known than price_of(); never below it.
   using Known = std::unordered_map<IslandSet, std::int64_t>;
   struct Division {
     std::int64_t price = 0;
     std::vector<IslandSet> groups;
   };
 
-  /// The graph is connected and has no more than kMaxIslands islands. Divisions that cost `limit` or more are left
-  /// out. Cost: up to `budget` transitions between states.
+  /// The graph must be connected and have no more than kMaxIslands islands. Divisions that cost `limit` or more are
+  /// left out. Cost: up to `budget` transitions between states.
   IslandGroups(IslandGraph graph, int capacity, const IntegerPrice& price, std::int64_t limit, long budget);
 
-  /// The least price by weights alone, or the limit; none where the budget ended first.
+  /// Returns the least price by weights alone, or the limit; nothing if the budget ended first.
   [[nodiscard]] std::optional<std::int64_t> least() const;
-  /// Price of one group, by its weight.
+  /// Returns the price of one group, by its weight.
   [[nodiscard]] std::int64_t price_of(IslandSet group) const;
-  /// The cheapest division below `limit`, which may not rise; without groups where there is none. Nothing where least()
-  /// has no value or the budget, which is counted down, ended first.
+  /// Returns the cheapest division below `limit`, which may not rise; without groups if there is none. Returns nothing
+  /// if least() has no value or the budget, which is counted down, ended first.
   [[nodiscard]] std::optional<Division> cheapest(const Known& known, std::int64_t limit, long& budget) const;
 
  private:
   struct Group {
-    IslandSet growing = 0, islands = 0;  // Islands with neighbours to come, and all islands.
-    int weight = 0;                      // Counted in modules.
+    // `growing` has the islands with neighbours still to be placed, `islands` all of them.
+    IslandSet growing = 0, islands = 0;
+    int weight = 0;  // The weight counts modules.
     auto operator<=>(const Group&) const = default;
   };
-  using State = std::vector<Group>;  // Holds only groups that can still grow, sorted.
+  using State = std::vector<Group>;  // A state holds only groups that can still grow, sorted.
   struct Way {
     State state;
     std::vector<IslandSet> closed;
-    std::int64_t price = 0;  // Price, by the weights, of what the transition adds.
+    std::int64_t price = 0;  // The transition adds this price, by the weights.
   };
   using Key = std::vector<IslandSet>;
   struct KeyHash {
@@ -65,20 +66,20 @@ class IslandGroups {
   template <typename Value>
   using ByKey = std::unordered_map<Key, Value, KeyHash>;
   struct Layer {
-    int island = -1;                           // Island that is placed next.
-    IslandSet can_grow = 0;                    // Islands that still have neighbours to come once it is placed.
-    int weight_to_come = 0;                    // Weight still to be placed, including this island.
-    std::vector<State> state;                  // Indexed by number.
-    std::vector<std::int64_t> price, to_come;  // Exact price so far, and a lower bound of what follows.
-    ByKey<std::vector<int>> alike;             // States, keyed by what can grow in each group.
+    int island = -1;         // This island is placed next.
+    IslandSet can_grow = 0;  // These islands still have unplaced neighbours once it is placed.
+    int weight_to_come = 0;  // This weight is still to be placed, including this island.
+    std::vector<State> state;
+    std::vector<std::int64_t> price, to_come;  // `price` is exact so far; `to_come` is a lower bound of the rest.
+    ByKey<std::vector<int>> alike;             // The key tells which islands can grow in each group.
   };
   struct Arc {
-    int from, to;  // Numbers of states in a layer and in the next one.
+    int from, to;  // `from` numbers a state in a layer, `to` one in the next layer.
     std::int64_t price;
   };
   struct Best {
     std::int64_t price = 0;
-    const State* before = nullptr;  // State in the previous layer.
+    const State* before = nullptr;  // The state belongs to the previous layer.
     std::vector<IslandSet> closed;
   };
 
@@ -103,7 +104,7 @@ class IslandGroups {
   int capacity_;
   IntegerPrice price_;
   std::int64_t limit_;
-  std::vector<Layer> layers_;  // Empty if the budget ended.
+  std::vector<Layer> layers_;  // No layers exist if the budget ended.
 };
 
 }  // namespace triskin::geometry

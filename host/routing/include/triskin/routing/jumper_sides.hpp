@@ -6,11 +6,11 @@
 
 namespace triskin::geometry {
 
-/// A free side of a module, as the rules of jumpers see it.
+/// A free side of a module with the values that the rules of jumpers need.
 struct FreeSide {
   Vec3 middle;
-  Vec3 outward;  ///< It points from the module's centroid to the middle of the side.
-  Vec3 normal;   ///< It is the module's unit normal.
+  Vec3 outward;  ///< The vector leads from the module's centroid to the middle of the side.
+  Vec3 normal;
 };
 
 [[nodiscard]] inline FreeSide free_side(const std::array<Vec3, 3>& corner, std::size_t side) {
@@ -19,8 +19,8 @@ struct FreeSide {
   return {middle, middle - center, (corner[1] - corner[0]).cross(corner[2] - corner[0]).normalized()};
 }
 
-/// Outward directions more than 120° apart, each side before the other (by more than the 0.5 mm that modules may
-/// overlap).
+/// Returns true if the outward directions are more than 120° apart and each side lies before the other (by more than
+/// the 0.5 mm that modules may overlap).
 [[nodiscard]] inline bool face_each_other(const FreeSide& a, const FreeSide& b) {
   constexpr double kBehind_mm = 0.5;
   const double na = a.outward.norm(), nb = b.outward.norm();

@@ -11,24 +11,25 @@ namespace triskin::geometry {
 
 /// A set of nodes of a module graph under local numbers 0 … n−1, with the joints among them.
 struct LocalGraph {
-  std::vector<int> node;  ///< They are nodes of the module graph in ascending order.
-  /// Neighbours over each tile side are local numbers; −1 lies outside the set.
+  std::vector<int> node;  ///< The list has nodes of the module graph in ascending order.
+  /// Neighbours over each tile side have local numbers; −1 lies outside the set.
   std::vector<std::array<int, 3>> neighbour;
   [[nodiscard]] int size() const { return static_cast<int>(node.size()); }
 };
 [[nodiscard]] LocalGraph localize(const ModuleGraph& graph, std::vector<int> nodes);
 
-/// Connected components of the joints, each sorted; by least node. Of a local graph: local nodes.
+/// Returns the connected components of the joints, each sorted, in the order of their least nodes. For a local graph
+/// they contain local nodes.
 [[nodiscard]] std::vector<std::vector<int>> components(const ModuleGraph& graph);
 [[nodiscard]] std::vector<std::vector<int>> components(const LocalGraph& graph);
 
-/// Nodes of a spanning tree, parents before children; parent[k] belongs to order[k], −1 for the root.
+/// Lists the nodes of a spanning tree, parents before children; parent[k] belongs to order[k], −1 for the root.
 struct SpanningTree {
   std::vector<int> order;
-  std::vector<int> parent;  ///< It is indexed by local node.
+  std::vector<int> parent;
 };
-/// Random spanning tree of the nodes v with part_of[v] == `part`, which are connected; `root` is one of them. Grows by
-/// a mixture of depth first and random order, so that stringy and bushy trees both come up. Cost: O(n).
+/// Draws a random spanning tree of the nodes v with part_of[v] == `part`, which must be connected; `root` is one of
+/// them. Grows by a mixture of depth-first and random order, so that both stringy and bushy trees occur. Cost: O(n).
 void random_tree(const LocalGraph& g, const std::vector<int>& part_of, int part, int root, Dice& random,
                  SpanningTree& tree);
 

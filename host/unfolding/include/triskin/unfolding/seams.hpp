@@ -10,24 +10,23 @@
 
 namespace triskin::geometry {
 
-/// Polylines on a surface, mm.
+/// Coordinates are in mm.
 using SeamLines = std::vector<std::vector<Vec3>>;
 
-/// Edge of a surface, seen from one of its faces: index in Mesh::faces and side 0 … 2 (corner side → side + 1).
+/// An edge of a surface, seen from one of its faces: index in Mesh::faces and side 0 … 2 (corner side → side + 1).
 struct SurfaceEdge {
   int face = 0, side = 0;
 };
 
 /// Reads polylines (mm after `unit`, default mm) of an OBJ file: `v x y z` and `l i j k …` (1-based; negative counts
-/// from the end); other records are passed over. Errors: InputError naming file, line and remedy for a file that cannot
-/// be read, for numbers that are none, indices without a vertex, lines of fewer than two points, and a file without
-/// `l`.
+/// from the end); other records are skipped. Errors: InputError naming file, line and remedy for a file that cannot be
+/// read, for malformed numbers, indices without a vertex, lines of fewer than two points, and a file without `l`.
 [[nodiscard]] SeamLines read_seams(const std::filesystem::path& path, std::optional<LengthUnit> unit = {});
 
-/// Edges of the surface along the lines, for UnfoldingOptions::seams or ::uncut: each point goes to the nearest vertex,
-/// points that follow each other are joined along edges by the shortest way. Errors: InputError naming `name`, line and
-/// point where the nearest vertex is more than `within_mm` away, no way leads along edges, or a line ends up at a
-/// single vertex. Cost: O(n log n) a point (Dijkstra).
+/// Returns the edges of the surface along the lines, for UnfoldingOptions::seams or ::uncut: each point moves to the
+/// nearest vertex, and consecutive points are joined along edges by the shortest path. Errors: InputError naming
+/// `name`, line and point if the nearest vertex is more than `within_mm` away, no path leads along edges, or a line
+/// collapses to a single vertex. Cost: O(n log n) per point (Dijkstra).
 [[nodiscard]] std::vector<SurfaceEdge> edges_along(const Surface& surface, const SeamLines& lines,
                                                    const std::string& name, double within_mm = 5.0);
 

@@ -8,19 +8,20 @@
 
 namespace triskin::machine {
 
-/// DMA1 with its request multiplexer (RM0440 §12, §13): eight channels, bytes between a peripheral's data register
-/// and RAM. A peripheral asks with its request number; the multiplexer finds the channel. Transfers take no time of
-/// their own.
+/// Models DMA1 with its request multiplexer (RM0440 §12, §13): eight channels that move bytes between a peripheral's
+/// data register and RAM. A peripheral asks with its request number; the multiplexer finds the channel. Transfers take
+/// no time of their own.
 class Dma final : public Peripheral {
  public:
-  using Memory = std::function<std::uint8_t*(std::uint32_t address)>;  ///< null: no RAM there
+  /// The function returns null if there is no RAM at the address.
+  using Memory = std::function<std::uint8_t*(std::uint32_t address)>;
 
   Dma(Surroundings& around, Memory memory) : Peripheral(around), memory_(std::move(memory)) {}
   std::uint32_t read(std::uint32_t offset, unsigned size) override;
   void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
   void reset() override;
 
-  /// The next byte for a peripheral that wants one; empty: no channel serves it now.
+  /// Returns the next byte for a peripheral that wants one; empty if no channel serves it now.
   [[nodiscard]] std::optional<std::uint8_t> fetch(std::uint32_t request);
   [[nodiscard]] bool wants(std::uint32_t request) { return channel_for(request, false) != nullptr; }
   void store(std::uint32_t request, std::uint8_t byte);
@@ -37,7 +38,7 @@ class Dma final : public Peripheral {
   std::array<Channel, 8> channels_{};
 };
 
-/// DMAMUX (§13.6): which request drives which channel.
+/// Models DMAMUX (§13.6), which connects requests to channels.
 class DmaMux final : public Peripheral {
  public:
   DmaMux(Surroundings& around, Dma& dma) : Peripheral(around), dma_(dma) {}

@@ -10,9 +10,9 @@
 
 namespace triskin::machine {
 
-/// FDCAN1 and its message RAM (RM0440 §44): initialization rules, filters, receive FIFO 0 of three, transmit FIFO of
-/// three, interrupts; frames take the time of their bits, stuff bits too, at the programmed rates. A spoilt frame is
-/// followed by an error frame and sent again; error counters, error states, bus-off (§44.3.3).
+/// Models FDCAN1 and its message RAM (RM0440 §44): initialization rules, filters, receive FIFO 0 of three, transmit
+/// FIFO of three, interrupts. Frames take the time of their bits, including stuff bits, at the programmed rates. An
+/// error frame follows a spoilt frame, which is sent again; error counters, error states and bus-off follow §44.3.3.
 class Fdcan final : public Peripheral {
  public:
   using Sink = std::function<void(const wire::CanFrame&, std::uint64_t now_us)>;
@@ -25,13 +25,14 @@ class Fdcan final : public Peripheral {
   void reset() override;
   std::uint32_t read_ram(std::uint32_t offset) { return ram_[offset / 4]; }
   void write_ram(std::uint32_t offset, std::uint32_t value) { ram_[offset / 4] = value; }
-  /// A frame from another node; waits its turn on the bus.
+  /// Takes a frame from another node, which waits its turn on the bus.
   void from_bus(const wire::CanFrame& frame);
-  /// Frames of other nodes that have not ended on the bus.
+  /// Returns the number of frames of other nodes that have not ended on the bus.
   [[nodiscard]] std::size_t waiting() const { return incoming_.size(); }
-  /// The frame that is under way is spoilt: an error frame, and its sender begins again. False: the bus is idle.
+  /// Spoils the frame that is under way: an error frame follows, and its sender begins again. Returns false if the bus
+  /// is idle.
   bool spoil_frame();
-  /// How often it left the bus.
+  /// Returns how often it left the bus.
   [[nodiscard]] std::uint64_t bus_offs() const { return bus_offs_; }
 
  private:
@@ -69,7 +70,7 @@ class Fdcan final : public Peripheral {
   std::uint64_t generation_ = 0;
 };
 
-/// The message RAM's window on the bus.
+/// Maps the message RAM into the address space of the bus.
 class FdcanRam final : public Peripheral {
  public:
   FdcanRam(Surroundings& around, Fdcan& can) : Peripheral(around), can_(can) {}

@@ -8,12 +8,12 @@
 
 namespace triskin::machine {
 
-/// Flash interface (RM0440 §3.7): keys, lock, page erase, programming of 64-bit units, busy times, error
+/// Models the flash interface (RM0440 §3.7): keys, lock, page erase, programming of 64-bit units, busy times, error
 /// flags, ECC, option bytes, the bank that is busy, the rules of the data cache.
 class FlashController final : public Peripheral {
  public:
   static constexpr Time kProgramTime = 82 * kMicrosecond, kEraseTime = 22'000 * kMicrosecond;
-  /// Cells have changed that the core may have read code from.
+  /// Receives cells that changed and from which the core may have read code.
   using Changed = std::function<void(std::uint32_t address, std::uint32_t size)>;
 
   FlashController(Surroundings& around, FlashChip& chip, Rcc& rcc, Changed changed)
@@ -23,19 +23,19 @@ class FlashController final : public Peripheral {
   std::uint32_t read(std::uint32_t offset, unsigned size) override;
   void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
   void reset() override;
-  /// The CPU wrote to the flash's address space.
+  /// Takes a write of the CPU to the flash's address space.
   void cell_write(std::uint32_t address, std::uint32_t value, unsigned size);
-  /// The CPU read a unit whose ECC is broken.
+  /// Takes a read of the CPU from a unit whose ECC is broken.
   void torn_read(std::uint32_t unit);
-  /// An operation is under way.
+  /// Returns true while an operation is under way.
   [[nodiscard]] bool busy() const { return busy_; }
-  /// The address lies in the bank that is being written.
+  /// Returns true if the address lies in the bank that is being written.
   [[nodiscard]] bool busy_at(std::uint32_t address) const {
     return busy_ && address >= FlashChip::kBase && address < FlashChip::kBase + FlashChip::kBytes &&
            (!two_banks() || (address - FlashChip::kBase) / (FlashChip::kBytes / 2) == busy_bank_);
   }
   [[nodiscard]] Time busy_until() const { return busy_until_; }
-  /// Power failed in an operation: the machine must end.
+  /// Returns true if power failed in an operation, so that the machine must stop.
   [[nodiscard]] bool power_lost() const { return power_lost_; }
 
  private:

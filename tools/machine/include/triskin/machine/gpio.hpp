@@ -10,8 +10,8 @@
 
 namespace triskin::machine {
 
-/// Ports A, B, C (RM0440 §9.4): modes, alternate functions, levels. The pins of the four I²C lines are tied to their
-/// buses, so that pulses made by hand reach the chips; PB12, PB10 and PB11 are EN and latch of the route chain.
+/// Models ports A, B, C (RM0440 §9.4): modes, alternate functions, levels. The pins of the four I²C lines are tied to
+/// their buses, so that pulses made by hand reach the chips; PB12, PB10 and PB11 are EN and latch of the route chain.
 class Gpio final : public Peripheral {
  public:
   Gpio(Surroundings& around, Rcc& rcc, const std::array<sim::I2cBus*, 4>& buses, RouteChainPins& chain,
@@ -20,9 +20,9 @@ class Gpio final : public Peripheral {
   std::uint32_t read(std::uint32_t offset, unsigned size) override;
   void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
   void reset() override;
-  /// The pin is at an alternate function; port 0 is A.
+  /// Returns true if the pin is at an alternate function; port 0 is A.
   [[nodiscard]] bool alternate(unsigned port, unsigned pin, unsigned function) const;
-  /// SCL and SDA of a line are open drain and belong to its I²C block.
+  /// Returns true if SCL and SDA of a line are open drain and belong to its I²C block.
   [[nodiscard]] bool line_ready(std::size_t line) const;
   [[nodiscard]] bool can_ready() const;
   [[nodiscard]] bool log_ready() const;

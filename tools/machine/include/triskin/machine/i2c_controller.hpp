@@ -9,8 +9,8 @@
 
 namespace triskin::machine {
 
-/// I²C version 2 as a master (RM0440 §39.9): timing from TIMINGR, data register and shift register, automatic end,
-/// NACK and stop, SCL time-out, DMA requests. The bytes go to an I2cBus. Its pins can be taken away by the GPIO block
+/// Models I²C version 2 as a master (RM0440 §39.9): timing from TIMINGR, data register and shift register, automatic
+/// end, NACK and stop, SCL time-out, DMA requests. The bytes go to an I2cBus. The GPIO block can take its pins away
 /// (bus clear).
 class I2cController final : public Peripheral {
  public:
@@ -30,23 +30,23 @@ class I2cController final : public Peripheral {
   void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
   void reset() override;
   [[nodiscard]] sim::I2cBus& bus() { return bus_; }
-  /// A transfer sees a bus error where none is and goes on (errata ES0430, 2.15.2). False: no transfer is under way, or
-  /// the last one still stands.
+  /// Makes a transfer see a bus error that does not exist, and continue (errata ES0430, 2.15.2). Returns false if no
+  /// transfer is under way, or the last error is still pending.
   bool spurious_bus_error();
-  /// The controller takes a disturbance for another master: it lets go in the middle of a transfer, and the chips are
-  /// left where they are. The bus counts as busy until a stop. False: no transfer is under way, or the controller holds
-  /// SCL low itself.
+  /// Makes the controller take a disturbance for another master: it lets go in the middle of a transfer, and the chips
+  /// are left as they are. The bus counts as busy until a stop. Returns false if no transfer is under way, or the
+  /// controller holds SCL low itself.
   bool lose_arbitration();
-  /// The chip's next acknowledge is spoilt on the wire: the chip takes the byte, the controller sees none. False: none
-  /// is to come in this transfer, or the last one still is.
+  /// Spoils the chip's next acknowledge on the wire: the chip takes the byte, but the controller sees no acknowledge.
+  /// Returns false if no further one is expected in this transfer, or the last one is still pending.
   bool spoil_acknowledge();
-  /// A chip holds SCL low for so long after the next byte. False: no transfer is under way.
+  /// Makes a chip hold SCL low for this long after the next byte. Returns false if no transfer is under way.
   bool stretch(Time by);
   [[nodiscard]] Time busy_time() const { return busy_time_; }
   [[nodiscard]] Time scl_period() const;
-  /// Rise time of SCL from 30 to 70 %, ns, as UM10204 counts it.
+  /// Sets the rise time of SCL from 30 to 70 %, ns, as UM10204 counts it.
   void set_rise(std::uint32_t rise_ns) { rise_ns_ = rise_ns; }
-  /// SCL is the wire of other controllers, too: `others_busy` says whether one of them drives it.
+  /// Tells that other controllers share the SCL wire; `others_busy` returns whether one of them drives it.
   void share_scl(std::function<bool()> others_busy) { others_busy_ = std::move(others_busy); }
   [[nodiscard]] bool on_bus() const { return on_bus_; }
 
@@ -68,7 +68,7 @@ class I2cController final : public Peripheral {
   void serve_dma();
   [[nodiscard]] std::uint32_t receive_request() const {
     return 16 + 2 * static_cast<std::uint32_t>(line_);
-  }  // RM0440 table 91
+  }  // The values are those of RM0440 table 91.
   std::uint8_t take_received();
   void load(std::uint8_t byte);
 

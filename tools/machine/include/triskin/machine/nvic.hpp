@@ -9,8 +9,8 @@
 
 namespace triskin::machine {
 
-/// System control space of the Cortex-M4 (ARMv7-M ARM, B3): NVIC, SysTick, and the part of the SCB that firmware uses.
-/// Which exception is next; entering and leaving one is the core's business.
+/// Models the system control space of the Cortex-M4 (ARMv7-M ARM, B3): NVIC, SysTick, and the part of the SCB that
+/// firmware uses. It decides which exception is next; the core enters and leaves it.
 class Nvic final : public Peripheral {
  public:
   static constexpr int kExceptions = 16 + map::kInterrupts, kNmi = 2, kHardFault = 3, kPendSv = 14, kSysTick = 15;
@@ -23,27 +23,27 @@ class Nvic final : public Peripheral {
 
   void set_level(int irq, bool level);
   void pend(int exception) { pending_[at(exception)] = true; }
-  /// The pending, enabled exception with the lowest priority number; 0: none.
+  /// Returns the pending, enabled exception with the lowest priority number; 0 if there is none.
   [[nodiscard]] int next() const;
   [[nodiscard]] int priority(int exception) const;
-  /// Priority of what runs now, masks left out; kIdlePriority in thread mode.
+  /// Returns the priority of the running code, ignoring masks; kIdlePriority in thread mode.
   [[nodiscard]] int running_priority() const;
   [[nodiscard]] int running() const { return active_.empty() ? 0 : active_.back(); }
   void enter(int exception);
   void leave();
 
   [[nodiscard]] std::uint32_t vtor() const { return vtor_; }
-  /// Vectors in flash that VTOR last pointed to; the image may have copied them to RAM since.
+  /// Returns the vectors in flash to which VTOR last pointed; the image may have copied them to RAM since.
   [[nodiscard]] std::uint32_t image() const { return image_; }
   [[nodiscard]] bool fpu_on() const { return (cpacr_ >> 20 & 0xF) == 0xF; }
-  /// Fault status as the processor leaves it for the handler of the hard fault: bits of CFSR, and the address of a
-  /// precise access.
+  /// Sets the fault status as the processor leaves it for the handler of the hard fault: bits of CFSR, and the address
+  /// of a precise access.
   void note_fault(std::uint32_t status, std::uint32_t address) {
     cfsr_ |= status;
-    hfsr_ |= 1U << 30;  // forced: the configurable handlers are off
+    hfsr_ |= 1U << 30;  // The FORCED bit is set because the configurable handlers are off.
     if (address != 0) bfar_ = address;
   }
-  /// Something changed that the core must look at.
+  /// True after a change that the core must handle.
   bool poked = false;
 
  private:

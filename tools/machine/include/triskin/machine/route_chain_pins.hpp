@@ -4,8 +4,8 @@
 
 namespace triskin::machine {
 
-/// The scan chain at the pins of the controller: EN of the two cables at PB12 and PB10, latch at PB11, clock and data
-/// at SPI2. Without modules the returned data are 0, by their pull-down.
+/// Models the scan chain at the pins of the controller: EN of the two cables at PB12 and PB10, latch at PB11, clock and
+/// data at SPI2. Without modules the returned data are 0, by their pull-down.
 class RouteChainPins {
  public:
   explicit RouteChainPins(sim::ChainModel* chain) : chain_(chain) {}

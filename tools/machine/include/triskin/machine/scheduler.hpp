@@ -7,30 +7,30 @@
 
 namespace triskin::machine {
 
-/// Virtual time since power-up, ps: exact for every clock of the chip; the type holds 213 days.
+/// Counts virtual time since power-up in ps, which is exact for every clock of the chip; the type holds 213 days.
 using Time = std::uint64_t;
 inline constexpr Time kMicrosecond = 1'000'000, kSecond = 1'000'000'000'000, kNever = ~Time{0};
 
-/// Event queue in virtual time. Events of equal time run in the order in which they were booked, so a run is
+/// Keeps an event queue in virtual time. Events of equal time run in the order in which they were booked, so a run is
 /// deterministic.
 class Scheduler {
  public:
-  /// Virtual time since power-up, ps.
+  /// Returns the virtual time since power-up, ps.
   [[nodiscard]] Time now() const { return now_; }
-  /// Virtual time since power-up, whole µs.
+  /// Returns the virtual time since power-up, whole µs.
   [[nodiscard]] std::uint64_t now_us() const { return now_ / kMicrosecond; }
-  /// Time goes on by `by` ps. Runs nothing: call run_due().
+  /// Advances time by `by` ps. Runs nothing: call run_due().
   void advance(Time by) { now_ += by; }
-  /// Time goes on to `to` ps since power-up; never back. Runs nothing.
+  /// Advances time to `to` ps since power-up; never back. Runs nothing.
   void advance_to(Time to) {
     if (to > now_) now_ = to;
   }
-  /// Books `action` for `delay` ps from now. It may book others.
+  /// Books `action` for `delay` ps from now. The action may book others.
   void after(Time delay, std::function<void()> action) {
     events_.emplace(now_ + delay, std::move(action));
     changed_ = true;
   }
-  /// Time of the earliest booked action, ps since power-up; kNever: none is booked.
+  /// Returns the time of the earliest booked action, ps since power-up; kNever if none is booked.
   [[nodiscard]] Time next() const { return events_.empty() ? kNever : events_.begin()->first; }
   /// Runs all actions whose time has come, earliest first, also those that they book for now.
   void run_due() {
@@ -40,9 +40,9 @@ class Scheduler {
       action();
     }
   }
-  /// Forgets all booked actions, as a reset does. Time stays.
+  /// Drops all booked actions, as a reset does. Time stays.
   void clear() { events_.clear(); }
-  /// True once after a new event was booked.
+  /// Returns true once after a new event was booked.
   [[nodiscard]] bool take_changed() { return std::exchange(changed_, false); }
 
  private:

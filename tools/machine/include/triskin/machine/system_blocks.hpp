@@ -8,14 +8,13 @@
 
 namespace triskin::machine {
 
-/// What hangs at the pins of the crystal.
 struct CrystalSetup {
-  std::uint64_t hz = 8'000'000;  ///< 0: none, or one that does not start
-  Time fails_at = kNever;        ///< Time after power-up when it stops for ever.
+  std::uint64_t hz = 8'000'000;  ///< Zero stands for a missing crystal, or one that does not start.
+  Time fails_at = kNever;        ///< At this time after power-up it stops permanently.
 };
 
-/// Reset and clock control with power control's boost bit (RM0440 §7.4, §6.4). Oscillators need their start-up
-/// times. A crystal that stops takes the core with it, unless clock security is on: then the core goes on with the
+/// Models reset and clock control with power control's boost bit (RM0440 §7.4, §6.4). Oscillators need their start-up
+/// times. A crystal that stops also stops the core, unless clock security is on: then the core continues with the
 /// internal oscillator and gets an NMI (§7.2.10).
 class Rcc final : public Peripheral {
  public:
@@ -24,14 +23,15 @@ class Rcc final : public Peripheral {
   void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
   void reset() override;
   [[nodiscard]] std::uint64_t sysclk_hz() const { return sysclk_hz_; }
-  /// Is the clock of a peripheral on? `offset` of its enable register.
+  /// Tells whether the clock of a peripheral is on; `offset` is that of its enable register.
   [[nodiscard]] bool enabled(std::uint32_t offset, unsigned bit) const { return (regs_[offset / 4] >> bit & 1) != 0; }
-  /// HSI48 runs and is what USB gets (CRRCR, CCIPR.CLK48SEL).
+  /// Returns true if HSI48 runs and is connected to USB (CRRCR, CCIPR.CLK48SEL).
   [[nodiscard]] bool clock_48_ready() const { return (regs_[0x98 / 4] & 2) != 0 && (regs_[0x88 / 4] >> 26 & 3) == 0; }
   void note_reset(std::uint32_t cause) { csr_flags_ |= cause; }
-  /// Frequency of the crystal as it reaches the chip now; 0: it is off, does not swing yet, or has stopped.
+  /// Returns the frequency of the crystal as it reaches the chip now; 0 if it is off, does not swing yet, or has
+  /// stopped.
   [[nodiscard]] std::uint64_t crystal_hz() const;
-  /// The core has no clock: only the watchdog is left.
+  /// Returns true if the core has no clock: only the watchdog still runs.
   [[nodiscard]] bool stopped() const { return stopped_; }
   void set_wait_states(std::uint32_t states) { wait_states_ = states; }
   void set_boost(bool boost) { boost_ = boost; }
@@ -44,11 +44,11 @@ class Rcc final : public Peripheral {
   std::array<std::uint32_t, 64> regs_{};
   CrystalSetup crystal_;
   bool boost_ = false, stopped_ = false;
-  std::uint32_t wait_states_ = 0, csr_flags_ = 3U << 26;  // brown-out and pin, at power-up
+  std::uint32_t wait_states_ = 0, csr_flags_ = 3U << 26;  // The flags of brown-out and pin are set at power-up.
   std::uint64_t sysclk_hz_ = 16'000'000, generation_ = 0;
 };
 
-/// PWR_CR5.R1MODE and storage for the rest.
+/// Models PWR_CR5.R1MODE and stores the other registers.
 class Pwr final : public Peripheral {
  public:
   Pwr(Surroundings& around, Rcc& rcc) : Peripheral(around), rcc_(rcc) { reset(); }
@@ -61,7 +61,8 @@ class Pwr final : public Peripheral {
   std::array<std::uint32_t, 64> regs_{};
 };
 
-/// TIM16 as far as it measures the crystal: the count at each eighth edge of the crystal by 32 (RM0440 chapter 31).
+/// Models TIM16 as far as it measures the crystal: the count at each eighth edge of the crystal divided by 32 (RM0440
+/// chapter 31).
 class Tim16 final : public Peripheral {
  public:
   Tim16(Surroundings& around, const Rcc& rcc) : Peripheral(around), rcc_(rcc) { reset(); }
@@ -75,10 +76,10 @@ class Tim16 final : public Peripheral {
   const Rcc& rcc_;
   std::array<std::uint32_t, 64> regs_{};
   Time started_ = 0;
-  std::uint64_t captured_ = 0;  // Edges since the start.
+  std::uint64_t captured_ = 0;  // Edges are counted from the start.
 };
 
-/// TIM2 as a free-running counter with two compare interrupts (RM0440 chapter 30).
+/// Models TIM2 as a free-running counter with two compare interrupts (RM0440 chapter 30).
 class Tim2 final : public Peripheral {
  public:
   explicit Tim2(Surroundings& around) : Peripheral(around) { reset(); }
@@ -97,7 +98,7 @@ class Tim2 final : public Peripheral {
   std::uint64_t generation_ = 0;
 };
 
-/// Independent watchdog (RM0440 §35.4): 32 kHz; once started only a reset stops it.
+/// Models the independent watchdog (RM0440 §35.4): 32 kHz; once started, only a reset stops it.
 class Iwdg final : public Peripheral {
  public:
   explicit Iwdg(Surroundings& around) : Peripheral(around) { reset(); }

@@ -6,33 +6,35 @@
 
 namespace triskin::machine {
 
-/// Reply of the device to a token of the host. kNone: no reply.
+/// kNone means that the device sends no reply to a token of the host.
 enum class UsbReply { kNone, kNak, kStall, kAck };
 
 struct UsbIn {
-  UsbReply reply = UsbReply::kNone;  ///< kAck: data came and the host acknowledges them
+  UsbReply reply = UsbReply::kNone;  ///< kAck means that data arrived and the host acknowledges them.
   bool data1 = false;
   std::vector<std::uint8_t> bytes;
 };
 
-/// The device's end of the USB cable. A transaction happens at the present time and takes none: the host's side spends
-/// it.
+/// Represents the device's end of the USB cable. A transaction happens at the present time and takes none; the host's
+/// side adds the time.
 class UsbWire {
  public:
   virtual ~UsbWire() = default;
-  /// True while the device holds its pull-up on D+: the host sees it plugged in.
+  /// Returns true while the device holds its pull-up on D+, by which the host sees it plugged in.
   [[nodiscard]] virtual bool attached() const = 0;
-  /// The host drives a bus reset: the device answers at address 0 afterwards.
+  /// Makes the host drive a bus reset; afterwards the device answers at address 0.
   virtual void bus_reset() = 0;
-  /// Nothing on the bus for 3 ms, and activity after that.
+  /// Reports that the bus was idle for 3 ms, or active again after that.
   virtual void bus_suspend(bool suspended) = 0;
-  /// SETUP transaction to endpoint 0 of the device at `address` (0..127). kNone: no device there, or endpoint 0 is off.
+  /// Sends a SETUP transaction to endpoint 0 of the device at `address` (0..127). kNone means that no device is there,
+  /// or endpoint 0 is off.
   virtual UsbReply setup(std::uint8_t address, std::span<const std::uint8_t, 8> bytes) = 0;
-  /// OUT transaction; `data1` is the data toggle. kNak: the endpoint has no room, kStall: it is halted, kNone: nobody
-  /// answers.
+  /// Sends an OUT transaction; `data1` is the data toggle. kNak: the endpoint has no room, kStall: it is halted, kNone:
+  /// nobody answers.
   virtual UsbReply out(std::uint8_t address, std::uint8_t endpoint, bool data1,
                        std::span<const std::uint8_t> bytes) = 0;
-  /// IN transaction: asks an endpoint for one packet. kNak: it has none, kStall: it is halted, kNone: nobody answers.
+  /// Sends an IN transaction, which asks an endpoint for one packet. kNak: it has none, kStall: it is halted, kNone:
+  /// nobody answers.
   virtual UsbIn in(std::uint8_t address, std::uint8_t endpoint) = 0;
 };
 

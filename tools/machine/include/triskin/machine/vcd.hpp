@@ -10,24 +10,25 @@
 
 namespace triskin::machine {
 
-/// Bus signals and CPU state as a value change dump (IEEE 1364-2005 §18) for a wave viewer, at 1 ns.
+/// Records bus signals and CPU state as a value change dump (IEEE 1364-2005 §18) for a wave viewer, at 1 ns.
 class VcdTrace {
  public:
-  /// One byte with its acknowledge bit on line 0..3, which ended at `end`; `period` of SCL.
+  /// Records one byte with its acknowledge bit on line 0..3, which ended at `end`; `period` is that of SCL.
   void i2c_byte(int line, std::uint8_t byte, bool acknowledged, Time end, Time period);
-  /// Start or repeated start on line 0..3 at `at` ps.
+  /// Records a start or repeated start on line 0..3 at `at` ps.
   void i2c_start(int line, Time at);
-  /// Stop on line 0..3 at `at` ps: SCL rises, then SDA.
+  /// Records a stop on line 0..3 at `at` ps: SCL rises, then SDA.
   void i2c_stop(int line, Time at);
-  /// The controller sends a CAN frame (true) or has ended it, at `at` ps.
+  /// Records that the controller sends a CAN frame (true) or has ended it, at `at` ps.
   void can_busy(bool busy, Time at) { change(kCan, busy ? 1 : 0, at); }
-  /// Number of the exception that runs from `at` ps on (ARMv7-M: 16 + interrupt); 0: none.
+  /// Records the number of the exception that runs from `at` ps on (ARMv7-M: 16 + interrupt); 0 means none.
   void exception(int number, Time at) { change(kException, static_cast<std::uint32_t>(number), at); }
-  /// The core sleeps in WFI (true) or has woken, at `at` ps.
+  /// Records that the core sleeps in WFI (true) or has woken, at `at` ps.
   void sleeping(bool asleep, Time at) { change(kSleep, asleep ? 1 : 0, at); }
-  /// Writes text() to a file, whole or not at all. Throws InputError naming the file when it cannot.
+  /// Writes text() to a file; a failure leaves no partial file. Throws InputError naming the file when it cannot be
+  /// written.
   void write(const std::filesystem::path& path) const;
-  /// The whole dump; changes sorted by time. Cost: one line a change.
+  /// Returns the whole dump; changes are sorted by time. Cost: one line per change.
   [[nodiscard]] std::string text() const;
 
  private:

@@ -7,8 +7,8 @@
 
 namespace triskin::geometry {
 
-/// Tiles and edges that may cut them, side by side: the edge's ends seen from the centre of the tile, its unit normal,
-/// and +1 for an up tile, −1 for a down one.
+/// Lists tiles side by side with edges that may cut them: the edge's ends seen from the centre of the tile, its unit
+/// normal, and +1 for an up tile, −1 for a down one.
 class CutPairs {
  public:
   void clear() { count_ = 0; }
@@ -26,9 +26,9 @@ class CutPairs {
   }
   [[nodiscard]] std::size_t size() const { return count_; }
 
-  /// Cut test of all pairs: 255 where no side of the tile and not the edge itself separates both by `inset_mm`, else 0.
-  /// The widest instruction set of the processor is chosen at the first call; all do the same IEEE operations and give
-  /// the same bits.
+  /// Tests all pairs: 0 if a side of the tile or the edge itself separates both by `inset_mm`, else 255. The widest
+  /// instruction set of the processor is chosen at the first call; all do the same IEEE operations and give the same
+  /// bits.
   [[nodiscard]] const std::vector<std::uint8_t>& cuts(const TileGrid& grid, double inset_mm);
 
   static constexpr std::size_t kLanes = 8, kFields = 7, kBlock = kLanes * kFields;

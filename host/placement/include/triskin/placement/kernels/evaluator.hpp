@@ -9,32 +9,32 @@
 
 namespace triskin::geometry {
 
-/// Finds, for many motions of one polygon with its holes, the tiles that lie inside with a margin of `inset_mm`
-/// (negative: may stand over by that much). Keeps its memory from call to call: one object a thread. Cost of a call:
-/// O(edges · tiles they pass + tiles of the polygon's box); pairs of edge and tile are evaluated eight at once.
+/// Finds, for many motions of one polygon with its holes, the tiles that lie inside with a margin of `inset_mm` (a
+/// negative one lets them overhang by that much). Keeps its memory between calls, so each thread needs its own object.
+/// Cost of a call: O(edges · tiles they pass + tiles of the polygon's box); pairs of edge and tile are evaluated eight
+/// at once.
 class Evaluator {
  public:
   Evaluator(const PreparedPolygon& polygon, const TileGrid& grid) : polygon_(polygon), grid_(grid) {}
 
   [[nodiscard]] int count(const Motion& motion, double inset_mm);
-  /// Sorted.
+  /// Returns the tiles sorted.
   [[nodiscard]] std::vector<Tile> tiles(const Motion& motion, double inset_mm);
 
  private:
-  // The first says that inside and outside change before this tile, the second that an edge cuts it.
+  // kFlip marks a tile before which inside and outside change, kCut a tile that an edge cuts.
   static constexpr std::uint8_t kFlip = 1, kCut = 2;
 
-  // One kind of tile in the window of the marks.
   struct Rows {
-    double sign = 1.0, first_y = 0.0;  // Centres in row 0.
-    double below = 0.0, above = 0.0;   // An edge that cuts may lie this far under and over the centre.
-    std::vector<double> first_x;       // Indexed by row: centre in column 0.
+    double sign = 1.0, first_y = 0.0;  // first_y is the height of the centres in row 0.
+    double below = 0.0, above = 0.0;   // An edge that cuts a tile may lie this far below and above its centre.
+    std::vector<double> first_x;       // The values are the x of the centre in column 0 of each row.
   };
   void mark(const Motion& motion, double inset_mm);
   void set_frame(double inset_mm);
   void set_rows(int up, double grown);
   void mark_edge(std::size_t edge, const Vec2& normal, const Rows& rows, int up);
-  /// Index of the first mark of a row.
+  /// Returns the index of the first mark of a row.
   [[nodiscard]] std::size_t row(int j, int up) const {
     return static_cast<std::size_t>(((j - first_row_) * grid_.kinds + up - (2 - grid_.kinds)) * columns_);
   }
@@ -47,9 +47,9 @@ class Evaluator {
   std::vector<Vec2> moved_;
   std::vector<std::uint8_t> marks_;
   CutPairs pairs_;
-  std::vector<std::uint32_t> mark_of_;  // Indexed by pair.
+  std::vector<std::uint32_t> mark_of_;
   std::array<Rows, 2> kinds_;
-  double half_width_ = 0.0;  // An edge that cuts may lie so far beside the centre.
+  double half_width_ = 0.0;  // An edge that cuts a tile may lie this far beside its centre.
   double low_x_ = 0.0;
   int first_row_ = 0, rows_ = 0, columns_ = 0;
 };

@@ -7,7 +7,8 @@
 
 namespace triskin::geometry {
 
-/// A block of sixteen words as one vector; by reference, for vectors passed by value would depend on the processor.
+/// A block is sixteen words as one vector. It is passed by reference, because passing vectors by value depends on the
+/// processor.
 using BlockWords = std::uint32_t __attribute__((vector_size(64)));
 [[nodiscard]] inline bool any(const BlockWords& v) {
   using Half = std::uint64_t __attribute__((vector_size(16)));
@@ -17,14 +18,14 @@ using BlockWords = std::uint32_t __attribute__((vector_size(64)));
   return (all[0] | all[1]) != 0;
 }
 
-/// One bit for each sample of a grid, 32 samples of a row in a word. Words of the same columns stand together, so that
-/// sixteen rows are done at once. The widest instruction set of the processor is chosen at the first call; all give the
-/// same bits.
+/// Stores one bit for each sample of a grid, 32 samples of a row per word. Words of the same columns are adjacent, so
+/// that sixteen rows are processed at once. The widest instruction set of the processor is chosen at the first call;
+/// all give the same bits.
 class SampleBits {
  public:
-  static constexpr int kBlock = 16, kWord = 32;  // Rows and columns that are processed at once.
+  static constexpr int kBlock = 16, kWord = 32;  // This many rows and columns are processed at once.
 
-  /// All bits off. `rows` is a multiple of kBlock.
+  /// Clears all bits. `rows` must be a multiple of kBlock.
   void clear(int rows, int words);
   [[nodiscard]] std::uint32_t* word(int row, int word) { return bits_.data() + index(row, word); }
   [[nodiscard]] const std::uint32_t* word(int row, int word) const { return bits_.data() + index(row, word); }
@@ -32,7 +33,7 @@ class SampleBits {
   [[nodiscard]] int rows() const { return rows_; }
   [[nodiscard]] int words() const { return words_; }
 
-  /// Each bit becomes the parity of itself and all before it in its row.
+  /// Replaces each bit by the parity of itself and all before it in its row.
   void accumulate_parity();
 
  private:
@@ -43,16 +44,17 @@ class SampleBits {
   std::vector<std::uint32_t> bits_;
 };
 
-/// How often each bit of a block of words is set in many blocks: binary digits in planes, all 16 × 32 at once.
+/// Counts how often each bit of a block of words is set in many blocks, with binary digits in planes, so that all 16 ×
+/// 32 counts grow at once.
 class BitCounts {
  public:
   void clear() {
     most_ = 0;
     planes_.clear();
   }
-  /// Adds inside & ~cut of every other block of kBlock rows, block `first` being the first.
+  /// Adds inside & ~cut of every other block of kBlock rows, starting with block `first`.
   void add(const SampleBits& inside, const SampleBits& cut, int first);
-  /// Adds to counts[k] the sum of bits k and k + 16 of the words, turned by `turn`: to counts[(k + turn) % 16].
+  /// Adds the sum of bits k and k + 16 of the words to counts[(k + turn) % 16].
   using Counts = std::array<std::array<std::int32_t, SampleBits::kBlock>, SampleBits::kWord / 2>;
   void add_to(Counts& counts, int turn) const;
 

@@ -8,18 +8,18 @@
 
 namespace triskin::geometry {
 
-/// All translations of one lattice period at a small range of angles, cut into 16 × 16 parts. The centres of all tiles
-/// at the middles of all parts sample the plane regularly: one scan of the polygon decides for every tile in every part
-/// whether it may hold and whether it must. The centres of the tiles that an edge cuts fill a convex polygon, one half
-/// plane a direction: shrunk by what moves inside a part they are surely cut, grown by it perhaps. Keeps its memory:
-/// one object a thread.
+/// Bounds all translations of one lattice period at a small range of angles, divided into 16 × 16 parts. The centres
+/// of all tiles at the middles of all parts sample the plane regularly, so one scan of the polygon decides for every
+/// tile in every part whether it may hold and whether it must. The centres of the tiles that an edge cuts fill a convex
+/// polygon with one half plane per direction: shrunk by the motion inside a part they are surely cut, grown by it
+/// perhaps. Keeps its memory, so each thread needs its own object.
 class SliceRaster {
  public:
   static constexpr int kSteps = SampleBits::kBlock;
   static constexpr auto kFull = static_cast<std::uint32_t>((std::uint64_t{1} << kSteps) - 1);
-  using Rows = std::array<std::uint32_t, kSteps>;  ///< A row is a part in y, and a bit of it a part in x.
+  using Rows = std::array<std::uint32_t, kSteps>;  ///< A row is a part in y, and each of its bits a part in x.
 
-  /// A tile that does not do the same in all parts.
+  /// A border tile does not behave the same in all parts.
   struct Border {
     Tile tile;
     Rows may, must;
@@ -27,16 +27,16 @@ class SliceRaster {
 
   SliceRaster(const PreparedPolygon& polygon, const TileGrid& grid) : polygon_(polygon), grid_(grid), edges_(polygon) {}
 
-  /// `frame`: of the slice, all translations of one lattice period. Counts the tiles that may hold in each part; a
-  /// bound needs no more.
+  /// `frame` belongs to the slice, which has all translations of one lattice period. Counts the tiles that may hold in
+  /// each part; a bound needs no more.
   void scan(const CellFrame& frame);
-  /// Finds, after scan() of the same frame, the tiles that hold in all parts and those that do not do the same in all.
+  /// Finds, after scan() of the same frame, the tiles that hold in all parts and those that differ between parts.
   void collect(const CellFrame& frame);
 
-  /// Tiles that hold in all parts; 0 before collect().
+  /// Returns the number of tiles that hold in all parts; 0 before collect().
   [[nodiscard]] int certain() const { return certain_; }
   [[nodiscard]] const std::vector<Border>& border() const { return border_; }
-  /// Number of tiles that may hold somewhere in the part, those of certain() left out.
+  /// Returns the number of tiles that may hold somewhere in the part, without those of certain().
   [[nodiscard]] int count(int x, int y) const {
     return counts_[static_cast<std::size_t>(x)][static_cast<std::size_t>(y)] - certain_;
   }
@@ -56,16 +56,16 @@ class SliceRaster {
 
   const PreparedPolygon& polygon_;
   const TileGrid& grid_;
-  // Sample n of a row lies to the left of sample n − 1: translations to the right move the tile to the left. Tile (0,
-  // 0) begins with a block of words, and so does every row of tiles.
+  // Sample n of a row lies to the left of sample n − 1, because translations to the right move the tile to the left.
+  // Tile (0, 0) begins with a block of words, and so does every row of tiles.
   int first_column_ = 0, first_row_ = 0, shift_steps_ = 0, words_ = 0, rows_ = 0;
   double step_x_ = 0.0, step_y_ = 0.0;
   EdgeArrays edges_;
   std::array<Kind, 2> kinds_;
-  std::vector<int> row_of_;  // Indexed by vertex: the first row of samples that is not above it.
+  std::vector<int> row_of_;  // Each vertex has the first row of samples that is not above it.
   std::vector<Border> border_;
   int certain_ = 0;
-  std::array<BitCounts, 2> sums_;  // Even and odd rows of tiles.
+  std::array<BitCounts, 2> sums_;  // The first sum is for even rows of tiles, the second for odd ones.
   BitCounts::Counts counts_{};     // The counts are indexed by x, then y.
 };
 

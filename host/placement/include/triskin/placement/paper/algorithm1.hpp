@@ -7,8 +7,8 @@
 
 #include "triskin/design/design_types.hpp"
 
-/// The reference paper as it stands (docs/paper.md): Anghinolfi, Cannata, Mastrogiovanni, Nattero, Paolucci, "On the
-/// Problem of the Automated Design of Large-Scale Robot Skin", T-ASE 2013.
+/// Implements the reference paper literally (docs/paper.md): Anghinolfi, Cannata, Mastrogiovanni, Nattero, Paolucci,
+/// "On the Problem of the Automated Design of Large-Scale Robot Skin", T-ASE 2013.
 namespace triskin::geometry::paper {
 
 /// A placement ρ(P) (Section IV-A, Definition 1) by its four parameters (x, y, θ, v): q = R(θ)*(p - p_v) + p_v + (x,
@@ -17,38 +17,38 @@ struct PivotedPlacement {
   double x_mm = 0.0;
   double y_mm = 0.0;
   double theta_rad = 0.0;
-  /// It is an index into the counter-clockwise outer ring; −1 is the origin of the polygon's frame.
+  /// The index refers to the counter-clockwise outer ring; −1 stands for the origin of the polygon's frame.
   int vertex = -1;
 };
 
-/// The same motion without pivot. Throws std::out_of_range when `vertex` is no vertex.
+/// Returns the same motion without pivot. Throws std::out_of_range when `vertex` is no vertex.
 [[nodiscard]] Placement without_pivot(const Polygon& polygon, const PivotedPlacement& placement);
 
-/// Rule for the module sides that count as contained. The paper states it three times, and the three differ where
-/// edges of the polygon lie on a generating line.
+/// Selects which module sides count as contained. The paper states the rule three times, and the three differ if edges
+/// of the polygon lie on a generating line.
 enum class ContainedSides : std::uint8_t {
   kDefinition5,         ///< An interval of the line in cl(P) is one segment together with the edges that continue it.
-  kTheorem2,            ///< The theorem is taken to the letter: a side lies in one containment interval or on one edge.
-  kContainmentInterval  ///< the listing (lines 5 to 12): containment intervals only
+  kTheorem2,            ///< The theorem is taken literally: a side lies in one containment interval or on one edge.
+  kContainmentInterval  ///< As in the listing (lines 5 to 12), only containment intervals count.
 };
 
 struct Algorithm1Options {
   ContainedSides sides = ContainedSides::kDefinition5;
-  /// What is nearer than this touches: a vertex to a generating line, an end of an interval to a node. Far above the
-  /// rounding of coordinates, so that what is laid on a line or on a node by construction is known to touch it.
+  /// Below this distance a vertex touches a generating line, and an end of an interval touches a node. The value is far
+  /// above the rounding of coordinates, so that anything laid on a line or node by construction is known to touch it.
   double touch_mm = 5e-7;
-  /// Beyond the paper: a module with a vertex of the polygon in its interior, or that is a hole, is not contained.
-  /// Three contained sides do not tell that for polygons with holes or with cracks of zero width.
+  /// Goes beyond the paper: a module with a vertex of the polygon in its interior, or one that is a hole, is not
+  /// contained. Three contained sides cannot tell this for polygons with holes or with cracks of zero width.
   bool reject_pierced = false;
 };
 
-/// Algorithm 1 (Section IV-B): the patch ℙ of one placement and its size, the value of the objective function ℭ
-/// (Definitions 2 and 3). On each generating line (0°, 60°, 300°) the cutting intersections (Definition 6), sorted,
-/// pair into containment intervals (Definitions 7 and 8, Theorem 1); a module side is contained when it lies in one or
-/// on an edge on the line (Theorem 2), a module when its three sides are (Definition 5, Conditions 1 and 2).
-/// Rings after the first take part like the first: by parity. Memory is kept from call to call: one object a thread.
-/// Cost of a call: O(edges · lines that they cross + sides of the window). Calls that follow one another with the same
-/// angle do not turn the polygon again.
+/// Runs Algorithm 1 (Section IV-B): finds the patch ℙ of one placement and its size, the value of the objective
+/// function ℭ (Definitions 2 and 3). On each generating line (0°, 60°, 300°) the cutting intersections (Definition
+/// 6), sorted, pair into containment intervals (Definitions 7 and 8, Theorem 1); a module side is contained when it
+/// lies in one or on an edge on the line (Theorem 2), a module when its three sides are (Definition 5, Conditions 1 and
+/// 2). Rings after the first are treated like the first, by parity. Memory is kept between calls, so each thread needs
+/// its own object. Cost of a call: O(edges · lines that they cross + sides of the window). Consecutive calls with the
+/// same angle do not turn the polygon again.
 class Algorithm1 {
  public:
   /// `polygon` must be normalized (polygon_io.hpp). Throws std::invalid_argument unless 0 ≤ touch_mm ≤ 1.
@@ -59,9 +59,9 @@ class Algorithm1 {
   /// Takes over the polygon and the memory of another, like the constructor; never throws.
   Algorithm1& operator=(Algorithm1&&) noexcept;
 
-  /// F, the number of modules. Throws std::out_of_range when `placement.vertex` is no vertex.
+  /// Returns F, the number of modules. Throws std::out_of_range when `placement.vertex` is no vertex.
   [[nodiscard]] int count(const PivotedPlacement& placement);
-  /// ℙ, the contained modules, sorted. Throws std::out_of_range as count().
+  /// Returns ℙ, the contained modules, sorted. Throws std::out_of_range as count().
   [[nodiscard]] std::vector<Tile> patch(const PivotedPlacement& placement);
 
  private:
@@ -69,17 +69,17 @@ class Algorithm1 {
   std::unique_ptr<State> state_;
 };
 
-/// How CGAL is used: Section VI names it, and no kernel.
+/// Selects how CGAL is used: Section VI names the library, but no kernel.
 struct CgalUse {
   bool exact_constructions = false;
-  /// An edge with both ends on one side of a line is passed over before its intersection is asked for. As the paper has
-  /// it, all intersections are determined first and sorted out afterwards (Section IV-B, Definition 6).
+  /// True skips an edge with both ends on one side of a line before its intersection is computed. The paper computes
+  /// all intersections first and sorts them out afterwards (Section IV-B, Definition 6).
   bool sides_first = false;
 };
 
-/// The same patch by the listing: placement, intersections and comparisons in a kernel of CGAL, every line against
-/// every edge, every interval against every side of its line. Throws std::out_of_range when the placement's vertex is
-/// none. Cost: O(lines · (edges + intervals · sides of a line)).
+/// Finds the same patch as in the listing: placement, intersections and comparisons in a kernel of CGAL, every line
+/// against every edge, every interval against every side of its line. Throws std::out_of_range when the placement's
+/// vertex does not exist. Cost: O(lines · (edges + intervals · sides of a line)).
 [[nodiscard]] std::vector<Tile> algorithm1_cgal(const Polygon& polygon, const PivotedPlacement& placement,
                                                 const CgalUse& use = {}, const Algorithm1Options& options = {});
 

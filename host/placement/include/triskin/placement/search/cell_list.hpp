@@ -7,7 +7,8 @@
 
 namespace triskin::geometry {
 
-/// Undecided tiles of a cell with the edges that may still cut them; shared by the children, which filter it.
+/// Lists the undecided tiles of a cell with the edges that may still cut them. The children share the list and filter
+/// it.
 struct CellList {
   std::vector<OpenTile> tiles;
   std::vector<Pair> pairs;
@@ -17,7 +18,7 @@ struct CellList {
   }
 };
 
-/// Box of each open tile, as offsets from the cell's centre per axis: outside it the tile cannot hold.
+/// Gives each open tile a box of offsets from the cell's centre, per axis, outside which it cannot hold.
 struct OffsetBoxes {
   std::array<std::vector<double>, 3> low, high;
   void clear() {
@@ -26,21 +27,21 @@ struct OffsetBoxes {
   }
 };
 
-/// Filter of the undecided tiles of a cell: each becomes certain, impossible, or stays open with fewer edges. One
-/// object a thread: it keeps its memory.
+/// Filters the undecided tiles of a cell: each becomes certain, impossible, or stays open with fewer edges. Keeps its
+/// memory, so each thread needs its own object.
 class CellFilter {
  public:
   CellFilter(const PreparedPolygon& polygon, const TileGrid& grid) : polygon_(polygon), grid_(grid) {}
 
   struct Outcome {
-    int certain = 0;         ///< Of the tiles that were undecided, so many hold in the whole cell.
-    int free_at_center = 0;  ///< Of those still undecided, so many hold at the centre.
-    /// It is false when fewer than `least` tiles can hold; the other fields are then incomplete.
+    int certain = 0;         ///< This many of the undecided tiles hold in the whole cell.
+    int free_at_center = 0;  ///< This many of the tiles that are still undecided hold at the centre.
+    /// False means that fewer than `least` tiles can hold; the other fields are then incomplete.
     bool alive = false;
   };
-  /// Tiles of `from` that stay undecided go to `kept` and `boxes`. Ends early when fewer than `least` can hold.
-  /// Their constraints inside the cell go to `halves`; the certain ones themselves are added to `certain`, when it
-  /// is given.
+  /// Moves tiles of `from` that stay undecided to `kept` and `boxes`, and their constraints inside the cell to
+  /// `halves`. Ends early when fewer than `least` can hold. Adds the certain tiles themselves to `certain` if it is
+  /// given.
   Outcome filter(const CellFrame& frame, const CellList& from, int least, CellList& kept, OffsetBoxes& boxes,
                  std::vector<HalfSpace>& halves, std::vector<OpenTile>* certain = nullptr);
 
