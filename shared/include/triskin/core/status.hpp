@@ -5,7 +5,7 @@
 
 namespace triskin {
 
-/// Why something was refused. The numbers travel on the wire and are never reused.
+/// The reason why a request was refused. The numbers travel on the wire and are never reused.
 enum class Status : std::uint8_t {
   kOk = 0,            ///< The request was carried out.
   kTooShort = 1,      ///< There are fewer bytes than the format needs.
