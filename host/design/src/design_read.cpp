@@ -171,8 +171,8 @@ PlacedModule read_module(const JsonValue& v, std::size_t id, std::size_t n_modul
   m.edge_depth_mm = magnitude(v["edge_depth_mm"]);
   m.penetration_mm = magnitude(v["penetration_mm"]);
   m.overrun_mm = magnitude(v["overrun_mm"]);
-  m.bend_radius_mm =
-      v["bend_radius_mm"].number();  // The radius has no upper bound, because a place can be almost flat.
+  // The radius has no upper bound, because a place can be almost flat.
+  m.bend_radius_mm = v["bend_radius_mm"].number();
   if (m.bend_radius_mm < 0.0) v["bend_radius_mm"].fail("must not be negative");
   return m;
 }

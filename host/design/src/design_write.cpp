@@ -198,9 +198,9 @@ void write_design(const std::filesystem::path& path, const Design& design) {
     file["report"]["max_edge_depth_mm"] = design.report.max_edge_depth_mm;
   }
   if (design.side) file["side"] = side_json(*design.side);
-  if (is_cut)
-    file["corner_cut_mm"] = design.layout.corner_cut_mm;  // Files without a cut stay as older versions wrote them.
-  if (!design.kinds.empty()) {                            // The file has no key for kinds if all modules are standard.
+  // Files without a cut stay as older versions wrote them.
+  if (is_cut) file["corner_cut_mm"] = design.layout.corner_cut_mm;
+  if (!design.kinds.empty()) {  // The file has no key for kinds if all modules are standard.
     file["kinds"] = kind_plan_json(design.kinds);
     for (std::size_t k = 0; k < design.layout.modules.size(); ++k)
       file["modules"][k]["kind"] = kind_of(design.kinds, design.layout.modules[k].kind).name;

@@ -51,8 +51,8 @@ struct PatchImage {
   /// The image is meant for the controller with this address, kFirstNode … kLastNode.
   std::uint8_t node_address = kFirstNode;
   std::uint8_t module_count = 0;  ///< Valid values are 1 to 16.
-  std::uint8_t second_entry =
-      0;  ///< Switched modules can have a second cable at this port, given as a joint_to byte; 0 means none.
+  /// Switched modules can have a second cable at this port, given as a joint_to byte; 0 means none.
+  std::uint8_t second_entry = 0;
   /// True means that the electrodes are on the converter's positive input and the controller inverts the results.
   bool positive_input = false;
   std::array<ModuleRow, kMaxModules> modules{};

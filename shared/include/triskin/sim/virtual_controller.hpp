@@ -24,12 +24,12 @@ struct VirtualBoard {
   wire::UniqueId unique_id{};
   std::function<void(const wire::CanFrame&)> send;  ///< The controller calls this for every frame that it sends.
   bool can_fd = true;                               ///< True means that the bus carries CAN FD frames.
-  ChainModel* chain =
-      nullptr;  ///< The switched modules are reached through this chain; null means that the board has none.
+  /// The switched modules are reached through this chain; null means that the board has none.
+  ChainModel* chain = nullptr;
   /// Both application slots, one after the other; null means a board without a loader.
   FlashModel* slots = nullptr;
-  std::function<bool()>
-      room{};  ///< The function returns whether a transmit buffer is free; if it is empty, one always is.
+  /// The function returns whether a transmit buffer is free; if it is empty, one always is.
+  std::function<bool()> room{};
   wire::BoardHealth health = healthy();  ///< The board reports this as its health.
   std::optional<wire::Crash> crash{};    ///< The board reports this crash until a host clears the fault memory.
 

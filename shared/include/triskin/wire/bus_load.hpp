@@ -24,8 +24,8 @@ struct FrameBits {
   }
   const int arbitration = frame.extended ? 36 : 17;
   const int crc = bytes > 16 ? 21 : 17;
-  const int fixed_stuff =
-      (crc + 4) / 4 + 1;  // One fixed stuff bit precedes the stuff count, and one follows every fourth bit.
+  // One fixed stuff bit precedes the stuff count, and one follows every fourth bit.
+  const int fixed_stuff = (crc + 4) / 4 + 1;
   const int data = 6 + 8 * bytes + (6 + 8 * bytes) / 4 + 4 + crc + fixed_stuff;
   const int nominal = arbitration + arbitration / 4 + 13;
   return frame.bit_rate_switch ? FrameBits{nominal, data} : FrameBits{nominal + data, 0};

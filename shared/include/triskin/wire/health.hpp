@@ -54,8 +54,8 @@ struct BoardHealth {
   std::uint8_t can_last_error = 0;
   std::uint32_t bus_offs = 0;
   std::uint32_t can_lost = 0;  ///< The counter shows received frames for which there was no room.
-  std::uint16_t can_ram_failures =
-      0;  ///< The counter shows how often the CAN controller could not access its message RAM.
+  /// The counter shows how often the CAN controller could not access its message RAM.
+  std::uint16_t can_ram_failures = 0;
   /// The ECC of the flash repaired one wrong bit in the first case and only detected two in the second.
   std::uint32_t ecc_corrected = 0, ecc_detected = 0;
   std::uint32_t flash_errors = 0;  ///< The counter includes refused erase and program operations.
@@ -130,8 +130,8 @@ struct Crash {
   std::uint16_t exception = 0;   ///< The processor numbers its exceptions; 0 means that the main loop was running.
   std::uint32_t pc = 0, lr = 0;  ///< Both are addresses within the image at `origin`; 0 means unknown.
   std::uint32_t sp = 0;          ///< The stack pointer has the value from before the fault.
-  std::uint32_t fault_status = 0,
-                hard_fault_status = 0;  ///< The processor's registers CFSR and HFSR explain the fault.
+  /// The processor's registers CFSR and HFSR explain the fault.
+  std::uint32_t fault_status = 0, hard_fault_status = 0;
   /// Access to this address failed if fault_status marks it as valid; otherwise it is 0.
   std::uint32_t address = 0;
   std::uint32_t uptime_ms = 0;

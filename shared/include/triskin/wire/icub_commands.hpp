@@ -24,8 +24,8 @@ inline constexpr std::uint8_t kSetTransmission = 0x07;
 inline constexpr std::uint8_t kGetVersion = 0x1C;
 /// Both classes use this command with the new address as data; the loader also accepts FF and a mask.
 inline constexpr std::uint8_t kSetAddress = 0x32;
-inline constexpr std::uint8_t kSetupObsolete =
-    0x4C;  ///< The command sets the defaults at a period of 40 ms, calibrates and starts.
+/// The command sets the defaults at a period of 40 ms, calibrates and starts.
+inline constexpr std::uint8_t kSetupObsolete = 0x4C;
 inline constexpr std::uint8_t kSetBoard = 0x4D;  ///< The data are skin type, period in ms and the rest value.
 /// The data are the first and last triangle, the shift, a byte whose bit 0 enables, and a 16-bit offset.
 inline constexpr std::uint8_t kSetTriangles = 0x50;

@@ -162,8 +162,8 @@ struct ImageState {
   static constexpr std::size_t kMinBytes = 14, kMaxBytes = 14;
   std::uint8_t slot = 0;   ///< Valid values are 0 and 1.
   bool confirmed = false;  ///< The image has confirmed that it works.
-  std::uint32_t sequence =
-      0;  ///< The sequence is higher than that of the other slot by one, so the newer image has the larger number.
+  /// The sequence is higher than that of the other slot by one, so the newer image has the larger number.
+  std::uint32_t sequence = 0;
   std::uint32_t size_bytes = 0;
   std::uint32_t record_crc = 0;  ///< The commit record stores layout::slot_crc() of the image here.
 

@@ -226,8 +226,8 @@ struct State {
   Phase phase = Phase::kIdle;
   Status status = Status::kOk;
   std::uint16_t session = 0;  ///< The board takes part in this session; 0 means that it takes part in none.
-  std::uint16_t count =
-      0;  ///< After kMissing this counts missing units, otherwise the pages that still have to be erased.
+  /// After kMissing this counts missing units, otherwise the pages that still have to be erased.
+  std::uint16_t count = 0;
   bool operator==(const State&) const = default;
 };
 

@@ -23,8 +23,8 @@ enum class Command : std::uint8_t {
   kSelect = 2,  ///< The argument is the CRC-32 of a unique id; only that controller obeys from now on.
   /// The argument is the slot; erasing takes up to 3 s. The slot that would start now is refused with kWrongTarget.
   kErase = 3,
-  kData =
-      4,  ///< The loader sends this only as a reply, after every 32 data frames: status, offset of the next byte (LE).
+  /// The loader sends this only as a reply, after every 32 data frames: status, offset of the next byte (LE).
+  kData = 4,
   kCommit = 5,  ///< The arguments are the size (3 bytes LE) and CRC-32 of the image (LE).
   kBoot = 6,    ///< The loader starts the newest slot.
 };

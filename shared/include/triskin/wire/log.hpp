@@ -39,8 +39,8 @@ struct LogSetting {
   static constexpr std::uint16_t kId = did::kLog;
   static constexpr std::size_t kMinBytes = 2, kMaxBytes = kMinBytes;
   LogLevel wanted = LogLevel::kOff;
-  LogLevel compiled =
-      LogLevel::kOff;  ///< The image contains lines up to this level; the field is ignored when the value is written.
+  /// The image contains lines up to this level; the field is ignored when the value is written.
+  LogLevel compiled = LogLevel::kOff;
 
   /// Appends the value in its wire format (docs/protocol.md).
   constexpr void encode(ByteWriter& out) const {

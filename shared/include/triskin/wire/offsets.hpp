@@ -46,8 +46,8 @@ inline constexpr std::uint16_t kRestMost = 43690;  ///< The middle third of the 
 struct ModuleOffsets {
   OffsetState state = OffsetState::kNone;
   Latching latching = Latching::kUnknown;
-  std::uint16_t outside =
-      0;  ///< Bit t says that taxel t was outside the middle third at rest when it was last checked.
+  /// Bit t says that taxel t was outside the middle third at rest when it was last checked.
+  std::uint16_t outside = 0;
   std::array<std::uint8_t, layout::kTaxelsPerModule> steps{};  ///< Valid values are 0 to kMaxOffset.
   bool operator==(const ModuleOffsets&) const = default;
 };

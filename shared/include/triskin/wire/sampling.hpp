@@ -37,8 +37,8 @@ enum class TaxelOutput : std::uint8_t {
 /// Decides at which moment a converter is read.
 enum class SamplingTiming : std::uint8_t {
   kTracked = 0,  ///< The controller reads in the window in which all twelve results belong to one sequence.
-  kTimer =
-      1,  ///< A timer triggers each nominal sequence, as on installed iCub boards, so results of two sequences may mix.
+  /// A timer triggers each nominal sequence, as on installed iCub boards, so results of two sequences may mix.
+  kTimer = 1,
 };
 
 /// Converts a number from the wire. Errors: kOutOfRange.

@@ -19,8 +19,8 @@ struct FoundTopology {
   static constexpr std::uint16_t kId = did::kTopology;
   static constexpr std::size_t kMinBytes = 3, kModuleBytes = layout::kPorts + 1,
                                kMaxBytes = kMinBytes + kModuleBytes * layout::kMaxModules;
-  bool switched =
-      false;  ///< False means that no module answers on the chain: the modules are strapped, or have no power.
+  /// False means that no module answers on the chain: the modules are strapped, or have no power.
+  bool switched = false;
   /// False means that the chain did not settle: what is listed is certain, but there may be more.
   bool complete = false;
   bool second_cable = false;  ///< Module 0 is the second entry, because no module, or too few, answered at the first.

@@ -20,8 +20,8 @@ namespace triskin::design {
 
 /// A layout on the Pareto front of modules against price; one of them was chosen for the design.
 struct Alternative {
-  ModuleLayout layout;  ///< The modules have no metrics and the layout has no jumpers, because both are computed when
-                        ///< it is chosen.
+  /// The modules have no metrics and the layout has no jumpers, because both are computed when it is chosen.
+  ModuleLayout layout;
   int patches = 0;
   int jumpers = 0;
   double price = 0.0;         ///< Design::price gives the price in modules.
@@ -30,8 +30,8 @@ struct Alternative {
 
 /// The side of a walled part from which the surface of a design was taken (docs/side.md).
 struct PartSide {
-  std::string
-      taken;  ///< The text is outer, inner, both, 1 or 2 (sides in a picture), or from (what is seen from a point).
+  /// The text is outer, inner, both, 1 or 2 (sides in a picture), or from (what is seen from a point).
+  std::string taken;
   bool is_certain = true;
   double wall_mm = 0.0;
   Mesh part;  ///< The whole part is kept in mm; with `both` the mesh is empty.
@@ -48,8 +48,8 @@ struct Design {
   struct Report {
     double area_cm2 = 0.0;
     double coverage = 0.0;  ///< Coverage is modules · 389.7 mm² / area.
-    int upper_bound =
-        0;  ///< The bound is the area divided by that of a module: a yardstick, not a proof (docs/lattice.md).
+    /// The bound is the area divided by that of a module: a yardstick, not a proof (docs/lattice.md).
+    int upper_bound = 0;
     int patches_lower_bound = 0;
     /// The same number of patches cannot be connected with fewer jumpers; the file has it only beside jumpers.
     int jumpers_lower_bound = 0;

@@ -12,13 +12,13 @@ namespace triskin::design {
 /// always called node address.
 struct ModuleGraph {
   struct Node {
-    std::array<int, 3> neighbour{
-        -1, -1, -1};  ///< Entry s is the node joined across tile side s, or −1; the relation is symmetric.
+    /// Entry s is the node joined across tile side s, or −1; the relation is symmetric.
+    std::array<int, 3> neighbour{-1, -1, -1};
     /// True means that an entry cable can reach side s; always false where a neighbour is joined.
     std::array<bool, 3> border{true, true, true};
     int island = 0;
-    std::array<double, 3>
-        center_mm{};  ///< The centre is in the frame of the mesh and serves for cable lengths; zero means unknown.
+    /// The centre is in the frame of the mesh and serves for cable lengths; zero means unknown.
+    std::array<double, 3> center_mm{};
   };
   std::vector<Node> nodes;
 };

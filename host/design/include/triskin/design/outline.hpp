@@ -36,8 +36,8 @@ struct Outline {
   std::array<Vec3, 6> point;
   std::size_t size = 3;
   [[nodiscard]] std::span<const Vec3> points() const& { return {point.data(), size}; }
-  std::span<const Vec3> points() const&& =
-      delete;  // The overload is deleted because the span would outlive the outline.
+  // The overload is deleted because the span would outlive the outline.
+  std::span<const Vec3> points() const&& = delete;
 };
 
 /// Returns the outline of the module with these corners (of the whole triangle, tile order). With a cut, point 2k lies

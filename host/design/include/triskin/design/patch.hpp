@@ -25,8 +25,8 @@ struct RoutedModule {
 /// Loss caused by one failure, in modules of the patch that are no longer read (including the failed one). Nodes are
 /// those of RoutedModule.
 struct FailureLoss {
-  int node =
-      -1;  ///< The failed module has this node; for a joint it is the child end in the tree, or either end outside it.
+  /// The failed module has this node; for a joint it is the child end in the tree, or either end outside it.
+  int node = -1;
   /// A module failure has −1; for a joint this is the node at the other end.
   int other_node = -1;
   int lost_strapped = 0;  ///< Strapped modules cannot be rerouted, so the whole subtree is lost.
@@ -60,8 +60,8 @@ struct Patch {
   int max_depth = 0;
   std::vector<FailureLoss> failures;
   bool border_entry = false;  ///< True means that the entry's cable side can be reached from outside.
-  int second_entry =
-      -1;  ///< A second connector at this node saves the most modules; −1 means that it saves none anywhere.
+  /// A second connector at this node saves the most modules; −1 means that it saves none anywhere.
+  int second_entry = -1;
   /// This side has no joint of the patch: it is on the border, or at the seam to another patch.
   int second_entry_side = -1;
   bool second_entry_border = false;  ///< False means that the cable has to pass through the skin.

@@ -12,8 +12,8 @@ struct Piece {
   Polygon outline;                        ///< The outline is a simple polygon in mm, at true scale.
   std::vector<int> faces;                 ///< Each flat triangle is listed with its index in Mesh::faces.
   std::vector<std::array<Vec2, 3>> flat;  ///< Corners are flat and follow the order of the corners in the mesh.
-  double max_edge_error_mm =
-      0.0;  ///< No edge differs more in length between plane and surface, scaled to an edge of 30 mm.
+  /// No edge differs more in length between plane and surface, scaled to an edge of 30 mm.
+  double max_edge_error_mm = 0.0;
   double rms_edge_error_mm = 0.0;
 };
 

@@ -32,8 +32,8 @@ struct Region {
   std::variant<Sphere, Box, FaceSet> shape;
   /// A module whose centre lies in the region has this value, 0 … 1000; if unset, it has the value of elsewhere.
   std::optional<double> weight;
-  bool cover = false;      ///< True means that every place of the region must lie within `within_mm` of a module, seen
-                           ///< along its normal.
+  /// True means that every place of the region must lie within `within_mm` of a module, seen along its normal.
+  bool cover = false;
   bool free = false;       ///< True means that no module may lie over the region, so that its rim is a border.
   double within_mm = 2.0;  ///< Valid values are 0 to 30.
 };
@@ -50,8 +50,8 @@ struct Uncovered {
   std::string region;
   double share = 0.0;            ///< The uncovered share of the area is in 0 … 1.
   Vec3 place_mm = Vec3::Zero();  ///< No place of the region is farther from the modules.
-  double distance_mm =
-      0.0;          ///< The nearest module is this far from that place; infinity means that there is none nearby.
+  /// The nearest module is this far from that place; infinity means that there is none nearby.
+  double distance_mm = 0.0;
   std::string why;  ///< The text names the limit that refuses every module there (as Design: refused), or "room".
 };
 
