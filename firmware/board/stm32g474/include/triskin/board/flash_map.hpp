@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-/// Layout of the flash (docs/firmware_board.md). The linker scripts repeat the origins; the build compares them.
+/// Layout of the flash (docs/firmware_board.md). The linker scripts repeat the origins, and the build compares them.
 namespace triskin::board::flash_map {
 
 inline constexpr std::uint32_t kBase = 0x08000000, kBank2 = 0x08040000, kEnd = 0x08080000;
