@@ -33,8 +33,8 @@ void Ad7147::begin_configure(I2cLine& line, std::uint8_t address, int step, cons
   if (step < ad7147::kStages) {
     // Stage s converts only input s, single ended, with its offset at the same input and the clamps wide open.
     w.be16(static_cast<std::uint16_t>(ad7147::kStage + step * ad7147::kStageStride));
-    // Each input has two bits: 11 for BIAS, 10 for the positive side, 01 for the negative. The high word has CIN7 … 12,
-    // then 01 or 10 for single ended, positive or negative.
+    // Each input has two bits: 11 for BIAS, 10 for the positive side, 01 for the negative. The high word has CIN7 …
+    // 12, then 01 or 10 for single ended, positive or negative.
     const bool positive = stages.polarity == Polarity::kPositive;
     const unsigned cleared = 1U << (2 * (step < 7 ? step : step - 7) + (positive ? 0 : 1));
     const unsigned low = step < 7 ? 0x3FFFU & ~cleared : 0x3FFFU;

@@ -342,8 +342,8 @@ class Matcher {
     }
   }
 
-  // Returns the patches without a controller in the order of their node addresses; −1 stands for one of a neighbour. If
-  // the free controllers do not suffice for all covers of the bus, only patches of this design are returned.
+  // Returns the patches without a controller in the order of their node addresses; −1 stands for one of a neighbour.
+  // If the free controllers do not suffice for all covers of the bus, only patches of this design are returned.
   [[nodiscard]] std::vector<int> seats(std::size_t n_free) const {
     std::vector<std::pair<int, int>> own, all;  // Each pair is a node address and a patch.
     for (const int patch : here_) {

@@ -58,8 +58,8 @@ struct TouchOutcome {
   bool whole = false;  ///< So many taxels of the module changed that the finger must have pressed its centre.
   /// Bit t is set for a pressure taxel of the module that did not change while most others did.
   unsigned silent_taxels = 0;
-  /// Pressing a single taxel shows that the module is turned by this many steps of 120°; 0 also means that this was not
-  /// tried.
+  /// Pressing a single taxel shows that the module is turned by this many steps of 120°; 0 also means that this was
+  /// not tried.
   int turned = 0;
 };
 

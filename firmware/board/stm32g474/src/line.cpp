@@ -39,8 +39,8 @@ constexpr std::uint64_t kHalfPulse_us = 5;  // Bus clear runs at 100 kHz.
 // would need 23 losses in a row to last that long, each within the 0.87 ms of a burst of results and its bus clear.
 constexpr std::uint64_t kRepeatFor_us = 20'000;
 // A disturbed acknowledge bit looks like an absent chip. One disturbance per second spoils the 0.75 ms of a burst of
-// results three times in a row once in 2 · 10⁶ seconds. There is room for two: a transfer of a few bytes takes 150 µs,
-// a refusal about 35 µs, and the schedule reserves 250 µs for both (ReadingSchedule::kShort_us).
+// results three times in a row once in 2 · 10⁶ seconds. There is room for two: a transfer of a few bytes takes 150
+// µs, a refusal about 35 µs, and the schedule reserves 250 µs for both (ReadingSchedule::kShort_us).
 constexpr std::uint8_t kMaxRefusals = 2;
 
 std::uint32_t address_of(const void* p) {

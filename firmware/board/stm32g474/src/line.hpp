@@ -17,10 +17,10 @@ struct LinePlace {
   int event_irq, error_irq;
 };
 
-/// I2C1 … I2C4 as masters at 400 kHz. DMA moves the bytes; one interrupt switches from writing to reading, another ends
-/// the transfer. Every transfer has a deadline that depends on its bytes, so that a line that hangs without an error
-/// flag is also noticed. A transfer that a disturbance interrupted is repeated while the bus can be cleared, for 20 ms
-/// at most.
+/// I2C1 … I2C4 as masters at 400 kHz. DMA moves the bytes; one interrupt switches from writing to reading, another
+/// ends the transfer. Every transfer has a deadline that depends on its bytes, so that a line that hangs without an
+/// error flag is also noticed. A transfer that a disturbance interrupted is repeated while the bus can be cleared, for
+/// 20 ms at most.
 class Stm32I2cLine final : public fw::I2cLine {
  public:
   void open(const LinePlace& place);

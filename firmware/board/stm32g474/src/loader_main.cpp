@@ -30,8 +30,8 @@ constexpr std::uint64_t kLook_us = 10'000;
   __builtin_unreachable();
 }
 
-// Returns the image to start, or −1. After too many crashes the other image is used, and after as many crashes of that
-// one the loader waits for a host, or for the next power-up.
+// Returns the image to start, or −1. After too many crashes the other image is used, and after as many crashes of
+// that one the loader waits for a host, or for the next power-up.
 int slot_to_start() {
   const int slot = application_slots.choose();
   const std::uint32_t crashes = survivor().crashes_in_row;

@@ -34,8 +34,8 @@ typedef struct triskin_skin triskin_skin;
 /// Options for opening a skin. Set them to TRISKIN_OPTIONS_INIT, then change what you need.
 typedef struct triskin_options {
   size_t size;  ///< The caller sets this to its sizeof(triskin_options), because later versions append fields.
-  /// The link is given as in the program's --link: "sim", "sim:HOST:PORT", "can:IFACE", "hid", "usb" …; NULL means the
-  /// links that a robot file names, and is not allowed for a design.
+  /// The link is given as in the program's --link: "sim", "sim:HOST:PORT", "can:IFACE", "hid", "usb" …; NULL means
+  /// the links that a robot file names, and is not allowed for a design.
   const char* link;
   const char* scene;  ///< The link "sim" can have a scene file; NULL means none.
   int every;          ///< Each n-th sample is read, 1 … 255; 0 selects the smallest n that fits the bus.
@@ -81,7 +81,8 @@ TRISKIN_API void triskin_close(triskin_skin* skin);
 /// Returns the number of modules of the design, or of all covers of the robot.
 TRISKIN_API size_t triskin_module_count(const triskin_skin* skin);
 /// Writes the position of each taxel in mm, in the frame of the mesh or (robot) of its base with all joints at 0: x, y,
-/// z of taxel 0 of module 0, of taxel 1 … `n` is the number of doubles, 36 per module. TRISKIN_BAD_INPUT: `n` is wrong.
+/// z of taxel 0 of module 0, of taxel 1 … `n` is the number of doubles, 36 per module. TRISKIN_BAD_INPUT: `n` is
+/// wrong.
 TRISKIN_API triskin_status triskin_positions_mm(const triskin_skin* skin, double* xyz_mm, size_t n);
 /// Writes the outward unit normal of each taxel, in the layout of triskin_positions_mm.
 TRISKIN_API triskin_status triskin_normals(const triskin_skin* skin, double* normals, size_t n);
@@ -91,8 +92,8 @@ TRISKIN_API triskin_status triskin_patches(const triskin_skin* skin, int32_t* pa
 
 /// Returns the number of covers, which is 1 for a design.
 TRISKIN_API size_t triskin_cover_count(const triskin_skin* skin);
-/// Returns the name of cover 0 … triskin_cover_count − 1, valid as long as the skin; empty if there is no such cover.
-/// Never fails.
+/// Returns the name of cover 0 … triskin_cover_count − 1, valid as long as the skin; empty if there is no such
+/// cover. Never fails.
 TRISKIN_API const char* triskin_cover_name(const triskin_skin* skin, size_t cover);
 /// Writes the cover of each module. The modules of a cover are consecutive, so the number within the cover is the
 /// number minus that of the cover's first module. `n` is the number of modules. TRISKIN_BAD_INPUT: `n` is wrong.

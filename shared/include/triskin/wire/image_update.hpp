@@ -182,8 +182,8 @@ class OfferParts {
   std::size_t next_ = kOfferFrames;
 };
 
-/// Returns the frame that carries `units` (8 … 64 bytes, whole units) of the image for `slot`, starting at unit number
-/// `first`.
+/// Returns the frame that carries `units` (8 … 64 bytes, whole units) of the image for `slot`, starting at unit
+/// number `first`.
 [[nodiscard]] constexpr CanFrame encode_data(std::uint8_t slot, std::uint16_t first, Bytes units) {
   CanFrame f;
   f.id = kDataBase | std::uint32_t{slot} << 16 | first;
@@ -303,8 +303,8 @@ struct State {
 }
 
 /// Missing units in one answer, in whichever of two forms holds more of them. Both begin with the first missing unit (2
-/// bytes). A list continues with the distances to the next units, 1 … 255, until the end of the frame or a 0; a bitmap
-/// has a bit for each unit from the first on, lowest bit first.
+/// bytes). A list continues with the distances to the next units, 1 … 255, until the end of the frame or a 0; a
+/// bitmap has a bit for each unit from the first on, lowest bit first.
 class MissingPart {
  public:
   static constexpr std::size_t kHead = 3;

@@ -60,7 +60,8 @@ inline constexpr std::uint8_t kIcubFirst = 0x40, kIcubSecond = 0xC0;
   return t;
 }
 
-/// One sample of one module in full: a 48-byte CAN FD frame with id 0x18F0‹node›‹module›, too long for a classic frame.
+/// One sample of one module in full: a 48-byte CAN FD frame with id 0x18F0‹node›‹module›, too long for a
+/// classic frame.
 struct TaxelFrame {
   std::uint8_t node_address = 0;
   /// The number is a row of the table, or an adopted module if it is not less than the number of rows (Adoption).

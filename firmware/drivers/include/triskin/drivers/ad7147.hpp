@@ -44,8 +44,8 @@ inline constexpr std::uint32_t kMidScale = 0x8000;
 }
 }  // namespace ad7147
 
-/// One CDC on a line: knows what to write and read, and never waits. Each begin_… starts one transfer on the line; the
-/// caller polls the line and then calls the matching finish_….
+/// One CDC on a line: knows what to write and read, and never waits. Each begin_… starts one transfer on the line;
+/// the caller polls the line and then calls the matching finish_….
 class Ad7147 {
  public:
   /// Asks the chip at the 7-bit `address` for its device id.

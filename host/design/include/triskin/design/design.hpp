@@ -110,8 +110,8 @@ struct ModuleWiring {
 /// layout lacks. Cost: O(n).
 [[nodiscard]] std::vector<ModuleWiring> wiring_of(const Design& design);
 
-/// Returns the node address 1 … 126 of the controller of patch `patch` (0-based), or 0 if it is on another bus. Throws
-/// std::out_of_range for a patch without an entry in Design::node_addresses. Constant cost.
+/// Returns the node address 1 … 126 of the controller of patch `patch` (0-based), or 0 if it is on another bus.
+/// Throws std::out_of_range for a patch without an entry in Design::node_addresses. Constant cost.
 [[nodiscard]] int node_address_of(const Design& design, int patch);
 /// Returns the patch whose controller has node address `node`, or −1. Throws as node_address_of. Cost: O(patches).
 [[nodiscard]] int patch_at(const Design& design, int node);

@@ -34,8 +34,8 @@ struct ModuleEnd {
 };
 
 /// Returns all joints by module and port: those inside patches, and those between adjacent modules of two patches;
-/// ports with the cable of an entry or second entry have none. `rotations`: by module, 0 … 2, as the modules are really
-/// turned; empty means as designed. Errors: std::out_of_range for a module that the design lacks. Cost: O(n).
+/// ports with the cable of an entry or second entry have none. `rotations`: by module, 0 … 2, as the modules are
+/// really turned; empty means as designed. Errors: std::out_of_range for a module that the design lacks. Cost: O(n).
 [[nodiscard]] std::vector<std::array<ModuleEnd, layout::kPorts>> module_ends(const Design& design,
                                                                              std::span<const int> rotations = {});
 

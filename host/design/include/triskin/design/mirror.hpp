@@ -17,8 +17,8 @@ namespace triskin::design {
 [[nodiscard]] constexpr Tile mirrored_tile(const Tile& t) {
   return {t.j, t.i, t.up};
 }
-/// Moves values of corners (0 … 2) of a tile to the same corners in the mirrored tile: an up triangle keeps corner 0, a
-/// down one corner 1.
+/// Moves values of corners (0 … 2) of a tile to the same corners in the mirrored tile: an up triangle keeps corner 0,
+/// a down one corner 1.
 template <class T>
 [[nodiscard]] constexpr std::array<T, 3> mirrored_corners(const Tile& t, const std::array<T, 3>& c) {
   return t.up ? std::array<T, 3>{c[0], c[2], c[1]} : std::array<T, 3>{c[2], c[1], c[0]};

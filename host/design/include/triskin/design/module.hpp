@@ -36,8 +36,8 @@ struct PlacedModule {
   std::array<Vec3, 3> corner_mm;  ///< The corners form an exactly rigid triangle with sides of 30 mm.
   /// Entry s is the id of the module joined across side s, or −1; the relation is symmetric.
   std::array<int, 3> neighbour{-1, -1, -1};
-  /// The following metrics compare the module with the mesh; all are ≥ 0 (see LayoutLimits). Sides without a neighbour
-  /// have 0.
+  /// The following metrics compare the module with the mesh; all are ≥ 0 (see LayoutLimits). Sides without a
+  /// neighbour have 0.
   double edge_error_mm = 0.0;
   std::array<double, 3> hinge_gap_mm{};
   std::array<double, 3> fold_rad{};

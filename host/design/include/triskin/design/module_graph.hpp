@@ -31,8 +31,8 @@ struct ModuleGraph {
 /// that the graph lacks. Cost: O(n).
 [[nodiscard]] ModuleGraph with_jumpers(ModuleGraph graph, const std::vector<Jumper>& jumpers);
 
-/// Returns the node joined to each side of a module, also by a jumper, or −1. Errors: std::out_of_range for an id that
-/// the layout lacks. Cost: O(jumpers).
+/// Returns the node joined to each side of a module, also by a jumper, or −1. Errors: std::out_of_range for an id
+/// that the layout lacks. Cost: O(jumpers).
 [[nodiscard]] std::array<int, 3> joined_to(const ModuleLayout& layout, int id);
 
 }  // namespace triskin::design

@@ -18,7 +18,8 @@ struct ModuleList {
   ModuleGraph graph;        ///< Two nodes are joined if their tiles share a side and belong to one island.
 };
 
-/// Reads a JSON file {"modules": [{"id", "i", "j", "up", optional "island" and "border"}, …]}: id, island >= 0, |i| and
+/// Reads a JSON file {"modules": [{"id", "i", "j", "up", optional "island" and "border"}, …]}: id, island >= 0, |i|
+/// and
 /// |j| <= 10⁶. Errors: InputError with file and key for a file that cannot be read or is no JSON, wrong types and
 /// ranges, an id that occurs twice, a tile that occurs twice in an island, and a list without a module. Cost: O(n log
 /// n).

@@ -3,8 +3,8 @@
 
 namespace triskin::design {
 
-/// Costs of the parts of a cover, expressed in modules: the value of a layout is modules − price (docs/cost.md explains
-/// the defaults). Each cost is 0 … 16.
+/// Costs of the parts of a cover, expressed in modules: the value of a layout is modules − price (docs/cost.md
+/// explains the defaults). Each cost is 0 … 16.
 struct Price {
   double controller = 2.0;  ///< The price includes the controller's cable.
   double jumper = 0.35;     ///< The price includes two connectors and the work of fitting them.

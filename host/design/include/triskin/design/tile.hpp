@@ -46,9 +46,10 @@ struct TileSide {
   int side = 0;
   bool operator==(const TileSide&) const = default;
 };
-/// Returns the neighbour across side `side` (0 … 2) of a tile, with the side of the neighbour that both share: Up side
-/// 0 ↔ down (i, j-1) side 1; up side 1 ↔ down (i, j) side 2; up side 2 ↔ down (i-1, j) side 0. Applying across() to the
-/// result leads back to (t, side).
+/// Returns the neighbour across side `side` (0 … 2) of a tile, with the side of the neighbour that both share: Up
+/// side
+/// 0 ↔ down (i, j-1) side 1; up side 1 ↔ down (i, j) side 2; up side 2 ↔ down (i-1, j) side 0. Applying across()
+/// to the result leads back to (t, side).
 [[nodiscard]] constexpr TileSide across(const Tile& t, int side) {
   if (t.up) {
     if (side == 0) return {{t.i, t.j - 1, false}, 1};

@@ -28,8 +28,8 @@ enum class MjcfTouch {
 /// mjcf()'s tactile sensor. Throws as mjcf(). Cost: O(modules).
 [[nodiscard]] std::string taxel_list_json(const Design& design);
 
-/// Writes the same list as NumPy arrays (npz): position (n × 3), normal (n × 3), radius (n), module, taxel (n) and link
-/// (n). Throws as mjcf(). Cost: O(modules).
+/// Writes the same list as NumPy arrays (npz): position (n × 3), normal (n × 3), radius (n), module, taxel (n) and
+/// link (n). Throws as mjcf(). Cost: O(modules).
 [[nodiscard]] std::string taxel_list_npz(const Design& design);
 
 }  // namespace triskin::design

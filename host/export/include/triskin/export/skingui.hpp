@@ -17,11 +17,11 @@ struct SkinGuiLayout {
   int boards_apart = 0;  ///< The triangles of this many boards are not connected by joints.
 };
 
-/// Reads a skinGui configuration (`triangle_10pad id x y orientation gain mirror …` lines) or, with `part`, one part of
-/// a JSON collection of them (`ini_2d` → part → `triangles`). Two triangles are joined when their centres are 15 … 22
-/// mm apart and the directions of each one's joints are 120° apart; groups are placed on the lattice. Throws InputError
-/// naming file and triangle: unknown part (with a list of the parts), no triangle, repeated ids, triangles that fit no
-/// lattice. Cost: O(n²).
+/// Reads a skinGui configuration (`triangle_10pad id x y orientation gain mirror …` lines) or, with `part`, one part
+/// of a JSON collection of them (`ini_2d` → part → `triangles`). Two triangles are joined when their centres are 15
+/// … 22 mm apart and the directions of each one's joints are 120° apart; groups are placed on the lattice. Throws
+/// InputError naming file and triangle: unknown part (with a list of the parts), no triangle, repeated ids, triangles
+/// that fit no lattice. Cost: O(n²).
 [[nodiscard]] SkinGuiLayout read_skingui(const std::filesystem::path& path, const std::string& part = "");
 
 /// Writes the module list as JSON that read_module_list() reads. Cost: O(n).

@@ -46,14 +46,15 @@ class Link {
   /// Waits for a frame until `until_us` of the link's clock (a time in the past means no waiting). An empty result
   /// means that none arrived or that a message channel has data; it can come before `until_us`. Throws as send does.
   virtual std::optional<wire::CanFrame> receive(std::uint64_t until_us) = 0;
-  /// Returns the time of the link in µs. It is monotonic, and virtual in the in-process simulation, where waiting costs
-  /// nothing.
+  /// Returns the time of the link in µs. It is monotonic, and virtual in the in-process simulation, where waiting
+  /// costs nothing.
   [[nodiscard]] virtual std::uint64_t now_us() const = 0;
   /// Returns true if FD frames may be sent.
   [[nodiscard]] virtual bool fd() const = 0;
   /// Returns the longest frame that may be sent, 8 … 64 bytes.
   [[nodiscard]] virtual std::uint8_t frame_bytes() const { return fd() ? 64 : 8; }
-  /// Returns the longest time in µs until a controller begins to answer: P2 of the protocol plus the delay of the link.
+  /// Returns the longest time in µs until a controller begins to answer: P2 of the protocol plus the delay of the
+  /// link.
   [[nodiscard]] virtual std::uint64_t answer_us() const = 0;
   /// Returns the name for messages, in the syntax of `--link`.
   [[nodiscard]] virtual std::string name() const = 0;

@@ -24,8 +24,8 @@ struct ModuleSample {
   std::uint64_t sampled_ns = 0;  ///< The sample was taken at this time since 1970, within ± error_us; 0 means unknown.
   std::uint32_t error_us = kNoBound;
   static constexpr std::uint32_t kNoBound = UINT32_MAX;
-  /// When a recording is read, this is the patch whose controller read the module instead of its own; −1 means that its
-  /// own did, or that the recording does not say.
+  /// When a recording is read, this is the patch whose controller read the module instead of its own; −1 means that
+  /// its own did, or that the recording does not say.
   int adopter = -1;
   bool operator==(const ModuleSample&) const = default;
 };

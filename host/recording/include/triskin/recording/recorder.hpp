@@ -38,8 +38,8 @@ struct Origin {
   /// The text of the file of rest values (design/rest_values.hpp) is used to find contacts; if it is empty, the
   /// design's values are used.
   std::string rest_text;
-  /// Name of the cover on its robot. Topics are then /skin/PART/…, as in the bridge, and the frame is skin_PART. If it
-  /// is empty, topics are /skin/… and the frame is skin.
+  /// Name of the cover on its robot. Topics are then /skin/PART/…, as in the bridge, and the frame is skin_PART. If
+  /// it is empty, topics are /skin/… and the frame is skin.
   std::string part;
   std::string parent_frame;  ///< If set, /tf_static gets the pose of the skin's frame in this frame.
   Pose pose;                 ///< The pose is that of the skin's frame in parent_frame.

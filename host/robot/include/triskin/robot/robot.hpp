@@ -78,7 +78,8 @@ struct Robot {
 /// Formats a robot file, with one line for each bus and controller.
 [[nodiscard]] std::string robot_text(const Robot& robot);
 
-/// Parses a pose as in the file, {"matrix":[[…]]} or {"xyz_mm":[…],"rpy_rad":[…]}. Throws InputError naming `file`.
+/// Parses a pose as in the file, {"matrix":[[…]]} or {"xyz_mm":[…],"rpy_rad":[…]}. Throws InputError naming
+/// `file`.
 [[nodiscard]] Eigen::Isometry3d parse_pose(const std::string& text, const std::string& file);
 /// Parses PATCH=SERIAL, where SERIAL is the unique id with 24 hexadecimal digits, as triskin discover shows it. Throws
 /// InputError.

@@ -19,8 +19,8 @@ struct ContactDensity {
 
 /// Measures the contacts of a scene from its beginning for `duration_s` ≥ 0; 0 means until its last contact ends. A
 /// module counts as touched while one of its pressure taxels feels a contact. Throws InputError for a scene without
-/// contacts, and for one whose contacts never end if `duration_s` is 0. Cost: contacts · modules, and steps of 10 ms ·
-/// touched modules.
+/// contacts, and for one whose contacts never end if `duration_s` is 0. Cost: contacts · modules, and steps of 10 ms
+/// · touched modules.
 [[nodiscard]] ContactDensity density_of_scene(const scene::Scene& scene, double duration_s = 0.0);
 
 /// Measures the contacts of a recording (.mcap): a module counts as touched while a pressure taxel reads below its rest

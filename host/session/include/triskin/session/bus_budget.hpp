@@ -38,12 +38,12 @@ struct BusBudget {
 /// Converters run up to 4 % faster than their nominal rate, so the load is computed with this factor.
 inline constexpr double kFastestClock = 1.04;
 
-/// Returns the smallest n ≥ 1 for which each n-th sample fits a wire that all samples would load by `full`, a fraction
-/// of its capacity; at most 10⁶.
+/// Returns the smallest n ≥ 1 for which each n-th sample fits a wire that all samples would load by `full`, a
+/// fraction of its capacity; at most 10⁶.
 [[nodiscard]] int min_every(double full);
 
-/// Computes the budget for each n-th sample. If `every` is 0, it uses the smallest 1 … 255 that fits, or 255 when none
-/// does.
+/// Computes the budget for each n-th sample. If `every` is 0, it uses the smallest 1 … 255 that fits, or 255 when
+/// none does.
 [[nodiscard]] BusBudget make_budget(const Link& link, std::span<const StreamDemand> demands, int every);
 
 /// Returns one sentence that says how much of the request the wire carries and what to do about it.

@@ -30,8 +30,8 @@ struct SampleCounts {
 class SampleAccount {
  public:
   SampleAccount() = default;
-  /// Expects the samples whose number is a multiple of `every` (1 … 255). `interval_us` is the nominal time between two
-  /// sample numbers.
+  /// Expects the samples whose number is a multiple of `every` (1 … 255). `interval_us` is the nominal time between
+  /// two sample numbers.
   SampleAccount(int every, std::uint64_t interval_us) : every_(every), interval_us_(interval_us) {}
 
   /// Starts the lease after the sample `account.number`. `now_us` is the clock of the link.

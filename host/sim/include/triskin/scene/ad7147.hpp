@@ -55,7 +55,8 @@ class Ad7147 {
   /// Makes the chip report the device id `device_id` from `at_us` until `until_us`, exclusive, as another chip would.
   void show_device_id(std::uint16_t device_id, std::uint64_t at_us, std::uint64_t until_us);
 
-  /// Sets the error of the oscillator in ppm, −40,000..40,000 by the data sheet; positive means slow. It is 0 at first.
+  /// Sets the error of the oscillator in ppm, −40,000..40,000 by the data sheet; positive means slow. It is 0 at
+  /// first.
   void set_clock_error(int ppm) { clock_ppm_ = ppm; }
   /// Adds the converter's own noise: 12, 7 or 3 counts peak to peak at decimation 64, 128, 256 (data sheet, table 1).
   /// Equal seeds give equal noise for equal numbers of conversions since the sequence was started.

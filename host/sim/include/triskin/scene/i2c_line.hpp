@@ -18,8 +18,8 @@ class I2cLineModel final : public sim::I2cBus {
 
   /// Connects a chip at the 7-bit address `address`; `chip` must outlive the line.
   void attach(Ad7147& chip, std::uint8_t address) { chips_.push_back({&chip, address}); }
-  /// Connects a chip whose place changes: `address_at` returns its 7-bit address at a virtual time in µs, or −1 while
-  /// it is not on this line.
+  /// Connects a chip whose place changes: `address_at` returns its 7-bit address at a virtual time in µs, or −1
+  /// while it is not on this line.
   void attach(Ad7147& chip, std::function<int(std::uint64_t)> address_at) {
     chips_.push_back({&chip, 0, std::move(address_at)});
   }

@@ -16,8 +16,8 @@ struct HostPort {
   std::string host;
   std::uint16_t port = 0;
 };
-/// Splits "HOST:PORT", port 0 … 65535. An IPv6 address is in brackets, "[::1]:7000", as in a URL, and `host` is without
-/// them. Throws InputError.
+/// Splits "HOST:PORT", port 0 … 65535. An IPv6 address is in brackets, "[::1]:7000", as in a URL, and `host` is
+/// without them. Throws InputError.
 [[nodiscard]] HostPort parse_host_port(const std::string& text);
 /// Formats the text that parse_host_port() reads.
 [[nodiscard]] std::string host_port_text(const HostPort& at);

@@ -9,9 +9,9 @@
 namespace triskin::board {
 
 /// Measures the crystal against the internal oscillator and runs the PLL at 320 MHz from it; SYSCLK = HCLK = PCLK = 160
-/// MHz, range 1 boost, four wait states (RM0440 §6.1.5, §7.2.4, §3.3.3). If the crystal is missing, unknown or fails,
-/// it uses the internal oscillator, whose ± 1 % suffice for I²C and, as a rule, for classic CAN. survivor().clock then
-/// says what was chosen and why. Takes at most 70 ms; does nothing when the loader has done it.
+/// MHz, range 1 boost, four wait states (RM0440 §6.1.5, §7.2.4, §3.3.3). If the crystal is missing, unknown or
+/// fails, it uses the internal oscillator, whose ± 1 % suffice for I²C and, as a rule, for classic CAN.
+/// survivor().clock then says what was chosen and why. Takes at most 70 ms; does nothing when the loader has done it.
 void start_clocks();
 
 /// Runs TIM2 at 1 MHz: 32 bits in hardware, extended to 64 on each reading, so it must be read at least every 71
@@ -31,10 +31,10 @@ void feed_watchdog();
 /// Returns the 96-bit device id of this chip in the order of its bytes in memory.
 [[nodiscard]] wire::UniqueId unique_id();
 
-/// Erases a page of the flash (RM0440 §3.3.6, §3.3.7) and waits for the end: 22 ms, or 82 µs for a unit of eight bytes
-/// when programming. Code that reads the bank being written stalls until the end, so code that must continue runs from
-/// RAM. The data cache is off during that time. Returns false: refused, misaligned, write protected, the unit was not
-/// erased, or pages are not of 2 KB (DBANK = 0).
+/// Erases a page of the flash (RM0440 §3.3.6, §3.3.7) and waits for the end: 22 ms, or 82 µs for a unit of eight
+/// bytes when programming. Code that reads the bank being written stalls until the end, so code that must continue runs
+/// from RAM. The data cache is off during that time. Returns false: refused, misaligned, write protected, the unit was
+/// not erased, or pages are not of 2 KB (DBANK = 0).
 [[nodiscard]] bool erase_flash_page(std::uint32_t address);
 /// Programs eight bytes at an address that is a multiple of 8, `low` first. Returns false in the cases of
 /// erase_flash_page.

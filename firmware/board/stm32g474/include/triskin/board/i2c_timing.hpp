@@ -33,10 +33,10 @@ struct I2cTiming {
   }
 };
 
-/// Computes fast mode (UM10204 table 10): SCL low ≥ 1300 ns, high ≥ 600 ns, data set up ≥ 100 ns, data valid ≤ 900 ns.
-/// SCL's period also includes the synchronization of both edges: analog filter 50 … 260 ns and two to three kernel
-/// clocks each (§39.4.10); the shortest of these counts, so that the bus never exceeds bus_hz. It tries prescalers from
-/// the finest. Errors: kOutOfRange when the clock cannot produce it, or bus_hz is 0 or above 400 kHz.
+/// Computes fast mode (UM10204 table 10): SCL low ≥ 1300 ns, high ≥ 600 ns, data set up ≥ 100 ns, data valid ≤
+/// 900 ns. SCL's period also includes the synchronization of both edges: analog filter 50 … 260 ns and two to three
+/// kernel clocks each (§39.4.10); the shortest of these counts, so that the bus never exceeds bus_hz. It tries
+/// prescalers from the finest. Errors: kOutOfRange when the clock cannot produce it, or bus_hz is 0 or above 400 kHz.
 [[nodiscard]] constexpr Result<I2cTiming> compute_i2c_timing(const I2cTimingInput& in) {
   using namespace i2c_limits;
   if (in.bus_hz == 0 || in.bus_hz > 400'000 || in.kernel_hz < 8'000'000) return std::unexpected(Status::kOutOfRange);

@@ -7,8 +7,8 @@
 
 namespace triskin::fw {
 
-/// Removes everything that is not a touch from one module's readings, in fixed point: out = 0x8000 + (raw − baseline) −
-/// gain · (pads − pads at the baseline), limited to 0 … 65535. Pads are layout::kTemperaturePads, which feel
+/// Removes everything that is not a touch from one module's readings, in fixed point: out = 0x8000 + (raw − baseline)
+/// − gain · (pads − pads at the baseline), limited to 0 … 65535. Pads are layout::kTemperaturePads, which feel
 /// temperature but no finger; their own output is their change since the baseline. If a taxel moves by less than
 /// `kTouch` counts, its baseline follows with a time constant of 2^kFollow samples, which removes drift that the pads
 /// do not explain. Readings in which a taxel is invalid do not affect it. The error compared to real numbers is below 1

@@ -9,8 +9,8 @@ namespace triskin::fw {
 /// Distinguishes one chip at an address from two. Two chips at one address answer together, which the bus does not
 /// show, because their data combine as a wired AND. So a chip that was found is read at both inputs of its converter.
 /// The two results of one chip mirror each other at mid scale; the wired AND of two chips that differ by d counts is
-/// smaller by at least d, because x AND y = (x + y - (x XOR y)) / 2 and x XOR y ≥ |x - y|. Two chips whose taxels rest
-/// at exactly the same counts cannot be detected this way. It makes no transfers: it receives results and gives a
+/// smaller by at least d, because x AND y = (x + y - (x XOR y)) / 2 and x XOR y ≥ |x - y|. Two chips whose taxels
+/// rest at exactly the same counts cannot be detected this way. It makes no transfers: it receives results and gives a
 /// verdict.
 class DuplicateCheck {
  public:

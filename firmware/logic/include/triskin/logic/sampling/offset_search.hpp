@@ -10,8 +10,8 @@ namespace triskin::fw {
 /// Finds the offset of each stage of a chip: an electrode has 2 to 18 pF, but the converter covers only ± 8 pF around
 /// its offset. Each taxel should rest in the middle third of the range. One reading shows how far off a taxel is; the
 /// offset of a taxel at an end of its range moves by half a range. Known offsets stay unless their taxel rests outside
-/// the middle third. Three readings are enough for electrodes in 2 … 18 pF. It makes no transfers: it receives results
-/// and gives offsets.
+/// the middle third. Three readings are enough for electrodes in 2 … 18 pF. It makes no transfers: it receives
+/// results and gives offsets.
 class OffsetSearch {
  public:
   static constexpr std::uint8_t kFirst = 31;    ///< At 9.92 pF a converter covers 1.92 … 17.92 pF.

@@ -90,8 +90,8 @@ class ReadingSchedule {
     constexpr std::uint64_t kLatency_us = 20;
     return by_timer_ || ended_us <= plans_[station].close_us + burst_us + kLatency_us;
   }
-  /// Notes that the results of the present sequence are available at `now_us`. Returns when it ended in µs (by a timer:
-  /// now), or nothing if it is not one that is sampled.
+  /// Notes that the results of the present sequence are available at `now_us`. Returns when it ended in µs (by a
+  /// timer: now), or nothing if it is not one that is sampled.
   [[nodiscard]] std::optional<std::uint64_t> read(std::size_t station, std::uint64_t now_us);
   /// Notes that the transfer of the status ended on the line at `ended_us`; bit s of `status` says that stage s was
   /// converted since the last one.

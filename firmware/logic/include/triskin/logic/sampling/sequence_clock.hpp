@@ -6,10 +6,10 @@
 
 namespace triskin::fw {
 
-/// Predicts when one converter's sequence of twelve stages ends. The chip has its own oscillator (± 4 %) and signals no
-/// end. The class stores what is certain: an interval in which the present sequence ends, and one in which the period
-/// lies. It begins with the moment at which the sequence was started. A reading of the stage-complete status shows
-/// whether a stage had ended at a time and narrows the first interval; comparison with an earlier end narrows the
+/// Predicts when one converter's sequence of twelve stages ends. The chip has its own oscillator (± 4 %) and signals
+/// no end. The class stores what is certain: an interval in which the present sequence ends, and one in which the
+/// period lies. It begins with the moment at which the sequence was started. A reading of the stage-complete status
+/// shows whether a stage had ended at a time and narrows the first interval; comparison with an earlier end narrows the
 /// second. All stages last equally long, so any of them will do. Time is an argument.
 ///
 /// A burst of twelve results is consistent when the last result is read after the end of the sequence and the first one
