@@ -9,7 +9,7 @@
 namespace triskin::bridge {
 namespace {
 
-// A message that Cyclone handles; it counts the references.
+// Cyclone handles this message and counts the references to it.
 struct Message {
   ddsi_serdata head;  // The head must be declared first, because Cyclone uses its address for the whole object.
   std::size_t size;

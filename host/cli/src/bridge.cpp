@@ -93,7 +93,7 @@ bridge::BridgeOptions with_unit(bridge::BridgeOptions options, const design::Ski
   return options;
 }
 
-// One cover with its topics and contacts.
+// Each cover has its own topics and contacts.
 class CoverFeed {
  public:
   CoverFeed(device::LiveCover& cover, bridge::Domain& domain, const bridge::BridgeOptions& options, bool services,

@@ -26,7 +26,6 @@ struct Options {
   std::vector<std::string> designs;
 };
 
-// Devices that answer on a link.
 struct Found {
   nlohmann::json controllers = nlohmann::json::array();
   std::vector<std::string> lines;

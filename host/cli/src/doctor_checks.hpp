@@ -10,7 +10,7 @@
 
 namespace triskin::cli {
 
-/// One requirement of a working computer.
+/// A working computer has to meet this requirement.
 struct DoctorCheck {
   std::string name;
   bool ok = false;
@@ -19,18 +19,17 @@ struct DoctorCheck {
   bool needed = true;  ///< False means that the requirement is optional and does not affect the exit status.
 };
 
-/// A controller that answered.
 struct AnsweringBoard {
   std::string link, serial, firmware;  ///< The firmware is written as "MAJOR.MINOR.PATCH".
 };
 
-/// A part of the program that a build may leave out.
+/// A build may leave this part of the program out.
 struct OptionalPart {
   std::string name, package;
   bool is_there = false;
 };
 
-/// Everything that the checks read. A test replaces it by its own file tree and answers.
+/// The checks read nothing but this. A test replaces it by its own file tree and answers.
 struct Machine {
   std::filesystem::path root = "/";
   /// Returns the value of an environment variable, or nothing if it is not set.

@@ -38,7 +38,6 @@ struct Options {
   bool by_serial = false, no_touch = false;
 };
 
-// Result for one bus.
 struct BusOutcome {
   const robot::BusConfig* bus = nullptr;
   std::vector<std::pair<const robot::CoverConfig*, device::FlashResult>> covers;

@@ -8,7 +8,7 @@
 
 namespace triskin::cli {
 
-/// Values of the options --save, --restore and --onto of `flash`.
+/// The options --save, --restore and --onto of `flash` have these values.
 struct BackupOptions {
   std::string save, restore;      ///< Both are names of files; empty means not requested.
   std::vector<std::string> onto;  ///< Each text is OLD=NEW, two serial numbers.

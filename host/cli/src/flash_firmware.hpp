@@ -10,7 +10,6 @@
 
 namespace triskin::cli {
 
-/// Options of `flash` that concern the firmware.
 struct FirmwareOptions {
   std::string file;  ///< An empty name means that no firmware is written.
   bool one_by_one = false;
@@ -19,7 +18,7 @@ struct FirmwareOptions {
 /// Adds these options to `flash`.
 void add_firmware_options(CLI::App& app, FirmwareOptions& options);
 
-/// Result of the firmware update for each controller.
+/// The report has the result of the firmware update for each controller.
 struct FirmwareReport {
   nlohmann::json rows = nlohmann::json::array();
   bool complete = true;  ///< True means that every controller runs the firmware, or would get it without the dry run.

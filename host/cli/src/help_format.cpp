@@ -28,7 +28,7 @@ std::size_t width_of(const std::string& text) {
   return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (c & 0xC0) != 0x80; }));
 }
 
-/// The type of an option in the words of its validators: the text after the name, and an addition to the description.
+/// Validators give the type of an option in these words: the text after the name, and an addition to the description.
 struct TypeWords {
   std::string name, remark;
 };

@@ -75,7 +75,7 @@ int run_icub(const Options& options, Output& output) {
   return live_icub(options.site.link, design ? &*design : nullptr, options.seconds, output);
 }
 
-// One run of the command, which shows received data and handles keys.
+// One object handles one run of the command: it shows received data and handles keys.
 class Show {
  public:
   Show(const Options& options, device::LiveBus& bus)

@@ -12,7 +12,6 @@
 
 namespace triskin::cli {
 
-/// Text that a display shows beside the skin.
 struct LiveState {
   double time_s = 0.0;
   std::uint64_t frames = 0, lost = 0;
@@ -26,7 +25,6 @@ struct LiveState {
 /// per line with --json.
 class LiveDisplay {
  public:
-  /// Action that a person requests with a key.
   enum class Wish { kNothing, kTare, kEnd };
   virtual ~LiveDisplay() = default;
   /// Shows the present state; returns the request since the last call.

@@ -70,7 +70,7 @@ std::string firmware_of(device::Bus& bus, std::uint8_t node) {
   return device::firmware_version_text(device::Controller(bus, node).hello().firmware_version);
 }
 
-// Place of a cover on its robot, for viewers.
+// Viewers need the place of a cover on its robot.
 struct CoverPlace {
   std::string part, parent_frame;
   recording::Pose pose;
@@ -93,7 +93,6 @@ std::vector<CoverPlace> places_of(const robot::Assembly& assembly) {
   return places;
 }
 
-// The recording of one cover.
 class CoverFile {
  public:
   CoverFile(const robot::CoverConfig& cover, const std::string& path, Format format)
@@ -188,7 +187,7 @@ std::string file_of(const Options& options, Format format, const robot::CoverCon
       .string();
 }
 
-// The recordings of one bus and their results.
+// Each bus has its recordings and their results.
 class BusRecording {
  public:
   // Files are opened before anything is requested from the controllers. `places` is indexed by cover; empty for a

@@ -6,7 +6,6 @@
 
 namespace triskin::cli {
 
-/// Options for playing a recording into a link.
 struct ReplayLinkOptions {
   std::string file;     ///< The recording is a file (.mcap).
   std::string listen;   ///< The text has the syntax of --listen of simulate.

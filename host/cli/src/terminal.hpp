@@ -7,14 +7,14 @@
 
 namespace triskin::cli {
 
-/// A terminal that shows pages and reads single keys. Its former contents are restored afterwards.
+/// A terminal shows pages and reads single keys. Its former contents are restored afterwards.
 class Terminal {
  public:
   /// Returns true when standard output is a terminal that can move its cursor.
   [[nodiscard]] static bool there();
   /// Returns true if TERM says that the terminal cannot move its cursor.
   [[nodiscard]] static bool is_dumb();
-  /// Size of the screen in characters.
+  /// The size of the screen is in characters.
   struct Size {
     int columns = 80, rows = 24;  ///< Terminals that do not report their size are assumed to have this one.
   };

@@ -42,7 +42,7 @@ void wait_for_interrupt() {
   while (!interrupt_request()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
 }
 
-// The displayed design: a design unchanged, or the covers of a robot in the frame of its base.
+// The page shows a design unchanged, or the covers of a robot in the frame of its base.
 struct Shown {
   design::Design design;
   std::vector<design::CoverOffset> offsets;

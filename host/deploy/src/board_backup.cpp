@@ -165,7 +165,7 @@ void require_calibration(const JsonValue& v, const BoardBackup& b) {
     v["values"].fail(fmt::format("keeps a calibration that is none: {}; save the board again", describe(kept.error())));
 }
 
-/// A board of the file and the controller that will receive its data.
+/// Each board of the file is paired with the controller that will receive its data.
 struct Pair {
   const BoardBackup* board = nullptr;
   wire::NodeClaim claim;

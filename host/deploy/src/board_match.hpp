@@ -15,14 +15,13 @@ struct BusBoards {
   std::map<wire::UniqueId, BoardShape> shapes;  ///< Shapes are known for the boards that were asked.
 };
 
-/// A controller on the bus and the patch that it will serve.
+/// A controller on the bus will serve this patch.
 struct Board {
   wire::NodeClaim claim;
   int patch = -1;  ///< −1 means that the board is not needed.
   FoundBy by = FoundBy::kNothing;
 };
 
-/// A patch without a controller.
 struct MissingBoard {
   int patch = 0;
   std::string why;  ///< The reason is a sentence.

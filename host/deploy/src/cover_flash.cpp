@@ -15,8 +15,9 @@
 namespace triskin::device {
 namespace {
 
-// Node addresses that no controller has and no patch of this design needs, lowest first. Addresses that the robot file
-// gives to controllers of other covers are last, because a board there has to move again when their cover is flashed.
+// An address is free if no controller has it and no patch of this design needs it; the lowest is used first. Addresses
+// that the robot file gives to controllers of other covers are last, because a board there has to move again when their
+// cover is flashed.
 class FreeAddresses {
  public:
   FreeAddresses(const Bus& bus, const design::Design& design, const FlashOptions& options) : name_(bus.name()) {

@@ -11,7 +11,7 @@
 
 namespace triskin::device {
 
-/// The host's side of one broadcast update on one bus, step by step. Not thread-safe.
+/// A session is the host's side of one broadcast update on one bus, step by step. Not thread-safe.
 class UpdateSession {
  public:
   using OnProgress = std::function<void(std::size_t board, const char* stage, double fraction)>;

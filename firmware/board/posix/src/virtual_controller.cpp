@@ -152,7 +152,7 @@ class VirtualChain final : public fw::RouteChain {
   VirtualClock& clock_;
 };
 
-// A part of a flash memory.
+// Each area is a part of a larger flash memory.
 class VirtualFlash final : public fw::FlashArea {
  public:
   VirtualFlash(FlashModel* model, std::size_t offset, std::size_t size) : model_(model), offset_(offset), size_(size) {}
@@ -171,7 +171,7 @@ class VirtualFlash final : public fw::FlashArea {
   std::size_t offset_, size_;
 };
 
-// Flash that is written while the application runs; the processor waits as long as the real flash takes. During an
+// The application runs while this flash is written, so the processor waits as long as for the real flash. During an
 // erase the application continues as on the microcontroller.
 class TimedFlash final : public fw::FlashArea {
  public:

@@ -10,9 +10,9 @@ enum class CanFilters : std::uint8_t {
   kApplication,  ///< The filters also pass discovery, assignment and leases.
 };
 
-/// FDCAN1 at 1 Mbit/s, data phase 2 Mbit/s, on PB8 and PB9. Both directions use queues that the interrupt serves. After
-/// a bus-off it stays off the bus for a pause that doubles each time, because a board that disturbs the bus must not do
-/// so for ever.
+/// The port is FDCAN1 on PB8 and PB9, at 1 Mbit/s and 2 Mbit/s in the data phase. Both directions use queues that the
+/// interrupt serves. After a bus-off it stays off the bus for a pause that doubles each time, because a board that
+/// disturbs the bus must not do so for ever.
 class Stm32CanPort final : public fw::CanPort {
  public:
   void open(CanFilters filters);

@@ -8,7 +8,7 @@
 
 namespace triskin::board {
 
-/// Pins and block of one I²C line on the chip (data sheet DS12288, table 13).
+/// The pins and the block of a line on the chip are from the data sheet DS12288, table 13.
 struct LinePlace {
   unsigned index;
   std::uint32_t base;
@@ -17,7 +17,7 @@ struct LinePlace {
   int event_irq, error_irq;
 };
 
-/// I2C1 … I2C4 as masters at 400 kHz. DMA moves the bytes; one interrupt switches from writing to reading, another
+/// I2C1 … I2C4 are masters at 400 kHz. DMA moves the bytes; one interrupt switches from writing to reading, another
 /// ends the transfer. Every transfer has a deadline that depends on its bytes, so that a line that hangs without an
 /// error flag is also noticed. A transfer that a disturbance interrupted is repeated while the bus can be cleared, for
 /// 20 ms at most.

@@ -80,7 +80,7 @@ void sleep_until(std::uint64_t at_us) {
 namespace triskin::board {
 namespace {
 
-// Work of the loader until an application starts.
+// The loader is in this state until an application starts.
 class Waiting {
  public:
   Waiting() : loader_(application_slots, can, unique_id()), window_end_us_(microseconds() + wire::loader::kWindow_us) {}

@@ -54,7 +54,7 @@ class Stm32Restart final : public fw::Restart {
 Stm32Clock system_clock;
 Stm32Restart stm32_restart;
 
-// The label of the image (layout/image_label.hpp).
+// layout/image_label.hpp reads this label of the image.
 struct Label {
   std::array<std::uint8_t, 4> magic = layout::kLabelMagic;
   std::uint8_t version = layout::kLabelVersion;
@@ -113,8 +113,8 @@ void sleep_until(std::uint64_t at_us, const fw::Application& application) {
   core_reg::reset();
 }
 
-// Actions that happen once: option bytes are set when the supply is stable, and crashes after a minute of work do not
-// count as a loop.
+// Some actions happen only once: option bytes are set when the supply is stable, and crashes after a minute of work do
+// not count as a loop.
 class Milestones {
  public:
   void look(std::uint64_t now_us) {

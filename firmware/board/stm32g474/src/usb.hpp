@@ -7,10 +7,10 @@
 
 namespace triskin::board {
 
-/// The USB full-speed device of the chip for one UsbFunction: end point 0, and on request 1 (interrupt) and 2 (bulk) in
-/// both directions. The interrupt only wakes the loop, which does the work in serve() and send(). So the function needs
-/// no locks, and the hardware answers NAK in the meantime. Full speed on PA11 and PA12; the 48 MHz come from HSI48,
-/// trimmed by the host's frames.
+/// The chip's USB full-speed device serves one UsbFunction with end point 0, and on request 1 (interrupt) and 2 (bulk)
+/// in both directions. The interrupt only wakes the loop, which does the work in serve() and send(). So the function
+/// needs no locks, and the hardware answers NAK in the meantime. Full speed on PA11 and PA12; the 48 MHz come from
+/// HSI48, trimmed by the host's frames.
 class Stm32Usb {
  public:
   /// The data stage of a control transfer to the device has at most this size.

@@ -7,7 +7,7 @@
 
 namespace triskin::cli {
 
-/// Options of `triskin edit`, which makes a design from a design. `triskin design` accepts them for one more release.
+/// `triskin edit` makes a design from a design with these options. `triskin design` accepts them for one more release.
 struct EditOptions {
   int take = -1;
   std::string remove, add, keep, mirror;

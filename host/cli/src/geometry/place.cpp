@@ -25,7 +25,7 @@ struct Options {
   std::string proof;
   std::string weights;
   std::string output;
-  int piece = -1;  // The number of a piece of the net; −1 means all.
+  int piece = -1;  // A negative number, −1, selects all pieces of the net.
   std::vector<int> node{0, 0};
   geometry::PlacementOptions placement;
 };

@@ -9,7 +9,7 @@
 
 namespace triskin::cli {
 
-/// The options --side, --from and --bridge-mm of every command that uses a surface of a part.
+/// Every command that uses a surface of a part has the options --side, --from and --bridge-mm.
 class SideOption {
  public:
   void add_to(CLI::App& app);

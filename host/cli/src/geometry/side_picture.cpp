@@ -50,7 +50,7 @@ Vec3 cross_of(const Mesh& mesh, std::size_t face) {
   return (*b - *a).cross(*c - *a);
 }
 
-/// One view with screen coordinates in pixels and depth towards the viewer.
+/// A view has screen coordinates in pixels and a depth towards the viewer.
 class View {
  public:
   View(const Mesh& mesh, const Vec3& toward_viewer)

@@ -25,7 +25,8 @@
 
 namespace triskin::fw {
 
-/// The patch controller: the only class that knows all parts. step() performs the work that is due and returns at once.
+/// The application of a patch controller, as the only class, knows all parts. step() performs the work that is due and
+/// returns at once.
 class Application final : private UdsHost, private PatchControl {
  public:
   /// Loads the newest table and starts to sample. Everything that `ports` points to must outlive the application.
@@ -73,7 +74,7 @@ class Application final : private UdsHost, private PatchControl {
   }
   [[nodiscard]] std::uint64_t now_us() const override { return ports_.clock->now_us(); }
 
-  /// A path to a host: a port and the one connection that a tester has over it.
+  /// A channel leads to a host: it has a port and the one connection of a tester over it.
   struct Channel {
     CanPort* port;
     wire::IsoTp link;

@@ -27,7 +27,7 @@ namespace triskin::fw {
 /// The version is that of the project (CMakeLists.txt).
 inline constexpr std::uint32_t kFirmwareVersion = TRISKIN_FIRMWARE_VERSION;
 
-/// The parts that identifiers read. Everything must outlive them.
+/// Identifiers read these parts, which must outlive them.
 struct PatchParts {
   const Ports& ports;
   const TableStore& tables;
@@ -68,7 +68,7 @@ class PatchControl {
   [[nodiscard]] virtual std::uint32_t dropped_samples() const = 0;
 };
 
-/// The identifiers of the controller, one row each with the functions that read and write it. The session (F186)
+/// Each identifier of the controller has a row here with the functions that read and write it. The session (F186)
 /// belongs to the diagnostic server.
 class Identifiers {
  public:

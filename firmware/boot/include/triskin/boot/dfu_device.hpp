@@ -9,8 +9,8 @@
 
 namespace triskin::boot {
 
-/// The controller in DFU mode (DFU 1.1, manifestation tolerant). It accepts a firmware package and stores the image for
-/// the slot that is not in use. A package that ends early or is damaged is refused; the slot in use is never touched.
+/// In DFU mode (DFU 1.1, manifestation tolerant) the controller accepts a firmware package and stores the image for the
+/// slot that is not in use. A package that ends early or is damaged is refused; the slot in use is never touched.
 class DfuDevice final : public wire::UsbFunction {
  public:
   /// After this much silence it returns to the application; dfu-util waits 5 s before its first request.

@@ -14,13 +14,13 @@ namespace triskin::boot {
 /// firmware. Errors: kOutOfRange (size), kWrongTarget (slot, other hardware), kOlder.
 [[nodiscard]] Status acceptable(const wire::update::Offer& offer, int slot, std::uint32_t running_version);
 
-/// A controller's part in a broadcast update (docs/protocol.md, "One image to all"): writes an image into the slot that
-/// the application does not run from, and commits it when it is correct. The flash itself shows what is missing: a unit
-/// that reads as erased has not arrived. So RAM holds only the position, and a host does not send units that are erased
-/// anyway.
+/// As the controller's part in a broadcast update (docs/protocol.md, "One image to all"), the receiver writes an image
+/// into the slot that the application does not run from, and commits it when it is correct. The flash itself shows what
+/// is missing: a unit that reads as erased has not arrived. So RAM holds only the position, and a host does not send
+/// units that are erased anyway.
 class ImageReceiver final : public fw::ImageUpdate {
  public:
-  /// Facts about the controller that receives the image.
+  /// The receiver needs these facts about its controller.
   struct Self {
     wire::UniqueId unique_id;
     int running_slot;                ///< Valid values are 0 and 1.

@@ -8,7 +8,8 @@
 
 namespace triskin::boot {
 
-/// The loader's side of an update over CAN (wire/loader_protocol.hpp). The board itself starts applications.
+/// The loader's side of an update over CAN (wire/loader_protocol.hpp) is implemented here. The board itself starts
+/// applications.
 class Loader {
  public:
   /// `slots` and `can` must outlive the loader; hosts select it by the CRC of `unique_id`.

@@ -27,7 +27,7 @@ struct SlotState {
   return {static_cast<std::uint8_t>(slot), state.confirmed, state.sequence, state.size_bytes, state.record_crc};
 }
 
-/// The two application slots. Each ends with a page of records that are only ever appended (docs/firmware_board.md):
+/// Each of the two application slots ends with a page of records that are only ever appended (docs/firmware_board.md):
 /// commit (sequence, size, CRC), up to three starts, confirmation. A power failure leaves the slot in its old or its
 /// new state.
 class SlotStore {

@@ -11,7 +11,7 @@
 
 namespace triskin::fw {
 
-/// Registers of the AD7147 (data sheet rev. E, tables 14–36): 16-bit addresses and values, big-endian.
+/// The registers of the AD7147 (data sheet rev. E, tables 14–36) have 16-bit addresses and values, big-endian.
 namespace ad7147 {
 inline constexpr std::uint16_t kPowerControl = 0x000, kStageCalibration = 0x001, kAmbientControl = 0x002,
                                kInterruptEnable = 0x005, kStageComplete = 0x00A, kResult = 0x00B, kDeviceId = 0x017,
@@ -44,8 +44,8 @@ inline constexpr std::uint32_t kMidScale = 0x8000;
 }
 }  // namespace ad7147
 
-/// One CDC on a line: knows what to write and read, and never waits. Each begin_… starts one transfer on the line;
-/// the caller polls the line and then calls the matching finish_….
+/// The driver of one CDC on a line knows what to write and read, and never waits. Each begin_… starts one transfer on
+/// the line; the caller polls the line and then calls the matching finish_….
 class Ad7147 {
  public:
   /// Asks the chip at the 7-bit `address` for its device id.
@@ -55,10 +55,9 @@ class Ad7147 {
   /// Returns the id that was read, with its revision.
   [[nodiscard]] std::uint16_t device_id() const;
 
-  /// The input of the converter to which the pads are connected. At the negative one pressure lowers the result, at the
+  /// The pads are connected to one of the converter's inputs. At the negative one pressure lowers the result, at the
   /// positive one it raises it: the number is mirrored at mid scale.
   enum class Polarity : std::uint8_t { kPositive, kNegative };
-  /// Configuration of the stages.
   struct Stages {
     Polarity polarity = Polarity::kNegative;
     ad7147::Offsets offsets{};  ///< Each offset is 0 … kMaxOffset.

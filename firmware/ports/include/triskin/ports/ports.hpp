@@ -15,11 +15,11 @@
 #include "triskin/wire/identity.hpp"
 #include "triskin/wire/unique_id.hpp"
 
-/// Interfaces of a board for application and loader. firmware/board implements them, and `Ports` joins them. No call
-/// blocks unless its comment says so.
+/// Application and loader use a board through these interfaces. firmware/board implements them, and `Ports` joins them.
+/// No call blocks unless its comment says so.
 namespace triskin::fw {
 
-/// One I²C line. A transfer writes bytes, then reads bytes after a repeated start (either may be empty), in the
+/// A transfer on an I²C line writes bytes, then reads bytes after a repeated start (either may be empty), in the
 /// background.
 class I2cLine {
  public:
@@ -37,14 +37,13 @@ class I2cLine {
   virtual Status recover() = 0;
 };
 
-/// Time of the board.
 class Clock {
  public:
   virtual ~Clock() = default;
   [[nodiscard]] virtual std::uint64_t now_us() const = 0;  ///< The time counts from power-up and is monotonic.
 };
 
-/// Frames to and from hosts over a CAN bus, or over USB with the same frames in its packets.
+/// Frames go to and from hosts over a CAN bus, or over USB with the same frames in its packets.
 class CanPort {
  public:
   virtual ~CanPort() = default;
@@ -59,7 +58,7 @@ class CanPort {
   virtual std::optional<wire::CanFrame> receive() = 0;
 };
 
-/// A serial port for text to a person.
+/// A serial port sends text to a person.
 class SerialPort {
  public:
   virtual ~SerialPort() = default;
@@ -67,7 +66,8 @@ class SerialPort {
   virtual bool send(std::uint8_t byte) = 0;
 };
 
-/// Non-volatile memory with the rules of the silicon: pages are erased to ones, and aligned units are programmed once.
+/// The non-volatile memory has the rules of the silicon: pages are erased to ones, and aligned units are programmed
+/// once.
 class FlashArea {
  public:
   virtual ~FlashArea() = default;
@@ -87,7 +87,7 @@ class FlashArea {
   [[nodiscard]] virtual Bytes bytes() const = 0;
 };
 
-/// Resets into the loader, which then starts an application. Boards without a loader do not have it.
+/// A restart goes through the loader, which then starts an application. Boards without a loader do not have it.
 class Restart {
  public:
   virtual ~Restart() = default;
@@ -100,7 +100,7 @@ class Restart {
   virtual std::optional<wire::ImageState> image_state() = 0;
 };
 
-/// Facts that a board knows about itself. Boards without such knowledge do not have it.
+/// A board reports facts about itself here. Boards without such knowledge do not have a monitor.
 class BoardMonitor {
  public:
   virtual ~BoardMonitor() = default;
@@ -129,7 +129,7 @@ class ImageUpdate {
   [[nodiscard]] virtual std::uint64_t next_event_us(std::uint64_t now_us) const = 0;
 };
 
-/// Everything that a board provides for the application.
+/// A board provides all of this for the application.
 struct Ports {
   std::array<I2cLine*, layout::kLines> lines;
   Clock* clock;

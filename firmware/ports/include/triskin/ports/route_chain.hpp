@@ -7,7 +7,7 @@
 
 namespace triskin::fw {
 
-/// The scan chain through the switched modules of a patch (docs/switched_module.md). A board drives it with SPI or
+/// The scan chain runs through the switched modules of a patch (docs/switched_module.md). A board drives it with SPI or
 /// timer-paced pins.
 class RouteChain {
  public:

@@ -17,7 +17,7 @@ namespace triskin::bridge {
 /// Returns true if this program was built with Cyclone DDS. Otherwise join_domain() throws.
 [[nodiscard]] bool dds_available();
 
-/// Quality of service that a topic offers its readers; delivery is always reliable.
+/// A topic offers its readers this quality of service; delivery is always reliable.
 struct Delivery {
   int depth = 10;        ///< This many messages, at least 1, are kept for a slow reader.
   bool latched = false;  ///< True means that a late reader also gets the last message (transient local).
@@ -44,7 +44,7 @@ class Server {
   virtual void write(Bytes answer) = 0;
 };
 
-/// A participant of a DDS domain. It discovers others by itself; CYCLONEDDS_URI can configure how.
+/// A domain object is a participant of a DDS domain. It discovers others by itself; CYCLONEDDS_URI can configure how.
 class Domain {
  public:
   virtual ~Domain() = default;

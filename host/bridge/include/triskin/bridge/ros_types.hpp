@@ -10,11 +10,11 @@
 
 #include "triskin/recording/messages.hpp"
 
-/// Types that the bridge publishes. Most come from host/recording; here are two types of ROS that a recording does not
+/// The bridge publishes these types. Most come from host/recording; here are two types of ROS that a recording does not
 /// use, and the type hashes of ROS.
 namespace triskin::bridge {
 
-/// A message type with its hash (REP-2016, version 1), which ROS compares before it matches a reader and a writer.
+/// ROS compares the hash of a message type (REP-2016, version 1) before it matches a reader and a writer.
 struct RosType {
   const recording::MessageType& message;
   std::string_view hash;  ///< The hash is "RIHS01_" followed by 64 hexadecimal digits.
@@ -28,7 +28,7 @@ extern const RosType kRaw, kLayout, kContacts, kPoints, kDiagnostics, kTransform
 /// appended.
 [[nodiscard]] std::string dds_service_name(std::string_view ros_name);
 
-/// State of a part of the skin, for diagnostic_msgs/msg/DiagnosticStatus.
+/// Each part of the skin has a state, for diagnostic_msgs/msg/DiagnosticStatus.
 struct Diagnosis {
   enum class Level : std::uint8_t { kOk = 0, kWarn = 1, kError = 2, kStale = 3 };
   Level level = Level::kOk;

@@ -11,10 +11,8 @@
 
 namespace triskin::cli {
 
-/// Options that select the calibration of a command.
 struct CalibrationOptions {
-  /// The path of a calibration file; empty means the calibration in the controllers, or else the one on this computer;
-  /// "none" means counts.
+  /// An empty path means the calibration in the controllers, or else the one on this computer; "none" means counts.
   std::string file;
 };
 /// Adds --calibration.

@@ -11,7 +11,7 @@
 
 namespace triskin::cli {
 
-/// Result of a command: one JSON object with --json, otherwise text. Messages go to standard error.
+/// A command prints its result as one JSON object with --json, otherwise as text. Messages go to standard error.
 class Output {
  public:
   /// `json` says that the command was given --json. With `messages_aside`, messages go to standard error because
@@ -69,11 +69,11 @@ template <class Value>
 /// 2 and 3.
 using Run = std::function<int(Output&)>;
 
-/// Purpose of a command; --help lists the commands of a group together, in this order.
+/// Commands are grouped by purpose, and --help lists the groups in this order.
 enum class Group { kDesign, kHardware, kData, kDevelopment };
 
-/// One subcommand. `set_up` adds options to `app` and returns the function that runs with them. Options live in the
-/// returned closure (a shared_ptr to a struct), because CLI11 keeps references.
+/// For each subcommand, `set_up` adds options to `app` and returns the function that runs with them. Options live in
+/// the returned closure (a shared_ptr to a struct), because CLI11 keeps references.
 struct Command {
   std::string name;
   std::string summary;

@@ -7,7 +7,7 @@
 
 namespace triskin::cli {
 
-/// Meaning of DESIGN on the command line.
+/// The argument DESIGN on the command line can name a file or a QR code.
 struct DesignArgument {
   std::string path;
   std::optional<sheet::PageCode> code;  ///< The code is set if the text of a QR code was given.

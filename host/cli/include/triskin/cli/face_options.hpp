@@ -8,7 +8,7 @@
 
 namespace triskin::cli {
 
-/// Options that choose faces of a STEP or IGES file; all commands that read such a file have the same ones.
+/// These options choose faces of a STEP or IGES file; all commands that read such a file have the same ones.
 class FaceOptions {
  public:
   void add_to(CLI::App& app);

@@ -10,7 +10,7 @@ namespace triskin::cli {
 using recording::recorded_skin;
 using recording::RecordedSkin;
 
-/// A recording in the form that the page plays.
+/// The page plays a recording in this form.
 struct RecordedTrack {
   RecordedSkin skin;
   std::string frames;  ///< view::FrameTrack made the frames.

@@ -9,7 +9,7 @@
 
 namespace triskin::cli {
 
-/// Input of a device command: a design file or a robot file, and the links.
+/// A device command works on a design file or a robot file, over its links.
 struct SiteOptions {
   std::string file, cover;
   device::LinkOptions link;

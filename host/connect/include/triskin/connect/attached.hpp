@@ -6,7 +6,7 @@
 
 namespace triskin::device {
 
-/// A device of this computer that may lead to controllers.
+/// A device that is attached to this computer may lead to controllers.
 struct AttachedDevice {
   std::string link;    ///< The text has the syntax of `--link`: can:can0, hid:SERIAL, usb:SERIAL.
   std::string remark;  ///< The remark is for a person ("CAN interface, down") and never empty.

@@ -12,14 +12,14 @@
 
 namespace triskin::device {
 
-/// The values of `--link` and `--scene`.
+/// The options are the values of `--link` and `--scene`.
 struct LinkOptions {
   std::string link;       ///< An empty text means that no link was named; then a robot file must name one.
   bool chosen = false;    ///< True means that `link` takes precedence over the robot file.
   std::string scene;      ///< The scene file is for `sim`; if it is empty, the design is simulated without faults.
   bool switched = false;  ///< Without a scene file, `sim` then has switched modules.
-  /// Seed of the serial numbers of simulated boards. With 0 they ascend with the patches; if empty, the scene's seed is
-  /// used. Boards of a robot file are numbered by the seed.
+  /// The seed determines the serial numbers of simulated boards. With 0 they ascend with the patches; if empty, the
+  /// scene's seed is used. Boards of a robot file are numbered by the seed.
   std::optional<std::uint64_t> board_seed{};
   bool own_interrupts = true;  ///< True means that catch_interrupts() is used; false leaves signals to the caller.
 };

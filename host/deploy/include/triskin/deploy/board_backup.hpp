@@ -15,9 +15,9 @@
 
 namespace triskin::device {
 
-/// The data that a controller's protocol lets us read (docs/backup.md says which of it can be written back).
+/// The protocol of a controller lets us read these data (docs/backup.md says which of it can be written back).
 struct BoardBackup {
-  /// A fault in the controller's memory, with the data recorded when it first occurred.
+  /// The controller remembers a fault with the data recorded when it first occurred.
   struct Fault {
     std::uint32_t code = 0;           ///< The number is a diagnostic trouble code.
     std::uint8_t status = 0;          ///< The bits are those of wire::fault_status.
@@ -55,7 +55,7 @@ struct RestoredBoard {
   std::string serial;     ///< The controller with this serial number now has the data.
   std::string kept_from;  ///< The data were read from the controller with this serial number.
   int node_address = 0;
-  /// Size of the table in bytes; 0 means that the file has no table for the board, which then keeps its own.
+  /// A size of 0 means that the file has no table for the board, which then keeps its own.
   std::size_t bytes = 0;
   bool equal = false;  ///< The table and the address were already the same.
   bool written = false;

@@ -13,7 +13,7 @@
 
 namespace triskin::device {
 
-/// The way in which the controller of a patch was found.
+/// The controller of a patch can be found in these ways.
 enum class FoundBy {
   kNothing,  ///< The board was not identified.
   kName,     ///< The user named the board.
@@ -34,8 +34,8 @@ inline constexpr NameTable kFoundByNames{std::array<std::pair<FoundBy, std::stri
     {FoundBy::kOrder, "order"},
 }}};
 
-/// What a controller can see of its patch without a table. With switched modules these are all modules and joints, with
-/// their rotations and the port of the cable; with strapped ones, the places at which a chip answers.
+/// Without a table, a controller can see the shape of its patch. With switched modules it sees all modules and joints,
+/// with their rotations and the port of the cable; with strapped ones, the places at which a chip answers.
 struct BoardShape {
   bool switched = false;
   wire::FoundTopology found;  ///< A patch of switched modules found this topology.
@@ -59,18 +59,17 @@ struct BoardShape {
 [[nodiscard]] bool reaches_across(const BoardShape& shape, const design::Design& design, int patch,
                                   std::span<const int> open);
 
-/// A patch that needs a controller.
 struct Seat {
   const design::Design* design = nullptr;
   int patch = 0;  ///< Patches are numbered from 0 in their design.
 };
 
-/// Result of comparing boards with seats. Seats are numbered as in the list.
+/// Boards are compared with seats. Seats are numbered as in the list.
 struct ShapeAssignment {
   std::vector<int> seat;  ///< Each board has its seat; −1 means that the shapes do not decide it.
   /// Each board has its possible seats in ascending order; none means that it resembles no patch.
   std::vector<std::vector<int>> likely;
-  /// One flag per board: true means that it matches a patch only together with modules of neighbouring patches.
+  /// Each board has a flag: true means that it matches a patch only together with modules of neighbouring patches.
   std::vector<bool> across;
   bool exact = false;  ///< True means that as many boards as possible get a seat by shapes that are equal.
 };

@@ -23,7 +23,7 @@ inline constexpr NameTable kStepOutcomeNames{std::array<std::pair<StepOutcome, s
     {StepOutcome::kSkipped, "skipped"},
 }}};
 
-/// One of the twelve steps of docs/bring_up.md.
+/// docs/bring_up.md explains the twelve steps.
 struct BringUpStep {
   int number = 0;         ///< Valid values are 1 to 12.
   std::string_view does;  ///< The text tells the person what to do.
@@ -40,7 +40,7 @@ struct StepReport {
   std::string found;  ///< The text has what the program or the person saw, or why the step was skipped.
 };
 
-/// A person's answer about a step that cannot be observed over the link.
+/// A person answers about a step that cannot be observed over the link.
 struct StepAnswer {
   StepOutcome outcome = StepOutcome::kSkipped;
   std::string found;

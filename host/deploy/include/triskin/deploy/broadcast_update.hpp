@@ -51,7 +51,7 @@ struct BroadcastResult {
   [[nodiscard]] bool complete() const;
 };
 
-/// A bus with those of its controllers that need the update.
+/// Only those controllers of the bus that need the update are listed.
 struct UpdateBus {
   Bus* bus = nullptr;
   std::vector<wire::NodeClaim> boards;

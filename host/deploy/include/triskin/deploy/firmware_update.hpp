@@ -11,7 +11,7 @@
 
 namespace triskin::device {
 
-/// A firmware file (`triskin_firmware.tsf`), which contains the application for both slots.
+/// A firmware file (`triskin_firmware.tsf`) contains the application for both slots.
 struct FirmwarePackage {
   layout::PackageHead head;
   std::vector<std::uint8_t> bytes;

@@ -24,14 +24,13 @@ struct FlashOptions {
   /// This many conversations run at once on one wire: while one board erases its page, others receive their bytes. With
   /// 1, an analyser on a CAN bus shows whole transfers.
   int per_wire = kTasksPerWire;
-  /// A patch, and the unique id (24 upper-case hexadecimal digits) of the controller that must serve it, whatever that
-  /// controller contains.
+  /// The controller with this unique id (24 upper-case hexadecimal digits) must serve the patch, whatever it contains.
   struct Assignment {
     int patch = 0;
     std::string serial;
   };
   std::vector<Assignment> assign;
-  /// A controller of another design on the same bus, as a robot file names it.
+  /// A robot file can name controllers of another design on the same bus.
   struct Neighbour {
     std::uint8_t node = 0;
     std::uint64_t design_id = 0;  ///< The controller's table is of this design.
@@ -76,7 +75,7 @@ struct FlashResult {
   double link_s = 0.0;
 };
 
-/// One of the covers that flash_together() serves.
+/// flash_together() serves several covers, each given as a part.
 struct FlashPart {
   Bus* bus = nullptr;  ///< Each part has its own bus object, all over one link.
   const design::Design* design = nullptr;

@@ -28,7 +28,6 @@ struct IdentifyOptions {
   std::function<void(const std::string&)> say;
 };
 
-/// The controller that was found for a patch.
 struct IdentifiedBoard {
   int patch = 0;
   std::string serial;  ///< The serial number is the unique id, or empty when no controller was found.

@@ -5,7 +5,7 @@
 
 #include "triskin/wire/unique_id.hpp"
 
-/// Low-level parts that the loader and the application share.
+/// The loader and the application share these low-level parts.
 namespace triskin::board {
 
 /// Measures the crystal against the internal oscillator and runs the PLL at 320 MHz from it; SYSCLK = HCLK = PCLK = 160
@@ -54,7 +54,7 @@ void feed_watchdog();
 /// returns false in the cases of set_options_of_a_board() and needs a stable supply as well.
 [[nodiscard]] bool protect_loader(bool on);
 
-/// Work that continues during an erase. Neither function may read or write the flash.
+/// The work continues during an erase, so neither function may read or write the flash.
 struct BusyWork {
   void (*step)();  ///< The function performs the work that is due.
   /// The function returns when step() has work next, or 0 for now; it is called with interrupts disabled.

@@ -4,7 +4,8 @@
 
 namespace triskin::board {
 
-/// Faults of a board that are found at its start, as bits of Budget::findings. docs/bring_up.md has the remedies.
+/// These faults of a board are found at its start and reported as bits of Budget::findings. docs/bring_up.md has the
+/// remedies.
 namespace finding {
 inline constexpr std::uint32_t kSingleBank = 1;  ///< With DBANK = 0 the flash has other pages, so nothing is erased.
 /// With nSWBOOT0 = 1 an idle CAN bus at BOOT0 starts the ROM's loader.
@@ -17,8 +18,8 @@ inline constexpr std::uint32_t kLowBrownOut = 32;  ///< The chip would run below
 inline constexpr std::uint32_t kLoaderProtected = 64;  ///< The loader's pages are write-protected; this is no fault.
 }  // namespace finding
 
-/// Measurements of the firmware about itself. They have a fixed symbol (`triskin_budget`), so that a debugger or the
-/// modelled machine can read them.
+/// The firmware measures itself. The results have a fixed symbol (`triskin_budget`), so that a debugger or the modelled
+/// machine can read them.
 struct Budget {
   std::uint32_t loops = 0;          ///< Each pass of the main loop counts.
   std::uint32_t worst_loop_us = 0;  ///< The longest pass does not include sleep.

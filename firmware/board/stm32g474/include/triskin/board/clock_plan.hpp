@@ -13,7 +13,7 @@ inline constexpr std::uint32_t kSysclk_hz = 160'000'000;
 /// The PLL's oscillator runs at this frequency; the core gets half of it.
 inline constexpr std::uint32_t kVco_hz = 2 * kSysclk_hz;
 
-/// Limits of the PLL (data sheet DS12288, PLL characteristics).
+/// The limits of the PLL are from the data sheet DS12288, PLL characteristics.
 namespace pll_limits {
 inline constexpr std::uint32_t kMinInput_hz = 2'660'000, kMaxInput_hz = 16'000'000, kMinVco_hz = 96'000'000,
                                kMaxVco_hz = 344'000'000, kMaxDivider = 16, kMinFactor = 8, kMaxFactor = 127;

@@ -8,13 +8,14 @@
 
 namespace triskin::board {
 
-/// Fast mode of UM10204 (table 10), and the analog filter of the pins (data sheet DS12288, I²C characteristics).
+/// The limits are those of fast mode in UM10204 (table 10) and of the pins' analog filter (data sheet DS12288, I²C
+/// characteristics).
 namespace i2c_limits {
 inline constexpr std::uint64_t kLow_ns = 1300, kHigh_ns = 600, kSetup_ns = 100, kDataValid_ns = 900;
 inline constexpr std::uint64_t kFilterMin_ns = 50, kFilterMax_ns = 260;
 }  // namespace i2c_limits
 
-/// Limits of the wires and the clock. All times are in ns.
+/// The timing depends on these limits of the wires and the clock. All times are in ns.
 struct I2cTimingInput {
   std::uint32_t kernel_hz = kSysclk_hz;  ///< The I²C block has this clock.
   std::uint32_t bus_hz = 400'000;        ///< The bus should run at this speed, at most 400 kHz.
@@ -22,7 +23,7 @@ struct I2cTimingInput {
   std::uint32_t fall_ns = 300;           ///< The line falls within this time, and data are held for as long.
 };
 
-/// Fields of I2C_TIMINGR (RM0440 §39.9.5) and the resulting times.
+/// RM0440 §39.9.5 defines the fields of I2C_TIMINGR; the other members are the resulting times.
 struct I2cTiming {
   std::uint8_t prescaler = 0, data_delay = 0, data_setup = 0, high = 0, low = 0;
   std::uint32_t low_ns = 0, high_ns = 0, period_ns = 0;

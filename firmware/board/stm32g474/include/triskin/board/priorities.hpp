@@ -2,9 +2,9 @@
 #pragma once
 #include <cstdint>
 
-/// Priorities of the interrupts for the NVIC: 0 is the most urgent, and the upper four bits count (RM0440 §14.1).
-/// Handlers of one priority do not interrupt each other, so the stack holds at most one handler for each number here,
-/// and the NMI. tools/check_stack.py reads them.
+/// In the NVIC, priority 0 is the most urgent, and the upper four bits count (RM0440 §14.1). Handlers of one priority
+/// do not interrupt each other, so the stack holds at most one handler for each number here, and the NMI.
+/// tools/check_stack.py reads them.
 namespace triskin::board::priority {
 
 inline constexpr std::uint8_t kTimer = 0x00;  ///< TIM2 ends a sleep, so its interrupt comes first.

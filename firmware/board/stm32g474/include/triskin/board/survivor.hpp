@@ -11,8 +11,8 @@ namespace triskin::board {
 /// one.
 inline constexpr std::uint32_t kMaxCrashesInRow = 5;
 
-/// Data in RAM that survives a reset; power-up clears it. The loader and the application, which may be of different
-/// versions, share it, so fields are only ever appended, and `magic` changes when a field changes its meaning.
+/// These data in RAM survive a reset; power-up clears them. The loader and the application, which may be of different
+/// versions, share them, so fields are only ever appended, and `magic` changes when a field changes its meaning.
 struct Survivor {
   std::uint32_t magic;
   std::uint32_t dfu_request;     ///< The mark asks the loader to become a DFU device.

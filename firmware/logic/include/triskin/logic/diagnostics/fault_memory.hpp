@@ -14,11 +14,11 @@
 
 namespace triskin::fw {
 
-/// Diagnostic trouble codes of the modules (wire::FaultCode). A fault that has gone stays confirmed until it is
-/// cleared, even over a loss of power, together with the circumstances of its first occurrence. The flash stores a log
-/// on two pages that are filled in turn (docs/flash_layout.md); a power failure loses at most the last entry. A fault
-/// is written only once until it is cleared, so that a loose contact does not wear the flash. The last crash of the
-/// controller is stored beside the faults, in separate records.
+/// The memory keeps the diagnostic trouble codes of the modules (wire::FaultCode). A fault that has gone stays
+/// confirmed until it is cleared, even over a loss of power, together with the circumstances of its first occurrence.
+/// The flash stores a log on two pages that are filled in turn (docs/flash_layout.md); a power failure loses at most
+/// the last entry. A fault is written only once until it is cleared, so that a loose contact does not wear the flash.
+/// The last crash of the controller is stored beside the faults, in separate records.
 class FaultMemory {
  public:
   static constexpr std::size_t kFirstPage =

@@ -30,13 +30,13 @@ class LogText {
   wire::LogLine& line_;
 };
 
-/// The last lines of a controller, for several readers. Only the main loop writes lines, and not while it waits for its
-/// flash, because the formatting code is neither in RAM nor within the time limit of an interrupt.
+/// The log keeps the last lines of a controller for several readers. Only the main loop writes lines, and not while it
+/// waits for its flash, because the formatting code is neither in RAM nor within the time limit of an interrupt.
 class Log {
  public:
   static constexpr std::uint32_t kLines = 16;
 
-  /// A reader and its next line. A new one begins with the oldest line.
+  /// A reader knows its next line. A new one begins with the oldest line.
   struct Reader {
     wire::LogLevel level = wire::LogLevel::kOff;
     std::uint32_t at = 0;

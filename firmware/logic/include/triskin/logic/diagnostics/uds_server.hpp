@@ -12,7 +12,7 @@
 
 namespace triskin::fw {
 
-/// Functions that the server needs from the rest of the application; app/ implements them.
+/// The server needs these functions from the rest of the application; app/ implements them.
 class UdsHost {
  public:
   virtual ~UdsHost() = default;
@@ -37,9 +37,9 @@ class UdsHost {
   [[nodiscard]] virtual std::uint64_t now_us() const = 0;
 };
 
-/// UDS server (ISO 14229-1) over any transport. It handles one request at a time and uses no heap. Sessions time out
-/// after S3; writing needs the programming or extended session and security access. Functional requests are answered
-/// only when positive.
+/// The UDS server (ISO 14229-1) works over any transport. It handles one request at a time and uses no heap. Sessions
+/// time out after S3; writing needs the programming or extended session and security access. Functional requests are
+/// answered only when positive.
 class UdsServer {
  public:
   static constexpr std::size_t kMaxResponse = 512;

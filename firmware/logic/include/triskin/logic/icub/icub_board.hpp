@@ -10,18 +10,18 @@
 
 namespace triskin::fw {
 
-/// The controller as an iCub host sees it: it answers and obeys the commands of an MTB4 skin board. As there, settings
-/// are kept in RAM. state() reports refused commands. See docs/icub.md.
+/// To an iCub host, the controller looks like this: it answers and obeys the commands of an MTB4 skin board. As there,
+/// settings are kept in RAM. state() reports refused commands. See docs/icub.md.
 class IcubBoard {
  public:
-  /// Facts about the controller that receives a command.
+  /// A command needs these facts about the controller.
   struct Self {
     std::uint8_t node_address;
     std::uint32_t version;  ///< The numbers are major, minor, patch and build, from the highest byte down.
     const wire::UniqueId& unique_id;
     std::uint64_t now_us;
   };
-  /// Effects of a command besides its answers.
+  /// A command can have these effects besides its answers.
   struct Reaction {
     std::optional<bool> transmit;              ///< The command starts or stops the stream.
     bool calibrate = false;                    ///< The next reading of each triangle becomes its rest value.

@@ -10,7 +10,7 @@
 
 namespace triskin::fw {
 
-/// State and last sample of one module of the table.
+/// Each module of the table has its state and its last sample here.
 struct ModuleSample {
   wire::ModuleState state = wire::ModuleState::kUnknown;
   std::array<std::uint16_t, layout::kTaxelsPerModule> raw{};

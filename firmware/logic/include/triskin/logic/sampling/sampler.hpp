@@ -23,7 +23,7 @@
 
 namespace triskin::fw {
 
-/// Settings for the converters of a patch.
+/// The settings apply to all converters of a patch.
 struct Sampling {
   wire::Decimation decimation = wire::Decimation::k256;
   std::uint8_t every = 1;  ///< Each n-th sequence is read, 1..255.
@@ -38,7 +38,7 @@ struct Sampling {
 /// (how to treat a line that is held low). One bad chip or line does not stop the others.
 class LineSampler {
  public:
-  /// Data that all lines share. Samples and offsets must outlive the sampler, but the table need not.
+  /// All lines share these data. Samples and offsets must outlive the sampler, but the table need not.
   struct Patch {
     std::span<const layout::ModuleRow> rows;  ///< The rows are those of the table.
     std::span<ModuleSample> samples;          ///< Each row has one sample.
@@ -95,10 +95,10 @@ class LineSampler {
     kStatus,
     kRestart
   };
-  // The goal of a chip. Readings of kOther (the unused input), kShifted (the used one with other offsets) and kFirst
-  // (as it is used) are not published, because they belong to the checks.
+  // Each chip has one of these goals. Readings of kOther (the unused input), kShifted (the used one with other offsets)
+  // and kFirst (as it is used) are not published, because they belong to the checks.
   enum class Phase : std::uint8_t { kFind, kConfigure, kOther, kShifted, kFirst, kRun };
-  // One address of the line at which the table has a module.
+  // Each address of the line at which the table has a module has this state.
   struct ChipState {
     TableRow row{};
     std::uint8_t address = 0;  // The address on the line is 0..3.

@@ -5,7 +5,7 @@
 
 namespace triskin::fw {
 
-/// Row of the flashed table, by which samples, faults and frames name a module. It differs from the module's id in the
+/// Samples, faults and frames name a module by its row of the flashed table. It differs from the module's id in the
 /// design file, from the number under which discovery found it, and from the node address of a controller.
 enum class TableRow : std::uint8_t {};
 

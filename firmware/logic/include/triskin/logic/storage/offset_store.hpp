@@ -12,7 +12,7 @@
 
 namespace triskin::fw {
 
-/// The offsets of the chip at one place. A place is a line and an address, because the chip itself can only be
+/// The offsets belong to the chip at one place. A place is a line and an address, because the chip itself can only be
 /// recognized by the kind and revision in its device id.
 struct PlaceOffsets {
   bool known = false;           ///< The steps were right at least once.

@@ -8,7 +8,7 @@
 
 namespace triskin::fw {
 
-/// Two slots for the patch image and two pages for the node address, on the board's flash. The image of a slot is valid
+/// The board's flash has two slots for the patch image and two pages for the node address. The image of a slot is valid
 /// only if its commit record, written last, has its length and CRC, so a power failure at any moment leaves the old or
 /// the new image. The calibration of its modules follows the image in the slot and is protected likewise. Layout:
 /// docs/flash_layout.md. Pages 0 and 1: slots; 2 and 3: node address.

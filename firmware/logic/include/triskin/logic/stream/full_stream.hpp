@@ -36,7 +36,7 @@ class StreamLeases {
   std::size_t count_ = 0;
 };
 
-/// The full stream over one port: samples wait here for room in the port, and each one is counted. A row has at most
+/// In the full stream over one port, samples wait here for room in the port, and each one is counted. A row has at most
 /// kPerRow samples waiting, and rows take turns, so that each module gets its share when the bus is too slow.
 class FullStream {
  public:

@@ -10,7 +10,7 @@
 
 namespace triskin::fw {
 
-/// Frames of the iCub stream that wait for room in a port, first in, first out. Frames without room are dropped and
+/// Frames of the iCub stream wait here for room in a port, first in, first out. Frames without room are dropped and
 /// counted, because the bus is slower than the stream.
 class StreamQueue {
  public:

@@ -14,7 +14,8 @@ namespace triskin::fw {
 using layout::JointEnd;
 using layout::kNoModule;
 
-/// Modules of a patch and the joints between their ports; module 0 has the cable. Joints are symmetric.
+/// The graph contains the modules of a patch and the joints between their ports; module 0 has the cable. Joints are
+/// symmetric.
 struct PatchGraph {
   std::uint8_t count = 0;
   std::uint8_t cable_port = 0;  ///< The cable is connected to this port of module 0.
@@ -110,7 +111,7 @@ class Topology {
     kAdopt,
   };
 
-  /// The joints, addresses and tree of the table, by row.
+  /// The joints, addresses and tree of the table are indexed by row.
   struct Table {
     PatchGraph graph;
     std::array<LineAddress, layout::kMaxModules> addresses{};
@@ -137,8 +138,8 @@ class Topology {
   /// how many adopted modules may follow each other, 1 or more.
   Report reroute(const Table& table, Look look = Look::kBeyond, std::uint8_t layers = kAllLayers);
   static constexpr std::uint8_t kAllLayers = layout::kMaxModules;
-  /// Cheap check before and after a sampling cycle. If it returns false, the samples of the cycle are unreliable, and a
-  /// reroute is needed.
+  /// Checks cheaply before and after a sampling cycle. If it returns false, the samples of the cycle are unreliable,
+  /// and a reroute is needed.
   bool intact() { return chain_.check(); }
   /// Writes the registers again after intact() failed. Returns true if this was enough and the tree has the same
   /// modules.

@@ -8,8 +8,7 @@
 
 namespace triskin::fw {
 
-/// Standard requests (USB 2.0 §9.4), descriptors and the Microsoft request, which are the same for run time and DFU
-/// mode.
+/// The standard requests (USB 2.0 §9.4), descriptors and the Microsoft request are the same for run time and DFU mode.
 class UsbControl {
  public:
   UsbControl(const wire::UniqueId& unique_id, bool dfu_mode) : unique_id_(unique_id), dfu_mode_(dfu_mode) {}

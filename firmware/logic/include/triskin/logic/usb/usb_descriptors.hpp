@@ -6,7 +6,7 @@
 #include "triskin/wire/unique_id.hpp"
 #include "triskin/wire/usb_packet.hpp"
 
-/// The controller's descriptors for a USB host, according to USB 2.0 chapter 9, HID 1.11, DFU 1.1 and Microsoft OS 2.0
+/// The controller's descriptors for a USB host follow USB 2.0 chapter 9, HID 1.11, DFU 1.1 and Microsoft OS 2.0
 /// descriptors.
 namespace triskin::fw::usb {
 

@@ -11,8 +11,9 @@
 
 namespace triskin::fw {
 
-/// The controller as a USB device. To the host it is HID, vendor bulk and DFU run time (docs/protocol.md, "USB"); to
-/// the application it is another port for frames. Frames leave by the interface that the host used last.
+/// As a USB device, the controller has two sides. To the host it is HID, vendor bulk and DFU run time
+/// (docs/protocol.md, "USB"); to the application it is another port for frames. Frames leave by the interface that the
+/// host used last.
 class UsbDevice final : public wire::UsbFunction, public CanPort {
  public:
   explicit UsbDevice(const wire::UniqueId& unique_id) : control_(unique_id, false) {}

@@ -2,7 +2,8 @@
 #pragma once
 #include "triskin/board/registers/gpio.hpp"
 
-/// NUCLEO-G474RE with a CAN FD transceiver and four separate lines. docs/port_a_board.md explains each constant.
+/// The board is a NUCLEO-G474RE with a CAN FD transceiver and four separate lines. docs/port_a_board.md explains each
+/// constant.
 namespace triskin::board {
 
 /// Pins and their alternate function numbers are from the data sheet DS12288, table 13 (LQFP64 has all of them).

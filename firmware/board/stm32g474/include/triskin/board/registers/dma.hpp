@@ -2,7 +2,7 @@
 #pragma once
 #include "triskin/board/registers/register.hpp"
 
-/// DMA1 and its request multiplexer, RM0440 §12.6, §13.6.
+/// DMA1 and its request multiplexer are described in RM0440 §12.6 and §13.6.
 namespace triskin::board::dma_reg {
 
 inline constexpr std::uint32_t kBase = 0x40020000, kMuxBase = 0x40020800;
@@ -14,7 +14,8 @@ inline constexpr std::uint32_t kI2c1Receive = 16, kI2c1Send = 17, kI2cRequests =
 // These bits belong to CCR.
 inline constexpr std::uint32_t kEnable = bit(0), kFromMemory = bit(4), kMemoryIncrement = bit(7);
 
-/// Channel 0..7 of DMA1 (the manual counts from 1). It moves bytes from or to a peripheral's data register.
+/// A channel of DMA1 moves bytes from or to a peripheral's data register. Numbers are 0..7, whereas the manual counts
+/// from 1.
 class Channel {
  public:
   /// `index` is 0..7. The constructor touches no register.

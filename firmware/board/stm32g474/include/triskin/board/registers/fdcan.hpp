@@ -2,8 +2,7 @@
 #pragma once
 #include "triskin/board/registers/register.hpp"
 
-/// FD controller area network, RM0440 §44.4 (registers) and §44.3.6 (message RAM: its layout is fixed in the
-/// STM32G4).
+/// RM0440 describes the FDCAN registers in §44.4 and the message RAM in §44.3.6; its layout is fixed in the STM32G4.
 namespace triskin::board::fdcan_reg {
 
 inline constexpr std::uint32_t kBase = 0x40006400, kRam = 0x4000A400;

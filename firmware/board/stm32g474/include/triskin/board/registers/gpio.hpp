@@ -2,7 +2,7 @@
 #pragma once
 #include "triskin/board/registers/register.hpp"
 
-/// General-purpose pins, RM0440 §9.4.
+/// RM0440 §9.4 describes the general-purpose pins.
 namespace triskin::board {
 
 namespace gpio_reg {

@@ -2,7 +2,7 @@
 #pragma once
 #include "triskin/board/registers/register.hpp"
 
-/// Inter-integrated circuit interface, RM0440 §39.9.
+/// RM0440 §39.9 describes the registers of the I²C interface.
 namespace triskin::board::i2c_reg {
 
 inline constexpr std::uint32_t kI2c1 = 0x40005400, kI2c2 = 0x40005800, kI2c3 = 0x40007800, kI2c4 = 0x40008400;

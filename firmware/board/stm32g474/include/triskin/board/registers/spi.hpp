@@ -2,7 +2,7 @@
 #pragma once
 #include "triskin/board/registers/register.hpp"
 
-/// Serial peripheral interface, RM0440 §42.9 (SPI2).
+/// RM0440 §42.9 describes the serial peripheral interface; we use SPI2.
 namespace triskin::board::spi_reg {
 
 inline constexpr std::uint32_t kSpi2 = 0x40003800;

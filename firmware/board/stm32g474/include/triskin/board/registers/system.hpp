@@ -5,7 +5,7 @@
 
 namespace triskin::board {
 
-/// Embedded flash, RM0440 §3.7 (category 3 device).
+/// RM0440 §3.7 describes the embedded flash (category 3 device).
 namespace flash_reg {
 inline constexpr std::uint32_t kBase = 0x40022000;
 inline constexpr Register kAcr{kBase + 0x00}, kKeyr{kBase + 0x08}, kOptKeyr{kBase + 0x0C}, kSr{kBase + 0x10},
@@ -33,14 +33,14 @@ inline constexpr std::uint32_t kReadProtectionMask = 0xFF, kNotProtected = 0xAA,
 inline constexpr std::uint32_t kProtectedPageMask = 0x7F, kLastProtectedShift = 16, kProtectsNothing = 0x7F;
 }  // namespace flash_reg
 
-/// Power control, §6.4.
+/// RM0440 §6.4 describes the power control.
 namespace pwr_reg {
 inline constexpr std::uint32_t kBase = 0x40007000;
 inline constexpr Register kCr1{kBase + 0x00}, kCr5{kBase + 0x80};
 inline constexpr std::uint32_t kNoBoost = bit(8);  // R1MODE must be 0 above 150 MHz (§6.1.5).
 }  // namespace pwr_reg
 
-/// Reset and clock control, §7.4.
+/// RM0440 §7.4 describes the reset and clock control.
 namespace rcc_reg {
 inline constexpr std::uint32_t kBase = 0x40021000;
 inline constexpr Register kCr{kBase + 0x00}, kCfgr{kBase + 0x08}, kPllCfgr{kBase + 0x0C}, kAhb1Enr{kBase + 0x48},
@@ -73,7 +73,7 @@ inline void open_port(Pin pin) {
   (void)rcc_reg::kAhb2Enr.read();
 }
 
-/// General-purpose timer with 32 bits, §30.5 (TIM2).
+/// RM0440 §30.5 describes TIM2, a general-purpose timer with 32 bits.
 namespace tim2_reg {
 inline constexpr std::uint32_t kBase = 0x40000000;
 inline constexpr Register kCr1{kBase + 0x00}, kDier{kBase + 0x0C}, kSr{kBase + 0x10}, kEgr{kBase + 0x14},
@@ -82,7 +82,7 @@ inline constexpr std::uint32_t kEnable = bit(0), kCompare1 = bit(1), kCompare2 =
 inline constexpr int kIrq = 28;
 }  // namespace tim2_reg
 
-/// Independent watchdog, §35.4. It runs from the 32 kHz oscillator and cannot be stopped.
+/// RM0440 §35.4 describes the independent watchdog. It runs from the 32 kHz oscillator and cannot be stopped.
 namespace iwdg_reg {
 inline constexpr std::uint32_t kBase = 0x40003000;
 inline constexpr Register kKr{kBase + 0x00}, kPr{kBase + 0x04}, kRlr{kBase + 0x08}, kSr{kBase + 0x0C};
@@ -90,10 +90,10 @@ inline constexpr std::uint32_t kStart = 0xCCCC, kUnlock = 0x5555, kReload = 0xAA
 inline constexpr std::uint32_t kPrescaler32 = 3;
 }  // namespace iwdg_reg
 
-/// Unique device id, §48: 96 bits.
+/// The unique device id of 96 bits begins here (§48).
 inline constexpr std::uint32_t kUniqueIdAddress = 0x1FFF7590;
 
-/// Cortex-M4 system control space (ARMv7-M architecture reference manual, B3.2 … B3.4).
+/// The ARMv7-M architecture reference manual, B3.2 … B3.4, describes the system control space of the Cortex-M4.
 namespace core_reg {
 inline constexpr Register kSysTickCsr{0xE000E010}, kSysTickRvr{0xE000E014}, kSysTickCvr{0xE000E018}, kIcsr{0xE000ED04},
     kVtor{0xE000ED08}, kAircr{0xE000ED0C}, kCpacr{0xE000ED88}, kCfsr{0xE000ED28}, kHfsr{0xE000ED2C}, kMmfar{0xE000ED34},

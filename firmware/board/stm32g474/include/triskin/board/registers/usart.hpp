@@ -2,7 +2,7 @@
 #pragma once
 #include "triskin/board/registers/register.hpp"
 
-/// Universal asynchronous receiver transmitter, RM0440 §40.8 (USART2).
+/// RM0440 §40.8 describes the USART; we use USART2.
 namespace triskin::board::usart_reg {
 
 inline constexpr std::uint32_t kUsart2 = 0x40004400;

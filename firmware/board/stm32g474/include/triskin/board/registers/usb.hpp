@@ -4,7 +4,7 @@
 
 namespace triskin::board {
 
-/// USB full-speed device, RM0440 §45.6, and its packet memory of 1 KB in half-words (§45.5.3).
+/// RM0440 §45.6 describes the USB full-speed device; its packet memory of 1 KB is accessed in half-words (§45.5.3).
 namespace usb_reg {
 inline constexpr std::uint32_t kBase = 0x40005C00, kMemory = 0x40006000;
 inline constexpr Register kCntr{kBase + 0x40}, kIstr{kBase + 0x44}, kDaddr{kBase + 0x4C}, kBtable{kBase + 0x50},
@@ -30,7 +30,7 @@ inline constexpr std::uint32_t kBlocksOf64 = bit(15) | 1U << 10,
 inline constexpr int kIrq = 20;
 }  // namespace usb_reg
 
-/// Clock recovery system, §8.7: keeps the 48 MHz oscillator synchronized with the host's frames.
+/// The clock recovery system (§8.7) keeps the 48 MHz oscillator synchronized with the host's frames.
 namespace crs_reg {
 inline constexpr Register kCr{0x40002000};
 inline constexpr std::uint32_t kEnable = bit(5), kAutomatic = bit(6);
