@@ -66,7 +66,7 @@ class Matcher {
   }
 
  private:
-  // Controllers that cannot be told apart by their shapes.
+  // Some controllers cannot be told apart by their shapes.
   struct Undecided {
     std::vector<FeelingBoard> boards;
     std::vector<Candidate*> candidates;

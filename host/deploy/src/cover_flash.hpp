@@ -12,7 +12,7 @@
 
 namespace triskin::device {
 
-/// One cover in a pass of flash_together: it first finds its boards, then provides the conversations that write their
+/// Each cover in a pass of flash_together first finds its boards, then provides the conversations that write their
 /// tables.
 class CoverFlash {
  public:

@@ -62,7 +62,7 @@ std::vector<std::vector<std::uint8_t>> images_of(const design::Design& design, c
   return images;
 }
 
-// All covers of a bus, until their tables are written or waiting for controllers has timed out.
+// A session flashes all covers of a bus, until their tables are written or waiting for controllers has timed out.
 class FlashSession {
  public:
   FlashSession(std::span<const FlashPart> parts, std::vector<FlashResult>& results) : parts_(parts), results_(results) {

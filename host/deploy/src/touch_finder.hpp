@@ -7,7 +7,7 @@
 
 namespace triskin::device {
 
-/// A controller whose address is not shared.
+/// Only a controller whose address is not shared can be asked what it feels.
 struct FeelingBoard {
   wire::NodeClaim claim;
   BoardShape shape;

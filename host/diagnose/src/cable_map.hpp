@@ -9,14 +9,14 @@
 
 namespace triskin::device {
 
-/// A line and an address at a controller, or of a patch in the design.
+/// A place is a line and an address, either at a controller or of a patch in the design.
 struct Site {
   int patch = 0, line = 0, address = 0;
   auto operator<=>(const Site&) const = default;
 };
 
-/// A hypothesis about the cables: which line of which controller leads to each line of each patch of the design. It
-/// starts as designed.
+/// A map is a hypothesis about the cables: which line of which controller leads to each line of each patch of the
+/// design. It starts as designed.
 class CableMap {
  public:
   explicit CableMap(std::size_t patches);
@@ -34,8 +34,9 @@ class CableMap {
   std::vector<std::array<int, layout::kLines>> line_;
 };
 
-/// The observed states of each patch and the touches, as they would look if the cables were plugged like `map`. A place
-/// that a controller does not sample, because its table has no row there, counts as correct when a chip answers.
+/// The observation has the states of each patch and the touches as they would look if the cables were plugged like
+/// `map`. A place that a controller does not sample, because its table has no row there, counts as correct when a chip
+/// answers.
 struct Observation {
   std::vector<PatchState> patches;
   std::vector<TouchOutcome> touches;
@@ -44,10 +45,10 @@ struct Observation {
                                        const std::vector<PatchState>& patches,
                                        const std::vector<TouchOutcome>& touches);
 
-/// An exchange of cables or lines that explains the observations.
+/// This exchange of cables or lines explains the observations.
 struct CableExplanation {
   int patch = -1;
-  int other = -1;  ///< The other patch of the exchange; −1 means that the lines below are exchanged.
+  int other = -1;  ///< The exchange is with this patch; −1 means that the lines below are exchanged.
   int line_a = -1, line_b = -1;
   int modules = 0;  ///< This many modules are in their place once the exchange is undone.
 };

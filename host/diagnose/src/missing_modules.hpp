@@ -8,7 +8,7 @@
 
 namespace triskin::device {
 
-/// A break because of which modules of a switched patch are not found.
+/// Because of this break, modules of a switched patch are not found.
 struct MissingCause {
   FindingKind kind = FindingKind::kMissingModule;  ///< The other possible kind is kMissingJoint.
   int module = -1;  ///< The id is that of the dead module, or of the far end of the broken joint.

@@ -13,7 +13,7 @@
 namespace triskin::device {
 namespace {
 
-// Work that a person has to do at the patch.
+// A person has to do one of these kinds of work at the patch.
 enum class Work {
   kFlash,        // The tables are wrong.
   kOtherDesign,  // The tables belong to another design, so the file may be the wrong one.

@@ -37,7 +37,7 @@ struct Side {
   bool operator==(const Side&) const = default;
 };
 
-// A port of a module that was found: a layout::JointEnd with a typed number.
+// A port of a found module is a layout::JointEnd with a typed number.
 struct End {
   FoundNumber module{};
   int port = 0;

@@ -12,8 +12,8 @@
 
 namespace triskin::device {
 
-/// Answers of one patch. Rows are those of the table `image`; with a backup table their order differs from the design's
-/// patch.
+/// The state collects the answers of one patch. Rows are those of the table `image`; with a backup table their order
+/// differs from the design's patch.
 struct PatchState {
   int patch = 0;
   layout::PatchImage image;
@@ -51,7 +51,7 @@ struct PatchState {
   }
 };
 
-/// Response to the press of a module.
+/// The skin responds to the press of a module in this way.
 struct TouchOutcome {
   int module = -1;
   int answered = -1;   ///< The taxels of this module changed most; −1 means that none did.
@@ -109,7 +109,7 @@ class Diagnosis {
   struct Place {
     int line = 0, address = 0;
   };
-  /// Modules that one joint, cable or supply explains: `module` and all modules behind it.
+  /// One joint, cable or supply explains these modules: `module` and all modules behind it.
   struct Branch {
     int module = -1, parent = -1;
     std::vector<int> members;

@@ -19,8 +19,7 @@ constexpr double kModuleChange = 400.0;  // The limit applies to the sum over th
 constexpr int kMaxTaxels = 7;    // If this many of the ten pressure taxels change, the whole module was pressed.
 constexpr double kTip_mm = 2.5;  // A finger tip reaches this far from its centre.
 
-// For turns of 0, 120 and 240°, the taxel that is under a finger tip; −1 means that the turns cannot be
-// distinguished.
+// For turns of 0, 120 and 240°, this taxel is under a finger tip; −1 means that the turns cannot be distinguished.
 struct TurnProbe {
   std::array<int, 3> taxel{-1, -1, -1};
 };

@@ -12,7 +12,7 @@
 
 namespace triskin::design {
 
-/// A parallel projection of a design from the side that shows most of its modules.
+/// The view is a parallel projection of a design from the side that shows most of its modules.
 class View {
  public:
   explicit View(const Design& design) {
@@ -35,7 +35,7 @@ class View {
   Eigen::AlignedBox2d box_;
 };
 
-/// A shape of the picture; higher ones are drawn on top.
+/// The picture consists of such shapes; higher ones are drawn on top.
 struct Shape {
   double height;
   std::string svg;

@@ -22,7 +22,7 @@ using nlohmann::json;
 // The glTF 2.0 specification defines these numbers.
 constexpr int kFloat = 5126, kUnsignedInt = 5125, kArrayBuffer = 34962, kElementArrayBuffer = 34963;
 
-// One binary buffer with its views and accessors; values are little-endian on every computer.
+// The file has one binary buffer with its views and accessors; values are little-endian on every computer.
 class Buffer {
  public:
   int add_points(const std::vector<Vec3>& points) {

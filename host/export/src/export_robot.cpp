@@ -25,7 +25,7 @@ std::string numbers(const Vec3& v) {
   return fmt::format("{:.9g} {:.9g} {:.9g}", v.x(), v.y(), v.z());
 }
 
-// Position and rotation in the form of both formats.
+// Both formats write position and rotation in this form.
 struct Pose {
   std::string xyz_m, rpy_rad;
 };

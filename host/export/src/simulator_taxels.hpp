@@ -7,7 +7,7 @@
 
 namespace triskin::design {
 
-/// A pressure taxel in the mesh frame, in metres.
+/// Simulators get the pressure taxels in the mesh frame, in metres.
 struct SimulatorTaxel {
   int module = 0, taxel = 0;
   Vec3 position_m;  ///< The position is on the surface of the dielectric.

@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t kBlockRows = 4096;
 constexpr std::uint64_t kMaxWait_us = 500'000;
 
-// A growing table of N rows with `columns` numbers each.
+// A growing table has N rows with `columns` numbers each.
 struct Column {
   const char* name;
   const char* unit;
@@ -60,7 +60,7 @@ class GrowingTable {
   Handle table_;
 };
 
-// Samples that wait to be written, with one list per table.
+// Samples wait here to be written, with one list per table.
 struct Block {
   std::vector<std::int32_t> module, reader_patch;
   std::vector<std::uint32_t> sample, error_us;

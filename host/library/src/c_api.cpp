@@ -10,7 +10,7 @@
 #include "skin.hpp"
 #include "triskin/base/error.hpp"
 
-// The handle of the C interface.
+// The C interface declares this handle without its contents.
 struct triskin_skin {
   triskin::library::Skin skin;
   std::string report;

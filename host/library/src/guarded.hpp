@@ -11,7 +11,7 @@
 #include "triskin/design/design.hpp"
 #include "triskin/triskin.h"
 
-/// Common frame of all functions of triskin.h: no exception leaves them, and the error is kept for the thread.
+/// All functions of triskin.h use this frame: no exception leaves them, and the error is kept for the thread.
 namespace triskin::library {
 
 /// Returns what the last failed call in this thread could not do.

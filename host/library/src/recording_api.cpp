@@ -13,7 +13,7 @@
 #include "triskin/recording/recording.hpp"
 #include "triskin/skin/touch_map.hpp"
 
-// The handle of the C interface.
+// The C interface declares this handle without its contents.
 struct triskin_recording {
   triskin::recording::RecordedSkin skin;
   std::string name;

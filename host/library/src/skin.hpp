@@ -13,7 +13,7 @@
 
 namespace triskin::library {
 
-/// The covers to open: those of a robot on its buses, or the one of a design file.
+/// The library opens these covers: those of a robot on its buses, or the one of a design file.
 struct Source {
   robot::Site site;
   design::Design design;  ///< All covers joined, or the design of a design file itself.
@@ -25,14 +25,13 @@ struct Source {
 /// Reads the file. Throws InputError.
 [[nodiscard]] Source read_source(const std::string& file, const triskin_options& options);
 
-/// Calibration of a module.
 struct ModuleCalibration {
   std::array<double, layout::kTaxelsPerModule> counts_per_kpa{};  ///< Zero means that the value is unknown.
   double taxel_area_mm2 = 0.0;
   bool known = false;
 };
 
-/// A skin with its samples, which does the work of the C functions and throws exceptions.
+/// This class does the work of the C functions and throws exceptions.
 class Skin {
  public:
   /// Opens the links. Throws InputError, DeviceError.

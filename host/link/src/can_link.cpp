@@ -9,7 +9,7 @@
 
 namespace triskin::device {
 
-// A channel of the link, which waits for its channels as well as for frames.
+// The link waits for its channels as well as for frames.
 class CanLink::Channel final : public MessageChannel {
  public:
   Channel(CanLink& link, std::unique_ptr<CanChannel> channel) : link_(link), channel_(std::move(channel)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The Python module triskin: triskin.h as a class, with numpy arrays. It uses only the C interface.
+// The Python module triskin wraps triskin.h as a class, with numpy arrays. It uses only the C interface.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -47,7 +47,7 @@ void check(triskin_status status) {
 
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-// The counts for 1 kPa of each taxel, and the area of skin that a taxel of each module represents.
+// Each taxel has its counts for 1 kPa, and each module the area of skin that a taxel represents.
 struct Calibration {
   py::array_t<double> counts_per_kpa, taxel_area_mm2;
   bool known = false;
@@ -264,7 +264,7 @@ class Skin {
   bool fresh_ = true;  // True means that the stream was never started.
 };
 
-// A recording with all of its samples in memory.
+// A recording has all of its samples in memory.
 class Recording {
  public:
   explicit Recording(const std::string& file) {

@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint64_t kChunkHeadMost = 256;  // Names of compressions are short, so a longer head is damaged.
 constexpr std::uint64_t kIndexHead = 6, kIndexEntry = 16;
 
-// Contents of the summary. The indexes of chunks are not stored here, but read again from the file.
+// The summary has these contents. The indexes of chunks are not stored here, but read again from the file.
 struct Contents {
   std::vector<Buffer> schemas, channels, attachments, metadata;
   std::uint32_t chunks = 0;

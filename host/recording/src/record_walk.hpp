@@ -9,7 +9,6 @@
 
 namespace triskin::recording::mcap {
 
-/// Position of a record in a file.
 struct Place {
   Kind kind{};
   std::uint64_t offset = 0;  ///< The record's head starts here.

@@ -12,7 +12,8 @@
 
 namespace triskin::recording::mcap {
 
-/// The intact parts of a file of the format MCAP, even behind damage. The CRC of every chunk in it is right.
+/// A salvage lists the intact parts of a file of the format MCAP, even behind damage. The CRC of every chunk in it is
+/// right.
 struct Salvage {
   /// The records of the data section are in the order of the file, without message indexes.
   std::vector<Place> records;

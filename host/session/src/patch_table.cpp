@@ -18,7 +18,7 @@ int row_of(const design::Patch& patch, int module) {
   return found == patch.modules.end() ? -1 : static_cast<int>(found - patch.modules.begin());
 }
 
-// The remainder of a patch after a failure, connected by the design's backup tree.
+// After a failure, the design's backup tree connects the rest of the patch.
 struct Tree {
   std::vector<design::RoutedModule> modules;  // Parents precede their children.
   int cut_a = -1, cut_b = -1;                 // These are the ends of the failed joint.

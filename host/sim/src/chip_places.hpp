@@ -7,7 +7,7 @@
 
 namespace triskin::scene {
 
-/// The patch, line and address of a module's chip.
+/// A module's chip is in a patch, on a line, at an address.
 struct ChipPlace {
   int patch = -1;  ///< −1 means that the chip does not answer.
   int line = 0, address = 0;

@@ -112,7 +112,7 @@ void SwitchedPatch::collect(int m, std::vector<int>& chain) const {
   }
 }
 
-// Returns a chain for each cable with EN; a module whose parent is at another port does not belong to it.
+// Returns a chain for each cable with EN; a module whose parent is at another port refuses it and reads as ones.
 std::vector<std::vector<int>> SwitchedPatch::chains(int controller) const {
   std::vector<std::vector<int>> list;
   if (shorted(controller)) return list;

@@ -7,7 +7,7 @@
 
 namespace triskin::device {
 
-/// The loop of all code that receives samples. `receive(until_us)` waits for them until a time of the link, and
+/// All code that receives samples uses this loop. `receive(until_us)` waits for them until a time of the link, and
 /// `now_us()` returns that time. The loop ends with the run, or when the process is asked to end.
 template <class Now, class Receive>
 void receive_slices(const LiveRun& run, Now now_us, Receive receive) {

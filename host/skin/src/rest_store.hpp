@@ -11,7 +11,7 @@
 
 namespace triskin::device {
 
-/// Rest values from a tare or a calibration, stored on this computer for the same boards with the same design. Every
+/// Rest values from a tare or a calibration are stored on this computer for the same boards with the same design. Every
 /// LiveCover starts with them.
 class RestStore {
  public:

@@ -11,14 +11,14 @@
 
 namespace triskin::view {
 
-/// A connection that has not shown the token yet.
+/// A stranger is a connection that has not shown the token yet.
 class Stranger {
  public:
   virtual ~Stranger() = default;
   virtual void drop() = 0;
 };
 
-/// State that all connections of one server share; it must outlive them. Only the server's thread uses it, except
+/// All connections of one server share this state, which must outlive them. Only the server's thread uses it, except
 /// `connections`.
 struct Shared {
   Site site;

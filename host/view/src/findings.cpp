@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-// Offsets that convert the numbers of one cover to those of the displayed design.
+// These offsets convert the numbers of one cover to those of the displayed design.
 struct Place {
   int first_module = 0, first_patch = 0, modules = 0, patches = 0;
 };

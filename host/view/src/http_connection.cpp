@@ -18,7 +18,7 @@ namespace http = beast::http;
 using Request = http::request<http::empty_body>;
 using Response = http::response<http::span_body<const char>>;
 
-// An answer with its text. All connections share the documents of the site, so slow readers cost no copies.
+// All connections share the documents of the site, so answers to slow readers cost no copies.
 struct Answer {
   Response response;
   std::string text;

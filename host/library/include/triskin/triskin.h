@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/// @file The library of Triskin: opens the skin of a design or of a whole robot, reads its samples with positions and
+/// @file The library of Triskin opens the skin of a design or of a whole robot, reads its samples with positions and
 /// times, tares, verifies. docs/library.md has examples. It needs C11 or later, and also works in C++.
 ///
 /// Every function that can fail returns a triskin_status; triskin_error() then says what failed, where, and what to do.
@@ -20,18 +20,18 @@ extern "C" {
 /// A module has twelve taxels; 6 and 10 measure temperature and do not feel a finger.
 #define TRISKIN_TAXELS 12
 
-/// Result of a call. The numbers are the exit statuses of the program.
+/// A call returns its result as a status. The numbers are the exit statuses of the program.
 typedef enum triskin_status {
-  TRISKIN_OK = 0,            ///< The call succeeded.
+  TRISKIN_OK = 0,            ///< The call succeeded and has no finding to report.
   TRISKIN_BAD_ANSWER = 1,    ///< The call succeeded, but the answer is bad: verify found something.
   TRISKIN_BAD_INPUT = 2,     ///< An argument or a file cannot be used.
   TRISKIN_DEVICE_FAILED = 3  ///< A device or a link failed.
 } triskin_status;
 
-/// The skin of a design over a link, or of a robot over its buses.
+/// A skin is that of a design over a link, or of a robot over its buses.
 typedef struct triskin_skin triskin_skin;
 
-/// Options for opening a skin. Set them to TRISKIN_OPTIONS_INIT, then change what you need.
+/// A skin is opened with these options. Set them to TRISKIN_OPTIONS_INIT, then change what you need.
 typedef struct triskin_options {
   size_t size;  ///< The caller sets this to its sizeof(triskin_options), because later versions append fields.
   /// The link is given as in the program's --link: "sim", "sim:HOST:PORT", "can:IFACE", "hid", "usb" …; NULL means
@@ -44,7 +44,6 @@ typedef struct triskin_options {
 } triskin_options;
 #define TRISKIN_OPTIONS_INIT {sizeof(triskin_options), 0, 0, 0, 0, 10.0}
 
-/// One sample of one module.
 typedef struct triskin_sample {
   double time_s;            ///< The sample was taken at this time, s since 1970 by the clock of this computer.
   double error_s;           ///< time_s is accurate within ± this, s; infinity means that no bound is known yet.
@@ -56,7 +55,7 @@ typedef struct triskin_sample {
   uint16_t value[TRISKIN_TAXELS];  ///< The values are converter counts, which fall under pressure.
 } triskin_sample;
 
-/// What happened to the samples that were due since triskin_start: expected = received + lost.
+/// Every sample that was due since triskin_start is either received or lost: expected = received + lost.
 typedef struct triskin_counts {
   uint64_t expected, received;
   /// These were due but never arrived: not read, no room on the bus, lost during transmission, controller away.
@@ -142,7 +141,8 @@ TRISKIN_API triskin_status triskin_verify(triskin_skin* skin, const char** repor
 /// file. TRISKIN_DEVICE_FAILED: another process simulates these boards now.
 TRISKIN_API triskin_status triskin_flash_simulation(const char* file);
 
-/// A pressed region of the skin: taxels that lie within 12 mm of each other and do not face away from each other.
+/// A contact is a pressed region of the skin: taxels that lie within 12 mm of each other and do not face away from each
+/// other.
 typedef struct triskin_contact {
   double position_mm[3];  ///< The position is the mean over the taxels, weighted by their change.
   double normal[3];       ///< The outward unit vector is weighted likewise.
@@ -162,7 +162,7 @@ TRISKIN_API triskin_status triskin_contacts(const double* xyz_mm, const double* 
                                             size_t module_count, triskin_contact* contacts, size_t capacity,
                                             size_t* count);
 
-/// A recording of `triskin record`, completely in memory.
+/// A recording of `triskin record` is kept completely in memory.
 typedef struct triskin_recording triskin_recording;
 /// Reads FILE.mcap. On success the caller must close *recording with triskin_recording_close; otherwise it is NULL. A
 /// cut file is read up to its last whole chunk. TRISKIN_BAD_INPUT: it is not a recording of triskin. Memory: 168 bytes

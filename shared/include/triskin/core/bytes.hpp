@@ -106,8 +106,8 @@ inline constexpr auto kCrcOfNibble = [] {
   return table;
 }();
 
-/// CRC-32 of ISO-HDLC (reflected 0xEDB88320, init and final xor all ones): "123456789" → 0xCBF43926. It processes
-/// four bits per step, because the loader computes it over whole images before it starts one.
+/// Computes the CRC-32 of ISO-HDLC (reflected 0xEDB88320, init and final xor all ones): "123456789" → 0xCBF43926. It
+/// processes four bits per step, because the loader computes it over whole images before it starts one.
 [[nodiscard]] constexpr std::uint32_t crc32(Bytes bytes, std::uint32_t seed = 0) {
   std::uint32_t crc = ~seed;
   for (const std::uint8_t b : bytes) {

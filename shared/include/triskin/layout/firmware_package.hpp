@@ -51,7 +51,7 @@ struct PackageHead {
 
 inline constexpr std::uint32_t kCommitMagic = 0x4D4D4F43;  ///< In memory these bytes read "COMM".
 
-/// CRC of the first twelve bytes of a commit record; slot_crc() continues from it.
+/// Computes the CRC of the first twelve bytes of a commit record; slot_crc() continues from it.
 [[nodiscard]] constexpr std::uint32_t slot_crc_head(std::uint32_t sequence, std::uint32_t size_bytes) {
   std::array<std::uint8_t, 12> head{};
   ByteWriter w(head);

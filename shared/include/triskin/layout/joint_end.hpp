@@ -9,7 +9,7 @@ namespace triskin::layout {
 
 inline constexpr std::uint8_t kNoModule = 0xFF;
 
-/// One end of a joint: a port of a module. The module is a row of a table, or its number in a discovery. Firmware,
+/// An end of a joint is a port of a module. The module is a row of a table, or its number in a discovery. Firmware,
 /// table and wire use this type; patches with more modules than a controller can read need design::PortEnd.
 struct JointEnd {
   std::uint8_t module = kNoModule;  ///< kNoModule means that no joint exists here.

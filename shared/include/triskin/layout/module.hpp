@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-/// Facts of a module and of the controller that reads it. No other file repeats these numbers; the side length of a
+/// These numbers describe a module and the controller that reads it. No other file repeats them; the side length of a
 /// module belongs to the geometry.
 namespace triskin::layout {
 

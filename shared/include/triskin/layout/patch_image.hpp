@@ -148,8 +148,9 @@ struct PatchImage {
   return check_joints(image);
 }
 
-/// Header: magic, layout version, header bytes, total bytes, node address, module count, design id, second entry,
-/// flags, 6 reserved zeros, CRC-32 of everything else. Returns the bytes written. Errors: those of check(); kNoSpace.
+/// Writes the header (magic, layout version, header bytes, total bytes, node address, module count, design id, second
+/// entry, flags, 6 reserved zeros, CRC-32 of everything else) and the rows. Returns the bytes written. Errors: those of
+/// check(); kNoSpace.
 [[nodiscard]] constexpr Result<std::size_t> encode(const PatchImage& image, std::span<std::uint8_t> out) {
   if (const Status s = check(image); s != Status::kOk) return std::unexpected(s);
   const std::size_t total = kHeaderBytes + image.module_count * kRowBytes;

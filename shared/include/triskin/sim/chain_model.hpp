@@ -7,8 +7,8 @@
 
 namespace triskin::sim {
 
-/// The scan chain of switched modules as its master sees it. The virtual hardware (host/sim) implements it, and
-/// board/posix drives it. The constants are the times that the real chain needs; the caller must let them pass.
+/// The model is the scan chain of switched modules as its master sees it. The virtual hardware (host/sim) implements
+/// it, and board/posix drives it. The constants are the times that the real chain needs; the caller must let them pass.
 class ChainModel {
  public:
   static constexpr std::uint32_t kBit_ns = 500;  ///< The chain is clocked at 2 MHz.

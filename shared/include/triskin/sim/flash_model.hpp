@@ -13,11 +13,11 @@ struct PowerLost : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Typical times of the STM32G474 (DS12288) for erasing a page of 2 KB and for programming a unit of 8 bytes. The flash
-/// performs one operation at a time.
+/// The STM32G474 (DS12288) typically takes these times to erase a page of 2 KB and to program a unit of 8 bytes. The
+/// flash performs one operation at a time.
 inline constexpr std::uint64_t kPageErase_ns = 22'020'000, kUnitProgram_ns = 81'690;
 
-/// Flash memory with the rules of the STM32G474 (RM0440 §3): erased bytes read 0xFF, `page_bytes` are erased at once,
+/// The model obeys the rules of the STM32G474 (RM0440 §3): erased bytes read 0xFF, `page_bytes` are erased at once,
 /// and `program_bytes` are programmed at once, aligned and only into an erased unit (the ECC forbids writing a unit
 /// twice).
 class FlashModel {

@@ -2,12 +2,12 @@
 #pragma once
 #include <cstdint>
 
-/// The gates of one switched module (docs/switched_module.md). The models and the exhaustive test both use them.
+/// The models and the exhaustive test both use these gates of one switched module (docs/switched_module.md).
 namespace triskin::sim {
 
 inline constexpr int kNoGrant = 3;
 
-/// Inputs of the gates: the signals at the ports and the module's own state.
+/// The gates depend on the signals at the ports and on the module's own state.
 struct PortInputs {
   std::uint8_t enable = 0;  ///< Bit p is the register output that enables port p.
   std::uint8_t en_in = 0;   ///< Bit p says that the neighbour at port p raises EN.

@@ -17,7 +17,7 @@
 
 namespace triskin::sim {
 
-/// The surroundings of one patch controller. Everything in it must outlive the controller.
+/// The surroundings of a patch controller must outlive it.
 struct VirtualBoard {
   std::array<I2cBus*, layout::kLines> lines{};  ///< None of these pointers may be null.
   FlashModel* flash = nullptr;  ///< The flash holds the table slots, the fault memory and the node address.
@@ -26,7 +26,7 @@ struct VirtualBoard {
   bool can_fd = true;                               ///< True means that the bus carries CAN FD frames.
   /// The switched modules are reached through this chain; null means that the board has none.
   ChainModel* chain = nullptr;
-  /// Both application slots, one after the other; null means a board without a loader.
+  /// Both application slots are here, one after the other; null means a board without a loader.
   FlashModel* slots = nullptr;
   /// The function returns whether a transmit buffer is free; if it is empty, one always is.
   std::function<bool()> room{};
@@ -44,8 +44,8 @@ struct VirtualBoard {
 /// Both application slots together have this size.
 inline constexpr std::size_t kSlotsBytes = std::size_t{2} * 0x3C000;
 
-/// The patch controller's application on virtual ports, with the same logic as on the microcontroller. An image in a
-/// slot is stored, checked, counted and confirmed as there, but the code that runs is always that of this program. If
+/// The patch controller's application runs on virtual ports, with the same logic as on the microcontroller. An image in
+/// a slot is stored, checked, counted and confirmed as there, but the code that runs is always that of this program. If
 /// the running image has a label, the controller takes part in broadcast updates and reports the version of the label.
 /// The caller provides the virtual time. Not thread-safe.
 class VirtualController {

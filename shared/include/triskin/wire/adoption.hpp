@@ -51,7 +51,7 @@ struct Reach {
   return reach;
 }
 
-/// A module of another patch that this controller reads; the host recognizes it by the port that it is connected to.
+/// The controller reads this module of another patch; the host recognizes it by the port that it is connected to.
 struct AdoptedModule {
   std::uint8_t parent = 0;       ///< The parent is a row of the table, or an adopted module earlier in this list.
   std::uint8_t parent_port = 0;  ///< This port of the parent, 0 to 2, leads to the adopted module.
@@ -62,8 +62,8 @@ struct AdoptedModule {
   bool operator==(const AdoptedModule&) const = default;
 };
 
-/// FD0E, see Reach. In the full stream, adopted module k has row `rows of the table` + k; FD0C has only rows of the
-/// table.
+/// Identifier FD0E carries this value; see Reach. In the full stream, adopted module k has row `rows of the table` + k;
+/// FD0C has only rows of the table.
 struct Adoption {
   static constexpr std::uint16_t kId = did::kAdoption;
   static constexpr std::size_t kMinBytes = 4, kAdoptedBytes = 4, kMaxAdopteds = layout::kMaxModules - 1,
@@ -79,7 +79,7 @@ struct Adoption {
     return {adopted_modules.data(), count};
   }
 
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.u8(rows);
     out.le16(out_of_reach);

@@ -8,7 +8,7 @@
 /// Computes how long a frame occupies a wire. The simulated bus and every time budget use these functions.
 namespace triskin::wire {
 
-/// Length of a frame in bits, split by the bit rate that sends them.
+/// The length of a frame in bits is split by the bit rate that sends them.
 struct FrameBits {
   int nominal = 0;
   int data = 0;
@@ -31,7 +31,7 @@ struct FrameBits {
   return frame.bit_rate_switch ? FrameBits{nominal, data} : FrameBits{nominal + data, 0};
 }
 
-/// Bit rates of a CAN bus, in bit/s.
+/// A CAN bus has two bit rates, in bit/s.
 struct BitRates {
   std::uint32_t nominal = 0;  ///< Zero means that the rate is unknown or that frames take no time.
   std::uint32_t data = 0;     ///< Frames with a rate switch use this rate; 0 means the nominal rate.
@@ -53,7 +53,7 @@ inline constexpr BitRates kControllerRates{1'000'000, 2'000'000};
 /// HID report per millisecond (docs/protocol.md, "USB").
 inline constexpr std::uint64_t kUsbBulkFrame_ns = 1'000'000 / 19, kUsbHidFrame_ns = 1'000'000;
 
-/// Fraction of a wire's capacity that the samples of a stream may take. Requests, answers and errors need the rest.
+/// The samples of a stream may take this fraction of a wire's capacity. Requests, answers and errors need the rest.
 inline constexpr double kStreamShare = 0.90;
 
 /// Returns the bus time in ns of one module's sample in the full stream; 0 when the rates are not known.

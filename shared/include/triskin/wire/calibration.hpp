@@ -9,18 +9,18 @@
 #include "triskin/wire/checked_enum.hpp"
 #include "triskin/wire/identifiers.hpp"
 
-/// How many counts of each taxel correspond to one kPa; the controller stores it with its table (FD0D). See
-/// docs/calibration.md.
+/// A calibration says how many counts of each taxel correspond to one kPa; the controller stores it with its table
+/// (FD0D). See docs/calibration.md.
 namespace triskin::wire {
 
-/// The way in which pressure was applied during the calibration.
+/// During the calibration, pressure was applied in one of these ways.
 enum class CalibrationMethod : std::uint8_t { kSteps = 0, kWeights = 1, kRamp = 2 };
 /// Converts a number from the wire. Error: kOutOfRange.
 [[nodiscard]] constexpr Result<CalibrationMethod> to_calibration_method(std::uint8_t number) {
   return checked_enum(number, CalibrationMethod::kRamp);
 }
 
-/// Calibration of the taxels of the module at one place.
+/// Each place has the calibration of the taxels of its module.
 struct PlaceSensitivity {
   std::uint8_t place = 0;  ///< The place is kAddressesPerLine · line + address.
   /// 1 kPa lowers a taxel by this many units of 2^-exponent counts; 0 means not calibrated.
@@ -32,7 +32,8 @@ struct PlaceSensitivity {
   bool operator==(const PlaceSensitivity&) const = default;
 };
 
-/// FD0D: the calibration of the modules on a controller. Writing a value without rows deletes the stored calibration.
+/// Identifier FD0D carries the calibration of a controller's modules. Writing a value without rows deletes the stored
+/// calibration.
 struct Calibration {
   static constexpr std::uint16_t kId = did::kCalibration;
   static constexpr std::uint8_t kVersion = 1;  ///< Readers refuse a value of another version.
@@ -52,7 +53,7 @@ struct Calibration {
 
   /// Returns the modules in the order in which they were written.
   [[nodiscard]] constexpr std::span<const PlaceSensitivity> rows() const { return std::span(places).first(count); }
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.u8(kVersion);
     out.u8(exponent);

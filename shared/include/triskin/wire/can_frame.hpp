@@ -6,7 +6,7 @@
 
 namespace triskin::wire {
 
-/// One classic CAN or CAN FD data frame, independent of any driver's structure.
+/// A frame is a classic CAN or CAN FD data frame, independent of any driver's structure.
 struct CanFrame {
   std::uint32_t id = 0;   ///< The identifier has 11 or 29 bits and contains no flags.
   bool extended = false;  ///< True means that the identifier has 29 bits.

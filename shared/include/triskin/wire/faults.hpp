@@ -10,15 +10,15 @@
 #include "triskin/wire/identifiers.hpp"
 #include "triskin/wire/module_state.hpp"
 
-/// The fault memory (services 14 and 19); see docs/protocol.md.
+/// Services 14 and 19 access the fault memory; see docs/protocol.md.
 namespace triskin::wire {
 
-/// The bits of a fault's status byte (ISO 14229-1, D.2) that a controller uses.
+/// A controller uses these bits of a fault's status byte (ISO 14229-1, D.2).
 namespace fault_status {
 inline constexpr std::uint8_t kFailsNow = 0x01, kConfirmed = 0x08, kAvailable = kFailsNow | kConfirmed;
 }
 
-/// Diagnostic trouble code of a module in 3 bytes: 9 and the state, then 0, then the row of the table.
+/// The diagnostic trouble code of a module has 3 bytes: 9 and the state, then 0, then the row of the table.
 struct FaultCode {
   static constexpr std::uint32_t kGroup = 0x900000, kGroupMask = 0xF00000, kMaxCode = 0xFFFFFF;
   ModuleState state = kFirstFaultState;  ///< Only states that are faults are recorded.
@@ -51,7 +51,7 @@ constexpr void encode_dtc(std::uint32_t dtc, ByteWriter& out) {
   out.be16(static_cast<std::uint16_t>(dtc));
 }
 
-/// Answer to 19 02, after the sub-function: the status bits that the controller supports, then the faults.
+/// The answer to 19 02 has, after the sub-function, the status bits that the controller supports, then the faults.
 struct FaultList {
   static constexpr std::size_t kRecordBytes = 4, kFaultsPerModule = kModuleStateCount - 2;
   static constexpr std::size_t kMaxRecords = kFaultsPerModule * layout::kMaxModules;
@@ -63,7 +63,7 @@ struct FaultList {
   [[nodiscard]] constexpr std::span<const FaultRecord> faults() const { return std::span(records).first(count); }
   /// Appends a record; the caller makes sure that there is room (kMaxRecords).
   constexpr void add(const FaultRecord& r) { records[count++] = r; }
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.u8(available);
     for (const FaultRecord& f : faults()) encode(f, out);
@@ -94,21 +94,21 @@ struct FaultList {
   bool operator==(const FaultList&) const = default;
 };
 
-/// Time and sample number at which a fault first occurred.
+/// The fault first occurred at this time and sample number.
 struct Freeze {
   std::uint32_t time_ms = 0;  ///< The time is counted from power-up, because the board has no calendar.
   std::uint32_t sample = 0;   ///< Samples of the module are counted from power-up.
   bool operator==(const Freeze&) const = default;
 };
 
-/// Answer to 19 04, after the sub-function: one record that holds FD21 and FD22.
+/// The answer to 19 04 has, after the sub-function, one record that holds FD21 and FD22.
 struct FreezeFrame {
   static constexpr std::size_t kBytes = 18;
   static constexpr std::uint8_t kRecord = 1, kValues = 2;
   FaultRecord fault;
   Freeze freeze;
 
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     FaultList::encode(fault, out);
     out.u8(kRecord);

@@ -10,7 +10,7 @@
 /// Reports the health of the board (FD11) and its last crash (FD12); see docs/protocol.md.
 namespace triskin::wire {
 
-/// Result of the controller's attempt to use its crystal.
+/// The controller tried to use its crystal with this result.
 enum class Crystal : std::uint8_t {
   kUsed,         ///< The crystal was measured, is in the list, and drives every clock.
   kSilent,       ///< The crystal does not start: it is missing, broken, or badly loaded.
@@ -18,7 +18,7 @@ enum class Crystal : std::uint8_t {
   kUnknown,      ///< The crystal runs at a frequency that is not in the list.
   kNoLock,       ///< The PLL did not lock to the crystal.
   kNoPll,        ///< The PLL does not lock to the internal oscillator either.
-  kNotSaid,      ///< An older loader started the clocks and said nothing about them.
+  kNotSaid,      ///< An older loader started the clocks but did not report on them.
 };
 
 /// The controller's clock comes from the crystal with Crystal::kUsed, otherwise from the internal oscillator (± 1 %).
@@ -30,17 +30,18 @@ struct ClockState {
   bool operator==(const ClockState&) const = default;
 };
 
-/// Bits of BoardHealth::reset_cause; several can be set at once.
+/// Several of these bits of BoardHealth::reset_cause can be set at once.
 namespace reset_cause {
 inline constexpr std::uint8_t kPower = 1, kPin = 2, kSoftware = 4, kWatchdog = 8, kOptions = 16;
 }  // namespace reset_cause
 
-/// Bits of BoardHealth::can_state.
+/// BoardHealth::can_state has these bits.
 namespace can_state {
 inline constexpr std::uint8_t kWarning = 1, kErrorPassive = 2, kBusOff = 4;
 }  // namespace can_state
 
-/// FD11. Counters start at the last reset and wrap around to 0 after the largest value of their type.
+/// Identifier FD11 carries this value. Counters start at the last reset and wrap around to 0 after the largest value of
+/// their type.
 struct BoardHealth {
   static constexpr std::uint16_t kId = did::kBoardHealth;
   static constexpr std::size_t kMinBytes = 54, kMaxBytes = kMinBytes;
@@ -64,7 +65,7 @@ struct BoardHealth {
   std::uint16_t stack_bytes = 0, stack_free_bytes = 0;
   std::uint16_t idle_permille = 0;  ///< The idle share refers to the time since the last reset.
 
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.u8(wire_number(clock.crystal));
     out.u8(clock.crystal_mhz);
@@ -110,18 +111,19 @@ struct BoardHealth {
 };
 static_assert(kLengthsAsInTable<BoardHealth>);
 
-/// The reason why the controller stopped.
+/// The controller can stop for these reasons.
 enum class CrashCause : std::uint8_t {
   kNone,
   kFault,          ///< The processor refused an instruction or an access to memory.
   kStackOverflow,  ///< The stack left its memory.
-  kWatchdog,       ///< The main loop did not come round for two seconds.
-  kClock,          ///< The crystal stopped, or no clock came up.
+  kWatchdog,       ///< The main loop did not run for two seconds.
+  kClock,          ///< The crystal stopped, or no clock started.
   kInterrupt,      ///< An interrupt arrived for which there is no handler.
   kProgram,        ///< The program stopped itself, by calling a null function or by leaving main.
 };
 
-/// FD12: survives resets in RAM and power failures in the fault memory. If there was no crash, the cause is kNone.
+/// Identifier FD12 carries this value. It survives resets in RAM and power failures in the fault memory. If there was
+/// no crash, the cause is kNone.
 struct Crash {
   static constexpr std::uint16_t kId = did::kCrash;
   static constexpr std::size_t kMinBytes = 44, kMaxBytes = kMinBytes;
@@ -139,7 +141,7 @@ struct Crash {
   std::uint32_t origin = 0;  ///< The image that crashed was linked for this address.
   std::uint32_t number = 0;  ///< Crashes are counted from power-up.
 
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.u8(wire_number(cause));
     out.u8(while_erasing ? 1 : 0);

@@ -7,7 +7,7 @@
 #include "triskin/wire/can_frame.hpp"
 #include "triskin/wire/identifiers.hpp"
 
-/// Commands that iCub hosts send to a skin board with 11-bit identifiers: class << 8 | source << 4 | destination. See
+/// iCub hosts send these commands to a skin board with 11-bit identifiers: class << 8 | source << 4 | destination. See
 /// docs/icub.md; taxel_frames.hpp has the taxels.
 namespace triskin::wire::icub {
 
@@ -61,7 +61,7 @@ enum class SkinType : std::uint8_t {
   return node_address >= 1 && node_address <= kMaxBoard;
 }
 
-/// FD30: the state of the controller's iCub protocol.
+/// Identifier FD30 carries the state of the controller's iCub protocol.
 struct State {
   static constexpr std::uint16_t kId = did::kIcub;
   static constexpr std::size_t kMinBytes = 9, kMaxBytes = 9;
@@ -73,7 +73,7 @@ struct State {
   std::uint8_t skin_type = 0, period_ms = 0, no_load = 0, shift = 0;  ///< The shift belongs to triangle 0.
   std::uint16_t enabled = 0;                                          ///< Bit t enables triangle t.
 
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     for (const std::uint8_t b : {flags, last_refused, refused, skin_type, period_ms, no_load, shift}) out.u8(b);
     out.le16(enabled);

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <string_view>
 
-/// Data identifiers and routines of the controller: numbers, lengths, access and meaning of a value.
-/// tools/make_vector_tables generates the tables of docs/protocol.md from this file. The headers named in the rows
-/// define the types of the values, and each type checks its lengths against its row.
+/// The tables list the data identifiers and routines of the controller with numbers, lengths, access and meaning of a
+/// value. tools/make_vector_tables generates the tables of docs/protocol.md from this file. The headers named in the
+/// rows define the types of the values, and each type checks its lengths against its row.
 namespace triskin::wire {
 
 namespace did {
@@ -132,7 +132,7 @@ struct Routine {
   std::uint16_t id;
   std::string_view name;
   std::string_view does;
-  /// Size of the result that follows the routine's identifier; 0, 0 means that there is no result.
+  /// The result that follows the routine's identifier has a size between these; 0, 0 means that there is no result.
   std::size_t result_bytes_least, result_bytes_most;
   std::string_view result;
 };

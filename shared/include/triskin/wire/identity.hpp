@@ -17,7 +17,7 @@ namespace triskin::wire {
 /// A host with another wire version may only identify, read and update the controller.
 inline constexpr std::uint16_t kWireVersion = 1;
 
-/// Diagnostic sessions (ISO 14229-1, 10.2).
+/// ISO 14229-1, 10.2, defines the diagnostic sessions.
 enum class Session : std::uint8_t { kDefault = 1, kProgramming = 2, kExtended = 3 };
 /// Converts a number from the wire. Error: kOutOfRange.
 [[nodiscard]] constexpr Result<Session> to_session(std::uint8_t number) {
@@ -31,7 +31,7 @@ struct ActiveSession {
   static constexpr std::size_t kMinBytes = 1, kMaxBytes = 1;
   Session session = Session::kDefault;
 
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const { out.u8(wire_number(session)); }
   /// Decodes the wire format. Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<ActiveSession> decode(Bytes bytes) {
@@ -50,7 +50,7 @@ struct SerialNumber {
   static constexpr std::size_t kMinBytes = UniqueId{}.size(), kMaxBytes = kMinBytes;
   UniqueId unique_id{};
 
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const { out.bytes(unique_id); }
   /// Decodes the wire format. Error: kBadLength.
   [[nodiscard]] static constexpr Result<SerialNumber> decode(Bytes bytes) {
@@ -79,7 +79,7 @@ struct FirmwareVersion {
   static constexpr std::size_t kMinBytes = 4, kMaxBytes = 4;
   std::uint32_t version = 0;  ///< The major number is in the highest byte, so that versions compare as integers.
 
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const { out.be32(version); }
   /// Decodes the wire format. Error: kBadLength.
   [[nodiscard]] static constexpr Result<FirmwareVersion> decode(Bytes bytes) {
@@ -90,7 +90,7 @@ struct FirmwareVersion {
 };
 static_assert(kLengthsAsInTable<FirmwareVersion>);
 
-/// FD00: a host needs this information before it sends any other request.
+/// Identifier FD00 carries this value, which a host needs before it sends any other request.
 struct Hello {
   static constexpr std::uint16_t kId = did::kHello;
   static constexpr std::size_t kMinBytes = 23, kMaxBytes = 23;
@@ -103,7 +103,7 @@ struct Hello {
   std::uint8_t max_modules = layout::kMaxModules;
   std::uint8_t taxels_per_module = layout::kTaxelsPerModule;
 
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.le16(wire_version);
     out.le16(layout_version);
@@ -144,7 +144,7 @@ struct NodeAddress {
   static constexpr std::size_t kMinBytes = 1, kMaxBytes = 1;
   std::uint8_t address = layout::kFirstNode;
 
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const { out.u8(address); }
   /// Decodes the wire format. Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<NodeAddress> decode(Bytes bytes) {
@@ -156,7 +156,7 @@ struct NodeAddress {
 };
 static_assert(kLengthsAsInTable<NodeAddress>);
 
-/// FD09: describes the firmware image that runs.
+/// Identifier FD09 describes the firmware image that runs.
 struct ImageState {
   static constexpr std::uint16_t kId = did::kImageState;
   static constexpr std::size_t kMinBytes = 14, kMaxBytes = 14;
@@ -167,7 +167,7 @@ struct ImageState {
   std::uint32_t size_bytes = 0;
   std::uint32_t record_crc = 0;  ///< The commit record stores layout::slot_crc() of the image here.
 
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.u8(slot);
     out.u8(confirmed ? 1 : 0);
@@ -199,7 +199,7 @@ struct ProtectionResult {
   static constexpr std::size_t kMinBytes = 1, kMaxBytes = 1;
   Status status = Status::kEmpty;
 
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const { out.u8(wire_number(status)); }
   /// Decodes the wire format. Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<ProtectionResult> decode(Bytes bytes) {

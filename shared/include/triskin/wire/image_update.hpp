@@ -35,17 +35,17 @@ inline constexpr std::uint64_t kPatience_us = 10'000'000;
 inline constexpr std::uint64_t kUnit_us = 110;
 
 enum class Command : std::uint8_t {
-  kAsk = 1,       ///< One board answers who it is and how its update stands, in any session.
-  kSize = 2,      ///< It offers to all: slot (1 byte), flags (1; bit 0 allows an older version), size of the image (3).
-  kVersion = 3,   ///< It offers to all: firmware version (4 bytes), key (1).
-  kHardware = 4,  ///< It offers to all: CRC-32 of the part number (4 bytes).
-  kCrc = 5,       ///< It offers to all: CRC-32 of the image (4 bytes), which completes the offer for that slot.
-  kJoin = 6,      ///< One board takes part if it can use the offer for its free slot.
-  kErase = 7,     ///< All that take part erase what the image needs.
-  kMissing = 8,   ///< One board answers which units it has not received.
-  kCheck = 9,     ///< All that take part check the image.
+  kAsk = 1,        ///< One board answers who it is and how its update stands, in any session.
+  kSize = 2,       ///< The host offers slot (1 byte), flags (1; bit 0 allows an older version), size of the image (3).
+  kVersion = 3,    ///< The host offers firmware version (4 bytes), key (1).
+  kHardware = 4,   ///< The host offers CRC-32 of the part number (4 bytes).
+  kCrc = 5,        ///< The host offers CRC-32 of the image (4 bytes), which completes the offer for that slot.
+  kJoin = 6,       ///< One board takes part if it can use the offer for its free slot.
+  kErase = 7,      ///< All that take part erase what the image needs.
+  kMissing = 8,    ///< One board answers which units it has not received.
+  kCheck = 9,      ///< All that take part check the image.
   kActivate = 10,  ///< All that are ready commit the image and restart.
-  kEnd = 11,       ///< The session is over; a board that has not activated keeps what it runs.
+  kEnd = 11,       ///< The session is over; a board that has not activated the image keeps its old one.
 };
 /// Converts a number from the wire. Error: kOutOfRange.
 [[nodiscard]] constexpr Result<Command> to_command(std::uint8_t number) {
@@ -57,7 +57,7 @@ enum class Command : std::uint8_t {
   return c == Command::kAsk || c == Command::kJoin || c == Command::kMissing;
 }
 
-/// Progress of a controller in an update.
+/// A controller goes through these phases in an update.
 enum class Phase : std::uint8_t {
   kIdle = 0,       ///< The board takes no part.
   kJoined = 1,     ///< The board takes part and has erased nothing yet.
@@ -65,11 +65,11 @@ enum class Phase : std::uint8_t {
   kReceiving = 3,  ///< The board takes data.
   kChecking = 4,   ///< The board checks the image.
   kReady = 5,      ///< The image is complete and correct.
-  kRefused = 6,    ///< The status says why the board refused; what runs stays.
+  kRefused = 6,    ///< The status says why the board refused; its old image continues.
   kActivated = 7,  ///< The image is committed, and the board restarts.
 };
 
-/// One command frame of an update session.
+/// An order is one command frame of an update session.
 struct Order {
   Command command = Command::kAsk;
   std::uint16_t session = 0;  ///< The host draws a random number that is never 0.
@@ -110,7 +110,7 @@ struct Order {
   return o;
 }
 
-/// The image that is offered for one slot.
+/// An offer describes the image for one slot.
 struct Offer {
   std::uint8_t slot = 0;
   bool may_be_older = false;
@@ -221,7 +221,7 @@ struct Image {
   std::uint32_t sequence = 0;    ///< The commit record's sequence number is taken modulo 2^24.
   bool operator==(const Image&) const = default;
 };
-/// State of an update on a controller.
+/// The state tells how far the update is on a controller.
 struct State {
   Phase phase = Phase::kIdle;
   Status status = Status::kOk;
@@ -302,8 +302,8 @@ struct State {
   return s;
 }
 
-/// Missing units in one answer, in whichever of two forms holds more of them. Both begin with the first missing unit (2
-/// bytes). A list continues with the distances to the next units, 1 … 255, until the end of the frame or a 0; a
+/// An answer lists missing units in whichever of two forms holds more of them. Both begin with the first missing unit
+/// (2 bytes). A list continues with the distances to the next units, 1 … 255, until the end of the frame or a 0; a
 /// bitmap has a bit for each unit from the first on, lowest bit first.
 class MissingPart {
  public:

@@ -12,9 +12,9 @@
 
 namespace triskin::wire {
 
-/// One ISO 15765-2 connection between two addresses, in both directions, on classic CAN or CAN FD. A pure state machine
-/// without heap: the caller provides received frames and the time and sends the frames that it returns. Messages have
-/// up to kCapacity bytes. Not thread-safe.
+/// An object is one ISO 15765-2 connection between two addresses, in both directions, on classic CAN or CAN FD. It is a
+/// pure state machine without heap: the caller provides received frames and the time and sends the frames that it
+/// returns. Messages have up to kCapacity bytes. Not thread-safe.
 class IsoTp {
  public:
   static constexpr std::size_t kCapacity = 1024;

@@ -8,7 +8,7 @@
 #include "triskin/wire/checked_enum.hpp"
 #include "triskin/wire/identifiers.hpp"
 
-/// The I²C lines of a controller (FD06, routine 0201); see docs/protocol.md.
+/// Identifier FD06 and routine 0201 report on the I²C lines of a controller; see docs/protocol.md.
 namespace triskin::wire {
 
 struct LineState {
@@ -23,7 +23,7 @@ struct LineStates {
   static constexpr std::size_t kMaxBytes = 5 * layout::kLines, kMinBytes = kMaxBytes;
   std::array<LineState, layout::kLines> lines{};
 
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     for (const LineState& l : lines) {
       out.u8(l.stuck ? 1 : 0);
@@ -46,7 +46,7 @@ struct LineStates {
 };
 static_assert(kLengthsAsInTable<LineStates>);
 
-/// Result of a discovery on one line.
+/// A discovery finds this on one line.
 struct LineReport {
   bool stuck = false;        ///< The line was held low, so no chip could be asked.
   std::uint8_t answers = 0;  ///< Bit a says that a chip answers at cdc_address(a).
@@ -62,7 +62,7 @@ struct Discovery {
   bool done = false;
   std::array<LineReport, layout::kLines> lines{};
 
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.u8(done ? 1 : 0);
     for (const LineReport& l : lines) {

@@ -11,7 +11,6 @@
 
 namespace triskin::wire {
 
-/// The latest reading of one module.
 struct ModuleTaxels {
   std::uint16_t valid = 0;  ///< Bit t belongs to taxel t.
   /// The converter's results are not compensated.
@@ -21,7 +20,7 @@ struct ModuleTaxels {
   bool operator==(const ModuleTaxels&) const = default;
 };
 
-/// FD10: the latest readings of all modules in the table, even if nothing is streamed.
+/// Identifier FD10 carries the latest readings of all modules in the table, even if nothing is streamed.
 struct LiveTaxels {
   static constexpr std::uint16_t kId = did::kLiveTaxels;
   static constexpr std::size_t kMinBytes = 12, kModuleBytes = 2 + 2 * layout::kTaxelsPerModule,
@@ -33,7 +32,7 @@ struct LiveTaxels {
 
   /// Returns the readings of the modules, indexed by the row of the table.
   [[nodiscard]] constexpr std::span<const ModuleTaxels> rows() const { return std::span(modules).first(count); }
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.le32(sequences);
     out.le64(time_us);

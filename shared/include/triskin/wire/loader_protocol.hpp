@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <optional>
 
-/// The loader's CAN protocol: classic frames with 29-bit identifiers. FROZEN: loaders in the field are never replaced,
-/// so nothing here may change; new functions belong to the application's UDS. docs/firmware_images.md has the sequence
-/// of an update.
+/// The loader's CAN protocol uses classic frames with 29-bit identifiers. FROZEN: loaders in the field are never
+/// replaced, so nothing here may change; new functions belong to the application's UDS. docs/firmware_images.md has the
+/// sequence of an update.
 namespace triskin::wire::loader {
 
 inline constexpr std::uint8_t kProtocol = 1;

@@ -11,10 +11,11 @@
 #include "triskin/wire/checked_enum.hpp"
 #include "triskin/wire/identifiers.hpp"
 
-/// The log of a controller: how lines of text become frames, and who receives them (FD13). See docs/log.md.
+/// A controller's log consists of lines of text, which become frames for the readers that asked for them (FD13). See
+/// docs/log.md.
 namespace triskin::wire {
 
-/// Importance of a line. A reader that asks for one level also gets the levels before it.
+/// Levels rank the importance of a line. A reader that asks for one level also gets the levels before it.
 enum class LogLevel : std::uint8_t { kOff, kError, kWarning, kInformation, kDebug };
 
 inline constexpr std::size_t kMaxLogText = 96;
@@ -34,7 +35,8 @@ struct LogLine {
   }
 };
 
-/// FD13: lines up to `wanted` go to the port from which the request came, until the controller restarts.
+/// Identifier FD13 carries this value: lines up to `wanted` go to the port from which the request came, until the
+/// controller restarts.
 struct LogSetting {
   static constexpr std::uint16_t kId = did::kLog;
   static constexpr std::size_t kMinBytes = 2, kMaxBytes = kMinBytes;
@@ -42,7 +44,7 @@ struct LogSetting {
   /// The image contains lines up to this level; the field is ignored when the value is written.
   LogLevel compiled = LogLevel::kOff;
 
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.u8(wire_number(wanted));
     out.u8(wire_number(compiled));

@@ -9,14 +9,14 @@
 #include "triskin/wire/checked_enum.hpp"
 #include "triskin/wire/identifiers.hpp"
 
-/// States of modules (FD03, routine 0202); see docs/protocol.md.
+/// Identifier FD03 and routine 0202 report the states of modules; see docs/protocol.md.
 namespace triskin::wire {
 
-/// The controller's knowledge about a module of its table. The numbers are part of the wire version.
+/// The controller distinguishes these states of a module of its table. The numbers are part of the wire version.
 enum class ModuleState : std::uint8_t {
-  kUnknown = 0,            ///< The module has not been looked at yet.
+  kUnknown = 0,            ///< The module has not been checked yet.
   kOk = 1,                 ///< The module works as it should.
-  kAbsent = 2,             ///< Nobody answers at the module's line and address.
+  kAbsent = 2,             ///< No chip answers at the module's line and address.
   kWrongId = 3,            ///< The chip answers with another device id.
   kLostConfiguration = 4,  ///< The configuration read back was not the one written, so it was written again.
   kSaturated = 5,          ///< A taxel is at the end of its range.
@@ -32,7 +32,7 @@ inline constexpr ModuleState kFirstFaultState = ModuleState::kAbsent;  ///< Stat
   return checked_enum(number, ModuleState::kDuplicate);
 }
 
-/// FD03: the state of each module, in the order of the table.
+/// Identifier FD03 carries the state of each module, in the order of the table.
 struct ModuleStates {
   static constexpr std::uint16_t kId = did::kModuleStates;
   static constexpr std::size_t kMinBytes = 1, kMaxBytes = layout::kMaxModules;
@@ -43,7 +43,7 @@ struct ModuleStates {
   [[nodiscard]] constexpr std::span<const ModuleState> rows() const { return std::span(state).first(count); }
   /// Appends the state of the next row; the caller makes sure that there is room.
   constexpr void add(ModuleState s) { state[count++] = s; }
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     for (const ModuleState s : rows()) out.u8(wire_number(s));
   }
@@ -69,7 +69,7 @@ struct SelfTestResult {
   bool done = false;
   ModuleStates modules;
 
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.u8(done ? 1 : 0);
     modules.encode(out);

@@ -9,13 +9,13 @@
 #include "triskin/wire/checked_enum.hpp"
 #include "triskin/wire/identifiers.hpp"
 
-/// Offsets of the converters (FD0B) and the routine that determines them again (0206); see docs/protocol.md.
+/// Identifier FD0B has the offsets of the converters, and routine 0206 determines them again; see docs/protocol.md.
 namespace triskin::wire {
 
-/// Source of a chip's offsets.
+/// A chip's offsets can come from these sources.
 enum class OffsetState : std::uint8_t {
   kNone = 0,       ///< No chip was ever found at this place.
-  kSearching = 1,  ///< The offsets are being searched for.
+  kSearching = 1,  ///< The controller is still searching for the offsets.
   kKept = 2,       ///< The flash had them, and each taxel still rests where it should.
   kFound = 3,      ///< The controller found them after power-up.
   kOutside = 4,    ///< The search has ended, but a taxel rests outside the middle third of the range.
@@ -25,7 +25,7 @@ enum class OffsetState : std::uint8_t {
   return checked_enum(number, OffsetState::kOutside);
 }
 
-/// When a converter updates its results, as observed by the controller.
+/// The controller has observed when a converter updates its results.
 enum class Latching : std::uint8_t {
   kUnknown = 0,        ///< The order of conversions has not been seen yet.
   kEachStage = 1,      ///< The chip updates each result at the end of its stage.
@@ -42,7 +42,6 @@ inline constexpr double kOffsetStep_pF = 0.32;  ///< Each step subtracts this ca
 inline constexpr std::uint16_t kRestLeast = 21846;
 inline constexpr std::uint16_t kRestMost = 43690;  ///< The middle third of the range ends here.
 
-/// The offsets of one module.
 struct ModuleOffsets {
   OffsetState state = OffsetState::kNone;
   Latching latching = Latching::kUnknown;
@@ -52,7 +51,7 @@ struct ModuleOffsets {
   bool operator==(const ModuleOffsets&) const = default;
 };
 
-/// FD0B: the offsets of each module, in the order of the table.
+/// Identifier FD0B carries the offsets of each module, in the order of the table.
 struct Offsets {
   static constexpr std::uint16_t kId = did::kOffsets;
   static constexpr std::size_t kRowBytes = 4 + layout::kTaxelsPerModule;
@@ -64,7 +63,7 @@ struct Offsets {
 
   /// Returns the modules, indexed by the row of the table.
   [[nodiscard]] constexpr std::span<const ModuleOffsets> rows() const { return std::span(modules).first(count); }
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.u8(positive_input ? 1 : 0);
     out.le32(searches);
@@ -120,7 +119,7 @@ struct OffsetResult {
   static constexpr std::size_t kMinBytes = 1, kMaxBytes = 1;
   bool done = false;
 
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const { out.u8(done ? 1 : 0); }
   /// Decodes the wire format. Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<OffsetResult> decode(Bytes bytes) {

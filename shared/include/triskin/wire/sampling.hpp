@@ -7,14 +7,14 @@
 #include "triskin/wire/checked_enum.hpp"
 #include "triskin/wire/identifiers.hpp"
 
-/// How a controller samples, and what it sends unasked (FD05, FD0A). See docs/protocol.md.
+/// These settings (FD05, FD0A) decide how a controller samples, and what it sends unasked. See docs/protocol.md.
 namespace triskin::wire {
 
-/// Format of the samples that the controller sends unasked.
+/// The controller sends samples unasked in one of these formats.
 enum class StreamMode : std::uint8_t {
   kOff = 0,
   kIcub = 1,  ///< A taxel has 8 bits, as on an iCub skin board.
-  kFull = 2,  ///< A taxel has 16 bits, which takes CAN FD.
+  kFull = 2,  ///< A taxel has 16 bits, so the frames need CAN FD.
 };
 
 /// The converter adds up this many readings for one result, as in its power control register. More readings mean less
@@ -28,7 +28,7 @@ enum class Decimation : std::uint8_t { k256 = 0, k128 = 1, k64 = 2 };
   return kTimes[static_cast<std::size_t>(d)];
 }
 
-/// Meaning of the 16 bits of a taxel.
+/// The 16 bits of a taxel can have one of these meanings.
 enum class TaxelOutput : std::uint8_t {
   kRaw = 0,          ///< The stream carries the converter's result.
   kCompensated = 1,  ///< The stream carries 0x8000 at rest, because baseline and temperature are subtracted.
@@ -65,7 +65,7 @@ struct StreamSetting {
   static constexpr std::size_t kMinBytes = 1, kMaxBytes = 1;
   StreamMode mode = StreamMode::kOff;
 
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const { out.u8(wire_number(mode)); }
   /// Decodes the wire format. Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<StreamSetting> decode(Bytes bytes) {
@@ -78,8 +78,8 @@ struct StreamSetting {
 };
 static_assert(kLengthsAsInTable<StreamSetting>);
 
-/// FD0A; the defaults apply after power-up. The fourth byte is omitted while it has its default value, because older
-/// hosts and firmware know only three.
+/// Identifier FD0A carries this value; the defaults apply after power-up. The fourth byte is omitted while it has its
+/// default value, because older hosts and firmware know only three.
 struct SamplingSetting {
   static constexpr std::uint16_t kId = did::kSampling;
   static constexpr std::size_t kMinBytes = 3, kMaxBytes = 4;
@@ -88,7 +88,7 @@ struct SamplingSetting {
   TaxelOutput output = TaxelOutput::kRaw;
   SamplingTiming timing = SamplingTiming::kTracked;
 
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.u8(wire_number(decimation));
     out.u8(every);

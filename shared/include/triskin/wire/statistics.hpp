@@ -8,7 +8,7 @@
 
 namespace triskin::wire {
 
-/// FD04: the counters start at power-up and wrap around after 2^32 − 1.
+/// Identifier FD04 carries these counters, which start at power-up and wrap around after 2^32 − 1.
 struct Statistics {
   static constexpr std::uint16_t kId = did::kStatistics;
   static constexpr std::size_t kMinBytes = 16, kMaxBytes = 16;
@@ -17,7 +17,7 @@ struct Statistics {
   std::uint32_t recoveries = 0;   ///< The counter shows how often a line that was held low could be freed.
   std::uint32_t lost_frames = 0;  ///< Stream frames are lost when the bus is slower than the stream.
 
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     for (const std::uint32_t v : {sequences, bus_errors, recoveries, lost_frames}) out.le32(v);
   }

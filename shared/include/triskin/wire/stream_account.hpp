@@ -26,7 +26,7 @@ struct RowAccount {
   bool operator==(const RowAccount&) const = default;
 };
 
-/// FD0C: account of the stream for the port from which the request came.
+/// Identifier FD0C carries the account of the stream for the port from which the request came.
 struct StreamAccount {
   static constexpr std::uint16_t kId = did::kStreamAccount;
   static constexpr std::size_t kHeadBytes = 10, kLeaseBytes = 4, kMinBytes = kHeadBytes,
@@ -49,7 +49,7 @@ struct StreamAccount {
     }
     return false;
   }
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.u8(starts);
     out.le64(time_us);

@@ -7,10 +7,10 @@
 #include "triskin/wire/checked_enum.hpp"
 #include "triskin/wire/identifiers.hpp"
 
-/// The table that a controller works with (FD02, routine 0205); see docs/protocol.md.
+/// Identifier FD02 and routine 0205 concern the table that a controller works with; see docs/protocol.md.
 namespace triskin::wire {
 
-/// FD02. Without a table every field except the status is 0.
+/// Identifier FD02 carries this value. Without a table every field except the status is 0.
 struct ActiveTable {
   static constexpr std::uint16_t kId = did::kActiveTable;
   static constexpr std::size_t kMinBytes = 18, kMaxBytes = 18;
@@ -22,7 +22,7 @@ struct ActiveTable {
 
   /// Returns true when there is a table.
   [[nodiscard]] constexpr bool present() const { return status == Status::kOk; }
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.u8(wire_number(status));
     out.le32(sequence);
@@ -56,7 +56,7 @@ struct ActivationResult {
   static constexpr std::size_t kMinBytes = 1, kMaxBytes = 1;
   Status status = Status::kEmpty;
 
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const { out.u8(wire_number(status)); }
   /// Decodes the wire format. Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<ActivationResult> decode(Bytes bytes) {

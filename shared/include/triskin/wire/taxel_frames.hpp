@@ -8,10 +8,10 @@
 #include "triskin/wire/can_frame.hpp"
 #include "triskin/wire/module_state.hpp"
 
-/// Taxels on the wire; see docs/protocol.md, "Data stream".
+/// docs/protocol.md, "Data stream", describes taxels on the wire.
 namespace triskin::wire {
 
-/// Taxels of one module in 8 bits, as an iCub MTB4 board sends them: two CAN frames with id 0x400 | board << 4 |
+/// An iCub MTB4 board sends the taxels of one module in 8 bits each: two CAN frames with id 0x400 | board << 4 |
 /// module.
 struct IcubTaxels {
   std::uint8_t board = 0;   ///< Valid values are 0 to 15.
@@ -60,8 +60,8 @@ inline constexpr std::uint8_t kIcubFirst = 0x40, kIcubSecond = 0xC0;
   return t;
 }
 
-/// One sample of one module in full: a 48-byte CAN FD frame with id 0x18F0‹node›‹module›, too long for a
-/// classic frame.
+/// A frame carries one sample of one module in full. It is a 48-byte CAN FD frame with id 0x18F0‹node›‹module›,
+/// too long for a classic frame.
 struct TaxelFrame {
   std::uint8_t node_address = 0;
   /// The number is a row of the table, or an adopted module if it is not less than the number of rows (Adoption).

@@ -9,12 +9,13 @@
 #include "triskin/wire/checked_enum.hpp"
 #include "triskin/wire/identifiers.hpp"
 
-/// Reports of a controller with switched modules about its patch (FD07, FD08, routine 0204); see docs/protocol.md.
+/// A controller with switched modules reports on its patch with FD07, FD08 and routine 0204; see docs/protocol.md.
 namespace triskin::wire {
 
 inline constexpr std::uint8_t kNoRow = 0xFF;
 
-/// FD07: modules and joints as found on the chain. Modules have the numbers of the discovery; module 0 is the entry.
+/// Identifier FD07 carries modules and joints as found on the chain. Modules have the numbers of the discovery; module
+/// 0 is the entry.
 struct FoundTopology {
   static constexpr std::uint16_t kId = did::kTopology;
   static constexpr std::size_t kMinBytes = 3, kModuleBytes = layout::kPorts + 1,
@@ -48,7 +49,7 @@ struct FoundTopology {
 };
 static_assert(kLengthsAsInTable<FoundTopology>);
 
-/// FD08: the tree that is active, and how the controller arrived at it.
+/// Identifier FD08 carries the tree that is active, and how the controller arrived at it.
 struct ActiveRoute {
   static constexpr std::uint16_t kId = did::kRoute;
   static constexpr std::size_t kMinBytes = 18, kRowBytes = 2, kMaxBytes = kMinBytes + kRowBytes * layout::kMaxModules;
@@ -70,7 +71,7 @@ struct ActiveRoute {
   std::array<std::uint8_t, layout::kMaxModules> parent{};
   std::array<std::uint8_t, layout::kMaxModules> parent_port{};  ///< layout::kCable means that there is no parent.
 
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.u8(static_cast<std::uint8_t>((switched ? 1 : 0) | (busy ? 2 : 0) | (complete ? 4 : 0) | (as_table ? 8 : 0) |
                                      (min_depth ? 16 : 0) | (second_cable ? 32 : 0)));
@@ -167,7 +168,7 @@ struct RerouteResult {
   static constexpr std::size_t kMinBytes = 1, kMaxBytes = 1;
   bool done = false;
 
-  /// Appends the value in its wire format (docs/protocol.md).
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const { out.u8(done ? 1 : 0); }
   /// Decodes the wire format. Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<RerouteResult> decode(Bytes bytes) {

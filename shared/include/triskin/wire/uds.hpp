@@ -7,7 +7,7 @@
 #include "triskin/wire/module_state.hpp"
 #include "triskin/wire/sampling.hpp"
 
-/// Services and codes of the diagnostics (ISO 14229-1) that host and firmware share, with their identifiers and
+/// Host and firmware share the services and codes of the diagnostics (ISO 14229-1), with their identifiers and
 /// enumerations. docs/protocol.md explains them.
 namespace triskin::wire {
 
@@ -18,7 +18,7 @@ inline constexpr std::uint8_t kSession = 0x10, kReset = 0x11, kClearFaults = 0x1
 inline constexpr std::uint8_t kPositive = 0x40;  ///< A positive response carries the number of the service plus this.
 }  // namespace service
 
-/// Negative response codes.
+/// ISO 14229-1 defines these negative response codes.
 namespace nrc {
 inline constexpr std::uint8_t kServiceNotSupported = 0x11, kSubFunctionNotSupported = 0x12, kWrongLength = 0x13,
                               kConditionsNotCorrect = 0x22, kSequenceError = 0x24, kOutOfRange = 0x31,
@@ -27,7 +27,7 @@ inline constexpr std::uint8_t kServiceNotSupported = 0x11, kSubFunctionNotSuppor
                               kPending = 0x78, kSubFunctionNotInSession = 0x7E, kServiceNotInSession = 0x7F;
 }
 
-/// Memory areas of download and upload (0x34, 0x35), which use a 4-byte address and a 4-byte size.
+/// Download and upload (0x34, 0x35) access these memory areas with a 4-byte address and a 4-byte size.
 namespace memory {
 inline constexpr std::uint32_t kInactiveTable = 0x00010000, kActiveTable = 0x00020000;
 /// Service 0x36 carries 64 bytes of data in each block, with a counter.

@@ -8,7 +8,7 @@
 
 namespace triskin::wire {
 
-/// The eight bytes of a control transfer's setup stage (USB 2.0 §9.3).
+/// The setup stage of a control transfer has these eight bytes (USB 2.0 §9.3).
 struct UsbSetup {
   std::uint8_t type = 0, request = 0;
   std::uint16_t value = 0, index = 0, length = 0;
@@ -28,8 +28,8 @@ inline UsbSetup setup_of(Bytes bytes) {
   return s;
 }
 
-/// A USB device as the bus sees it; a real or simulated device controller calls it. Full speed, without heap, never
-/// blocks. The caller handles SET_ADDRESS itself.
+/// The interface is a USB device as the bus sees it; a real or simulated device controller calls it. It is full speed,
+/// uses no heap and never blocks. The caller handles SET_ADDRESS itself.
 class UsbFunction {
  public:
   virtual ~UsbFunction() = default;

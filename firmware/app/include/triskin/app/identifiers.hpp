@@ -45,7 +45,7 @@ struct PatchParts {
   const IcubBoard& icub;
 };
 
-/// Actions that writing an identifier triggers, and facts that only the application knows. Values are checked before.
+/// Writing an identifier triggers these actions, and some facts only the application knows. Values are checked before.
 class PatchControl {
  public:
   virtual ~PatchControl() = default;

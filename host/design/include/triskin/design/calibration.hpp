@@ -25,7 +25,7 @@ inline constexpr NameTable kCalibrationMethodNames{
                                                                          {wire::CalibrationMethod::kWeights, "weights"},
                                                                          {wire::CalibrationMethod::kRamp, "ramp"}}}};
 
-/// Response of one taxel to pressure: the change in counts is counts_per_kpa · kPa.
+/// A taxel responds to pressure linearly: the change in counts is counts_per_kpa · kPa.
 struct TaxelSensitivity {
   double counts_per_kpa = 0.0;  ///< The value is positive; 0 means that the taxel is not calibrated.
   /// The bound on the relative error of counts_per_kpa covers two standard errors and the error of the gauge.
@@ -34,14 +34,15 @@ struct TaxelSensitivity {
   bool operator==(const TaxelSensitivity&) const = default;
 };
 
-/// Calibration of the taxels of the module at one place of a controller.
+/// The taxels of the module at one place of a controller are calibrated together.
 struct PlaceCalibration {
   int line = 0, address = 0;  ///< Valid values are 0 to 3.
   std::array<TaxelSensitivity, layout::kTaxelsPerModule> taxels{};
   bool operator==(const PlaceCalibration&) const = default;
 };
 
-/// Calibration of the modules that are connected to one controller. It is only valid for these modules and their skin.
+/// A calibration belongs to the modules that are connected to one controller. It is only valid for these modules and
+/// their skin.
 struct BoardCalibration {
   std::string serial;           ///< The controller's unique id is written in 24 hexadecimal digits.
   std::uint64_t design_id = 0;  ///< The controller had this design at the time of the calibration.
@@ -67,7 +68,7 @@ struct BoardCalibration {
 /// Reads such a file and throws as parse_calibration() does.
 [[nodiscard]] std::vector<BoardCalibration> read_calibration(const std::filesystem::path& path);
 
-/// Quality of the calibration of several taxels; only calibrated ones count.
+/// The quality summarizes the calibration of several taxels; only calibrated ones count.
 struct CalibrationQuality {
   std::size_t taxels = 0;
   std::size_t missing = 0;      ///< Only pressure taxels that are not calibrated count.
@@ -79,7 +80,7 @@ struct CalibrationQuality {
 /// Summarizes all places of `boards`. Cost: O(n log n) in taxels.
 [[nodiscard]] CalibrationQuality quality_of(std::span<const BoardCalibration> boards);
 
-/// The calibration of a skin, indexed by module of its design. Immutable; threads: any.
+/// A calibration of a skin is indexed by module of its design. Immutable; threads: any.
 class SkinCalibration {
  public:
   /// Makes an empty calibration, with which values stay in counts.

@@ -22,8 +22,8 @@ struct ModulePart {
   std::vector<int> modules;
   bool operator==(const ModulePart&) const = default;
 };
-/// A part of a cover that a person names. Spheres and boxes are parts of space and contain points; islands and lists of
-/// modules belong to one layout and contain no point.
+/// A person names a part of a cover in one of these ways. Spheres and boxes are parts of space and contain points;
+/// islands and lists of modules belong to one layout and contain no point.
 using CoverPart = std::variant<Sphere, Box, IslandPart, ModulePart>;
 
 /// Returns true if a part is a part of space.

@@ -18,7 +18,7 @@
 
 namespace triskin::design {
 
-/// A layout on the Pareto front of modules against price; one of them was chosen for the design.
+/// A layout on the Pareto front of modules against price is an alternative; one of them was chosen for the design.
 struct Alternative {
   /// The modules have no metrics and the layout has no jumpers, because both are computed when it is chosen.
   ModuleLayout layout;
@@ -28,7 +28,7 @@ struct Alternative {
   double module_value = 0.0;  ///< Design::regions gives the value; without regions it is the number of modules.
 };
 
-/// The side of a walled part from which the surface of a design was taken (docs/side.md).
+/// The surface of a design was taken from this side of a walled part (docs/side.md).
 struct PartSide {
   /// The text is outer, inner, both, 1 or 2 (sides in a picture), or from (what is seen from a point).
   std::string taken;
@@ -65,7 +65,7 @@ struct Design {
     double coverage_cut = 0.0;
   };
 
-  /// The faces of a CAD part from which the surface is made.
+  /// The surface is made from these faces of a CAD part.
   struct PartSource {
     std::vector<int> faces;     ///< The chosen faces are given by their index in the part.
     int face_count = 0;         ///< The part has this many faces in total.
@@ -87,9 +87,9 @@ struct Design {
   std::vector<PlacedPiece> pieces;
   ModuleLayout layout;
   std::vector<Patch> patches;
-  /// Node address of each patch's controller; 0 if it is on another bus than the current one. If the list is empty,
-  /// patch p has address p + 1. A robot file assigns the addresses (docs/robot_file.md), so they are neither in the
-  /// design file nor in its id.
+  /// Each patch's controller has its node address here; 0 means that it is on another bus than the current one. If the
+  /// list is empty, patch p has address p + 1. A robot file assigns the addresses (docs/robot_file.md), so they are
+  /// neither in the design file nor in its id.
   std::vector<std::uint8_t> node_addresses;
   KindPlan kinds;   ///< An empty plan means that all modules are of the standard kind; the file then has no such key.
   Price price;      ///< The file has the prices of controllers and jumpers only beside alternatives.
@@ -101,7 +101,7 @@ struct Design {
   Report report;
 };
 
-/// Position of one module in the wiring.
+/// Each module has one position in the wiring.
 struct ModuleWiring {
   int patch = -1;  ///< The number is an index in Design::patches; −1 means that the module is in no patch.
   RoutedModule routed;
@@ -119,7 +119,7 @@ struct ModuleWiring {
 /// all. Throws as node_address_of.
 [[nodiscard]] std::vector<int> patches_here(const Design& design);
 
-/// Centre (mm) and outward unit normal of a taxel, in the mesh frame.
+/// The centre (mm) and the outward unit normal of a taxel are in the mesh frame.
 struct TaxelPose {
   Vec3 position_mm;
   Vec3 normal;

@@ -9,7 +9,7 @@
 
 namespace triskin::design {
 
-/// Far end of a port. `row` is an index in Patch::modules (not a node and not a module id); −1 means that there is
+/// A port has a far end. `row` is an index in Patch::modules (not a node and not a module id); −1 means that there is
 /// none. It differs from layout::JointEnd, because a design that is checked or simulated may have patches that are too
 /// large for a table, and because code calculates with rows.
 struct PortEnd {
@@ -26,7 +26,7 @@ using PortEnds = std::vector<std::array<PortEnd, layout::kPorts>>;
 /// of the patch.
 [[nodiscard]] PortEnds joints_of(const Design& design, int patch, std::span<const int> rotations = {});
 
-/// Far end of a port, given by module id; −1 means that there is none.
+/// The far end of a port is given by module id; −1 means that there is none.
 struct ModuleEnd {
   int module = -1;
   int port = 0;

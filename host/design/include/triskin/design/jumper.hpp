@@ -14,9 +14,9 @@ enum class JumperKind {
 inline constexpr NameTable kJumperKindNames{
     std::array<std::pair<JumperKind, std::string_view>, 1>{{{JumperKind::kCable, "cable"}}}};
 
-/// A joint between sides of modules of two islands, made by a short cable along the surface. It carries the four lines
-/// like a joint of the lattice. A side has at most one jumper and then neither a joint nor an entry cable; two modules
-/// share at most one jumper. Nodes are those of ModuleGraph, in a design module ids.
+/// A jumper joins sides of modules of two islands by a short cable along the surface. It carries the four lines like a
+/// joint of the lattice. A side has at most one jumper and then neither a joint nor an entry cable; two modules share
+/// at most one jumper. Nodes are those of ModuleGraph, in a design module ids.
 struct Jumper {
   std::array<int, 2> node{-1, -1};  ///< The smaller node is listed first.
   std::array<int, 2> side{0, 0};    ///< Each side is a tile side, 0 … 2.

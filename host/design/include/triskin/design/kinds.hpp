@@ -11,9 +11,8 @@
 
 namespace triskin::design {
 
-/// A kind of module, which matters to the person who orders modules and to programs that read samples. All kinds have
-/// the same outline and wiring, so that placement and routing do not depend on them (the reference paper, Section
-/// III-A).
+/// The kind of a module matters to the person who orders modules and to programs that read samples. All kinds have the
+/// same outline and wiring, so that placement and routing do not depend on them (the reference paper, Section III-A).
 struct ModuleKind {
   std::string name;  ///< Names are unique in a design and not empty.
   /// Inputs 0 … taxels − 1 of the converter are electrodes; valid numbers are 1 … 12.
@@ -30,8 +29,8 @@ struct KindRegion {
   bool operator==(const KindRegion&) const = default;
 };
 
-/// The kinds of modules in a design and the regions that use them. Each module stores the number of its kind: 0 is the
-/// standard kind of the iCub skin (12 taxels), number k ≥ 1 is kinds[k − 1].
+/// A plan lists the kinds of modules in a design and the regions that use them. Each module stores the number of its
+/// kind: 0 is the standard kind of the iCub skin (12 taxels), number k ≥ 1 is kinds[k − 1].
 struct KindPlan {
   /// Kind 0 has this name.
   static constexpr std::string_view kStandard = "standard";

@@ -11,7 +11,7 @@
 
 namespace triskin::design {
 
-/// Limits that a semi-rigid module and its hinges tolerate; each is > 0 except the last. docs/design_file.md defines
+/// A semi-rigid module and its hinges tolerate these limits; each is > 0 except the last. docs/design_file.md defines
 /// every metric. The defaults are those of the installed iCub skin (30 mm modules on 32 mm pitch).
 struct LayoutLimits {
   double edge_error_mm = 1.0;  ///< An edge on the net may differ by this much from the length of the rigid module.
@@ -28,8 +28,9 @@ struct LayoutLimits {
   double jumper_mm = 15.0;
 };
 
-/// One rigid module on the surface. Its id is its index in ModuleLayout::modules. Its corners are in the order of its
-/// tile (tile.hpp), so that side s runs from corner s to corner (s+1) % 3, counter-clockwise seen from outside.
+/// Modules on the surface are rigid. The id of a module is its index in ModuleLayout::modules. Its corners are in the
+/// order of its tile (tile.hpp), so that side s runs from corner s to corner (s+1) % 3, counter-clockwise seen from
+/// outside.
 struct PlacedModule {
   int island = 0;                 ///< Islands are numbered from 0.
   Tile tile;                      ///< No other module of the island has the same tile.
@@ -60,8 +61,8 @@ enum class LayoutMethod {
 inline constexpr NameTable kLayoutMethodNames{std::array<std::pair<LayoutMethod, std::string_view>, 2>{
     {{LayoutMethod::kPieces, "pieces"}, {LayoutMethod::kSurface, "surface"}}}};
 
-/// Modules of a part. An island is a set of modules joined through `neighbour`; islands are numbered 0 … islands - 1
-/// and may lie on different lattices.
+/// A layout consists of the modules of a part. An island is a set of modules joined through `neighbour`; islands are
+/// numbered 0 … islands - 1 and may lie on different lattices.
 struct ModuleLayout {
   std::vector<PlacedModule> modules;
   int islands = 0;

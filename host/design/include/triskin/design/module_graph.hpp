@@ -7,9 +7,9 @@
 
 namespace triskin::design {
 
-/// Modules and joints that need wiring. A node is an index in `nodes`, 0 … n - 1. In the graph of a design (graph_of)
-/// the node is the module id; in a ModuleList node k has the file's id ids[k]. The CAN address of a controller is
-/// always called node address.
+/// The modules and joints of the graph need wiring. A node is an index in `nodes`, 0 … n - 1. In the graph of a
+/// design (graph_of) the node is the module id; in a ModuleList node k has the file's id ids[k]. The CAN address of a
+/// controller is always called node address.
 struct ModuleGraph {
   struct Node {
     /// Entry s is the node joined across tile side s, or −1; the relation is symmetric.

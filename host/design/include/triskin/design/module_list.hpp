@@ -10,8 +10,8 @@
 
 namespace triskin::design {
 
-/// Modules that belong to no design, as `triskin route MODULES` reads them (docs/routing.md). The arrays are indexed by
-/// node; the module at node k has the file's id ids[k], which need not be k.
+/// `triskin route MODULES` reads modules that belong to no design (docs/routing.md). The arrays are indexed by node;
+/// the module at node k has the file's id ids[k], which need not be k.
 struct ModuleList {
   std::vector<int> ids;     ///< The file's ids, indexed by node, are unique and not negative, in any order.
   std::vector<Tile> tiles;  ///< The tiles are indexed by node.

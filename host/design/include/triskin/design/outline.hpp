@@ -7,9 +7,9 @@
 #include "triskin/design/mesh.hpp"
 #include "triskin/design/tile.hpp"
 
-/// Outline of a module whose corners may be cut off; all code takes its shape from here. A cut of c mm removes c mm
-/// along each side from every corner, a triangle of side c. The result is a hexagon with three long sides (30 mm - 2c)
-/// and three short ones (c). Source: the reference paper, Section III-A (docs/paper.md).
+/// The corners of a module may be cut off, and all code takes the outline from here. A cut of c mm removes c mm along
+/// each side from every corner, a triangle of side c. The result is a hexagon with three long sides (30 mm - 2c) and
+/// three short ones (c). Source: the reference paper, Section III-A (docs/paper.md).
 namespace triskin::design {
 
 /// A module may not be cut more, because at 6.93 mm the centres of three taxels lie on the short sides.

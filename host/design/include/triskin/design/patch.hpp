@@ -10,7 +10,7 @@ namespace triskin::design {
 /// A controller reads at most this many modules.
 inline constexpr int kModulesAController = layout::kMaxModules;
 
-/// One module in a patch, named by its node in the ModuleGraph that was routed (in a design: the module id). A module
+/// A module in a patch is named by its node in the ModuleGraph that was routed (in a design: the module id). A module
 /// with `rotation` r is turned so that its input port (port 0 = A) lies at tile side r and port p at tile side (p + r)
 /// % 3. The input port faces the parent, or the cable at the entry module.
 struct RoutedModule {
@@ -40,7 +40,7 @@ struct FailureLoss {
   int lost_one_entry = 0;  ///< This many are lost if rerouting uses the first entry only, as a prepared route does.
 };
 
-/// Electrical state of one line of a patch; docs/routing.md has formulas and sources.
+/// docs/routing.md has formulas and sources for the electrical state of a line.
 struct LineElectrical {
   int modules = 0;
   double capacitance_pf = 0.0;
@@ -50,7 +50,7 @@ struct LineElectrical {
   double max_bus_hz = 0.0;       ///< This is the highest standard speed that is safe; 0 means that none is.
 };
 
-/// Modules of one controller as a wired tree. Every node is an index in the ModuleGraph that was routed.
+/// The modules of one controller form a wired tree. Every node is an index in the ModuleGraph that was routed.
 struct Patch {
   int entry = -1;                     ///< The entry is given as a node; it has at most two neighbours in the tree.
   std::vector<RoutedModule> modules;  ///< A patch has at most 16 modules, listed with parents before children.

@@ -7,7 +7,7 @@
 
 namespace triskin::design {
 
-/// One unfolded piece of the surface with its map back: flat triangle k corresponds to mesh face faces[k].
+/// A piece is an unfolded part of the surface with its map back: flat triangle k corresponds to mesh face faces[k].
 struct Piece {
   Polygon outline;                        ///< The outline is a simple polygon in mm, at true scale.
   std::vector<int> faces;                 ///< Each flat triangle is listed with its index in Mesh::faces.
@@ -17,15 +17,15 @@ struct Piece {
   double rms_edge_error_mm = 0.0;
 };
 
-/// Rigid motion that maps a polygon (p, mm) onto the isometric grid (q, mm): q = R(theta)·p + (x, y); theta is in rad,
-/// counter-clockwise.
+/// A placement is a rigid motion that maps a polygon (p, mm) onto the isometric grid (q, mm): q = R(theta)·p + (x, y);
+/// theta is in rad, counter-clockwise.
 struct Placement {
   double x_mm = 0.0;
   double y_mm = 0.0;
   double theta_rad = 0.0;
 };
 
-/// A piece placed on the grid, before its modules are mapped back to the surface.
+/// A piece is placed on the grid before its modules are mapped back to the surface.
 struct PlacedPiece {
   Piece piece;
   Placement placement;

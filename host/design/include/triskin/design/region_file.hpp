@@ -8,13 +8,13 @@
 
 namespace triskin::design {
 
-/// A region as a person wrote it; faces are numbered as triangles of the mesh file, or belong to a named group.
+/// A person writes a region in this form; faces are numbered as triangles of the mesh file, or belong to a named group.
 struct WantedRegion {
   Region region;
   std::string group;  ///< The group or object of an OBJ file has this name; if it is empty, `region` has the shape.
 };
 
-/// Contents of a region file (docs/regions.md).
+/// docs/regions.md describes the contents of a region file.
 struct RegionFile {
   double elsewhere = 1.0;
   std::vector<WantedRegion> regions;

@@ -26,7 +26,7 @@ struct FaceSet {
   std::vector<int> faces;
 };
 
-/// Requirement for a part of the surface (docs/regions.md).
+/// A region states a requirement for a part of the surface (docs/regions.md).
 struct Region {
   std::string name;  ///< Names are unique and not empty.
   std::variant<Sphere, Box, FaceSet> shape;
@@ -38,14 +38,14 @@ struct Region {
   double within_mm = 2.0;  ///< Valid values are 0 to 30.
 };
 
-/// Regions of a cover. If a module lies in several regions with a weight, the last one counts.
+/// A cover can have several regions. If a module lies in several regions with a weight, the last one counts.
 struct Regions {
   double elsewhere = 1.0;  ///< Modules outside all weighted regions have this value, 0 … 1000.
   std::vector<Region> list;
   [[nodiscard]] bool empty() const { return list.empty(); }
 };
 
-/// A must-cover region with places that are not covered.
+/// Some places of this must-cover region are not covered.
 struct Uncovered {
   std::string region;
   double share = 0.0;            ///< The uncovered share of the area is in 0 … 1.

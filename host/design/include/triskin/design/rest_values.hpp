@@ -9,7 +9,8 @@
 
 namespace triskin::design {
 
-/// Counts of the untouched taxels of a skin, indexed by module of the design; empty means that they were never taken.
+/// Rest values are the counts of the untouched taxels of a skin, indexed by module of the design; empty means that they
+/// were never taken.
 using RestValues = std::vector<std::array<double, layout::kTaxelsPerModule>>;
 
 /// Formats rest values as JSON of format `triskin-rest`, version 1.

@@ -8,18 +8,18 @@
 
 namespace triskin::design {
 
-/// One of several covers, with its pose.
+/// Each of several covers has its own pose.
 struct PlacedCover {
   const Design* design = nullptr;
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< The pose maps the mesh frame to the common frame, in mm.
 };
 
-/// Offsets that are added to the ids of a cover's modules, patches and islands in the joint design.
+/// The offsets are added to the ids of a cover's modules, patches and islands in the joint design.
 struct CoverOffset {
   int module = 0, patch = 0, island = 0;
 };
 
-/// Several covers joined into one design in a common frame, for pictures and for one simulated bus.
+/// Several covers are joined into one design in a common frame, for pictures and for one simulated bus.
 struct SideBySide {
   Design design;  ///< The id belongs to no file; pieces and alternatives are left out.
   std::vector<CoverOffset> offsets;

@@ -18,9 +18,9 @@ inline constexpr double kModuleArea_mm2 = 389.71143170299738;
 /// Lattice coordinates in a file may not be larger; the limit exceeds any cover and still fits into an int.
 inline constexpr int kMaxLattice = 1'000'000;
 
-/// One triangle of the isometric grid (docs/design_file.md). Grid vertex (i, j) lies at (a(i + j/2), h·j). The up
-/// triangle (i, j) has corners (i,j), (i+1,j), (i,j+1); the down one (i, j) has (i+1,j), (i+1,j+1), (i,j+1). Both are
-/// listed counter-clockwise; side s runs from corner s to corner (s+1) % 3.
+/// A tile is one triangle of the isometric grid (docs/design_file.md). Grid vertex (i, j) lies at (a(i + j/2), h·j).
+/// The up triangle (i, j) has corners (i,j), (i+1,j), (i,j+1); the down one (i, j) has (i+1,j), (i+1,j+1), (i,j+1).
+/// Both are listed counter-clockwise; side s runs from corner s to corner (s+1) % 3.
 struct Tile {
   int i = 0;
   int j = 0;
@@ -40,7 +40,7 @@ struct Tile {
   return {side_mm * (i + 0.5 * j), side_mm * 0.86602540378443864676 * j};
 }
 
-/// A tile together with one of its sides, 0 … 2.
+/// The side of the tile is 0 … 2.
 struct TileSide {
   Tile tile;
   int side = 0;

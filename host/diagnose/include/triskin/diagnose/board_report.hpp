@@ -11,7 +11,7 @@
 
 namespace triskin::device {
 
-/// A controller's report about its own board. Both fields are empty with firmware that does not support them.
+/// A controller reports on its own board. Both fields are empty with firmware that does not support them.
 struct BoardReport {
   std::optional<wire::BoardHealth> health;
   std::optional<wire::Crash> crash;  ///< Empty means that nothing stopped the controller since its faults were cleared.
@@ -20,7 +20,7 @@ struct BoardReport {
 /// Asks one controller. Throws DeviceError as every request does.
 [[nodiscard]] BoardReport report_board(Controller& controller);
 
-/// A place in a source file; strings are empty if the image does not contain it.
+/// A place in a source file has empty strings if the image does not contain it.
 struct CodePlace {
   std::string function, line;  ///< The line is written as `file:number`.
 };

@@ -8,8 +8,8 @@
 
 namespace triskin::device {
 
-/// Kinds of differences between hardware and design. The first group concerns controllers and their tables, the second
-/// the values that controllers read, the third the modules and joints that the route chain shows (docs/verify.md,
+/// Hardware and design can differ in these ways. The first group concerns controllers and their tables, the second the
+/// values that controllers read, the third the modules and joints that the route chain shows (docs/verify.md,
 /// docs/switched_module.md).
 enum class FindingKind {
   kAbsentController,     ///< No controller answers at the node address of the patch.

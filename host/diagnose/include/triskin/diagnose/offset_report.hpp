@@ -23,7 +23,7 @@ inline constexpr NameTable kLatchingNames{
                                                                 {wire::Latching::kEachStage, "each_stage"},
                                                                 {wire::Latching::kEndOfSequence, "end_of_sequence"}}}};
 
-/// The offsets that the controller of one patch has found for its converters.
+/// The controller of a patch has found these offsets for its converters.
 struct PatchOffsets {
   int patch = 0;             ///< The patch is an index in the design.
   std::vector<int> modules;  ///< Each row has its module id in the design.

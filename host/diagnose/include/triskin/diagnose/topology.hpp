@@ -10,8 +10,7 @@
 
 namespace triskin::device {
 
-/// One difference between the modules and joints that were found and a patch of a design, with the third group of
-/// FindingKind, and kSwappedModules.
+/// A found topology can differ from a patch of a design in the third group of FindingKind, and in kSwappedModules.
 struct TopologyDifference {
   FindingKind kind = FindingKind::kMissingModule;
   int module = -1;  ///< The module is an id of the design.
@@ -21,7 +20,7 @@ struct TopologyDifference {
   std::string remedy;
 };
 
-/// A topology that was found, matched to one patch of a design.
+/// A found topology is matched to one patch of a design.
 struct TopologyMatch {
   int patch = -1;
   std::vector<int> module_of;  ///< Each found module has its module of the design, or −1 if none fits.

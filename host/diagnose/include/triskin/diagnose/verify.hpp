@@ -17,7 +17,7 @@
 
 namespace triskin::device {
 
-/// A single difference between hardware and design.
+/// Each finding is a single difference between hardware and design.
 struct Finding {
   FindingKind kind = FindingKind::kAbsentController;
   int module = -1;  ///< −1 means that the finding concerns a controller or a line.
@@ -58,8 +58,8 @@ struct VerifyResult {
   /// Faults that the controllers recorded earlier and that are gone now (kLostConfiguration, kIntermittentModule). They
   /// were deleted from the fault memories, so that a repeated fault is found again.
   std::vector<Finding> earlier;
-  /// Account of the samples that were due, over at least half a second. It is empty where the link carries no full
-  /// stream, or a controller has no table or a backup table.
+  /// The account covers the samples that were due over at least half a second. It is empty where the link carries no
+  /// full stream, or a controller has no table or a backup table.
   std::optional<StreamReport> stream;
 };
 

@@ -22,7 +22,8 @@ namespace triskin::design {
 /// O(modules).
 [[nodiscard]] std::string modules_obj(const Design& design);
 
-/// Frame of a module in the mesh frame: x along side 0 (from corner 0 to corner 1), z outward, origin at the centroid.
+/// A module has its own frame in the mesh frame: x along side 0 (from corner 0 to corner 1), z outward, origin at the
+/// centroid.
 struct ModulePose {
   Vec3 origin_mm;
   Eigen::Matrix3d axes;  ///< The columns x, y and z are unit vectors in the mesh frame.

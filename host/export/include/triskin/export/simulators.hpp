@@ -11,7 +11,7 @@ namespace triskin::design {
 /// both in mm.
 inline constexpr double kDielectric_mm = 2.0, kElectrodeRadius_mm = 2.0;
 
-/// The way in which a MuJoCo model reports touch.
+/// A MuJoCo model can report touch in these ways.
 enum class MjcfTouch {
   kTactile,  ///< One tactile sensor covers all pressure taxels; this needs MuJoCo 3.3.3.
   kSites,    ///< Each module has one touch sensor; every version of MuJoCo reads it.

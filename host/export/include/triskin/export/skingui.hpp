@@ -9,7 +9,7 @@
 
 namespace triskin::design {
 
-/// A skin as drawn for skinGui: triangles on a plane and, where the file contains it, the board that reads each.
+/// skinGui draws a skin as triangles on a plane; some files also name the board that reads each.
 struct SkinGuiLayout {
   ModuleList list;  ///< Islands are the connected groups of the drawing, and center_mm is measured in the drawing.
   std::vector<int> board;  ///< Entry k is the board of node k, or −1 when unknown.

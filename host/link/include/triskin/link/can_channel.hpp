@@ -8,7 +8,8 @@
 
 namespace triskin::device {
 
-/// An ISO 15765-2 connection of the Linux kernel (module can-isotp), with 29-bit identifiers and padding. Threads: one.
+/// The Linux kernel (module can-isotp) provides this ISO 15765-2 connection, with 29-bit identifiers and padding.
+/// Threads: one.
 class CanChannel final : public MessageChannel {
  public:
   /// Opens a connection on `interface` (for example "can0") that sends with `tx_id` and receives `rx_id`; `fd` selects

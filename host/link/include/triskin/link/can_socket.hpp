@@ -11,10 +11,10 @@ struct canfd_frame;
 
 namespace triskin::device {
 
-/// A raw SocketCAN socket: classic and FD frames, error frames, bus-off. Threads: one.
+/// A raw SocketCAN socket carries classic and FD frames, error frames and bus-off. Threads: one.
 class CanSocket {
  public:
-  /// Errors that the interface's controller chip has reported since the socket was opened.
+  /// The interface's controller chip has reported these errors since the socket was opened.
   struct Errors {
     std::uint64_t frames = 0;     ///< Every error frame is counted.
     bool bus_off = false;         ///< Bus-off lasts until the interface reports that it was restarted.

@@ -4,7 +4,7 @@
 
 namespace triskin::device {
 
-/// A link on top of another one that forwards frames, time, limits, names and channels. Derived classes forward the
+/// A forwarding link passes frames, time, limits, names and channels to the link below. Derived classes forward the
 /// rest of a complete link (actuator, parts, counts, reconnecting) if they need it. Use it in the thread of the link
 /// below.
 class ForwardingLink : public Link {

@@ -26,8 +26,8 @@ class TouchActuator {
 /// has to press.
 [[nodiscard]] TouchActuator* touch_actuator_of(Link& link);
 
-/// Actuator of one of several covers on a bus. An actuator of the whole bus numbers the modules of all covers
-/// consecutively, whereas this one uses the numbers of its cover.
+/// This actuator belongs to one of several covers on a bus. An actuator of the whole bus numbers the modules of all
+/// covers consecutively, whereas this one uses the numbers of its cover.
 class CoverTouchActuator final : public TouchActuator {
  public:
   /// `first_module` is the number of the cover's module 0 on the bus. `whole` must outlive this object.

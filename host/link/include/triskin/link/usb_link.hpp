@@ -16,7 +16,7 @@
 
 namespace triskin::device {
 
-/// A pipe to one USB device. One thread may read while another writes. Calls throw DeviceError when the device is
+/// A pipe leads to one USB device. One thread may read while another writes. Calls throw DeviceError when the device is
 /// unplugged.
 class UsbPipe {
  public:
@@ -51,9 +51,10 @@ class UsbDriver {
 /// Makes the driver of the vendor interface. Throws DeviceError when libusb finds no USB on this computer.
 [[nodiscard]] std::unique_ptr<UsbDriver> make_bulk_driver();
 
-/// All Triskin controllers on this computer's USB, or the one with a given serial number, as one bus. A request goes to
-/// the device that has answered from its node address; all other frames go to every device, as on CAN. Devices may be
-/// plugged and unplugged; after the last one is unplugged, the link is dead until reconnect() finds one.
+/// The link joins all Triskin controllers on this computer's USB, or has the one with a given serial number, as one
+/// bus. A request goes to the device that has answered from its node address; all other frames go to every device, as
+/// on CAN. Devices may be plugged and unplugged; after the last one is unplugged, the link is dead until reconnect()
+/// finds one.
 class UsbLink final : public Link {
  public:
   /// Opens all devices of `driver`, or the one with serial number `serial` (24 hexadecimal digits; empty: all). Throws

@@ -15,7 +15,7 @@ class ByteSource {
   [[nodiscard]] virtual bool read(std::uint64_t offset, std::span<std::uint8_t> into) const = 0;
 };
 
-/// A file that is open for reading. Threads: one.
+/// Only one thread may use an input file.
 class InputFile final : public ByteSource {
  public:
   /// Opens `path`. Throws InputError naming the file and the cause; a folder, device or pipe is refused.

@@ -8,8 +8,8 @@
 
 #include "triskin/core/bytes.hpp"
 
-/// CDR as ROS 2 writes it (OMG DDSI-RTPS 10.2, plain CDR version 1, little-endian): four bytes that name the encoding,
-/// then the fields, each aligned to its size.
+/// ROS 2 writes CDR in this way (OMG DDSI-RTPS 10.2, plain CDR version 1, little-endian): four bytes that name the
+/// encoding, then the fields, each aligned to its size.
 namespace triskin::recording {
 
 /// Writes one message.

@@ -9,8 +9,8 @@
 
 #include "triskin/core/bytes.hpp"
 
-/// Records of a file in the format MCAP, version 0, according to its public specification (mcap.dev/spec). All numbers
-/// are little-endian; every record consists of its kind (1 byte), the length of its contents (8) and the contents.
+/// The records follow the public specification of the format MCAP, version 0 (mcap.dev/spec). All numbers are
+/// little-endian; every record consists of its kind (1 byte), the length of its contents (8) and the contents.
 namespace triskin::recording::mcap {
 
 inline constexpr std::array<std::uint8_t, 8> kMagic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
@@ -36,14 +36,14 @@ enum class Kind : std::uint8_t {
 
 using TextMap = std::map<std::string, std::string>;
 
-/// The definition of a message type.
+/// A schema defines a message type.
 struct Schema {
   std::uint16_t id = 0;  ///< Valid ids begin at 1.
   std::string name, encoding, definition;
   bool operator==(const Schema&) const = default;
 };
 
-/// A topic whose messages all have one schema.
+/// All messages of a topic have one schema.
 struct Channel {
   std::uint16_t id = 0, schema = 0;
   std::string topic, encoding;
@@ -51,7 +51,7 @@ struct Channel {
   bool operator==(const Channel&) const = default;
 };
 
-/// One message; `data` is valid as long as the buffer that it was read from.
+/// The `data` of a message is valid as long as the buffer that it was read from.
 struct Message {
   std::uint16_t channel = 0;
   std::uint32_t sequence = 0;
@@ -59,19 +59,19 @@ struct Message {
   Bytes data;
 };
 
-/// A file embedded in the recording.
+/// A recording can have files embedded.
 struct Attachment {
   std::uint64_t log_ns = 0, create_ns = 0;
   std::string name, media_type, data;
 };
 
-/// A table of texts.
+/// Metadata are a table of texts.
 struct Metadata {
   std::string name;
   TextMap entries;
 };
 
-/// The head of a chunk, which precedes its records.
+/// The head of a chunk precedes its records.
 struct ChunkHead {
   /// Both times are those of messages, the earliest and the latest; the size is that of the records.
   std::uint64_t start_ns = 0, end_ns = 0, size_bytes = 0;
@@ -80,7 +80,7 @@ struct ChunkHead {
   std::uint64_t stored_bytes = 0;  ///< The records take this many bytes in the file.
 };
 
-/// A growing buffer with the encodings of the format.
+/// The buffer grows as needed and knows the encodings of the format.
 class Buffer {
  public:
   /// Appends one byte.

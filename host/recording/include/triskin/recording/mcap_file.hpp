@@ -59,7 +59,7 @@ class Writer {
 /// no summary. Throws WriteFailed. Cost: reads the head of every record.
 void finish_file(OutputFile& file, std::uint32_t data_crc);
 
-/// Callbacks of a reader, called in the order of the file.
+/// The reader calls these functions in the order of the file.
 class Visitor {
  public:
   virtual ~Visitor() = default;

@@ -11,12 +11,11 @@
 #include "triskin/layout/module.hpp"
 #include "triskin/wire/taxel_frames.hpp"
 
-/// The messages of a recording in CDR, and their definitions for ROS 2 (docs/recording.md).
+/// docs/recording.md describes the messages of a recording in CDR, and their definitions for ROS 2.
 namespace triskin::recording {
 
 class CdrWriter;
 
-/// One sample of one module.
 struct ModuleSample {
   int module = 0;                  ///< The module is an id of the design.
   std::uint64_t link_time_us = 0;  ///< The sample arrived at this time of the link's clock.
@@ -30,7 +29,7 @@ struct ModuleSample {
   bool operator==(const ModuleSample&) const = default;
 };
 
-/// A pressed taxel, in the mesh frame.
+/// The position of a pressed taxel is in the mesh frame.
 struct PressedTaxel {
   int module = 0, taxel = 0;
   double change_counts = 0.0;  ///< The change from the rest value is above 0.
@@ -39,7 +38,7 @@ struct PressedTaxel {
   double force_n = 0.0;
 };
 
-/// A pressed region of the skin, in the mesh frame.
+/// A contact is a pressed region of the skin, in the mesh frame.
 struct Contact {
   design::Vec3 position_mm{0, 0, 0};  ///< The position is the mean over the taxels, weighted by their change.
   design::Vec3 normal{0, 0, 0};       ///< The outward unit vector is weighted likewise.
@@ -86,7 +85,7 @@ struct Calibration {
                                                         std::string_view frame_id = kMeshFrame,
                                                         const Calibration& calibration = {});
 
-/// Pose of a frame in its parent, in metres and as a unit quaternion x, y, z, w.
+/// The pose of a frame in its parent is in metres and has a unit quaternion x, y, z, w.
 struct Pose {
   std::array<double, 3> translation_m{0.0, 0.0, 0.0};
   std::array<double, 4> rotation{0.0, 0.0, 0.0, 1.0};

@@ -18,10 +18,10 @@ class WriteFailed : public Error {
   using Error::Error;
 };
 
-/// A file that grows while it is written. It is opened before there is any data, so that an unwritable file is noticed
-/// at once. An existing recording is replaced in one step, once the first bytes of the new one are in a file and the
-/// disk has room for its first megabyte; until then the old one is untouched. No other program may write it at the same
-/// time (flock). Threads: one.
+/// The file grows while it is written. It is opened before there is any data, so that an unwritable file is noticed at
+/// once. An existing recording is replaced in one step, once the first bytes of the new one are in a file and the disk
+/// has room for its first megabyte; until then the old one is untouched. No other program may write it at the same time
+/// (flock). Threads: one.
 class OutputFile final : public ByteSource {
  public:
   /// Opens `path`: a symbolic link is followed, "-" is standard output, and a device or a pipe is written to. Throws

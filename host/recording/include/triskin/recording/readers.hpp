@@ -11,7 +11,6 @@
 
 namespace triskin::recording {
 
-/// The controller that reads a module.
 struct Reader {
   int patch = -1;         ///< The controller serves this patch; −1 means that it serves none of this design.
   std::uint8_t node = 0;  ///< Zero means that the controller is on another bus.
@@ -42,7 +41,7 @@ class Readers {
 /// Encodes which controller reads each module from `link_time_us` on.
 [[nodiscard]] std::vector<std::uint8_t> encode_readers(std::span<const Reader> readers, std::uint64_t link_time_us,
                                                        std::uint64_t stamp_ns);
-/// Contents of a message that names the readers.
+/// A message that names the readers has these contents.
 struct ReadersAt {
   std::uint64_t link_time_us = 0;
   std::vector<Reader> readers;  ///< The list is indexed by module.

@@ -10,7 +10,6 @@
 
 namespace triskin::recording {
 
-/// The skin whose samples a recording has.
 struct RecordedSkin {
   design::Design design;
   design::SkinCalibration calibration;  ///< If the calibration is empty, the recording has only counts.

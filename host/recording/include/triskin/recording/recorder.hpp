@@ -25,7 +25,7 @@ enum class Format {
 inline constexpr NameTable kFormatNames{
     std::array<std::pair<Format, std::string_view>, 2>{{{Format::kMcap, "mcap"}, {Format::kCsv, "csv"}}}};
 
-/// Facts that a recording stores about itself.
+/// A recording stores these facts about itself.
 struct Origin {
   std::string design_text;                   ///< The text is that of the design file, unchanged.
   std::uint64_t link_start_us = 0;           ///< The recording starts at this time of the link's clock.

@@ -21,7 +21,7 @@ inline constexpr const char *kCalibrationName = "calibration.json", *kRestName =
   return "serial_" + std::to_string(node);
 }
 
-/// A change of the controller that reads a module.
+/// Another controller began to read a module.
 struct ReaderChange {
   std::uint64_t link_time_us = 0;  ///< The first sample of the new reader came at this time.
   int module = 0;                  ///< The module is an id of the design.
@@ -29,12 +29,12 @@ struct ReaderChange {
   bool own = false;                ///< True means that the module's own controller reads it again.
 };
 
-/// Facts that a recording contains about itself, and where it ends.
+/// The summary has the facts that a recording contains about itself, and where it ends.
 struct Summary {
   std::map<std::string, std::string> facts;  ///< The facts are design id, link, clock, units and versions.
   /// The recorder leaves this empty when the recording was cut; otherwise it describes how the recording went.
   std::map<std::string, std::string> result;
-  std::string design_text;       ///< The text is that of the design file.
+  std::string design_text;       ///< The text is a copy of the design file.
   std::string calibration_text;  ///< The text is that of the calibration file; if it is empty, there are only counts.
   std::string rest_text;  ///< The text is that of the file of rest values; if it is empty, the design's values apply.
   /// Changes are in the order of the file; recordings before 0.2 have none.
@@ -50,7 +50,7 @@ Summary read_recording(const std::filesystem::path& path, const std::function<vo
 /// Reads only the design and the facts, up to the first sample. Throws InputError.
 [[nodiscard]] Summary read_origin(const std::filesystem::path& path);
 
-/// A damaged place of a recording.
+/// The file is damaged at this place.
 struct Loss {
   std::uint64_t offset = 0, bytes = 0;  ///< The position refers to the damaged file.
   std::string what;        ///< The text names the damaged part: "a chunk", "the index of a chunk" and so on.
@@ -60,7 +60,7 @@ struct Loss {
   double from_s = 0.0, to_s = 0.0;
 };
 
-/// Result of recover().
+/// recover() returns what it found and repaired.
 struct Recovery {
   bool was_complete = false;  ///< True means that the file needed no repair.
   std::uint64_t messages = 0, kept_bytes = 0, dropped_bytes = 0;

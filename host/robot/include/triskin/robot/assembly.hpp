@@ -11,7 +11,7 @@
 
 namespace triskin::robot {
 
-/// A robot file together with the files that it names.
+/// An assembly has a robot file together with the files that it names.
 struct Assembly {
   std::filesystem::path file;
   Robot robot;
@@ -25,7 +25,7 @@ struct Assembly {
 /// Assembles a robot that is not written yet; its paths are relative to `file`.
 [[nodiscard]] Assembly assemble(const Robot& robot, const std::filesystem::path& file);
 
-/// A mistake in a robot file.
+/// A problem is a mistake in a robot file.
 struct Problem {
   std::string place;  ///< The text names a bus or cover and the affected part of it.
   std::string text;
@@ -35,13 +35,13 @@ struct Problem {
 /// docs/robot_file.md lists the rules. Cost: linear.
 [[nodiscard]] std::vector<Problem> check(const Assembly& assembly);
 
-/// Load of a bus by the samples of all its covers.
+/// The samples of all covers together load a bus.
 struct BusLoad {
   int controllers = 0;
   int modules = 0;
   /// The load if every sample is streamed is a fraction of the capacity of the busiest wire of this bus.
   double full = 0.0;
-  int every = 1;         ///< The smallest n for which each n-th sample fits the bus.
+  int every = 1;         ///< Each n-th sample fits the bus, with the smallest possible n.
   double rate_hz = 0.0;  ///< Each module then gives this many samples per second.
 };
 /// Computes the loads, indexed by bus. Cost: linear.

@@ -7,7 +7,7 @@
 
 namespace triskin::robot {
 
-/// The links of a robot and their poses while all joints are at 0.
+/// The poses of a robot's links are those with all joints at 0.
 class Frames {
  public:
   /// Reads links, joints and their origins from a URDF file and ignores the rest. Throws InputError naming the file and

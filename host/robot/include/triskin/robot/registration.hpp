@@ -10,7 +10,7 @@
 
 namespace triskin::robot {
 
-/// One touch: the taxel that answered, and the position of the tip in the frame of the robot's link, mm.
+/// A touch has the taxel that answered, and the position of the tip in the frame of the robot's link, mm.
 struct Touch {
   int module = 0, taxel = 0;
   Eigen::Vector3d in_link_mm{0, 0, 0};
@@ -22,7 +22,7 @@ inline constexpr std::size_t kMinTouches = 6;
 /// comment). Throws InputError naming file and line.
 [[nodiscard]] std::vector<Touch> read_touches(const std::string& text, const std::string& file);
 
-/// A motion that maps one set of points to another, with its error.
+/// A fit is a motion that maps one set of points to another, with its error.
 struct Fit {
   /// If the fit is a mirror image, the rotation part mirrors as well.
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
@@ -40,7 +40,7 @@ struct NamedDesign {
   std::string name;
   const design::Design* design = nullptr;
 };
-/// The pose of a cover found from touches, and other possible explanations of the touches.
+/// The pose of a cover is found from touches, which may have other explanations too.
 struct Registration {
   Fit fit;
   double mirror_rms_mm = 0.0;  ///< The best fit of the mirror image has this rms_mm.

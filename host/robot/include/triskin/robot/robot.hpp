@@ -14,7 +14,7 @@
 
 namespace triskin::robot {
 
-/// A bus of the robot: a CAN bus, or USB devices that are read as one bus.
+/// A bus of the robot is a CAN bus, or several USB devices that are read as one bus.
 struct BusEntry {
   std::string name;
   /// The text has the syntax of --link: can:IFACE, usb:SERIAL,…, sim:HOST:PORT, sim, sim-usb.
@@ -41,7 +41,7 @@ struct Measured {
   double rms_mm = 0.0;
 };
 
-/// A cover of the robot: a design with its pose and its controllers.
+/// A cover of the robot is a design with its pose and its controllers.
 struct CoverEntry {
   std::string name;
   std::string design;           ///< The path is relative to the robot file.
@@ -58,11 +58,11 @@ struct CoverEntry {
   std::vector<ControllerEntry> controllers;
 };
 
-/// A robot file (docs/robot_file.md): the covers of the robot, and what is connected to each bus.
+/// A robot file (docs/robot_file.md) lists the covers of the robot, and what is connected to each bus.
 struct Robot {
   static constexpr int kVersion = 1;
   std::string name;
-  std::string urdf;  ///< The file with the robot's links, relative to the robot file; it may be empty.
+  std::string urdf;  ///< The robot's links are in this file, relative to the robot file; it may be empty.
   std::vector<BusEntry> buses;
   std::vector<CoverEntry> covers;
 };

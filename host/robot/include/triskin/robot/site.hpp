@@ -14,7 +14,7 @@
 
 namespace triskin::robot {
 
-/// The part of a cover that is connected to one bus.
+/// Only the part of a cover that is connected to one bus is described here.
 struct CoverConfig {
   std::string name;  ///< The name is that of the cover on the robot, or empty for a design file.
   std::filesystem::path design_file;
@@ -25,7 +25,7 @@ struct CoverConfig {
   bool chosen = true;    ///< False means that choose() left the cover out; it keeps its addresses.
 };
 
-/// One bus with the covers on it.
+/// Several covers can be on one bus.
 struct BusConfig {
   int number = 0;    ///< Only buses of the robot that have a cover are numbered, from 0.
   std::string name;  ///< A design file has no name for its bus.
@@ -35,7 +35,7 @@ struct BusConfig {
   std::vector<CoverConfig> covers;
 };
 
-/// Input of device commands: the buses of a robot file, or the one bus of a design file. Only this file distinguishes
+/// Device commands work on the buses of a robot file, or on the one bus of a design file. Only this file distinguishes
 /// the two.
 struct Site {
   std::filesystem::path file;

@@ -9,7 +9,7 @@
 
 namespace triskin::scenario {
 
-/// The time in s for which each module of a skin was touched, indexed by module.
+/// The density says for how many seconds each module of a skin was touched, indexed by module.
 struct ContactDensity {
   design::Design design;
   std::vector<double> touched_s;

@@ -12,7 +12,7 @@
 
 namespace triskin::scenario {
 
-/// A simulated skin that another simulator touches: step by step it receives the contacts and their strength, and
+/// Another simulator touches this simulated skin. Step by step the skin receives the contacts and their strength, and
 /// returns what the controllers send during the step (docs/contact_stream.md). Time is that of the other simulator. Not
 /// thread-safe.
 class ContactStream {

@@ -11,7 +11,8 @@
 
 namespace triskin::scenario {
 
-/// A simulated skin in operation: its boards have their tables, its rest values are known, power is switched on at time
+/// A running skin is a simulated skin in operation: its boards have their tables, its rest values are known, power is
+/// switched on at time
 /// 0 of the scene, and the samples of all modules are streamed. Flashing and taking the rest values happen before that,
 /// while nothing touches the skin, but with the permanent faults. Everything is in memory and in virtual time, and
 /// equal scenes give equal samples. Not thread-safe.

@@ -9,11 +9,11 @@
 
 namespace triskin::scenario {
 
-/// Result of one expectation of a scene.
+/// Each expectation of a scene has one result.
 struct ExpectationResult {
   scene::Expectation expectation;
   bool held = false;
-  std::size_t samples = 0;  ///< This many samples counted.
+  std::size_t samples = 0;  ///< The expectation was checked with this many samples.
   std::string seen;         ///< The sentence says what the skin reported.
 };
 

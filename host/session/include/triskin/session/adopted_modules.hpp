@@ -13,7 +13,7 @@
 
 namespace triskin::device {
 
-/// Far ends of all ports of a design, as design::module_ends returns them.
+/// design::module_ends returns the far ends of all ports of a design in this form.
 using ModuleEnds = std::vector<std::array<design::ModuleEnd, layout::kPorts>>;
 
 /// Finds the modules of the design that a controller has adopted, from the ports that they are connected to. `rows`:
@@ -30,7 +30,7 @@ class AdoptedReader {
     wire::TaxelFrame sample;
     std::uint64_t heard_us = 0;
   };
-  /// Account of a module for the time while it was adopted.
+  /// The account covers the time while the module was adopted.
   struct Read {
     int module = -1;
     SampleAccount counts;

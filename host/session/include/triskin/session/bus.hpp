@@ -34,8 +34,8 @@ class NoAnswer : public Unreachable {
   using Unreachable::Unreachable;
 };
 
-/// Requests and answers (ISO 14229-1 over ISO 15765-2) with many controllers on one link. Every waiting call throws
-/// Cancelled when the process is asked to end (interrupt_request()). Not thread-safe.
+/// A bus exchanges requests and answers (ISO 14229-1 over ISO 15765-2) with many controllers on one link. Every waiting
+/// call throws Cancelled when the process is asked to end (interrupt_request()). Not thread-safe.
 class Bus {
  public:
   using Message = std::vector<std::uint8_t>;

@@ -9,7 +9,7 @@
 
 namespace triskin::device {
 
-/// The samples that one controller wants to send.
+/// A controller wants to send so many samples.
 struct StreamDemand {
   std::uint8_t node = 0;
   std::size_t modules = 0;        ///< The controller's table has this many modules.
@@ -23,7 +23,7 @@ struct WireLoad {
   double full = 0.0;
 };
 
-/// Result of fitting the samples of a stream into the wires of a link.
+/// The samples of a stream are fitted into the wires of a link with this result.
 struct BusBudget {
   std::vector<WireLoad> wires;
   int every = 1;      ///< Each n-th sample is streamed.

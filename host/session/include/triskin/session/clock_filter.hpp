@@ -7,7 +7,7 @@
 
 namespace triskin::device {
 
-/// Time of an event by the clock of the link.
+/// The time of an event is given by the clock of the link.
 struct LinkTime {
   static constexpr std::uint32_t kUnbounded = UINT32_MAX;
   std::uint64_t link_us = 0;
@@ -50,7 +50,8 @@ class ClockFilter {
   [[nodiscard]] int restarts() const { return restarts_; }
 
  private:
-  // Time of the link − time of the controller: a line with an offset at reference_s_, and its change in µs/s.
+  // The difference between the time of the link and that of the controller is a line: an offset at reference_s_, and
+  // its change in µs/s.
   struct Line {
     double offset_us = 0.0, drift_ppm = 0.0;
   };

@@ -26,8 +26,9 @@
 
 namespace triskin::device {
 
-/// One patch controller. Every call waits for the answer and throws Refused, NoAnswer, Unreachable, Cancelled, or
-/// DeviceError when the decoder in shared/wire rejects the answer. Use it in the thread of the bus.
+/// A controller object talks to one patch controller. Every call waits for the answer and throws Refused, NoAnswer,
+/// Unreachable, Cancelled, or DeviceError when the decoder in shared/wire rejects the answer. Use it in the thread of
+/// the bus.
 class Controller {
  public:
   /// Represents the controller at node address `node`, 1..126, without sending anything; `bus` must outlive it.

@@ -10,7 +10,7 @@
 
 namespace triskin::device {
 
-/// A board that answered the discovery of iCub boards.
+/// The board answered the discovery of iCub boards.
 struct IcubBoardInfo {
   std::uint8_t address = 0;
   std::uint8_t type = 0;  ///< An MTB4 has type 11.

@@ -11,7 +11,6 @@
 
 namespace triskin::device {
 
-/// A line of a controller's log.
 struct LogEntry {
   std::uint8_t node = 0;
   wire::LogLevel level = wire::LogLevel::kInformation;

@@ -7,7 +7,7 @@
 
 namespace triskin::device {
 
-/// A received sample of one module, together with the module of the design that it belongs to.
+/// A received sample names the module of the design that it belongs to.
 struct ModuleSample {
   int module = 0;  ///< The module is an id in the design, whereas the frame has a row of the controller's table.
   std::uint64_t link_time_us = 0;  ///< The frame arrived at this time of the link's clock.

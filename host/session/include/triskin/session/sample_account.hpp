@@ -7,7 +7,7 @@
 
 namespace triskin::device {
 
-/// Counts of samples that were due. Every sample is either received or lost at one of four points.
+/// The samples that were due are counted here. Every sample is either received or lost at one of four points.
 struct SampleCounts {
   std::uint64_t expected = 0;
   std::uint64_t received = 0;

@@ -10,7 +10,7 @@
 
 namespace triskin::device {
 
-/// Requests to one controller, written as sequential code that blocks in the calls of its Bus.
+/// A task makes requests to one controller, written as sequential code that blocks in the calls of its Bus.
 struct Task {
   std::uint8_t node = 0;          ///< The task receives only the answers of this node, 1 to 126.
   std::function<void(Bus&)> run;  ///< The function gets its own Bus, which is valid until it returns.

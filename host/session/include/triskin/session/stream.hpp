@@ -25,10 +25,10 @@ namespace triskin::device {
 
 class Controller;
 
-/// A reader of the data stream of all controllers of a design, or of several designs on one bus. It holds a lease on
-/// the stream and renews it; leases of other readers do not affect it. Every sample that was due is accounted for as
-/// received, or as lost and where. Each controller is asked for its clock when the stream begins and once a second, so
-/// each sample has a time and an error bound.
+/// A stream object reads the data stream of all controllers of a design, or of several designs on one bus. It holds a
+/// lease on the stream and renews it; leases of other readers do not affect it. Every sample that was due is accounted
+/// for as received, or as lost and where. Each controller is asked for its clock when the stream begins and once a
+/// second, so each sample has a time and an error bound.
 class Stream {
  public:
   using OnFrame = std::function<void(const ModuleSample&)>;

@@ -18,8 +18,8 @@ struct ModuleCounts {
   [[nodiscard]] bool never_heard() const { return counts.expected > 0 && counts.with_data == 0; }
 };
 
-/// Account of a module that the controller of another patch read for a time (docs/adoption.md). The module also has an
-/// account of its own controller in StreamReport::modules.
+/// The controller of another patch read this module for a time (docs/adoption.md). The module also has an account of
+/// its own controller in StreamReport::modules.
 struct AdoptedCounts {
   int module = -1;  ///< The module is an id of the design; −1 means that the design has no module there.
   int patch = 0;    ///< The controller of this patch read the module.
@@ -38,7 +38,7 @@ struct ClockState {
   int restarts = 0;  ///< The clock restarted, or contradicted earlier facts, this often.
 };
 
-/// Result of reading a stream: what was due, and what arrived.
+/// A reader of the stream learns what was due, and what arrived.
 struct StreamReport {
   std::vector<ModuleCounts> modules;   ///< The list is sorted by patch, then by row of the table.
   std::vector<AdoptedCounts> adopted;  ///< The list is sorted by patch, then in the order of adoption.

@@ -21,8 +21,8 @@ class CapacitanceSource {
   [[nodiscard]] virtual double counts(int cin, std::uint64_t at_us) const = 0;
 };
 
-/// Behaviour of a chip where the data sheet leaves it open or the parts of a series differ (docs/silicon.md). The
-/// firmware must work with each combination.
+/// The data sheet leaves this behaviour open, or the parts of a series differ in it (docs/silicon.md). The firmware
+/// must work with each combination.
 struct Ad7147Behaviour {
   /// A write to PWR_CONTROL restarts the sequence. False: only CONV_RESET does, and a write that changes PWR_CONTROL
   /// leaves the sequence at an arbitrary stage.
@@ -35,7 +35,8 @@ struct Ad7147Behaviour {
   double afe_step_pf = 0.32;
 };
 
-/// AD7147 at register level (data sheet rev. E): 16-bit registers at 16-bit addresses, big endian, address increment,
+/// The class models an AD7147 at register level (data sheet rev. E): 16-bit registers at 16-bit addresses, big endian,
+/// address increment,
 /// 12 stages converted one after another. Not thread-safe. Modelled: power modes, stage count, decimation, software
 /// reset, restart of the sequence by CONV_RESET, input connections, AFE offsets, stage-complete status, device id, loss
 /// of the configuration in a power dip. Not modelled: interrupts, environmental calibration.

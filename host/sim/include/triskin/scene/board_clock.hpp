@@ -8,8 +8,8 @@
 
 namespace triskin::scene {
 
-/// The clock of a virtual controller relative to virtual time. Without a deviation the two are equal. With one, the
-/// clock starts at 0 when the board is powered, as in the microcontroller, and runs faster by the deviation.
+/// Without a deviation, the clock of a virtual controller is equal to virtual time. With one, the clock starts at 0
+/// when the board is powered, as in the microcontroller, and runs faster by the deviation.
 class BoardClock {
  public:
   BoardClock() = default;
@@ -33,7 +33,7 @@ class BoardClock {
   std::uint64_t powered_us_ = 0;
 };
 
-/// An I²C line driven by a controller with its own clock; it passes virtual time to the chips.
+/// A controller with its own clock drives the line, which passes virtual time to the chips.
 class ClockedLine final : public sim::I2cBus {
  public:
   /// Both arguments must outlive the line.

@@ -10,7 +10,7 @@ namespace triskin::scene {
 
 inline constexpr std::uint64_t kForever = ~std::uint64_t{0};
 
-/// Place and force of a moving contact at one time.
+/// A moving contact has this place and force at one time.
 struct Keyframe {
   std::uint64_t after_us = 0;  ///< The time counts from the beginning of the contact.
   design::Vec3 position_mm{0, 0, 0};
@@ -18,7 +18,8 @@ struct Keyframe {
   double force_n = 2.0;
 };
 
-/// A round finger on the skin with Hertz pressure 3F/(2πr²)·√(1 − (d/r)²) at distance d ≤ r from its centre.
+/// A contact is a round finger on the skin with Hertz pressure 3F/(2πr²)·√(1 − (d/r)²) at distance d ≤ r from
+/// its centre.
 struct Contact {
   std::uint64_t from_us = 0;
   /// The end is exclusive; for a repeating contact it is the end of the first pass.
@@ -37,7 +38,6 @@ struct Contact {
   int passes = 0;  ///< A repeating contact has this many passes; 0 means no end.
 };
 
-/// State of a contact at one time.
 struct ContactState {
   design::Vec3 position_mm{0, 0, 0};
   double radius_mm = 0.0;

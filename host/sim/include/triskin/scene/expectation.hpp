@@ -25,7 +25,7 @@ inline constexpr NameTable kModuleStateNames{std::array<std::pair<wire::ModuleSt
     {wire::ModuleState::kDuplicate, "duplicate"},
 }}};
 
-/// A condition on the samples of a scene's skin.
+/// An expectation is a condition on the samples of a scene's skin.
 struct Expectation {
   enum class Kind {
     kForceAbove,   ///< The sum over the taxels, in N, must be more than `bound`.

@@ -10,7 +10,7 @@
 
 namespace triskin::scene {
 
-/// Flash memory in RAM that refuses what the silicon refuses, can lose power in the middle of an operation, and can be
+/// The flash memory in RAM refuses what the silicon refuses, can lose power in the middle of an operation, and can be
 /// stored in a file. An *operation* is one page erase or one program unit. Not thread-safe.
 class FlashMemory final : public sim::FlashModel {
  public:
@@ -27,7 +27,7 @@ class FlashMemory final : public sim::FlashModel {
   FlashMemory(const FlashMemory&) = delete;
   FlashMemory& operator=(const FlashMemory&) = delete;
 
-  /// The state that a power failure leaves behind during an operation.
+  /// A power failure during an operation can leave these states behind.
   enum class Tear {
     kBefore,  ///< Nothing was done before the power failed.
     kHalf,    ///< Half of the page or unit was done before the power failed.

@@ -10,8 +10,8 @@
 
 namespace triskin::scene {
 
-/// One I²C line with chips on it. Two chips at one address answer together, and their data combine as a wired AND, as
-/// on open-drain wires. Not thread-safe.
+/// The model is one I²C line with chips on it. Two chips at one address answer together, and their data combine as a
+/// wired AND, as on open-drain wires. Not thread-safe.
 class I2cLineModel final : public sim::I2cBus {
  public:
   enum class Signal { kSda, kScl };

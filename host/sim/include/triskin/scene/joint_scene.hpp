@@ -12,7 +12,6 @@
 
 namespace triskin::scene {
 
-/// A cover on a simulated bus.
 struct SimulatedCover {
   /// The name is unique on the robot, and it determines the random electrodes of the cover's modules.
   std::string name;
@@ -21,7 +20,7 @@ struct SimulatedCover {
   std::vector<wire::UniqueId> boards;
 };
 
-/// Several covers on one bus as one scene, in which nobody touches the skin and nothing is broken.
+/// The scene joins several covers on one bus; nobody touches the skin and nothing is broken.
 struct JointScene {
   Scene scene;                               ///< Patches whose controllers are on another bus are left out.
   std::vector<design::CoverOffset> offsets;  ///< Module m of cover c is module offsets[c].module + m of the scene.

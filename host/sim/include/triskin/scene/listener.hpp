@@ -7,7 +7,7 @@
 
 namespace triskin::device {
 
-/// A listening, non-blocking TCP socket; its owner must close it.
+/// The TCP socket listens without blocking; its owner must close it.
 struct Listener {
   int socket = -1;
   std::uint16_t port = 0;   ///< If a free port was requested, this is the port that was chosen.

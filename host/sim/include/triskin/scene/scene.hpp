@@ -18,7 +18,7 @@
 
 namespace triskin::scene {
 
-/// A pressure that is equal everywhere, as from a bag around the skin, as a function of simulation time. It is linear
+/// The pressure is equal everywhere, as from a bag around the skin, and a function of simulation time. It is linear
 /// between points and constant before the first and after the last.
 class PressureCurve {
  public:
@@ -41,7 +41,7 @@ class PressureCurve {
   std::vector<Point> points_;
 };
 
-/// Kinds of faults of the simulated hardware (docs/faults_in_scenes.md describes each kind and its keys). A fault is
+/// The simulated hardware can have these faults (docs/faults_in_scenes.md describes each kind and its keys). A fault is
 /// present in [from_us, until_us).
 enum class FaultKind {
   kRemovedChip,        ///< The key is `module`.
@@ -99,7 +99,8 @@ struct Fault {
   return at_us >= fault.from_us && at_us < fault.until_us;
 }
 
-/// Physical effects. Except for the electrodes, each is off and costs nothing unless the scene names it.
+/// A scene can have these physical effects. Except for the electrodes, each is off and costs nothing unless the scene
+/// names it.
 struct Effects {
   double noise_counts = 0.0;         ///< The noise of a sample has this standard deviation.
   double drift_counts_per_s = 0.0;   ///< Every taxel drifts at this rate.
@@ -126,8 +127,8 @@ struct Scene {
   std::vector<Fault> faults;
   Effects effects;
   std::vector<Expectation> expectations{};  ///< `simulate --check` compares the reports of the skin with these.
-  /// Unique id of the controller of each patch; if the list is empty, ids are derived from the design's id. With given
-  /// ids, the flash of a controller is stored under its id. Scene files cannot set this.
+  /// The controller of each patch has its unique id here; if the list is empty, ids are derived from the design's id.
+  /// With given ids, the flash of a controller is stored under its id. Scene files cannot set this.
   std::vector<wire::UniqueId> boards;
   /// If `boards` is empty, this seed and the design's id determine the unique ids, so that the order of the boards on
   /// the bus differs from that of their ids, as on a workbench. If it is empty too, the ids ascend with the patches.

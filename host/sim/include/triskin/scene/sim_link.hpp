@@ -11,7 +11,7 @@
 
 namespace triskin::device {
 
-/// Common base of links to a simulation in this process. Waiting advances virtual time; nothing depends on the wall
+/// All links to a simulation in this process have this base. Waiting advances virtual time; nothing depends on the wall
 /// clock. Threads: one.
 class InProcessLink : public Link, public TouchActuator {
  public:

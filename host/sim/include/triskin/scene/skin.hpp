@@ -21,7 +21,7 @@ namespace triskin::scene {
 /// taxel.
 inline constexpr double kCountsPerKpa = 150.0;
 
-/// A contact together with the taxels that it can press, by module.
+/// A touch is a contact together with the taxels that it can press, by module.
 struct Touch {
   int id = 0;
   Contact contact;
@@ -30,7 +30,7 @@ struct Touch {
   [[nodiscard]] double pressure_kpa(const design::Vec3& at_mm, std::uint64_t at_us) const;
 };
 
-/// The pads of one module as its converter sees them. Equal scenes give equal electrodes.
+/// The converter of a module sees these pads. Equal scenes give equal electrodes.
 class ModuleSkin final : public CapacitanceSource {
  public:
   /// Makes module `module` (id in the design), turned by `rotation` 0..2. It copies what it needs from the scene.
@@ -89,7 +89,7 @@ class ModuleSkin final : public CapacitanceSource {
   double drift_counts_per_us_;
 };
 
-/// All modules of a scene on the lines of their controllers. Not thread-safe.
+/// The skin connects all modules of a scene to the lines of their controllers. Not thread-safe.
 class Skin {
  public:
   /// Builds chips and lines with the faults of the scene. `switched` (null: strapped modules) must outlive the skin;

@@ -6,7 +6,7 @@
 
 namespace triskin::scene {
 
-/// A point of the skin, that is, of the triangle of a module.
+/// A place is a point of the skin, that is, of the triangle of a module.
 struct SkinPlace {
   design::Vec3 position_mm{0, 0, 0};
   int module = -1;           ///< The module is an id of the design.

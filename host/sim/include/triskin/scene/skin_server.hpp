@@ -9,7 +9,7 @@
 
 namespace triskin::device {
 
-/// The computers from which clients may connect.
+/// Clients may connect from these computers.
 enum class Reach {
   kThisComputer,  ///< Only loopback addresses are allowed.
   /// Any address is allowed. Clients are not authenticated: whoever reaches the port may read, press and flash.

@@ -9,7 +9,7 @@
 
 namespace triskin::scene {
 
-/// The switched modules of a scene: one chain per patch, as assembled, with the faults and their times. With joints
+/// The switched modules of a scene form one chain per patch, as assembled, with the faults and their times. With joints
 /// between patches (Scene::border_joints) the modules of all patches form one SwitchedPatch with several controllers.
 /// If the scene has strapped modules, there are no patches here. Not thread-safe.
 class SwitchedHardware {

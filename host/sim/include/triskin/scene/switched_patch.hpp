@@ -12,10 +12,10 @@
 
 namespace triskin::scene {
 
-/// Switched modules with their joints, registers, arbiters, broken chains, faults and virtual time. The chain moves
-/// whole bytes, which is exact because every register is one byte long; it moves single bits only while they can flip.
-/// Joined modules of several patches form one object with a controller for each patch. As a ChainModel it is the chain
-/// of controller 0.
+/// The model covers switched modules with their joints, registers, arbiters, broken chains, faults and virtual time.
+/// The chain moves whole bytes, which is exact because every register is one byte long; it moves single bits only while
+/// they can flip. Joined modules of several patches form one object with a controller for each patch. As a ChainModel
+/// it is the chain of controller 0.
 class SwitchedPatch final : public sim::ChainModel {
  public:
   using End = design::PortEnd;  ///< The row belongs to the patch.

@@ -22,8 +22,8 @@ struct HostPort {
 /// Formats the text that parse_host_port() reads.
 [[nodiscard]] std::string host_port_text(const HostPort& at);
 
-/// Records between `sim:HOST:PORT` and `triskin simulate --listen`: 4 bytes length of the rest (little-endian), 1 byte
-/// kind, then the contents. Both sides refuse records longer than kMaxBytes.
+/// Records between `sim:HOST:PORT` and `triskin simulate --listen` have 4 bytes length of the rest (little-endian), 1
+/// byte kind, then the contents. Both sides refuse records longer than kMaxBytes.
 namespace record {
 inline constexpr std::uint8_t kCanFrame =
     1;  ///< The contents are id (4, bit 31: 29 bits, bit 30: FD, bit 29: rate switch), then the data.
@@ -54,7 +54,7 @@ struct Record {
 [[nodiscard]] wire::CanFrame frame_of(const Record& record);
 }  // namespace record
 
-/// A simulation that runs in another process (`triskin simulate SCENE --listen HOST:PORT`), in real time. Threads: one.
+/// The simulation runs in another process (`triskin simulate SCENE --listen HOST:PORT`), in real time. Threads: one.
 class TcpLink final : public Link, public TouchActuator {
  public:
   /// Connects. Throws DeviceError when no server listens there or answers within 5 s. Afterwards send() throws

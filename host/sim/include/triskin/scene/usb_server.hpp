@@ -9,8 +9,8 @@
 
 namespace triskin::device {
 
-/// One device on this computer's virtual USB host controller (vhci-hcd), as if it had been plugged in. It uses USB/IP
-/// (Linux, Documentation/usb/usbip_protocol.rst) over a socket pair with the kernel. Non-blocking.
+/// The device appears on this computer's virtual USB host controller (vhci-hcd), as if it had been plugged in. It uses
+/// USB/IP (Linux, Documentation/usb/usbip_protocol.rst) over a socket pair with the kernel. Non-blocking.
 class VhciDevice {
  public:
   /// Plugs the device in; `number` (≥ 0) differs for each device. `function` must outlive it. Throws DeviceError: no

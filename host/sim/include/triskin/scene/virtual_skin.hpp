@@ -16,8 +16,8 @@
 
 namespace triskin::scene {
 
-/// A running scene: one virtual controller per patch, its chips, and one CAN bus for all, in virtual time.
-/// Deterministic. Not thread-safe.
+/// A running scene has one virtual controller per patch, its chips, and one CAN bus for all, in virtual time. It is
+/// deterministic. Not thread-safe.
 class VirtualSkin {
  public:
   static constexpr std::size_t kFlashBytes = std::size_t{64} * 1024;

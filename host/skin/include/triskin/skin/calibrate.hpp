@@ -16,13 +16,13 @@
 /// Calibrates a skin from pressures that are known (docs/calibration.md).
 namespace triskin::device {
 
-/// The reading of a taxel under one pressure.
+/// A taxel reads this value under one pressure.
 struct CalibrationPoint {
   double pressure_kpa = 0.0;
   double value_counts = 0.0;  ///< The value is a mean; pressure lowers it.
   double samples = 0.0;       ///< The mean covers this many samples (> 0), which serve as its weight.
 };
-/// A line fitted through calibration points.
+/// The line is fitted through calibration points.
 struct SensitivityLine {
   design::TaxelSensitivity sensitivity;
   /// Without pressure the taxel reads this: the point at 0 kPa if there is one, else the line's value there.
@@ -43,7 +43,7 @@ struct PressureStep {
 [[nodiscard]] std::vector<PressureStep> pressure_steps(std::span<const double> pressures_kpa, bool by_module,
                                                        std::size_t modules);
 
-/// A varying pressure on the whole skin, as recorded by a gauge.
+/// A gauge recorded this varying pressure on the whole skin.
 class PressureRamp {
  public:
   /// Reads a CSV file of two columns: "time_s,kpa" (times of the link, as in a scene) or "unix_s,kpa" (s since 1970).
@@ -76,7 +76,6 @@ struct CalibrateOptions {
   std::function<void(const PressureStep&)> apply;
 };
 
-/// Result of calibrating a skin.
 struct CalibrationOutcome {
   /// Revision is 1 and `made` is empty, because the store sets both.
   std::vector<design::BoardCalibration> boards;
@@ -95,7 +94,7 @@ struct CalibrationOutcome {
 [[nodiscard]] CalibrationOutcome calibrate_by_ramp(Bus& bus, const design::Design& design, const PressureRamp& ramp,
                                                    const CalibrateOptions& options);
 
-/// The calibrations stored on this computer: one file for each controller, named by its serial number.
+/// This computer stores calibrations in one file for each controller, named by its serial number.
 class CalibrationStore {
  public:
   /// Stores files in `folder`; an empty path means state_home()/calibration.
@@ -117,7 +116,7 @@ class CalibrationStore {
   std::filesystem::path folder_;
 };
 
-/// Result of the search for a skin's calibration.
+/// The search for a skin's calibration gives this result.
 struct FoundCalibration {
   design::SkinCalibration skin;
   /// This many controllers use the calibration that they store themselves.

@@ -9,7 +9,7 @@
 /// Stores calibrations of a skin in its controllers and on this computer (docs/calibration_storage.md).
 namespace triskin::device {
 
-/// A calibration that is stored on this computer.
+/// The calibration is stored on this computer.
 struct KeptCalibration {
   design::BoardCalibration board;
   /// False means that the controller could not store it, because of older firmware or another table.

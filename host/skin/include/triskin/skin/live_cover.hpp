@@ -16,8 +16,8 @@
 
 namespace triskin::device {
 
-/// One sample of one module in the form that all readers of a skin receive. Bit t of `valid` and element t of the
-/// arrays belong to taxel t.
+/// All readers of a skin receive samples in this form, one module each. Bit t of `valid` and element t of the arrays
+/// belong to taxel t.
 struct LiveSample {
   int cover = 0;   ///< The number is an index in LiveBus::covers().
   int module = 0;  ///< The number is an id in the design of the cover.
@@ -32,7 +32,7 @@ struct LiveSample {
   ModuleSample raw{};  ///< The sample as received has the converters' counts and the controller's times.
 };
 
-/// Source of a cover's rest values.
+/// A cover gets its rest values from one of these sources.
 enum class RestSource {
   /// A tare or a calibration stored them on this computer for these controllers; otherwise the design's are used.
   kKept,
@@ -40,7 +40,7 @@ enum class RestSource {
   kPresent,  ///< The cover keeps the values that it has.
 };
 
-/// A cover of a skin, or its part on one bus, with rest values, calibration, pressure and tare. Use it in the thread of
+/// A cover of a skin, or its part on one bus, has rest values, calibration, pressure and tare. Use it in the thread of
 /// its bus.
 class LiveCover {
  public:

@@ -13,7 +13,7 @@
 
 namespace triskin::device {
 
-/// Unit of the numbers in the picture of a patch.
+/// The numbers in the picture of a patch have one of these units.
 enum class PressureUnit {
   kCounts,   ///< The unit is the converter's count.
   kPercent,  ///< 100 percent are the counts between rest and the end of the range.

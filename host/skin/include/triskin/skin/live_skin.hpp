@@ -16,12 +16,12 @@
 #include "triskin/skin/calibrate.hpp"
 #include "triskin/skin/live_cover.hpp"
 
-/// An open skin (docs/live_skin.md): LiveSkin has a LiveBus for each bus, which has a LiveCover for each cover.
+/// docs/live_skin.md explains an open skin: LiveSkin has a LiveBus for each bus, which has a LiveCover for each cover.
 namespace triskin::device {
 
 class Stream;
 
-/// Limits and callbacks of one call that receives samples.
+/// One call that receives samples has these limits and callbacks.
 struct LiveRun {
   std::uint64_t until_us = UINT64_MAX;  ///< Receiving ends at this time of the link.
   std::uint64_t slice_us = 100'000;     ///< The functions below are called this often, in time of the link, > 0.
@@ -29,7 +29,7 @@ struct LiveRun {
   std::function<bool()> after_slice{};  ///< The run ends when the function returns false.
 };
 
-/// Counts of samples that arrived and that were lost.
+/// Samples either arrive or are lost, and both are counted.
 struct LiveTotals {
   std::uint64_t frames = 0, lost = 0;
   LiveTotals& operator+=(const LiveTotals& other) {
@@ -39,7 +39,7 @@ struct LiveTotals {
   }
 };
 
-/// One bus of a skin. Only one thread may use it at a time; different threads may use different buses.
+/// Only one thread may use a bus of a skin at a time; different threads may use different buses.
 class LiveBus {
  public:
   using OnSample = std::function<void(const LiveSample&)>;
@@ -126,7 +126,7 @@ class LiveBus {
   LiveTotals before_;                       // These totals belong to streams that have ended.
 };
 
-/// A robot or a design together with its links.
+/// A skin is a robot or a design together with its links.
 class LiveSkin {
  public:
   /// Stores the configuration without opening anything. Buses without a chosen cover are left out (robot::choose).

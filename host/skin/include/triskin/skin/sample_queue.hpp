@@ -14,7 +14,7 @@
 
 namespace triskin::device {
 
-/// A sample that waits in the queue.
+/// The sample waits in the queue until a caller reads it.
 struct QueuedSample {
   int module = 0;             ///< Modules are numbered through all covers.
   std::uint64_t unix_ns = 0;  ///< The controller took the sample at this time, in ns since 1970.

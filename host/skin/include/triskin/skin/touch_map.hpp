@@ -11,7 +11,7 @@
 
 namespace triskin::device {
 
-/// A pressed taxel, in the mesh frame.
+/// The position of a pressed taxel is in the mesh frame.
 struct PressedTaxel {
   int module = 0, taxel = 0;   ///< The module is an id of the design, and the taxel is 0 … 11.
   double change_counts = 0.0;  ///< The change is measured against the rest value.
@@ -50,7 +50,7 @@ class TouchMap {
  private:
   struct Taxel {
     std::array<double, kRestSamples> first{};  // The array collects valid samples for the tare.
-    std::size_t seen = 0;  // The number of samples in `first`; kRestSamples means that `rest` is known.
+    std::size_t seen = 0;  // This many samples are in `first`; kRestSamples means that `rest` is known.
     double rest = 0.0, now = 0.0;
     bool follows = false;  // The rest value follows only upwards, away from pressure.
     // True means that the taxel was pressed from the start; its rest value is known once a reading enters the band.

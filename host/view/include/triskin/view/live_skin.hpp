@@ -12,7 +12,7 @@
 
 namespace triskin::view {
 
-/// A sample of a module relative to its rest values.
+/// The values of a module's sample are relative to its rest values.
 struct PressureSample {
   wire::ModuleState state = wire::ModuleState::kUnknown;
   std::uint16_t valid = 0;  ///< Bit t belongs to taxel t.
@@ -29,7 +29,7 @@ class LiveSkin {
   /// The first two bytes of a frame are its kind and the version of its layout.
   static constexpr std::uint8_t kFrameKind = 1, kFrameVersion = 1;
 
-  /// State of the link for the status line of the page.
+  /// The status line of the page shows the state of the link.
   struct Health {
     std::string link;     ///< The text has the syntax of --link.
     bool live = false;    ///< True means that samples arrive at present.

@@ -9,14 +9,14 @@
 
 namespace triskin::view {
 
-/// A finding of verify that the page shows at its place.
+/// The page shows each finding of verify at its place.
 struct Finding {
   int module = -1;  ///< The module is an id of the displayed design; −1 means none.
   int patch = -1;   ///< The patch belongs to the displayed design; −1 means none.
   std::string text, remedy;
 };
 
-/// One of several covers of a robot that are shown as one design.
+/// Several covers of a robot are shown as one design; each has a note.
 struct CoverNote {
   std::string name;
   int first_module = 0, first_patch = 0, first_island = 0;  ///< The numbers refer to the joint design.
@@ -24,7 +24,7 @@ struct CoverNote {
   double area_cm2 = 0.0, coverage = 0.0;
 };
 
-/// Additional information that the page shows with a design.
+/// The page shows these notes with a design.
 struct Notes {
   std::vector<CoverNote> covers;  ///< The design of a single cover has no entries here.
   std::vector<Finding> findings;

@@ -10,7 +10,7 @@
 
 namespace triskin::view {
 
-/// A file of the page, embedded in the program.
+/// The program has the files of the page embedded.
 struct Asset {
   std::string_view type;  ///< The media type goes into the header Content-Type.
   std::string_view bytes;

@@ -15,15 +15,15 @@
 
 namespace triskin::view {
 
-/// A file that the server delivers.
+/// The server delivers this file.
 struct Document {
   std::string type;  ///< The type goes into the header Content-Type.
   std::string body;
 };
-/// Documents by name: "" is the start page, then "main.js", …
+/// Documents are found by name: "" is the start page, then "main.js", …
 using Site = std::map<std::string, Document>;
 
-/// A request from a page.
+/// A page sends these requests.
 struct Command {
   enum class Kind {
     kPress,  ///< The simulated finger presses a module, or one taxel.
@@ -41,7 +41,7 @@ struct Command {
 /// limits.
 class Server {
  public:
-  /// Limits of the server; each > 0. The defaults suit browsers on the same computer.
+  /// Each limit of the server is > 0. The defaults suit browsers on the same computer.
   struct Limits {
     std::size_t connections = 32;  ///< This many connections with the token are served; others get 503.
     /// This many connections may be open without the token; beyond that, the oldest is closed.

@@ -82,7 +82,7 @@ inline constexpr std::uint32_t kEnable = bit(0), kCompare1 = bit(1), kCompare2 =
 inline constexpr int kIrq = 28;
 }  // namespace tim2_reg
 
-/// RM0440 §35.4 describes the independent watchdog. It runs from the 32 kHz oscillator and cannot be stopped.
+/// RM0440 §35.4 describes the independent watchdog, which runs from the 32 kHz oscillator and cannot be stopped.
 namespace iwdg_reg {
 inline constexpr std::uint32_t kBase = 0x40003000;
 inline constexpr Register kKr{kBase + 0x00}, kPr{kBase + 0x04}, kRlr{kBase + 0x08}, kSr{kBase + 0x0C};
