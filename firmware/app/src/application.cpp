@@ -11,7 +11,7 @@ using wire::StreamMode;
 
 namespace {
 
-// Half of the bytes that a serial port of 115,200 baud keeps have left it after so much time.
+// After this time a serial port of 115,200 baud has sent half of the bytes in its FIFO.
 constexpr std::uint64_t kSerialRoom_us = 350;
 
 wire::IsoTp make_link(std::uint8_t node, std::uint8_t frame_bytes) {
@@ -41,13 +41,13 @@ PatchParts Application::parts() const {
           offsets_, stream_, sampling_, output_, sample_count_, icub_};
 }
 
-// Restores the state after power-up: the newest table, nothing known about the modules.
+// Restores the state after power-up: the newest table is active, and nothing is known about the modules.
 void Application::restart() {
   tables_.load();
   faults_.load();
   offset_store_.load(offsets_);
   for (Channel& c : channels()) {
-    // Constructed in place: a copy would take two kilobytes of the stack.
+    // The link is constructed in place, because a copy would take two kilobytes of the stack.
     ::new (static_cast<void*>(&c.link)) wire::IsoTp(make_link(tables_.node_address(), c.port->frame_bytes()));
     c.held.reset();
   }
@@ -71,8 +71,8 @@ void Application::restart_sampling() {
   }
 }
 
-// Switched modules: the chain is checked now and then, and rerouted when that is due. Transfers under way when a check
-// fails end unused.
+// The chain of switched modules is checked regularly, and rerouted when that is due. If a check fails, the results of
+// running transfers are discarded.
 void Application::keep_route() {
   for (std::uint8_t l = 0; l < layout::kLines; ++l) route_.line_state(l, lines_[l].stuck());
   if (!pausing_ && route_.check_due(now_us()) && !route_.check(now_us())) invalidate_samples();
@@ -102,7 +102,7 @@ void Application::place_adopted() {
   for (LineSampler& l : lines_) l.replace_adopted(own, now.list_of_adopted(), route_.kept_adopted(), now_us());
 }
 
-// Samples read since the last passed check of the chain may come from another module.
+// Samples since the last successful check of the chain may come from another module.
 void Application::invalidate_samples() {
   for (auto* samples : {&samples_, &published_}) {
     for (ModuleSample& s : *samples) {
@@ -126,7 +126,7 @@ void Application::step() {
   if (pausing_) keep_route();
   if (now_us() >= next_tick_us_) tick();
   take_samples();
-  if (read_a_module_) prove();  // It is not inside publish(), where the flash may be busy.
+  if (read_a_module_) prove();  // The call is not inside publish(), where the flash may be busy.
   note_start();
   offset_store_.step(offsets_);
   send_pending();
@@ -136,7 +136,7 @@ void Application::step() {
   reset_when_answered();
 }
 
-// The RAM forgets a crash with the power, the fault memory does not.
+// A power failure deletes a crash from RAM, but not from the fault memory.
 void Application::note_start() {
   if (started_) return;
   started_ = true;
@@ -156,7 +156,7 @@ void Application::prove() {
   proved_ = true;
 }
 
-// Units of an image go into the flash one in a step: the lines are served between them.
+// Each step writes one unit of an image to the flash, so that the lines are served in between.
 void Application::receive(Channel& c) {
   while (ports_.update == nullptr || c.port != ports_.can || !ports_.update->full()) {
     const auto frame = c.port->receive();
@@ -165,7 +165,7 @@ void Application::receive(Channel& c) {
   }
 }
 
-// The answer goes out first, also through the queue of the port.
+// The answer is sent first, also through the queue of the port.
 void Application::reset_when_answered() {
   constexpr std::uint64_t kQueue_us = 5'000;
   const bool answered = std::ranges::none_of(
@@ -179,7 +179,7 @@ void Application::reset_when_answered() {
   reset_at_us_ = UINT64_MAX;
   reset_requested_ = through_loader_ = false;
   stream_ = StreamMode::kOff;
-  // Constructed in place like the links, since a copy would need too much of the stack.
+  // The channels are constructed in place like the links, because a copy would need too much of the stack.
   for (Channel& c : channels()) {
     ::new (static_cast<void*>(&c.stream)) FullStream;
     c.log.set(wire::LogLevel::kOff, 8);
@@ -198,7 +198,7 @@ std::uint64_t Application::next_event_us() const {
   const std::uint64_t now = now_us();
   for (const Channel& c : channels()) {
     if (!c.held) next = std::min(next, c.link.next_event_us());  // A held frame waits for room.
-    // A stream whose time has passed waits for room.
+    // If the stream's time has passed, it waits for room.
     if (c.stream.next_event_us() > now) next = std::min(next, c.stream.next_event_us());
   }
   for (const LineSampler& line : lines_) next = std::min(next, line.next_event_us(now));
@@ -225,7 +225,7 @@ void Application::handle_frame(Channel& c, const wire::CanFrame& frame) {
   if (route_.receive(frame, tables_.node_address(), now_us())) return;
   const bool functional = frame.id == wire::kFunctionalId;
   if (!functional && frame.id != c.link.rx_id()) return;
-  if (functional) {  // ISO 15765-4 allows single frames only.
+  if (functional) {  // ISO 15765-4 allows only single frames here.
     wire::IsoTp single(0, wire::kFunctionalId, 8);
     if (single.receive(frame, now_us()) == wire::IsoTp::Event::kReceived && !c.link.sending())
       answer(c, single.message(), true);
@@ -238,7 +238,7 @@ void Application::handle_frame(Channel& c, const wire::CanFrame& frame) {
 
 void Application::answer(Channel& c, Bytes request, bool functional) {
   asking_ = c.port;
-  prove();  // Comes first because the answer may depend on it.
+  prove();  // The call comes first, because the answer may depend on it.
   const Bytes response = server_.handle(request, functional);
   if (!response.empty()) (void)c.link.send(response, now_us());
 }
@@ -261,7 +261,7 @@ void Application::take_node_address(std::uint8_t address) {
   if (address != tables_.node_address() && tables_.set_node_address(address) == Status::kOk) restart();
 }
 
-// Discovery and assignment by unique id: works while several fresh boards share the default address.
+// Discovery and assignment use the unique id, so they work while several new boards have the default address.
 bool Application::handle_claim_frame(Channel& c, const wire::CanFrame& frame) {
   if (frame.id == wire::kWhoIsThereId) {
     c.claim = wire::encode_claim({ports_.unique_id, tables_.node_address(), tables_.has_table()});
@@ -278,7 +278,7 @@ bool Application::handle_claim_frame(Channel& c, const wire::CanFrame& frame) {
 
 void Application::send_pending(Channel& c, std::uint64_t now_us) {
   while (c.claim_at < c.claim.size() && c.port->send(c.claim[c.claim_at])) ++c.claim_at;
-  while (true) {  // A frame that finds the queue full is kept, because ISO-TP has counted it already.
+  while (true) {  // A frame that finds the queue full is kept, because ISO-TP has already counted it.
     if (!c.held) c.held = c.link.transmit(now_us);
     if (!c.held || !c.port->send(*c.held)) return;
     c.held.reset();
@@ -343,7 +343,7 @@ std::uint64_t Application::next_during_flash_us() const {
   return next;
 }
 
-// Each reading is sent on as soon as it stands: the converters have clocks of their own.
+// Each reading is sent as soon as it is available, because the converters have their own clocks.
 void Application::take_samples() {
   const bool any = std::ranges::any_of(samples_, &ModuleSample::fresh);
   if (any && route_.switched() && !route_.check(now_us())) return invalidate_samples();
@@ -351,8 +351,9 @@ void Application::take_samples() {
     ModuleSample& s = samples_[k];
     if (!s.fresh) continue;
     publish(k);
-    if (k >= rows()) continue;  // The faults of an adopted module are recorded by its owner.
-    // Last: a full page of the fault memory is erased, and the module may have been read anew after that.
+    if (k >= rows()) continue;  // The owner of an adopted module records its faults.
+    // The fault is recorded last: if its page is full, a page is erased, and the module may have been read again after
+    // that.
     faults_.note(table_row(k), s.state, {static_cast<std::uint32_t>(now_us() / 1000), s.number});
   }
   if (!any || !tables_.has_table()) return;
@@ -361,7 +362,7 @@ void Application::take_samples() {
   if (silent) route_.nothing_answers(now_us());
 }
 
-// Once a nominal sequence. A module without data says so as often as it would have had some.
+// Runs once per nominal sequence. A module without data reports this as often as it would have reported data.
 void Application::tick() {
   const std::uint32_t sequence_us = ad7147::sequence_us(sampling_.decimation);
   next_tick_us_ = std::max(next_tick_us_ + sequence_us, now_us());
@@ -370,7 +371,7 @@ void Application::tick() {
   ++sample_count_;
   for (std::size_t k = 0; k < modules(); ++k) {
     ModuleSample& s = samples_[k];
-    if (s.valid != 0 || ++s.unheard < 2) continue;  // A single tick may just miss what the sampler reports itself.
+    if (s.valid != 0 || ++s.unheard < 2) continue;  // A single tick may come just before the sampler's own report.
     s.unheard = 1;
     ++s.number;
     s.time_us = now_us();
@@ -379,7 +380,7 @@ void Application::tick() {
   if (stream_ == StreamMode::kIcub && !server_.transferring() && icub_.due(now_us())) queue_icub();
 }
 
-// Each port counts every sample, also those that nobody reads over it.
+// Each port counts every sample, even those that none of its readers gets.
 void Application::stream_full(TableRow row) {
   const ModuleSample& s = samples_[index_of(row)];
   const wire::TaxelFrame sample{.node_address = tables_.node_address(),
@@ -393,7 +394,8 @@ void Application::stream_full(TableRow row) {
   for (Channel& c : channels()) c.stream.add(sample, modules(), server_.transferring());
 }
 
-// Every enabled triangle, also where no module is: an MTB4 board does the same, and hosts take silence for pressure.
+// Every enabled triangle is sent, even without a module: an MTB4 board does the same, and hosts would take silence for
+// pressure.
 void Application::queue_icub() {
   const auto rows = tables_.table().rows();
   for (std::size_t triangle = 0; triangle < wire::icub::kTriangles; ++triangle) {
@@ -424,7 +426,7 @@ bool Application::read_fault(std::uint32_t dtc, ByteWriter& out) {
   return frame.has_value();
 }
 
-// Takes effect at once: every converter is configured anew.
+// The setting takes effect at once, because every converter is configured again.
 Status Application::set_sampling(const wire::SamplingSetting& setting) {
   output_ = setting.output;
   const Sampling wanted{setting.decimation, setting.every, setting.timing};

@@ -18,7 +18,9 @@ struct Identifiers::Row {
   std::uint16_t id;
   Read* read;
   Write* write;
-  bool writable;  // The static assertion uses it: comparing the pointer is no constant under gcc's sanitizer.
+  // The static assertion uses this flag, because under gcc's sanitizer a comparison of the pointer is not a constant
+  // expression.
+  bool writable;
 
  private:
   static Status refuse(PatchControl&, Bytes) { return Status::kOutOfRange; }
@@ -52,7 +54,7 @@ struct Identifiers::Table {
     return !kept.empty();
   }
   static Status set_calibration(PatchControl& c, Bytes value) { return c.set_calibration(value); }
-  /// Decodes a value and hands it on.
+  /// Decodes a value and passes it on.
   template <class Value, auto kSet>
   static Status write(PatchControl& control, Bytes bytes) {
     const auto value = Value::decode(bytes);
@@ -90,8 +92,8 @@ struct Identifiers::Table {
       Row{wire::did::kLog, read<&Identifiers::log>, write<wire::LogSetting, set_log>},
       Row{wire::did::kIcub, read<&Identifiers::icub>},
   };
-  /// Every identifier of the wire that is not the server's or of freeze data has its row, in order, and may be written
-  /// where the wire says so.
+  /// Checks that every identifier on the wire has its row, in order and writable as stated there, except those of the
+  /// server and of freeze data.
   static constexpr bool as_on_the_wire() {
     std::size_t at = 0;
     for (const wire::Identifier& i : wire::kIdentifiers) {

@@ -49,7 +49,7 @@ void Journal::crash() {
   log_.add<LogLevel::kError>(now_us(), [&](LogText& t) {
     t.text("was stopped by ").text(text_of(c->cause)).text(" after ").decimal(c->uptime_ms).text(" ms");
     if (c->pc != 0) t.text(" at ").address(c->pc & ~1U);
-    // A return address stands behind the call: the place before it is the call.
+    // A return address points behind the call, so the call itself is just before it.
     if (c->lr != 0) t.text(", called from ").address((c->lr & ~1U) - 2);
   });
 }

@@ -9,8 +9,8 @@ namespace {
 constexpr std::uint8_t kClassOut = 0x21, kClassIn = 0xA1;
 constexpr std::uint8_t kDetach = 0, kDownload = 1, kUpload = 2, kGetStatus = 3, kClearStatus = 4, kGetState = 5,
                        kAbort = 6;
-// A block of 1 KB takes 10.5 ms to program and every second one an erase of 22 ms (DS12288): all of it is over when the
-// host may ask for the status again. The commit reads the image twice.
+// A block of 1 KB takes 10.5 ms to program, and every second one needs an erase of 22 ms (DS12288). All of this is over
+// when the host may ask for the status again. The commit reads the image twice.
 constexpr std::uint8_t kPoll_ms = 35;
 constexpr std::size_t kUnit = 8;
 
@@ -52,7 +52,7 @@ std::optional<Bytes> DfuDevice::fail(Error error) {
   return std::nullopt;
 }
 
-// A stalled download tells the host to ask for the status; the reason is in it.
+// A stalled download makes the host ask for the status, which contains the reason.
 std::optional<Bytes> DfuDevice::download(const wire::UsbSetup& s, Bytes data) {
   if (state_ != State::kIdle && state_ != State::kDownloadIdle) return fail(Error::kStalled);
   if (s.length == 0) {
@@ -77,8 +77,8 @@ DfuDevice::Error DfuDevice::begin(Bytes head) {
   return slots_.erase_page(slot_, slots_.records(slot_)) ? Error::kNone : Error::kErase;
 }
 
-// Page by page, as the image grows: an erase of the whole slot would hold up one control transfer for 2.6 s, and hosts
-// give up after five.
+// Pages are erased as the image grows, because an erase of the whole slot would delay one control transfer by 2.6 s,
+// and hosts give up after five.
 DfuDevice::Error DfuDevice::erase_up_to(std::size_t end) {
   for (; erased_pages_ * slots_.page_bytes() < end; ++erased_pages_) {
     if (!slots_.erase_page(slot_, erased_pages_ * slots_.page_bytes())) return Error::kErase;
@@ -86,8 +86,8 @@ DfuDevice::Error DfuDevice::erase_up_to(std::size_t end) {
   return Error::kNone;
 }
 
-// Bytes of the package in order; only the image for the free slot is stored. What follows the package (the suffix) is
-// not looked at.
+// Takes the bytes of the package in order and stores only the image for the free slot. Bytes after the package (the
+// suffix) are ignored.
 DfuDevice::Error DfuDevice::take(Bytes data) {
   if (at_ == 0) {
     if (const Error error = begin(data); error != Error::kNone) return error;
@@ -98,7 +98,7 @@ DfuDevice::Error DfuDevice::take(Bytes data) {
     if (const Error error = erase_up_to(to - first); error != Error::kNone) return error;
   }
   for (std::uint32_t p = from; p < to; p += kUnit) {
-    if (p % kUnit != 0 || p + kUnit > at_ + data.size()) return Error::kFile;  // Blocks are multiples of a unit.
+    if (p % kUnit != 0 || p + kUnit > at_ + data.size()) return Error::kFile;  // Blocks must be multiples of a unit.
     if (slots_.program(slot_, p - first, data.subspan(p - at_, kUnit)) != Status::kOk) return Error::kWrite;
   }
   at_ += static_cast<std::uint32_t>(data.size());

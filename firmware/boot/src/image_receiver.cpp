@@ -61,7 +61,7 @@ void ImageReceiver::handle_order(const Order& order, bool to_me) {
   if (order.session == session_ && session_ != 0) start(order.command);
 }
 
-// Who takes part already stays with its session: another host sees it in the answer.
+// A board that already takes part stays with its session; another host sees that in the answer.
 void ImageReceiver::join(const Order& order) {
   state_due_ = true;
   const bool under_way = phase_ != Phase::kIdle && phase_ != Phase::kRefused;
@@ -124,7 +124,7 @@ void ImageReceiver::step(fw::CanPort& port, std::uint64_t now_us) {
   if (phase_ == Phase::kActivated) commit(now_us);
 }
 
-// The page of records comes first: from then on the slot does not count.
+// The page of records is erased first, so that the slot is invalid from then on.
 void ImageReceiver::erase_next_page() {
   const std::size_t page = slots_.page_bytes();
   const std::size_t at = work_at_ == 0 ? slots_.records(free_slot()) : (work_at_ - 1) * page;
@@ -138,7 +138,7 @@ bool ImageReceiver::erased(std::uint32_t unit) const {
   return value == UINT64_MAX;
 }
 
-// A unit that is there already came twice.
+// A unit that is already there was sent twice.
 void ImageReceiver::program_next_unit() {
   const std::uint32_t unit = wire::update::data_unit(data_.id) + static_cast<std::uint32_t>(at_ / kUnitBytes);
   const Bytes bytes = Bytes(data_.data).subspan(at_, kUnitBytes);
@@ -212,7 +212,7 @@ void ImageReceiver::answer(fw::CanPort& port) {
   if (state_due_ && send(port, wire::update::encode_state(state()))) state_due_ = false;
 }
 
-// The next answer that names missing units. True: there are no more, and the state goes out.
+// Sends the next answer with missing units. Returns true if there are no more, and the state is sent.
 bool ImageReceiver::search(fw::CanPort& port) {
   const std::uint32_t stop = std::min(units(), search_at_ + kSearchedAtOnce);
   while (search_at_ < stop && !erased(search_at_)) ++search_at_;

@@ -62,7 +62,7 @@ Status Loader::commit(ByteReader& r) {
 
 bool Loader::handle(const wire::CanFrame& f, std::uint64_t now_us) {
   if (!f.extended || (f.id != kDataId && f.id != kRequestId)) return false;
-  stays_until_us_ = now_us + kPatience_us;  // An unplugged host must not keep the application away.
+  stays_until_us_ = now_us + kPatience_us;  // An unplugged host must not keep the application from starting.
   if (f.id == kDataId) store(f.payload());
   if (f.id != kRequestId || f.size == 0) return false;
   ByteReader r(f.payload());

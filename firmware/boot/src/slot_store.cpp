@@ -26,8 +26,8 @@ bool SlotStore::marked(int slot, std::size_t first, std::size_t count) const {
   return false;
 }
 
-// The first free one of `count` units gets programmed; a unit that was torn looks free but is refused: the next one
-// then.
+// Programs the first free one of `count` units. A unit torn by a power failure looks free but is refused; then the next
+// one is used.
 bool SlotStore::add_mark(int slot, std::size_t first, std::size_t count) {
   static constexpr std::array<std::uint8_t, kUnitBytes> kMark{};
   for (std::size_t k = 0; k < count; ++k) {
@@ -111,14 +111,14 @@ bool SlotStore::write_record(int slot, std::uint32_t sequence, std::uint32_t siz
   w.le32(sequence);
   w.le32(size_bytes);
   w.le32(crc);
-  // Magic and sequence first: the record counts only with the CRC of the second unit.
+  // Magic and sequence are written first, because the record becomes valid only with the CRC in the second unit.
   return area(slot).program(records(slot), Bytes(record).first(kUnitBytes)) &&
          area(slot).program(records(slot) + kUnitBytes, Bytes(record).subspan(kUnitBytes));
 }
 
 void SlotStore::confirm(int slot) {
   const std::size_t first = records(slot) + kConfirmUnit * kUnitBytes;
-  // No CRC here: it would hold up the loop for 6 ms, and the loader has just looked.
+  // The CRC is not checked here: it would delay the loop by 6 ms, and the loader has just checked it.
   if (!marked(slot, first, kConfirmUnits)) (void)add_mark(slot, first, kConfirmUnits);
 }
 

@@ -31,10 +31,10 @@ std::uint16_t Ad7147::device_id() const {
 void Ad7147::begin_configure(I2cLine& line, std::uint8_t address, int step, const Stages& stages) {
   ByteWriter w(out_);
   if (step < ad7147::kStages) {
-    // Stage s converts input s alone, single ended; its capacitance taken away at the same input; clamps wide open.
+    // Stage s converts only input s, single ended, with its offset at the same input and the clamps wide open.
     w.be16(static_cast<std::uint16_t>(ad7147::kStage + step * ad7147::kStageStride));
-    // Two bits an input: 11 to BIAS, 10 to the positive side, 01 to the negative. High word: CIN7 … 12, then 01 or 10
-    // for single ended, positive or negative.
+    // Each input has two bits: 11 for BIAS, 10 for the positive side, 01 for the negative. The high word has CIN7 …
+    // 12, then 01 or 10 for single ended, positive or negative.
     const bool positive = stages.polarity == Polarity::kPositive;
     const unsigned cleared = 1U << (2 * (step < 7 ? step : step - 7) + (positive ? 0 : 1));
     const unsigned low = step < 7 ? 0x3FFFU & ~cleared : 0x3FFFU;
@@ -42,21 +42,21 @@ void Ad7147::begin_configure(I2cLine& line, std::uint8_t address, int step, cons
     w.be16(static_cast<std::uint16_t>(low));
     w.be16(static_cast<std::uint16_t>((positive ? 0x1000U : 0x2000U) | high));
     w.be16(offset_word(stages, step));
-    w.be16(0x2626);  // sensitivity: data sheet's typical
-    w.be16(0x2710);  // offset low
-    w.be16(0x2710);  // offset high
-    w.be16(0x7530);  // high clamp
-    w.be16(0x0000);  // low clamp
+    w.be16(0x2626);  // The sensitivity is the data sheet's typical value.
+    w.be16(0x2710);  // This is the low offset.
+    w.be16(0x2710);  // This is the high offset.
+    w.be16(0x7530);  // This is the high clamp.
+    w.be16(0x0000);  // This is the low clamp.
   } else if (step == ad7147::kStages) {
     w.be16(ad7147::kPowerControl);
     w.be16(power_);
     w.be16(ad7147::kAllStages);
-    w.be16(0x0000);  // ambient compensation off: the controller compensates itself
+    w.be16(0x0000);  // Ambient compensation is off, because the controller compensates itself.
     w.be16(0x0000);
     w.be16(0x0000);
-    w.be16(0x0000);  // no threshold interrupts
+    w.be16(0x0000);  // Threshold interrupts are off.
     w.be16(0x0000);
-    w.be16(ad7147::kAllStages);  // the status tells of complete stages; the pin goes nowhere
+    w.be16(ad7147::kAllStages);  // The status reports complete stages; the interrupt pin is not connected.
   } else {
     return begin_restart(line, address);
   }

@@ -11,7 +11,7 @@ namespace triskin::bridge {
 namespace {
 
 constexpr double kSecond_ns = 1e9;
-// A quarter of a second of 126 controllers at 54 Hz.
+// 126 controllers at 54 Hz send this many messages in a quarter of a second.
 constexpr Delivery kStream{.depth = 2000, .latched = false}, kLatest{.depth = 10, .latched = false},
     kForEver{.depth = 1, .latched = true};
 
@@ -63,7 +63,7 @@ void Bridge::add(const recording::ModuleSample& sample) {
   if (sample.sampled_ns < next_points_ns_) return;
   points_->write(cloud_.encode(sample.sampled_ns, frame_));
   ++published_.points;
-  // Times lie on a grid so that the rate holds; after a gap a new grid begins.
+  // Times lie on a grid, so that the rate is exact; after a gap a new grid starts.
   next_points_ns_ = std::max(next_points_ns_ + points_period_ns_, sample.sampled_ns);
   if (published_.points == 1) next_points_ns_ = sample.sampled_ns + points_period_ns_;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// In place of dds_cyclone.cpp where Cyclone DDS was not there when the program was built.
+// Replaces dds_cyclone.cpp if Cyclone DDS was not installed when the program was built.
 #include "triskin/base/error.hpp"
 #include "triskin/bridge/dds.hpp"
 

@@ -70,7 +70,8 @@ class CyclonePublisher final : public Publisher {
 
   void write(Bytes message) override {
     const dds_return_t result = dds_writecdr(writer_, make_message(topic_.type(), message));
-    // A reader that takes nothing holds the writer up; its messages are dropped, and the others get theirs.
+    // A reader that accepts nothing blocks the writer until the time-out; its messages are dropped, and the other
+    // readers get theirs.
     if (result != DDS_RETCODE_TIMEOUT) (void)checked(result, "write to " + name_);
   }
   [[nodiscard]] int readers() const override {
@@ -86,7 +87,7 @@ class CyclonePublisher final : public Publisher {
   dds_entity_t writer_;
 };
 
-// The requests of a service; its answers are written by a publisher.
+// Receives the requests of a service; a publisher writes its answers.
 class CycloneServer final : public Server {
  public:
   CycloneServer(dds_entity_t participant, const std::string& name, const std::string& type, const Qos& qos)
@@ -116,7 +117,7 @@ class CycloneServer final : public Server {
   dds_entity_t reader_;
 };
 
-// What discovery knows of the writers in the domain.
+// Knows the writers in the domain from discovery.
 class CycloneWriters {
  public:
   explicit CycloneWriters(dds_entity_t participant)
@@ -126,7 +127,7 @@ class CycloneWriters {
   CycloneWriters(const CycloneWriters&) = delete;
   CycloneWriters& operator=(const CycloneWriters&) = delete;
 
-  // Writers of a topic that belong to other participants.
+  // Counts the writers of a topic that belong to other participants.
   [[nodiscard]] int count(const std::string& topic, const dds_guid_t& own) const {
     constexpr std::size_t kMaxWriters = 4096;
     std::vector<void*> samples(kMaxWriters, nullptr);
@@ -173,8 +174,8 @@ class CycloneDomain final : public Domain {
   }
 
  private:
-  // It tells a client that a reader of requests and a writer of answers are one service: an identifier of 16 bytes, of
-  // the participant and a number, as rmw_cyclonedds writes it.
+  // The identifier tells a client that a reader of requests and a writer of answers are one service. It has 16 bytes,
+  // made from the participant and a number, as rmw_cyclonedds writes it.
   std::string next_service_id() {
     dds_guid_t guid{};
     (void)checked(dds_get_guid(participant_, &guid), "identifier of the participant");

@@ -9,17 +9,17 @@
 namespace triskin::bridge {
 namespace {
 
-// One message on its way. Cyclone counts who needs it.
+// Cyclone handles this message and counts the references to it.
 struct Message {
-  ddsi_serdata head;  // Declared first, because Cyclone knows it by this address.
+  ddsi_serdata head;  // The head must be declared first, because Cyclone uses its address for the whole object.
   std::size_t size;
-  std::vector<std::uint8_t> bytes;  // Padded to a multiple of four, as Cyclone may ask for so many.
+  std::vector<std::uint8_t> bytes;  // The bytes are padded to a multiple of four, because Cyclone may read that many.
 };
 Message& message_of(const ddsi_serdata* d) {
   return *const_cast<Message*>(reinterpret_cast<const Message*>(d));
 }
 
-// Topics of ours have no key, so all messages of one are of one instance.
+// Our topics have no key, so all messages of one topic are of one instance.
 bool same_key(const ddsi_serdata* /*a*/, const ddsi_serdata* /*b*/) {
   return true;
 }
@@ -34,12 +34,12 @@ ddsi_serdata* make(const ddsi_sertype* type, ddsi_serdata_kind kind, std::vector
   m->head.hash = type->serdata_basehash;
   return &m->head;
 }
-// What others send is requests of some bytes; nobody makes us keep more than this of one.
+// Received messages are requests of a few bytes, so a sender cannot make us store more than this.
 constexpr std::size_t kMaxReceived_bytes = 65'536;
 
-// What came in several packets: parts in order, which may overlap.
+// Joins a message from several packets, whose parts are in order but may overlap.
 ddsi_serdata* from_network(const ddsi_sertype* type, ddsi_serdata_kind kind, const nn_rdata* part, std::size_t size) {
-  if (size > kMaxReceived_bytes) return nullptr;  // Cyclone drops the message.
+  if (size > kMaxReceived_bytes) return nullptr;  // Cyclone then drops the message.
   std::vector<std::uint8_t> bytes;
   bytes.reserve(size);
   for (; part != nullptr; part = part->nextfrag) {
@@ -128,7 +128,7 @@ void free_type(ddsi_sertype* type) {
   delete type;
 }
 bool same_type(const ddsi_sertype* /*a*/, const ddsi_sertype* /*b*/) {
-  return true;  // The names were compared.
+  return true;  // The names were already compared.
 }
 std::uint32_t hash_type(const ddsi_sertype* /*type*/) {
   return 0;

@@ -12,12 +12,12 @@
 
 namespace triskin::bridge {
 
-/// Cyclone DDS is given messages that are CDR already, and gives such: a sertype and a serdata of our own carry the
-/// bytes as they are. A type without a key, of this name on DDS.
+/// Cyclone DDS normally encodes messages itself, but ours are already CDR, so our own sertype and serdata pass the
+/// bytes through in both directions. This makes such a type, without a key, with this name on DDS.
 [[nodiscard]] ddsi_sertype* make_message_type(const std::string& name);
-/// A message with the four bytes that name the encoding. The caller owns one reference.
+/// Makes a message from the four bytes that name the encoding and the contents. The caller owns one reference.
 [[nodiscard]] ddsi_serdata* make_message(const ddsi_sertype* type, Bytes message);
-/// The bytes of a message of such a type.
+/// Returns the bytes of a message of such a type.
 [[nodiscard]] std::vector<std::uint8_t> bytes_of_message(const ddsi_serdata* message);
 
 }  // namespace triskin::bridge

@@ -35,7 +35,7 @@ std::vector<std::uint8_t> bytes_of(const CdrWriter& w) {
 
 }  // namespace
 
-// Computed from the definitions; tests/bridge/type_hash.py does so again.
+// The hashes are computed from the definitions; tests/bridge/type_hash.py checks them.
 const RosType kRaw{recording::kRawFrameType, "RIHS01_73cb35a97e218354bc1b0cf26b0d649e96dc34049322e8af47a52a640139eaf5"};
 const RosType kLayout{recording::kLayoutType,
                       "RIHS01_864edfff3d05b703e18ceac4fa7e0939d0fa4349b23d6c0fe542bc7dbd4ec0bd"};

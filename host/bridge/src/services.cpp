@@ -24,7 +24,7 @@ void put_outcome(CdrWriter& w, bool success, const std::string& message) {
 
 }  // namespace
 
-// The files in host/bridge/ros/triskin_msgs/srv, which tests/bridge compares.
+// The definitions are equal to the files in host/bridge/ros/triskin_msgs/srv, which tests/bridge checks.
 const std::string_view Tare::kDefinition =
     "# Takes the present values of the taxels for those of a skin that nobody touches\n"
     "---\n"

@@ -29,14 +29,15 @@ struct Options {
   device::StreamOptions stream;
   CalibrationOptions calibration;
   bridge::BridgeOptions bridge;
-  std::vector<double> pose;  // Position x, y, z in m, then a quaternion x, y, z, w.
+  std::vector<double> pose;  // The numbers are the position x, y, z in m, then a quaternion x, y, z, w.
   double contacts_hz = 10.0;
   double seconds = 0.0;
   bool services = true;
   std::optional<std::uint32_t> domain;
 };
 
-// What --domain says, else the environment. CLI11 would refuse every command for a bad variable.
+// Returns the value of --domain, or else that of the environment. If CLI11 read the variable, it would refuse every
+// command for a bad value.
 std::uint32_t domain_of(const Options& options) {
   if (options.domain) return *options.domain;
   const char* text = std::getenv("ROS_DOMAIN_ID");
@@ -60,7 +61,7 @@ bridge::Pose pose_of(const std::vector<double>& numbers) {
   return pose;
 }
 
-// One controller a part of the diagnostics; the first sentence says what is wrong.
+// Makes one part of the diagnostics for each controller; the first sentence names the problem.
 std::vector<bridge::Diagnosis> diagnose(const device::StreamReport& report, const std::string& part) {
   using Level = bridge::Diagnosis::Level;
   std::map<int, device::SampleCounts> counts;
@@ -86,13 +87,13 @@ std::vector<bridge::Diagnosis> diagnose(const device::StreamReport& report, cons
   return parts;
 }
 
-// What a person says with --newton-per-count goes before a calibration.
+// The option --newton-per-count takes precedence over a calibration.
 bridge::BridgeOptions with_unit(bridge::BridgeOptions options, const design::SkinCalibration& calibration) {
   options.calibration.by_taxel = calibration.complete() && options.calibration.newton_per_count <= 0.0;
   return options;
 }
 
-// One cover: its topics, and what presses it.
+// Each cover has its own topics and contacts.
 class CoverFeed {
  public:
   CoverFeed(device::LiveCover& cover, bridge::Domain& domain, const bridge::BridgeOptions& options, bool services,
@@ -156,13 +157,13 @@ class CoverFeed {
 
   device::LiveCover& cover_;
   std::string part_;
-  int others_ = 0;  // Largest number of other programs that published the part.
+  int others_ = 0;  // At most this many other programs published the part at the same time.
   bridge::Bridge bridge_;
   std::optional<CoverServices> services_;
   device::StreamReport report_;
 };
 
-// One bus: from its stream to the topics of its covers.
+// Feeds the stream of one bus into the topics of its covers.
 class BusFeed {
  public:
   BusFeed(const Options& options, device::LiveBus& bus) : options_(options), bus_(bus) {}
@@ -193,7 +194,7 @@ class BusFeed {
 
   [[nodiscard]] std::uint64_t now_ns() const { return bus_.unix_ns(bus_.now_us()); }
 
-  // Subscribers get the samples as the skin takes them, also those of a simulation that could be faster.
+  // Subscribers get the samples at the pace of the skin, even from a simulation that could be faster.
   void feed(std::uint64_t start_us, const Output& output) {
     constexpr std::uint64_t kPaced_us = 10'000;
     const auto contacts_us = static_cast<std::uint64_t>(1e6 / options_.contacts_hz);
@@ -222,10 +223,10 @@ class BusFeed {
   const Options& options_;
   device::LiveBus& bus_;
   std::vector<std::unique_ptr<CoverFeed>> covers_;
-  std::uint64_t diagnostics_us_ = 0;  // Time of the next diagnostics.
+  std::uint64_t diagnostics_us_ = 0;  // The next diagnostics are due at this time.
 };
 
-// Indexed by cover of the robot file; a design file has one.
+// The result is indexed by cover of the robot file; a design file has one.
 std::vector<bridge::BridgeOptions> options_of(const Options& options, const robot::Site& site) {
   bridge::BridgeOptions common = options.bridge;
   common.pose = pose_of(options.pose);

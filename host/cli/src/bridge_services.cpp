@@ -13,7 +13,7 @@
 namespace triskin::cli::bridge_services {
 namespace {
 
-// Calls `ask` for each controller; what one cannot do is said, and the others are asked all the same.
+// Calls `ask` for each controller; if one fails, this is reported and the others are still asked.
 template <class Answer, class Ask>
 void ask_each(device::Bus& bus, const design::Design& design, const std::vector<int>& patches, Answer& answer,
               Ask ask) {
@@ -39,12 +39,12 @@ CoverServices::CoverServices(bridge::Domain& domain, const std::string& part, de
 
 void CoverServices::step(device::Bus& bus) {
   step_tare(bus.now_us());
-  // One of each a step: who asks all the time must not keep the samples from the others.
+  // Each step serves one request of each kind, so that a client that asks all the time cannot delay the samples.
   if (const auto asked = reroute_.take()) reroute_.answer(asked->id, reroute(bus, asked->request.patch));
   if (const auto asked = identify_.take()) identify_.answer(asked->id, identify(bus));
 }
 
-// Those who ask while one is under way get the answer of the one that then begins anew.
+// Clients that ask during a tare get the answer of the tare that is started again for them.
 void CoverServices::step_tare(std::uint64_t now_us) {
   bool begin = false;
   while (const auto asked = tare_.take()) {

@@ -11,13 +11,13 @@
 
 namespace triskin::cli {
 
-/// Serves /skin/PART/tare, reroute and identify of one cover on one bus, beside its stream. A failure of a controller
-/// is an answer, and the stream goes on. Threads: that of the bus.
+/// Serves /skin/PART/tare, reroute and identify of one cover on one bus, beside its stream. If a controller fails, the
+/// answer says so and the stream continues. Use it in the thread of the bus.
 class CoverServices {
  public:
-  /// `domain` and `cover` outlive it. Throws DeviceError.
+  /// `domain` and `cover` must outlive it. Throws DeviceError.
   CoverServices(bridge::Domain& domain, const std::string& part, device::LiveCover& cover);
-  /// Does what was asked since the last call; talks to controllers. Throws DeviceError when DDS fails.
+  /// Handles the requests since the last call and talks to controllers. Throws DeviceError when DDS fails.
   void step(device::Bus& bus);
 
  private:
@@ -29,7 +29,7 @@ class CoverServices {
   bridge::Service<bridge::Tare> tare_;
   bridge::Service<bridge::Reroute> reroute_;
   bridge::Service<bridge::Identify> identify_;
-  std::vector<bridge::RequestId> taring_;  // Those who wait for the running tare.
+  std::vector<bridge::RequestId> taring_;  // These clients wait for the running tare.
 };
 
 }  // namespace triskin::cli

@@ -21,7 +21,8 @@ struct Options {
   double seconds = 2.0;
 };
 
-// Enter: as it should be; a text beginning with "!": not so; "s": not done; anything else is what was measured.
+// Enter means "as expected"; a text beginning with "!" means "not as expected"; "s" means "skipped"; anything else is a
+// measured value.
 device::StepAnswer ask_person(const device::BringUpStep& step) {
   std::cerr << fmt::format(
                    "\nStep {}. {}\n  Measure: {}\n  Should be: {}\n  Otherwise: {}\n  Enter: as it should be; VALUE: "

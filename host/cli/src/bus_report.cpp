@@ -11,7 +11,7 @@ namespace triskin::cli {
 
 namespace {
 
-// Load of one bus at the controllers' fastest clock by every sample of the full stream.
+// Returns the load of one bus by every sample of the full stream at the controllers' fastest clock.
 double full_load(std::size_t modules) {
   return device::kFastestClock * wire::stream_load(modules, wire::full_sample_ns(wire::kControllerRates),
                                                    wire::sequence_us(wire::Decimation::k256));

@@ -25,7 +25,7 @@ struct Options {
   SiteOptions site;
   std::vector<double> steps_kpa, weights_g;
   std::string ramp, from, output;
-  double foot_mm2 = 0.0;  // 0 means that of a module.
+  double foot_mm2 = 0.0;  // Zero stands for the area of a module.
   device::CalibrateOptions calibrate;
   bool by_hand = false, forget = false;
 };
@@ -34,7 +34,7 @@ constexpr double kNewtonPerGram = 9.80665e-3;
 constexpr double kKpaPerNewtonPerMm2 = 1000.0;
 constexpr std::size_t kMaxNamed = 12;  // More taxels are not listed one by one.
 
-// Pressure of a weight of 1 g on the foot.
+// Returns the pressure that a weight of 1 g causes on the foot.
 double kpa_per_gram(const Options& options, const design::Design& design) {
   const double foot_mm2 =
       options.foot_mm2 > 0.0 ? options.foot_mm2 : design::module_area_mm2(design.layout.corner_cut_mm);
@@ -48,7 +48,7 @@ std::string request_of(const device::PressureStep& step, double kpa_of_gram) {
                      step.pressure_kpa);
 }
 
-// A person brings the steps about, and says so with Enter.
+// Asks a person to apply the step and to confirm it with Enter.
 void ask_person(const std::string& request) {
   say_aside(request + ", then press Enter");
   std::string line;
@@ -111,7 +111,8 @@ void print_report(const device::CalibrationOutcome& outcome, Output& output) {
                    {"without", std::move(without)}};
 }
 
-// Says which controllers keep their calibration; one that does not is named: this computer keeps it in its place.
+// Says which controllers store their calibration. A controller that does not is named, and this computer stores it
+// instead.
 nlohmann::json rows_of(const std::vector<device::KeptCalibration>& kept, Output& output) {
   nlohmann::json rows = nlohmann::json::array();
   for (const auto& [board, in_controller] : kept) {
@@ -149,7 +150,7 @@ int forget(device::LiveBus& bus, const device::LiveCover& cover, Output& output)
   return 0;
 }
 
-// Nothing is measured: a calibration of a file goes to the controllers that it is of, and is kept here.
+// Nothing is measured: the calibrations of a file are written to their controllers and stored here.
 int write_again(const Options& options, device::LiveBus& bus, const device::LiveCover& cover, Output& output) {
   const auto kept = device::keep_calibration_file(bus, cover, options.from);
   if (kept.empty())

@@ -17,7 +17,7 @@ void add_calibration_options(CLI::App& app, CalibrationOptions& options) {
 
 namespace {
 
-// Describes the calibration: revisions, and who keeps them.
+// Describes the calibration: its revisions, and where it is stored.
 std::string version_of(const device::FoundCalibration& found, const std::string& file) {
   const auto& boards = found.skin.boards();
   const auto [least, most] = std::ranges::minmax(boards, {}, &design::BoardCalibration::revision);

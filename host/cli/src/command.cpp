@@ -25,14 +25,14 @@ std::vector<Command>& registry() {
 
 using Clock = std::chrono::steady_clock;
 
-// TERM says that the terminal cannot go back on a line.
+// Returns true if TERM says that the terminal cannot move back on a line.
 bool is_dumb() {
   const char* term = std::getenv("TERM");
   return term != nullptr && std::string_view(term) == "dumb";
 }
 
-// Draws a bar on standard error, or one for each part of the work that is under way; quiet for the first second, so
-// that short work leaves no trace.
+// Draws a bar on standard error, or one for each active part of the work. It shows nothing in the first second, so that
+// short work leaves no trace.
 class Bar {
  public:
   Bar() : terminal_(::isatty(STDERR_FILENO) != 0 && !is_dumb()) {}
@@ -68,7 +68,7 @@ class Bar {
     if (p.fraction >= 0.0) std::fill_n(bar.begin(), static_cast<int>(kWidth * std::min(1.0, p.fraction)), '#');
     return fmt::format("[{}] {} {}", bar, p.stage, for_terminal(p.detail));
   }
-  // Parts that are done make room when there are many.
+  // If there are many parts, finished ones make room for others.
   void draw() {
     constexpr std::size_t kLines = 20;
     const std::size_t parts = parts_.size() - parts_.count(-1);

@@ -9,7 +9,7 @@
 
 namespace triskin::cli {
 
-/// The contacts on a cover as messages have them, with their forces where `calibration` is complete.
+/// Returns the contacts on a cover in the form of messages, with forces if `calibration` is complete.
 inline std::vector<recording::Contact> contacts_of(const device::TouchMap& touches, const design::Design& design,
                                                    const design::SkinCalibration& calibration) {
   std::vector<recording::PressedTaxel> taxels;

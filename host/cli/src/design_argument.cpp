@@ -16,11 +16,11 @@ namespace {
 
 bool is_design(const std::filesystem::path& path, std::uint64_t id) {
   try {
-    // The digits are looked for first: a file without them need not be read as a design.
+    // The search for the digits comes first, because a file without them need not be parsed.
     return read_file(path).find(fmt::format("{:016x}", id)) != std::string::npos &&
            design::read_design(path).design_id == id;
   } catch (const InputError&) {
-    return false;  // The file is another one with the extension .json.
+    return false;  // The file has the extension .json but is not a design.
   }
 }
 

@@ -8,7 +8,7 @@
 namespace triskin::cli {
 namespace {
 
-// Letters to insert, delete, replace, or swap with the next (optimal string alignment).
+// Counts the letters to insert, delete, replace, or swap with the next (optimal string alignment).
 std::size_t distance(const std::string& a, const std::string& b) {
   std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = i;
@@ -23,7 +23,7 @@ std::size_t distance(const std::string& a, const std::string& b) {
   return d[a.size()][b.size()];
 }
 
-// Empty: none is near enough to be a slip.
+// Returns an empty text if no name is similar enough to be a typing error.
 std::string nearest(const std::string& word, const std::vector<std::string>& names) {
   const auto closer = [&](const std::string& a, const std::string& b) { return distance(word, a) < distance(word, b); };
   const auto best = std::ranges::min_element(names, closer);

@@ -26,14 +26,13 @@ struct Options {
   std::vector<std::string> designs;
 };
 
-// Devices that answer on a link.
 struct Found {
   nlohmann::json controllers = nlohmann::json::array();
   std::vector<std::string> lines;
   bool kernel = false;
 };
 
-// Adds the board's health, if the firmware of the controller reports it.
+// Adds the board's health, if the controller's firmware reports it.
 void add_board(nlohmann::json& j, device::Controller& c, const std::string& elf) {
   const device::BoardReport report = device::report_board(c);
   if (!report.health) return;
@@ -84,7 +83,7 @@ std::map<int, int> users_of(const std::vector<wire::NodeClaim>& claims) {
   return users;
 }
 
-// Several controllers at one address would all answer: they can be told apart, but not asked.
+// Several controllers at one address would all answer, so they can be told apart but not asked.
 nlohmann::json describe(device::Bus& bus, const wire::NodeClaim& claim, bool unique, const std::string& elf) {
   nlohmann::json j = unique ? ask(bus, claim, elf) : nlohmann::json::object();
   j["serial"] = device::to_text(claim.unique_id);
@@ -115,7 +114,7 @@ std::vector<wire::NodeClaim> claims_on(device::Bus& bus) {
   return claims;
 }
 
-// The cover and patch that a controller serves; a bus has few covers.
+// Returns the cover and patch that a controller serves; a linear search suffices, because a bus has few covers.
 std::string place_on(const robot::BusConfig& site, nlohmann::json& j) {
   if (!j.contains("design_id")) return "";
   const std::string id = j["design_id"].get<std::string>();
@@ -129,7 +128,7 @@ std::string place_on(const robot::BusConfig& site, nlohmann::json& j) {
   return "  of no cover here";
 }
 
-// Problems that the board reports about itself, one line each.
+// Returns problems that the board reports about itself, one line each.
 std::vector<std::string> remarks_of(const nlohmann::json& j) {
   return j.contains("remarks") ? j["remarks"].get<std::vector<std::string>>() : std::vector<std::string>{};
 }
@@ -151,7 +150,7 @@ Found look_at(device::LiveBus& live, const std::string& elf) {
   return found;
 }
 
-// Serial numbers of the controllers that serve a cover, into the robot file.
+// Writes the serial numbers of the controllers that serve a cover into the robot file.
 int note_serials(const std::string& file, const nlohmann::json& controllers) {
   const WriterLock lock(file);
   robot::Robot robot = robot::read_robot(file);

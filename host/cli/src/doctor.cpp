@@ -43,7 +43,7 @@ nlohmann::json array_in(const std::string& text) {
   return list.is_array() ? list : nlohmann::json::array();
 }
 
-// The kernel tells bit rates and error counters by netlink alone, which ip reads.
+// The kernel reports bit rates and error counters only by netlink, which ip reads.
 std::string interfaces_text() {
   std::FILE* pipe = ::popen("ip -json -details link show 2>/dev/null", "r");
   if (pipe == nullptr) return "";
@@ -66,7 +66,7 @@ std::vector<AnsweringBoard> boards_on(const std::string& link_name) {
           {link_name, device::to_text(claim.unique_id), device::firmware_version_text(hello.firmware_version)});
     }
   } catch (const Error&) {
-    // A link that fails has no board that answers, which the check says.
+    // A link that fails has no answering board, which the check reports.
   }
   return boards;
 }
@@ -78,7 +78,7 @@ std::string text_of(const std::filesystem::path& file) {
   return text.str();
 }
 
-// A tree that stands for a computer has the answers of ip and of the boards in two files.
+// A file tree that stands for a computer has the answers of ip and of the boards in two files.
 void ask_tree(Machine& machine) {
   machine.interfaces = array_in(text_of(machine.root / "ip.json"));
   for (const auto& b : array_in(text_of(machine.root / "boards.json")))

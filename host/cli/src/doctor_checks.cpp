@@ -32,7 +32,7 @@ DoctorCheck good(const std::string& name, const std::string& found) {
   return {name, true, found, ""};
 }
 
-// A rule holds where one line that is no comment names the subsystem and the vendor.
+// A rule exists if one line that is not a comment names the subsystem and the vendor.
 bool has_rule(const fs::path& root, const std::string& subsystem) {
   for (const char* folder : {"etc/udev/rules.d", "run/udev/rules.d", "usr/lib/udev/rules.d", "lib/udev/rules.d"}) {
     std::error_code error;
@@ -56,7 +56,7 @@ DoctorCheck rule_check(const Machine& machine, const std::string& name, const st
                       kRuleFile)};
 }
 
-// Loaded, built into the kernel, or found by the kernel when a socket of this kind is made.
+// A module counts if it is loaded, built into the kernel, or loaded by the kernel on demand.
 bool has_module(const fs::path& root, const std::string& name) {
   if (fs::exists(root / "sys/module" / name)) return true;
   std::string release = text_of(root / "proc/sys/kernel/osrelease");
@@ -82,7 +82,7 @@ bool holds(const nlohmann::json& list, const std::string& word) {
   return list.is_array() && std::ranges::find(list, nlohmann::json(word)) != list.end();
 }
 
-// A key that is not there, or of another kind, is `otherwise`.
+// Returns `otherwise` if the key is missing or has another type.
 int number_at(const nlohmann::json& object, const std::string& pointer, int otherwise) {
   const nlohmann::json::json_pointer at(pointer);
   if (!object.contains(at) || !object.at(at).is_number()) return otherwise;
@@ -109,7 +109,7 @@ DoctorCheck state_check(const nlohmann::json& link, const std::string& name) {
   return good(title, counters);
 }
 
-// Command that brings an interface up for the controllers.
+// Returns the command that brings an interface up for the controllers.
 std::string up_command(const std::string& name, bool is_virtual) {
   if (is_virtual) return fmt::format("sudo ip link set {} mtu 72 up", name);
   return fmt::format(
@@ -155,7 +155,7 @@ DoctorCheck firmware_check(const AnsweringBoard& board, const std::string& progr
 std::vector<DoctorCheck> attached_checks(const device::AttachedDevice& device,
                                          const std::vector<AnsweringBoard>& boards) {
   if (!device.usable) {
-    if (device.link.starts_with("can:")) return {};  // check_interfaces reports it.
+    if (device.link.starts_with("can:")) return {};  // check_interfaces() reports CAN interfaces.
     return {{"permission for " + device.link, false, "the device node may not be opened",
              "sudo usermod -aG plugdev \"$USER\" && sudo udevadm trigger; then log in again"}};
   }

@@ -11,7 +11,7 @@
 namespace triskin::cli {
 namespace {
 
-// Names of options carry their unit.
+// The names of options end in their unit.
 constexpr std::array<std::pair<const char*, const char*>, 9> kUnits{{{"-mm", " millimetres"},
                                                                      {"-ms", " milliseconds"},
                                                                      {"-us", " microseconds"},

@@ -74,11 +74,12 @@ std::string extension_of(const std::string& file) {
   return std::filesystem::path(file).extension().string();
 }
 std::string extension_of(const Format& format) {
-  // ".svg" alone would be a hidden file without an extension.
+  // The name ".svg" alone would be a hidden file without an extension.
   return extension_of(std::string("name") + format.suffix);
 }
 
-// Format given by name, else by the extension of the file. An extension that says something else is refused.
+// Returns the format given by name, or else by the extension of the file. An extension that contradicts the name is
+// refused.
 const Format& format_of(const Options& options) {
   const bool has_file = !options.output.empty() && options.output != "-" && !extension_of(options.output).empty();
   if (options.format.empty()) {

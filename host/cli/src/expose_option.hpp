@@ -10,7 +10,7 @@ namespace triskin::cli {
 /// Adds --expose to a command with --listen.
 void add_expose_option(CLI::App& app, bool& expose);
 [[nodiscard]] device::Reach reach_of(bool expose);
-/// Says on standard error that whoever reaches `link` may use it.
+/// Warns on standard error that anyone who reaches `link` may use it.
 void warn_exposed(const std::string& link);
 
 }  // namespace triskin::cli

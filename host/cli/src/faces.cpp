@@ -96,7 +96,8 @@ json part_json(const cad::Part& part, const std::vector<int>& chosen, double sec
           {"seconds", seconds}};
 }
 
-// Names hold whatever the file holds; a terminal gets no control characters (read_part() drops them).
+// Names may contain anything that the file contains, but read_part() removes control characters before they reach a
+// terminal.
 void say_face(const cad::Part& part, int index, const Output& output) {
   const cad::Face& f = part.faces[static_cast<std::size_t>(index)];
   std::string line = fmt::format("  {:>4}  {:<10} {:>9.3f} cm²  {:<9}", index, cad::kSurfaceKindNames.name(f.kind),

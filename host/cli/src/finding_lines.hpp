@@ -8,9 +8,8 @@
 
 namespace triskin::cli {
 
-/// Keys of a finding in --json.
 [[nodiscard]] nlohmann::json finding_json(const device::Finding& finding);
-/// What a person reads: what was found, where it lies, what to do, and the steps.
+/// Formats a finding for a person: the problem, its place, the remedy, and the steps.
 [[nodiscard]] std::vector<std::string> finding_lines(const device::Finding& finding,
                                                      const std::vector<std::string>& steps);
 

@@ -38,11 +38,11 @@ struct Options {
   bool by_serial = false, no_touch = false;
 };
 
-// Result for one bus.
 struct BusOutcome {
   const robot::BusConfig* bus = nullptr;
   std::vector<std::pair<const robot::CoverConfig*, device::FlashResult>> covers;
-  std::map<std::string, int> ended;  // Revision of each calibration that was lost with an old table, by serial number.
+  // For each serial number, the revision of a calibration that was lost with an old table is listed.
+  std::map<std::string, int> ended;
 };
 
 std::string what_happened(const device::FlashResult::Patch& p, bool dry_run) {
@@ -61,8 +61,8 @@ bool settled(const device::PatchOffsets& patch) {
   });
 }
 
-// With a new table each controller looks for the offsets of its converters, and keeps them. The command waits for it,
-// so that later touches are not taken for rest values.
+// With a new table each controller searches the offsets of its converters and stores them. The command waits for this,
+// so that later touches do not become rest values.
 void wait_for_offsets(device::Bus& bus, const design::Design& design) {
   constexpr std::uint64_t kMaxWait_us = 1'500'000, kPause_us = 100'000;
   const std::uint64_t end_us = bus.now_us() + kMaxWait_us;
@@ -70,7 +70,7 @@ void wait_for_offsets(device::Bus& bus, const design::Design& design) {
     bus.listen(bus.now_us() + kPause_us);
 }
 
-// All covers of a bus in one pass. `outcome` has what is done, also when this throws.
+// Flashes all covers of a bus in one pass. `outcome` contains the results, even when this throws.
 void flash_covers(device::LiveBus& live, const Options& options, const ProgressSink& progress, BusOutcome& outcome) {
   std::deque<device::Bus> buses;
   std::vector<device::FlashPart> parts;
@@ -151,10 +151,10 @@ void say_all(const std::vector<BusOutcome>& buses, const nlohmann::json& firmwar
       controllers += r.patches.size();
       sum.bytes += r.bytes;
       sum.skipped += r.skipped;
-      link_s = std::max(link_s, r.link_s);  // One pass serves all.
+      link_s = std::max(link_s, r.link_s);  // All covers share one pass, so their times are not added.
       modules += cover->design.layout.modules.size();
     }
-    sum.link_s = std::max(sum.link_s, link_s);  // Buses are served side by side.
+    sum.link_s = std::max(sum.link_s, link_s);  // Buses are served in parallel, so their times are not added.
   }
   output.result = {{"controllers", controllers}, {"bytes", sum.bytes},   {"seconds", seconds},
                    {"skipped", sum.skipped},     {"link_s", sum.link_s}, {"dry_run", options.flash.dry_run},
@@ -169,7 +169,7 @@ void say_all(const std::vector<BusOutcome>& buses, const nlohmann::json& firmwar
                          sum.skipped, seconds));
 }
 
-// Numbers of patches and modules are those of one cover.
+// Numbers of patches and modules refer to one cover.
 void require_cover(const Options& options, const robot::Site& site) {
   const bool of_one = options.flash.patch >= 0 || !options.flash.assign.empty() || !options.assign_file.empty() ||
                       options.flash.route.module >= 0;
@@ -178,7 +178,7 @@ void require_cover(const Options& options, const robot::Site& site) {
         "--patch, --assign, --assign-file and --route count patches and modules of one cover: say which with --cover");
 }
 
-// The file of triskin identify. What is named on the command line goes first.
+// Reads the file of triskin identify. Names on the command line take precedence.
 void add_board_file(Options& options, const robot::Site& site) {
   if (options.assign_file.empty()) return;
   const auto& covers = site.buses.at(0).covers;
@@ -228,10 +228,10 @@ int run(Options options, Output& output) {
   };
   try {
     skin.on_each_bus([&](device::LiveBus& bus) { flash_bus(bus, options, progress, buses[bus.index()]); });
-    // Controllers have addresses of their own by now: the tables were written before.
+    // The tables were written before, so all controllers have separate addresses by now.
     if (firmware) updated = flash_firmware(skin.links(), *firmware, options.firmware, options.flash, output);
   } catch (const Error&) {
-    if (buses.size() > 1) say();  // Reports what the other buses did.
+    if (buses.size() > 1) say();  // Reports the results of the other buses.
     throw;
   }
   say();

@@ -37,7 +37,7 @@ std::string outcome_of(const device::RestoredBoard& b, bool dry_run) {
   return fmt::format("{} bytes written and read back, node address {}", b.bytes, b.node_address);
 }
 
-// A calibration is of the modules, which stay where they are when a new board takes the place of the old one.
+// A calibration belongs to the modules, which stay in place when a new board replaces the old one.
 void restore_calibrations(std::span<const device::BoardBackup> boards, std::span<const device::RestoredBoard> restored,
                           const Output& output) {
   const device::CalibrationStore store;

@@ -8,19 +8,20 @@
 
 namespace triskin::cli {
 
-/// What --save, --restore and --onto of `flash` name.
+/// The options --save, --restore and --onto of `flash` have these values.
 struct BackupOptions {
-  std::string save, restore;      ///< They name files and are empty if not asked for.
-  std::vector<std::string> onto;  ///< Each is OLD=NEW, two serial numbers.
+  std::string save, restore;      ///< Both are names of files; empty means not requested.
+  std::vector<std::string> onto;  ///< Each text is OLD=NEW, two serial numbers.
 };
 /// Adds these options.
 void add_backup_options(CLI::App& app, BackupOptions& options);
 
-/// Keeps what the controllers on all buses hold in the file of --save. Throws as device::save_boards and write_output.
+/// Saves the data of the controllers on all buses in the file of --save. Throws as device::save_boards and
+/// write_output.
 void save_backup(device::LiveSkin& skin, const BackupOptions& options, Output& output);
 
-/// Writes back what the file of --restore keeps, on a site with one bus. Throws as device::read_backup and
-/// device::restore_boards do, InputError for several buses. Of `flash` it takes dry_run and per_wire.
+/// Restores the data in the file of --restore, on a site with one bus. Throws as device::read_backup and
+/// device::restore_boards do, and InputError for several buses. Of `flash` it uses dry_run and per_wire.
 void restore_backup(device::LiveSkin& skin, const BackupOptions& options, const device::FlashOptions& flash,
                     Output& output);
 

@@ -27,7 +27,7 @@ void add_row(FirmwareReport& report, const std::string& serial, UpdateOutcome ou
   if (!why.empty()) report.rows.back()["why"] = why;
 }
 
-// Updates through the loader, where the controller does not sample.
+// Updates through the loader, during which the controller does not sample.
 void update_one(device::Bus& bus, const wire::NodeClaim& claim, const device::FirmwarePackage& package,
                 const device::FlashOptions& flash, FirmwareReport& report, Output& output) {
   const ProgressSink bars = output.progress();
@@ -42,14 +42,14 @@ void update_one(device::Bus& bus, const wire::NodeClaim& claim, const device::Fi
                                       : std::string("would be written by its loader")));
 }
 
-// Updates one that a broadcast has left out. An error here is reported for this board only: the others have their
+// Updates a controller that a broadcast has left out. An error concerns only this board, because the others have their
 // image.
 void update_left_out(device::Bus& bus, const device::BoardUpdate& board, const device::FirmwarePackage& package,
                      const device::FlashOptions& flash, FirmwareReport& report, Output& output) {
   try {
     update_one(bus, board.claim, package, flash, report, output);
   } catch (const device::Unreachable&) {
-    throw;  // The link is gone, and with it all that follow.
+    throw;  // The link has failed, so the remaining boards cannot be reached either.
   } catch (const DeviceError& e) {
     add_row(report, board.serial, UpdateOutcome::kGivenUp, board.slot, 0, e.what());
     output.say(fmt::format("controller {}  firmware given up: {}", board.serial, e.what()));
@@ -57,7 +57,7 @@ void update_left_out(device::Bus& bus, const device::BoardUpdate& board, const d
   }
 }
 
-// A bus for each wire that frames to all can be kept to.
+// Makes a bus for each wire, so that a broadcast stays on one wire.
 std::vector<std::unique_ptr<device::Bus>> buses_of(std::span<device::Link* const> links) {
   std::vector<std::unique_ptr<device::Bus>> buses;
   for (device::Link* link : links) {

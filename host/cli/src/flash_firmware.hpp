@@ -10,24 +10,23 @@
 
 namespace triskin::cli {
 
-/// Options of `flash` that concern the firmware.
 struct FirmwareOptions {
-  std::string file;  ///< If it is empty, no firmware is written.
+  std::string file;  ///< An empty name means that no firmware is written.
   bool one_by_one = false;
   device::BroadcastOptions broadcast;
 };
-/// Adds them to `flash`.
+/// Adds these options to `flash`.
 void add_firmware_options(CLI::App& app, FirmwareOptions& options);
 
-/// What became of the firmware of each controller.
+/// The report has the result of the firmware update for each controller.
 struct FirmwareReport {
   nlohmann::json rows = nlohmann::json::array();
-  bool complete = true;  ///< Every controller runs it, or would be given it in a dry run.
+  bool complete = true;  ///< True means that every controller runs the firmware, or would get it without the dry run.
 };
-/// Puts the package into every controller on the links, at once where they know the broadcast, and says what became of
-/// each; one that a broadcast leaves to its loader and that fails there is a row with its reason. `flash` gives dry_run
-/// and force. Throws InputError (a package that no controller can take), Unreachable, what broadcast_firmware() throws,
-/// and one by one what update_firmware() throws: the first that fails is the last that is tried.
+/// Updates every controller on the links, at once if they know the broadcast, and reports the result for each. If a
+/// broadcast leaves a controller to its loader and that fails, its row has the reason. `flash` gives dry_run and force.
+/// Throws InputError (a package that no controller can use), Unreachable, the exceptions of broadcast_firmware(), and
+/// those of update_firmware(), which is called one by one until the first failure.
 [[nodiscard]] FirmwareReport flash_firmware(std::span<device::Link* const> links,
                                             const device::FirmwarePackage& package, const FirmwareOptions& options,
                                             const device::FlashOptions& flash, Output& output);

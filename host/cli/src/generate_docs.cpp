@@ -16,7 +16,8 @@ std::vector<const CLI::App*> commands_of(const CLI::App& program) {
   return program.get_subcommands([](const CLI::App* c) { return !c->get_name().empty() && !c->get_group().empty(); });
 }
 
-// troff takes a dot or an apostrophe at the start of a line, and backslashes and hyphens anywhere, for its own.
+// troff gives a special meaning to a dot or an apostrophe at the start of a line, and to backslashes and hyphens
+// everywhere.
 std::string escaped(const std::string& text) {
   std::string out;
   bool start = true;
@@ -43,7 +44,7 @@ std::string section_of(const CLI::App& command, bool positional) {
   return text;
 }
 
-// Examples stand behind a headline in the footer.
+// Examples follow a headline in the footer.
 std::string example_of(const CLI::App& command) {
   const std::string footer = command.get_footer();
   const auto end = footer.find('\n');

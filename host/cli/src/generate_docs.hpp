@@ -6,15 +6,15 @@
 
 namespace triskin::cli {
 
-/// Answers the hidden command `generate-docs`, which packages and pages are made with: `options [COMMAND]` prints the
-/// help in the words of CLI11, `man [COMMAND]` a manual page, `bash` a completion. Returns the exit status; nothing
-/// when the command line is for another command.
+/// Answers the hidden command `generate-docs`, which is used to build packages and pages: `options [COMMAND]` prints
+/// the help in the words of CLI11, `man [COMMAND]` a manual page, `bash` a completion. Returns the exit status, or
+/// nothing if the command line has another command.
 [[nodiscard]] std::optional<int> answer_generate_docs(const CLI::App& program, int argc, const char* const* argv);
 
-/// The manual page (section 1, troff) of a command, or of the program itself.
+/// Formats the manual page (section 1, troff) of a command, or of the program itself.
 [[nodiscard]] std::string manual_page(const CLI::App& program, const CLI::App& command);
 
-/// Completion of commands, options and files for bash.
+/// Formats the completion of commands, options and files for bash.
 [[nodiscard]] std::string bash_completion(const CLI::App& program);
 
 }  // namespace triskin::cli

@@ -6,10 +6,10 @@
 
 namespace triskin::cli {
 
-/// The command `name`; null: there is none.
+/// Returns the command `name`, or null.
 [[nodiscard]] const CLI::App* find_command(const CLI::App& program, const std::string& name);
 
-/// Answers `help`, `help COMMAND` and `help links` on standard output. Returns the exit status; nothing when the
+/// Answers `help`, `help COMMAND` and `help links` on standard output. Returns the exit status, or nothing if the
 /// command line is none of these.
 [[nodiscard]] std::optional<int> answer_help(const CLI::App& program, int argc, const char* const* argv);
 

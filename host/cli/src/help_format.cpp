@@ -23,12 +23,12 @@ std::size_t terminal_columns() {
   return kColumnsWithoutTerminal;
 }
 
-// Bytes of UTF-8 that continue a letter take no column.
+// Continuation bytes of UTF-8 take no column.
 std::size_t width_of(const std::string& text) {
   return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (c & 0xC0) != 0x80; }));
 }
 
-/// The type of an option as its validators say it: what stands behind the name, and what the description adds.
+/// Validators give the type of an option in these words: the text after the name, and an addition to the description.
 struct TypeWords {
   std::string name, remark;
 };
@@ -60,7 +60,7 @@ TypeWords words_of(const std::string& type) {
   return {name(type), ""};
 }
 
-// What stands behind the name of an option: its type, its default, and whether it may be repeated or must be there.
+// Returns the text after the name of an option: its type, its default, and whether it may be repeated or is required.
 std::string behind_name(const CLI::Option& option, const std::string& type) {
   std::string text = option.get_type_size() == 0 || type.empty() ? "" : " " + type;
   if (option.get_expected_max() == CLI::detail::expected_max_vector_size) text += " ...";
@@ -115,11 +115,11 @@ std::string HelpFormat::make_description(const CLI::App* command) const {
 }
 
 std::string HelpFormat::make_usage(const CLI::App* command, std::string name) const {
-  constexpr std::size_t kIndent = 7;  // Text begins below the first word behind "Usage:".
+  constexpr std::size_t kIndent = 7;  // Text is aligned with the first word after "Usage:".
   return wrapped(CLI::Formatter::make_usage(command, std::move(name)), columns_, kIndent) + "\n";
 }
 
-// An example that is longer than a line goes on behind a backslash, as a shell reads it.
+// An example that is longer than a line continues after a backslash, as a shell expects.
 std::string HelpFormat::make_footer(const CLI::App* command) const {
   constexpr std::size_t kIndent = 6, kMargin = 2;
   std::istringstream lines(command->get_footer());

@@ -6,18 +6,18 @@
 
 namespace triskin::cli {
 
-/// Columns that --help may use: COLUMNS of the environment, else those of the terminal on standard output, else 80;
-/// never under 40 or over 120.
+/// Returns the columns available for --help: COLUMNS of the environment, else those of the terminal on standard output,
+/// else 80; always between 40 and 120.
 [[nodiscard]] std::size_t help_columns();
 
-/// `text` in lines of at most `columns` bytes that begin with `indent` blanks (the first with none). Breaks at blanks
-/// alone; a longer word gets a line of its own.
+/// Breaks `text` into lines of at most `columns` bytes; all except the first begin with `indent` blanks. It breaks only
+/// at blanks; a longer word gets its own line.
 [[nodiscard]] std::string wrapped(const std::string& text, std::size_t columns, std::size_t indent);
 
-/// --help in two columns that fit the terminal. Ranges and choices stand in words behind what an option does.
+/// Formats --help in two columns that fit the terminal. The description of an option also states its range and choices.
 class HelpFormat : public CLI::Formatter {
  public:
-  /// `columns`: of a line, at least 40.
+  /// `columns` is the width of a line, at least 40.
   explicit HelpFormat(std::size_t columns) : columns_(columns) {}
 
   std::string make_option(const CLI::Option* option, bool is_positional) const override;

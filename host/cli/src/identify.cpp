@@ -41,7 +41,7 @@ std::string how(device::FoundBy by) {
   }
 }
 
-// Each result is saved at once, so that Ctrl-C loses nothing.
+// Saves each result immediately, so that Ctrl-C loses nothing.
 class Notes {
  public:
   Notes(std::string path, const design::Design& design) : path_(std::move(path)) {
@@ -49,7 +49,7 @@ class Notes {
     if (!path_.empty() && path_ != "-" && std::filesystem::exists(path_))
       file_ = device::read_board_file(path_, design);
   }
-  // A controller serves one patch only: what the file said before is replaced.
+  // A controller serves only one patch, so a former entry is replaced.
   void add(const device::IdentifiedBoard& found) {
     std::erase_if(file_.boards, [&](const auto& a) { return a.patch == found.patch || a.serial == found.serial; });
     file_.boards.push_back({found.patch, found.serial});
@@ -91,7 +91,7 @@ int run(Options options, Output& output) {
   device::LiveCover& cover = one_cover(skin, "identify");
   Notes notes(options.output, cover.design());
   options.identify.say = tell_person;
-  // Contacts in a scene are somebody's fingers.
+  // Contacts in a scene act like fingers, so the program presses only without a scene.
   const bool own = device::is_in_process(options.site.link.link) && options.site.link.scene.empty();
   if (options.finger || (own && !options.by_hand)) options.identify.actuator = cover.actuator();
   options.identify.ask = [&](int patch) {

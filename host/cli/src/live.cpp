@@ -28,7 +28,7 @@ struct Options {
   device::StreamOptions stream;
   CalibrationOptions calibration;
   double seconds = 0.0;
-  int press = kWalk;  // It is a module, kNobody or kWalk.
+  int press = kWalk;  // The value is a module, kNobody or kWalk.
   int taxel = -1;
   bool tare = false;
 };
@@ -37,8 +37,8 @@ constexpr std::uint64_t kLine_us = 200'000;
 constexpr std::uint64_t kRest_us = 150'000;
 constexpr std::uint64_t kFingerMoves_us = 2'000'000;
 
-// In a simulation of our own without a scene nobody would touch the skin: the virtual finger tips on one taxel after
-// another. A simulation that somebody else serves has contacts of its own, so there it presses only what it is told to.
+// Without a scene, nobody would touch the skin in our own simulation, so the virtual finger presses one taxel after
+// another. A simulation served by another process has its own contacts, so there the finger presses only on request.
 class Demonstrator {
  public:
   Demonstrator(device::LiveCover& cover, const Options& options)
@@ -75,7 +75,7 @@ int run_icub(const Options& options, Output& output) {
   return live_icub(options.site.link, design ? &*design : nullptr, options.seconds, output);
 }
 
-// One run of the command: shows what is received, and does what the keys ask for.
+// One object handles one run of the command: it shows received data and handles keys.
 class Show {
  public:
   Show(const Options& options, device::LiveBus& bus)
@@ -123,7 +123,7 @@ class Show {
     bus_.run(run);
   }
 
-  // False: the person has ended it.
+  // Returns false if the person has ended it.
   bool show(LiveDisplay& display) {
     const auto wish = display.show(cover_.monitor(), state());
     nlohmann::json now = to_json(cover_.monitor(), state())["pressed"];
@@ -132,7 +132,7 @@ class Show {
     return wish != LiveDisplay::Wish::kEnd;
   }
 
-  // Takes the present values for those of a skin that nobody touches, and keeps them for the next time.
+  // Uses the present values as rest values, and stores them for the next start.
   void tare() {
     bus_.tare();
     if (interrupt_request()) return;
@@ -148,7 +148,7 @@ class Show {
   nlohmann::json last_pressed_;
 };
 
-// One cover, with its picture.
+// Shows one cover with its picture.
 int show_cover(const Options& options, device::LiveBus& bus, Output& output) {
   device::LiveCover& cover = bus.covers().front();
   const design::Design& design = cover.design();

@@ -52,7 +52,7 @@ class Lines final : public LiveDisplay {
   }
 
  private:
-  // Whoever reads a pipe sees that the skin is alive while nobody touches it.
+  // Readers of a pipe see that the skin works even if nobody touches it.
   static constexpr double kHeartbeat_s = 5.0;
   const Output& output_;
   double spoke_s_ = 0.0;
@@ -81,7 +81,7 @@ class Screen final : public LiveDisplay {
       if (asked != Wish::kNothing) wish = asked;
     }
     terminal_.draw(page(monitor, state));
-    // A simulation of our own is faster than a person can look.
+    // Our own simulation would be too fast for a person to follow.
     (void)triskin::sleep_until(start_ + std::chrono::microseconds(static_cast<std::int64_t>(state.time_s * 1e6)));
     return wish;
   }
@@ -97,7 +97,7 @@ class Screen final : public LiveDisplay {
     return Wish::kNothing;
   }
 
-  // The key u goes through the units; kPa is the first where it is known.
+  // The key u cycles through the units; kPa is the first if it is known.
   [[nodiscard]] PressureUnit unit(const LiveMonitor& monitor) const {
     constexpr std::array kUnits{PressureUnit::kKpa, PressureUnit::kCounts, PressureUnit::kPercent};
     const std::size_t unknown = monitor.calibration().complete() ? 0 : 1;
@@ -126,7 +126,7 @@ class Screen final : public LiveDisplay {
     return lines;
   }
 
-  // All patches where there is room, else the chosen one and those that are pressed or at fault before the others.
+  // Shows all patches if there is room, otherwise the selected one, then pressed or faulty ones, then the rest.
   [[nodiscard]] std::vector<std::string> patch_lines(const LiveMonitor& monitor, int room) const {
     const int patches = static_cast<int>(design_.patches.size());
     std::vector<int> shown(static_cast<std::size_t>(patches));

@@ -12,33 +12,31 @@
 
 namespace triskin::cli {
 
-/// Text that a display shows beside the skin.
 struct LiveState {
   double time_s = 0.0;
   std::uint64_t frames = 0, lost = 0;
-  std::string note;                         ///< It is a line for a person and may be empty.
-  std::optional<std::uint32_t> error_us{};  ///< It is the largest bound of the time of a controller's latest sample.
+  std::string note;  ///< The line is for a person and may be empty.
+  /// Of the controllers' latest samples, the largest error bound of their time is given.
+  std::optional<std::uint32_t> error_us{};
   std::vector<device::AdoptedCounts> adopted{};  ///< A controller of another patch reads these modules now.
 };
 
-/// Shows a skin while its samples come: a picture on a terminal, a line for each change elsewhere, an object a line
-/// with
-/// --json.
+/// Shows a skin while its samples arrive: as a picture on a terminal, as a line for each change elsewhere, as an object
+/// per line with --json.
 class LiveDisplay {
  public:
-  /// Action that a person requests with a key.
   enum class Wish { kNothing, kTare, kEnd };
   virtual ~LiveDisplay() = default;
-  /// Shows the present state; returns what was asked for since the last call.
+  /// Shows the present state; returns the request since the last call.
   virtual Wish show(device::LiveMonitor& monitor, const LiveState& state) = 0;
 };
 
-/// The display for an output. `design` and `output` outlive it.
+/// Makes the display for an output. `design` and `output` must outlive it.
 [[nodiscard]] std::unique_ptr<LiveDisplay> make_display(const design::Design& design, const Output& output);
-/// Place of a taxel and what presses it, in kPa where the monitor is calibrated, else in counts.
+/// Describes the place of a taxel and the pressure on it, in kPa if the monitor is calibrated, otherwise in counts.
 [[nodiscard]] std::string place_text(const device::LiveMonitor& monitor, const device::PressedTaxel& taxel);
-/// Keys "time_s", "frames", "lost", "pressed", "unit", with a calibration "force_n" and, where they are known,
-/// "time_error_us" and "adopted" of a line.
+/// Returns the keys of a line: "time_s", "frames", "lost", "pressed", "unit", with a calibration "force_n", and
+/// "time_error_us" and "adopted" if they are known.
 [[nodiscard]] nlohmann::json to_json(const device::LiveMonitor& monitor, const LiveState& state);
 
 }  // namespace triskin::cli

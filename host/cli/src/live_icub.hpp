@@ -5,8 +5,8 @@
 
 namespace triskin::cli {
 
-/// `live --protocol icub`: the skin boards on a link, whoever made them; without a design there is no map to places.
-/// Seconds ≤ 0: until Ctrl-C.
+/// Implements `live --protocol icub`: shows the skin boards on a link, whoever made them; without a design it cannot
+/// show positions. Seconds ≤ 0 means until Ctrl-C.
 int live_icub(const device::LinkOptions& link, const design::Design* design, double seconds, Output& output);
 
 }  // namespace triskin::cli

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint64_t kRobotLine_us = 200'000;
 
-// The covers of one bus while their samples come.
+// Shows the covers of one bus while their samples arrive.
 class BusShow {
  public:
   BusShow(device::LiveBus& bus, const CalibrationOptions& calibration, const Output& output) : bus_(bus) {
@@ -23,7 +23,7 @@ class BusShow {
     for (device::LiveCover& cover : bus.covers()) calibrate_cover(calibration, bus, cover, output);
   }
 
-  // `mutex` guards `output`.
+  // `mutex` protects `output`.
   void run(const device::StreamOptions& options, double seconds, Output& output, std::mutex& mutex) {
     bus_.start(options, {});
     const std::uint64_t start_us = bus_.now_us();

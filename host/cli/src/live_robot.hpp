@@ -5,8 +5,9 @@
 
 namespace triskin::cli {
 
-/// `live` for the covers of a robot: a line for each cover that is touched, with --json an object a bus, every 0.2 s;
-/// at the end the account of every cover. Returns the exit status. Throws as device::LiveBus does.
+/// Implements `live` for the covers of a robot: every 0.2 s it prints a line for each touched cover, or with --json an
+/// object for each bus, and finally the account of every cover. Returns the exit status. Throws as device::LiveBus
+/// does.
 int live_robot(device::LiveSkin& skin, const device::StreamOptions& options, const CalibrationOptions& calibration,
                double seconds, Output& output);
 

@@ -47,7 +47,7 @@ std::vector<std::uint8_t> nodes_on(device::Bus& bus, int only) {
   return nodes;
 }
 
-// What stopped a controller stands in no line once its power has gone; its fault memory still has it.
+// After a power failure the log does not contain a crash, but the fault memory still does.
 void say_crashes(device::Bus& bus, const std::vector<std::uint8_t>& nodes, const std::string& elf, Output& output) {
   nlohmann::json crashes = nlohmann::json::array();
   for (const std::uint8_t node : nodes) {

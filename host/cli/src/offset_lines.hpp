@@ -9,8 +9,8 @@
 
 namespace triskin::cli {
 
-/// The offsets of the converters as JSON. Appends text for a person to `lines`: a line for each patch and one for each
-/// module with a taxel out of place. Asks the controllers. Throws as device::read_offsets().
+/// Reads the offsets of the converters from the controllers and returns them as JSON. Appends text for a person to
+/// `lines`: a line for each patch and one for each module with a taxel out of range. Throws as device::read_offsets().
 nlohmann::json read_offset_lines(device::Bus& bus, const design::Design& design, std::vector<std::string>& lines);
 
 }  // namespace triskin::cli

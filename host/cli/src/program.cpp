@@ -36,13 +36,13 @@ int fail(const std::string& what, int status) {
   return status;
 }
 
-// The file of -o; empty where the command has none or none was given.
+// Returns the file of -o, or an empty text if there is none.
 std::string output_of(const CLI::App& app) {
   const CLI::Option* option = app.get_option_no_throw("--output");
   return option == nullptr || option->empty() ? std::string{} : option->as<std::string>();
 }
 
-// A command that wrote over what it reads would destroy it when it is interrupted, and could not be repeated.
+// A command that overwrites its input would destroy it when it is interrupted, and could not be repeated.
 void require_other_than_inputs(const CLI::App& app, const std::string& output) {
   std::error_code none;
   for (const CLI::Option* option : app.get_options()) {
@@ -54,13 +54,13 @@ void require_other_than_inputs(const CLI::App& app, const std::string& output) {
   }
 }
 
-// A command that a signal ended says so in its status as a shell does: 128 and the number of the signal.
+// After a signal, the exit status is 128 plus the number of the signal, as in a shell.
 int unless_ended(int status) {
   constexpr int kSignalled = 128;
   return interrupt_signal() > 0 ? kSignalled + interrupt_signal() : status;
 }
 
-// Runs one command and turns what it throws into its exit status.
+// Runs one command and turns its exceptions into an exit status.
 int run_entry(const Entry& entry) {
   try {
     const std::string file = output_of(*entry.app);
@@ -103,7 +103,7 @@ std::vector<std::unique_ptr<Entry>> add_commands(CLI::App& program) {
   return entries;
 }
 
-// One line that says what is wrong and what was perhaps meant, and where to read on.
+// Prints one line with the error, a suggestion, and where to read more.
 int refuse(const CLI::App& program, const CLI::ParseError& error, int argc, const char* const* argv) {
   const bool unknown = argc > 1 && argv[1][0] != '-' && find_command(program, argv[1]) == nullptr;
   std::string what = plain_words(error.what());

@@ -26,7 +26,7 @@ namespace triskin::cli::record_command {
 namespace {
 
 enum class Format { kMcap, kCsv, kHdf5 };
-// Names of the option --to, which are extensions too.
+// The option --to uses these names, which are also the extensions.
 constexpr NameTable kFormatNames{std::array<std::pair<Format, std::string_view>, 3>{
     {{Format::kMcap, "mcap"}, {Format::kCsv, "csv"}, {Format::kHdf5, "hdf5"}}}};
 
@@ -42,7 +42,7 @@ struct Options {
 
 constexpr std::uint64_t kSlice_us = 100'000;
 
-// Format given by --to, else by the extension; an extension that contradicts --to is refused.
+// Returns the format given by --to, or else by the extension; an extension that contradicts --to is refused.
 Format format_of(const Options& options, bool is_robot) {
   const std::string extension = std::filesystem::path(options.output).extension().string();
   const auto by_extension =
@@ -70,13 +70,13 @@ std::string firmware_of(device::Bus& bus, std::uint8_t node) {
   return device::firmware_version_text(device::Controller(bus, node).hello().firmware_version);
 }
 
-// Where a cover is on its robot, for viewers.
+// Viewers need the place of a cover on its robot.
 struct CoverPlace {
   std::string part, parent_frame;
   recording::Pose pose;
 };
 
-// Indexed by cover: its frame in the base of the robot with all joints at 0.
+// Returns for each cover its frame in the base of the robot, with all joints at 0.
 std::vector<CoverPlace> places_of(const robot::Assembly& assembly) {
   constexpr double kMetre_mm = 1000.0;
   std::vector<CoverPlace> places;
@@ -93,7 +93,6 @@ std::vector<CoverPlace> places_of(const robot::Assembly& assembly) {
   return places;
 }
 
-// The recording of one cover.
 class CoverFile {
  public:
   CoverFile(const robot::CoverConfig& cover, const std::string& path, Format format)
@@ -104,7 +103,7 @@ class CoverFile {
     origin_.parent_frame = place.parent_frame;
     origin_.pose = place.pose;
   }
-  // `cover`: the open cover of `bus` that this file is of.
+  // `cover` is the index of the open cover of `bus` that this file records.
   void describe(device::LiveBus& bus, std::size_t cover, const Options& options, const Output& output) {
     live_ = &bus.covers()[cover];
     bus_ = &bus;
@@ -169,7 +168,7 @@ class CoverFile {
   const robot::CoverConfig& cover_;
   Format format_;
   recording::OutputFile file_;
-  // Set by describe().
+  // describe() sets this pointer.
   device::LiveBus* bus_ = nullptr;
   device::LiveCover* live_ = nullptr;
   recording::Origin origin_;
@@ -178,7 +177,7 @@ class CoverFile {
   bool had_contacts_ = false;
 };
 
-// FOLDER/COVER.mcap of a robot; one whose controllers hang on several buses has a file for each.
+// Returns FOLDER/COVER.mcap for a robot; a cover whose controllers are on several buses has a file for each bus.
 std::string file_of(const Options& options, Format format, const robot::CoverConfig& cover,
                     const robot::BusConfig& bus) {
   if (cover.name.empty()) return options.output;
@@ -188,11 +187,11 @@ std::string file_of(const Options& options, Format format, const robot::CoverCon
       .string();
 }
 
-// The recordings of one bus: what is written, and how it ended.
+// Each bus has its recordings and their results.
 class BusRecording {
  public:
-  // Files are opened before anything is asked of the controllers.
-  // `places`: indexed by cover; empty for a design file.
+  // Files are opened before anything is requested from the controllers. `places` is indexed by cover; empty for a
+  // design file.
   BusRecording(const Options& options, const robot::BusConfig& site, Format format,
                const std::vector<CoverPlace>& places)
       : options_(options), site_(site) {
@@ -210,7 +209,7 @@ class BusRecording {
     try {
       receive(bus, progress);
     } catch (const DeviceError& e) {
-      if (!files_.front()->started()) throw;  // The recording had not begun.
+      if (!files_.front()->started()) throw;  // The recording had not started.
       trouble_ = e.what();
     }
     seconds_ = static_cast<double>(bus.now_us() - start_us_) * 1e-6;
@@ -242,7 +241,7 @@ class BusRecording {
     }
     return status;
   }
-  // Empty: the link held.
+  // Returns nothing if the link worked.
   [[nodiscard]] std::optional<std::string> trouble() const {
     if (!trouble_) return std::nullopt;
     std::uint64_t samples = 0;
@@ -276,7 +275,7 @@ class BusRecording {
   const Options& options_;
   const robot::BusConfig& site_;
   std::vector<std::unique_ptr<CoverFile>> files_;
-  std::vector<device::StreamReport> reports_;  // Indexed by cover.
+  std::vector<device::StreamReport> reports_;
   std::uint64_t start_us_ = 0, lost_ = 0;
   std::optional<std::string> trouble_;
   double seconds_ = 0.0;
@@ -292,7 +291,7 @@ void require_modules(const robot::Site& site) {
   }
 }
 
-// Checked before the hardware is used.
+// Fails early, before the hardware is used.
 void require_hdf5(const std::string& path) {
   if (!hdf5::can_write())
     throw InputError(

@@ -25,7 +25,7 @@ struct Options {
 
 enum class Answer { kDone, kSkip, kQuit };
 
-// A finding is the same after a repair when these are: its words may have changed.
+// Two findings are the same if these fields are equal; their text may have changed.
 auto identity(const device::Finding& f) {
   return std::tuple(f.kind, f.patch, f.module, f.other, f.line, f.address, f.taxel);
 }
@@ -33,7 +33,7 @@ bool same(const device::Finding& a, const device::Finding& b) {
   return identity(a) == identity(b);
 }
 
-// The question ends its line, so that another program can answer it.
+// The question ends with a line break, so that another program can answer it.
 Answer ask(Output& output, const std::string& question) {
   output.say(question + " Enter: done; s: skip it; q: end");
   std::cout.flush();
@@ -77,7 +77,7 @@ class Repair {
   [[nodiscard]] device::LiveBus& live_bus() const { return *skin_->buses().at(0); }
   [[nodiscard]] device::Bus& bus() const { return live_bus().bus(); }
 
-  // The supply was off meanwhile, and a USB board is another device afterwards.
+  // The supply was off during the repair, and a USB board is a new device afterwards.
   void open() {
     skin_.reset();
     skin_ = std::make_unique<device::LiveSkin>(open_skin(options_.site, output_));
@@ -99,7 +99,7 @@ class Repair {
     }
     return std::move(result.findings);
   }
-  // After a repair a person presses what it concerned, not the whole skin.
+  // After a repair, a person presses only the modules that it concerned, not the whole skin.
   static bool asks_for(const device::Finding* about, int module) {
     return about == nullptr || about->module == module || about->other == module ||
            std::ranges::find(about->behind, module) != about->behind.end();
@@ -122,7 +122,7 @@ class Repair {
            (options_.site.link.link.empty() ? "" : " --link " + options_.site.link.link);
   }
 
-  // What follows the work by hand, from flashing on, is done here.
+  // The program itself performs the steps after the manual work, from flashing on.
   Answer show(const device::Finding& finding, std::size_t of) {
     std::vector<std::string> steps = device::repair_steps(cover().design, finding, arguments());
     const auto ours = [](const std::string& s) {
@@ -161,7 +161,7 @@ class Repair {
     return findings;
   }
 
-  // Modules that were exchanged rest elsewhere. Only what is in order is tared.
+  // Exchanged modules have other rest values. Only a skin without other findings is tared.
   void tare() {
     live_bus().find_controllers();
     live_bus().start({}, {});

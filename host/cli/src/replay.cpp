@@ -24,9 +24,9 @@ struct Options {
   bool loop = false, expose = false;
 };
 
-struct Ended {};  // Thrown when a person ends the replay.
+struct Ended {};  // The exception is thrown when a person ends the replay.
 
-// Plays samples into the display of `live`, in the time in which they came.
+// Plays samples into the display of `live` at the pace at which they arrived.
 class Player {
  public:
   Player(const Options& options, RecordedSkin& skin, LiveDisplay& display)
@@ -53,7 +53,7 @@ class Player {
     for (const auto& [module, patch] : adopted_) s.adopted.push_back({module, patch, {}, true});
     return s;
   }
-  /// Time of the replay at which something came.
+  /// Returns the time of the replay at which something arrived.
   [[nodiscard]] double time_s(std::uint64_t link_us) const {
     return static_cast<double>(static_cast<std::int64_t>(link_us - start_us_)) * 1e-6;
   }
@@ -82,7 +82,7 @@ class Player {
   const Options& options_;
   device::LiveMonitor monitor_;
   LiveDisplay& display_;
-  std::map<int, int> adopted_;  // Keyed by module: patch whose controller reads it in place of its own.
+  std::map<int, int> adopted_;  // For each adopted module, the map has the patch whose controller reads it.
   std::size_t modules_ = 0;
   std::uint64_t start_us_ = 0, period_us_ = 0, last_us_ = 0, frames_ = 0;
 };
@@ -117,7 +117,7 @@ int run(const Options& options, Output& output) {
   } catch (const Ended&) {
     summary.file.complete = true;  // The extent of the file was not examined.
   }
-  display.reset();  // Leaves the page of the terminal.
+  display.reset();  // Destroying the display restores the terminal.
   output.result = to_json(player.monitor(), player.state());
   output.result["samples"] = player.state().frames;
   output.result["seconds"] = player.state().time_s;

@@ -26,16 +26,16 @@ namespace {
 constexpr double kReplaySlice_us = 10'000;
 constexpr std::uint64_t kReplayOffsets_us = 2'500'000;  // Controllers find their offsets within this time.
 
-struct ReplayEnded {};  // Thrown when a person ends it.
+struct ReplayEnded {};  // The exception is thrown when a person ends the replay.
 
-// Modules with a sample in the recording; the others do not exist. Reads the whole file.
+// Returns the modules with a sample in the recording; the others do not exist. Reads the whole file.
 std::set<int> heard_modules(const std::string& file) {
   std::set<int> heard;
   (void)recording::read_recording(file, [&](const recording::ModuleSample& s) { heard.insert(s.module); });
   return heard;
 }
 
-// The boards of the recording, where it holds the serial number of each.
+// Returns the boards of the recording, if it has the serial number of each.
 std::vector<wire::UniqueId> recorded_boards(const RecordedSkin& recorded) {
   std::vector<wire::UniqueId> boards;
   for (const std::string& text : recorded.serials) {
@@ -62,7 +62,7 @@ scene::Scene replay_scene(const std::string& file, const RecordedSkin& recorded)
   return scene;
 }
 
-// Plays samples into a served skin, in the time in which they came.
+// Plays samples into a served skin at the pace at which they arrived.
 class LinkPlayer {
  public:
   LinkPlayer(const ReplayLinkOptions& options, device::SimLink& link)
@@ -121,14 +121,15 @@ int replay_into_link(const ReplayLinkOptions& options, Output& output) {
   const RecordedSkin recorded = recorded_skin(options.file);
   const design::Design& design = recorded.design;
   device::SimLink link(replay_scene(options.file, recorded));
-  // The offsets are found with every taxel at rest, so that what is played is read as it was recorded.
+  // The offsets are found with every taxel at rest, so that playback gives the recorded values.
   std::array<double, layout::kTaxelsPerModule> rest{};
   rest.fill(layout::kRestCounts);
   for (int m = 0; m < static_cast<int>(design.layout.modules.size()); ++m) link.skin().skin().show(m, rest);
   {
     device::Bus bus(link);
     device::FlashOptions flash;
-    flash.recognise = false;  // Fresh boards ascend with the patches, or have the serial numbers of the recording.
+    // New boards are in the order of the patches, or have the serial numbers of the recording.
+    flash.recognise = false;
     for (std::size_t p = 0; p < design.patches.size(); ++p)
       flash.assign.push_back({static_cast<int>(p), device::to_text(scene::unique_id_of(link.skin().scene(), p))});
     (void)device::flash(bus, design, flash);
@@ -144,7 +145,7 @@ int replay_into_link(const ReplayLinkOptions& options, Output& output) {
       player.play();
     } while (options.loop);
   } catch (const ReplayEnded&) {
-    // Ctrl-C is the usual end of what is looped
+    // Ctrl-C is the usual way to end a loop.
   }
   output.result = {{"samples", player.samples()}, {"link", player.link_name()}};
   output.say(fmt::format("{} module samples were played", player.samples()));

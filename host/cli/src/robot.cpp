@@ -34,7 +34,7 @@ struct Options {
   bool replace = false, dry_run = false;
 };
 
-// Options that an action knows, beside --json. One that would do nothing is refused.
+// Lists the options that each action uses besides --json. An option without effect is refused.
 const std::map<std::string, std::set<std::string>> kActions{
     {"new", {"--name", "--bus", "--urdf"}},
     {"add",
@@ -56,7 +56,7 @@ void require(const std::string& value, const Options& options, const char* what)
   if (value.empty()) throw InputError(fmt::format("robot {}: give {}", options.action, what));
 }
 
-// A file as the robot file names it: seen from its folder.
+// Returns the path of a file relative to the folder of the robot file.
 std::string seen_from(const std::string& robot, const std::string& file) {
   const fs::path from = fs::absolute(robot).parent_path();
   const fs::path relative = fs::absolute(file).lexically_normal().lexically_relative(from.lexically_normal());
@@ -93,7 +93,7 @@ void set_pose(robot::CoverEntry& cover, const Options& options) {
   if (!options.matrix.empty() && !(options.xyz_mm.empty() && options.rpy_deg.empty()))
     throw InputError("--matrix: gives the whole pose; leave out --xyz-mm and --rpy-deg");
   if (!options.matrix.empty()) {
-    // Read as a file would be, so that the same rules hold.
+    // The values are parsed like a file, so that the same rules apply.
     std::vector<std::string> rows;
     for (std::size_t row = 0; row < 4; ++row)
       rows.push_back(
@@ -126,7 +126,7 @@ void set_serials(robot::CoverEntry& cover, const Options& options) {
   }
 }
 
-// A change must leave a usable file: one that no command would accept is not written.
+// A change must leave a usable file, so one that no command would accept is not written.
 void write_checked(const Options& options, const robot::Robot& robot, Output& output) {
   robot::Assembly changed = robot::assemble(robot, options.robot);
   const auto problems = robot::check(changed);
@@ -138,7 +138,8 @@ void write_checked(const Options& options, const robot::Robot& robot, Output& ou
   output.result["buses"] = robot.buses.size();
 }
 
-// The new cover, or with --replace the one that is there. A bus has addresses of its own: on another one they are new.
+// Returns a new cover, or with --replace the existing one. Each bus has its own addresses, so on another bus they are
+// assigned again.
 robot::CoverEntry& cover_to_add(robot::Robot& robot, const std::string& bus, const Options& options) {
   robot::CoverEntry* cover = robot::find_cover(robot, options.name);
   if (cover != nullptr && !options.replace)
@@ -152,7 +153,7 @@ robot::CoverEntry& cover_to_add(robot::Robot& robot, const std::string& bus, con
     cover->name = options.name;
   }
   if (!bus.empty() && bus != cover->bus) {
-    for (robot::ControllerEntry& e : cover->controllers) {  // Addresses are those of a bus, so they go.
+    for (robot::ControllerEntry& e : cover->controllers) {  // Addresses belong to a bus, so they are removed.
       if (e.bus.empty()) e.bus = cover->bus;
     }
     cover->bus = bus;
@@ -196,7 +197,7 @@ int run_add(const Options& options, Output& output) {
   return 0;
 }
 
-// Turns about the fixed axes x, y, z, as --rpy-deg takes them, each within ±180°.
+// Returns turns about the fixed axes x, y, z for --rpy-deg, each within ±180°.
 Eigen::Vector3d rpy_deg_of(const Eigen::Isometry3d& pose) {
   const Eigen::Matrix3d r = pose.linear();
   const Eigen::Vector3d turns(std::atan2(r(2, 1), r(2, 2)), std::asin(std::clamp(-r(2, 0), -1.0, 1.0)),
@@ -222,7 +223,7 @@ void add_pose_keys(const robot::CoverEntry& cover, nlohmann::json& keys) {
   keys["rpy_deg"] = {turns.x(), turns.y(), turns.z()};
 }
 
-// What the file does not say, and what says it. No command needs all of it, so it is no problem.
+// Lists what the file does not contain, and the option that adds it. No command needs all of it, so this is no mistake.
 std::vector<std::string> missing_of(const robot::Robot& robot, const std::string& file) {
   std::vector<std::string> missing;
   if (robot.urdf.empty() && !robot.covers.empty())
@@ -299,7 +300,7 @@ int run_show(const Options& options, Output& output) {
   return problems.empty() ? 0 : 1;
 }
 
-// Doubt that the touches raise about the cover; empty: none.
+// Returns the doubt that the touches raise about the cover; empty if there is none.
 std::string doubt(const robot::Registration& r, const Options& options) {
   const double rms_mm = r.fit.rms_mm;
   if (!r.exchanged_with.empty())
@@ -411,7 +412,7 @@ const cli::Registration kRobot{{
       return [o, &app](Output& output) {
         require_known(app, o->action);
         if (o->action == "show") return run_show(*o, output);
-        const WriterLock lock(o->robot);  // A change that another program makes meanwhile would be lost.
+        const WriterLock lock(o->robot);  // Without the lock, a simultaneous change by another program would be lost.
         if (o->action == "new") return run_new(*o, output);
         if (o->action == "add") return run_add(*o, output);
         return run_register(*o, output);

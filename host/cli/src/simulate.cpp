@@ -27,7 +27,7 @@ struct Options {
   std::optional<std::uint64_t> board_seed;
 };
 
-// Without a client, time is only a number, so the simulation runs as fast as the computer can.
+// Without a client, nothing depends on real time, so the simulation runs as fast as the computer can.
 void run_alone(scene::VirtualSkin& skin, double seconds, const ProgressSink& progress) {
   constexpr std::uint64_t kStep_us = 100'000;
   const auto end_us = static_cast<std::uint64_t>(seconds * 1e6);
@@ -37,9 +37,8 @@ void run_alone(scene::VirtualSkin& skin, double seconds, const ProgressSink& pro
   }
 }
 
-// A simulated bus.
 struct SimulatedBus {
-  std::string name;  // Empty for the one bus of a design.
+  std::string name;  // A design has one bus without a name.
   std::unique_ptr<scene::VirtualSkin> skin;
   std::unique_ptr<device::SkinServer> server;
 };
@@ -69,14 +68,14 @@ std::vector<SimulatedBus> buses_of(const Options& options) {
   return buses;
 }
 
-// Buses of a robot get ports that follow each other, so that one --link names all of them.
+// Buses of a robot get consecutive ports, so that one --link names all of them.
 void listen(std::vector<SimulatedBus>& buses, const std::string& at, device::Reach reach) {
   if (buses.size() == 1) {
     buses[0].server = device::open_server(*buses[0].skin, at, reach);
     return;
   }
   const device::HostPort first = device::parse_host_port(at);
-  constexpr int kTries = 20;  // The port after a free one may be taken.
+  constexpr int kTries = 20;  // The port after a free one may be in use.
   for (int attempt = 0;; ++attempt) {
     try {
       int port = first.port;
@@ -94,7 +93,7 @@ void listen(std::vector<SimulatedBus>& buses, const std::string& at, device::Rea
   }
 }
 
-// Reports which board reads which patch, which a person at the robot cannot see.
+// Reports which board reads which patch, which a person at a real robot could not see.
 void tell_boards(const std::vector<SimulatedBus>& buses, Output& output) {
   nlohmann::json boards = nlohmann::json::array();
   for (const SimulatedBus& bus : buses) {

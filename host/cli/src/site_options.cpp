@@ -38,7 +38,7 @@ std::string prefix_of(const robot::CoverConfig& cover) {
 
 ProgressSink progress_of(const robot::BusConfig& bus, const robot::CoverConfig& cover, ProgressSink sink) {
   if (cover.name.empty() || !sink) return sink;
-  constexpr int kPartsPerCover = 1 << 8;  // A bus has fewer controllers.
+  constexpr int kPartsPerCover = 1 << 8;  // Every bus has fewer controllers than this.
   constexpr int kPartsPerBus = kPartsPerCover << 8;
   const int first = bus.number * kPartsPerBus + cover.cover * kPartsPerCover;
   return [first, name = cover.name, sink = std::move(sink)](const Progress& p) {

@@ -7,16 +7,16 @@
 
 namespace triskin::cli {
 
-/// A terminal that shows pages and takes single keys. What was on it before is there again afterwards.
+/// A terminal shows pages and reads single keys. Its former contents are restored afterwards.
 class Terminal {
  public:
-  /// True when standard output is a terminal that can move its cursor.
+  /// Returns true when standard output is a terminal that can move its cursor.
   [[nodiscard]] static bool there();
-  /// TERM says that the terminal cannot move its cursor.
+  /// Returns true if TERM says that the terminal cannot move its cursor.
   [[nodiscard]] static bool is_dumb();
-  /// Size of the screen in characters.
+  /// The size of the screen is in characters.
   struct Size {
-    int columns = 80, rows = 24;  ///< what terminals have that do not tell
+    int columns = 80, rows = 24;  ///< Terminals that do not report their size are assumed to have this one.
   };
   [[nodiscard]] static Size size();
   Terminal();
@@ -26,11 +26,11 @@ class Terminal {
 
   /// Shows these lines and nothing else. Every place is written once, so nothing flickers.
   void draw(const std::vector<std::string>& lines) const;
-  /// A key that was pressed; 0: none. Does not wait.
+  /// Returns the pressed key, or 0, without waiting.
   [[nodiscard]] char key() const;
 
  private:
-  bool keys_ = false;  // Standard input is a terminal as well.
+  bool keys_ = false;  // True means that standard input is a terminal as well.
   termios before_{};
 };
 

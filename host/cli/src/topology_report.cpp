@@ -64,7 +64,7 @@ json match_json(const device::TopologyMatch& match, const std::string& file) {
           {"differences", std::move(differences)}};
 }
 
-// Best patches over all designs, by differences.
+// Returns the best patches over all designs, sorted by differences.
 std::vector<std::pair<std::size_t, device::TopologyMatch>> recognize(const wire::FoundTopology& found,
                                                                      const std::vector<NamedDesign>& designs) {
   std::vector<std::pair<std::size_t, device::TopologyMatch>> best;

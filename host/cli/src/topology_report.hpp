@@ -11,14 +11,15 @@
 
 namespace triskin::cli {
 
-using NamedDesign = std::pair<std::string, design::Design>;  ///< Each is a file and its design.
+using NamedDesign = std::pair<std::string, design::Design>;  ///< The text is the name of the design's file.
 
-/// Lets the controller look for its modules and joints; says what it found, which patch of the designs that is, and
-/// what differs. `expected_patch`: of the design with id `expected_design`, that its table is for; −1: it has none.
+/// Lets the controller search for its modules and joints; reports what it found, which patch of the designs this is,
+/// and the differences. `expected_patch` is the patch of its table, in the design with id `expected_design`; −1 means
+/// that it has no table.
 [[nodiscard]] nlohmann::json report_topology(device::Controller& controller, const std::vector<NamedDesign>& designs,
                                              std::uint64_t expected_design, int expected_patch, const Output& output);
 
-/// Something differs from the design that the table is for, or no design was recognized.
+/// Returns true if something differs from the design of the table, or no design was recognized.
 [[nodiscard]] bool differs(const nlohmann::json& topology);
 
 }  // namespace triskin::cli

@@ -34,8 +34,8 @@ struct Options {
   std::string report;
 };
 
-// A person presses real modules: Enter first, then the finger; the program sees the touch by itself. One question at a
-// time, also where several buses are verified.
+// A person presses real modules: Enter first, then the finger; the program notices the touch itself. Only one question
+// is open at a time, even if several buses are verified.
 bool ask_person(const std::string& cover, int module) {
   static std::mutex one;
   const std::lock_guard lock(one);
@@ -48,14 +48,14 @@ std::string extension_of(const std::string& file) {
   return std::filesystem::path(file).extension().string();
 }
 
-// Checked before the hardware is used, so that a wrong name does not cost minutes of pressing.
+// Fails before the hardware is used, so that a wrong name does not cost minutes of pressing.
 void check_report(const std::string& file) {
   const std::string extension = extension_of(file);
   if (file.empty() || extension == ".txt" || extension == ".html" || extension == ".json") return;
   throw InputError(fmt::format("--report {}: the extension says the format: .txt, .html (to print) or .json", file));
 }
 
-// FILE.html of a robot becomes FILE_COVER.html.
+// For a robot, FILE.html becomes FILE_COVER.html.
 std::string report_file(const std::string& file, const robot::CoverConfig& cover, const robot::BusConfig& bus) {
   const std::filesystem::path path(file);
   if (file.empty() || cover.name.empty()) return file;
@@ -73,7 +73,7 @@ void write_report(const std::string& file, const design::Design& design, const d
                                            : json.dump(1) + "\n");
 }
 
-// The patch that a code names, or −1: of none.
+// Returns the patch that a code names, or −1.
 int patch_of(const DesignArgument& argument, const design::Design& design, const Output& output) {
   if (!argument.code) return -1;
   const int patch = argument.code->patch;
@@ -84,14 +84,14 @@ int patch_of(const DesignArgument& argument, const design::Design& design, const
   return patch;
 }
 
-// Findings on one cover, reported when all buses are done.
+// Findings on one cover, which are reported when all buses are done.
 struct Told {
   device::VerifyResult result;
   nlohmann::json keys;
   std::vector<std::string> lines;
 };
 
-// What stands behind `triskin flash` and `triskin verify` in the steps of a repair.
+// Returns the arguments after `triskin flash` and `triskin verify` in the steps of a repair.
 std::string arguments_of(const Options& options, const robot::CoverConfig& cover) {
   const device::LinkOptions& link = options.site.link;
   return options.site.file + (cover.name.empty() ? "" : " --cover " + cover.name) +
@@ -99,7 +99,7 @@ std::string arguments_of(const Options& options, const robot::CoverConfig& cover
          (link.scene.empty() ? "" : " --scene " + link.scene);
 }
 
-// Each finding with the steps that mend it, as the report and --json have them.
+// Prints each finding with its repair steps, for the report and --json.
 Told print_report(const robot::CoverConfig& cover, device::VerifyResult r, device::LiveBus& live,
                   const std::string& arguments) {
   Told told;
@@ -141,7 +141,7 @@ Told print_report(const robot::CoverConfig& cover, device::VerifyResult r, devic
   return told;
 }
 
-// `patch` ≥ 0: its findings first, and a person is asked for its modules only.
+// If `patch` ≥ 0, its findings come first, and a person is asked only for its modules.
 std::vector<Told> verify_bus(device::LiveBus& live, const Options& options, int patch, const ProgressSink& progress) {
   std::vector<Told> all;
   const robot::BusConfig& site = live.config();
@@ -150,12 +150,12 @@ std::vector<Told> verify_bus(device::LiveBus& live, const Options& options, int 
     const robot::CoverConfig& cover = own.config();
     device::VerifyOptions verify = options.verify;
     verify.actuator = own.actuator();
-    // A simulated touch costs nobody anything, so every module is tried.
+    // A simulated touch needs no person, so every module is tried.
     if (verify.actuator != nullptr) verify.touch = !options.no_touch;
     verify.neighbours = robot::other_demands(site, std::array{&std::as_const(cover.design)});
     verify.rest = own.kept_rest();
     const auto wiring = design::wiring_of(cover.design);
-    // A person at one patch is asked for its modules only.
+    // A person at one patch is asked only for its modules.
     verify.ask = [&](int module) {
       const bool is_asked = patch < 0 || wiring.at(static_cast<std::size_t>(module)).patch == patch;
       return is_asked && ask_person(prefix_of(cover), module);
@@ -208,7 +208,7 @@ int run(Options options, Output& output) {
   try {
     skin.on_each_bus([&](device::LiveBus& bus) { buses[bus.index()] = verify_bus(bus, options, patch, progress); });
   } catch (const Error&) {
-    // Reports what was found on the other buses.
+    // Reports the findings on the other buses.
     if (buses.size() > 1) (void)say_all(buses, skin.site().is_robot, output);
     throw;
   }

@@ -42,14 +42,14 @@ void wait_for_interrupt() {
   while (!interrupt_request()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
 }
 
-// What the page shows: a design as it is, the covers of a robot in the frame of its base.
+// The page shows a design unchanged, or the covers of a robot in the frame of its base.
 struct Shown {
   design::Design design;
-  std::vector<design::CoverOffset> offsets;  // Indexed by cover.
+  std::vector<design::CoverOffset> offsets;
   view::Notes notes{};
 };
 
-// Names and coverage of the covers of a robot.
+// Returns names and coverage of the covers of a robot.
 std::vector<view::CoverNote> covers_of(const robot::Assembly& assembly, std::span<const design::CoverOffset> offsets) {
   std::vector<view::CoverNote> notes;
   for (std::size_t c = 0; c < offsets.size(); ++c) {
@@ -70,7 +70,7 @@ Shown shown_of(const std::string& file, bool has_link) {
   return {has_link ? design::read_intact_design(file) : design::read_design(file), {{}}, {}};
 }
 
-// Standard output is for the address alone.
+// Standard output is reserved for the address.
 void say_simulated_links(const device::LinkOptions& link, const robot::Site& site, Output& output) {
   for (const robot::BusConfig& bus : site.buses) {
     const std::string& name = site.is_robot && !link.chosen ? bus.link : link.link;
@@ -80,7 +80,7 @@ void say_simulated_links(const device::LinkOptions& link, const robot::Site& sit
   }
 }
 
-// Place where the page begins: the entry of the controller that a code names.
+// Returns the place where the page starts: the entry of the controller that a code names.
 std::string place_of(const DesignArgument& argument, const design::Design& design) {
   if (!argument.code || argument.code->patch < 0) return {};
   const auto patch = static_cast<std::size_t>(argument.code->patch);
@@ -89,8 +89,8 @@ std::string place_of(const DesignArgument& argument, const design::Design& desig
   return fmt::format("#module-{}", design.patches[patch].entry);
 }
 
-// The page shows N where the controllers answer and have a calibration; of a robot it shows counts. Standard output is
-// for the address alone.
+// The page shows N if the controllers answer and have a calibration; for a robot it shows counts. Standard output is
+// reserved for the address.
 design::SkinCalibration calibration_now(const Options& options, std::optional<device::LiveSkin>& skin,
                                         const Output& output) {
   if (!skin || skin->site().is_robot) return {};
@@ -103,13 +103,13 @@ design::SkinCalibration calibration_now(const Options& options, std::optional<de
     calibrate_cover(options.calibration, bus, bus.covers().front(), aside);
     calibration = bus.covers().front().calibration();
   } catch (const DeviceError&) {
-    // The page reports what is wrong with the link.
+    // The page reports problems of the link.
   }
   bus.close();
   return calibration;
 }
 
-// A recording is played by the page itself: the server has no live skin then.
+// The page itself plays a recording, so the server has no live skin.
 int play(const Options& options, Output& output) {
   RecordedTrack track = read_track(options.design, view::FrameTrack::kMax_bytes);
   if (!track.remark.empty()) output.say(track.remark);

@@ -17,7 +17,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint64_t kSlice_us = 10'000;
 constexpr microseconds kHealthEvery{250'000};
 
-// Health of all links for the page: trouble on one bus is trouble of the page.
+// Combines the health of all links for the page, because trouble on one bus affects the whole page.
 class Health {
  public:
   Health(std::string link, std::size_t buses, view::LiveSkin& live)
@@ -46,14 +46,14 @@ class Health {
   std::vector<Bus> buses_;
 };
 
-// One bus; runs in a thread of its own where there are several.
+// Feeds one bus; if there are several, each runs in its own thread.
 class Feed {
  public:
   Feed(device::LiveBus& bus, const std::vector<design::CoverOffset>& offsets, view::LiveSkin& live, Health& health,
        CommandQueue& commands)
       : bus_(bus), offsets_(offsets), live_(live), health_(health), commands_(commands) {}
 
-  // Streams until the process is asked to end; a link that fails is opened again.
+  // Streams until the process is asked to end; a failed link is opened again.
   void run(const device::StreamOptions& options) {
     state(false, "waiting for the first sample");
     const device::LiveRun slices{UINT64_MAX, kSlice_us, [this] { obey(); }, [this] { return slice(); }};
@@ -67,7 +67,7 @@ class Feed {
   }
 
  private:
-  // Position of a cover's first module on the page.
+  // Returns the number of a cover's first module on the page.
   [[nodiscard]] int first_module(const device::LiveCover& cover) const {
     return offsets_[static_cast<std::size_t>(cover.config().cover)].module;
   }
@@ -90,13 +90,13 @@ class Feed {
     state(true, bus_.link().trouble());
     return true;
   }
-  // The page asks for rest values anew when nothing touches the skin; they are kept, as those of `live --tare`. False:
-  // they are not there yet.
+  // The page asks for new rest values when nothing touches the skin; they are stored like those of `live --tare`.
+  // Returns false while they are not complete.
   static bool keep_rest(device::LiveCover* cover) {
     if (cover->tare().state() == device::Tare::State::kDone) (void)cover->keep_rest();
     return cover->tare().state() != device::Tare::State::kRunning;
   }
-  // A command is for the bus that has the module; presses of others are left to them.
+  // A command goes to the bus that has the module; each bus ignores presses of the others' modules.
   void obey() {
     while (const auto command = commands_.pop(static_cast<int>(bus_.index()))) {
       if (command->kind == view::Command::Kind::kRest) begin_tare();
@@ -121,7 +121,7 @@ class Feed {
       if (cover.actuator() != nullptr) cover.actuator()->press(own, taxel);
       return;
     }
-    lift();  // The page presses on another bus now.
+    lift();  // The page now presses on another bus.
   }
 
   device::LiveBus& bus_;
@@ -129,9 +129,9 @@ class Feed {
   view::LiveSkin& live_;
   Health& health_;
   CommandQueue& commands_;
-  std::optional<Pace> pace_;  // Set while samples arrive.
+  std::optional<Pace> pace_;  // The pace is set while samples arrive.
   Clock::time_point next_health_{};
-  std::vector<device::LiveCover*> taring_;  // Covers whose new rest values are to be kept.
+  std::vector<device::LiveCover*> taring_;  // New rest values of these covers will be stored.
 };
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The first line of a small file of /sys; empty where it cannot be read.
+// Returns the first line of a small file of /sys, or an empty text if it cannot be read.
 std::string line_of(const fs::path& file) {
   std::ifstream stream(file);
   std::string line;
@@ -74,7 +74,7 @@ void add_usb(const fs::path& root, std::vector<AttachedDevice>& devices) {
   }
 }
 
-// HID_ID=0003:00001209:00000001 (bus, vendor, product) and HID_UNIQ=SERIAL in the uevent file.
+// The uevent file has HID_ID=0003:00001209:00000001 (bus, vendor, product) and HID_UNIQ=SERIAL.
 void add_hid(const fs::path& root, std::vector<AttachedDevice>& devices) {
   const std::string wanted = fmt::format("HID_ID=0003:{:08X}:{:08X}", wire::kUsbVendor, wire::kUsbProduct);
   for (const fs::path& entry : entries_of(root / "sys/class/hidraw")) {

@@ -42,7 +42,7 @@ std::unique_ptr<Link> open_sim(const LinkOptions& options, const design::Design*
   return simulate_here(options.link, std::move(scene), folder);
 }
 
-// Empty: neither hid nor usb.
+// Returns null if the link is neither hid nor usb.
 std::unique_ptr<Link> open_usb(const std::string& link) {
   const std::size_t colon = link.find(':');
   const std::string kind = link.substr(0, colon);
@@ -72,7 +72,7 @@ std::optional<std::uint64_t> board_seed_of(std::optional<std::uint64_t> asked, s
 
 namespace {
 
-// Empty if the link is no real wire.
+// Returns null if the link is not a real wire.
 std::unique_ptr<Link> open_wire(const std::string& link) {
   if (link.starts_with("can:")) return std::make_unique<CanLink>(link.substr(4));
   return open_usb(link);

@@ -10,9 +10,10 @@
 namespace triskin::device {
 namespace {
 
-constexpr std::uint64_t kRestart_us = 20'000;  // Time in which a controller restarts under its new address.
+constexpr std::uint64_t kRestart_us = 20'000;  // A controller restarts under its new address within this time.
 
-constexpr int kAssignRounds = 5;  // Nobody confirms an assignment, and its frames or the claims after it may be lost.
+// Assignments are not confirmed, and their frames or the claims after them may be lost.
+constexpr int kAssignRounds = 5;
 
 }  // namespace
 
@@ -21,7 +22,7 @@ std::vector<wire::NodeClaim> assign_addresses(Bus& bus, std::map<wire::UniqueId,
   for (int round = 0; round < kAssignRounds && !wanted.empty(); ++round) {
     for (const auto& [id, address] : wanted) bus.assign(id, static_cast<std::uint8_t>(address));
     bus.listen(bus.now_us() + kRestart_us);
-    // A link of several wires learns here which one leads to which address.
+    // Discovering also teaches a link of several wires which wire leads to which address.
     claims = bus.discover();
     for (const wire::NodeClaim& c : claims) {
       const auto board = wanted.find(c.unique_id);

@@ -7,9 +7,10 @@
 
 namespace triskin::device {
 
-/// Gives controllers new node addresses, by unique id. Returns when each has said its own: two that share one would
-/// both take the table of one patch, and none of them could be asked afterwards whose it is. Result: who is on the bus
-/// then; with nobody in `wanted` nobody is asked, and it is empty. Throws DeviceError when one does not.
+/// Gives controllers new node addresses, by unique id. Returns only when each has reported its new address, because two
+/// that share one would both accept the table of one patch and could not be told apart afterwards. Returns the
+/// controllers that are then on the bus; if `wanted` is empty, nobody is asked and the result is empty. Throws
+/// DeviceError when a controller does not report its address.
 std::vector<wire::NodeClaim> assign_addresses(Bus& bus, std::map<wire::UniqueId, int> wanted);
 
 }  // namespace triskin::device

@@ -23,10 +23,10 @@ namespace {
 
 using Message = Bus::Message;
 
-// Identifiers that are equal on two boards of one kind.
+// Two boards of one kind have equal values of these identifiers.
 constexpr std::array<std::uint16_t, 2> kKind{wire::did::kPartNumber, wire::did::kHardware};
 
-// Empty: the controller has no such value, as an older one, or one without a table.
+// Returns empty if the controller has no such value, like an older one or one without a table.
 std::optional<std::vector<std::uint8_t>> raw_value(Bus& bus, std::uint8_t node, std::uint16_t id) {
   const auto high = static_cast<std::uint8_t>(id >> 8), low = static_cast<std::uint8_t>(id);
   try {
@@ -148,7 +148,7 @@ BoardBackup board_in(const JsonValue& v) {
   return b;
 }
 
-// The CRC says that nothing was changed; this says that it was a table in the first place.
+// The CRC shows that nothing was changed; this check shows that it was a valid table in the first place.
 void require_table(const JsonValue& v, const BoardBackup& b) {
   if (b.table.empty()) return;
   const auto image = layout::decode(b.table);
@@ -165,7 +165,7 @@ void require_calibration(const JsonValue& v, const BoardBackup& b) {
     v["values"].fail(fmt::format("keeps a calibration that is none: {}; save the board again", describe(kept.error())));
 }
 
-/// A board of the file and the controller that is to hold it.
+/// Each board of the file is paired with the controller that will receive its data.
 struct Pair {
   const BoardBackup* board = nullptr;
   wire::NodeClaim claim;
@@ -193,7 +193,7 @@ class Restoration {
   }
 
  private:
-  // Names every board that was not written.
+  // Throws naming every board that was not written.
   void require_done(const std::vector<std::exception_ptr>& outcomes) const {
     std::vector<std::string> failed;
     for (std::size_t k = 0; k < outcomes.size(); ++k) {
@@ -231,8 +231,8 @@ class Restoration {
     }
   }
 
-  // Asked at the address that the controller has now; fresh ones that share theirs are moved first, which a dry run
-  // does not do.
+  // Each controller is asked at its present address. New ones that share an address are moved first, except in a dry
+  // run.
   void require_kinds() {
     if (!options_.dry_run) {
       claims_ = put_apart(bus_, std::move(claims_), false);
@@ -298,7 +298,7 @@ class Restoration {
   void write_calibration(Controller& controller, const BoardBackup& b, RestoredBoard& r) const {
     const auto value = b.values.find(wire::Calibration::kId);
     if (value == b.values.end() || options_.dry_run) return;
-    // read_backup() has validated it.
+    // The value is present, because read_backup() has validated it.
     const wire::Calibration kept = wire::Calibration::decode(value->second).value();
     if (controller.calibration() == kept) return;
     r.calibrated = write_and_compare(controller, kept, r.serial);

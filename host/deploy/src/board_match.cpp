@@ -18,20 +18,20 @@
 namespace triskin::device {
 namespace {
 
-/// Whom a controller belongs to.
+/// Tells which design a controller belongs to.
 enum class Owner {
-  kNobody,     // It has no table.
-  kThis,       // It has a table of this design.
-  kAnother,    // It has a table of another design.
-  kNeighbour,  // FlashOptions::neighbours names it, so it is never taken.
-  kUnknown,    // It has a table and an address that others share, so it cannot be asked.
-  kSilent,     // It has a table and did not answer: it counts as absent unless it is named.
+  kNobody,     // The controller has no table.
+  kThis,       // The controller has a table of this design.
+  kAnother,    // The controller has a table of another design.
+  kNeighbour,  // FlashOptions::neighbours names the controller, so it is never used.
+  kUnknown,    // The controller has a table and shares its address, so it cannot be asked.
+  kSilent,     // The controller has a table and did not answer, so it counts as absent unless it is named.
 };
 
 struct Candidate {
   Board board;
   Owner owner = Owner::kNobody;
-  wire::ActiveTable table;  // Set only if the board could be asked.
+  wire::ActiveTable table;
 };
 
 class Matcher {
@@ -66,7 +66,7 @@ class Matcher {
   }
 
  private:
-  // Controllers that their shapes do not tell apart.
+  // Some controllers cannot be told apart by their shapes.
   struct Undecided {
     std::vector<FeelingBoard> boards;
     std::vector<Candidate*> candidates;
@@ -91,9 +91,10 @@ class Matcher {
       if (is_neighbour(candidate)) candidate.owner = Owner::kNeighbour;
       candidates_.push_back(candidate);
     }
-    if (silence && !any_answer) std::rethrow_exception(silence);  // The cable is at fault rather than the boards.
+    // If no board answers, the cable is at fault rather than the boards.
+    if (silence && !any_answer) std::rethrow_exception(silence);
   }
-  // A controller whose address nobody shares can be asked which design it serves.
+  // Asks a controller which design it serves, if its address is not shared.
   void ask(Candidate& c, bool alone) {
     c.owner = Owner::kUnknown;
     if (!alone) return;
@@ -152,7 +153,8 @@ class Matcher {
         give(c, patch, FoundBy::kTable);
     }
   }
-  // A controller that was flashed with this design while its patch had another address, as without a robot file.
+  // Finds controllers that were flashed with this design while their patch had another address, as without a robot
+  // file.
   void keep_moved() {
     design::Design then;
     for (Candidate& c : candidates_) {
@@ -166,7 +168,7 @@ class Matcher {
     }
   }
 
-  // Free controllers, and the patches of this design that they may serve. Those of another design are needed only where
+  // Returns the free controllers that may serve patches of this design. Those of another design are included only if
   // the others do not suffice.
   [[nodiscard]] std::vector<Candidate*> free_candidates(std::size_t n_open) {
     std::vector<Candidate*> free;
@@ -178,8 +180,8 @@ class Matcher {
     }
     return free;
   }
-  // Assigns boards by shape, even if one patch is requested, since the other boards narrow the choice. If controllers
-  // are missing, it asks nothing: require_all() reports it.
+  // Assigns boards by shape even if only one patch is requested, because the other boards narrow the choice. If
+  // controllers are missing, it asks nothing, and require_all() reports that.
   void recognise() {
     std::vector<int> open;
     for (const int p : here_) {
@@ -194,11 +196,11 @@ class Matcher {
     if (options_.dry_run && share_addresses(free)) return;
     const Undecided alike = settle_by_shape(free, open, seats);
     std::erase_if(open, [&](int p) { return !wanted(p) || taken_.contains(p); });
-    if (open.empty() || alike.boards.empty()) return;  // No board is left to distinguish.
+    if (open.empty() || alike.boards.empty()) return;  // No board is left that would have to be distinguished.
     if (options_.actuator == nullptr || options_.dry_run) refuse_alike(open, alike.boards);
     touch(open, alike);
   }
-  // `seats` begins with those of the patches `open`; the others are of neighbours.
+  // `seats` begins with those of the patches in `open`; the others belong to neighbours.
   Undecided settle_by_shape(const std::vector<Candidate*>& free, const std::vector<int>& open,
                             const std::vector<Seat>& seats) {
     std::vector<BoardShape> shapes = shapes_of(free);
@@ -210,7 +212,7 @@ class Matcher {
     }
     Undecided alike;
     for (std::size_t k = 0; k < free.size(); ++k) {
-      std::vector<int> likely;  // Only patches of this design.
+      std::vector<int> likely;  // Only patches of this design are likely here.
       for (const int seat : by_shape.likely[k]) {
         if (static_cast<std::size_t>(seat) < open.size()) likely.push_back(open[static_cast<std::size_t>(seat)]);
       }
@@ -229,7 +231,8 @@ class Matcher {
     }
     return alike;
   }
-  // All look at their patches at the same time; those that looked for another cover of the pass do not look again.
+  // Lets all boards search their patches at the same time; boards that already searched for another cover of the pass
+  // do not search again.
   [[nodiscard]] std::vector<BoardShape> shapes_of(const std::vector<Candidate*>& boards) const {
     std::vector<BoardShape> looked(boards.size());
     std::vector<Task> tasks;
@@ -249,7 +252,8 @@ class Matcher {
       shapes.push_back(known_.shapes.try_emplace(boards[k]->board.claim.unique_id, looked[k]).first->second);
     return shapes;
   }
-  // One after the other: where patches are joined, boards that look at the same time take modules from each other.
+  // Lets the boards search one after the other, because boards on joined patches take modules from each other when they
+  // search together.
   void look_again(const std::vector<Candidate*>& boards) const {
     for (const Candidate* c : boards) {
       Controller controller(bus_, c->board.claim.node_address);
@@ -283,7 +287,7 @@ class Matcher {
                                   : b.likely.size() == 1 ? fmt::format("like patch {}", b.likely[0])
                                                          : fmt::format("like patches {}", fmt::join(b.likely, ", "))));
     }
-    // With several covers on the bus the options need the name of the cover.
+    // If several covers share the bus, the user has to name the cover in the options.
     const bool alone = options_.neighbours.empty();
     throw DeviceError(fmt::format(
         "{}: it is ambiguous which controller serves patch{} {}{}: {}. Let triskin identify find it out by touch, name "
@@ -298,7 +302,7 @@ class Matcher {
     return !std::ranges::all_of(
         list, [&](const Candidate* c) { return addresses.insert(c->board.claim.node_address).second; });
   }
-  // Fresh controllers may be those of neighbours whose designs are not at hand: shapes cannot tell.
+  // If the designs of neighbours are not available, new controllers may belong to them, and shapes cannot tell.
   [[nodiscard]] bool neighbours_are_known() const {
     return std::ranges::none_of(options_.neighbours,
                                 [&](const FlashOptions::Neighbour& n) { return n.design == nullptr && is_vacant(n); });
@@ -313,7 +317,7 @@ class Matcher {
              return c.owner == Owner::kNeighbour && c.board.claim.node_address == n.node;
            });
   }
-  // One patch alone: it must be clear which controller is meant.
+  // If only one patch is requested, there must be no doubt about its controller.
   void fill(Owner owner) {
     std::vector<Candidate*> free;
     for (Candidate& c : candidates_) {
@@ -327,7 +331,7 @@ class Matcher {
     auto next = free.begin();
     const auto patches = seats(free.size());
     const bool only = patches.size() == 1 && free.size() == 1;
-    // A dry run does not know the shapes.
+    // In a dry run the shapes are unknown.
     const FoundBy by = only                                     ? FoundBy::kOnly
                        : options_.dry_run && options_.recognise ? FoundBy::kNothing
                                                                 : FoundBy::kOrder;
@@ -338,10 +342,10 @@ class Matcher {
     }
   }
 
-  // Patches without a controller, in the order of their node addresses; −1 stands for one of a neighbour. Where the
-  // free controllers do not suffice for all covers of the bus, those of this design alone.
+  // Returns the patches without a controller in the order of their node addresses; −1 stands for one of a neighbour.
+  // If the free controllers do not suffice for all covers of the bus, only patches of this design are returned.
   [[nodiscard]] std::vector<int> seats(std::size_t n_free) const {
-    std::vector<std::pair<int, int>> own, all;  // Pairs of node address and patch.
+    std::vector<std::pair<int, int>> own, all;  // Each pair is a node address and a patch.
     for (const int patch : here_) {
       if (wanted(patch) && !taken_.contains(patch)) own.emplace_back(design::node_address_of(design_, patch), patch);
     }
@@ -362,7 +366,7 @@ class Matcher {
     return fmt::format("{}", fmt::join(names, ", "));
   }
 
-  // If boards are missing, only those that are certain are served.
+  // If boards are missing, only the certain ones are served.
   void require_all() {
     std::vector<int> open;
     for (const int p : here_) {
@@ -397,7 +401,7 @@ class Matcher {
   static bool is_certain(const Candidate& c) {
     return c.board.patch >= 0 && (c.board.by == FoundBy::kName || c.board.by == FoundBy::kTable);
   }
-  // Controllers that would do but hold a table that is not of this design.
+  // Returns the controllers that could serve but have a table of another design.
   [[nodiscard]] std::vector<std::string> takeable() const {
     std::vector<std::string> others;
     for (const Candidate& c : candidates_) {
@@ -410,7 +414,7 @@ class Matcher {
     return others;
   }
 
-  // The address of a patch may be that of a controller that is none of ours.
+  // A foreign controller may already have the address of a patch.
   void require_addresses() const {
     for (const Candidate& c : candidates_) {
       const bool theirs = c.owner == Owner::kAnother || c.owner == Owner::kUnknown;
@@ -429,11 +433,11 @@ class Matcher {
   const FlashOptions& options_;
   BusBoards& known_;
   const std::size_t n_patches_;
-  const std::vector<int> here_;  // Sorted in ascending order.
+  const std::vector<int> here_;  // The patches are in ascending order.
   std::vector<Candidate> candidates_;
   std::set<int> taken_;
-  std::vector<std::string> silent_;     // Serial numbers of the silent controllers.
-  std::map<int, std::string> missing_;  // Patches without a controller, with the reason.
+  std::vector<std::string> silent_;
+  std::map<int, std::string> missing_;  // The value is the reason why the patch has no controller.
 };
 
 }  // namespace

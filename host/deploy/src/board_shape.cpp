@@ -14,9 +14,9 @@
 namespace triskin::device {
 namespace {
 
-using Edges = std::vector<std::vector<int>>;  // Seat numbers of each board, ascending.
+using Edges = std::vector<std::vector<int>>;  // Each board has the indices of its seats in ascending order.
 
-// A largest matching of boards and seats, by augmenting paths.
+// Finds a largest matching of boards and seats by augmenting paths.
 class Matching {
  public:
   Matching(const Edges& edges, std::size_t seats) : edges_(edges), board_(seats, -1) {
@@ -26,7 +26,7 @@ class Matching {
     }
   }
   [[nodiscard]] std::size_t size() const { return size_; }
-  // Board of a seat; −1: none.
+  // Returns the board of a seat, or −1.
   [[nodiscard]] int board(std::size_t seat) const { return board_[seat]; }
 
  private:
@@ -47,10 +47,11 @@ class Matching {
   std::size_t size_ = 0;
 };
 
-// Indexed by board and seat: shape_difference().
+// Differences are indexed by board and seat, as shape_difference() returns them.
 using Differences = std::vector<std::vector<int>>;
 
-// Seats whose patch a board differs from in at most `slack` things more than from the nearest; `slack` < 0: equal ones.
+// Returns the seats whose patch differs from the board in at most `slack` points more than the nearest one; a negative
+// `slack` allows only equal ones.
 Edges edges_of(const Differences& differences, int slack) {
   Edges edges(differences.size());
   for (std::size_t b = 0; b < differences.size(); ++b) {
@@ -142,7 +143,7 @@ ShapeAssignment assign_by_shape(std::span<const BoardShape> shapes, std::span<co
     std::erase(without[b], static_cast<int>(seat));
     if (Matching(without, seats.size()).size() < all.size()) result.seat[b] = static_cast<int>(seat);
   }
-  result.likely = std::move(edges);  // Its rows are in ascending order.
+  result.likely = std::move(edges);  // The rows are already in ascending order.
   return result;
 }
 

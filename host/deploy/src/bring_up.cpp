@@ -21,9 +21,9 @@
 namespace triskin::device {
 namespace {
 
-constexpr int kLastToOpen = 8;  // CAN interfaces or USB boards beyond this number are not opened for a look.
+constexpr int kLastToOpen = 8;  // More CAN interfaces or USB boards than this are not opened to look at them.
 constexpr std::uint64_t kOffsets_us = 2'000'000;  // Every converter finds its offsets within this time.
-constexpr double kMaxNoise = 10.0;                // Counts RMS; the data sheet gives 0.5 … 1.9.
+constexpr double kMaxNoise = 10.0;                // The limit is in counts RMS; the data sheet gives 0.5 … 1.9.
 
 StepAnswer passed(std::string found) {
   return {StepOutcome::kPassed, std::move(found)};
@@ -35,7 +35,7 @@ StepAnswer skipped(std::string why) {
   return {StepOutcome::kSkipped, std::move(why)};
 }
 
-/// Mean and deviation of each taxel of a module while nothing touches it.
+/// Computes mean and deviation of each taxel of a module while nothing touches it.
 class Rest {
  public:
   void add(const ModuleSample& f) {
@@ -217,7 +217,7 @@ class Session {
     return good ? passed(found) : failed(found);
   }
 
-  // Controllers that have an address of their own.
+  // Returns the node addresses that belong to exactly one controller.
   [[nodiscard]] std::vector<std::uint8_t> nodes() {
     std::vector<std::uint8_t> out = lone_addresses(bus_->discover());
     if (out.empty()) throw DeviceError("no controller with an address of its own; step 11 gives them out");

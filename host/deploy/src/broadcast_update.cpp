@@ -36,7 +36,8 @@ void check_label(const FirmwarePackage& package, int slot) {
         fmt::format("firmware package: the image for slot {} is of another version than its head says", slot));
 }
 
-// Each bus in a thread of its own; one bus in this one. The first exception leaves when all have ended.
+// Runs each bus in its own thread, or a single bus in the present one. The first exception is thrown when all have
+// ended.
 template <class Work>
 void side_by_side(std::vector<std::unique_ptr<UpdateSession>>& sessions, Work work) {
   std::vector<std::exception_ptr> failures(sessions.size());

@@ -15,8 +15,9 @@
 namespace triskin::device {
 namespace {
 
-// Node addresses that nobody has and that no patch of this design is to have, lowest first. Those that the robot file
-// gives to controllers of other covers come last: who sits there makes way when their cover is flashed.
+// An address is free if no controller has it and no patch of this design needs it; the lowest is used first. Addresses
+// that the robot file gives to controllers of other covers are last, because a board there has to move again when their
+// cover is flashed.
 class FreeAddresses {
  public:
   FreeAddresses(const Bus& bus, const design::Design& design, const FlashOptions& options) : name_(bus.name()) {
@@ -40,8 +41,8 @@ class FreeAddresses {
   std::set<int> used_, promised_;
 };
 
-// Fresh boards have the first address, and so may have one that holds a table: neither could be asked. The fresh ones
-// make way. New addresses by unique id.
+// New boards have the first address, and a board with a table may have it too, so neither could be asked. The new ones
+// move away. Returns new addresses by unique id.
 std::map<wire::UniqueId, int> ways_for_flashed(const std::vector<wire::NodeClaim>& claims, FreeAddresses free) {
   std::set<int> flashed;
   for (const wire::NodeClaim& c : claims) {
@@ -77,7 +78,7 @@ void CoverFlash::plan(std::span<const FlashOptions::Neighbour> settled, BusBoard
   MatchedBoards matched = match_boards(bus_, design_, options_, known);
   boards_ = std::move(matched.boards);
   missing_ = std::move(matched.missing);
-  // The finger leaves tables on boards.
+  // Identification by touch leaves tables on boards, so the claims are outdated.
   if (std::ranges::count(boards_, FoundBy::kTouch, &Board::by) > 0) known.claims.clear();
   std::erase_if(boards_, [](const Board& b) { return b.patch < 0; });
   std::ranges::sort(boards_, {}, &Board::patch);
@@ -126,7 +127,7 @@ void CoverFlash::find(std::vector<wire::NodeClaim>& claims) {
   if (options_.dry_run) return;
   const auto wanted = ways_for_flashed(claims, {bus_, design_, options_});
   if (!wanted.empty()) claims = assign_addresses(bus_, wanted);
-  // Whose shape is to be seen must be asked alone. One that is the only fresh one is not asked.
+  // To read a board's shape, its address must not be shared. The only new board need not be asked.
   const bool many = std::ranges::count(claims, false, &wire::NodeClaim::has_table) > 1 || options_.take_over;
   if (options_.recognise && many) claims = put_apart(bus_, std::move(claims), options_.take_over);
 }
@@ -142,7 +143,7 @@ std::uint8_t CoverFlash::address_of(const Board& board) const {
   return static_cast<std::uint8_t>(design::node_address_of(design_, board.patch));
 }
 
-// A patch that was written before the cable was pulled stays written.
+// A patch that was written before the cable was unplugged still counts as written.
 void CoverFlash::begin(FlashResult::Patch& r, const Board& board) const {
   if (r.written) return;
   r = {};
@@ -166,7 +167,7 @@ void CoverFlash::add_tasks(std::vector<Task>& tasks) {
   }
 }
 
-// If the first frame of a long answer is lost, the board waits for the flow control and drops requests in the
+// If the first frame of a long answer is lost, the board waits for the flow control and ignores requests in the
 // meantime. It has given up by the second attempt.
 void CoverFlash::serve(Bus& bus, const Board& board, FlashResult::Patch& r) const {
   bool began_to_write = false;
@@ -189,7 +190,7 @@ void CoverFlash::converse(Bus& bus, const Board& board, FlashResult::Patch& r, b
   Controller controller(bus, address_of(board));
   check_identity(controller, bus, r);
   const wire::ActiveTable active = controller.active_table();
-  // Equal CRC is not enough to skip: the bytes are cheap to compare.
+  // An equal CRC does not suffice to skip a table, because comparing the bytes costs little.
   r.equal =
       active.present() && active.crc == crc32(image) && std::ranges::equal(controller.read_table(image.size()), image);
   if (r.equal && began_to_write) r.written = true;

@@ -12,10 +12,12 @@
 
 namespace triskin::device {
 
-/// One cover in one pass of flash_together: first its boards, then the conversations that write their tables.
+/// Each cover in a pass of flash_together first finds its boards, then provides the conversations that write their
+/// tables.
 class CoverFlash {
  public:
-  /// `images`: by patch. All outlive the pass; `patches` has what is done, also of passes before.
+  /// `images` is indexed by patch; `patches` has the results, also those of earlier passes. All arguments must outlive
+  /// the pass.
   CoverFlash(const FlashPart& part, const std::vector<std::vector<std::uint8_t>>& images,
              std::vector<FlashResult::Patch>& patches)
       : bus_(*part.bus),
@@ -25,28 +27,28 @@ class CoverFlash {
         images_(images),
         patches_(patches) {}
 
-  /// Decides which board serves which patch. `settled`: boards of covers that were planned
-  /// before, by serial number. `known`: what they have found out of the bus, and this one adds to. Throws as
-  /// match_boards and assign_addresses do.
+  /// Decides which board serves which patch. `settled` are the boards of covers that were planned before, by serial
+  /// number. `known` has what was found out about the bus so far, and this call adds to it. Throws as match_boards and
+  /// assign_addresses do.
   void plan(std::span<const FlashOptions::Neighbour> settled, BusBoards& known);
-  /// Gives the boards of all covers of a pass the addresses of their patches; one that nobody needs and that sits there
-  /// moves to a free one. In a dry run nothing is done. Throws DeviceError as assign_addresses.
+  /// Gives the boards of all covers of a pass the addresses of their patches; an unneeded board that has such an
+  /// address moves to a free one. In a dry run nothing is done. Throws DeviceError as assign_addresses.
   static void give_addresses(const std::deque<CoverFlash>& covers, BusBoards& known);
-  /// The boards of this cover, for those that are planned after it.
+  /// Returns the boards of this cover, for covers that are planned later.
   [[nodiscard]] std::vector<FlashOptions::Neighbour> settled() const;
-  /// Controllers that answered.
+  /// Counts the controllers that answered.
   [[nodiscard]] std::size_t found() const { return found_; }
   /// Appends a conversation for each board.
   void add_tasks(std::vector<Task>& tasks);
 
   struct Failure {
-    std::string who;  ///< It names the patch and the controller.
+    std::string who;  ///< The text names the patch and the controller.
     std::exception_ptr what;
-    [[nodiscard]] std::string text() const;  ///< It returns the message of the exception.
+    [[nodiscard]] std::string text() const;  ///< Returns the message of the exception.
   };
-  /// Patches without their table, in their order: `outcomes` of the tasks, and those that have no board.
+  /// Returns the patches without their table, in order, from `outcomes` of the tasks and from patches without a board.
   [[nodiscard]] std::vector<Failure> failures(std::span<const std::exception_ptr> outcomes);
-  /// How many conversations add_tasks appended.
+  /// Returns how many conversations add_tasks appended.
   [[nodiscard]] std::size_t tasks() const { return boards_.size(); }
   /// Names the patches that have their table.
   [[nodiscard]] std::string what_is_done() const;
@@ -64,9 +66,9 @@ class CoverFlash {
   FlashOptions options_;
   const ProgressSink& progress_;
   const std::vector<std::vector<std::uint8_t>>& images_;
-  std::vector<FlashResult::Patch>& patches_;  // Patches with a board come first, then those without.
-  std::vector<Board> boards_;                 // Sorted by patch.
-  std::vector<MissingBoard> missing_;         // Sorted by patch.
+  std::vector<FlashResult::Patch>& patches_;  // Patches with a board are listed first, then those without.
+  std::vector<Board> boards_;
+  std::vector<MissingBoard> missing_;
   std::size_t found_ = 0;
 };
 

@@ -16,17 +16,18 @@ namespace {
 using LoaderCommand = wire::loader::Command;
 
 constexpr std::uint64_t kHelloEvery_us = 4'000, kEnter_us = 500'000;
-constexpr int kResets = 6;  // The loader's window may pass before a busy host can answer.
+constexpr int kResets = 6;  // A busy host may miss the loader's window.
 constexpr std::uint64_t kReply_us = 2'000'000, kErase_us = 8'000'000;
 constexpr std::uint64_t kStart_us = 200'000;  // Covers the loader's window and the application's first steps.
 
-// The loader of one controller. Frames are not acknowledged one by one: after each 32 the loader says how many it has.
+// Talks to the loader of one controller. It does not acknowledge single frames: after every 32 it reports how many it
+// has.
 class LoaderSession {
  public:
   LoaderSession(Bus& bus, const wire::UniqueId& id)
       : bus_(bus), link_(bus.link()), id_crc_(crc32(id)), name_(to_text(id)) {}
 
-  // Both slots' states: bit 0 valid, 1 confirmed, 2 startable; slot 1 in bits 3–5.
+  // Returns the states of both slots: bit 0 valid, 1 confirmed, 2 startable; slot 1 in bits 3–5.
   std::uint8_t enter(Controller& controller) {
     for (int k = 0; k < kResets; ++k) {
       if (const auto states = enter_after_reset(controller)) return *states;
@@ -37,7 +38,7 @@ class LoaderSession {
     try {
       controller.reset();
     } catch (const DeviceError&) {
-      // it may stand in its loader already
+      // The controller may already be in its loader.
     }
     const std::uint64_t end_us = link_.now_us() + kEnter_us;
     while (link_.now_us() < end_us) {
@@ -118,13 +119,12 @@ class LoaderSession {
   std::string name_;
 };
 
-// The slot that was written. Ended on request, the controller goes on with the application that it has.
+// Returns the slot that was written. If the user ends the program, the controller continues with its old application.
 int write_free_slot(LoaderSession& loader, const std::optional<wire::ImageState>& before, Controller& controller,
                     const FirmwarePackage& package, const std::function<void(double)>& steps) {
   try {
     const std::uint8_t states = loader.enter(controller);
-    // The slot that runs cannot be written; the loader refuses it. Slot 0 is free when slot 1 runs, or when nothing
-    // does.
+    // The loader refuses to write the slot that runs. Slot 0 is free when slot 1 runs, or when neither does.
     const int running = before ? before->slot : (states & 4) != 0 ? 0 : 1;
     const int slot = running == 0 ? 1 : 0;
     loader.erase(slot);

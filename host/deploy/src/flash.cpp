@@ -35,7 +35,8 @@ std::string sentence(const Failure& f) {
   return f.who + ": " + f.text();
 }
 
-// A request to end goes first, then a cable that may come back; each patch without its table is named.
+// A request to end has priority, then a cable that may be plugged in again; the message names each patch without its
+// table.
 [[noreturn]] void throw_all(const std::vector<Failure>& failures, const std::string& done) {
   if (const auto ended = std::ranges::find_if(failures, is_a<Cancelled>); ended != failures.end())
     throw Cancelled(sentence(*ended) + "; " + done);
@@ -61,7 +62,7 @@ std::vector<std::vector<std::uint8_t>> images_of(const design::Design& design, c
   return images;
 }
 
-// All covers of a bus, until their tables are written or nobody comes back.
+// A session flashes all covers of a bus, until their tables are written or waiting for controllers has timed out.
 class FlashSession {
  public:
   FlashSession(std::span<const FlashPart> parts, std::vector<FlashResult>& results) : parts_(parts), results_(results) {
@@ -87,7 +88,7 @@ class FlashSession {
   }
 
  private:
-  // First which board is whose, then all tables at once.
+  // First the boards are assigned to patches, then all tables are written together.
   void pass() {
     std::deque<CoverFlash> covers;
     std::vector<FlashOptions::Neighbour> settled;
@@ -101,7 +102,8 @@ class FlashSession {
         throw;
       } catch (const DeviceError&) {
         if (covers.empty()) throw;
-        failures.push_back({name_of(k), std::current_exception()});  // Earlier patches still get their tables.
+        // Patches that were planned earlier still get their tables.
+        failures.push_back({name_of(k), std::current_exception()});
         continue;
       }
       found_ = cover.found();
@@ -134,7 +136,7 @@ class FlashSession {
     Bus& bus = *parts_.front().bus;
     const auto start = std::chrono::steady_clock::now();
     const std::uint64_t start_us = bus.now_us();
-    // A dead link may have no time of its own.
+    // A dead link may have no clock, so the computer's clock counts.
     const auto over = [&] {
       return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > wait_s ||
              static_cast<double>(bus.now_us() - start_us) > wait_s * 1e6;
@@ -151,7 +153,7 @@ class FlashSession {
     }
     return false;
   }
-  // Number of controllers to wait for; until one has answered, the number of patches.
+  // Returns the number of controllers to wait for, which is the number of patches until one has answered.
   [[nodiscard]] std::size_t expected() const {
     if (found_ > 0) return found_;
     std::size_t n = 0;
@@ -161,7 +163,7 @@ class FlashSession {
 
   std::span<const FlashPart> parts_;
   std::vector<FlashResult>& results_;
-  std::vector<std::vector<std::vector<std::uint8_t>>> images_;  // Indexed by part and patch.
+  std::vector<std::vector<std::vector<std::uint8_t>>> images_;  // The first index is the part, the second the patch.
   std::size_t found_ = 0;
 };
 

@@ -98,7 +98,7 @@ class Identification {
   const IdentifyOptions& options_;
   const std::function<void(const IdentifiedBoard&)>& found_;
   std::vector<FeelingBoard> boards_;
-  std::vector<int> by_shape_;  // Indexed by board: the patch that its shape settles; −1: none.
+  std::vector<int> by_shape_;  // Each board has the patch that its shape settles, or −1.
   std::vector<IdentifiedBoard> result_;
 };
 

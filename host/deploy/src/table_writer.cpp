@@ -7,8 +7,8 @@
 
 namespace triskin::device {
 
-// The answer to the activation may be lost, and the table active all the same: what counts is what is read back. Where
-// the request was lost the whole is done again.
+// The answer to the activation may be lost although the table is active, so the bytes that are read back decide. If the
+// request was lost, the whole procedure is repeated.
 void write_and_compare(Controller& controller, Bus& bus, Bytes image, const std::function<void(double)>& steps) {
   constexpr int kAttempts = 3;
   for (int attempt = 1;; ++attempt) {
@@ -20,7 +20,7 @@ void write_and_compare(Controller& controller, Bus& bus, Bytes image, const std:
       if (attempt == kAttempts) throw;
     }
   }
-  const Bus::Uninterrupted guard(bus);  // An interruption must not leave it unknown which table is active.
+  const Bus::Uninterrupted guard(bus);  // After an interruption here, it would be unknown which table is active.
   const std::vector<std::uint8_t> back = controller.read_table(image.size());
   const auto [a, b] = std::mismatch(image.begin(), image.end(), back.begin(), back.end());
   if (a != image.end() || b != back.end()) {

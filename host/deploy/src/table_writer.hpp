@@ -6,9 +6,9 @@
 
 namespace triskin::device {
 
-/// Writes a table, activates it, reads it back and deletes the fault memory, whose rows would mean other modules.
-/// `steps` (may be empty): Controller::write_table. Throws DeviceError when a byte reads back differently, as
-/// Controller does otherwise.
+/// Writes a table, activates it, reads it back and clears the fault memory, because its rows would now mean other
+/// modules. `steps` (may be empty) is that of Controller::write_table. Throws DeviceError when a byte reads back
+/// differently, and otherwise as Controller does.
 void write_and_compare(Controller& controller, Bus& bus, Bytes image, const std::function<void(double)>& steps);
 
 }  // namespace triskin::device

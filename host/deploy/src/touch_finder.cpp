@@ -12,13 +12,14 @@ namespace triskin::device {
 namespace {
 
 constexpr std::uint64_t kLook_us = 50'000;
-constexpr std::uint64_t kSample_us = 85'000;  // Time for a conversion and a reading.
+constexpr std::uint64_t kSample_us = 85'000;  // A conversion and a reading fit into this time.
 constexpr std::uint64_t kMaxOffsets_us = 1'500'000;
-constexpr double kFelt_counts = 400.0;  // Sum over the taxels of a module; noise is a few counts per taxel.
-constexpr double kClearly = 3.0;        // The touched board must respond this many times more strongly than any other.
-constexpr int kLooks = 2;               // One look may be a glitch, so two in a row must agree.
+// The limit applies to the sum over the taxels of a module; noise is a few counts per taxel.
+constexpr double kFelt_counts = 400.0;
+constexpr double kClearly = 3.0;  // The touched board must respond this many times more strongly than any other.
+constexpr int kLooks = 2;         // One reading may be a glitch, so two in a row must agree.
 
-// A table for the chips that answer, without joints: as for strapped modules, in any tree.
+// Makes a table for the chips that answer, without joints: strapped modules may have any tree.
 layout::PatchImage image_of_answers(const BoardShape& shape) {
   layout::PatchImage image;
   for (std::size_t slot = 0; slot < layout::kMaxModules; ++slot) {
@@ -36,7 +37,7 @@ layout::PatchImage image_of_answers(const BoardShape& shape) {
   return image;
 }
 
-// The module at the cable, which no other controller has on its way to its own.
+// Keeps only the module at the cable, because no other controller needs it on the way to its own modules.
 void keep_entry_alone(layout::PatchImage& image) {
   layout::ModuleRow entry = image.modules[0];
   entry.joints = {};
@@ -87,7 +88,7 @@ void TouchFinder::let_sample(Probe& probe) {
   probe.samples = true;
 }
 
-// Taxels wander while the offsets of their converters are searched.
+// Waits, because taxels drift while the offsets of their converters are being searched.
 void TouchFinder::settle() {
   const std::uint64_t end_us = bus_.now_us() + kMaxOffsets_us;
   const auto busy = [&](const Probe& p) {
@@ -103,7 +104,7 @@ void TouchFinder::take_rest() {
   }
 }
 
-// Pressure lowers a value: what was pressed before and is let go does not count.
+// Pressure lowers a value, so the release of an earlier press does not count.
 double TouchFinder::strength(const Probe& probe) const {
   const wire::LiveTaxels now = Controller(bus_, probe.board.claim.node_address).taxels();
   double most = 0.0;
@@ -119,7 +120,7 @@ double TouchFinder::strength(const Probe& probe) const {
   return most;
 }
 
-// `doubtful`: two boards feel it.
+// `doubtful` becomes true when two boards feel the touch.
 std::optional<std::size_t> TouchFinder::felt(bool& doubtful) {
   std::size_t best = 0;
   double strongest = 0.0, second = 0.0;
@@ -157,7 +158,7 @@ std::optional<std::size_t> TouchFinder::wait(std::uint64_t until_us) {
   return std::nullopt;
 }
 
-// Any module of the patch: the first one may be dead.
+// Presses several modules of the patch, because the first one may be dead.
 std::optional<std::size_t> TouchFinder::press(TouchActuator& actuator, int patch) {
   for (const design::RoutedModule& m : design_.patches.at(static_cast<std::size_t>(patch)).modules) {
     actuator.press(m.node);

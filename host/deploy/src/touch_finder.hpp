@@ -7,23 +7,24 @@
 
 namespace triskin::device {
 
-/// A controller whose address nobody shares.
+/// Only a controller whose address is not shared can be asked what it feels.
 struct FeelingBoard {
   wire::NodeClaim claim;
   BoardShape shape;
-  std::vector<int> likely;  ///< Its shape fits these patches; with none it fits no patch.
-  bool across = false;  ///< It reaches into the patches beside its own, so it samples the module at its cable alone.
+  std::vector<int> likely;  ///< The board's shape fits these patches; an empty list means that it fits none.
+  bool across = false;  ///< The board reaches into neighbouring patches, so it samples only the module at its cable.
 };
 
-/// Waits for touches, and says which controller felt them. Not thread-safe.
+/// Waits for touches and reports which controller felt them. Not thread-safe.
 class TouchFinder {
  public:
-  /// Lets every board sample: those without a table of a design get one of what they see. Takes up to 1.5 s. A board
-  /// that cannot is said and never feels anything. `bus` and `design` outlive this. Throws as Controller does.
+  /// Makes every board sample; those without a table of a design get one for the chips that they see. Takes up to 1.5
+  /// s. A board that cannot sample is reported and never feels a touch. `bus` and `design` must outlive the object.
+  /// Throws as Controller does.
   TouchFinder(Bus& bus, const design::Design& design, std::vector<FeelingBoard> boards, const IdentifyOptions& options);
 
-  /// Asks for a touch of `patch`; returns the number of the board that felt it. Empty: none did in time. Boards that
-  /// were found before are not considered.
+  /// Asks for a touch of `patch`; returns the index of the board that felt it, or nothing if none did in time. Boards
+  /// that were already found are not considered.
   std::optional<std::size_t> find(int patch);
 
  private:

@@ -18,7 +18,8 @@ using wire::update::Phase;
 
 namespace {
 
-constexpr std::uint64_t kSilence_us = 20'000;  // Longest silence, except during an erase of a page.
+// A board is silent for at most this long, except while it erases a page.
+constexpr std::uint64_t kSilence_us = 20'000;
 constexpr std::uint64_t kClaims_us = 60'000;
 constexpr std::uint64_t kErasePage_us = 23'000;  // An erase takes 22 ms, and some work happens between two pages.
 constexpr std::uint64_t kBetweenPolls_us = 25'000;
@@ -26,7 +27,7 @@ constexpr std::uint64_t kErasePatience_us = 2'000'000, kCheckPatience_us = 1'500
 constexpr std::uint64_t kStarts_us = 40'000;  // Covers the queue, the loader's window and the check of both slots.
 constexpr std::uint64_t kConfirmed_us = 2'500'000;  // An application has proved itself by this time.
 constexpr int kTries = 3, kMaxRounds = 25;
-// A board that is slow, or whose answers were lost, has so many rounds to say what it misses.
+// A slow board, or one whose answers were lost, has this many rounds to report its missing units.
 constexpr int kSilentRounds = 3;
 constexpr std::uint64_t kMaxLag_us = 2'000;  // Sending catches up with at most this delay.
 
@@ -113,7 +114,7 @@ void UpdateSession::ask(Command command, const Done& wanted, const Done& done, i
       send(order);
       sending_us += wire::frame_ns(wire::update::encode_order(order), wire::kControllerRates) / 1000;
     }
-    // Answers of all share the bus: the silence begins when nothing comes any more.
+    // The answers of all boards share the bus, so the silence is counted from the last frame.
     std::uint64_t until_us = bus_.now_us() + sending_us + silence_us_;
     while (bus_.now_us() < until_us && std::ranges::any_of(boards_, open)) {
       const auto frame = bus_.receive(until_us);
@@ -144,7 +145,7 @@ void UpdateSession::ask_all() {
       kTries);
 }
 
-// Who does not know the broadcast says who it is all the same.
+// A board that does not know the broadcast still claims its address.
 void UpdateSession::look_for_silent() {
   const auto silent = [](const Board& b) { return !b.who; };
   if (std::ranges::none_of(boards_, silent)) return;
@@ -190,7 +191,7 @@ wire::update::Offer UpdateSession::offer_of(int slot) const {
           .image_crc = crc32(image)};
 }
 
-// The offer of each slot that is free somewhere goes to all; then each one is asked to take part.
+// The offer of each slot that is free on some board is sent to all; then each board is asked to take part.
 void UpdateSession::join() {
   const auto wanted = slots_wanted();
   for (Board& b : boards_) b.state.reset();
@@ -245,8 +246,8 @@ void UpdateSession::expect_answer(Board& b, const char* doing) {
   if (b.state->phase == Phase::kRefused) give_up(b, UpdateOutcome::kRefused, why_refused(b.state->status));
 }
 
-// Asks who is under way how it stands until each is done. Who stands at `from` has missed the command: it goes out
-// again.
+// Asks the participating boards for their state until each is done. If one is still in phase `from`, it has missed the
+// command, which is then sent again.
 void UpdateSession::poll_until(const Done& done, std::uint64_t patience_us, Command repeat, Phase from,
                                const char* doing) {
   const std::uint64_t until_us = bus_.now_us() + patience_us;
@@ -303,17 +304,17 @@ void UpdateSession::send_image() {
 
 namespace {
 
-// The streams of the two slots take turns: while the flash takes one's units, the bus carries the other's.
+// The streams of the two slots alternate: while the flash stores units of one, the bus carries those of the other.
 struct SlotStream {
   std::vector<std::uint16_t> units;
   std::size_t at = 0;
   std::uint64_t next_us = 0;
   [[nodiscard]] bool done() const { return at == units.size(); }
-  // Number of consecutive units from `at` on, limited to `most`.
+  // Counts the consecutive units from `at` on, limited to `most`.
   [[nodiscard]] std::size_t run(std::size_t most) const {
     std::size_t n = 1;
     while (n < most && at + n < units.size() && units[at + n] == units[at] + n) ++n;
-    // CAN FD has frames of 8, 16, 24, 32, 48 and 64 bytes.
+    // CAN FD has frames of 8, 16, 24, 32, 48 and 64 bytes, so other sizes are rounded down.
     if (n > 6 && n < 8) n = 6;
     if (n == 5) n = 4;
     return n;
@@ -356,7 +357,7 @@ bool UpdateSession::complete(const Board& b) const {
          b.state->count == b.missing.size();
 }
 
-// Who misses what, and the union once more, until nobody misses anything.
+// Collects the missing units of all boards and sends their union again, until none is missing.
 void UpdateSession::send_missing() {
   std::vector<std::size_t> open;
   for (std::size_t k = 0; k < boards_.size(); ++k) {
@@ -374,7 +375,7 @@ void UpdateSession::send_missing() {
         return std::ranges::any_of(open, [&](std::size_t at) { return &boards_[at] == &b; });
       };
       ask(Command::kMissing, is_open, [](const Board& b) { return b.state.has_value(); }, 1);
-      // Who was silent before is asked once a round: a dead board does not hold the others up.
+      // A board that was silent before is asked only once per round, so that a dead board does not delay the others.
       const auto waits = [&](std::size_t at) { return !complete(boards_[at]) && boards_[at].silent_rounds == 0; };
       if (std::ranges::none_of(open, waits)) break;
     }
@@ -447,7 +448,7 @@ bool UpdateSession::started(const Board& b) const {
 
 void UpdateSession::activate() {
   if (!any_under_way()) return;
-  const Bus::Uninterrupted together(bus_);  // Either all of them are sent or none.
+  const Bus::Uninterrupted together(bus_);  // An interruption must not leave only some of them sent.
   send_to_all(Command::kActivate);
   listen(bus_.now_us() + kStarts_us);
   const std::uint64_t until_us = bus_.now_us() + kStartPatience_us;
@@ -490,7 +491,7 @@ void UpdateSession::hold_back(const std::string& why) {
 void UpdateSession::abandon() noexcept {
   try {
     send_to_all(Command::kEnd);
-  } catch (...) {  // The link is dead, and the boards end the session by themselves.
+  } catch (...) {  // If the link is dead, the boards end the session by themselves.
   }
 }
 

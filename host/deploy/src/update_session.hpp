@@ -11,26 +11,27 @@
 
 namespace triskin::device {
 
-/// The host's side of one broadcast update on one bus, in steps. Not thread-safe.
+/// A session is the host's side of one broadcast update on one bus, step by step. Not thread-safe.
 class UpdateSession {
  public:
   using OnProgress = std::function<void(std::size_t board, const char* stage, double fraction)>;
-  /// `bus` and `package` outlive it. `session`: not 0.
+  /// `bus` and `package` must outlive the session. `session` must not be 0.
   UpdateSession(Bus& bus, std::span<const wire::NodeClaim> boards, const FirmwarePackage& package,
                 const BroadcastOptions& options, std::uint16_t session, OnProgress progress);
 
-  /// Asks each board what it runs, and lets those take part that are to be updated. Nothing is written. Throws as Bus
+  /// Asks each board what it runs, and lets the boards that need the update join. Nothing is written. Throws as Bus
   /// does.
   void begin();
-  /// Everything up to the check of the image on each board that takes part; nothing is activated. Throws as Bus does.
+  /// Performs everything up to the check of the image on each participating board; nothing is activated. Throws as Bus
+  /// does.
   void transfer();
-  /// True when a board has refused what others are ready for.
+  /// Returns true when a board has refused the image that others are ready for.
   [[nodiscard]] bool any_refused() const;
-  /// All that are ready commit and start the image.
+  /// Makes all boards that are ready commit and start the image.
   void activate();
-  /// Ends the session; what is ready stays out of use, because of `why`.
+  /// Ends the session without using the new images; `why` is the reason.
   void hold_back(const std::string& why);
-  /// Ends the session on the bus and tells nobody: for a way out by exception.
+  /// Ends the session on the bus without a report, for leaving by an exception.
   void abandon() noexcept;
 
   [[nodiscard]] std::vector<BoardUpdate> take_boards();
@@ -42,20 +43,21 @@ class UpdateSession {
   struct Board {
     BoardUpdate result;
     std::uint32_t id_crc = 0;
-    bool under_way = false;  ///< It takes part in the session.
-    bool claims = false;     ///< It has said who it is.
-    // Answers since forget():
+    bool under_way = false;  ///< The board takes part in the session.
+    bool claims = false;     ///< The board has answered who it is.
+    // The following answers arrived since forget().
     std::optional<wire::update::Who> who;
     std::optional<wire::update::Image> image;
     std::optional<wire::update::State> state;
-    std::set<std::uint16_t> missing;  ///< It reported these units missing since it was last asked.
-    int silent_rounds = 0;            ///< It did not say in so many rounds in a row what it misses.
+    std::set<std::uint16_t> missing;  ///< Since it was last asked, the board reported these units as missing.
+    int silent_rounds = 0;            ///< In this many consecutive rounds the board did not report its missing units.
   };
-  /// Units of one slot's image that are to be sent, in order.
+  /// Lists the units of one slot's image that have to be sent, in order.
   using Units = std::vector<std::uint16_t>;
 
   void send(const wire::update::Order& order);
-  /// Several times: without answers nobody says that it has missed it, and who has it already ignores it.
+  /// The command is sent several times, because nothing is answered that would show a loss; boards that already have it
+  /// ignore repeats.
   void send_to_all(wire::update::Command command) {
     for (int k = 0; k < 3; ++k) send({command, session_, {}});
   }
@@ -63,7 +65,7 @@ class UpdateSession {
   void listen(std::uint64_t until_us);
   void listen_while(std::uint64_t until_us, const std::function<bool()>& goes_on);
   using Done = std::function<bool(const Board&)>;
-  /// Sends `command` to each board that `wanted` names until `done`; false of those that have not answered in time.
+  /// Sends `command` to each board that `wanted` selects until `done`; returns false if one did not answer in time.
   void ask(wire::update::Command command, const Done& wanted, const Done& done, int tries);
   void ask_all();
   void look_for_silent();
@@ -79,7 +81,7 @@ class UpdateSession {
   [[nodiscard]] bool complete(const Board& board) const;
   void check();
   void give_up(Board& board, UpdateOutcome outcome, const std::string& why);
-  /// Gives up who does not answer, or answers that it takes no part any more.
+  /// Gives a board up if it does not answer, or answers that it no longer takes part.
   void expect_answer(Board& board, const char* doing);
   [[nodiscard]] bool started(const Board& board) const;
   [[nodiscard]] bool equal(const Board& board) const;
@@ -95,7 +97,7 @@ class UpdateSession {
   std::uint16_t session_;
   OnProgress progress_;
   std::vector<Board> boards_;
-  std::map<std::uint32_t, std::size_t> by_answer_;  ///< They lead from the identifier of an answer to its board.
+  std::map<std::uint32_t, std::size_t> by_answer_;  ///< The map finds the board for the identifier of an answer.
   bool fd_;
   std::size_t frame_bytes_;
   std::uint64_t silence_us_;  ///< No more answers are expected after this time.

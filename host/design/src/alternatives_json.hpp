@@ -7,7 +7,7 @@ namespace triskin::design {
 
 /// Adds "price", "taken" and "alternatives" to the document of a design that has alternatives.
 void write_alternatives(const Design& design, nlohmann::json& document);
-/// Reads them where they are. Errors: InputError naming the key.
+/// Reads them if the document has them. Errors: InputError naming the key.
 void read_alternatives(const JsonValue& document, Design& design);
 
 }  // namespace triskin::design

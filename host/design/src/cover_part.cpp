@@ -34,7 +34,7 @@ nlohmann::json point_json(const Vec3& p) {
   return {p.x(), p.y(), p.z()};
 }
 
-// One function a kind of region.
+// std::visit needs one function for each kind of part.
 struct HoldsPoint {
   const Vec3& point;
   bool operator()(const Sphere& s) const { return (point - s.center_mm).norm() <= s.radius_mm; }

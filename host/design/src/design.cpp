@@ -7,8 +7,8 @@
 namespace triskin::design {
 namespace {
 
-// Centres on the iCub module relative to its centroid, x along side 0, y towards the opposite corner (skinGui's
-// triangle); which measure what: layout/module.hpp.
+// Taxel centres on the iCub module relative to its centroid, with x along side 0 and y towards the opposite corner
+// (skinGui's triangle). layout/module.hpp says what each taxel measures.
 constexpr std::array<std::array<double, 2>, layout::kTaxelsPerModule> kTaxel_mm{{{6.533, 0.0},
                                                                                  {9.8, -5.66},
                                                                                  {3.267, -5.66},
@@ -22,7 +22,7 @@ constexpr std::array<std::array<double, 2>, layout::kTaxelsPerModule> kTaxel_mm{
                                                                                  {0.0, 7.507},
                                                                                  {3.267, 5.66}}};
 
-// FNV-1a, 64 bit, over little-endian words.
+// Computes FNV-1a, 64 bit, over little-endian words.
 class Hash {
  public:
   void add(std::uint64_t word) {
@@ -32,7 +32,7 @@ class Hash {
     }
   }
   void add(int value) { add(static_cast<std::uint64_t>(static_cast<std::int64_t>(value))); }
-  // Lengths are rounded to 1 µm, so that their last bits do not make another design.
+  // Rounding lengths to 1 µm keeps differences in their last bits from changing the id.
   void add_length(double value_mm) { add(static_cast<std::uint64_t>(std::llround(value_mm * 1000.0))); }
   [[nodiscard]] std::uint64_t value() const { return state_; }
 

@@ -20,7 +20,7 @@ double number(const JsonValue& v) {
   return number_in(v, -kMaxLength_mm, kMaxLength_mm);
 }
 
-// Errors, gaps, angles and areas.
+// Reads a number that cannot be negative, such as an error, a gap, an angle or an area.
 double magnitude(const JsonValue& v) {
   return number_in(v, 0.0, kMaxLength_mm);
 }
@@ -64,7 +64,7 @@ void read_limits(const JsonValue& v, LayoutLimits& l) {
   l.penetration_mm = magnitude(v["penetration_mm"]);
   l.overrun_mm = magnitude(v["overrun_mm"]);
   if (has(v, "jumper_mm")) l.jumper_mm = magnitude(v["jumper_mm"]);
-  // Files of 0.1 do not limit them.
+  // Files of version 0.1 have no limits for lift and depth.
   l.lift_mm = has(v, "lift_mm") ? magnitude(v["lift_mm"]) : std::numeric_limits<double>::infinity();
   l.depth_mm = has(v, "lift_mm") ? magnitude(v["depth_mm"]) : std::numeric_limits<double>::infinity();
 }
@@ -171,7 +171,8 @@ PlacedModule read_module(const JsonValue& v, std::size_t id, std::size_t n_modul
   m.edge_depth_mm = magnitude(v["edge_depth_mm"]);
   m.penetration_mm = magnitude(v["penetration_mm"]);
   m.overrun_mm = magnitude(v["overrun_mm"]);
-  m.bend_radius_mm = v["bend_radius_mm"].number();  // That of a flat place has no bound.
+  // The radius has no upper bound, because a place can be almost flat.
+  m.bend_radius_mm = v["bend_radius_mm"].number();
   if (m.bend_radius_mm < 0.0) v["bend_radius_mm"].fail("must not be negative");
   return m;
 }
@@ -190,7 +191,7 @@ std::array<int, 2> pair_of(const JsonValue& v, std::size_t n_modules) {
   return {index_below(n_modules)(v.at(0)), index_below(n_modules)(v.at(1))};
 }
 
-// A child and its parent; the parent of the second entry is the controller, -1.
+// Reads a child and its parent; −1 as parent of the second entry is the controller.
 std::array<int, 2> backup_of(const JsonValue& v, std::size_t n_modules) {
   v.require_size(2);
   return {index_below(n_modules)(v.at(0)), index_or_none(n_modules)(v.at(1))};
@@ -203,7 +204,7 @@ FailureLoss read_failure(const JsonValue& v, std::size_t n_modules) {
   f.other_node = index_or_none(n_modules)(v["other"]);
   f.lost_strapped = v["lost_strapped"].integer(0, kMaxCount);
   f.lost_rerouted = v["lost_rerouted"].integer(0, kMaxCount);
-  // Files of 0.1 have one number, that of one entry.
+  // Files of version 0.1 have only the number for one entry.
   f.lost_one_entry = has(v, "lost_one_entry") ? v["lost_one_entry"].integer(0, kMaxCount) : f.lost_rerouted;
   f.backup_tree = list(v["backup"], [&](const JsonValue& b) { return backup_of(b, n_modules); });
   return f;
@@ -232,7 +233,7 @@ Patch read_patch(const JsonValue& v, std::size_t id, const JsonValue& modules) {
   return patch;
 }
 
-// Files without the key have whole triangles.
+// Files without the key have uncut triangles.
 double read_corner_cut(const JsonValue& v) {
   if (!v.raw().contains("corner_cut_mm")) return 0.0;
   const double cut_mm = number(v["corner_cut_mm"]);
@@ -241,7 +242,7 @@ double read_corner_cut(const JsonValue& v) {
   return cut_mm;
 }
 
-// Files without the key have modules of the standard kind.
+// Files without the key have only modules of the standard kind.
 void read_kinds(const JsonValue& v, Design& d) {
   d.kinds = kind_plan_of(v["kinds"]);
   for (std::size_t k = 0; k < d.layout.modules.size(); ++k) {
@@ -282,11 +283,11 @@ Design::Report read_report(const JsonValue& v) {
   return r;
 }
 
-// What the file says beside the values that it follows from.
+// These keys repeat facts that follow from other values of the file.
 constexpr const char* kDerived =
     "does not follow from the corners and the wiring: the file was changed after it was made; make the design again";
 
-// True if `j` is three numbers, those of `expected` up to the rounding of another computer.
+// Returns true if `j` is three numbers that equal `expected` up to the rounding of another computer.
 bool is_close(const nlohmann::json& j, const Vec3& expected) {
   constexpr double kRounding_mm = 1e-6, kRelativeRounding = 1e-9;
   if (!j.is_array() || j.size() != 3) return false;

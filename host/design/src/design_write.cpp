@@ -38,7 +38,7 @@ json side_json(const PartSide& side) {
   return j;
 }
 
-// Files of before these limits stay as they were.
+// Files from before these limits must not change when they are written again.
 bool limits_sides(const LayoutLimits& l) {
   return std::isfinite(l.lift_mm) && std::isfinite(l.depth_mm);
 }
@@ -198,8 +198,9 @@ void write_design(const std::filesystem::path& path, const Design& design) {
     file["report"]["max_edge_depth_mm"] = design.report.max_edge_depth_mm;
   }
   if (design.side) file["side"] = side_json(*design.side);
-  if (is_cut) file["corner_cut_mm"] = design.layout.corner_cut_mm;  // Files without a cut keep their format.
-  if (!design.kinds.empty()) {                                      // A file without kinds has no key of them.
+  // Files without a cut stay as older versions wrote them.
+  if (is_cut) file["corner_cut_mm"] = design.layout.corner_cut_mm;
+  if (!design.kinds.empty()) {  // The file has no key for kinds if all modules are standard.
     file["kinds"] = kind_plan_json(design.kinds);
     for (std::size_t k = 0; k < design.layout.modules.size(); ++k)
       file["modules"][k]["kind"] = kind_of(design.kinds, design.layout.modules[k].kind).name;
@@ -207,7 +208,7 @@ void write_design(const std::filesystem::path& path, const Design& design) {
   write_alternatives(design, file);
   write_regions(design, file);
   for (const Jumper& j : design.layout.jumpers) file["jumpers"].push_back(jumper_json(j));
-  // A file name need not be UTF-8.
+  // The file name may contain bytes that are not UTF-8, so the writer replaces them.
   write_output(path, file.dump(-1, ' ', false, json::error_handler_t::replace) + "\n");
 }
 

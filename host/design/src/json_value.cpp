@@ -12,7 +12,7 @@
 namespace triskin::design {
 namespace {
 
-// The parser recurses: the depth is bounded before it does.
+// The parser is recursive, so the depth is limited before it runs.
 void require_shallow(const std::string& text, const std::string& file) {
   int depth = 0;
   bool in_text = false;
@@ -31,7 +31,7 @@ void require_shallow(const std::string& text, const std::string& file) {
   }
 }
 
-// Keeps the keys of the objects that are open, and refuses one that comes again.
+// Remembers the keys of the open objects and refuses a repeated one.
 struct RepeatedKey {
   std::string key;
 };
@@ -50,7 +50,7 @@ class KeysOnce {
   std::vector<std::set<std::string>> open_;
 };
 
-// Counts the lines that a parser has taken.
+// Counts the lines that a parser has consumed.
 class CountedText {
  public:
   using iterator_category = std::input_iterator_tag;
@@ -91,7 +91,7 @@ std::size_t line_of_failure(const std::string& text) {
   return line;
 }
 
-// Walks through JSON text without keeping its values.
+// Scans JSON text without storing its values.
 class JsonWalk {
  public:
   explicit JsonWalk(const std::string& text) : text_(text) { skip_space(); }
@@ -99,7 +99,7 @@ class JsonWalk {
     return 1 +
            static_cast<std::size_t>(std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(at_), '\n'));
   }
-  // Goes to the value of a key, or stays where it is.
+  // Moves to the value of a key, or stays in place if there is no such key.
   bool enter(const std::string& key) {
     const std::size_t begin = at_;
     for (bool more = open('{'); more; more = next('}')) {
@@ -107,7 +107,7 @@ class JsonWalk {
       skip_value();
       const bool found = text_.compare(key_begin, at_ - key_begin, '"' + key + '"') == 0;
       skip_space();
-      if (at_ < text_.size()) ++at_;  // The colon.
+      if (at_ < text_.size()) ++at_;  // Here the scan skips the colon.
       skip_space();
       if (found) return true;
       skip_value();
@@ -138,7 +138,7 @@ class JsonWalk {
   bool next(char end) {
     skip_space();
     if (at_ >= text_.size() || text_[at_] == end) return false;
-    ++at_;  // The comma.
+    ++at_;  // Here the scan skips the comma.
     skip_space();
     return at_ < text_.size();
   }
@@ -178,7 +178,7 @@ std::size_t line_of(const std::string& text, const std::string& place) {
     const std::size_t end = std::min(place.find_first_of(place[k] == '[' ? "]" : ".[", k), place.size());
     std::size_t index = 0;
     const bool in_list = place[k] == '[';
-    // The name of an unknown key may have brackets, too.
+    // An unknown key may also contain brackets.
     if (in_list && std::from_chars(place.data() + k + 1, place.data() + end, index).ec != std::errc{}) break;
     if (!(in_list ? walk.enter(index) : walk.enter(place.substr(k, end - k)))) break;
     k = end;
@@ -188,7 +188,7 @@ std::size_t line_of(const std::string& text, const std::string& place) {
   return walk.line();
 }
 
-// A key that stands twice is refused: one of the two would be dropped without a word.
+// A repeated key is refused, because the parser would silently drop one of the two values.
 nlohmann::json parse_json(const std::string& text, const std::string& file) {
   require_shallow(text, file);
   try {

@@ -17,7 +17,7 @@ Vec2 flipped(const Vec2& p) {
   return {kCos60 * p.x() + kSin60 * p.y(), kSin60 * p.x() - kCos60 * p.y()};
 }
 
-// The first point stays the first.
+// The first point keeps its place, and the others follow in reverse order.
 void turn_ring_over(std::vector<Vec2>& ring) {
   for (Vec2& p : ring) p = flipped(p);
   if (!ring.empty()) std::reverse(ring.begin() + 1, ring.end());

@@ -35,7 +35,7 @@ json region_json(const Region& r) {
   return j;
 }
 
-// Exactly one shape.
+// A region must have exactly one shape.
 WantedRegion read_region(const JsonValue& v) {
   only_keys(v, {"name", "sphere", "box", "faces", "group", "weight", "cover", "free", "within_mm"}, kRegionsPage);
   WantedRegion wanted;

@@ -5,9 +5,9 @@
 
 namespace triskin::design {
 
-/// Adds "regions" and what the report says of them to the document of a design that has regions.
+/// Adds "regions", and the results for them in the report, to the document of a design that has regions.
 void write_regions(const Design& design, nlohmann::json& document);
-/// Reads them where they are. Errors: InputError naming the key.
+/// Reads them if the document has them. Errors: InputError naming the key.
 void read_regions(const JsonValue& document, Design& design);
 
 }  // namespace triskin::design

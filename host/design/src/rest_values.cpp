@@ -9,7 +9,7 @@ namespace triskin::design {
 
 namespace {
 
-constexpr double kMaxCounts = 65'535.0;  // Range of the converter.
+constexpr double kMaxCounts = 65'535.0;  // The converter's results end at this value.
 
 }  // namespace
 

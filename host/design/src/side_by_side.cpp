@@ -8,7 +8,7 @@
 namespace triskin::design {
 namespace {
 
-// −1, "none", stays.
+// An id of −1 means "none" and is not shifted.
 int shifted(int id, int by) {
   return id < 0 ? id : id + by;
 }
@@ -27,7 +27,7 @@ void append_surface(Mesh& all, const Mesh& mesh, const Eigen::Isometry3d& pose) 
 
 PlacedModule moved(PlacedModule m, const CoverOffset& offset, const Eigen::Isometry3d& pose) {
   m.island += offset.island;
-  m.kind = 0;  // Kinds of several covers have no common table.
+  m.kind = 0;  // Each cover numbers its kinds on its own, so the joint design has only the standard kind.
   for (Vec3& corner : m.corner_mm) corner = pose * corner;
   for (int& n : m.neighbour) n = shifted(n, offset.module);
   return m;

@@ -18,7 +18,7 @@ extern char** environ;
 namespace triskin::device {
 namespace {
 
-// Output of a program; empty: it cannot be started, or it failed.
+// Returns the output of a program, or nothing if it cannot be started or fails.
 std::optional<std::string> output_of(std::vector<std::string> words) {
   std::array<int, 2> pipe_ends{};
   if (::pipe(pipe_ends.data()) != 0) return std::nullopt;
@@ -119,7 +119,7 @@ CodePlace code_place(const std::filesystem::path& elf, std::uint32_t address) {
 std::string crash_text(const wire::Crash& c, const std::filesystem::path& elf) {
   std::string text = fmt::format("was stopped by {} after {:.1f} s", cause_text(c.cause), c.uptime_ms / 1000.0);
   if (c.pc != 0) text += " at " + place_text(elf, c.pc);
-  // A return address stands behind the call: the place before it is the call.
+  // A return address points behind the call, so the call itself is just before it.
   if (c.lr != 0)
     text += fmt::format("{} {}", c.pc != 0 ? ", called from" : " in what was called from",
                         place_text(elf, (c.lr & ~1U) - 2));

@@ -10,13 +10,13 @@ using wire::ModuleState;
 
 namespace {
 
-constexpr int kMinExplained = 3;  // Fewer modules look like exchanged or wrongly strapped ones.
+constexpr int kMinExplained = 3;  // Fewer modules could just as well be exchanged or strapped wrongly.
 
 std::size_t index(int n) {
   return static_cast<std::size_t>(n);
 }
 
-// Row of the table that a controller samples at a place.
+// Returns the row of the table that a controller samples at a place.
 std::optional<std::size_t> row_at(const PatchState& p, int line, int address) {
   for (std::size_t row = 0; row < p.image.module_count; ++row) {
     if (p.image.modules[row].line == line && p.image.modules[row].address == address) return row;
@@ -24,7 +24,7 @@ std::optional<std::size_t> row_at(const PatchState& p, int line, int address) {
   return std::nullopt;
 }
 
-// What discovery says of a place that nobody samples.
+// Derives a state from the discovery for a place that no row samples.
 ModuleState state_of(const wire::LineReport& line, int address) {
   if (line.stuck) return ModuleState::kLineStuck;
   if ((line.answers >> address & 1) == 0) return ModuleState::kAbsent;
@@ -43,7 +43,7 @@ void read_row(PatchState& p, std::size_t row, const PatchState& from, const Site
   p.rest.modules[row] = p.now.modules[row];
 }
 
-// Faults of the rows of `from`, as rows of `p`.
+// Returns the faults of the rows of `from`, renumbered to rows of `p`.
 wire::FaultList faults_of(const PatchState& p, const PatchState& from, const CableMap& map,
                           const wire::FaultList& faults) {
   wire::FaultList mine;
@@ -80,7 +80,7 @@ bool exchangeable(const PatchState& p) {
   return p.usable && !p.topology.switched;
 }
 
-// Modules that are not where they should be, and chips where nobody should be.
+// Counts the modules that are not where they should be, and the chips where none should be.
 int wrong_places(const Observation& o) {
   int wrong = 0;
   for (const PatchState& p : o.patches) {
@@ -160,7 +160,7 @@ Observation read_through(const CableMap& map, const design::Design& design, cons
       const auto row = row_at(patches[index(meant.patch)], meant.line, meant.address);
       t.answered = row ? patches[index(meant.patch)].module(*row) : -1;
     }
-    // Nobody samples the place where it is read: the touch says nothing.
+    // If no row samples the place where the module is read, the touch shows nothing.
     if (!row_at(patches[index(own.patch)], own.line, own.address) && t.answered != t.module) continue;
     o.touches.push_back(t);
   }

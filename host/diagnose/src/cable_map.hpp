@@ -9,24 +9,24 @@
 
 namespace triskin::device {
 
-/// A place at a controller, or of a patch in the design.
+/// A place is a line and an address, either at a controller or of a patch in the design.
 struct Site {
   int patch = 0, line = 0, address = 0;
   auto operator<=>(const Site&) const = default;
 };
 
-/// A guess at how the cables are plugged: which controller and which of its lines leads to each line of each patch of
-/// the design. As designed at first.
+/// A map is a hypothesis about the cables: which line of which controller leads to each line of each patch of the
+/// design. It starts as designed.
 class CableMap {
  public:
   explicit CableMap(std::size_t patches);
-  /// The cables of two patches are exchanged.
+  /// Exchanges the cables of two patches.
   void exchange_patches(int p, int q);
-  /// Lines `a` and `b` of patch `p` are exchanged.
+  /// Exchanges lines `a` and `b` of patch `p`.
   void exchange_lines(int p, int a, int b);
-  /// Place where the module of a place in the design is actually read.
+  /// Returns where the module that the design has at `meant` is actually read.
   [[nodiscard]] Site seen_at(const Site& meant) const;
-  /// The inverse: whose place is read there.
+  /// Inverts seen_at(): returns the place of the design that is read at `seen`.
   [[nodiscard]] Site meant_by(const Site& seen) const;
 
  private:
@@ -34,8 +34,9 @@ class CableMap {
   std::vector<std::array<int, layout::kLines>> line_;
 };
 
-/// What was observed, read as if the cables were plugged like `map`: the states of each patch, and the touches. What a
-/// controller does not sample, because its table has no row there, counts as in order when somebody answers.
+/// The observation has the states of each patch and the touches as they would look if the cables were plugged like
+/// `map`. A place that a controller does not sample, because its table has no row there, counts as correct when a chip
+/// answers.
 struct Observation {
   std::vector<PatchState> patches;
   std::vector<TouchOutcome> touches;
@@ -44,15 +45,16 @@ struct Observation {
                                        const std::vector<PatchState>& patches,
                                        const std::vector<TouchOutcome>& touches);
 
-/// One exchange of cables or lines that explains what was seen.
+/// This exchange of cables or lines explains the observations.
 struct CableExplanation {
   int patch = -1;
-  int other = -1;  ///< It is a patch; −1 means that the lines below are meant.
+  int other = -1;  ///< The exchange is with this patch; −1 means that the lines below are exchanged.
   int line_a = -1, line_b = -1;
-  int modules = 0;  ///< So many modules are in their place once it is undone.
+  int modules = 0;  ///< This many modules are in their place once the exchange is undone.
 };
-/// Exchanges that explain at least three modules each, best first; `map` becomes what they lead to. Greedy: every step
-/// takes the exchange after which fewest modules are wrong. Patches that cannot be read are left alone.
+/// Returns exchanges that explain at least three modules each, best first; `map` then includes them. The search is
+/// greedy: every step takes the exchange that leaves the fewest modules wrong. Patches that cannot be read are left
+/// alone.
 [[nodiscard]] std::vector<CableExplanation> explain_cables(CableMap& map, const design::Design& design,
                                                            const std::vector<PatchState>& patches,
                                                            const std::vector<TouchOutcome>& touches);

@@ -54,7 +54,8 @@ bool ControllerCheck::check(PatchState& p, std::vector<Finding>& findings) {
   return false;
 }
 
-// The table of a design with the same modules, places and wiring, but other kinds: a finding for each module.
+// If the table is of a design with the same modules, places and wiring but other kinds, each affected module gets a
+// finding.
 bool ControllerCheck::differs_in_kinds(const PatchState& p, Controller& c, const wire::ActiveTable& active,
                                        std::vector<Finding>& findings) {
   if (!active.present() || active.modules != p.image.module_count) return false;
@@ -87,14 +88,14 @@ bool ControllerCheck::differs_in_kinds(const PatchState& p, Controller& c, const
   return true;
 }
 
-// Kinds of the other design may be named otherwise: it is not at hand.
+// The other design is not available and may name its kinds differently.
 std::string ControllerCheck::name_of_kind(int kind) const {
   if (kind == 0) return "of the standard kind";
   if (kind > static_cast<int>(design_.kinds.kinds.size())) return fmt::format("of kind {}", kind);
   return fmt::format("of kind {} ({})", kind, design_.kinds.kinds[static_cast<std::size_t>(kind) - 1].name);
 }
 
-// A table that the design prepared for a failure is right as well; a finding says what it leaves out.
+// A table that the design prepared for a failure is valid as well; a finding says what it leaves out.
 bool ControllerCheck::runs_on_backup(PatchState& p, std::uint32_t crc, std::vector<Finding>& findings) {
   for (const design::FailureLoss& f : design_.patches[static_cast<std::size_t>(p.patch)].failures) {
     const RouteChoice choice{f.node, f.other_node};
@@ -131,7 +132,7 @@ void ControllerCheck::note_missing(int patch, int node) {
     (without_table_ > 0 ? unflashed_ : absent_).push_back(patch);
 }
 
-// `without`: patches whose controller may be one of the two.
+// The controller of each patch in `without` may be one of the two.
 Finding ControllerCheck::duplicate_finding(int patch, const std::vector<int>& without) const {
   const int node = design::node_address_of(design_, patch);
   const std::vector<std::string> serials = serials_at(node);
@@ -145,7 +146,7 @@ Finding ControllerCheck::duplicate_finding(int patch, const std::vector<int>& wi
       "its own address");
 }
 
-// Which of the patches belong to a fresh controller is not known before it is flashed.
+// Before it is flashed, nobody knows which of the patches a new controller belongs to.
 Finding ControllerCheck::unflashed_finding() const {
   const std::string silent = unflashed_.size() <= without_table_
                                  ? ""
@@ -159,7 +160,7 @@ Finding ControllerCheck::unflashed_finding() const {
                      : "check power and cables of all controllers, then run triskin flash");
 }
 
-// A file that was mistaken is likelier than a skin that was flashed wrongly, and trying another file costs nothing.
+// A wrong file is more likely than a wrongly flashed skin, and trying another file costs nothing.
 Finding ControllerCheck::other_design_finding(std::uint64_t held, const std::vector<int>& patches) const {
   if (held == design_.design_id) {
     return controller_finding(

@@ -9,18 +9,19 @@
 
 namespace triskin::device {
 
-/// A finding that concerns the controller of `patch` and no module.
+/// Makes a finding that concerns the controller of `patch` and no module.
 [[nodiscard]] Finding controller_finding(FindingKind kind, int patch, std::string text, std::string remedy);
 
-/// Whether the controllers are there and hold the tables of the design. One cause gives one finding, however many
+/// Checks that the controllers are present and have the tables of the design. One cause gives one finding, however many
 /// patches it concerns.
 class ControllerCheck {
  public:
-  /// Asks who is on the bus. Throws DeviceError when nobody answers.
+  /// Asks which controllers are on the bus. Throws DeviceError when none answers.
   ControllerCheck(Bus& bus, const design::Design& design);
-  /// True: the patch can be asked further. False: why not is a finding, now or after summarise(). Throws DeviceError.
+  /// Returns true if more can be read from the patch. If false, the reason becomes a finding, now or in summarise().
+  /// Throws DeviceError.
   bool check(PatchState& p, std::vector<Finding>& findings);
-  /// Adds what concerns several patches together: controllers without a table, and those of another design.
+  /// Adds findings that concern several patches together: controllers without a table, and those of another design.
   void summarise(std::vector<Finding>& findings) const;
 
  private:
@@ -37,12 +38,13 @@ class ControllerCheck {
   Bus& bus_;
   const design::Design& design_;
   std::vector<wire::NodeClaim> claims_;
-  std::map<int, std::size_t> with_table_;  // By node address: how many controllers with a table have it.
+  std::map<int, std::size_t> with_table_;  // The map counts the controllers with a table at each node address.
   std::size_t without_table_ = 0;
-  std::vector<int> doubled_;                           // Patches whose node address several controllers have.
-  std::vector<int> absent_;                            // Patches whose node address nobody has.
-  std::vector<int> unflashed_;                         // Patches without a controller while some have no table.
-  std::map<std::uint64_t, std::vector<int>> foreign_;  // By the design of the table: the patches it was found at.
+  std::vector<int> doubled_;    // Several controllers have the node address of these patches.
+  std::vector<int> absent_;     // No controller has the node address of these patches.
+  std::vector<int> unflashed_;  // These patches lack a controller, while some controllers have no table.
+  // For the design of each foreign table, the map has the patches where it was found.
+  std::map<std::uint64_t, std::vector<int>> foreign_;
 };
 
 }  // namespace triskin::device

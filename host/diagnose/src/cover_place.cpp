@@ -9,7 +9,7 @@
 namespace triskin::device {
 namespace {
 
-// Half columns: an up tile lies left of the down tile of the same (i, j).
+// Counts half columns: an up tile lies left of the down tile of the same (i, j).
 int column(const design::Tile& t) {
   return 2 * t.i + (t.up ? 0 : 1);
 }

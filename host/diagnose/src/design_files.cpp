@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kMaxFiles = 200;
 constexpr std::size_t kBlockBytes = 1 << 16;
 
-// Of the file alone the id is read: a large design takes a second to read as a whole.
+// Only the id is read from the file, because reading a large design takes a second.
 bool has_id(const std::filesystem::path& file, const std::string& id) {
   const std::string key = "\"design_id\"";
   std::ifstream in(file, std::ios::binary);

@@ -17,7 +17,7 @@ using wire::ModuleState;
 
 namespace {
 
-constexpr int kManyTaxels = 6;  // If this many taxels of a module are at their ends, it is one fault and not many.
+constexpr int kManyTaxels = 6;  // If this many taxels of a module are at their ends, they count as one fault.
 
 // One cause for many modules is likelier than a cause for each; a wrong map is likelier than dead hardware.
 int likelihood_rank(FindingKind kind) {
@@ -97,7 +97,7 @@ const TouchOutcome* Diagnosis::touch_of(int module) const {
   return found == touches_.end() ? nullptr : &*found;
 }
 
-// Modules that a neighbour reads are there: what is missing is the way from their own controller.
+// Modules that a neighbour reads are alive; only the path from their own controller is broken.
 void Diagnosis::note_adopted() {
   const ModuleEnds ends = design::module_ends(design_);
   for (const PatchState& p : patches_) {
@@ -109,7 +109,7 @@ void Diagnosis::note_adopted() {
   }
 }
 
-// Those for which no break was found, for each pair of patches together.
+// Reports the adopted modules for which no break was found, together for each pair of patches.
 void Diagnosis::examine_adoption() {
   std::map<std::pair<int, int>, std::vector<int>> left;
   for (const auto& [module, by] : adopter_) {
@@ -126,7 +126,7 @@ void Diagnosis::examine_adoption() {
   }
 }
 
-// Switched modules: what the chain shows says more than a silent chip.
+// With switched modules, the chain tells more than a silent chip does.
 void Diagnosis::examine_topology(const PatchState& p) {
   if (!p.topology.switched) return;
   const TopologyMatch match = match_topology(p.topology, design_, p.patch);
@@ -150,7 +150,7 @@ void Diagnosis::examine_topology(const PatchState& p) {
       missing.insert(d.module);
       continue;
     }
-    // Its modules may still be read.
+    // The modules of the joint may still be readable.
     const bool joint = d.kind == FindingKind::kMissingJoint || d.kind == FindingKind::kExtraJoint;
     Finding& f = add(d.kind, joint ? -1 : d.module, p.patch, fmt::format("patch {}: {}", p.patch, d.text), d.remedy);
     f.module = d.module;
@@ -214,14 +214,14 @@ void Diagnosis::examine_modules(const PatchState& p) {
         break;
       case ModuleState::kLostConfiguration:
       case ModuleState::kLineStuck:
-        break;  // examine_history() and examine_lines() report these.
+        break;  // These states are reported by examine_history() and examine_lines().
     }
   }
   examine_doubled(p, absent, doubled);
   examine_absent(p, absent);
 }
 
-// Two chips answer at one address: one of them is the absent module that explains most.
+// If two chips answer at one address, one of them is the absent module that explains most.
 void Diagnosis::examine_doubled(const PatchState& p, std::vector<std::size_t>& absent,
                                 const std::vector<std::size_t>& doubled) {
   for (const std::size_t row : doubled) {
@@ -252,7 +252,7 @@ void Diagnosis::add_duplicate(const PatchState& p, std::size_t row, int other) {
   bad_.insert(other);
 }
 
-// Straps that differ. One wrong strap is likelier than several.
+// Counts the straps that differ, because one wrong strap is likelier than several.
 int Diagnosis::strap_difference(const layout::ModuleRow& row, const Place& place) {
   return std::popcount(static_cast<unsigned>(place.line ^ row.line)) +
          std::popcount(static_cast<unsigned>(place.address ^ row.address));
@@ -310,8 +310,8 @@ std::vector<Diagnosis::Place> Diagnosis::unexpected(const PatchState& p) const {
   return places;
 }
 
-// Cost of the facts that stay unexplained if the module of `row` sits at `place`: causes first, then straps that
-// differ.
+// Returns the cost of the facts that remain unexplained if the module of `row` is at `place`: causes count more than
+// straps that differ.
 double Diagnosis::cost_of_taking(const PatchState& p, const std::vector<std::size_t>& rows, std::size_t row,
                                  const Place& place) const {
   constexpr double kStrap = 0.3;
@@ -341,14 +341,16 @@ void Diagnosis::add_wrong_address(const PatchState& p, std::size_t row, const Pl
   f.address = place.address;
 }
 
-// Modules that do not answer where they should: on top of another one, somewhere else, behind a broken joint, or dead.
+// Examines modules that do not answer where they should: they share the place of another one, are somewhere else, are
+// behind a broken joint, or are dead.
 void Diagnosis::examine_absent(const PatchState& p, const std::vector<std::size_t>& rows) {
   std::vector<std::size_t> open;
   for (const std::size_t row : rows) {
     const int module = p.module(row);
     explained_.insert(module);
     const TouchOutcome* touch = touch_of(module);
-    // A neighbour that feels the rim of the finger is no answer: the chip's own pads would all have moved.
+    // A neighbour that only feels the rim of the finger is no answer, because all pads of the pressed module would have
+    // changed.
     if (touch != nullptr && touch->whole && touch->answered >= 0 && touch->answered != module)
       add_duplicate(p, row, touch->answered);
     else
@@ -367,7 +369,7 @@ void Diagnosis::examine_absent(const PatchState& p, const std::vector<std::size_
   }
   std::set<int> silent;
   for (const std::size_t row : open) silent.insert(p.module(row));
-  // Modules that a neighbour reads are switched ones, although the chain of this patch answers nothing.
+  // If a neighbour reads a module, it must be switched, even though the chain of this patch does not answer.
   if (std::ranges::any_of(silent, [&](int m) { return adopter_.contains(m); })) {
     examine_missing(p, silent);
     silent.clear();
@@ -393,7 +395,7 @@ void Diagnosis::examine_absent(const PatchState& p, const std::vector<std::size_
   }
 }
 
-// A fault that came and went. Faults that are there now have their own findings.
+// Makes a finding of a fault that is gone. Present faults have their own findings.
 std::optional<Finding> Diagnosis::remembered(const PatchState& p, const wire::FaultRecord& fault) const {
   const auto row = std::size_t{fault.code.row};
   if (row >= p.image.module_count) return std::nullopt;
@@ -414,20 +416,21 @@ std::optional<Finding> Diagnosis::remembered(const PatchState& p, const wire::Fa
   return f;
 }
 
-// One cause for all modules behind a joint; the others each for themselves.
+// Reports one cause for all modules behind a joint, and the other modules one by one.
 void Diagnosis::examine_history(const PatchState& p) {
   std::set<int> away, dipped;
   for (const wire::FaultRecord& fault : p.faults.faults()) {
     const auto f = remembered(p, fault);
     if (!f) continue;
     const auto line = static_cast<std::size_t>(wiring_[static_cast<std::size_t>(f->module)].routed.line);
-    const bool freed = p.line_states.lines[line].recoveries > 0;  // The line was held low, which is reported already.
+    const bool freed = p.line_states.lines[line].recoveries > 0;  // The line was held low, which has its own finding.
     if (f->kind == FindingKind::kLostConfiguration)
       dipped.insert(f->module);
     else if (!freed)
       away.insert(f->module);
   }
-  for (const int m : away) dipped.erase(m);  // Unplugged modules lost their supply, too.
+  // Unplugged modules also lost their supply, so that is not reported separately.
+  for (const int m : away) dipped.erase(m);
   examine_dips(p, away, dipped);
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One cause for many: breaks that keep modules of a switched patch out of reach, and taxels that rest elsewhere.
+// Finds one cause for many modules: breaks that make modules of a switched patch unreachable, and taxels with shifted
+// rest values.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -15,7 +16,7 @@ namespace {
 
 using Counts = std::array<double, layout::kTaxelsPerModule>;
 
-// What the pads that feel no finger have changed since rest: warming, which the others share.
+// Returns how much the temperature pads have changed since rest; the same warming affects the other taxels.
 double warming_counts(const wire::ModuleTaxels& now, const Counts& rest) {
   double sum = 0.0;
   int pads = 0;
@@ -39,7 +40,7 @@ int taxels_off_rest(const wire::ModuleTaxels& now, const Counts& rest) {
 
 }  // namespace
 
-// What a backup table leaves out has its finding already.
+// Modules that a backup table leaves out already have their finding.
 void Diagnosis::examine_missing(const PatchState& p, const std::set<int>& missing) {
   std::set<int> alive;
   for (const int m : missing) {
@@ -69,7 +70,7 @@ void Diagnosis::examine_missing(const PatchState& p, const std::set<int>& missin
   explained_.insert(missing.begin(), missing.end());
 }
 
-// A module with a fault of its own is mended first, and rests elsewhere afterwards.
+// A module with its own fault is repaired first and has other rest values afterwards.
 void Diagnosis::examine_rest() {
   if (rest_.empty()) return;
   std::vector<int> modules;
@@ -85,7 +86,7 @@ void Diagnosis::examine_rest() {
   }
   if (modules.empty()) return;
   std::ranges::sort(modules);
-  // The modules are in order, and so modules_ok counts them.
+  // The modules themselves work, so modules_ok includes them.
   Finding& f = add(FindingKind::kStaleRest, -1, -1,
                    fmt::format("{} taxels do not rest: tare; their modules: {}", taxels, fmt::join(modules, ", ")),
                    "take everything off the skin and tare; what was exchanged or taken away since the last tare rests "

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which module sits where: cables, order, rotation, and what hangs behind one joint.
+// Finds out which module is where: cables, order, rotation, and modules behind one joint.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -14,7 +14,7 @@
 namespace triskin::device {
 namespace {
 
-constexpr double kSameDistance_mm = 2.0;  // Allows for patches that are bent on a curved cover.
+constexpr double kSameDistance_mm = 2.0;  // The tolerance allows for patches that are bent on a curved cover.
 
 }  // namespace
 
@@ -47,11 +47,12 @@ void Diagnosis::examine_cables() {
   touches_ = std::move(o.touches);
 }
 
-// Greatest subtrees of the patch that consist of `modules` only; a module whose subtree is not whole stands alone.
+// Returns the largest subtrees of the patch that consist of `modules` only; a module whose subtree is incomplete is
+// listed alone.
 std::vector<Diagnosis::Branch> Diagnosis::branches(const PatchState& p, const std::set<int>& modules) const {
   const auto& tree = design_.patches[static_cast<std::size_t>(p.patch)].modules;
   std::map<int, bool> whole;
-  // Children stand behind their parents, so they are visited first.
+  // Children are listed after their parents, so walking backwards visits them first.
   for (auto m = tree.rbegin(); m != tree.rend(); ++m) {
     const auto [own, fresh] = whole.try_emplace(m->node, true);
     own->second = own->second && modules.contains(m->node);
@@ -91,7 +92,7 @@ void Diagnosis::add_branch(FindingKind kind, const PatchState& p, const Branch& 
   explained_.insert(b.members.begin(), b.members.end());
 }
 
-// Most modules answer at other places, and these lie like the modules themselves, seen in a mirror or turned.
+// Most modules answer at other places, and these form the mirrored or turned shape of the modules.
 void Diagnosis::examine_mirrored(const PatchState& p) {
   std::vector<const TouchOutcome*> whole;
   std::size_t moved = 0;
@@ -137,7 +138,8 @@ void Diagnosis::examine_silent_taxels(const TouchOutcome& t, int patch) {
   }
 }
 
-// Modules that answer for each other in a ring: pressing one moves the next, and the last moves the first. Empty: none.
+// Returns modules that answer for each other in a ring: pressing one changes the next, and pressing the last changes
+// the first. Empty if there is no ring.
 std::vector<int> Diagnosis::ring_from(int module) const {
   std::vector<int> ring{module};
   while (true) {
@@ -160,7 +162,7 @@ void Diagnosis::examine_touch(const TouchOutcome& t) {
     return;
   }
   if (explained_.contains(t.module)) return;  // The module is absent, on a stuck line, or the other half of a swap.
-  if (t.answered < 0 || !t.whole) {           // A neighbour that feels the rim of the finger is no answer.
+  if (t.answered < 0 || !t.whole) {           // A neighbour that only feels the rim of the finger is no answer.
     add(FindingKind::kNoTouchResponse, t.module, patch,
         where(t.module) + ": answers, but none of its taxels changes under a finger",
         "press it again; then replace the module");

@@ -9,7 +9,7 @@
 namespace triskin::device {
 namespace {
 
-using Joints = std::map<int, std::set<int>>;  // Modules that a module is joined to.
+using Joints = std::map<int, std::set<int>>;  // Each module has the set of modules that it is joined to.
 
 Joints joints_by_module(const design::Design& design, int patch) {
   const auto& modules = design.patches.at(static_cast<std::size_t>(patch)).modules;
@@ -23,7 +23,7 @@ Joints joints_by_module(const design::Design& design, int patch) {
   return joints;
 }
 
-// Missing modules that hang together: no break lies between them that could be seen.
+// Returns the missing modules that are connected to `first`; a break between them could not be observed.
 std::set<int> component_of(int first, const std::set<int>& missing, const Joints& joints) {
   std::set<int> component{first};
   std::vector<int> open{first};
@@ -38,7 +38,7 @@ std::set<int> component_of(int first, const std::set<int>& missing, const Joints
   return component;
 }
 
-// The modules of a component that a module which was found touches, with those.
+// Returns the modules of a component that are joined to a found module, with these found modules.
 std::map<int, std::vector<int>> ways_into(const std::set<int>& component, const Joints& joints) {
   std::map<int, std::vector<int>> ways;
   for (const int m : component) {
@@ -67,7 +67,7 @@ void explain_component(const std::set<int>& component, const Joints& joints, con
     }
   }
   if (causes.size() == first) {
-    // Nothing of the patch was found. A module that another controller reads cannot be the dead one.
+    // No module of the patch was found. A module that another controller reads cannot be the dead one.
     const auto dead = std::ranges::find_if(component, [&](int m) { return !alive.contains(m); });
     causes.push_back({FindingKind::kMissingModule, dead == component.end() ? *component.begin() : *dead, -1, {}});
   }

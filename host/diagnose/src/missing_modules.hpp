@@ -8,19 +8,20 @@
 
 namespace triskin::device {
 
-/// One break that keeps modules of a switched patch from being found.
+/// Because of this break, modules of a switched patch are not found.
 struct MissingCause {
-  FindingKind kind = FindingKind::kMissingModule;  ///< or kMissingJoint
-  int module = -1;                                 ///< the dead module, or the far end of the broken joint
-  int other = -1;                                  ///< kMissingJoint: its end that was found
-  std::vector<int> behind;  ///< modules that only this keeps out of reach, ascending; with a joint also `module`
+  FindingKind kind = FindingKind::kMissingModule;  ///< The other possible kind is kMissingJoint.
+  int module = -1;  ///< The id is that of the dead module, or of the far end of the broken joint.
+  int other = -1;   ///< With kMissingJoint, this end of the joint was found.
+  /// Only this break makes these modules unreachable (ascending); with a joint, `module` is one of them.
+  std::vector<int> behind;
 };
 
-/// The fewest breaks that explain why the modules `missing` of patch `patch` were not found although every joint of the
-/// patch was tried: on each way from a module that was found to a missing one something is broken. A single joint in
-/// front of several modules is a broken joint; a module with several such joints, or one that stands alone, is dead.
-/// `alive`: modules that answered by another way (a neighbour reads them), so they are not dead. Throws
-/// std::out_of_range for a patch that the design lacks. Cost: O(n²) of the patch.
+/// Returns the fewest breaks that explain why the modules `missing` of patch `patch` were not found although every
+/// joint was tried: every path from a found module to a missing one contains a break. A single joint in front of
+/// several modules is a broken joint; a module with several such joints, or one that is alone, is dead. Modules in
+/// `alive` answered by another way (a neighbour reads them), so they are not dead. Throws std::out_of_range for a patch
+/// that the design lacks. Cost: O(n²) of the patch.
 [[nodiscard]] std::vector<MissingCause> explain_missing(const design::Design& design, int patch,
                                                         const std::set<int>& missing, const std::set<int>& alive);
 

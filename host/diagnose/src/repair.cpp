@@ -13,20 +13,20 @@
 namespace triskin::device {
 namespace {
 
-// Work that a person has to do at the patch.
+// A person has to do one of these kinds of work at the patch.
 enum class Work {
   kFlash,        // The tables are wrong.
-  kOtherDesign,  // the tables are those of another design: the file may be the wrong one
-  kTare,         // nothing is wrong but the rest values
-  kLook,         // at the computer or the bus, with the supply on
+  kOtherDesign,  // The tables belong to another design, so the file may be the wrong one.
+  kTare,         // Only the rest values are wrong.
+  kLook,         // The work is at the computer or the bus, with the supply on.
   kReplace,      // The module is replaced by a new one.
   kStrap,        // The module's straps are wrong.
   kPlace,        // Several modules sit at wrong places.
-  kJoint,        // A joint is soldered anew.
-  kPart,         // part a joint that should not be
-  kShort,        // a line is held low
+  kJoint,        // A joint has to be soldered again.
+  kPart,         // A joint that should not exist has to be separated.
+  kShort,        // A line is held low.
   kTurn,         // The module is turned.
-  kCable,        // cables of controllers, lines of a cable, whole patches
+  kCable,        // The cables of controllers, the lines of a cable or whole patches are exchanged.
 };
 
 struct WorkOf {
@@ -49,7 +49,7 @@ constexpr std::array kWorks{
     WorkOf{FindingKind::kRotatedModule, Work::kTurn},
 };
 
-// The others are mended at a cable or a plug, as their remedy says.
+// Other findings are repaired at a cable or plug, as their remedy says.
 Work work_of(const Finding& finding) {
   if (finding.kind == FindingKind::kWrongTable) return finding.held_design != 0 ? Work::kOtherDesign : Work::kFlash;
   const auto* found = std::ranges::find(kWorks, finding.kind, &WorkOf::kind);
@@ -146,7 +146,8 @@ class Guide {
                                  file, finding_.held_file.empty() ? "FILE" : finding_.held_file,
                                  arguments_.substr(first_word)));
   }
-  // Modules of the line, from the far end of the tree: the one after whose parting the line is free has the short.
+  // Lists the modules of the line from the far end of the tree: the line is free once the module with the short is
+  // separated.
   void line() {
     if (finding_.patch < 0) return;
     std::vector<int> far_first;
@@ -178,7 +179,7 @@ class Guide {
                     module, m.rotation, m.line, m.address));
   }
 
-  // Both ends of each joint, and whether the tree uses it.
+  // Names both ends of each joint and whether the tree uses it.
   void joints(int module, const char* before, const char* after) {
     if (!known(module)) return;
     const int patch = wiring_[static_cast<std::size_t>(module)].patch;
@@ -207,7 +208,7 @@ class Guide {
                     cut.empty() ? "" : fmt::format("; on strapped modules these stay cut: {}", fmt::join(cut, ", "))));
   }
 
-  // The joint to `other`, or the one towards the controller.
+  // Names the joint to `other`, or the one towards the controller.
   void joint() {
     const int module = finding_.module;
     if (!known(module)) return;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr const char* kPorts = "ABC";
 
-// Three numbers name a module here: its position in the design's patch, its number in the topology that was found, and
+// A module has three numbers here: its position in the design's patch, its number in the topology that was found, and
 // its id in the design (int, in messages and results).
 enum class PatchRow : std::size_t {};
 enum class FoundNumber : std::size_t {};
@@ -31,26 +31,26 @@ auto all(std::size_t count) {
   return std::views::iota(std::size_t{0}, count) | std::views::transform([](std::size_t k) { return Number{k}; });
 }
 
-// A side of a module of the design.
 struct Side {
   PatchRow row{};
   int side = 0;
   bool operator==(const Side&) const = default;
 };
 
-// A port of a module that was found: layout::JointEnd with the number typed.
+// A port of a found module is a layout::JointEnd with a typed number.
 struct End {
   FoundNumber module{};
   int port = 0;
   auto operator<=>(const End&) const = default;
 };
 
-// Lays what was found over the patch: the entry as given, then along the joints that the design has too.
+// Overlays the found topology on the patch, starting at the given entry and following the joints that the design has
+// too.
 class Overlay {
  public:
   Overlay(const wire::FoundTopology& found, const design::Design& design, int patch)
       : found_(found), patch_(design.patches[static_cast<std::size_t>(patch)]) {
-    // Joints by tile side: rotations of zero make a port its side.
+    // With rotations of zero, ports are numbered like sides, so this gives joints by tile side.
     const std::vector<int> upright(patch_.modules.size(), 0);
     sides_ = design::joints_of(design, patch, upright);
     result_.patch = patch;
@@ -76,19 +76,19 @@ class Overlay {
   [[nodiscard]] int designed_rotation(PatchRow row) const { return patch_.modules[index(row)].rotation; }
   [[nodiscard]] std::optional<PatchRow> row_of(FoundNumber m) const { return row_[index(m)]; }
   [[nodiscard]] int rotation_of(FoundNumber m) const { return rotation_[index(m)]; }
-  // Designed far end of a joint; empty: no joint there.
+  // Returns the designed far end of a joint, or nothing if there is no joint.
   [[nodiscard]] std::optional<Side> across(const Side& at) const {
     const design::PortEnd end = sides_[index(at.row)][static_cast<std::size_t>(at.side)];
     if (end.row < 0) return std::nullopt;
     return Side{PatchRow{static_cast<std::size_t>(end.row)}, end.port};
   }
-  // Far end of a joint that was found; empty: none was.
+  // Returns the far end of a joint that was found, or nothing.
   [[nodiscard]] std::optional<End> far(const End& at) const {
     const auto end = layout::joint_end(found_.joints[index(at.module)][static_cast<std::size_t>(at.port)]);
     if (!end.exists()) return std::nullopt;
     return End{FoundNumber{end.module}, end.port};
   }
-  // Side of the design at which a port lies; empty: its module fits nowhere.
+  // Returns the side of the design at which a port lies, or nothing if its module fits nowhere.
   [[nodiscard]] std::optional<Side> side_of(const End& at) const {
     const auto row = row_of(at.module);
     if (!row) return std::nullopt;
@@ -137,7 +137,7 @@ class Overlay {
         "plug it where the assembly sheet says");
   }
 
-  // Two modules that were exchanged and kept their rotations show as two rotated ones.
+  // Two exchanged modules that kept their rotations look like two rotated ones.
   void examine_rotations() {
     std::vector<FoundNumber> turned;
     for (const FoundNumber m : all<FoundNumber>(found_.count)) {
@@ -183,12 +183,12 @@ class Overlay {
       }
     }
   }
-  // Both ends of a joint are passed; the lower one counts.
+  // The walk passes both ends of a joint, but only the lower one counts.
   void examine_found_joint(const End& here, std::set<std::pair<PatchRow, PatchRow>>& agreeing) {
     const auto end = far(here);
     if (!end || *end < here) return;
     const auto a = side_of(here), b = side_of(*end);
-    if (!a || !b) return;  // kExtraModule reports this end.
+    if (!a || !b) return;  // The joint's end is already reported as kExtraModule.
     if (across(*a) == b) {
       agreeing.insert(std::minmax(a->row, b->row));
       ++result_.agreeing_joints;
@@ -219,8 +219,8 @@ class Overlay {
   const wire::FoundTopology& found_;
   const design::Patch& patch_;
   design::PortEnds sides_;
-  std::vector<std::optional<PatchRow>> row_;  // Indexed by found number.
-  std::vector<int> rotation_;                 // Indexed by found number.
+  std::vector<std::optional<PatchRow>> row_;
+  std::vector<int> rotation_;
   TopologyMatch result_;
 };
 
@@ -258,7 +258,7 @@ wire::FoundTopology topology_across(const design::Design& design, int patch, std
     return ends[static_cast<std::size_t>(module)][static_cast<std::size_t>(port)];
   };
   std::vector<int> order, way{own.modules[0].node};
-  std::vector<int> next(ends.size(), 0);  // Indexed by module: the port that is tried next.
+  std::vector<int> next(ends.size(), 0);  // Each module has the port that is tried next.
   const auto enter = [&](int module) {
     number[static_cast<std::size_t>(module)] = static_cast<int>(order.size());
     order.push_back(module);

@@ -12,23 +12,23 @@
 
 namespace triskin::device {
 
-/// Answers of one patch. Rows are those of the table `image`; with a backup table the order of the design's patch
-/// differs.
+/// The state collects the answers of one patch. Rows are those of the table `image`; with a backup table their order
+/// differs from the design's patch.
 struct PatchState {
   int patch = 0;
   layout::PatchImage image;
   bool on_backup = false;  ///< `image` is the table that the design prepared for a failure.
-  bool usable = false;     ///< Its controller answers and holds this table.
+  bool usable = false;     ///< The controller answers and has this table.
   wire::ModuleStates states;
   std::array<wire::LineReport, layout::kLines> lines{};
   wire::LineStates line_states;
-  std::optional<wire::Crash> crash;  ///< last crash of its controller
-  wire::FaultList earlier;           ///< These faults were remembered when the verification began.
-  wire::FaultList faults;            ///< These faults were noted during the verification.
+  std::optional<wire::Crash> crash;
+  wire::FaultList earlier;  ///< These faults were in memory when the verification began.
+  wire::FaultList faults;   ///< These faults were recorded during the verification.
   wire::LiveTaxels now, rest;
-  wire::FoundTopology topology;  ///< Switched modules found this topology.
+  wire::FoundTopology topology;
   wire::ActiveRoute route;
-  wire::Adoption adoption;  ///< It is the adoption at the time when the samples were read.
+  wire::Adoption adoption;  ///< The adoption was read at the same time as the samples.
   std::bitset<layout::kLines * layout::kAddressesPerLine>
       adopted_places;  ///< Adopted modules answer at these places, now or earlier.
   void note(const wire::Adoption& told) {
@@ -37,12 +37,12 @@ struct PatchState {
   }
 
   [[nodiscard]] Controller controller(Bus& bus) const { return {bus, image.node_address}; }
-  bool with_kinds = false;  ///< The design has kinds of modules, and so has the table.
+  bool with_kinds = false;  ///< Both the design and the table have kinds of modules.
   [[nodiscard]] int module(std::size_t row) const {
     const unsigned id = image.modules[row].module_id;
     return static_cast<int>(with_kinds ? id % layout::kIdsBesideKinds : id);
   }
-  /// True if the table has a module; a backup table leaves some out.
+  /// Returns true if the table has a module; a backup table leaves some out.
   [[nodiscard]] bool reads(int id) const {
     for (std::size_t row = 0; row < image.module_count; ++row) {
       if (module(row) == id) return true;
@@ -51,25 +51,28 @@ struct PatchState {
   }
 };
 
-/// Response to the press of a module.
+/// The skin responds to the press of a module in this way.
 struct TouchOutcome {
   int module = -1;
-  int answered = -1;           ///< The taxels of this module changed most; −1 means that none did.
-  bool whole = false;          ///< So many of its taxels changed that a finger pressed its centre.
-  unsigned silent_taxels = 0;  ///< Bit t is a pressure taxel of the module that did not change while most others did.
-  int turned = 0;  ///< A tip on one taxel shows it turned by so many steps of 120°; it is 0 also when not tried.
+  int answered = -1;   ///< The taxels of this module changed most; −1 means that none did.
+  bool whole = false;  ///< So many taxels of the module changed that the finger must have pressed its centre.
+  /// Bit t is set for a pressure taxel of the module that did not change while most others did.
+  unsigned silent_taxels = 0;
+  /// Pressing a single taxel shows that the module is turned by this many steps of 120°; 0 also means that this was
+  /// not tried.
+  int turned = 0;
 };
 
-/// Presses the modules of all usable patches; waits for a person where there is no actuator.
+/// Presses the modules of all usable patches; without an actuator it waits for a person.
 class TouchTest {
  public:
-  /// `actuator`: presses the modules of the design; null: a person does.
+  /// `actuator` presses the modules of the design; null means that a person does.
   TouchTest(Bus& bus, TouchActuator* actuator, const design::Design& design, std::vector<PatchState>& patches)
       : bus_(bus), actuator_(actuator), design_(design), patches_(patches), wiring_(design::wiring_of(design)) {}
-  /// Empty: the person skipped the module.
+  /// Returns empty if the person skipped the module.
   std::optional<TouchOutcome> press(int module, const PatchState& patch, const VerifyOptions& options);
   void finish();
-  /// Reads all taxels at rest. Call once, before the first press.
+  /// Reads all taxels at rest. Call it once, before the first press.
   void take_rest();
 
  private:
@@ -77,7 +80,7 @@ class TouchTest {
     int module = -1;
     double strength = 0.0;
     unsigned changed = 0;  // Bit t stands for taxel t.
-    int taxel = -1;        // Taxel that changed most.
+    int taxel = -1;
     double taxel_counts = 0.0;
   };
   [[nodiscard]] Response strongest(const PatchState& patch) const;
@@ -92,12 +95,12 @@ class TouchTest {
   std::vector<design::ModuleWiring> wiring_;
 };
 
-/// Turns what was asked into findings. Pure: no link. First the cables: exchanged ones are told, and everything else is
-/// read as if they were plugged right, so that one mistake does not hide another. Then the modules, in groups that one
-/// cause explains. The likeliest explanation stands first.
+/// Turns observations into findings, without using a link. It first looks for exchanged cables and then reads
+/// everything else as if they were plugged in correctly, so that one mistake does not hide another. Then it examines
+/// the modules in groups that one cause explains. The likeliest explanation is listed first.
 class Diagnosis {
  public:
-  /// `rest`: where the taxels rest, or empty. Everything that is given outlives the diagnosis or is taken.
+  /// `rest` has the rest values, or is empty. References must outlive the diagnosis; other arguments are moved into it.
   Diagnosis(const design::Design& design, std::vector<PatchState> patches, std::vector<TouchOutcome> touches,
             const design::RestValues& rest);
   void run(VerifyResult& result);
@@ -106,7 +109,7 @@ class Diagnosis {
   struct Place {
     int line = 0, address = 0;
   };
-  /// Modules that one joint, cable or supply explains: `module` and all below it.
+  /// One joint, cable or supply explains these modules: `module` and all modules behind it.
   struct Branch {
     int module = -1, parent = -1;
     std::vector<int> members;
@@ -153,9 +156,9 @@ class Diagnosis {
   const design::RestValues& rest_;
   std::vector<design::ModuleWiring> wiring_;
   std::vector<Finding> findings_;
-  std::set<int> bad_;           // Modules that are not ok.
-  std::set<int> explained_;     // Modules whose missing touch response already has a finding.
-  std::map<int, int> adopter_;  // Patch whose controller reads the module, for modules that were adopted.
+  std::set<int> bad_;           // These modules have a state other than ok.
+  std::set<int> explained_;     // The missing touch response of these modules already has a finding.
+  std::map<int, int> adopter_;  // Each adopted module is mapped to the patch whose controller reads it.
 };
 
 }  // namespace triskin::device

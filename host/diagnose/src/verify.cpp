@@ -30,7 +30,7 @@ void wait_until_checked(Bus& bus, const PatchState& p) {
   }
 }
 
-// Reads and deletes the earlier faults, so that the same fault shows when it occurs again.
+// Reads and deletes the earlier faults, so that a fault is recorded again when it recurs.
 void start_patch(Bus& bus, PatchState& p) {
   wait_until_checked(bus, p);
   Controller c = p.controller(bus);
@@ -39,7 +39,7 @@ void start_patch(Bus& bus, PatchState& p) {
   if (p.earlier.count > 0 || p.crash) c.clear_faults();
 }
 
-// Modules that were taken in belong to another patch: what was found of this one is the rest.
+// Removes adopted modules, which belong to another patch, from a topology.
 wire::FoundTopology without_adopted(const wire::FoundTopology& found, const wire::Adoption& adoption) {
   const auto is_adopted = [&](std::size_t m) { return found.row[m] != wire::kNoRow && found.row[m] >= adoption.rows; };
   if (adoption.count == 0) return found;
@@ -60,7 +60,7 @@ wire::FoundTopology without_adopted(const wire::FoundTopology& found, const wire
   return own;
 }
 
-// Switched modules are found anew before anything is asked of them.
+// Lets switched modules be searched again before anything is asked of them.
 void find_topology(Bus& bus, PatchState& p) {
   Controller c = p.controller(bus);
   c.reroute();
@@ -96,7 +96,7 @@ void add_crashes(const std::vector<PatchState>& patches, const VerifyOptions& op
   }
 }
 
-// Patches on different wires side by side.
+// Asks patches on different wires in parallel.
 void ask_all(Bus& bus, std::vector<PatchState>& patches, const std::function<void(Bus&, PatchState&)>& ask) {
   std::vector<Task> tasks;
   for (PatchState& p : patches) {
@@ -126,7 +126,7 @@ std::vector<TouchOutcome> touch_all(Bus& bus, const design::Design& design, std:
   return outcomes;
 }
 
-// The stream for a while: what was due and did not come is a finding of its patch.
+// Reads the stream for a while; samples that were due and did not arrive become findings of their patches.
 void watch_stream(Bus& bus, const design::Design& design, const VerifyOptions& options, std::uint64_t until_us,
                   VerifyResult& result) {
   constexpr std::uint64_t kMinStream_us = 500'000;
@@ -151,7 +151,7 @@ void watch_stream(Bus& bus, const design::Design& design, const VerifyOptions& o
   }
 }
 
-// Indexed by patch; a patch with its controller on another bus has no rows and is never usable.
+// The result is indexed by patch; a patch whose controller is on another bus has no rows and is never usable.
 std::vector<PatchState> patches_of(const design::Design& design) {
   std::vector<PatchState> patches(design.patches.size());
   for (std::size_t k = 0; k < patches.size(); ++k) {
@@ -163,7 +163,7 @@ std::vector<PatchState> patches_of(const design::Design& design) {
   return patches;
 }
 
-// A finding about a controller, a cable or a line lies where the cable of its patch enters the cover.
+// A finding about a controller, a cable or a line gets the place where the cable of its patch enters the cover.
 void add_places(const design::Design& design, std::vector<Finding>& findings) {
   for (Finding& f : findings) {
     if (!f.place.empty() || f.patch < 0) continue;

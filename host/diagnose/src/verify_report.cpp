@@ -19,7 +19,7 @@ std::string summary(const VerifyResult& r) {
                      r.findings.size());
 }
 
-/// Number of the first finding about each module, from 1.
+/// Maps each module to the number of its first finding, from 1.
 std::map<int, std::size_t> marks_of(const VerifyResult& r) {
   std::map<int, std::size_t> marks;
   for (std::size_t k = 0; k < r.findings.size(); ++k) {
@@ -30,7 +30,7 @@ std::map<int, std::size_t> marks_of(const VerifyResult& r) {
   return marks;
 }
 
-/// One island of the lattice; rows upwards as on the assembly sheet.
+/// Draws one island of the lattice, with rows running upwards as on the assembly sheet.
 std::string drawing(const design::Design& design, int island, const std::map<int, std::size_t>& marks) {
   std::string body;
   double low_x = 1e9, low_y = 1e9, high_x = -1e9, high_y = -1e9;

@@ -9,16 +9,17 @@
 namespace triskin::device {
 namespace {
 
-// A chip converts anew every 36.9 ms and is read every 36.9 ms: after both, every value is from after the press.
+// A chip converts every 36.9 ms and is read every 36.9 ms, so after both times every value was measured after the
+// press.
 constexpr std::uint64_t kSettle_us = 85'000;
 constexpr std::uint64_t kPersonLimit_us = 15'000'000;
 constexpr std::uint64_t kPersonPoll_us = 50'000;
-constexpr double kTaxelChange = 60.0;    // Counts; the noise of the converter is a few counts.
-constexpr double kModuleChange = 400.0;  // Sum over the taxels of a module.
+constexpr double kTaxelChange = 60.0;    // The limit is in counts; the noise of the converter is a few counts.
+constexpr double kModuleChange = 400.0;  // The limit applies to the sum over the taxels of a module.
 constexpr int kMaxTaxels = 7;    // If this many of the ten pressure taxels change, the whole module was pressed.
-constexpr double kTip_mm = 2.5;  // The tip of a finger reaches this far.
+constexpr double kTip_mm = 2.5;  // A finger tip reaches this far from its centre.
 
-// Taxel under a finger tip if the module is turned by 0, 120 and 240°; −1: the turns cannot be distinguished.
+// For turns of 0, 120 and 240°, this taxel is under a finger tip; −1 means that the turns cannot be distinguished.
 struct TurnProbe {
   std::array<int, 3> taxel{-1, -1, -1};
 };
@@ -84,7 +85,7 @@ TouchTest::Response TouchTest::strongest(const PatchState& patch) const {
   return best;
 }
 
-// A tip on one taxel: another one feels it when the module is turned.
+// Presses a single taxel: if the module is turned, another taxel feels it.
 int TouchTest::turned(TouchActuator& actuator, int module, const PatchState& patch) {
   const int rotation = wiring_[static_cast<std::size_t>(module)].routed.rotation;
   const TurnProbe probe = turn_probe(design_.layout.modules[static_cast<std::size_t>(module)], rotation);
@@ -101,7 +102,7 @@ int TouchTest::turned(TouchActuator& actuator, int module, const PatchState& pat
   return 0;
 }
 
-// Most presses are answered in the patch they were meant for; the others are asked only when not.
+// Most presses are answered in the intended patch; the others are asked only if that one does not answer.
 TouchTest::Response TouchTest::strongest_anywhere(const PatchState& first) {
   Response best = strongest(first);
   if (std::popcount(best.changed) >= kMaxTaxels) return best;
@@ -126,7 +127,7 @@ std::optional<TouchOutcome> TouchTest::press(int module, const PatchState& patch
       bus_.listen(bus_.now_us() + kPersonPoll_us);
       best = strongest_anywhere(patch);
     }
-    bus_.listen(bus_.now_us() + kSettle_us);  // The finger presses fully by then.
+    bus_.listen(bus_.now_us() + kSettle_us);  // After this time the finger presses fully.
     const Response settled = strongest_anywhere(patch);
     if (settled.strength > best.strength) best = settled;
   }

@@ -12,7 +12,7 @@
 
 namespace triskin::design {
 
-/// Parallel view of a design from the side that shows most of its modules.
+/// The view is a parallel projection of a design from the side that shows most of its modules.
 class View {
  public:
   explicit View(const Design& design) {
@@ -35,7 +35,7 @@ class View {
   Eigen::AlignedBox2d box_;
 };
 
-/// A piece of the picture; the higher ones lie on top.
+/// The picture consists of such shapes; higher ones are drawn on top.
 struct Shape {
   double height;
   std::string svg;
@@ -50,7 +50,7 @@ inline std::string polygon(const View& view, std::span<const Vec3> p, const std:
   return fmt::format("<polygon points=\"{}\" {}/>\n", points, style);
 }
 
-/// The triangles of the surface, under all else.
+/// Adds the triangles of the surface, below everything else.
 inline void add_surface(const Design& d, const View& view, std::vector<Shape>& shapes) {
   for (const auto& f : d.surface.faces) {
     const std::array p{d.surface.vertices[static_cast<std::size_t>(f[0])],
@@ -59,13 +59,13 @@ inline void add_surface(const Design& d, const View& view, std::vector<Shape>& s
     const double facing = (p[1] - p[0]).cross(p[2] - p[0]).normalized().dot(view.toward());
     const int grey = static_cast<int>(150 + 90 * std::abs(facing));
     shapes.push_back(
-        {view.height((p[0] + p[1] + p[2]) / 3.0) - 1e6,  // all of it before any module
+        {view.height((p[0] + p[1] + p[2]) / 3.0) - 1e6,  // The offset puts the whole surface below any module.
          polygon(view, p,
                  fmt::format("fill=\"rgb({0},{0},{0})\" stroke=\"rgb({0},{0},{0})\" stroke-width=\"0.4\"", grey))});
   }
 }
 
-/// Beginning of the picture with its white ground.
+/// Begins the picture with a white background.
 inline std::string svg_head(const Vec2& low, const Vec2& size) {
   return fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{:.1f} {:.1f} {:.1f} {:.1f}\" width=\"{:.0f}\">\n<rect "

@@ -27,7 +27,7 @@ void add_modules(const Design& d, const View& view, const std::vector<ModuleWiri
   for (std::size_t k = 0; k < d.layout.modules.size(); ++k) {
     const auto& m = d.layout.modules[k];
     const Vec3 n = (m.corner_mm[1] - m.corner_mm[0]).cross(m.corner_mm[2] - m.corner_mm[0]).normalized();
-    if (n.dot(view.toward()) < 0.05) continue;  // It shows its back side, which the surface hides.
+    if (n.dot(view.toward()) < 0.05) continue;  // The module shows its back, so the surface hides it.
     const Outline outline = outline_of(m.corner_mm, d.layout.corner_cut_mm);
     const std::string fill = color_of(wiring[k].patch, 45 + 25 * n.dot(view.toward()));
     shapes.push_back(
@@ -43,7 +43,7 @@ void add_modules(const Design& d, const View& view, const std::vector<ModuleWiri
           "<line x1=\"{:.2f}\" y1=\"{:.2f}\" x2=\"{:.2f}\" y2=\"{:.2f}\" stroke=\"#111\" stroke-width=\"1\"/>\n",
           from.x(), from.y(), at.x(), at.y());
     }
-    shapes.push_back({view.height(centroid(m)) + 1e6, mark});  // Trees are drawn over all modules.
+    shapes.push_back({view.height(centroid(m)) + 1e6, mark});  // The offset draws trees on top of all modules.
   }
 }
 

@@ -19,17 +19,17 @@ namespace {
 
 using nlohmann::json;
 
-// Numbers of the glTF 2.0 specification.
+// The glTF 2.0 specification defines these numbers.
 constexpr int kFloat = 5126, kUnsignedInt = 5125, kArrayBuffer = 34962, kElementArrayBuffer = 34963;
 
-// One buffer, its views and accessors; values are little-endian on every computer.
+// The file has one binary buffer with its views and accessors; values are little-endian on every computer.
 class Buffer {
  public:
   int add_points(const std::vector<Vec3>& points) {
     json low = json::array(), high = json::array();
     for (int x = 0; x < 3; ++x) {
       const auto stored = points | std::views::transform([x](const Vec3& p) { return static_cast<float>(p[x]); });
-      low.push_back(std::ranges::min(stored));  // The bounds are those of the values that are stored.
+      low.push_back(std::ranges::min(stored));  // The bounds must be those of the stored values, which are rounded.
       high.push_back(std::ranges::max(stored));
     }
     const std::size_t start = bytes_.size();
@@ -89,7 +89,7 @@ json vector_of(const Vec3& v) {
   return json::array({v.x(), v.y(), v.z()});
 }
 
-// Outline of a cut module as a fan of triangles, flat, in metres and the node frame.
+// Adds the outline of a cut module as a flat fan of triangles, in metres and the node frame.
 void add_module_shape(json& gltf, Buffer& buffer, double corner_cut_mm) {
   const std::array<Vec3, 3> corner_mm{Vec3(-kSide_mm / 2, -kHeight_mm / 3, 0), Vec3(kSide_mm / 2, -kHeight_mm / 3, 0),
                                       Vec3(0, 2 * kHeight_mm / 3, 0)};
@@ -102,7 +102,7 @@ void add_module_shape(json& gltf, Buffer& buffer, double corner_cut_mm) {
   gltf["meshes"].push_back(mesh("module", corners, buffer.add_indices(faces), 1));
 }
 
-// Flat in metres, node frame: a taxel as a disc.
+// Adds a taxel as a flat disc, in metres and the node frame.
 void add_taxel_shapes(json& gltf, Buffer& buffer) {
   constexpr int kRim = 12;
   constexpr double kRadius_m = 0.0015;
@@ -120,7 +120,7 @@ void add_taxel_shapes(json& gltf, Buffer& buffer) {
 
 json taxel_node(const Vec3& in_module_mm, std::size_t module, std::size_t taxel) {
   const bool pressure = layout::measures_pressure(taxel);
-  // It is lifted so that it shows on its module.
+  // The small offset keeps the taxel visible above its module.
   const Vec3 lifted(in_module_mm.x(), in_module_mm.y(), in_module_mm.z() + 0.1);
   return {{"name", fmt::format("module_{}_taxel_{}", module, taxel)},
           {"mesh", pressure ? 2 : 3},
@@ -169,7 +169,7 @@ Vec3 middle_of(const PlacedModule& m, int side) {
   return (m.corner_mm[s] + m.corner_mm[(s + 1) % 3]) / 2.0;
 }
 
-// A jumper as a line between the middles of its two sides, mesh frame.
+// Adds a jumper as a line between the middles of its two sides, in the mesh frame.
 int add_jumper(json& gltf, json& nodes, Buffer& buffer, const Design& design, std::size_t index) {
   constexpr int kLines = 1;
   const Jumper& j = design.layout.jumpers[index];

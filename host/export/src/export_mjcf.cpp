@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// MJCF: the skin as a part of a model of MuJoCo.
+// Writes MJCF: the skin as a part of a MuJoCo model.
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -22,7 +22,7 @@ std::string three(const Vec3& v) {
   return fmt::format("{:.9g} {:.9g} {:.9g}", v.x(), v.y(), v.z());
 }
 
-// The plate under the dielectric in the frame of its module, from the plane of the taxels down.
+// Returns the plate under the dielectric in the frame of its module, from the plane of the taxels down.
 std::string plate_vertices(double corner_cut_mm) {
   const std::array<Vec3, 3> corners{Vec3(-kSide_mm / 2.0, -kHeight_mm / 3.0, 0.0),
                                     Vec3(kSide_mm / 2.0, -kHeight_mm / 3.0, 0.0),
@@ -50,8 +50,8 @@ std::string module_body(const std::string& name, int module, const PlacedModule&
   return xml + "      </body>\n";
 }
 
-// Vertices, the three axes of each as normals, and triangles that use every vertex: MuJoCo's tactile sensor takes the
-// first axis for the direction of the pressure and the others for those of slip.
+// Returns vertices, three axes for each as normals, and triangles that use every vertex. MuJoCo's tactile sensor takes
+// the first axis as the direction of pressure and the others as those of slip.
 std::string taxel_mesh(const Design& design, const std::string& name) {
   std::string vertices, normals, faces;
   const auto taxels = simulator_taxels(design);
@@ -78,7 +78,7 @@ std::string sensors(const Design& design, const std::string& name, MjcfTouch tou
   return xml;
 }
 
-// A cover that moves with a body of the other model, whose file stays as it is.
+// Fixes the cover to a body of the other model without changing that model's file.
 std::string fixing(const Design& design, const std::string& name, const std::string& robot_body) {
   const std::string body = escape_markup(robot_body);
   std::string xml = fmt::format(
@@ -95,7 +95,7 @@ std::string fixing(const Design& design, const std::string& name, const std::str
 std::string mjcf(const Design& design, MjcfTouch touch, const std::string& robot_body) {
   const std::string name = simulator_name(design);
   const bool tactile = touch == MjcfTouch::kTactile;
-  (void)simulator_taxels(design);  // Throws for a design without modules.
+  (void)simulator_taxels(design);  // The call throws for a design without modules.
   std::string xml = fmt::format(
       "<mujoco model=\"{0}\">\n  <default>\n    <default class=\"{0}_plate\">\n"
       "      <geom mass=\"{1:g}\" margin=\"{2:g}\" solimp=\"0.1 0.95 {2:g}\" group=\"3\"/>\n    </default>\n"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// URDF and SDF: one link for the cover, one frame for each module, the taxels as boxes and as a table.
+// Writes URDF and SDF: one link for the cover, one frame for each module, the taxels as boxes and as a table.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace triskin::design {
 namespace {
 
-// Turns about the fixed axes x, y, z, as URDF and SDF have them, of a rotation matrix. At pitch ±90° yaw is 0.
+// Converts a rotation matrix to turns about the fixed axes x, y, z, as in URDF and SDF. At pitch ±90° yaw is 0.
 Vec3 roll_pitch_yaw_of(const Eigen::Matrix3d& r) {
   const double pitch = std::asin(std::clamp(-r(2, 0), -1.0, 1.0));
   if (std::abs(r(2, 0)) > 1.0 - 1e-12) return {std::atan2(r(2, 0) < 0 ? r(0, 1) : -r(0, 1), r(1, 1)), pitch, 0.0};
@@ -25,7 +25,7 @@ std::string numbers(const Vec3& v) {
   return fmt::format("{:.9g} {:.9g} {:.9g}", v.x(), v.y(), v.z());
 }
 
-// Place and turn as both formats write them.
+// Both formats write position and rotation in this form.
 struct Pose {
   std::string xyz_m, rpy_rad;
 };
@@ -33,12 +33,12 @@ Pose pose_of(const PlacedModule& m) {
   const ModulePose frame = frame_of(m);
   return {numbers(frame.origin_mm * kMetres_per_mm), numbers(roll_pitch_yaw_of(frame.axes))};
 }
-// Height of a cut module over its side 0, mm.
+// Returns the height of a cut module over its side 0 in mm.
 double height_mm(double corner_cut_mm) {
   return kHeight_mm - cut_height_mm(corner_cut_mm);
 }
-// Distance from the centroid, a third of the whole height over side 0, to the centre of the box around the cut
-// outline.
+// Returns the distance from the centroid, which is a third of the whole height over side 0, to the centre of the box
+// around the cut outline.
 double box_shift_mm(double corner_cut_mm) {
   return height_mm(corner_cut_mm) / 2.0 - kHeight_mm / 3.0;
 }
@@ -48,7 +48,7 @@ Pose box_pose_of(const PlacedModule& m, double corner_cut_mm) {
           numbers(roll_pitch_yaw_of(frame.axes))};
 }
 
-// One row for each taxel: place and normal in the module's frame.
+// Returns one row for each taxel: position and normal in the module's frame.
 std::string taxel_rows(const PlacedModule& m, const ModuleWiring& wiring, std::size_t id) {
   const ModulePose frame = frame_of(m);
   std::string rows;
@@ -74,7 +74,7 @@ std::string taxel_table(const Design& design, const std::vector<ModuleWiring>& w
   return table + "    </triskin:skin>\n";
 }
 
-// A module as a thin plate that stands for it in a picture and in contacts: the box around its outline.
+// Returns the size of the thin plate that represents a module in pictures and contacts: the box around its outline.
 std::string plate_size(double corner_cut_mm) {
   return fmt::format("{:.9g} {:.9g} 0.001", (kSide_mm - corner_cut_mm) * kMetres_per_mm,
                      height_mm(corner_cut_mm) * kMetres_per_mm);

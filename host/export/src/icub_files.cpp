@@ -16,7 +16,7 @@
 namespace triskin::design {
 namespace {
 
-constexpr int kRepresentative = 3;  // This taxel lies at the centroid.
+constexpr int kRepresentative = 3;  // Taxel 3 lies at the centroid.
 constexpr int kTaxels = static_cast<int>(layout::kTaxelsPerModule);
 
 std::vector<ModuleWiring> wiring_for_icub(const Design& design) {
@@ -36,7 +36,7 @@ std::vector<ModuleWiring> wiring_for_icub(const Design& design) {
   return wiring;
 }
 
-// Words of a YARP file end at spaces and brackets.
+// Words in a YARP file end at spaces and brackets, so these are replaced.
 std::string word(std::string name) {
   std::ranges::replace_if(name, [](unsigned char c) { return std::isalnum(c) == 0 && c != '_'; }, '_');
   return name.empty() ? "part" : name;
@@ -44,7 +44,7 @@ std::string word(std::string name) {
 
 using Row = std::array<double, 6>;
 
-// Direction of side `rotation` of a tile in the plane of the lattice, degrees, (−180, 180].
+// Returns the direction of side `rotation` of a tile in the plane of the lattice, in degrees, (−180, 180].
 double orientation_deg(const Tile& tile, int rotation) {
   const auto from = tile_corner_index(tile, rotation), to = tile_corner_index(tile, (rotation + 1) % 3);
   const Vec2 along = grid_point(to[0], to[1]) - grid_point(from[0], from[1]);
@@ -60,7 +60,7 @@ Vec2 center_of(const Tile& tile) {
   return sum / 3.0;
 }
 
-// Shift of each island, so that they stand in a row and no two triangles look like neighbours.
+// Returns a shift for each island, so that they form a row and no two triangles look like neighbours.
 std::map<int, Vec2> row_of_islands(const Design& design) {
   constexpr double kGap_mm = 40.0;
   std::map<int, Eigen::AlignedBox2d> boxes;

@@ -3,6 +3,6 @@
 
 namespace triskin::design {
 
-inline constexpr double kMetres_per_mm = 1e-3;  ///< glTF, URDF and SDF are in metres.
+inline constexpr double kMetres_per_mm = 1e-3;  ///< glTF, URDF and SDF use metres.
 
 }  // namespace triskin::design

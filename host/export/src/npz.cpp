@@ -12,18 +12,18 @@
 namespace triskin::design {
 namespace {
 
-// Little-endian whatever the computer is.
+// Writes little-endian on every computer.
 void put(std::string& out, std::uint64_t value, int bytes) {
   for (int k = 0; k < bytes; ++k) out += static_cast<char>(value >> (8 * k) & 0xFF);
 }
 
-// What both records of a file in the archive have in common, from the version on.
+// Writes the fields that both records of a file in the archive have in common, from the version on.
 std::string file_facts(const std::string& name, const std::string& contents) {
   constexpr std::uint64_t kFirstOfJanuary1980 = 0x21;
   std::string facts;
-  put(facts, 20, 2);  // Version 2.0 of the format.
+  put(facts, 20, 2);  // The version of the format is 2.0.
   put(facts, 0, 2);
-  put(facts, 0, 2);  // Not compressed.
+  put(facts, 0, 2);  // The method 0 means "not compressed".
   put(facts, 0, 2);
   put(facts, kFirstOfJanuary1980, 2);
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(contents.data());
@@ -50,7 +50,7 @@ void NpzWriter::add_array(const std::string& name, const std::string& type, cons
   directory_ += std::string("PK\x01\x02", 4);
   put(directory_, 20, 2);
   directory_ += facts;
-  put(directory_, 0, 2);  // No comment, first disk, no attributes.
+  put(directory_, 0, 2);  // The fields say: no comment, first disk, no attributes.
   put(directory_, 0, 2);
   put(directory_, 0, 2);
   put(directory_, 0, 4);

@@ -6,16 +6,16 @@
 
 namespace triskin::design {
 
-/// Arrays as NumPy's `load` reads them: an archive of PKZIP without compression, with one file in the format NPY 1.0
-/// for each array (numpy.lib.format).
+/// Writes arrays for NumPy's `load`: a PKZIP archive without compression, with one file in the format NPY 1.0 for each
+/// array (numpy.lib.format).
 class NpzWriter {
  public:
-  /// Adds an array of doubles with `columns` in a row; 1: one-dimensional.
+  /// Adds an array of doubles with `columns` in a row; 1 makes it one-dimensional.
   void add(const std::string& name, std::span<const double> values, std::size_t columns);
   void add(const std::string& name, std::span<const int> values);
-  /// Texts of ASCII characters.
+  /// Adds an array of texts, which must be ASCII.
   void add(const std::string& name, std::span<const std::string> values);
-  /// The archive. Nothing is added after it.
+  /// Returns the archive, to which nothing can be added afterwards.
   [[nodiscard]] std::string finish();
 
  private:

@@ -16,7 +16,7 @@ std::size_t at(int i) {
   return static_cast<std::size_t>(i);
 }
 
-// Position of each node in the drawing: its lattice place, islands side by side, y downwards.
+// Computes the position of each node in the drawing: its lattice place, islands side by side, y downwards.
 class Sheet {
  public:
   explicit Sheet(const ModuleList& list) {

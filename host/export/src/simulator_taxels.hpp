@@ -7,19 +7,19 @@
 
 namespace triskin::design {
 
-/// A taxel that measures pressure, in the mesh frame, metres.
+/// Simulators get the pressure taxels in the mesh frame, in metres.
 struct SimulatorTaxel {
   int module = 0, taxel = 0;
-  Vec3 position_m;  ///< on the surface of the dielectric
+  Vec3 position_m;  ///< The position is on the surface of the dielectric.
   Vec3 normal;
 };
 
-/// All of them by module, then taxel. Throws InputError for a design without modules.
+/// Returns all pressure taxels by module, then taxel. Throws InputError for a design without modules.
 [[nodiscard]] std::vector<SimulatorTaxel> simulator_taxels(const Design& design);
 
-/// Name of the design of which other names are made: letters, digits and "_".
+/// Returns the name of the design reduced to letters, digits and "_", as the base of other names.
 [[nodiscard]] std::string simulator_name(const Design& design);
-/// Name of the body of a module.
+/// Returns the name of a module's body.
 [[nodiscard]] std::string link_name(const std::string& design_name, int module);
 
 }  // namespace triskin::design

@@ -17,9 +17,9 @@
 namespace triskin::design {
 namespace {
 
-// Edge neighbours are drawn 18.5 apart, rounded to whole units; the next nearest lie 32 apart.
+// Edge neighbours are drawn 18.5 apart, rounded to whole units; the next nearest are 32 apart.
 constexpr double kNearest_mm = 15.0, kFarthest_mm = 22.0;
-constexpr double kTurn_rad = 35.0 * std::numbers::pi / 180.0;  // Drawn directions are wrong by this at most.
+constexpr double kTurn_rad = 35.0 * std::numbers::pi / 180.0;  // Drawn directions are wrong by at most this angle.
 
 struct Drawn {
   int id = 0;
@@ -70,7 +70,7 @@ double turn(double angle) {
   return std::remainder(angle, 2.0 * std::numbers::pi);
 }
 
-// Lays each group of joined triangles on the lattice, from its first triangle outwards.
+// Places each group of joined triangles on the lattice, from its first triangle outwards.
 class Layer {
  public:
   Layer(const std::vector<Drawn>& drawn, const std::string& file)
@@ -134,7 +134,7 @@ class Layer {
         if (!laid[w]) {
           laid[w] = true;
           place_[w] = beyond.tile;
-          // Its side `beyond.side` faces back; sides follow counter-clockwise.
+          // Side `beyond.side` faces back, and sides follow counter-clockwise.
           side0_[w] = turn(direction(v, w) + std::numbers::pi - beyond.side * 2.0 * std::numbers::pi / 3.0);
           if (!taken.try_emplace(beyond.tile, w).second)
             fail(w, fmt::format("falls on the tile of triangle {}", drawn_[taken.at(beyond.tile)].id));
@@ -152,7 +152,7 @@ class Layer {
   const std::string& file_;
   std::vector<std::vector<std::size_t>> near_;
   std::vector<Tile> place_;
-  std::vector<double> side0_;  // Direction of side 0 of each module.
+  std::vector<double> side0_;  // For each module the direction of side 0 is stored.
 };
 
 void count_boards(SkinGuiLayout& layout) {

@@ -11,10 +11,10 @@
 
 namespace triskin::hdf5 {
 
-/// An object of the library with the function that closes it.
+/// Owns an object of the library and closes it.
 class Handle {
  public:
-  /// Takes what the library has made. Throws InputError naming `what` when it could not.
+  /// Takes ownership of an object. Throws InputError naming `what` when the library could not make it.
   Handle(hid_t id, herr_t (*close)(hid_t), const std::string& what) : id_(id), close_(close) {
     if (id < 0) throw InputError(fmt::format("HDF5 cannot make {}", what));
   }
@@ -35,7 +35,7 @@ inline void require(herr_t status, const std::string& what) {
   if (status < 0) throw InputError(fmt::format("HDF5 cannot write {}", what));
 }
 
-/// Attribute `name` with a text. Throws as require().
+/// Adds attribute `name` with a text. Throws as require().
 inline void write_text(hid_t object, const std::string& name, const std::string& value) {
   const Handle type(H5Tcopy(H5T_C_S1), H5Tclose, name), space(H5Screate(H5S_SCALAR), H5Sclose, name);
   require(H5Tset_size(type.id(), std::max<std::size_t>(1, value.size())), name);

@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t kBlockRows = 4096;
 constexpr std::uint64_t kMaxWait_us = 500'000;
 
-// A table that grows: N rows of `columns` numbers.
+// A growing table has N rows with `columns` numbers each.
 struct Column {
   const char* name;
   const char* unit;
@@ -60,7 +60,7 @@ class GrowingTable {
   Handle table_;
 };
 
-// Samples that wait to be written, a list a table.
+// Samples wait here to be written, with one list per table.
 struct Block {
   std::vector<std::int32_t> module, reader_patch;
   std::vector<std::uint32_t> sample, error_us;
@@ -73,9 +73,10 @@ Handle create(recording::OutputFile& file) {
   if (!file.can_read())
     throw InputError(file.name() +
                      ": HDF5 writes at any place of a file, which this does not allow; record to mcap or csv");
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // The exception carries the message.
-  file.write({});                               // Empties a file that exists already.
-  // The file is locked by us already, and the library's own lock would be refused.
+  // The library must not print its errors, because the exception has the message.
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  file.write({});  // The call empties a file that already exists.
+  // We already hold a lock on the file, so the library's own lock would be refused.
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, file.name());
   require(H5Pset_file_locking(access.id(), false, true), file.name());
   return {H5Fcreate(file.name().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose, file.name()};
@@ -196,7 +197,7 @@ class Hdf5Recorder {
   std::uint64_t flushed_us_ = 0;
 };
 
-// The library takes one thread at a time, and each bus of a robot is recorded by its own.
+// The library supports only one thread at a time, but each bus of a robot is recorded by its own thread.
 std::mutex one_at_a_time;
 
 class LockedRecorder final : public recording::Recorder {

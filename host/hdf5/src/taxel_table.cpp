@@ -12,7 +12,7 @@
 namespace triskin::hdf5 {
 namespace {
 
-// A table with `columns` numbers a row; one column is a plain list. `unit` and `meaning` become attributes.
+// A table has `columns` numbers per row; one column makes a plain list. `unit` and `meaning` become attributes.
 struct TableColumn {
   const char* name;
   const char* unit;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The functions of triskin.h: no exception leaves them.
+// Implements the functions of triskin.h; no exception leaves them.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 #include "skin.hpp"
 #include "triskin/base/error.hpp"
 
-// The handle of the C interface.
+// The C interface declares this handle without its contents.
 struct triskin_skin {
   triskin::library::Skin skin;
   std::string report;
@@ -19,7 +19,7 @@ struct triskin_skin {
 namespace triskin::library {
 namespace {
 
-// Options of an older caller end earlier: the rest keeps its default.
+// The options of an older caller end earlier, so the other fields keep their defaults.
 triskin_options complete(const triskin_options* given) {
   triskin_options options = TRISKIN_OPTIONS_INIT;
   if (given == nullptr) return options;

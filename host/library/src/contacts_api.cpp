@@ -19,7 +19,7 @@ design::Vec3 vector_at(const double* numbers, std::size_t taxel) {
   return {numbers[3 * taxel], numbers[3 * taxel + 1], numbers[3 * taxel + 2]};
 }
 
-// Force of a taxel; NaN: it has no calibration, and NaN makes the sum of its contact NaN.
+// Returns the force of a taxel, or NaN if it has no calibration; NaN also makes the sum of its contact NaN.
 double force_of(double change_counts, double counts_per_kpa, double area_mm2) {
   return counts_per_kpa > 0.0 ? change_counts / counts_per_kpa * area_mm2 * design::kNewtonPerKpaMm2
                               : std::numeric_limits<double>::quiet_NaN();

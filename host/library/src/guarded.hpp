@@ -11,10 +11,10 @@
 #include "triskin/design/design.hpp"
 #include "triskin/triskin.h"
 
-/// What every function of triskin.h does: no exception leaves it, and the error is kept for the thread.
+/// All functions of triskin.h use this frame: no exception leaves them, and the error is kept for the thread.
 namespace triskin::library {
 
-/// What the last call that failed in this thread could not do.
+/// Returns what the last failed call in this thread could not do.
 [[nodiscard]] inline std::string& last_error() {
   thread_local std::string text;
   return text;
@@ -25,7 +25,7 @@ inline triskin_status failed(triskin_status status, const std::string& what) {
   return status;
 }
 
-/// Runs what may throw.
+/// Runs work that may throw and converts exceptions to a status.
 template <class Work>
 triskin_status guarded(Work work) {
   try {
@@ -49,7 +49,7 @@ inline void require_size(const char* what, std::size_t given, std::size_t wanted
   if (given != wanted) throw InputError(fmt::format("{}: n is {}, must be {}", what, given, wanted));
 }
 
-/// Writes positions or normals of all taxels, by `part` of a pose.
+/// Writes positions or normals of all taxels; `part` selects one of them from a pose.
 template <class Part>
 void write_poses(const design::Design& design, double* out, Part part) {
   const auto wiring = design::wiring_of(design);

@@ -13,12 +13,12 @@
 #include "triskin/recording/recording.hpp"
 #include "triskin/skin/touch_map.hpp"
 
-// The handle of the C interface.
+// The C interface declares this handle without its contents.
 struct triskin_recording {
   triskin::recording::RecordedSkin skin;
   std::string name;
   std::vector<triskin_sample> samples;
-  std::vector<double> change_counts;  // 12 a sample.
+  std::vector<double> change_counts;  // Each sample has 12 values.
 };
 
 namespace triskin::library {
@@ -27,7 +27,7 @@ namespace {
 triskin_sample recorded_sample(const recording::ModuleSample& s, std::uint64_t unix_start_ns,
                                std::uint64_t link_start_us) {
   constexpr double kNanos = 1e9, kMicros = 1e6;
-  // Recordings of 0.1 know only when a sample came.
+  // Recordings of version 0.1 only have the time of arrival.
   const double time_s = s.sampled_ns != 0 ? static_cast<double>(s.sampled_ns) / kNanos
                                           : static_cast<double>(unix_start_ns) / kNanos +
                                                 static_cast<double>(s.link_time_us - link_start_us) / kMicros;
@@ -36,7 +36,7 @@ triskin_sample recorded_sample(const recording::ModuleSample& s, std::uint64_t u
   return sample_of(s.sample, s.module, time_s, error_s);
 }
 
-// 0: the recording does not say so.
+// Returns 0 if the recording does not contain the fact.
 std::uint64_t number_fact(const recording::RecordedSkin& skin, const char* key) {
   const auto found = skin.facts.find(key);
   return found == skin.facts.end() ? 0 : std::strtoull(found->second.c_str(), nullptr, 10);

@@ -8,7 +8,7 @@
 
 namespace triskin::library {
 
-/// The sample of triskin.h that a frame carries, taken at `time_s` since 1970 within ± `error_s`, of module `module`.
+/// Converts a frame to a sample of triskin.h, taken at `time_s` since 1970 within ± `error_s`, of module `module`.
 [[nodiscard]] inline triskin_sample sample_of(const wire::TaxelFrame& frame, int module, double time_s,
                                               double error_s) {
   triskin_sample s{};

@@ -35,7 +35,7 @@ device::LinkOptions link_options(const triskin_options& options) {
   return link;
 }
 
-// The time of simulations in this process passes when somebody waits, that of all others by itself.
+// The time of simulations in this process passes only while a caller waits; that of all others passes by itself.
 bool has_virtual_time(const Source& source) {
   std::size_t here = 0;
   const bool by_file = source.site.is_robot && !source.link.chosen;
@@ -93,7 +93,7 @@ triskin_sample live_sample(const device::QueuedSample& q) {
   return sample_of(q.frame, q.module, seconds_of(q.unix_ns), error_s);
 }
 
-// Returns the source when its options can be used.
+// Returns the source if its options can be used.
 Source checked(Source source, const triskin_options& options) {
   if (options.every < 0 || options.every > 255) throw InputError("every: must be 0 … 255");
   if (!(options.queue_s > 0.0 && options.queue_s <= 600.0))
@@ -112,7 +112,8 @@ Skin::Skin(Source source, const triskin_options& options)
 
 std::size_t Skin::read(double timeout_s, triskin_sample* samples, std::size_t capacity) {
   if (!(timeout_s >= 0.0 && timeout_s <= 3600.0)) throw InputError("timeout_s: must be 0 … 3600");
-  if (!queue_.started()) start();  // After stop(), waiting samples can be read, and sampling does not begin anew.
+  // After stop(), waiting samples can still be read, and sampling does not start again.
+  if (!queue_.started()) start();
   const std::vector<device::QueuedSample> queued = queue_.read(timeout_s, capacity);
   std::ranges::transform(queued, samples, live_sample);
   return queued.size();
@@ -166,7 +167,7 @@ std::pair<std::string, bool> Skin::verify() {
   return {std::move(report), !good};
 }
 
-// Verifies the covers one after the other, and appends what is found. True: nothing is.
+// Verifies the covers one after the other and appends findings. Returns true if there are none.
 bool Skin::verify(device::LiveBus& bus, std::string& report) {
   bool good = true;
   for (device::LiveCover& cover : bus.covers()) {

@@ -13,26 +13,25 @@
 
 namespace triskin::library {
 
-/// Covers that are opened: those of a robot on its buses, or the one of a design file.
+/// The library opens these covers: those of a robot on its buses, or the one of a design file.
 struct Source {
   robot::Site site;
-  design::Design design;  ///< It is all covers as one, or the design of a design file itself.
+  design::Design design;  ///< All covers joined, or the design of a design file itself.
   /// Each cover has the numbers of its first module and patch in `design`.
   std::vector<design::CoverOffset> offsets;
-  std::vector<std::string> covers;  ///< They are the names of the covers.
+  std::vector<std::string> covers;
   device::LinkOptions link;
 };
-/// Reads what `file` names. Throws InputError.
+/// Reads the file. Throws InputError.
 [[nodiscard]] Source read_source(const std::string& file, const triskin_options& options);
 
-/// Calibration of a module: value of its counts.
 struct ModuleCalibration {
-  std::array<double, layout::kTaxelsPerModule> counts_per_kpa{};  ///< It is 0 where it is unknown.
+  std::array<double, layout::kTaxelsPerModule> counts_per_kpa{};  ///< Zero means that the value is unknown.
   double taxel_area_mm2 = 0.0;
   bool known = false;
 };
 
-/// A skin with its samples. What the C functions do, with exceptions.
+/// This class does the work of the C functions and throws exceptions.
 class Skin {
  public:
   /// Opens the links. Throws InputError, DeviceError.
@@ -41,23 +40,22 @@ class Skin {
   Skin& operator=(const Skin&) = delete;
 
   [[nodiscard]] const Source& source() const { return source_; }
-  /// Begins the streams of all buses, or of none. Throws InputError, DeviceError as device::LiveBus::start.
+  /// Starts the streams of all buses, or of none. Throws InputError, and DeviceError as device::LiveBus::start.
   void start() { queue_.start(stream_options_); }
-  /// Takes samples. Throws what ended the stream, when nothing waits.
+  /// Removes samples from the queue. When it is empty, throws the exception that ended the stream.
   std::size_t read(double timeout_s, triskin_sample* samples, std::size_t capacity);
-  /// Ends the streams.
   void stop() { queue_.stop(); }
-  /// Time of the links, s since 1970.
+  /// Returns the time of the links, s since 1970.
   [[nodiscard]] double now_s() const;
   [[nodiscard]] triskin_counts counts();
-  /// Throws DeviceError when no sample came.
+  /// Throws DeviceError when no sample arrived.
   void tare();
   [[nodiscard]] std::array<double, layout::kTaxelsPerModule> change_counts(int module) {
     return queue_.change_counts(module);
   }
-  /// Indexed by module. Throws InputError while a stream runs, DeviceError.
+  /// Returns the calibration, indexed by module. Throws InputError while a stream runs, DeviceError.
   [[nodiscard]] std::vector<ModuleCalibration> calibration();
-  /// The report of a verification, and whether there is a finding. Throws InputError while a stream runs.
+  /// Returns the report of a verification, and whether there is a finding. Throws InputError while a stream runs.
   std::pair<std::string, bool> verify();
 
  private:
@@ -66,7 +64,7 @@ class Skin {
 
   const Source source_;
   const device::StreamOptions stream_options_;
-  const bool virtual_time_;  // Time passes only when somebody waits.
+  const bool virtual_time_;  // True means that time passes only while a caller waits.
   device::LiveSkin live_;
   device::SampleQueue queue_;
 };

@@ -56,12 +56,12 @@ class BulkDriver final : public UsbDriver {
       throw DeviceError(fmt::format("usb: this computer has no USB ({})", ::libusb_error_name(error)));
     }
     constexpr int kEvents = LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED | LIBUSB_HOTPLUG_EVENT_DEVICE_LEFT;
-    // Without hot-plug events the link scans for devices by itself.
+    // Without hot-plug events the link searches for devices itself.
     if (::libusb_has_capability(LIBUSB_CAP_HAS_HOTPLUG) == 0) return;
     (void)::libusb_hotplug_register_callback(context_, kEvents, 0, wire::kUsbVendor, wire::kUsbProduct,
                                              LIBUSB_HOTPLUG_MATCH_ANY, note_change, this, nullptr);
   }
-  ~BulkDriver() override { ::libusb_exit(context_); }  // The context takes the callback with it.
+  ~BulkDriver() override { ::libusb_exit(context_); }  // libusb_exit() also removes the hot-plug callback.
   BulkDriver(const BulkDriver&) = delete;
   BulkDriver& operator=(const BulkDriver&) = delete;
 
@@ -93,7 +93,7 @@ class BulkDriver final : public UsbDriver {
   [[nodiscard]] std::string name() const override { return "usb"; }
 
  private:
-  // Comes in whichever thread handles libusb's events.
+  // libusb calls this in whichever thread handles its events.
   static int LIBUSB_CALL note_change(libusb_context*, libusb_device*, libusb_hotplug_event, void* driver) {
     static_cast<BulkDriver*>(driver)->changed_ = true;
     return 0;

@@ -28,7 +28,7 @@ bool configure(int socket, bool fd) {
   options.flags = CAN_ISOTP_TX_PADDING;
   options.txpad_content = wire::IsoTp::kPadding;
   if (!set_option(socket, CAN_ISOTP_OPTS, options)) return false;
-  can_isotp_fc_options flow{};  // This computer is fast enough to need neither pauses nor blocks.
+  can_isotp_fc_options flow{};  // The zeros ask for neither pauses nor blocks, because this computer is fast enough.
   if (!set_option(socket, CAN_ISOTP_RECV_FC, flow)) return false;
   if (!fd) return true;
   can_isotp_ll_options frames{};

@@ -82,7 +82,7 @@ CanSocket::CanSocket(const std::string& interface) : interface_(interface) {
     (void)set_option(socket_, SOL_SOCKET, SO_RXQ_OVFL, on);
     if (fd_ && !set_option(socket_, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, on)) fd_ = false;
     (void)set_option(socket_, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, errors);
-    const int buffer_bytes = 4 << 20;  // Holds a stream of 16 patches for a second.
+    const int buffer_bytes = 4 << 20;  // The buffer holds a stream of 16 patches for a second.
     if (!set_option(socket_, SOL_SOCKET, SO_RCVBUFFORCE, buffer_bytes))
       (void)set_option(socket_, SOL_SOCKET, SO_RCVBUF, buffer_bytes);
     sockaddr_can address{};
@@ -122,8 +122,8 @@ void CanSocket::filter_for_host() {
       wide(wire::kFullBase, 0xFFFF),
       wide(wire::kLogBase, 0xFF),
       wide(wire::loader::kReplyId, 0),
-      {0x400, kAll11 | 0x700},  // taxels of iCub boards
-      {0x700, kAll11 | 0x700},  // And what they answer in the loader class.
+      {0x400, kAll11 | 0x700},  // These are the taxels of iCub boards.
+      {0x700, kAll11 | 0x700},  // These are their answers in the loader class.
   }};
   (void)set_option(socket_, SOL_CAN_RAW, CAN_RAW_FILTER, filters);
 }
@@ -146,12 +146,12 @@ void CanSocket::send(const wire::CanFrame& frame) {
       throw Unreachable(fmt::format(
           "can:{}: frames do not leave: nobody acknowledges them; check cable, termination and bit rate", interface_));
     }
-    // SocketCAN does not say when a full device queue has room again (poll tells of the socket's buffer only).
+    // SocketCAN does not report when a full device queue has room again, because poll only watches the socket's buffer.
     std::this_thread::sleep_for(kQueueLook);
   }
 }
 
-// The kernel adds to each frame the number of frames that were dropped so far because the queue was full.
+// The kernel reports with each frame how many frames were dropped so far because the queue was full.
 ssize_t CanSocket::read_frame(canfd_frame* frame) {
   iovec bytes{frame, sizeof *frame};
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(std::uint32_t))> control{};

@@ -11,7 +11,8 @@
 namespace triskin::device {
 namespace {
 
-std::string narrow(const wchar_t* text) {  // Serial numbers are hexadecimal digits, so each character fits one byte.
+// Serial numbers are hexadecimal digits, so each character fits into one byte.
+std::string narrow(const wchar_t* text) {
   std::string out;
   for (; text != nullptr && *text != L'\0'; ++text) out += *text < 128 ? static_cast<char>(*text) : '?';
   return out;

@@ -8,7 +8,7 @@ namespace triskin::device {
 namespace {
 
 constexpr std::uint32_t kPhysicalMask = 0x1FFF0000U;
-constexpr std::size_t kAddressInClaim = 6;  // Position of the address in the second frame.
+constexpr std::size_t kAddressInClaim = 6;  // The address is at this position in the second frame.
 
 }  // namespace
 

@@ -64,7 +64,7 @@ void UsbLink::read_all(Device& device, const std::stop_token& stop) {
         came_.notify_one();
       }
     }
-  } catch (const DeviceError&) {  // The device is gone; the owner of the link hears of it in its own thread.
+  } catch (const DeviceError&) {  // The device was unplugged; the owner of the link learns this in its own thread.
     const std::lock_guard lock(mutex_);
     device.gone = true;
     lost_.push_back(device.pipe->serial());
@@ -81,7 +81,7 @@ void UsbLink::remove_gone() {
     const std::lock_guard lock(mutex_);
     return d->gone;
   });
-  if (devices_.empty()) open_new_devices();  // The device may have come back under another address.
+  if (devices_.empty()) open_new_devices();  // The device may have returned under another address.
 }
 
 void UsbLink::reconnect() {
@@ -121,7 +121,7 @@ void UsbLink::send(const wire::CanFrame& frame) {
   remove_gone();
 }
 
-// The next frame that came in, or none after a slice of the time or when a device has gone.
+// Returns the next received frame, or none after a slice of the time or when a device was unplugged.
 std::optional<wire::CanFrame> UsbLink::next_frame(std::uint64_t until_us) {
   std::unique_lock lock(mutex_);
   const auto until = std::min(start_ + std::chrono::microseconds(until_us), std::chrono::steady_clock::now() + kSlice);

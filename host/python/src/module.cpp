@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The Python module triskin: triskin.h as a class, with numpy arrays. It uses nothing but the C interface.
+// The Python module triskin wraps triskin.h as a class, with numpy arrays. It uses only the C interface.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -31,7 +31,7 @@ struct DeviceFailed : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// An error may quote bytes of a file that are no text. Python would drop the whole message for them.
+// An error may quote bytes of a file that are not valid text; Python would then discard the whole message.
 std::string text_of_error() {
   const char* const bytes = triskin_error();
   const auto text = py::reinterpret_steal<py::object>(
@@ -47,13 +47,13 @@ void check(triskin_status status) {
 
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-// What counts are worth: for 1 kPa of each taxel, and the skin that a taxel of each module stands for.
+// Each taxel has its counts for 1 kPa, and each module the area of skin that a taxel represents.
 struct Calibration {
   py::array_t<double> counts_per_kpa, taxel_area_mm2;
   bool known = false;
 };
 
-// Pressure of the last two axes (modules, 12); NaN where a taxel has no calibration.
+// Computes the pressure of the last two axes (modules, 12); NaN where a taxel has no calibration.
 py::array_t<double> pressure_of(const Doubles& change, const Calibration& calibration) {
   if (!calibration.known)
     throw BadInput(
@@ -150,7 +150,7 @@ class Skin {
 
   py::array_t<triskin_sample> read(double seconds) {
     constexpr double kSlice_s = 0.05;
-    constexpr double kMinRest_s = 1e-5;  // Seconds since 1970 are no finer than 0.24 µs, and links count whole µs.
+    constexpr double kMinRest_s = 1e-5;  // Seconds since 1970 have a resolution of 0.24 µs, and links count whole µs.
     std::vector<triskin_sample> all = std::exchange(kept_, {});
     start_if_fresh();
     const double end_s = triskin_now_s(open()) + seconds;
@@ -181,7 +181,7 @@ class Skin {
     check(triskin_change_counts(open(), out.mutable_data(), static_cast<std::size_t>(out.size())));
     return out;
   }
-  // None: a module has no calibration.
+  // Returns None if a module has no calibration.
   [[nodiscard]] py::object calibration() {
     const Calibration& known = asked();
     if (!known.known) return py::none();
@@ -198,7 +198,8 @@ class Skin {
   }
 
  private:
-  // A question to the controllers needs a stopped stream. It goes on behind the question, and what waited is kept.
+  // A question to the controllers needs a stopped stream. The stream continues afterwards, and waiting samples are
+  // kept.
   class Pause {
    public:
     explicit Pause(Skin& skin) : skin_(skin), ran_(skin.runs_) {
@@ -217,7 +218,7 @@ class Skin {
     bool ran_;
   };
 
-  // The controllers are asked once.
+  // The controllers are asked only once.
   [[nodiscard]] const Calibration& asked() {
     if (calibration_) return *calibration_;
     const Pause pause(*this);
@@ -230,7 +231,7 @@ class Skin {
     c.known = status == TRISKIN_OK;
     return calibration_.emplace(std::move(c));
   }
-  // The first read() begins the stream; behind stop() it gives what waits.
+  // The first read() starts the stream; after stop() it returns waiting samples.
   void start_if_fresh() {
     if (fresh_) start();
   }
@@ -257,13 +258,13 @@ class Skin {
   }
   triskin_skin* skin_ = nullptr;
   std::size_t modules_ = 0;
-  std::vector<triskin_sample> kept_;  // Samples that waited when a question stopped the stream.
+  std::vector<triskin_sample> kept_;  // These samples were waiting when a question stopped the stream.
   std::optional<Calibration> calibration_;
   bool runs_ = false;
-  bool fresh_ = true;  // Nobody has begun the stream yet.
+  bool fresh_ = true;  // True means that the stream was never started.
 };
 
-// A recording: all of its samples at once.
+// A recording has all of its samples in memory.
 class Recording {
  public:
   explicit Recording(const std::string& file) {
@@ -296,7 +297,7 @@ class Recording {
     calibration_.known = known == TRISKIN_OK;
   }
 
-  // Of each module its latest sample at a time, s since the first sample; without one, at the end.
+  // Returns the latest sample of each module at a time in s since the first sample; without a time, at the end.
   [[nodiscard]] py::array_t<double> change_counts(const std::optional<double>& seconds) const {
     py::array_t<double> now({modules, std::size_t{TRISKIN_TAXELS}});
     std::fill_n(now.mutable_data(), now.size(), 0.0);
@@ -333,7 +334,7 @@ class Recording {
   Calibration calibration_;
 };
 
-// By its first bytes, whatever its name is.
+// The first bytes decide, whatever the name of the file is.
 bool is_recording(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
   std::array<char, 5> magic{};

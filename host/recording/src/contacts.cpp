@@ -10,7 +10,7 @@ bool belong_together(const PressedTaxel& a, const PressedTaxel& b) {
   return (a.position_mm - b.position_mm).norm() <= kContactReach_mm && a.normal.dot(b.normal) > 0.0;
 }
 
-// Takes out of `left` the first one and all that are linked to it.
+// Removes the first taxel from `left`, together with all that are linked to it.
 std::vector<PressedTaxel> take_region(std::vector<PressedTaxel>& left) {
   std::vector<PressedTaxel> region{left.front()};
   left.erase(left.begin());

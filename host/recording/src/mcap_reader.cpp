@@ -34,7 +34,7 @@ class Reading {
 
  private:
   void finish(const std::optional<Place>& place) {
-    // A file without chunks and footer that ends at a record is cut as well: what followed is not known.
+    // A file without chunks and footer that ends after a record counts as cut too, because nobody knows what followed.
     if (place && place->kind == Kind::kDataEnd) {
       std::array<std::uint8_t, kMagic.size()> magic{};
       const std::uint64_t size = source_.size();
@@ -55,7 +55,7 @@ class Reading {
 
   bool read(const Place& place) {
     if (place.kind == Kind::kMessageIndex) return read_index(place);
-    due_.clear();  // Other writers may leave out the index.
+    due_.clear();  // Other writers may omit the index.
     if (place.length > kMaxBytes) return fail(place, "a record is too long");
     const auto contents = contents_of(source_, place);
     if (contents.size() != place.length) return fail(place, "a record cannot be read");
@@ -77,7 +77,7 @@ class Reading {
         ++report_.messages;
         return pass<Message>(contents, &Visitor::on_message);
       default:
-        return static_cast<int>(kind) != 0;  // Kinds of a later version are skipped.
+        return static_cast<int>(kind) != 0;  // Records of kinds from later versions are skipped.
     }
   }
 
@@ -129,7 +129,7 @@ class Reading {
   Visitor& visitor_;
   ReadReport report_;
   Place chunk_;
-  std::set<std::uint16_t> due_;  // Channels of the last chunk that have no index yet.
+  std::set<std::uint16_t> due_;  // Only channels of the last chunk that still lack an index are listed.
 };
 
 }  // namespace

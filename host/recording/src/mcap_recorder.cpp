@@ -9,7 +9,7 @@ namespace triskin::recording {
 namespace {
 
 constexpr std::uint64_t kMaxWait_us = 500'000;
-// A point cloud waits so long for modules that were not heard yet. Each module comes every 37 ms.
+// A point cloud waits this long for modules that were not heard yet; a module normally sends every 37 ms.
 constexpr std::uint64_t kMaxUnheard_us = 1'000'000;
 
 mcap::TextMap qos() {
@@ -79,7 +79,7 @@ void McapRecorder::put_readers(std::uint64_t link_time_us) {
 
 void McapRecorder::add(const ModuleSample& sample) {
   if (readers_.add(sample)) {
-    frames_.flush();  // Samples before the message belong to the previous readers.
+    frames_.flush();  // Samples that arrived before the message belong to the previous readers.
     put_readers(sample.link_time_us);
   }
   frames_.add(sample);

@@ -8,7 +8,7 @@
 
 namespace triskin::recording {
 
-/// A recording as MCAP.
+/// Writes a recording as MCAP.
 class McapRecorder final : public Recorder {
  public:
   McapRecorder(OutputFile& file, const design::Design& design, Origin origin);
@@ -24,14 +24,14 @@ class McapRecorder final : public Recorder {
   void put_readers(std::uint64_t link_time_us);
 
   Origin origin_;
-  std::string frame_;  // Frame of the coordinates in messages.
+  std::string frame_;  // Coordinates in messages use this frame.
   mcap::Writer writer_;
   std::uint16_t raw_ = 0, layout_ = 0, contacts_ = 0, cloud_channel_ = 0, readers_channel_ = 0;
   RawFrames frames_;
   Readers readers_;
   std::optional<PointCloud> cloud_;
   std::uint64_t next_cloud_us_ = 0, first_sample_us_ = 0;
-  bool waiting_ = false;  // Data arrived since the last flush.
+  bool waiting_ = false;  // True means that data arrived since the last flush.
   std::optional<std::uint64_t> waiting_since_us_;
 };
 

@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint64_t kChunkHeadMost = 256;  // Names of compressions are short, so a longer head is damaged.
 constexpr std::uint64_t kIndexHead = 6, kIndexEntry = 16;
 
-// What the summary says of the whole file; the indexes of the chunks are not held, they are read again.
+// The summary has these contents. The indexes of chunks are not stored here, but read again from the file.
 struct Contents {
   std::vector<Buffer> schemas, channels, attachments, metadata;
   std::uint32_t chunks = 0;
@@ -104,7 +104,7 @@ Buffer statistics(const Contents& all) {
   return b;
 }
 
-// The index of the chunk at `chunk`; `next` becomes the record behind its message indexes.
+// Makes the index of the chunk at `chunk`; `next` becomes the record behind its message indexes.
 Buffer chunk_index(const ByteSource& source, const Place& chunk, std::optional<Place>& next) {
   ChunkHead head;
   (void)decode(contents_of(source, chunk, kChunkHeadMost), head);
@@ -129,7 +129,7 @@ Buffer chunk_index(const ByteSource& source, const Place& chunk, std::optional<P
   return b;
 }
 
-// The summary section and what follows it.
+// Writes the summary section and the records that follow it.
 class Summary {
  public:
   explicit Summary(OutputFile& file) : file_(file), start_(file.size()) {}
@@ -139,7 +139,7 @@ class Summary {
     for (const Buffer& contents : records) put(kind, contents);
     close();
   }
-  // Records up to `end` of the file, which this writes at its end meanwhile.
+  // Summarizes the records up to `end`; meanwhile this object appends to the same file.
   void group_of_chunks(std::uint64_t end) {
     open(Kind::kChunkIndex);
     for (auto p = place_at(file_, kMagic.size()); p && p->offset < end;) {

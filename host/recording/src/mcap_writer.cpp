@@ -61,8 +61,8 @@ void Writer::describe(const Metadata& metadata) {
 
 void Writer::flush() {
   if (waiting_ == 0) return;
-  // One piece, so that a process that is killed leaves a chunk with its index or none at all, as far as the system
-  // writes pieces whole.
+  // The chunk and its index are written in one call, so that a killed process leaves both or neither, if the system
+  // writes such calls completely.
   Buffer piece = encode_chunk(start_ns_, end_ns_, chunk_);
   piece.bytes(index_of(chunk_.view()).view());
   chunk_.clear();

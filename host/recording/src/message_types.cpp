@@ -64,7 +64,7 @@ constexpr std::string_view kContacts =
     "float64 y\n"
     "float64 z\n";
 
-// Types of other packages that ours use; fields and order are those of ROS 2.
+// Our types use these types of other packages; fields and order are those of ROS 2.
 constexpr std::string_view kPointCloud =
     "std_msgs/Header header\n"
     "uint32 height\n"

@@ -19,15 +19,15 @@ void put_point(CdrWriter& w, const design::Vec3& v, double scale) {
   for (int axis = 0; axis < 3; ++axis) w.f32(static_cast<float>(v[axis] / scale));
 }
 
-// A sequence with one element, made by `put`, an item.
+// Writes a sequence with one element for each item, which `put` encodes.
 template <class Items, class Put>
 void put_each(CdrWriter& w, const Items& items, std::size_t per_item, Put put) {
   w.count(items.size() * per_item);
   for (const auto& item : items) put(item);
 }
 
-// Recordings of 0.1 end before these. The controller's clock says how the modules differ: a few ms, of which its drift
-// is nothing.
+// Recordings of version 0.1 end before these times. The controller's clock then tells how the modules differ: by a few
+// ms, in which its drift does not matter.
 void take_times(CdrReader& r, std::vector<ModuleSample>& samples) {
   const std::uint64_t first_ns = r.u64();
   const std::uint32_t error_us = r.u32();
@@ -217,7 +217,7 @@ std::vector<std::uint8_t> PointCloud::encode(std::uint64_t stamp_ns, std::string
   w.u32(kStep);
   w.u32(kStep * n);
   w.count(kStep * n);
-  // A point starts at a multiple of 4 of the message, so that its fields are aligned as CDR aligns them.
+  // A point starts at a multiple of 4 bytes in the message, so that its fields are aligned as CDR requires.
   for (std::size_t m = 0; m < points_.size(); ++m) {
     for (std::size_t t = 0; t < points_[m].size(); ++t) {
       const Point& p = points_[m][t];

@@ -78,14 +78,14 @@ void OutputFile::start() {
   started_ = true;
 }
 
-// The new recording begins under another name beside the old one.
+// The new recording starts under a temporary name beside the old one.
 void OutputFile::begin_replacement() {
   const auto [file, temporary] = create_beside(target_of(name_));
   if (file < 0) fail(errno);
   old_file_ = std::exchange(file_, file);
   temporary_ = temporary;
   lock_for_writing(file_, name_);
-  // A disk that is full already is noticed while the old recording is still there.
+  // Reserving this much detects a full disk while the old recording still exists.
   constexpr off_t kBeginning_bytes = off_t{1} << 20;
   if (::fallocate(file_, FALLOC_FL_KEEP_SIZE, 0, kBeginning_bytes) != 0 && (errno == ENOSPC || errno == EDQUOT))
     fail(errno);

@@ -6,7 +6,7 @@
 namespace triskin::recording {
 namespace {
 
-// Modules of one sample come within a few ms; what is older than this waits for nothing any more.
+// Modules of one sample arrive within a few ms, so a frame that is older than this is complete.
 constexpr std::uint64_t kFrameSpan_us = 100'000;
 
 }  // namespace
@@ -17,7 +17,7 @@ void RawFrames::pass_on(std::vector<ModuleSample>& frame) {
   frame.clear();
 }
 
-// Those whose first module came before `before_us`.
+// Passes on the frames whose first module arrived before `before_us`.
 void RawFrames::pass_on(std::uint64_t before_us) {
   for (auto& [node, frame] : frames_) {
     if (!frame.empty() && frame.front().link_time_us < before_us) pass_on(frame);

@@ -38,7 +38,7 @@ std::vector<std::uint8_t> encode_readers(std::span<const Reader> readers, std::u
 
 std::optional<ReadersAt> decode_readers(Bytes message) {
   CdrReader r(message);
-  (void)r.u64();  // Skips the header.
+  (void)r.u64();  // The fields of the header are not needed.
   (void)r.text();
   ReadersAt at;
   at.link_time_us = r.u64();

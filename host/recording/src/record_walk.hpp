@@ -9,17 +9,16 @@
 
 namespace triskin::recording::mcap {
 
-/// Position of a record in a file.
 struct Place {
   Kind kind{};
-  std::uint64_t offset = 0;  ///< It is the start of the record's head.
-  std::uint64_t length = 0;  ///< It is the length of the record's contents.
+  std::uint64_t offset = 0;  ///< The record's head starts here.
+  std::uint64_t length = 0;  ///< Only the record's contents count.
   [[nodiscard]] std::uint64_t contents() const { return offset + kHeadBytes; }
   [[nodiscard]] std::uint64_t end() const { return offset + kHeadBytes + length; }
 };
-/// The record whose head is at `offset`; nullopt: the file ends before the record does.
+/// Finds the record whose head is at `offset`; nullopt if the file ends before the record does.
 [[nodiscard]] std::optional<Place> place_at(const ByteSource& source, std::uint64_t offset);
-/// The first bytes of a record's contents, at most `most`; empty when they cannot be read.
+/// Reads the first bytes of a record's contents, at most `most`; empty when they cannot be read.
 [[nodiscard]] std::vector<std::uint8_t> contents_of(const ByteSource& source, const Place& place,
                                                     std::uint64_t most = ~std::uint64_t{0});
 

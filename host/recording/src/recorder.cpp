@@ -9,7 +9,7 @@
 namespace triskin::recording {
 namespace {
 
-// One line a sample of a module.
+// Writes one line for each sample of a module.
 class CsvRecorder final : public Recorder {
  public:
   CsvRecorder(OutputFile& file, const design::Design& design, bool is_simulated)
@@ -43,7 +43,7 @@ class CsvRecorder final : public Recorder {
   }
   OutputFile& file_;
   Readers readers_;
-  char mark_;  // Column simulated.
+  char mark_;  // The column "simulated" contains this character.
   std::string text_;
 };
 

@@ -47,7 +47,7 @@ class Samples final : public mcap::Visitor {
       if (handler_) handler_(s);
     }
   }
-  // The first message has each module's own controller.
+  // The first message names each module's own controller.
   void take_readers(const mcap::Message& message) {
     auto at = decode_readers(message.data);
     if (!at || (!own_.empty() && at->readers.size() != own_.size())) malformed(kReadersType);
@@ -65,10 +65,11 @@ class Samples final : public mcap::Visitor {
   const std::function<void(const ModuleSample&)>& handler_;
   std::map<std::uint16_t, std::string> schemas_;
   std::uint16_t raw_ = 0, readers_channel_ = 0;
-  std::vector<Reader> own_, readers_;  // Indexed by module; empty: the recording does not name the readers.
+  // Entries are indexed by module; they are empty if the recording does not name the readers.
+  std::vector<Reader> own_, readers_;
 };
 
-struct Reached {};  // Thrown to end read_origin().
+struct Reached {};  // The exception ends read_origin() at the first sample.
 
 }  // namespace
 

@@ -10,16 +10,16 @@
 namespace triskin::recording {
 namespace {
 
-// A writer that was killed leaves at most one open chunk and its index behind the last whole one.
+// A killed writer leaves at most one open chunk and its index behind the last whole one.
 constexpr std::uint64_t kMaxOpenBytes = std::uint64_t{4} << 20;
 
-// Copies what is whole into another file.
+// Copies the intact parts into another file.
 class Rescue {
  public:
   Rescue(const ByteSource& source, const mcap::Salvage& found, OutputFile& file)
       : source_(source), found_(found), file_(file) {}
 
-  // Messages that no reader could understand, because the definition of their channel is damaged, are left out.
+  // Messages are left out if the definition of their channel is damaged, because no reader could understand them.
   std::uint64_t run() {
     find_definitions();
     file_.write(mcap::kMagic);
@@ -33,7 +33,7 @@ class Rescue {
   }
 
  private:
-  // A channel counts when its type is known, so the types come first.
+  // A channel is only usable if its type is known, so the types are searched first.
   void find_definitions() {
     for (const auto& [id, contents] : found_.schemas) schemas_.insert(id);
     each_of(mcap::Kind::kSchema, [&](Bytes contents) { schemas_.insert(ByteReader(contents).le16()); });
@@ -60,7 +60,7 @@ class Rescue {
     contents.text("triskin");
     put_bytes(mcap::Kind::kHeader, contents.view());
   }
-  // Types go before channels, and those of the summary before the records that follow.
+  // Types must precede channels, and the definitions from the summary must precede the records.
   void put_definitions() {
     for (const auto& [id, contents] : found_.schemas) put_definition(mcap::Kind::kSchema, contents.view());
     if (found_.channels.empty()) return;
@@ -119,11 +119,11 @@ class Rescue {
   const mcap::Salvage& found_;
   OutputFile& file_;
   std::set<std::uint16_t> schemas_, channels_;
-  std::set<std::pair<mcap::Kind, std::uint16_t>> put_;  // Definitions that the new file already has.
+  std::set<std::pair<mcap::Kind, std::uint16_t>> put_;  // The new file already has these definitions.
   std::uint64_t unreachable_ = 0;
 };
 
-// Says for each loss between which messages it lies, seconds from the first one.
+// Computes for each loss between which messages it lies, in seconds from the first one.
 void add_times(const ByteSource& source, const mcap::Salvage& found, std::vector<Loss>& losses) {
   std::optional<std::uint64_t> first_ns;
   for (Loss& loss : losses) loss.to_s = -1.0;
@@ -149,7 +149,7 @@ std::string problem_of(const mcap::Salvage& found, std::uint64_t file_bytes) {
   return "a byte outside the chunks is another one: the CRC of the whole is wrong";
 }
 
-// True if the file is intact up to its last whole record, as when a writer was killed.
+// Returns true if the file is intact up to its last whole record, as after a writer was killed.
 bool is_only_cut(const mcap::Salvage& found, std::uint64_t file_bytes) {
   if (found.has_footer || found.is_checksum_wrong) return false;
   const auto reaches_end = [&](const Loss& loss) { return loss.offset + loss.bytes == file_bytes; };
@@ -158,7 +158,7 @@ bool is_only_cut(const mcap::Salvage& found, std::uint64_t file_bytes) {
   return found.losses.size() == 1 && reaches_end(last) && (last.is_mended || last.bytes <= kMaxOpenBytes);
 }
 
-// End of the data that stays in place; the indexes of a last chunk are excluded and written again.
+// Returns the end of the data that stays in place; the indexes of a last chunk are excluded and written again.
 std::uint64_t end_of_records(const mcap::Salvage& found) {
   return found.records.empty() ? mcap::kMagic.size() : found.records.back().end();
 }

@@ -19,11 +19,11 @@ constexpr std::uint64_t kSearchStepBytes = std::uint64_t{1} << 20;
 
 enum class State : std::uint8_t {
   kWhole,
-  kContentDamaged,  // Its length is right, so the next record begins behind it.
-  kDamaged,         // Nothing of it can be believed, its length neither.
+  kContentDamaged,  // The record's length is right, so the next record begins behind it.
+  kDamaged,         // Even the length of the record is unreliable.
 };
 
-// Each value is encoded again, because decoding alone accepts bytes behind the last field.
+// Each value is encoded again for comparison, because decoding alone accepts bytes behind the last field.
 template <class Value>
 bool is_exact(Bytes contents) {
   Value value;
@@ -47,7 +47,7 @@ bool is_exact_header(Bytes contents) {
   return r.rest().empty();
 }
 
-// The sizes that an attachment states fill its record, whatever its CRC says.
+// Checks, independently of the CRC, that the sizes stated in an attachment fill its record.
 bool attachment_fills(Bytes contents) {
   ByteReader r(contents);
   (void)r.le64();
@@ -97,7 +97,7 @@ std::uint64_t messages_in(Bytes chunk) {
   return count;
 }
 
-// One walk through a file.
+// Walks through a file once.
 class Walk {
  public:
   Walk(const ByteSource& source, const std::string& name) : source_(source), name_(name) {}
@@ -154,7 +154,7 @@ class Walk {
     }
   }
 
-  // Does a record begin at `at` that can follow another one? The end of the file can, too.
+  // Returns whether a record that can follow another one begins at `at`, or the file ends there.
   [[nodiscard]] bool can_follow(std::uint64_t at) const {
     if (at == source_.size()) return true;
     const auto place = place_at(source_, at);
@@ -172,8 +172,8 @@ class Walk {
       lose(at, place->end() - at, what);
       return skip_indexes(place->end());
     }
-    // Bytes may be missing in it, so that a record that proves itself may begin before the end that it states. A record
-    // that does not is a part of its contents there.
+    // Bytes may be missing from the record, so a verified record may begin before the stated end. An unverified one
+    // there counts as part of the contents.
     const std::uint64_t next = next_record(at + 1, state == State::kContentDamaged ? place->end() : at + 1);
     lose(at, next - at, what);
     return skip_indexes(next);
@@ -242,7 +242,7 @@ class Walk {
     return next;
   }
 
-  // Other writers may put the entries of an index, and the indexes of a chunk, in another order.
+  // Other writers may order the entries of an index, and the indexes of a chunk, differently.
   [[nodiscard]] bool indexes_agree(std::uint64_t from, std::uint64_t to, Bytes wanted) const {
     std::vector<std::uint8_t> bytes(to - from);
     return source_.read(from, bytes) && entries_of(bytes) == entries_of(wanted);
@@ -263,7 +263,7 @@ class Walk {
     return entries;
   }
 
-  // Position after the message indexes that begin at `at`; `is_lost`: their chunk is lost.
+  // Returns the position after the message indexes that begin at `at`; `is_lost` says that their chunk is lost.
   std::uint64_t skip_indexes(std::uint64_t at, bool is_lost = true) {
     for (auto place = place_at(source_, at); place && place->kind == Kind::kMessageIndex;
          place = place_at(source_, at)) {
@@ -274,8 +274,8 @@ class Walk {
     return at;
   }
 
-  // The first offset from `from` on where a record of the data section begins; the size of the file where none does.
-  // Before `trusted_from` only a record that has a CRC counts.
+  // Returns the first offset from `from` on where a record of the data section begins, or the size of the file. Before
+  // `trusted_from` only a record with a CRC counts.
   [[nodiscard]] std::uint64_t next_record(std::uint64_t from, std::uint64_t trusted_from) const {
     const std::uint64_t size = source_.size();
     std::vector<std::uint8_t> window;
@@ -290,7 +290,7 @@ class Walk {
     }
     return size;
   }
-  // A quick test that nearly all bytes fail.
+  // Nearly all bytes fail this quick test.
   static bool may_begin(Bytes head, std::uint64_t left) {
     const auto kind = static_cast<Kind>(head[0]);
     const bool is_wanted = kind == Kind::kSchema || kind == Kind::kChannel || kind == Kind::kChunk ||
@@ -306,7 +306,7 @@ class Walk {
     if (state == State::kWhole && proves_itself) return true;
     return is_trusted && state == State::kWhole && can_follow(place->end()) && place->end() < source_.size();
   }
-  // Reads the head alone: a search must not read a megabyte for each byte that looks like a chunk.
+  // Reads only the head, because the search must not read a megabyte for each byte that looks like a chunk.
   [[nodiscard]] bool is_plausible_chunk(const Place& place) const {
     ChunkHead head;
     return decode(contents_of(source_, place, 64), head) && head.compression.empty() &&
@@ -328,7 +328,7 @@ class Walk {
     found_.losses.push_back({offset, bytes, what, true});
   }
 
-  // Footer and magic bytes at the end of the file.
+  // Examines footer and magic bytes at the end of the file.
   void read_tail() {
     std::array<std::uint8_t, kHeadBytes + kFooterBytes + kMagic.size()> tail{};
     const std::uint64_t size = source_.size();
@@ -342,7 +342,7 @@ class Walk {
     (void)r.le64();
     const std::uint32_t crc = r.le32();
     const std::uint64_t crc_at = size - kMagic.size() - 4;
-    is_summary_unproved_ = start == 0 || crc == 0;  // The format allows both.
+    is_summary_unproved_ = start == 0 || crc == 0;  // The format allows a summary without position and without CRC.
     if (start < kMagic.size() || start >= crc_at) return;
     std::vector<std::uint8_t> summary(crc_at - start);
     if (summary.size() > kMaxRecordBytes || !source_.read(start, summary)) return;
@@ -360,7 +360,7 @@ class Walk {
     });
   }
 
-  // Skips the records of the summary section, since recover() writes them again.
+  // Skips the records of the summary section, because recover() writes them again.
   void check_summary_region() {
     if (!found_.has_data_end || found_.has_summary) return;
     const std::uint64_t from = data_end_place_.offset;
@@ -368,7 +368,7 @@ class Walk {
       found_.losses.push_back({from, source_.size() - from, "the summary", true});
   }
 
-  // Definitions that are other ones in the summary, whose CRC holds, are damaged in the data section.
+  // If a definition differs from the summary, whose CRC is right, the one in the data section is damaged.
   void compare_with_summary() {
     if (!found_.has_summary) return;
     std::erase_if(found_.records, [&](const Place& place) {
@@ -388,7 +388,7 @@ class Walk {
     });
     std::ranges::sort(found_.losses, {}, &Loss::offset);
   }
-  // A definition may stand in the file more than once.
+  // The file may repeat a definition.
   [[nodiscard]] bool seen_twice(const Place& place, std::uint16_t id) const {
     const auto contents = contents_of(source_, place);
     return std::ranges::any_of(found_.records, [&](const Place& other) {

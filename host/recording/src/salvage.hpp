@@ -12,22 +12,23 @@
 
 namespace triskin::recording::mcap {
 
-/// What is whole in a file of the format MCAP, also behind damage. Every chunk in it has the CRC that it states.
+/// A salvage lists the intact parts of a file of the format MCAP, even behind damage. The CRC of every chunk in it is
+/// right.
 struct Salvage {
-  /// The records of the data section stand in the order of the file, without message indexes.
+  /// The records of the data section are in the order of the file, without message indexes.
   std::vector<Place> records;
-  std::vector<Loss> losses;                           ///< They say what is damaged, in the order of the file.
-  std::map<std::uint16_t, Buffer> schemas, channels;  ///< Only the summary still has these contents, keyed by id.
-  std::uint64_t messages = 0;                         ///< It counts messages inside and outside the chunks.
+  std::vector<Loss> losses;                           ///< The damaged places are in the order of the file.
+  std::map<std::uint16_t, Buffer> schemas, channels;  ///< Only the summary still has these definitions, by id.
+  std::uint64_t messages = 0;                         ///< Messages inside and outside chunks count.
   std::uint64_t data_end = 0;      ///< The intact data section ends here, with its end record or with the file.
   bool has_data_end = false;       ///< The end record of the data section was found.
-  bool has_footer = false;         ///< The file was closed: footer and magic bytes stand at its end.
-  bool has_summary = false;        ///< The summary before the footer has the CRC that it states.
-  bool is_checksum_wrong = false;  ///< A byte outside the chunks is another one, and nobody can say which.
+  bool has_footer = false;         ///< The file was closed: it ends with footer and magic bytes.
+  bool has_summary = false;        ///< The summary before the footer has the right CRC.
+  bool is_checksum_wrong = false;  ///< A byte outside the chunks is wrong, but it is unknown which one.
 };
 
-/// Calls `take(kind, contents)` with each record that stands in `records`, as in those of a chunk, until it returns
-/// false. Result: all records are whole and were taken. Cost: linear.
+/// Calls `take(kind, contents)` with each record in `records`, such as those of a chunk, until it returns false.
+/// Returns true if all records are whole and were accepted. Cost: linear.
 template <class Take>
 bool each_record(Bytes records, Take take) {
   while (!records.empty()) {
@@ -40,13 +41,13 @@ bool each_record(Bytes records, Take take) {
   return true;
 }
 
-/// The head of a chunk with the times and the size that its records have; no CRC protects those that it states. Cost:
-/// linear.
+/// Computes the head of a chunk again, with the times and the size of its records, because no CRC protects the stated
+/// ones. Cost: linear.
 [[nodiscard]] ChunkHead head_from(Bytes contents, const ChunkHead& stated);
 
-/// Looks for every whole record of a file. Behind damage it goes on at the next record that proves itself: a chunk or
+/// Finds every whole record of a file. Behind damage it continues at the next record that can be verified: a chunk or
 /// an attachment by its CRC, another one by its structure and that of the record behind it. Throws InputError naming
-/// `name` for what is no MCAP file, and for chunks that are compressed. Cost: linear. Memory: one record.
+/// `name` for a file that is not MCAP, and for compressed chunks. Cost: linear. Memory: one record.
 [[nodiscard]] Salvage salvage(const ByteSource& source, const std::string& name);
 
 }  // namespace triskin::recording::mcap

@@ -10,7 +10,7 @@
 namespace triskin::robot {
 namespace {
 
-// Load by every sample of the full stream at the controllers' fastest clock.
+// Computes the load by every sample of the full stream at the controllers' fastest clock.
 double load_of(std::size_t modules, std::uint64_t sample_ns) {
   return device::kFastestClock * wire::stream_load(modules, sample_ns, wire::sequence_us(wire::Decimation::k256));
 }
@@ -45,7 +45,7 @@ std::vector<BusLoad> bus_loads(const Assembly& a) {
       ++load.controllers;
       load.modules += static_cast<int>(modules);
       const BusEntry& entry = a.robot.buses[static_cast<std::size_t>(bus)];
-      // Each USB device has a wire of its own.
+      // Each USB device has its own wire.
       if (device::is_usb(entry.link)) {
         const bool hid = entry.link.starts_with("hid");
         load.full = std::max(load.full, load_of(modules, hid ? wire::kUsbHidFrame_ns : wire::kUsbBulkFrame_ns));

@@ -12,7 +12,7 @@
 namespace triskin::robot {
 namespace {
 
-// What became of the other buses, behind the message of the first that failed.
+// Describes the results of the other buses, to follow the message of the first that failed.
 std::string rest_of(const std::vector<std::string>& names, const std::vector<std::exception_ptr>& failures,
                     std::size_t first) {
   std::string text;

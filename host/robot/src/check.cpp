@@ -14,8 +14,8 @@
 namespace triskin::robot {
 namespace {
 
-// CAN at 1 Mbit/s, in inverse proportion to the bit rate (CiA 301: 25 m; stubs of 1.5 m, together 7.5 m, as makers of
-// CAN devices give them); USB 2.0 full speed: 5 m.
+// The limits for CAN are for 1 Mbit/s and inversely proportional to the bit rate (CiA 301: 25 m; stubs of 1.5 m,
+// together 7.5 m, as makers of CAN devices state); USB 2.0 full speed allows 5 m.
 constexpr double kMaxCan_mm = 25'000.0, kMaxStub_mm = 1'500.0, kMaxStubs_mm = 7'500.0, kMaxUsb_mm = 5'000.0;
 constexpr double kCableRate = 1e6;
 constexpr int kMaxEvery = 255;  // A reader cannot ask for fewer samples than every 255th.
@@ -47,7 +47,7 @@ class Checker {
 
   void check_buses() {
     std::set<std::string> names;
-    std::map<std::string, std::string> links;  // Keyed by real wire or server: the bus that opens it.
+    std::map<std::string, std::string> links;  // For each real wire or server, the map has the bus that opens it.
     for (const BusEntry& bus : robot_.buses) {
       if (!names.insert(bus.name).second)
         add("bus " + bus.name, "the name stands there twice", "give each bus a name of its own");

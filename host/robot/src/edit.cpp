@@ -12,7 +12,7 @@
 namespace triskin::robot {
 namespace {
 
-// Node addresses that are taken on a bus, but for those of `besides`, whose own are added.
+// Returns the node addresses in use on a bus; `besides` counts with its own entries, even if it is not in `robot` yet.
 std::set<int> nodes_on(const Robot& robot, int bus, const CoverEntry& besides) {
   std::set<int> nodes;
   for (const CoverEntry& cover : robot.covers) {

@@ -46,7 +46,7 @@ class Urdf {
     }
   }
 
-  // Works from the base outwards and visits a joint once for each level of the tree.
+  // Works from the base outwards and visits each joint once per level of the tree.
   [[nodiscard]] std::map<std::string, Eigen::Isometry3d> poses(std::string& base) const {
     check_joints(base);
     std::map<std::string, Eigen::Isometry3d> poses{{base, Eigen::Isometry3d::Identity()}};

@@ -20,7 +20,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Points = std::span<const Vector3d>;
 
-constexpr double kBetter = 0.5;           // Another explanation must leave at most this share of the residual.
+constexpr double kBetter = 0.5;           // Another explanation must reduce the residual to at most this fraction.
 constexpr double kExact_mm = 1.0;         // A touch is hardly more accurate than this.
 constexpr double kMinWidth_mm = 1.0;      // The touches must spread this far across their longest line.
 constexpr double kMinThickness_mm = 3.0;  // Touches are less accurate than this, so their mirror image looks the same.
@@ -31,7 +31,7 @@ Vector3d mean_of(Points points) {
   return sum / static_cast<double>(points.size());
 }
 
-// Root mean square extents along the principal axes, largest first.
+// Returns the root mean square extents along the principal axes, largest first.
 Vector3d extents_of(Points points) {
   const Vector3d mean = mean_of(points);
   Matrix3d spread = Matrix3d::Zero();
@@ -52,7 +52,7 @@ void measure(Fit& fit, Points from, Points to) {
   fit.rms_mm = std::sqrt(sum / static_cast<double>(from.size()));
 }
 
-// Empty: the design lacks a module or taxel.
+// Returns nothing if the design lacks a module or taxel.
 std::optional<std::vector<Vector3d>> places_of(const design::Design& design, std::span<const Touch> touches) {
   const auto wiring = design::wiring_of(design);
   std::vector<Vector3d> places;
@@ -66,7 +66,7 @@ std::optional<std::vector<Vector3d>> places_of(const design::Design& design, std
   return places;
 }
 
-// "1.5,2" into numbers; false: not so many, or something else.
+// Parses numbers such as "1.5,2"; returns false if their count is wrong or the text is not a number.
 bool numbers_in(std::string_view line, std::array<double, 5>& numbers) {
   std::size_t n = 0;
   for (const auto part : std::views::split(line, ',')) {
@@ -137,7 +137,7 @@ Registration register_cover(const NamedDesign& cover, std::span<const NamedDesig
   r.mirror_rms_mm = fit_pose(*places, in_link, true).rms_mm;
   r.thickness_mm = std::min(extents_of(*places)[2], extents_of(in_link)[2]);
   r.mirror_unknown = r.thickness_mm < kMinThickness_mm;
-  if (r.fit.rms_mm < kExact_mm) return r;  // Nothing is left to explain.
+  if (r.fit.rms_mm < kExact_mm) return r;  // The fit is already so good that no other explanation is needed.
   double best_mm = kBetter * r.fit.rms_mm;
   r.mirrored = !r.mirror_unknown && r.mirror_rms_mm < best_mm;
   for (const NamedDesign& other : others) {

@@ -54,7 +54,7 @@ BusEntry read_bus(const JsonValue& v) {
   return bus;
 }
 
-// A matrix of hand-written numbers is brought to the nearest rotation.
+// Hand-written numbers are rounded, so the matrix is replaced by the nearest rotation.
 Eigen::Isometry3d read_matrix(const JsonValue& v) {
   constexpr double kRounded = 1e-3;
   Eigen::Matrix4d m;
@@ -73,7 +73,7 @@ Eigen::Isometry3d read_matrix(const JsonValue& v) {
     v.fail("mirrors the cover (determinant -1): a pose only turns and moves; use the design of the other side");
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = Eigen::Quaterniond(turn).normalized().toRotationMatrix();
-  // Gives back exactly what was written.
+  // A matrix that already is a rotation is kept exactly as it was written.
   if ((pose.linear() - turn).cwiseAbs().maxCoeff() < 1e-12) pose.linear() = turn;
   pose.translation() = m.topRightCorner<3, 1>();
   return pose;
@@ -130,7 +130,7 @@ CoverEntry read_cover(const JsonValue& v) {
   return cover;
 }
 
-// Reads until the key "format" of the outermost object, wherever it stands.
+// Reads until the key "format" of the outermost object, wherever it is.
 class FormatFinder final : public nlohmann::json::json_sax_t {
  public:
   [[nodiscard]] bool is_robot() const { return found_; }

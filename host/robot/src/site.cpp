@@ -34,7 +34,7 @@ void require_sound(const Assembly& a) {
   throw InputError(text);
 }
 
-// Empty: nothing of this cover hangs on the bus.
+// Returns nothing if no part of this cover is on the bus.
 std::optional<CoverConfig> on_bus(const Assembly& a, std::size_t index, int bus) {
   const CoverEntry& entry = a.robot.covers[index];
   CoverConfig cover{entry.name, a.file.parent_path() / entry.design, a.designs[index], {}, static_cast<int>(index), 0,
@@ -59,7 +59,7 @@ void append(BusConfig& bus, CoverConfig cover) {
   bus.covers.push_back(std::move(cover));
 }
 
-// A bus has one rate: that of the cover that wants most, and none is chosen while a cover leaves it open.
+// A bus has one rate: that of the cover that wants most. If a cover leaves it open, no rate is chosen.
 int every_for(const Assembly& a, const BusConfig& bus) {
   double wanted_hz = 0.0;
   for (const CoverConfig& c : bus.covers) {

@@ -35,7 +35,7 @@ bool presses(const scene::ContactState& contact, const design::Vec3& at_mm) {
   return contact.force_n > 0.0 && (at_mm - contact.position_mm).norm() < contact.radius_mm;
 }
 
-// Places of the pressure taxels of a module.
+// Returns the places of the pressure taxels of a module.
 std::vector<design::Vec3> pads_of(const design::Design& design, int rotation, std::size_t module) {
   std::vector<design::Vec3> pads;
   const auto taxels = design::taxels_of(design.layout.modules[module], rotation);
@@ -94,7 +94,7 @@ ContactDensity density_of_recording(const std::filesystem::path& path) {
     if (m >= modules) return;
     touches.add({s.module, s.link_time_us, s.sample});
     const auto change = touches.change(s.module);
-    // A gap in the recording is no touch.
+    // A longer gap in the recording does not count as a touch.
     constexpr std::uint64_t kMaxInterval_us = 500'000;
     const std::uint64_t since_us = last_us[m] == 0 ? 0 : s.link_time_us - last_us[m];
     if (std::ranges::max(change) >= device::TouchMap::kPressed_counts && since_us < kMaxInterval_us)
@@ -114,10 +114,11 @@ std::string regions_text(const ContactDensity& density, double max_weight) {
         "no module was touched, so nothing says where modules matter; touch the skin, or look at the rest values");
   std::vector<std::size_t> order(density.touched_s.size());
   std::iota(order.begin(), order.end(), 0U);
-  // Of regions that overlap the last one counts, so the most important ones come last.
+  // Where regions overlap, the last one counts, so the most important ones come last.
   std::ranges::stable_sort(order, {}, [&](std::size_t m) { return density.touched_s[m]; });
   nlohmann::json regions = nlohmann::json::array();
-  const double radius_mm = 2.0 * design::kHeight_mm / 3.0;  // From the centre of a module to its corners.
+  // The radius reaches from the centre of a module to its corners.
+  const double radius_mm = 2.0 * design::kHeight_mm / 3.0;
   for (const std::size_t m : order) {
     if (density.touched_s[m] <= 0.0) continue;
     const design::Vec3 at = scene::center_of(density.design, static_cast<int>(m));

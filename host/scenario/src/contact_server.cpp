@@ -39,7 +39,7 @@ class Socket {
 constexpr const char* kRefusal =
     "contacts are taken from this computer only, since nothing asks a client who it is; listen on 127.0.0.1";
 
-// False: the client is gone.
+// Returns false if the client has disconnected.
 bool send_line(int socket, const std::string& line) {
   const std::string text = line + '\n';
   for (std::size_t sent = 0; sent < text.size();) {
@@ -51,7 +51,7 @@ bool send_line(int socket, const std::string& line) {
   return true;
 }
 
-// Answers the whole lines of `text` and removes them. False: the client is let go.
+// Answers the whole lines of `text` and removes them. Returns false if the client must be disconnected.
 bool answer_lines(ContactStream& stream, int socket, std::string& text) {
   try {
     for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n')) {

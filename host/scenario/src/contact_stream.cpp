@@ -27,14 +27,14 @@ constexpr const char* kCover = "cover";
 constexpr double kMaxLength_mm = 1e5;
 constexpr double kMaxForce_n = 1e4;
 constexpr double kForceRadius_mm = 6.0, kTipRadius_mm = 10.0;
-// Another simulator touches its own shape of the body, which differs from the surface of the skin by some millimetres.
+// Another simulator touches its own shape of the body, which differs from the surface of the skin by a few millimetres.
 constexpr double kMaxOffset_mm = 30.0;
 
 double seconds(std::uint64_t time_us) {
   return static_cast<double>(time_us) * 1e-6;
 }
 
-// A length in millimetres that is given as NAME_mm or NAME_m; empty: neither is there.
+// Returns in millimetres a length that is given as NAME_mm or NAME_m; empty if neither is present.
 std::optional<std::pair<JsonValue, double>> field_in_mm(const JsonValue& v, const std::string& name) {
   const std::string in_mm = name + "_mm", in_m = name + "_m";
   if (has(v, in_mm.c_str()) && has(v, in_m.c_str()))
@@ -61,7 +61,7 @@ Vec3 point_mm(const JsonValue& v) {
   return point;
 }
 
-// Force and radius of a sphere that sinks into the dielectric, by the elastic foundation (docs/mechanics.md).
+// Computes force and radius of a sphere that sinks into the dielectric, by the elastic foundation (docs/mechanics.md).
 void press_in(scene::Contact& c, double depth_mm, double tip_radius_mm) {
   const mechanics::Layer layer;
   c.force_n = design::kNewtonPerKpaMm2 * std::numbers::pi * tip_radius_mm * depth_mm * depth_mm *
@@ -142,7 +142,7 @@ json frame_json(const wire::CanFrame& frame, std::uint64_t at_us) {
           {"data", fmt::format("{:02X}", fmt::join(frame.payload(), ""))}};
 }
 
-// True if a taxel of the module lies in the contact.
+// Returns true if a taxel of the module lies in the contact.
 bool is_felt(const scene::VirtualSkin& hardware, const scene::Contact& contact) {
   const design::Design& design = hardware.scene().design;
   const auto wiring = design::wiring_of(design);
@@ -176,7 +176,7 @@ ContactStream::ContactStream(scene::Scene scene) : answer_(std::make_unique<Answ
       [answer](const wire::CanFrame& frame, std::uint64_t at_us) {
         if (answer->rest != nullptr) answer->frames.push_back(frame_json(frame, at_us));
       });
-  // A touch while the controllers find the offsets of their converters would become the rest value.
+  // While the controllers search the offsets of their converters, a touch would become the rest value.
   constexpr std::uint64_t kStarted_us = 1'000'000;
   skin_->run_until(kStarted_us);
   answer_->rest = &skin_->rest();

@@ -15,7 +15,7 @@ namespace triskin::scenario {
 namespace {
 
 constexpr std::uint64_t kRenew_us = 250'000;
-// Controllers find the offsets of their converters in the first second; the samples behind it count.
+// Controllers find the offsets of their converters in the first second, so only later samples count.
 constexpr std::uint64_t kSettle_us = 1'500'000, kRest_us = 500'000;
 
 scene::Scene untouched(scene::Scene scene) {
@@ -29,7 +29,7 @@ void stream_until(device::Stream& stream, const device::Link& link, std::uint64_
   while (link.now_us() < until_us) stream.run_until(std::min(until_us, link.now_us() + kRenew_us));
 }
 
-// Means of the valid values of each taxel.
+// Computes the means of the valid values of each taxel.
 class RestMeans {
  public:
   explicit RestMeans(std::size_t modules) : sums_(modules), counts_(modules) {}

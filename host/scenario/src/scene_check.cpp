@@ -20,7 +20,7 @@ using scene::Expectation;
 using Kind = Expectation::Kind;
 using Changes = std::array<double, layout::kTaxelsPerModule>;
 
-// An instant is seen by the first sample of each module behind it, which comes within this time.
+// An instant is observed by the next sample of each module, which arrives within this time.
 constexpr std::uint64_t kInstant_us = 300'000;
 
 struct ModuleReport {
@@ -47,7 +47,7 @@ class Watch {
     if (expectation_.module >= 0 && module != expectation_.module) return;
     if (!begun_) await(reports);
     awaited_.erase(module);
-    // A number of the skin is complete when each of its modules has reported once.
+    // A value of the whole skin is complete when each of its modules has reported once.
     if (!awaited_.empty() || (!expectation_.until_us && samples_ > 0)) return;
     ++samples_;
     note(at_us, reports);
@@ -60,7 +60,7 @@ class Watch {
   }
 
  private:
-  // A module that has never reported is not waited for: it may not be connected.
+  // A module that has never reported may not be connected, so it is not awaited.
   void await(const std::vector<ModuleReport>& reports) {
     begun_ = true;
     for (std::size_t m = 0; m < reports.size() && expectation_.module < 0; ++m) {
@@ -127,7 +127,7 @@ class Watch {
   Expectation expectation_;
   double corner_cut_mm_;
   bool begun_ = false;
-  std::set<int> awaited_;  // Modules that have not reported since the beginning.
+  std::set<int> awaited_;  // These modules have not reported since the beginning.
   std::size_t samples_ = 0;
   double min_ = std::numeric_limits<double>::infinity(), max_ = -std::numeric_limits<double>::infinity();
   bool all_held_ = true, any_held_ = false;
@@ -156,7 +156,7 @@ SceneCheck check_scene(scene::Scene scene, const ProgressSink& progress) {
   const design::RestValues* rest = nullptr;
   RunningSkin skin(std::move(scene),
                    [&](const device::ModuleSample& s) {
-                     if (rest == nullptr) return;  // A sample of the moment in which the stream opens.
+                     if (rest == nullptr) return;  // The sample arrived while the stream was being opened.
                      reports[static_cast<std::size_t>(s.module)] = {changes_of(s, *rest), s.sample.state, true};
                      for (Watch& w : watches) w.take(s.module, s.sampled.link_us, reports);
                    },

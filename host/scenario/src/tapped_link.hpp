@@ -8,7 +8,7 @@
 
 namespace triskin::scenario {
 
-/// A simulated bus that shows every frame of the controllers before it is used.
+/// The tap reports every frame of the simulated controllers before it is used.
 class TappedLink final : public device::Link {
  public:
   using OnFrame = std::function<void(const wire::CanFrame&, std::uint64_t at_us)>;

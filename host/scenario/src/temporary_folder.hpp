@@ -8,7 +8,7 @@
 
 namespace triskin::scenario {
 
-/// A folder of its own for as long as this object lives.
+/// Creates a folder that is deleted when this object is destroyed.
 class TemporaryFolder {
  public:
   TemporaryFolder() {

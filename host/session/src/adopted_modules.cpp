@@ -29,7 +29,8 @@ std::deque<AdoptedReader::Waiting> AdoptedReader::set(const wire::Adoption& adop
   waiting_.clear();
   if (adoption.list == list_) return mine;
   list_ = adoption.list;
-  // One that stays is read on: until its first sample by this list it is still heard by the one before.
+  // A module that stays adopted continues: until its first sample under this list, its time is that of the previous
+  // one.
   std::map<int, std::uint64_t> heard_us;
   for (std::size_t k = first_; k < read_.size(); ++k) heard_us[read_[k].module] = read_[k].heard_us;
   first_ = read_.size();
@@ -37,7 +38,8 @@ std::deque<AdoptedReader::Waiting> AdoptedReader::set(const wire::Adoption& adop
   return mine;
 }
 
-// What an adopted module gave before its first sample came here is not known: its account begins with that.
+// What happened to an adopted module's samples before the first one arrived here is unknown, so its account begins with
+// that one.
 int AdoptedReader::add(std::size_t row, const wire::TaxelFrame& sample, std::uint64_t now_us) {
   constexpr std::size_t kMaxWaiting = 512;
   if (sample.adopted_modules == 0) return -1;

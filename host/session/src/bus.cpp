@@ -48,8 +48,8 @@ const char* reason(std::uint8_t code) {
   }
 }
 
-// A positive answer repeats what was asked for; a late one to an earlier request of the same service must not be taken
-// for this one.
+// A positive answer repeats the identifier of the request, so a late answer to an earlier request of the same service
+// can be told apart.
 bool answers(Bytes answer, Bytes request) {
   if (answer[0] != request[0] + wire::service::kPositive) return false;
   std::size_t repeated = 1;
@@ -68,7 +68,7 @@ bool answers(Bytes answer, Bytes request) {
       repeated = 0;
       break;
     default:
-      break;  // Skips the sub-function or the block counter.
+      break;  // The answer repeats the sub-function or the block counter.
   }
   return answer.size() > repeated && request.size() > repeated &&
          std::ranges::equal(answer.subspan(1, repeated), request.subspan(1, repeated));
@@ -93,7 +93,7 @@ void Bus::transmit(IsoTp& c) {
   while (const auto frame = c.transmit(link_.now_us())) link_.send(*frame);
 }
 
-// Receives frames until one completes a message of this connection, something fails, or the deadline is reached.
+// Receives frames until one completes a message of this connection, the transfer fails, or the deadline is reached.
 IsoTp::Event Bus::receive_for(IsoTp& c, std::uint64_t deadline_us) {
   while (true) {
     transmit(c);
@@ -106,7 +106,7 @@ IsoTp::Event Bus::receive_for(IsoTp& c, std::uint64_t deadline_us) {
       const IsoTp::Event event = c.receive(*frame, link_.now_us());
       transmit(c);
       if (event == IsoTp::Event::kReceived || event == IsoTp::Event::kFailed) return event;
-      // A long message is under way: its own timeouts say when it is late.
+      // While a long message is being received, its own timeouts decide when it is late.
       if (c.next_event_us() != UINT64_MAX) deadline_us = std::max(deadline_us, link_.now_us() + IsoTp::kTimeout_us + 1);
     } else if (!is_answer_id(*frame) && on_stream_) {
       on_stream_(*frame);
@@ -114,7 +114,7 @@ IsoTp::Event Bus::receive_for(IsoTp& c, std::uint64_t deadline_us) {
   }
 }
 
-// Forgets answers that came too late for an earlier request.
+// Discards answers that came too late for an earlier request.
 void Bus::drain(std::uint8_t node) {
   connections_.erase(node);
   poll();
@@ -167,7 +167,7 @@ Bus::Message Bus::exchange(std::uint8_t node, Bytes request) {
   drain(node);
   std::uint64_t deadline_us = link_.now_us() + link_.answer_us();
   const std::uint64_t last_us = link_.now_us() + kLongestPending_us;
-  if (!start(node, request)) {  // The system has not finished the last request of this kind.
+  if (!start(node, request)) {  // The kernel still has the previous request of this kind.
     channels_.erase(node);
     return {};
   }
@@ -186,7 +186,7 @@ Bus::Message Bus::exchange(std::uint8_t node, Bytes request) {
       return answer;
     }
     if (answers(answer, request)) return answer;
-    // An answer to something else, of another tester or of an earlier request: wait on.
+    // The answer belongs to another tester or to an earlier request, so waiting continues.
   }
 }
 
@@ -212,7 +212,7 @@ Bus::Message Bus::request(std::uint8_t node, Bytes request, Repeat repeat) {
 std::vector<wire::NodeClaim> Bus::discover() {
   std::map<std::uint32_t, wire::IdFrames> partial;
   std::map<wire::UniqueId, wire::NodeClaim> found;
-  // Asked twice: a frame may be lost.
+  // The question is sent twice, because a frame may be lost.
   for (int round = 0; round < 2; ++round) {
     link_.send(wire::who_is_there());
     const std::uint64_t asked_us = link_.now_us();
@@ -220,7 +220,7 @@ std::vector<wire::NodeClaim> Bus::discover() {
     while (link_.now_us() < until_us) {
       const auto frame = receive(until_us);
       if (!frame || !wire::is_claim(*frame)) continue;
-      // Many claims on a slow bus: as long as they come, more may.
+      // Many claims on a slow bus take long: as long as they arrive, more may follow.
       until_us = std::min(std::max(until_us, link_.now_us() + kClaimGap_us), asked_us + kLongestClaims_us);
       const auto joined = partial[frame->id].add(*frame);
       if (!joined || wire::claim_id(joined->unique_id) != frame->id) continue;
@@ -251,7 +251,7 @@ void Bus::reconnect() {
   link_.reconnect();
 }
 
-// Frames may come faster than they are handled, so the time is bounded.
+// Frames may arrive faster than they are handled, so the time is limited.
 void Bus::poll() {
   const std::uint64_t end_us = link_.now_us() + kLongestDrain_us;
   for (auto frame = link_.receive(link_.now_us()); frame; frame = link_.receive(link_.now_us())) {

@@ -18,7 +18,7 @@ double load_of(const Link& link, const StreamDemand& d) {
   return kFastestClock * wire::stream_load(d.modules, link.sample_ns(d.node), d.interval_us);
 }
 
-// Equal shares of the wire: time that one sample of each of its modules takes.
+// Returns the time that one sample of each module takes when all modules share the wire equally.
 std::uint64_t share_us(const Link& link, const WireLoad& wire) {
   const double round_ns = static_cast<double>(wire.modules * link.sample_ns(wire.nodes.front()));
   return static_cast<std::uint64_t>(std::ceil(round_ns / (1000.0 * wire::kStreamShare)));

@@ -11,8 +11,8 @@ namespace {
 constexpr double kWindow_s = 20.0, kBucket_s = 0.25;
 constexpr double kBack_s = 0.5;           // Frames of one controller overtake each other by less than this.
 constexpr double kResolution_us = 1.0;    // Both clocks are read in whole µs.
-constexpr double kFar_us = 1e9;           // Stands for 1,000 s: no answer has bounded it.
-constexpr double kInternal_ppm = 20'000;  // Tolerance of a microcontroller without quartz.
+constexpr double kFar_us = 1e9;           // The large value (1,000 s) stands for "no answer has bounded it".
+constexpr double kInternal_ppm = 20'000;  // A microcontroller without quartz has this tolerance.
 constexpr double kWanderShare_per_s = 5e-4;
 constexpr int kPatience = 2;
 constexpr double kSecond_us = 1e6;
@@ -40,7 +40,7 @@ void ClockFilter::forget() {
   best_ = {};
 }
 
-// A clock that went back is that of a controller that has started anew.
+// If the clock went back, the controller has restarted.
 void ClockFilter::begin(std::uint64_t device_us, std::uint64_t link_us) {
   if (started_ && since(device_origin_us_, device_us) / kSecond_us + kBack_s < newest_s_) {
     forget();
@@ -58,7 +58,7 @@ void ClockFilter::arrived(std::uint64_t device_us, std::uint64_t link_us) {
   note(fact(device_us, since(link_origin_us_, link_us)));
 }
 
-// Keeps the tightest fact of each quarter second; a fact outside the polygon changes nothing.
+// Keeps the tightest fact of each quarter second; a fact that does not cut the polygon changes nothing.
 void ClockFilter::note(const Fact& before) {
   newest_s_ = std::max(newest_s_, before.device_s);
   if (before_.empty() || before.device_s >= bucket_s_ + kBucket_s) {
@@ -74,7 +74,7 @@ void ClockFilter::note(const Fact& before) {
   choose();
 }
 
-// Both facts stay, whatever came before: were they of another clock, they contradict it.
+// Both facts are kept in any case: if earlier facts belong to another clock, they will contradict these.
 void ClockFilter::exchanged(std::uint64_t sent_us, std::uint64_t device_us, std::uint64_t received_us) {
   begin(device_us, received_us);
   before_.push_back(fact(device_us, since(link_origin_us_, received_us)));
@@ -84,7 +84,7 @@ void ClockFilter::exchanged(std::uint64_t sent_us, std::uint64_t device_us, std:
   rebuild();
 }
 
-// Old facts leave; the last answer stays however old it is, and wandering makes it weaker.
+// Old facts are removed. The last answer stays however old it is, but clock drift weakens it.
 void ClockFilter::rebuild() {
   while (before_.size() > 1 && before_.front().device_s < newest_s_ - kWindow_s) before_.pop_front();
   while (after_.size() > 1 && after_.front().device_s < newest_s_ - kWindow_s) after_.pop_front();
@@ -105,7 +105,7 @@ void ClockFilter::build(double since_s) {
   }
 }
 
-// Sutherland and Hodgman: keeps the lines that are below (sign 1) or above (−1) the fact.
+// Clips the polygon (Sutherland and Hodgman): keeps the lines below (sign 1) or above (−1) the fact.
 void ClockFilter::clip(const Fact& fact, double sign, double slack_us) {
   const double at_s = fact.device_s - reference_s_;
   const auto room = [&](const Line& l) {
@@ -124,7 +124,8 @@ void ClockFilter::clip(const Fact& fact, double sign, double slack_us) {
   polygon_ = std::move(kept);
 }
 
-// The latest line in the middle of the facts: of lines below all of them, the one with the least sum of distances.
+// Chooses the latest line in the middle of the facts: of the lines below all of them, the one with the smallest sum of
+// distances.
 void ClockFilter::choose() {
   double middle_s = 0.0;
   for (const Fact& f : before_) middle_s += (f.device_s - reference_s_) / static_cast<double>(before_.size());
@@ -141,7 +142,8 @@ void ClockFilter::choose() {
   best_ = {top - drift * middle_s, drift};
 }
 
-// Facts that no line explains: the older ones may be of another time. What then still contradicts is another clock.
+// No line explains all facts, so the older ones are dropped first. If the rest still contradicts itself, the clock is a
+// different one.
 void ClockFilter::contradicted() {
   ++restarts_;
   if (++contradictions_ > kPatience) max_drift_ppm_ = kInternal_ppm;

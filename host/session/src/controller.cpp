@@ -28,7 +28,7 @@ std::vector<std::uint8_t> transfer_head(std::uint8_t service, std::uint32_t addr
   std::vector<std::uint8_t> r(11);
   ByteWriter w(r);
   w.u8(service);
-  w.u8(0x00);  // The data is neither compressed nor encrypted.
+  w.u8(0x00);  // The data are neither compressed nor encrypted.
   w.u8(0x44);  // Address and size have four bytes each.
   w.be32(address);
   w.be32(size);
@@ -36,9 +36,10 @@ std::vector<std::uint8_t> transfer_head(std::uint8_t service, std::uint32_t addr
 }
 
 constexpr std::size_t kBlockBytes = wire::memory::kMaxBlockBytes - 2U;
-constexpr std::size_t kRoutineHead = 3;  // Sub-function and identifier before a result.
+constexpr std::size_t kRoutineHead = 3;  // A result follows the sub-function and the two bytes of the identifier.
 
-// What `ask` returns; empty: the controller does not know the identifier, as with an older firmware, or has no value.
+// Returns what `ask` returns; empty if the controller does not know the identifier, as with older firmware, or has no
+// value.
 template <class Ask>
 auto unless_unknown(Ask ask) -> std::optional<decltype(ask())> {
   try {
@@ -170,7 +171,8 @@ std::vector<std::uint8_t> Controller::read_table(std::size_t size_bytes) {
   return bytes;
 }
 
-// Asked again after a lost answer, the controller has no transfer any more and says so. What came is checked by others.
+// If the answer is lost and the request repeated, the controller reports that there is no transfer. Other code checks
+// what arrived.
 void Controller::end_transfer() {
   try {
     (void)bus_.request(node_, request_of({wire::service::kTransferExit}), Repeat::kSafe);
@@ -179,7 +181,8 @@ void Controller::end_transfer() {
   }
 }
 
-// A lost answer to the key leaves open whether it was taken, so both steps are done again together.
+// If the answer to the key is lost, it is unknown whether the controller accepted it, so both steps are repeated
+// together.
 void Controller::unlock(wire::Session session) {
   (void)bus_.request(node_, request_of({wire::service::kSession, wire::wire_number(session)}), Repeat::kSafe);
   constexpr int kAttempts = 3;
@@ -187,7 +190,7 @@ void Controller::unlock(wire::Session session) {
     const Message m = bus_.request(node_, request_of({wire::service::kSecurity, 0x01}), Repeat::kSafe);
     if (m.size() != 5) malformed("security");
     const std::uint32_t seed = ByteReader(Bytes(m).subspan(1)).be32();
-    if (seed == 0) return;  // A seed of 0 says that it is unlocked already.
+    if (seed == 0) return;  // A seed of 0 means that the controller is already unlocked.
     std::array<std::uint8_t, 4> key{};
     ByteWriter(key).be32(wire::security_key(seed));
     try {
@@ -211,7 +214,7 @@ void Controller::write_table(Bytes image, const std::function<void(double)>& ste
     (void)bus_.request(node_, request_of({wire::service::kTransfer, block}, part), Repeat::kSafe);
     if (steps) steps(static_cast<double>(at + part.size()) / static_cast<double>(image.size()));
   }
-  const Bus::Uninterrupted guard(bus_);  // An interruption must not leave it unknown which table is active.
+  const Bus::Uninterrupted guard(bus_);  // After an interruption here, it would be unknown which table is active.
   end_transfer();
   const auto id = wire::routine::kActivate;
   const Message m = bus_.request(node_, request_of({wire::service::kRoutine, 0x01, high(id), low(id)}), Repeat::kNever);

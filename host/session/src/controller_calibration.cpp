@@ -36,7 +36,7 @@ std::uint32_t unix_of(const std::string& made) {
   return static_cast<std::uint32_t>(std::clamp<std::int64_t>(timegm(&t), 0, 0xFFFFFFFF));
 }
 
-// The finest unit, 2^-exponent counts/kPa, in which the greatest sensitivity has 16 bits.
+// Returns the finest unit, 2^-exponent counts/kPa, in which the greatest sensitivity fits into 16 bits.
 std::uint8_t exponent_for(const design::BoardCalibration& board) {
   double greatest = 0.0;
   for (const auto& place : board.places) {
@@ -54,7 +54,7 @@ wire::PlaceSensitivity row_of(const design::PlaceCalibration& place, int exponen
     const design::TaxelSensitivity& taxel = place.taxels[t];
     if (taxel.counts_per_kpa <= 0.0) continue;
     const double steps = std::round(std::ldexp(taxel.counts_per_kpa, exponent));
-    // A value of 0 would say that there is no calibration.
+    // A value of 0 would mean that there is no calibration.
     row.sensitivity[t] = static_cast<std::uint16_t>(std::clamp(steps, 1.0, kMax16));
     row.error = std::max(row.error, rounded_up(taxel.error_percent, kErrorStep_percent));
     row.residual_pa = std::max(row.residual_pa, rounded_up(taxel.residual_kpa * kPaPerKpa, 1.0));
@@ -125,7 +125,8 @@ std::map<std::string, int> kept_revisions(Bus& bus) {
       if (const auto kept = Controller(bus, claim.node_address).calibration())
         revisions[to_text(claim.unique_id)] = kept->revision;
     } catch (const DeviceError&) {
-      // What it keeps is not known; that it does not answer is for who needs it to say.
+      // The stored calibration of a silent controller is unknown; callers that need the controller report that it is
+      // silent.
     }
   }
   return revisions;

@@ -8,20 +8,21 @@
 
 namespace triskin::device {
 
-/// A function with a stack of its own that runs only inside resume(). Owner and body never run at the same time; each
-/// switch is a synchronization point, so data shared by the two need no lock. Stands on an operating-system thread:
-/// docs/decisions/0020-tasks-on-threads.md.
+/// A fiber is a function with its own stack that runs only inside resume(). Owner and body never run at the same time;
+/// each switch is a synchronization point, so data that both use needs no lock. It is implemented with an
+/// operating-system thread: docs/decisions/0020-tasks-on-threads.md.
 class Fiber {
  public:
-  /// `body` must not throw; it has not begun when this returns.
+  /// `body` must not throw; it has not started when the constructor returns.
   explicit Fiber(std::function<void()> body) : body_(std::move(body)) {}
-  /// The body has ended, or was never resumed.
+  /// Requires that the body has ended or was never resumed.
   ~Fiber() = default;
   Fiber(const Fiber&) = delete;
   Fiber& operator=(const Fiber&) = delete;
 
-  /// Owner: runs the body until it suspends or ends. Not after it has ended. Throws std::system_error when the system
-  /// refuses the thread, in the first call only; the body counts as never resumed then.
+  /// Called by the owner: runs the body until it suspends or ends; not allowed after it has ended. Throws
+  /// std::system_error, in the first call only, when the system refuses the thread; the body then counts as never
+  /// resumed.
   void resume() {
     std::unique_lock lock(mutex_);
     running_ = true;
@@ -36,7 +37,7 @@ class Fiber {
     }
     switched_.wait(lock, [this] { return !running_; });
   }
-  /// Body: returns control to resume(); returns when the owner resumes again.
+  /// Called by the body: returns control to resume(), and returns when the owner resumes again.
   void suspend() {
     std::unique_lock lock(mutex_);
     yield_to_owner();
@@ -50,11 +51,11 @@ class Fiber {
   }
 
   std::function<void()> body_;
-  // Not two semaphores: those of libstdc++ 12 spin, and on a busy computer a switch then costs milliseconds.
+  // Semaphores of libstdc++ 12 would spin, and on a busy computer a switch would then cost milliseconds.
   std::mutex mutex_;
   std::condition_variable switched_;
-  bool running_ = false;  // True while it is the body's turn.
-  std::jthread thread_;   // Declared last, so that it is joined before the others are destroyed.
+  bool running_ = false;  // True means that it is the body's turn.
+  std::jthread thread_;   // The thread is declared last, so that it is joined before the other members are destroyed.
 };
 
 }  // namespace triskin::device

@@ -60,7 +60,7 @@ std::string name_in(const Names& names, unsigned value) {
   return found == names.end() ? fmt::format("{:02X}", value) : found->name;
 }
 
-// The identifier or routine that a request or an answer is about.
+// Names the identifier or routine of a request or an answer.
 std::string about(unsigned service, Span rest) {
   const std::size_t skip = service == wire::service::kRoutine ? 1 : 0;
   const bool has_id = service == wire::service::kRead || service == wire::service::kWrite || skip == 1;
@@ -87,7 +87,7 @@ std::string parties(std::uint32_t id) {
                                         : fmt::format("answer of {}: ", source);
 }
 
-// Half of a unique id; its second frame also has a node address.
+// Formats half of a unique id; the second frame also contains a node address.
 std::string id_text(const wire::CanFrame& f) {
   if (f.size != 8 || f.data[0] > 1) return "damaged";
   const bool second = f.data[0] == 1;
@@ -138,7 +138,7 @@ std::string update_text(const wire::CanFrame& f) {
   return fmt::format("update: data for slot {}, unit {}", f.id >> 16 & 1, f.id & 0xFFFF);
 }
 
-// Eleven bits: iCub.
+// Identifiers of eleven bits belong to the iCub protocol.
 std::string icub_text(const wire::CanFrame& f) {
   const unsigned kind = f.id >> 8, high = f.id >> 4 & 0xF, low = f.id & 0xF;
   if (kind == 4) return fmt::format("iCub taxels of board {}, triangle {}", high, low);
@@ -194,7 +194,7 @@ std::string FrameReader::next_segment(const wire::CanFrame& f) {
   return "whole: " + text;
 }
 
-// ISO 15765-2: the upper half of the first byte is the kind of the frame.
+// In ISO 15765-2, the upper half of the first byte is the kind of the frame.
 std::string FrameReader::segment(const wire::CanFrame& f) {
   const Span bytes = f.payload();
   if (bytes.size() < 2) return "damaged";

@@ -47,7 +47,7 @@ IcubStream::~IcubStream() {
   try {
     for (const IcubBoardInfo& b : boards_) poll(b.address, {icub::kSetTransmission, 1});
   } catch (const Error&) {
-    return;  // The link is gone, and so is the stream.
+    return;  // Without the link the boards cannot be stopped.
   }
 }
 

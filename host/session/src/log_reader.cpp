@@ -21,7 +21,7 @@ LogReader::~LogReader() {
   try {
     finish();
   } catch (const std::exception&) {
-    open_ = false;  // A controller that is gone sends nothing either.
+    open_ = false;  // A controller that is gone sends nothing anyway.
   }
   bus_.on_stream({});
 }
@@ -36,8 +36,8 @@ void LogReader::finish() {
   for (const std::uint8_t node : nodes_) Controller(bus_, node).set_log(wire::LogLevel::kOff);
 }
 
-// Numbers count the lines of all levels: a gap means a loss only when every level is read. A controller that starts
-// anew begins with 0.
+// Numbers count the lines of all levels, so a gap means a loss only when every level is read. A controller that
+// restarts begins with 0.
 void LogReader::take(const wire::CanFrame& frame) {
   const auto node = static_cast<std::uint8_t>(frame.id & 0xFF);
   Source& source = sources_[node];

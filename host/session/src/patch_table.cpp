@@ -18,10 +18,10 @@ int row_of(const design::Patch& patch, int module) {
   return found == patch.modules.end() ? -1 : static_cast<int>(found - patch.modules.begin());
 }
 
-// What remains of a patch after a failure, and how it hangs together then: the design's backup tree.
+// After a failure, the design's backup tree connects the rest of the patch.
 struct Tree {
-  std::vector<design::RoutedModule> modules;  // Parents come before children.
-  int cut_a = -1, cut_b = -1;                 // Ends of the failed joint.
+  std::vector<design::RoutedModule> modules;  // Parents precede their children.
+  int cut_a = -1, cut_b = -1;                 // These are the ends of the failed joint.
 };
 
 std::vector<int> parents_after(const design::Patch& patch, const design::FailureLoss& loss) {
@@ -44,7 +44,7 @@ Tree tree_after(const design::Patch& patch, const RouteChoice& choice) {
     tree.cut_a = choice.module;
     tree.cut_b = choice.other;
   }
-  if (loss == patch.failures.end()) {  // A joint outside the tree failed, so the tree stays.
+  if (loss == patch.failures.end()) {  // A joint outside the tree failed, so the tree does not change.
     tree.modules = patch.modules;
     return tree;
   }
@@ -68,7 +68,7 @@ Tree tree_after(const design::Patch& patch, const RouteChoice& choice) {
   return tree;
 }
 
-// Port with the second cable, by row; 0 where there is none or its module has failed.
+// Returns the port with the second cable, by row; 0 where there is none or its module has failed.
 std::uint8_t second_entry_of(const design::Patch& patch, const Tree& tree) {
   const auto found = std::ranges::find(tree.modules, patch.second_entry, &design::RoutedModule::node);
   if (patch.second_entry < 0 || found == tree.modules.end()) return 0;

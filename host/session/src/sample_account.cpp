@@ -7,7 +7,7 @@ namespace triskin::device {
 namespace {
 
 constexpr std::uint64_t kAnswer_us = 1'000'000;  // An answer takes less, even with repeats.
-// More samples than a controller takes in twelve days: no gap on the way is as long.
+// A controller takes fewer samples in twelve days, and no gap in transmission is that long.
 constexpr std::uint64_t kFarAhead = std::uint64_t{1} << 30;
 
 }  // namespace
@@ -31,14 +31,15 @@ void SampleAccount::begin(std::uint8_t starts, const wire::RowAccount& account, 
   heard_us_ = now_us;
 }
 
-// A number of the controller, whose 32 bits wrap, as the one that is nearest to the latest.
+// Extends a number of the controller, whose 32 bits wrap, to the value nearest to the latest one.
 std::uint64_t SampleAccount::widen(std::uint32_t number) const {
   const auto ahead = static_cast<std::int32_t>(number - static_cast<std::uint32_t>(newest_));
   const std::int64_t wide = static_cast<std::int64_t>(newest_) + ahead;
   return wide < 0 ? number : static_cast<std::uint64_t>(wide);
 }
 
-// The controller sends those whose 32 bits are a multiple, so that after each wrap it begins anew with 0.
+// Counts multiples as the controller does, on the 32-bit number, so that the sequence starts at 0 again after each
+// wrap.
 std::uint64_t SampleAccount::multiples(std::uint64_t after, std::uint64_t up_to) const {
   const auto every = static_cast<std::uint64_t>(every_);
   const auto up_to_here = [every](std::uint64_t number) {
@@ -48,7 +49,7 @@ std::uint64_t SampleAccount::multiples(std::uint64_t after, std::uint64_t up_to)
   return up_to <= after ? 0 : up_to_here(up_to) - up_to_here(after);
 }
 
-// Other readers may ask for samples that this one does not: the controller's counts are bounds then.
+// Other readers may ask for samples that this one does not, so the controller's counts are only bounds.
 SampleCounts SampleAccount::since_start() const {
   SampleCounts c;
   c.expected = multiples(first_.number, last_.number);
@@ -68,7 +69,8 @@ SampleCounts SampleAccount::counts() const {
   return c;
 }
 
-// Numbers begin at 1 again. How many the controller took before that nobody knows: the rate says it.
+// Numbers start at 1 again. How many samples the controller took before the restart is unknown, so the rate estimates
+// it.
 void SampleAccount::restart(std::uint8_t starts, std::uint32_t number, std::uint64_t now_us) {
   before_ += since_start();
   const std::uint64_t due = interval_us_ == 0 ? 0 : (now_us - std::min(now_us, heard_us_)) / interval_us_;
@@ -76,7 +78,7 @@ void SampleAccount::restart(std::uint8_t starts, std::uint32_t number, std::uint
   before_.expected += away;
   before_.silent += away;
   starts_ = starts;
-  // What it took since then, and not what it may have taken before.
+  // Only samples that were due since then count, not those that it may have taken before.
   first_ = last_ = {number > due + 1 ? number - due - 1 : 0, 0, 0};
   newest_ = first_.number;
   device_time_us_ = 0;
@@ -111,7 +113,7 @@ bool SampleAccount::count(const wire::TaxelFrame& sample, std::uint64_t number, 
 
 void SampleAccount::end(std::uint8_t starts, const wire::RowAccount& account, std::uint64_t now_us) {
   if (!started_ || ended_) return;
-  // Samples taken after the answer was composed may have come before it: a number that is a little behind is no
+  // Samples taken after the answer was composed may have arrived before it, so a number that is slightly lower is no
   // restart.
   const std::uint64_t answer = interval_us_ == 0 ? 1 : 1 + kAnswer_us / interval_us_;
   const bool anew = starts != starts_ || widen(account.number) + answer < last_.number;

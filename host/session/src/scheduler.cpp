@@ -26,10 +26,10 @@ class TaskLink final : public ForwardingLink {
         }) {}
 
   std::optional<wire::CanFrame> receive(std::uint64_t until_us) override;
-  // What the others on the wire send may go before the answer.
+  // Frames of the other tasks on the wire may be sent before the answer.
   [[nodiscard]] std::uint64_t answer_us() const override;
 
-  // What follows is for the scheduler, while the task is suspended.
+  // The scheduler calls the following functions while the task is suspended.
   [[nodiscard]] int wire() const { return wire_; }
   [[nodiscard]] bool fresh() const { return state_ == State::kFresh; }
   [[nodiscard]] bool waiting() const { return state_ == State::kWaiting; }
@@ -84,9 +84,9 @@ class Scheduler {
   }
 
   [[nodiscard]] int under_way(int wire) const { return under_way_.at(wire); }
-  // Takes the frames that have arrived already; does not wait.
+  // Takes the frames that have already arrived, without waiting.
   void poll_link() {
-    constexpr std::uint64_t kLongest_us = 50'000;  // Frames may come faster than they are delivered.
+    constexpr std::uint64_t kLongest_us = 50'000;  // Frames may arrive faster than they are delivered.
     const std::uint64_t end_us = link_.now_us() + kLongest_us;
     for (auto frame = link_.receive(link_.now_us()); frame; frame = link_.receive(link_.now_us())) {
       deliver(*frame);
@@ -95,7 +95,8 @@ class Scheduler {
   }
 
  private:
-  // Round robin from the task after `last`; waits for the link while no task can run. Empty: all have ended.
+  // Chooses round robin, starting after task `last`; waits for the link while no task can run. Empty means that all
+  // tasks have ended.
   std::optional<std::size_t> next_ready(std::size_t last) {
     while (true) {
       for (std::size_t k = 1; k <= tasks_.size(); ++k) {
@@ -122,7 +123,7 @@ class Scheduler {
   void wait_for_link(TaskLink& earliest) {
     try {
       if (const auto frame = link_.receive(earliest.wait_until_us())) return deliver(*frame);
-      for (const auto& task : tasks_) task->wake();  // A message channel has something, or the time has come.
+      for (const auto& task : tasks_) task->wake();  // Either a message channel has data, or the time has come.
     } catch (...) {
       earliest.fail(std::current_exception());  // The task fails as if it had waited alone.
     }
@@ -134,7 +135,7 @@ class Scheduler {
   Link& link_;
   const int per_wire_;
   std::vector<std::unique_ptr<TaskLink>> tasks_;
-  std::map<int, int> under_way_;  // Tasks that are running, by wire.
+  std::map<int, int> under_way_;  // Running tasks are counted by wire.
 };
 
 std::uint64_t TaskLink::answer_us() const {
@@ -160,7 +161,7 @@ void TaskLink::resume() {
   woken_ = false;
   try {
     fiber_.resume();
-  } catch (...) {  // The system gives no more threads: this task fails, and the others go on.
+  } catch (...) {  // If the system refuses a thread, this task fails and the others continue.
     outcome_ = std::current_exception();
     state_ = State::kEnded;
   }

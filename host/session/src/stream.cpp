@@ -19,13 +19,13 @@ namespace {
 constexpr std::uint8_t kLease_10ms = 100;
 constexpr std::uint64_t kLease_us = std::uint64_t{kLease_10ms} * 10'000;
 constexpr std::uint64_t kRenew_us = 200'000;
-constexpr std::uint64_t kSlice_us = 50'000;     // Time between two checks for silent controllers.
+constexpr std::uint64_t kSlice_us = 50'000;     // Silent controllers are checked this often.
 constexpr std::uint64_t kSilence_us = 400'000;  // A slice and this time together stay below half a second.
 constexpr std::uint64_t kRest_us = 300'000;
 constexpr std::uint64_t kAskClock_us = 1'000'000, kAskClockAgain_us = 100'000;
-constexpr std::uint64_t kSettle_us = 2'000;  // Time in which a lease arrives.
+constexpr std::uint64_t kSettle_us = 2'000;  // A lease reaches the controllers within this time.
 constexpr int kAttempts = 5;
-constexpr std::size_t kMaxEarly = 512;  // Samples of 16 modules in 0.3 s, far more than arrive before an answer.
+constexpr std::size_t kMaxEarly = 512;  // 16 modules produce this many samples in 0.3 s; an answer takes far less.
 
 std::uint32_t draw_reader() {
   std::random_device random;
@@ -34,7 +34,7 @@ std::uint32_t draw_reader() {
   return number;
 }
 
-// A adopted module that is in several lists of one controller is one row.
+// An adopted module that is in several lists of one controller is reported as one row.
 void add_adopted(std::vector<AdoptedCounts>& list, const AdoptedCounts& one) {
   const auto same = std::ranges::find_if(list, [&](const AdoptedCounts& a) {
     return a.module == one.module && a.patch == one.patch && a.cover == one.cover;
@@ -80,7 +80,7 @@ std::string Stream::name_of(const Node& node) const {
   return covers_.size() > 1 ? covers_[static_cast<std::size_t>(node.cover)] + ", " + patch : patch;
 }
 
-// Samples of other readers would come in another way, and they would not know why.
+// Other readers would get their samples in another way without knowing why.
 wire::SamplingSetting Stream::set_sampling(Controller& controller, const Node& node, const StreamOptions& options) {
   const wire::SamplingSetting before = controller.sampling();
   wire::SamplingSetting wanted = before;
@@ -144,7 +144,7 @@ void Stream::send_lease(std::uint8_t lasts_10ms) {
   renewed_us_ = bus_.now_us();
 }
 
-// The account says whether the lease arrived; numbers up to it are none of this reader's.
+// The account shows whether the lease arrived; samples up to its number are not counted for this reader.
 void Stream::begin(std::uint8_t address, Node& node) {
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     renew_when_due();
@@ -191,7 +191,8 @@ void Stream::run_until(std::uint64_t until_us) {
   } while (bus_.now_us() < until_us);
 }
 
-// Those that are due, and of these at most a share a slice: their answers are not to come at once.
+// Asks only the controllers that are due, and at most a share of them in a slice, so that their answers do not all come
+// at once.
 void Stream::ask_clocks() {
   const std::size_t share = 1 + nodes_.size() * kSlice_us / kAskClock_us;
   std::size_t asked = 0;
@@ -204,7 +205,8 @@ void Stream::ask_clocks() {
   }
 }
 
-// A lost answer is none: the next one is a second away, and the bound says how good the time is until then.
+// A lost answer does not matter, because the next question follows in a second and the bound shows how good the time is
+// until then.
 void Stream::ask_clock(std::uint8_t address, Node& node) {
   constexpr std::array<std::uint8_t, 3> kAsk{wire::service::kRead, wire::did::kStreamAccount >> 8,
                                              wire::did::kStreamAccount & 0xFF};
@@ -242,7 +244,7 @@ void Stream::handle(const wire::CanFrame& frame) {
   const auto found = nodes_.find(decoded->node_address);
   if (found == nodes_.end()) return;
   Node& node = found->second;
-  // The answer that begins the account comes in several frames: samples that it does not count arrive between them.
+  // The answer that begins the account has several frames; samples that it does not count may arrive between them.
   if (!node.started) {
     if (node.early.size() == kMaxEarly) node.early.pop_front();
     node.early.emplace_back(*decoded, bus_.now_us());
@@ -256,7 +258,7 @@ void Stream::take(Node& node, const wire::TaxelFrame& sample, std::uint64_t hear
   if (sample.module >= node.modules.size()) return take_adopted(node, sample, heard_us);
   if (!node.counts[sample.module].add(sample, heard_us)) return;
   ++frames_;
-  // Its own controller says that it does not reach the module; who reads it says more.
+  // The module's own controller cannot reach it; the controller that reads it knows more.
   if (sample.valid == 0 && read_by_another(node, node.modules[sample.module])) return;
   node.clock.arrived(sample.device_time_us, heard_us);
   node.newest_device_us = sample.device_time_us;
@@ -280,7 +282,7 @@ bool Stream::read_by_another(const Node& node, int module) const {
   });
 }
 
-// Samples of adopted modules came whose list is not known here.
+// Samples of adopted modules have arrived whose list is not known here.
 void Stream::ask_adopted() {
   for (auto& [address, node] : nodes_) {
     if (!node.adopted_modules.wants_list() || node.silent) continue;
@@ -288,7 +290,7 @@ void Stream::ask_adopted() {
     try {
       adoption = Controller(bus_, address).adoption();
     } catch (const NoAnswer&) {
-      continue;  // The question is repeated with the next slice.
+      continue;  // The next slice repeats the question.
     }
     const auto modules = adopted_modules(ends_[static_cast<std::size_t>(node.cover)], node.modules, adoption);
     for (const auto& [sample, heard_us] : node.adopted_modules.set(adoption, modules, budget_.every, node.interval_us))
@@ -296,11 +298,11 @@ void Stream::ask_adopted() {
   }
 }
 
-// A controller that is silent is asked once: five attempts on a dead one would take seconds.
+// A silent controller is asked only once, because five attempts would take seconds.
 void Stream::end(std::uint8_t address, Node& node) {
   const bool is_silent = bus_.now_us() - node.heard_us > silence_us(node);
   try {
-    // A person who ends the stream does not wait for each of them.
+    // A person who ends the stream should not wait for each silent controller.
     if (is_silent && interrupt_request()) throw Cancelled("");
     if (is_silent) {
       (void)bus_.request(address, std::array<std::uint8_t, 2>{wire::service::kTesterPresent, 0}, Bus::Repeat::kNever);
@@ -335,7 +337,7 @@ void Stream::finish() {
     renew_when_due();
     for (auto& [address, node] : nodes_) end(address, node);
     wait_for_rest();
-  } catch (const Error&) {  // The link is gone.
+  } catch (const Error&) {  // The link is gone, so no account can be read.
     for (auto& [address, node] : nodes_) {
       for (SampleAccount& c : node.counts) c.end_silent(bus_.now_us());
     }
@@ -344,7 +346,7 @@ void Stream::finish() {
   bus_.on_stream({});
 }
 
-// If the link is dead, the lease ends by itself.
+// If the link does not work, the lease expires by itself.
 void Stream::give_back() {
   try {
     send_lease(0);

@@ -9,7 +9,7 @@
 namespace triskin::device {
 namespace {
 
-// "0–12, 15": neighbours joined.
+// Formats numbers as "0–12, 15"; consecutive ones become a range.
 std::string ranges(std::vector<int> numbers) {
   std::ranges::sort(numbers);
   std::string text;
@@ -32,7 +32,7 @@ double percent(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 0.0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
 }
 
-// Modules that a controller of another patch reads, by that patch.
+// Returns the modules that controllers of other patches read, by that patch.
 std::map<int, std::vector<int>> adopters(const StreamReport& r) {
   std::map<int, std::vector<int>> list;
   for (const AdoptedCounts& a : r.adopted) {
@@ -74,7 +74,7 @@ void sum_up(StreamReport& r, std::uint64_t thrown_away) {
   for (const auto& [patch, counts] : patches) {
     if (percent(counts.dropped, counts.expected) > 1.0) r.starved.push_back(patch);
   }
-  // A lapse stops the stream for everybody who has no other reader: those samples are not on the bus.
+  // After a lapse, controllers without another reader stop streaming, so those samples were never on the bus.
   r.lost_host = r.lapses > 0 ? r.total.on_the_way : std::min(r.total.on_the_way, thrown_away);
   r.lost_bus = r.total.on_the_way - r.lost_host;
 }

@@ -7,7 +7,7 @@
 namespace triskin::scene {
 namespace {
 
-// Register names and fields: AD7147 data sheet rev. E, tables 20 to 24 and 48 to 52.
+// Register names and fields are those of the AD7147 data sheet rev. E, tables 20 to 24 and 48 to 52.
 constexpr std::uint16_t kPwrControl = 0x000;
 constexpr std::uint16_t kAmbCompControl0 = 0x002;
 constexpr std::uint16_t kConvReset = 0x8000;  // This bit clears itself.
@@ -21,7 +21,7 @@ constexpr int kPinsInLowRegister = 7;
 
 constexpr int kMidScale = 0x8000;
 
-// They are those of 12 stages for each value of the decimation field.
+// The times are for 12 stages, indexed by the value of the decimation field.
 constexpr std::uint64_t kSequenceUs[] = {36'900, 18'400, 9'200, 9'200};
 constexpr std::uint64_t kLowPowerDelayUs[] = {200'000, 400'000, 600'000, 800'000};
 
@@ -29,7 +29,7 @@ int power_mode(std::uint16_t pwr) {
   return pwr & 3;
 }
 
-// Connection field of a pin: 0 open, 1 negative input, 2 positive input, 3 bias.
+// Returns the connection field of a pin: 0 open, 1 negative input, 2 positive input, 3 bias.
 int connection(const std::uint16_t* stage, int pin) {
   const bool low = pin < kPinsInLowRegister;
   return (stage[low ? 0 : 1] >> (2 * (low ? pin : pin - kPinsInLowRegister))) & 3;
@@ -37,7 +37,7 @@ int connection(const std::uint16_t* stage, int pin) {
 
 }  // namespace
 
-// A six-bit offset step count with its swap bit (bit 7 of the field): positive adds to the result.
+// Converts a six-bit count of offset steps with its swap bit (bit 7 of the field); positive values add to the result.
 double Ad7147::afe_counts(std::uint16_t afe) const {
   const double negative = (afe & 0x3F) * ((afe & 0x80) != 0 ? -1.0 : 1.0);
   const double positive = ((afe >> 8) & 0x3F) * ((afe & 0x8000) != 0 ? -1.0 : 1.0);
@@ -144,7 +144,7 @@ void Ad7147::write_power_control(std::uint16_t value, std::uint64_t now_us) {
   if (behaviour_.power_control_restarts) return restart_sequence(now_us);
   if (!changed) return;
   shifted_ = behaviour_.shifted_after_stop;
-  // The sequencer goes on somewhere: the golden ratio spreads the phases.
+  // The sequencer continues at an unknown stage; the golden ratio spreads the phases.
   const std::uint64_t phase_us = now_us * 0x9E3779B97F4A7C15ULL % (period_ns() / 1000);
   restart_us_ = now_us - std::min(now_us, phase_us);
 }
@@ -155,7 +155,7 @@ void Ad7147::restart_sequence(std::uint64_t now_us) {
   restart_us_ = now_us;
 }
 
-// What the registers show stays until a stage ends anew.
+// The registers keep their results until a stage ends again.
 void Ad7147::latch_results(std::uint64_t now_us) {
   std::array<std::uint16_t, kStages> shown{};
   for (int s = 0; s < kStages; ++s) shown[static_cast<std::size_t>(s)] = result(s, now_us);
@@ -194,7 +194,8 @@ Ad7147::Conversion Ad7147::last_conversion(int stage, std::uint64_t now_us) cons
   return {restart_us_ + (first_ns + number * period_ns()) / 1000, number};
 }
 
-// Peak to peak is 6.6 standard deviations. The sum of four uniform numbers is close enough to a bell.
+// Peak to peak is taken as 6.6 standard deviations. The sum of four uniform numbers is close enough to a normal
+// distribution.
 double Ad7147::noise(int stage, std::uint64_t number) const {
   if (noise_seed_ == 0) return 0.0;
   constexpr double kPeakToPeak[] = {3.0, 7.0, 12.0, 12.0};
@@ -235,7 +236,7 @@ Ad7147::Conversion Ad7147::shown_conversion(int stage, std::uint64_t now_us) con
 std::uint16_t Ad7147::result(int place, std::uint64_t now_us) const {
   const int stage = shifted_ ? (place + kStages - 1) % kStages : place;
   const Conversion shown = shown_conversion(stage, now_us);
-  // A conversion that ended before the setup changed has left its result.
+  // A conversion that ended before the setup changed has already left its result.
   const bool stale = shown.at_us == kNever || shown.at_us <= changed_us_[static_cast<std::size_t>(stage)];
   return stale ? latched_[static_cast<std::size_t>(place)] : convert(stage, shown);
 }

@@ -8,7 +8,7 @@
 namespace triskin::scene {
 namespace {
 
-// Chips are taken away after all others have got their places, whatever the order in the scene.
+// Removes chips after all others have their places, whatever the order of faults in the scene.
 void remove_from(std::vector<ChipPlace>& places, const Scene& scene, std::uint64_t at_us) {
   for (const Fault& f : scene.faults) {
     if (f.kind == FaultKind::kRemovedChip && is_present(f, at_us))

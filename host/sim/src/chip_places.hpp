@@ -7,24 +7,25 @@
 
 namespace triskin::scene {
 
-/// Where the chip of a module sits.
+/// A module's chip is in a patch, on a line, at an address.
 struct ChipPlace {
-  int patch = -1;  ///< −1: nobody answers
+  int patch = -1;  ///< −1 means that the chip does not answer.
   int line = 0, address = 0;
   bool operator==(const ChipPlace&) const = default;
 };
 
-/// The places of one chip: each counts from its time on. The first is that of time 0.
+/// Each place of a chip applies from its time on. The first one starts at time 0.
 struct PlaceFrom {
   std::uint64_t from_us = 0;
   ChipPlace place;
 };
 using ChipPlaces = std::vector<PlaceFrom>;
 
-/// Place at virtual time `at_us`. Cost: O(log places).
+/// Returns the place at virtual time `at_us`. Cost: O(log places).
 [[nodiscard]] ChipPlace place_at(const ChipPlaces& places, std::uint64_t at_us);
 
-/// Places of the chips by module, after the faults that remove, move and swap them. Cost: O(faults · modules).
+/// Returns the places of the chips by module, after the faults that remove, move and swap them. Cost: O(faults ·
+/// modules).
 [[nodiscard]] std::vector<ChipPlaces> chip_places(const Scene& scene);
 
 }  // namespace triskin::scene

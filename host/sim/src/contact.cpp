@@ -39,7 +39,7 @@ double distance_to_segment_mm(const design::Vec3& from, const design::Vec3& to, 
   return (point - from - part * path).norm();
 }
 
-// Calls `visit` with both ends of each straight part of the path and the largest radius on it.
+// Calls `visit` with both ends of each straight segment of the path and the largest radius on it.
 template <class Visit>
 void each_part(const Contact& c, const Visit& visit) {
   if (c.keyframes.empty()) return visit(c.position_mm, c.to_mm.value_or(c.position_mm), c.radius_mm);

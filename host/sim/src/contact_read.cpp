@@ -53,7 +53,7 @@ Vec3 hit_by(const SceneNames& names, const JsonValue& v) {
   return place->position_mm;
 }
 
-// The place that `v` names in one of the four ways.
+// Reads a place, which `v` may name in one of four ways.
 Vec3 read_place(const SceneNames& names, const JsonValue& v) {
   const auto named = std::ranges::count_if(kPlaces, [&](const char* key) { return has(v, key); });
   if (named != 1)
@@ -131,7 +131,7 @@ std::vector<Keyframe> as_keyframes(const Contact& c) {
           {c.until_us - c.from_us, c.to_mm.value_or(c.position_mm), c.radius_mm, c.force_n}};
 }
 
-// A straight way leaves a curved skin, so its points are moved to the nearest ones of the skin.
+// A straight path leaves a curved skin, so its points are moved to the nearest ones on the skin.
 void keep_on_skin(const SceneNames& names, const JsonValue& v, Contact& c) {
   if (!v["on_skin"].boolean()) return;
   if (!c.to_mm && c.keyframes.size() < 2) v["on_skin"].fail("has no meaning for a contact that does not move");
@@ -157,7 +157,7 @@ void keep_on_skin(const SceneNames& names, const JsonValue& v, Contact& c) {
   c.keyframes = std::move(path);
 }
 
-// A contact that no taxel feels is a mistake in the scene, which would otherwise look like a dead skin.
+// A contact that no taxel feels is a mistake in the scene that would otherwise look like a dead skin.
 void require_felt(const SceneNames& names, const JsonValue& v, const Contact& c) {
   double nearest_mm = std::numeric_limits<double>::infinity();
   for (std::size_t m = 0; m < names.wiring.size(); ++m) {

@@ -19,7 +19,7 @@ bool needs_switched(FaultKind kind) {
   return kind >= FaultKind::kDeadModule;
 }
 
-// Keys of a kind beside "kind", "at_s" and "until_s".
+// Returns the keys of a kind besides "kind", "at_s" and "until_s".
 std::vector<std::string_view> keys_of(FaultKind kind) {
   switch (kind) {
     case FaultKind::kMovedChip:
@@ -76,7 +76,7 @@ FaultKind read_kind(const SceneNames& names, const JsonValue& v) {
   return *known;
 }
 
-// The chain of switched modules is joined once, before power comes.
+// The chain of switched modules is assembled once before power-up, so such faults cannot have a time.
 bool is_of_assembly(FaultKind kind, bool switched) {
   return kind == FaultKind::kExtraJoint ||
          (switched && (kind == FaultKind::kRotatedModule || kind == FaultKind::kSwappedChips));

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kApart_mm = 10'000.0;
 
-// FNV-1a, 64 bit.
+// Computes FNV-1a, 64 bit.
 std::uint64_t hash_of(std::string_view text, std::uint64_t more) {
   std::uint64_t hash = 0xCBF29CE484222325ULL;
   const auto add = [&](std::uint8_t byte) { hash = (hash ^ byte) * 0x100000001B3ULL; };
@@ -18,7 +18,8 @@ std::uint64_t hash_of(std::string_view text, std::uint64_t more) {
   return hash;
 }
 
-// Other boards for another design. With a seed in any order, as on a workbench; without one by node address.
+// Another design has other boards. With a seed their ids are in random order, as on a workbench; without one they
+// follow the node addresses.
 wire::UniqueId board_of(const SimulatedCover& cover, std::size_t patch, std::optional<std::uint64_t> seed) {
   if (patch < cover.boards.size() && cover.boards[patch] != wire::UniqueId{}) return cover.boards[patch];
   wire::UniqueId id{};
@@ -34,7 +35,7 @@ wire::UniqueId board_of(const SimulatedCover& cover, std::size_t patch, std::opt
   return id;
 }
 
-// The modules keep their ids; a patch on another bus has no controller here.
+// Modules keep their ids; a patch on another bus has no controller here.
 void leave_out_elsewhere(Scene& scene) {
   design::Design& d = scene.design;
   std::vector<design::Patch> patches;

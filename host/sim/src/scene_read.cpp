@@ -132,7 +132,7 @@ design::Vec3 scene_point_mm(const JsonValue& v) {
 }
 
 std::uint64_t hardware_id(const Scene& scene) {
-  std::uint64_t hash = 0xCBF29CE484222325ULL;  // It is the start value of FNV-1a.
+  std::uint64_t hash = 0xCBF29CE484222325ULL;  // The start value is that of FNV-1a.
   hash_in(hash, (scene.switched ? 1U : 0U) | (scene.border_joints ? 2U : 0U));
   for (const Fault& f : scene.faults) {
     for (const int v : {static_cast<int>(f.kind), f.module, f.other, f.patch, f.line, f.address, f.taxel, f.value,

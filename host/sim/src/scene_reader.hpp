@@ -8,17 +8,17 @@
 #include "triskin/design/json_fields.hpp"
 #include "triskin/scene/scene.hpp"
 
-/// Reading of the parts of a scene file. Every function throws InputError naming file, line, key and remedy.
+/// Reads the parts of a scene file. Every function throws InputError naming file, line, key and remedy.
 namespace triskin::scene {
 
 inline constexpr double kMaxScene_s = 1e6;
 inline constexpr double kMaxPlace_mm = 1e5;
 
-/// The design that the names in a scene refer to.
+/// Resolves the names in a scene with the design that they refer to.
 struct SceneNames {
   explicit SceneNames(const Scene& scene)
       : design(scene.design), switched(scene.switched), wiring(design::wiring_of(scene.design)) {}
-  /// Module named by the value.
+  /// Returns the module that the value names.
   [[nodiscard]] int module(const design::JsonValue& v) const;
   [[nodiscard]] int patch(const design::JsonValue& v) const;
 
@@ -28,9 +28,9 @@ struct SceneNames {
 };
 
 void only_scene_keys(const design::JsonValue& v, std::initializer_list<std::string_view> allowed);
-/// Time in seconds as µs.
+/// Converts a time in seconds to µs.
 [[nodiscard]] std::uint64_t scene_time_us(const design::JsonValue& v);
-/// Three lengths, mm.
+/// Reads three lengths in mm.
 [[nodiscard]] design::Vec3 scene_point_mm(const design::JsonValue& v);
 
 [[nodiscard]] Contact read_contact(const SceneNames& names, const design::JsonValue& v);

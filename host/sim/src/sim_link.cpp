@@ -24,7 +24,7 @@ SimLink::SimLink(scene::Scene scene, const std::filesystem::path& state_folder)
   skin_.on_frame([this](const wire::CanFrame& frame, std::uint64_t) { inbox_.push_back(frame); });
 }
 
-// The sender waits on a bus that others fill, as with the queue of a CAN adapter.
+// If the bus is full, the sender waits, as with the queue of a CAN adapter.
 void SimLink::send(const wire::CanFrame& frame) {
   constexpr std::size_t kQueue = 64;
   constexpr std::uint64_t kLook_us = 100;

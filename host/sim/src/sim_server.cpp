@@ -48,7 +48,8 @@ void SimServer::flush() {
 }
 
 void SimServer::wait(std::uint64_t timeout_us) {
-  // A negative descriptor is skipped: while there are none left for a client, one that waits must not keep a core busy.
+  // poll() skips a negative descriptor. When no descriptor is left for a client, one that waits must not keep a core
+  // busy.
   const bool listens = std::chrono::steady_clock::now() >= listens_from_;
   std::vector<pollfd> sockets{{listens ? listener_ : -1, POLLIN, 0}};
   for (const Client& c : clients_)
@@ -114,7 +115,8 @@ void SimServer::handle(Client& client, const record::Record& r) {
   client.touch = skin_.press_module(static_cast<int>(module), whole ? -1 : taxel);
 }
 
-// It stays when the client goes: a bag is laid around the skin, no finger of a program.
+// The pressure remains when the client disconnects, because it stands for a bag around the skin and not for the
+// client's finger.
 void SimServer::pressurize(const record::Record& r) {
   constexpr double kKpaPerPa = 1e-3;
   ByteReader reader(r.contents);

@@ -6,8 +6,8 @@
 namespace triskin::device {
 namespace {
 
-constexpr std::uint64_t kAsk_us = 125;  // A device that has nothing is asked again in the next microframe.
-// It is SET_CONFIGURATION of USB 2.0, table 9-4.
+constexpr std::uint64_t kAsk_us = 125;  // A device without data is asked again in the next microframe.
+// The request is SET_CONFIGURATION of USB 2.0, table 9-4.
 constexpr wire::UsbSetup kConfigure{.type = 0, .request = 9, .value = 1};
 constexpr int kNotConfigured = -1;
 
@@ -24,7 +24,7 @@ SimUsbLink::SimUsbLink(scene::Scene scene, const std::filesystem::path& state_fo
   skin_.on_delivery([](std::size_t, const wire::CanFrame&) { return false; });  // The CAN ports are not connected.
 }
 
-// The host configures a device that is plugged in.
+// The host configures a device when it is plugged in.
 bool SimUsbLink::ready(std::size_t device) {
   if (!skin_.alive(device)) return false;
   const int session = skin_.usb_session(device);
@@ -60,7 +60,7 @@ void SimUsbLink::send(const wire::CanFrame& frame) {
   }
 }
 
-// One packet of the next device in turn that has one.
+// Transfers one packet of the next device in turn that has one.
 bool SimUsbLink::fetch() {
   for (std::size_t k = 0; k < sessions_.size(); ++k) {
     const std::size_t device = (next_ + k) % sessions_.size();

@@ -14,15 +14,15 @@
 namespace triskin::scene {
 namespace {
 
-// It lies beyond the converter's range, as with a pad shorted to the shield.
+// The value is beyond the converter's range, as with a pad shorted to the shield.
 constexpr double kSaturatedCounts = -1e6;
 constexpr std::uint64_t kForgetAfterUs = 1'000'000;
-// An electrode that whole steps of the converter's offset take away.
+// Whole steps of the converter's offset cancel this electrode exactly.
 constexpr double kShownElectrode_counts = 20 * Ad7147Behaviour{}.afe_step_pf * kCountsPerPf;
-// A separate stream keeps the electrodes' random numbers unchanged.
+// A separate random stream keeps the electrodes' numbers unchanged.
 constexpr std::uint64_t kSensitivityStream = 0x100;
 
-// SplitMix64 (Steele, Lea, Flood 2014): one hash per sample, so that noise needs no state.
+// SplitMix64 (Steele, Lea, Flood 2014) hashes each sample, so that noise needs no state.
 std::uint64_t mix(std::uint64_t x) {
   x += 0x9E3779B97F4A7C15ULL;
   x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ULL;
@@ -143,7 +143,7 @@ Skin::Skin(const Scene& scene, SwitchedHardware* switched) : lines_(scene.design
   for (const Contact& contact : scene.contacts) press(contact);
 }
 
-// Modules that are turned, or turned back, while the skin runs.
+// Handles modules that are turned, or turned back, while the skin runs.
 void Skin::turn_modules(const Scene& scene) {
   std::set<std::uint64_t> times;
   for (const Fault& f : scene.faults) {
@@ -166,7 +166,7 @@ void Skin::turn_modules(const Scene& scene) {
 
 namespace {
 
-// A chip is on each line where it sits at some time.
+// Attaches a chip to each line on which it is at some time.
 void attach_strapped(Skin& skin, Ad7147& chip, const ChipPlaces& places) {
   const ChipPlace& first = places[0].place;
   if (places.size() == 1) {
@@ -185,7 +185,7 @@ void attach_strapped(Skin& skin, Ad7147& chip, const ChipPlaces& places) {
   }
 }
 
-// A switched module's chip is on any line, at any address: what its register says, while its ports lead to the
+// Attaches a switched module's chip to all lines: its register selects line and address while its ports lead to the
 // controller.
 void attach_switched(Skin& skin, Ad7147& chip, int module, const ChipPlaces& places, std::size_t patches,
                      SwitchedHardware& switched) {

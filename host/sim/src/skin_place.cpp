@@ -17,8 +17,8 @@ Vec3 nearest_on_edge(const Vec3& a, const Vec3& b, const Vec3& point) {
   return a + edge * std::clamp((point - a).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
 }
 
-// Inside the three planes through the edges the nearest point is the foot on the plane of the triangle, else it lies on
-// an edge.
+// If the point projects into the triangle, the nearest point is its projection on the plane; otherwise it lies on an
+// edge.
 Vec3 nearest_on_triangle(const Triangle& t, const Vec3& point) {
   const Vec3 normal = (t[1] - t[0]).cross(t[2] - t[0]).normalized();
   bool inside = true;
@@ -48,7 +48,8 @@ std::optional<SkinPlace> place_on_ray(const design::Design& design, const Vec3& 
   if (!(direction.norm() > 0.0)) return std::nullopt;
   const Vec3 along = direction.normalized();
   std::optional<SkinPlace> best;
-  // A ray that meets a module also passes near its neighbours; it must not be taken for one that runs through a gap.
+  // A ray that hits a module also passes near its neighbours, where it must not look like one that passes through a
+  // gap.
   constexpr double kPenaltyBeside = 10.0;
   double best_mm = 0.0;
   for (std::size_t m = 0; m < design.layout.modules.size(); ++m) {

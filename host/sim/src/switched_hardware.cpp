@@ -10,7 +10,7 @@ namespace {
 
 using Joints = design::PortEnds;
 
-// A joint that the design does not have: first free port of each module.
+// Adds a joint that the design does not have, at the first free port of each module.
 void add_joint(Joints& joints, int cable_port, int a, int b) {
   const auto free_port = [&](int m) {
     for (int p = 0; p < static_cast<int>(layout::kPorts); ++p) {
@@ -102,7 +102,7 @@ void SwitchedHardware::add_joined_patches(const Scene& scene) {
   }
 }
 
-// Plugs the cable where the design has it, unless a wrong joint took its port.
+// Plugs the cable where the design has it, unless a wrong joint uses its port.
 void SwitchedHardware::plug_second_cable(const design::Patch& designed, const std::vector<int>& rotations) {
   if (designed.second_entry < 0) return;
   const auto row = static_cast<std::size_t>(row_of(designed.second_entry));

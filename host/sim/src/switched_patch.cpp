@@ -9,7 +9,7 @@
 namespace triskin::scene {
 namespace {
 
-// Elements of the data path that are no module.
+// These elements of the data path are constants instead of modules.
 constexpr int kConstantZero = -1, kConstantOne = -2;
 
 bool bit(std::uint8_t set, int k) {
@@ -53,7 +53,7 @@ int SwitchedPatch::add_controller(End cable) {
   return static_cast<int>(controllers_.size()) - 1;
 }
 
-// Made when it is asked for: one that is held refers to this object, which may be moved before.
+// The chain is created on demand, because it refers to this object, which may be moved before.
 sim::ChainModel& SwitchedPatch::chain_of(int controller) {
   (void)at_controller(controller);
   while (chains_.size() < controllers_.size()) chains_.emplace_back(*this, static_cast<int>(chains_.size()));
@@ -112,7 +112,7 @@ void SwitchedPatch::collect(int m, std::vector<int>& chain) const {
   }
 }
 
-// One for each cable with EN: a module that hangs on another port refuses it.
+// Returns a chain for each cable with EN; a module whose parent is at another port refuses it and reads as ones.
 std::vector<std::vector<int>> SwitchedPatch::chains(int controller) const {
   std::vector<std::vector<int>> list;
   if (shorted(controller)) return list;
@@ -137,7 +137,7 @@ void SwitchedPatch::exchange(int controller, Bytes out, std::span<std::uint8_t> 
   }
 }
 
-// Every register is one byte long: after eight clocks each has what the one before it had.
+// Every register is one byte long, so after eight clocks each has the previous one's contents.
 std::uint8_t SwitchedPatch::shift_byte(const std::vector<int>& chain, std::uint8_t carry) {
   for (const int element : chain) {
     if (element >= 0)
@@ -185,11 +185,11 @@ void SwitchedPatch::enable(int controller, std::uint8_t cables) {
   settle();
 }
 
-// Gates act in any order; what must not depend on it is tested with many seeds.
+// Gates act in any order; tests with many seeds check that results do not depend on it.
 void SwitchedPatch::settle() {
   std::vector<int> order(modules_.size());
   std::iota(order.begin(), order.end(), 0);
-  // Two registers with stuck bits could chase each other for ever; hardware would oscillate, the model stops.
+  // Two registers with stuck bits could toggle each other for ever; hardware would oscillate, but the model stops.
   const std::size_t most = 100 * modules_.size();
   bool moved = true;
   for (std::size_t round = 0; moved && round < most; ++round) {

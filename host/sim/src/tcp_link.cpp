@@ -102,7 +102,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kConnectTime{5'000}, kWriteTime{2'000}, kInterruptLook{100};
 
-// Waits for `events` until `end`, or until the process is asked to end; false: they did not come.
+// Waits for `events` until `end`, or until the process is asked to end; returns false if they did not occur.
 bool wait_for(int socket, short events, std::chrono::steady_clock::time_point end) {
   using std::chrono::milliseconds;
   while (!interrupt_request()) {
@@ -214,7 +214,7 @@ void TcpLink::pressurize(int module, double kpa) {
 }
 
 std::optional<wire::CanFrame> TcpLink::receive(std::uint64_t until_us) {
-  // The deadline holds also while records come that are no frames, however fast.
+  // The deadline also applies while records other than frames arrive, however fast.
   for (bool is_over = false;; is_over = now_us() >= until_us) {
     if (auto frame = frame_received()) return frame;
     if (is_over) return std::nullopt;

@@ -22,14 +22,14 @@ constexpr std::uint32_t kSubmit = 1, kUnlink = 2, kSubmitReply = 3, kUnlinkReply
 constexpr std::size_t kMaxBytes = 1 << 20;  // A single transfer may not be larger.
 constexpr int kFullSpeed = 2, kBus = 1, kFreePort = 4;
 
-// A free port for devices up to high speed: the controller's folder and the number.
+// Finds a free port for devices up to high speed; returns the controller's folder and the port number.
 std::pair<std::filesystem::path, int> free_port() {
   const std::filesystem::path base = "/sys/devices/platform";
   bool any = false;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(base, error)) {
     if (!entry.path().filename().string().starts_with("vhci_hcd")) continue;
-    // Folder 0 reports all controllers: status, status.1, …; ports are numbered through.
+    // Folder 0 reports all controllers in status, status.1, …, and ports are numbered consecutively.
     for (const auto& file : std::filesystem::directory_iterator(entry.path(), error)) {
       if (!file.path().filename().string().starts_with("status")) continue;
       any = true;

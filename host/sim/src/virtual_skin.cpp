@@ -23,13 +23,13 @@ constexpr std::uint64_t kBusyStepUs = 50;
 constexpr std::uint64_t kNeverUs = ~std::uint64_t{0};
 constexpr std::uint32_t kStreamMask = 0x1FFF0000;
 
-// Name of the files that keep a controller's flash.
+// Returns the name of the files that store a controller's flash.
 std::string board_name(const Scene& scene, std::size_t patch) {
   if (scene.boards.empty()) return fmt::format("controller_{}", patch + 1);
   return fmt::format("{:02X}", fmt::join(scene.boards.at(patch), ""));
 }
 
-// The patch that a controller's cable really leads to.
+// Returns the patch that a controller's cable really leads to.
 int plugged_patch(const Scene& scene, int patch, std::uint64_t at_us) {
   for (const Fault& f : scene.faults) {
     if (f.kind != FaultKind::kSwappedPatches || !is_present(f, at_us)) continue;
@@ -39,7 +39,7 @@ int plugged_patch(const Scene& scene, int patch, std::uint64_t at_us) {
   return patch;
 }
 
-// The boards remember the faults of their patch. Another scene is another patch: what was remembered is not its own.
+// The boards remember the faults of their patch. Another scene is another patch, to which these faults do not belong.
 constexpr const char* kHardwareFile = "hardware";
 
 bool is_noted(const std::filesystem::path& folder, const Scene& scene) {
@@ -106,8 +106,7 @@ void VirtualSkin::build(std::size_t patch, const std::filesystem::path& state_fo
     pending_.push_back({frame, patch});
     ++nodes_[patch].in_buffers;
   };
-  // The FDCAN of the microcontroller has three buffers for frames that wait for the bus; the rest waits in the
-  // controller.
+  // The FDCAN of the microcontroller has three transmit buffers; further frames wait in the controller.
   node.board.room = [this, patch] { return scene_.effects.bus_bit_rate == 0 || nodes_[patch].in_buffers < kBuffers; };
   power_up(patch);
 }
@@ -121,7 +120,7 @@ void VirtualSkin::plug_in(Node& node, int patch) {
   if (switched_.present()) node.board.chain = &switched_.patch(patch).chain_of(switched_.controller_of(patch));
 }
 
-// The cable of a patch brings its controller's power, too, so a board that is plugged in elsewhere starts anew.
+// The cable of a patch also powers its controller, so a board that is plugged in elsewhere restarts.
 void VirtualSkin::exchange_cables() {
   if (cable_changes_us_.empty() || now_us_ < cable_changes_us_.back()) return;
   while (!cable_changes_us_.empty() && now_us_ >= cable_changes_us_.back()) cable_changes_us_.pop_back();
@@ -178,11 +177,12 @@ std::size_t VirtualSkin::host_frames_waiting() const {
 
 void VirtualSkin::deliver(const Pending& pending) {
   ++bus_frames_;
-  // Samples are what fills the bus, and the filter of a controller refuses them (firmware_board.md).
+  // Samples make up most of the traffic, and the filter of a controller rejects them (firmware_board.md).
   const bool refused = pending.frame.extended && (pending.frame.id & kStreamMask) == wire::kFullBase;
   for (std::size_t p = 0; p < nodes_.size() && !refused; ++p) {
     if (p == pending.from || nodes_[p].controller == nullptr) continue;
-    // What it has not done yet it does before the frame comes, or it would date its answer before the request.
+    // The controller must finish earlier work before it gets the frame; otherwise its answer would have a time before
+    // the request.
     if (pending.from == kHost) run_controller(nodes_[p]);
     if (nodes_[p].controller == nullptr) continue;
     if (hears_ && !hears_(p, pending.frame)) continue;
@@ -209,8 +209,8 @@ std::uint64_t VirtualSkin::frame_us(const wire::CanFrame& frame) const {
          static_cast<std::uint64_t>(bits.data) * 1'000'000 / data_rate;
 }
 
-// Arbitration: the lowest base identifier wins, and at equal ones the 11-bit frame. Frames of one sender leave in the
-// order in which it sent them, so only its first one takes part.
+// In arbitration the lowest base identifier wins, and at equal ones the 11-bit frame. Frames of one sender keep their
+// order, so only its first one takes part.
 std::deque<VirtualSkin::Pending>::iterator VirtualSkin::winner() {
   const auto priority = [](const Pending& p) {
     const std::uint32_t base = p.frame.extended ? p.frame.id >> 18 : p.frame.id;
@@ -227,7 +227,7 @@ std::deque<VirtualSkin::Pending>::iterator VirtualSkin::winner() {
   return best;
 }
 
-// Moves at most one frame on; true: something changed at this instant.
+// Moves at most one frame on; returns true if something changed at this instant.
 bool VirtualSkin::advance_bus() {
   if (!on_wire_.empty()) {
     if (now_us_ < wire_free_us_) return false;
@@ -306,7 +306,7 @@ int VirtualSkin::press_module(int module, int taxel) {
     const int rotation = design::wiring_of(scene_.design)[k].routed.rotation;
     const auto at =
         design::taxels_of(scene_.design.layout.modules[k], rotation)[static_cast<std::size_t>(taxel)].position_mm;
-    // Pads are 3.7 mm apart at least, so the tip is on this one only.
+    // Pads are at least 3.7 mm apart, so the tip touches only this one.
     constexpr double kTipRadius_mm = 3.0;
     constexpr double kTipForce_n = 1.0;
     Contact tip;
@@ -316,7 +316,7 @@ int VirtualSkin::press_module(int module, int taxel) {
     tip.force_n = kTipForce_n;
     return skin_.press(tip);
   }
-  // Reaches all pads of a module (the farthest is 11.4 mm from the centre) and little beyond.
+  // The finger reaches all pads of a module (the farthest is 11.4 mm from the centre) and little beyond.
   constexpr double kRadius_mm = 12.0;
   constexpr double kForce_n = 20.0;
   Contact finger;

@@ -19,14 +19,14 @@ namespace triskin::device {
 namespace {
 
 constexpr std::uint64_t kUsPerS = 1'000'000;
-constexpr std::uint16_t kEndOfRange = 0xFFFF;  // The converter gives this or 0 beyond its range.
+constexpr std::uint16_t kEndOfRange = 0xFFFF;  // Beyond its range the converter returns this or 0.
 constexpr std::size_t kRampBins = 32;          // A ramp is reduced to this many means.
 
 std::uint64_t us_of(double seconds) {
   return static_cast<std::uint64_t>(std::llround(seconds * static_cast<double>(kUsPerS)));
 }
 
-// Means of what each taxel read, by bin of pressure.
+// Computes the mean reading of each taxel for each bin of pressure.
 class TaxelMeans {
  public:
   explicit TaxelMeans(std::size_t modules) : modules_(modules), pads_(modules) {}
@@ -54,7 +54,7 @@ class TaxelMeans {
   }
 
  private:
-  // How far the pads that feel only the temperature read below their first value, as in TouchMap.
+  // Returns how far the temperature pads read below their first value, as in TouchMap.
   double warming_of(const ModuleSample& f) {
     auto& first = pads_.at(static_cast<std::size_t>(f.module));
     double sum = 0.0;
@@ -69,7 +69,7 @@ class TaxelMeans {
     return known > 0 ? sum / known : 0.0;
   }
 
-  using Sum = CalibrationPoint;  // Holds sums of samples instead of their mean.
+  using Sum = CalibrationPoint;  // Here the point holds sums of samples instead of their mean.
   using Module = std::array<std::vector<Sum>, layout::kTaxelsPerModule>;
   std::vector<Module> modules_;
   std::vector<std::array<std::optional<double>, layout::kTemperaturePads.size()>> pads_;
@@ -175,7 +175,7 @@ CalibrationOutcome calibrate_by_ramp(Bus& bus, const design::Design& design, con
     const auto take = [&](const ModuleSample& f) {
       const auto kpa = ramp.kpa(time_s(f.sampled.link_us));
       if (!kpa) return;
-      // Rest has a bin of its own, so that it stays exactly 0.
+      // Rest has its own bin, so that it stays exactly 0.
       const double share = max_kpa > 0.0 ? *kpa / max_kpa : 0.0;
       const auto bin = *kpa == 0.0 ? 0U : 1U + std::min(kRampBins - 1, static_cast<std::size_t>(share * kRampBins));
       fit.means().add(f, bin, *kpa);
@@ -190,7 +190,7 @@ CalibrationOutcome calibrate_by_ramp(Bus& bus, const design::Design& design, con
 
 namespace {
 
-constexpr std::chrono::milliseconds kLockPatience{2'000};  // Another writer is done within milliseconds.
+constexpr std::chrono::milliseconds kLockPatience{2'000};  // Another writer needs only milliseconds.
 
 }  // namespace
 
@@ -218,13 +218,14 @@ void CalibrationStore::write(const design::BoardCalibration& board) const {
 }
 
 void CalibrationStore::replace(const design::BoardCalibration& board) const {
-  std::error_code none;  // Errors are ignored here because writing the file reports them.
+  std::error_code none;  // Errors are ignored here, because writing the file reports them.
   std::filesystem::create_directories(folder_, none);
   write_file_atomically(file_of(board.serial), design::calibration_text(std::span(&board, 1)));
 }
 
 design::BoardCalibration CalibrationStore::renew(design::BoardCalibration board, int before) const {
-  const WriterLock lock(file_of(board.serial), kLockPatience);  // Two programs must not take the same revision.
+  // The lock keeps two programs from using the same revision.
+  const WriterLock lock(file_of(board.serial), kLockPatience);
   const auto here = read(board.serial);
   board.revision = std::max(before, here ? here->revision : 0) + 1;
   board.made = utc_text(unix_ns() / 1'000'000'000U);

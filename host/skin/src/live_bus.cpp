@@ -45,7 +45,7 @@ void LiveBus::close() {
 }
 
 std::uint64_t LiveBus::unix_ns(std::uint64_t link_us) const {
-  // A sample may be older than the opening: the difference then wraps round, and so does the sum.
+  // A sample may be older than the opening of the link; the unsigned difference then wraps around, and so does the sum.
   return opened_unix_ns_ + (link_us - opened_us_) * 1000;
 }
 
@@ -84,7 +84,7 @@ void LiveBus::run(const LiveRun& run) {
   try {
     receive_slices(run, [this] { return now_us(); }, receive);
   } catch (...) {
-    // What `on_sample` refers to need not outlive this call.
+    // The stream must end here, because the objects that `on_sample` refers to may not outlive this call.
     forget_stream();
     throw;
   }

@@ -17,11 +17,11 @@ namespace {
 
 using wire::ModuleState;
 
-// Spaced: the sign of the module, four characters and a space.
+// A spaced cell consists of the sign of the module, four characters and a space.
 constexpr std::size_t kSpacedColumns = 6, kCloseColumns = 5, kDigitColumns = 2;
-constexpr std::size_t kGapColumns = 3;  // Space between islands.
+constexpr std::size_t kGapColumns = 3;
 
-// Four characters that say what is wrong with a module; empty: nothing.
+// Returns four characters that name the fault of a module; empty if there is none.
 std::string_view trouble_of(ModuleState state) {
   switch (state) {
     case ModuleState::kOk:
@@ -52,12 +52,12 @@ std::string number(double counts, double kpa, PressureUnit unit) {
   return counts < 9999.5 ? fmt::format("{:4.0f}", counts) : fmt::format("{:3.0f}k", counts / 1000.0);
 }
 
-// Tenths of the range.
+// The digit shows tenths of the range.
 std::string digit(double counts) {
   return fmt::format("{:.0f}", std::clamp(std::floor(10.0 * counts / layout::kRestCounts), 0.0, 9.0));
 }
 
-// Characters that a line takes on the screen: without the colours of a terminal, and with one for each code point.
+// Counts the characters that a line takes on the screen: colour codes count nothing, and a code point counts one.
 std::size_t shown_columns(std::string_view line) {
   std::size_t columns = 0;
   for (std::size_t k = 0; k < line.size(); ++k) {
@@ -79,7 +79,7 @@ void append_right_of(std::vector<std::string>& lines, const std::vector<std::str
   }
 }
 
-// Blocks in rows, as many beside each other as `columns` hold (0: any number).
+// Arranges blocks in rows, as many side by side as fit into `columns` (0: no limit).
 std::vector<std::string> side_by_side(const std::vector<std::vector<std::string>>& blocks, std::size_t columns) {
   std::vector<std::string> all, row;
   std::size_t used = 0;
@@ -99,13 +99,13 @@ std::vector<std::string> side_by_side(const std::vector<std::vector<std::string>
   return all;
 }
 
-// Background of a cell, of the 256 colours of terminals.
+// Returns the background of a cell from the 256 colours of terminals.
 int colour_of(double counts, bool trouble) {
   struct Step {
     double from_counts;
     int colour;
   };
-  constexpr int kTrouble = 90, kRest = 236;  // These colours are purple and dark grey.
+  constexpr int kTrouble = 90, kRest = 236;  // In the palette of terminals these are purple and dark grey.
   constexpr std::array<Step, 4> kSteps{
       {{8'000.0, 160}, {3'000.0, 172}, {1'000.0, 34}, {TouchMap::kPressed_counts, 22}}};
   if (trouble) return kTrouble;
@@ -218,8 +218,8 @@ std::vector<std::string> LiveMonitor::island_picture(const Rows& rows, PressureU
 }
 
 std::vector<std::string> LiveMonitor::picture(int patch, PressureUnit unit, bool colour, int columns) const {
-  // Columns count half sides of a module: the up triangle of lattice cell (i, j) has its centre at 2i + j + 1, the
-  // down one at 2i + j + 2.
+  // A column is half a side of a module: the up triangle of lattice cell (i, j) has its centre at 2i + j + 1, the down
+  // one at 2i + j + 2.
   std::map<int, Rows> islands;
   for (const auto& routed : modules_of(patch)) {
     const auto& placed = design_.layout.modules[static_cast<std::size_t>(routed.node)];

@@ -7,8 +7,8 @@
 
 namespace triskin::device {
 
-/// The loop of everything that receives samples: `receive(until_us)` waits for them until a time of the link, which
-/// `now_us()` tells. Ends with the run, or when the process is asked to end.
+/// All code that receives samples uses this loop. `receive(until_us)` waits for them until a time of the link, and
+/// `now_us()` returns that time. The loop ends with the run, or when the process is asked to end.
 template <class Now, class Receive>
 void receive_slices(const LiveRun& run, Now now_us, Receive receive) {
   try {
@@ -18,7 +18,7 @@ void receive_slices(const LiveRun& run, Now now_us, Receive receive) {
       if (run.after_slice && !run.after_slice()) return;
     }
   } catch (const Cancelled&) {
-    // A stream is ended by Ctrl-C as a rule: it has delivered all until then.
+    // Ctrl-C is the usual way to end a stream, so this is no error: everything until then was delivered.
   }
 }
 

@@ -13,7 +13,7 @@
 namespace triskin::device {
 namespace {
 
-constexpr std::chrono::milliseconds kPatience{2'000};  // Another writer is done within milliseconds.
+constexpr std::chrono::milliseconds kPatience{2'000};  // Another writer needs only milliseconds.
 
 }  // namespace
 

@@ -11,17 +11,17 @@
 
 namespace triskin::device {
 
-/// Rest values that were taken by a tare or a calibration, kept on this computer for the same boards with the same
-/// design: every LiveCover begins with them.
+/// Rest values from a tare or a calibration are stored on this computer for the same boards with the same design. Every
+/// LiveCover starts with them.
 class RestStore {
  public:
-  /// `claims`: who answers on the link; those that are not the design's do not count.
+  /// `claims` are the controllers that answered on the link; those that are not part of the design do not count.
   RestStore(const design::Design& design, std::span<const wire::NodeClaim> claims);
-  /// The same, of a file that is known and a design with so many modules.
+  /// Uses a known file, for a design with this many modules.
   RestStore(std::filesystem::path file, std::size_t modules) : modules_(modules), file_(std::move(file)) {}
-  /// Empty: none were taken. Throws InputError when the file is damaged.
+  /// Reads the stored values; empty if there are none. Throws InputError when the file is damaged.
   [[nodiscard]] design::RestValues read() const;
-  /// Throws InputError when it cannot be written.
+  /// Replaces the stored values. Throws InputError when the file cannot be written.
   void write(const design::RestValues& rest) const;
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
 

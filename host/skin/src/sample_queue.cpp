@@ -82,7 +82,7 @@ void SampleQueue::drop_old(std::uint64_t newest_ns) {
   }
 }
 
-// Hands the samples of the slice to the readers that wait.
+// Moves the samples of the slice into the queue and wakes waiting readers.
 void SampleQueue::publish(std::size_t bus) {
   const LiveBus& live = *skin_.buses()[bus];
   const SampleCounts counts = live.report().total;
@@ -112,12 +112,12 @@ void SampleQueue::pass(std::size_t bus, std::uint64_t slice_us) {
   publish(bus);
 }
 
-// The simulated buses of this process, side by side.
+// Advances the simulated buses of this process together.
 void SampleQueue::pass_all(std::uint64_t slice_us) {
   for (std::size_t b = 0; b < fresh_.size(); ++b) pass(b, slice_us);
 }
 
-// The thread of a bus whose time passes by itself. When one fails all end.
+// Runs in the thread of a bus in real time. If one bus fails, all end.
 void SampleQueue::receive(std::size_t bus) {
   while (true) {
     {

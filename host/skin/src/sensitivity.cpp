@@ -15,7 +15,8 @@
 namespace triskin::device {
 namespace {
 
-// Two-sided 95 % quantile of Student's t by degrees of freedom, from 1 on; beyond the table that of many.
+// Returns the two-sided 95 % quantile of Student's t for 1 or more degrees of freedom; beyond the table it is the limit
+// for many.
 double student_t(std::size_t freedom) {
   constexpr std::array kTable{12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228,
                               2.201,  2.179, 2.160, 2.145, 2.131, 2.120, 2.110, 2.101, 2.093, 2.086};

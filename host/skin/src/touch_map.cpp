@@ -22,12 +22,12 @@ void TouchMap::set_rest(const design::RestValues& rest, int first_module) {
   }
 }
 
-// Nothing but rest is above: pressure lowers the value.
+// A value above the band can only be rest, because pressure lowers it.
 bool TouchMap::may_rest(double value) {
   return value >= layout::kRestCounts - kRestBand_counts;
 }
 
-// The median tolerates one sample of a finger that was lifted just before.
+// The median tolerates one sample from a finger that was lifted just before.
 void TouchMap::settle(const Module& module, Taxel& taxel) {
   std::ranges::sort(taxel.first);
   const double median = taxel.first[kRestSamples / 2];
@@ -49,11 +49,11 @@ void TouchMap::take(const Module& module, Taxel& taxel, double value) {
     taxel.follows = true;
     taxel.rest = value;
   }
-  // A light touch at the start was within the band; when it ends, the taxel shows where it rests.
+  // A light touch at the start can lie within the band; when it ends, the value rises to the true rest.
   if (taxel.follows) taxel.rest = std::max(taxel.rest, value);
 }
 
-// No finger reaches them, so whatever they read first is their rest.
+// A finger does not affect the temperature pads, so their first reading is their rest value.
 void TouchMap::take_pads(Module& module, const wire::TaxelFrame& sample) {
   double sum = 0.0;
   int known = 0;
@@ -82,7 +82,7 @@ void TouchMap::add(const ModuleSample& frame) {
     if ((frame.sample.valid >> t & 1) != 0)
       take(module, taxel, frame.sample.value[t] + module.warming_counts);
     else
-      taxel.now = taxel.rest;  // An invalid taxel is unknown rather than pressed.
+      taxel.now = taxel.rest;  // An invalid taxel must not count as pressed.
   }
 }
 

@@ -26,7 +26,7 @@ std::filesystem::path private_folder() {
   return folder;
 }
 
-// The text of a page that leads to `address` at once.
+// Returns the text of a page that immediately redirects to `address`.
 std::string redirect_text(const std::string& address) {
   return fmt::format(
       "<!doctype html>\n<meta charset=\"utf-8\">\n<meta name=\"referrer\" content=\"no-referrer\">\n"
@@ -34,7 +34,7 @@ std::string redirect_text(const std::string& address) {
       escape_markup(address));
 }
 
-// Writes a new file that only its owner can read. False: it could not be written.
+// Writes a new file that only its owner can read. Returns false if it could not be written.
 bool write_private(const std::filesystem::path& file, const std::string& text) {
   const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
   if (fd < 0) return false;
@@ -43,7 +43,7 @@ bool write_private(const std::filesystem::path& file, const std::string& text) {
   return written;
 }
 
-// Starts `program FILE` in a session of its own, with /dev/null for the three standard streams and nothing else open.
+// Starts `program FILE` in its own session, with /dev/null for the three standard streams and no other open files.
 void start_detached(const char* program, const std::string& file) {
   posix_spawnattr_t attributes;
   posix_spawn_file_actions_t actions;

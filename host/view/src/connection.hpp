@@ -11,15 +11,15 @@
 
 namespace triskin::view {
 
-/// A connection that has not shown the token yet.
+/// A stranger is a connection that has not shown the token yet.
 class Stranger {
  public:
   virtual ~Stranger() = default;
-  /// Closes the connection.
   virtual void drop() = 0;
 };
 
-/// What the connections of one server share. It outlives them. Threads: the server's, but for `connections`.
+/// All connections of one server share this state, which must outlive them. Only the server's thread uses it, except
+/// `connections`.
 struct Shared {
   Site site;
   const LiveSkin& live;
@@ -28,16 +28,16 @@ struct Shared {
   std::string token;
   std::uint16_t port = 0;
   std::atomic<std::size_t> connections{0};
-  std::size_t known = 0;                           ///< open connections that have shown the token
-  std::list<std::weak_ptr<Stranger>> strangers{};  ///< oldest first
+  std::size_t known = 0;                           ///< Only open connections that have shown the token count.
+  std::list<std::weak_ptr<Stranger>> strangers{};  ///< The oldest one is at the front.
 
   [[nodiscard]] Gate gate() const { return {port, token}; }
-  /// Takes one more stranger. Where there are too many the oldest is dropped: it had its time, and whoever fills the
-  /// server without the token does not keep out who has it.
+  /// Adds a connection without token. If there are too many, the oldest is closed, so that connections without the
+  /// token cannot block those that have it.
   void add_stranger(const std::shared_ptr<Stranger>& stranger);
 };
 
-/// Counts a connection while it lives.
+/// Counts a connection while the object exists.
 class Counted {
  public:
   explicit Counted(Shared& shared) : shared_(shared) { ++shared_.connections; }
@@ -45,7 +45,7 @@ class Counted {
     --shared_.connections;
     if (is_known_) --shared_.known;
   }
-  /// The connection has shown the token. False: too many have, and this one must go.
+  /// Notes that the connection has shown the token. Returns false if too many have, and this one must close.
   [[nodiscard]] bool make_known() {
     if (!is_known_ && shared_.known >= shared_.limits.connections) return false;
     if (!is_known_) ++shared_.known;

@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-// What the numbers of one cover become in the design that is shown.
+// These offsets convert the numbers of one cover to those of the displayed design.
 struct Place {
   int first_module = 0, first_patch = 0, modules = 0, patches = 0;
 };
@@ -22,7 +22,7 @@ struct Place {
       "{}: this is no report of triskin verify; write one with triskin verify DESIGN --report FILE.json", name));
 }
 
-// null and a missing key: of none.
+// A null and a missing key both mean "none".
 int number_in(const json& finding, const char* key, int first, int count, const std::string& name) {
   const auto found = finding.find(key);
   if (found == finding.end() || found->is_null()) return -1;

@@ -18,7 +18,7 @@ namespace http = beast::http;
 using Request = http::request<http::empty_body>;
 using Response = http::response<http::span_body<const char>>;
 
-// An answer and its text. A document belongs to the site, which all connections share: slow readers cost no copies.
+// All connections share the documents of the site, so answers to slow readers cost no copies.
 struct Answer {
   Response response;
   std::string text;
@@ -31,7 +31,7 @@ std::string_view view_of(beast::string_view text) {
   return {text.data(), text.size()};
 }
 
-// What a browser may do with a document: nothing but what came from this server.
+// Restricts a document to resources that came from this server.
 void add_policy(Response& response, const Shared& shared) {
   response.set("Content-Security-Policy",
                fmt::format("default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self' "
@@ -60,7 +60,7 @@ Answer refusal(const Request& request, http::status status, const Shared& shared
   return answer;
 }
 
-// Empty: the request may pass. A live connection must say its origin: every browser does.
+// Returns empty if the request may pass. A live connection must state its origin, as every browser does.
 std::optional<Answer> refuse(const Request& request, const Shared& shared) {
   const Gate gate = shared.gate();
   if (request.count(http::field::host) != 1 || !gate.host_is_ours(view_of(request[http::field::host])))
@@ -117,7 +117,7 @@ class HttpConnection : public Stranger, public std::enable_shared_from_this<Http
     write(answer(request, shared_), head);
   }
 
-  // A request that is too long or no HTTP is answered once; time-outs and closed connections are not.
+  // A request that is too long or not HTTP gets one answer; time-outs and closed connections get none.
   void refuse_malformed(beast::error_code error) {
     if (error == http::error::header_limit)
       return write(refusal(Request{}, http::status::request_header_fields_too_large, shared_, "header too long"),

@@ -16,8 +16,8 @@ namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 using Clock = std::chrono::steady_clock;
 
-// One message at a time is under way to the page. While it is, newer samples replace older ones in LiveSkin, so a slow
-// page gets fewer frames and costs nothing else; one that takes nothing for `write_time` is cut.
+// Sends one message at a time to the page. Meanwhile newer samples replace older ones in LiveSkin, so a slow page only
+// gets fewer frames. A page that accepts nothing for `write_time` is disconnected.
 class LiveConnection : public std::enable_shared_from_this<LiveConnection> {
  public:
   LiveConnection(beast::tcp_stream stream, Shared& shared, std::unique_ptr<Counted> counted)
@@ -47,7 +47,7 @@ class LiveConnection : public std::enable_shared_from_this<LiveConnection> {
  private:
   void read() {
     socket_.async_read(buffer_, [self = shared_from_this()](beast::error_code error, std::size_t) {
-      if (error) return self->close();  // It was closed, or a message exceeded the limit.
+      if (error) return self->close();  // The page closed the connection, or a message exceeded the limit.
       self->take_message();
       self->read();
     });

@@ -9,8 +9,8 @@
 
 namespace triskin::view {
 
-/// Turns a connection into a WebSocket that carries frames of the skin to the page and commands back, until either side
-/// closes it or the reader is too slow. `request`: the checked request to upgrade.
+/// Upgrades a connection to a WebSocket that carries frames of the skin to the page and commands back, until either
+/// side closes it or the reader is too slow. `request` is the checked request to upgrade.
 void serve_live(boost::beast::tcp_stream stream, boost::beast::http::request<boost::beast::http::empty_body> request,
                 Shared& shared, std::unique_ptr<Counted> counted);
 

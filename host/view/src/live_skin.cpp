@@ -15,7 +15,7 @@ void put_le(std::string& out, std::uint64_t value, int bytes) {
   for (int k = 0; k < bytes; ++k) out += static_cast<char>(value >> 8 * k & 0xFF);
 }
 
-// Value in a frame: the change against rest, so pressure gives negative numbers.
+// A frame contains the change from the rest value, so pressure gives negative numbers.
 std::int16_t change_of(double below_rest_counts) {
   using Limits = std::numeric_limits<std::int16_t>;
   return static_cast<std::int16_t>(std::clamp<double>(std::round(-below_rest_counts), Limits::min(), Limits::max()));

@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-// Empty: absent, no integer, or outside low … high.
+// Returns empty if the value is absent, not an integer, or outside low … high.
 std::optional<int> integer(const json& object, const char* key, int low, int high) {
   const auto found = object.find(key);
   if (found == object.end() || !found->is_number_integer()) return std::nullopt;

@@ -8,16 +8,16 @@
 
 namespace triskin::view {
 
-/// Command of a message from the page (docs/view_server.md). Empty: it is none.
+/// Parses a command from the page (docs/view_server.md); empty if it is invalid.
 [[nodiscard]] std::optional<Command> command_of(std::string_view text);
 
-/// Status message for the page.
+/// Formats the status message for the page.
 [[nodiscard]] std::string health_json(const LiveSkin::Health& health);
 
-/// Random token of 32 hexadecimal digits. Throws DeviceError when the operating system has no random numbers.
+/// Makes a random token of 32 hexadecimal digits. Throws DeviceError when the operating system has no random numbers.
 [[nodiscard]] std::string random_token();
 
-/// True if two texts are equal; the time does not tell where they differ.
+/// Returns true if two texts are equal; its running time does not reveal where they differ.
 [[nodiscard]] bool equal_in_constant_time(std::string_view a, std::string_view b);
 
 }  // namespace triskin::view

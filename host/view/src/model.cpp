@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-// 10 µm are more than a screen shows; fewer digits make the page half as large.
+// A screen cannot show less than 10 µm, and fewer digits halve the size of the page.
 double rounded(double value) {
   return std::round(value * 100.0) / 100.0;
 }
@@ -31,7 +31,7 @@ json surface_of(const design::Mesh& mesh) {
   return {{"vertices", std::move(vertices)}, {"faces", std::move(faces)}};
 }
 
-// Each metric with its limit (0: it has none), in the order of "metrics" of a module.
+// Lists each metric with its limit (0: none), in the order of "metrics" of a module.
 json metrics_of(const design::LayoutLimits& l) {
   const auto row = [](const char* name, const char* unit, double limit) {
     return json{{"name", name}, {"unit", unit}, {"limit", rounded(limit)}};
@@ -93,7 +93,7 @@ json jumpers_of(const design::ModuleLayout& layout) {
   return list;
 }
 
-// Indexed by module: force of one count for each taxel, N; null if numbers are counts.
+// Returns the force of one count for each taxel in N, indexed by module; null if the page shows counts.
 json newton_per_count(const design::Design& design, const design::SkinCalibration& calibration) {
   if (!calibration.complete()) return nullptr;
   json modules = json::array();
@@ -105,7 +105,8 @@ json newton_per_count(const design::Design& design, const design::SkinCalibratio
   return modules;
 }
 
-// The side of the wall that was taken, and how thick the wall is under each module; null: the design holds no part.
+// Describes the side of the wall that was taken and the thickness of the wall under each module; null if the design
+// contains no part.
 json side_of(const design::Design& design) {
   if (!design.side) return nullptr;
   json wall = json::array();
@@ -163,7 +164,7 @@ std::string model_json(const design::Design& design, bool recording, const desig
                       {"findings", findings_of(notes)},
                       {"modules", std::move(modules)},
                       {"patches", std::move(patches)}};
-  // A name from a file must not end the script that holds it in page_html.
+  // A name from a file must not be able to close the script element that contains it in page_html.
   std::string text = model.dump(-1, ' ', true, json::error_handler_t::replace);
   for (const auto& [bracket, escape] : {std::pair{'<', "\\u003c"}, std::pair{'>', "\\u003e"}}) {
     for (std::size_t at = text.find(bracket); at != std::string::npos; at = text.find(bracket, at))

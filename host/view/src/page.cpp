@@ -22,7 +22,7 @@ void replace_one(std::string& text, std::string_view what, std::string_view with
   text.replace(at, what.size(), with);
 }
 
-// A module that a page carries has no address, so the relative names of its imports become names of the import map.
+// An embedded module has no address, so the relative names in its imports become names of the import map.
 std::string import_map() {
   std::string map;
   for (const auto& [name, asset] : assets()) {
@@ -35,7 +35,7 @@ std::string import_map() {
   return "{\"imports\":{\n" + map + "}}";
 }
 
-// The licence of three.js asks that its notice goes with every copy.
+// The licence of three.js requires its notice in every copy.
 constexpr std::string_view kNotice =
     "<!-- Made by triskin export --format html. Contains three.js (licence MIT), Copyright 2010-2019 three.js "
     "authors:\n";

@@ -56,7 +56,7 @@ void Server::State::accept() {
   });
 }
 
-// While the process has no file descriptor left, a connection that waits would let the loop spin.
+// Without a free file descriptor, a waiting connection would make the loop spin.
 void Server::State::accept_later() {
   constexpr std::chrono::milliseconds kRest{100};
   rest.expires_after(kRest);

@@ -14,9 +14,9 @@ namespace {
 using design::Vec3;
 
 constexpr double kCell_mm = 20.0;
-constexpr double kAbove_mm = 6.0;  // A module lies at most a few mm over or under its surface.
+constexpr double kAbove_mm = 6.0;  // A module lies at most a few mm above or below its surface.
 constexpr double kMaxWall_mm = 8.0;
-constexpr double kMinFacing = 0.3;  // Cosine to the ray: what is steeper is a rim.
+constexpr double kMinFacing = 0.3;  // The limit is the cosine to the ray: a steeper face belongs to a rim.
 
 using Cell = std::array<int, 3>;
 
@@ -40,7 +40,7 @@ void each_cell(const Vec3& a, const Vec3& b, Visit visit) {
   }
 }
 
-// Faces by the cells that their boxes touch.
+// Sorts faces into the cells that their boxes touch.
 class FaceGrid {
  public:
   explicit FaceGrid(const design::Mesh& mesh) : mesh_(mesh) {
@@ -52,10 +52,10 @@ class FaceGrid {
 
   struct Crossing {
     double at_mm = 0.0;
-    double facing = 0.0;  // Above 0: the face looks against the ray.
+    double facing = 0.0;  // A value above 0 means that the face looks towards the ray's origin.
   };
-  // Crossings of a short ray with faces, nearest first; a face is listed once for each cell that it shares with the
-  // ray.
+  // Returns the crossings of a short ray with faces, nearest first; a face is listed once for each cell that it shares
+  // with the ray.
   [[nodiscard]] std::vector<Crossing> crossings(const Vec3& from, const Vec3& along, double length_mm) const {
     std::vector<Crossing> found;
     each_cell(from, from + length_mm * along, [&](std::uint64_t key) {

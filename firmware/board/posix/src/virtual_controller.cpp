@@ -22,7 +22,7 @@ class VirtualClock final : public fw::Clock {
  public:
   std::uint64_t now = 0;
   [[nodiscard]] std::uint64_t now_us() const override { return now; }
-  // Advances the time by work that the processor waits for.
+  // Advances the time by work for which the processor waits.
   void spend(std::uint64_t ns) {
     rest_ns_ += ns;
     now += rest_ns_ / 1000;
@@ -33,8 +33,8 @@ class VirtualClock final : public fw::Clock {
   std::uint64_t rest_ns_ = 0;
 };
 
-// Moves the bytes at once, each with the time at which the bus would have ended it, and reports the end when that has
-// come.
+// Moves all bytes at once, each with the time at which the bus would have ended it, and reports the end at the end
+// time.
 class VirtualI2cLine final : public fw::I2cLine {
  public:
   VirtualI2cLine(I2cBus& bus, const VirtualClock& clock) : bus_(bus), clock_(clock) {}
@@ -93,8 +93,8 @@ class VirtualI2cLine final : public fw::I2cLine {
   std::uint64_t spent_ns_ = 0, started_us_ = 0, done_us_ = 0;
 };
 
-// While a step waits for the flash its clock is ahead of the bus: a frame that it sends then leaves when the bus has
-// come to that time.
+// While a step waits for the flash, its clock is ahead of the bus, so a frame that it sends leaves when the bus has
+// reached that time.
 class VirtualCan final : public fw::CanPort {
  public:
   VirtualCan(const VirtualBoard& board, const VirtualClock& clock) : board_(board), clock_(clock) {}
@@ -108,12 +108,12 @@ class VirtualCan final : public fw::CanPort {
       board_.send(frame);
     return true;
   }
-  // The bus has come to this time.
+  // Notes that the bus has reached this time.
   void advance(std::uint64_t bus_us) {
     bus_us_ = bus_us;
     for (; next_us() <= bus_us_; later_.pop_front()) board_.send(later_.front().second);
   }
-  // When a frame is to leave that was sent ahead of the bus.
+  // Returns when the next frame must leave that was sent ahead of the bus.
   [[nodiscard]] std::uint64_t next_us() const { return later_.empty() ? UINT64_MAX : later_.front().first; }
   std::optional<wire::CanFrame> receive() override {
     if (queue.empty()) return std::nullopt;
@@ -152,7 +152,7 @@ class VirtualChain final : public fw::RouteChain {
   VirtualClock& clock_;
 };
 
-// A part of a flash memory.
+// Each area is a part of a larger flash memory.
 class VirtualFlash final : public fw::FlashArea {
  public:
   VirtualFlash(FlashModel* model, std::size_t offset, std::size_t size) : model_(model), offset_(offset), size_(size) {}
@@ -171,8 +171,8 @@ class VirtualFlash final : public fw::FlashArea {
   std::size_t offset_, size_;
 };
 
-// Flash that is written while the application runs: what the flash takes its time for, the processor waits for.
-// Through an erase the application goes on as it does on the microcontroller.
+// The application runs while this flash is written, so the processor waits as long as for the real flash. During an
+// erase the application continues as on the microcontroller.
 class TimedFlash final : public fw::FlashArea {
  public:
   using Wait = std::function<void(std::uint64_t ns, bool goes_on)>;
@@ -195,7 +195,7 @@ class TimedFlash final : public fw::FlashArea {
   Wait wait_;
 };
 
-// Addresses of the microcontroller's slots; images are linked for them.
+// Images are linked for these addresses of the microcontroller's slots.
 constexpr std::array<std::uint32_t, 2> kSlotOrigins{0x08004000, 0x08040000};
 
 class Controller final : public VirtualController, private fw::Restart, private fw::BoardMonitor {
@@ -262,7 +262,7 @@ class Controller final : public VirtualController, private fw::Restart, private 
   [[nodiscard]] std::uint64_t loader_end_us() const { return std::max(window_end_us_, loader_->stays_until_us()); }
   [[nodiscard]] bool wants_dfu() const { return usb_->wants_to_reconnect() && board_.slots != nullptr; }
   void step_dfu() {
-    can_.queue.clear();  // The controller is not on the CAN bus meanwhile.
+    can_.queue.clear();  // During the restart the controller is not on the CAN bus.
     dfu_->tick(clock_.now);
     if (!dfu_->wants_to_reconnect()) return;
     dfu_.reset();
@@ -274,7 +274,7 @@ class Controller final : public VirtualController, private fw::Restart, private 
     if (start || clock_.now >= loader_end_us()) start_application();
   }
 
-  // The loader behaves in the same way: an application that never confirms itself is started three times only.
+  // Behaves like the loader: an application that never confirms itself is started only three times.
   void start_application() {
     loader_.reset();
     running_slot_ = board_.slots != nullptr ? slots_.choose() : -1;
@@ -282,7 +282,7 @@ class Controller final : public VirtualController, private fw::Restart, private 
     ++usb_session_;
     usb_.emplace(board_.unique_id);
     receiver_.reset();
-    // An image without a label is one of version 0.1, which takes updates by its loader alone.
+    // An image without a label is of version 0.1, which only its loader can update.
     if (const auto label = running_label()) {
       receiver_.emplace(timed_slots_, static_cast<fw::Restart&>(*this),
                         boot::ImageReceiver::Self{board_.unique_id, running_slot_, label->firmware_version});
@@ -303,7 +303,7 @@ class Controller final : public VirtualController, private fw::Restart, private 
     const auto label = layout::decode_label(slots_.bytes(running_slot_));
     return label ? std::optional(*label) : std::nullopt;
   }
-  // Work inside a step that the processor waits for; before the application has begun nothing goes on.
+  // Waits for work inside a step; before the application has started, nothing else continues.
   void wait(std::uint64_t ns, bool goes_on) {
     const std::uint64_t end_us = clock_.now + ns / 1000;
     goes_on = goes_on && application_.has_value();
@@ -316,7 +316,7 @@ class Controller final : public VirtualController, private fw::Restart, private 
     if (!goes_on) clock_.spend(ns);
   }
 
-  // fw::Restart
+  // The following functions implement fw::Restart.
   void restart() override {
     loader_.emplace(slots_, can_, board_.unique_id);
     window_end_us_ = clock_.now + wire::loader::kWindow_us;
@@ -329,7 +329,7 @@ class Controller final : public VirtualController, private fw::Restart, private 
     return boot::image_state_of(running_slot_, slots_.inspect(running_slot_));
   }
 
-  // fw::BoardMonitor
+  // The following functions implement fw::BoardMonitor.
   [[nodiscard]] wire::BoardHealth health() const override { return board_.health; }
   [[nodiscard]] std::optional<wire::Crash> crash() const override { return board_.crash; }
   void forget_crash() override { board_.crash.reset(); }

@@ -26,17 +26,19 @@ struct Queue {
   volatile std::size_t head = 0, tail = 0;
   [[nodiscard]] bool full() const { return (head + 1) % N == tail; }
 };
-// Beside the port and not in it: with its table of functions the port has initial values, which lie in the flash.
+// The queue is not a member of the port: with its table of functions the port has initial values, which are stored in
+// the flash.
 constinit Queue<32> received;
 constinit Queue<16> waiting;
 
 constexpr std::array<std::uint8_t, 16> kSizes{0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64};
-// Both phases have the same time quantum, as CiA's "Generic bit-timing settings for CAN FD" asks for: then a node loses
-// no part of a quantum where the rate switches. 160 MHz by 2 are 80 quanta of 12.5 ns in a nominal bit and 40 in one of
-// the data phase; all of them before the sample point but a fifth.
+// Both phases have the same time quantum, as CiA's "Generic bit-timing settings for CAN FD" recommends, so that a node
+// loses no part of a quantum when the rate switches. 160 MHz / 2 gives 80 quanta of 12.5 ns in a nominal bit and 40 in
+// one of the data phase; four fifths of them are before the sample point.
 constexpr std::uint32_t kPrescaler = 2;
 struct BitTiming {
-  std::uint32_t bit_hz, prescaler, before, after;  // Quanta up to the sample point without the first, and after it.
+  // `before` excludes the first quantum and ends at the sample point; `after` follows it.
+  std::uint32_t bit_hz, prescaler, before, after;
   [[nodiscard]] constexpr std::uint32_t quanta() const { return 1 + before + after; }
 };
 constexpr BitTiming kNominal{1'000'000, kPrescaler, 63, 16}, kData{2'000'000, kPrescaler, 31, 8};
@@ -45,8 +47,8 @@ static_assert(kNominal.quanta() * kNominal.prescaler * kNominal.bit_hz == kSyscl
 static_assert(kData.quanta() * kData.prescaler * kData.bit_hz == kSysclk_hz);
 static_assert((1 + kNominal.before) * kData.quanta() ==
               (1 + kData.before) * kNominal.quanta());  // Both have the same sample point.
-// The loop delay of the transceiver is measured in each frame and the second sample point lies as far behind it as the
-// sample point lies in a bit, in clocks of the block. M_CAN allows this with a data prescaler of 1 or 2 only.
+// The loop delay of the transceiver is measured in each frame. The second sample point follows it at the same distance
+// as the sample point within a bit, in clocks of the block. M_CAN allows this only with a data prescaler of 1 or 2.
 static_assert(kData.prescaler <= 2);
 constexpr std::uint32_t kDelayOffset = (1 + kData.before) * kData.prescaler << kDelayOffsetShift;
 
@@ -97,7 +99,7 @@ void write_element(std::uint32_t offset, const wire::CanFrame& f) {
   }
 }
 
-// Frames that a patch receives: diagnostics in 29 bits (physical and functional), discovery, assignment and leases,
+// A patch receives these frames: diagnostics in 29 bits (physical and functional), discovery, assignment and leases,
 // updates, polling class 2 and management class 7 in 11 bits.
 void write_filters(CanFilters filters) {
   constexpr std::uint32_t kRefuseOther = 2;
@@ -105,16 +107,17 @@ void write_filters(CanFilters filters) {
   word(kStandardFilters + 4, kMaskFilter | kStandardToFifo0 | 0x700U << kFilterIdShift | 0x700U);
   word(kExtendedFilters, kExtendedToFifo0 | 0x18DA0000U);
   word(kExtendedFilters + 4, kMaskFilter | 0x1FFE0000U);
-  word(kExtendedFilters + 8, kExtendedToFifo0 | 0x1BF00000U);  // Updates by the loader and by the application.
+  // Both the loader and the application use these identifiers for updates.
+  word(kExtendedFilters + 8, kExtendedToFifo0 | 0x1BF00000U);
   word(kExtendedFilters + 12, kMaskFilter | 0x1FF00000U);
-  word(kExtendedFilters + 16, kExtendedToFifo0 | 0x18E00000U);  // 18E0 … 18E3
+  word(kExtendedFilters + 16, kExtendedToFifo0 | 0x18E00000U);  // The filter covers 18E0 … 18E3.
   word(kExtendedFilters + 20, kMaskFilter | 0x1FFC0000U);
   const std::uint32_t extended = filters == CanFilters::kApplication ? 3 : 2;
   kRxgfc.write(extended << kExtendedCountShift | 2U << kStandardCountShift | kRefuseOther << kOtherStandardShift |
                kRefuseOther << kOtherExtendedShift | kRefuseRemote);
 }
 
-// Away from the bus nothing may be asked for: frames wait.
+// Off the bus no transmission may be requested, so frames wait.
 void fill_transmit_buffers() {
   if (kCccr.any(kInit)) return;
   while (waiting.head != waiting.tail) {
@@ -149,7 +152,7 @@ void Stm32CanPort::open(CanFilters filters) {
   kTdcr.write(kDelayOffset);
   for (std::uint32_t k = 0; k < kRamBytes; k += 4) word(k, 0);
   write_filters(filters);
-  kTxbc.write(0);  // FIFO: frames leave in the order they came
+  kTxbc.write(0);  // In FIFO mode, frames are sent in the order in which they came.
   kTxbtie.write(7);
   kIe.write(kRxNew | kRxLost | kTxDone | kRamFailed | kBusOff);
   kIle.write(1);
@@ -194,14 +197,14 @@ void Stm32CanPort::note_bus_off() {
   rejoin_at_us_ = now_us + pause_us_;
 }
 
-// The block sends again when it has seen 129 times eleven recessive bits (§44.3.3).
+// The block sends again after it has seen eleven recessive bits 129 times (§44.3.3).
 void Stm32CanPort::step(std::uint64_t now_us) {
   const InterruptLock lock;
   if (now_us < rejoin_at_us_) return;
   rejoin_at_us_ = UINT64_MAX;
   joined_at_us_ = now_us;
   kCccr.clear(kInit);
-  while (kCccr.any(kInit)) {  // the block takes some clocks of its own to follow
+  while (kCccr.any(kInit)) {  // The block needs some of its own clocks to follow.
   }
   fill_transmit_buffers();
 }
@@ -225,7 +228,7 @@ void Stm32CanPort::on_interrupt() {
   if ((flags & kRxLost) != 0) ++triskin_budget.can_lost;
   if ((flags & kRamFailed) != 0) {
     ram_failures_ = static_cast<std::uint16_t>(ram_failures_ + 1);
-    // the block sets it by itself, and would neither acknowledge nor send for ever (§44.3.3)
+    // The block sets this bit itself, and would then neither acknowledge nor send for ever (§44.3.3).
     kCccr.clear(kRestricted);
   }
   if ((flags & kBusOff) != 0 && kPsr.any(kPsrBusOff)) note_bus_off();

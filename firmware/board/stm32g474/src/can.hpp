@@ -5,15 +5,14 @@
 
 namespace triskin::board {
 
-/// Set of identifiers that the filters accept.
 enum class CanFilters : std::uint8_t {
-  kLoader,       ///< requests, the loader's own, iCub commands
-  kApplication,  ///< also discovery, assignment and leases
+  kLoader,       ///< The filters pass requests, the loader's own frames and iCub commands.
+  kApplication,  ///< The filters also pass discovery, assignment and leases.
 };
 
-/// FDCAN1 at 1 Mbit/s, data phase 2 Mbit/s, on PB8 and PB9. Both directions go through queues that the interrupt
-/// serves. After a bus-off it stays away for a pause that doubles while it happens again: a board that disturbs the bus
-/// must not do so without end.
+/// The port is FDCAN1 on PB8 and PB9, at 1 Mbit/s and 2 Mbit/s in the data phase. Both directions use queues that the
+/// interrupt serves. After a bus-off it stays off the bus for a pause that doubles each time, because a board that
+/// disturbs the bus must not do so for ever.
 class Stm32CanPort final : public fw::CanPort {
  public:
   void open(CanFilters filters);
@@ -21,11 +20,11 @@ class Stm32CanPort final : public fw::CanPort {
   bool send(const wire::CanFrame& frame) override;
   std::optional<wire::CanFrame> receive() override;
   [[nodiscard]] bool frame_waits() const;
-  /// Joins the bus again after a bus-off, when its pause is over.
+  /// Rejoins the bus after a bus-off, when the pause is over.
   void step(std::uint64_t now_us);
-  /// When step() has work next, µs; UINT64_MAX: never.
+  /// Returns when step() has work next in µs; UINT64_MAX means never.
   [[nodiscard]] std::uint64_t next_event_us() const { return rejoin_at_us_; }
-  /// Adds error counters and state as they are now.
+  /// Adds the present error counters and state.
   void describe(wire::BoardHealth& health) const;
   [[nodiscard]] bool has_room() const override;
   void on_interrupt();

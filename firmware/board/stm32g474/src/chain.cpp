@@ -51,8 +51,7 @@ void Stm32RouteChain::enable(std::uint8_t cables) {
   settle();
 }
 
-// One byte stands in the shift register and the next one waits, so that the clock never pauses; the receiver holds
-// four.
+// One byte is in the shift register and the next one waits, so that the clock never pauses; the receiver holds four.
 void Stm32RouteChain::exchange(Bytes out, std::span<std::uint8_t> in) {
   std::size_t sent = 0;
   for (std::size_t received = 0; received < out.size();) {
@@ -63,7 +62,7 @@ void Stm32RouteChain::exchange(Bytes out, std::span<std::uint8_t> in) {
   }
 }
 
-// The stores and loads around it make the pulse longer than the 20 ns that the registers ask for.
+// The stores and loads around the pulse make it longer than the 20 ns that the registers need.
 void Stm32RouteChain::latch() {
   kLatch.drive(true);
   asm volatile("nop\n nop\n nop\n nop" ::: "memory");

@@ -4,9 +4,9 @@
 
 namespace triskin::board {
 
-/// The route chain at SPI2, mode 0: the modules take data with the rising edge, and what they return is read at the
-/// next one. The clock is PCLK / 64 = 2.66 MHz. The returned data have a pull-down: without switched modules everything
-/// reads 0.
+/// SPI2 drives the route chain in mode 0: the modules read data at the rising edge, and their returned data are read at
+/// the next one. The clock is PCLK / 64 = 2.66 MHz. The returned data have a pull-down, so everything reads 0 without
+/// switched modules.
 class Stm32RouteChain final : public fw::RouteChain {
  public:
   void open();

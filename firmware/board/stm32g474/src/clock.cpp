@@ -18,11 +18,12 @@ void serve_timer(const std::uint32_t* frame);
 namespace triskin::board {
 namespace {
 
-// Bounds of what is waited for, in looks of some five cycles at 16 MHz. A clock that does not come must not keep the
-// loader from a host that could help.
-constexpr std::uint32_t kCrystalLooks = 200'000;  // 60 ms; crystals start within 10 ms
-constexpr std::uint32_t kPllLooks = 10'000;       // 3 ms; the PLL locks within 40 µs (DS12288)
-constexpr std::uint32_t kCaptureLooks = 1'000;    // 300 µs; eight periods of the slowest crystal by 32 are 64 µs
+// These limits count polls of about five cycles at 16 MHz. A clock that does not start must not keep the loader from a
+// host that could help.
+constexpr std::uint32_t kCrystalLooks = 200'000;  // The limit is 60 ms; crystals start within 10 ms.
+constexpr std::uint32_t kPllLooks = 10'000;       // The limit is 3 ms; the PLL locks within 40 µs (DS12288).
+// The limit is 300 µs; eight periods of the slowest crystal by 32 are 64 µs.
+constexpr std::uint32_t kCaptureLooks = 1'000;
 
 void raise_core_voltage() {
   rcc_reg::kApb1Enr1.set(rcc_reg::kPwr);
@@ -42,7 +43,7 @@ bool start_crystal() {
   return wait_for(rcc_reg::kCr, rcc_reg::kHseReady, kCrystalLooks);
 }
 
-// The count at the next captured edge, every eighth of the crystal by 32. Empty: none came, or one was missed.
+// Returns the count at the next captured edge, every eighth of the crystal by 32; empty if none came or one was missed.
 std::optional<std::uint16_t> next_edge() {
   using namespace tim16_reg;
   if (!wait_for(kSr, kCaptured, kCaptureLooks)) return std::nullopt;
@@ -51,8 +52,8 @@ std::optional<std::uint16_t> next_edge() {
   return count;
 }
 
-// The core runs from the internal oscillator of 16 MHz now, and so does TIM16. 256 periods of the crystal by 32 are
-// counted: 2 ms with 4 MHz, which the sixteen bits of the counter hold, and 5,243 counts with 25 MHz.
+// Here the core and TIM16 run from the internal oscillator of 16 MHz. 256 periods of the crystal by 32 are counted: 2
+// ms with 4 MHz, which fits into the sixteen bits of the counter, and 5,243 counts with 25 MHz.
 std::optional<std::uint32_t> measure_crystal_hz() {
   using namespace tim16_reg;
   constexpr std::uint32_t kCaptures = 32, kCycles = kCaptures * 8 * 32;
@@ -62,8 +63,8 @@ std::optional<std::uint32_t> measure_crystal_hz() {
   kCcmr1.write(kCaptureFromInput | kEachEighthEdge);
   kCcer.write(kCaptureOn);
   kCr1.write(kEnable);
-  kSr.write(0);       // Clears edges that came before.
-  (void)next_edge();  // This edge may precede the ones counted.
+  kSr.write(0);       // Earlier edges are cleared here.
+  (void)next_edge();  // The first edge may be older than the interval that is counted.
   const auto first = next_edge();
   auto last = first;
   for (std::uint32_t k = 0; k < kCaptures && last; ++k) last = next_edge();
@@ -78,7 +79,7 @@ std::optional<std::uint32_t> measure_crystal_hz() {
 bool start_pll(std::uint32_t source, PllSetting setting) {
   rcc_reg::kPllCfgr.write(source | (setting.divider - 1) << rcc_reg::kPllMShift |
                           setting.factor << rcc_reg::kPllNShift |
-                          rcc_reg::kPllREnable);  // R = 2 is 0 in bits 25 and 26
+                          rcc_reg::kPllREnable);  // R = 2 is coded as 0 in bits 25 and 26.
   rcc_reg::kCr.set(rcc_reg::kPllOn);
   if (wait_for(rcc_reg::kCr, rcc_reg::kPllReady, kPllLooks)) return true;
   rcc_reg::kCr.clear(rcc_reg::kPllOn);
@@ -87,7 +88,7 @@ bool start_pll(std::uint32_t source, PllSetting setting) {
   return false;
 }
 
-// Uses the crystal if it works; otherwise the result holds the reason.
+// Uses the crystal if it works; otherwise the result has the reason.
 wire::ClockState choose_pll() {
   constexpr PllSetting kInternal = pll_setting(16'000'000).value();
   wire::ClockState state;
@@ -101,7 +102,7 @@ wire::ClockState choose_pll() {
     state.crystal = crystal_hz ? wire::Crystal::kUsed : wire::Crystal::kUnknown;
     if (crystal_hz && start_pll(rcc_reg::kPllFromHse, *pll_setting(*crystal_hz))) {
       state.crystal_mhz = static_cast<std::uint8_t>(*crystal_hz / 1'000'000);
-      rcc_reg::kCr.set(rcc_reg::kClockSecurity);  // A crystal that stops ends in an NMI instead of silence.
+      rcc_reg::kCr.set(rcc_reg::kClockSecurity);  // A crystal that stops then causes an NMI instead of silence.
       return state;
     }
     if (crystal_hz) state.crystal = wire::Crystal::kNoLock;
@@ -112,7 +113,7 @@ wire::ClockState choose_pll() {
 }
 
 void switch_to_pll() {
-  // The other bits stay: without DBG_SWEN (1 at reset) a debugger is shut out (§3.7.1).
+  // The other bits stay: without DBG_SWEN (1 at reset) a debugger is locked out (§3.7.1).
   flash_reg::kAcr.modify(flash_reg::kLatencyMask, flash_reg::kLatency4 | flash_reg::kPrefetch |
                                                       flash_reg::kInstructionCache | flash_reg::kDataCache);
   while ((flash_reg::kAcr.read() & flash_reg::kLatencyMask) != flash_reg::kLatency4) {
@@ -129,7 +130,7 @@ void switch_to_pll() {
 }  // namespace
 
 void start_clocks() {
-  // The loader has switched already.
+  // The loader has already switched to the PLL.
   if ((rcc_reg::kCfgr.read() >> rcc_reg::kStatusShift & 3U) == rcc_reg::kSwitchPll) return;
   raise_core_voltage();
   survivor().clock = choose_pll();
@@ -148,7 +149,7 @@ void start_microseconds() {
   (void)rcc_reg::kApb1Enr1.read();
   tim2_reg::kPsc.write(kSysclk_hz / 1'000'000 - 1);
   tim2_reg::kArr.write(0xFFFFFFFF);
-  tim2_reg::kEgr.write(tim2_reg::kUpdate);  // Loads the prescaler.
+  tim2_reg::kEgr.write(tim2_reg::kUpdate);  // An update event loads the prescaler.
   tim2_reg::kSr.write(0);
   tim2_reg::kCr1.write(tim2_reg::kEnable);
   counting = true;
@@ -165,7 +166,7 @@ std::uint64_t microseconds() {
 }
 
 void wake_at(std::uint64_t at_us) {
-  const InterruptLock lock;  // The handler changes the same registers.
+  const InterruptLock lock;  // The interrupt handler changes the same registers.
   tim2_reg::kCcr1.write(static_cast<std::uint32_t>(at_us));
   tim2_reg::kSr.write(~tim2_reg::kCompare1);
   tim2_reg::kDier.set(tim2_reg::kCompare1);
@@ -183,7 +184,7 @@ void start_watchdog() {
   iwdg_reg::kKr.write(iwdg_reg::kReload);
 }
 
-// The watchdog's oscillator may be as fast as 34 kHz (DS12288): then it bites after 1.88 s.
+// The watchdog's oscillator may be as fast as 34 kHz (DS12288); it then resets after 1.88 s.
 void feed_watchdog() {
   constexpr std::uint32_t kWarning_us = 1'700'000;
   iwdg_reg::kKr.write(iwdg_reg::kReload);
@@ -213,7 +214,8 @@ extern "C" [[gnu::naked]] void tim2_handler() {
 extern "C" void serve_timer(const std::uint32_t* frame) {
   using namespace triskin::board;
   if ((tim2_reg::kSr.read() & tim2_reg::kDier.read() & tim2_reg::kCompare2) != 0) note_hang(frame);
-  // wake_at() may have set another time while this interrupt was pending: its flag is clear then, and that time stands.
+  // wake_at() may have set another time while this interrupt was pending; then its flag is clear, and that time remains
+  // set.
   if (tim2_reg::kSr.any(tim2_reg::kCompare1)) {
     tim2_reg::kSr.write(~tim2_reg::kCompare1);
     tim2_reg::kDier.clear(tim2_reg::kCompare1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stopped the controller, written down where the next start finds it.
+// Records what stopped the controller where the next start finds it.
 #include "crash.hpp"
 
 #include <array>
@@ -22,24 +22,25 @@ namespace triskin::board {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x53555256, kMark = 0x6D61726B;
-// First word of a label, and the word that holds the version (layout/image_label.hpp).
+// The words are the first one of a label and the one with the version (layout/image_label.hpp).
 constexpr std::uint32_t kLabelMark = ByteReader(layout::kLabelMagic).le32();
 constexpr std::size_t kLabelVersionWord = 4;
-// Positions in an exception frame (ARMv7-M, B1.5.6), in words.
+// The positions in an exception frame (ARMv7-M, B1.5.6) are in words.
 constexpr std::size_t kFrameLr = 5, kFramePc = 6, kFrameWords = 8;
 
 std::uint32_t address_of(const void* p) {
   return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(p));
 }
 
-// An odd word that points into the code of this image is a return address, as a rule.
+// An odd word that points into the code of this image is usually a return address.
 bool is_return_address(std::uint32_t word) {
   const bool in_flash = word >= image_origin() && word < address_of(&triskin_image_end);
   const bool in_ram = word >= address_of(&triskin_code_start) && word < address_of(&triskin_code_end);
   return (word & 1) != 0 && (in_flash || in_ram);
 }
 
-// When the stack has left its memory nothing was pushed: the deepest return address that is left names the function.
+// When the stack has left its memory, nothing was pushed; the deepest return address that is still there names the
+// function.
 std::uint32_t deepest_return_address() {
   for (const std::uint32_t* p = &triskin_stack_bottom; p < &triskin_stack_top; ++p) {
     if (is_return_address(*p)) return *p;
@@ -90,7 +91,7 @@ std::uint32_t fault_address(std::uint32_t status) {
   return (status & core_reg::kMmfarValid) != 0 ? core_reg::kMmfar.read() : 0;
 }
 
-// A watchdog that bit although interrupts were off left no record.
+// A watchdog reset with interrupts disabled has left no record.
 void note_bite(Survivor& s) {
   wire::Crash crash;
   crash.cause = wire::CrashCause::kWatchdog;
@@ -113,7 +114,7 @@ void fail(wire::CrashCause cause) {
 
 void note_hang(const std::uint32_t* frame) {
   wire::Crash crash = begin();
-  crash.exception = 0;  // The exception is that of the timer.
+  crash.exception = 0;  // The exception would be that of the timer.
   note_place(crash, frame);
   finish(crash, wire::CrashCause::kWatchdog);
 }
@@ -124,7 +125,7 @@ void open_survivor() {
   rcc_reg::kCsr.set(rcc_reg::kRemoveResetFlags);
   constexpr std::uint32_t kCauses = rcc_reg::kOptionReset | rcc_reg::kPinReset | rcc_reg::kPowerReset |
                                     rcc_reg::kSoftwareReset | rcc_reg::kWatchdogReset;
-  if ((flags & kCauses) == 0 && s.magic == kMagic) return;  // There was no reset since it was opened last.
+  if ((flags & kCauses) == 0 && s.magic == kMagic) return;  // No reset has happened since the last call.
   if (s.magic != kMagic || (flags & rcc_reg::kPowerReset) != 0) s = Survivor{};
   s.magic = kMagic;
   s.reset_flags = flags;
@@ -167,7 +168,7 @@ void end_double_reset() {
 void note_fault(const std::uint32_t* frame) {
   using namespace triskin::board;
   triskin::wire::Crash crash = begin();
-  crash.exception = 0;  // The exception is that of the fault.
+  crash.exception = 0;  // The exception would be that of the fault.
   crash.fault_status = core_reg::kCfsr.read();
   crash.hard_fault_status = core_reg::kHfsr.read();
   crash.address = fault_address(crash.fault_status);

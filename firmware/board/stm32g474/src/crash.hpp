@@ -4,7 +4,7 @@
 
 namespace triskin::board {
 
-/// The loop hangs: notes the place that this exception frame interrupted, and resets.
+/// Records the place that this exception frame interrupted, because the loop hangs, and resets.
 [[noreturn]] void note_hang(const std::uint32_t* frame);
 
 }  // namespace triskin::board

@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint64_t kLook_us = 500;
 const BusyWork* busy_work = nullptr;
 
-// Keeps the control register unlocked for one operation only: a runaway program cannot write.
+// Keeps the control register unlocked for one operation only, so that a runaway program cannot write.
 class Unlocked {
  public:
   Unlocked() {
@@ -29,11 +29,11 @@ void wait_ready() {
   }
 }
 
-// An erase takes 22 ms. What the board gave to be done meanwhile is done; else the processor sleeps between the looks.
+// An erase takes 22 ms. In this time the board's busy work runs; otherwise the processor sleeps between the polls.
 void wait_through_erase() {
   while (flash_reg::kSr.any(flash_reg::kBusy)) {
     if (busy_work != nullptr) busy_work->step();
-    asm volatile("cpsid i" ::: "memory");  // No interrupt may fall between the decision and WFI.
+    asm volatile("cpsid i" ::: "memory");  // No interrupt may come between the decision and WFI.
     const std::uint64_t now_us = microseconds(), next_us = busy_work != nullptr ? busy_work->next_us() : UINT64_MAX;
     if (next_us > now_us) {
       wake_at(std::min(next_us, now_us + kLook_us));
@@ -52,8 +52,8 @@ bool end_operation() {
   return false;
 }
 
-// The data cache may be corrupted when one bank is read while the other is written (errata ES0430, 2.2.2): it is off
-// while a write lasts, and emptied before it is on again, for it keeps what was erased (§3.3.7).
+// The data cache may be corrupted when one bank is read while the other is written (errata ES0430, 2.2.2). It is off
+// during a write and flushed before it is on again, because it keeps erased data (§3.3.7).
 class DataCacheOff {
  public:
   DataCacheOff() : before_(flash_reg::kAcr.read()) { flash_reg::kAcr.write(before_ & ~flash_reg::kDataCache); }
@@ -73,12 +73,12 @@ bool in_flash(std::uint32_t address) {
   return address >= flash_map::kBase && address < flash_map::kEnd;
 }
 
-// With DBANK = 0 pages have 4 KB and another number: an erase would also clear a neighbour.
+// With DBANK = 0 pages have 4 KB and other numbers, so an erase would also delete a neighbour.
 bool two_banks() {
   return flash_reg::kOptr.any(flash_reg::kDualBank);
 }
 
-// RM0440 §3.4.2. The chip follows the new bytes after its next power-up.
+// RM0440 §3.4.2 has the procedure. The chip uses the new bytes after its next power-up.
 bool write_option(Register option, std::uint32_t value) {
   wait_ready();
   const DataCacheOff data_cache_off;

@@ -5,7 +5,7 @@
 
 namespace triskin::board {
 
-/// A part of the flash in the address space. Feeds the watchdog before each erase.
+/// An area is a part of the flash in the address space. It feeds the watchdog before each erase.
 class Stm32FlashArea final : public fw::FlashArea {
  public:
   constexpr Stm32FlashArea(std::uint32_t base, std::size_t size_bytes) : base_(base), size_bytes_(size_bytes) {}
@@ -22,9 +22,8 @@ class Stm32FlashArea final : public fw::FlashArea {
 };
 
 extern Stm32FlashArea table_flash;
-/// The two application slots.
 extern boot::SlotStore application_slots;
-/// Slot of the application that runs now; -1 in the loader.
+/// Returns the slot of the running application, or −1 in the loader.
 [[nodiscard]] int running_slot();
 
 }  // namespace triskin::board

@@ -21,11 +21,12 @@ std::uint8_t cause_of(std::uint32_t flags) {
   const auto bit_if = [flags](std::uint32_t flag, std::uint8_t bit) { return (flags & flag) != 0 ? bit : 0; };
   const int others = bit_if(rcc_reg::kPowerReset, kPower) | bit_if(rcc_reg::kSoftwareReset, kSoftware) |
                      bit_if(rcc_reg::kWatchdogReset, kWatchdog) | bit_if(rcc_reg::kOptionReset, kOptions);
-  // Each reset of the chip pulls the pin low and sets its flag, too (§7.1.2): the pin is the cause when it is alone.
+  // Every reset of the chip also pulls the pin low and sets its flag (§7.1.2), so the pin is the cause only if it is
+  // alone.
   return static_cast<std::uint8_t>(others != 0 ? others : bit_if(rcc_reg::kPinReset, kPin));
 }
 
-// A corrected unit raises no interrupt; the flag is looked for when somebody asks.
+// A corrected unit raises no interrupt, so the flag is read when the health is requested.
 void count_corrected_units() {
   constexpr std::uint32_t kCorrected = flash_reg::kEccCorrected | flash_reg::kEccCorrectedHigh;
   const std::uint32_t flags = flash_reg::kEccr.read() & kCorrected;
@@ -70,7 +71,8 @@ std::optional<wire::Crash> Stm32Monitor::crash() const {
   return c.cause == wire::CrashCause::kNone ? std::nullopt : std::optional(c);
 }
 
-// A power cut while options are written may leave the chip read protected: the supply must have stood for a while.
+// A power failure while options are written may leave the chip read protected, so the supply must have been stable for
+// a while.
 bool Stm32Monitor::protect_loader(bool on) {
   constexpr std::uint64_t kSupplyStands_us = 2'000'000;
   return microseconds() > kSupplyStands_us && board::protect_loader(on);

@@ -4,7 +4,7 @@
 
 namespace triskin::board {
 
-/// What this board tells about itself: FD11 and FD12.
+/// Reports the state of this board, FD11 and FD12.
 class Stm32Monitor final : public fw::BoardMonitor {
  public:
   [[nodiscard]] wire::BoardHealth health() const override;
@@ -15,7 +15,7 @@ class Stm32Monitor final : public fw::BoardMonitor {
 
 extern Stm32Monitor monitor;
 
-/// Notes how much of the stack was never touched. Cost: a look at each word of that.
+/// Measures how much of the stack was never touched. Cost: a look at each word of it.
 void measure_stack();
 
 }  // namespace triskin::board

@@ -5,7 +5,7 @@
 
 namespace triskin::board {
 
-/// Measures one interrupt handler for the budget.
+/// Measures the time of one interrupt handler for the budget.
 class InterruptTimer {
  public:
   InterruptTimer() : start_(tim2_reg::kCnt.read()) {}

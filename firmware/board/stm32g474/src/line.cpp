@@ -27,19 +27,20 @@ constexpr LinePlace kPlaces[4] = {
 constexpr std::uint32_t kInterrupts = kNackInterrupt | kStopInterrupt | kCompleteInterrupt | kErrorInterrupt;
 constexpr auto kTiming = compute_i2c_timing({});
 static_assert(kTiming.has_value());
-// Allows for slow edges, clock stretching and interrupt latency beside the bytes.
+// The slack allows for slow edges, clock stretching and interrupt latency in addition to the bytes.
 constexpr std::uint64_t kSlack_us = 800;
-constexpr std::uint32_t kSclLowTimeout = kSysclk_hz / 1000 / 2048;  // 1.0 ms of SCL low, in units of 2048 clocks
-// The counters of the DMA stand still while two bytes that it sent ahead, an address and the first byte read are on the
-// line: four times 27 µs, and the 1.0 ms for which a chip may hold SCL low after each.
+// The limit is 1.0 ms of SCL low, in units of 2048 clocks.
+constexpr std::uint32_t kSclLowTimeout = kSysclk_hz / 1000 / 2048;
+// The counters of the DMA do not change while two bytes that it sent ahead, an address and the first byte read are on
+// the line: four times 27 µs, and the 1.0 ms for which a chip may hold SCL low after each.
 constexpr std::uint64_t kStill_us = 4'200;
-constexpr std::uint64_t kHalfPulse_us = 5;  // Bus clear at 100 kHz.
-// Fast transients come in bursts of 15 ms (IEC 61000-4-4), which may spoil each transfer in them. Single disturbances
-// need 23 losses in a row to last that long, each within the 0.87 ms of a burst of results and its bus clear.
+constexpr std::uint64_t kHalfPulse_us = 5;  // Bus clear runs at 100 kHz.
+// Fast transients come in bursts of 15 ms (IEC 61000-4-4), which may spoil every transfer in them. Single disturbances
+// would need 23 losses in a row to last that long, each within the 0.87 ms of a burst of results and its bus clear.
 constexpr std::uint64_t kRepeatFor_us = 20'000;
-// An acknowledge bit that a disturbance spoils looks like an absent chip. One disturbance a second spoils the 0.75 ms
-// of a burst of results three times in a row once in 2 · 10⁶ seconds. Two are what fits: a transfer of a few bytes
-// takes 150 µs, a refusal about 35 µs, and the schedule keeps 250 µs free for both (ReadingSchedule::kShort_us).
+// A disturbed acknowledge bit looks like an absent chip. One disturbance per second spoils the 0.75 ms of a burst of
+// results three times in a row once in 2 · 10⁶ seconds. There is room for two: a transfer of a few bytes takes 150
+// µs, a refusal about 35 µs, and the schedule reserves 250 µs for both (ReadingSchedule::kShort_us).
 constexpr std::uint8_t kMaxRefusals = 2;
 
 std::uint32_t address_of(const void* p) {
@@ -81,7 +82,8 @@ void Stm32I2cLine::open(const LinePlace& place) {
 void Stm32I2cLine::pins_to_bus() const {
   for (const Pin pin : {place_.scl, place_.sda}) {
     const Gpio g(pin);
-    g.pull_up();  // 40 kΩ beside the line's own: a line that nobody uses must not float, or it is found held low
+    // The 40 kΩ are in parallel to the line's own pull-up: an unused line must not float, or it looks held low.
+    g.pull_up();
     g.open_drain();
     g.alternate(place_.alternate);
     g.mode(PinMode::kAlternate);
@@ -95,7 +97,7 @@ void Stm32I2cLine::enable() {
   reg(kCr1).write(kEnable | kInterrupts | kSendByDma | kReceiveByDma);
 }
 
-// Clearing PE is the block's reset; it must stay off for three bus clocks (§39.4.6).
+// Clearing PE resets the block; it must stay off for three bus clocks (§39.4.6).
 void Stm32I2cLine::disable() {
   reg(kCr1).write(0);
   (void)reg(kCr1).read();
@@ -138,7 +140,7 @@ void Stm32I2cLine::on_event() {
   if ((status & kNack) != 0) {
     reg(kIcr).write(kNack);  // The block sends the stop by itself.
     sender().stop();
-    reg(kIsr).write(kTxFlush);  // A byte that the DMA already put there would open the next transfer.
+    reg(kIsr).write(kTxFlush);  // A byte that the DMA has already put there would start the next transfer.
     nack_ = true;
   }
   if ((status & kComplete) != 0 && !reading_) {
@@ -154,7 +156,7 @@ void Stm32I2cLine::on_event() {
 void Stm32I2cLine::on_error() {
   const std::uint32_t status = reg(kIsr).read();
   reg(kIcr).write(kBusError | kArbitrationLost | kTimeout);
-  // A bus error may be seen by a master where none is; the transfer goes on (errata ES0430, 2.15.2).
+  // The block may report a bus error where there is none; the transfer continues (errata ES0430, 2.15.2).
   if ((status & kBusError) != 0) ++triskin_budget.bus_errors;
   if ((status & kTimeout) != 0) return end(Outcome::kStuck);
   if ((status & kArbitrationLost) != 0) {
@@ -194,7 +196,7 @@ std::optional<Status> Stm32I2cLine::poll() {
   return whole ? Status::kOk : Status::kBusError;
 }
 
-// A chip that holds SCL low now and then makes a transfer late; one that hangs moves no byte.
+// A chip that sometimes holds SCL low delays a transfer; one that hangs moves no byte.
 bool Stm32I2cLine::moves() {
   const std::size_t left = reading_ ? receiver().remaining() : sender().remaining() + read_.size();
   if (left == left_) return false;
@@ -203,9 +205,9 @@ bool Stm32I2cLine::moves() {
   return true;
 }
 
-// There is no other master: a disturbance looked like one. The bus counts as busy and a chip may hold it in the middle
-// of a byte, so it is cleared; then the transfer is made once more. The line is stuck when clearing does not free it,
-// or when it is disturbed for longer than anything that passes.
+// There is no other master, so a disturbance looked like one. The bus counts as busy and a chip may hold it in the
+// middle of a byte, so it is cleared and the transfer repeated. The line is stuck when clearing does not free it, or
+// when the disturbance lasts longer than any transient.
 bool Stm32I2cLine::repeat() {
   if (microseconds() - started_us_ >= kRepeatFor_us || recover() != Status::kOk) return false;
   begin_again();
@@ -218,7 +220,7 @@ void Stm32I2cLine::begin_again() {
   begin_transfer();
 }
 
-// Bus clear (UM10204 §3.1.16) by hand: up to nine pulses until SDA is free, then a stop. At most 120 µs.
+// Clears the bus (UM10204 §3.1.16) manually: up to nine pulses until SDA is free, then a stop. Takes at most 120 µs.
 Status Stm32I2cLine::recover() {
   disable();
   const Gpio scl(place_.scl), sda(place_.sda);
@@ -232,7 +234,7 @@ Status Stm32I2cLine::recover() {
     scl.drive(true);
     wait_us(kHalfPulse_us);
   }
-  scl.drive(false);  // Prepares a stop: SDA rises while SCL is high.
+  scl.drive(false);  // SDA must rise while SCL is high, which is a stop.
   sda.drive(false);
   wait_us(kHalfPulse_us);
   scl.drive(true);

@@ -8,7 +8,7 @@
 
 namespace triskin::board {
 
-/// Pins and block of one I²C line on the chip (data sheet DS12288, table 13).
+/// The pins and the block of a line on the chip are from the data sheet DS12288, table 13.
 struct LinePlace {
   unsigned index;
   std::uint32_t base;
@@ -17,9 +17,10 @@ struct LinePlace {
   int event_irq, error_irq;
 };
 
-/// I2C1 … I2C4 as masters at 400 kHz. DMA moves the bytes; an interrupt turns from writing to reading, another ends
-/// the transfer. Every transfer has a deadline made of its bytes, so that a line that hangs without an error flag is
-/// also noticed. A transfer that a disturbance broke off is made again while the bus can be cleared, for 20 ms at most.
+/// I2C1 … I2C4 are masters at 400 kHz. DMA moves the bytes; one interrupt switches from writing to reading, another
+/// ends the transfer. Every transfer has a deadline that depends on its bytes, so that a line that hangs without an
+/// error flag is also noticed. A transfer that a disturbance interrupted is repeated while the bus can be cleared, for
+/// 20 ms at most.
 class Stm32I2cLine final : public fw::I2cLine {
  public:
   void open(const LinePlace& place);
@@ -28,13 +29,13 @@ class Stm32I2cLine final : public fw::I2cLine {
   [[nodiscard]] std::uint64_t started_us() const override { return started_us_; }
   [[nodiscard]] std::uint64_t ended_us() const override { return ended_us_; }
   Status recover() override;
-  /// When poll() must be called although no interrupt came; max when nothing is under way.
+  /// Returns when poll() must be called even without an interrupt; the largest value when no transfer is running.
   [[nodiscard]] std::uint64_t deadline_us() const { return active_ ? deadline_us_ : UINT64_MAX; }
-  /// The outcome stands and waits for poll().
+  /// Returns true if the outcome is known and waits for poll().
   [[nodiscard]] bool finished() const { return active_ && outcome_ != Outcome::kRunning; }
-  /// SDA or SCL is low; asked while no transfer is under way.
+  /// Returns true if SDA or SCL is low; call it while no transfer is running.
   [[nodiscard]] bool low() const { return !Gpio(place_.scl).level() || !Gpio(place_.sda).level(); }
-  /// Called by the interrupt handlers.
+  /// The interrupt handlers call this function.
   void on_event();
   void on_error();
 
@@ -60,7 +61,7 @@ class Stm32I2cLine final : public fw::I2cLine {
   bool reading_ = false, active_ = false, nack_ = false;
   volatile Outcome outcome_ = Outcome::kRunning;
   std::uint8_t refusals_ = 0;
-  std::size_t left_ = 0;  // Bytes that had not moved when the deadline was set.
+  std::size_t left_ = 0;  // This many bytes had not moved when the deadline was set.
   std::uint64_t deadline_us_ = 0, started_us_ = 0, ended_us_ = 0;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Starts the newest application that has proved itself or still may; takes a new one over CAN, and as a DFU device over
-// USB when the application asked for that or there is none.
+// Starts the newest application that is confirmed or may still be tried. Receives a new one over CAN, and as a DFU
+// device over USB when the application asked for that or there is none.
 #include <algorithm>
 #include <optional>
 
@@ -30,8 +30,8 @@ constexpr std::uint64_t kLook_us = 10'000;
   __builtin_unreachable();
 }
 
-// The image to start; -1: none. An image that has crashed so often is left for the other one, and after as many crashes
-// of that one the loader waits for a host, or for the next power-up.
+// Returns the image to start, or −1. After too many crashes the other image is used, and after as many crashes of
+// that one the loader waits for a host, or for the next power-up.
 int slot_to_start() {
   const int slot = application_slots.choose();
   const std::uint32_t crashes = survivor().crashes_in_row;
@@ -44,19 +44,19 @@ void start_image() {
   const int slot = slot_to_start();
   if (slot < 0) return;
   if (!application_slots.inspect(slot).confirmed) (void)application_slots.note_start(slot);
-  feed_watchdog();  // A new application that hangs ends here again.
+  feed_watchdog();  // A new application that hangs is reset into the loader by the watchdog.
   note_application_starts();
   core_reg::reset_peripherals();
   start(slot);
 }
 
-// A host asks for it: it may have brought an image that does not crash.
+// Starts because a host asks for it; the host may have brought an image that does not crash.
 void start_on_request() {
   survivor().crashes_in_row = 0;
   start_image();
 }
 
-// Back to the application; without one the loader begins anew, and so does a host that has not given up.
+// Returns to the application. Without one the loader restarts, and a host that has not given up can start again.
 [[noreturn]] void leave_dfu(bool committed) {
   usb.close();
   if (committed) survivor().crashes_in_row = 0;
@@ -64,7 +64,7 @@ void start_on_request() {
   core_reg::reset();
 }
 
-// Interrupts stay off between the decision and WFI, which wakes all the same.
+// Interrupts stay disabled between the decision and WFI, which wakes anyway.
 void sleep_until(std::uint64_t at_us) {
   asm volatile("cpsid i" ::: "memory");
   if (!can.frame_waits() && !(config::kUsb && usb.work_waits())) {
@@ -80,7 +80,7 @@ void sleep_until(std::uint64_t at_us) {
 namespace triskin::board {
 namespace {
 
-// Work of the loader until an application starts.
+// The loader is in this state until an application starts.
 class Waiting {
  public:
   Waiting() : loader_(application_slots, can, unique_id()), window_end_us_(microseconds() + wire::loader::kWindow_us) {}
@@ -105,7 +105,7 @@ class Waiting {
   }
 
  private:
-  // A board without USB waits on CAN, and looks again in a while.
+  // A board without USB waits on CAN and checks again later.
   void open_dfu(bool leaves) {
     if constexpr (!config::kUsb) {
       constexpr std::uint64_t kLookAgain_us = 15'000'000;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The application on this board: ports, the loop, the measurements.
+// Connects the application with this board: ports, the loop, the measurements.
 #include <algorithm>
 
 #include "can.hpp"
@@ -25,10 +25,10 @@
 namespace triskin::board {
 namespace {
 
-// The watchdog is fed at least this often, and no step of the light's pattern (100 ms) is slept through.
+// The watchdog is fed at least this often, and no step of the light's pattern (100 ms) is missed.
 constexpr std::uint64_t kLongestSleep_us = 50'000;
 constexpr std::uint64_t kSupplyStands_us = 2'000'000;  // The supply counts as stable this long after power-up.
-constexpr std::uint64_t kWorksWell_us = 60'000'000;  // Crashes within this time after a start count as being in a row.
+constexpr std::uint64_t kWorksWell_us = 60'000'000;    // Crashes within this time after a start count as consecutive.
 
 class Stm32Clock final : public fw::Clock {
  public:
@@ -54,7 +54,7 @@ class Stm32Restart final : public fw::Restart {
 Stm32Clock system_clock;
 Stm32Restart stm32_restart;
 
-// Label of the image (layout/image_label.hpp).
+// layout/image_label.hpp reads this label of the image.
 struct Label {
   std::array<std::uint8_t, 4> magic = layout::kLabelMagic;
   std::uint8_t version = layout::kLabelVersion;
@@ -67,7 +67,7 @@ static_assert(sizeof(Label) == layout::kLabelBytes);
 extern "C" const char triskin_vectors;
 [[gnu::section(".label"), gnu::used]] constinit const Label label{.origin = &triskin_vectors};
 
-// The application inside whose step() an erase goes on.
+// This application's step() contains the running erase.
 fw::Application* sampling = nullptr;
 constexpr BusyWork kSampling{[] {
                                sampling->step_during_flash();
@@ -87,8 +87,8 @@ bool work_waits(const fw::Application& application) {
          std::ranges::any_of(lines, [](const Stm32I2cLine& l) { return l.finished(); });
 }
 
-// Sleeps until something is to be done; interrupts that only move data on do not end it. They stay off between the
-// decision and WFI, which wakes all the same: none is slept through.
+// Sleeps until there is work; interrupts that only move data do not end the sleep. Interrupts stay disabled between the
+// decision and WFI, which wakes anyway, so that none is missed.
 void sleep_until(std::uint64_t at_us, const fw::Application& application) {
   bool armed = false;
   for (;;) {
@@ -106,15 +106,15 @@ void sleep_until(std::uint64_t at_us, const fw::Application& application) {
   }
 }
 
-// The loader goes on as a DFU device.
+// The loader continues as a DFU device.
 [[noreturn]] void enter_dfu() {
   usb.close();
   request_dfu();
   core_reg::reset();
 }
 
-// Once each: what is set in the life of a board is set when its supply stands; crashes after a minute of work are no
-// loop.
+// Some actions happen only once: option bytes are set when the supply is stable, and crashes after a minute of work do
+// not count as a loop.
 class Milestones {
  public:
   void look(std::uint64_t now_us) {
@@ -136,7 +136,7 @@ class Milestones {
   bool options_set_ = false, counted_ = false;
 };
 
-// Each line as it is, or one at a time where they share a clock wire.
+// Returns each line directly, or with mutual exclusion if they share a clock wire.
 std::array<fw::I2cLine*, layout::kLines> application_lines() {
   if constexpr (config::kOneScl) {
     static fw::SharedClock<Stm32I2cLine> shared{std::span(lines)};

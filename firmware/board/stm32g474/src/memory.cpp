@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The small C library copies byte by byte; frames and samples are copied all the time. Words where both sides are
-// aligned.
+// The small C library copies byte by byte, but frames and samples are copied all the time. These functions copy words
+// if both sides are aligned.
 #include <cstddef>
 #include <cstdint>
 

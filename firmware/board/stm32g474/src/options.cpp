@@ -12,7 +12,7 @@ using namespace flash_reg;
 
 namespace {
 
-// From the first page of the bank to the last one of the loader.
+// The field covers the first page of the bank up to the last one of the loader.
 constexpr std::uint32_t kLoaderPages = (flash_map::kLoaderBytes / flash_map::kPageBytes - 1) << kLastProtectedShift;
 static_assert(flash_map::kLoader == flash_map::kBase);
 

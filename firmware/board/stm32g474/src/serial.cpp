@@ -16,7 +16,7 @@ Stm32SerialPort serial;
 namespace {
 
 constexpr std::uint32_t kBaud = 115'200;
-// Sixteen samples a bit: the divider is the clock by the baud rate (§40.5.7).
+// With sixteen samples per bit, the divider is the clock divided by the baud rate (§40.5.7).
 constexpr std::uint32_t kDivider = (kSysclk_hz + kBaud / 2) / kBaud;
 static_assert(kDivider >= 16 && kDivider < 65536);
 

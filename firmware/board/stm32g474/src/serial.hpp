@@ -4,8 +4,8 @@
 
 namespace triskin::board {
 
-/// USART2 at 115,200 baud, 8 bits, no parity: the ST-LINK of a Nucleo board makes a serial port of it. Only sends, from
-/// the FIFO of eight bytes, without interrupts.
+/// The port is USART2 at 115,200 baud, 8 bits, no parity, which the ST-LINK of a Nucleo board shows as a serial port.
+/// It only sends, from the FIFO of eight bytes, without interrupts.
 class Stm32SerialPort final : public fw::SerialPort {
  public:
   void open();

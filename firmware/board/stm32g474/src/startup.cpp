@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From reset to main: vectors, FPU, memory, and what the core reports as a fault.
+// Covers the time from reset to main: vectors, FPU, memory, and the faults that the core reports.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -17,7 +17,7 @@
 extern "C" {
 extern std::uint32_t triskin_data_load, triskin_data_start, triskin_data_end, triskin_bss_start, triskin_bss_end,
     triskin_stack_bottom, triskin_stack_top;
-// Vectors and code in RAM; empty in the loader.
+// These symbols bound the vectors and code in RAM; they are empty in the loader.
 extern std::uint32_t triskin_ram_vectors_start, triskin_ram_vectors_end, triskin_code_load, triskin_code_start,
     triskin_code_end;
 using Constructor = void (*)();
@@ -30,7 +30,7 @@ void nmi_handler();
 void hard_fault_handler();
 void note_fault(const std::uint32_t* frame);
 void default_handler();
-// A part of the board overrides the handlers that it owns.
+// A part of the board overrides the handlers that it needs.
 #define TRISKIN_HANDLER(name) void name() __attribute__((weak, alias("default_handler")))
 TRISKIN_HANDLER(sys_tick_handler);
 TRISKIN_HANDLER(tim2_handler);
@@ -49,13 +49,13 @@ TRISKIN_HANDLER(i2c4_error_handler);
 triskin::board::Budget triskin_budget;
 
 extern "C" {
-// The linker scripts of the loader and of the application put it at the same place, right behind the stack.
-// Plain words: an object with initial values would get them at each start, and nothing would survive.
+// The linker scripts of the loader and of the application put it at the same place, right behind the stack. It consists
+// of plain words, because an object with initial values would get them at each start, and nothing would survive.
 [[gnu::section(".survivor")]] std::uint32_t triskin_survivor[sizeof(triskin::board::Survivor) / 4];
 static_assert(sizeof(triskin::board::Survivor) % 4 == 0 && alignof(triskin::board::Survivor) <= 4);
 // A stack that has overflowed cannot serve the handler of the fault.
 alignas(8) std::uint32_t triskin_fault_stack[128];
-// Objects live for ever: nothing is destroyed at an exit that does not come, and there is no heap to give back to.
+// Objects live for ever, because the program never exits and there is no heap.
 void* __dso_handle = nullptr;
 int __cxa_atexit(void (*)(void*), void*, void*) {
   return 0;
@@ -75,7 +75,7 @@ namespace triskin::board {
 namespace {
 
 using Handler = void (*)();
-constexpr int kInterrupts = 102;  // RM0440 table 97
+constexpr int kInterrupts = 102;  // The number is from RM0440 table 97.
 constexpr std::uint32_t kStackPaint = 0x5AFE5AFE;
 
 struct Vectors {
@@ -122,7 +122,7 @@ std::uint32_t image_origin() {
 
 namespace {
 
-// The loops stay loops: memcpy lies in the code that is being copied.
+// The loops must not become calls of memcpy, which is in the code that is being copied.
 [[gnu::noinline, gnu::optimize("no-tree-loop-distribute-patterns")]] void copy(const std::uint32_t* from,
                                                                                std::uint32_t* to,
                                                                                const std::uint32_t* end) {
@@ -136,8 +136,8 @@ namespace {
 
 }  // namespace
 
-// The first access to each RAM after a reset may be taken for a read (errata ES0430, 2.2.7): SRAM1, SRAM2 and CCM RAM
-// are read once before anything is pushed.
+// The first access to each RAM after a reset may be treated as a read (errata ES0430, 2.2.7), so SRAM1, SRAM2 and CCM
+// RAM are read once before anything is pushed.
 [[gnu::naked]] void reset_handler() {
   asm volatile(
       "ldr r0, =0x20000000\n ldr r1, [r0]\n"
@@ -169,9 +169,9 @@ void start_up() {
   fail(triskin::wire::CrashCause::kProgram);
 }
 
-// Two things raise it. A unit of the flash with two wrong bits, which a power cut left behind: whoever reads it checks
-// a CRC, so it is counted and reading goes on (RM0440 §3.3.9). And the crystal when it stops: the core runs from the
-// internal oscillator now, at a tenth of its speed, and the loader starts the clocks anew.
+// Two events raise the NMI. One is a flash unit with two wrong bits, left behind by a power failure: its reader checks
+// a CRC, so it is only counted and reading continues (RM0440 §3.3.9). The other is a crystal that stops: the core then
+// runs from the internal oscillator at a tenth of its speed, and the loader starts the clocks again.
 void nmi_handler() {
   using namespace triskin::board;
   if (rcc_reg::kCifr.any(rcc_reg::kCrystalFailed)) {
@@ -181,7 +181,7 @@ void nmi_handler() {
   const std::uint32_t ecc = flash_reg::kEccr.read();
   flash_reg::kEccr.write(ecc & (flash_reg::kEccDetected | flash_reg::kEccDetectedHigh));
   if ((ecc & (flash_reg::kEccDetected | flash_reg::kEccDetectedHigh)) != 0) ++triskin_budget.ecc_faults;
-  asm volatile("dsb" ::: "memory");  // The flag must fall before the handler returns, or it would run again.
+  asm volatile("dsb" ::: "memory");  // The flag must be cleared before the handler returns, or it would run again.
 }
 
 // Runs on its own stack and passes the stack pointer of the fault as the argument.

@@ -21,7 +21,7 @@ constexpr std::uint32_t kMasks = kTransferred | kReset | kSuspend | kWakeUp;
 constexpr std::uint8_t kSetAddress = 5, kSetConfiguration = 9, kSetInterface = 11, kClearFeature = 1;
 constexpr std::uint8_t kToDevice = 0, kToInterface = 1, kToEndpoint = 2;
 
-// Packet memory: the table of buffers (eight bytes an end point), then 64 bytes each.
+// The packet memory begins with the table of buffers (eight bytes per end point), followed by 64 bytes for each.
 constexpr std::uint32_t kBuffers = 64;
 constexpr std::uint32_t send_buffer(std::size_t n) {
   return kBuffers + 128 * static_cast<std::uint32_t>(n);
@@ -37,7 +37,7 @@ volatile std::uint16_t& descriptor(std::size_t n, std::uint32_t field) {
 }
 constexpr std::uint32_t kSendAddress = 0, kSendCount = 1, kReceiveAddress = 2, kReceiveCount = 3;
 
-// The status fields change by the ones written to them, the flags only by zeros.
+// The status fields toggle where ones are written, the flags change only by zeros.
 void set_status(std::size_t n, std::uint32_t mask, std::uint32_t wanted) {
   const Register r = endpoint(n);
   const std::uint32_t now = r.read();
@@ -77,7 +77,7 @@ void start_48_mhz() {
   rcc_reg::kCrrcr.set(rcc_reg::kHsi48On);
   while (!rcc_reg::kCrrcr.any(rcc_reg::kHsi48Ready)) {
   }
-  rcc_reg::kApb1Enr1.set(rcc_reg::kCrs | rcc_reg::kUsb);  // CCIPR.CLK48SEL is HSI48 after a reset
+  rcc_reg::kApb1Enr1.set(rcc_reg::kCrs | rcc_reg::kUsb);  // CCIPR.CLK48SEL is HSI48 after a reset.
   (void)rcc_reg::kApb1Enr1.read();
   crs_reg::kCr.set(crs_reg::kEnable | crs_reg::kAutomatic);  // After a reset its source is the start of frame.
 }
@@ -90,7 +90,7 @@ void Stm32Usb::open(wire::UsbFunction& function, bool data_endpoints) {
   start_48_mhz();
   kCntr.write(kForceReset);  // The block is powered and still in reset.
   for (const std::uint64_t until = microseconds() + 2;
-       microseconds() < until;) {  // start-up time of the transceiver: 1 µs (data sheet)
+       microseconds() < until;) {  // The transceiver needs 1 µs to start (data sheet).
   }
   kCntr.write(0);
   kIstr.write(0);
@@ -131,7 +131,7 @@ void Stm32Usb::reset() {
   address_ = 0;
   function_->reset();
   for (std::size_t n = 0; n < (data_endpoints_ ? kEndpoints : 1); ++n) {
-    endpoint(n).write(0);  // Clears flags from before the reset.
+    endpoint(n).write(0);  // Flags from before the reset are cleared here.
     open_endpoint(n, true, true);
   }
   kDaddr.write(kEnableFunction);
@@ -193,7 +193,7 @@ std::uint64_t Stm32Usb::stream_again_us() const {
   return UINT64_MAX;
 }
 
-// What was sent comes before what was received: a host begins the next stage only then.
+// Sent packets are handled before received ones, because a host begins the next stage only after that.
 void Stm32Usb::serve_control(std::uint32_t state) {
   if ((state & kSent) != 0) {
     clear_flag(0, kSent);
@@ -234,7 +234,7 @@ void Stm32Usb::stall() {
   receive_status(0, kStall);
 }
 
-// The transfer is whole but for its answer.
+// The transfer is complete except for its answer.
 void Stm32Usb::run() {
   const bool set_address = setup_.type == kToDevice && setup_.request == kSetAddress;
   std::optional<Bytes> result = Bytes{};
@@ -282,7 +282,7 @@ void Stm32Usb::control_received() {
   std::array<std::uint8_t, kPacket> packet;
   const std::size_t count = take_packet(0, packet);
   clear_flag(0, kReceived);
-  if (stage_ != Stage::kDataOut) {  // the host's status stage
+  if (stage_ != Stage::kDataOut) {  // This is the host's status stage.
     stage_ = Stage::kIdle;
     return;
   }

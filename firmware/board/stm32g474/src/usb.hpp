@@ -7,30 +7,32 @@
 
 namespace triskin::board {
 
-/// The USB full-speed device of the chip for one UsbFunction: end point 0, and when asked for 1 (interrupt) and 2
-/// (bulk) each way. The interrupt only wakes the loop, which does the work in serve() and send(): the function needs no
-/// locks, and the hardware answers NAK meanwhile. Full speed on PA11 and PA12; the 48 MHz come from HSI48, trimmed by
-/// the host's frames.
+/// The chip's USB full-speed device serves one UsbFunction with end point 0, and on request 1 (interrupt) and 2 (bulk)
+/// in both directions. The interrupt only wakes the loop, which does the work in serve() and send(). So the function
+/// needs no locks, and the hardware answers NAK in the meantime. Full speed on PA11 and PA12; the 48 MHz come from
+/// HSI48, trimmed by the host's frames.
 class Stm32Usb {
  public:
-  static constexpr std::size_t kMaxData = 1024;  ///< data stage of a control transfer to the device
+  /// The data stage of a control transfer to the device has at most this size.
+  static constexpr std::size_t kMaxData = 1024;
 
-  /// Joins the bus. `function` outlives that.
+  /// Joins the bus. `function` must outlive that.
   void open(wire::UsbFunction& function, bool data_endpoints);
   /// Leaves the bus.
   void close();
-  /// Hands over what came: at most one packet of each end point.
+  /// Passes received packets on, at most one of each end point.
   void serve();
-  /// Hands packets that wait to end points that are free.
+  /// Gives waiting packets to free end points.
   void send();
-  /// While a page of the flash is erased: takes back end points whose packet has left, and gives them the next one.
-  /// What came waits for serve(). Neither reads the flash.
+  /// Works while a page of the flash is erased, without reading the flash: frees end points whose packet was sent, and
+  /// gives them the next one. Received packets wait for serve().
   void stream();
-  /// When stream() may have work, µs from now: packets leave without an interrupt then. UINT64_MAX: none is under way.
+  /// Returns in how many µs stream() may have work, because packets are then sent without an interrupt. UINT64_MAX
+  /// means that none is being sent.
   [[nodiscard]] std::uint64_t stream_again_us() const;
-  /// serve() has something to do.
+  /// Returns true if serve() has work.
   [[nodiscard]] bool work_waits() const { return pending_; }
-  /// No control transfer is under way: its answer has reached the host.
+  /// Returns true if no control transfer is running, so that its answer has reached the host.
   [[nodiscard]] bool idle() const { return stage_ == Stage::kIdle; }
   void on_interrupt();
 
@@ -52,7 +54,7 @@ class Stm32Usb {
   wire::UsbFunction* function_ = nullptr;
   bool data_endpoints_ = false;
   volatile bool pending_ = false;
-  std::uint32_t power_ = 0;  // CNTR without the interrupt masks
+  std::uint32_t power_ = 0;  // The value is CNTR without the interrupt masks.
   std::array<bool, kEndpoints> busy_{};
   wire::UsbSetup setup_;
   Stage stage_ = Stage::kIdle;
@@ -60,7 +62,7 @@ class Stm32Usb {
   std::size_t received_ = 0;
   Bytes answer_;
   bool short_packet_owed_ = false;
-  std::uint8_t address_ = 0;  // Takes effect after the status stage; 0: none.
+  std::uint8_t address_ = 0;  // The address takes effect after the status stage; 0 means that there is none.
 };
 
 extern Stm32Usb usb;

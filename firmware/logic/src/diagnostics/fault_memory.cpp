@@ -6,7 +6,7 @@
 namespace triskin::fw {
 namespace {
 
-constexpr std::uint32_t kPageMagic = 0x474F4C46;  // "FLOG"
+constexpr std::uint32_t kPageMagic = 0x474F4C46;  // In memory these bytes read "FLOG".
 constexpr std::uint8_t kFaultMark = 0xFA, kCrashMark = 0xFC;
 
 using Record = std::array<std::uint8_t, FaultMemory::kRecordBytes>;
@@ -42,7 +42,7 @@ Bytes FaultMemory::record_at(std::size_t page, std::size_t index) const {
   return flash_.bytes().subspan(page_offset(page) + index * kRecordBytes, kRecordBytes);
 }
 
-// Record 0 of a page is programmed last when the page is started: magic, sequence.
+// Record 0 of a page (magic, sequence) is programmed last when the page is started.
 bool FaultMemory::page_valid(std::size_t page, std::uint32_t& sequence) const {
   ByteReader r(record_at(page, 0));
   const bool magic = r.le32() == kPageMagic;
@@ -66,7 +66,7 @@ void FaultMemory::load() {
   if (used_ != 0) replay(page_);
 }
 
-// A record that a power failure tore has a wrong CRC and is passed over.
+// A record that a power failure tore has a wrong CRC and is skipped.
 void FaultMemory::replay(std::size_t page) {
   for (; (used_ + 1) * kRecordBytes <= flash_.page_bytes(); ++used_) {
     const Bytes record = record_at(page, used_);
@@ -89,7 +89,7 @@ void FaultMemory::replay_fault(Bytes record) {
   entry.freeze.sample = r.le32();
 }
 
-// Only a crash of which every part stands replaces the one before.
+// Only a complete crash, with all its parts, replaces the previous one.
 void FaultMemory::replay_crash(Bytes record) {
   const std::size_t part = record[1];
   if (part == 0) crash_part_ = 0;
@@ -169,13 +169,13 @@ bool FaultMemory::append(TableRow row, std::size_t state) {
   return program(page_, used_++, fault_record(row, state, entries_[index_of(row)][state].freeze));
 }
 
-// Starts the other page with what is confirmed now. Until its first record stands the old page counts.
+// Starts the other page with the confirmed faults. Until its first record is written, the old page is valid.
 bool FaultMemory::start_page() {
   if (!stored()) return false;
   const std::size_t next = 1 - page_;
   const bool blank = used_ == 0 && erased(flash_.bytes().subspan(page_offset(next), flash_.page_bytes()));
   if (!blank && !flash_.erase_page(page_offset(next)))
-    return false;  // A page of a new board needs no erase, which would hold up the loop.
+    return false;  // A page of a new board needs no erase, which would delay the loop.
   std::size_t at = 1;
   for (std::size_t m = 0; m < entries_.size(); ++m) {
     for (std::size_t s = kFirstFault; s < kStates; ++s) {

@@ -32,7 +32,7 @@ std::uint64_t LogSender::next_us(const Log& log) const {
   return log.next(reader) != nullptr ? next_us_ : UINT64_MAX;
 }
 
-// A line that was overwritten while half of it was sent is given up; the next one begins with a first frame.
+// A line that was overwritten while it was being sent is abandoned; the next one begins with a first frame.
 void LogSender::step(const Log& log, CanPort& port, std::uint8_t node, std::uint64_t now_us) {
   constexpr std::uint64_t kPace_us = 1'000;
   const wire::LogLine* line = now_us >= next_us_ ? log.next(reader_) : nullptr;
@@ -44,7 +44,7 @@ void LogSender::step(const Log& log, CanPort& port, std::uint8_t node, std::uint
   if (encoder_.sent(*line, frame_bytes_)) ++reader_.at;
 }
 
-// Seconds to three places, right-aligned.
+// Writes seconds with three decimal places, right-aligned.
 void SerialLog::begin(const wire::LogLine& line) {
   std::uint32_t rest = line.time_ms;
   std::array<char, 12> time{};

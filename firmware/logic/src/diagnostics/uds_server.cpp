@@ -9,7 +9,7 @@ using namespace wire;
 
 namespace {
 
-constexpr std::uint8_t kDone = 0;  // Stands for no negative response.
+constexpr std::uint8_t kDone = 0;  // The value stands for "no negative response".
 constexpr std::uint8_t kSuppress = 0x80;
 constexpr int kMaxWrongKeys = 3;
 
@@ -36,7 +36,7 @@ Bytes UdsServer::handle(Bytes request, bool functional) {
   out.u8(static_cast<std::uint8_t>(request[0] + service::kPositive));
   const std::uint8_t code = dispatch(request, out);
   if (code == kDone) return suppress_ ? Bytes{} : out.written();
-  // A functional request asks everybody: who has nothing to say stays silent (ISO 14229-1, 7.5).
+  // A functional request goes to all controllers, so one that cannot serve it stays silent (ISO 14229-1, 7.5).
   const bool silent = code == nrc::kServiceNotSupported || code == nrc::kSubFunctionNotSupported ||
                       code == nrc::kOutOfRange || code == nrc::kSubFunctionNotInSession ||
                       code == nrc::kServiceNotInSession;
@@ -159,7 +159,8 @@ std::uint8_t UdsServer::security(Bytes request, Out& out) {
   if (request[1] == 0x01) {
     if (request.size() != 2) return nrc::kWrongLength;
     if (wrong_keys_ >= kMaxWrongKeys) return nrc::kAttemptsExceeded;
-    // The same seed until a key was tried: a tester whose answer was lost asks again, and either answer is right.
+    // The seed stays the same until a key was tried: a tester whose answer was lost asks again, and either answer is
+    // right.
     if (seed_ == 0) seed_ = static_cast<std::uint32_t>(host_.now_us()) * 2654435761U + ++seed_count_;
     if (seed_ == 0) seed_ = 1;
     out.u8(0x01);
@@ -173,7 +174,7 @@ std::uint8_t UdsServer::security(Bytes request, Out& out) {
   const bool right = key == security_key(seed_);
   seed_ = 0;
   if (!right) {
-    ++wrong_keys_;  // The counter is cleared only by a reset.
+    ++wrong_keys_;  // Only a reset clears the counter.
     return nrc::kInvalidKey;
   }
   wrong_keys_ = 0;
@@ -194,7 +195,7 @@ std::uint8_t UdsServer::routine(Bytes request, Out& out) {
   if (id != routine::kActivate && id != routine::kProtectLoader)
     return nrc_of(host_.start_routine(id, request.subspan(4), out));
   if (const std::uint8_t code = need_unlocked(); code != kDone) return code;
-  // The reason travels in the result byte, so that the host can name it.
+  // The result byte carries the reason, so that the host can name it.
   const Status s = host_.start_routine(id, request.subspan(4), out);
   ActivationResult{s}.encode(out);
   return kDone;
@@ -205,7 +206,7 @@ std::uint8_t UdsServer::faults(Bytes request, Out& out) {
   const std::uint8_t kind = request[1] & 0x7F;
   suppress_ = (request[1] & kSuppress) != 0;
   out.u8(kind);
-  if (kind == 0x04) {  // freeze data of one code, record 1 or all
+  if (kind == 0x04) {  // The request asks for freeze data of one code, record 1 or all.
     if (request.size() != 6) return nrc::kWrongLength;
     const std::uint32_t dtc = ByteReader(request.subspan(1)).be32() & 0xFFFFFF;
     const bool known = (request[5] == 0x01 || request[5] == 0xFF) && host_.read_fault(dtc, out);
@@ -225,7 +226,7 @@ std::uint8_t UdsServer::clear(Bytes request, Out&) {
   return nrc_of(host_.clear_faults());
 }
 
-// 0x34/0x35: data format 0, address and length of 4 bytes each.
+// Services 0x34 and 0x35 have data format 0, and address and length of 4 bytes each.
 std::uint8_t UdsServer::begin_transfer(Bytes request, bool download, Out& out) {
   if (request.size() != 11) return nrc::kWrongLength;
   if (request[1] != 0x00 || request[2] != 0x44) return nrc::kOutOfRange;
@@ -258,7 +259,8 @@ std::uint8_t UdsServer::transfer(Bytes request, Out& out) {
   constexpr std::size_t kData = memory::kMaxBlockBytes - 2U;
   out.u8(request[1]);
   if (transfer_ == Transfer::kDownload) {
-    if (request[1] == block_ && block_ != 0) return kDone;  // Our answer was lost: the block has been stored already.
+    // Our answer was lost, and the block has already been stored.
+    if (request[1] == block_ && block_ != 0) return kDone;
     if (request[1] != next) return nrc::kWrongBlock;
     if (request.size() == 2 || request.size() > kData + 2) return nrc::kWrongLength;
     if (tables_.append(request.subspan(2)) != Status::kOk) return nrc::kOutOfRange;
@@ -273,7 +275,7 @@ std::uint8_t UdsServer::transfer(Bytes request, Out& out) {
   } else if (request[1] != block_ || block_ == 0) {
     return nrc::kWrongBlock;
   }
-  const std::size_t start = (upload_at_ - 1) / kData * kData;  // Start of the block that ends at upload_at_.
+  const std::size_t start = (upload_at_ - 1) / kData * kData;  // The block that ends at upload_at_ starts here.
   out.bytes(upload_.subspan(start, upload_at_ - start));
   return kDone;
 }

@@ -77,7 +77,7 @@ void IcubBoard::load(const CanFrame& frame, const Self& self, Reaction& reaction
   }
 }
 
-// The shifts stay, as on the other board.
+// The shifts stay, as on an MTB4 board.
 void IcubBoard::set_defaults() {
   skin_type_ = SkinType::kCompensated;
   no_load_ = kNoLoad;
@@ -108,7 +108,7 @@ void IcubBoard::set_triangles(const CanFrame& frame, Reaction& reaction) {
   reaction.calibrate = true;
 }
 
-// FF: any that is not excluded, another one for another board as far as 14 addresses allow.
+// FF selects any address that is not excluded, and a different one for each board as far as 14 addresses allow.
 void IcubBoard::set_address(const CanFrame& frame, const Self& self, std::uint16_t excluded, Reaction& reaction) {
   std::uint8_t address = frame.size >= 2 ? frame.data[1] : 0;
   if (address == 0xFF) {
@@ -147,7 +147,7 @@ void IcubBoard::answer_version(const CanFrame& asked, const Self& self) {
           static_cast<std::uint8_t>(fits ? 1 : 0)});
 }
 
-// "Triskin " and the unique id in hexadecimal: just the 32 characters that there are.
+// The description is "Triskin " and the unique id in hexadecimal, exactly the 32 characters that fit.
 void IcubBoard::answer_description(const CanFrame& asked, const Self& self) {
   constexpr std::string_view kName = "Triskin ", kDigits = "0123456789ABCDEF";
   static_assert(kName.size() + 2 * std::tuple_size_v<UniqueId> == 32);

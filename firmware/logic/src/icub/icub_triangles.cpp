@@ -15,12 +15,12 @@ constexpr int kTop = 255;
 bool has_reading(const ModuleSample& s) {
   return s.valid != 0 || s.state == ModuleState::kSaturated || s.state == ModuleState::kFrozen;
 }
-// Somebody was there, but what came is worth nothing.
+// A chip answered, but its reading is useless.
 bool misread(ModuleState s) {
   return s == ModuleState::kLineStuck || s == ModuleState::kDuplicate || s == ModuleState::kLostConfiguration;
 }
 
-// `rise` of the converter's counts, as an MTB4 board bounds, shifts and reports it.
+// Stores `rise`, in the converter's counts, limited, shifted and reported as by an MTB4 board.
 void set_taxel(wire::IcubTaxels& out, std::size_t taxel, int rise, int no_load, int shift) {
   const int top = (kTop - no_load) << shift, bottom = no_load << shift;
   const int value = rise <= -top ? kTop : rise >= bottom ? 0 : no_load - (rise >> shift);
@@ -32,7 +32,7 @@ void set_taxel(wire::IcubTaxels& out, std::size_t taxel, int rise, int no_load, 
 }  // namespace
 
 void IcubTriangles::read(std::size_t row, const ModuleSample& sample) {
-  if (sample.compensation.restarts() != restarts_[row]) known_[row] = 0;  // The converter has other offsets now.
+  if (sample.compensation.restarts() != restarts_[row]) known_[row] = 0;  // The converter now has other offsets.
   restarts_[row] = sample.compensation.restarts();
   for (std::size_t t = 0; t < sample.raw.size(); ++t) {
     const auto bit = static_cast<std::uint16_t>(1U << t);
@@ -42,9 +42,9 @@ void IcubTriangles::read(std::size_t row, const ModuleSample& sample) {
   }
 }
 
-// Pressure lowers the result of our converters and raises that of an MTB4 board.
+// Pressure lowers the result of our converters but raises that of an MTB4 board.
 int IcubTriangles::rise(std::size_t row, const ModuleSample& sample, std::size_t taxel, SkinType type) const {
-  constexpr int kBeyond = 1 << 30;  // Shifted limits are smaller.
+  constexpr int kBeyond = 1 << 30;  // Limits after the shift are smaller.
   const std::uint16_t raw = sample.raw[taxel];
   if (!ad7147::in_range(raw)) return raw == 0 ? kBeyond : -kBeyond;
   if ((known_[row] >> taxel & 1) == 0) return 0;

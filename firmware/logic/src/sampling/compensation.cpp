@@ -16,7 +16,7 @@ constexpr std::int64_t rounded(std::int64_t value, unsigned bits) {
 
 }  // namespace
 
-// Twice the mean change of the valid pads: the sum of both, or one of them doubled.
+// Returns twice the mean change of the valid pads: the sum of both, or one of them doubled.
 std::int64_t Compensation::pads_change(const Taxels& raw, std::uint16_t valid) const {
   std::int64_t sum = 0;
   int count = 0;
@@ -39,7 +39,7 @@ void Compensation::add(const Taxels& raw, std::uint16_t valid) {
   const std::int64_t pads = pads_change(raw, valid);
   for (std::size_t t = 0; t < raw.size(); ++t) {
     if ((valid & 1U << t) == 0) continue;
-    // The pads' change is doubled, so one more bit goes.
+    // The pads' change is doubled, so the shift has one more bit.
     const std::int64_t thermal = is_pad(t) ? 0 : gain_[t] * pads * (1 << (kFraction - kGainBits - 1));
     const std::int64_t steady = (static_cast<std::int64_t>(raw[t]) << kFraction) - thermal;
     if ((fresh & 1U << t) != 0) baseline_[t] = steady;

@@ -10,7 +10,7 @@ void LatchProbe::store(const ad7147::Results& results) {
   probed_ = true;
 }
 
-// A finger that comes meanwhile leaves the middle like neither: then there is no verdict.
+// If a finger touches during the probe, the middle result agrees with neither, and there is no verdict.
 void LatchProbe::compare(const ad7147::Results& before, const ad7147::Results& after) {
   constexpr std::uint32_t kNoise = 20 * kStages, kClear = 4;
   if (!wanted()) return;

@@ -17,7 +17,7 @@ void OffsetSearch::begin(const ad7147::Offsets& known) {
   known_ = true;
 }
 
-// `excess_counts`: by how much the electrode has more than its offset.
+// `excess_counts` says by how much the electrode exceeds its offset.
 std::uint8_t OffsetSearch::better(std::uint8_t offset, std::int32_t excess_counts, bool at_end) {
   constexpr std::int32_t kHalf = ad7147::kOffsetCounts / 2;
   const std::int32_t far = at_end ? kFarStep : (std::abs(excess_counts) + kHalf) / ad7147::kOffsetCounts;

@@ -9,15 +9,16 @@ namespace triskin::fw {
 
 namespace {
 
-// A transfer of the status: two address bytes and a repeated start, then two bytes. The chip samples the status as the
-// high byte goes out.
-constexpr std::uint64_t kBeforeStatus_us = 120;  // Time from the start of the transfer to that moment.
-constexpr std::uint64_t kAfterStatus_us = 25;    // Time from that moment to the end of the transfer.
+// A transfer of the status has two address bytes and a repeated start, then two bytes. The chip samples the status when
+// the high byte is sent.
+// The chip samples the status this long after the start of the transfer.
+constexpr std::uint64_t kBeforeStatus_us = 120;
+constexpr std::uint64_t kAfterStatus_us = 25;  // The transfer ends this long after that moment.
 
-// The first sequence of the slowest converter is over.
+// At this percentage, the first sequence of the slowest converter is over.
 constexpr std::uint32_t kSurelyOver_percent = 105;
 
-// The end of another chip's sequence that is nearest to the end of this one's.
+// Returns the end of another chip's sequence that is nearest to the end of this one's.
 std::uint64_t end_near(const SequenceClock& clock, const SequenceClock& other) {
   const std::uint64_t end = clock.end_us(), period = other.period_us();
   std::uint64_t other_end = other.end_us();
@@ -72,7 +73,7 @@ void ReadingSchedule::start(std::size_t station, std::uint64_t at_us, wire::Latc
   plan.clock_changed();
 }
 
-// A reading at `at_us`, which is missed when the next one would fall due before its end.
+// Plans a reading at `at_us`, which is missed if the next one becomes due before its end.
 void ReadingSchedule::set_timer(Plan& plan, std::uint64_t at_us) const {
   plan.open_us = plan.end_us = at_us;
   plan.close_us = at_us + nominal_us_ - kBurst_us;
@@ -104,7 +105,7 @@ std::uint64_t ReadingSchedule::reading_us(const Plan& plan) {
   return plan.running ? plan.open_us : kNever_us;
 }
 
-// Time for other transfers between readings.
+// Returns the time for other transfers between readings.
 std::uint64_t ReadingSchedule::other_us(const Plan& plan) {
   if (plan.transaction_us != kNever_us) return plan.transaction_us;
   if (plan.restart_wanted) return plan.restart_us;
@@ -125,14 +126,14 @@ std::uint64_t ReadingSchedule::refine_start_us(const Plan& plan) {
   return plan.clock.stage_end_us(plan.refine_stage) - kBeforeStatus_us;
 }
 
-// A status that is read later would say little: the end of the next stage does as well.
+// A later status would say little; the end of the next stage serves as well.
 std::uint64_t ReadingSchedule::last_refine_us(const Plan& plan) {
   constexpr std::uint64_t kLate_us = 30;
   return refine_start_us(plan) + kLate_us + plan.clock.doubt_us() / 8;
 }
 
-// The next stage whose end the status can show: the one before it ends after the present reading of the status, too,
-// and proves that the chip converts.
+// Chooses the next stage whose end the status can show. The stage before it must also end after the present reading of
+// the status, which proves that the chip converts.
 void ReadingSchedule::plan_refinement(Plan& plan) {
   constexpr std::uint64_t kApart_us = 50;
   while (++plan.refine_stage < ad7147::kStages) {
@@ -185,7 +186,7 @@ ReadingSchedule::Due ReadingSchedule::due_reading(std::uint64_t now_us) const {
   return first;
 }
 
-// Something else, when no reading falls due before its end.
+// Returns another transfer if no reading becomes due before its end.
 ReadingSchedule::Due ReadingSchedule::due_other(std::uint64_t now_us) const {
   const std::uint64_t next_reading = next_reading_us();
   for (std::size_t k = 0; k < count_; ++k) {
@@ -195,7 +196,7 @@ ReadingSchedule::Due ReadingSchedule::due_other(std::uint64_t now_us) const {
   return {};
 }
 
-// A sequence whose results cannot be read whole any more is lost.
+// A sequence whose results can no longer be read consistently is lost.
 void ReadingSchedule::pass_missed(Plan& plan, std::uint64_t now_us) const {
   if (!plan.running) return;
   while (now_us > plan.close_us) {
@@ -225,8 +226,8 @@ void ReadingSchedule::advance(Plan& plan) const {
   plan.clock_changed();
 }
 
-// When the next results could not be read in their window, or the prediction is doubtful, the chip begins anew a little
-// later: no results are lost by that, and the new beginning is known exactly.
+// When the next results could not be read in their window, or the prediction is doubtful, the chip restarts a little
+// later. This loses no results, and the new start is known exactly.
 std::optional<std::uint64_t> ReadingSchedule::read(std::size_t station, std::uint64_t now_us) {
   Plan& plan = plans_[station];
   std::optional<std::uint64_t> sampled;
@@ -248,7 +249,7 @@ void ReadingSchedule::restarted(std::size_t station, std::uint64_t ended_us) {
   Plan& plan = plans_[station];
   plan.restart_wanted = false;
   plan.status_us = 0;
-  if (!plan.running) return;  // It was stopped meanwhile.
+  if (!plan.running) return;  // The chip was stopped in the meantime.
   plan.clock.restart(ended_us);
   plan.clock_changed();
   plan.to_pass += plan.passed - 1;
@@ -262,10 +263,10 @@ void ReadingSchedule::failed(std::size_t station) {
   plan.status_us = 0;
 }
 
-// The first reading clears what the status has of earlier sequences; each one after it may refine the clock.
+// The first reading clears the status of earlier sequences; each one after it may refine the clock.
 void ReadingSchedule::status_read(std::size_t station, std::uint16_t status, std::uint64_t ended_us) {
   Plan& plan = plans_[station];
-  if (!plan.running) return;  // It was stopped meanwhile.
+  if (!plan.running) return;  // The chip was stopped in the meantime.
   const std::uint64_t sampled_us = ended_us - kAfterStatus_us;
   if (plan.clear_wanted) {
     plan.clear_wanted = false;
@@ -281,7 +282,7 @@ void ReadingSchedule::status_read(std::size_t station, std::uint16_t status, std
 void ReadingSchedule::refine(Plan& plan, std::uint16_t status) {
   const int stage = plan.refine_stage;
   const unsigned before_and_this = status >> (stage - 1) & 3U;
-  if ((before_and_this & 1U) == 0) {  // it does not convert, which reading back its configuration finds
+  if ((before_and_this & 1U) == 0) {  // The chip does not convert, which reading back its configuration will reveal.
     plan.status_us = 0;
     return;
   }
@@ -291,7 +292,7 @@ void ReadingSchedule::refine(Plan& plan, std::uint16_t status) {
   plan.status_us = 0;
 }
 
-// True if the readings before it, in the order in which the sequences end, leave this chip's next one too late.
+// Returns true if the earlier readings, in the order in which the sequences end, leave this chip's next one too late.
 bool ReadingSchedule::would_miss(const Plan& plan) const {
   const std::uint64_t end = plan.end_us, early = end - std::min(end, plan.open_us);
   std::array<std::uint64_t, kStations> ends{};
@@ -310,8 +311,9 @@ bool ReadingSchedule::would_miss(const Plan& plan) const {
   return free_us > plan.close_us;
 }
 
-// The next moment, within a sequence, from which this chip's end is far from those of the line's other chips: their
-// clocks differ, and ends that are near meet again soon. Where there is no such moment, the one that is farthest.
+// Returns the next moment, within a sequence, from which this chip's end is far from those of the line's other chips.
+// Their clocks differ, so ends that are near will soon meet again. If there is no such moment, the one that is farthest
+// is returned.
 std::uint64_t ReadingSchedule::restart_moment_us(const Plan& plan, std::uint64_t now_us) const {
   constexpr std::uint64_t kApart_us = 200, kFar_us = 2 * kBurst_us;
   std::uint64_t best_us = now_us, best_distance_us = 0;

@@ -10,7 +10,7 @@ using wire::ModuleState;
 
 namespace {
 
-// The longest that transfers whose moment counts last while nobody slows them down: 57 and 47 bits at 290 kHz.
+// Transfers whose time matters take at most this long if no chip slows them down: 57 and 47 bits at 290 kHz.
 constexpr std::uint64_t kStatus_us = 200, kRestart_us = 170;
 // More repeats do not help: on a slower line the start time is not known more precisely.
 constexpr int kMaxRepeats = 3;
@@ -20,7 +20,8 @@ constexpr int kMaxRepeats = 3;
 void LineSampler::begin(I2cLine& line, std::uint8_t line_index, const Patch& patch, const Sampling& sampling,
                         std::uint64_t now_us) {
   const bool busy = job_ != Job::kIdle && line_ == &line;
-  ::new (static_cast<void*>(this)) LineSampler;  // Constructed in place: a copy would take a kilobyte of the stack.
+  // The object is constructed in place, because a copy would take a kilobyte of the stack.
+  ::new (static_cast<void*>(this)) LineSampler;
   if (busy) job_ = Job::kDrain;
   line_ = &line;
   line_index_ = line_index;
@@ -39,7 +40,7 @@ void LineSampler::begin(I2cLine& line, std::uint8_t line_index, const Patch& pat
   for (ChipState& station : stations()) find(station, now_us);
 }
 
-// Guests are the last stations, so the others keep their numbers.
+// Adopted modules are the last stations, so the others keep their numbers.
 void LineSampler::replace_adopted(std::size_t own_rows, std::span<const wire::AdoptedModule> adopted_modules,
                                   std::size_t kept, std::uint64_t now_us) {
   while (station_count_ > 0 && index_of(stations_[station_count_ - 1].row) >= own_rows + kept) --station_count_;
@@ -202,12 +203,13 @@ void LineSampler::begin_configuration(std::uint8_t address) {
   chip_.begin_configure(*line_, address, station.configuration_step, stages);
 }
 
-// The input that the electrodes are connected to, but for the check of two chips at one address.
+// Returns the input that the electrodes are connected to, except for the check of two chips at one address.
 Ad7147::Polarity LineSampler::polarity(Phase phase) const {
   return (phase == Phase::kOther) != positive_input_ ? Ad7147::Polarity::kPositive : Ad7147::Polarity::kNegative;
 }
 
-// Shifted by so much that the results tell which offsets they were converted with, and stay in range.
+// The shift is large enough to tell which offsets the results were converted with, and small enough to keep them in
+// range.
 ad7147::Offsets LineSampler::offsets_for(Phase phase) {
   ad7147::Offsets offsets = current().offsets.offsets();
   if (phase != Phase::kShifted) return offsets;
@@ -217,7 +219,7 @@ ad7147::Offsets LineSampler::offsets_for(Phase phase) {
   return offsets;
 }
 
-// Sequences that came and went unread leave out their numbers.
+// Sequences that passed unread skip their numbers.
 void LineSampler::count_missed() {
   for (std::size_t k = 0; k < station_count_; ++k) {
     const std::uint32_t missed = schedule_.take_missed(k);
@@ -313,7 +315,7 @@ void LineSampler::finish_identify(std::uint64_t now_us) {
   configure(current().duplicates.passed() ? Phase::kFirst : Phase::kOther);
 }
 
-// Those of before are tried first: the chip may be another one of the same kind.
+// The earlier offsets are tried first, because the chip may be another one of the same kind.
 void LineSampler::begin_offsets() {
   PlaceOffsets& place = place_of(current());
   const bool same = place.known && place.device_id == chip_.device_id();
@@ -327,7 +329,7 @@ void LineSampler::begin_offsets() {
   place.state = wire::OffsetState::kSearching;
 }
 
-// One chip answers and its offsets stand.
+// Handles the case that one chip answers and its offsets are final.
 void LineSampler::settle_offsets() {
   const ChipState& station = current();
   PlaceOffsets& place = place_of(station);
@@ -346,14 +348,14 @@ void LineSampler::settle_offsets() {
     place.state = place.searches == 0 ? wire::OffsetState::kKept : wire::OffsetState::kFound;
 }
 
-// When the sequence began is known by the end of the transfer, unless that was slowed down.
+// The end of the transfer tells when the sequence began, unless the transfer was slowed down.
 bool LineSampler::must_repeat_start() {
   if (lasted_us() > kRestart_us && ++repeats_ < kMaxRepeats) return true;
   repeats_ = 0;
   return false;
 }
 
-// Step by step, between the readings of the line's other chips.
+// Configures step by step, between the readings of the line's other chips.
 void LineSampler::configure(Phase next) {
   ChipState& station = current();
   station.phase = Phase::kConfigure;
@@ -364,7 +366,7 @@ void LineSampler::configure(Phase next) {
   schedule_.plan_transaction(current_, 0, ReadingSchedule::kLong_us);
 }
 
-// The same, for the first stages' offsets alone.
+// Configures only the offsets of the first stages in this way.
 void LineSampler::configure_offsets(Phase next) {
   configure(next);
   current().offsets_only = true;
@@ -372,7 +374,7 @@ void LineSampler::configure_offsets(Phase next) {
 
 void LineSampler::finish_configure() {
   ChipState& station = current();
-  if (station.phase != Phase::kConfigure) return;  // A new check was requested meanwhile.
+  if (station.phase != Phase::kConfigure) return;  // A new check was requested in the meantime.
   const bool last = station.configuration_step + 1 == configuration_steps();
   if (last && must_repeat_start()) return;
   if (station.offsets_only && station.configuration_step == 0) station.offsets_begun_us = line_->ended_us();
@@ -384,8 +386,8 @@ void LineSampler::finish_configure() {
   if (station.phase == Phase::kFirst) plan_probe();
 }
 
-// The offsets have just changed, and no sequence has ended since the results were read: now these show whether they
-// change stage by stage.
+// The offsets have just changed, and no sequence has ended since the results were read, so the results can now show
+// whether they change stage by stage.
 void LineSampler::plan_probe() {
   ChipState& station = current();
   station.latch.skip();
@@ -403,7 +405,7 @@ void LineSampler::start_probe() {
 }
 
 void LineSampler::finish_probe() {
-  if (current().phase != Phase::kFirst) return;  // A new check was requested meanwhile.
+  if (current().phase != Phase::kFirst) return;  // A new check was requested in the meantime.
   if (lasted_us() <= ReadingSchedule::kBurst_us) current().latch.store(chip_.results());
   schedule_.cancel_transaction(current_);
 }
@@ -427,7 +429,7 @@ void LineSampler::finish_read(std::uint64_t now_us) {
     default:
       break;
   }
-  if (station.phase != Phase::kRun) return;  // A new check was requested meanwhile.
+  if (station.phase != Phase::kRun) return;  // A new check was requested in the meantime.
   if (positive_input_) {
     for (std::uint16_t& r : results_) r = static_cast<std::uint16_t>(~r);
   }
@@ -436,7 +438,7 @@ void LineSampler::finish_read(std::uint64_t now_us) {
   use_results(now_us);
 }
 
-// True: the results count; a check that is done once more, or failed, has none.
+// Returns true if the results count; a check that must be repeated, or failed, has none.
 bool LineSampler::finish_first_reading(std::uint64_t now_us) {
   ChipState& station = current();
   schedule_.cancel_transaction(current_);
@@ -471,7 +473,7 @@ bool LineSampler::finish_first_reading(std::uint64_t now_us) {
   return false;
 }
 
-// While it was not known how the chip shows its results they may be of two sequences: they are not published.
+// While it was unknown how the chip shows its results, they may be of two sequences, so they are not published.
 void LineSampler::finish_probing(std::uint64_t now_us) {
   ChipState& station = current();
   station.latch.compare(station.duplicates.other(), results_);
@@ -487,8 +489,9 @@ void LineSampler::begin_run() {
 }
 
 void LineSampler::finish_verify(Job job, std::uint64_t now_us) {
-  if (current().phase != Phase::kRun) return;                                  // A new check was requested meanwhile.
-  if (!chip_.configuration_holds()) return start(Job::kIdentifyUnconfigured);  // Power dipped, or this is another chip.
+  if (current().phase != Phase::kRun) return;  // A new check was requested in the meantime.
+  // The power dipped, or this is another chip.
+  if (!chip_.configuration_holds()) return start(Job::kIdentifyUnconfigured);
   current().configuration.confirmed();
   schedule_.cancel_transaction(current_);
   if (job == Job::kVerifyReading) use_results(now_us);

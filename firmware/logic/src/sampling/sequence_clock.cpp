@@ -29,7 +29,7 @@ void SequenceClock::begin(std::uint64_t at_us) {
   contradictions_ = 0;
 }
 
-// Bound of the change of the period over so many sequences.
+// Returns a bound on the change of the period over so many sequences.
 std::uint64_t SequenceClock::wander(std::uint64_t sequences) const {
   const std::uint64_t period = period_us();
   return ((period * kWander_ppm_per_s * (sequences * period) / 1'000'000) << kFraction) / 1'000'000;
@@ -103,7 +103,7 @@ void SequenceClock::next(std::uint32_t count) {
 
 bool SequenceClock::uncertain() const {
   if (contradictions_ >= kMaxContradictions) return true;
-  constexpr std::uint64_t kRoom_us = 600;  // Two bursts nearly fit into it.
+  constexpr std::uint64_t kRoom_us = 600;  // Two bursts nearly fit into this time.
   return last_start_us() < read_us() + kRoom_us && 2 * (longest_ - shortest_ + 2 * kSlack) < last_ - first_;
 }
 

@@ -6,7 +6,7 @@
 namespace triskin::fw {
 namespace {
 
-constexpr std::uint16_t kMagic = 0x464F;  // "OF"
+constexpr std::uint16_t kMagic = 0x464F;  // In memory these bytes read "OF".
 constexpr std::size_t kSealed = OffsetStore::kRecordBytes - 4;
 
 bool all_ones(Bytes bytes) {
@@ -28,7 +28,7 @@ void OffsetStore::load(OffsetBook& book) {
   find_end();
 }
 
-// A record counts when it is whole, of this version, and newer than what was read for its place.
+// A record counts if it is complete, of this version, and newer than the previous one for its place.
 void OffsetStore::read(std::size_t page, std::size_t slot, OffsetBook& book) {
   const Bytes bytes = flash_.bytes().subspan(offset_of(page, slot), kRecordBytes);
   ByteReader r(bytes);
@@ -43,10 +43,10 @@ void OffsetStore::read(std::size_t page, std::size_t slot, OffsetBook& book) {
   if (sequence <= newest_[place]) return;
   newest_[place] = sequence;
   const auto bit = static_cast<std::uint16_t>(1U << place);
-  // Stored as if page_ were 0; find_end() inverts it otherwise.
+  // The bit is stored as if page_ were 0; find_end() inverts it otherwise.
   elsewhere_ = static_cast<std::uint16_t>(page == 0 ? elsewhere_ & ~bit : elsewhere_ | bit);
   PlaceOffsets& p = book[place];
-  if (p.to_store) return;  // Newer ones wait to be written.
+  if (p.to_store) return;  // Newer offsets wait to be written.
   p.device_id = r.le16();
   for (std::uint8_t& s : p.steps) s = std::min(r.u8(), ad7147::kMaxOffset);
   p.known = true;
@@ -67,7 +67,7 @@ bool OffsetStore::busy(const OffsetBook& book) const {
   return writing_ != kNoPlace || (!failed_ && stored() && next_place(book) != kNoPlace);
 }
 
-// New offsets first, then those that would be lost with the other page.
+// New offsets are written first, then those that would be lost with the other page.
 std::size_t OffsetStore::next_place(const OffsetBook& book) const {
   for (std::size_t p = 0; p < book.size(); ++p) {
     if (book[p].to_store) return p;
@@ -85,7 +85,7 @@ void OffsetStore::step(OffsetBook& book) {
   begin_record(book, next_place(book));
 }
 
-// Every record that counts stands on the page that is full.
+// All valid records are on the page that is full.
 void OffsetStore::start_page() {
   if (!flash_.erase_page(offset_of(1 - page_, 0))) {
     failed_ = true;
@@ -114,7 +114,7 @@ void OffsetStore::begin_record(OffsetBook& book, std::size_t place) {
   written_ = 0;
 }
 
-// A place that a cut of power left between two states may read as erased and still be refused: the record goes on in
+// After a power failure a unit between two states may read as erased and still be refused; then the record continues in
 // the next one.
 void OffsetStore::write_unit(OffsetBook& book) {
   const std::size_t unit = flash_.program_bytes();

@@ -8,9 +8,9 @@
 namespace triskin::fw {
 namespace {
 
-constexpr std::uint32_t kCommitMagic = 0x54494D43;       // "CMIT"
-constexpr std::uint32_t kNodeMagic = 0x45444F4E;         // "NODE"
-constexpr std::uint32_t kCalibrationMagic = 0x424C4143;  // "CALB"
+constexpr std::uint32_t kCommitMagic = 0x54494D43;       // In memory these bytes read "CMIT".
+constexpr std::uint32_t kNodeMagic = 0x45444F4E;         // In memory these bytes read "NODE".
+constexpr std::uint32_t kCalibrationMagic = 0x424C4143;  // In memory these bytes read "CALB".
 constexpr std::size_t kRecordHeadBytes = 8, kRecordEndBytes = 8;
 constexpr std::size_t kLongestUnit = 16;
 constexpr int kNodePages[] = {2, 3};
@@ -20,7 +20,7 @@ constexpr std::size_t whole_units(std::size_t bytes, std::size_t unit) {
   return (bytes + unit - 1) / unit * unit;
 }
 
-// The same modules at the same places: what was found out about their taxels holds.
+// If the same modules are at the same places, the calibration of their taxels stays valid.
 bool same_modules(const layout::PatchImage& a, const layout::PatchImage& b) {
   return a.design_id == b.design_id &&
          std::ranges::equal(a.rows(), b.rows(), [](const layout::ModuleRow& x, const layout::ModuleRow& y) {
@@ -28,7 +28,7 @@ bool same_modules(const layout::PatchImage& a, const layout::PatchImage& b) {
          });
 }
 
-// Every place of the calibration has a module.
+// Returns true if every place of the calibration has a module.
 bool fits(const wire::Calibration& calibration, const layout::PatchImage& table) {
   return calibration.design_id == table.design_id &&
          std::ranges::all_of(calibration.rows(), [&](const wire::PlaceSensitivity& p) {
@@ -40,7 +40,7 @@ bool fits(const wire::Calibration& calibration, const layout::PatchImage& table)
 
 }  // namespace
 
-// The commit record stands at the end of the slot's page: magic, sequence, image length, CRC of these and the image.
+// The commit record is at the end of the slot's page: magic, sequence, image length, CRC of these and the image.
 Result<std::uint32_t> TableStore::read_slot(int slot, layout::PatchImage& image) const {
   const Bytes page = flash_.bytes().subspan(slot_offset(slot), flash_.page_bytes());
   ByteReader r(page.last(kCommitBytes));
@@ -126,7 +126,7 @@ Status TableStore::activate(std::uint8_t node_address) {
   return s;
 }
 
-// The commit record comes last: until then the old slot is the newest.
+// The commit record is written last; until then the old slot is the newest.
 Status TableStore::write_slot(Bytes image, Bytes calibration) {
   const int slot = active_slot_ == 0 ? 1 : 0;
   const std::size_t offset = slot_offset(slot);
@@ -144,7 +144,7 @@ Status TableStore::write_slot(Bytes image, Bytes calibration) {
   return active_slot_ == slot ? Status::kOk : Status::kFlashFailed;
 }
 
-// Fills up whole program units with the erased value, and reads back.
+// Pads to whole program units with the erased value, and reads back.
 bool TableStore::program(std::size_t offset, Bytes bytes) {
   const std::size_t step = flash_.program_bytes();
   for (std::size_t at = 0; at < bytes.size(); at += step) {
@@ -156,7 +156,7 @@ bool TableStore::program(std::size_t offset, Bytes bytes) {
   return std::ranges::equal(flash_.bytes().subspan(offset, bytes.size()), bytes);
 }
 
-// Head, value, CRC: the unit with the CRC comes last, and the record counts with it.
+// Writes head, value and CRC; the unit with the CRC is last, and with it the record becomes valid.
 bool TableStore::write_record(std::size_t offset, Bytes calibration) {
   std::array<std::uint8_t, kRecordHeadBytes> head{};
   ByteWriter h(head);
@@ -170,7 +170,7 @@ bool TableStore::write_record(std::size_t offset, Bytes calibration) {
          program(value_at + whole_units(calibration.size(), flash_.program_bytes()), end);
 }
 
-// The newest whole record counts. Behind a head that was cut nothing is found again: the page counts as full.
+// The newest complete record counts. After a head that was cut off, nothing can be found, so the page counts as full.
 void TableStore::find_calibration() {
   calibration_at_ = calibration_bytes_ = 0;
   if (!has_table()) return;
@@ -196,7 +196,7 @@ void TableStore::find_calibration() {
   free_at_ = end;
 }
 
-// One without rows says that there is none any more.
+// A calibration without rows means that it was deleted.
 Bytes TableStore::calibration() const {
   if (!has_table() || calibration_bytes_ <= wire::Calibration::kHeadBytes) return {};
   return flash_.bytes().subspan(slot_offset(active_slot_) + calibration_at_, calibration_bytes_);
@@ -217,12 +217,13 @@ Status TableStore::set_calibration(Bytes value) {
     find_calibration();
     if (kept()) return Status::kOk;
   }
-  // The page is full, or a unit of it was refused: table and calibration go to the other slot.
+  // The page is full, or refused a unit, so table and calibration move to the other slot.
   const Status s = write_slot(active_bytes(), wanted);
   return s == Status::kOk && !kept() ? Status::kFlashFailed : s;
 }
 
-// Appends a record; when the page is full, to the other page, so that the old record stands until the new one does.
+// Appends a record. When the page is full, it is written to the other page, so that the old record remains until the
+// new one is complete.
 Status TableStore::set_node_address(std::uint8_t address) {
   if (!layout::is_node_address(address)) return Status::kOutOfRange;
   if (address == node_address_) return Status::kOk;
@@ -238,7 +239,7 @@ Status TableStore::set_node_address(std::uint8_t address) {
     return !std::ranges::all_of(unit, [](std::uint8_t b) { return b == 0xFF; });
   };
   while (at < flash_.page_bytes() && used()) at += kNodeRecordBytes;
-  // A unit that a cut of power left between two states may read as erased and still be refused: take the next one.
+  // After a power failure a unit between two states may read as erased and still be refused; then the next one is used.
   while (at < flash_.page_bytes() && !flash_.program(offset + at, record)) at += kNodeRecordBytes;
   if (at >= flash_.page_bytes()) {
     offset = slot_offset(kNodePages[1 - node_page_]);

@@ -49,7 +49,7 @@ void FullStream::drop_waiting() {
   size_ = 0;
 }
 
-// If rows were sent in the order of arrival, a row whose samples come just before it has room would get less than one
+// If rows were sent in the order of arrival, a row whose samples come just before there is room would get less than one
 // whose samples come just after.
 std::size_t FullStream::next_row() const {
   std::size_t row = turn_;
@@ -83,9 +83,10 @@ void FullStream::tick(std::uint64_t now_us) {
   if (!active()) drop_waiting();
 }
 
-// Numbers that were left out belong to sequences that nobody read.
+// Skipped numbers belong to sequences that were not read.
 void FullStream::count_unread(wire::RowAccount& row, std::uint32_t next_number) const {
-  constexpr std::uint32_t kMaxAtOnce = 10'000;  // Six minutes: more were due while nobody read.
+  // This is six minutes of samples; a larger gap means that nobody was reading.
+  constexpr std::uint32_t kMaxAtOnce = 10'000;
   if (next_number - row.number > kMaxAtOnce) return;
   for (std::uint32_t n = row.number + 1; n != next_number; ++n) {
     if (want(n)) ++row.unread;
@@ -112,7 +113,7 @@ void FullStream::add(const wire::TaxelFrame& sample, std::size_t rows, bool paus
   gap_us_ = rows == 0 ? 0 : leases_.pace_us() / static_cast<std::uint32_t>(rows);
 }
 
-// A few frames may leave together: the pace holds on the average.
+// A few frames may leave together, because the pace applies on average.
 void FullStream::pop(std::uint64_t now_us) {
   constexpr std::uint32_t kTogether = 4;
   turn_ = next_row();

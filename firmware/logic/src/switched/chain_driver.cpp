@@ -9,7 +9,7 @@ namespace {
 constexpr std::uint8_t kMarker = 0x80;
 constexpr int kTries = 3;  // A marginal chain clock flips a bit now and then.
 
-// Neither constant nor periodic in a byte; the first bytes measure the length.
+// The pattern is neither constant nor periodic in a byte; the first bytes measure the length.
 constexpr std::array<std::uint8_t, layout::kMaxModules + 3> kPattern{
     0xA6, 0x59, 0x3C, 0xD1, 0x8B, 0x62, 0x17, 0xE4, 0x9A, 0x35, 0xC8, 0x71, 0x2D, 0xB4, 0x4E, 0x93, 0x1F, 0xE8, 0x56};
 
@@ -30,7 +30,7 @@ bool ChainDriver::restart(std::uint8_t cable) {
   clear();
   port_.enable(0);
   port_.enable(static_cast<std::uint8_t>(1U << cable));
-  // One register deep: what is shifted in comes back eight bits later.
+  // The chain is one register deep, so data come back eight bits later.
   refused_ = false;
   for (int k = 0; k < kTries; ++k) {
     const Answer answer = measure();
@@ -48,7 +48,7 @@ void ChainDriver::silence() {
   port_.enable(0);
 }
 
-// Own register, then the segments of ports A, B, C.
+// The order is the module's own register, then the segments of ports A, B, C.
 std::size_t ChainDriver::order() {
   length_ = 0;
   if ((members_ & 1U) == 0) return 0;
@@ -71,7 +71,7 @@ void ChainDriver::set_address(std::uint8_t module, LineAddress address) {
       static_cast<std::uint8_t>((config_[module] & 0xF0U) | (address.line & 3U) | ((address.address & 3U) << 2));
 }
 
-// Shifts the configuration in; true when the chain gave back the same one, that is, held it before.
+// Shifts the configuration in; returns true when the chain returned the same one, which it therefore held before.
 bool ChainDriver::echo() {
   std::array<std::uint8_t, kNumbers> out{}, in{};
   for (std::size_t k = 0; k < length_; ++k) out[k] = config_[order_[length_ - 1 - k]];
@@ -83,7 +83,7 @@ bool ChainDriver::write() {
   bool sure = false;
   (void)echo();
   for (int k = 0; k < kTries && !sure; ++k) sure = echo();
-  if (!sure) return false;  // Data that did not arrive is never latched.
+  if (!sure) return false;  // Data that did not arrive are never latched.
   port_.latch();
   order();
   return true;
@@ -134,12 +134,12 @@ ChainDriver::Answer ChainDriver::open(std::uint8_t module, std::uint8_t port, st
 
 bool ChainDriver::close(std::uint8_t module, std::uint8_t port) {
   config_[module] = static_cast<std::uint8_t>(config_[module] & ~enable_bit(port));
-  // Nothing can be read back over a broken chain: write, and check when it is whole again.
+  // Nothing can be read back over a broken chain, so it writes first and checks when the chain is whole again.
   for (int k = 0; k < kTries; ++k) {
     (void)echo();
     port_.latch();
     if (!echo() && !echo()) continue;
-    port_.latch();  // Latches what was read back, in case the first one was disturbed.
+    port_.latch();  // The verified data are latched, in case the first latch was disturbed.
     return true;
   }
   return false;

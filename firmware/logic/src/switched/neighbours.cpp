@@ -20,7 +20,7 @@ void Neighbours::receive(const wire::Reach& reach, std::uint8_t own_node, bool a
   const bool more = (reach.out_of_reach & ~offer->rows) != 0;
   *offer = {reach.node_address, reach.out_of_reach, now_us + kForget_us};
   if (!more) return;
-  // Two that look at once would take modules from each other, and both would find less.
+  // Two controllers that search at the same time would take modules from each other, and both would find less.
   if (!adopted_modules) layers_ = 1;
   look_us_ = std::min(look_us_, std::max(now_us, away_until_us_) + kTurn_us * (1U + own_node % kTurns));
 }
@@ -31,8 +31,8 @@ void Neighbours::tick(bool adopted_modules, std::uint64_t now_us) {
   }
 }
 
-// Whose the adopted modules are nobody here knows: all are given back, and those that others still offer are looked for
-// later.
+// This controller does not know who owns the adopted modules, so all are given back, and those that others still offer
+// are searched again later.
 void Neighbours::end(Offer& offer, bool adopted_modules, std::uint64_t now_us) {
   offer = {};
   away_until_us_ = now_us + kKeepAway_us;

@@ -16,7 +16,7 @@ void RouteKeeper::begin(const layout::PatchImage* table) {
   adoption_.count = 0;
   adoption_.out_of_reach = 0;
   request();
-  beyond_ = false;  // This is the state after power-up: the neighbours may be in the middle of their looks.
+  beyond_ = false;  // This is the state after power-up, when the neighbours may be in the middle of their searches.
 }
 
 void RouteKeeper::request() {
@@ -58,7 +58,7 @@ void RouteKeeper::reroute(const Clock& clock) {
   route_.reroutes = reroutes;
   route_.repairs = repairs;
   route_.switched =
-      topology_.graph().count > 0 || was_switched;  // A patch that has gone silent is still a switched one.
+      topology_.graph().count > 0 || was_switched;  // A patch that has become silent is still a switched one.
   complete_discovery_ = report.complete;
   if (has_table)
     note(report);
@@ -72,22 +72,23 @@ void RouteKeeper::reroute(const Clock& clock) {
   if (!was_whole && whole()) neighbours_.look_again(clock.now_us());
 }
 
-// Only a complete patch adopts modules: one at the wrong cable has a table of other modules. When it is whole again it
-// looks at what is offered then.
+// Only a complete patch adopts modules, because one at the wrong cable has a table of other modules. When it is
+// complete again, it searches for the modules that are then offered.
 bool RouteKeeper::whole() const {
   return table_.graph.count > 0 && route_.alive == (1U << table_.graph.count) - 1U;
 }
 
-// A module that is there and does not come in hangs on a neighbour. It is asked for first, and looked for then.
+// A module that exists but does not come in is held by a neighbour. The neighbour is first asked to give it back, then
+// the module is searched.
 void RouteKeeper::offer(const Topology::Report& report, std::uint64_t now_us) {
   const auto all = static_cast<std::uint16_t>((1U << table_.graph.count) - 1U);
   returned_ = report.held != 0 && !returned_;
   const auto missing = static_cast<std::uint16_t>(all & ~route_.alive);
   if (returned_) {
     reroute_at_us_ = now_us + Neighbours::kHandBack_us;
-    pause_us_ = std::max(pause_us_ / 2, kFirstPause_us);  // This look and the next one count as one try.
+    pause_us_ = std::max(pause_us_ / 2, kFirstPause_us);  // This search and the next one count as one attempt.
     route_.busy = true;
-    // It is sent even without an offer: after a restart the neighbours know more than this controller.
+    // The state is sent even without an offer, because after a restart the neighbours know more than this controller.
     tell_at_us_ = 0;
   }
   set_offered(returned_ ? std::uint16_t{0} : missing);
@@ -98,8 +99,7 @@ void RouteKeeper::set_offered(std::uint16_t rows) {
   adoption_.out_of_reach = rows;
 }
 
-// A list that is as before keeps its number. The samples of adopted modules that are in both lists, before all others,
-// go on.
+// An unchanged list keeps its number. The samples of adopted modules at the front of both lists continue.
 void RouteKeeper::note_adopted() {
   const std::uint8_t adopted_modules = topology_.adopted_count();
   kept_adopted_ = 0;
@@ -150,7 +150,7 @@ void RouteKeeper::note(const Topology::Report& report) {
   }
 }
 
-// A missing module may come back: the next rerouting, each time after twice the pause.
+// A missing module may come back, so a reroute is planned, each time after twice the pause.
 void RouteKeeper::plan_next(std::uint64_t now_us) {
   check_at_us_ = now_us + kCheckEvery_us;
   reroute_at_us_ = UINT64_MAX;
@@ -167,9 +167,9 @@ void RouteKeeper::plan_next(std::uint64_t now_us) {
 bool RouteKeeper::check(std::uint64_t now_us) {
   neighbours_.tick(adoption_.count > 0, now_us);
   check_at_us_ = now_us + kCheckEvery_us;
-  if (!route_.complete) return true;  // Modules are strapped, or EN is low and no module is reached.
+  if (!route_.complete) return true;  // The modules are strapped, or EN is low and no module is reached.
   if (topology_.intact()) return true;
-  // A flipped bit, or a leaf that was reset alone, needs no new tree.
+  // A flipped bit, or a leaf module that was reset alone, needs no new tree.
   if (topology_.refresh()) {
     ++route_.repairs;
   } else {

@@ -4,7 +4,7 @@
 namespace triskin::fw {
 namespace {
 
-constexpr int kMaxPasses = 64;  // Every pass but the last leaves one more port closed; 48 ports exist.
+constexpr int kMaxPasses = 64;  // Every pass but the last leaves one more port closed, and there are 48 ports.
 
 constexpr bool has(std::uint16_t set, std::uint8_t k) {
   return ((set >> k) & 1U) != 0;
@@ -37,7 +37,7 @@ Topology::Report Topology::discover(const Table* table, Look look) {
     Pass result = explore();
     if (result == Pass::kDone) result = match();
     if (result == Pass::kAgain) continue;
-    // An end without a partner: a broken enable, or a flipped bit.
+    // An end without a partner means a broken enable, or a flipped bit.
     if (result == Pass::kDone && !asked_again && (ends_left_ > 0 || open_ends() > 1)) {
       asked_again = true;
       continue;
@@ -64,14 +64,14 @@ Topology::Pass Topology::explore() {
     cable_ ^= 1U;
     if (!chain_.restart(cable_)) return Pass::kNobody;
   }
-  held_lines_ = chain_.stuck_lines();  // No exclusion could free these lines.
+  held_lines_ = chain_.stuck_lines();  // Excluding ports could not free these lines.
   graph_.count = 1;
   expected_[0] = expected_cable().module;
   std::array<std::uint8_t, layout::kMaxModules> next{};
   std::uint8_t m = 0;
   for (;;) {
     if (next[m] == layout::kPorts) {
-      if (input_[m] == kNoModule) {  // something changed meanwhile, or the module is turned against the table
+      if (input_[m] == kNoModule) {  // Either something has changed, or the module is turned compared to the table.
         if (look_ == Look::kOwn) look_ = Look::kBeyond;
         return Pass::kAgain;
       }
@@ -97,7 +97,8 @@ Topology::Pass Topology::probe(std::uint8_t module, std::uint8_t port) {
   }
   const bool full = graph_.count == layout::kMaxModules;
   const std::uint8_t child = graph_.count;
-  // A port that brings no module in is asked until two answers agree: a flipped bit could have opened another port.
+  // A port that brings no module in is asked until two answers agree, because a flipped bit could have opened another
+  // port.
   ChainDriver::Answer answer = ChainDriver::Answer::kLost, before = answer;
   for (int k = 0; k < 4; ++k) {
     before = answer;
@@ -110,12 +111,12 @@ Topology::Pass Topology::probe(std::uint8_t module, std::uint8_t port) {
     if (k > 0 && answer == before) break;
   }
   if (answer == ChainDriver::Answer::kModule) {
-    if (!lines_free()) {  // a module that holds a line down stays outside
+    if (!lines_free()) {  // A module that holds a line low stays outside.
       exclude(module, port);
       return Pass::kAgain;
     }
-    // The seventeenth stays outside too: it is let go at once, since a patch that is joined to others has such a module
-    // behind every port of its border. And only when all own modules are in it is known to be none of them.
+    // A seventeenth module also stays outside and is released at once, because a joined patch has such a module behind
+    // every port of its border. Only when all own modules are in the chain is it known to be none of them.
     if (full || beyond) {
       port_[module][port] = Port::kBeyond;
       return chain_.shut(module, port) ? Pass::kDone : Pass::kAgain;
@@ -130,11 +131,11 @@ Topology::Pass Topology::probe(std::uint8_t module, std::uint8_t port) {
   return Pass::kDone;
 }
 
-// What a port leads to that brings no module in. `beyond`: the table has no joint there.
+// Records what a port leads to if it brings no module in. `beyond` says that the table has no joint there.
 void Topology::note_answer(std::uint8_t module, std::uint8_t port, ChainDriver::Answer answer, bool beyond) {
   switch (answer) {
     case ChainDriver::Answer::kRefused:
-      port_[module][port] = beyond ? Port::kNothing : Port::kJoined;  // Its own controller holds the module.
+      port_[module][port] = beyond ? Port::kNothing : Port::kJoined;  // The module's own controller holds it.
       break;
     case ChainDriver::Answer::kNothing:
       port_[module][port] = Port::kNothing;
@@ -147,13 +148,13 @@ void Topology::note_answer(std::uint8_t module, std::uint8_t port, ChainDriver::
   }
 }
 
-// Row and port of the cable that explore() came in by.
+// Returns row and port of the cable through which explore() entered.
 JointEnd Topology::expected_cable() const {
   if (expected_table_ == nullptr) return {};
   return cable_ == 1 ? expected_table_->second_entry : JointEnd{0, expected_table_->graph.cable_port};
 }
 
-// The table has a joint, or the cable, at this port of a module whose row is expected.
+// Returns true if the table has a joint, or the cable, at this port of a module whose row is expected.
 bool Topology::within_table(std::uint8_t module, std::uint8_t port) const {
   if (expected_[module] == kNoModule) return false;
   return (module == 0 && port == expected_cable().port) ||
@@ -166,8 +167,8 @@ void Topology::expect(std::uint8_t child) {
       expected_[module] == kNoModule ? kNoModule : expected_table_->graph.joint[expected_[module]][port].module;
 }
 
-// Only one port is the input. A second one whose enable does nothing is broken, and which of the two it is cannot be
-// seen: the joint to the parent stays out of the graph until the table resolves it.
+// Only one port is the input. If a second one does nothing when enabled, one of the two is broken, but it is not
+// visible which. The joint to the parent stays out of the graph until the table resolves it.
 void Topology::note_input(std::uint8_t module, std::uint8_t port) {
   inputs_[module] = static_cast<std::uint8_t>(inputs_[module] | (1U << port));
   if (input_[module] == kNoModule) {
@@ -185,7 +186,8 @@ void Topology::note_input(std::uint8_t module, std::uint8_t port) {
   graph_.joint[parent_[module].module][parent_[module].port] = {};
 }
 
-// Below a module that is known: behind its port is what the table says, if one of the possible input ports fits.
+// Resolves modules below a known one: behind its port is the module of the table, if one of the possible input ports
+// fits.
 void Topology::resolve_inputs(const PatchGraph& table, std::uint8_t module) {
   for (std::uint8_t c = 1; c < graph_.count; ++c) {
     const std::uint8_t port = parent_[c].port;
@@ -214,8 +216,8 @@ int Topology::open_ends() const {
   return ends;
 }
 
-// Depth first, a joint that closes a cycle leads from a module to one above it. The upper end knows from its own side
-// whether there is somebody below: with the branch below closed, its port brings a module in.
+// The search is depth first, so a joint that closes a cycle leads from a module to one above it. The upper end can find
+// out whether there is a module below: with the branch below closed, its port brings a module in.
 Topology::Pass Topology::match() {
   for (std::uint8_t m = graph_.count; m-- > 0;) {
     for (std::uint8_t p = 0; p < layout::kPorts; ++p) {
@@ -238,12 +240,12 @@ Topology::Pass Topology::match_end(std::uint8_t module, std::uint8_t port) {
   const auto down = brings_module(module, port, kNoModule);
   if (!down) return Pass::kAgain;
   if (!*down) return Pass::kDone;
-  // Lower modules first: the first branch without which the port brings a module in begins with the far end.
+  // Lower modules are tested first: the first branch without which the port brings a module in begins with the far end.
   std::uint16_t tested = 0;
   for (std::uint8_t d = graph_.count; d-- > 0;) {
     if (!has(candidates, d)) continue;
-    // The far end may be a port whose enable is broken, which is no candidate; then no branch below a candidate may
-    // hold it.
+    // The far end may be a port with a broken enable, which is no candidate; then no branch below a candidate may
+    // contain it.
     for (std::uint8_t c = 0; c < graph_.count; ++c) {
       if (parent_[c].module != d || has(tested, c)) continue;
       const auto lower = brings_module(module, port, c);
@@ -265,7 +267,8 @@ Topology::Pass Topology::leave(std::uint8_t module, std::uint8_t port) {
   return Pass::kDone;
 }
 
-// `far` has just come in through the port, under its own number: its input port is the one whose enable does nothing.
+// `far` has just come in through the port, under its own number; its input port is the one that does nothing when
+// enabled.
 Topology::Pass Topology::join_here(std::uint8_t module, std::uint8_t port, std::uint8_t far) {
   std::uint8_t spare = 0;
   while (spare + 1U < layout::kMaxModules && has(chain_.members(), spare)) ++spare;
@@ -281,7 +284,8 @@ Topology::Pass Topology::join_here(std::uint8_t module, std::uint8_t port, std::
 }
 
 std::optional<bool> Topology::brings_module(std::uint8_t module, std::uint8_t port, std::uint8_t left_out) {
-  // Numbers are in the order of the chain: all before this module stay, so that only the branch left out can come in.
+  // Numbers follow the order of the chain. All modules before this one stay, so that only the omitted branch can come
+  // in.
   std::uint16_t wanted = 0;
   for (std::uint8_t m = 0; m <= module; ++m) wanted = with(wanted, m);
   std::uint8_t child = left_out;
@@ -289,7 +293,7 @@ std::optional<bool> Topology::brings_module(std::uint8_t module, std::uint8_t po
     if (m == module || !below(m, module)) continue;
     std::uint8_t top = m;
     while (parent_[top].module != module) top = parent_[top].module;
-    // Branches of later ports lie behind the probed one in the chain: they stay closed.
+    // Branches of later ports are behind the probed one in the chain, so they stay closed.
     const bool before = parent_[top].port < port;
     if (left_out == kNoModule)
       child = child == kNoModule ? m : child;
@@ -303,7 +307,7 @@ std::optional<bool> Topology::brings_module(std::uint8_t module, std::uint8_t po
   return std::nullopt;
 }
 
-// Opens the tree level by level, one latch a level.
+// Opens the tree level by level, with one latch per level.
 bool Topology::rebuild(std::uint16_t wanted, bool set_addresses) {
   if (!chain_.restart(cable_)) return false;
   if (set_addresses) chain_.set_address(0, address_[0]);
@@ -361,7 +365,7 @@ Topology::Report Topology::reroute(const Table& table, Look look, std::uint8_t l
       if (table_index_[m] != kNoModule) address_[m] = table.addresses[table_index_[m]];
     }
     report.complete = activate(table, report);
-    // Somebody else took one, or it broke: the own modules come first.
+    // Another controller took one, or it broke; the own modules have priority.
     if (look == Look::kAdopt && may_adopt(table, report) && !adopt(table, layers, report))
       report.complete = activate(table, report);
   }
@@ -386,7 +390,8 @@ Topology::Report Topology::find(const Table& table, Look look) {
   return report;
 }
 
-// Refused where the table has a joint to a module that is not in: it lives, and hangs on somebody else.
+// A port refuses where the table has a joint to a module that is not in the tree: the module works and is held by
+// another controller.
 std::uint16_t Topology::held_rows(const Table& table) const {
   std::uint16_t found = 0, held = entry_held_ ? 1 : 0;
   for (std::uint8_t m = 0; m < graph_.count; ++m) {
@@ -416,7 +421,7 @@ bool Topology::in_table(const PatchGraph& table, std::uint8_t module, std::uint8
   return expected.module < table.count && expected.port == found.port && table_index_[found.module] == expected.module;
 }
 
-// Modules have no name: they are what lies behind the same ports as in the table.
+// Modules have no names; they are identified by lying behind the same ports as in the table.
 void Topology::identify(const Table& whole, Report& report) {
   const PatchGraph& table = whole.graph;
   const JointEnd cable = report.second_cable ? whole.second_entry : JointEnd{0, table.cable_port};
@@ -443,7 +448,7 @@ void Topology::identify(const Table& whole, Report& report) {
   report.unknown = static_cast<std::uint8_t>(graph_.count - n);
 }
 
-// False: a module or a joint of the table's tree is missing.
+// Returns false if a module or a joint of the table's tree is missing.
 bool Topology::table_tree(const Table& table) {
   if (cable_ != 0) return false;
   std::array<std::uint8_t, layout::kMaxModules> number{};
@@ -461,7 +466,7 @@ bool Topology::table_tree(const Table& table) {
   return number[0] != kNoModule;
 }
 
-// False: no module of the table is there.
+// Returns false if no module of the table exists.
 bool Topology::min_depth_tree(const Table& table) {
   std::array<std::uint8_t, layout::kMaxModules> queue{};
   std::size_t n = 0;
@@ -509,7 +514,7 @@ bool Topology::activate(const Table& table, Report& report) {
   return up();
 }
 
-// Depth of the tree in parent_.
+// Returns the depth of the tree in parent_.
 std::uint8_t Topology::depth() const {
   std::uint8_t deepest = 0;
   for (std::uint8_t m = 1; m < graph_.count; ++m) {

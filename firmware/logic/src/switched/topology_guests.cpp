@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// Modules of other patches on the tree of this one.
+// Handles modules of other patches on the tree of this one.
 #include <bit>
 
 #include "triskin/logic/switched/topology.hpp"
 
 namespace triskin::fw {
 
-// Every module of the table is in the tree, and nothing else.
+// Returns true if the tree contains every module of the table and nothing else.
 bool Topology::may_adopt(const Table& table, const Report& report) const {
   if (!report.complete || report.unknown > 0 || graph_.count != table.graph.count) return false;
   return chain_.members() == (1U << graph_.count) - 1U;
 }
 
-// Onto the active tree, layer by layer: one after the other finds the own modules and the adopted modules before it
-// held, so what comes in is new. Each gets an address that no row of the table has: a module of the table that comes
-// back must find its own free. False: the tree is not up any more, and there are no adopted modules.
+// Extends the active tree layer by layer. The own modules and the earlier adopted ones are already held, so a module
+// that comes in is new. Each gets an address that no row of the table has, because a module of the table that comes
+// back must find its own free. Returns false if the tree is no longer active, and then there are no adopted modules.
 bool Topology::adopt(const Table& table, std::uint8_t layers, Report& report) {
   std::uint16_t taken = 0;
   const auto take = [&taken](int place) { taken = static_cast<std::uint16_t>(taken | 1U << place); };
@@ -57,10 +57,10 @@ void Topology::release_adopted() {
   }
 }
 
-// False: the tree is not up any more.
+// Returns false if the tree is no longer active.
 bool Topology::take_in(std::uint8_t module, std::uint8_t port, std::uint8_t place) {
   const std::uint8_t adopted_module = graph_.count;
-  if (chain_.open(module, port, adopted_module) != ChainDriver::Answer::kModule) {  // it came in elsewhere
+  if (chain_.open(module, port, adopted_module) != ChainDriver::Answer::kModule) {  // The module came in elsewhere.
     port_[module][port] = Port::kNothing;
     return rebuild_all();
   }
@@ -86,8 +86,9 @@ bool Topology::take_in(std::uint8_t module, std::uint8_t port, std::uint8_t plac
   return rebuild_all();
 }
 
-// What a port of an adopted module leads to. It lies anywhere in the chain: where nothing comes in the chain is broken
-// there, and what the registers behind it have must not be latched. False: the tree is not up any more.
+// Finds out what a port of an adopted module leads to. The module lies anywhere in the chain; if nothing comes in, the
+// chain is broken there, and the registers behind it must not be latched. Returns false if the tree is no longer
+// active.
 bool Topology::ask(std::uint8_t adopted_module, std::uint8_t port) {
   const auto answer = chain_.open(adopted_module, port, graph_.count);
   port_[adopted_module][port] = Port::kNothing;

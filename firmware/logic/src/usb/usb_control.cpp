@@ -33,7 +33,7 @@ std::optional<Bytes> UsbControl::descriptor(const wire::UsbSetup& s) {
       return text.empty() ? std::nullopt : std::optional(text);
     }
     default:
-      return std::nullopt;  // This includes the qualifier, as the device is full speed only.
+      return std::nullopt;  // This includes the qualifier, because the device is full speed only.
   }
 }
 

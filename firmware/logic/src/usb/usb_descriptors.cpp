@@ -16,7 +16,7 @@ constexpr std::uint8_t high(std::size_t v) {
 }
 
 constexpr std::array<std::uint8_t, 18> make_device(std::uint16_t product) {
-  // bcdUSB 2.1: the host asks for the BOS descriptor. 0x0100: release of the device.
+  // With bcdUSB 2.1 the host asks for the BOS descriptor; 0x0100 is the release of the device.
   return {18,
           kDevice,
           0x10,
@@ -38,12 +38,12 @@ constexpr std::array<std::uint8_t, 18> make_device(std::uint16_t product) {
 }
 constexpr auto kRunTimeDevice = make_device(kUsbProduct), kDfuDevice = make_device(kUsbDfuProduct);
 
-// Vendor page, no report id, 64 bytes each way.
+// The report has the vendor page, no report id, and 64 bytes in each direction.
 constexpr std::array<std::uint8_t, 34> kHidReport{
     0x06, 0x00, 0xFF, 0x09, 0x01, 0xA1, 0x01, 0x09, 0x02, 0x15, 0x00, 0x26, 0xFF, 0x00, 0x75, 0x08, 0x95,
     0x40, 0x81, 0x02, 0x09, 0x03, 0x15, 0x00, 0x26, 0xFF, 0x00, 0x75, 0x08, 0x95, 0x40, 0x91, 0x02, 0xC0};
 
-// Download, upload refused, manifestation tolerant; at run time it detaches by itself.
+// In DFU mode the device can download but not upload and is manifestation tolerant. At run time it detaches by itself.
 constexpr std::uint8_t kDfuAttributes = 0x05, kWillDetach = 0x08;
 
 constexpr std::size_t kRunTimeBytes = 9 + (9 + 9 + 7 + 7) + (9 + 7 + 7) + (9 + 9);
@@ -54,7 +54,7 @@ constexpr std::array<std::uint8_t, kRunTimeBytes> kRunTimeConfiguration{9,
                                                                         3,
                                                                         1,
                                                                         0,
-                                                                        0xC0,  // self-powered: 5 V of the bus stay open
+                                                                        0xC0,  // The bus's 5 V are not connected.
                                                                         0,
                                                                         9,
                                                                         4,
@@ -160,12 +160,13 @@ constexpr std::array<std::uint8_t, kDfuBytes> kDfuConfiguration{9,
                                                                 0x10,
                                                                 0x01};
 
-// Microsoft OS 2.0. Without them Windows would ask for a driver for the bulk and DFU interfaces; HID needs none.
+// The set follows Microsoft OS 2.0. Without it Windows would ask for a driver for the bulk and DFU interfaces; HID
+// needs none.
 constexpr std::size_t kHeaderBytes = 10, kSubsetBytes = 8, kCompatibleBytes = 20;
 constexpr std::u16string_view kGuidName = u"DeviceInterfaceGUIDs";
 constexpr std::u16string_view kGuid = u"{6D0A3C1E-53B4-4E1B-9C02-7A5D2F8E4B11}";
 constexpr std::size_t kNameBytes = 2 * (kGuidName.size() + 1),
-                      kGuidBytes = 2 * (kGuid.size() + 2);  // REG_MULTI_SZ ends with two zeros
+                      kGuidBytes = 2 * (kGuid.size() + 2);  // A REG_MULTI_SZ ends with two zeros.
 constexpr std::size_t kPropertyBytes = 10 + kNameBytes + kGuidBytes;
 constexpr std::size_t kFunctionBytes = kSubsetBytes + kCompatibleBytes + kPropertyBytes;
 constexpr std::size_t kRunTimeSetBytes = kHeaderBytes + kSubsetBytes + 2 * kFunctionBytes;
@@ -178,8 +179,8 @@ constexpr void put_text(ByteWriter& w, std::u16string_view text, std::size_t zer
 
 constexpr void put_header(ByteWriter& w, std::size_t total) {
   w.le16(kHeaderBytes);
-  w.le16(0);           // Size of the set's header.
-  w.le32(0x06030000);  // Windows 8.1 and later
+  w.le16(0);           // This is the size of the set's header.
+  w.le32(0x06030000);  // The set is for Windows 8.1 and later.
   w.le16(static_cast<std::uint16_t>(total));
 }
 
@@ -190,7 +191,7 @@ constexpr void put_winusb(ByteWriter& w) {
   for (int k = 0; k < 10; ++k) w.u8(0);
   w.le16(kPropertyBytes);
   w.le16(4);
-  w.le16(7);  // REG_MULTI_SZ
+  w.le16(7);  // The type 7 is REG_MULTI_SZ.
   w.le16(kNameBytes);
   put_text(w, kGuidName, 1);
   w.le16(kGuidBytes);
@@ -212,7 +213,7 @@ constexpr std::array<std::uint8_t, kRunTimeSetBytes> kRunTimeSet = [] {
   put_header(w, kRunTimeSetBytes);
   w.le16(kSubsetBytes);
   w.le16(1);
-  w.u8(0);  // Index of the configuration.
+  w.u8(0);  // The number is the index of the configuration.
   w.u8(0);
   w.le16(kRunTimeSetBytes - kHeaderBytes);
   put_function(w, kBulkInterface);
@@ -220,7 +221,7 @@ constexpr std::array<std::uint8_t, kRunTimeSetBytes> kRunTimeSet = [] {
   return bytes;
 }();
 
-constexpr std::array<std::uint8_t, kDfuSetBytes> kDfuSet = [] {  // one interface: no subsets
+constexpr std::array<std::uint8_t, kDfuSetBytes> kDfuSet = [] {  // One interface needs no subsets.
   std::array<std::uint8_t, kDfuSetBytes> bytes{};
   ByteWriter w(bytes);
   put_header(w, kDfuSetBytes);
@@ -238,7 +239,7 @@ constexpr std::array<std::uint8_t, kBosBytes> make_bos(std::size_t set_bytes) {
           28,
           0x10,
           5,
-          0,  // platform capability: Microsoft OS 2.0
+          0,  // The platform capability is Microsoft OS 2.0.
           0xDF,
           0x60,
           0xDD,
@@ -311,7 +312,7 @@ Bytes string_descriptor(std::uint8_t index, const wire::UniqueId& unique_id, std
   w.u8(0);
   w.u8(kString);
   if (index == 0) {
-    w.le16(0x0409);  // English
+    w.le16(0x0409);  // The language is English.
   } else if (index == kSerial) {
     for (const std::uint8_t b : unique_id) {
       for (const int digit : {b >> 4, b & 0xF})

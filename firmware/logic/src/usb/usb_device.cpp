@@ -4,7 +4,7 @@
 namespace triskin::fw {
 namespace {
 
-// Class requests: HID 1.11 §7.2, DFU 1.1 §3.
+// Class requests are from HID 1.11 §7.2 and DFU 1.1 §3.
 constexpr std::uint8_t kClassOut = 0x21, kClassIn = 0xA1;
 constexpr std::uint8_t kHidGetReport = 1, kHidGetIdle = 2, kHidGetProtocol = 3, kHidSetReport = 9, kHidSetIdle = 10;
 constexpr std::uint8_t kDfuDetach = 0, kDfuGetStatus = 3, kDfuGetState = 5;
@@ -56,7 +56,7 @@ void UsbDevice::out(std::uint8_t endpoint, Bytes packet) {
   const auto frame = wire::from_usb(packet);
   if (!control_.configured() || !frame || received_.full()) return;
   if (endpoint != wire::kHidOut && endpoint != wire::kBulkOut) return;
-  if (endpoint != endpoint_) waiting_ = {};  // They were meant for the user of the other interface.
+  if (endpoint != endpoint_) waiting_ = {};  // The frames were meant for the user of the other interface.
   endpoint_ = endpoint;
   received_.push(*frame);
 }
@@ -67,12 +67,12 @@ Bytes UsbDevice::in(std::uint8_t endpoint) {
       (!hid && endpoint != wire::kBulkIn))
     return {};
   leaving_ = waiting_.pop();
-  // A packet of full length says that more follow, so that one transfer of the host carries many.
+  // A full-length packet announces more packets, so that one transfer of the host carries many.
   return hid || waiting_.count != 0 ? Bytes(leaving_.bytes) : leaving_.used();
 }
 
 bool UsbDevice::send(const wire::CanFrame& frame) {
-  if (!control_.configured() || endpoint_ == 0) return true;  // Nobody listens, so the frame is lost as on a bus.
+  if (!control_.configured() || endpoint_ == 0) return true;  // Without a listener the frame is lost, as on a bus.
   if (waiting_.full()) return false;
   if (const auto packet = wire::to_usb(frame)) waiting_.push(*packet);
   return true;

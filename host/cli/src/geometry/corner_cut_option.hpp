@@ -15,7 +15,7 @@ inline void add_corner_cut(CLI::App& app, double& corner_cut_mm) {
       ->capture_default_str();
 }
 
-/// Says where a cut comes nearer to taxels than the sides of the module do.
+/// Warns if a cut is nearer to taxels than the sides of the module are.
 inline void say_cut_pads(double corner_cut_mm, Output& output) {
   if (corner_cut_mm <= design::kHarmlessCornerCut_mm) return;
   output.say(

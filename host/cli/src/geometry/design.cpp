@@ -88,7 +88,7 @@ nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& not
   return keys;
 }
 
-// What a person has to know before using the design.
+// Prints what a person has to know before using the design.
 void say_warnings(const design::Design& d, const pipeline::DesignNotes& notes, Output& output) {
   for (const std::string& note : notes.reading) output.say(note);
   if (const std::string shortage = shortage_text(notes.extract); !shortage.empty()) output.say(shortage);
@@ -113,7 +113,7 @@ void say_layout(const design::Design& d, Output& output) {
                          r.patches_lower_bound, d.layout.jumpers.size(), r.jumpers_lower_bound, d.layout.islands));
 }
 
-// With -v: how the result came about.
+// With -v, explains how the result was found.
 void say_details(const design::Design& d, const pipeline::DesignNotes& notes, Output& output) {
   const auto& r = d.report;
   const std::string open_side = notes.side.choice.has_wall ? "" : side_text_of(geometry::open_side_of(d.surface));
@@ -139,7 +139,7 @@ void say_details(const design::Design& d, const pipeline::DesignNotes& notes, Ou
     output.say(fmt::format("{} refused {} further modules", limit, count));
 }
 
-// Modules that stayed, and what changed as a picture beside the design.
+// Reports the modules that stayed, and draws the changes as a picture beside the design.
 void report_revision(const design::Design& old, const design::Design& d, const pipeline::Revision& revision,
                      const std::string& design_file, Output& output) {
   const auto gone = std::ranges::count(revision.new_id, -1);
@@ -236,7 +236,7 @@ void add_limits(CLI::App& app, design::LayoutLimits& l) {
       ->capture_default_str();
 }
 
-// What a layout costs, in modules, and how long a jumper may be.
+// Adds options for the costs of a layout, in modules, and for the length of jumpers.
 void add_price(CLI::App& app, design::LayoutLimits& l, design::Price& price) {
   app.add_option("--jumper-mm", l.jumper_mm, "limit of a jumper's length along the surface (0: no jumpers)")
       ->check(CLI::Range(0.0, 100.0))
@@ -252,7 +252,7 @@ void add_price(CLI::App& app, design::LayoutLimits& l, design::Price& price) {
       ->capture_default_str();
 }
 
-// What an older design says already.
+// These values are already determined by the older design.
 void require_like_alone(const CLI::App& app) {
   if (app.get_option("--like")->count() == 0) return;
   for (const char* name :

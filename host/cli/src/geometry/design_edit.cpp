@@ -26,14 +26,14 @@ std::vector<std::string> parts_of(const std::string& text, char separator) {
   throw InputError(fmt::format("{}: \"{}\" is not understood; {}", option, part, remedy));
 }
 
-// Whole number in [low, high]; nothing else in the text.
+// Parses a whole number in [low, high]; the text may contain nothing else.
 bool read_whole(const std::string& text, int low, int high, int& value) {
   std::istringstream in(text);
   return !text.empty() && text.find_first_not_of("-0123456789") == std::string::npos && (in >> value) && in.eof() &&
          value >= low && value <= high;
 }
 
-// "3,7-9" → 3, 7, 8, 9.
+// Parses "3,7-9" as 3, 7, 8, 9.
 std::vector<int> ids_of(const std::string& option, const std::string& text) {
   std::vector<int> ids;
   for (const std::string& part : parts_of(text, ',')) {
@@ -48,7 +48,7 @@ std::vector<int> ids_of(const std::string& option, const std::string& text) {
   return ids;
 }
 
-// "MODULE.SIDE" or "ISLAND:I/J/up".
+// Parses "MODULE.SIDE" or "ISLAND:I/J/up".
 pipeline::NewPlace place_of(const std::string& part) {
   const char* remedy = "give MODULE.SIDE (side 0 … 2) or ISLAND:I/J/up or ISLAND:I/J/down";
   if (const std::size_t colon = part.find(':'); colon != std::string::npos) {
@@ -69,7 +69,7 @@ pipeline::NewPlace place_of(const std::string& part) {
   return place;
 }
 
-// "x", "y", "z", or "NX,NY,NZ[,D]" with a normal of any length and D in mm along it.
+// Parses "x", "y", "z", or "NX,NY,NZ[,D]" with a normal of any length and D in mm along it.
 design::MirrorPlane plane_of(const std::string& text) {
   if (text == "x") return {design::Vec3::UnitX(), 0.0};
   if (text == "y") return {design::Vec3::UnitY(), 0.0};
@@ -94,7 +94,8 @@ pipeline::EditedDesign edited(const design::Design& design, const EditOptions& o
   if (!options.keep.empty())
     return pipeline::grow_around(design, ids_of("--keep", options.keep),
                                  {effort.time_limit_s, effort.iterations, effort.threads}, progress);
-  if (options.remove.empty() && options.add.empty()) return {design, {}, {}};  // Only kinds are changed.
+  // Without removed or added modules, only kinds change.
+  if (options.remove.empty() && options.add.empty()) return {design, {}, {}};
   pipeline::LayoutEdit edit;
   edit.remove = ids_of("--remove", options.remove);
   for (const std::string& part : parts_of(options.add, ',')) edit.add.push_back(place_of(part));
@@ -220,7 +221,7 @@ void report_kinds(const design::Design& d, Output& output) {
 
 namespace {
 
-// A table; a single one is what the lines above have said.
+// Prints a table, except for a single layout, which the lines above already describe.
 void say_alternatives(const design::Design& d, Output& output) {
   if (d.alternatives.size() < 2) return;
   output.say("alternative  modules  controllers  jumpers  islands   price   value   (triskin edit --take N)");
@@ -256,7 +257,7 @@ int edit(const std::string& from, const std::string& to, const EditOptions& opti
          const pipeline::DesignOptions& effort, Output& output) {
   const design::Design before = design::read_design(from);
   output.result = nlohmann::json::object();
-  const design::KindPlan plan = options.kind_plan();  // Bad kinds are refused before any work.
+  const design::KindPlan plan = options.kind_plan();  // Invalid kinds are refused before any work.
   pipeline::EditedDesign e = edited(before, options, effort, output.progress());
   if (!options.kinds.empty()) {
     e.design.kinds = plan;

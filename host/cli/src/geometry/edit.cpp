@@ -22,7 +22,7 @@ int run(const Options& options, Output& output) {
   return edit(options.design, options.output, options.edit, options.effort, output);
 }
 
-// The search of --keep alone takes time.
+// Only the search of --keep takes time.
 void add_effort(CLI::App& app, pipeline::DesignOptions& effort) {
   CLI::Option* keep = app.get_option("--keep");
   app.add_option("--time-limit-s", effort.time_limit_s, "with --keep: effort of the search")

@@ -17,7 +17,7 @@ struct Options {
   geometry::GenerateOptions mesh;
 };
 
-// The names with what is hard about each.
+// Lists the names of the shapes and the difficulty that each presents.
 std::string shape_lines() {
   std::string text;
   for (const geometry::ShapeInfo& s : geometry::generated_shapes())

@@ -10,7 +10,7 @@
 
 namespace triskin::cli {
 
-/// --unit mm|cm|m|in|inch, for every command that reads a mesh.
+/// Adds --unit mm|cm|m|in|inch to every command that reads a mesh.
 struct UnitOption {
   std::optional<geometry::LengthUnit> unit;
 
@@ -24,7 +24,7 @@ struct UnitOption {
   }
 };
 
-/// --object NAME, for every command that reads a mesh.
+/// Adds --object NAME to a command that reads a mesh.
 inline void add_object_option(CLI::App& app, std::string& object) {
   app.add_option("--object", object, "one object of the mesh file by its name; a wrong one lists those that are in it");
 }

@@ -7,8 +7,8 @@
 
 namespace triskin::cli {
 
-/// The net as SVG, 1 user unit = 1 mm: pieces side by side, each triangle coloured by its edge error (white 0, red at
-/// `limit_mm`), outlines black, with a bar of 100 mm.
+/// Draws the net as SVG, 1 user unit = 1 mm: pieces side by side, each triangle coloured by its edge error (white 0,
+/// red at `limit_mm`), outlines black, with a bar of 100 mm.
 [[nodiscard]] std::string net_svg(const geometry::Surface& surface, const geometry::Net& net, double limit_mm);
 
 }  // namespace triskin::cli

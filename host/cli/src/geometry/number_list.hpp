@@ -8,7 +8,7 @@
 
 namespace triskin::cli {
 
-/// Numbers between commas, all of the text; empty when it is not that.
+/// Parses numbers separated by commas; the result is empty if the text has anything else.
 [[nodiscard]] inline std::vector<double> numbers_of(const std::string& text) {
   std::vector<double> numbers;
   for (std::size_t from = 0; from <= text.size();) {

@@ -7,8 +7,8 @@
 
 namespace triskin::cli {
 
-/// Says what reading a CAD part gave and adds it to the result as `part`; nothing for other files. Returns the exit
-/// status that follows: 1 where something of the part is missing.
+/// Reports how a CAD part was read and adds this to the result as `part`; does nothing for other files. Returns the
+/// resulting exit status: 1 if something of the part is missing.
 inline int report_part(const geometry::MeshReadReport& report, Output& output) {
   if (!report.part) return 0;
   const geometry::PartReport& part = *report.part;

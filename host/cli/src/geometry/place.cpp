@@ -25,17 +25,17 @@ struct Options {
   std::string proof;
   std::string weights;
   std::string output;
-  int piece = -1;  // Number of a piece of the net; −1: all.
+  int piece = -1;  // A negative number, −1, selects all pieces of the net.
   std::vector<int> node{0, 0};
   geometry::PlacementOptions placement;
 };
 
-// A number that is shown as 0 has no sign.
+// A number that is displayed as 0 must not have a sign.
 double without_sign_of_zero(double value, double least) {
   return std::abs(value) < least ? 0.0 : value;
 }
 
-// Coverage of the whole triangles, and of the triangles with cut corners.
+// Reports the coverage of the whole triangles, and of the triangles with cut corners.
 void add_cut(const geometry::PlacementResult& r, double area_mm2, const Options& options, Output& output,
              nlohmann::json& result) {
   const double cut = options.placement.corner_cut_mm;
@@ -113,7 +113,8 @@ void say_result(const geometry::PlacementResult& r, const Options& options, cons
                            *r.deficit_mm, r.deficit_bound_mm));
 }
 
-// The modules as route reads them: every piece is an island. The cable of a controller reaches the rim of a piece.
+// Writes the modules for `route`, with every piece as an island. The cable of a controller can reach the rim of a
+// piece.
 std::string module_list(const std::vector<geometry::PlacementResult>& results) {
   nlohmann::json modules = nlohmann::json::array();
   for (std::size_t island = 0; island < results.size(); ++island) {
@@ -150,7 +151,7 @@ nlohmann::json total_of(const nlohmann::json& pieces) {
   return total;
 }
 
-// The pieces that are left share the time that is left.
+// The remaining pieces share the remaining time.
 geometry::PlacementResult place_piece(const geometry::Polygon& polygon, const Options& options, std::size_t pieces_left,
                                       std::chrono::steady_clock::time_point start, const Output& output) {
   geometry::PlacementOptions placement = options.placement;

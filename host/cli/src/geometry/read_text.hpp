@@ -10,13 +10,13 @@
 
 namespace triskin::cli {
 
-/// Says what the reader of a mesh file noted, each in a line, and keeps it in the result.
+/// Prints the notes of a mesh reader, one per line, and stores them in the result.
 inline void say_notes(const std::string& file, const std::vector<std::string>& notes, Output& output) {
   for (const std::string& note : notes) output.say(fmt::format("{}: {}", file, note));
 }
 
-/// Names the side of an open part that gets the modules, and why; asks if its faces look at its own middle. Empty for
-/// a closed part, which has an outside.
+/// Names the side of an open part that gets the modules, and the reason; asks the user to check it if its faces look at
+/// its own middle. Empty for a closed part, which has an outside.
 [[nodiscard]] inline std::string side_text_of(const geometry::OpenSide& side) {
   constexpr double kNearlyAll = 0.95;
   if (!side.is_open) return {};

@@ -8,7 +8,7 @@
 
 namespace triskin::cli {
 
-/// What could not be done in the time, or had to be left out to keep to it; empty when there was nothing.
+/// Says what could not be done in the available time, or was left out because of it; empty if there was nothing.
 [[nodiscard]] inline std::string shortage_text(const geometry::ExtractReport& r) {
   std::string text;
   if (r.tested < 1.0) {
@@ -26,8 +26,8 @@ namespace triskin::cli {
   return text;
 }
 
-/// What the repair of a mesh changed, in mm and where, and what was dropped; empty when there was none. `option` leaves
-/// all as it is.
+/// Says what the repair of a mesh changed, in mm and where, and what it dropped; empty if it changed nothing. `option`
+/// disables the repair.
 [[nodiscard]] inline std::string repair_text(const geometry::ExtractReport& r, const char* option) {
   static constexpr std::array<const char*, 4> kDone{
       "", "faces that cross were divided along their common lines and hidden parts dropped",

@@ -24,11 +24,11 @@ struct Options {
   std::string output;
   std::string module_output;
   std::string picture;
-  std::string checked;  // File of routes to check instead of solving.
+  std::string checked;  // The file contains routes to check instead of solving.
   bool skingui = false;
   std::string part;
   bool hops_first = false;
-  double jumpers_mm = 0.0;  // If positive, MODULES is a design.
+  double jumpers_mm = 0.0;  // A positive value requires that MODULES is a design.
   double time_limit_s = 0.0;
   geometry::RoutingOptions routing;
 };
@@ -121,8 +121,8 @@ nlohmann::json result_json(const geometry::RoutingResult& r, const Ids& ids) {
           {"routes", patches_json(r, ids)}};
 }
 
-// A design's modules with their slits, and the places of jumpers over its seams: where they lie in space is known only
-// there.
+// Returns the possible jumpers over the seams of a design, whose modules have slits. Only a design has the positions of
+// modules in space.
 std::vector<geometry::Jumper> jumper_places(const std::string& path, double jumpers_mm, design::ModuleList& list) {
   design::Design design = design::read_design(path);
   design.layout.jumpers.clear();

@@ -11,7 +11,7 @@
 namespace triskin::cli {
 namespace {
 
-// 1347.1 → "1,347"
+// Formats 1347.1 as "1,347".
 std::string whole_cm2(double area_mm2) {
   std::string text = fmt::format("{:.0f}", area_mm2 / 100.0);
   for (int k = static_cast<int>(text.size()) - 3; k > 0; k -= 3) text.insert(static_cast<std::size_t>(k), ",");

@@ -9,12 +9,12 @@
 
 namespace triskin::cli {
 
-/// --side, --from and --bridge-mm, for every command that takes a surface of a part.
+/// Every command that uses a surface of a part has the options --side, --from and --bridge-mm.
 class SideOption {
  public:
   void add_to(CLI::App& app);
 
-  /// Errors: InputError naming the option and what it takes.
+  /// Returns the values. Errors: InputError naming the option and its valid values.
   [[nodiscard]] geometry::SideOptions options() const;
   [[nodiscard]] double bridge_mm() const { return bridge_mm_; }
 
@@ -23,12 +23,13 @@ class SideOption {
   double bridge_mm_ = 0.0;
 };
 
-/// Side that was taken of the part, in one line; empty if there is no wall.
+/// Describes the chosen side of the part in one line; empty if there is no wall.
 [[nodiscard]] std::string side_text(const geometry::TakenSide& taken);
-/// Result of closing holes, in one line; empty if it was not requested.
+/// Describes the result of closing holes in one line; empty if it was not requested.
 [[nodiscard]] std::string bridge_text(const geometry::BridgeReport& report);
 
-/// Says that both sides look alike, draws them into `picture`, and adds the keys of the result. The exit status.
+/// Says that both sides look alike, draws them into `picture`, and adds the keys of the result. Returns the exit
+/// status.
 int report_undecided(const geometry::Mesh& part, const geometry::TakenSide& taken, const std::string& picture,
                      Output& output);
 

@@ -18,7 +18,7 @@ using geometry::SideChoice;
 using geometry::Vec3;
 
 constexpr int kView_px = 420;
-constexpr double kFill = 0.47;     // It is the share of a view from its middle to the part's farthest corner.
+constexpr double kFill = 0.47;     // The part's farthest corner lies at this fraction of a view from its middle.
 constexpr double kTilt_rad = 0.6;  // A view along the normal would hide the side walls.
 
 struct Colour {
@@ -50,7 +50,7 @@ Vec3 cross_of(const Mesh& mesh, std::size_t face) {
   return (*b - *a).cross(*c - *a);
 }
 
-/// One view: screen coordinates in pixels and depth toward the viewer.
+/// A view has screen coordinates in pixels and a depth towards the viewer.
 class View {
  public:
   View(const Mesh& mesh, const Vec3& toward_viewer)
@@ -70,7 +70,7 @@ class View {
   }
   [[nodiscard]] double facing(std::size_t face) const { return cross_of(mesh_, face).normalized().dot(z_); }
 
-  /// The front face at each pixel; −1: none.
+  /// Returns the front face at each pixel, or −1.
   [[nodiscard]] std::vector<int> front_faces() const {
     std::vector<int> front(kView_px * kView_px, -1);
     std::vector<double> depth(front.size(), -1e300);
@@ -110,7 +110,7 @@ class View {
   double scale_ = 1.0;
 };
 
-// Draws the faces in front of all others, far ones first.
+// Draws the faces that nothing hides, far ones first.
 std::string faces_svg(const Mesh& part, const SideChoice& choice, const View& view, std::vector<int> shown) {
   std::ranges::sort(shown);
   shown.erase(std::unique(shown.begin(), shown.end()), shown.end());
@@ -136,7 +136,7 @@ std::string faces_svg(const Mesh& part, const SideChoice& choice, const View& vi
   return out;
 }
 
-// Puts each number at the pixel of the choice nearest to the middle of its pixels.
+// Puts each number at the pixel of the choice that is nearest to the middle of its pixels.
 std::string numbers_svg(const SideChoice& choice, const std::vector<int>& front) {
   std::string out;
   for (const int number : {1, 2}) {
@@ -145,7 +145,7 @@ std::string numbers_svg(const SideChoice& choice, const std::vector<int>& front)
       if (front[k] >= 0 && choice.choice_of_face[static_cast<std::size_t>(front[k])] == number)
         pixels.push_back({static_cast<int>(k) % kView_px, static_cast<int>(k) / kView_px});
     }
-    if (pixels.size() < 400) continue;  // A number would hide so small an area.
+    if (pixels.size() < 400) continue;  // A number would hide such a small area.
     double x = 0.0, y = 0.0;
     for (const auto& p : pixels) {
       x += p[0] / static_cast<double>(pixels.size());
@@ -161,7 +161,7 @@ std::string numbers_svg(const SideChoice& choice, const std::vector<int>& front)
   return out;
 }
 
-// Toward the side that is taken, or toward choice 1.
+// Returns the direction of the chosen side, or of choice 1.
 Vec3 outward_of(const Mesh& part, const SideChoice& choice) {
   Vec3 sum = Vec3::Zero();
   for (std::size_t f = 0; f < part.faces.size(); ++f) {

@@ -6,8 +6,8 @@
 
 namespace triskin::cli {
 
-/// The part from four directions as SVG: outer faces green, inner ones red, rims grey, the two sides of what is
-/// undecided orange with the number 1 and blue with the number 2.
+/// Draws the part from four directions as SVG: outer faces green, inner ones red, rims grey, and the two undecided
+/// sides orange with the number 1 and blue with the number 2.
 [[nodiscard]] std::string side_svg(const geometry::Mesh& part, const geometry::SideChoice& choice);
 
 }  // namespace triskin::cli

@@ -4,11 +4,11 @@
 
 namespace triskin::cli {
 
-/// How much a command says: -v more, -q nothing but errors.
+/// Sets how much a command prints: -v more, -q nothing but errors.
 struct Verbosity {
   bool verbose = false, quiet = false;
 
-  /// Adds both options; they exclude each other.
+  /// Adds both options, which exclude each other.
   void add_to(CLI::App& app) {
     auto* more = app.add_flag("-v,--verbose", verbose, "also how the result came about");
     app.add_flag("-q,--quiet", quiet, "say nothing but errors, and show no progress")->excludes(more);

@@ -21,7 +21,7 @@ design::Vec3 size_of(const design::Mesh& mesh) {
   return box.sizes();
 }
 
-// "--center-gap-mm" of "center_gap_mm".
+// Converts "center_gap_mm" to "--center-gap-mm".
 std::string option_of(std::string limit) {
   std::ranges::replace(limit, '_', '-');
   return "--" + limit;
@@ -40,7 +40,7 @@ std::string obstacle_text(const geometry::Obstacle& o) {
   return fmt::format("; {} refuses it at {} of {} places, first at {}", o.limit, o.places, o.tried, at);
 }
 
-// A surface that solvers refuse has no obstacle to name.
+// If the solvers refuse a surface, there is no obstacle to name.
 std::string obstacle_of(const design::Design& d, Output& output) {
   try {
     const auto o = geometry::what_refuses(geometry::Surface(d.surface), d.limits);

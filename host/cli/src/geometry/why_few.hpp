@@ -7,11 +7,12 @@
 
 namespace triskin::cli {
 
-/// Why no module fits: which limit refuses where, and what would help. Adds the obstacle to the result. `unit_given`:
-/// the user has said the unit. Cost: that of geometry::what_refuses().
+/// Explains why no module fits: which limit refuses modules where, and what would help. Adds the obstacle to the
+/// result. `unit_given` says that the user named the unit. Cost: that of geometry::what_refuses().
 [[nodiscard]] std::string reason_of_nothing(const design::Design& design, bool unit_given, Output& output);
 
-/// Where much of the surface stays bare: which limit refused most, and what joins islands. Empty: enough is covered.
+/// If much of the surface stays uncovered, says which limit refused most and what would join islands. Empty if coverage
+/// is sufficient.
 [[nodiscard]] std::string low_coverage_text(const design::Design& design);
 
 }  // namespace triskin::cli

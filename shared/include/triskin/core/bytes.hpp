@@ -9,10 +9,10 @@ namespace triskin {
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// Writes into a fixed buffer; running over the end sets `ok()` to false and writes nothing more.
+/// Writes into a fixed buffer. After an overflow `ok()` is false, and nothing more is written.
 class ByteWriter {
  public:
-  /// Writes to `out` from its beginning; `out` must outlive the writer.
+  /// Starts at the beginning of `out`, which must outlive the writer.
   constexpr explicit ByteWriter(std::span<std::uint8_t> out) : out_(out) {}
   /// Appends one byte.
   constexpr void u8(std::uint8_t v) {
@@ -31,15 +31,15 @@ class ByteWriter {
   constexpr void be16(std::uint16_t v) { big(v, 2); }
   /// Appends four bytes, big-endian.
   constexpr void be32(std::uint32_t v) { big(v, 4); }
-  /// Appends bytes as they are.
+  /// Appends the bytes unchanged.
   constexpr void bytes(Bytes in) {
     for (const std::uint8_t b : in) u8(b);
   }
-  /// False once something found no room.
+  /// Returns false once a value did not fit into the buffer.
   [[nodiscard]] constexpr bool ok() const { return ok_; }
-  /// Bytes written so far.
+  /// Counts the bytes written so far.
   [[nodiscard]] constexpr std::size_t size() const { return size_; }
-  /// What was written so far; valid as long as the buffer.
+  /// Returns the bytes written so far; the view is valid as long as the buffer.
   [[nodiscard]] constexpr Bytes written() const { return {out_.data(), size_}; }
 
  private:
@@ -54,30 +54,30 @@ class ByteWriter {
   bool ok_ = true;
 };
 
-/// Reads from bytes; reading over the end gives 0 and sets `ok()` to false.
+/// Reads from a span of bytes. Reading past the end gives 0 and makes `ok()` false.
 class ByteReader {
  public:
-  /// Reads `in` from its beginning; `in` must outlive the reader.
+  /// Starts at the beginning of `in`, whose bytes must outlive the reader.
   constexpr explicit ByteReader(Bytes in) : in_(in) {}
-  /// Takes one byte; 0 behind the end.
+  /// Reads one byte; returns 0 past the end.
   constexpr std::uint8_t u8() {
     if (at_ < in_.size()) return in_[at_++];
     ok_ = false;
     return 0;
   }
-  /// Takes two bytes, little-endian.
+  /// Reads two bytes, little-endian.
   constexpr std::uint16_t le16() { return static_cast<std::uint16_t>(little(2)); }
-  /// Takes four bytes, little-endian.
+  /// Reads four bytes, little-endian.
   constexpr std::uint32_t le32() { return static_cast<std::uint32_t>(little(4)); }
-  /// Takes eight bytes, little-endian.
+  /// Reads eight bytes, little-endian.
   constexpr std::uint64_t le64() { return little(8); }
-  /// Takes two bytes, big-endian.
+  /// Reads two bytes, big-endian.
   constexpr std::uint16_t be16() { return static_cast<std::uint16_t>(big(2)); }
-  /// Takes four bytes, big-endian.
+  /// Reads four bytes, big-endian.
   constexpr std::uint32_t be32() { return static_cast<std::uint32_t>(big(4)); }
-  /// Bytes not taken yet; taking none of them.
+  /// Returns the bytes that have not been read yet, without consuming them.
   [[nodiscard]] constexpr Bytes rest() const { return in_.subspan(at_); }
-  /// False once something was taken from behind the end.
+  /// Returns false once a read went past the end.
   [[nodiscard]] constexpr bool ok() const { return ok_; }
 
  private:
@@ -96,7 +96,7 @@ class ByteReader {
   bool ok_ = true;
 };
 
-/// What four bits add to a CRC-32: the reflected polynomial 0xEDB88320, taken four times.
+/// The table has the effect of four bits on a CRC-32: four steps of the reflected polynomial 0xEDB88320.
 inline constexpr auto kCrcOfNibble = [] {
   std::array<std::uint32_t, 16> table{};
   for (std::uint32_t n = 0; n < table.size(); ++n) {
@@ -106,8 +106,8 @@ inline constexpr auto kCrcOfNibble = [] {
   return table;
 }();
 
-/// CRC-32 of ISO-HDLC (reflected 0xEDB88320, init and final xor all ones): "123456789" → 0xCBF43926. Four bits at a
-/// time: the loader takes it of whole images before it starts one.
+/// Computes the CRC-32 of ISO-HDLC (reflected 0xEDB88320, init and final xor all ones): "123456789" → 0xCBF43926. It
+/// processes four bits per step, because the loader computes it over whole images before it starts one.
 [[nodiscard]] constexpr std::uint32_t crc32(Bytes bytes, std::uint32_t seed = 0) {
   std::uint32_t crc = ~seed;
   for (const std::uint8_t b : bytes) {

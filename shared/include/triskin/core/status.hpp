@@ -5,7 +5,7 @@
 
 namespace triskin {
 
-/// Why something was refused. The numbers travel on the wire and are never reused.
+/// The reason why a request was refused. The numbers travel on the wire and are never reused.
 enum class Status : std::uint8_t {
   kOk = 0,            ///< The request was carried out.
   kTooShort = 1,      ///< There are fewer bytes than the format needs.
@@ -20,7 +20,7 @@ enum class Status : std::uint8_t {
   kFlashFailed = 10,  ///< Erasing or programming was refused, or the flash reads back differently.
   kEmpty = 11,        ///< Nothing has been stored here yet.
   kNoSpace = 12,      ///< The content is larger than the buffer or slot.
-  kBusError = 13,     ///< Nobody acknowledged on the I²C line.
+  kBusError = 13,     ///< No chip acknowledged on the I²C line.
   kLineStuck = 14,    ///< SDA or SCL of the I²C line is held low.
   kWrongId = 15,      ///< The chip answers with the device id of another type.
   kOlder = 16,        ///< The firmware offered is older than the one that runs.

@@ -6,10 +6,11 @@
 #include "triskin/core/bytes.hpp"
 #include "triskin/core/status.hpp"
 
-/// A firmware file: the application linked for slot A, and for slot B. docs/firmware_images.md, "Firmware package".
+/// A firmware file contains the application twice, linked for slot A and for slot B. See docs/firmware_images.md,
+/// "Firmware package".
 namespace triskin::layout {
 
-/// Page of the flash, the least that is erased at once (RM0440 §3, as sim/flash_model.hpp has it).
+/// The flash erases whole pages of this size (RM0440 §3, as in sim/flash_model.hpp).
 inline constexpr std::uint32_t kFlashPageBytes = 2048;
 
 inline constexpr std::array<std::uint8_t, 4> kPackageMagic{'T', 'S', 'K', 'F'};
@@ -19,17 +20,17 @@ inline constexpr std::uint32_t kMaxFirmwareImageBytes = 0x3C000 - kFlashPageByte
 
 struct PackageHead {
   std::uint32_t firmware_version = 0;
-  /// Size and CRC of the image for each slot; sizes are multiples of 8.
+  /// Both arrays are indexed by slot, and sizes are multiples of 8.
   std::array<std::uint32_t, 2> size_bytes{}, crc{};
-  /// Offset of the image for a slot (0 or 1) in the package, bytes.
+  /// Returns the offset in bytes of the image for a slot (0 or 1) in the package.
   [[nodiscard]] constexpr std::uint32_t offset(int slot) const {
     return static_cast<std::uint32_t>(kPackageHeadBytes) + (slot == 0 ? 0 : size_bytes[0]);
   }
-  /// Bytes of the whole package.
+  /// Returns the size of the whole package in bytes.
   [[nodiscard]] constexpr std::uint32_t total() const { return offset(1) + size_bytes[1]; }
 };
 
-/// Errors: kTooShort, kBadMagic, kBadVersion, kBadCrc (of the head), kOutOfRange (sizes).
+/// Decodes and checks the head. Errors: kTooShort, kBadMagic, kBadVersion, kBadCrc (of the head), kOutOfRange (sizes).
 [[nodiscard]] constexpr Result<PackageHead> decode_package_head(Bytes bytes) {
   if (bytes.size() < kPackageHeadBytes) return std::unexpected(Status::kTooShort);
   for (std::size_t k = 0; k < kPackageMagic.size(); ++k) {
@@ -48,9 +49,9 @@ struct PackageHead {
   return head;
 }
 
-inline constexpr std::uint32_t kCommitMagic = 0x4D4D4F43;  ///< These are the letters "COMM" as they stand in memory.
+inline constexpr std::uint32_t kCommitMagic = 0x4D4D4F43;  ///< In memory these bytes read "COMM".
 
-/// CRC of the commit record's first twelve bytes: what slot_crc() begins with.
+/// Computes the CRC of the first twelve bytes of a commit record; slot_crc() continues from it.
 [[nodiscard]] constexpr std::uint32_t slot_crc_head(std::uint32_t sequence, std::uint32_t size_bytes) {
   std::array<std::uint8_t, 12> head{};
   ByteWriter w(head);
@@ -59,7 +60,7 @@ inline constexpr std::uint32_t kCommitMagic = 0x4D4D4F43;  ///< These are the le
   w.le32(size_bytes);
   return crc32(head);
 }
-/// CRC of the commit record's first twelve bytes and the image: size and sequence are covered as well.
+/// CRC of the first twelve bytes of a commit record and of the image, so that it also protects size and sequence.
 [[nodiscard]] constexpr std::uint32_t slot_crc(std::uint32_t sequence, Bytes image) {
   return crc32(image, slot_crc_head(sequence, static_cast<std::uint32_t>(image.size())));
 }

@@ -6,10 +6,10 @@
 #include "triskin/core/bytes.hpp"
 #include "triskin/core/status.hpp"
 
-/// What an image of the application says about itself, behind its vectors. docs/firmware_images.md, "Label".
+/// The label describes an image of the application and follows its vectors. See docs/firmware_images.md, "Label".
 namespace triskin::layout {
 
-/// Position of the label in an image, after the 118 vectors of the microcontroller.
+/// The label follows the 118 interrupt vectors of the microcontroller.
 inline constexpr std::size_t kLabelOffset = 0x1D8, kLabelBytes = 24;
 inline constexpr std::array<std::uint8_t, 4> kLabelMagic{'T', 'S', 'K', 'L'};
 inline constexpr std::uint8_t kLabelVersion = 1;
@@ -22,7 +22,7 @@ struct ImageLabel {
   bool operator==(const ImageLabel&) const = default;
 };
 
-/// The bytes of a label.
+/// Encodes a label in its flash format.
 [[nodiscard]] constexpr std::array<std::uint8_t, kLabelBytes> encode_label(const ImageLabel& label) {
   std::array<std::uint8_t, kLabelBytes> bytes{};
   ByteWriter w(bytes);
@@ -36,7 +36,7 @@ struct ImageLabel {
   return bytes;
 }
 
-/// Label of an image. Errors: kTooShort, kBadMagic (an image without: of version 0.1), kBadVersion.
+/// Reads the label of an image. Errors: kTooShort, kBadMagic (images of version 0.1 have no label), kBadVersion.
 [[nodiscard]] constexpr Result<ImageLabel> decode_label(Bytes image) {
   if (image.size() < kLabelOffset + kLabelBytes) return std::unexpected(Status::kTooShort);
   const Bytes bytes = image.subspan(kLabelOffset, kLabelBytes);

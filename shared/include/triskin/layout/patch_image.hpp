@@ -9,58 +9,60 @@
 #include "triskin/layout/joint_end.hpp"
 #include "triskin/layout/module.hpp"
 
-/// The patch image: what is flashed into one controller (docs/flash_layout.md). Little-endian, 32-byte header, then one
-/// 12-byte row a module. The only owner of the format; the limits are those of layout/module.hpp.
+/// The patch image is the table that is flashed into one controller (docs/flash_layout.md). It is little-endian: a
+/// header of 32 bytes, then a row of 12 bytes for each module. The limits are those of layout/module.hpp.
 namespace triskin::layout {
 
 /// Raise it when a field changes, because readers refuse other versions.
 inline constexpr std::uint16_t kLayoutVersion = 1;
-inline constexpr std::uint32_t kMagic = 0x4E4B5354;  ///< These are the letters "TSKN" as they stand in memory.
+inline constexpr std::uint32_t kMagic = 0x4E4B5354;  ///< In memory these bytes read "TSKN".
 inline constexpr std::uint8_t kNoParent = 0xFF;
-/// The entry module has this as its parent_port, because its parent is the cable.
+/// The entry module has this parent_port, because its parent is the cable.
 inline constexpr std::uint8_t kCable = kPorts;
 inline constexpr std::size_t kHeaderBytes = 32;
 inline constexpr std::size_t kRowBytes = 12;
-/// The header's flag says that the electrodes hang on the positive input.
+/// This flag in the header says that the electrodes are connected to the positive input.
 inline constexpr std::uint8_t kPositiveInput = 1;
-/// The three high bits of a module id are the number of the kind if the design has kinds; a controller does not
+/// If a design has kinds, the three high bits of a module id are the number of the kind; a controller does not
 /// interpret the id.
 inline constexpr unsigned kKindShift = 13;
-inline constexpr std::size_t kMaxKinds = 8;  ///< The standard kind, number 0, is counted.
-/// Number of module ids that a design with kinds can have.
+inline constexpr std::size_t kMaxKinds = 8;  ///< The limit includes the standard kind, which has number 0.
+/// A design with kinds can use only this many module ids.
 inline constexpr unsigned kIdsBesideKinds = 1U << kKindShift;
 inline constexpr std::size_t kMaxImageBytes = kHeaderBytes + kMaxModules * kRowBytes;
 
-/// One module: address table and route table in one row, so that they cannot disagree.
+/// One row holds both the address and the route of a module, so that they cannot disagree.
 struct ModuleRow {
-  /// This is the id of the design file; designs with kinds store the kind here too (kKindShift).
+  /// The design file uses the same id; designs with kinds store the kind here too (kKindShift).
   std::uint16_t module_id = 0;
-  std::uint8_t line = 0;            ///< It ranges from 0 to 3.
-  std::uint8_t address = 0;         ///< It ranges from 0 to 3; cdc_address(address) is what stands on the bus.
-  std::uint8_t rotation = 0;        ///< It ranges from 0 to 2 and names the tile side of port A.
-  std::uint8_t parent = kNoParent;  ///< A parent's row always comes before this row; the entry has kNoParent.
-  /// Output port of the parent (0..2) that this module hangs on; kCable at the entry.
+  std::uint8_t line = 0;            ///< Valid values are 0 to 3.
+  std::uint8_t address = 0;         ///< Valid values are 0 to 3; cdc_address(address) gives the I²C address.
+  std::uint8_t rotation = 0;        ///< Valid values are 0 to 2; they name the tile side that has port A.
+  std::uint8_t parent = kNoParent;  ///< The parent's row always precedes this row; the entry has kNoParent.
+  /// The lines reach this module through this port (0..2) of its parent; the entry has kCable.
   std::uint8_t parent_port = kCable;
   std::array<std::uint8_t, kPorts>
-      joints{};  ///< Each port has its far end (joint_to), also for joints that the tree leaves out; 0 means none.
+      joints{};  ///< Each port names its far end as a joint_to byte, even for joints outside the tree; 0 means none.
   bool operator==(const ModuleRow&) const = default;
 };
 
 struct PatchImage {
   std::uint64_t design_id = 0;
-  /// The image is for the controller with this address, kFirstNode … kLastNode.
+  /// The image is meant for the controller with this address, kFirstNode … kLastNode.
   std::uint8_t node_address = kFirstNode;
-  std::uint8_t module_count = 0;  ///< It ranges from 1 to 16.
-  std::uint8_t second_entry = 0;  ///< Switched modules can have a second cable at this port (joint_to); 0 means none.
-  /// The electrodes hang on the converter's positive input; the controller turns the results round. False: negative.
+  std::uint8_t module_count = 0;  ///< Valid values are 1 to 16.
+  /// Switched modules can have a second cable at this port, given as a joint_to byte; 0 means none.
+  std::uint8_t second_entry = 0;
+  /// True means that the electrodes are on the converter's positive input and the controller inverts the results.
   bool positive_input = false;
   std::array<ModuleRow, kMaxModules> modules{};
-  /// Rows of the modules in use, parents before children.
+  /// Returns the rows in use, with parents before children.
   [[nodiscard]] constexpr std::span<const ModuleRow> rows() const { return {modules.data(), module_count}; }
   bool operator==(const PatchImage&) const = default;
 };
 
-/// Tables for strapped modules may leave all joints out: nothing can be switched there.
+/// Returns true if any joint is listed. Tables for strapped modules may leave all joints out, because nothing can be
+/// switched there.
 [[nodiscard]] constexpr bool has_joints(const PatchImage& image) {
   for (const ModuleRow& m : image.rows()) {
     for (const std::uint8_t j : m.joints) {
@@ -70,7 +72,7 @@ struct PatchImage {
   return false;
 }
 
-/// Port of a row that faces its parent, at the entry the cable. Without joints it is port A.
+/// Returns the port of a row that faces its parent, or the cable at the entry. A table without joints gives port A.
 [[nodiscard]] constexpr std::uint8_t input_port(const PatchImage& image, std::size_t row) {
   const ModuleRow& m = image.modules[row];
   if (row == 0 || !has_joints(image) || m.parent >= image.module_count || m.parent_port >= kPorts) return 0;
@@ -78,8 +80,8 @@ struct PatchImage {
   return j == 0 ? std::uint8_t{0} : joint_port(j);
 }
 
-/// Ports of each row that carry the lines: the one towards the parent (at the entry the cable) and those that children
-/// hang on; bit p: port p. On strapped modules the joints of all other ports are cut.
+/// For each row, bit p is set if port p carries the lines: the port towards the parent (at the entry, the cable) and
+/// the ports towards children. On strapped modules the joints of all other ports are cut.
 [[nodiscard]] constexpr std::array<std::uint8_t, kMaxModules> kept_ports(const PatchImage& image) {
   std::array<std::uint8_t, kMaxModules> kept{};
   const auto keep = [&](std::size_t row, unsigned port) {
@@ -92,8 +94,8 @@ struct PatchImage {
   return kept;
 }
 
-/// Every joint has two ends, no end at a cable; every module hangs on a joint. kOk; kOutOfRange: a joint to a module
-/// that is not there; kBadTree: another rule is broken.
+/// Checks that every joint has two ends and none at a cable, and that every module has a joint. Returns kOk;
+/// kOutOfRange for a joint to a module that does not exist; kBadTree if another rule is broken.
 [[nodiscard]] constexpr Status check_joints(const PatchImage& image) {
   if (image.second_entry != 0) {
     if (image.second_entry > joint_to(image.module_count - 1U, kPorts - 1)) return Status::kOutOfRange;
@@ -119,8 +121,8 @@ struct PatchImage {
   return Status::kOk;
 }
 
-/// Limits and tree: ranges, unique (line, address) and module id, one entry that is row 0, parents before children, no
-/// port of a parent used twice, its input port never; joints (check_joints).
+/// Checks ranges, that (line, address) and module ids are unique, that row 0 is the only entry, that parents precede
+/// children, that children use different ports of a parent and never its input port, and the joints (check_joints).
 [[nodiscard]] constexpr Status check(const PatchImage& image) {
   if (image.module_count < 1 || image.module_count > kMaxModules) return Status::kOutOfRange;
   if (!is_node_address(image.node_address)) return Status::kOutOfRange;
@@ -146,8 +148,9 @@ struct PatchImage {
   return check_joints(image);
 }
 
-/// Header: magic, layout version, header bytes, total bytes, node address, module count, design id, second entry,
-/// flags, 6 reserved zeros, CRC-32 of everything else. Returns the bytes written. Errors: what check() says; kNoSpace.
+/// Writes the header (magic, layout version, header bytes, total bytes, node address, module count, design id, second
+/// entry, flags, 6 reserved zeros, CRC-32 of everything else) and the rows. Returns the bytes written. Errors: those of
+/// check(); kNoSpace.
 [[nodiscard]] constexpr Result<std::size_t> encode(const PatchImage& image, std::span<std::uint8_t> out) {
   if (const Status s = check(image); s != Status::kOk) return std::unexpected(s);
   const std::size_t total = kHeaderBytes + image.module_count * kRowBytes;
@@ -163,7 +166,7 @@ struct PatchImage {
   w.u8(image.second_entry);
   w.u8(image.positive_input ? kPositiveInput : std::uint8_t{0});
   w.bytes(std::array<std::uint8_t, 6>{});
-  w.le32(0);  // The CRC is written here once all other bytes are known.
+  w.le32(0);  // The CRC is filled in when all other bytes are known.
   const auto kept = kept_ports(image);
   for (std::size_t k = 0; k < image.module_count; ++k) {
     const ModuleRow& m = image.modules[k];
@@ -182,9 +185,9 @@ struct PatchImage {
   return total;
 }
 
-/// Reads and checks an image. `bytes` may be longer than the image (a flash slot). Errors: kTooShort, kBadMagic,
-/// kBadVersion, kBadLength, kBadCrc, then what check() says; kBadTree where the kept ports are given and are not those
-/// of the tree.
+/// Reads and checks an image; `bytes` may be longer than the image (a flash slot). Errors: kTooShort, kBadMagic,
+/// kBadVersion, kBadLength, kBadCrc, then those of check(); kBadTree if kept ports are given that differ from the
+/// tree's.
 [[nodiscard]] constexpr Result<PatchImage> decode(Bytes bytes) {
   if (bytes.size() < kHeaderBytes) return std::unexpected(Status::kTooShort);
   ByteReader r(bytes);
@@ -223,7 +226,7 @@ struct PatchImage {
     m.joints = {row[8], row[9], row[10]};
   }
   if (const Status s = check(image); s != Status::kOk) return std::unexpected(s);
-  const bool given = kept != decltype(kept){};  // All 0: the ports were left out.
+  const bool given = kept != decltype(kept){};  // Zeros everywhere mean that the image leaves the kept ports out.
   if (given && kept != kept_ports(image)) return std::unexpected(Status::kBadTree);
   return image;
 }

@@ -3,10 +3,10 @@
 
 namespace triskin::layout {
 
-/// Nominal value of a taxel that nobody touches, counts of the converter: the middle of its range, to which the
-/// controller brings it by an offset (wire/offsets.hpp). Pressure lowers it.
+/// Nominal counts of an untouched taxel: the middle of the converter's range, which the controller reaches by an offset
+/// (wire/offsets.hpp). Pressure lowers the value.
 inline constexpr double kRestCounts = 0x8000;
-/// How far single taxels rest from it: one step of the offset.
+/// A single taxel can rest this far from the nominal value, because one step of the offset is that large.
 inline constexpr double kRestBand_counts = 1'400.0;
 
 }  // namespace triskin::layout

@@ -7,32 +7,33 @@
 
 namespace triskin::sim {
 
-/// Thrown out of a flash operation when power is lost in the middle of it: the virtual controller is then dead and must
-/// be made anew on the same flash. Only simulation throws; the firmware never sees or catches it.
+/// Thrown from a flash operation when the power fails in the middle of it. The virtual controller is then dead and must
+/// be constructed again on the same flash. Only the simulation throws it; the firmware never sees or catches it.
 struct PowerLost : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What the flash of the STM32G474 takes (DS12288, typical) to erase a page of 2 KB and to program a unit of 8 bytes.
-/// It does one thing at a time.
+/// The STM32G474 (DS12288) typically takes these times to erase a page of 2 KB and to program a unit of 8 bytes. The
+/// flash performs one operation at a time.
 inline constexpr std::uint64_t kPageErase_ns = 22'020'000, kUnitProgram_ns = 81'690;
 
-/// Flash memory that obeys the rules of the STM32G474 (RM0440 §3): erased bytes read 0xFF, pages of `page_bytes`,
-/// programming in aligned units of `program_bytes` into erased units only (a unit written twice is refused: ECC).
+/// The model obeys the rules of the STM32G474 (RM0440 §3): erased bytes read 0xFF, `page_bytes` are erased at once,
+/// and `program_bytes` are programmed at once, aligned and only into an erased unit (the ECC forbids writing a unit
+/// twice).
 class FlashModel {
  public:
   virtual ~FlashModel() = default;
-  /// Bytes of the area; a multiple of page_bytes().
+  /// Returns the size of the area, a multiple of page_bytes().
   [[nodiscard]] virtual std::size_t size_bytes() const = 0;
-  /// Bytes that one erase_page() erases.
+  /// Returns how many bytes erase_page() erases.
   [[nodiscard]] virtual std::size_t page_bytes() const = 0;  ///< The STM32G474 has pages of 2,048 bytes.
-  /// Bytes of one unit that program() writes.
+  /// Returns how many bytes program() writes at once.
   [[nodiscard]] virtual std::size_t program_bytes() const = 0;  ///< The STM32G474 programs eight bytes at a time.
-  /// It returns false for a page that is misaligned or out of range.
+  /// Erases one page; returns false for an offset that is misaligned or out of range.
   virtual bool erase_page(std::size_t offset_bytes) = 0;
-  /// It returns false where the flash would refuse the write.
+  /// Programs whole units; returns false where the flash would refuse the write.
   virtual bool program(std::size_t offset_bytes, std::span<const std::uint8_t> bytes) = 0;
-  /// The whole area as it reads now; erased bytes read 0xFF.
+  /// Returns the whole area as it reads now; erased bytes read 0xFF.
   [[nodiscard]] virtual std::span<const std::uint8_t> bytes() const = 0;
 };
 

@@ -17,17 +17,19 @@
 
 namespace triskin::sim {
 
-/// What surrounds one patch controller. Everything outlives the controller.
+/// The surroundings of a patch controller must outlive it.
 struct VirtualBoard {
-  std::array<I2cBus*, layout::kLines> lines{};  ///< No line may be null.
-  FlashModel* flash = nullptr;                  ///< It holds the table slots, the fault memory and the node address.
+  std::array<I2cBus*, layout::kLines> lines{};  ///< None of these pointers may be null.
+  FlashModel* flash = nullptr;  ///< The flash holds the table slots, the fault memory and the node address.
   wire::UniqueId unique_id{};
-  std::function<void(const wire::CanFrame&)> send;  ///< It is called for every frame that leaves the controller.
-  bool can_fd = true;                               ///< It says whether the bus carries FD frames.
-  ChainModel* chain = nullptr;  ///< It is the chain of the switched modules; null means a board without one.
-  /// Both application slots follow each other here; null means a board without a loader.
+  std::function<void(const wire::CanFrame&)> send;  ///< The controller calls this for every frame that it sends.
+  bool can_fd = true;                               ///< True means that the bus carries CAN FD frames.
+  /// The switched modules are reached through this chain; null means that the board has none.
+  ChainModel* chain = nullptr;
+  /// Both application slots are here, one after the other; null means a board without a loader.
   FlashModel* slots = nullptr;
-  std::function<bool()> room{};          ///< It says whether a transmit buffer is free; an empty function means always.
+  /// The function returns whether a transmit buffer is free; if it is empty, one always is.
+  std::function<bool()> room{};
   wire::BoardHealth health = healthy();  ///< The board reports this as its health.
   std::optional<wire::Crash> crash{};    ///< The board reports this crash until a host clears the fault memory.
 
@@ -39,29 +41,29 @@ struct VirtualBoard {
   }
 };
 
-/// Bytes of the two application slots.
+/// Both application slots together have this size.
 inline constexpr std::size_t kSlotsBytes = std::size_t{2} * 0x3C000;
 
-/// The patch controller's application on virtual ports: the same logic that runs on the microcontroller. An image in a
-/// slot is stored, checked, counted and confirmed as there, but what runs is always the application of this program. It
-/// takes part in broadcast updates when the image that it runs from has a label, and has the version that stands there.
-/// Time is virtual and given by the caller. Not thread-safe.
+/// The patch controller's application runs on virtual ports, with the same logic as on the microcontroller. An image in
+/// a slot is stored, checked, counted and confirmed as there, but the code that runs is always that of this program. If
+/// the running image has a label, the controller takes part in broadcast updates and reports the version of the label.
+/// The caller provides the virtual time. Not thread-safe.
 class VirtualController {
  public:
   virtual ~VirtualController() = default;
-  /// A frame arrives. It is handled by the next run_until.
+  /// Accepts a frame, which the next run_until handles.
   virtual void receive(const wire::CanFrame& frame) = 0;
-  /// Its USB device, to be attached to a bus; another one, which has to be plugged in anew, when the session has
-  /// changed.
+  /// Returns the USB device to attach to a bus. After the session has changed it is another device, which has to be
+  /// plugged in again.
   [[nodiscard]] virtual wire::UsbFunction& usb() = 0;
   [[nodiscard]] virtual int usb_session() const = 0;
-  /// Runs the application until virtual time `now_us` (monotonic). May throw PowerLost from the flash model.
+  /// Runs the application until the virtual time `now_us` (monotonic). May throw PowerLost from the flash model.
   virtual void run_until(std::uint64_t now_us) = 0;
-  /// Earliest virtual time at which the application has something to do; ≤ now when it is busy.
+  /// Returns the earliest virtual time at which the application has work; a time ≤ now means that it is busy.
   [[nodiscard]] virtual std::uint64_t next_event_us() const = 0;
 };
 
-/// Starts the application as after power-up. Implemented by firmware/board/posix, bound at link time.
+/// Starts the application as after power-up. firmware/board/posix implements this function, and the linker binds it.
 [[nodiscard]] std::unique_ptr<VirtualController> make_virtual_controller(const VirtualBoard& board);
 
 }  // namespace triskin::sim

@@ -10,22 +10,23 @@
 #include "triskin/wire/can_frame.hpp"
 #include "triskin/wire/identifiers.hpp"
 
-/// What a controller of switched modules does not reach of its own patch, and which modules of a neighbouring patch it
-/// reads. docs/adoption.md.
+/// Tells which modules of its own patch a controller of switched modules cannot reach, and which modules of a
+/// neighbouring patch it reads. See docs/adoption.md.
 namespace triskin::wire {
 
 inline constexpr std::uint32_t kReachBase = 0x18E3FF00;
 
-/// Event: sent by a controller when one of the fields changes, and each second while one of the first two is not 0.
+/// A controller sends this event when a field changes, and every second while one of the first two fields is not 0.
 struct Reach {
   std::uint8_t node_address = 0;
   std::uint16_t out_of_reach = 0;    ///< Bit r says that no working route leads to row r, so neighbours may adopt it.
-  std::uint8_t adopted_modules = 0;  ///< So many modules of other patches are read by this controller.
-  std::uint8_t list = 0;             ///< Samples name the list that they refer to, see Adoption::list.
+  std::uint8_t adopted_modules = 0;  ///< The controller reads this many modules of other patches.
+  std::uint8_t list = 0;             ///< Samples carry the number of the list that they refer to (Adoption::list).
   bool operator==(const Reach&) const = default;
 };
 
-/// A classic frame of 4 bytes at kReachBase + node address: rows (2), adopted modules (1), list (1).
+/// Encodes a classic frame of 4 bytes with identifier kReachBase + node address: rows (2), adopted modules (1), list
+/// (1).
 [[nodiscard]] constexpr CanFrame encode_reach(const Reach& r) {
   CanFrame f;
   f.id = kReachBase | r.node_address;
@@ -38,8 +39,8 @@ struct Reach {
   return f;
 }
 
-/// Errors: kOutOfRange (another identifier, no node address, more adopted modules than a patch has modules),
-/// kBadLength.
+/// Decodes the frame. Errors: kOutOfRange (another identifier, an invalid node address, more adopted modules than a
+/// patch can have), kBadLength.
 [[nodiscard]] constexpr Result<Reach> decode_reach(const CanFrame& f) {
   const auto node = static_cast<std::uint8_t>(f.id);
   if (!f.extended || (f.id & ~std::uint32_t{0xFF}) != kReachBase || !layout::is_node_address(node))
@@ -50,27 +51,26 @@ struct Reach {
   return reach;
 }
 
-/// A module of another patch that a controller reads: where it hangs, which tells what module it is.
+/// The controller reads this module of another patch; the host recognizes it by the port that it is connected to.
 struct AdoptedModule {
-  std::uint8_t parent = 0;       ///< The parent is a row of the table, or an adopted module listed before this one.
-  std::uint8_t parent_port = 0;  ///< It ranges from 0 to 2: the parent's port that leads to the adopted module.
-  std::uint8_t port = 0;         ///< It ranges from 0 to 2: the adopted module's port that leads to the parent.
-  std::uint8_t place = 0;        ///< It is 4 · line + address and ranges from 0 to 15.
+  std::uint8_t parent = 0;       ///< The parent is a row of the table, or an adopted module earlier in this list.
+  std::uint8_t parent_port = 0;  ///< This port of the parent, 0 to 2, leads to the adopted module.
+  std::uint8_t port = 0;         ///< This port of the adopted module, 0 to 2, leads to the parent.
+  std::uint8_t place = 0;        ///< The place is 4 · line + address, from 0 to 15.
   [[nodiscard]] constexpr std::uint8_t line() const { return place / layout::kAddressesPerLine; }
   [[nodiscard]] constexpr std::uint8_t address() const { return place % layout::kAddressesPerLine; }
   bool operator==(const AdoptedModule&) const = default;
 };
 
-/// FD0E: see Reach; adopted module k has row `rows of the table` + k in the full stream. FD0C has rows of the table
-/// only.
+/// Identifier FD0E carries this value; see Reach. In the full stream, adopted module k has row `rows of the table` + k;
+/// FD0C has only rows of the table.
 struct Adoption {
   static constexpr std::uint16_t kId = did::kAdoption;
   static constexpr std::size_t kMinBytes = 4, kAdoptedBytes = 4, kMaxAdopteds = layout::kMaxModules - 1,
                                kMaxBytes = kMinBytes + kAdoptedBytes * kMaxAdopteds;
-  std::uint8_t rows = 0;  ///< Adopted modules are numbered after these rows of the controller's own table.
+  std::uint8_t rows = 0;  ///< Numbers of adopted modules begin after the rows of the controller's own table.
   std::uint16_t out_of_reach = 0;
-  /// Each change of the adopted modules gives the list the next number from 1 to 255, and samples carry it; 0 means
-  /// none.
+  /// The list gets the next number, 1 to 255, whenever the adopted modules change, and samples carry it; 0 means none.
   std::uint8_t list = 0;
   std::uint8_t count = 0;
   std::array<AdoptedModule, kMaxAdopteds> adopted_modules{};
@@ -79,7 +79,7 @@ struct Adoption {
     return {adopted_modules.data(), count};
   }
 
-  /// Appends the value as it stands on the wire.
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.u8(rows);
     out.le16(out_of_reach);
@@ -91,8 +91,9 @@ struct Adoption {
       out.u8(g.place);
     }
   }
-  /// Errors: kTooShort, kBadLength, kOutOfRange (more modules than a controller reads, a parent that is not before the
-  /// adopted module, a port or place that does not exist), kDuplicate (two adopted modules at one place).
+  /// Decodes the wire format. Errors: kTooShort, kBadLength, kOutOfRange (more modules than a controller reads, a
+  /// parent that does not precede the adopted module, a port or place that does not exist), kDuplicate (two adopted
+  /// modules at one place).
   [[nodiscard]] static constexpr Result<Adoption> decode(Bytes bytes) {
     if (bytes.size() < kMinBytes) return std::unexpected(Status::kTooShort);
     if (bytes.size() > kMaxBytes || (bytes.size() - kMinBytes) % kAdoptedBytes != 0)

@@ -9,50 +9,51 @@
 #include "triskin/wire/checked_enum.hpp"
 #include "triskin/wire/identifiers.hpp"
 
-/// What the counts of taxels are worth in kPa, as a controller keeps it with its table (FD0D). docs/calibration.md.
+/// A calibration says how many counts of each taxel correspond to one kPa; the controller stores it with its table
+/// (FD0D). See docs/calibration.md.
 namespace triskin::wire {
 
-/// What pressed while the calibration was made.
+/// During the calibration, pressure was applied in one of these ways.
 enum class CalibrationMethod : std::uint8_t { kSteps = 0, kWeights = 1, kRamp = 2 };
-/// Method of a number from the wire.
-/// Error: kOutOfRange.
+/// Converts a number from the wire. Error: kOutOfRange.
 [[nodiscard]] constexpr Result<CalibrationMethod> to_calibration_method(std::uint8_t number) {
   return checked_enum(number, CalibrationMethod::kRamp);
 }
 
-/// The taxels of the module at one place.
+/// Each place has the calibration of the taxels of its module.
 struct PlaceSensitivity {
-  std::uint8_t place = 0;  ///< It is kAddressesPerLine · line + address.
-  /// Counts that 1 kPa takes away, in units of 2^-exponent counts/kPa; 0: not calibrated.
+  std::uint8_t place = 0;  ///< The place is kAddressesPerLine · line + address.
+  /// 1 kPa lowers a taxel by this many units of 2^-exponent counts; 0 means not calibrated.
   std::array<std::uint16_t, layout::kTaxelsPerModule> sensitivity{};
-  /// It bounds the relative error of the module's worst taxel in units of 0.01 %; 65535 means that or more.
+  /// The value bounds the relative error of the module's worst taxel in units of 0.01 %; 65535 means at least that.
   std::uint16_t error = 0;
-  /// No point of the module lies farther from its line than this; 65535 means that or more.
+  /// No calibration point of the module is farther from its fitted line than this; 65535 means at least that.
   std::uint16_t residual_pa = 0;
   bool operator==(const PlaceSensitivity&) const = default;
 };
 
-/// FD0D: the calibration of the modules on a controller. Without rows it is none: written, it deletes what was kept.
+/// Identifier FD0D carries the calibration of a controller's modules. Writing a value without rows deletes the stored
+/// calibration.
 struct Calibration {
   static constexpr std::uint16_t kId = did::kCalibration;
-  static constexpr std::uint8_t kVersion = 1;  ///< A value of another version is refused.
+  static constexpr std::uint8_t kVersion = 1;  ///< Readers refuse a value of another version.
   static constexpr std::uint8_t kMaxExponent = 30;
   static constexpr std::size_t kHeadBytes = 27, kRowBytes = 5 + 2 * layout::kTaxelsPerModule;
   static constexpr std::size_t kMinBytes = kHeadBytes, kMaxBytes = kHeadBytes + kRowBytes * layout::kMaxModules;
-  std::uint8_t exponent = 0;    ///< All sensitivities share this exponent, 0 … kMaxExponent.
+  std::uint8_t exponent = 0;    ///< All sensitivities have this exponent in common, 0 … kMaxExponent.
   std::uint16_t revision = 1;   ///< Each calibration of the controller adds 1, starting at 1.
   std::uint64_t design_id = 0;  ///< The controller had the table of this design during the calibration.
-  std::uint16_t patch = 0;      ///< The patch is counted from 0 within that design.
+  std::uint16_t patch = 0;      ///< Patches are numbered from 0 within that design.
   std::uint32_t made_unix_s = 0;
   CalibrationMethod method = CalibrationMethod::kSteps;
-  std::uint32_t max_pa = 0;      ///< The calibration holds up to this pressure, the largest that was applied.
-  std::uint32_t taxel_area = 1;  ///< A taxel stands for this area of skin, in 10⁻⁴ mm², at least 1.
-  std::uint8_t count = 0;        ///< It ranges from 0 to kMaxModules.
+  std::uint32_t max_pa = 0;      ///< The calibration is valid up to this pressure, the largest that was applied.
+  std::uint32_t taxel_area = 1;  ///< The area of skin per taxel is given in 10⁻⁴ mm² and is at least 1.
+  std::uint8_t count = 0;        ///< Valid values are 0 to kMaxModules.
   std::array<PlaceSensitivity, layout::kMaxModules> places{};
 
-  /// The modules, in the order in which they were written.
+  /// Returns the modules in the order in which they were written.
   [[nodiscard]] constexpr std::span<const PlaceSensitivity> rows() const { return std::span(places).first(count); }
-  /// Appends the value as it stands on the wire.
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.u8(kVersion);
     out.u8(exponent);
@@ -70,8 +71,8 @@ struct Calibration {
       out.le16(p.residual_pa);
     }
   }
-  /// Errors: kBadLength (no whole row, too many), kBadVersion, kOutOfRange (no such exponent, revision, method, area or
-  /// place), kDuplicate (a place twice).
+  /// Decodes the wire format. Errors: kBadLength (a partial row, too many rows), kBadVersion, kOutOfRange (no such
+  /// exponent, revision, method, area or place), kDuplicate (a place twice).
   [[nodiscard]] static constexpr Result<Calibration> decode(Bytes bytes) {
     if (bytes.size() < kMinBytes || bytes.size() > kMaxBytes || (bytes.size() - kHeadBytes) % kRowBytes != 0)
       return std::unexpected(Status::kBadLength);

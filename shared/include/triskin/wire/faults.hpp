@@ -10,23 +10,23 @@
 #include "triskin/wire/identifiers.hpp"
 #include "triskin/wire/module_state.hpp"
 
-/// The fault memory (services 14 and 19). docs/protocol.md.
+/// Services 14 and 19 access the fault memory; see docs/protocol.md.
 namespace triskin::wire {
 
-/// Bits of a fault's status byte (ISO 14229-1, D.2) that a controller uses.
+/// A controller uses these bits of a fault's status byte (ISO 14229-1, D.2).
 namespace fault_status {
 inline constexpr std::uint8_t kFailsNow = 0x01, kConfirmed = 0x08, kAvailable = kFailsNow | kConfirmed;
 }
 
-/// Diagnostic trouble code of a module: 3 bytes, 9 and the state, 0, row of the table.
+/// The diagnostic trouble code of a module has 3 bytes: 9 and the state, then 0, then the row of the table.
 struct FaultCode {
   static constexpr std::uint32_t kGroup = 0x900000, kGroupMask = 0xF00000, kMaxCode = 0xFFFFFF;
   ModuleState state = kFirstFaultState;  ///< Only states that are faults are recorded.
-  std::uint8_t row = 0;                  ///< It ranges from 0 to kMaxModules − 1.
+  std::uint8_t row = 0;                  ///< Valid values are 0 to kMaxModules − 1.
 
-  /// The trouble code as a number, 24 bits.
+  /// Returns the trouble code as a number of 24 bits.
   [[nodiscard]] constexpr std::uint32_t dtc() const { return kGroup | static_cast<std::uint32_t>(state) << 16 | row; }
-  /// Error: kOutOfRange (another group, no fault, no row).
+  /// Splits a trouble code. Error: kOutOfRange (another group, a state that is not a fault, no such row).
   [[nodiscard]] static constexpr Result<FaultCode> of(std::uint32_t dtc) {
     const auto state = to_module_state(static_cast<std::uint8_t>(dtc >> 16 & 0xF));
     if (dtc > kMaxCode || (dtc & (kGroupMask | 0xFF00U)) != kGroup || !state || *state < kFirstFaultState ||
@@ -39,42 +39,42 @@ struct FaultCode {
 
 struct FaultRecord {
   FaultCode code;
-  std::uint8_t status = 0;  ///< Its bits are those of fault_status.
-  /// True while the fault is present.
+  std::uint8_t status = 0;  ///< The bits are defined in fault_status.
+  /// Returns true while the fault is present.
   [[nodiscard]] constexpr bool fails_now() const { return (status & fault_status::kFailsNow) != 0; }
   bool operator==(const FaultRecord&) const = default;
 };
 
-/// Appends a trouble code, three bytes, big-endian.
+/// Appends a trouble code as three bytes, big-endian.
 constexpr void encode_dtc(std::uint32_t dtc, ByteWriter& out) {
   out.u8(static_cast<std::uint8_t>(dtc >> 16));
   out.be16(static_cast<std::uint16_t>(dtc));
 }
 
-/// Answer to 19 02, after the sub-function: which status bits there are, then the faults.
+/// The answer to 19 02 has, after the sub-function, the status bits that the controller supports, then the faults.
 struct FaultList {
   static constexpr std::size_t kRecordBytes = 4, kFaultsPerModule = kModuleStateCount - 2;
   static constexpr std::size_t kMaxRecords = kFaultsPerModule * layout::kMaxModules;
   std::uint8_t available = fault_status::kAvailable;
-  std::uint8_t count = 0;  ///< It ranges from 0 to kMaxRecords.
+  std::uint8_t count = 0;  ///< Valid values are 0 to kMaxRecords.
   std::array<FaultRecord, kMaxRecords> records{};
 
-  /// The records in use.
+  /// Returns the records in use.
   [[nodiscard]] constexpr std::span<const FaultRecord> faults() const { return std::span(records).first(count); }
-  /// Appends a record; there must be room (kMaxRecords).
+  /// Appends a record; the caller makes sure that there is room (kMaxRecords).
   constexpr void add(const FaultRecord& r) { records[count++] = r; }
-  /// Appends the value as it stands on the wire.
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.u8(available);
     for (const FaultRecord& f : faults()) encode(f, out);
   }
-  /// One record, for a sender that has no room for a whole list.
+  /// Appends one record, for a sender that cannot hold a whole list in memory.
   static constexpr void encode(const FaultRecord& f, ByteWriter& out) {
     encode_dtc(f.code.dtc(), out);
     out.u8(f.status);
   }
-  /// Errors: kTooShort, kBadLength (half a record, too many), kOutOfRange (a code that is no fault of a module, a
-  /// status without one of the bits).
+  /// Decodes the wire format. Errors: kTooShort, kBadLength (half a record, too many), kOutOfRange (a code that is no
+  /// fault of a module, a status with unsupported bits).
   [[nodiscard]] static constexpr Result<FaultList> decode(Bytes bytes) {
     if (bytes.empty()) return std::unexpected(Status::kTooShort);
     if ((bytes.size() - 1) % kRecordBytes != 0 || bytes.size() > 1 + kRecordBytes * kMaxRecords)
@@ -94,21 +94,21 @@ struct FaultList {
   bool operator==(const FaultList&) const = default;
 };
 
-/// State of affairs when a fault occurred first.
+/// The fault first occurred at this time and sample number.
 struct Freeze {
   std::uint32_t time_ms = 0;  ///< The time is counted from power-up, because the board has no calendar.
-  std::uint32_t sample = 0;   ///< The module's samples are counted from power-up.
+  std::uint32_t sample = 0;   ///< Samples of the module are counted from power-up.
   bool operator==(const Freeze&) const = default;
 };
 
-/// Answer to 19 04, after the sub-function: one record with FD21 and FD22.
+/// The answer to 19 04 has, after the sub-function, one record that holds FD21 and FD22.
 struct FreezeFrame {
   static constexpr std::size_t kBytes = 18;
   static constexpr std::uint8_t kRecord = 1, kValues = 2;
   FaultRecord fault;
   Freeze freeze;
 
-  /// Appends the value as it stands on the wire.
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     FaultList::encode(fault, out);
     out.u8(kRecord);
@@ -118,7 +118,7 @@ struct FreezeFrame {
     out.be16(did::kFreezeSample);
     out.le32(freeze.sample);
   }
-  /// Errors: kBadLength, kOutOfRange (another code, record or identifier).
+  /// Decodes the wire format. Errors: kBadLength, kOutOfRange (another code, record or identifier).
   [[nodiscard]] static constexpr Result<FreezeFrame> decode(Bytes bytes) {
     if (bytes.size() != kBytes) return std::unexpected(Status::kBadLength);
     ByteReader r(bytes);

@@ -7,10 +7,10 @@
 #include "triskin/wire/checked_enum.hpp"
 #include "triskin/wire/identifiers.hpp"
 
-/// How the board itself is (FD11), and what stopped it last (FD12). docs/protocol.md.
+/// Reports the health of the board (FD11) and its last crash (FD12); see docs/protocol.md.
 namespace triskin::wire {
 
-/// What the controller found out about its crystal.
+/// The controller tried to use its crystal with this result.
 enum class Crystal : std::uint8_t {
   kUsed,         ///< The crystal was measured, is in the list, and drives every clock.
   kSilent,       ///< The crystal does not start: it is missing, broken, or badly loaded.
@@ -18,52 +18,54 @@ enum class Crystal : std::uint8_t {
   kUnknown,      ///< The crystal runs at a frequency that is not in the list.
   kNoLock,       ///< The PLL did not lock to the crystal.
   kNoPll,        ///< The PLL does not lock to the internal oscillator either.
-  kNotSaid,      ///< An older loader started the clocks and said nothing about them.
+  kNotSaid,      ///< An older loader started the clocks but did not report on them.
 };
 
-/// Source of the controller's clock: the crystal with Crystal::kUsed, else the internal oscillator (± 1 %).
+/// The controller's clock comes from the crystal with Crystal::kUsed, otherwise from the internal oscillator (± 1 %).
 struct ClockState {
   Crystal crystal = Crystal::kNotSaid;
-  std::uint8_t crystal_mhz = 0;  ///< It is 0 while the internal oscillator is used.
-  /// The crystal is measured against the internal oscillator; 0 means that it was not.
+  std::uint8_t crystal_mhz = 0;  ///< Zero means that the internal oscillator is used.
+  /// The loader measures the crystal against the internal oscillator; 0 means that it did not.
   std::uint16_t measured_khz = 0;
   bool operator==(const ClockState&) const = default;
 };
 
-/// Bits of BoardHealth::reset_cause. Several may be set.
+/// Several of these bits of BoardHealth::reset_cause can be set at once.
 namespace reset_cause {
 inline constexpr std::uint8_t kPower = 1, kPin = 2, kSoftware = 4, kWatchdog = 8, kOptions = 16;
 }  // namespace reset_cause
 
-/// Bits of BoardHealth::can_state.
+/// BoardHealth::can_state has these bits.
 namespace can_state {
 inline constexpr std::uint8_t kWarning = 1, kErrorPassive = 2, kBusOff = 4;
 }  // namespace can_state
 
-/// FD11. Counters are since the last reset and begin anew after their type's largest value.
+/// Identifier FD11 carries this value. Counters start at the last reset and wrap around to 0 after the largest value of
+/// their type.
 struct BoardHealth {
   static constexpr std::uint16_t kId = did::kBoardHealth;
   static constexpr std::size_t kMinBytes = 54, kMaxBytes = kMinBytes;
   ClockState clock;
-  std::uint8_t reset_cause = 0;                              ///< The bits of wire::reset_cause describe the last reset.
-  std::uint16_t findings = 0;                                ///< docs/bring_up.md lists the bits.
-  std::uint8_t crashes_in_row = 0;                           ///< A minute of work ends such a series of crashes.
-  std::uint8_t can_send_errors = 0, can_receive_errors = 0;  ///< These are the error counters of ISO 11898-1.
-  std::uint8_t can_state = 0;                                ///< Its bits are those of wire::can_state.
-  /// The CAN controller gives this code: 0 is none, 7 is none since it was last read.
+  std::uint8_t reset_cause = 0;                              ///< The bits of wire::reset_cause explain the last reset.
+  std::uint16_t findings = 0;                                ///< The bits are listed in docs/bring_up.md.
+  std::uint8_t crashes_in_row = 0;                           ///< One minute without a crash resets this counter.
+  std::uint8_t can_send_errors = 0, can_receive_errors = 0;  ///< ISO 11898-1 defines both error counters.
+  std::uint8_t can_state = 0;                                ///< The bits are those of wire::can_state.
+  /// The CAN controller reports this code: 0 means no error, 7 means none since the last reading.
   std::uint8_t can_last_error = 0;
   std::uint32_t bus_offs = 0;
-  std::uint32_t can_lost = 0;          ///< Received frames that found no room are counted here.
-  std::uint16_t can_ram_failures = 0;  ///< It counts how often the CAN controller could not reach its message RAM.
-  /// They count units of the flash with one wrong bit and with two.
+  std::uint32_t can_lost = 0;  ///< The counter shows received frames for which there was no room.
+  /// The counter shows how often the CAN controller could not access its message RAM.
+  std::uint16_t can_ram_failures = 0;
+  /// The ECC of the flash repaired one wrong bit in the first case and only detected two in the second.
   std::uint32_t ecc_corrected = 0, ecc_detected = 0;
-  std::uint32_t flash_errors = 0;  ///< It counts erase and program operations that the flash refused.
+  std::uint32_t flash_errors = 0;  ///< The counter includes refused erase and program operations.
   std::uint32_t worst_loop_us = 0, worst_interrupt_us = 0;
-  /// The second is the part of the first that was never written to.
+  /// The second value is the part of the stack that was never written to.
   std::uint16_t stack_bytes = 0, stack_free_bytes = 0;
-  std::uint16_t idle_permille = 0;  ///< It is the idle share of the time since the last reset.
+  std::uint16_t idle_permille = 0;  ///< The idle share refers to the time since the last reset.
 
-  /// Appends the value as it stands on the wire.
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.u8(wire_number(clock.crystal));
     out.u8(clock.crystal_mhz);
@@ -80,7 +82,8 @@ struct BoardHealth {
     for (const std::uint16_t v : {stack_bytes, stack_free_bytes, idle_permille}) out.le16(v);
     for (int k = 0; k < 6; ++k) out.u8(0);
   }
-  /// Errors: kBadLength, kOutOfRange (an unknown state of the crystal). The last six bytes are reserved and ignored.
+  /// Decodes the wire format and ignores the last six bytes, which are reserved. Errors: kBadLength, kOutOfRange (an
+  /// unknown state of the crystal).
   [[nodiscard]] static constexpr Result<BoardHealth> decode(Bytes bytes) {
     if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     ByteReader r(bytes);
@@ -108,35 +111,37 @@ struct BoardHealth {
 };
 static_assert(kLengthsAsInTable<BoardHealth>);
 
-/// What stopped the controller.
+/// The controller can stop for these reasons.
 enum class CrashCause : std::uint8_t {
   kNone,
   kFault,          ///< The processor refused an instruction or an access to memory.
   kStackOverflow,  ///< The stack left its memory.
-  kWatchdog,       ///< The main loop did not come round for two seconds.
-  kClock,          ///< The crystal stopped, or no clock came up.
+  kWatchdog,       ///< The main loop did not run for two seconds.
+  kClock,          ///< The crystal stopped, or no clock started.
   kInterrupt,      ///< An interrupt arrived for which there is no handler.
   kProgram,        ///< The program stopped itself, by calling a null function or by leaving main.
 };
 
-/// FD12: kept over resets, and in the fault memory when the power goes. Without one the cause is kNone.
+/// Identifier FD12 carries this value. It survives resets in RAM and power failures in the fault memory. If there was
+/// no crash, the cause is kNone.
 struct Crash {
   static constexpr std::uint16_t kId = did::kCrash;
   static constexpr std::size_t kMinBytes = 44, kMaxBytes = kMinBytes;
   CrashCause cause = CrashCause::kNone;
-  bool while_erasing = false;    ///< A page was being erased, which stalls reads of that bank.
-  std::uint16_t exception = 0;   ///< It is the exception's number; 0 means that the main loop ran.
-  std::uint32_t pc = 0, lr = 0;  ///< Both are addresses in the image at `origin`; 0 means unknown.
-  std::uint32_t sp = 0;          ///< It is the stack pointer before the fault.
-  std::uint32_t fault_status = 0, hard_fault_status = 0;  ///< They are the processor's registers CFSR and HFSR.
-  /// This address could not be accessed, if fault_status marks it as valid; otherwise it is 0.
+  bool while_erasing = false;    ///< Erasing a page stalls reads of the same flash bank.
+  std::uint16_t exception = 0;   ///< The processor numbers its exceptions; 0 means that the main loop was running.
+  std::uint32_t pc = 0, lr = 0;  ///< Both are addresses within the image at `origin`; 0 means unknown.
+  std::uint32_t sp = 0;          ///< The stack pointer has the value from before the fault.
+  /// The processor's registers CFSR and HFSR explain the fault.
+  std::uint32_t fault_status = 0, hard_fault_status = 0;
+  /// Access to this address failed if fault_status marks it as valid; otherwise it is 0.
   std::uint32_t address = 0;
   std::uint32_t uptime_ms = 0;
   std::uint32_t firmware_version = 0;
   std::uint32_t origin = 0;  ///< The image that crashed was linked for this address.
   std::uint32_t number = 0;  ///< Crashes are counted from power-up.
 
-  /// Appends the value as it stands on the wire.
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.u8(wire_number(cause));
     out.u8(while_erasing ? 1 : 0);
@@ -145,7 +150,7 @@ struct Crash {
          {pc, lr, sp, fault_status, hard_fault_status, address, uptime_ms, firmware_version, origin, number})
       out.le32(v);
   }
-  /// Errors: kBadLength, kOutOfRange (an unknown cause).
+  /// Decodes the wire format. Errors: kBadLength, kOutOfRange (an unknown cause).
   [[nodiscard]] static constexpr Result<Crash> decode(Bytes bytes) {
     if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     ByteReader r(bytes);

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <string_view>
 
-/// Data identifiers and routines of the controller: numbers, lengths, access and what a value holds. The tables of
-/// docs/protocol.md are made from this file (tools/make_vector_tables). The types of the
-/// values are in the headers that the rows name; each checks its lengths against its row.
+/// The tables list the data identifiers and routines of the controller with numbers, lengths, access and meaning of a
+/// value. tools/make_vector_tables generates the tables of docs/protocol.md from this file. The headers named in the
+/// rows define the types of the values, and each type checks its lengths against its row.
 namespace triskin::wire {
 
 namespace did {
@@ -25,19 +25,19 @@ inline constexpr std::uint16_t kDiscover = 0x0201, kSelfTest = 0x0202, kCalibrat
                                kActivate = 0x0205, kOffsets = 0x0206, kProtectLoader = 0x0207;
 }  // namespace routine
 
-/// Who may do what with an identifier.
+/// Tells in which sessions and with which services an identifier can be used.
 enum class Access : std::uint8_t {
   kRead,       ///< Service 22 reads it in any session.
-  kReadWrite,  ///< Service 2E writes it too, after the key was given.
+  kReadWrite,  ///< Service 2E can also write it, after security access.
   kFreeze,     ///< It appears only inside freeze data, service 19 04.
 };
 
 struct Identifier {
   std::uint16_t id;
   Access access;
-  std::size_t min_bytes, max_bytes;  ///< A value has between so many bytes.
-  std::string_view header;           ///< This header below shared/include/triskin/wire defines the type of the value.
-  std::string_view value;  ///< The fields stand in order, each with its bytes, little-endian where nothing is said.
+  std::size_t min_bytes, max_bytes;  ///< The length of a value lies between these two limits.
+  std::string_view header;  ///< The type of the value is defined in this header below shared/include/triskin/wire.
+  std::string_view value;   ///< The fields are listed in order with their bytes, little-endian unless stated otherwise.
 };
 
 inline constexpr std::array<Identifier, 27> kIdentifiers{{
@@ -132,7 +132,7 @@ struct Routine {
   std::uint16_t id;
   std::string_view name;
   std::string_view does;
-  /// Size of the result after the routine's identifier; 0, 0: no result.
+  /// The result that follows the routine's identifier has a size between these; 0, 0 means that there is no result.
   std::size_t result_bytes_least, result_bytes_most;
   std::string_view result;
 };
@@ -161,16 +161,16 @@ inline constexpr std::array<Routine, 7> kRoutines{{
      1, 1, "Status (1), in the answer to the start"},
 }};
 
-/// Never defined: a call ends the evaluation of a constant expression.
+/// The function is never defined, so that a call of it makes a constant expression invalid.
 [[noreturn]] void no_row();
-/// Row of an identifier; a number without row does not compile in a constant expression.
+/// Returns the row of an identifier; an unknown number makes a constant expression invalid.
 [[nodiscard]] consteval const Identifier& identifier(std::uint16_t id) {
   for (const Identifier& row : kIdentifiers) {
     if (row.id == id) return row;
   }
   no_row();
 }
-/// Row of a routine, likewise.
+/// Returns the row of a routine; an unknown number makes a constant expression invalid.
 [[nodiscard]] consteval const Routine& routine_row(std::uint16_t id) {
   for (const Routine& row : kRoutines) {
     if (row.id == id) return row;
@@ -178,11 +178,11 @@ inline constexpr std::array<Routine, 7> kRoutines{{
   no_row();
 }
 
-/// A type of values against its row in the table: both lengths.
+/// Compares both lengths of a value type with its row in the table.
 template <class Value>
 inline constexpr bool kLengthsAsInTable =
     identifier(Value::kId).min_bytes == Value::kMinBytes && identifier(Value::kId).max_bytes == Value::kMaxBytes;
-/// A type of routine results against its row.
+/// Compares both lengths of a routine's result type with its row in the table.
 template <class Value>
 inline constexpr bool kResultAsInTable = routine_row(Value::kId).result_bytes_least == Value::kMinBytes &&
                                          routine_row(Value::kId).result_bytes_most == Value::kMaxBytes;

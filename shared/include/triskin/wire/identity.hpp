@@ -11,30 +11,29 @@
 #include "triskin/wire/identifiers.hpp"
 #include "triskin/wire/unique_id.hpp"
 
-/// Who a controller is and what runs on it (F186 … F195, FD00, FD01, FD09). docs/protocol.md.
+/// Identifies a controller and the firmware that runs on it (F186 … F195, FD00, FD01, FD09). See docs/protocol.md.
 namespace triskin::wire {
 
-/// A host that meets another version may only identify, read and update.
+/// A host with another wire version may only identify, read and update the controller.
 inline constexpr std::uint16_t kWireVersion = 1;
 
-/// Diagnostic sessions (ISO 14229-1, 10.2).
+/// ISO 14229-1, 10.2, defines the diagnostic sessions.
 enum class Session : std::uint8_t { kDefault = 1, kProgramming = 2, kExtended = 3 };
-/// Session of a number from the wire.
-/// Error: kOutOfRange.
+/// Converts a number from the wire. Error: kOutOfRange.
 [[nodiscard]] constexpr Result<Session> to_session(std::uint8_t number) {
   if (number < wire_number(Session::kDefault)) return std::unexpected(Status::kOutOfRange);
   return checked_enum(number, Session::kExtended);
 }
 
-/// F186.
+/// Identifier F186 carries this value.
 struct ActiveSession {
   static constexpr std::uint16_t kId = did::kActiveSession;
   static constexpr std::size_t kMinBytes = 1, kMaxBytes = 1;
   Session session = Session::kDefault;
 
-  /// Appends the value as it stands on the wire.
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const { out.u8(wire_number(session)); }
-  /// Errors: kBadLength, kOutOfRange.
+  /// Decodes the wire format. Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<ActiveSession> decode(Bytes bytes) {
     if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     const auto session = to_session(bytes[0]);
@@ -45,16 +44,15 @@ struct ActiveSession {
 };
 static_assert(kLengthsAsInTable<ActiveSession>);
 
-/// F18C.
+/// Identifier F18C carries this value.
 struct SerialNumber {
   static constexpr std::uint16_t kId = did::kSerialNumber;
   static constexpr std::size_t kMinBytes = UniqueId{}.size(), kMaxBytes = kMinBytes;
   UniqueId unique_id{};
 
-  /// Appends the value as it stands on the wire.
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const { out.bytes(unique_id); }
-  /// Value of these bytes.
-  /// Error: kBadLength.
+  /// Decodes the wire format. Error: kBadLength.
   [[nodiscard]] static constexpr Result<SerialNumber> decode(Bytes bytes) {
     SerialNumber s;
     if (bytes.size() != s.unique_id.size()) return std::unexpected(Status::kBadLength);
@@ -65,26 +63,25 @@ struct SerialNumber {
 };
 static_assert(kLengthsAsInTable<SerialNumber>);
 
-/// Kind of the board, a letter or digit: an image for another one is refused (docs/port_a_board.md).
+/// The kind of board is a letter or digit; an image for another kind is refused (docs/port_a_board.md).
 #ifndef TRISKIN_BOARD_KIND
 #define TRISKIN_BOARD_KIND '1'
 #endif
 
-/// F190 and F191: the same text on every board of this kind.
+/// F190 and F191 return this text on every board of this kind.
 inline constexpr std::array<std::uint8_t, 8> kPartNumber{'T', 'R', 'I', 'S', 'K', 'I', 'N', TRISKIN_BOARD_KIND};
 static_assert(identifier(did::kPartNumber).max_bytes == kPartNumber.size());
 static_assert(identifier(did::kHardware).max_bytes == kPartNumber.size());
 
-/// F195: big-endian, so that the bytes are major, minor, patch, build.
+/// F195 is big-endian, so that the bytes are major, minor, patch, build.
 struct FirmwareVersion {
   static constexpr std::uint16_t kId = did::kFirmware;
   static constexpr std::size_t kMinBytes = 4, kMaxBytes = 4;
   std::uint32_t version = 0;  ///< The major number is in the highest byte, so that versions compare as integers.
 
-  /// Appends the value as it stands on the wire.
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const { out.be32(version); }
-  /// Value of these bytes.
-  /// Error: kBadLength.
+  /// Decodes the wire format. Error: kBadLength.
   [[nodiscard]] static constexpr Result<FirmwareVersion> decode(Bytes bytes) {
     if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     return FirmwareVersion{ByteReader(bytes).be32()};
@@ -93,11 +90,11 @@ struct FirmwareVersion {
 };
 static_assert(kLengthsAsInTable<FirmwareVersion>);
 
-/// FD00: what a host must know before it says anything else.
+/// Identifier FD00 carries this value, which a host needs before it sends any other request.
 struct Hello {
   static constexpr std::uint16_t kId = did::kHello;
   static constexpr std::size_t kMinBytes = 23, kMaxBytes = 23;
-  /// Everything up to the unique id is the same in each wire version.
+  /// The layout up to the unique id is the same in every wire version.
   static constexpr std::size_t kFixedBytes = 21;
   std::uint16_t wire_version = kWireVersion, layout_version = layout::kLayoutVersion;
   std::uint32_t firmware_version = 0;
@@ -106,7 +103,7 @@ struct Hello {
   std::uint8_t max_modules = layout::kMaxModules;
   std::uint8_t taxels_per_module = layout::kTaxelsPerModule;
 
-  /// Appends the value as it stands on the wire.
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.le16(wire_version);
     out.le16(layout_version);
@@ -116,8 +113,8 @@ struct Hello {
     out.u8(max_modules);
     out.u8(taxels_per_module);
   }
-  /// Reads any wire version: of another one only the first kFixedBytes, the limits are 0 then. Errors: kTooShort,
-  /// kBadLength, kOutOfRange (node address; limits beyond those of layout/module.hpp).
+  /// Accepts any wire version. Of another version it reads only the first kFixedBytes and sets the limits to 0. Errors:
+  /// kTooShort, kBadLength, kOutOfRange (node address; limits beyond those of layout/module.hpp).
   [[nodiscard]] static constexpr Result<Hello> decode(Bytes bytes) {
     if (bytes.size() < kFixedBytes) return std::unexpected(Status::kTooShort);
     ByteReader r(bytes);
@@ -141,15 +138,15 @@ struct Hello {
 };
 static_assert(kLengthsAsInTable<Hello>);
 
-/// FD01.
+/// Identifier FD01 carries this value.
 struct NodeAddress {
   static constexpr std::uint16_t kId = did::kNodeAddress;
   static constexpr std::size_t kMinBytes = 1, kMaxBytes = 1;
   std::uint8_t address = layout::kFirstNode;
 
-  /// Appends the value as it stands on the wire.
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const { out.u8(address); }
-  /// Errors: kBadLength, kOutOfRange.
+  /// Decodes the wire format. Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<NodeAddress> decode(Bytes bytes) {
     if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     if (!layout::is_node_address(bytes[0])) return std::unexpected(Status::kOutOfRange);
@@ -159,17 +156,18 @@ struct NodeAddress {
 };
 static_assert(kLengthsAsInTable<NodeAddress>);
 
-/// FD09: the firmware image that runs.
+/// Identifier FD09 describes the firmware image that runs.
 struct ImageState {
   static constexpr std::uint16_t kId = did::kImageState;
   static constexpr std::size_t kMinBytes = 14, kMaxBytes = 14;
-  std::uint8_t slot = 0;       ///< It is 0 or 1.
-  bool confirmed = false;      ///< The image has said of itself that it works.
-  std::uint32_t sequence = 0;  ///< It is one more than that of the other slot, so the larger one is newer.
+  std::uint8_t slot = 0;   ///< Valid values are 0 and 1.
+  bool confirmed = false;  ///< The image has confirmed that it works.
+  /// The sequence is higher than that of the other slot by one, so the newer image has the larger number.
+  std::uint32_t sequence = 0;
   std::uint32_t size_bytes = 0;
-  std::uint32_t record_crc = 0;  ///< It is layout::slot_crc() of the image.
+  std::uint32_t record_crc = 0;  ///< The commit record stores layout::slot_crc() of the image here.
 
-  /// Appends the value as it stands on the wire.
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.u8(slot);
     out.u8(confirmed ? 1 : 0);
@@ -177,7 +175,7 @@ struct ImageState {
     out.le32(size_bytes);
     out.le32(record_crc);
   }
-  /// Errors: kBadLength, kOutOfRange (a third slot; neither confirmed nor not).
+  /// Decodes the wire format. Errors: kBadLength, kOutOfRange (a third slot; a flag other than 0 or 1).
   [[nodiscard]] static constexpr Result<ImageState> decode(Bytes bytes) {
     if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     ByteReader r(bytes);
@@ -195,15 +193,15 @@ struct ImageState {
 };
 static_assert(kLengthsAsInTable<ImageState>);
 
-/// Routine 0207: kOk, or kFlashFailed when the board cannot, or not yet.
+/// Routine 0207 returns kOk, or kFlashFailed when the board cannot protect its flash or is not ready yet.
 struct ProtectionResult {
   static constexpr std::uint16_t kId = routine::kProtectLoader;
   static constexpr std::size_t kMinBytes = 1, kMaxBytes = 1;
   Status status = Status::kEmpty;
 
-  /// Appends the value as it stands on the wire.
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const { out.u8(wire_number(status)); }
-  /// Errors: kBadLength, kOutOfRange.
+  /// Decodes the wire format. Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<ProtectionResult> decode(Bytes bytes) {
     if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     const auto status = to_status(bytes[0]);

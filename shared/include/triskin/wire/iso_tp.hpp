@@ -12,33 +12,35 @@
 
 namespace triskin::wire {
 
-/// One ISO 15765-2 connection between two addresses, both directions, classic CAN or CAN FD. Pure state machine: frames
-/// and time come in, frames go out; no heap. Messages up to kCapacity bytes. Not thread-safe.
+/// An object is one ISO 15765-2 connection between two addresses, in both directions, on classic CAN or CAN FD. It is a
+/// pure state machine without heap: the caller provides received frames and the time and sends the frames that it
+/// returns. Messages have up to kCapacity bytes. Not thread-safe.
 class IsoTp {
  public:
   static constexpr std::size_t kCapacity = 1024;
   static constexpr std::uint8_t kPadding = 0xCC;
-  static constexpr std::uint64_t kTimeout_us = 1'000'000;  ///< ISO 15765-2 sets this for N_Bs and N_Cr.
-  static constexpr int kMaxWaits = 10;  ///< After so many flow controls "wait" in a row the sender gives up.
+  static constexpr std::uint64_t kTimeout_us = 1'000'000;  ///< ISO 15765-2 sets this value for N_Bs and N_Cr.
+  static constexpr int kMaxWaits = 10;  ///< The sender gives up after this many flow controls "wait" in a row.
 
   enum class Event : std::uint8_t { kNone, kReceived, kSent, kFailed };
 
-  /// `frame_bytes` is 8 (classic) or 64 (FD): the longest frame that is sent.
+  /// `frame_bytes` is the longest frame to send: 8 on classic CAN, 64 with FD.
   constexpr IsoTp(std::uint32_t tx_id, std::uint32_t rx_id, std::uint8_t frame_bytes)
       : tx_id_(tx_id), rx_id_(rx_id), frame_bytes_(frame_bytes) {}
 
-  /// Identifier of the frames that it receives.
+  /// Returns the identifier of the frames that this connection receives.
   [[nodiscard]] constexpr std::uint32_t rx_id() const { return rx_id_; }
-  /// Longest frame from now on; a server answers in the frame format of the request. Ignored while sending.
+  /// Sets the longest frame from now on, because a server answers in the frame format of the request. Ignored while
+  /// sending.
   constexpr void set_frame_bytes(std::uint8_t frame_bytes) {
     if (!sending()) frame_bytes_ = frame_bytes;
   }
-  /// True while a message is being sent.
+  /// Returns true while a message is being sent.
   [[nodiscard]] constexpr bool sending() const { return tx_ != Tx::kIdle; }
-  /// The last complete message; valid until the next frame comes in.
+  /// Returns the last complete message; it is valid until the next frame is received.
   [[nodiscard]] constexpr Bytes message() const { return {rx_buffer_.data(), rx_size_}; }
 
-  /// Starts to send. Errors: kNoSpace (empty or longer than kCapacity), kOutOfRange (still sending).
+  /// Starts to send a message. Errors: kNoSpace (empty or longer than kCapacity), kOutOfRange (still sending).
   constexpr Status send(Bytes message, std::uint64_t now_us) {
     if (message.empty() || message.size() > kCapacity) return Status::kNoSpace;
     if (sending()) return Status::kOutOfRange;
@@ -50,7 +52,8 @@ class IsoTp {
     return Status::kOk;
   }
 
-  /// A frame with rx_id() has come in. Frames that make no sense here are ignored, as the standard says.
+  /// Handles a frame with identifier rx_id(). Frames that make no sense in this state are ignored, as the standard
+  /// demands.
   constexpr Event receive(const CanFrame& frame, std::uint64_t now_us) {
     if (frame.size < 1) return Event::kNone;
     switch (frame.data[0] >> 4) {
@@ -67,7 +70,7 @@ class IsoTp {
     }
   }
 
-  /// Next frame to send now, if any. Call until empty.
+  /// Returns the next frame to send now. Call it until the result is empty.
   constexpr std::optional<CanFrame> transmit(std::uint64_t now_us) {
     if (flow_control_due_) {
       flow_control_due_ = false;
@@ -78,7 +81,7 @@ class IsoTp {
     return std::nullopt;
   }
 
-  /// Ends what has waited too long.
+  /// Ends a transfer that has timed out.
   constexpr Event tick(std::uint64_t now_us) {
     if (rx_expected_ > 0 && now_us > rx_deadline_us_) {
       rx_expected_ = 0;
@@ -91,7 +94,7 @@ class IsoTp {
     return Event::kNone;
   }
 
-  /// Time of the next frame or timeout; max when nothing is under way.
+  /// Returns the time of the next frame or timeout, or the largest value when nothing is in progress.
   [[nodiscard]] constexpr std::uint64_t next_event_us() const {
     if (flow_control_due_ || tx_ == Tx::kFirst) return 0;
     std::uint64_t next = UINT64_MAX;
@@ -109,7 +112,7 @@ class IsoTp {
     f.id = tx_id_;
     f.extended = true;
     f.fd = f.bit_rate_switch = frame_bytes_ > 8;
-    // CAN FD has lengths 8, 12, 16, 20, 24, 32, 48, 64 above 8; everything is padded to at least 8.
+    // Above 8 bytes, CAN FD only has lengths 12, 16, 20, 24, 32, 48 and 64; all frames are padded to at least 8.
     f.size = 8;
     for (const std::uint8_t length : std::array<std::uint8_t, 7>{12, 16, 20, 24, 32, 48, 64}) {
       if (bytes.size() > f.size) f.size = length;
@@ -121,7 +124,7 @@ class IsoTp {
 
   constexpr Event receive_single(const CanFrame& frame) {
     const std::uint8_t low = frame.data[0] & 0xF;
-    const bool escape = low == 0 && frame.size > 8;  // A long FD frame has its length in the next byte.
+    const bool escape = low == 0 && frame.size > 8;  // A long FD frame stores its length in the next byte.
     const std::size_t size = escape ? frame.data[1] : low, start = escape ? 2 : 1;
     if (size == 0 || start + size > frame.size) return Event::kNone;
     rx_expected_ = 0;
@@ -138,7 +141,7 @@ class IsoTp {
              static_cast<std::size_t>(frame.data[4]) << 8 | frame.data[5];
       start = 6;
     }
-    // A message of this size fits a single frame and may not start with a first frame.
+    // A message of this size fits into a single frame and may not start with a first frame.
     if (size < 8 || size <= frame.size - start) return Event::kNone;
     flow_control_due_ = true;
     if (size > kCapacity) {
@@ -162,7 +165,7 @@ class IsoTp {
       rx_expected_ = 0;
       return Event::kFailed;
     }
-    // Only the last frame may be shorter than the first one was, and it must hold all that is missing.
+    // Only the last frame may be shorter than the first one, and it must contain all missing bytes.
     const std::size_t n = std::min<std::size_t>(rx_frame_bytes_ - 1U, rx_expected_ - rx_at_);
     if (frame.size < n + 1) {
       rx_expected_ = 0;
@@ -199,7 +202,7 @@ class IsoTp {
     }
   }
 
-  // STmin: 0–127 ms, 0xF1–0xF9 100–900 µs; reserved values mean the longest.
+  // STmin is 0–127 ms, or 0xF1–0xF9 for 100–900 µs; the standard maps reserved values to the longest time.
   static constexpr std::uint64_t gap_us(std::uint8_t st_min) {
     if (st_min <= 0x7F) return st_min * 1000ULL;
     if (st_min >= 0xF1 && st_min <= 0xF9) return (st_min - 0xF0) * 100ULL;

@@ -8,29 +8,29 @@
 #include "triskin/wire/checked_enum.hpp"
 #include "triskin/wire/identifiers.hpp"
 
-/// The I²C lines of a controller (FD06, routine 0201). docs/protocol.md.
+/// Identifier FD06 and routine 0201 report on the I²C lines of a controller; see docs/protocol.md.
 namespace triskin::wire {
 
 struct LineState {
-  bool stuck = false;            ///< It says that somebody holds the line low.
-  std::uint32_t recoveries = 0;  ///< They are counted from power-up.
+  bool stuck = false;            ///< True means that a device holds the line low.
+  std::uint32_t recoveries = 0;  ///< Recoveries of this line are counted from power-up.
   bool operator==(const LineState&) const = default;
 };
 
-/// FD06.
+/// Identifier FD06 carries this value.
 struct LineStates {
   static constexpr std::uint16_t kId = did::kLineStates;
   static constexpr std::size_t kMaxBytes = 5 * layout::kLines, kMinBytes = kMaxBytes;
   std::array<LineState, layout::kLines> lines{};
 
-  /// Appends the value as it stands on the wire.
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     for (const LineState& l : lines) {
       out.u8(l.stuck ? 1 : 0);
       out.le32(l.recoveries);
     }
   }
-  /// Errors: kBadLength, kOutOfRange.
+  /// Decodes the wire format. Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<LineStates> decode(Bytes bytes) {
     if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     ByteReader r(bytes);
@@ -46,23 +46,23 @@ struct LineStates {
 };
 static_assert(kLengthsAsInTable<LineStates>);
 
-/// What a discovery found on one line.
+/// A discovery finds this on one line.
 struct LineReport {
-  bool stuck = false;        ///< The line was held low, so nobody could be asked.
+  bool stuck = false;        ///< The line was held low, so no chip could be asked.
   std::uint8_t answers = 0;  ///< Bit a says that a chip answers at cdc_address(a).
-  /// Bit a says that the chip has another device id; these bits are a subset of `answers`.
+  /// Bit a says that the chip has another device id; `answers` contains this bit too.
   std::uint8_t wrong_id = 0;
   bool operator==(const LineReport&) const = default;
 };
 
-/// Routine 0201.
+/// Routine 0201 returns this result.
 struct Discovery {
   static constexpr std::uint16_t kId = routine::kDiscover;
   static constexpr std::size_t kMaxBytes = 1 + 3 * layout::kLines, kMinBytes = kMaxBytes;
   bool done = false;
   std::array<LineReport, layout::kLines> lines{};
 
-  /// Appends the value as it stands on the wire.
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.u8(done ? 1 : 0);
     for (const LineReport& l : lines) {
@@ -71,7 +71,8 @@ struct Discovery {
       out.u8(l.wrong_id);
     }
   }
-  /// Errors: kBadLength, kOutOfRange (an address that a line does not have; a wrong id where nobody answers).
+  /// Decodes the wire format. Errors: kBadLength, kOutOfRange (an address that a line does not have; a wrong id where
+  /// no chip answers).
   [[nodiscard]] static constexpr Result<Discovery> decode(Bytes bytes) {
     if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     ByteReader r(bytes);

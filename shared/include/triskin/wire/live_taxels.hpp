@@ -11,29 +11,28 @@
 
 namespace triskin::wire {
 
-/// The latest reading of one module.
 struct ModuleTaxels {
-  std::uint16_t valid = 0;  ///< Bit t is that of taxel t.
-  /// These are the converter's results without compensation.
+  std::uint16_t valid = 0;  ///< Bit t belongs to taxel t.
+  /// The converter's results are not compensated.
   std::array<std::uint16_t, layout::kTaxelsPerModule> value{};
-  /// True when the value of `taxel` (0..11) is valid.
+  /// Returns true when the value of `taxel` (0..11) is valid.
   [[nodiscard]] constexpr bool is_valid(std::size_t taxel) const { return (valid >> taxel & 1U) != 0; }
   bool operator==(const ModuleTaxels&) const = default;
 };
 
-/// FD10: the latest readings of all modules of the table, whatever is streamed.
+/// Identifier FD10 carries the latest readings of all modules in the table, even if nothing is streamed.
 struct LiveTaxels {
   static constexpr std::uint16_t kId = did::kLiveTaxels;
   static constexpr std::size_t kMinBytes = 12, kModuleBytes = 2 + 2 * layout::kTaxelsPerModule,
                                kMaxBytes = kMinBytes + kModuleBytes * layout::kMaxModules;
-  std::uint32_t sequences = 0;  ///< It counts the nominal sequences since power-up.
-  std::uint64_t time_us = 0;    ///< It is the controller's clock when it answered.
-  std::uint8_t count = 0;       ///< It counts the modules of the table, 0 … kMaxModules.
+  std::uint32_t sequences = 0;  ///< Nominal sequences are counted from power-up.
+  std::uint64_t time_us = 0;    ///< The controller's clock was read for this answer.
+  std::uint8_t count = 0;       ///< The table has 0 … kMaxModules modules.
   std::array<ModuleTaxels, layout::kMaxModules> modules{};
 
-  /// Readings of the modules in the table, by row.
+  /// Returns the readings of the modules, indexed by the row of the table.
   [[nodiscard]] constexpr std::span<const ModuleTaxels> rows() const { return std::span(modules).first(count); }
-  /// Appends the value as it stands on the wire.
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.le32(sequences);
     out.le64(time_us);
@@ -42,7 +41,8 @@ struct LiveTaxels {
       for (const std::uint16_t v : m.value) out.le16(v);
     }
   }
-  /// Errors: kBadLength (no whole number of modules, or too many), kOutOfRange (a taxel that a module does not have).
+  /// Decodes the wire format. Errors: kBadLength (a partial module, or too many), kOutOfRange (a taxel that a module
+  /// does not have).
   [[nodiscard]] static constexpr Result<LiveTaxels> decode(Bytes bytes) {
     if (bytes.size() < kMinBytes || bytes.size() > kMaxBytes || (bytes.size() - kMinBytes) % kModuleBytes != 0)
       return std::unexpected(Status::kBadLength);

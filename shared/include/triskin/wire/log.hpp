@@ -11,42 +11,45 @@
 #include "triskin/wire/checked_enum.hpp"
 #include "triskin/wire/identifiers.hpp"
 
-/// The log of a controller: lines of text as frames, and who gets them (FD13). docs/log.md.
+/// A controller's log consists of lines of text, which become frames for the readers that asked for them (FD13). See
+/// docs/log.md.
 namespace triskin::wire {
 
-/// How much a line matters. A reader that asks for one level gets those before it, too.
+/// Levels rank the importance of a line. A reader that asks for one level also gets the levels before it.
 enum class LogLevel : std::uint8_t { kOff, kError, kWarning, kInformation, kDebug };
 
 inline constexpr std::size_t kMaxLogText = 96;
-inline constexpr std::uint32_t kLogBase = 0x18E4FF00;  ///< and the node address
+inline constexpr std::uint32_t kLogBase = 0x18E4FF00;  ///< The node address is added to this identifier.
 
 struct LogLine {
   LogLevel level = LogLevel::kInformation;
-  std::uint8_t number = 0;    ///< number of the line, modulo 256: a gap shows lines that were lost
-  std::uint32_t time_ms = 0;  ///< time since the controller started
-  std::uint8_t size = 0;      ///< bytes of `text`
+  std::uint8_t number = 0;    ///< Lines are numbered modulo 256; a gap shows that lines were lost.
+  std::uint32_t time_ms = 0;  ///< The time starts when the controller starts.
+  std::uint8_t size = 0;      ///< Only this many bytes of `text` are valid.
   std::array<char, kMaxLogText> text{};
 
   [[nodiscard]] constexpr std::string_view view() const { return {text.data(), size}; }
-  /// Same content; what stands behind the text does not count.
+  /// Compares the content without the unused bytes behind the text.
   constexpr bool operator==(const LogLine& o) const {
     return level == o.level && number == o.number && time_ms == o.time_ms && view() == o.view();
   }
 };
 
-/// FD13: who asks gets lines up to `wanted` over the port that the request came by, until the controller starts anew.
+/// Identifier FD13 carries this value: lines up to `wanted` go to the port from which the request came, until the
+/// controller restarts.
 struct LogSetting {
   static constexpr std::uint16_t kId = did::kLog;
   static constexpr std::size_t kMinBytes = 2, kMaxBytes = kMinBytes;
   LogLevel wanted = LogLevel::kOff;
-  LogLevel compiled = LogLevel::kOff;  ///< most that the image has; ignored when it is written
+  /// The image contains lines up to this level; the field is ignored when the value is written.
+  LogLevel compiled = LogLevel::kOff;
 
-  /// Appends the value as it stands on the wire.
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.u8(wire_number(wanted));
     out.u8(wire_number(compiled));
   }
-  /// Errors: kBadLength, kOutOfRange (an unknown level).
+  /// Decodes the wire format. Errors: kBadLength, kOutOfRange (an unknown level).
   [[nodiscard]] static constexpr Result<LogSetting> decode(Bytes bytes) {
     if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     const auto wanted = checked_enum(bytes[0], LogLevel::kDebug), compiled = checked_enum(bytes[1], LogLevel::kDebug);
@@ -60,17 +63,18 @@ static_assert(kLengthsAsInTable<LogSetting>);
 namespace log_frame {
 inline constexpr std::uint8_t kFirst = 0x80, kLast = 0x40, kCounterMask = 0x3F;
 inline constexpr std::size_t kFirstHead = 7, kNextHead = 1;
-/// Longest frame on any port: one over USB carries 48 bytes.
+/// A frame over USB carries 48 bytes, which is the shortest limit among the ports.
 inline constexpr std::uint8_t kMaxBytes = 48;
-/// Lengths that a frame can have from 8 bytes on.
+/// Frames with 8 bytes or more can only have these lengths.
 inline constexpr std::array<std::uint8_t, 7> kSizes{8, 12, 16, 20, 24, 32, 48};
 }  // namespace log_frame
 
-/// Divides a line into frames. The first one has flags and counter (1), level (1), number of the line (1), time (4) and
-/// text; the next ones flags and counter, and text. Zeros fill up an FD frame.
+/// Splits a line into frames. The first one has flags and counter (1), level (1), number of the line (1), time (4) and
+/// text; the following ones have flags, counter and text. Zeros fill up an FD frame.
 class LogEncoder {
  public:
-  /// The next frame of `line`, at most `frame_bytes` (8, or 48 and more for FD) long. Asking twice gives it twice.
+  /// Returns the next frame of `line`, at most `frame_bytes` (8, or 48 and more for FD) long. A repeated call returns
+  /// the same frame.
   [[nodiscard]] constexpr CanFrame frame(const LogLine& line, std::uint8_t node, std::uint8_t frame_bytes) const {
     CanFrame f;
     f.id = kLogBase | node;
@@ -90,7 +94,7 @@ class LogEncoder {
     if (f.fd) f.size = *std::ranges::find_if(log_frame::kSizes, [&](std::uint8_t s) { return s >= w.size(); });
     return f;
   }
-  /// That frame has been sent. True: it was the last one of the line.
+  /// Notes that the frame was sent. Returns true if it was the last one of the line.
   [[nodiscard]] constexpr bool sent(const LogLine& line, std::uint8_t frame_bytes) {
     at_ += text_in(line, frame_bytes);
     begun_ = true;
@@ -99,7 +103,7 @@ class LogEncoder {
     abandon();
     return true;
   }
-  /// The next frame begins a line.
+  /// Drops the rest of the line, so that the next frame begins a new one.
   constexpr void abandon() {
     at_ = 0;
     begun_ = false;
@@ -115,11 +119,11 @@ class LogEncoder {
   std::uint8_t counter_ = 0;
 };
 
-/// Joins the frames of one controller to lines.
+/// Joins the frames of one controller into lines.
 class LogDecoder {
  public:
-  /// The line that `frame` completes; empty: none. A frame of anything else is ignored; a line of which a frame is
-  /// missing is dropped and shows as a gap in the numbers.
+  /// Returns the line that `frame` completes, or nothing. Frames of another kind are ignored; a line with a missing
+  /// frame is dropped and shows as a gap in the numbers.
   constexpr std::optional<LogLine> add(const CanFrame& frame) {
     const bool is_log = frame.extended && (frame.id & ~0xFFU) == kLogBase && frame.size >= 1;
     if (!is_log) return std::nullopt;

@@ -12,11 +12,12 @@
 #include "triskin/wire/uds.hpp"
 #include "triskin/wire/unique_id.hpp"
 
-/// Who is on the bus, and who gets which node address: works before addresses are unique (docs/protocol.md).
+/// Finds out who is on the bus and assigns node addresses; it works even while addresses are not unique
+/// (docs/protocol.md).
 ///
-/// The host asks with one frame at kWhoIsThereId. Every controller answers with two classic frames at an identifier of
-/// its own, made from its unique id, so that two fresh boards with one default address never collide in arbitration.
-/// The host assigns an address with two frames at kAssignId that name the unique id.
+/// The host asks with one frame at kWhoIsThereId. Every controller answers with two classic frames whose identifier is
+/// made from its unique id, so that two new boards with the same default address never collide in arbitration. The host
+/// assigns an address with two frames at kAssignId that name the unique id.
 namespace triskin::wire {
 
 inline constexpr std::uint32_t kWhoIsThereId = 0x18E0FFF1, kAssignId = 0x18E1FFF1;
@@ -24,11 +25,11 @@ inline constexpr std::uint32_t kClaimBase = 0x1C000000, kClaimMask = 0x03FFFFFF;
 inline constexpr std::size_t kClaimFrames = 2;
 inline constexpr std::size_t kIdBytesInFirst = 7;
 
-/// Identifier of a controller's answer: 26 bits of the CRC of its unique id.
+/// Returns the identifier of a controller's answer: 26 bits of the CRC of its unique id.
 [[nodiscard]] constexpr std::uint32_t claim_id(const UniqueId& id) {
   return kClaimBase | (crc32(id) & kClaimMask);
 }
-/// True when the frame is a claim of a controller.
+/// Returns true when the frame is a claim of a controller.
 [[nodiscard]] constexpr bool is_claim(const CanFrame& f) {
   return f.extended && (f.id & ~kClaimMask) == kClaimBase;
 }
@@ -40,12 +41,12 @@ struct NodeClaim {
   bool operator==(const NodeClaim&) const = default;
 };
 
-/// Guards an assignment against accidents: last byte of the second frame.
+/// Protects an assignment against accidents; the key is the last byte of the second frame.
 [[nodiscard]] constexpr std::uint8_t assignment_key(const UniqueId& id, std::uint8_t node_address) {
   return static_cast<std::uint8_t>(security_key(crc32(id) ^ node_address) & 0xFF);
 }
 
-/// Two frames: 0, unique id bytes 0–6; then 1, bytes 7–11, and two more bytes.
+/// Builds two frames: 0, unique id bytes 0–6; then 1, bytes 7–11, and two more bytes.
 [[nodiscard]] constexpr std::array<CanFrame, kClaimFrames> encode_id_frames(std::uint32_t can_id, const UniqueId& id,
                                                                             std::uint8_t a, std::uint8_t b) {
   std::array<CanFrame, kClaimFrames> frames{};
@@ -61,15 +62,15 @@ struct NodeClaim {
   frames[1].data[7] = b;
   return frames;
 }
-/// The frames by which a controller says who and where it is, in order.
+/// Returns the frames by which a controller reports its unique id and node address, in order.
 [[nodiscard]] constexpr auto encode_claim(const NodeClaim& c) {
   return encode_id_frames(claim_id(c.unique_id), c.unique_id, c.node_address, c.has_table ? 1 : 0);
 }
-/// The frames that give a node address (1 … 126) to the controller with this unique id, in order.
+/// Returns the frames that assign a node address (1 … 126) to the controller with this unique id, in order.
 [[nodiscard]] constexpr auto encode_assignment(const UniqueId& id, std::uint8_t node_address) {
   return encode_id_frames(kAssignId, id, node_address, assignment_key(id, node_address));
 }
-/// The frame by which a host asks every controller for its claim.
+/// Returns the frame by which a host asks every controller for its claim.
 [[nodiscard]] constexpr CanFrame who_is_there() {
   CanFrame f;
   f.id = kWhoIsThereId;
@@ -77,14 +78,14 @@ struct NodeClaim {
   return f;
 }
 
-/// Joins two frames that follow each other at one identifier.
+/// Joins two consecutive frames with the same identifier.
 class IdFrames {
  public:
   struct Joined {
     UniqueId unique_id{};
     std::uint8_t a = 0, b = 0;
   };
-  /// The pair, when `frame` completes one; empty otherwise.
+  /// Returns the pair when `frame` completes one; empty otherwise.
   constexpr std::optional<Joined> add(const CanFrame& frame) {
     if (frame.size != 8 || frame.data[0] > 1) return std::nullopt;
     if (frame.data[0] == 0) {
@@ -105,7 +106,7 @@ class IdFrames {
   Joined joined_;
 };
 
-/// What a claim says. Error: kOutOfRange (no node address; neither with nor without a table).
+/// Decodes a claim. Error: kOutOfRange (invalid node address; a table flag other than 0 or 1).
 [[nodiscard]] constexpr Result<NodeClaim> decode_claim(const IdFrames::Joined& joined) {
   const auto has_table = checked_bool(joined.b);
   if (!layout::is_node_address(joined.a) || !has_table) return std::unexpected(Status::kOutOfRange);

@@ -12,44 +12,44 @@
 
 namespace triskin::wire {
 
-/// What became of one module's samples. A sample whose number the leases ask for was left unread, was dropped, was
-/// sent, or waits: the four counts together grow by one with each.
+/// Tells what happened to the samples of one module. A sample that the leases ask for was left unread, was dropped, was
+/// sent, or is waiting, so the sum of the four counters grows by one with each such sample.
 struct RowAccount {
   static constexpr std::size_t kBytes = 17;
-  /// It is the latest sample's number; all samples that were due since sampling began are counted.
+  /// The number of the latest sample includes all samples that were due since sampling began.
   std::uint32_t number = 0;
-  std::uint32_t unread = 0;  ///< It counts samples that the controller did not read in time.
-  /// It counts samples that were read but found no room, because the bus is slower than the stream.
+  std::uint32_t unread = 0;  ///< The controller did not read these samples in time.
+  /// These samples were read but found no room, because the bus is slower than the stream.
   std::uint32_t dropped = 0;
-  std::uint32_t sent = 0;    ///< It counts samples that were handed to the bus.
-  std::uint8_t waiting = 0;  ///< It counts samples that wait for the bus now.
+  std::uint32_t sent = 0;    ///< These samples were handed to the bus.
+  std::uint8_t waiting = 0;  ///< These samples are waiting for the bus now.
   bool operator==(const RowAccount&) const = default;
 };
 
-/// FD0C: account of the stream over the port that asks.
+/// Identifier FD0C carries the account of the stream for the port from which the request came.
 struct StreamAccount {
   static constexpr std::uint16_t kId = did::kStreamAccount;
   static constexpr std::size_t kHeadBytes = 10, kLeaseBytes = 4, kMinBytes = kHeadBytes,
                                kMaxBytes =
                                    kHeadBytes + kLeaseBytes * kMaxLeases + RowAccount::kBytes * layout::kMaxModules;
-  /// Sampling restarted so often since power-up, modulo 256, and numbers began at 1 each time.
+  /// Sampling has restarted this often since power-up, modulo 256; each time the numbers began at 1 again.
   std::uint8_t starts = 0;
-  std::uint64_t time_us = 0;  ///< It is the controller's clock when it answered.
-  std::uint8_t readers = 0;   ///< So many leases last, 0 … kMaxLeases.
+  std::uint64_t time_us = 0;  ///< The controller's clock was read for this answer.
+  std::uint8_t readers = 0;   ///< This many leases are active, 0 … kMaxLeases.
   std::array<std::uint32_t, kMaxLeases> reader{};
-  std::uint8_t count = 0;  ///< It counts the modules of the table, 0 … kMaxModules.
+  std::uint8_t count = 0;  ///< The table has 0 … kMaxModules modules.
   std::array<RowAccount, layout::kMaxModules> modules{};
 
-  /// Accounts of the modules in the table, by row.
+  /// Returns the accounts of the modules, indexed by the row of the table.
   [[nodiscard]] constexpr std::span<const RowAccount> rows() const { return std::span(modules).first(count); }
-  /// True when the reader has a lease.
+  /// Returns true when the reader has a lease.
   [[nodiscard]] constexpr bool serves(std::uint32_t number) const {
     for (const std::uint32_t r : std::span(reader).first(readers)) {
       if (r == number) return true;
     }
     return false;
   }
-  /// Appends the value as it stands on the wire.
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.u8(starts);
     out.le64(time_us);
@@ -60,7 +60,8 @@ struct StreamAccount {
       out.u8(m.waiting);
     }
   }
-  /// Errors: kBadLength (no whole number of modules, or too many), kOutOfRange (more leases than there can be).
+  /// Decodes the wire format. Errors: kBadLength (a partial module, or too many), kOutOfRange (more leases than a
+  /// controller keeps).
   [[nodiscard]] static constexpr Result<StreamAccount> decode(Bytes bytes) {
     if (bytes.size() < kMinBytes) return std::unexpected(Status::kBadLength);
     ByteReader r(bytes);

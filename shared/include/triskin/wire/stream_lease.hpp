@@ -6,27 +6,27 @@
 #include "triskin/core/status.hpp"
 #include "triskin/wire/can_frame.hpp"
 
-/// Who reads the full stream, and until when (docs/protocol.md, "Leases").
+/// Tells who reads the full stream, and for how long (docs/protocol.md, "Leases").
 ///
-/// A reader sends a lease to all controllers, and sends it again before it ends. A controller streams as long as one
-/// lease lasts; the end of one reader's lease leaves those of the others alone.
+/// A reader sends a lease to all controllers and renews it before it ends. A controller streams as long as at least one
+/// lease is valid; when one reader's lease ends, the others are not affected.
 namespace triskin::wire {
 
 inline constexpr std::uint32_t kLeaseId = 0x18E2FFF1;
-/// Leases that a controller keeps for each of its ports.
+/// A controller keeps this many leases for each of its ports.
 inline constexpr std::size_t kMaxLeases = 8;
 
 struct StreamLease {
   static constexpr std::uint8_t kBytes = 8;
-  std::uint32_t reader = 0;     ///< The reader has drawn it at random, and it is never 0.
-  std::uint8_t lasts_10ms = 0;  ///< The lease lasts so long after this frame; 0 ends it now.
+  std::uint32_t reader = 0;     ///< The reader draws a random number that is never 0.
+  std::uint8_t lasts_10ms = 0;  ///< The lease lasts this long after the frame; 0 ends it now.
   std::uint8_t every = 1;       ///< The reader gets the samples whose number is a multiple of this, 1 … 255.
-  /// Two samples of a module are at least this far apart on average; 0 means as they come.
+  /// On average, two samples of a module are at least this far apart; 0 disables the limit.
   std::uint16_t pace_100us = 0;
   bool operator==(const StreamLease&) const = default;
 };
 
-/// The frame of a lease.
+/// Encodes a lease as a frame.
 [[nodiscard]] constexpr CanFrame encode_lease(const StreamLease& l) {
   CanFrame f;
   f.id = kLeaseId;
@@ -40,7 +40,7 @@ struct StreamLease {
   return f;
 }
 
-/// Errors: kBadLength, kOutOfRange (another identifier, no reader, no n-th sample).
+/// Decodes a lease. Errors: kBadLength, kOutOfRange (another identifier, reader 0, `every` 0).
 [[nodiscard]] constexpr Result<StreamLease> decode_lease(const CanFrame& f) {
   if (!f.extended || f.id != kLeaseId) return std::unexpected(Status::kOutOfRange);
   if (f.size != StreamLease::kBytes) return std::unexpected(Status::kBadLength);

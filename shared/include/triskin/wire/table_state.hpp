@@ -7,22 +7,22 @@
 #include "triskin/wire/checked_enum.hpp"
 #include "triskin/wire/identifiers.hpp"
 
-/// The table that a controller works with (FD02, routine 0205). docs/protocol.md.
+/// Identifier FD02 and routine 0205 concern the table that a controller works with; see docs/protocol.md.
 namespace triskin::wire {
 
-/// FD02. Without a table everything but the status is 0.
+/// Identifier FD02 carries this value. Without a table every field except the status is 0.
 struct ActiveTable {
   static constexpr std::uint16_t kId = did::kActiveTable;
   static constexpr std::size_t kMinBytes = 18, kMaxBytes = 18;
-  Status status = Status::kEmpty;  ///< It is kOk when there is a table.
-  std::uint32_t sequence = 0;      ///< It counts activations, so the newest table has the highest.
+  Status status = Status::kEmpty;  ///< kOk means that there is a table.
+  std::uint32_t sequence = 0;      ///< Activations are counted, so the newest table has the highest number.
   std::uint64_t design_id = 0;
-  std::uint32_t crc = 0;     ///< It is the CRC-32 of the image as flashed.
-  std::uint8_t modules = 0;  ///< It ranges from 1 to kMaxModules.
+  std::uint32_t crc = 0;     ///< The CRC-32 covers the image as it was flashed.
+  std::uint8_t modules = 0;  ///< Valid values are 1 to kMaxModules.
 
-  /// True when there is a table.
+  /// Returns true when there is a table.
   [[nodiscard]] constexpr bool present() const { return status == Status::kOk; }
-  /// Appends the value as it stands on the wire.
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.u8(wire_number(status));
     out.le32(sequence);
@@ -30,7 +30,8 @@ struct ActiveTable {
     out.le32(crc);
     out.u8(modules);
   }
-  /// Errors: kBadLength, kOutOfRange (no such status; modules without a table, or a table without).
+  /// Decodes the wire format. Errors: kBadLength, kOutOfRange (no such status; modules without a table, or a table
+  /// without modules).
   [[nodiscard]] static constexpr Result<ActiveTable> decode(Bytes bytes) {
     if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     ByteReader r(bytes);
@@ -49,15 +50,15 @@ struct ActiveTable {
 };
 static_assert(kLengthsAsInTable<ActiveTable>);
 
-/// Routine 0205: kOk, or why the table stays as it was.
+/// Routine 0205 returns kOk, or the reason why the table was not replaced.
 struct ActivationResult {
   static constexpr std::uint16_t kId = routine::kActivate;
   static constexpr std::size_t kMinBytes = 1, kMaxBytes = 1;
   Status status = Status::kEmpty;
 
-  /// Appends the value as it stands on the wire.
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const { out.u8(wire_number(status)); }
-  /// Errors: kBadLength, kOutOfRange.
+  /// Decodes the wire format. Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<ActivationResult> decode(Bytes bytes) {
     if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     const auto status = to_status(bytes[0]);

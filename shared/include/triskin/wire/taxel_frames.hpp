@@ -8,23 +8,24 @@
 #include "triskin/wire/can_frame.hpp"
 #include "triskin/wire/module_state.hpp"
 
-/// Taxels on the wire. docs/protocol.md, "Data stream".
+/// docs/protocol.md, "Data stream", describes taxels on the wire.
 namespace triskin::wire {
 
-/// One module's taxels in 8 bits, as an iCub MTB4 board sends them: two CAN frames, id 0x400 | board << 4 | module.
+/// An iCub MTB4 board sends the taxels of one module in 8 bits each: two CAN frames with id 0x400 | board << 4 |
+/// module.
 struct IcubTaxels {
-  std::uint8_t board = 0;   ///< It ranges from 0 to 15.
-  std::uint8_t module = 0;  ///< It is the triangle, 4 · line + address, from 0 to 15.
+  std::uint8_t board = 0;   ///< Valid values are 0 to 15.
+  std::uint8_t module = 0;  ///< The triangle has number 4 · line + address, from 0 to 15.
   std::array<std::uint8_t, layout::kTaxelsPerModule>
-      value{};  ///< A taxel has 245 at rest, unless the host asks for another value, and less under pressure.
-  std::uint16_t out_of_range = 0;  ///< Bit t is that of taxel t.
+      value{};  ///< A taxel reads 245 at rest, unless the host asks for another value, and less under pressure.
+  std::uint16_t out_of_range = 0;  ///< Bit t belongs to taxel t.
   bool no_acknowledge = false;
   bool not_connected = false;
   bool operator==(const IcubTaxels&) const = default;
 };
 inline constexpr std::uint8_t kIcubFirst = 0x40, kIcubSecond = 0xC0;
 
-/// The two frames of a module in the iCub stream, in order.
+/// Returns the two frames of a module in the iCub stream, in order.
 [[nodiscard]] constexpr std::array<CanFrame, 2> encode_icub(const IcubTaxels& t) {
   std::array<CanFrame, 2> frames{};
   for (CanFrame& f : frames) {
@@ -41,7 +42,8 @@ inline constexpr std::uint8_t kIcubFirst = 0x40, kIcubSecond = 0xC0;
   return frames;
 }
 
-/// Joins the two frames of one module. Errors: kBadLength, kOutOfRange (not a skin identifier or not first and second).
+/// Joins the two frames of one module. Errors: kBadLength, kOutOfRange (not a skin identifier, or not a first and a
+/// second frame).
 [[nodiscard]] constexpr Result<IcubTaxels> decode_icub(const CanFrame& first, const CanFrame& second) {
   if (first.size != 8 || second.size != 8) return std::unexpected(Status::kBadLength);
   if (first.extended || second.extended || (first.id & 0x700U) != 0x400 || first.id != second.id)
@@ -58,28 +60,29 @@ inline constexpr std::uint8_t kIcubFirst = 0x40, kIcubSecond = 0xC0;
   return t;
 }
 
-/// One module of one sample in full: a 48-byte CAN FD frame (fits no classic frame), id 0x18F0‹node›‹module›.
+/// A frame carries one sample of one module in full. It is a 48-byte CAN FD frame with id 0x18F0‹node›‹module›,
+/// too long for a classic frame.
 struct TaxelFrame {
   std::uint8_t node_address = 0;
-  /// It is a row of the table, or an adopted module if it is not less than the number of rows (Adoption).
+  /// The number is a row of the table, or an adopted module if it is not less than the number of rows (Adoption).
   std::uint8_t module = 0;
-  std::uint32_t sample = 0;  ///< All samples of the module that were due are counted, so a gap is a lost sample.
+  std::uint32_t sample = 0;  ///< All samples of the module that were due are counted, so a gap means a lost sample.
   std::uint64_t device_time_us = 0;
-  std::uint16_t valid = 0;  ///< Bit t is that of taxel t.
+  std::uint16_t valid = 0;  ///< Bit t belongs to taxel t.
   ModuleState state = ModuleState::kUnknown;
   std::array<std::uint16_t, layout::kTaxelsPerModule> value{};
-  // The trailer: 0 in each field from a controller that does not know it.
-  std::uint32_t dropped = 0;  ///< So many samples of this module found no room before this one (RowAccount::dropped).
-  std::uint16_t unread = 0;   ///< So many were not read in time, modulo 65536 (RowAccount::unread).
-  std::uint8_t starts = 0;    ///< Sampling restarted so often, modulo 256 (StreamAccount::starts).
-  /// For an adopted module it names the list that `module` refers to (Adoption::list); for a row of the table it is 0.
+  // These fields form the trailer; a controller that does not know it leaves them 0.
+  std::uint32_t dropped = 0;  ///< This many samples of the module found no room before this one (RowAccount::dropped).
+  std::uint16_t unread = 0;   ///< This many samples were not read in time, modulo 65536 (RowAccount::unread).
+  std::uint8_t starts = 0;    ///< Sampling has restarted this often, modulo 256 (StreamAccount::starts).
+  /// For an adopted module this is the list that `module` refers to (Adoption::list); for a row of the table it is 0.
   std::uint8_t adopted_modules = 0;
   bool operator==(const TaxelFrame&) const = default;
 };
 inline constexpr std::uint32_t kFullBase = 0x18F00000;
 inline constexpr std::uint8_t kFullBytes = 48;
 
-/// The frame of a module in the full stream (CAN FD).
+/// Encodes a module's sample as a frame of the full stream (CAN FD).
 [[nodiscard]] constexpr CanFrame encode_full(const TaxelFrame& t) {
   CanFrame f;
   f.id = kFullBase | static_cast<std::uint32_t>(t.node_address) << 8 | t.module;
@@ -99,7 +102,8 @@ inline constexpr std::uint8_t kFullBytes = 48;
   return f;
 }
 
-/// Errors: kBadLength, kOutOfRange (another identifier, a taxel, state or row that does not exist).
+/// Decodes a frame of the full stream. Errors: kBadLength, kOutOfRange (another identifier; a taxel, state or row that
+/// does not exist).
 [[nodiscard]] constexpr Result<TaxelFrame> decode_full(const CanFrame& f) {
   if (!f.extended || !f.fd || (f.id & 0x1FFF0000U) != kFullBase) return std::unexpected(Status::kOutOfRange);
   if (f.size != kFullBytes) return std::unexpected(Status::kBadLength);

@@ -9,28 +9,30 @@
 #include "triskin/wire/checked_enum.hpp"
 #include "triskin/wire/identifiers.hpp"
 
-/// What a controller of switched modules tells about its patch (FD07, FD08, routine 0204). docs/protocol.md.
+/// A controller with switched modules reports on its patch with FD07, FD08 and routine 0204; see docs/protocol.md.
 namespace triskin::wire {
 
 inline constexpr std::uint8_t kNoRow = 0xFF;
 
-/// FD07: modules and joints as found on the chain; module 0 is the entry. Numbers are those of the discovery.
+/// Identifier FD07 carries modules and joints as found on the chain. Modules have the numbers of the discovery; module
+/// 0 is the entry.
 struct FoundTopology {
   static constexpr std::uint16_t kId = did::kTopology;
   static constexpr std::size_t kMinBytes = 3, kModuleBytes = layout::kPorts + 1,
                                kMaxBytes = kMinBytes + kModuleBytes * layout::kMaxModules;
-  bool switched = false;  ///< It is false if nobody answers on the chain: the modules are strapped, or without power.
-  /// It is false if the chain would not settle; what is listed is certain, but more may be there.
+  /// False means that no module answers on the chain: the modules are strapped, or have no power.
+  bool switched = false;
+  /// False means that the chain did not settle: what is listed is certain, but there may be more.
   bool complete = false;
-  bool second_cable = false;  ///< Module 0 is the second entry, because nobody, or too few, answered at the first.
+  bool second_cable = false;  ///< Module 0 is the second entry, because no module, or too few, answered at the first.
   std::uint8_t count = 0;
   std::uint8_t cable_port = 0;  ///< The cable is connected to this port of module 0.
-  /// layout::joint_to of the far end, 0: none.
+  /// Each byte is layout::joint_to of the far end; 0 means none.
   std::array<std::array<std::uint8_t, layout::kPorts>, layout::kMaxModules> joints{};
   std::array<std::uint8_t, layout::kMaxModules>
-      row{};  ///< It is a row of the table, an adopted module (Adoption), or kNoRow for neither.
+      row{};  ///< The row can also be an adopted module (Adoption), or kNoRow if the module is neither.
 
-  /// Flags, count, cable port, then per module the far ends and the row.
+  /// Appends flags, count and cable port, then the far ends and the row of each module.
   constexpr void encode(ByteWriter& out) const {
     out.u8(static_cast<std::uint8_t>((switched ? 1 : 0) | (complete ? 2 : 0) | (second_cable ? 4 : 0)));
     out.u8(count);
@@ -40,36 +42,36 @@ struct FoundTopology {
       out.u8(row[m]);
     }
   }
-  /// Errors: kTooShort, kBadLength, kOutOfRange (flags, count, port, row, a joint to nobody), kBadTree (a joint that
-  /// only one end knows).
+  /// Decodes the wire format. Errors: kTooShort, kBadLength, kOutOfRange (flags, count, port, row, a joint to a missing
+  /// module), kBadTree (a joint that only one end lists).
   [[nodiscard]] static constexpr Result<FoundTopology> decode(Bytes bytes);
   bool operator==(const FoundTopology&) const = default;
 };
 static_assert(kLengthsAsInTable<FoundTopology>);
 
-/// FD08: the tree that is active, and how it came about.
+/// Identifier FD08 carries the tree that is active, and how the controller arrived at it.
 struct ActiveRoute {
   static constexpr std::uint16_t kId = did::kRoute;
   static constexpr std::size_t kMinBytes = 18, kRowBytes = 2, kMaxBytes = kMinBytes + kRowBytes * layout::kMaxModules;
   bool switched = false;
-  bool busy = false;          ///< A new route is being looked for.
-  bool complete = false;      ///< A tree is up and all modules that can be reached are in it.
+  bool busy = false;          ///< The controller is searching for a new route.
+  bool complete = false;      ///< A tree is active, and it contains all modules that can be reached.
   bool as_table = false;      ///< The tree is that of the table.
-  bool min_depth = false;     ///< No tree over the joints that were found is less deep.
-  bool second_cable = false;  ///< The tree hangs on the second entry.
-  std::uint8_t shorts = 0;    ///< So many ports stay closed, because opening them broke the chain or held a line.
-  std::uint8_t unknown = 0;   ///< So many modules are unknown to the table and stay closed.
+  bool min_depth = false;     ///< No tree over the joints that were found has a smaller depth.
+  bool second_cable = false;  ///< The tree starts at the second entry.
+  std::uint8_t shorts = 0;  ///< This many ports stay closed, because opening them broke the chain or pulled a line low.
+  std::uint8_t unknown = 0;  ///< This many modules are not in the table and stay closed.
   std::uint8_t max_depth = 0;
   std::uint16_t alive = 0;     ///< Bit r says that row r is in the tree.
-  std::uint32_t reroutes = 0;  ///< They are counted from power-up.
-  std::uint32_t repairs = 0;   ///< It counts how often registers were rewritten without a new tree.
-  std::uint32_t last_us = 0;   ///< It is the duration of the last reroute.
-  std::uint8_t rows = 0;       ///< It counts the rows of the table; 0 means that there is no table.
-  /// It is a row; kNoRow stands for the entry and for modules outside the tree.
+  std::uint32_t reroutes = 0;  ///< Reroutes are counted from power-up.
+  std::uint32_t repairs = 0;   ///< The counter shows how often registers were rewritten without a new tree.
+  std::uint32_t last_us = 0;   ///< The last reroute took this long.
+  std::uint8_t rows = 0;       ///< The table has this many rows; 0 means that there is no table.
+  /// The parent is given as a row; the entry and modules outside the tree have kNoRow.
   std::array<std::uint8_t, layout::kMaxModules> parent{};
-  std::array<std::uint8_t, layout::kMaxModules> parent_port{};  ///< It is layout::kCable where there is no parent.
+  std::array<std::uint8_t, layout::kMaxModules> parent_port{};  ///< layout::kCable means that there is no parent.
 
-  /// Appends the value as it stands on the wire.
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const {
     out.u8(static_cast<std::uint8_t>((switched ? 1 : 0) | (busy ? 2 : 0) | (complete ? 4 : 0) | (as_table ? 8 : 0) |
                                      (min_depth ? 16 : 0) | (second_cable ? 32 : 0)));
@@ -85,7 +87,8 @@ struct ActiveRoute {
       out.u8(parent_port[k]);
     }
   }
-  /// Errors: kTooShort, kBadLength, kOutOfRange (flags, a parent that is no row, a port that no module has).
+  /// Decodes the wire format. Errors: kTooShort, kBadLength, kOutOfRange (flags, a parent that is no row, a port that
+  /// no module has).
   [[nodiscard]] static constexpr Result<ActiveRoute> decode(Bytes bytes);
   bool operator==(const ActiveRoute&) const = default;
 };
@@ -159,15 +162,15 @@ constexpr Result<ActiveRoute> ActiveRoute::decode(Bytes bytes) {
   return a;
 }
 
-/// Routine 0204: whether the new tree is up, as far as it can be.
+/// Routine 0204 returns whether the new tree is active, with all modules that can be reached.
 struct RerouteResult {
   static constexpr std::uint16_t kId = routine::kReroute;
   static constexpr std::size_t kMinBytes = 1, kMaxBytes = 1;
   bool done = false;
 
-  /// Appends the value as it stands on the wire.
+  /// Appends the value in its wire format (docs/protocol.md). `out` is no longer ok() if it lacks room.
   constexpr void encode(ByteWriter& out) const { out.u8(done ? 1 : 0); }
-  /// Errors: kBadLength, kOutOfRange.
+  /// Decodes the wire format. Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<RerouteResult> decode(Bytes bytes) {
     if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     const auto done = checked_bool(bytes[0]);

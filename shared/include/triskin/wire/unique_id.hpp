@@ -5,7 +5,7 @@
 
 namespace triskin::wire {
 
-/// Unique number of a controller: the 96 bits that the microcontroller was made with, in order of their addresses.
+/// The microcontroller is manufactured with a unique number of 96 bits, stored here in the order of its addresses.
 using UniqueId = std::array<std::uint8_t, 12>;
 
 }  // namespace triskin::wire

@@ -8,29 +8,29 @@
 #include "triskin/core/bytes.hpp"
 #include "triskin/wire/can_frame.hpp"
 
-/// The same frames over USB as over CAN, one in a packet: HID reports of 64 bytes and bulk packets of up to 64.
+/// USB carries the same frames as CAN, one in each packet: HID reports of 64 bytes, or bulk packets of up to 64. See
 /// docs/protocol.md, "USB".
 namespace triskin::wire {
 
 inline constexpr std::size_t kUsbPacketBytes = 64;
-/// Longest frame in a packet. ISO-TP on USB uses FD frames of this length.
+/// A packet can hold a frame of this length. ISO-TP on USB uses FD frames of this length.
 inline constexpr std::uint8_t kUsbFrameBytes = 48;
 
-/// Identity of the device: vendor and product of the pid.codes test range, which no product may ship with.
+/// Vendor and product are from the pid.codes test range, which no product may ship with.
 inline constexpr std::uint16_t kUsbVendor = 0x1209, kUsbProduct = 0x0001, kUsbDfuProduct = 0x0002;
-/// Interfaces and end points.
+/// The numbers of interfaces and end points are part of the USB descriptors.
 inline constexpr std::uint8_t kHidInterface = 0, kBulkInterface = 1, kDfuInterface = 2;
 inline constexpr std::uint8_t kHidIn = 0x81, kHidOut = 0x01, kBulkIn = 0x82, kBulkOut = 0x02;
 
 struct UsbPacket {
   std::array<std::uint8_t, kUsbPacketBytes> bytes{};
-  std::size_t size = 0;  ///< A bulk packet has this size; HID sends all 64 bytes and fills the rest with 0.
-  /// The bytes of the packet in use.
+  std::size_t size = 0;  ///< A bulk packet has this size; HID always sends 64 bytes and fills the rest with 0.
+  /// Returns the bytes of the packet in use.
   [[nodiscard]] constexpr Bytes used() const { return Bytes(bytes).first(size); }
 };
 
-/// Bytes of the frame + 1, then the identifier (LE; bit 31: 29 bits, bit 30: FD, bit 29: rate switch), then the bytes.
-/// Empty: the frame is longer than kUsbFrameBytes.
+/// Encodes the number of bytes of the frame + 1, then the identifier (LE; bit 31: 29 bits, bit 30: FD, bit 29: rate
+/// switch), then the bytes. Empty: the frame is longer than kUsbFrameBytes.
 [[nodiscard]] constexpr std::optional<UsbPacket> to_usb(const CanFrame& f) {
   if (f.size > kUsbFrameBytes) return std::nullopt;
   UsbPacket p;
@@ -42,7 +42,7 @@ struct UsbPacket {
   return p;
 }
 
-/// Empty: no frame in the packet (its first byte is 0), or a malformed one.
+/// Decodes a packet. Empty: it contains no frame (its first byte is 0), or a malformed one.
 [[nodiscard]] constexpr std::optional<CanFrame> from_usb(Bytes packet) {
   ByteReader r(packet);
   const std::uint8_t size = r.u8();

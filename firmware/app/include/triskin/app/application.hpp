@@ -25,26 +25,28 @@
 
 namespace triskin::fw {
 
-/// The patch controller: the only place that knows all parts. step() does what is due and returns at once.
+/// The application of a patch controller, as the only class, knows all parts. step() performs the work that is due and
+/// returns at once.
 class Application final : private UdsHost, private PatchControl {
  public:
-  /// Loads the newest table and begins to sample. Everything that `ports` points to must outlive the application.
+  /// Loads the newest table and starts to sample. Everything that `ports` points to must outlive the application.
   explicit Application(const Ports& ports);
 
   /// Handles frames, bus transfers and timers that are due.
   void step();
-  /// What goes on while the board waits for its flash inside a call of step(): transfers on the lines, readings, the
-  /// stream. Neither reads nor writes the flash; faults are noted with the readings after it. Switched modules wait: a
-  /// look at their chain is needed before a reading counts.
+  /// Performs the work that must continue while the board waits for its flash inside a call of step(): transfers on the
+  /// lines, readings, the stream. It neither reads nor writes the flash; faults are recorded with the readings
+  /// afterwards. Switched modules wait, because a check of their chain is needed before a reading counts.
   void step_during_flash();
-  /// Earliest time at which step_during_flash() has work, ends of transfers not counted.
+  /// Returns the earliest time at which step_during_flash() has work, not counting ends of transfers.
   [[nodiscard]] std::uint64_t next_during_flash_us() const;
-  /// Earliest time at which step() has work, not counting frames and line transfers, whose ends the board reports.
+  /// Returns the earliest time at which step() has work, not counting frames and line transfers, whose ends the board
+  /// reports.
   [[nodiscard]] std::uint64_t next_event_us() const;
-  /// What a light of the board can show: a module that is not in order comes before everything else.
+  /// The condition is for a light of the board; a faulty module has priority over everything else.
   enum class Condition : std::uint8_t { kNoTable, kSampling, kStreaming, kFault };
   [[nodiscard]] Condition condition() const;
-  /// Frames wait for room in the CAN port: step() again when there is some.
+  /// Returns true if frames wait for room in the CAN port; call step() again when there is some.
   [[nodiscard]] bool frames_wait() const;
 
  private:
@@ -72,13 +74,13 @@ class Application final : private UdsHost, private PatchControl {
   }
   [[nodiscard]] std::uint64_t now_us() const override { return ports_.clock->now_us(); }
 
-  /// A way to a host: a port and the one connection that a tester has over it.
+  /// A channel leads to a host: it has a port and the one connection of a tester over it.
   struct Channel {
     CanPort* port;
     wire::IsoTp link;
-    std::optional<wire::CanFrame> held{};  // Sent by link, but not yet accepted by the port.
+    std::optional<wire::CanFrame> held{};  // The link has produced this frame, but the port has not accepted it yet.
     std::array<wire::CanFrame, wire::kClaimFrames> claim{};
-    std::size_t claim_at = wire::kClaimFrames;  // Next frame of the claim to be sent.
+    std::size_t claim_at = wire::kClaimFrames;  // The claim continues with this frame.
     wire::IdFrames assignment{};
     FullStream stream{};
     LogSender log{};
@@ -88,7 +90,7 @@ class Application final : private UdsHost, private PatchControl {
 
   void restart();
   [[nodiscard]] PatchParts parts() const;
-  /// The image has done its work once: it has read a module, or a host has reached it and may replace it.
+  /// Notes that the image has proved itself once: it has read a module, or a host has reached it and could replace it.
   void prove();
   void note_start();
   void step_log();
@@ -119,7 +121,7 @@ class Application final : private UdsHost, private PatchControl {
   void tick();
   void stream_full(TableRow row);
   [[nodiscard]] std::size_t rows() const { return tables_.has_table() ? tables_.table().module_count : 0; }
-  /// Rows and adopted modules.
+  /// Counts rows of the table and adopted modules.
   [[nodiscard]] std::size_t modules() const { return rows() + route_.adoption().count; }
   void queue_icub();
   void calibrate();
@@ -131,22 +133,22 @@ class Application final : private UdsHost, private PatchControl {
   FaultMemory faults_;
   OffsetStore offset_store_;
   OffsetBook offsets_{};
-  std::array<Channel, 2> channels_;  // There is one for CAN and one for USB.
-  CanPort* asking_;                  // Port of the request that is being answered.
-  CanPort* stream_port_;             // Port that requested the iCub stream.
+  std::array<Channel, 2> channels_;  // One channel is for CAN and one for USB.
+  CanPort* asking_;                  // The request that is being answered came from this port.
+  CanPort* stream_port_;             // The iCub stream was requested from this port.
   std::array<LineSampler, layout::kLines> lines_;
   std::array<ModuleSample, layout::kMaxModules> samples_{};
   std::array<ModuleSample, layout::kMaxModules> published_{};
   Route route_;
-  std::uint8_t adopted_list_ = 0;  // Adoption::list that is being sampled.
-  bool pausing_ = false;           ///< The lines end their transfers and begin none.
+  std::uint8_t adopted_list_ = 0;  // The present samples refer to this Adoption::list.
+  bool pausing_ = false;           ///< The lines finish their transfers and start none.
   Sampling sampling_;
   wire::TaxelOutput output_ = wire::TaxelOutput::kRaw;
   std::uint64_t next_tick_us_ = 0;
   std::uint32_t sample_count_ = 0;
   wire::StreamMode stream_ = wire::StreamMode::kOff;
-  StreamQueue stream_queue_;  // Holds frames of the iCub stream.
-  std::uint8_t starts_ = 0;   // Number of times that sampling began since power-up, modulo 256.
+  StreamQueue stream_queue_;  // The queue holds frames of the iCub stream.
+  std::uint8_t starts_ = 0;   // Sampling has started this often since power-up, modulo 256.
   bool reset_requested_ = false, through_loader_ = false;
   bool read_a_module_ = false, proved_ = false, started_ = false;
   std::uint64_t reset_at_us_ = UINT64_MAX;
@@ -154,7 +156,7 @@ class Application final : private UdsHost, private PatchControl {
   IcubTriangles icub_triangles_;
   Log log_;
   SerialLog serial_log_;
-  Identifiers identifiers_;  // Reads and writes all members above.
+  Identifiers identifiers_;  // The identifiers read and write all members above.
   Journal journal_;
 };
 

@@ -24,60 +24,61 @@
 
 namespace triskin::fw {
 
-/// Version of the project (CMakeLists.txt).
+/// The version is that of the project (CMakeLists.txt).
 inline constexpr std::uint32_t kFirmwareVersion = TRISKIN_FIRMWARE_VERSION;
 
-/// What the identifiers read. Everything outlives them.
+/// Identifiers read these parts, which must outlive them.
 struct PatchParts {
   const Ports& ports;
   const TableStore& tables;
   const FaultMemory& faults;
   const Route& route;
   const std::array<LineSampler, layout::kLines>& lines;
-  const std::array<ModuleSample, layout::kMaxModules>& samples;  ///< They are the latest samples.
-  /// Samples read before the last good check of the chain.
+  const std::array<ModuleSample, layout::kMaxModules>& samples;  ///< These samples are the latest.
+  /// These samples were read before the last good check of the chain.
   const std::array<ModuleSample, layout::kMaxModules>& published;
   const OffsetBook& offsets;
   const wire::StreamMode& stream;
   const Sampling& sampling;
   const wire::TaxelOutput& output;
-  const std::uint32_t& sequences;  ///< It counts nominal sequences since power-up.
+  const std::uint32_t& sequences;  ///< Nominal sequences are counted from power-up.
   const IcubBoard& icub;
 };
 
-/// What writing an identifier sets off, and what the application alone knows. Values are checked before.
+/// Writing an identifier triggers these actions, and some facts only the application knows. Values are checked before.
 class PatchControl {
  public:
   virtual ~PatchControl() = default;
-  /// Takes effect after the answer. Errors: kFlashFailed.
+  /// Sets the node address, which takes effect after the answer. Errors: kFlashFailed.
   virtual Status set_node_address(std::uint8_t address) = 0;
   /// Streams to the port that sent the request. Errors: kOutOfRange (the full stream on a classic bus; the iCub stream
   /// with a node address above 14).
   virtual Status set_stream(wire::StreamMode mode) = 0;
-  /// Takes effect at once: every converter is configured anew. kOk always; the decoder has refused what cannot be set.
+  /// Configures every converter again at once. Always kOk, because the decoder has refused invalid values.
   virtual Status set_sampling(const wire::SamplingSetting& setting) = 0;
-  /// Keeps a calibration with the table. Errors: those of TableStore::set_calibration.
+  /// Stores a calibration with the table. Errors: those of TableStore::set_calibration.
   virtual Status set_calibration(Bytes value) = 0;
-  /// Sends the log to the port that asks; kOff ends it.
+  /// Sends the log to the port of the request; kOff ends it.
   virtual Status set_log(wire::LogLevel level) = 0;
-  /// What the port that asks gets of the log.
+  /// Returns the log level of the port of the request.
   [[nodiscard]] virtual wire::LogLevel log_level() const = 0;
-  /// Account of the full stream over the port that asks.
+  /// Returns the account of the full stream over the port of the request.
   [[nodiscard]] virtual wire::StreamAccount stream_account() const = 0;
-  /// Samples and iCub frames that found no room since power-up, all ports.
+  /// Counts the samples and iCub frames on all ports that found no room since power-up.
   [[nodiscard]] virtual std::uint32_t dropped_samples() const = 0;
 };
 
-/// The identifiers of the controller, one row each: what reads it, what writes it. The session (F186) belongs to the
-/// diagnostic server.
+/// Each identifier of the controller has a row here with the functions that read and write it. The session (F186)
+/// belongs to the diagnostic server.
 class Identifiers {
  public:
   /// Everything that `parts` refers to, and `control`, must outlive the identifiers.
   Identifiers(const PatchParts& parts, PatchControl& control) : parts_(parts), control_(control) {}
 
-  /// Appends the value. False: no such identifier, or nothing to say (no table; not started from a slot).
+  /// Appends the value. Returns false if there is no such identifier or no value (no table; not started from a slot).
   [[nodiscard]] bool read(std::uint16_t did, ByteWriter& out) const;
-  /// Errors: kOutOfRange (no such identifier, or only to be read), those of the value's decoder and of PatchControl.
+  /// Writes a value. Errors: kOutOfRange (no such identifier, or read-only), those of the value's decoder and of
+  /// PatchControl.
   [[nodiscard]] Status write(std::uint16_t did, Bytes value) const;
   /// Appends the result of a routine. Error: kOutOfRange (no such routine, or one without a result).
   [[nodiscard]] Status routine_result(std::uint16_t routine, ByteWriter& out) const;
@@ -113,7 +114,7 @@ class Identifiers {
   [[nodiscard]] std::uint8_t rows() const {
     return parts_.tables.has_table() ? parts_.tables.table().module_count : std::uint8_t{0};
   }
-  /// Valid samples: with switched modules, those read before the last good check of the chain.
+  /// Returns a valid sample; with switched modules, it was read before the last good check of the chain.
   [[nodiscard]] const ModuleSample& shown(std::size_t row) const {
     return parts_.route.switched() ? parts_.published[row] : parts_.samples[row];
   }

@@ -8,20 +8,19 @@
 
 namespace triskin::fw {
 
-/// Writes into the log what a person at the bench wants to know: how the controller started, its table, modules and
-/// lines that fail or come back, a bus-off. It looks from outside at what stands: no part of the sampling knows the
-/// log.
+/// Logs what a person at the bench wants to know: how the controller started, its table, modules and lines that fail or
+/// recover, a bus-off. It observes the state from outside, so no part of the sampling knows the log.
 class Journal {
  public:
   /// Everything that `parts` refers to, and `log`, must outlive the journal.
   Journal(Log& log, const PatchParts& parts) : log_(log), parts_(parts) {}
-  /// Once after the start: version, clock, findings, crash. Cost: a few lines.
+  /// Logs version, clock, findings and crash once after the start. Cost: a few lines.
   void started();
-  /// The table that is active, after each start of the sampling.
+  /// Logs the active table after each start of the sampling.
   void table();
-  /// Once a sequence: what has changed since the last call.
+  /// Logs the changes since the last call; called once per sequence.
   void look();
-  /// A host asked for a stream, or for a restart.
+  /// Logs that a host asked for a stream, or for a restart.
   void stream(wire::StreamMode mode);
   void restart();
 

@@ -9,15 +9,15 @@
 
 namespace triskin::boot {
 
-/// The controller in DFU mode (DFU 1.1, manifestation tolerant): takes a firmware package and stores the image for the
-/// slot that is not in use. A package that ends early, or is damaged, is refused; the slot in use is never touched.
+/// In DFU mode (DFU 1.1, manifestation tolerant) the controller accepts a firmware package and stores the image for the
+/// slot that is not in use. A package that ends early or is damaged is refused; the slot in use is never touched.
 class DfuDevice final : public wire::UsbFunction {
  public:
-  /// Silence after which it goes back to the application: dfu-util waits 5 s before its first request.
+  /// After this much silence it returns to the application; dfu-util waits 5 s before its first request.
   static constexpr std::uint64_t kPatience_us = 15'000'000, kAfterCommit_us = 3'000'000;
 
-  /// `slots` must outlive the device; `unique_id` becomes the serial number. `leaves`: silence sends it back to an
-  /// application; without one that could start it stays.
+  /// `slots` must outlive the device; `unique_id` becomes the serial number. With `leaves`, silence makes it return to
+  /// an application; if none can start, it stays.
   DfuDevice(SlotStore& slots, const wire::UniqueId& unique_id, bool leaves = true)
       : slots_(slots), control_(unique_id, true), leaves_(leaves) {}
 
@@ -27,13 +27,13 @@ class DfuDevice final : public wire::UsbFunction {
   Bytes in(std::uint8_t) override { return {}; }
   [[nodiscard]] bool wants_to_reconnect() const override { return leave_; }
 
-  /// Time goes on. A device that was asked to leave, or that a host has been silent to, wants to reconnect.
+  /// Advances the time. A device that was asked to leave, or that heard nothing from a host, wants to reconnect.
   void tick(std::uint64_t now_us);
-  /// Time at which tick() has work, µs of the port's clock; UINT64_MAX: never.
+  /// Returns the time at which tick() has work, in µs of the port's clock; UINT64_MAX means never.
   [[nodiscard]] std::uint64_t next_event_us() const {
     return leave_ || stays() ? UINT64_MAX : last_us_ + patience_us();
   }
-  /// An image was taken whole since the last download began.
+  /// Returns true if a complete image was stored since the last download began.
   [[nodiscard]] bool committed() const { return committed_; }
 
  private:
@@ -65,10 +65,10 @@ class DfuDevice final : public wire::UsbFunction {
   Error error_ = Error::kNone;
   layout::PackageHead head_;
   int slot_ = -1;
-  std::uint32_t at_ = 0;  // Bytes of the package received so far.
+  std::uint32_t at_ = 0;  // This many bytes of the package were received so far.
   std::array<std::uint8_t, 6> reply_{};
   std::uint64_t last_us_ = 0;
-  std::size_t erased_pages_ = 0;  // Erased pages of the image's slot, without those of the records.
+  std::size_t erased_pages_ = 0;  // Only pages of the image's slot count, without those of the records.
   bool leaves_;
   bool heard_ = true, leave_ = false, committed_ = false;
 };

@@ -10,23 +10,23 @@
 
 namespace triskin::boot {
 
-/// What an image is refused for; kOk: nothing. `offer` is for slot `slot`; `running_version` is that of the firmware
-/// that runs. Errors: kOutOfRange (size), kWrongTarget (slot, other hardware), kOlder.
+/// Returns why an image is refused, or kOk. `offer` is for slot `slot`; `running_version` is that of the running
+/// firmware. Errors: kOutOfRange (size), kWrongTarget (slot, other hardware), kOlder.
 [[nodiscard]] Status acceptable(const wire::update::Offer& offer, int slot, std::uint32_t running_version);
 
-/// A controller's part in a broadcast update (docs/protocol.md, "One image to all"): takes an image into the slot that
-/// the application does not run from, and commits it when it is in order. What is missing is seen from the flash
-/// itself: a unit that reads as erased has not come. So nothing is kept in RAM but where it is, and a host leaves out
+/// As the controller's part in a broadcast update (docs/protocol.md, "One image to all"), the receiver writes an image
+/// into the slot that the application does not run from, and commits it when it is correct. The flash itself shows what
+/// is missing: a unit that reads as erased has not arrived. So RAM holds only the position, and a host does not send
 /// units that are erased anyway.
 class ImageReceiver final : public fw::ImageUpdate {
  public:
-  /// Who takes the image.
+  /// The receiver needs these facts about its controller.
   struct Self {
     wire::UniqueId unique_id;
-    int running_slot;                ///< 0 or 1
-    std::uint32_t firmware_version;  ///< version of the running firmware
+    int running_slot;                ///< Valid values are 0 and 1.
+    std::uint32_t firmware_version;  ///< The running firmware has this version.
   };
-  /// `slots` and `restart` outlive the receiver.
+  /// `slots` and `restart` must outlive the receiver.
   ImageReceiver(SlotStore& slots, fw::Restart& restart, const Self& self)
       : slots_(slots),
         restart_(restart),
@@ -38,14 +38,14 @@ class ImageReceiver final : public fw::ImageUpdate {
   [[nodiscard]] bool full() const override { return at_ < data_.size; }
   void step(fw::CanPort& port, std::uint64_t now_us) override;
   [[nodiscard]] std::uint64_t next_event_us(std::uint64_t now_us) const override;
-  /// Progress of the update.
+  /// Returns the progress of the update.
   [[nodiscard]] wire::update::State state() const;
 
  private:
   using Phase = wire::update::Phase;
-  static constexpr std::size_t kCheckedAtOnce = 512;     ///< bytes
-  static constexpr std::uint32_t kSearchedAtOnce = 512;  ///< units
-  static constexpr std::uint64_t kRestart_us = 5'000;    ///< answers leave first
+  static constexpr std::size_t kCheckedAtOnce = 512;     ///< Each step checks this many bytes.
+  static constexpr std::uint32_t kSearchedAtOnce = 512;  ///< Each step searches this many units.
+  static constexpr std::uint64_t kRestart_us = 5'000;    ///< Answers can still be sent during this time.
   static constexpr std::uint64_t kLookForRoom_us = 200;
   static constexpr std::uint32_t kNotSearching = ~0U;
 
@@ -73,18 +73,19 @@ class ImageReceiver final : public fw::ImageUpdate {
   Self self_;
   std::uint32_t id_crc_, answer_id_;
   wire::update::OfferParts parts_;
-  wire::update::Offer offered_, offer_;  // The last offer for the free slot, and the one it takes part in.
+  // The first is the last offer for the free slot, the second the one that the board has joined.
+  wire::update::Offer offered_, offer_;
   std::uint16_t offered_session_ = 0, session_ = 0;
   Phase phase_ = Phase::kIdle;
   Status status_ = Status::kOk;
-  std::uint64_t until_us_ = 0;  // End of the session, unless a frame arrives.
+  std::uint64_t until_us_ = 0;  // The session ends at this time unless a frame arrives.
   std::uint64_t restart_at_us_ = UINT64_MAX;
-  std::uint32_t work_at_ = 0;  // Number of pages erased, or of bytes checked.
+  std::uint32_t work_at_ = 0;  // This many pages were erased, or bytes checked.
   std::uint32_t image_crc_ = 0, record_crc_ = 0;
-  wire::CanFrame data_;  // Units from at_ on wait.
+  wire::CanFrame data_;  // Its units from at_ on still wait.
   std::uint8_t at_ = 0;
   bool who_due_ = false, image_due_ = false, state_due_ = false;
-  std::uint32_t search_at_ = kNotSearching;  // Unit that is checked next.
+  std::uint32_t search_at_ = kNotSearching;  // The search continues with this unit.
   std::uint16_t missing_ = 0;
   bool fd_ = false;       // Answers may be FD frames.
   bool no_room_ = false;  // An answer waits for the port.

@@ -8,7 +8,8 @@
 
 namespace triskin::boot {
 
-/// The loader's side of an update over CAN (wire/loader_protocol.hpp). The board starts applications.
+/// The loader's side of an update over CAN (wire/loader_protocol.hpp) is implemented here. The board itself starts
+/// applications.
 class Loader {
  public:
   /// `slots` and `can` must outlive the loader; hosts select it by the CRC of `unique_id`.
@@ -16,10 +17,10 @@ class Loader {
       : slots_(slots), can_(can), id_crc_(crc32(unique_id)) {}
   static constexpr std::uint64_t kPatience_us = 5'000'000;
 
-  /// True: start the newest slot now.
+  /// Handles a frame. Returns true if the newest slot must be started now.
   bool handle(const wire::CanFrame& frame, std::uint64_t now_us);
-  /// Time until which the loader waits for the next frame of a host that said hello, µs of the board's clock; 0: no
-  /// host.
+  /// Returns until when the loader waits for the next frame of a host that sent hello, in µs of the board's clock; 0
+  /// means that there is no host.
   [[nodiscard]] std::uint64_t stays_until_us() const { return stays_until_us_; }
 
  private:

@@ -9,62 +9,64 @@
 
 namespace triskin::boot {
 
-inline constexpr int kMaxStarts = 3;  ///< starts allowed to an application that does not confirm itself
+inline constexpr int kMaxStarts = 3;  ///< An application that does not confirm itself may be started this often.
 
 struct SlotState {
-  bool valid = false;      ///< committed, CRC right, vectors point into the slot
-  bool confirmed = false;  ///< the application ran and said so
+  bool valid = false;      ///< The slot is committed, its CRC is right, and its vectors point into the slot.
+  bool confirmed = false;  ///< The application has run and confirmed that it works.
   int starts = 0;
   std::uint32_t sequence = 0, size_bytes = 0;
-  std::uint32_t record_crc = 0;  ///< slot_crc() of what was committed
-  /// True if it comes before the other slot: valid, and confirmed or tried fewer than kMaxStarts times.
+  std::uint32_t record_crc = 0;  ///< The commit record contains this slot_crc().
+  /// Returns true if the slot may be started before the other one: it is valid, and confirmed or tried fewer than
+  /// kMaxStarts times.
   [[nodiscard]] bool startable() const { return valid && (confirmed || starts < kMaxStarts); }
 };
 
-/// Result for Restart::image_state(). `slot`: 0 or 1.
+/// Makes the result of Restart::image_state(). `slot` is 0 or 1.
 [[nodiscard]] inline wire::ImageState image_state_of(int slot, const SlotState& state) {
   return {static_cast<std::uint8_t>(slot), state.confirmed, state.sequence, state.size_bytes, state.record_crc};
 }
 
-/// The two application slots. Each ends with a page of records that are only ever added to (docs/firmware_board.md):
-/// commit (sequence, size, CRC), up to three starts, confirmation. A power cut leaves the slot in its old or its new
-/// state.
+/// Each of the two application slots ends with a page of records that are only ever appended (docs/firmware_board.md):
+/// commit (sequence, size, CRC), up to three starts, confirmation. A power failure leaves the slot in its old or its
+/// new state.
 class SlotStore {
  public:
-  /// `origins`: where the flash of each slot stands in the address space, for which its image is linked.
+  /// `origins` are the addresses at which the flash of each slot appears, for which its image is linked.
   constexpr SlotStore(std::array<fw::FlashArea*, 2> slots, std::array<std::uint32_t, 2> origins)
       : slots_(slots), origins_(origins) {}
 
-  /// Cost: one CRC over the image.
+  /// Reads the state of a slot. Cost: one CRC over the image.
   [[nodiscard]] SlotState inspect(int slot) const;
-  /// Sequence and marks of a slot, without its CRC: for one that is known to be valid.
+  /// Reads sequence and marks of a slot without its CRC, for a slot that is known to be valid.
   [[nodiscard]] SlotState peek(int slot) const;
-  /// The slot to start: the newest startable one; without any the newest valid one, for a board whose only image was
-  /// never confirmed must not be stranded by three power cuts. -1: none is valid.
+  /// Returns the slot to start: the newest startable one, or else the newest valid one, because three power failures
+  /// must not strand a board whose only image was never confirmed. −1 means that none is valid.
   [[nodiscard]] int choose() const;
-  /// Call it before an unconfirmed application starts. False: all records are used, or the flash refused.
+  /// Call it before an unconfirmed application starts. Returns false if all records are used, or the flash refused.
   bool note_start(int slot);
-  /// Erases the records first, so that the slot does not count from the first moment.
+  /// Erases the records first, so that the slot is invalid from the first moment.
   [[nodiscard]] Status erase(int slot);
-  /// One unit of the image. kNoSpace, kFlashFailed.
+  /// Programs one unit of the image. Errors: kNoSpace, kFlashFailed.
   [[nodiscard]] Status program(int slot, std::uint32_t offset, Bytes unit);
-  /// Writes the commit record after looking at what the flash holds. kOutOfRange, kWrongTarget (vectors), kBadCrc,
-  /// kFlashFailed.
+  /// Writes the commit record after checking the contents of the flash. Errors: kOutOfRange, kWrongTarget (vectors),
+  /// kBadCrc, kFlashFailed.
   [[nodiscard]] Status commit(int slot, std::uint32_t size_bytes, std::uint32_t crc);
-  /// The parts of erase() and commit(), for an update beside the work of the application. Erases one page of a slot.
+  /// Erases one page of a slot. This and the following functions are the parts of erase() and commit(), for an update
+  /// while the application works.
   [[nodiscard]] bool erase_page(int slot, std::size_t offset) { return area(slot).erase_page(offset); }
-  /// First byte of the page of records, from the start of a slot.
+  /// Returns the first byte of the page of records, from the start of a slot.
   [[nodiscard]] std::size_t records(int slot) const { return area(slot).size_bytes() - area(slot).page_bytes(); }
-  /// Address that the images of a slot are linked for.
+  /// Returns the address that the images of a slot are linked for.
   [[nodiscard]] std::uint32_t origin(int slot) const { return origins_[static_cast<std::size_t>(slot)]; }
   [[nodiscard]] std::size_t page_bytes() const { return area(0).page_bytes(); }
-  /// What the flash of a slot holds now; valid as long as the store.
+  /// Returns the present contents of a slot; the view is valid as long as the store.
   [[nodiscard]] Bytes bytes(int slot) const { return area(slot).bytes(); }
-  /// True when the stack and the entry of the image in a slot are such that it can start there.
+  /// Returns true when stack and entry of the image in a slot allow it to start there.
   [[nodiscard]] bool vectors_fit(int slot, std::uint32_t size_bytes) const;
-  /// Writes the commit record with this slot_crc(). False: the flash refused.
+  /// Writes the commit record with this slot_crc(). Returns false if the flash refused.
   [[nodiscard]] bool write_record(int slot, std::uint32_t sequence, std::uint32_t size_bytes, std::uint32_t crc);
-  /// The application that runs from a slot says that it works. Does nothing when it has done so before.
+  /// Notes that the application in a slot works. Does nothing when this was noted before.
   void confirm(int slot);
 
  private:

@@ -11,25 +11,25 @@
 
 namespace triskin::fw {
 
-/// Four lines whose SCL pins are tied to one wire, as installed iCub patches have it: one SCL, four SDA. Their masters
-/// would drive one clock against each other, so one transfer is under way at a time; the others wait in the order in
-/// which they were started. A chip on another line sees pulses of SCL while its SDA is high: no start condition, so it
-/// does not answer.
+/// Handles four lines whose SCL pins are tied to one wire, as in installed iCub patches: one SCL, four SDA. Their
+/// masters would drive the clock against each other, so only one transfer runs at a time; the others wait in the order
+/// in which they were started. A chip on another line sees pulses of SCL while its SDA is high, which is no start
+/// condition, so it does not answer.
 ///
-/// `Line` is the line of the board, an I2cLine. Cost: a look at the waiting lines when a transfer ends. Not for use in
+/// `Line` is the line of the board, an I2cLine. Cost: a check of the waiting lines when a transfer ends. Not for use in
 /// interrupts.
 template <class Line>
 class SharedClock {
  public:
   static constexpr std::size_t kLines = 4;
-  /// `lines` outlive it, and nobody else starts transfers on them.
+  /// `lines` must outlive it, and no other code may start transfers on them.
   explicit SharedClock(std::span<Line, kLines> lines) {
     for (std::size_t k = 0; k < kLines; ++k) gates_[k].tie(*this, lines[k]);
   }
   SharedClock(const SharedClock&) = delete;
   SharedClock& operator=(const SharedClock&) = delete;
 
-  /// The line as the application uses it. Its times are those of the transfer itself, without the time it waited.
+  /// Returns the line for the application. Its times are those of the transfer itself, without the waiting time.
   [[nodiscard]] I2cLine& line(std::size_t k) { return gates_[k]; }
 
  private:
@@ -52,7 +52,7 @@ class SharedClock {
     }
     [[nodiscard]] std::uint64_t started_us() const override { return line_->started_us(); }
     [[nodiscard]] std::uint64_t ended_us() const override { return line_->ended_us(); }
-    // The pulses would go into the transfer of another line, so that ends first; its outcome is kept.
+    // The pulses would disturb the transfer of another line, so that one ends first; its outcome is kept.
     Status recover() override {
       while (clock_->active_ != nullptr) clock_->look_without_next();
       const Status status = line_->recover();
@@ -63,9 +63,9 @@ class SharedClock {
       ticket_ = 0;
       line_->start(address_, write_, read_);
     }
-    /// Number of a transfer that waits; 0: none does.
+    /// Returns the number of a transfer that waits; 0 means that none does.
     [[nodiscard]] std::uint32_t ticket() const { return ticket_; }
-    /// True: the transfer is over, its outcome waits for poll().
+    /// Returns true if the transfer is over and its outcome waits for poll().
     [[nodiscard]] bool ended() {
       const auto outcome = line_->poll();
       if (outcome) outcome_ = outcome;

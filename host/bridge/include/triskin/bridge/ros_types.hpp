@@ -10,31 +10,32 @@
 
 #include "triskin/recording/messages.hpp"
 
-/// Types that the bridge publishes. Those of host/recording are used as they are; here are the two of ROS that a
-/// recording has no use for, and what ROS calls the hash of a type.
+/// The bridge publishes these types. Most come from host/recording; here are two types of ROS that a recording does not
+/// use, and the type hashes of ROS.
 namespace triskin::bridge {
 
-/// A message type with its hash (REP-2016, version 1), which ROS compares before a reader and a writer match.
+/// ROS compares the hash of a message type (REP-2016, version 1) before it matches a reader and a writer.
 struct RosType {
   const recording::MessageType& message;
-  std::string_view hash;  ///< It is "RIHS01_" and 64 hexadecimal digits.
+  std::string_view hash;  ///< The hash is "RIHS01_" followed by 64 hexadecimal digits.
 };
 extern const RosType kRaw, kLayout, kContacts, kPoints, kDiagnostics, kTransforms;
-/// All of them.
+/// Returns all published types.
 [[nodiscard]] std::span<const RosType* const> all_types();
-/// "sensor_msgs::msg::dds_::PointCloud2_" of "sensor_msgs/msg/PointCloud2".
+/// Converts "sensor_msgs/msg/PointCloud2" to "sensor_msgs::msg::dds_::PointCloud2_".
 [[nodiscard]] std::string dds_name(std::string_view ros_name);
-/// "triskin_msgs::srv::dds_::Tare" of "triskin_msgs/srv/Tare"; behind it stands "_Request_" or "_Response_".
+/// Converts "triskin_msgs/srv/Tare" to "triskin_msgs::srv::dds_::Tare", to which "_Request_" or "_Response_" is
+/// appended.
 [[nodiscard]] std::string dds_service_name(std::string_view ros_name);
 
-/// State of a part of the skin, of diagnostic_msgs/msg/DiagnosticStatus.
+/// Each part of the skin has a state, for diagnostic_msgs/msg/DiagnosticStatus.
 struct Diagnosis {
   enum class Level : std::uint8_t { kOk = 0, kWarn = 1, kError = 2, kStale = 3 };
   Level level = Level::kOk;
   std::string name, message, hardware_id;
   std::vector<std::pair<std::string, std::string>> values;
 };
-/// diagnostic_msgs/msg/DiagnosticArray. `stamp_ns`: since 1970. Throws nothing of its own.
+/// Encodes a diagnostic_msgs/msg/DiagnosticArray. `stamp_ns` counts from 1970. Throws nothing of its own.
 [[nodiscard]] std::vector<std::uint8_t> encode_diagnostics(std::span<const Diagnosis> parts, std::uint64_t stamp_ns);
 
 using recording::encode_transform;

@@ -11,44 +11,44 @@
 #include "triskin/bridge/dds.hpp"
 #include "triskin/recording/cdr.hpp"
 
-/// Services of the bridge, with the definitions of host/bridge/ros/triskin_msgs/srv. On the wire a request and its
-/// answer begin with who asks and the number of the request, 8 bytes each, as rmw_cyclonedds writes them.
+/// The definitions of these services are in host/bridge/ros/triskin_msgs/srv. On the wire a request and its answer
+/// begin with the client and the number of the request, 8 bytes each, as rmw_cyclonedds writes them.
 namespace triskin::bridge {
 
-/// Takes the present values of the taxels for those of a skin that nobody touches.
+/// Uses the present values of the taxels as rest values.
 struct Tare {
   static constexpr std::string_view kName = "triskin_msgs/srv/Tare", kTopic = "tare";
   static const std::string_view kDefinition;
   struct Request {
-    void read(recording::CdrReader& r) { (void)r.u8(); }  // ROS 2 sends a byte for a message without fields.
+    void read(recording::CdrReader& r) { (void)r.u8(); }  // ROS 2 sends one byte for a message without fields.
   };
   struct Answer {
     bool success = false;
-    std::string message;  ///< It says what failed and the remedy.
+    std::string message;  ///< The message says what failed and how to repair it.
     std::uint32_t taxels = 0;
     void write(recording::CdrWriter& w) const;
   };
 };
 
-/// Lets controllers find modules and joints anew and open a tree.
+/// Makes controllers search for modules and joints again and open a tree.
 struct Reroute {
   static constexpr std::string_view kName = "triskin_msgs/srv/Reroute", kTopic = "reroute";
   static const std::string_view kDefinition;
   struct Request {
-    std::int32_t patch = -1;  ///< −1 asks for all patches.
+    std::int32_t patch = -1;  ///< The value −1 selects all patches.
     void read(recording::CdrReader& r) { patch = static_cast<std::int32_t>(r.u32()); }
   };
   struct Answer {
     bool success = false;
     std::string message;
     std::vector<std::int32_t> patch;  ///< These patches were asked.
-    /// The tree of each patch has so many modules; −1 means that they have no switches.
+    /// The tree of each patch has this many modules; −1 means that they have no switches.
     std::vector<std::int32_t> modules;
     void write(recording::CdrWriter& w) const;
   };
 };
 
-/// Says which controllers serve the cover.
+/// Reports which controllers serve the cover.
 struct Identify {
   static constexpr std::string_view kName = "triskin_msgs/srv/Identify", kTopic = "identify";
   static const std::string_view kDefinition;
@@ -56,13 +56,14 @@ struct Identify {
   struct Answer {
     bool success = false;
     std::string message;
-    std::uint64_t design_id = 0;  ///< It is the id of the published design.
+    std::uint64_t design_id = 0;  ///< The id is that of the published design.
     /// Each controller that answered has its patch here; the lists below have the same order.
     std::vector<std::int32_t> patch;
-    std::vector<std::uint8_t> node;       ///< They are node addresses.
-    std::vector<std::string> serial;      ///< They are unique ids.
-    std::vector<std::string> firmware;    ///< They are versions.
-    std::vector<std::uint64_t> table_id;  ///< It is the design of the table; 0 means that there is none.
+    std::vector<std::uint8_t> node;     ///< The controllers have these node addresses.
+    std::vector<std::string> serial;    ///< The controllers have these unique ids.
+    std::vector<std::string> firmware;  ///< The versions are those of the firmware.
+    /// The table of each controller belongs to this design; 0 means that there is no table.
+    std::vector<std::uint64_t> table_id;
     void write(recording::CdrWriter& w) const;
   };
 };
@@ -73,7 +74,7 @@ struct RequestId {
   bool operator==(const RequestId&) const = default;
 };
 
-/// Serves /skin/PART/TOPIC of `Type`, one of those above. Threads: one.
+/// Serves /skin/PART/TOPIC of `Type`, one of the services above. Threads: one.
 template <class Type>
 class Service {
  public:
@@ -81,10 +82,10 @@ class Service {
     RequestId id;
     typename Type::Request request;
   };
-  /// Advertises the service. `domain` outlives it. Throws DeviceError.
+  /// Advertises the service. `domain` must outlive it. Throws DeviceError.
   Service(Domain& domain, const std::string& part)
       : server_(domain.serve("/skin/" + part + "/" + std::string(Type::kTopic), Type::kName)) {}
-  /// The oldest request that nobody has taken; empty: there is none. Those that are malformed are dropped. Throws
+  /// Removes and returns the oldest request; empty if there is none. Malformed requests are dropped. Throws
   /// DeviceError.
   std::optional<Asked> take() {
     while (const auto bytes = server_->take()) {

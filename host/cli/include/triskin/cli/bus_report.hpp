@@ -6,11 +6,11 @@
 
 namespace triskin::cli {
 
-/// What all samples of `modules` modules take of one bus at the controllers' bit rates, as the key "bus":
-/// "can_fd" (every sample of the full stream, 1 = all of the bus), "every" (the smallest n whose n-th samples fit) and
-/// "icub" (the iCub stream at 50 ms on a classic bus).
+/// Adds the load of one bus by all samples of `modules` modules at the controllers' bit rates as the key "bus":
+/// "can_fd" (every sample of the full stream, 1 = the whole bus), "every" (the smallest n for which each n-th sample
+/// fits) and "icub" (the iCub stream at 50 ms on a classic bus).
 void add_bus_keys(std::size_t modules, Output& output);
-/// Adds that key, and says what fits when every sample does not.
+/// Adds that key, and says what fits if not every sample does.
 void report_bus(std::size_t modules, Output& output);
 
 }  // namespace triskin::cli

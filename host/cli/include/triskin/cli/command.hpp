@@ -11,35 +11,34 @@
 
 namespace triskin::cli {
 
-/// Result of a command: one JSON object with --json, else text. Messages go to standard error.
+/// A command prints its result as one JSON object with --json, otherwise as text. Messages go to standard error.
 class Output {
  public:
-  /// `json`: the command was given --json.
-  /// `messages_aside`: messages go to standard error because standard output takes something else: the JSON object, or
-  /// the file of `-o -`.
+  /// `json` says that the command was given --json. With `messages_aside`, messages go to standard error because
+  /// standard output is used for something else: the JSON object, or the file of `-o -`.
   explicit Output(bool json, bool messages_aside = false) : json_(json), messages_aside_(json || messages_aside) {}
 
-  /// The object printed by --json. Filled by the command; printed once, when it has ended.
+  /// The command fills this object, and --json prints it once, after the command has ended.
   nlohmann::json result = nlohmann::json::object();
 
-  /// True with --json: only the object may go to standard output.
+  /// Returns true with --json, when only the object may go to standard output.
   [[nodiscard]] bool json() const { return json_; }
-  /// Says once that all output comes from the simulation `link`, not from hardware. From then on every object of
+  /// Says once that all output comes from the simulation `link` instead of hardware. From then on every object of
   /// --json has "simulated": true.
   void mark_simulated(const std::string& link);
-  /// The same for a command that has said it by itself.
+  /// Marks the output as simulated without a message, for a command that has said it already.
   void mark_quietly_simulated() { simulated_ = true; }
-  /// From now on messages and progress are left out; the object of --json stays.
+  /// Suppresses messages and progress from now on; the object of --json stays.
   void silence() { is_silent_ = true; }
-  /// Ctrl-C is the usual end of the command: its status stays what the command returns.
+  /// Declares Ctrl-C the usual end of the command, so that its status remains what the command returns.
   void expect_interrupt() { expects_interrupt_ = true; }
   [[nodiscard]] bool expects_interrupt() const { return expects_interrupt_; }
   [[nodiscard]] bool simulated() const { return simulated_; }
-  /// Prints one object on its own line at once (--json), for commands that answer while they run.
+  /// Prints one object on its own line immediately (--json), for commands that report while they run.
   void each(const nlohmann::json& object) const;
-  /// One line for a person: standard output, or standard error where the other is taken.
+  /// Prints one line for a person to standard output, or to standard error if the other is in use.
   void say(const std::string& line) const;
-  /// Bar on a terminal after one second; elsewhere one line per stage. Safe to call from any thread.
+  /// Shows a bar on a terminal after one second; elsewhere it prints one line per stage. Safe to call from any thread.
   [[nodiscard]] ProgressSink progress() const;
 
  private:
@@ -49,14 +48,14 @@ class Output {
   bool is_silent_ = false;
 };
 
-/// An object as one line of JSON. Bytes that are no UTF-8, as a file name may have, become U+FFFD.
+/// Formats an object as one line of JSON. Bytes that are not UTF-8, as in a file name, become U+FFFD.
 [[nodiscard]] std::string json_line(const nlohmann::json& object);
 
-/// One line "triskin: TEXT" on standard error, for a person.
+/// Prints one line "triskin: TEXT" on standard error, for a person.
 void say_aside(const std::string& text);
 
-/// Validator of an option that takes one of the names of `values`, in any case. --help lists the names, not the numbers
-/// behind them.
+/// Makes a validator for an option whose values are the names in `values`, in any case. --help lists the names, not the
+/// numbers behind them.
 template <class Value>
 [[nodiscard]] CLI::Validator one_of(const std::map<std::string, Value>& values) {
   std::string names;
@@ -66,28 +65,29 @@ template <class Value>
   return transformer;
 }
 
-/// Runs a command and returns its exit status: 0 done, 1 done and the answer is bad. Throws triskin::Error for 2 and 3.
+/// Runs a command and returns its exit status: 0 means success, 1 success with a bad answer. Throws triskin::Error for
+/// 2 and 3.
 using Run = std::function<int(Output&)>;
 
-/// Purpose of a command; --help lists the commands of a group together, in this order.
+/// Commands are grouped by purpose, and --help lists the groups in this order.
 enum class Group { kDesign, kHardware, kData, kDevelopment };
 
-/// One subcommand. `set_up` adds options to `app` and returns what runs them; options live in the returned closure
-/// (a shared_ptr to a struct), since CLI11 keeps references.
+/// For each subcommand, `set_up` adds options to `app` and returns the function that runs with them. Options live in
+/// the returned closure (a shared_ptr to a struct), because CLI11 keeps references.
 struct Command {
   std::string name;
   std::string summary;
-  std::string example;  ///< --help shows it.
+  std::string example;  ///< The example appears in --help.
   std::function<Run(CLI::App& app)> set_up;
   Group group = Group::kDevelopment;
 };
 
-/// Each command's file holds one constant of this type at namespace scope; main finds all of them.
+/// Each command's file has one constant of this type at namespace scope, and main finds all of them.
 class Registration {
  public:
-  /// Adds the command to all(). Runs before main.
+  /// Adds the command to all(). This runs before main.
   explicit Registration(Command command);
-  /// All registered commands, in no order.
+  /// Returns all registered commands in arbitrary order.
   [[nodiscard]] static const std::vector<Command>& all();
 };
 

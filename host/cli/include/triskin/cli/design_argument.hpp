@@ -7,15 +7,15 @@
 
 namespace triskin::cli {
 
-/// What DESIGN names on the command line.
+/// The argument DESIGN on the command line can name a file or a QR code.
 struct DesignArgument {
   std::string path;
-  std::optional<sheet::PageCode> code;  ///< It is set if the text of a QR code was given.
+  std::optional<sheet::PageCode> code;  ///< The code is set if the text of a QR code was given.
 };
 
-/// DESIGN is a file, or the text of a QR code of an assembly sheet: then the design with its id is looked for among the
-/// files *.json of the current folder, in the order of their names. Throws InputError for a text that begins like a
-/// code and is none, and when no file there is the design. Cost: reads these files.
+/// Resolves DESIGN, which is a file or the text of a QR code on an assembly sheet. For a code, the design with its id
+/// is searched among the files *.json of the current folder, in the order of their names. Throws InputError for a text
+/// that begins like a code but is invalid, and when no file there is the design. Cost: reads these files.
 [[nodiscard]] DesignArgument find_design(const std::string& argument);
 
 }  // namespace triskin::cli

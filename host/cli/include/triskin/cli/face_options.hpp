@@ -8,11 +8,11 @@
 
 namespace triskin::cli {
 
-/// Options that choose faces of a STEP or IGES file, the same for every command that reads one.
+/// These options choose faces of a STEP or IGES file; all commands that read such a file have the same ones.
 class FaceOptions {
  public:
   void add_to(CLI::App& app);
-  /// Selection that the options describe. Errors: InputError naming the option for text that is not what it wants.
+  /// Returns the selection that the options describe. Errors: InputError naming the option for invalid text.
   [[nodiscard]] cad::FaceSelection selection() const;
 
  private:

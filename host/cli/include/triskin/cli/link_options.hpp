@@ -9,8 +9,8 @@
 
 namespace triskin::cli {
 
-/// Adds --link and --scene, as all commands that talk to controllers have them. Without --link the environment variable
-/// TRISKIN_LINK names the link of a design; the links of a robot file go before it.
+/// Adds --link and --scene to a command that talks to controllers. Without --link, the environment variable
+/// TRISKIN_LINK names the link of a design; the links of a robot file take precedence over it.
 inline void add_link_options(CLI::App& app, device::LinkOptions& options) {
   device::settle_link(options, false);
   const auto simulate = [&options](const std::string&) { device::settle_link(options, true); };
@@ -32,7 +32,7 @@ inline void add_link_options(CLI::App& app, device::LinkOptions& options) {
       ->each(simulate);
 }
 
-/// Says with the first line, and in --json, that `link` is a simulation; nothing where it is hardware.
+/// Says in the first line, and in --json, that `link` is a simulation; says nothing for hardware.
 inline void say_simulated(const device::Link& link, Output& output) {
   if (device::is_simulated(link.name())) output.mark_simulated(link.name());
 }

@@ -10,18 +10,18 @@ namespace triskin::cli {
 using recording::recorded_skin;
 using recording::RecordedSkin;
 
-/// A recording as the page plays it.
+/// The page plays a recording in this form.
 struct RecordedTrack {
   RecordedSkin skin;
-  std::string frames;  ///< They are those of view::FrameTrack.
-  std::string remark;  ///< It says which parts of the recording are missing and is empty if it is complete.
+  std::string frames;  ///< view::FrameTrack made the frames.
+  std::string remark;  ///< The remark says which parts of the recording are missing; it is empty if it is complete.
 };
 
-/// True for the name of a recording: the extension is .mcap.
+/// Returns true if the file name has the extension .mcap.
 [[nodiscard]] bool is_recording(const std::string& file);
 
-/// Reads a recording. `max_bytes`: of the frames; later ones are dropped. Throws InputError when it is no recording of
-/// triskin, or holds no design or no sample. Cost: reads the file.
+/// Reads a recording. `max_bytes` limits the frames; later ones are dropped. Throws InputError when it is not a
+/// recording of triskin, or has no design or no sample. Cost: reads the file.
 [[nodiscard]] RecordedTrack read_track(const std::string& file, std::size_t max_bytes);
 
 }  // namespace triskin::cli

@@ -9,7 +9,7 @@
 
 namespace triskin::cli {
 
-/// What a device command works on: a design file or a robot file, and the links.
+/// A device command works on a design file or a robot file, over its links.
 struct SiteOptions {
   std::string file, cover;
   device::LinkOptions link;
@@ -19,21 +19,22 @@ void add_site_options(CLI::App& app, SiteOptions& options);
 
 /// Reads the file and chooses the cover. Throws as robot::read_site and robot::choose do.
 [[nodiscard]] robot::Site read_site(const SiteOptions& options);
-/// Opens the links, and says where one is a simulation. Throws as device::open_bus does.
+/// Opens the links and says which of them are simulations. Throws as device::open_bus does.
 void open_links(device::LiveSkin& skin, Output& output);
-/// Both.
+/// Reads the file and opens the links.
 [[nodiscard]] device::LiveSkin open_skin(const SiteOptions& options, Output& output);
 
-/// The one cover that is chosen of a site with one bus. Throws InputError naming `command` where there are several.
+/// Returns the chosen cover of a site with one bus. Throws InputError naming `command` if there are several.
 [[nodiscard]] device::LiveCover& one_cover(const device::LiveSkin& skin, std::string_view command);
 
-/// "COVER: " before what is said of a cover of a robot; nothing for a design file.
+/// Returns "COVER: " as a prefix for messages about a cover of a robot; empty for a design file.
 [[nodiscard]] std::string prefix_of(const robot::CoverConfig& cover);
 
-/// Progress of one cover of a robot: with its name, and parts of its own. `sink` as it is for a design file.
+/// Returns a sink for the progress of one cover of a robot, with its name and its own parts; for a design file it is
+/// `sink` itself.
 [[nodiscard]] ProgressSink progress_of(const robot::BusConfig& bus, const robot::CoverConfig& cover, ProgressSink sink);
 
-/// Keys "cover" and "bus" for the report of a cover; an empty object for a design file.
+/// Returns the keys "cover" and "bus" for the report of a cover; an empty object for a design file.
 [[nodiscard]] nlohmann::json keys_of(const robot::BusConfig& bus, const robot::CoverConfig& cover);
 
 }  // namespace triskin::cli

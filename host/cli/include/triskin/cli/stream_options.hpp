@@ -6,20 +6,20 @@
 
 namespace triskin::cli {
 
-/// Adds --decimation: for commands that choose every n-th sample by themselves.
+/// Adds --decimation, for commands that choose every n-th sample themselves.
 void add_decimation_option(CLI::App& app, device::StreamOptions& options);
 
-/// Adds --decimation, --every and --overload, as all commands that read the full stream have them.
+/// Adds --decimation, --every and --overload to a command that reads the full stream.
 void add_stream_options(CLI::App& app, device::StreamOptions& options);
 
-/// `options` with messages of the stream to standard error.
+/// Adds a function to `options` that prints messages of the stream to standard error.
 [[nodiscard]] device::StreamOptions speaking(device::StreamOptions options);
 
 /// Writes the keys samples, expected, lost, never_heard, every, bus_load, losses, starved and silent into `result`.
 void add_stream_keys(const device::StreamReport& report, nlohmann::json& result);
 
-/// Says what came of what was due, and adds the keys of add_stream_keys. Returns the exit status: 0 when everything
-/// came, else 1.
+/// Reports which of the due samples arrived, and adds the keys of add_stream_keys. Returns the exit status: 0 when all
+/// arrived, otherwise 1.
 [[nodiscard]] int conclude(const device::StreamReport& report, Output& output);
 
 }  // namespace triskin::cli

@@ -11,18 +11,18 @@
 
 namespace triskin::device {
 
-/// Opens the link of bus `bus` (0-based) of a site. Of a design file: as open_link does. Of a robot file: the link that
-/// the file names, or what `options.link` says where it is `chosen`: `sim` simulates each bus in this process, as CAN
-/// or as USB hub as the file has it, `sim:HOST:PORT` is bus 0 of `triskin simulate ROBOT --listen HOST:PORT`, whose
-/// further buses have the ports behind. Throws as open_link does, and InputError for another chosen link of a robot
-/// with several buses, or a scene.
+/// Opens the link of bus `bus` (0-based) of a site. For a design file it does the same as open_link. For a robot file
+/// it opens the link that the file names, or `options.link` if it is `chosen`: `sim` simulates each bus in this
+/// process, as CAN or as USB hub according to the file; `sim:HOST:PORT` is bus 0 of `triskin simulate ROBOT --listen
+/// HOST:PORT`, and further buses use the following ports. Throws as open_link does, and InputError for any other chosen
+/// link of a robot with several buses, or a scene.
 [[nodiscard]] std::unique_ptr<Link> open_bus(const robot::Site& site, std::size_t bus, const LinkOptions& options);
 
-/// The simulation of a bus of a robot: its covers with nobody touching them. `board_seed` as LinkOptions::board_seed.
-/// Throws as scene::join_covers.
+/// Makes the simulation of a robot's bus: its covers, with nobody touching them. `board_seed` as
+/// LinkOptions::board_seed. Throws as scene::join_covers.
 [[nodiscard]] scene::Scene scene_of(const robot::BusConfig& bus, bool switched,
                                     std::optional<std::uint64_t> board_seed);
-/// Folder that keeps the flash of its simulated controllers, by unique id.
+/// Returns the folder that stores the flash of its simulated controllers, by unique id.
 [[nodiscard]] std::filesystem::path state_folder_of(const robot::Site& site, const robot::BusConfig& bus);
 
 }  // namespace triskin::device

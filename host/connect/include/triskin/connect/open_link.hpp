@@ -12,38 +12,38 @@
 
 namespace triskin::device {
 
-/// Values of `--link` and `--scene`.
+/// The options are the values of `--link` and `--scene`.
 struct LinkOptions {
-  std::string link;     ///< It is empty if none was named, which only a robot file makes up for.
-  bool chosen = false;  ///< `link` takes precedence over what a robot file says.
-  std::string scene;    ///< It is the scene file for `sim`; if it is empty, the design is simulated with nothing wrong.
-  bool switched = false;  ///< `sim` without a scene file has switched modules.
-  /// Seed of the serial numbers of simulated boards: 0: they ascend with the patches; empty: the scene's seed. Boards
-  /// of a robot file are numbered by it.
+  std::string link;       ///< An empty text means that no link was named; then a robot file must name one.
+  bool chosen = false;    ///< True means that `link` takes precedence over the robot file.
+  std::string scene;      ///< The scene file is for `sim`; if it is empty, the design is simulated without faults.
+  bool switched = false;  ///< Without a scene file, `sim` then has switched modules.
+  /// The seed determines the serial numbers of simulated boards. With 0 they ascend with the patches; if empty, the
+  /// scene's seed is used. Boards of a robot file are numbered by the seed.
   std::optional<std::uint64_t> board_seed{};
-  bool own_interrupts = true;  ///< It uses catch_interrupts(); if false, signals are left to the caller.
+  bool own_interrupts = true;  ///< True means that catch_interrupts() is used; false leaves signals to the caller.
 };
 
-/// Sets the link of options that have none `chosen`: the simulation where something was asked for that only a
-/// simulation has (`simulates`), else what the environment variable TRISKIN_LINK names, else none.
+/// Sets the link if none is `chosen`: the simulation if the user asked for something that only a simulation has
+/// (`simulates`), else the link in the environment variable TRISKIN_LINK, else none.
 void settle_link(LinkOptions& options, bool simulates);
 
-/// Scene::board_seed for what LinkOptions::board_seed asks: 0 is none, nothing asked is `by_default`.
+/// Converts LinkOptions::board_seed to Scene::board_seed: 0 becomes none, and an empty value becomes `by_default`.
 [[nodiscard]] std::optional<std::uint64_t> board_seed_of(std::optional<std::uint64_t> asked, std::uint64_t by_default);
 
-/// The simulation of `scene` behind a link that is_in_process(); `folder` keeps the flash of its controllers, empty:
-/// memory. Throws as scene::VirtualSkin does.
+/// Simulates `scene` behind a link that is_in_process(). `folder` stores the flash of its controllers; if it is empty,
+/// memory does. Throws as scene::VirtualSkin does.
 [[nodiscard]] std::unique_ptr<Link> simulate_here(const std::string& link, scene::Scene scene,
                                                   const std::filesystem::path& folder);
 
-/// Throws InputError where no link is named; it lists what is attached to this computer.
+/// Throws InputError if no link is named; the message lists the devices attached to this computer.
 void require_link(const LinkOptions& options);
 
 /// Opens `sim`, `sim-usb`, `sim:HOST:PORT`, `can:IFACE`, `hid[:SERIAL]` or `usb[:SERIAL]`, or several of the last
-/// three, joined by commas. `design` is what `sim` simulates when there is no scene; null where a command has none; not
-/// kept. From now on Ctrl-C only sets interrupt_request(), unless the options leave signals to the caller. Throws
-/// InputError (no link or an unknown one, no design or scene for `sim`, a scene of another design), DeviceError (cannot
-/// connect).
+/// three, joined by commas. `sim` simulates `design` when there is no scene; null for commands without a design; the
+/// pointer is not kept. From now on Ctrl-C only sets interrupt_request(), unless the options leave signals to the
+/// caller. Throws InputError (no link or an unknown one, no design or scene for `sim`, a scene of another design),
+/// DeviceError (cannot connect).
 [[nodiscard]] std::unique_ptr<Link> open_link(const LinkOptions& options, const design::Design* design);
 
 }  // namespace triskin::device

@@ -13,17 +13,17 @@
 
 namespace triskin::device {
 
-/// How the controller of a patch was found.
+/// The controller of a patch can be found in these ways.
 enum class FoundBy {
   kNothing,  ///< The board was not identified.
-  kName,     ///< Somebody named the board.
-  kTable,    ///< The board holds the table of this patch.
+  kName,     ///< The user named the board.
+  kTable,    ///< The board has the table of this patch.
   kOnly,     ///< No other board was left.
   kShape,    ///< The board's modules have the shape of no other patch.
   kTouch,    ///< The board felt a finger on the patch.
-  kOrder,    ///< Fresh controllers were taken in the order of their unique ids.
+  kOrder,    ///< New controllers were assigned in the order of their unique ids.
 };
-/// Names in --json.
+/// The output of --json uses these names.
 inline constexpr NameTable kFoundByNames{std::array<std::pair<FoundBy, std::string_view>, 7>{{
     {FoundBy::kNothing, "nothing"},
     {FoundBy::kName, "name"},
@@ -34,59 +34,61 @@ inline constexpr NameTable kFoundByNames{std::array<std::pair<FoundBy, std::stri
     {FoundBy::kOrder, "order"},
 }}};
 
-/// What a controller sees of its patch without a table. Switched modules: all modules and joints, with their rotations
-/// and the port of the cable. Strapped ones: the places at which a chip answers.
+/// Without a table, a controller can see the shape of its patch. With switched modules it sees all modules and joints,
+/// with their rotations and the port of the cable; with strapped ones, the places at which a chip answers.
 struct BoardShape {
   bool switched = false;
-  wire::FoundTopology found;  ///< It is what a patch of switched modules found.
-  /// For strapped modules, bit a of a line says that address a answers.
+  wire::FoundTopology found;  ///< A patch of switched modules found this topology.
+  /// For strapped modules, bit a of a line says that a chip answers at address a.
   std::array<std::uint8_t, layout::kLines> answers{};
 };
 
-/// Asks a controller that nobody shares its address with. Sampling pauses for up to 60 ms. Throws as Controller does.
+/// Reads the shape from a controller whose address is not shared. Sampling pauses for up to 60 ms. Throws as Controller
+/// does.
 [[nodiscard]] BoardShape read_shape(Controller& controller);
 
-/// Number of differences between a shape and patch `patch` (0-based): modules, joints, rotations and the place of the
-/// cable, or places with and without a chip. 0: none. -1: in so many that this is hardly the patch, or nothing
-/// answers. Throws std::out_of_range for a patch that the design lacks. Cost: match_topology.
+/// Counts the differences between a shape and patch `patch` (0-based): modules, joints, rotations and the place of the
+/// cable, or places with and without a chip. 0 means that they are equal; −1 means that there are so many differences
+/// that this is hardly the patch, or that nothing answers. Throws std::out_of_range for a patch that the design lacks.
+/// Cost: match_topology.
 [[nodiscard]] int shape_difference(const BoardShape& shape, const design::Design& design, int patch);
 
-/// The shape is what the controller of patch `patch` sees when its modules are joined to those of the patches beside
-/// it, of which those in `open` (ascending) have no controller with a table: it reaches into them. Throws
+/// Returns true if the controller of patch `patch` sees this shape when its modules are joined to those of neighbouring
+/// patches, and the patches in `open` (ascending) have no controller with a table, so that it reaches into them. Throws
 /// std::out_of_range for a patch that the design lacks. Cost: topology_across.
 [[nodiscard]] bool reaches_across(const BoardShape& shape, const design::Design& design, int patch,
                                   std::span<const int> open);
 
-/// A patch that waits for its controller.
 struct Seat {
   const design::Design* design = nullptr;
-  int patch = 0;  ///< It is counted from 0 in its design.
+  int patch = 0;  ///< Patches are numbered from 0 in their design.
 };
 
-/// Seat of each board, if its shape settles it. Seats are numbered as in the list.
+/// Boards are compared with seats. Seats are numbered as in the list.
 struct ShapeAssignment {
-  std::vector<int> seat;  ///< Each board has its seat; −1 means that the shapes do not settle it.
-  /// Each board has the seats that it may have, in ascending order; with none it looks like no patch.
+  std::vector<int> seat;  ///< Each board has its seat; −1 means that the shapes do not decide it.
+  /// Each board has its possible seats in ascending order; none means that it resembles no patch.
   std::vector<std::vector<int>> likely;
-  /// One flag per board: it looks like one of them only with modules of the patches beside it.
+  /// Each board has a flag: true means that it matches a patch only together with modules of neighbouring patches.
   std::vector<bool> across;
-  bool exact = false;  ///< Shapes that are equal give as many boards as possible a seat each.
+  bool exact = false;  ///< True means that as many boards as possible get a seat by shapes that are equal.
 };
 
-/// Lays every shape over the patch of every seat (each once). A board may have any seat whose patch it equals; where
-/// the boards do not cover the seats so, any that it differs from in at most one thing more than from the nearest. A
-/// board is settled when it has the same seat in every way to give as many boards as possible a seat each: so equal
-/// and symmetric shapes stay open, and a board that could have two seats is settled when another takes one of them.
-/// Where patches are joined across their borders a board sees modules of the patches beside its own too: it equals a
-/// seat as well when it reaches_across() into the patches of the other seats of that design. For that boards must have
-/// looked one after the other. Cost: boards · seats calls of shape_difference and of reaches_across.
+/// Compares every shape with the patch of every seat (each once). A board may have any seat whose patch equals its
+/// shape; if that does not fill the seats, also any seat with at most one difference more than the nearest. A board is
+/// settled when it has the same seat in every assignment that gives a seat to as many boards as possible. Equal and
+/// symmetric shapes therefore stay open, and a board with two possible seats is settled when another board takes one of
+/// them. Where patches are joined across their borders, a board also sees modules of neighbouring patches, so it also
+/// equals a seat when it reaches_across() into the patches of the design's other seats; for that, the boards must have
+/// searched one after the other. Cost: boards · seats calls of shape_difference and of reaches_across.
 [[nodiscard]] ShapeAssignment assign_by_shape(std::span<const BoardShape> shapes, std::span<const Seat> seats);
-/// Seats for these patches of a design, which outlives them.
+/// Makes seats for these patches of a design, which must outlive them.
 [[nodiscard]] std::vector<Seat> seats_of(const design::Design& design, std::span<const int> patches);
 
-/// Gives controllers without a table that share their node address addresses of their own, from the highest free one
-/// downwards, so that each can be asked; with `tables` those with one, too. Nobody else is touched. Returns who is
-/// there then. Throws DeviceError when addresses do not suffice or one is not taken.
+/// Gives controllers without a table that share their node address separate addresses, from the highest free one
+/// downwards, so that each can be asked; with `tables` also those with a table. Other controllers are not touched.
+/// Returns the controllers that are present afterwards. Throws DeviceError when there are too few addresses or one is
+/// not accepted.
 [[nodiscard]] std::vector<wire::NodeClaim> put_apart(Bus& bus, std::vector<wire::NodeClaim> claims, bool tables);
 
 }  // namespace triskin::device

@@ -23,45 +23,45 @@ inline constexpr NameTable kStepOutcomeNames{std::array<std::pair<StepOutcome, s
     {StepOutcome::kSkipped, "skipped"},
 }}};
 
-/// One of the twelve steps of docs/bring_up.md.
+/// docs/bring_up.md explains the twelve steps.
 struct BringUpStep {
-  int number = 0;         ///< It ranges from 1 to 12.
-  std::string_view does;  ///< It says what to do.
+  int number = 0;         ///< Valid values are 1 to 12.
+  std::string_view does;  ///< The text tells the person what to do.
   std::string_view measures;
   std::string_view expects;
-  std::string_view otherwise;  ///< It says what a deviation means.
+  std::string_view otherwise;  ///< The text says what a deviation means.
 };
-/// The steps, in order.
+/// Returns the steps in order.
 [[nodiscard]] const std::array<BringUpStep, 12>& bring_up_steps();
 
-/// Result of a step.
 struct StepReport {
   int number = 0;
   StepOutcome outcome = StepOutcome::kSkipped;
-  std::string found;  ///< It is what the program or the person saw, or why the step was skipped.
+  std::string found;  ///< The text has what the program or the person saw, or why the step was skipped.
 };
 
-/// A person's answer about a step that no link can observe.
+/// A person answers about a step that cannot be observed over the link.
 struct StepAnswer {
   StepOutcome outcome = StepOutcome::kSkipped;
   std::string found;
 };
 
 struct BringUpOptions {
-  /// Asks a person about a step; empty: such steps are skipped.
+  /// Asks a person about a step; if it is empty, such steps are skipped.
   std::function<StepAnswer(const BringUpStep&)> ask;
-  /// Opens the link, when step 7 or 8 is reached. Throws Error: the step fails, and so do those that need it.
+  /// Opens the link when step 7 or 8 is reached. If it throws Error, the step fails, and so do those that need the
+  /// link.
   std::function<std::unique_ptr<Link>()> open;
-  double stream_s = 2.0;  ///< The samples of step 12 are watched for so long (> 0).
+  double stream_s = 2.0;  ///< Step 12 watches the samples for this long (> 0).
   ProgressSink progress;
 };
 
-/// Leads through the steps in order: asks about what has to be measured, does by itself what goes over the link, writes
-/// the tables of `design` into controllers that lack them. A step that fails does not end the others, except that all
-/// that need a link are skipped when there is none. Result: a report for each step. Throws Cancelled.
+/// Runs the steps in order: it asks the person for measurements, performs the steps over the link itself, and writes
+/// the tables of `design` into controllers that lack them. A failed step does not end the others, but steps that need a
+/// link are skipped when there is none. Returns a report for each step. Throws Cancelled.
 [[nodiscard]] std::vector<StepReport> bring_up(const design::Design& design, const BringUpOptions& options);
 
-/// The report as Markdown: a table of the steps, then for each that failed what it may mean.
+/// Formats the reports as Markdown: a table of the steps, then the possible causes of each failure.
 [[nodiscard]] std::string to_markdown(const std::vector<StepReport>& reports, std::string_view link_name);
 
 }  // namespace triskin::device

@@ -15,59 +15,58 @@ namespace triskin::device {
 
 struct BroadcastOptions {
   bool each = false;         ///< A controller that is ready starts the new image even when another one refuses it.
-  bool allow_older = false;  ///< A newer version may be replaced too.
-  bool dry_run = false;      ///< It asks and says what would happen, and writes nothing.
-  bool force = false;        ///< It writes images that are equal, too.
+  bool allow_older = false;  ///< The image may replace a newer version.
+  bool dry_run = false;      ///< Nothing is written; the result says what would happen.
+  bool force = false;        ///< Images are written even if they are equal.
 };
 
-/// Result for one controller.
 enum class UpdateOutcome : std::uint8_t {
   kUpdated,   ///< The new image runs.
-  kEqual,     ///< The image ran already.
-  kWould,     ///< The image would be written without the dry run.
-  kByLoader,  ///< The board knows no broadcast (version 0.1), so update_firmware() is run for it.
-  kRefused,   ///< The controller refused, or nothing was sent to it; what ran goes on.
-  kHeldBack,  ///< The controller was ready, but another one refused; what ran goes on.
-  kGivenUp,   ///< It does not answer any more, or was restarted; what ran is what starts.
+  kEqual,     ///< The image was already running.
+  kWould,     ///< Without the dry run, the image would be written.
+  kByLoader,  ///< The board does not know the broadcast (version 0.1), so update_firmware() is used for it.
+  kRefused,   ///< The controller refused, or nothing was sent to it; its old image continues.
+  kHeldBack,  ///< The controller was ready, but another one refused; its old image continues.
+  kGivenUp,   ///< The controller no longer answers, or was restarted; it will start its old image.
 };
-/// Name of an outcome, as reports have it.
+/// Returns the name of an outcome for reports.
 [[nodiscard]] std::string_view outcome_name(UpdateOutcome outcome);
 
 struct BoardUpdate {
   wire::NodeClaim claim;
   std::string serial;
   UpdateOutcome outcome = UpdateOutcome::kGivenUp;
-  std::string why;        ///< It is a sentence, and empty for kUpdated, kEqual and kWould.
-  int slot = -1;          ///< This slot runs now; −1 means unknown.
-  std::size_t bytes = 0;  ///< So many bytes were written.
+  std::string why;        ///< The reason is a sentence; it is empty for kUpdated, kEqual and kWould.
+  int slot = -1;          ///< The board now runs from this slot; −1 means unknown.
+  std::size_t bytes = 0;  ///< This many bytes were written.
 };
 
 struct BroadcastResult {
-  std::vector<BoardUpdate> boards;  ///< They stand in the order of the boards given.
-  int rounds = 0;                   ///< On the bus with the most rounds, missing units were asked for so often.
-  std::size_t frames = 0;           ///< So many data frames were sent on all buses.
-  std::size_t again = 0;            ///< So many of them repeat an earlier frame.
-  double link_s = 0.0;              ///< It is the time of the slowest bus.
-  /// True when every board has the image now, or had it.
+  std::vector<BoardUpdate> boards;  ///< The order is that of the given boards.
+  int rounds = 0;                   ///< On the bus with the most rounds, missing units were requested this often.
+  std::size_t frames = 0;           ///< This many data frames were sent on all buses.
+  std::size_t again = 0;            ///< This many of them repeat an earlier frame.
+  double link_s = 0.0;              ///< The slowest bus took this long.
+  /// Returns true when every board has the image, including those that already had it.
   [[nodiscard]] bool complete() const;
 };
 
-/// A bus and those of its controllers that are to be updated.
+/// Only those controllers of the bus that need the update are listed.
 struct UpdateBus {
   Bus* bus = nullptr;
   std::vector<wire::NodeClaim> boards;
 };
 
-/// True when the images of the package say what they are for: those of version 0.1 do not, and take no part.
+/// Returns true when the images of the package have labels; those of version 0.1 do not, so they cannot be broadcast.
 [[nodiscard]] bool has_labels(const FirmwarePackage& package);
 
-/// Puts the firmware into the free slot of all these controllers at once (docs/protocol.md, "One image to all"): each
-/// image goes over each bus once, then what was lost. When all that are still there have checked it, all start it; if
-/// one refuses, none does, unless `each`. A controller that is given up holds up nobody. Controllers go on sampling
-/// until they restart. Buses are served side by side, each by a thread of its own where there are several; `progress`
-/// is called by one at a time, with the number of the board (over all buses, in order) as part. Throws InputError (no
-/// labels, other hardware, a head that does not fit); what Bus throws on a dead link; Cancelled when the process was
-/// asked to end before anything was activated: what ran goes on.
+/// Writes the firmware into the free slot of all these controllers at once (docs/protocol.md, "One image to all"): each
+/// image is sent once over each bus, then the parts that were lost. When all remaining controllers have checked it, all
+/// start it; if one refuses, none does, unless `each` is set. A controller that was given up does not delay the others.
+/// Controllers continue to sample until they restart. If there are several buses, each is served by its own thread;
+/// `progress` is called by one thread at a time, with the number of the board (over all buses, in order) as part.
+/// Throws InputError (no labels, other hardware, a head that does not fit), the exceptions of Bus on a dead link, and
+/// Cancelled when the process was asked to end before anything was activated; the old images then continue.
 [[nodiscard]] BroadcastResult broadcast_firmware(std::span<const UpdateBus> buses, const FirmwarePackage& package,
                                                  const BroadcastOptions& options = {},
                                                  const ProgressSink& progress = {});

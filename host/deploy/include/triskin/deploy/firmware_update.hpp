@@ -11,11 +11,11 @@
 
 namespace triskin::device {
 
-/// A firmware file (`triskin_firmware.tsf`): the application for both slots.
+/// A firmware file (`triskin_firmware.tsf`) contains the application for both slots.
 struct FirmwarePackage {
   layout::PackageHead head;
   std::vector<std::uint8_t> bytes;
-  /// Image for slot 0 or 1; valid while the package lives.
+  /// Returns the image for slot 0 or 1; it is valid as long as the package.
   [[nodiscard]] Bytes image(int slot) const {
     return Bytes(bytes).subspan(head.offset(slot), head.size_bytes[static_cast<std::size_t>(slot)]);
   }
@@ -26,15 +26,15 @@ struct FirmwarePackage {
 
 struct FirmwareResult {
   std::string serial;
-  bool equal = false;  ///< The same image ran already, so nothing was written.
-  int slot = -1;       ///< This slot runs now.
+  bool equal = false;  ///< The same image was already running, so nothing was written.
+  int slot = -1;       ///< The controller now runs from this slot.
   std::size_t bytes = 0;
 };
 
-/// Puts the firmware into the free slot of one controller over CAN, by its loader (docs/firmware_images.md), starts it
-/// and reads back which image runs. If it is interrupted, the old application stays and starts again. With dry_run
-/// nothing is written. Throws DeviceError: no answer of application or loader, flash refused, the new application was
-/// not started; Cancelled when the process was asked to end.
+/// Writes the firmware into the free slot of one controller over CAN through its loader (docs/firmware_images.md),
+/// starts it, and reads back which image runs. If it is interrupted, the old application stays and starts again. With
+/// dry_run nothing is written. Throws DeviceError: no answer of application or loader, flash refused, the new
+/// application was not started; Cancelled when the process was asked to end.
 FirmwareResult update_firmware(Bus& bus, const wire::NodeClaim& controller, const FirmwarePackage& package,
                                const FlashOptions& options = {}, const ProgressSink& progress = {});
 

@@ -16,88 +16,92 @@
 namespace triskin::device {
 
 struct FlashOptions {
-  bool dry_run = false;  ///< It says what would change and writes nothing.
-  bool force = false;    ///< It writes tables that are equal, too.
+  bool dry_run = false;  ///< Nothing is written; the result says what would change.
+  bool force = false;    ///< Tables are written even if they are equal.
   RouteChoice route;     ///< The patch of this failure gets the tree that the design prepared for it.
-  /// The electrodes hang on the converters' positive input (docs/silicon.md); the controllers turn the results round.
+  /// The electrodes are on the converters' positive input (docs/silicon.md), so the controllers invert the results.
   bool positive_input = false;
-  /// Conversations at once on one wire: while one board erases its page, others get their bytes. With 1 an analyser on
-  /// a CAN bus shows whole transfers.
+  /// This many conversations run at once on one wire: while one board erases its page, others receive their bytes. With
+  /// 1, an analyser on a CAN bus shows whole transfers.
   int per_wire = kTasksPerWire;
-  /// Patch and unique id (24 upper-case hexadecimal digits) of the controller that is to serve it, whatever it holds.
+  /// The controller with this unique id (24 upper-case hexadecimal digits) must serve the patch, whatever it contains.
   struct Assignment {
     int patch = 0;
     std::string serial;
   };
   std::vector<Assignment> assign;
-  /// Controller of another design on the same bus, as a robot file names it.
+  /// A robot file can name controllers of another design on the same bus.
   struct Neighbour {
-    std::uint8_t node = 0;        ///< It is its node address.
-    std::uint64_t design_id = 0;  ///< Its table is of this design.
-    std::string serial;           ///< It is the unique id as in Assignment, or empty when unknown.
-    /// Design of the neighbour, if available: it distinguishes fresh controllers of the neighbour from ours.
+    std::uint8_t node = 0;
+    std::uint64_t design_id = 0;  ///< The controller's table is of this design.
+    std::string serial;           ///< The serial number is the unique id as in Assignment, or empty when unknown.
+    /// The design of the neighbour, if available, helps to tell its new controllers from ours.
     const design::Design* design = nullptr;
     int patch = 0;
   };
-  /// They keep their tables, and their addresses are given to nobody else.
+  /// These controllers keep their tables and their addresses.
   std::vector<Neighbour> neighbours;
-  int patch = -1;  ///< It flashes this patch alone; −1 flashes all.
-  /// Controllers without a table are told apart by the shapes of their patches, before anything is written; those with
-  /// equal shapes are refused. False: they get the patches in the order of their unique ids.
+  int patch = -1;  ///< Only this patch is flashed; −1 means all.
+  /// Before anything is written, controllers without a table are distinguished by the shapes of their patches, and
+  /// those with equal shapes are refused. False: they get the patches in the order of their unique ids.
   bool recognise = false;
-  /// Together with `recognise`: presses patches whose controllers have equal shapes, which tells them apart; null:
-  /// nobody does. It counts the modules of the design.
+  /// Together with `recognise`, the actuator presses patches whose controllers have equal shapes, which distinguishes
+  /// them; null disables this. It uses the module ids of the design.
   TouchActuator* actuator = nullptr;
-  bool take_over = false;                       ///< Controllers that hold a table of another design may be taken.
-  double wait_s = 0.0;                          ///< An unplugged cable is waited for so long before this is an error.
-  std::function<void(const std::string&)> say;  ///< It gets a sentence when flashing waits and when it continues.
+  bool take_over = false;  ///< Controllers with a table of another design may be used.
+  double wait_s = 0.0;     ///< After a cable is unplugged, flashing waits this long before it fails.
+  /// The function gets a sentence when flashing waits and when it continues.
+  std::function<void(const std::string&)> say;
 };
 
 struct FlashResult {
   struct Patch {
     int patch = 0;
-    std::string serial;  ///< It is the controller's unique id.
-    /// A dry run has kNothing, because which controller it will be shows only when flashing.
+    std::string serial;  ///< The serial number is the controller's unique id.
+    /// In a dry run this is kNothing, because only flashing shows which controller it will be.
     FoundBy by = FoundBy::kNothing;
-    int old_address = 0;  ///< It had this node address before.
-    int address = 0;      ///< It is the node address of the patch.
+    int old_address = 0;  ///< The controller had this node address before.
+    int address = 0;      ///< The patch has this node address.
     bool new_address = false;
-    bool equal = false;    ///< The table was there already.
+    bool equal = false;    ///< The controller already had the table.
     bool written = false;  ///< The table was written, read back and compared.
     std::size_t bytes = 0;
-    std::string why;  ///< It says why it has not got its table, and is empty if it has, or in a dry run.
+    std::string why;  ///< The text says why the table was not written; it is empty if it was, or in a dry run.
   };
-  std::vector<Patch> patches;  ///< Those with a controller come first, then those without, each in their order.
-  std::size_t bytes = 0;       ///< All controllers together got so many.
+  std::vector<Patch> patches;  ///< Patches with a controller are listed first, then those without, each in their order.
+  std::size_t bytes = 0;       ///< All controllers together received this many.
   int skipped = 0;
-  double link_s = 0.0;  ///< It is the time of the link for all covers of the pass, and virtual in the simulation.
+  /// The time includes all covers of the pass, by the clock of the link, which is virtual in the simulation.
+  double link_s = 0.0;
 };
 
-/// One cover of those that flash_together() serves.
+/// flash_together() serves several covers, each given as a part.
 struct FlashPart {
-  Bus* bus = nullptr;  ///< Each part has a bus of its own, all over one link.
+  Bus* bus = nullptr;  ///< Each part has its own bus object, all over one link.
   const design::Design* design = nullptr;
-  FlashOptions options;  ///< Those of the first part hold for per_wire, wait_s and say.
+  FlashOptions options;  ///< The options per_wire, wait_s and say are taken from the first part.
   ProgressSink progress;
 };
 
-/// Puts the tables of a design into the controllers on the bus: finds them by unique id, gives each patch a controller
-/// and its address (design::node_address_of), skips equal tables, writes the others, reads them back and compares every
-/// byte. Controllers that `options.assign` names get that patch, those that hold a table of this design keep theirs,
-/// also when its address has changed; others without a table are told apart as `options.recognise` says. A controller
-/// that holds a table of another design is written only when it is named, or with `options.take_over`. The
-/// conversations with up to `options.per_wire` controllers of a wire, and those on different wires, go on side by side;
-/// when one fails, the others are served all the same. Throws InputError for a name that cannot be; DeviceError naming
-/// every patch without its table and why: its controller does not answer or refuses, a table reads back differently, or
-/// it has no controller (then only controllers that are named or hold their table are served, and where there are none
-/// nothing is written); Cancelled when the process was asked to end. Both say what was done before; each controller
-/// then has its old table or its new one, whole, and running it again continues. Progress has a part for each patch.
+/// Writes the tables of a design into the controllers on the bus: finds them by unique id, gives each patch a
+/// controller and its address (design::node_address_of), skips equal tables, writes the others, reads them back and
+/// compares every byte. Controllers named in `options.assign` get that patch. Those with a table of this design keep
+/// theirs, even if the patch's address has changed. Others without a table are distinguished as `options.recognise`
+/// says. A controller with a table of another design is written only when it is named, or with `options.take_over`. Up
+/// to `options.per_wire` controllers of a wire are served at the same time, and different wires in parallel; when one
+/// controller fails, the others are still served. Throws InputError for an invalid name; DeviceError naming every patch
+/// without its table and the reason: its controller does not answer or refuses, a table reads back differently, or it
+/// has no controller (then only controllers that are named or have their table are served, and if there are none,
+/// nothing is written); Cancelled when the process was asked to end. Both messages say what was done before. Each
+/// controller then has either its complete old table or its complete new one, and a second run continues. Progress has
+/// a part for each patch.
 FlashResult flash(Bus& bus, const design::Design& design, const FlashOptions& options = {},
                   const ProgressSink& progress = {});
 
-/// flash() for several covers of one bus in one pass: first it is decided for one after the other which controllers are
-/// theirs, then all tables are written side by side. `results`: by part, with what is done also when this throws. A
-/// cover whose controllers cannot be told leaves those before it their tables and ends the pass. Throws as flash().
+/// Does the work of flash() for several covers of one bus in one pass: first it decides for one cover after the other
+/// which controllers are theirs, then it writes all tables in parallel. `results` is indexed by part and says what was
+/// done, even when this throws. If the controllers of a cover cannot be determined, the covers before it still get
+/// their tables, and the pass ends. Throws as flash().
 void flash_together(std::span<const FlashPart> parts, std::vector<FlashResult>& results);
 
 }  // namespace triskin::device

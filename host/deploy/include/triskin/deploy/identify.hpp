@@ -12,37 +12,36 @@
 
 namespace triskin::device {
 
-/// Design id of the table that a controller without one gets for identify(), so that it samples: such a controller
-/// counts as fresh.
-// These are the letters "IDENTIFY" in the table.
+/// identify() writes a table with this design id into controllers that have none, so that they sample. Such a
+/// controller counts as new.
+// In the table these bytes read "IDENTIFY".
 inline constexpr std::uint64_t kIdentifyDesign = 0x59464954'4E454449ULL;
 
 struct IdentifyOptions {
-  int patch = -1;         ///< It asks for this patch alone; −1 asks for all that shapes do not settle.
-  double limit_s = 60.0;  ///< A touch of each patch is waited for so long, in time of the link.
-  /// Presses the patches that are asked for; null: touches come by themselves.
+  int patch = -1;         ///< Only this patch is identified; −1 means all that the shapes do not settle.
+  double limit_s = 60.0;  ///< Waiting for the touch of a patch ends after this time of the link.
+  /// Presses the requested patches; null means that a person touches them.
   TouchActuator* actuator = nullptr;
-  /// Called when patch `patch` is to be touched now.
+  /// Called when patch `patch` must be touched now.
   std::function<void(int patch)> ask;
   /// Called with a sentence when a touch cannot be used, and when a controller is left out.
   std::function<void(const std::string&)> say;
 };
 
-/// Controller of a patch.
 struct IdentifiedBoard {
   int patch = 0;
-  std::string serial;  ///< It is the unique id, or empty when nothing was found.
+  std::string serial;  ///< The serial number is the unique id, or empty when no controller was found.
   FoundBy by = FoundBy::kNothing;
 };
 
-/// Finds out which controller serves which patch, and leaves it to the caller to write that down: by shape where that
-/// settles it; else the person is asked to press any module of the patch, and the controller that feels it is the one.
-/// The last controller for the last patch is not asked for. Controllers that share a node address get their own;
-/// those without a table get one for what answers at their lines (kIdentifyDesign): without one a controller does not
-/// sample. Tables that are there stay. Controllers that hold a table and share their address are left out, and said so.
-/// The result has each asked patch once, ascending; `found` is called with each as soon as it is found. Takes 1.5 s,
-/// and what the person takes. Throws DeviceError when nobody answers, InputError for a patch that the design lacks,
-/// Cancelled.
+/// Finds out which controller serves which patch, without recording the result anywhere. If shapes do not settle it,
+/// the person is asked to press any module of the patch, and the controller that feels it serves the patch. The last
+/// controller for the last patch needs no touch. Controllers that share a node address get separate ones. Those without
+/// a table get one for the chips that answer on their lines (kIdentifyDesign), because a controller without a table
+/// does not sample; existing tables stay. Controllers with a table that share their address are left out and reported.
+/// The result has each requested patch once, ascending; `found` is called with each as soon as it is found. Takes 1.5 s
+/// plus the time of the person. Throws DeviceError when no controller answers, InputError for a patch that the design
+/// lacks, Cancelled.
 std::vector<IdentifiedBoard> identify(Bus& bus, const design::Design& design, const IdentifyOptions& options,
                                       const std::function<void(const IdentifiedBoard&)>& found = {});
 

@@ -12,37 +12,37 @@ namespace triskin::design {
 
 class JsonValue;
 
-/// All modules of an island.
+/// Selects all modules of an island.
 struct IslandPart {
   int island = 0;
   bool operator==(const IslandPart&) const = default;
 };
-/// Modules by id, in any order.
+/// Selects modules by id; their order does not matter.
 struct ModulePart {
   std::vector<int> modules;
   bool operator==(const ModulePart&) const = default;
 };
-/// A part of a cover that a person names. The first two are parts of space and hold points; the last two name modules
-/// of one layout and hold no point.
+/// A person names a part of a cover in one of these ways. Spheres and boxes are parts of space and contain points;
+/// islands and lists of modules belong to one layout and contain no point.
 using CoverPart = std::variant<Sphere, Box, IslandPart, ModulePart>;
 
-/// True if a part is a part of space.
+/// Returns true if a part is a part of space.
 [[nodiscard]] inline bool is_place(const CoverPart& part) {
   return std::holds_alternative<Sphere>(part) || std::holds_alternative<Box>(part);
 }
-/// True if a point (mesh frame, mm) lies in a part; never in an island or a list of modules. Constant cost.
+/// Returns true if a point (mesh frame, mm) lies in a part; always false for an island or a list of modules. Constant
+/// cost.
 [[nodiscard]] bool holds(const CoverPart& part, const Vec3& point_mm);
-/// True if module `id` of a layout belongs to a part: of a part of space, when its centre lies in it. Errors:
+/// Returns true if module `id` of a layout belongs to a part; in a part of space, its centre decides. Errors:
 /// std::out_of_range for an id that the layout lacks. Cost: linear in a list of modules, else constant.
 [[nodiscard]] bool holds(const CoverPart& part, const ModuleLayout& layout, int id);
 
-/// Reads one of {"sphere": {"center_mm": [x, y, z], "radius_mm": r}}, {"box": {"low_mm": [x, y, z], "high_mm": [x, y,
-/// z]}},
-/// {"island": k}, {"modules": [id, …]}; `v` may have other keys beside. Errors: InputError with file, place for none
-/// or several of these keys, wrong types, a radius that is not positive, a box without inside, and negative numbers of
-/// modules. Cost: linear.
+/// Reads a part: {"sphere": {"center_mm": [x, y, z], "radius_mm": r}}, {"box": {"low_mm": [x, y, z], "high_mm": [x, y,
+/// z]}}, {"island": k}, {"modules": [id, …]}; `v` may have other keys beside. Errors: InputError with file, place for
+/// none or several of these keys, wrong types, a radius that is not positive, a box without inside, and negative
+/// numbers of modules. Cost: linear.
 [[nodiscard]] CoverPart read_cover_part(const JsonValue& v);
-/// The object that read_cover_part() reads. Cost: linear.
+/// Writes the object that read_cover_part() reads. Cost: linear.
 [[nodiscard]] nlohmann::json cover_part_json(const CoverPart& part);
 
 }  // namespace triskin::design

@@ -18,123 +18,129 @@
 
 namespace triskin::design {
 
-/// A layout that was found and not taken, or the one that was: a point of the front of modules against price.
+/// A layout on the Pareto front of modules against price is an alternative; one of them was chosen for the design.
 struct Alternative {
-  ModuleLayout layout;  ///< Its modules have no metrics and no jumpers, since both are computed when it is taken.
+  /// The modules have no metrics and the layout has no jumpers, because both are computed when it is chosen.
+  ModuleLayout layout;
   int patches = 0;
   int jumpers = 0;
-  double price = 0.0;         ///< It is the price in modules by Design::price.
-  double module_value = 0.0;  ///< It is the value of its modules by Design::regions, or their number without regions.
+  double price = 0.0;         ///< Design::price gives the price in modules.
+  double module_value = 0.0;  ///< Design::regions gives the value; without regions it is the number of modules.
 };
 
-/// Side of a part with a wall that the surface of a design was taken from (docs/side.md).
+/// The surface of a design was taken from this side of a walled part (docs/side.md).
 struct PartSide {
-  std::string taken;  ///< It is outer, inner, both, 1 or 2 (of a picture), or from (what is seen from a point).
+  /// The text is outer, inner, both, 1 or 2 (sides in a picture), or from (what is seen from a point).
+  std::string taken;
   bool is_certain = true;
   double wall_mm = 0.0;
-  Mesh part;  ///< It is the whole part in mm, and empty with `both`.
+  Mesh part;  ///< The whole part is kept in mm; with `both` the mesh is empty.
 };
 
-/// Design of a cover: the only thing that passes between geometry and the device side (docs/design_file.md has the
-/// schema). A module is named by its id = index in layout.modules; Patch speaks of nodes, which in a design are the
-/// same numbers.
+/// Design of a cover: the only data that geometry hands to the device side (docs/design_file.md has the schema). The id
+/// of a module is its index in layout.modules; in a design, the nodes of Patch are these ids.
 struct Design {
-  static constexpr int kVersion = 1;  ///< A file without jumpers has this version.
-  /// Version of a file with jumpers; a reader of version 1 would split its patches.
+  static constexpr int kVersion = 1;  ///< Files without jumpers have this version.
+  /// Files with jumpers have this version, because a reader of version 1 would split their patches.
   static constexpr int kJumperVersion = 2;
 
-  /// Figures of the whole design.
+  /// Figures for the whole design.
   struct Report {
     double area_cm2 = 0.0;
-    double coverage = 0.0;  ///< It is modules · 389.7 mm² / area.
-    int upper_bound = 0;    ///< It divides the area by that of a module: a yardstick and no proof (docs/lattice.md).
+    double coverage = 0.0;  ///< Coverage is modules · 389.7 mm² / area.
+    /// The bound is the area divided by that of a module: a yardstick, not a proof (docs/lattice.md).
+    int upper_bound = 0;
     int patches_lower_bound = 0;
-    /// No division into as many patches needs fewer jumpers; in the file only beside jumpers.
+    /// The same number of patches cannot be connected with fewer jumpers; the file has it only beside jumpers.
     int jumpers_lower_bound = 0;
     double max_edge_error_mm = 0.0, max_hinge_gap_mm = 0.0, max_center_gap_mm = 0.0;
-    /// Largest distances of corners and sides above and under the surface; in the file beside their limits only.
+    /// Corners and sides are at most this far above and below the surface; the file has them only beside their limits.
     double max_edge_lift_mm = 0.0, max_edge_depth_mm = 0.0;
     double seconds = 0.0;
-    /// It is the value of the modules by Design::regions, and in the file only beside regions.
+    /// Design::regions gives the value of the modules; the file has it only beside regions.
     double module_value = 0.0;
-    /// They are must-cover regions that are not covered, and in the file only beside regions.
+    /// These must-cover regions are not covered; the file lists them only beside regions.
     std::vector<Uncovered> uncovered;
-    /// It is modules · what corner cuts leave of 389.7 mm² / area, and in the file only with a cut.
+    /// The coverage counts the area that corner cuts leave of 389.7 mm² per module; the file has it only with a cut.
     double coverage_cut = 0.0;
   };
 
-  /// Faces of a CAD part that the surface is made of.
+  /// The surface is made from these faces of a CAD part.
   struct PartSource {
-    std::vector<int> faces;     ///< The chosen faces are named by their index in the part.
-    int face_count = 0;         ///< The part has so many faces.
-    double deviation_mm = 0.0;  ///< The surface is at most so far from the exact one.
-    /// It is a JSON object that says how the faces were chosen (docs/cad.md), to choose again in a later version.
+    std::vector<int> faces;     ///< The chosen faces are given by their index in the part.
+    int face_count = 0;         ///< The part has this many faces in total.
+    double deviation_mm = 0.0;  ///< The surface deviates from the exact one by at most this distance.
+    /// A JSON object records how the faces were chosen (docs/cad.md), so that a later version of the part can be
+    /// treated alike.
     std::string selection;
   };
 
   std::string name;
-  std::uint64_t design_id = 0;  ///< It is a hash of modules and patches that is flashed into every controller.
-  std::string source_file;      ///< It is a name without its folder.
+  std::uint64_t design_id = 0;  ///< The hash of modules and patches is flashed into every controller.
+  std::string source_file;      ///< The name does not include the folder.
   double scale_to_mm = 1.0;
-  std::optional<PartSource> part;  ///< There is none, and no such key in the file, when the source is a mesh.
+  std::optional<PartSource> part;  ///< The file has no such key when the source is a mesh.
   std::uint64_t seed = 1;
-  Mesh surface;                  ///< It is in mm.
-  std::optional<PartSide> side;  ///< There is none, and no key in the file, when the surface has no wall.
+  Mesh surface;                  ///< Vertices are in mm.
+  std::optional<PartSide> side;  ///< The file has no such key when the surface has no wall.
   LayoutLimits limits;
   std::vector<PlacedPiece> pieces;
-  ModuleLayout layout;  ///< The index of a module is its id.
+  ModuleLayout layout;
   std::vector<Patch> patches;
-  /// Node address of the controller of each patch, 0 where it hangs on another bus than the one in hand; empty: patch p
-  /// has p + 1. A robot file gives addresses (docs/robot_file.md); they are neither in the design file nor in its id.
+  /// Each patch's controller has its node address here; 0 means that it is on another bus than the current one. If the
+  /// list is empty, patch p has address p + 1. A robot file assigns the addresses (docs/robot_file.md), so they are
+  /// neither in the design file nor in its id.
   std::vector<std::uint8_t> node_addresses;
-  KindPlan kinds;   ///< If it is empty, all modules are of the standard kind, and the file has no such key.
-  Price price;      ///< These prices of controllers and jumpers are in the file only beside alternatives.
-  Regions regions;  ///< Without regions every place is worth the same, and the file has no such key.
-  /// Most modules first, falling price. `taken`: index of the one in `layout`, -1 where there are none.
+  KindPlan kinds;   ///< An empty plan means that all modules are of the standard kind; the file then has no such key.
+  Price price;      ///< The file has the prices of controllers and jumpers only beside alternatives.
+  Regions regions;  ///< Without regions all places have the same value, and the file has no such key.
+  /// The list begins with most modules and the highest price. `taken` is the index of the one in `layout`; −1 means
+  /// that there are no alternatives.
   std::vector<Alternative> alternatives;
   int taken = -1;
   Report report;
 };
 
-/// Place of one module in the wiring.
+/// Each module has one position in the wiring.
 struct ModuleWiring {
-  int patch = -1;  ///< It is an index in Design::patches; −1 stands for a module in none.
+  int patch = -1;  ///< The number is an index in Design::patches; −1 means that the module is in no patch.
   RoutedModule routed;
 };
-/// Wiring by module id, one entry a module. Errors: std::out_of_range for a patch that names a module the layout lacks.
-/// Cost: O(n).
+/// Returns the wiring of each module, indexed by its id. Errors: std::out_of_range for a patch that names a module the
+/// layout lacks. Cost: O(n).
 [[nodiscard]] std::vector<ModuleWiring> wiring_of(const Design& design);
 
-/// Node address 1 … 126 of the controller of patch `patch` (0-based); 0: it hangs on another bus. Throws
-/// std::out_of_range for a patch that has none by Design::node_addresses. Constant cost.
+/// Returns the node address 1 … 126 of the controller of patch `patch` (0-based), or 0 if it is on another bus.
+/// Throws std::out_of_range for a patch without an entry in Design::node_addresses. Constant cost.
 [[nodiscard]] int node_address_of(const Design& design, int patch);
-/// The patch whose controller has node address `node`; −1: none. Throws as node_address_of. Cost: O(patches).
+/// Returns the patch whose controller has node address `node`, or −1. Throws as node_address_of. Cost: O(patches).
 [[nodiscard]] int patch_at(const Design& design, int node);
-/// Patches whose controllers hang on the bus in hand, ascending; all without Design::node_addresses. Throws as above.
+/// Returns the patches whose controllers are on the current bus, ascending; without Design::node_addresses these are
+/// all. Throws as node_address_of.
 [[nodiscard]] std::vector<int> patches_here(const Design& design);
 
-/// Centre and outward unit normal of a taxel, mesh frame, mm.
+/// The centre (mm) and the outward unit normal of a taxel are in the mesh frame.
 struct TaxelPose {
   Vec3 position_mm;
   Vec3 normal;
 };
-/// The taxels of a module that is turned by `rotation` (port p at tile side (p + rotation) % 3). Positions on the
-/// iCub module relative to its centroid: skinGui's triangle (docs/design_file.md). Result by taxel number; constant
+/// Returns the taxels, by number, of a module that is turned by `rotation` (port p at tile side (p + rotation) % 3).
+/// Their positions relative to the centroid are those of skinGui's triangle of the iCub (docs/design_file.md). Constant
 /// cost.
 [[nodiscard]] std::array<TaxelPose, layout::kTaxelsPerModule> taxels_of(const PlacedModule& module, int rotation);
 
-/// FNV-1a over the modules, jumpers, patches and wiring, in file order, then corner cut and kinds where there are any:
-/// equal designs have equal ids on every compiler. Cost: O(n).
+/// Computes FNV-1a over the modules, jumpers, patches and wiring in file order, then over corner cut and kinds if there
+/// are any. Equal designs have equal ids on every compiler. Cost: O(n).
 [[nodiscard]] std::uint64_t design_id_of(const Design& design);
 
-/// Reads a design file of version kVersion or kJumperVersion and checks its form: types, ranges, indices (not the
-/// rules: that is `triskin check`). Errors: InputError naming file and key, for another version naming the remedy.
-/// Cost: linear.
+/// Reads a design file of version kVersion or kJumperVersion and checks types, ranges and indices; `triskin check`
+/// checks the rules. Errors: InputError naming file and key, and for another version the remedy. Cost: linear.
 [[nodiscard]] Design read_design(const std::filesystem::path& path);
-/// The same for a design that is to be deployed: its modules and wiring must be those that its id was made of. Errors
-/// besides: InputError when they are not, because the file was changed by hand.
+/// Reads a design that will be deployed; its id must match its modules and wiring. Errors: those of read_design, and
+/// InputError when the id does not match, because the file was changed by hand.
 [[nodiscard]] Design read_intact_design(const std::filesystem::path& path);
-/// Writes the file whole or not at all. Errors: InputError naming the file when it cannot be written. Cost: linear.
+/// Writes the file completely or not at all. Errors: InputError naming the file when it cannot be written. Cost:
+/// linear.
 void write_design(const std::filesystem::path& path, const Design& design);
 
 }  // namespace triskin::design

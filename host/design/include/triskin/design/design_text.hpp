@@ -6,7 +6,7 @@
 
 namespace triskin::design {
 
-/// read_design for the text of a design file; errors name it `file`.
+/// Does the same as read_design, but from text; error messages call it `file`.
 [[nodiscard]] Design parse_design(const std::string& text, const std::string& file);
 
 }  // namespace triskin::design

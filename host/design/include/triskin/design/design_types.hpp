@@ -9,7 +9,7 @@
 #include "triskin/design/price.hpp"
 #include "triskin/design/tile.hpp"
 
-/// Names of host/design in which the solvers take their input and give their results; their contracts stand there.
+/// The solvers use these names of host/design for their input and results; host/design documents them.
 namespace triskin::geometry {
 
 using design::FailureLoss;

@@ -10,10 +10,11 @@
 #include "triskin/design/json_value.hpp"
 #include "triskin/design/mesh.hpp"
 
-/// Fields that several formats of ours have. Each throws InputError "file: place: what is wrong"; constant cost.
+/// Readers of fields that occur in several of our formats. Each throws InputError "file: place: what is wrong";
+/// constant cost.
 namespace triskin::design {
 
-/// Number written as 16 hexadecimal digits.
+/// Reads a number of 16 hexadecimal digits.
 [[nodiscard]] inline std::uint64_t hex64(const JsonValue& v) {
   const std::string text = v.text();
   std::uint64_t value = 0;
@@ -22,26 +23,26 @@ namespace triskin::design {
   return value;
 }
 
-/// Largest coordinate or length of a file. A double still resolves 2 µm there, and no micrometre that a design id has
-/// in it leaves 64 bits.
+/// Coordinates and lengths in a file may not be larger. At this size a double still resolves 2 µm, and lengths in
+/// micrometres, as the design id uses them, fit into 64 bits.
 inline constexpr double kMaxLength_mm = 1e10;
 
-/// Number in [low, high], in the unit of the field.
+/// Reads a number in [low, high], in the unit of the field.
 [[nodiscard]] inline double number_in(const JsonValue& v, double low, double high) {
   const double x = v.number();
   if (x < low || x > high) v.fail(fmt::format("must be in {:g} … {:g}", low, high));
   return x;
 }
 
-/// Three numbers of at most kMaxLength_mm.
+/// Reads three numbers, each at most kMaxLength_mm in size.
 [[nodiscard]] inline Vec3 vec3(const JsonValue& v) {
   const auto one = [&v](std::size_t axis) { return number_in(v.at(axis), -kMaxLength_mm, kMaxLength_mm); };
   v.require_size(3);
   return {one(0), one(1), one(2)};
 }
 
-/// Throws unless `v` is an object with keys of `allowed` only: a misspelt key would silently change nothing. `page`
-/// describes the format, for the message.
+/// Throws unless `v` is an object that has only keys of `allowed`, because a misspelt key would silently have no
+/// effect. The message names `page`, which describes the format.
 inline void only_keys(const JsonValue& v, std::initializer_list<std::string_view> allowed, std::string_view page) {
   if (!v.raw().is_object()) v.fail("must be an object");
   for (const auto& [key, value] : v.raw().items()) {

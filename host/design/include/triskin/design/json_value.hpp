@@ -10,38 +10,38 @@
 
 namespace triskin::design {
 
-/// Line, from 1, in which the value at `place` ("modules[3].corners") begins in `text`, which is JSON; where the text
-/// lacks the place, the line of the part of it that is there. Cost: linear.
+/// Returns the line, from 1, in which the value at `place` ("modules[3].corners") begins in the JSON `text`; if the
+/// place is missing, it is the line of the innermost part that exists. Cost: linear.
 [[nodiscard]] std::size_t line_of(const std::string& text, const std::string& place);
 
-/// JSON value with its place ("modules[3].corners"), so that every error names file and key. Refers to `value`, which
-/// must outlive it. Every function that reads throws InputError "file: place: what is wrong"; constant cost.
+/// JSON value with its place ("modules[3].corners"), so that every error names file and key. It refers to `value`,
+/// which must outlive it. Every reading function throws InputError "file: place: what is wrong"; constant cost.
 class JsonValue {
  public:
-  /// `place` is empty at the top level. `text`: what `value` was parsed from; it outlives this object, and errors then
-  /// name the line, too ("file:12: place: what is wrong").
+  /// `place` is empty at the top level. `text` is what `value` was parsed from and must outlive this object; if it is
+  /// given, errors also name the line ("file:12: place: what is wrong").
   JsonValue(const nlohmann::json& value, std::string file, std::string place, const std::string* text = nullptr)
       : value_(value), file_(std::move(file)), place_(std::move(place)), text_(text) {}
 
   /// Throws InputError with file, place and `what`.
   [[noreturn]] void fail(const std::string& what) const { fail_at(place_, what); }
-  /// The same for an object; the line is that of its key `key`.
+  /// Throws InputError for an object and names the line of its key `key`.
   [[noreturn]] void fail_at_key(const std::string& key, const std::string& what) const { fail_at(below(key), what); }
-  /// The place, as messages name it.
+  /// Returns the place as messages name it.
   [[nodiscard]] const std::string& place() const { return place_; }
-  /// Member of an object; throws InputError on other types and where the key is missing.
+  /// Returns a member of an object; throws InputError for other types and missing keys.
   [[nodiscard]] JsonValue operator[](const char* key) const {
     if (!value_.is_object()) fail("must be an object");
     const auto found = value_.find(key);
     if (found == value_.end()) fail(fmt::format("key \"{}\" is missing", key));
     return {*found, file_, below(key), text_};
   }
-  /// Element of an array, 0-based; throws InputError on other types and beyond the end.
+  /// Returns an element of an array, 0-based; throws InputError for other types and beyond the end.
   [[nodiscard]] JsonValue at(std::size_t index) const {
     if (!value_.is_array() || index >= value_.size()) fail(fmt::format("must be an array with an element {}", index));
     return {value_[index], file_, fmt::format("{}[{}]", place_, index), text_};
   }
-  /// Number of elements; throws InputError on all but arrays.
+  /// Returns the number of elements of an array; throws InputError for other types.
   [[nodiscard]] std::size_t size() const {
     if (!value_.is_array()) fail("must be an array");
     return value_.size();
@@ -50,14 +50,14 @@ class JsonValue {
   void require_size(std::size_t n) const {
     if (size() != n) fail(fmt::format("must have {} elements, has {}", n, size()));
   }
-  /// Finite number; throws InputError on other types, infinities and NaN.
+  /// Returns a finite number; throws InputError for other types, infinities and NaN.
   [[nodiscard]] double number() const {
     if (!value_.is_number()) fail("must be a number");
     const double x = value_.get<double>();
     if (!std::isfinite(x)) fail("must be finite");
     return x;
   }
-  /// Integer in [low, high]; throws InputError on other types and values.
+  /// Returns an integer in [low, high]; throws InputError for other types and values.
   [[nodiscard]] int integer(int low, int high) const {
     if (!value_.is_number_integer()) fail("must be an integer");
     const bool huge = value_.is_number_unsigned() && value_.get<std::uint64_t>() > 0x7FFFFFFFU;
@@ -65,22 +65,22 @@ class JsonValue {
     if (huge || x < low || x > high) fail(fmt::format("must be in {} … {}", low, high));
     return static_cast<int>(x);
   }
-  /// Integer in 0 … 2⁶⁴ − 1; throws InputError on other types and values.
+  /// Returns an integer in 0 … 2⁶⁴ − 1; throws InputError for other types and values.
   [[nodiscard]] std::uint64_t unsigned_integer() const {
     if (!value_.is_number_unsigned()) fail("must be a whole number that is not negative");
     return value_.get<std::uint64_t>();
   }
-  /// true or false; throws InputError on other types.
+  /// Returns true or false; throws InputError for other types.
   [[nodiscard]] bool boolean() const {
     if (!value_.is_boolean()) fail("must be true or false");
     return value_.get<bool>();
   }
-  /// Text; throws InputError on other types.
+  /// Returns a text; throws InputError for other types.
   [[nodiscard]] std::string text() const {
     if (!value_.is_string()) fail("must be a text");
     return value_.get<std::string>();
   }
-  /// The value itself, unchecked.
+  /// Returns the underlying value without any check.
   [[nodiscard]] const nlohmann::json& raw() const { return value_; }
 
  private:
@@ -98,16 +98,16 @@ class JsonValue {
   const std::string* text_;
 };
 
-/// Parses JSON text. Errors: InputError naming `file` and the place for text that is not JSON or nests deeper than 64
-/// (the parser recurses). Cost: linear.
+/// Parses JSON text. Errors: InputError naming `file` and the place for text that is not JSON or is nested more than 64
+/// deep (the parser is recursive). Cost: linear.
 [[nodiscard]] nlohmann::json parse_json(const std::string& text, const std::string& file);
 
-/// True if `v` is an object with `key`. Constant cost.
+/// Returns true if `v` is an object with `key`. Constant cost.
 [[nodiscard]] inline bool has(const JsonValue& v, const char* key) {
   return v.raw().is_object() && v.raw().contains(key);
 }
 
-/// Largest count that a file may name: beyond any design, safely inside int.
+/// Counts in a file may not be larger; the limit exceeds any design and still fits into an int.
 inline constexpr int kMaxCount = 10'000'000;
 
 }  // namespace triskin::design

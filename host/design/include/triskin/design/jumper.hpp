@@ -7,22 +7,21 @@
 
 namespace triskin::design {
 
-/// Way in which a jumper is built.
 enum class JumperKind {
   kCable,  ///< A short cable joins the middles of two sides.
 };
-/// Names in the design file: "cable".
+/// The design file uses these names: "cable".
 inline constexpr NameTable kJumperKindNames{
     std::array<std::pair<JumperKind, std::string_view>, 1>{{{JumperKind::kCable, "cable"}}}};
 
-/// A joint between sides of modules of two islands, made by a short cable along the surface. It carries the four lines
-/// like a joint of the lattice. A side has at most one jumper and then no joint and no entry cable; two modules have at
-/// most one. Nodes as in ModuleGraph: in a design module ids.
+/// A jumper joins sides of modules of two islands by a short cable along the surface. It carries the four lines like a
+/// joint of the lattice. A side has at most one jumper and then neither a joint nor an entry cable; two modules share
+/// at most one jumper. Nodes are those of ModuleGraph, in a design module ids.
 struct Jumper {
-  std::array<int, 2> node{-1, -1};  ///< The lesser one comes first.
-  std::array<int, 2> side{0, 0};    ///< It is the tile side, 0 … 2, of each.
-  double length_mm = 0.0;           ///< It is measured along the surface between the middles of the sides.
-  double fold_rad = 0.0;            ///< It is the angle between the planes of the two modules.
+  std::array<int, 2> node{-1, -1};  ///< The smaller node is listed first.
+  std::array<int, 2> side{0, 0};    ///< Each side is a tile side, 0 … 2.
+  double length_mm = 0.0;           ///< The length is measured along the surface between the middles of the sides.
+  double fold_rad = 0.0;            ///< The fold is the angle between the planes of the two modules.
   JumperKind kind = JumperKind::kCable;
 };
 

@@ -7,11 +7,11 @@
 
 namespace triskin::design {
 
-using Vec2 = Eigen::Vector2d;  ///< It is in mm, in the plane of the grid or of a piece.
-using Vec3 = Eigen::Vector3d;  ///< It is in mm, in the frame of the mesh.
+using Vec2 = Eigen::Vector2d;  ///< Coordinates are in mm, in the plane of the grid or of a piece.
+using Vec3 = Eigen::Vector3d;  ///< Coordinates are in mm, in the frame of the mesh.
 
-/// Triangle mesh of a cover: vertices in mm (mesh frame), faces as vertex indices (0-based), counter-clockwise seen
-/// from outside. A plain value: nothing is checked here; geometry::Surface checks orientation and manifoldness.
+/// A mesh of a cover has triangles: vertices in mm (mesh frame), faces as vertex indices (0-based), counter-clockwise
+/// seen from outside. The struct checks nothing; geometry::Surface checks orientation and manifoldness.
 struct Mesh {
   std::vector<Vec3> vertices;
   std::vector<std::array<int, 3>> faces;

@@ -6,8 +6,9 @@
 
 namespace triskin::design {
 
-/// Polygon with holes in mm. Rings are open (last point not repeated); outer counter-clockwise, holes clockwise. A
-/// plain value: geometry::normalize_polygon brings any input into this form and refuses what has none.
+/// A polygon in mm can have holes. Rings are open (the last point is not repeated); the outer ring runs
+/// counter-clockwise, holes clockwise. The struct checks nothing; geometry::normalize_polygon brings any input into
+/// this form, or refuses it.
 struct Polygon {
   std::vector<Vec2> outer;
   std::vector<std::vector<Vec2>> holes;

@@ -3,14 +3,14 @@
 
 namespace triskin::design {
 
-/// What the parts of a cover cost, in modules: the value of a layout is modules − price (docs/cost.md says why the
-/// defaults are what they are). Each 0 … 16.
+/// Costs of the parts of a cover, expressed in modules: the value of a layout is modules − price (docs/cost.md
+/// explains the defaults). Each cost is 0 … 16.
 struct Price {
-  double controller = 2.0;  ///< A controller with its cable costs as much as so many modules.
-  double jumper = 0.35;     ///< A jumper, two connectors and the work of fitting it, costs as much as so many modules.
-  double island = 0.1;      ///< An island is one more thing to place by hand.
+  double controller = 2.0;  ///< The price includes the controller's cable.
+  double jumper = 0.35;     ///< The price includes two connectors and the work of fitting them.
+  double island = 0.1;      ///< Each island is one more object that a person must place by hand.
 
-  /// Price of a wired layout; all numbers ≥ 0. Constant cost.
+  /// Returns the price of a wired layout in modules; all arguments must be ≥ 0. Constant cost.
   [[nodiscard]] constexpr double of(int controllers, int jumpers, int islands) const {
     return controller * controllers + jumper * jumpers + island * islands;
   }

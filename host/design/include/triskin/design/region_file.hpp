@@ -8,20 +8,20 @@
 
 namespace triskin::design {
 
-/// A region as a person wrote it: faces count in the triangles of the mesh file, or are those of a named group.
+/// A person writes a region in this form; faces are numbered as triangles of the mesh file, or belong to a named group.
 struct WantedRegion {
   Region region;
-  std::string group;  ///< It names a group or object of an OBJ file; if it is empty, the shape of `region` says it.
+  std::string group;  ///< The group or object of an OBJ file has this name; if it is empty, `region` has the shape.
 };
 
-/// A region file (docs/regions.md).
+/// docs/regions.md describes the contents of a region file.
 struct RegionFile {
   double elsewhere = 1.0;
   std::vector<WantedRegion> regions;
 };
 
-/// Reads one and checks its form; ranges are for geometry::SurfaceRegions to check, which knows the surface. Errors:
-/// InputError naming file and key, also for keys that are unknown. Cost: linear.
+/// Reads a region file and checks its form; geometry::SurfaceRegions checks ranges, because it knows the surface.
+/// Errors: InputError naming file and key, also for unknown keys. Cost: linear.
 [[nodiscard]] RegionFile read_region_file(const std::filesystem::path& path);
 
 }  // namespace triskin::design

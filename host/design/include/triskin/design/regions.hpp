@@ -10,47 +10,49 @@
 
 namespace triskin::design {
 
-/// Part of a cover, in the frame of its mesh, mm: what of the surface lies in a ball,
+/// Selects the part of the surface inside a ball, in the frame of the mesh, in mm.
 struct Sphere {
   Vec3 center_mm = Vec3::Zero();
-  double radius_mm = 0.0;  ///< It must be positive.
+  double radius_mm = 0.0;  ///< The radius must be positive.
   bool operator==(const Sphere&) const = default;
 };
-/// in a box along the axes,
+/// Selects the part of the surface inside a box whose edges are parallel to the axes.
 struct Box {
   Vec3 low_mm = Vec3::Zero(), high_mm = Vec3::Zero();  ///< The low corner is below the high one on every axis.
   bool operator==(const Box&) const = default;
 };
-/// or on faces of it: indices of Design::surface.
+/// Selects faces by their indices in Design::surface.
 struct FaceSet {
   std::vector<int> faces;
 };
 
-/// Requirement for a part of the surface (docs/regions.md).
+/// A region states a requirement for a part of the surface (docs/regions.md).
 struct Region {
-  std::string name;  ///< It is unique and not empty.
+  std::string name;  ///< Names are unique and not empty.
   std::variant<Sphere, Box, FaceSet> shape;
-  /// A module whose centre lies in the region is worth 0 … 1000; without a value the value of elsewhere holds.
+  /// A module whose centre lies in the region has this value, 0 … 1000; if unset, it has the value of elsewhere.
   std::optional<double> weight;
-  bool cover = false;      ///< Every place of it must lie within `within_mm` of a module, seen along its normal.
-  bool free = false;       ///< No module may lie over it, so its rim is a border.
-  double within_mm = 2.0;  ///< It ranges from 0 to 30.
+  /// True means that every place of the region must lie within `within_mm` of a module, seen along its normal.
+  bool cover = false;
+  bool free = false;       ///< True means that no module may lie over the region, so that its rim is a border.
+  double within_mm = 2.0;  ///< Valid values are 0 to 30.
 };
 
-/// Regions of a cover. Of several with a weight the last one counts.
+/// A cover can have several regions. If a module lies in several regions with a weight, the last one counts.
 struct Regions {
-  double elsewhere = 1.0;  ///< A module in no region with a weight is worth this, 0 … 1000.
+  double elsewhere = 1.0;  ///< Modules outside all weighted regions have this value, 0 … 1000.
   std::vector<Region> list;
   [[nodiscard]] bool empty() const { return list.empty(); }
 };
 
-/// A must-cover region that is not covered everywhere.
+/// Some places of this must-cover region are not covered.
 struct Uncovered {
   std::string region;
-  double share = 0.0;            ///< It is the uncovered share of its area, 0 … 1.
-  Vec3 place_mm = Vec3::Zero();  ///< It is the place farthest from the modules.
-  double distance_mm = 0.0;      ///< The nearest module is so far from that place; infinity means that none is near.
-  std::string why;  ///< It names the limit that refuses every module there (as Design: refused), or "room".
+  double share = 0.0;            ///< The uncovered share of the area is in 0 … 1.
+  Vec3 place_mm = Vec3::Zero();  ///< No place of the region is farther from the modules.
+  /// The nearest module is this far from that place; infinity means that there is none nearby.
+  double distance_mm = 0.0;
+  std::string why;  ///< The text names the limit that refuses every module there (as Design: refused), or "room".
 };
 
 }  // namespace triskin::design

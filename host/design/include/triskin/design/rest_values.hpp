@@ -9,13 +9,14 @@
 
 namespace triskin::design {
 
-/// Counts of the taxels of a skin that nobody touches, by module of the design; empty: they were never taken.
+/// Rest values are the counts of the untouched taxels of a skin, indexed by module of the design; empty means that they
+/// were never taken.
 using RestValues = std::vector<std::array<double, layout::kTaxelsPerModule>>;
 
-/// The file that keeps them: JSON with the format `triskin-rest`, version 1.
+/// Formats rest values as JSON of format `triskin-rest`, version 1.
 [[nodiscard]] std::string rest_text(const RestValues& rest);
-/// Reads such a file. `name` is for messages, `modules` is how many the design has. Throws InputError with the place
-/// when it is damaged or of another number of modules.
+/// Parses such a file. `name` appears in messages, `modules` is the number in the design. Throws InputError with the
+/// place when the file is damaged or has another number of modules.
 [[nodiscard]] RestValues parse_rest(const std::string& text, const std::string& name, std::size_t modules);
 
 }  // namespace triskin::design

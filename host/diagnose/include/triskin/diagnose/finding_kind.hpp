@@ -8,51 +8,51 @@
 
 namespace triskin::device {
 
-/// Kind of difference between hardware and design. The first group concerns controllers and their tables, the second
-/// what the controllers read, the third the modules and joints that the route chain shows (docs/verify.md,
+/// Hardware and design can differ in these ways. The first group concerns controllers and their tables, the second the
+/// values that controllers read, the third the modules and joints that the route chain shows (docs/verify.md,
 /// docs/switched_module.md).
 enum class FindingKind {
   kAbsentController,     ///< No controller answers at the node address of the patch.
   kDuplicateController,  ///< Several controllers share the node address.
   kNotFlashed,           ///< No controller has the table of the patch, and some have none.
-  kWrongTable,           ///< The controller holds another table.
-  kWrongKind,            ///< Its table has the modules of the design, but this one of another kind.
-  kBackupRoute,          ///< It holds the table that the design prepared for a failure.
+  kWrongTable,           ///< The controller has another table.
+  kWrongKind,            ///< The controller's table has the modules of the design, but this one has another kind.
+  kBackupRoute,          ///< The controller has the table that the design prepared for a failure.
   kLostSamples,          ///< Samples of the stream did not arrive.
-  kCrashedController,    ///< something stopped the controller: a fault, its watchdog, its clock
-  kWrongPatch,           ///< Its cable leads to the modules of another patch.
+  kCrashedController,    ///< A fault, the watchdog or the clock stopped the controller.
+  kWrongPatch,           ///< The controller's cable leads to the modules of another patch.
 
   kAbsentModule,        ///< No chip answers at the module's place.
-  kWrongAddress,        ///< The module's chip answers at a place where the design has none.
+  kWrongAddress,        ///< The module's chip answers at a place where the design has no module.
   kDuplicateAddress,    ///< Two chips answer at one place.
   kUnexpectedChip,      ///< A chip answers where the design has no module.
-  kWrongId,             ///< A chip answers that is no AD7147.
+  kWrongId,             ///< The chip that answers is not an AD7147.
   kStuckLine,           ///< SDA or SCL of a line is or was held low.
-  kLostConfiguration,   ///< The chip was set up again after its supply dipped.
-  kIntermittentModule,  ///< The module answers now and did not for some time.
-  kSaturatedTaxel,      ///< The taxel is at an end of its range.
-  kFrozenTaxel,         ///< The taxel keeps one value.
-  kStaleRest,           ///< taxels do not rest where they did when the skin was tared
+  kLostConfiguration,   ///< The chip was configured again after its supply dipped.
+  kIntermittentModule,  ///< The module answers now but did not for some time.
+  kSaturatedTaxel,      ///< The taxel reads an end of its range.
+  kFrozenTaxel,         ///< The taxel always reads the same value.
+  kStaleRest,           ///< Taxels no longer rest where they did at the last tare.
   kNoTouchResponse,     ///< No taxel changes when the module is pressed.
   kTouchedOtherModule,  ///< Another module answers when this one is pressed.
-  kSwappedModules,      ///< Two modules sit at each other's place.
-  kWrongOrder,          ///< Three modules or more sit at each other's places.
-  kMirroredPatch,       ///< A patch is mounted as its mirror image, or turned.
+  kSwappedModules,      ///< Two modules have exchanged their places.
+  kWrongOrder,          ///< Three or more modules are at each other's places.
+  kMirroredPatch,       ///< A patch is mounted mirrored or turned.
   kSwappedLines,        ///< Two lines of a patch are exchanged at its cable.
-  kLooseJoint,          ///< All modules behind a joint or cable were away together.
+  kLooseJoint,          ///< All modules behind a joint or cable disappeared at the same time.
   kSaggingSupply,       ///< All modules behind a joint or cable lost their configuration.
 
   kMissingModule,  ///< A module of the design was not found.
   kExtraModule,    ///< A module was found that fits nowhere in the design.
-  kMissingJoint,   ///< Nothing passes a joint of the design.
+  kMissingJoint,   ///< No signal passes a joint of the design.
   kExtraJoint,     ///< A joint was found between ports that the design does not join.
   kRotatedModule,  ///< The module is turned by 120° or 240° against the design.
   kWrongEntry,     ///< The cable is plugged into another side or module.
-  kSecondCable,    ///< The patch is read over its second cable.
-  kAdoptedModule,  ///< Its controller cannot reach it, and the controller of another patch reads it.
+  kSecondCable,    ///< The patch is read through its second cable.
+  kAdoptedModule,  ///< The module's own controller cannot reach it, so the controller of another patch reads it.
 };
 
-/// Names in reports and in --json.
+/// Reports and --json use these names.
 inline constexpr NameTable kFindingKindNames{std::array<std::pair<FindingKind, std::string_view>, 36>{{
     {FindingKind::kAbsentController, "absent_controller"},
     {FindingKind::kDuplicateController, "duplicate_controller"},

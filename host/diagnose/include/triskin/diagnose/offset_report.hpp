@@ -10,7 +10,8 @@
 
 namespace triskin::device {
 
-/// Names of the states of a module's offsets, and of when its converter shows its results.
+/// Reports use these names for the states of a module's offsets and for the moment when its converter shows its
+/// results.
 inline constexpr NameTable kOffsetStateNames{
     std::array<std::pair<wire::OffsetState, std::string_view>, 5>{{{wire::OffsetState::kNone, "none"},
                                                                    {wire::OffsetState::kSearching, "searching"},
@@ -22,18 +23,19 @@ inline constexpr NameTable kLatchingNames{
                                                                 {wire::Latching::kEachStage, "each_stage"},
                                                                 {wire::Latching::kEndOfSequence, "end_of_sequence"}}}};
 
-/// Offsets that the controller of one patch has found for its converters.
+/// The controller of a patch has found these offsets for its converters.
 struct PatchOffsets {
-  int patch = 0;             ///< It is the index in the design.
-  std::vector<int> modules;  ///< Each row has its id in the design.
+  int patch = 0;             ///< The patch is an index in the design.
+  std::vector<int> modules;  ///< Each row has its module id in the design.
   wire::Offsets offsets;
 };
 
-/// Asks every controller that holds a table of the design; one whose firmware knows no offsets (0.1) is left out. Takes
-/// 0.2 s. Throws Unreachable, DeviceError for a malformed answer.
+/// Asks every controller that has a table of the design; firmware 0.1 does not know offsets and is left out. Takes 0.2
+/// s. Throws Unreachable, and DeviceError for a malformed answer.
 [[nodiscard]] std::vector<PatchOffsets> read_offsets(Bus& bus, const design::Design& design);
 
-/// A line for the patch, then one for each module with a taxel that rests outside the middle third of its range.
+/// Returns a line for the patch, then one for each module with a taxel that rests outside the middle third of its
+/// range.
 [[nodiscard]] std::vector<std::string> describe(const PatchOffsets& patch);
 
 }  // namespace triskin::device

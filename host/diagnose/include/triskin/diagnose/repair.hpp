@@ -8,10 +8,10 @@
 
 namespace triskin::device {
 
-/// The steps that mend what a finding names, in order: what to keep, which module and where it lies, which of its
-/// joints carry the lines and which are cut, what to strap, flash, tare, verify. `arguments`: what stands behind
-/// `triskin flash` and `triskin verify` ("forearm.json --link can:can0"). Never empty. Throws InputError for a design
-/// that does not fit into tables. Cost: image_of for one patch.
+/// Returns the steps that repair a finding, in order: what to keep, which module it is and where it lies, which of its
+/// joints carry the lines and which are cut, and what to strap, flash, tare and verify. `arguments` follows `triskin
+/// flash` and `triskin verify` ("forearm.json --link can:can0"). Never empty. Throws InputError for a design that does
+/// not fit into tables. Cost: image_of for one patch.
 [[nodiscard]] std::vector<std::string> repair_steps(const design::Design& design, const Finding& finding,
                                                     const std::string& arguments);
 

@@ -17,60 +17,60 @@
 
 namespace triskin::device {
 
-/// One thing that does not match the design.
+/// Each finding is a single difference between hardware and design.
 struct Finding {
   FindingKind kind = FindingKind::kAbsentController;
-  int module = -1;  ///< It is −1 if the finding concerns a controller or a line.
+  int module = -1;  ///< −1 means that the finding concerns a controller or a line.
   int patch = -1;
-  int other = -1;  ///< It is the module that answered instead, where there is one.
-  int line = -1;   ///< It is the line where the module was found, or the line itself.
+  int other = -1;  ///< If another module answered instead, this is its id.
+  int line = -1;   ///< The module was found on this line, or the finding concerns the line itself.
   int address = -1;
   int taxel = -1;
-  std::vector<int> behind{};      ///< further modules that this one cause concerns, ascending
-  std::uint64_t held_design = 0;  ///< kWrongTable: the other design whose tables the controllers hold; 0: none
-  std::string held_file{};        ///< a file of that design, where one is known (files_of_design())
-  /// Where the module lies on the cover ("island 0, row 3 of 9, left rim"), or where the cable of the patch enters;
-  /// empty: neither is known.
+  std::vector<int> behind{};      ///< The same cause concerns these further modules, in ascending order.
+  std::uint64_t held_design = 0;  ///< With kWrongTable, the controllers have tables of this other design; 0 means none.
+  std::string held_file{};        ///< If a file of that design is known (files_of_design()), its path is here.
+  /// Place of the module on the cover ("island 0, row 3 of 9, left rim"), or of the entry of the patch's cable; empty
+  /// if neither is known.
   std::string place;
   std::string text;
   std::string remedy;
 };
 
 struct VerifyOptions {
-  /// Press every module in turn: by `actuator`, otherwise by the person who is asked.
+  /// Every module is pressed in turn, by `actuator` or by the person who is asked.
   bool touch = false;
-  /// Presses modules of the design; null: `ask` has a person do it.
+  /// Presses modules of the design; if it is null, `ask` has a person do it.
   TouchActuator* actuator = nullptr;
-  /// Asks a person to press a module and to say when; false: skip this module. Needed for touch without an actuator.
+  /// Asks a person to press a module and to confirm it; false skips the module. Required for touch without an actuator.
   std::function<bool(int module)> ask;
-  std::vector<StreamDemand> neighbours;  ///< They are passed on as StreamOptions::neighbours.
-  design::RestValues rest;               ///< where every taxel rests, as kept on this computer; empty: not known
-  /// Image of the firmware with debug information: names function and line of a crash; empty: addresses only.
+  std::vector<StreamDemand> neighbours;  ///< The list is passed on as StreamOptions::neighbours.
+  design::RestValues rest;  ///< These rest values are stored on this computer; empty means that they are not known.
+  /// The firmware image with debug information names function and line of a crash; without it only addresses are given.
   std::filesystem::path elf;
-  double watch_s = 2.0;  ///< Intermittent faults are collected for at least so long, in s, ≥ 0.
+  double watch_s = 2.0;  ///< Intermittent faults are collected for at least this long, in s, ≥ 0.
 };
 
 struct VerifyResult {
   int modules_ok = 0;
   int modules = 0;
-  int touched = 0;  ///< So many modules were pressed.
+  int touched = 0;  ///< This many modules were pressed.
   std::vector<Finding> findings;
   /// Faults that the controllers recorded earlier and that are gone now (kLostConfiguration, kIntermittentModule). They
-  /// were deleted from their memories, so that what comes again is found again.
+  /// were deleted from the fault memories, so that a repeated fault is found again.
   std::vector<Finding> earlier;
-  /// What came of the samples that were due in half a second at least; empty where the link carries no full stream, or
-  /// a controller has no table or that of a failure.
+  /// The account covers the samples that were due over at least half a second. It is empty where the link carries no
+  /// full stream, or a controller has no table or a backup table.
   std::optional<StreamReport> stream;
 };
 
-/// How far from its rest value a taxel may be that nobody touches, counts: from there on `live` shows it as pressed.
+/// An untouched taxel may differ from its rest value by this many counts; beyond that, `live` shows it as pressed.
 inline constexpr double kMaxRestError_counts = 200.0;
 
-/// Compares the hardware with the design: controllers, tables, modules, taxels, joints. With `options.rest` also where
-/// the taxels rest, so nobody may touch the skin at the end. Clears the fault memories of
-/// the controllers. Takes watch_s at least, with touch 0.2 s a module on a simulated link. Progress has a part for each
-/// patch. Throws DeviceError when no controller answers or one stops answering, InputError when the design does not fit
-/// into tables, Cancelled when the process was asked to end.
+/// Compares the hardware with the design: controllers, tables, modules, taxels, joints. With `options.rest` it also
+/// compares the rest values, so nobody may touch the skin at the end. It clears the fault memories of the controllers.
+/// Takes at least watch_s, and with touch 0.2 s per module on a simulated link. Progress has a part for each patch.
+/// Throws DeviceError when no controller answers or one stops answering, InputError when the design does not fit into
+/// tables, Cancelled when the process was asked to end.
 VerifyResult verify(Bus& bus, const design::Design& design, const VerifyOptions& options,
                     const ProgressSink& progress = {});
 

@@ -6,13 +6,13 @@
 
 namespace triskin::device {
 
-/// What a verification found, one finding after the other: what, where on the cover, what to do, and the steps of the
-/// repair with `arguments` as repair_steps() takes them. UTF-8, ends with a line that counts. Throws as repair_steps().
+/// Formats the findings of a verification one after the other: the problem, its place on the cover, the remedy, and the
+/// repair steps with `arguments` as for repair_steps(). UTF-8; the last line has the counts. Throws as repair_steps().
 /// Cost: linear, and repair_steps() for each finding.
 [[nodiscard]] std::string report_text(const design::Design& design, const VerifyResult& result,
                                       const std::string& arguments = "DESIGN");
-/// The same as a page to print (HTML without references to other files): a drawing of the lattice on which the modules
-/// of the findings are marked with the finding's number, and a table. Cost: linear.
+/// Formats the same as a page to print (HTML without references to other files): a drawing of the lattice in which the
+/// modules of the findings are marked with the finding's number, and a table. Cost: linear.
 [[nodiscard]] std::string report_html(const design::Design& design, const VerifyResult& result,
                                       const std::string& arguments = "DESIGN");
 

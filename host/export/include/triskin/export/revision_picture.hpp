@@ -7,9 +7,10 @@
 
 namespace triskin::design {
 
-/// Picture of what changed from one design to the next (SVG), from the side that shows most modules: those that stayed
-/// grey, new ones green with their number, and the outlines of those that went red. `new_id`: by module of `old`, −1:
-/// gone; `added`: ids in `now`. Errors: std::out_of_range for an id that a design lacks. Cost: O(faces + modules).
+/// Draws the changes between two designs as SVG, from the side that shows most modules: unchanged modules grey, new
+/// ones green with their number, and the outlines of removed ones red. `new_id` is indexed by module of `old`, with
+/// −1 for removed ones; `added` has ids in `now`. Errors: std::out_of_range for an id that a design lacks. Cost:
+/// O(faces + modules).
 [[nodiscard]] std::string revision_svg(const Design& old, const Design& now, const std::vector<int>& new_id,
                                        const std::vector<int>& added);
 

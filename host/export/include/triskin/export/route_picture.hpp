@@ -8,8 +8,8 @@
 
 namespace triskin::design {
 
-/// Picture of a routed module list in its lattice (SVG, islands side by side): modules coloured by line and labelled
-/// with their address, patches outlined, arrows from parent to child, a dot where the cable enters, a ring at a second
+/// Draws a routed module list in its lattice (SVG, islands side by side): modules coloured by line and labelled with
+/// their address, patches outlined, arrows from parent to child, a dot at the entry of the cable, a ring at a second
 /// entry. `patches` must name nodes of `list`. Cost: O(modules).
 [[nodiscard]] std::string route_svg(const ModuleList& list, std::span<const Patch> patches);
 

@@ -8,12 +8,13 @@
 
 namespace triskin::device {
 
-/// An ISO 15765-2 connection of the Linux kernel (module can-isotp), with 29-bit identifiers and padding. Threads: one.
+/// The Linux kernel (module can-isotp) provides this ISO 15765-2 connection, with 29-bit identifiers and padding.
+/// Threads: one.
 class CanChannel final : public MessageChannel {
  public:
-  /// Opens a connection on `interface` (for example "can0") that sends with `tx_id` and receives `rx_id`; `fd`: FD
-  /// frames of 64 bytes. Null when the kernel has no ISO-TP. Throws DeviceError when it has, and the interface cannot
-  /// be used.
+  /// Opens a connection on `interface` (for example "can0") that sends with `tx_id` and receives `rx_id`; `fd` selects
+  /// FD frames of 64 bytes. Returns null when the kernel has no ISO-TP. Throws DeviceError when it has, but the
+  /// interface cannot be used.
   [[nodiscard]] static std::unique_ptr<CanChannel> open(const std::string& interface, bool fd, std::uint32_t tx_id,
                                                         std::uint32_t rx_id);
   /// Closes the connection; waits for at most 1 s while a message is still being sent.
@@ -23,7 +24,7 @@ class CanChannel final : public MessageChannel {
 
   bool send(Bytes message) override;
   Arrival take(std::vector<std::uint8_t>& message) override;
-  /// File descriptor for poll(), owned by the channel.
+  /// Returns the file descriptor for poll(), which the channel owns.
   [[nodiscard]] int descriptor() const { return socket_; }
 
  private:

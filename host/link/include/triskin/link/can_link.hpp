@@ -11,8 +11,8 @@
 
 namespace triskin::device {
 
-/// Controllers on a CAN bus of this computer (SocketCAN). FD frames are used when the interface carries them. ISO-TP is
-/// the kernel's where its module is there.
+/// Controllers on a CAN bus of this computer (SocketCAN). It uses FD frames if the interface supports them, and the
+/// kernel's ISO-TP if its module is loaded.
 class CanLink final : public Link {
  public:
   /// Opens `interface`, for example "can0". Throws DeviceError as CanSocket does.
@@ -22,7 +22,7 @@ class CanLink final : public Link {
   std::optional<wire::CanFrame> receive(std::uint64_t until_us) override;
   [[nodiscard]] std::uint64_t now_us() const override;
   [[nodiscard]] bool fd() const override { return socket_->fd(); }
-  /// 1 s: the delays of a busy computer exceed those of the controller.
+  /// The limit of 1 s exists because the delays of a busy computer exceed those of the controller.
   [[nodiscard]] std::uint64_t answer_us() const override { return 1'000'000; }
   [[nodiscard]] std::string name() const override { return name_; }
   [[nodiscard]] std::string trouble() const override { return socket_->trouble(); }
@@ -37,12 +37,13 @@ class CanLink final : public Link {
  private:
   class Channel;
   std::unique_ptr<CanSocket> open() const;
-  /// Waits until a frame or a message of a channel is there, or `wait_us` are over; true: a channel has something.
+  /// Waits until a frame or a message of a channel has arrived, or `wait_us` have passed; returns true if a channel has
+  /// data.
   [[nodiscard]] bool wait(std::uint64_t wait_us) const;
 
   std::string interface_, name_;
   std::unique_ptr<CanSocket> socket_;
-  std::set<int> channels_;  // File descriptors of the channels.
+  std::set<int> channels_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 

@@ -11,15 +11,15 @@ struct canfd_frame;
 
 namespace triskin::device {
 
-/// A raw SocketCAN socket: classic and FD frames, error frames, bus-off. Threads: one.
+/// A raw SocketCAN socket carries classic and FD frames, error frames and bus-off. Threads: one.
 class CanSocket {
  public:
-  /// Errors that the interface's controller chip reported since the socket was opened.
+  /// The interface's controller chip has reported these errors since the socket was opened.
   struct Errors {
-    std::uint64_t frames = 0;     ///< It counts error frames.
-    bool bus_off = false;         ///< It is true until the interface says that it was restarted.
+    std::uint64_t frames = 0;     ///< Every error frame is counted.
+    bool bus_off = false;         ///< Bus-off lasts until the interface reports that it was restarted.
     bool passive = false;         ///< The controller is error passive or at the warning level.
-    bool unacknowledged = false;  ///< Nobody acknowledged the last frame.
+    bool unacknowledged = false;  ///< No other node acknowledged the last frame.
   };
 
   /// Throws DeviceError naming the interface and how to bring it up: no such interface, it is down, no CAN in the
@@ -29,27 +29,28 @@ class CanSocket {
   CanSocket(const CanSocket&) = delete;
   CanSocket& operator=(const CanSocket&) = delete;
 
-  /// True: the interface carries FD frames (its MTU is that of FD).
+  /// Returns true if the interface carries FD frames (its MTU is that of FD).
   [[nodiscard]] bool fd() const { return fd_; }
-  /// File descriptor for poll(), owned by the socket.
+  /// Returns the file descriptor for poll(), which the socket owns.
   [[nodiscard]] int descriptor() const { return socket_; }
-  /// Sets the kernel's receive filter: from now on only answers of controllers, claims, streams and the loader arrive.
+  /// Sets the kernel's receive filter, so that only answers of controllers, claims, streams and the loader are
+  /// received.
   void filter_for_host();
-  /// From now on every data frame of the bus arrives.
+  /// Removes the filter, so that every data frame of the bus is received.
   void drop_filter();
-  /// Sends one frame; waits while the transmit queue is full, up to 1 s. Throws Unreachable: interface gone or down,
+  /// Sends one frame; waits up to 1 s while the transmit queue is full. Throws Unreachable: interface missing or down,
   /// bus-off, queue stays full.
   void send(const wire::CanFrame& frame);
-  /// The next frame in the queue, or empty; does not wait. Error frames are counted in errors() and not returned.
-  /// Throws Unreachable: interface gone or down.
+  /// Returns the next frame in the queue, or nothing, without waiting. Error frames are only counted in errors().
+  /// Throws Unreachable: interface missing or down.
   std::optional<wire::CanFrame> receive();
-  /// Errors since the socket was opened.
+  /// Returns the errors since the socket was opened.
   [[nodiscard]] const Errors& errors() const { return errors_; }
-  /// False: the interface was gone or down at the last send or receive.
+  /// Returns false if the interface was missing or down at the last send or receive.
   [[nodiscard]] bool alive() const { return alive_; }
-  /// Frames that found the receive queue full since the socket was opened.
+  /// Counts the frames that found the receive queue full since the socket was opened.
   [[nodiscard]] std::uint32_t thrown_away() const { return thrown_away_; }
-  /// One sentence on errors() with the remedy; empty: no errors.
+  /// Describes errors() in one sentence with the remedy; empty if there are none.
   [[nodiscard]] std::string trouble() const;
 
  private:

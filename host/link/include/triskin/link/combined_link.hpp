@@ -9,10 +9,10 @@
 
 namespace triskin::device {
 
-/// Several links as one bus: `--link can:can0,can:can1`. Node addresses are unique over all of them.
+/// Joins several links into one bus, as in `--link can:can0,can:can1`. Node addresses must be unique over all of them.
 class CombinedLink final : public Link {
  public:
-  /// Takes one link or more, all on real time (not the in-process simulation).
+  /// Takes one link or more, all in real time (not the in-process simulation).
   explicit CombinedLink(std::vector<std::unique_ptr<Link>> links);
 
   void send(const wire::CanFrame& frame) override;
@@ -37,7 +37,7 @@ class CombinedLink final : public Link {
 
   std::vector<std::unique_ptr<Link>> links_;
   NodeMap nodes_;
-  std::size_t next_ = 0;  // Link that is waited for next.
+  std::size_t next_ = 0;  // The next wait uses this link.
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 

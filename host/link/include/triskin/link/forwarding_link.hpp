@@ -4,8 +4,9 @@
 
 namespace triskin::device {
 
-/// A link on top of another one: passes on frames, time, limits, names and channels. What a whole link has besides
-/// (finger, parts, counts, reconnecting) is for those derived from it to pass on. Threads: that of the link below.
+/// A forwarding link passes frames, time, limits, names and channels to the link below. Derived classes forward the
+/// rest of a complete link (actuator, parts, counts, reconnecting) if they need it. Use it in the thread of the link
+/// below.
 class ForwardingLink : public Link {
  public:
   void send(const wire::CanFrame& frame) override { link_.send(frame); }
@@ -22,7 +23,7 @@ class ForwardingLink : public Link {
   [[nodiscard]] int wire_of(std::uint8_t node) const override { return link_.wire_of(node); }
 
  protected:
-  /// `link` outlives this.
+  /// `link` must outlive this object.
   explicit ForwardingLink(Link& link) : link_(link) {}
 
   Link& link_;

@@ -11,14 +11,14 @@ namespace triskin::device {
 /// Maps node addresses to one of several wires, learned from received frames. Not thread-safe.
 class NodeMap {
  public:
-  /// Learns from a frame received on `wire` (>= 0): claims and answers name their node. An address that two wires claim
-  /// leads to none.
+  /// Learns from a frame received on `wire` (>= 0), because claims and answers name their node. If two wires claim an
+  /// address, it maps to none.
   void heard(const wire::CanFrame& frame, int wire);
-  /// Learns from a frame that is sent: a new discovery or an assigned address invalidates what is known.
+  /// Learns from a frame that is sent, because a new discovery or an assigned address invalidates what is known.
   void sent(const wire::CanFrame& frame);
-  /// Wire that leads to node address `node`; empty: not known, or several wires.
+  /// Returns the wire that leads to node address `node`; empty if it is not known, or if several wires do.
   [[nodiscard]] std::optional<int> wire_of(std::uint8_t node) const;
-  /// Node address that a diagnostic request is sent to; empty: the frame is none.
+  /// Returns the node address that a diagnostic request is sent to; empty for any other frame.
   [[nodiscard]] static std::optional<std::uint8_t> target_of(const wire::CanFrame& frame);
 
  private:

@@ -16,47 +16,49 @@
 
 namespace triskin::device {
 
-/// A pipe to one USB device. Threads: one may read while another writes. Calls throw DeviceError when the device is
-/// gone.
+/// A pipe leads to one USB device. One thread may read while another writes. Calls throw DeviceError when the device is
+/// unplugged.
 class UsbPipe {
  public:
   virtual ~UsbPipe() = default;
-  /// Sends one packet; waits until the device has taken it.
+  /// Sends one packet; waits until the device has accepted it.
   virtual void write(const wire::UsbPacket& packet) = 0;
-  /// Reads whole packets one after another, each wire::kUsbPacketBytes long but the last; waits up to `timeout_ms` for
-  /// the first. Returns the number of bytes; 0: nothing arrived.
+  /// Reads whole packets one after another, each wire::kUsbPacketBytes long except the last; waits up to `timeout_ms`
+  /// for the first. Returns the number of bytes; 0 means that nothing arrived.
   virtual std::size_t read(std::span<std::uint8_t> packets, int timeout_ms) = 0;
-  /// Serial number: the unique id of the controller, 24 hexadecimal digits.
+  /// Returns the serial number: the unique id of the controller, 24 hexadecimal digits.
   [[nodiscard]] virtual std::string serial() const = 0;
-  /// Path of the port; pipes with equal places lead to one device.
+  /// Returns the path of the port; pipes with equal paths lead to the same device.
   [[nodiscard]] virtual std::string place() const = 0;
 };
 
-/// Finds and opens devices: HID (hidapi) or the vendor interface (libusb).
+/// Finds and opens devices by HID (hidapi) or the vendor interface (libusb).
 class UsbDriver {
  public:
   virtual ~UsbDriver() = default;
-  /// Opens all devices that are plugged in and not at one of `places`; `serial` selects one of them, empty: all. Throws
-  /// DeviceError with the remedy when devices are there and none could be opened.
+  /// Opens all plugged-in devices that are not at one of `places`; `serial` selects one of them, and an empty text all.
+  /// Throws DeviceError with the remedy when there are devices but none could be opened.
   virtual std::vector<std::unique_ptr<UsbPipe>> open(const std::string& serial,
                                                      const std::vector<std::string>& places) = 0;
-  /// True: a hot-plug event has arrived since the last call; false also where the system reports none. Cheap.
+  /// Returns true if a hot-plug event has arrived since the last call; always false where the system reports none. The
+  /// call is cheap.
   [[nodiscard]] virtual bool changed() { return false; }
-  /// "hid" or "usb", as `--link` has it.
+  /// Returns "hid" or "usb", in the syntax of `--link`.
   [[nodiscard]] virtual std::string name() const = 0;
 };
-/// Driver of the HID interface. Throws DeviceError when hidapi cannot be started.
+/// Makes the driver of the HID interface. Throws DeviceError when hidapi cannot be started.
 [[nodiscard]] std::unique_ptr<UsbDriver> make_hid_driver();
-/// Driver of the vendor interface. Throws DeviceError when libusb finds no USB on this computer.
+/// Makes the driver of the vendor interface. Throws DeviceError when libusb finds no USB on this computer.
 [[nodiscard]] std::unique_ptr<UsbDriver> make_bulk_driver();
 
-/// All Triskin controllers on this computer's USB, or the one with a serial number, as one bus. A request goes to the
-/// device that has answered from its node address, everything else to every device, as on CAN. Devices may come and go;
-/// the link is dead when the last one has gone, until reconnect() finds one.
+/// The link joins all Triskin controllers on this computer's USB, or has the one with a given serial number, as one
+/// bus. A request goes to the device that has answered from its node address; all other frames go to every device, as
+/// on CAN. Devices may be plugged and unplugged; after the last one is unplugged, the link is dead until reconnect()
+/// finds one.
 class UsbLink final : public Link {
  public:
   /// Opens all devices of `driver`, or the one with serial number `serial` (24 hexadecimal digits; empty: all). Throws
-  /// DeviceError when none is there.
+  /// DeviceError when there is none.
   UsbLink(std::unique_ptr<UsbDriver> driver, const std::string& serial);
   ~UsbLink() override;
   UsbLink(const UsbLink&) = delete;
@@ -83,8 +85,9 @@ class UsbLink final : public Link {
     std::jthread reader;
     bool gone = false;
   };
-  static constexpr std::chrono::milliseconds kScanEvery{2000};  // Scan period if the driver reports no hot-plug events.
-  static constexpr std::chrono::milliseconds kSlice{50};        // Time between two calls of UsbDriver::changed.
+  // If the driver reports no hot-plug events, devices are searched this often.
+  static constexpr std::chrono::milliseconds kScanEvery{2000};
+  static constexpr std::chrono::milliseconds kSlice{50};  // UsbDriver::changed is called this often.
 
   void open_new_devices();
   void read_all(Device& device, const std::stop_token& stop);
@@ -95,13 +98,14 @@ class UsbLink final : public Link {
   std::unique_ptr<UsbDriver> driver_;
   std::string serial_, name_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), last_scan_ = start_;
-  mutable std::mutex mutex_;  // Guards frames_, gone, lost_ and nodes_.
+  mutable std::mutex mutex_;  // The mutex guards frames_, gone, lost_ and nodes_.
   std::condition_variable came_;
   std::deque<wire::CanFrame> frames_;
-  std::vector<std::string> lost_;  // Serial numbers of devices that went away.
+  std::vector<std::string> lost_;  // The serial numbers belong to devices that were unplugged.
   NodeMap nodes_;
   int wires_ = 0;
-  std::vector<std::unique_ptr<Device>> devices_;  // Declared last because its threads use the members above.
+  // The devices are declared last, because their threads use the members above.
+  std::vector<std::unique_ptr<Device>> devices_;
 };
 
 }  // namespace triskin::device

@@ -6,17 +6,16 @@
 
 namespace triskin::recording {
 
-/// Bytes that can be read at any place.
+/// Bytes that can be read at any position.
 class ByteSource {
  public:
   virtual ~ByteSource() = default;
-  /// Bytes that are there.
   [[nodiscard]] virtual std::uint64_t size() const = 0;
-  /// Reads `into.size()` bytes from `offset`; false: not so many are there, or they cannot be read.
+  /// Reads `into.size()` bytes from `offset`; returns false if there are fewer bytes or they cannot be read.
   [[nodiscard]] virtual bool read(std::uint64_t offset, std::span<std::uint8_t> into) const = 0;
 };
 
-/// A file that is read. Threads: one.
+/// Only one thread may use an input file.
 class InputFile final : public ByteSource {
  public:
   /// Opens `path`. Throws InputError naming the file and the cause; a folder, device or pipe is refused.

@@ -9,14 +9,13 @@
 
 #include "triskin/core/bytes.hpp"
 
-/// Records of a file in the format MCAP, version 0, after its public specification (mcap.dev/spec). All numbers are
-/// little-endian; every record is its kind (1 byte), the length of its contents (8) and the contents.
+/// The records follow the public specification of the format MCAP, version 0 (mcap.dev/spec). All numbers are
+/// little-endian; every record consists of its kind (1 byte), the length of its contents (8) and the contents.
 namespace triskin::recording::mcap {
 
 inline constexpr std::array<std::uint8_t, 8> kMagic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
 inline constexpr std::size_t kHeadBytes = 9;  ///< A record begins with its kind and length.
 
-/// Kinds of records.
 enum class Kind : std::uint8_t {
   kHeader = 1,
   kFooter = 2,
@@ -37,14 +36,14 @@ enum class Kind : std::uint8_t {
 
 using TextMap = std::map<std::string, std::string>;
 
-/// Definition of a message type.
+/// A schema defines a message type.
 struct Schema {
-  std::uint16_t id = 0;  ///< 1..
+  std::uint16_t id = 0;  ///< Valid ids begin at 1.
   std::string name, encoding, definition;
   bool operator==(const Schema&) const = default;
 };
 
-/// A topic with messages of one schema.
+/// All messages of a topic have one schema.
 struct Channel {
   std::uint16_t id = 0, schema = 0;
   std::string topic, encoding;
@@ -52,7 +51,7 @@ struct Channel {
   bool operator==(const Channel&) const = default;
 };
 
-/// One message; `data` is valid as long as the buffer that it was read from.
+/// The `data` of a message is valid as long as the buffer that it was read from.
 struct Message {
   std::uint16_t channel = 0;
   std::uint32_t sequence = 0;
@@ -60,28 +59,28 @@ struct Message {
   Bytes data;
 };
 
-/// A file inside the file.
+/// A recording can have files embedded.
 struct Attachment {
   std::uint64_t log_ns = 0, create_ns = 0;
   std::string name, media_type, data;
 };
 
-/// A table of texts.
+/// Metadata are a table of texts.
 struct Metadata {
   std::string name;
   TextMap entries;
 };
 
-/// Head of a chunk: what stands before its records.
+/// The head of a chunk precedes its records.
 struct ChunkHead {
-  /// Times of the earliest and latest message; size of the records.
+  /// Both times are those of messages, the earliest and the latest; the size is that of the records.
   std::uint64_t start_ns = 0, end_ns = 0, size_bytes = 0;
-  std::uint32_t crc = 0;           ///< It is the CRC of the records; 0 means that there is none.
-  std::string compression;         ///< It is empty where nothing is compressed.
-  std::uint64_t stored_bytes = 0;  ///< The records take so many bytes as they are stored in the file.
+  std::uint32_t crc = 0;           ///< The CRC covers the records; 0 means that there is none.
+  std::string compression;         ///< An empty text means that the chunk is not compressed.
+  std::uint64_t stored_bytes = 0;  ///< The records take this many bytes in the file.
 };
 
-/// Bytes that grow, with the types of the format.
+/// The buffer grows as needed and knows the encodings of the format.
 class Buffer {
  public:
   /// Appends one byte.
@@ -92,7 +91,7 @@ class Buffer {
   void le32(std::uint32_t v) { little(v, 4); }
   /// Appends eight bytes.
   void le64(std::uint64_t v) { little(v, 8); }
-  /// Appends bytes as they are.
+  /// Appends the bytes unchanged.
   void bytes(Bytes in);
   /// Appends the length in 4 bytes, then the text. Throws nothing of its own.
   void text(std::string_view text);
@@ -100,11 +99,9 @@ class Buffer {
   void text_map(const TextMap& map);
   /// Appends a record: kind, length, contents.
   void record(Kind kind, const Buffer& contents);
-  /// Drops everything.
   void clear() { bytes_.clear(); }
-  /// Bytes so far.
   [[nodiscard]] std::size_t size() const { return bytes_.size(); }
-  /// The bytes so far; valid until more is appended.
+  /// Returns the bytes so far; the view is valid until more is appended.
   [[nodiscard]] Bytes view() const { return bytes_; }
 
  private:
@@ -112,33 +109,34 @@ class Buffer {
   std::vector<std::uint8_t> bytes_;
 };
 
-/// Contents of the record of a schema, without its head. Throws nothing of its own.
+/// Encodes the record of a schema, without the record's head. Throws nothing of its own.
 [[nodiscard]] Buffer encode(const Schema& schema);
-/// Contents of the record of a channel, without its head. Throws nothing of its own.
+/// Encodes the record of a channel, without the record's head. Throws nothing of its own.
 [[nodiscard]] Buffer encode(const Channel& channel);
-/// Contents of the record of a message, without its head. Throws nothing of its own.
+/// Encodes the record of a message, without the record's head. Throws nothing of its own.
 [[nodiscard]] Buffer encode(const Message& message);
-/// Contents of the record of a attachment, without its head, with its CRC. Throws nothing of its own.
+/// Encodes the record of an attachment with its CRC, without the record's head. Throws nothing of its own.
 [[nodiscard]] Buffer encode(const Attachment& attachment);
-/// Contents of the record of a metadata, without its head. Throws nothing of its own.
+/// Encodes the record of a table of metadata, without the record's head. Throws nothing of its own.
 [[nodiscard]] Buffer encode(const Metadata& metadata);
-/// A whole chunk record without compression, of `records`, whose messages lie in start_ns … end_ns.
+/// Makes a whole, uncompressed chunk record of `records`, whose messages lie in start_ns … end_ns.
 [[nodiscard]] Buffer encode_chunk(std::uint64_t start_ns, std::uint64_t end_ns, const Buffer& records);
 
-/// Reads the contents of the record of a schema; false: it is malformed. Throws nothing of its own.
+/// Decodes the record of a schema; returns false if it is malformed. Throws nothing of its own.
 [[nodiscard]] bool decode(Bytes contents, Schema& schema);
-/// Reads the contents of the record of a channel; false: it is malformed. Throws nothing of its own.
+/// Decodes the record of a channel; returns false if it is malformed. Throws nothing of its own.
 [[nodiscard]] bool decode(Bytes contents, Channel& channel);
-/// Reads the contents of the record of a message; false: it is malformed. Throws nothing of its own.
+/// Decodes the record of a message; returns false if it is malformed. Throws nothing of its own.
 [[nodiscard]] bool decode(Bytes contents, Message& message);
-/// Reads the contents of the record of a attachment; false: it is malformed, or its CRC is wrong. Throws nothing of its
+/// Decodes the record of an attachment; returns false if it is malformed or its CRC is wrong. Throws nothing of its
 /// own.
 [[nodiscard]] bool decode(Bytes contents, Attachment& attachment);
-/// Reads the contents of the record of a metadata; false: it is malformed. Throws nothing of its own.
+/// Decodes the record of a table of metadata; returns false if it is malformed. Throws nothing of its own.
 [[nodiscard]] bool decode(Bytes contents, Metadata& metadata);
-/// Reads the head of a chunk from the first bytes of its contents; false: it is malformed. Throws nothing of its own.
+/// Decodes the head of a chunk from the first bytes of its contents; returns false if it is malformed. Throws nothing
+/// of its own.
 [[nodiscard]] bool decode(Bytes contents, ChunkHead& head);
-/// Bytes of a chunk's contents before its records.
+/// Returns the number of bytes of a chunk's contents before its records.
 [[nodiscard]] std::size_t head_bytes(const ChunkHead& head);
 
 }  // namespace triskin::recording::mcap

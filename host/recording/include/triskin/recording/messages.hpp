@@ -11,103 +11,101 @@
 #include "triskin/layout/module.hpp"
 #include "triskin/wire/taxel_frames.hpp"
 
-/// The messages of a recording, in CDR, and their definitions as ROS 2 reads them (docs/recording.md).
+/// docs/recording.md describes the messages of a recording in CDR, and their definitions for ROS 2.
 namespace triskin::recording {
 
 class CdrWriter;
 
-/// One sample of one module.
 struct ModuleSample {
-  int module = 0;                  ///< It is an id of the design.
-  std::uint64_t link_time_us = 0;  ///< It came at this time of the link's clock.
-  wire::TaxelFrame sample;         ///< Its `module` is the row in the controller's table.
-  std::uint64_t sampled_ns = 0;    ///< It was taken at this time since 1970, within ± error_us; 0 means unknown.
+  int module = 0;                  ///< The module is an id of the design.
+  std::uint64_t link_time_us = 0;  ///< The sample arrived at this time of the link's clock.
+  wire::TaxelFrame sample;         ///< Here `module` is the row in the controller's table.
+  std::uint64_t sampled_ns = 0;  ///< The sample was taken at this time since 1970, within ± error_us; 0 means unknown.
   std::uint32_t error_us = kNoBound;
   static constexpr std::uint32_t kNoBound = UINT32_MAX;
-  /// Patch whose controller read the module in place of its own, in a recording that is read; -1: its own did, or the
-  /// recording does not say so.
+  /// When a recording is read, this is the patch whose controller read the module instead of its own; −1 means that
+  /// its own did, or that the recording does not say.
   int adopter = -1;
   bool operator==(const ModuleSample&) const = default;
 };
 
-/// A taxel under pressure, mesh frame.
+/// The position of a pressed taxel is in the mesh frame.
 struct PressedTaxel {
   int module = 0, taxel = 0;
-  double change_counts = 0.0;  ///< It is the change against the rest value, above 0.
+  double change_counts = 0.0;  ///< The change from the rest value is above 0.
   design::Vec3 position_mm{0, 0, 0}, normal{0, 0, 0};
-  /// The calibration gives this force on the taxel's area of skin; 0 means that there is none.
+  /// The calibration gives this force on the taxel's area of skin; 0 means that there is no calibration.
   double force_n = 0.0;
 };
 
-/// A region of the skin under pressure, mesh frame.
+/// A contact is a pressed region of the skin, in the mesh frame.
 struct Contact {
-  design::Vec3 position_mm{0, 0, 0};  ///< It is the mean of its taxels, weighted by their change.
-  design::Vec3 normal{0, 0, 0};       ///< It is an outward unit vector, weighted likewise.
-  double change_counts = 0.0;         ///< It sums over the taxels.
-  double force_n = 0.0;               ///< It sums over the taxels in N, and is 0 without a calibration.
-  double area_mm2 = 0.0;              ///< Its taxels stand for this area of skin.
-  std::vector<PressedTaxel> taxels;   ///< The strongest comes first, and there is at least one.
+  design::Vec3 position_mm{0, 0, 0};  ///< The position is the mean over the taxels, weighted by their change.
+  design::Vec3 normal{0, 0, 0};       ///< The outward unit vector is weighted likewise.
+  double change_counts = 0.0;         ///< The change is summed over the taxels.
+  double force_n = 0.0;               ///< The force in N is summed over the taxels; it is 0 without a calibration.
+  double area_mm2 = 0.0;              ///< The taxels represent this area of skin.
+  std::vector<PressedTaxel> taxels;   ///< The list begins with the strongest taxel and is never empty.
 };
-/// Farthest that two taxels of one contact lie from the next one: those of a module are 7 mm apart, those of neighbours
-/// up to 10 mm.
+/// Two taxels of one contact may be this far apart: those of a module are at 7 mm, those of neighbouring modules at up
+/// to 10 mm.
 inline constexpr double kContactReach_mm = 12.0;
-/// Gathers taxels to contacts, the strongest first: two belong together when they lie within kContactReach_mm and do
-/// not face away from each other (the two sides of a thin part). Taxels that measure temperature are left out.
-/// `module_area_mm2`: area of one module, which its pressure taxels share equally. Throws nothing of its own. Cost:
-/// O(taxels²).
+/// Groups taxels into contacts, the strongest first. Two taxels belong together when they lie within kContactReach_mm
+/// and do not face away from each other, as the two sides of a thin part do. Taxels that measure temperature are left
+/// out. `module_area_mm2` is the area of one module, which its pressure taxels share equally. Throws nothing of its
+/// own. Cost: O(taxels²).
 [[nodiscard]] std::vector<Contact> gather_contacts(std::span<const PressedTaxel> taxels, double module_area_mm2);
 
-/// Name and definition of a message type.
 struct MessageType {
   std::string_view name, definition;
 };
 extern const MessageType kRawFrameType, kLayoutType, kReadersType, kContactsType, kPointCloudType, kTransformsType;
 
-/// Frame of a skin's coordinates in the messages of a recording: that of the mesh, in m.
+/// Messages of a recording use this frame for coordinates: that of the mesh, in m.
 inline constexpr std::string_view kMeshFrame = "skin";
-/// Appends std_msgs/Header. `stamp_ns`: since 1970.
+/// Appends a std_msgs/Header. `stamp_ns` counts from 1970.
 void put_header(CdrWriter& w, std::uint64_t stamp_ns, std::string_view frame_id);
 
-/// The raw frame of samples of one controller that have one sample number and device times within 30 min; not empty.
-/// Throws nothing of its own.
+/// Encodes a raw frame. The samples must be from one controller, have the same sample number and device times within 30
+/// min, and not be empty. Throws nothing of its own.
 [[nodiscard]] std::vector<std::uint8_t> encode_raw(std::span<const ModuleSample> samples);
-/// The samples of a raw frame; nullopt: it is malformed.
+/// Decodes a raw frame; nullopt if it is malformed.
 [[nodiscard]] std::optional<std::vector<ModuleSample>> decode_raw(Bytes message);
-/// The message that says where each taxel is, lengths in m. Throws std::out_of_range for a patch that names a module
-/// the layout lacks. Cost: linear.
+/// Encodes the message with the position of each taxel, lengths in m. Throws std::out_of_range for a patch that names a
+/// module the layout lacks. Cost: linear.
 [[nodiscard]] std::vector<std::uint8_t> encode_layout(const design::Design& design, std::uint64_t stamp_ns,
                                                       std::string_view frame_id = kMeshFrame);
-/// What the counts of a contact are worth. Without either the unit of forces is "counts".
+/// Converts the counts of a contact to a force. If neither field is set, the unit of forces is "counts".
 struct Calibration {
-  double newton_per_count = 0.0;  ///< It is the force for each count of the sum over a contact, > 0; 0 means unknown.
+  double newton_per_count = 0.0;  ///< Each count of a contact's sum is this force, > 0; 0 means unknown.
   bool by_taxel = false;  ///< The contacts have force_n from the calibration of the skin, which takes precedence.
 };
-/// The message of contacts, lengths in m. Throws nothing of its own.
+/// Encodes the message of contacts, lengths in m. Throws nothing of its own.
 [[nodiscard]] std::vector<std::uint8_t> encode_contacts(std::span<const Contact> contacts, std::uint64_t stamp_ns,
                                                         std::string_view frame_id = kMeshFrame,
                                                         const Calibration& calibration = {});
 
-/// Pose of a frame in its parent: metres, and a unit quaternion x, y, z, w.
+/// The pose of a frame in its parent is in metres and has a unit quaternion x, y, z, w.
 struct Pose {
   std::array<double, 3> translation_m{0.0, 0.0, 0.0};
   std::array<double, 4> rotation{0.0, 0.0, 0.0, 1.0};
 };
-/// tf2_msgs/msg/TFMessage with one transform from `parent` to `child`. `stamp_ns`: since 1970. Throws nothing of its
-/// own.
+/// Encodes a tf2_msgs/msg/TFMessage with one transform from `parent` to `child`. `stamp_ns` counts from 1970. Throws
+/// nothing of its own.
 [[nodiscard]] std::vector<std::uint8_t> encode_transform(std::string_view parent, std::string_view child,
                                                          const Pose& pose, std::uint64_t stamp_ns);
 
-/// All taxels of a design as sensor_msgs/msg/PointCloud2, with their latest values.
+/// Publishes all taxels of a design with their latest values as sensor_msgs/msg/PointCloud2.
 class PointCloud {
  public:
-  /// Knows every taxel, none of them valid yet. Throws std::out_of_range as design::wiring_of.
+  /// Starts with every taxel, none of them valid yet. Throws std::out_of_range as design::wiring_of.
   explicit PointCloud(const design::Design& design);
-  /// Takes the values of a module.
+  /// Updates the values of a module.
   void add(const ModuleSample& sample);
-  /// True when every module was heard: then no point has the value 0 that stands for nothing.
+  /// Returns true when every module was heard, so that no point has the placeholder value 0.
   [[nodiscard]] bool is_complete() const { return heard_ == points_.size(); }
-  /// One point a taxel: x, y, z (m), normal_x, normal_y, normal_z, module, value (counts), valid (1 or 0), taxel.
-  /// Throws nothing of its own.
+  /// Encodes one point per taxel: x, y, z (m), normal_x, normal_y, normal_z, module, value (counts), valid (1 or 0),
+  /// taxel. Throws nothing of its own.
   [[nodiscard]] std::vector<std::uint8_t> encode(std::uint64_t stamp_ns, std::string_view frame_id = kMeshFrame) const;
 
  private:
@@ -116,8 +114,8 @@ class PointCloud {
     std::uint16_t value = 0;
     bool valid = false;
   };
-  std::vector<std::array<Point, layout::kTaxelsPerModule>> points_;  // Indexed by module.
-  std::vector<bool> is_heard_;                                       // Indexed by module.
+  std::vector<std::array<Point, layout::kTaxelsPerModule>> points_;  // The points are indexed by module.
+  std::vector<bool> is_heard_;
   std::size_t heard_ = 0;
 };
 

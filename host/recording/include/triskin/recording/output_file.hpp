@@ -11,41 +11,41 @@
 
 namespace triskin::recording {
 
-/// The file of a recording took no more bytes, for example because the disk is full. What was written before is there.
+/// Thrown when the file of a recording accepts no more bytes, for example because the disk is full. Everything written
+/// before remains.
 class WriteFailed : public Error {
  public:
   using Error::Error;
 };
 
-/// A file that grows while it is written. It is opened before there is anything to write, so that one that cannot be
-/// written is known at once. A recording that stood there is replaced in one step once the first bytes of the new one
-/// are in a file and the disk has room for its first megabyte; before, the old one is whole. No other program may write
-/// it meanwhile (flock). Threads: one.
+/// The file grows while it is written. It is opened before there is any data, so that an unwritable file is noticed at
+/// once. An existing recording is replaced in one step, once the first bytes of the new one are in a file and the disk
+/// has room for its first megabyte; until then the old one is untouched. No other program may write it at the same time
+/// (flock). Threads: one.
 class OutputFile final : public ByteSource {
  public:
-  /// Opens `path`: a symbolic link is followed, "-" is standard output; a device or a pipe is written into. Throws
-  /// InputError naming the file and the cause; when another program writes it, with that program.
+  /// Opens `path`: a symbolic link is followed, "-" is standard output, and a device or a pipe is written to. Throws
+  /// InputError naming the file and the cause; if another program writes it, the message names that program.
   explicit OutputFile(const std::filesystem::path& path);
-  /// Opens the recording `path` to be continued behind its first `keep_bytes` bytes; the rest is cut off. Throws
-  /// InputError, also when another program still writes it.
+  /// Opens the recording `path` to append behind its first `keep_bytes` bytes; the rest is cut off. Throws InputError,
+  /// also when another program still writes it.
   OutputFile(const std::filesystem::path& path, std::uint64_t keep_bytes);
-  /// Removes a file that did not stand there before and into which nothing was written.
+  /// Removes the file if it is new and nothing was written to it.
   ~OutputFile() override;
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// Appends bytes. Throws WriteFailed naming the file, the cause and how many bytes are there.
+  /// Appends bytes. Throws WriteFailed naming the file, the cause and how many bytes were written.
   void write(Bytes bytes);
-  /// Reads `into.size()` bytes from `offset`; false: the file has not so many, or it cannot be read (a pipe).
+  /// Reads `into.size()` bytes from `offset`; returns false if the file is shorter or cannot be read (a pipe).
   [[nodiscard]] bool read(std::uint64_t offset, std::span<std::uint8_t> into) const override;
-  /// Brings everything to the disk and closes the file. Throws WriteFailed.
+  /// Flushes everything to the disk and closes the file. Throws WriteFailed.
   void close();
 
-  /// True for a regular file: what was written can be read again.
+  /// Returns true for a regular file, whose contents can be read again.
   [[nodiscard]] bool can_read() const { return regular_; }
-  /// Bytes of the file so far.
   [[nodiscard]] std::uint64_t size() const override { return size_; }
-  /// The file as the user named it.
+  /// Returns the file name that the user gave.
   [[nodiscard]] const std::string& name() const { return name_; }
 
  private:
@@ -55,9 +55,9 @@ class OutputFile final : public ByteSource {
   void append(Bytes bytes);
 
   std::string name_;
-  std::string temporary_;  // Name of the new file until it replaces the old one.
+  std::string temporary_;  // The new file has this name until it replaces the old one.
   int file_ = -1;
-  int old_file_ = -1;  // Holds the lock of the file that was replaced.
+  int old_file_ = -1;  // The descriptor holds the lock of the file that was replaced.
   bool regular_ = false, created_ = false, started_ = false, replaces_ = false;
   std::uint64_t size_ = 0;
 };

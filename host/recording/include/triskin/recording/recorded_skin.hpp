@@ -10,17 +10,17 @@
 
 namespace triskin::recording {
 
-/// The skin that a recording is of.
 struct RecordedSkin {
   design::Design design;
-  design::SkinCalibration calibration;       ///< none: counts alone
-  std::vector<std::string> serials;          ///< indexed by patch: serial of the controller; empty text: not known
-  design::RestValues rest;                   ///< empty: the design's rest values
-  std::map<std::string, std::string> facts;  ///< what the recording says of itself (docs/recording.md)
+  design::SkinCalibration calibration;  ///< If the calibration is empty, the recording has only counts.
+  /// Serial numbers of the controllers are indexed by patch; an empty text means unknown.
+  std::vector<std::string> serials;
+  design::RestValues rest;                   ///< If there are none, the design's rest values apply.
+  std::map<std::string, std::string> facts;  ///< The facts describe the recording (docs/recording.md).
 };
 
-/// The skin that a recording is of. Throws InputError when it is no recording of triskin, holds no design, or a damaged
-/// calibration or rest values. Cost: reads the first part of the file.
+/// Reads which skin a recording is of. Throws InputError when the file is not a recording of triskin, has no design, or
+/// has a damaged calibration or damaged rest values. Cost: reads the first part of the file.
 [[nodiscard]] RecordedSkin recorded_skin(const std::string& file);
 
 }  // namespace triskin::recording

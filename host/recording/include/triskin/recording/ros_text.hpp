@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// Parts of the texts that define ROS 2 types: macros, because only literals can be joined in a constant.
+// The texts that define ROS 2 types consist of these parts. They are macros, because only literals can be concatenated
+// in a constant.
 
-/// Line between the definitions of two types.
+/// This line separates the definitions of two types.
 #define TRISKIN_ROS_RULE "================================================================================\n"
-/// Definitions of std_msgs/Header and of what it holds, each after a line of its own.
+/// The text has the definitions of std_msgs/Header and of its fields' types, each after a separator line.
 #define TRISKIN_ROS_HEADER             \
   TRISKIN_ROS_RULE                     \
   "MSG: std_msgs/Header\n"             \

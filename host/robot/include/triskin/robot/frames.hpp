@@ -7,23 +7,24 @@
 
 namespace triskin::robot {
 
-/// The links of a robot and where they lie while all joints are at 0.
+/// The poses of a robot's links are those with all joints at 0.
 class Frames {
  public:
-  /// Reads a URDF file: links, joints and their origins; nothing else of it. Throws InputError naming the file and what
-  /// is wrong: no XML, no robot, a joint between links that are not there, a link with two parents, a ring, not exactly
-  /// one base.
+  /// Reads links, joints and their origins from a URDF file and ignores the rest. Throws InputError naming the file and
+  /// what is wrong: no XML, no robot, a joint between links that do not exist, a link with two parents, a loop, not
+  /// exactly one base.
   [[nodiscard]] static Frames read_urdf(const std::filesystem::path& path);
-  /// read_urdf for the text of a file; errors name it `file`.
+  /// Does the same as read_urdf, but from text; error messages call it `file`.
   [[nodiscard]] static Frames parse_urdf(const std::string& text, const std::string& file);
 
-  /// True if the robot has a link `name`.
+  /// Returns true if the robot has a link `name`.
   [[nodiscard]] bool has(const std::string& name) const { return poses_.contains(name); }
-  /// Pose of link `name` in the base, translation in mm. Throws std::out_of_range for a link that is not there.
+  /// Returns the pose of link `name` in the base, with the translation in mm. Throws std::out_of_range for a link that
+  /// does not exist.
   [[nodiscard]] const Eigen::Isometry3d& pose(const std::string& name) const { return poses_.at(name); }
-  /// The link that hangs on no joint.
+  /// Returns the link that has no parent joint.
   [[nodiscard]] const std::string& base() const { return base_; }
-  /// All links, by name.
+  /// Returns the poses of all links, by name.
   [[nodiscard]] const std::map<std::string, Eigen::Isometry3d>& poses() const { return poses_; }
 
  private:

@@ -10,53 +10,53 @@
 
 namespace triskin::robot {
 
-/// One touch: a taxel that answered, and where the tip was in the frame of the robot's link, mm.
+/// A touch has the taxel that answered, and the position of the tip in the frame of the robot's link, mm.
 struct Touch {
   int module = 0, taxel = 0;
   Eigen::Vector3d in_link_mm{0, 0, 0};
 };
-inline constexpr std::size_t kMinTouches = 6;  ///< Three touches fix a pose, and the others show whether it is right.
+/// Three touches determine a pose, and the others show whether it is right.
+inline constexpr std::size_t kMinTouches = 6;
 
-/// Touches from CSV with the columns module, taxel, x_mm, y_mm, z_mm (a head line is allowed, "#" begins a comment).
-/// Throws InputError naming file and line.
+/// Reads touches from CSV with the columns module, taxel, x_mm, y_mm, z_mm (a header line is allowed, "#" begins a
+/// comment). Throws InputError naming file and line.
 [[nodiscard]] std::vector<Touch> read_touches(const std::string& text, const std::string& file);
 
-/// A motion that carries points on points, and how well.
+/// A fit is a motion that maps one set of points to another, with its error.
 struct Fit {
-  /// Its rotation part mirrors if it describes a mirror image.
+  /// If the fit is a mirror image, the rotation part mirrors as well.
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  double rms_mm = 0.0;  ///< It is the root of the mean squared distance.
-  double max_mm = 0.0;  ///< It is the largest distance.
-  int worst = 0;        ///< It is the point of the largest distance, counted from 0.
+  double rms_mm = 0.0;  ///< This is the root of the mean squared distance.
+  double max_mm = 0.0;
+  int worst = 0;  ///< The point with the largest distance has this index, from 0.
 };
-/// The rotation and translation that carry `from` on `to` with the least sum of squared distances (Kabsch 1976, Umeyama
-/// 1991 without scale); `mirrored`: the best motion that mirrors instead. Points in mm, as many of each, at least 3,
-/// not on one line. Throws InputError otherwise. Cost: linear.
+/// Computes the rotation and translation that map `from` to `to` with the smallest sum of squared distances (Kabsch
+/// 1976, Umeyama 1991 without scale); with `mirrored`, the best motion that mirrors instead. Both sets are in mm, of
+/// equal size, with at least 3 points that are not on one line. Throws InputError otherwise. Cost: linear.
 [[nodiscard]] Fit fit_pose(std::span<const Eigen::Vector3d> from, std::span<const Eigen::Vector3d> to,
                            bool mirrored = false);
 
-/// A cover by name.
 struct NamedDesign {
   std::string name;
   const design::Design* design = nullptr;
 };
-/// Pose of a cover found from touches, and what else they could mean.
+/// The pose of a cover is found from touches, which may have other explanations too.
 struct Registration {
   Fit fit;
-  double mirror_rms_mm = 0.0;  ///< It is the rms_mm of the best fit of the mirror image.
-  double thickness_mm = 0.0;   ///< It is the root mean square distance of the touches from their best plane.
-  std::string exchanged_with;  ///< Another cover fits better; it is empty if none does.
+  double mirror_rms_mm = 0.0;  ///< The best fit of the mirror image has this rms_mm.
+  double thickness_mm = 0.0;   ///< This is the root mean square distance of the touches from their best plane.
+  std::string exchanged_with;  ///< The cover named here fits better; empty if none does.
   double exchanged_rms_mm = 0.0;
   bool mirrored = false;        ///< The mirror image fits better.
-  bool mirror_unknown = false;  ///< The touches lie in a plane, so a mirror image cannot be told.
-  /// True: small residual, and nothing else fits better.
+  bool mirror_unknown = false;  ///< The touches lie in a plane, so a mirror image cannot be detected.
+  /// Returns true if the residual is small and nothing else fits better.
   [[nodiscard]] bool good(double limit_mm) const {
     return fit.rms_mm <= limit_mm && !mirrored && exchanged_with.empty();
   }
 };
-/// Registers `cover` by touches; `others` are the covers that it may have been exchanged with. Another explanation is
-/// taken when its residual is less than half. Throws InputError: fewer than kMinTouches, a module or taxel that the
-/// design lacks, touches on one line. Cost: linear for each cover.
+/// Registers `cover` from touches; it may have been exchanged with one of `others`. Another explanation is accepted
+/// when its residual is less than half. Throws InputError: fewer than kMinTouches, a module or taxel that the design
+/// lacks, touches on one line. Cost: linear for each cover.
 [[nodiscard]] Registration register_cover(const NamedDesign& cover, std::span<const NamedDesign> others,
                                           std::span<const Touch> touches);
 

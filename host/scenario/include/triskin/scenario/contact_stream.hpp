@@ -12,8 +12,9 @@
 
 namespace triskin::scenario {
 
-/// A simulated skin that another simulator touches: it tells where and how strongly, step by step, and gets what the
-/// controllers send meanwhile (docs/contact_stream.md). Time is that of the other simulator. Not thread-safe.
+/// Another simulator touches this simulated skin. Step by step the skin receives the contacts and their strength, and
+/// returns what the controllers send during the step (docs/contact_stream.md). Time is that of the other simulator. Not
+/// thread-safe.
 class ContactStream {
  public:
   static constexpr std::size_t kMaxLine_bytes = 1'000'000, kMaxContacts = 1'000;
@@ -25,11 +26,11 @@ class ContactStream {
   ContactStream(const ContactStream&) = delete;
   ContactStream& operator=(const ContactStream&) = delete;
 
-  /// The first line for a client: JSON with format, version, design, modules and the time of the skin.
+  /// Returns the first line for a client: JSON with format, version, design, modules and the time of the skin.
   [[nodiscard]] std::string greeting() const;
-  /// Takes a step, one JSON object with the contacts and the time until which they last, and returns the answer, one
-  /// JSON object without a line break: time, frames, samples, and how many contacts were on other bodies or felt by no
-  /// taxel. Throws InputError that says what is wrong with the line; then nothing of it has taken effect.
+  /// Performs a step, given as one JSON object with the contacts and the time until which they last. Returns the
+  /// answer, one JSON object without a line break: time, frames, samples, and how many contacts were on other bodies or
+  /// felt by no taxel. Throws InputError that says what is wrong with the line, which then has no effect.
   [[nodiscard]] std::string take(const std::string& line);
   [[nodiscard]] double time_s() const;
 
@@ -40,8 +41,8 @@ class ContactStream {
   std::vector<int> touches_;
 };
 
-/// Serves a stream at `at` (port 0 takes a free one), one client after the other, until `stop` is set or `seconds` of
-/// wall time have passed (0: no limit). A line that is refused is answered by {"error": …}, and the client is let go.
+/// Serves a stream at `at` (port 0 uses a free one), one client after the other, until `stop` is set or `seconds` of
+/// wall time have passed (0: no limit). A rejected line is answered by {"error": …}, and the client is disconnected.
 /// `listening` is called once with the port. Throws InputError for an address that other computers could reach,
 /// DeviceError when the address cannot be used.
 void serve_contacts(ContactStream& stream, const device::HostPort& at, const std::atomic<bool>& stop, double seconds,

@@ -11,18 +11,19 @@
 
 namespace triskin::scenario {
 
-/// A simulated skin at work: its boards have their tables, its rest values are known, power comes at time 0 of the
-/// scene, and the samples of all modules are streamed. The boards are flashed and the rest values are taken before
-/// that, while nothing touches the skin, with those faults that are there for good. Everything is in memory and in
-/// virtual time, and equal scenes give equal samples. Not thread-safe.
+/// A running skin is a simulated skin in operation: its boards have their tables, its rest values are known, power is
+/// switched on at time
+/// 0 of the scene, and the samples of all modules are streamed. Flashing and taking the rest values happen before that,
+/// while nothing touches the skin, but with the permanent faults. Everything is in memory and in virtual time, and
+/// equal scenes give equal samples. Not thread-safe.
 class RunningSkin {
  public:
   using OnSample = std::function<void(const device::ModuleSample&)>;
   using OnFrame = std::function<void(const wire::CanFrame&, std::uint64_t at_us)>;
 
   /// Both handlers are called inside the constructor and run_until(); either may be empty. `on_frame` gets every frame
-  /// of the controllers with the virtual time at which it came. Throws InputError for a scene whose bus cannot carry
-  /// the stream, DeviceError when a controller does not take its table.
+  /// of the controllers with the virtual time of its arrival. Throws InputError for a scene whose bus cannot carry the
+  /// stream, DeviceError when a controller does not accept its table.
   RunningSkin(scene::Scene scene, OnSample on_sample, OnFrame on_frame);
   ~RunningSkin();
   RunningSkin(const RunningSkin&) = delete;
@@ -31,9 +32,9 @@ class RunningSkin {
   /// Runs until virtual time `until_us`. Throws as device::Stream::run_until.
   void run_until(std::uint64_t until_us);
   [[nodiscard]] std::uint64_t now_us() const;
-  /// The simulated hardware, to touch it while it runs.
+  /// Returns the simulated hardware, so that it can be touched while it runs.
   [[nodiscard]] scene::VirtualSkin& hardware();
-  /// Counts of the taxels that nothing touches, by module.
+  /// Returns the counts of the untouched taxels, by module.
   [[nodiscard]] const design::RestValues& rest() const { return rest_; }
 
  private:
@@ -42,16 +43,16 @@ class RunningSkin {
   std::unique_ptr<Bench> bench_;
 };
 
-/// How many counts each taxel of a sample reads below rest; 0 for taxels that are above it, invalid, or measure
-/// temperature.
+/// Returns by how many counts each taxel of a sample reads below rest; 0 for taxels that are above it, invalid, or
+/// measure temperature.
 [[nodiscard]] std::array<double, layout::kTaxelsPerModule> changes_of(const device::ModuleSample& sample,
                                                                       const design::RestValues& rest);
 
-/// Skin that a pressure taxel stands for, mm².
+/// Returns the area of skin in mm² that a pressure taxel represents.
 [[nodiscard]] double taxel_area_mm2(double corner_cut_mm);
 
-/// Force on a module whose taxels changed by `change_counts`, N, at the nominal sensitivity of the simulation: those
-/// below the threshold of a touch do not count. `taxel`: that one alone; −1: all.
+/// Returns the force in N on a module whose taxels changed by `change_counts`, at the nominal sensitivity of the
+/// simulation; changes below the threshold of a touch do not count. `taxel` selects one taxel; −1 means all.
 [[nodiscard]] double force_n(const std::array<double, layout::kTaxelsPerModule>& change_counts, double corner_cut_mm,
                              int taxel = -1);
 

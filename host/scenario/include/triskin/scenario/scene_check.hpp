@@ -9,24 +9,24 @@
 
 namespace triskin::scenario {
 
-/// What became of one expectation of a scene.
+/// Each expectation of a scene has one result.
 struct ExpectationResult {
   scene::Expectation expectation;
   bool held = false;
-  std::size_t samples = 0;  ///< that counted
-  std::string seen;         ///< what the skin reported, as a sentence
+  std::size_t samples = 0;  ///< The expectation was checked with this many samples.
+  std::string seen;         ///< The sentence says what the skin reported.
 };
 
 struct SceneCheck {
-  std::vector<ExpectationResult> results;  ///< in the order of the scene
+  std::vector<ExpectationResult> results;  ///< Results are in the order of the scene.
   double simulated_s = 0.0;
-  /// Number of expectations that did not hold.
+  /// Counts the expectations that did not hold.
   [[nodiscard]] std::size_t failed() const;
 };
 
-/// Runs a scene and holds what the skin reports against its expectations (RunningSkin). An expectation for which no
-/// sample came has not held, unless it expects none. Throws InputError for a scene that expects nothing; otherwise as
-/// RunningSkin. Cost: virtual time until the last expectation.
+/// Runs a scene and compares the reports of the skin with its expectations (RunningSkin). An expectation for which no
+/// sample arrived does not hold, unless it expects none. Throws InputError for a scene without expectations; otherwise
+/// as RunningSkin. Cost: virtual time until the last expectation.
 [[nodiscard]] SceneCheck check_scene(scene::Scene scene, const ProgressSink& progress = {});
 
 }  // namespace triskin::scenario

@@ -9,42 +9,44 @@
 
 namespace triskin::device {
 
-/// What one controller wants to send.
+/// A controller wants to send so many samples.
 struct StreamDemand {
-  std::uint8_t node = 0;          ///< It is the node address.
-  std::size_t modules = 0;        ///< Its table has so many modules.
+  std::uint8_t node = 0;
+  std::size_t modules = 0;        ///< The controller's table has this many modules.
   std::uint64_t interval_us = 0;  ///< Two samples of a module are nominally this far apart.
 };
 
-/// Load of one wire.
 struct WireLoad {
   std::vector<std::uint8_t> nodes;
   std::size_t modules = 0;
-  /// It is the load if every sample is streamed, 1 being all of the wire; 0 means that the wire's rate is unknown.
+  /// The load if every sample is streamed is a fraction of the wire's capacity; 0 means that its rate is unknown.
   double full = 0.0;
 };
 
-/// How the samples of a stream fit the wires of a link.
+/// The samples of a stream are fitted into the wires of a link with this result.
 struct BusBudget {
   std::vector<WireLoad> wires;
   int every = 1;      ///< Each n-th sample is streamed.
-  double full = 0.0;  ///< It is the largest load of a wire if every sample is streamed.
-  double load = 0.0;  ///< It is the same load if only each n-th sample is streamed.
-  bool fits = true;   ///< The load is at most wire::kStreamShare.
-  /// Two samples of a module are at least this far apart, so that all modules get an equal share; 0 means that all fit.
+  double full = 0.0;  ///< Streaming every sample would load the busiest wire by this fraction.
+  double load = 0.0;  ///< Streaming each n-th sample loads the busiest wire by this fraction.
+  bool fits = true;   ///< True means that the load is at most wire::kStreamShare.
+  /// Two samples of a module are at least this far apart, so that all modules get an equal share; 0 means that all
+  /// samples fit.
   std::uint64_t pace_us = 0;
 };
 
-/// Samples as the largest part of a wire: converters run up to 4 % faster than their rate.
+/// Converters run up to 4 % faster than their nominal rate, so the load is computed with this factor.
 inline constexpr double kFastestClock = 1.04;
 
-/// The smallest n ≥ 1 whose n-th samples fit a wire that all samples would load by `full`, 1 = all; at most 10⁶.
+/// Returns the smallest n ≥ 1 for which each n-th sample fits a wire that all samples would load by `full`, a
+/// fraction of its capacity; at most 10⁶.
 [[nodiscard]] int min_every(double full);
 
-/// Budget of each n-th sample. `every` 0: the smallest 1 … 255 that fits, 255 when none does.
+/// Computes the budget for each n-th sample. If `every` is 0, it uses the smallest 1 … 255 that fits, or 255 when
+/// none does.
 [[nodiscard]] BusBudget make_budget(const Link& link, std::span<const StreamDemand> demands, int every);
 
-/// One sentence: what the wire carries of what was asked, and what to do about it.
+/// Returns one sentence that says how much of the request the wire carries and what to do about it.
 [[nodiscard]] std::string describe(const BusBudget& budget);
 
 }  // namespace triskin::device

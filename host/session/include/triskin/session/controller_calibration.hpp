@@ -11,30 +11,30 @@
 #include "triskin/wire/calibration.hpp"
 #include "triskin/wire/node_claim.hpp"
 
-/// Calibrations in the controllers themselves (docs/calibration.md).
+/// Calibrations that controllers store themselves (docs/calibration.md).
 namespace triskin::device {
 
-/// A calibration as a controller keeps it. Sensitivities are rounded to 16 bits of the greatest; of each module its
-/// worst error and residual are kept, rounded up. A time of making that cannot be read becomes 1970. Places beyond
+/// Converts a calibration to the form that a controller stores. Sensitivities are rounded to 16 bits of the greatest;
+/// each module keeps its worst error and residual, rounded up. A date that cannot be parsed becomes 1970. Places beyond
 /// layout::kMaxModules are left out. Cost: linear.
 [[nodiscard]] wire::Calibration to_wire(const design::BoardCalibration& board);
-/// The calibration of the controller `serial` from what it keeps: each taxel has the error of its module's worst.
+/// Converts what the controller `serial` stores; each taxel gets the error of the worst one of its module.
 [[nodiscard]] design::BoardCalibration from_wire(const wire::Calibration& kept, const std::string& serial);
 
-/// What the controllers of the patches of `design` on this bus keep, of those whose node address nobody shares. A
-/// controller that keeps none, or whose firmware cannot, is left out. Throws as Controller.
+/// Reads what the controllers of the patches of `design` on this bus store, if their node address is not shared.
+/// Controllers that store nothing, or whose firmware cannot, are left out. Throws as Controller.
 [[nodiscard]] std::vector<design::BoardCalibration> kept_in_controllers(Bus& bus, const design::Design& design,
                                                                         std::span<const wire::NodeClaim> claims);
-/// Revision of what each controller on the bus keeps, of any design, by serial number; those that keep none, share
-/// their address or do not answer are left out. Throws as Bus::discover.
+/// Returns the revision that each controller on the bus stores, of any design, by serial number. Controllers that store
+/// none, share their address or do not answer are left out. Throws as Bus::discover.
 [[nodiscard]] std::map<std::string, int> kept_revisions(Bus& bus);
-/// Writes a calibration into the controller `serial` and reads it back. False: the controller refused it, for its
-/// firmware is older or its table is of another design, and keeps what it had. Throws DeviceError when it reads back
-/// otherwise, and as Controller.
+/// Writes a calibration into the controller `serial` and reads it back. Returns false if the controller refused it,
+/// because its firmware is older or its table is of another design; it then keeps the old calibration. Throws
+/// DeviceError when it reads back differently, and as Controller.
 bool write_and_compare(Controller& controller, const wire::Calibration& wanted, const std::string& serial);
-/// write_and_compare of a calibration into the controller that it is of.
+/// Stores a calibration in the controller that it belongs to, with write_and_compare.
 bool keep_in_controller(Bus& bus, const wire::NodeClaim& claim, const design::BoardCalibration& board);
-/// Deletes what a controller keeps. False: it kept none. Throws as Controller.
+/// Deletes the calibration in a controller. Returns false if it stored none. Throws as Controller.
 bool forget_in_controller(Bus& bus, const wire::NodeClaim& claim);
 
 }  // namespace triskin::device

@@ -7,7 +7,7 @@
 
 namespace triskin::device {
 
-/// "MAJOR.MINOR.PATCH" of a version as it is on the wire: 8 bits each, below them 8 that do not count here
+/// Formats a version as "MAJOR.MINOR.PATCH". On the wire each number has 8 bits; the lowest 8 bits are ignored
 /// (wire::Hello::firmware_version).
 [[nodiscard]] inline std::string firmware_version_text(std::uint32_t version) {
   return fmt::format("{}.{}.{}", version >> 24 & 0xFF, version >> 16 & 0xFF, version >> 8 & 0xFF);

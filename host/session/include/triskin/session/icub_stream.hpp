@@ -10,34 +10,35 @@
 
 namespace triskin::device {
 
-/// A board that answered the discovery of iCub boards.
+/// The board answered the discovery of iCub boards.
 struct IcubBoardInfo {
   std::uint8_t address = 0;
-  std::uint8_t type = 0;  ///< It is 11 for an MTB4.
+  std::uint8_t type = 0;  ///< An MTB4 has type 11.
   int version_major = 0, version_minor = 0, build = 0;
 };
 
-/// Reads skin boards that speak the iCub protocol (docs/protocol.md, "iCub stream"): a real MTB4, or our controllers.
+/// Reads skin boards that use the iCub protocol (docs/protocol.md, "iCub stream"), either real MTB4 boards or our
+/// controllers.
 class IcubStream {
  public:
   using OnTaxels = std::function<void(const wire::IcubTaxels&)>;
 
   /// Discovers the boards (0.2 s), configures the skin boards as an iCub host does (period 50 ms, rest at 245,
-  /// temperature compensated, all triangles on), and starts them. `bus` outlives the stream; `handler` is called inside
-  /// the waiting calls of the bus. Throws DeviceError when no skin board answers.
+  /// temperature compensated, all triangles on), and starts them. `bus` must outlive the stream; the waiting calls of
+  /// the bus call `handler`. Throws DeviceError when no skin board answers.
   IcubStream(Bus& bus, OnTaxels handler);
-  /// Stops the boards, if the link still works.
+  /// Stops the boards if the link still works.
   ~IcubStream();
   IcubStream(const IcubStream&) = delete;
   IcubStream& operator=(const IcubStream&) = delete;
 
   /// Receives until `until_us` of the link's clock. Throws Unreachable, Cancelled.
   void run_until(std::uint64_t until_us) { bus_.listen(until_us); }
-  /// Boards that were started, by address.
+  /// Returns the boards that were started, by address.
   [[nodiscard]] const std::vector<IcubBoardInfo>& boards() const { return boards_; }
-  /// Triangles received, that is complete pairs of frames.
+  /// Counts the received triangles, that is complete pairs of frames.
   [[nodiscard]] std::uint64_t frames() const { return frames_; }
-  /// Number of frame pairs with one frame missing.
+  /// Counts the pairs in which one frame is missing.
   [[nodiscard]] std::uint64_t lost() const { return lost_; }
 
  private:
@@ -47,7 +48,7 @@ class IcubStream {
   Bus& bus_;
   OnTaxels handler_;
   std::vector<IcubBoardInfo> boards_;
-  std::map<std::uint32_t, wire::CanFrame> first_;  // First frame of each pair, keyed by identifier.
+  std::map<std::uint32_t, wire::CanFrame> first_;  // The first frame of each pair is stored by its identifier.
   std::uint64_t frames_ = 0, lost_ = 0;
 };
 

@@ -11,31 +11,30 @@
 
 namespace triskin::device {
 
-/// A line of a controller's log.
 struct LogEntry {
   std::uint8_t node = 0;
   wire::LogLevel level = wire::LogLevel::kInformation;
-  double time_s = 0.0;  ///< since the controller started
+  double time_s = 0.0;  ///< The time starts when the controller starts.
   std::string text;
 };
 
-/// Reads the logs of controllers, from the oldest lines that they still have. While it lives it takes the frames that
-/// are no answers from the bus. Threads: that of the bus.
+/// Reads the logs of controllers, starting with the oldest lines that they still have. While the reader exists, it
+/// receives all frames of the bus that are not answers. Use it in the thread of the bus.
 class LogReader {
  public:
   using OnLine = std::function<void(const LogEntry&)>;
-  /// Asks the controllers at `nodes` for lines up to `level`. `bus` outlives the reader. Throws Refused when a firmware
-  /// has no log, and what every request throws.
+  /// Asks the controllers at `nodes` for lines up to `level`. `bus` must outlive the reader. Throws Refused when a
+  /// firmware has no log, and the exceptions of every request.
   LogReader(Bus& bus, std::vector<std::uint8_t> nodes, wire::LogLevel level, OnLine on_line);
   LogReader(const LogReader&) = delete;
   LogReader& operator=(const LogReader&) = delete;
-  /// Ends the logs as finish() does, without a word when a controller does not answer.
+  /// Ends the logs as finish() does, but ignores controllers that do not answer.
   ~LogReader();
-  /// Hands lines on until `until_us` of the bus. Throws Unreachable, Cancelled.
+  /// Passes lines on until `until_us` of the bus. Throws Unreachable, Cancelled.
   void run_until(std::uint64_t until_us);
-  /// Asks the controllers to send no more lines. Throws as every request does.
+  /// Asks the controllers to stop sending lines. Throws as every request does.
   void finish();
-  /// Lines that were overwritten or lost on the way.
+  /// Counts the lines that were overwritten or lost during transmission.
   [[nodiscard]] std::uint64_t lost() const { return lost_; }
 
  private:

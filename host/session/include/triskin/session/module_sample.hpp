@@ -7,14 +7,14 @@
 
 namespace triskin::device {
 
-/// A sample of one module as it came over the wire, with the module that it belongs to in the design.
+/// A received sample names the module of the design that it belongs to.
 struct ModuleSample {
-  int module = 0;                  ///< id in the design; in the frame it is a row of the controller's table
-  std::uint64_t link_time_us = 0;  ///< clock of the link when the frame came
+  int module = 0;  ///< The module is an id in the design, whereas the frame has a row of the controller's table.
+  std::uint64_t link_time_us = 0;  ///< The frame arrived at this time of the link's clock.
   wire::TaxelFrame sample;
-  int cover = 0;       ///< index among the designs of the stream
-  LinkTime sampled{};  ///< time at which the controller took it (ClockFilter)
-  int adopter = -1;    ///< patch whose controller read it in place of the module's own; −1: its own did
+  int cover = 0;       ///< The number is an index among the designs of the stream.
+  LinkTime sampled{};  ///< ClockFilter computes the time at which the controller took the sample.
+  int adopter = -1;    ///< The controller of this other patch read the module; −1 means that its own controller did.
 };
 
 }  // namespace triskin::device

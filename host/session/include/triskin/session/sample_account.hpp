@@ -7,46 +7,48 @@
 
 namespace triskin::device {
 
-/// What became of samples that were due. Every one is received or lost in one of four places.
+/// The samples that were due are counted here. Every sample is either received or lost at one of four points.
 struct SampleCounts {
   std::uint64_t expected = 0;
   std::uint64_t received = 0;
-  std::uint64_t with_data = 0;   ///< It counts received samples that have at least one valid taxel.
-  std::uint64_t unread = 0;      ///< They were lost because the controller did not read them in time.
-  std::uint64_t dropped = 0;     ///< They were lost because they found no room on the bus.
-  std::uint64_t on_the_way = 0;  ///< They were lost after they had been sent.
-  std::uint64_t silent = 0;      ///< They were lost while the controller was away, and are counted by the rate.
-  /// Samples that were due and did not come: expected − received.
+  std::uint64_t with_data = 0;   ///< Only received samples with at least one valid taxel count here.
+  std::uint64_t unread = 0;      ///< The controller did not read these samples in time.
+  std::uint64_t dropped = 0;     ///< These samples found no room on the bus.
+  std::uint64_t on_the_way = 0;  ///< These samples were lost after they had been sent.
+  /// The controller was away while these were due, so their number is computed from the rate.
+  std::uint64_t silent = 0;
+  /// Counts the samples that were due and did not arrive: expected − received.
   [[nodiscard]] std::uint64_t lost() const { return unread + dropped + on_the_way + silent; }
-  /// Adds the counts of another module or time.
+  /// Adds the counts of another module or period.
   SampleCounts& operator+=(const SampleCounts& other);
   bool operator==(const SampleCounts&) const = default;
 };
 
-/// The samples of one module while a reader's lease lasts: arithmetic on the controller's numbers, so that what was
-/// never heard counts as well; the numbers' 32 bits may wrap. Fed by samples in the order in which they came, and by
+/// Counts the samples of one module during a reader's lease. It uses the controller's sample numbers, so that samples
+/// that never arrived count as well; the numbers' 32 bits may wrap. Feed it the samples in the order of arrival, and
 /// the controller's account at the beginning and at the end. Cost: constant. Threads: one.
 class SampleAccount {
  public:
   SampleAccount() = default;
-  /// Expects the samples whose number is a multiple of `every` (1 … 255). `interval_us`: nominal time between two
-  /// sample numbers.
+  /// Expects the samples whose number is a multiple of `every` (1 … 255). `interval_us` is the nominal time between
+  /// two sample numbers.
   SampleAccount(int every, std::uint64_t interval_us) : every_(every), interval_us_(interval_us) {}
 
-  /// The lease begins after the sample `account.number`. `now_us`: clock of the link.
+  /// Starts the lease after the sample `account.number`. `now_us` is the clock of the link.
   void begin(std::uint8_t starts, const wire::RowAccount& account, std::uint64_t now_us);
-  /// A sample came at `now_us`. False: it is none of the lease (before its beginning, after its end, not a multiple, or
-  /// it came before), and counts for nothing.
+  /// Counts a sample that arrived at `now_us`. Returns false, and counts nothing, if the sample is outside the lease:
+  /// before its beginning, after its end, not a multiple, or a duplicate.
   bool add(const wire::TaxelFrame& sample, std::uint64_t now_us);
-  /// The lease ends with the sample `account.number`; samples up to it may still come.
+  /// Ends the lease with the sample `account.number`; samples up to it may still arrive.
   void end(std::uint8_t starts, const wire::RowAccount& account, std::uint64_t now_us);
-  /// The lease ends and the controller does not say how: what was due since it was heard last counts as lost.
+  /// Ends the lease without an account from the controller; everything that was due since its last sample counts as
+  /// lost.
   void end_silent(std::uint64_t now_us);
-  /// Samples of the account at the end that have not come.
+  /// Returns true if all samples up to the end of the account have arrived.
   [[nodiscard]] bool complete() const;
-  /// Counts up to the latest sample that came; after the end, of the whole lease.
+  /// Returns the counts up to the latest sample that arrived; after the end, those of the whole lease.
   [[nodiscard]] SampleCounts counts() const;
-  /// True after begin().
+  /// Returns true after begin().
   [[nodiscard]] bool started() const { return started_; }
 
  private:
@@ -65,10 +67,11 @@ class SampleAccount {
   bool started_ = false, ended_ = false;
   std::uint8_t starts_ = 0;
   Counters first_, last_;
-  std::uint64_t newest_ = 0;  // Number of the latest sample that arrived, counted on over wraps.
+  // The number of the latest sample continues past 32 bits when the controller's number wraps.
+  std::uint64_t newest_ = 0;
   std::uint64_t device_time_us_ = 0, heard_us_ = 0;
-  std::uint64_t received_ = 0, with_data_ = 0;  // Counted since the controller's last start.
-  SampleCounts before_;                         // Counts from earlier starts of the controller.
+  std::uint64_t received_ = 0, with_data_ = 0;  // Both counts start at the controller's last start.
+  SampleCounts before_;                         // These counts come from earlier starts of the controller.
 };
 
 }  // namespace triskin::device

@@ -25,44 +25,45 @@ namespace triskin::device {
 
 class Controller;
 
-/// A reader of the data stream of all controllers of a design, or of several designs that share a bus. It has a lease
-/// on the stream and renews it; the ends of other readers leave it alone. Every sample that was due is accounted for:
-/// received, or lost and where. Each controller is asked for its clock when the stream begins and once a second, so
-/// each sample has a time and a bound.
+/// A stream object reads the data stream of all controllers of a design, or of several designs on one bus. It holds a
+/// lease on the stream and renews it; leases of other readers do not affect it. Every sample that was due is accounted
+/// for as received, or as lost and where. Each controller is asked for its clock when the stream begins and once a
+/// second, so each sample has a time and an error bound.
 class Stream {
  public:
   using OnFrame = std::function<void(const ModuleSample&)>;
 
-  /// Takes a lease from every controller of the design. `bus` outlives the stream; `handler` is called inside the
-  /// waiting calls of the bus, with samples of the lease only. Throws DeviceError when a controller is missing, holds
-  /// another table, has a firmware that keeps no account, serves as many readers as it can, or is to sample in another
-  /// way while others read it; InputError when the link cannot carry the full stream (no FD frames) or what `options`
-  /// asks for does not fit the bus.
+  /// Requests a lease from every controller of the design. `bus` must outlive the stream; the waiting calls of the bus
+  /// call `handler`, with samples of the lease only. Throws DeviceError when a controller is missing, has another
+  /// table, has a firmware that keeps no account, serves as many readers as it can, or would have to change its
+  /// sampling while others read it; InputError when the link cannot carry the full stream (no FD frames) or what
+  /// `options` asks for does not fit the bus.
   Stream(Bus& bus, const design::Design& design, OnFrame handler, StreamOptions options = {});
-  /// The same for several designs (docs/robot_file.md), one rate and one budget for all of them: `covers` need not
-  /// outlive the call, their names stand in messages. ModuleSample::cover and ModuleCounts::cover count in their order.
+  /// Reads several designs (docs/robot_file.md) with one rate and one budget. `covers` need not outlive the call;
+  /// messages use their names. ModuleSample::cover and ModuleCounts::cover follow their order.
   Stream(Bus& bus, std::span<const design::Design* const> covers, OnFrame handler, StreamOptions options = {});
-  /// Gives the lease back, if the link still works.
+  /// Gives the lease back if the link still works.
   ~Stream();
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;
 
-  /// Receives until `until_us` of the link's clock, and takes what has come already. Renews the lease: call it at least
-  /// once a second. Throws Unreachable, Cancelled.
+  /// Receives until `until_us` of the link's clock, including frames that have already arrived. It also renews the
+  /// lease, so call it at least once a second. Throws Unreachable, Cancelled.
   void run_until(std::uint64_t until_us);
-  /// Ends the lease: asks the controllers what they sent, waits for samples that are under way (at most 0.3 s beside
-  /// the pace), gives the lease back. Controllers that do not answer are counted by their rate. Further calls do
-  /// nothing. Throws nothing.
+  /// Ends the lease: asks the controllers what they sent, waits for samples that are in transit (at most 0.3 s beyond
+  /// the pace), and gives the lease back. For controllers that do not answer, the rate gives the number of samples.
+  /// Further calls do nothing. Throws nothing.
   void finish();
-  /// Module frames received.
+  /// Counts the received frames of modules.
   [[nodiscard]] std::uint64_t frames() const { return frames_; }
-  /// Samples that were due and did not come, up to the latest sample of each module; after finish() of the whole lease.
+  /// Counts the samples that were due and did not arrive, up to the latest sample of each module; after finish(), over
+  /// the whole lease.
   [[nodiscard]] std::uint64_t lost() const { return report().total.lost(); }
-  /// Account of every module and of the bus.
+  /// Returns the account of every module and of the bus.
   [[nodiscard]] StreamReport report() const { return report_of(kAllCovers); }
-  /// Account of the modules of one of several designs; its budget is that of the bus.
+  /// Returns the account of the modules of one of several designs; its budget is that of the bus.
   [[nodiscard]] StreamReport report(int cover) const { return report_of(cover); }
-  /// How the samples fit the bus.
+  /// Returns how the samples fit the bus.
   [[nodiscard]] const BusBudget& budget() const { return budget_; }
 
  private:
@@ -70,19 +71,19 @@ class Stream {
   struct Node {
     int cover = 0;
     int patch = 0;
-    std::vector<int> modules;           // Module of each row.
-    std::vector<SampleAccount> counts;  // Counts of each row.
-    std::uint64_t interval_us = 0;      // Nominal time between two samples of a module.
-    std::uint64_t heard_us = 0;         // Time of its latest frame by the clock of the link.
+    std::vector<int> modules;           // Modules are indexed by the row of the table.
+    std::vector<SampleAccount> counts;  // Counts are indexed by the row of the table.
+    std::uint64_t interval_us = 0;      // Two samples of a module are nominally this far apart.
+    std::uint64_t heard_us = 0;         // The node's latest frame arrived at this time of the link's clock.
     std::uint64_t begin_device_us = 0;
     ClockFilter clock;
-    std::uint64_t asked_us = 0;          // Time of the last question about its clock, by the clock of the link.
-    std::uint64_t newest_device_us = 0;  // Time stamp of its newest sample.
-    std::uint64_t due = 0;               // Samples of a module that the rate gives, known at the end.
+    std::uint64_t asked_us = 0;          // The node was last asked for its clock at this time of the link's clock.
+    std::uint64_t newest_device_us = 0;  // The newest sample has this time stamp of the controller.
+    std::uint64_t due = 0;               // At the end, the rate gives this many samples per module.
     AdoptedReader adopted_modules;
     bool silent = false;
     bool started = false;
-    // Frames that arrived before the account began, with their times.
+    // These frames arrived before the account began; the time of arrival is stored with each.
     std::deque<std::pair<wire::TaxelFrame, std::uint64_t>> early;
   };
   void find_controllers(const design::Design& design, int cover, const StreamOptions& options);
@@ -109,8 +110,8 @@ class Stream {
   Bus& bus_;
   OnFrame handler_;
   std::function<void(const std::string&)> say_;
-  std::vector<std::string> covers_;  // Names of the covers.
-  std::vector<ModuleEnds> ends_;     // Joints of the covers' modules.
+  std::vector<std::string> covers_;
+  std::vector<ModuleEnds> ends_;
   std::map<std::uint8_t, Node> nodes_;
   BusBudget budget_;
   std::uint32_t reader_ = 0;

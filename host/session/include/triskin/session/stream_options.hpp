@@ -10,20 +10,20 @@
 
 namespace triskin::device {
 
-/// How the full stream is read.
 struct StreamOptions {
-  /// How many readings a converter adds up: 36.9, 18.4 or 9.2 ms a sample. Empty: as the controllers are set. They keep
-  /// it until they are set anew or lose power.
+  /// A converter adds up this many readings, which takes 36.9, 18.4 or 9.2 ms per sample. If empty, the controllers
+  /// keep their setting. They keep a new one until the next change or power-down.
   std::optional<wire::Decimation> decimation;
-  /// When the converters are read; empty: as the controllers are set.
+  /// Selects when the converters are read; if empty, the controllers keep their setting.
   std::optional<wire::SamplingTiming> timing;
-  int every = 0;  ///< each n-th sample, 1 … 255; 0: the smallest n that fits the bus
-  /// Controllers of other designs on the same bus. A lease is for all that hear it, so they stream too and count in the
-  /// budget; their samples are ignored. Interval 0: that of the default sampling.
+  int every = 0;  ///< Each n-th sample is sent, 1 … 255; 0 selects the smallest n that fits the bus.
+  /// The neighbours are controllers of other designs on the same bus. Every controller that hears the lease streams, so
+  /// these count in the budget, but their samples are ignored. An interval of 0 means that of the default sampling.
   std::vector<StreamDemand> neighbours;
-  bool overload = false;  ///< streams `every` also where it does not fit; every module then gets an equal share
-  /// Called with one sentence when a controller falls silent, when it speaks again, and when another n-th sample was
-  /// chosen than every one. May be empty.
+  /// True streams each n-th sample even if it does not fit; every module then gets an equal share.
+  bool overload = false;
+  /// Called with one sentence when a controller falls silent, when it answers again, and when not every sample is read
+  /// because of the bus. May be empty.
   std::function<void(const std::string&)> say;
 };
 

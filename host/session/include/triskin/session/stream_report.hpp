@@ -8,62 +8,62 @@
 
 namespace triskin::device {
 
-/// Account of one module.
 struct ModuleCounts {
-  int module = 0;  ///< It is an id of the design.
+  int module = 0;  ///< The module is an id of the design.
   int patch = 0;
   SampleCounts counts;
-  bool slow = false;  ///< Its controller took fewer than 0.9 of the samples that the rate says.
-  int cover = 0;      ///< It indexes the designs of the stream.
-  /// True: samples were due and none with data came.
+  bool slow = false;  ///< True means that the controller took fewer than 0.9 of the samples that the rate demands.
+  int cover = 0;      ///< The number is an index among the designs of the stream.
+  /// Returns true if samples were due and none with data arrived.
   [[nodiscard]] bool never_heard() const { return counts.expected > 0 && counts.with_data == 0; }
 };
 
-/// Account of a module that the controller of another patch read for a time (docs/adoption.md).
-/// Beside it the module has its account in StreamReport::modules, of its own controller.
+/// The controller of another patch read this module for a time (docs/adoption.md). The module also has an account of
+/// its own controller in StreamReport::modules.
 struct AdoptedCounts {
-  int module = -1;  ///< It is an id of the design; −1 means that the design has no module there.
-  int patch = 0;    ///< The controller of this patch read it.
+  int module = -1;  ///< The module is an id of the design; −1 means that the design has no module there.
+  int patch = 0;    ///< The controller of this patch read the module.
   SampleCounts counts;
-  bool now = false;  ///< Its samples still arrive.
-  int cover = 0;     ///< It indexes the designs of the stream.
+  bool now = false;  ///< True means that samples still arrive.
+  int cover = 0;     ///< The number is an index among the designs of the stream.
 };
 
-/// What is known of a controller's clock.
 struct ClockState {
-  int cover = 0;  ///< It indexes the designs of the stream.
+  int cover = 0;  ///< The number is an index among the designs of the stream.
   int patch = 0;
   std::uint8_t node = 0;
-  double drift_ppm = 0.0;  ///< The clock of the link runs faster by this.
-  /// It bounds the time of its latest sample; LinkTime::kUnbounded means that nothing does.
+  double drift_ppm = 0.0;  ///< The clock of the link runs faster than the controller's by this.
+  /// The time of the latest sample has at most this error; LinkTime::kUnbounded means that no bound is known.
   std::uint32_t error_us = 0;
-  int restarts = 0;  ///< Its clock began anew, or contradicted what was known, so often.
+  int restarts = 0;  ///< The clock restarted, or contradicted earlier facts, this often.
 };
 
-/// What a reader of the stream got of what was due.
+/// A reader of the stream learns what was due, and what arrived.
 struct StreamReport {
-  std::vector<ModuleCounts> modules;   ///< They are sorted by patch, then by row of the table.
-  std::vector<AdoptedCounts> adopted;  ///< They are sorted by patch, then in the order in which they were adopted.
+  std::vector<ModuleCounts> modules;   ///< The list is sorted by patch, then by row of the table.
+  std::vector<AdoptedCounts> adopted;  ///< The list is sorted by patch, then in the order of adoption.
   SampleCounts total;
-  std::uint64_t lost_bus = 0;      ///< This part of total.on_the_way was lost between the controller and this computer.
-  std::uint64_t lost_host = 0;     ///< This computer threw the rest away, or let its lease lapse.
-  std::vector<int> never_heard;    ///< These modules sent no sample that has data.
-  std::vector<int> slow;           ///< These modules were sampled less often than the rate says.
+  std::uint64_t lost_bus = 0;  ///< Of total.on_the_way, this part was lost between the controller and this computer.
+  /// Of total.on_the_way, this part was lost because this computer discarded it or renewed its lease too late.
+  std::uint64_t lost_host = 0;
+  std::vector<int> never_heard;    ///< These modules sent no sample with data.
+  std::vector<int> slow;           ///< These modules were sampled less often than the rate demands.
   std::vector<int> starved;        ///< These patches lost over 1 % of their samples because the bus had no room.
-  std::vector<int> silent;         ///< The controllers of these patches were away.
-  std::vector<ClockState> clocks;  ///< They are sorted by node address.
-  int lapses = 0;                  ///< This computer renewed its lease too late so often.
+  std::vector<int> silent;         ///< The controllers of these patches did not answer for a time.
+  std::vector<ClockState> clocks;  ///< The list is sorted by node address.
+  int lapses = 0;                  ///< This computer renewed its lease too late this often.
   BusBudget budget;
-  /// True: every sample that was due came, with data from every module.
+  /// Returns true if every sample that was due arrived, with data from every module.
   [[nodiscard]] bool complete() const {
     return total.lost() == 0 && never_heard.empty() && slow.empty() && silent.empty();
   }
 };
 
-/// Fills everything that follows from `modules` and `adopted`. `thrown_away`: frames that this computer threw away.
+/// Computes every field that follows from `modules` and `adopted`. `thrown_away` counts frames that this computer
+/// discarded.
 void sum_up(StreamReport& report, std::uint64_t thrown_away);
 
-/// Text for a person: the counts in one sentence, then one for each thing that is missing, with the remedy.
+/// Returns text for a person: the counts in one sentence, then one for each kind of missing samples, with the remedy.
 [[nodiscard]] std::vector<std::string> sentences(const StreamReport& report);
 
 }  // namespace triskin::device

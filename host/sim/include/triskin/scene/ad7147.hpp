@@ -8,82 +8,85 @@
 
 namespace triskin::scene {
 
-/// Results of the converter a picofarad: its range is ±8 pF.
+/// The converter gives this many results per picofarad, because its range is ±8 pF.
 inline constexpr double kCountsPerPf = 32768.0 / 8.0;
 
-/// Capacitances at the pins of one converter, as a function of time: they are computed only for samples that are read.
+/// Capacitances at the pins of one converter as a function of time, so that they are computed only for samples that are
+/// read.
 class CapacitanceSource {
  public:
   virtual ~CapacitanceSource() = default;
-  /// Capacitance at pin `cin` (0..12) and virtual time `at_us`, in converter counts (8 pF / 32768) above the
-  /// converter's reference. More capacitance, that is pressure, is a larger number.
+  /// Returns the capacitance at pin `cin` (0..12) and virtual time `at_us`, in converter counts (8 pF / 32768) above
+  /// the converter's reference. A larger capacitance, that is more pressure, gives a larger number.
   [[nodiscard]] virtual double counts(int cin, std::uint64_t at_us) const = 0;
 };
 
-/// How a chip behaves where the data sheet leaves it open or the parts of a series differ (docs/silicon.md). The
-/// firmware must work with each combination.
+/// The data sheet leaves this behaviour open, or the parts of a series differ in it (docs/silicon.md). The firmware
+/// must work with each combination.
 struct Ad7147Behaviour {
-  /// A write to PWR_CONTROL begins the sequence anew. False: only CONV_RESET does; a write that changes PWR_CONTROL
-  /// then leaves the sequence at an arbitrary stage.
+  /// A write to PWR_CONTROL restarts the sequence. False: only CONV_RESET does, and a write that changes PWR_CONTROL
+  /// leaves the sequence at an arbitrary stage.
   bool power_control_restarts = false;
   /// A change of PWR_CONTROL in mid-sequence shifts the results by one stage until the next CONV_RESET.
   bool shifted_after_stop = false;
-  /// All results change together at the end of the sequence. False: each at the end of its stage.
+  /// All results change together at the end of the sequence. False: each changes at the end of its stage.
   bool latched_at_end = false;
-  /// One step of the offset DAC, pF.
+  /// One step of the offset DAC has this capacitance.
   double afe_step_pf = 0.32;
 };
 
-/// AD7147 at register level (data sheet rev. E): 16-bit registers at 16-bit addresses, big endian, address increment,
-/// 12 stages converted one after another. Not thread-safe.
-/// Modelled: power modes, stage count, decimation, software reset, restart of the sequence by CONV_RESET, input
-/// connections, AFE offsets, stage-complete status, device id, loss of the configuration in a power dip. Not modelled:
-/// interrupts, environmental calibration.
+/// The class models an AD7147 at register level (data sheet rev. E): 16-bit registers at 16-bit addresses, big endian,
+/// address increment,
+/// 12 stages converted one after another. Not thread-safe. Modelled: power modes, stage count, decimation, software
+/// reset, restart of the sequence by CONV_RESET, input connections, AFE offsets, stage-complete status, device id, loss
+/// of the configuration in a power dip. Not modelled: interrupts, environmental calibration.
 class Ad7147 {
  public:
   static constexpr std::uint64_t kNever = ~std::uint64_t{0};
   static constexpr int kStages = layout::kTaxelsPerModule;
-  static constexpr std::uint16_t kDeviceId = 0x1472;  ///< 0x1470 | revision (data sheet, table 20)
+  static constexpr std::uint16_t kDeviceId = 0x1472;  ///< The value is 0x1470 | revision (data sheet, table 20).
 
-  /// `source` must outlive the chip. The chip has power since time 0.
+  /// `source` must outlive the chip. The chip is powered from time 0 on.
   explicit Ad7147(const CapacitanceSource& source, std::uint16_t device_id = kDeviceId)
       : source_(&source), device_id_(device_id) {}
 
-  /// Power fails for a moment at `at_us`, and again every `every_us` after that if it is not 0, before `until_us`: all
-  /// registers then hold their reset values.
+  /// Makes the power fail for a moment at `at_us`, and again every `every_us` after that if it is not 0, before
+  /// `until_us`. Afterwards all registers have their reset values.
   void schedule_power_dip(std::uint64_t at_us, std::uint64_t every_us, std::uint64_t until_us = kNever);
-  /// The chip shows the device id `device_id` from `at_us` until `until_us`, exclusive, as another chip would.
+  /// Makes the chip report the device id `device_id` from `at_us` until `until_us`, exclusive, as another chip would.
   void show_device_id(std::uint16_t device_id, std::uint64_t at_us, std::uint64_t until_us);
 
-  /// Error of the oscillator, ppm, positive: slow; −40,000..40,000 by the data sheet. 0 at first.
+  /// Sets the error of the oscillator in ppm, −40,000..40,000 by the data sheet; positive means slow. It is 0 at
+  /// first.
   void set_clock_error(int ppm) { clock_ppm_ = ppm; }
   /// Adds the converter's own noise: 12, 7 or 3 counts peak to peak at decimation 64, 128, 256 (data sheet, table 1).
   /// Equal seeds give equal noise for equal numbers of conversions since the sequence was started.
   void set_noise(std::uint64_t seed) { noise_seed_ = seed; }
-  /// Another of the behaviours that the data sheet leaves open. Before the chip is used.
+  /// Selects a behaviour that the data sheet leaves open. Call it before the chip is used.
   void set_behaviour(const Ad7147Behaviour& behaviour) { behaviour_ = behaviour; }
 
-  // Bus side: what an I²C target sees between start and stop. `now_us`: virtual time, never decreasing.
+  // The following functions are what an I²C target sees between start and stop. `now_us` is virtual time and never
+  // decreases.
 
-  /// A start condition with the chip's address; `read`: direction bit.
+  /// Handles a start condition with the chip's address; `read` is the direction bit.
   void select(bool read, std::uint64_t now_us);
-  /// The controller writes a byte: two bytes of register address, then data, high byte first.
+  /// Handles a byte from the controller: two bytes of register address, then data, high byte first.
   void write_byte(std::uint8_t byte, std::uint64_t now_us);
-  /// The controller reads a byte; the register address advances after each low byte.
+  /// Returns the next byte for the controller; the register address advances after each low byte.
   [[nodiscard]] std::uint8_t read_byte(std::uint64_t now_us);
 
-  /// Register at `address`, 0 for addresses that the chip lacks. Reading the stage-complete status clears it; other
-  /// reads change nothing.
+  /// Returns the register at `address`, or 0 for addresses that the chip lacks. Reading the stage-complete status
+  /// clears it; other reads change nothing.
   [[nodiscard]] std::uint16_t read_register(std::uint16_t address, std::uint64_t now_us);
-  /// Writes a register; read-only and missing ones are ignored.
+  /// Writes a register; writes to read-only and missing ones are ignored.
   void write_register(std::uint16_t address, std::uint16_t value, std::uint64_t now_us);
 
-  /// Time of one pass over the stages that are switched on: 9.2, 18.4 or 36.9 ms for 12 of them.
+  /// Returns the time of one pass over the enabled stages: 9.2, 18.4 or 36.9 ms for 12 of them.
   [[nodiscard]] std::uint64_t sequence_us() const;
 
  private:
-  static constexpr std::size_t kSetupRegisters = 8;   // 0x000 … 0x007
-  static constexpr std::size_t kStageRegisters = 96;  // 0x080 … 0x0DF
+  static constexpr std::size_t kSetupRegisters = 8;   // These registers are 0x000 … 0x007.
+  static constexpr std::size_t kStageRegisters = 96;  // These registers are 0x080 … 0x0DF.
 
   struct PowerDips {
     std::uint64_t next_us, every_us, until_us;
@@ -104,13 +107,13 @@ class Ad7147 {
   [[nodiscard]] int stages_on() const;
   [[nodiscard]] bool converting() const;
   struct Conversion {
-    /// It is the time when it ended; kNever means that there was none since the restart.
+    /// The conversion ended at this time; kNever means that there was none since the restart.
     std::uint64_t at_us = kNever;
-    std::uint64_t number = 0;  ///< It counts from the restart.
+    std::uint64_t number = 0;  ///< Conversions are numbered from the restart.
   };
-  /// The latest conversion of `stage` up to now.
+  /// Returns the latest conversion of `stage` up to now.
   [[nodiscard]] Conversion last_conversion(int stage, std::uint64_t now_us) const;
-  /// The one whose result is shown.
+  /// Returns the conversion whose result the registers show.
   [[nodiscard]] Conversion shown_conversion(int stage, std::uint64_t now_us) const;
   [[nodiscard]] double afe_counts(std::uint16_t afe) const;
   [[nodiscard]] std::uint16_t convert(int stage, const Conversion& conversion) const;
@@ -122,17 +125,18 @@ class Ad7147 {
   std::uint16_t device_id_;
   std::array<std::uint16_t, kSetupRegisters> setup_{};
   std::array<std::uint16_t, kStageRegisters> stage_{};
-  std::array<std::uint16_t, kStages> latched_{};     // Results before the last restart or change of a setup.
-  std::array<std::uint64_t, kStages> changed_us_{};  // Time at which the setup of each stage changed last.
+  // These results are from before the last restart or change of a setup.
+  std::array<std::uint16_t, kStages> latched_{};
+  std::array<std::uint64_t, kStages> changed_us_{};  // The setup of each stage last changed at this time.
   bool shifted_ = false;
   Ad7147Behaviour behaviour_;
   int clock_ppm_ = 0;
-  std::uint64_t noise_seed_ = 0;  // 0 means that there is no noise.
+  std::uint64_t noise_seed_ = 0;  // Zero disables the noise.
   std::uint64_t restart_us_ = 0;
   std::uint64_t status_read_us_ = 0;
   std::vector<PowerDips> dips_;
   std::vector<ShownId> shown_ids_;
-  // Bus state: two address bytes, then pairs of data bytes.
+  // Two address bytes precede pairs of data bytes on the bus.
   std::uint16_t pointer_ = 0;
   int address_bytes_ = 0;
   bool high_byte_next_ = true;

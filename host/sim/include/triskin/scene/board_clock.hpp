@@ -8,21 +8,21 @@
 
 namespace triskin::scene {
 
-/// The clock of a virtual controller against virtual time. Without a deviation the two are the same; with one it starts
-/// at 0 when the board is powered, as in the microcontroller, and runs so much faster.
+/// Without a deviation, the clock of a virtual controller is equal to virtual time. With one, the clock starts at 0
+/// when the board is powered, as in the microcontroller, and runs faster by the deviation.
 class BoardClock {
  public:
   BoardClock() = default;
-  /// `fast_ppm`: how much faster than virtual time, parts per million, above −10⁶.
+  /// `fast_ppm` says by how much the clock is faster than virtual time, in parts per million, above −10⁶.
   explicit BoardClock(double fast_ppm) : rate_(1.0 + fast_ppm * 1e-6) {}
-  /// Power comes at virtual time `now_us`.
+  /// Notes that power is switched on at virtual time `now_us`.
   void power(std::uint64_t now_us) { powered_us_ = now_us; }
-  /// What it shows at virtual time `now_us`, which is not before power came.
+  /// Returns the clock's time at virtual time `now_us`, which must not be before power-up.
   [[nodiscard]] std::uint64_t shown_us(std::uint64_t now_us) const {
     if (!rate_) return now_us;
     return static_cast<std::uint64_t>(std::floor(static_cast<double>(now_us - powered_us_) * *rate_));
   }
-  /// The first µs of virtual time at which it shows `shown_us`; the end of time stays what it is.
+  /// Returns the first µs of virtual time at which the clock shows `shown_us`; the end of time maps to itself.
   [[nodiscard]] std::uint64_t time_us(std::uint64_t shown_us) const {
     if (!rate_ || shown_us == UINT64_MAX) return shown_us;
     return powered_us_ + static_cast<std::uint64_t>(std::ceil(static_cast<double>(shown_us) / *rate_));
@@ -33,10 +33,10 @@ class BoardClock {
   std::uint64_t powered_us_ = 0;
 };
 
-/// An I²C line as a controller with its own clock drives it: the chips get virtual time.
+/// A controller with its own clock drives the line, which passes virtual time to the chips.
 class ClockedLine final : public sim::I2cBus {
  public:
-  /// Both outlive the line.
+  /// Both arguments must outlive the line.
   ClockedLine(sim::I2cBus& line, const BoardClock& clock) : line_(line), clock_(clock) {}
   bool start(std::uint8_t address_byte, std::uint64_t at_us) override {
     return line_.start(address_byte, clock_.time_us(at_us));

@@ -5,10 +5,10 @@
 
 namespace triskin::device {
 
-/// Puts the controllers of a simulated skin on a CAN bus of this computer, where any CAN program can talk to them.
+/// Connects the controllers of a simulated skin to a CAN bus of this computer, where any CAN program can talk to them.
 class CanServer final : public SkinServer {
  public:
-  /// Opens `interface`, for example "vcan0"; `skin` outlives the server. Throws DeviceError as CanSocket does.
+  /// Opens `interface`, for example "vcan0"; `skin` must outlive the server. Throws DeviceError as CanSocket does.
   CanServer(scene::VirtualSkin& skin, const std::string& interface);
   ~CanServer() override;
   [[nodiscard]] std::string link_name() const override { return name_; }

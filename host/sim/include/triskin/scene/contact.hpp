@@ -10,51 +10,53 @@ namespace triskin::scene {
 
 inline constexpr std::uint64_t kForever = ~std::uint64_t{0};
 
-/// Where a moving contact is at one time and how strongly it presses.
+/// A moving contact has this place and force at one time.
 struct Keyframe {
-  std::uint64_t after_us = 0;  ///< after the beginning of the contact
+  std::uint64_t after_us = 0;  ///< The time counts from the beginning of the contact.
   design::Vec3 position_mm{0, 0, 0};
   double radius_mm = 6.0;
   double force_n = 2.0;
 };
 
-/// A round finger on the skin: Hertz pressure 3F/(2πr²)·√(1 − (d/r)²) at distance d ≤ r from its centre.
+/// A contact is a round finger on the skin with Hertz pressure 3F/(2πr²)·√(1 − (d/r)²) at distance d ≤ r from
+/// its centre.
 struct Contact {
   std::uint64_t from_us = 0;
-  std::uint64_t until_us = kForever;    ///< exclusive; end of the first pass of a contact that repeats
-  design::Vec3 position_mm{0, 0, 0};    ///< mesh frame
-  std::optional<design::Vec3> to_mm{};  ///< moves there at constant speed until `until_us`
+  /// The end is exclusive; for a repeating contact it is the end of the first pass.
+  std::uint64_t until_us = kForever;
+  design::Vec3 position_mm{0, 0, 0};    ///< The position is in the mesh frame.
+  std::optional<design::Vec3> to_mm{};  ///< If set, the contact moves there at constant speed until `until_us`.
   double radius_mm = 6.0;
   double force_n = 2.0;
-  std::uint64_t rise_us = 0;  ///< the force grows from 0 for so long
-  std::uint64_t fall_us = 0;  ///< the force falls to 0 for so long before `until_us`
-  /// Times that do not fall; place, radius and force are linear between them and constant after the last. Where there
-  /// are some, `position_mm`, `to_mm`, `radius_mm` and `force_n` do not count.
+  std::uint64_t rise_us = 0;  ///< The force grows from 0 during this time.
+  std::uint64_t fall_us = 0;  ///< The force falls to 0 during this time before `until_us`.
+  /// Times must not decrease; place, radius and force are linear between them and constant after the last. If there are
+  /// keyframes, `position_mm`, `to_mm`, `radius_mm` and `force_n` are ignored.
   std::vector<Keyframe> keyframes{};
-  std::uint64_t every_us = 0;  ///< begins anew after so long, at least the time of one pass; 0: once
-  int passes = 0;              ///< of a contact that repeats; 0: without end
+  /// The contact repeats at this interval, which is at least the time of one pass; 0 means that it does not repeat.
+  std::uint64_t every_us = 0;
+  int passes = 0;  ///< A repeating contact has this many passes; 0 means no end.
 };
 
-/// A contact at one time.
 struct ContactState {
   design::Vec3 position_mm{0, 0, 0};
   double radius_mm = 0.0;
   double force_n = 0.0;
 };
 
-/// The contact at virtual time `at_us`; empty: nothing touches then. Cost: O(log keyframes).
+/// Returns the contact at virtual time `at_us`; empty if nothing touches then. Cost: O(log keyframes).
 [[nodiscard]] std::optional<ContactState> state_of(const Contact& contact, std::uint64_t at_us);
 
-/// Virtual time from which on the contact never touches again; kForever: there is none.
+/// Returns the virtual time after which the contact never touches again; kForever if there is none.
 [[nodiscard]] std::uint64_t end_of(const Contact& contact);
 
-/// Distance from a point to the path of the contact's centre, mm. Cost: O(keyframes).
+/// Returns the distance in mm from a point to the path of the contact's centre. Cost: O(keyframes).
 [[nodiscard]] double distance_mm(const Contact& contact, const design::Vec3& point_mm);
 
-/// True if the contact can press at the point at some time. Cost: O(keyframes).
+/// Returns true if the contact can press at the point at some time. Cost: O(keyframes).
 [[nodiscard]] bool reaches(const Contact& contact, const design::Vec3& point_mm);
 
-/// Largest radius of the contact, mm.
+/// Returns the largest radius of the contact in mm.
 [[nodiscard]] double max_radius_mm(const Contact& contact);
 
 }  // namespace triskin::scene

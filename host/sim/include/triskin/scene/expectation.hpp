@@ -12,7 +12,7 @@
 
 namespace triskin::scene {
 
-/// Names of the states of modules in scene files.
+/// Scene files use these names for the states of modules.
 inline constexpr NameTable kModuleStateNames{std::array<std::pair<wire::ModuleState, std::string_view>, 9>{{
     {wire::ModuleState::kUnknown, "unknown"},
     {wire::ModuleState::kOk, "ok"},
@@ -25,31 +25,31 @@ inline constexpr NameTable kModuleStateNames{std::array<std::pair<wire::ModuleSt
     {wire::ModuleState::kDuplicate, "duplicate"},
 }}};
 
-/// What a scene expects of the samples of its skin.
+/// An expectation is a condition on the samples of a scene's skin.
 struct Expectation {
   enum class Kind {
-    kForceAbove,   ///< sum over the taxels, N, is more than `bound`
-    kForceBelow,   ///< the same, is less
-    kCountsAbove,  ///< the largest change of a taxel, counts, is more than `bound`
-    kCountsBelow,  ///< the same, is less
-    kPressed,      ///< a taxel is pressed
-    kNotPressed,   ///< none is
-    kState,        ///< the module reports `state`
-    kSilent,       ///< no sample comes
+    kForceAbove,   ///< The sum over the taxels, in N, must be more than `bound`.
+    kForceBelow,   ///< The sum over the taxels, in N, must be less than `bound`.
+    kCountsAbove,  ///< The largest change of a taxel, in counts, must be more than `bound`.
+    kCountsBelow,  ///< The largest change of a taxel, in counts, must be less than `bound`.
+    kPressed,      ///< At least one taxel must be pressed.
+    kNotPressed,   ///< No taxel may be pressed.
+    kState,        ///< The module must report `state`.
+    kSilent,       ///< No sample may arrive.
   };
   Kind kind = Kind::kPressed;
-  int module = -1;  ///< id in the design; −1: the whole skin
-  int taxel = -1;   ///< −1: all of the module
+  int module = -1;  ///< The module is an id of the design; −1 means the whole skin.
+  int taxel = -1;   ///< −1 means all taxels of the module.
   std::uint64_t from_us = 0;
-  /// Every sample until then counts; empty: the first of each module from `from_us` on.
+  /// Every sample until then counts; if it is empty, only the first of each module from `from_us` on.
   std::optional<std::uint64_t> until_us{};
-  bool once = false;  ///< one sample in the time is enough
+  bool once = false;  ///< One sample in the interval is enough.
   double bound = 0.0;
   wire::ModuleState state = wire::ModuleState::kOk;
-  std::string place{};  ///< in the file, for messages: "scene.json:12: expect[3]"
+  std::string place{};  ///< Messages name this place in the file: "scene.json:12: expect[3]".
 };
 
-/// The expectation as a sentence: "at 2 s module 4 reports more than 1 N".
+/// Formats the expectation as a sentence: "at 2 s module 4 reports more than 1 N".
 [[nodiscard]] std::string text_of(const Expectation& expectation);
 
 }  // namespace triskin::scene

@@ -10,31 +10,31 @@
 
 namespace triskin::scene {
 
-/// Flash memory in RAM that refuses what the silicon refuses, can lose power in the middle of an operation, and can
-/// live in a file. An *operation* is one page erase or one program unit. Not thread-safe.
+/// The flash memory in RAM refuses what the silicon refuses, can lose power in the middle of an operation, and can be
+/// stored in a file. An *operation* is one page erase or one program unit. Not thread-safe.
 class FlashMemory final : public sim::FlashModel {
  public:
   static constexpr std::size_t kPageBytes = 2048;
   static constexpr std::size_t kProgramBytes = 8;
 
-  /// Erased memory. `size_bytes` is a multiple of the page.
+  /// Starts erased. `size_bytes` must be a multiple of the page.
   explicit FlashMemory(std::size_t size_bytes);
-  /// Memory kept in `file` (made when it is missing; holds the inverted bytes, so that erased pages are holes).
-  /// Throws InputError naming the file when it cannot be opened or has another size, DeviceError when another process
-  /// has it open.
+  /// Uses memory stored in `file`, which is created when it is missing; the bytes are inverted in the file, so that
+  /// erased pages are holes. Throws InputError naming the file when it cannot be opened or has another size,
+  /// DeviceError when another process has it open.
   FlashMemory(std::size_t size_bytes, const std::filesystem::path& file);
   ~FlashMemory() override;
   FlashMemory(const FlashMemory&) = delete;
   FlashMemory& operator=(const FlashMemory&) = delete;
 
-  /// What an operation leaves behind that power fails in.
+  /// A power failure during an operation can leave these states behind.
   enum class Tear {
-    kBefore,  ///< Nothing was done before the cut.
-    kHalf,    ///< Half of the page or unit was done before the cut.
+    kBefore,  ///< Nothing was done before the power failed.
+    kHalf,    ///< Half of the page or unit was done before the power failed.
   };
-  /// Power fails in the operation after the next `operations` ones: it throws sim::PowerLost. One shot.
+  /// Makes the power fail once, in the operation after the next `operations` ones, which then throws sim::PowerLost.
   void cut_power_after(std::uint64_t operations, Tear tear);
-  /// Operations since construction.
+  /// Counts the operations since construction.
   [[nodiscard]] std::uint64_t operations() const { return operations_; }
 
   [[nodiscard]] std::size_t size_bytes() const override { return bytes_.size(); }
@@ -46,11 +46,11 @@ class FlashMemory final : public sim::FlashModel {
 
  private:
   static constexpr std::uint64_t kNever = std::numeric_limits<std::uint64_t>::max();
-  [[nodiscard]] bool count_operation();  // True if power fails during this operation.
+  [[nodiscard]] bool count_operation();  // Returns true if the power fails during this operation.
   void store(std::size_t offset_bytes, std::size_t size_bytes);
 
   std::vector<std::uint8_t> bytes_;
-  std::vector<bool> programmed_;  // One flag per program unit.
+  std::vector<bool> programmed_;  // Each program unit has a flag.
   std::uint64_t operations_ = 0;
   std::uint64_t cut_at_ = kNever;
   Tear tear_ = Tear::kBefore;

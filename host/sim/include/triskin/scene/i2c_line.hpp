@@ -10,24 +10,23 @@
 
 namespace triskin::scene {
 
-/// One I²C line with chips on it. Two chips at one address answer together, and their data are a wired AND, as on
-/// open-drain wires. Not thread-safe.
+/// The model is one I²C line with chips on it. Two chips at one address answer together, and their data combine as a
+/// wired AND, as on open-drain wires. Not thread-safe.
 class I2cLineModel final : public sim::I2cBus {
  public:
-  /// A wire of the line.
   enum class Signal { kSda, kScl };
 
-  /// Connects a chip at the 7-bit address `address`; `chip` outlives the line.
+  /// Connects a chip at the 7-bit address `address`; `chip` must outlive the line.
   void attach(Ad7147& chip, std::uint8_t address) { chips_.push_back({&chip, address}); }
-  /// Connects a chip whose place changes: `address_at` gives its 7-bit address at a virtual time in µs, and −1 while
-  /// it is not on this line.
+  /// Connects a chip whose place changes: `address_at` returns its 7-bit address at a virtual time in µs, or −1
+  /// while it is not on this line.
   void attach(Ad7147& chip, std::function<int(std::uint64_t)> address_at) {
     chips_.push_back({&chip, 0, std::move(address_at)});
   }
-  /// Both signals are low while `held` returns true; replaces an earlier function.
+  /// Keeps both signals low while `held` returns true; replaces an earlier function.
   void hold_while(std::function<bool()> held) { held_ = std::move(held); }
   /// Holds the signal low from virtual time `at_us` until `until_us`, exclusive. SDA is released after
-  /// `frees_after_pulses` pulses on SCL (0: not by them).
+  /// `frees_after_pulses` pulses on SCL; with 0, pulses do not release it.
   void hold_low(Signal signal, std::uint64_t at_us, int frees_after_pulses, std::uint64_t until_us = ~std::uint64_t{0});
 
   bool start(std::uint8_t address_byte, std::uint64_t now_us) override;
@@ -38,7 +37,7 @@ class I2cLineModel final : public sim::I2cBus {
   [[nodiscard]] bool sda() const override;
   void pulse_scl(std::uint64_t now_us) override;
 
-  /// Bytes transferred since construction, address bytes included.
+  /// Counts the bytes transferred since construction, including address bytes.
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
 
  private:

@@ -12,22 +12,22 @@
 
 namespace triskin::scene {
 
-/// A cover on a simulated bus.
 struct SimulatedCover {
-  std::string name;  ///< It is unique on the robot, and the electrodes of the cover's modules are drawn from it.
-  const design::Design* design;  ///< It has the node addresses of this bus (Design::node_addresses).
-  /// They are indexed by patch; an id of zeros is fresh and drawn from name, design and `board_seed`.
+  /// The name is unique on the robot, and it determines the random electrodes of the cover's modules.
+  std::string name;
+  const design::Design* design;  ///< The design has the node addresses of this bus (Design::node_addresses).
+  /// Ids are indexed by patch; an id of zeros means a new board, whose id is drawn from name, design and `board_seed`.
   std::vector<wire::UniqueId> boards;
 };
 
-/// Several covers on one bus as one scene, in which nobody touches the skin and nothing is wrong.
+/// The scene joins several covers on one bus; nobody touches the skin and nothing is broken.
 struct JointScene {
-  Scene scene;                               ///< Patches whose controllers hang on another bus are left out.
+  Scene scene;                               ///< Patches whose controllers are on another bus are left out.
   std::vector<design::CoverOffset> offsets;  ///< Module m of cover c is module offsets[c].module + m of the scene.
 };
-/// Joins covers; each lies 10 m from the next, so that a finger on one reaches no other. Another cover, or a changed
-/// one, leaves boards and electrodes of the others as they are. `board_seed`: as Scene::board_seed, of boards without a
-/// number. Throws as design::side_by_side does. Cost: linear.
+/// Joins covers at distances of 10 m, so that a finger on one reaches no other. Adding or changing a cover does not
+/// affect boards and electrodes of the others. `board_seed` is that of Scene::board_seed, for boards without a number.
+/// Throws as design::side_by_side does. Cost: linear.
 [[nodiscard]] JointScene join_covers(std::span<const SimulatedCover> covers, const wire::BitRates& rates,
                                      std::optional<std::uint64_t> board_seed = std::nullopt);
 

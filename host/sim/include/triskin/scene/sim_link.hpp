@@ -11,8 +11,8 @@
 
 namespace triskin::device {
 
-/// What links to a simulation in this process have in common. Waiting advances virtual time; nothing depends on the
-/// wall clock. Threads: one.
+/// All links to a simulation in this process have this base. Waiting advances virtual time; nothing depends on the wall
+/// clock. Threads: one.
 class InProcessLink : public Link, public TouchActuator {
  public:
   [[nodiscard]] std::uint64_t now_us() const override { return skin_.now_us(); }
@@ -21,7 +21,7 @@ class InProcessLink : public Link, public TouchActuator {
   void press(int module, int taxel) override;
   void lift() override;
   void pressurize(int module, double kpa) override { skin_.pressurize(module, kpa); }
-  /// The simulated hardware, to change it while it runs.
+  /// Returns the simulated hardware, so that it can be changed while it runs.
   [[nodiscard]] scene::VirtualSkin& skin() { return skin_; }
 
  protected:
@@ -33,11 +33,11 @@ class InProcessLink : public Link, public TouchActuator {
   int touch_ = 0;
 };
 
-/// All controllers on one CAN bus.
+/// Connects all controllers to one CAN bus.
 class SimLink final : public InProcessLink {
  public:
-  /// Powers the skin of the scene; `state_folder` keeps the flash of its controllers, empty: memory. Throws as
-  /// scene::VirtualSkin does.
+  /// Powers the skin of the scene. `state_folder` stores the flash of its controllers; if it is empty, memory does.
+  /// Throws as scene::VirtualSkin does.
   explicit SimLink(scene::Scene scene, const std::filesystem::path& state_folder = {});
 
   void send(const wire::CanFrame& frame) override;
@@ -49,23 +49,23 @@ class SimLink final : public InProcessLink {
   std::deque<wire::CanFrame> inbox_;
 };
 
-/// Each controller a USB device with the vendor interface, all behind one full-speed hub; their CAN ports are open.
-/// The hub carries 19 bulk packets a millisecond (USB 2.0 §5.8.4), both directions together, and asks the devices in
-/// turn, so that none starves another. Frames, device states and descriptors are those of wire::UsbFunction.
+/// Makes each controller a USB device with the vendor interface, all behind one full-speed hub, with their CAN ports
+/// open. The hub carries 19 bulk packets per millisecond (USB 2.0 §5.8.4), both directions together, and asks the
+/// devices in turn, so that none starves another. Frames, device states and descriptors are those of wire::UsbFunction.
 class SimUsbLink final : public InProcessLink {
  public:
-  /// Same as SimLink, but bit rates of the scene's bus have no effect.
+  /// Powers the skin as SimLink does, but bit rates of the scene's bus have no effect.
   explicit SimUsbLink(scene::Scene scene, const std::filesystem::path& state_folder = {});
 
-  /// Sends a request to the device that has answered from its node address, and everything else to all. Throws
-  /// DeviceError for a frame longer than frame_bytes().
+  /// Sends a request to the device that has answered from its node address, and all other frames to every device.
+  /// Throws DeviceError for a frame longer than frame_bytes().
   void send(const wire::CanFrame& frame) override;
   std::optional<wire::CanFrame> receive(std::uint64_t until_us) override;
   [[nodiscard]] std::uint8_t frame_bytes() const override { return wire::kUsbFrameBytes; }
   [[nodiscard]] std::string name() const override { return kSimulatedHub; }
   [[nodiscard]] int wire_of(std::uint8_t node) const override { return nodes_.wire_of(node).value_or(0); }
   [[nodiscard]] std::uint64_t sample_ns(std::uint8_t) const override { return wire::kUsbBulkFrame_ns; }
-  /// Packets that went over the hub in both directions since construction.
+  /// Counts the packets that crossed the hub in both directions since construction.
   [[nodiscard]] std::uint64_t packets() const { return packets_; }
 
  private:
@@ -76,8 +76,8 @@ class SimUsbLink final : public InProcessLink {
 
   std::deque<wire::CanFrame> inbox_;
   NodeMap nodes_;
-  std::vector<int> sessions_;  // Indexed by device; the number changes when the device reconnects.
-  std::size_t next_ = 0;       // Device that is asked first.
+  std::vector<int> sessions_;  // The number of a device changes when it reconnects.
+  std::size_t next_ = 0;       // This device is asked first.
   std::uint64_t hub_free_ns_ = 0;
   std::uint64_t packets_ = 0;
 };

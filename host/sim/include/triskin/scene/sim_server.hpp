@@ -8,18 +8,18 @@
 
 namespace triskin::device {
 
-/// Serves a simulated skin over TCP. All clients share one bus; one that sends a malformed record is dropped.
+/// Serves a simulated skin over TCP. All clients share one bus; a client that sends a malformed record is disconnected.
 class SimServer final : public SkinServer {
  public:
-  /// Listens at `at`; port 0 takes a free one. `skin` outlives the server. Throws InputError when other computers could
-  /// reach the address and `reach` does not say so, DeviceError when it cannot be used.
+  /// Listens at `at`; port 0 uses a free one. `skin` must outlive the server. Throws InputError when other computers
+  /// could reach the address but `reach` does not allow it, DeviceError when it cannot be used.
   SimServer(scene::VirtualSkin& skin, const HostPort& at, Reach reach = Reach::kThisComputer);
   ~SimServer() override;
 
-  /// Port that it listens on.
+  /// Returns the port that it listens on.
   [[nodiscard]] std::uint16_t port() const { return port_; }
   [[nodiscard]] std::string link_name() const override { return "sim:" + host_port_text({host_, port_}); }
-  /// True: other computers can reach it, and nothing asks them who they are.
+  /// Returns true if other computers can reach the server, which does not authenticate clients.
   [[nodiscard]] bool is_exposed() const override { return is_exposed_; }
 
  private:
@@ -45,7 +45,7 @@ class SimServer final : public SkinServer {
   std::uint16_t port_ = 0;
   bool is_exposed_ = false;
   std::vector<Client> clients_;
-  std::chrono::steady_clock::time_point listens_from_{};  // No connection is accepted before.
+  std::chrono::steady_clock::time_point listens_from_{};  // No connection is accepted before this time.
 };
 
 }  // namespace triskin::device

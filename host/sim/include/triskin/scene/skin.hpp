@@ -16,35 +16,35 @@
 
 namespace triskin::scene {
 
-/// The electrical side of a taxel, in converter counts. An electrode has the capacitance that the effects of the scene
-/// allow (Effects::electrode_least_pf), another for each taxel; under pressure it gains this, give or take
-/// Effects::sensitivity_spread.
+/// Pressure of 1 kPa adds this many converter counts to a taxel, within Effects::sensitivity_spread. The capacitance of
+/// its electrode lies in the range that the scene's effects allow (Effects::electrode_least_pf) and differs for each
+/// taxel.
 inline constexpr double kCountsPerKpa = 150.0;
 
-/// A contact with its reach: which taxels of which modules it can press.
+/// A touch is a contact together with the taxels that it can press, by module.
 struct Touch {
   int id = 0;
   Contact contact;
-  std::uint64_t released_us = kForever;  ///< lifted before the end of the contact
-  /// Pressure on the skin at a point (mesh frame, mm) and virtual time, kPa; 0 outside the contact.
+  std::uint64_t released_us = kForever;  ///< The finger was lifted at this time, before the end of the contact.
+  /// Returns the pressure on the skin in kPa at a point (mesh frame, mm) and virtual time; 0 outside the contact.
   [[nodiscard]] double pressure_kpa(const design::Vec3& at_mm, std::uint64_t at_us) const;
 };
 
-/// The pads of one module as its converter sees them. Equal scenes give equal electrodes.
+/// The converter of a module sees these pads. Equal scenes give equal electrodes.
 class ModuleSkin final : public CapacitanceSource {
  public:
-  /// Module `module` (id in the design), turned by `rotation` 0..2. Copies what it needs of the scene.
+  /// Makes module `module` (id in the design), turned by `rotation` 0..2. It copies what it needs from the scene.
   ModuleSkin(const Scene& scene, int module, int rotation);
   [[nodiscard]] double counts(int cin, std::uint64_t at_us) const override;
-  /// Capacitance of taxel 0..11 without touch, drift and noise, counts.
+  /// Returns the capacitance of taxel 0..11 in counts, without touch, drift and noise.
   [[nodiscard]] double rest_counts(int taxel) const { return rest_counts_[static_cast<std::size_t>(taxel)]; }
 
-  /// Response of taxel 0..11 to 1 kPa, counts.
+  /// Returns the response of taxel 0..11 to 1 kPa in counts.
   [[nodiscard]] double counts_per_kpa(int taxel) const { return counts_per_kpa_[static_cast<std::size_t>(taxel)]; }
 
-  /// A contact that may press the pads; it outlives its presence here.
+  /// Adds a contact that may press the pads; it must outlive its presence here.
   void add(const Touch& touch);
-  /// Forgets a contact; without effect when it is not there.
+  /// Removes a contact; it has no effect when the contact is not there.
   void remove(int touch_id);
   /// Sets taxel 0..11 to an end of its range from virtual time `from_us` until `until_us`, exclusive.
   void saturate(int taxel, std::uint64_t from_us = 0, std::uint64_t until_us = kForever) {
@@ -54,22 +54,22 @@ class ModuleSkin final : public CapacitanceSource {
   void freeze(int taxel, std::uint64_t from_us = 0, std::uint64_t until_us = kForever) {
     broken_.push_back({static_cast<std::size_t>(taxel), false, from_us, until_us});
   }
-  /// The taxels are at `position_mm` from virtual time `from_us` on; calls are in the order of time.
+  /// Moves the taxels to `position_mm` from virtual time `from_us` on; calls must be in the order of time.
   void turn(std::uint64_t from_us, const std::array<design::Vec3, layout::kTaxelsPerModule>& position_mm) {
     turns_.push_back({from_us, position_mm});
   }
   /// Puts every pad under `kpa` from `at_us` on, in addition to the contacts.
   void pressurize(double kpa, std::uint64_t at_us) { pressure_.step(at_us, kpa); }
-  /// Makes the pads such that the converter reads `counts`, once the controller has found their offsets at
-  /// layout::kRestCounts; nothing else has an effect on them.
+  /// Sets the pads so that the converter reads `counts` once the controller has found offsets for layout::kRestCounts;
+  /// nothing else then affects them.
   void show(const std::array<double, layout::kTaxelsPerModule>& counts) { shown_counts_ = counts; }
-  /// True: the contact can press a pad of this module at some time.
+  /// Returns true if the contact can press a pad of this module at some time.
   [[nodiscard]] bool reached_by(const Contact& contact) const;
 
  private:
   struct BrokenTaxel {
     std::size_t taxel;
-    bool saturated;  // False: frozen.
+    bool saturated;  // False means that the taxel is frozen.
     std::uint64_t from_us, until_us;
   };
   struct Turn {
@@ -89,31 +89,31 @@ class ModuleSkin final : public CapacitanceSource {
   double drift_counts_per_us_;
 };
 
-/// All modules of a scene on the lines of their controllers. Not thread-safe.
+/// The skin connects all modules of a scene to the lines of their controllers. Not thread-safe.
 class Skin {
  public:
-  /// Builds chips and lines with the faults of the scene. `switched` (null: strapped modules) outlives the skin; its
-  /// chips sit where the registers of its modules put them.
+  /// Builds chips and lines with the faults of the scene. `switched` (null: strapped modules) must outlive the skin;
+  /// the registers of its modules decide where its chips are.
   explicit Skin(const Scene& scene, SwitchedHardware* switched = nullptr);
   Skin(const Skin&) = delete;
   Skin& operator=(const Skin&) = delete;
 
-  /// Line 0..3 of patch `patch` (0-based).
+  /// Returns line 0..3 of patch `patch` (0-based).
   [[nodiscard]] I2cLineModel& line(int patch, int line);
-  /// Puts a finger on the skin; returns its id, ≥ 1. Cost: one test a module.
+  /// Puts a finger on the skin and returns its id, ≥ 1. Cost: one test per module.
   int press(const Contact& contact);
-  /// Lifts the finger `id` at virtual time `now_us`; without effect when it is gone. Samples from before still see it.
+  /// Lifts the finger `id` at virtual time `now_us`; it has no effect when the finger is gone. Earlier samples still
+  /// see it.
   void release(int id, std::uint64_t now_us);
   /// Puts every pad of a module (−1: all modules) under `kpa` from virtual time `now_us` on, in addition to the
-  /// contacts. Throws std::out_of_range for a module that is not there. Cost: O(modules).
+  /// contacts. Throws std::out_of_range for a module that does not exist. Cost: O(modules).
   void pressurize(int module, double kpa, std::uint64_t now_us);
-  /// ModuleSkin::show of a module. Throws std::out_of_range.
+  /// Calls ModuleSkin::show of a module. Throws std::out_of_range.
   void show(int module, const std::array<double, layout::kTaxelsPerModule>& counts) {
     modules_.at(static_cast<std::size_t>(module)).show(counts);
   }
-  /// Number of modules.
   [[nodiscard]] std::size_t modules() const { return modules_.size(); }
-  /// The pads of module 0 … modules() − 1. Throws std::out_of_range.
+  /// Returns the pads of module 0 … modules() − 1. Throws std::out_of_range.
   [[nodiscard]] const ModuleSkin& module(int id) const { return modules_.at(static_cast<std::size_t>(id)); }
 
  private:

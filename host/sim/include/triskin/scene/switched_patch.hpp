@@ -12,17 +12,17 @@
 
 namespace triskin::scene {
 
-/// Switched modules and their joints: registers, arbiters, constants of broken chains, faults, virtual time. The chain
-/// moves whole bytes, which is exact because every register is one byte long, and single bits only while they can flip.
-/// Modules of several patches that are joined are one object with a controller for each patch. As a ChainModel it is
-/// the chain of controller 0.
+/// The model covers switched modules with their joints, registers, arbiters, broken chains, faults and virtual time.
+/// The chain moves whole bytes, which is exact because every register is one byte long; it moves single bits only while
+/// they can flip. Joined modules of several patches form one object with a controller for each patch. As a ChainModel
+/// it is the chain of controller 0.
 class SwitchedPatch final : public sim::ChainModel {
  public:
-  using End = design::PortEnd;  ///< It refers to a row of the patch.
+  using End = design::PortEnd;  ///< The row belongs to the patch.
   enum class JointFault : std::uint8_t { kNone, kOpen, kShort };
 
-  /// `joints[m][p]`: far end of port p, row −1 for none; symmetric. Module 0 is the entry, its cable at
-  /// `cable_port`.
+  /// `joints[m][p]` is the far end of port p of module m, with row −1 for none; it must be symmetric. Module 0 is the
+  /// entry, and its cable is at `cable_port`.
   SwitchedPatch(std::vector<std::array<End, layout::kPorts>> joints, int cable_port, std::uint64_t seed);
 
   void enable(std::uint8_t cables) override { enable(0, cables); }
@@ -30,41 +30,42 @@ class SwitchedPatch final : public sim::ChainModel {
   void latch() override { latch(0); }
   [[nodiscard]] std::uint8_t stuck_lines() const override { return stuck_lines(0); }
 
-  /// Plugs the cable of one more controller into a port without joint; result: its number, from 1 on.
+  /// Plugs the cable of another controller into a port without joint; returns its number, from 1 on.
   int add_controller(End cable);
-  /// The chain of a controller, as its master sees it; valid as long as this. Throws std::out_of_range.
+  /// Returns the chain of a controller as its master sees it; it is valid as long as this object. Throws
+  /// std::out_of_range.
   [[nodiscard]] sim::ChainModel& chain_of(int controller);
 
   // Modules are numbered by their position in the patch, ports 0..2, lines 0..3.
 
   /// Plugs a second cable of a controller into a port without joint.
   void set_second_cable(End end, int controller = 0) { at_controller(controller).cables[1] = end; }
-  /// Takes the supply of a module's logic away (true) or gives it back.
+  /// Removes the supply of a module's logic (true) or restores it.
   void set_dead(int module, bool dead);
   /// Sets the fault of the joint at `end`, for both of its ends.
   void set_joint(End end, JointFault fault);
-  /// The module holds `line` low while its switches are closed; −1: none.
+  /// Makes the module hold `line` low while its switches are closed; −1 means none.
   void set_stuck_line(int module, int line);
-  /// Fixes output bit 0..7 of the module's register at 0 or 1; value −1: none is fixed.
+  /// Fixes output bit 0..7 of the module's register at 0 or 1; value −1 means that none is fixed.
   void set_stuck_bit(int module, int bit, int value);
   /// Clears the register of one module, as a dip of its supply does.
   void reset_alone(int module);
-  /// Probability 0..1 that a bit flips while it passes one module.
+  /// Sets the probability, 0..1, that a bit flips while it passes one module.
   void set_bit_error_rate(double rate) { bit_errors_ = rate; }
 
-  /// True: the lines of the controller reach the module.
+  /// Returns true if the lines of a controller reach the module.
   [[nodiscard]] bool reached(int module) const { return controller_of(module) >= 0; }
-  /// The controller whose lines reach the module; −1: nobody's.
+  /// Returns the controller whose lines reach the module, or −1.
   [[nodiscard]] int controller_of(int module) const { return walk_up(module).controller; }
-  /// Bit l: line l of a controller is low while nobody drives it.
+  /// Bit l is set if line l of a controller is low while nobody drives it.
   [[nodiscard]] std::uint8_t stuck_lines(int controller) const;
-  /// Line 0..3 that the module's register selects.
+  /// Returns the line, 0..3, that the module's register selects.
   [[nodiscard]] int line_of(int module) const { return output(module) & 3; }
-  /// Address 0..3 on that line that the module's register selects.
+  /// Returns the address, 0..3, on that line that the module's register selects.
   [[nodiscard]] int address_of(int module) const { return output(module) >> 2 & 3; }
-  /// Number of joints between module and cable; −1: not reached.
+  /// Returns the number of joints between module and cable; −1 if the module is not reached.
   [[nodiscard]] int depth_of(int module) const { return walk_up(module).depth; }
-  /// Time that the exchanges of the chain have taken since construction, µs.
+  /// Returns the time in µs that exchanges of the chain have taken since construction.
   [[nodiscard]] double time_us() const { return time_us_; }
 
  private:
@@ -76,7 +77,7 @@ class SwitchedPatch final : public sim::ChainModel {
   };
   struct Controller {
     std::array<End, 2> cables;
-    std::uint8_t enabled = 0;  // Bit c: EN of cable c.
+    std::uint8_t enabled = 0;  // Bit c is EN of cable c.
   };
   class Chain final : public sim::ChainModel {
    public:
@@ -108,9 +109,9 @@ class SwitchedPatch final : public sim::ChainModel {
     return faults_[static_cast<std::size_t>(m)][static_cast<std::size_t>(p)];
   }
   [[nodiscard]] std::uint8_t output(int m) const;
-  [[nodiscard]] std::uint8_t opened(int m) const;  ///< They are the EN outputs.
-  [[nodiscard]] std::uint8_t raised(int m) const;  ///< They are the EN inputs.
-  /// It returns the controller of a cable there whose EN is high, or −1.
+  [[nodiscard]] std::uint8_t opened(int m) const;  ///< The result has the EN outputs.
+  [[nodiscard]] std::uint8_t raised(int m) const;  ///< The result has the EN inputs.
+  /// Returns the controller of a cable at this port whose EN is high, or −1.
   [[nodiscard]] int at_cable(int m, int port) const;
   [[nodiscard]] bool attached_child(int m, int p) const;
   [[nodiscard]] bool shorted(int controller) const;
@@ -124,7 +125,7 @@ class SwitchedPatch final : public sim::ChainModel {
   std::vector<std::array<JointFault, layout::kPorts>> faults_;
   std::vector<Module> modules_;
   std::vector<Controller> controllers_;
-  std::deque<Chain> chains_;  // Indexed by controller.
+  std::deque<Chain> chains_;
   double bit_errors_ = 0.0, time_us_ = 0.0;
   std::mt19937_64 random_, flips_;
 };

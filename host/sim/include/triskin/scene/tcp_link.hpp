@@ -16,24 +16,24 @@ struct HostPort {
   std::string host;
   std::uint16_t port = 0;
 };
-/// Splits "HOST:PORT", port 0 … 65535; an IPv6 address stands in brackets, "[::1]:7000", as in a URL, and `host` is
+/// Splits "HOST:PORT", port 0 … 65535. An IPv6 address is in brackets, "[::1]:7000", as in a URL, and `host` is
 /// without them. Throws InputError.
 [[nodiscard]] HostPort parse_host_port(const std::string& text);
-/// The text that parse_host_port() reads.
+/// Formats the text that parse_host_port() reads.
 [[nodiscard]] std::string host_port_text(const HostPort& at);
 
-/// Records between `sim:HOST:PORT` and `triskin simulate --listen`: 4 bytes length of what follows (little-endian), 1
+/// Records between `sim:HOST:PORT` and `triskin simulate --listen` have 4 bytes length of the rest (little-endian), 1
 /// byte kind, then the contents. Both sides refuse records longer than kMaxBytes.
 namespace record {
 inline constexpr std::uint8_t kCanFrame =
-    1;  ///< id (4, bit 31: 29 bits, bit 30: FD, bit 29: rate switch), then the data
+    1;  ///< The contents are id (4, bit 31: 29 bits, bit 30: FD, bit 29: rate switch), then the data.
 inline constexpr std::uint8_t kPress =
-    2;  ///< module (4), taxel (1) or kWholeModule: the virtual finger presses it, nothing else
+    2;  ///< The contents are module (4) and taxel (1) or kWholeModule; the virtual finger then presses only there.
 inline constexpr std::uint8_t kWholeModule = 0xFF;
 inline constexpr std::uint8_t kLift = 3;
 inline constexpr std::uint8_t kBitRates =
-    4;  ///< nominal (4), data (4) of the simulated bus: first record of the server
-/// It carries module (4; kAllModules for all) and Pa (4), and puts pressure on its taxels.
+    4;  ///< The first record of the server has the rates of the simulated bus: nominal (4), data (4).
+/// The contents are module (4; kAllModules for all) and Pa (4), the pressure on its taxels.
 inline constexpr std::uint8_t kPressure = 5;
 inline constexpr std::uint32_t kAllModules = 0xFFFFFFFF;
 inline constexpr std::size_t kMaxBytes = 4096;
@@ -50,15 +50,16 @@ struct Record {
 /// Removes the first whole record from `in`; empty when there is none yet. Throws DeviceError when its length is 0 or
 /// above kMaxBytes.
 [[nodiscard]] std::optional<Record> take(std::vector<std::uint8_t>& in);
-/// Frame of a record of kind kCanFrame. Throws DeviceError when the contents are no frame.
+/// Decodes a record of kind kCanFrame. Throws DeviceError when the contents are not a frame.
 [[nodiscard]] wire::CanFrame frame_of(const Record& record);
 }  // namespace record
 
-/// A simulation that runs in another process (`triskin simulate SCENE --listen HOST:PORT`), in real time. Threads: one.
+/// The simulation runs in another process (`triskin simulate SCENE --listen HOST:PORT`), in real time. Threads: one.
 class TcpLink final : public Link, public TouchActuator {
  public:
-  /// Connects. Throws DeviceError when nobody listens there or answers within 5 s. Afterwards send() throws DeviceError
-  /// when the simulation takes nothing for 2 s, Cancelled when the process is asked to end meanwhile.
+  /// Connects. Throws DeviceError when no server listens there or answers within 5 s. Afterwards send() throws
+  /// DeviceError when the simulation accepts no data for 2 s, and Cancelled when the process is asked to end during
+  /// that time.
   explicit TcpLink(const HostPort& to);
   ~TcpLink() override;
   TcpLink(const TcpLink&) = delete;
@@ -73,12 +74,12 @@ class TcpLink final : public Link, public TouchActuator {
   void press(int module, int taxel) override;
   void lift() override;
   void pressurize(int module, double kpa) override;
-  /// Known once the first frame has come.
+  /// The value is known once the first frame has arrived.
   [[nodiscard]] std::uint64_t sample_ns(std::uint8_t) const override { return wire::full_sample_ns(rates_); }
 
  private:
   void write_all(const std::vector<std::uint8_t>& bytes);
-  /// The next frame among the bytes that have come; empty: none is whole.
+  /// Returns the next frame among the received bytes; empty if none is complete.
   std::optional<wire::CanFrame> frame_received();
   void read_chunk();
   [[noreturn]] void fail(const std::string& what) const;

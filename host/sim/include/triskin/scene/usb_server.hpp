@@ -9,31 +9,31 @@
 
 namespace triskin::device {
 
-/// One device on this computer's virtual USB host controller (vhci-hcd), as if it had been plugged in. Speaks USB/IP
-/// (Linux, Documentation/usb/usbip_protocol.rst) over a socket pair with the kernel. Non-blocking.
+/// The device appears on this computer's virtual USB host controller (vhci-hcd), as if it had been plugged in. It uses
+/// USB/IP (Linux, Documentation/usb/usbip_protocol.rst) over a socket pair with the kernel. Non-blocking.
 class VhciDevice {
  public:
-  /// Plugs the device in; `number` (≥ 0) differs for each device. `function` outlives it. Throws DeviceError: no
-  /// vhci-hcd, no right to use it, no free port.
+  /// Plugs the device in; `number` (≥ 0) differs for each device. `function` must outlive it. Throws DeviceError: no
+  /// vhci-hcd, no permission to use it, no free port.
   VhciDevice(wire::UsbFunction& function, int number);
-  /// Unplugs.
+  /// Unplugs the device.
   ~VhciDevice();
   VhciDevice(const VhciDevice&) = delete;
   VhciDevice& operator=(const VhciDevice&) = delete;
 
-  /// Socket for poll(), owned by the device.
+  /// Returns the socket for poll(), which the device owns.
   [[nodiscard]] int descriptor() const { return socket_; }
-  /// False: the kernel has closed the connection; the device is of no further use.
+  /// Returns false if the kernel has closed the connection; the device is then useless.
   [[nodiscard]] bool alive() const { return alive_; }
-  /// Handles the requests of the kernel that have arrived; does not wait. True: there were some.
+  /// Handles the requests of the kernel that have arrived, without waiting. Returns true if there were some.
   bool read();
-  /// Completes waiting transfers with data that the device has; does not wait.
+  /// Completes waiting transfers with data that the device has, without waiting.
   void write();
 
  private:
   struct Transfer {
     std::uint32_t number = 0;
-    std::uint8_t endpoint = 0;  // Includes the direction bit.
+    std::uint8_t endpoint = 0;  // The number includes the direction bit.
     std::size_t length = 0;
   };
   bool take_request();
@@ -49,10 +49,11 @@ class VhciDevice {
   std::deque<Transfer> waiting_;
 };
 
-/// Plugs every controller of a simulated skin into this computer's USB. Needs the right to write to vhci-hcd (root).
+/// Plugs every controller of a simulated skin into this computer's USB. This needs permission to write to vhci-hcd
+/// (root).
 class UsbServer final : public SkinServer {
  public:
-  /// `skin` outlives the server. Throws as VhciDevice does.
+  /// `skin` must outlive the server. Throws as VhciDevice does.
   explicit UsbServer(scene::VirtualSkin& skin);
   ~UsbServer() override;
   [[nodiscard]] std::string link_name() const override { return "usb and hid"; }
@@ -62,9 +63,9 @@ class UsbServer final : public SkinServer {
   void wait(std::uint64_t timeout_us) override;
   void plug(std::size_t controller);
 
-  std::vector<int> sessions_;  // One per controller: it may come back as another device.
+  std::vector<int> sessions_;  // Each controller may come back as another device, which has another session.
   std::vector<std::unique_ptr<VhciDevice>> devices_;
-  int plugged_ = 0;  // Counts the connections: each gets its own number.
+  int plugged_ = 0;  // Each connection gets the next number.
 };
 
 }  // namespace triskin::device

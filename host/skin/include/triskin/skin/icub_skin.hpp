@@ -11,23 +11,23 @@
 
 namespace triskin::device {
 
-/// A skin that speaks the protocol of the iCub, as MTB4 skin boards do, and so needs no design. Threads: one.
+/// A skin that uses the iCub protocol, as MTB4 skin boards do, and therefore needs no design. Threads: one.
 class IcubSkin {
  public:
   using Triangles = std::map<std::pair<int, int>, wire::IcubTaxels>;
 
-  /// Opens the link and looks for boards. `design`: for simulated links, as open_link has it. Throws as open_link and
+  /// Opens the link and searches for boards. `design` is for simulated links, as in open_link. Throws as open_link and
   /// IcubStream.
   IcubSkin(const LinkOptions& link, const design::Design* design);
-  /// The link that was opened.
+  /// Returns the link that was opened.
   [[nodiscard]] Link& link() { return *link_; }
-  /// Time of the link, µs.
+  /// Returns the time of the link in µs.
   [[nodiscard]] std::uint64_t now_us() const { return link_->now_us(); }
-  /// Boards that answer, and what arrived of their frames.
+  /// Returns the boards that answered, with the count of their frames.
   [[nodiscard]] const IcubStream& stream() const { return stream_; }
-  /// Latest values of each triangle, by board and triangle.
+  /// Returns the latest values of each triangle, by board and triangle.
   [[nodiscard]] const Triangles& triangles() const { return triangles_; }
-  /// Receives as LiveBus::run does. Throws Unreachable.
+  /// Receives frames as LiveBus::run does. Throws Unreachable.
   void run(const LiveRun& run);
 
  private:

@@ -16,71 +16,76 @@
 
 namespace triskin::device {
 
-/// One sample of one module, in the form in which every reader of a skin gets it. Bit t of `valid` and element t of the
-/// arrays belong to taxel t.
+/// All readers of a skin receive samples in this form, one module each. Bit t of `valid` and element t of the arrays
+/// belong to taxel t.
 struct LiveSample {
-  int cover = 0;   ///< index in LiveBus::covers()
-  int module = 0;  ///< id in the design of the cover
-  /// Pressure: by how many counts each taxel reads below its rest value; 0 where that is not known.
+  int cover = 0;   ///< The number is an index in LiveBus::covers().
+  int module = 0;  ///< The number is an id in the design of the cover.
+  /// Pressure lowers a taxel below its rest value by this many counts; 0 where the rest value is not known.
   std::array<double, layout::kTaxelsPerModule> change_counts{};
-  /// The same in kPa; empty for a cover without a calibration.
+  /// The pressure is given in kPa as well; empty for a cover without a calibration.
   std::optional<std::array<double, layout::kTaxelsPerModule>> pressure_kpa{};
-  std::uint16_t valid = 0;     ///< taxels whose value was measured
-  std::uint64_t unix_ns = 0;   ///< when the controller took it, ns since 1970
-  std::uint32_t error_us = 0;  ///< bound of the error of that time; LinkTime::kUnbounded: not known yet
-  ModuleSample raw{};          ///< counts of the converters and times as they came over the wire
+  std::uint16_t valid = 0;    ///< Bit t is set if the value of taxel t was measured.
+  std::uint64_t unix_ns = 0;  ///< The controller took the sample at this time, in ns since 1970.
+  /// The time has at most this error; LinkTime::kUnbounded means that it is not known yet.
+  std::uint32_t error_us = 0;
+  ModuleSample raw{};  ///< The sample as received has the converters' counts and the controller's times.
 };
 
-/// Where a cover gets its rest values from.
+/// A cover gets its rest values from one of these sources.
 enum class RestSource {
-  kKept,     ///< those that a tare or a calibration kept for these controllers on this computer, else the design's
-  kNone,     ///< the design's, until a tare
-  kPresent,  ///< those that it has already
+  /// A tare or a calibration stored them on this computer for these controllers; otherwise the design's are used.
+  kKept,
+  kNone,     ///< The design's values are used until a tare.
+  kPresent,  ///< The cover keeps the values that it has.
 };
 
-/// A cover of a skin, or its part on one bus: rest values, calibration, pressure, tare. Threads: that of its bus.
+/// A cover of a skin, or its part on one bus, has rest values, calibration, pressure and tare. Use it in the thread of
+/// its bus.
 class LiveCover {
  public:
-  /// `config` and `whole`, the actuator of the bus (null: there is none), outlive it.
+  /// `config` and `whole`, the actuator of the bus (may be null), must outlive the cover.
   LiveCover(const robot::CoverConfig& config, TouchActuator* whole);
   LiveCover(const LiveCover&) = delete;
   LiveCover& operator=(const LiveCover&) = delete;
 
-  /// What the robot file says of it.
+  /// Returns the entry of the cover in the robot file.
   [[nodiscard]] const robot::CoverConfig& config() const { return config_; }
-  /// Its design with the node addresses of this bus.
+  /// Returns the design with the node addresses of this bus.
   [[nodiscard]] const design::Design& design() const { return config_.design; }
-  /// Presses modules of the design; null on hardware.
+  /// Returns the actuator that presses modules of the design; null on hardware.
   [[nodiscard]] TouchActuator* actuator() { return actuator_ ? &*actuator_ : nullptr; }
 
-  /// Sets rest values for the controllers `claims`, and forgets calibration and samples; kPresent forgets nothing.
-  /// Throws InputError when the kept ones are damaged.
+  /// Sets the rest values for the controllers `claims` and discards calibration and samples; kPresent discards nothing.
+  /// Throws InputError when the stored values are damaged.
   void set_rest(std::span<const wire::NodeClaim> claims, RestSource source);
-  /// Rest values that were kept; empty: there were none.
+  /// Returns the stored rest values; empty if there were none.
   [[nodiscard]] const design::RestValues& kept_rest() const { return kept_rest_; }
-  /// Keeps the present rest values for the next time; returns their file. Throws InputError when it cannot be written.
+  /// Stores the present rest values for the next start and returns their file. Throws InputError when it cannot be
+  /// written.
   std::filesystem::path keep_rest() const;
-  /// Keeps other rest values. Throws as keep_rest().
+  /// Stores the given rest values. Throws as keep_rest().
   void keep_rest(const design::RestValues& rest) const;
-  /// Gives samples their pressure in kPa from now on. Ignored unless it is complete.
+  /// Makes samples contain their pressure in kPa from now on. The call has no effect unless the calibration is
+  /// complete.
   void set_calibration(design::SkinCalibration calibration);
-  /// Empty without a complete calibration.
+  /// Returns the calibration, which is empty unless it is complete.
   [[nodiscard]] const design::SkinCalibration& calibration() const { return monitor_->calibration(); }
 
-  /// Pressure, states and rates.
+  /// Returns the monitor of pressure, states and rates.
   [[nodiscard]] LiveMonitor& monitor() { return *monitor_; }
   [[nodiscard]] const LiveMonitor& monitor() const { return *monitor_; }
-  /// Pressure and rest value of every taxel.
+  /// Returns the map of pressure and rest value of every taxel.
   [[nodiscard]] const TouchMap& touches() const { return monitor().touches(); }
-  /// Takes a sample and returns it in the common form. `cover`: index of this one. `unix_ns`: calendar time at which it
-  /// was taken.
+  /// Handles a sample and returns it in the common form. `cover` is the index of this cover, `unix_ns` the calendar
+  /// time at which the sample was taken.
   LiveSample take(const ModuleSample& sample, int cover, std::uint64_t unix_ns);
 
-  /// Begins to take new rest values, also when that is under way; nothing may touch the cover.
+  /// Starts to take new rest values, again if a tare is already running; nothing may touch the cover.
   void begin_tare(std::uint64_t now_us) { tare_->begin(now_us); }
-  /// The latest tare, and how it ended.
+  /// Returns the latest tare with its outcome.
   [[nodiscard]] const Tare& tare() const { return *tare_; }
-  /// Lets the tare notice the time. LiveBus::run does that after each slice.
+  /// Lets the tare check the time. LiveBus::run calls this after each slice.
   void step_tare(std::uint64_t now_us) { (void)tare_->step(now_us); }
 
  private:

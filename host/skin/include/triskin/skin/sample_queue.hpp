@@ -14,46 +14,48 @@
 
 namespace triskin::device {
 
-/// A sample that waits to be read.
+/// The sample waits in the queue until a caller reads it.
 struct QueuedSample {
-  int module = 0;              ///< counted over all covers
-  std::uint64_t unix_ns = 0;   ///< when the controller took it, ns since 1970
-  std::uint32_t error_us = 0;  ///< bound of the error of that time; LinkTime::kUnbounded: not known yet
+  int module = 0;             ///< Modules are numbered through all covers.
+  std::uint64_t unix_ns = 0;  ///< The controller took the sample at this time, in ns since 1970.
+  /// The time has at most this error; LinkTime::kUnbounded means that it is not known yet.
+  std::uint32_t error_us = 0;
   wire::TaxelFrame frame;
 };
 
-/// Receives the samples of a skin while the program does something else: a thread for each bus receives them, and they
-/// wait to be read. On a simulation in this process there is no thread: virtual time passes while somebody waits. Use
-/// it from one thread at a time.
+/// Receives the samples of a skin in the background: one thread for each bus receives them into a queue. With a
+/// simulation in this process there is no thread; virtual time passes while a caller waits. Use it from one thread at a
+/// time.
 class SampleQueue {
  public:
-  /// `skin` outlives it and is open. `first_modules`: number of the first module of each cover, indexed by cover of the
-  /// site; `modules`: of all covers. `keep_s`: older samples that nobody reads are dropped.
+  /// `skin` must be open and outlive the queue. `first_modules` has the number of the first module of each cover,
+  /// indexed by cover of the site; `modules` is the total. Samples older than `keep_s` that nobody reads are dropped.
   SampleQueue(LiveSkin& skin, std::vector<int> first_modules, std::size_t modules, double keep_s, bool virtual_time);
   /// Ends the streams.
   ~SampleQueue();
   SampleQueue(const SampleQueue&) = delete;
   SampleQueue& operator=(const SampleQueue&) = delete;
 
-  /// Begins the streams of all buses, or of none; without effect while they run. Throws as LiveBus::start.
+  /// Starts the streams of all buses, or of none if one fails. A call while they run has no effect. Throws as
+  /// LiveBus::start.
   void start(const StreamOptions& options);
-  /// True while streams run.
+  /// Returns true while streams run.
   [[nodiscard]] bool runs() const;
-  /// True once start() has succeeded.
+  /// Returns true once start() has succeeded.
   [[nodiscard]] bool started() const { return started_; }
-  /// Takes at most `capacity` samples, oldest first; waits at most `timeout_s` for the first one. Throws what ended the
-  /// streams, when nothing waits.
+  /// Removes and returns at most `capacity` samples, oldest first; waits at most `timeout_s` for the first one. When
+  /// the queue is empty, throws the exception that ended the streams.
   [[nodiscard]] std::vector<QueuedSample> read(double timeout_s, std::size_t capacity);
-  /// Ends the streams; waiting samples can still be read.
+  /// Ends the streams; samples in the queue can still be read.
   void stop();
-  /// Samples of all streams until now.
+  /// Returns the counts of samples over all streams so far.
   [[nodiscard]] SampleCounts counts();
-  /// Samples that were dropped because nobody read them.
+  /// Returns the number of samples that were dropped because nobody read them.
   [[nodiscard]] std::uint64_t dropped();
   /// Takes new rest values on all covers while the streams run; takes at most Tare::kLimit_us. Throws DeviceError when
-  /// no valid sample arrived, and what ended the streams.
+  /// no valid sample arrived, and the exception that ended the streams.
   void tare();
-  /// Pressure of each taxel of a module by its latest sample, counts below rest; 0 where nothing is known.
+  /// Returns the latest pressure on each taxel of a module in counts below rest; 0 where nothing is known.
   [[nodiscard]] std::array<double, layout::kTaxelsPerModule> change_counts(int module);
 
  private:
@@ -72,19 +74,20 @@ class SampleQueue {
   const std::vector<int> first_modules_;
   const std::uint64_t keep_ns_;
   const bool virtual_time_;
-  std::vector<std::vector<QueuedSample>> fresh_;  // Samples of this slice, indexed by bus; used by its thread alone.
+  // The samples of the present slice are indexed by bus; only the thread of the bus uses its entry.
+  std::vector<std::vector<QueuedSample>> fresh_;
   std::vector<std::thread> threads_;
 
-  std::mutex mutex_;  // Guards the members below.
+  std::mutex mutex_;  // The mutex guards the members below.
   std::condition_variable came_;
-  std::vector<std::array<double, layout::kTaxelsPerModule>> change_counts_;  // Indexed by module.
+  std::vector<std::array<double, layout::kTaxelsPerModule>> change_counts_;
   std::deque<QueuedSample> waiting_;
   std::vector<SampleCounts> by_bus_;
-  std::vector<TareStep> tare_;  // Indexed by bus.
+  std::vector<TareStep> tare_;
   std::uint64_t dropped_ = 0;
   std::exception_ptr failure_;
   bool running_ = false, ending_ = false;
-  bool started_ = false;  // Used only by the caller's thread.
+  bool started_ = false;  // Only the caller's thread uses this flag, so the mutex does not guard it.
 };
 
 }  // namespace triskin::device

@@ -12,48 +12,48 @@
 
 namespace triskin::view {
 
-/// A sample of a module, against its rest values.
+/// The values of a module's sample are relative to its rest values.
 struct PressureSample {
   wire::ModuleState state = wire::ModuleState::kUnknown;
-  std::uint16_t valid = 0;  ///< Bit t is that of taxel t.
-  /// Pressure is above 0, and invalid taxels have 0.
+  std::uint16_t valid = 0;  ///< Bit t belongs to taxel t.
+  /// Pressure gives values above 0; invalid taxels have 0.
   std::array<double, layout::kTaxelsPerModule> below_rest_counts{};
 };
 
-/// The latest sample of every module. Threads add samples, others encode what a reader has not got yet. Memory is
-/// fixed: a slow reader skips samples, it never makes a queue grow. Thread-safe.
+/// Holds the latest sample of every module. Some threads add samples; others encode what a reader has not received yet.
+/// Memory is fixed: a slow reader skips samples instead of making a queue grow. Thread-safe.
 class LiveSkin {
  public:
-  /// Bytes before the records of a frame, and of one record (docs/view_server.md).
+  /// A frame has this many bytes before its records, and each record this many (docs/view_server.md).
   static constexpr std::size_t kHeaderBytes = 16, kRecordBytes = 32;
-  /// First two bytes of a frame: what it is, and the version of its layout.
+  /// The first two bytes of a frame are its kind and the version of its layout.
   static constexpr std::uint8_t kFrameKind = 1, kFrameVersion = 1;
 
-  /// How the link fares, for the status line of the page.
+  /// The status line of the page shows the state of the link.
   struct Health {
-    std::string link;     ///< It has the syntax of --link.
-    bool live = false;    ///< Samples arrive at present.
-    std::string trouble;  ///< It is one sentence with the remedy, and empty if all is well.
+    std::string link;     ///< The text has the syntax of --link.
+    bool live = false;    ///< True means that samples arrive at present.
+    std::string trouble;  ///< The sentence includes the remedy; it is empty if all is well.
     std::uint64_t frames = 0, lost = 0;
   };
 
-  /// `modules`: number of modules of the design.
+  /// `modules` is the number of modules of the design.
   explicit LiveSkin(std::size_t modules) : modules_(modules) {}
 
-  /// Takes a sample of module `module`; one that the design lacks is ignored. `wall_time_us`: when it was taken, µs
-  /// since 1970.
+  /// Adds a sample of module `module`; one that the design lacks is ignored. `wall_time_us` is the time when it was
+  /// taken, µs since 1970.
   void add(int module, const PressureSample& sample, std::int64_t wall_time_us);
-  /// States how the link fares.
+  /// Sets the state of the link.
   void set_health(Health health);
   [[nodiscard]] Health health() const;
 
-  /// Modules that changed after sample number `seen`, as one binary frame of the page; `seen` becomes the number of the
-  /// newest sample. Empty: none changed. Cost: O(modules).
+  /// Returns the modules that changed after sample number `seen` as one binary frame of the page; `seen` becomes the
+  /// number of the newest sample. Empty if none changed. Cost: O(modules).
   [[nodiscard]] std::string frame_since(std::uint64_t& seen) const;
 
  private:
   struct Module {
-    std::uint64_t number = 0;  // Number of its latest sample; 0: none arrived.
+    std::uint64_t number = 0;  // The module's latest sample has this number; 0 means that none arrived.
     std::int64_t wall_time_us = 0;
     std::uint16_t valid = 0;
     wire::ModuleState state = wire::ModuleState::kUnknown;

@@ -9,36 +9,36 @@
 
 namespace triskin::view {
 
-/// What verify found, for the page to show at its place.
+/// The page shows each finding of verify at its place.
 struct Finding {
-  int module = -1;  ///< of the design that is shown; −1: none
-  int patch = -1;   ///< likewise
+  int module = -1;  ///< The module is an id of the displayed design; −1 means none.
+  int patch = -1;   ///< The patch belongs to the displayed design; −1 means none.
   std::string text, remedy;
 };
 
-/// A cover of a robot whose covers are shown as one design.
+/// Several covers of a robot are shown as one design; each has a note.
 struct CoverNote {
   std::string name;
-  int first_module = 0, first_patch = 0, first_island = 0;  ///< in the joint design
+  int first_module = 0, first_patch = 0, first_island = 0;  ///< The numbers refer to the joint design.
   int modules = 0;
   double area_cm2 = 0.0, coverage = 0.0;
 };
 
-/// What the page shows beside a design.
+/// The page shows these notes with a design.
 struct Notes {
-  std::vector<CoverNote> covers;  ///< empty for the design of one cover
+  std::vector<CoverNote> covers;  ///< The design of a single cover has no entries here.
   std::vector<Finding> findings;
 };
 
-/// The findings in a report of `triskin verify` (--report FILE.json, or what --json prints; of a robot with its covers
-/// by name). `name` is that of the file, for errors. Throws InputError for text that is no such report, and for a
-/// module or cover that the design does not have. Cost: linear.
+/// Reads the findings in a report of `triskin verify` (--report FILE.json, or the output of --json; for a robot with
+/// its covers by name). `name` is the file's name, for errors. Throws InputError for text that is not such a report,
+/// and for a module or cover that the design does not have. Cost: linear.
 [[nodiscard]] std::vector<Finding> findings_in(std::string_view report, const std::string& name,
                                                const design::Design& design, std::span<const CoverNote> covers);
 
-/// Thickness of the part's wall under each module, mm; 0 where no second side lies within 8 mm behind the first. Empty
-/// for a design that does not hold its whole part. Measured along the normal at the module's centre. Cost: O(modules +
-/// faces) for faces that are small against the part.
+/// Returns the thickness of the part's wall under each module in mm; 0 where no second side lies within 8 mm behind the
+/// first. Empty for a design that does not contain its whole part. The thickness is measured along the normal at the
+/// module's centre. Cost: O(modules + faces) for faces that are small compared to the part.
 [[nodiscard]] std::vector<double> wall_under_modules(const design::Design& design);
 
 }  // namespace triskin::view

@@ -15,60 +15,61 @@
 
 namespace triskin::view {
 
-/// A file that the server gives out.
+/// The server delivers this file.
 struct Document {
-  std::string type;  ///< It goes into the header Content-Type.
+  std::string type;  ///< The type goes into the header Content-Type.
   std::string body;
 };
-/// Documents by name: "" is the start page, "main.js", …
+/// Documents are found by name: "" is the start page, then "main.js", …
 using Site = std::map<std::string, Document>;
 
-/// What a page asks for.
+/// A page sends these requests.
 struct Command {
   enum class Kind {
     kPress,  ///< The simulated finger presses a module, or one taxel.
     kLift,   ///< The simulated finger is lifted.
-    kRest,   ///< Rest values are taken anew.
+    kRest,   ///< New rest values are taken.
   };
   Kind kind = Kind::kLift;
-  int module = 0;  ///< kPress has it, ≥ 0; whether the design has the module is for the receiver to check.
-  int taxel = -1;  ///< kPress has it, 0 … 11; −1 presses the whole module.
+  int module = 0;  ///< kPress sets the module, ≥ 0; the receiver must check whether the design has it.
+  int taxel = -1;  ///< kPress sets the taxel, 0 … 11; −1 presses the whole module.
 };
 
 /// Serves a site and the live skin to browsers on this computer: HTTP and a WebSocket on 127.0.0.1, in its own thread.
-/// A request is answered only with the token in its path, the right Host and, where there is one, the right Origin; so
-/// neither other users of the computer nor other pages of the browser read the skin. docs/view_server.md has the
+/// A request is answered only with the token in its path, the right Host and, if it has one, the right Origin, so that
+/// neither other users of the computer nor other pages in the browser can read the skin. docs/view_server.md has the
 /// limits.
 class Server {
  public:
-  /// Limits; each > 0. The defaults suit browsers on the same computer.
+  /// Each limit of the server is > 0. The defaults suit browsers on the same computer.
   struct Limits {
-    std::size_t connections = 32;                      ///< connections that have shown the token; others get 503
-    std::size_t strangers = 32;                        ///< connections that have not; beyond it the oldest is closed
-    std::size_t header_bytes = 8192;                   ///< The header of a request has this size at most.
-    std::size_t message_bytes = 256;                   ///< A message from the page has this size at most.
-    std::chrono::milliseconds request_time{5'000};     ///< A request must arrive in full within this time.
-    std::chrono::milliseconds write_time{5'000};       ///< A reader must take a frame or a document within this time.
+    std::size_t connections = 32;  ///< This many connections with the token are served; others get 503.
+    /// This many connections may be open without the token; beyond that, the oldest is closed.
+    std::size_t strangers = 32;
+    std::size_t header_bytes = 8192;                   ///< The header of a request has at most this size.
+    std::size_t message_bytes = 256;                   ///< A message from the page has at most this size.
+    std::chrono::milliseconds request_time{5'000};     ///< A request must arrive completely within this time.
+    std::chrono::milliseconds write_time{5'000};       ///< A reader must accept a frame or a document within this time.
     std::chrono::milliseconds frame_interval{33};      ///< Two frames to a page are this far apart.
     std::chrono::milliseconds health_interval{1'000};  ///< Two status messages are this far apart.
-    int send_buffer_bytes = 1 << 18;                   ///< The kernel buffers so much for a live connection.
+    int send_buffer_bytes = 1 << 18;                   ///< The kernel buffers this much for a live connection.
   };
   using OnCommand = std::function<void(const Command&)>;
 
-  /// Starts to listen on 127.0.0.1. `port`: 0 takes a free one. `live` outlives the server. `on_command` is called in
-  /// the server's thread and must not block or throw. Throws DeviceError when the port cannot be had.
+  /// Starts to listen on 127.0.0.1; `port` 0 uses a free one. `live` must outlive the server. `on_command` is called in
+  /// the server's thread and must neither block nor throw. Throws DeviceError when the port is not available.
   Server(Site site, const LiveSkin& live, std::uint16_t port, OnCommand on_command, const Limits& limits);
   /// Closes every connection and waits for the thread.
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  /// Address of the page with its token: "http://127.0.0.1:PORT/TOKEN/".
+  /// Returns the address of the page with its token: "http://127.0.0.1:PORT/TOKEN/".
   [[nodiscard]] std::string address() const;
   [[nodiscard]] std::uint16_t port() const;
-  /// 32 hexadecimal digits from the operating system's random numbers, new for each server.
+  /// Returns 32 hexadecimal digits from the operating system's random numbers, new for each server.
   [[nodiscard]] std::string token() const;
-  /// Connections that are open now. Thread-safe.
+  /// Counts the open connections. Thread-safe.
   [[nodiscard]] std::size_t connections() const;
 
  private:
@@ -76,7 +77,7 @@ class Server {
   std::unique_ptr<State> state_;
 };
 
-/// The page's files, the model of a design and, where `track` is not empty, a recording (FrameTrack) that the page
+/// Returns the page's files, the model of a design and, if `track` is not empty, a recording (FrameTrack) that the page
 /// plays instead of a live skin. Throws InputError when the program has no page.
 [[nodiscard]] Site site_of(const design::Design& design, std::string track = {},
                            const design::SkinCalibration& calibration = {}, const Notes& notes = {});

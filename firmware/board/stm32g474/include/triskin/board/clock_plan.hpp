@@ -4,15 +4,16 @@
 #include <cstdint>
 #include <optional>
 
-/// How the PLL makes the core's clock from the crystal that is found. Pure arithmetic, tested on the host.
+/// Computes how the PLL makes the core's clock from the crystal that was found. This is pure arithmetic, which the host
+/// tests.
 namespace triskin::board {
 
-/// Clock of the core, of both buses, of I²C and of CAN. 160 MHz gives CAN FD equal time quanta in both phases.
+/// The core, both buses, I²C and CAN have this clock. 160 MHz gives CAN FD equal time quanta in both phases.
 inline constexpr std::uint32_t kSysclk_hz = 160'000'000;
-/// Output of the PLL's oscillator; the core gets half of it.
+/// The PLL's oscillator runs at this frequency; the core gets half of it.
 inline constexpr std::uint32_t kVco_hz = 2 * kSysclk_hz;
 
-/// Limits of the PLL (data sheet DS12288, PLL characteristics).
+/// The limits of the PLL are from the data sheet DS12288, PLL characteristics.
 namespace pll_limits {
 inline constexpr std::uint32_t kMinInput_hz = 2'660'000, kMaxInput_hz = 16'000'000, kMinVco_hz = 96'000'000,
                                kMaxVco_hz = 344'000'000, kMaxDivider = 16, kMinFactor = 8, kMaxFactor = 127;
@@ -25,8 +26,8 @@ struct PllSetting {
   bool operator==(const PllSetting&) const = default;
 };
 
-/// Setting that makes exactly kVco_hz from `source_hz`, with the fastest input of the PLL that its limits allow (the
-/// least jitter). Empty: none does.
+/// Returns the setting that makes exactly kVco_hz from `source_hz`, with the fastest input that the PLL's limits allow
+/// (the least jitter); empty if there is none.
 [[nodiscard]] constexpr std::optional<PllSetting> pll_setting(std::uint32_t source_hz) {
   using namespace pll_limits;
   for (std::uint32_t divider = 1; divider <= kMaxDivider; ++divider) {
@@ -39,12 +40,12 @@ struct PllSetting {
   return std::nullopt;
 }
 
-/// Crystals that a board may carry, MHz. The closest two, 24 and 25, are 4 % apart.
+/// Boards may carry one of these crystals. The closest two, 24 and 25 MHz, are 4 % apart.
 inline constexpr std::array<std::uint32_t, 11> kCrystals_mhz{4, 5, 8, 10, 12, 16, 20, 24, 25, 32, 40};
 
-/// The crystal that a measurement against the internal oscillator means, Hz. That oscillator is within 2 % over the
-/// whole range of temperature (DS12288), so a crystal counts when it is within 2 %. Empty: no crystal of the list, for
-/// example one that swings at an overtone.
+/// Returns the crystal in Hz that matches a measurement against the internal oscillator. That oscillator is within 2 %
+/// over the whole range of temperature (DS12288), so a crystal matches within 2 %. Empty: no crystal of the list, for
+/// example one that oscillates at an overtone.
 [[nodiscard]] constexpr std::optional<std::uint32_t> crystal_near(std::uint32_t measured_hz) {
   constexpr std::uint32_t kMaxErrorPercent = 2;
   for (const std::uint32_t mhz : kCrystals_mhz) {
@@ -54,7 +55,7 @@ inline constexpr std::array<std::uint32_t, 11> kCrystals_mhz{4, 5, 8, 10, 12, 16
   return std::nullopt;
 }
 
-/// Every crystal of the list has its setting.
+/// Returns true if every crystal of the list has a setting.
 [[nodiscard]] consteval bool all_crystals_have_settings() {
   for (const std::uint32_t mhz : kCrystals_mhz) {
     if (!pll_setting(mhz * 1'000'000)) return false;

@@ -3,7 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 
-/// Layout of the flash (docs/firmware_board.md). The linker scripts repeat the origins; the build compares them.
+/// docs/firmware_board.md explains the layout of the flash. The linker scripts repeat the origins, and the build
+/// compares them.
 namespace triskin::board::flash_map {
 
 inline constexpr std::uint32_t kBase = 0x08000000, kBank2 = 0x08040000, kEnd = 0x08080000;

@@ -8,35 +8,36 @@
 
 namespace triskin::board {
 
-/// Fast mode of UM10204 (table 10), and the analog filter of the pins (data sheet DS12288, I²C characteristics).
+/// The limits are those of fast mode in UM10204 (table 10) and of the pins' analog filter (data sheet DS12288, I²C
+/// characteristics).
 namespace i2c_limits {
 inline constexpr std::uint64_t kLow_ns = 1300, kHigh_ns = 600, kSetup_ns = 100, kDataValid_ns = 900;
 inline constexpr std::uint64_t kFilterMin_ns = 50, kFilterMax_ns = 260;
 }  // namespace i2c_limits
 
-/// Limits of the wires and the clock. All times in ns.
+/// The timing depends on these limits of the wires and the clock. All times are in ns.
 struct I2cTimingInput {
-  std::uint32_t kernel_hz = kSysclk_hz;  ///< It is the clock of the I²C block.
-  std::uint32_t bus_hz = 400'000;        ///< The bus is wanted at this speed, at most 400 kHz.
+  std::uint32_t kernel_hz = kSysclk_hz;  ///< The I²C block has this clock.
+  std::uint32_t bus_hz = 400'000;        ///< The bus should run at this speed, at most 400 kHz.
   std::uint32_t rise_ns = 300;           ///< The line rises within this time.
   std::uint32_t fall_ns = 300;           ///< The line falls within this time, and data are held for as long.
 };
 
-/// Fields of I2C_TIMINGR (RM0440 §39.9.5) and what they amount to.
+/// RM0440 §39.9.5 defines the fields of I2C_TIMINGR; the other members are the resulting times.
 struct I2cTiming {
   std::uint8_t prescaler = 0, data_delay = 0, data_setup = 0, high = 0, low = 0;
   std::uint32_t low_ns = 0, high_ns = 0, period_ns = 0;
-  /// The register I2C_TIMINGR with these fields.
+  /// Returns the register I2C_TIMINGR with these fields.
   [[nodiscard]] constexpr std::uint32_t value() const {
     return static_cast<std::uint32_t>(prescaler) << 28 | static_cast<std::uint32_t>(data_setup) << 20 |
            static_cast<std::uint32_t>(data_delay) << 16 | static_cast<std::uint32_t>(high) << 8 | low;
   }
 };
 
-/// Fast mode (UM10204 table 10): SCL low ≥ 1300 ns, high ≥ 600 ns, data set up ≥ 100 ns, data valid ≤ 900 ns.
-/// SCL's period also holds the synchronization of both edges: analog filter 50 … 260 ns and two to three kernel
-/// clocks each (§39.4.10); the shortest of these is counted, so that the bus never exceeds bus_hz. Tries prescalers
-/// from the finest. Errors: kOutOfRange when the clock cannot give it, or bus_hz is 0 or above 400 kHz.
+/// Computes fast mode (UM10204 table 10): SCL low ≥ 1300 ns, high ≥ 600 ns, data set up ≥ 100 ns, data valid ≤
+/// 900 ns. SCL's period also includes the synchronization of both edges: analog filter 50 … 260 ns and two to three
+/// kernel clocks each (§39.4.10); the shortest of these counts, so that the bus never exceeds bus_hz. It tries
+/// prescalers from the finest. Errors: kOutOfRange when the clock cannot produce it, or bus_hz is 0 or above 400 kHz.
 [[nodiscard]] constexpr Result<I2cTiming> compute_i2c_timing(const I2cTimingInput& in) {
   using namespace i2c_limits;
   if (in.bus_hz == 0 || in.bus_hz > 400'000 || in.kernel_hz < 8'000'000) return std::unexpected(Status::kOutOfRange);
@@ -48,13 +49,14 @@ struct I2cTiming {
     const auto units = [unit_ps](std::uint64_t ps) { return (ps + unit_ps - 1) / unit_ps; };
     const std::uint64_t total = units(period_ps > sync_ps ? period_ps - sync_ps : 0);
     std::uint64_t low = units(kLow_ns * 1000), high = units(kHigh_ns * 1000);
-    if (total > low + high) {  // The spare time is shared in the ratio of the limits.
+    if (total > low + high) {  // The spare time is divided in the ratio of the limits.
       const std::uint64_t spare = total - low - high;
       low += spare - spare / 3;
       high += spare / 3;
     }
     const std::uint64_t setup = units((in.rise_ns + kSetup_ns) * 1000);
-    // The data hold: longer than the fall that the filter may hide, shorter than what keeps data valid (§39.4.5).
+    // Data must be held longer than the fall that the filter may hide, but not so long that they become valid too late
+    // (§39.4.5).
     const std::uint64_t hidden_ps = kFilterMin_ns * 1000 + 3 * clock_ps;
     const std::uint64_t hold = in.fall_ns * 1000 > hidden_ps ? units(in.fall_ns * 1000 - hidden_ps) : 0;
     const std::uint64_t latest_ps = hold * unit_ps + kFilterMax_ns * 1000 + 4 * clock_ps + in.rise_ns * 1000;

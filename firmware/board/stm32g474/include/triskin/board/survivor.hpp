@@ -6,41 +6,42 @@
 
 namespace triskin::board {
 
-/// Crashes without a minute of work between them after which the loader leaves an image: for the other one when it is
-/// valid, and after as many more, or without another one, for a host that brings a better one.
+/// After this many crashes without a minute of work between them, the loader gives up on an image. It starts the other
+/// one if that is valid; after as many more crashes, or without another image, it waits for a host that brings a better
+/// one.
 inline constexpr std::uint32_t kMaxCrashesInRow = 5;
 
-/// Data in the RAM that survives a reset; power-up clears it. The loader and the application, which may be of
-/// different versions, share it: fields are only ever appended, and `magic` changes when one changes its meaning.
+/// These data in RAM survive a reset; power-up clears them. The loader and the application, which may be of different
+/// versions, share them, so fields are only ever appended, and `magic` changes when a field changes its meaning.
 struct Survivor {
   std::uint32_t magic;
-  std::uint32_t dfu_request;     ///< a mark: the loader becomes a DFU device
-  std::uint32_t reset_pressed;   ///< a mark: a reset by the pin now is the second one of a double reset
-  std::uint32_t running;         ///< a mark: an application was started and has not ended on purpose
-  std::uint32_t reset_flags;     ///< RCC_CSR as the last reset left it
-  std::uint32_t crashes_in_row;  ///< set to 0 by an application that has worked for a minute
-  std::uint32_t crashes;         ///< number since power-up
-  std::uint32_t crashes_seen;    ///< number of crashes that the loader has seen
-  std::uint32_t uptime_ms;       ///< uptime of the application in its last second
-  wire::ClockState clock;        ///< what start_clocks() chose
-  wire::Crash crash;             ///< the last one; its cause is kNone when there was none
+  std::uint32_t dfu_request;     ///< The mark asks the loader to become a DFU device.
+  std::uint32_t reset_pressed;   ///< With the mark, a reset by the pin is the second one of a double reset.
+  std::uint32_t running;         ///< The mark says that an application was started and has not ended on purpose.
+  std::uint32_t reset_flags;     ///< RCC_CSR had this value after the last reset.
+  std::uint32_t crashes_in_row;  ///< An application that has worked for a minute sets it to 0.
+  std::uint32_t crashes;         ///< Crashes are counted from power-up.
+  std::uint32_t crashes_seen;    ///< The loader has seen this many crashes.
+  std::uint32_t uptime_ms;       ///< The application writes its uptime here once per second.
+  wire::ClockState clock;        ///< The clock is the choice of start_clocks().
+  wire::Crash crash;             ///< The last crash has the cause kNone if there was none.
 };
 
-/// The one in the RAM. Before open_survivor() it may hold anything.
+/// Returns the one in RAM. Before open_survivor() its contents are arbitrary.
 [[nodiscard]] Survivor& survivor();
 
-/// Once after each reset, first of all in the loader: makes the survivor of a power-up, takes and clears the reset
-/// flags, counts a crash. Called by the application, too: it may have been started by a debugger.
+/// Must be the loader's first action after each reset: initializes the survivor after power-up, reads and clears the
+/// reset flags, and counts a crash. The application calls it too, because a debugger may have started it.
 void open_survivor();
 
-/// The loader says so before it jumps: a crash counts from now on.
+/// Notes that the loader is about to start an application, so that a crash counts from now on.
 void note_application_starts();
-/// True when the reset pin was pressed twice: the second time before end_double_reset(). Asked once after a reset.
+/// Returns true when the reset pin was pressed a second time before end_double_reset(). Call it once after a reset.
 [[nodiscard]] bool take_double_reset();
 /// Makes the next reset by the pin the first of two.
 void end_double_reset();
 
-/// Crash records of the image that runs; each resets the controller.
+/// Records a crash of the running image and resets the controller.
 [[noreturn]] void fail(wire::CrashCause cause);
 
 }  // namespace triskin::board

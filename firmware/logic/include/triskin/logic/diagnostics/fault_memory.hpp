@@ -14,42 +14,43 @@
 
 namespace triskin::fw {
 
-/// Diagnostic trouble codes of the modules (wire::FaultCode). A fault that came and went stays confirmed until it is
-/// cleared, over a loss of power too. With each goes what was at its first occurrence. Kept in flash as a log on two
-/// pages that are filled in turn (docs/flash_layout.md); a cut of power loses at most the last entry. A fault is
-/// written once until it is cleared, so that a loose contact does not wear the flash. The last crash of the controller
-/// is kept beside them, in records of its own.
+/// The memory keeps the diagnostic trouble codes of the modules (wire::FaultCode). A fault that has gone stays
+/// confirmed until it is cleared, even over a loss of power, together with the circumstances of its first occurrence.
+/// The flash stores a log on two pages that are filled in turn (docs/flash_layout.md); a power failure loses at most
+/// the last entry. A fault is written only once until it is cleared, so that a loose contact does not wear the flash.
+/// The last crash of the controller is stored beside the faults, in separate records.
 class FaultMemory {
  public:
   static constexpr std::size_t kFirstPage =
-      layout::kFirstFaultPage;  ///< and the next one; a smaller flash keeps nothing
+      layout::kFirstFaultPage;  ///< It uses this page and the next one; a smaller flash stores nothing.
   static constexpr std::size_t kRecordBytes = 16;
 
   using Freeze = wire::Freeze;
 
-  /// Keeps its log in `flash`, which must outlive it; load() reads it.
+  /// Stores its log in `flash`, which must outlive it; load() reads it.
   explicit FaultMemory(FlashArea& flash) : flash_(flash) {}
-  /// Reads what was confirmed before. Call once after power-up.
+  /// Reads the earlier confirmed faults. Call it once after power-up.
   void load();
-  /// Notes the present state of a module; its earlier faults stay confirmed.
+  /// Records the present state of a module; its earlier faults stay confirmed.
   void note(TableRow row, wire::ModuleState state, Freeze now);
-  /// Keeps a crash in place of the one before. False: the flash refused; it stays in RAM.
+  /// Stores a crash in place of the previous one. Returns false if the flash refused; the crash then stays in RAM.
   bool note_crash(const wire::Crash& crash);
-  /// The last crash that was kept. Empty: none since the memory was cleared.
+  /// Returns the last crash that was stored; empty if there was none since the memory was cleared.
   [[nodiscard]] const std::optional<wire::Crash>& crash() const { return crash_; }
-  /// Forgets all faults and the crash. False: the flash refused.
+  /// Deletes all faults and the crash. Returns false if the flash refused.
   bool clear();
-  /// Forgets the faults of the modules, whose rows have a new meaning with a new table. False: the flash refused.
+  /// Deletes the faults of the modules, because their rows mean other modules with a new table. Returns false if the
+  /// flash refused.
   bool clear_modules();
-  /// DTC and status of every entry that has one of the bits of `mask`.
+  /// Appends DTC and status of every entry that has one of the bits of `mask`.
   void report(std::uint8_t mask, ByteWriter& out) const;
-  /// Status and freeze data of one DTC. Empty: no such entry.
+  /// Returns status and freeze data of one DTC; empty if there is no such entry.
   [[nodiscard]] std::optional<wire::FreezeFrame> snapshot(std::uint32_t dtc) const;
 
  private:
   static constexpr std::uint8_t kTestFailed = wire::fault_status::kFailsNow,
                                 kConfirmed = wire::fault_status::kConfirmed;
-  static constexpr std::size_t kCrashPartBytes = 10;  // A record without mark, number and CRC.
+  static constexpr std::size_t kCrashPartBytes = 10;  // The size excludes mark, number and CRC of a record.
   static constexpr std::size_t kCrashRecords = (wire::Crash::kMaxBytes + kCrashPartBytes - 1) / kCrashPartBytes;
   static constexpr std::size_t kStates = wire::kModuleStateCount;
   static constexpr auto kFirstFault = static_cast<std::size_t>(wire::kFirstFaultState);
@@ -73,9 +74,9 @@ class FaultMemory {
   FlashArea& flash_;
   std::array<std::array<Entry, kStates>, layout::kMaxModules> entries_{};
   std::optional<wire::Crash> crash_;
-  std::array<std::uint8_t, kCrashRecords * kCrashPartBytes> crash_parts_{};  // Parts that replay() has read so far.
-  std::size_t crash_part_ = 0;                                               // Part that comes next.
-  std::size_t page_ = 0, used_ = 0;  // Records used on page_; 0: no page is started.
+  std::array<std::uint8_t, kCrashRecords * kCrashPartBytes> crash_parts_{};  // The parts were read by replay() so far.
+  std::size_t crash_part_ = 0;                                               // The next record must have this part.
+  std::size_t page_ = 0, used_ = 0;  // This many records are used on page_; 0 means that no page was started.
   std::uint32_t sequence_ = 0;
 };
 

@@ -8,30 +8,30 @@
 
 namespace triskin::fw {
 
-/// Sends the log to one host over a CAN port, a frame a millisecond at most: samples and answers go on beside it.
+/// Sends the log to one host over a CAN port, at most one frame per millisecond, so that samples and answers continue.
 class LogSender {
  public:
-  /// The host gets lines up to `level` from the oldest one on, in frames of at most `frame_bytes`; kOff ends it.
+  /// Sends lines up to `level` to the host, from the oldest one on, in frames of at most `frame_bytes`; kOff ends it.
   void set(wire::LogLevel level, std::uint8_t frame_bytes);
   [[nodiscard]] wire::LogLevel level() const { return reader_.level; }
-  /// When step() has a frame to send; UINT64_MAX: the host has all lines.
+  /// Returns when step() has a frame to send; UINT64_MAX means that the host has all lines.
   [[nodiscard]] std::uint64_t next_us(const Log& log) const;
-  /// Sends the next frame when it is due. `node`: the address of this controller.
+  /// Sends the next frame when it is due. `node` is the address of this controller.
   void step(const Log& log, CanPort& port, std::uint8_t node, std::uint64_t now_us);
 
  private:
   Log::Reader reader_{};
-  std::uint32_t begun_at_ = 0;  // Line of which a frame has been sent.
+  std::uint32_t begun_at_ = 0;  // A part of this line has been sent.
   std::uint64_t next_us_ = 0;
   std::uint8_t frame_bytes_ = 8;
   wire::LogEncoder encoder_;
 };
 
-/// Writes the log as text to a serial port: "    12.345 warning: module 5 absent". Never waits for the port.
+/// Writes the log as text to a serial port: "    12.345 warning: module 5 absent". It never waits for the port.
 class SerialLog {
  public:
   explicit SerialLog(SerialPort* port) : port_(port) {}
-  /// True while bytes wait for room: step() again within a millisecond.
+  /// Returns true while bytes wait for room; call step() again within a millisecond.
   [[nodiscard]] bool waits(const Log& log) const;
   void step(const Log& log);
 

@@ -12,48 +12,48 @@
 
 namespace triskin::fw {
 
-/// What the server asks of the rest of the application. Implemented in app/.
+/// The server needs these functions from the rest of the application; app/ implements them.
 class UdsHost {
  public:
   virtual ~UdsHost() = default;
-  /// Writes the value of an identifier; false: not known.
+  /// Writes the value of an identifier; returns false if it is unknown.
   virtual bool read_identifier(std::uint16_t did, ByteWriter& out) = 0;
-  /// kOk, kOutOfRange (unknown or bad value).
+  /// Writes an identifier. Returns kOk, or kOutOfRange for an unknown identifier or a bad value.
   virtual Status write_identifier(std::uint16_t did, Bytes value) = 0;
-  /// Starts a routine; its immediate result bytes go to `out`. kOk; kOutOfRange: no such routine; else why it cannot
-  /// start.
+  /// Starts a routine and appends its immediate result to `out`. Returns kOk; kOutOfRange if there is no such routine;
+  /// otherwise why it cannot start.
   virtual Status start_routine(std::uint16_t routine, Bytes option, ByteWriter& out) = 0;
-  /// Writes the result of a routine. kOk; kOutOfRange: no such routine, or none that was started.
+  /// Writes the result of a routine. Returns kOk, or kOutOfRange if there is no such routine or it was not started.
   virtual Status routine_result(std::uint16_t routine, ByteWriter& out) = 0;
-  /// Clears the fault memory. kOk, kFlashFailed.
+  /// Clears the fault memory. Returns kOk or kFlashFailed.
   virtual Status clear_faults() = 0;
-  /// `mask` of status bits; writes the records of a wire::FaultList.
+  /// Writes the records of a wire::FaultList whose status has a bit of `mask`.
   virtual void read_faults(std::uint8_t mask, ByteWriter& out) = 0;
-  /// Writes a DTC with its status and freeze data (wire::FreezeFrame); false: no such entry.
+  /// Writes a DTC with its status and freeze data (wire::FreezeFrame); returns false if there is no such entry.
   virtual bool read_fault(std::uint32_t dtc, ByteWriter& out) = 0;
-  /// A reset was requested: restart when the answer has been sent.
+  /// Requests a reset, which must happen after the answer has been sent.
   virtual void request_reset() = 0;
-  /// Time of the port's clock, µs.
+  /// Returns the time of the port's clock in µs.
   [[nodiscard]] virtual std::uint64_t now_us() const = 0;
 };
 
-/// UDS server (ISO 14229-1) over any transport. One request at a time; no heap. Sessions time out after S3; writing
-/// needs the programming or extended session and security access. Functional requests are answered only when positive.
+/// The UDS server (ISO 14229-1) works over any transport. It handles one request at a time and uses no heap. Sessions
+/// time out after S3; writing needs the programming or extended session and security access. Functional requests are
+/// answered only when positive.
 class UdsServer {
  public:
   static constexpr std::size_t kMaxResponse = 512;
   /// Host and tables must outlive the server.
   UdsServer(UdsHost& host, TableStore& tables) : host_(host), tables_(tables) {}
 
-  /// Answers a request; empty: no response is to be sent.
+  /// Answers a request; an empty answer means that nothing is sent.
   [[nodiscard]] Bytes handle(Bytes request, bool functional);
-  /// Falls back to the default session when the tester has gone.
+  /// Returns to the default session when the tester has gone.
   void tick();
-  /// A download or upload is under way: the bus belongs to it.
+  /// Returns true while a download or upload is running, during which the bus is reserved for it.
   [[nodiscard]] bool transferring() const { return transfer_ != Transfer::kNone; }
   /// Restores the state after power-up: default session, locked, no transfer.
   void restart();
-  /// The session that is active.
   [[nodiscard]] wire::Session session() const { return session_; }
 
  private:

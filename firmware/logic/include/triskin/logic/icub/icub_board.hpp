@@ -10,44 +10,44 @@
 
 namespace triskin::fw {
 
-/// The controller as an iCub host sees it: answers and obeys the commands of an MTB4 skin board. Settings are kept in
-/// RAM, as there. What is refused stands in state(). docs/icub.md.
+/// To an iCub host, the controller looks like this: it answers and obeys the commands of an MTB4 skin board. As there,
+/// settings are kept in RAM. state() reports refused commands. See docs/icub.md.
 class IcubBoard {
  public:
-  /// Who is spoken to.
+  /// A command needs these facts about the controller.
   struct Self {
     std::uint8_t node_address;
-    std::uint32_t version;  ///< major, minor, patch, build from the high byte down
+    std::uint32_t version;  ///< The numbers are major, minor, patch and build, from the highest byte down.
     const wire::UniqueId& unique_id;
     std::uint64_t now_us;
   };
-  /// What a command sets off besides its answers.
+  /// A command can have these effects besides its answers.
   struct Reaction {
-    std::optional<bool> transmit;              ///< start or stop the stream
-    bool calibrate = false;                    ///< the next reading of each triangle becomes its value at rest
-    bool restart = false;                      ///< start anew as after power-up
-    std::optional<std::uint8_t> node_address;  ///< 1 … 14, to be stored
+    std::optional<bool> transmit;              ///< The command starts or stops the stream.
+    bool calibrate = false;                    ///< The next reading of each triangle becomes its rest value.
+    bool restart = false;                      ///< The controller must restart as after power-up.
+    std::optional<std::uint8_t> node_address;  ///< This address, 1 … 14, must be stored.
   };
-  /// `frame` has an 11-bit identifier. Answers wait in reply().
+  /// Handles a frame with an 11-bit identifier. Answers wait in reply().
   [[nodiscard]] Reaction handle(const wire::CanFrame& frame, const Self& self);
 
-  /// The answer that waits longest; nullptr: none.
+  /// Returns the oldest answer, or nullptr.
   [[nodiscard]] const wire::CanFrame* reply() const {
     return reply_at_ < reply_count_ ? &replies_[reply_at_] : nullptr;
   }
-  /// Takes reply() out, which was sent.
+  /// Removes reply() after it was sent.
   void pop_reply() { ++reply_at_; }
 
-  /// True when triangle 0 … 15 takes part in the stream.
+  /// Returns true when triangle 0 … 15 takes part in the stream.
   [[nodiscard]] bool enabled(std::size_t triangle) const { return (enabled_ >> triangle & 1) != 0; }
-  /// Bits by which the change of a triangle is shifted, 0 … 15.
+  /// Returns by how many bits the change of a triangle is shifted, 0 … 15.
   [[nodiscard]] int shift(std::size_t triangle) const { return shift_[triangle]; }
-  /// Value at rest.
+  /// Returns the value at rest.
   [[nodiscard]] int no_load() const { return no_load_; }
   [[nodiscard]] wire::icub::SkinType skin_type() const { return skin_type_; }
-  /// True if a sample at `now_us` is to be sent; keeps the mean period that the host asked for.
+  /// Returns true if a sample must be sent at `now_us`; on average, it keeps the period that the host asked for.
   [[nodiscard]] bool due(std::uint64_t now_us);
-  /// FD30.
+  /// Returns the value of FD30.
   [[nodiscard]] wire::icub::State state(std::uint8_t node_address) const;
 
  private:
@@ -74,7 +74,7 @@ class IcubBoard {
   std::uint16_t enabled_ = 0xFFFF;
   std::uint64_t next_us_ = 0;
   std::uint8_t flags_ = 0, last_refused_ = 0, refused_ = 0;
-  std::array<wire::CanFrame, 16> replies_{};  // A request that finds no room gets no answer: the host asks again.
+  std::array<wire::CanFrame, 16> replies_{};  // A request without room gets no answer, and the host asks again.
   std::size_t reply_at_ = 0, reply_count_ = 0;
 };
 

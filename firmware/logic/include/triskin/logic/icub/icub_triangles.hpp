@@ -9,18 +9,18 @@
 
 namespace triskin::fw {
 
-/// Makes the values of the iCub stream from the readings of the modules, as an MTB4 board does. docs/icub.md.
+/// Computes the values of the iCub stream from the readings of the modules, as an MTB4 board does. See docs/icub.md.
 class IcubTriangles {
  public:
-  /// The next reading of every taxel is its value at rest.
+  /// Makes the next reading of every taxel its rest value.
   void calibrate() { known_ = {}; }
-  /// A new reading of the module in row `row` of the table.
+  /// Updates the module in row `row` of the table with a reading.
   void read(std::size_t row, const ModuleSample& sample);
-  /// What is sent for the module in row `row` at place `triangle`. A module without a reading, or not yet calibrated,
-  /// is at rest: a host takes zeros for full pressure.
+  /// Returns the values for the module in row `row` at place `triangle`. A module that was not read or not calibrated
+  /// yet counts as at rest, because a host would take zeros for full pressure.
   [[nodiscard]] wire::IcubTaxels taxels(std::size_t row, const ModuleSample& sample, const IcubBoard& board,
                                         std::size_t triangle) const;
-  /// Frame content for a place where the table has no module.
+  /// Returns the frame contents for a place where the table has no module.
   [[nodiscard]] static wire::IcubTaxels nobody(const IcubBoard& board, std::size_t triangle);
 
  private:
@@ -28,8 +28,9 @@ class IcubTriangles {
                          wire::icub::SkinType type) const;
 
   std::array<std::array<std::uint16_t, layout::kTaxelsPerModule>, layout::kMaxModules> rest_{};
-  std::array<std::uint8_t, layout::kMaxModules> restarts_{};  // Restarts of the compensation when rest_ was taken.
-  std::array<std::uint16_t, layout::kMaxModules> known_{};    // Bit t: taxel t has a value at rest.
+  // The compensation had restarted this often when rest_ was taken.
+  std::array<std::uint8_t, layout::kMaxModules> restarts_{};
+  std::array<std::uint16_t, layout::kMaxModules> known_{};  // Bit t says that taxel t has a rest value.
 };
 
 }  // namespace triskin::fw

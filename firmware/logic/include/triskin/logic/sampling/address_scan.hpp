@@ -6,35 +6,35 @@
 
 namespace triskin::fw {
 
-/// What answers on a line, whether the table knows it or not.
+/// Chips that answer on a line, whether the table knows them or not.
 struct LineScan {
-  std::uint8_t answers = 0;   ///< bit a: a chip acknowledges at address a
-  std::uint8_t wrong_id = 0;  ///< bit a: and its device id is not an AD7147's
+  std::uint8_t answers = 0;   ///< Bit a says that a chip acknowledges at address a.
+  std::uint8_t wrong_id = 0;  ///< Bit a says that this chip is not an AD7147 by its device id.
   bool stuck = false;
   bool done = false;
 };
 
-/// Reads the device id at each address of a line, one after another, on request. Pure: it names the address to ask
-/// next and takes the answer; the caller makes the transfers.
+/// Reads the device id at each address of a line, one after another, on request. It contains no transfers: it names the
+/// next address and receives the answer; the caller makes the transfers.
 class AddressScan {
  public:
-  /// Forgets the last result; a scan is to begin.
+  /// Discards the last result and requests a scan.
   void request();
-  /// A scan was requested and has not begun.
+  /// Returns true if a scan was requested and has not started.
   [[nodiscard]] bool requested() const { return requested_; }
-  /// Begins with address 0.
+  /// Starts with address 0.
   void begin();
-  /// Address to ask now, 0..3.
+  /// Returns the present address, 0..3.
   [[nodiscard]] std::uint8_t address() const { return address_; }
-  /// The transfer at address() ended with `transfer`; if that is kOk, `identity` says whose id was read. True: ask at
-  /// address(), which is the next one. False: the scan is done.
+  /// Reports that the transfer at address() ended with `transfer`; if that is kOk, `identity` says whose id was read.
+  /// Returns true if the next address must be asked, false if the scan is complete.
   [[nodiscard]] bool answered(Status transfer, Status identity);
-  /// The transfer was cut short, its answer does not count: the scan is to begin again.
+  /// Reports that the transfer was cut short, so its answer does not count and the scan must start again.
   void interrupt() { requested_ = true; }
-  /// The line was held low. `freed`: begin again, what answered until then is incomplete; otherwise the scan ends with
-  /// the line stuck.
+  /// Reports that the line was held low. If `freed`, the scan starts again, because the answers so far are incomplete;
+  /// otherwise it ends with the line stuck.
   void line_stuck(bool freed);
-  /// What the last complete scan found.
+  /// Returns the result of the last complete scan.
   [[nodiscard]] const LineScan& result() const { return result_; }
 
  private:

@@ -6,24 +6,24 @@
 
 namespace triskin::fw {
 
-/// When the configuration of a chip is read back: now and then, and before results count that a chip without
-/// configuration would give as well. Pure.
+/// Decides when the configuration of a chip is read back: regularly, and before results count that an unconfigured chip
+/// would give as well. It makes no transfers.
 class ConfigurationCheck {
  public:
-  static constexpr std::uint8_t kEvery = 16;  ///< readings between two checks
+  static constexpr std::uint8_t kEvery = 16;  ///< The configuration is read back after this many readings.
 
-  /// The configuration was written, or found as written.
+  /// Notes that the configuration was written, or found correct.
   void confirmed() { unchecked_ = 0; }
-  /// The next results count only when the configuration holds: another chip may have been read.
+  /// Makes the next results count only if the configuration is correct, because another chip may have been read.
   void require() { required_ = true; }
-  /// `results` were read. True: they count only when the configuration holds. A chip without it reads like one at the
+  /// Returns true if `results` count only when the configuration is correct. An unconfigured chip reads like one at the
   /// end of its range.
   [[nodiscard]] bool needed_for(const ad7147::Results& results);
-  /// Results were used without a check. True: a check is due, when the line has time for it.
+  /// Notes that results were used without a check. Returns true if a check is due, when the line has time for it.
   [[nodiscard]] bool due_after_reading() { return ++unchecked_ >= kEvery; }
 
  private:
-  std::uint8_t unchecked_ = 0;  // Readings since the last check.
+  std::uint8_t unchecked_ = 0;  // Readings are counted from the last check.
   bool required_ = false;
 };
 

@@ -6,36 +6,37 @@
 
 namespace triskin::fw {
 
-/// Tells one chip at an address from two. Two chips at one address answer together and nobody sees it on the bus:
-/// their data are a wired AND. So a chip that was found is read at both inputs of its converter. The two results of
-/// one chip mirror each other at mid scale; the wired AND of two chips that differ by d counts is smaller by d at
-/// least, because x AND y = (x + y - (x XOR y)) / 2 and x XOR y ≥ |x - y|. Two chips whose taxels rest at exactly the
-/// same counts cannot be told from one this way. Pure: results in, verdict out.
+/// Distinguishes one chip at an address from two. Two chips at one address answer together, which the bus does not
+/// show, because their data combine as a wired AND. So a chip that was found is read at both inputs of its converter.
+/// The two results of one chip mirror each other at mid scale; the wired AND of two chips that differ by d counts is
+/// smaller by at least d, because x AND y = (x + y - (x XOR y)) / 2 and x XOR y ≥ |x - y|. Two chips whose taxels
+/// rest at exactly the same counts cannot be detected this way. It makes no transfers: it receives results and gives a
+/// verdict.
 class DuplicateCheck {
  public:
-  static constexpr std::uint32_t kMinDeficit = 32;  ///< two chips are suspected from this mean deficit on, counts
-  /// Required in a row, since a release between the two readings looks the same once.
+  static constexpr std::uint32_t kMinDeficit = 32;  ///< From this mean deficit on, in counts, two chips are suspected.
+  /// So many in a row are required, because a release between the two readings looks the same once.
   static constexpr int kMinSuspicions = 3;
-  static constexpr std::uint64_t kPause_us = 1'000'000;  ///< pause before a duplicate is checked again
+  static constexpr std::uint64_t kPause_us = 1'000'000;  ///< A duplicate is checked again after this pause.
 
   enum class Verdict : std::uint8_t {
     kSingle,
-    kSuspected,  ///< read both inputs again
-    kDuplicate,  ///< seen kMinSuspicions times; after the pause one more reading like it is enough
+    kSuspected,  ///< Both inputs must be read again.
+    kDuplicate,  ///< The deficit was seen kMinSuspicions times; after the pause one more such reading is enough.
   };
 
-  /// One chip was found here since it was last absent: no check is needed.
+  /// Returns true if one chip was found here since it was last absent, so that no check is needed.
   [[nodiscard]] bool passed() const { return passed_; }
-  /// Who answers here next may be another chip, or two.
+  /// Requires a new check, because the next chip that answers here may be another one, or two.
   void forget() { passed_ = false; }
-  /// The chip of before is still there.
+  /// Notes that the same chip is still there.
   void confirm() { passed_ = true; }
-  /// Results of the input that is not used later, to be compared with the next ones of the other.
+  /// Stores results of the unused input, to compare them with the next ones of the used input.
   void store_other(const ad7147::Results& results) { other_ = results; }
-  /// What store_other() was given last; once the check has passed the caller may keep other results there.
+  /// Returns the last results of store_other(); once the check has passed, the caller may store other results there.
   [[nodiscard]] const ad7147::Results& other() const { return other_; }
-  /// Results of the input that is used, with the same offsets. Taxels at an end of their range in either reading do not
-  /// count.
+  /// Compares results of the used input, with the same offsets. Taxels at an end of their range in either reading do
+  /// not count.
   [[nodiscard]] Verdict compare(const ad7147::Results& used);
 
  private:

@@ -9,28 +9,28 @@ namespace triskin::fw {
 
 /// Finds out when a chip shows its results, which the data sheet leaves open: each at the end of its stage, or all at
 /// the end of the sequence. A chip whose offsets changed between two restarts of its sequence is read in mid-sequence:
-/// the results of the first stages are already those with the new offsets, or still those with the old ones. Pure:
-/// results in, verdict out.
+/// the results of the first stages then have either the new offsets or still the old ones. It makes no transfers: it
+/// receives results and gives a verdict.
 class LatchProbe {
  public:
-  /// Share of the nominal sequence after which the probe may begin.
+  /// The probe may begin after this percentage of the nominal sequence.
   static constexpr std::uint32_t kBegin_percent = 55;
-  static constexpr std::uint32_t kEnd_percent = 96;      ///< share at which the fastest oscillator ends the sequence
-  static constexpr int kStages = Ad7147::kOffsetStages;  ///< first stages, which have ended by then
+  static constexpr std::uint32_t kEnd_percent = 96;  ///< At this percentage the fastest oscillator ends the sequence.
+  static constexpr int kStages = Ad7147::kOffsetStages;  ///< These first stages have ended by then.
   static constexpr int kMaxProbes = 3;
 
-  /// Nothing is known about the chip.
+  /// Discards everything that is known about the chip.
   void forget() { *this = {}; }
-  /// What is known about the chip.
+  /// Returns what is known about the chip.
   [[nodiscard]] wire::Latching latching() const { return latching_; }
-  /// A probe would help.
+  /// Returns true if a probe would help.
   [[nodiscard]] bool wanted() const { return latching_ == wire::Latching::kUnknown; }
-  /// `results` were read in mid-sequence.
+  /// Stores `results` that were read in mid-sequence.
   void store(const ad7147::Results& results);
-  /// The sequence ended without a reading in its middle, or another one begins.
+  /// Notes that the sequence ended without a reading in its middle, or that another one begins.
   void skip() { probed_ = false; }
-  /// Results before the change of the configuration and at the end of the sequence. After kMaxProbes without a
-  /// verdict the chip is taken for one that shows each result at the end of its stage.
+  /// Compares with the results before the change of the configuration and at the end of the sequence. After kMaxProbes
+  /// without a verdict, the chip is assumed to show each result at the end of its stage.
   void compare(const ad7147::Results& before, const ad7147::Results& after);
 
  private:

@@ -10,23 +10,24 @@
 
 namespace triskin::fw {
 
-/// What is known about one module of the table: its state and its last sample.
+/// Each module of the table has its state and its last sample here.
 struct ModuleSample {
   wire::ModuleState state = wire::ModuleState::kUnknown;
   std::array<std::uint16_t, layout::kTaxelsPerModule> raw{};
-  std::uint16_t valid = 0;    ///< bit t: taxel t was read in the last sequence, is inside its range and not frozen
-  std::uint32_t number = 0;   ///< counts the sequences that were to be read: one left out is a lost sample
-  std::uint64_t time_us = 0;  ///< end of the sequence
-  bool fresh = false;         ///< set by the sampler with each reading or failure, cleared by who sends it on
-  std::uint8_t unheard = 0;   ///< nominal sequences since the sampler reported something
+  /// Bit t says that taxel t was read in the last sequence, is inside its range and not frozen.
+  std::uint16_t valid = 0;
+  std::uint32_t number = 0;   ///< All sequences that had to be read are counted, so a gap is a lost sample.
+  std::uint64_t time_us = 0;  ///< The sequence ended at this time.
+  bool fresh = false;         ///< The sampler sets it with each reading or failure, and the sender clears it.
+  std::uint8_t unheard = 0;   ///< The sampler has reported nothing for this many nominal sequences.
   Compensation compensation;
 
-  /// Takes the results of one sequence; `frozen` has a bit for each taxel that does not change any more. Sets the
-  /// validity of each taxel and the state, and feeds the compensation.
+  /// Stores the results of one sequence; `frozen` has a bit for each frozen taxel. Sets the validity of each taxel and
+  /// the state, and updates the compensation.
   void store(const ad7147::Results& results, std::uint16_t frozen);
-  /// Nothing was read, for the reason `why`: no taxel is valid.
+  /// Stores that nothing was read because of `why`; no taxel is valid.
   void store_failure(wire::ModuleState why);
-  /// Hands over what was stored: the next sample number, `at_us`, fresh.
+  /// Publishes what was stored, with the next sample number and `at_us`, as fresh.
   void publish(std::uint64_t at_us);
 };
 

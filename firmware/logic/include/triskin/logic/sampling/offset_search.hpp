@@ -7,29 +7,33 @@
 
 namespace triskin::fw {
 
-/// Finds the offset of each stage of a chip: an electrode has 2 to 18 pF, the converter sees ± 8 pF around its offset.
-/// Each taxel is to rest in the middle third of the range. One reading shows how far off a taxel is; a taxel at an end
-/// of its range moves by half a range. Offsets that are known stay unless their taxel rests outside the middle third.
-/// Three readings are enough for electrodes in 2 … 18 pF. Pure: results in, offsets out.
+/// Finds the offset of each stage of a chip: an electrode has 2 to 18 pF, but the converter covers only ± 8 pF around
+/// its offset. Each taxel should rest in the middle third of the range. One reading shows how far off a taxel is; the
+/// offset of a taxel at an end of its range moves by half a range. Known offsets stay unless their taxel rests outside
+/// the middle third. Three readings are enough for electrodes in 2 … 18 pF. It makes no transfers: it receives
+/// results and gives offsets.
 class OffsetSearch {
  public:
-  static constexpr std::uint8_t kFirst = 31;    ///< 9.92 pF: a converter sees 1.92 … 17.92 pF
-  static constexpr std::uint8_t kFarStep = 25;  ///< 8 pF: beyond the end of the range
-  static constexpr int kMaxRounds = 8;          ///< readings: what does not settle is not one chip
-  static constexpr int kCenteringRounds = 4;    ///< … of a search without known offsets that go for the middle
+  static constexpr std::uint8_t kFirst = 31;    ///< At 9.92 pF a converter covers 1.92 … 17.92 pF.
+  static constexpr std::uint8_t kFarStep = 25;  ///< A step of 8 pF reaches beyond the end of the range.
+  /// If the search does not settle within so many readings, there is more than one chip.
+  static constexpr int kMaxRounds = 8;
+  /// Of a search without known offsets, so many readings aim for the middle.
+  static constexpr int kCenteringRounds = 4;
   static constexpr std::int32_t kThird = 0x8000 / 3;
 
-  /// Nothing is known.
+  /// Starts without known offsets.
   void begin();
-  /// Offsets that were right before.
+  /// Starts with offsets that were right before.
   void begin(const ad7147::Offsets& known);
-  /// `results` were read with offsets() at the input `polarity`. True: the offsets have changed, configure and read
-  /// again. False: they stand; outside() tells which taxels could not be brought where they belong.
+  /// Evaluates `results`, read with offsets() at the input `polarity`. Returns true if the offsets have changed and the
+  /// chip must be configured and read again; false if they are final, and outside() tells which taxels could not be
+  /// brought into the middle third.
   [[nodiscard]] bool adjust(const ad7147::Results& results, Ad7147::Polarity polarity);
 
-  /// Steps of each stage, 0 … ad7147::kMaxOffset.
+  /// Returns the steps of each stage, 0 … ad7147::kMaxOffset.
   [[nodiscard]] const ad7147::Offsets& offsets() const { return offsets_; }
-  /// Bit t: taxel t rested outside the middle third in the last reading.
+  /// Bit t says that taxel t rested outside the middle third in the last reading.
   [[nodiscard]] std::uint16_t outside() const { return outside_; }
 
  private:

@@ -13,35 +13,36 @@
 
 namespace triskin::fw {
 
-/// Divides the time of one line among its chips: it says which transfer is due and learns how each one ended. Each
-/// chip is read once a sequence, in the window in which its twelve results belong together (SequenceClock). Everything
-/// else on the line begins only when no window opens before its end: transactions of the caller (identify, configure,
-/// verify), restarts of a sequence, and readings of the status, which refine the clocks. When three chips of a line
-/// come to end at the same time, so that one could not be read in its window, one begins its next sequence anew a
-/// little later.
+/// Divides the time of one line among its chips: it says which transfer is due and learns how each one ended. Each chip
+/// is read once per sequence, in the window in which its twelve results belong together (SequenceClock). All other work
+/// on the line starts only if it ends before the next window opens: transactions of the caller (identify, configure,
+/// verify), restarts of a sequence, and readings of the status, which refine the clocks. When the sequences of three
+/// chips of a line would end at the same time, so that one could not be read in its window, one of them restarts its
+/// sequence a little later.
 ///
-/// With SamplingTiming::kTimer none of that is done: each chip is read once a nominal sequence, whatever it converts
-/// then. That is for comparison with installed boards.
+/// With SamplingTiming::kTimer, each chip is simply read once per nominal sequence, whatever it converts then. This
+/// mode allows a comparison with installed boards.
 ///
-/// Pure: it makes no transfer and knows no clock but `now_us`. Stations are numbered from 0 in the order in which the
-/// caller keeps them; a station that is neither started nor has an transaction asks for nothing. The earliest end goes
-/// first among readings, the lowest number among other transfers. Cost: no call but read() visits more than the four
-/// stations; read() tries up to 185 moments for a restart.
+/// The class makes no transfers and knows no clock except `now_us`. Stations are numbered from 0 in the caller's order;
+/// a station that is neither started nor has a transaction asks for nothing. Among readings the earliest end has
+/// priority, among other transfers the lowest number. Cost: no call except read() visits more than the four stations;
+/// read() tries up to 185 moments for a restart.
 class ReadingSchedule {
  public:
   static constexpr std::size_t kStations = layout::kAddressesPerLine;
   static constexpr std::uint64_t kNever_us = UINT64_MAX;
-  static constexpr std::uint64_t kBurst_us = 800;  ///< a reading, and until the next transfer can begin
+  /// A reading takes this long, including the time until the next transfer can start.
+  static constexpr std::uint64_t kBurst_us = 800;
   static constexpr std::uint64_t kShort_us =
-      250;                                        ///< a restart, a reading of the status, an transaction of a few bytes
-  static constexpr std::uint64_t kLong_us = 500;  ///< an transaction that writes the setup of a stage
+      250;  ///< A restart, a reading of the status, or a transaction of a few bytes takes this long.
+  static constexpr std::uint64_t kLong_us = 500;  ///< A transaction that writes the setup of a stage takes this long.
 
   enum class Action : std::uint8_t {
     kNothing,
-    kRead,         ///< twelve results: then read(), or nothing when they do not count
-    kTransaction,  ///< what the caller planned for the station: it stays planned until it is changed or cancelled
-    kRestart,      ///< of the sequence: then restarted()
-    kStatus,       ///< the stage-complete status: then status_read()
+    kRead,         ///< The caller reads twelve results and then calls read(), or nothing when they do not count.
+    kTransaction,  ///< The caller's transaction stays planned until it is changed or cancelled.
+    kRestart,      ///< The caller restarts the sequence and then calls restarted().
+    kStatus,       ///< The caller reads the stage-complete status and then calls status_read().
   };
   struct Due {
     Action action = Action::kNothing;
@@ -49,73 +50,76 @@ class ReadingSchedule {
     bool operator==(const Due&) const = default;
   };
 
-  /// Once, before all else: sequences of `stations` chips last `nominal_us`, and each `every`-th (1..255) is sampled.
+  /// Must be called first: sequences of `stations` chips last `nominal_us`, and each `every`-th (1..255) is sampled.
   void begin(std::size_t stations, std::uint32_t nominal_us, std::uint8_t every,
              wire::SamplingTiming timing = wire::SamplingTiming::kTracked);
 
-  /// Sets the number of chips to `stations`; those from `first` on are new to the schedule and have no transfer under
-  /// way.
+  /// Sets the number of chips to `stations`; those from `first` on are new to the schedule and have no running
+  /// transfer.
   void replace_from(std::size_t first, std::size_t stations);
 
-  /// The station asks for a transfer of the caller's, not before `at_us`, that takes `length_us` at most. One at a
-  /// time: the last one counts.
+  /// Plans a transfer of the caller's for the station, not before `at_us`, that takes at most `length_us`. A new plan
+  /// replaces the last one.
   void plan_transaction(std::size_t station, std::uint64_t at_us, std::uint64_t length_us);
-  /// When the transaction of the station may begin; kNever_us: it has none.
+  /// Returns when the transaction of the station may begin; kNever_us means that it has none.
   [[nodiscard]] std::uint64_t transaction_us(std::size_t station) const { return plans_[station].transaction_us; }
-  /// The station asks for no transaction any more.
+  /// Cancels the station's transaction.
   void cancel_transaction(std::size_t station);
 
-  /// The chip's first sequence was started at `at_us`; nothing is known about its oscillator. No transaction is left.
-  /// `latching`: when it shows its results.
+  /// Notes that the chip's first sequence was started at `at_us`; its oscillator is unknown, and no transaction is
+  /// left. `latching` says when it shows its results.
   void start(std::size_t station, std::uint64_t at_us, wire::Latching latching = wire::Latching::kEachStage);
-  /// When the chip shows its results, which was not known at its start.
+  /// Sets when the chip shows its results, which was not known at its start.
   void set_latching(std::size_t station, wire::Latching latching);
-  /// The chip is not read any more.
+  /// Stops reading the chip.
   void stop(std::size_t station);
-  /// A stopped chip is read again, as if it had gone on converting.
+  /// Reads a stopped chip again, as if it had continued to convert.
   void take_up(std::size_t station);
-  /// The status of a chip may have been read by others, or not at all: refinements begin anew.
+  /// Restarts the refinement, because the status of a chip may have been read by others, or not at all.
   void forget_status(std::size_t station);
 
-  /// What is to begin at `now_us`. Passes over sequences whose window has closed, see take_missed().
+  /// Returns what must begin at `now_us`. Sequences whose window has closed are skipped; see take_missed().
   [[nodiscard]] Due due(std::uint64_t now_us);
-  /// When due() gives or changes something after `now_us`, if nothing is begun before.
+  /// Returns when the result of due() will change after `now_us` if nothing is started before.
   [[nodiscard]] std::uint64_t next_us(std::uint64_t now_us) const;
 
-  /// A burst that ended on the line at `ended_us` was over before its results could be of two sequences: one that
-  /// nobody slows down lasts `burst_us`. One that a chip has slowed down, or that was made again, may not be.
+  /// Returns true if a burst that ended on the line at `ended_us` was over before its results could belong to two
+  /// sequences. An undisturbed burst lasts `burst_us`; one that a chip has slowed down, or that was repeated, may take
+  /// too long.
   [[nodiscard]] bool in_time(std::size_t station, std::uint64_t ended_us, std::uint32_t burst_us) const {
     constexpr std::uint64_t kLatency_us = 20;
     return by_timer_ || ended_us <= plans_[station].close_us + burst_us + kLatency_us;
   }
-  /// The results of the present sequence stand, at `now_us`. Result: when it ended, µs (by a timer: now); empty: it is
-  /// not one that is sampled.
+  /// Notes that the results of the present sequence are available at `now_us`. Returns when it ended in µs (by a
+  /// timer: now), or nothing if it is not one that is sampled.
   [[nodiscard]] std::optional<std::uint64_t> read(std::size_t station, std::uint64_t now_us);
-  /// The transfer of the status ended on the line at `ended_us`; bit s of `status`: stage s was converted since the
-  /// last one.
+  /// Notes that the transfer of the status ended on the line at `ended_us`; bit s of `status` says that stage s was
+  /// converted since the last one.
   void status_read(std::size_t station, std::uint16_t status, std::uint64_t ended_us);
-  /// The transfer that restarts the sequence ended on the line at `ended_us`.
+  /// Notes that the transfer that restarts the sequence ended on the line at `ended_us`.
   void restarted(std::size_t station, std::uint64_t ended_us);
-  /// A restart or a reading of the status was not acknowledged: the next reading tells more.
+  /// Notes that a restart or a reading of the status was not acknowledged; the next reading will tell more.
   void failed(std::size_t station);
-  /// Sequences that were to be sampled and came and went unread since this was asked last.
+  /// Returns how many sequences that had to be sampled passed unread since the last call.
   [[nodiscard]] std::uint32_t take_missed(std::size_t station) { return std::exchange(plans_[station].missed, 0U); }
 
  private:
   struct Plan {
-    bool running = false;  // Read once per sequence.
+    bool running = false;  // The chip is read once per sequence.
     bool clear_wanted = false, restart_wanted = false;
-    int refine_stage = 0;          // Stage whose end the next status is to show.
-    std::uint32_t to_pass = 0;     // Sequences until the one to be sampled; 0: the present one.
-    std::uint32_t passed = 1;      // Sequences by which the clock advanced.
-    std::uint32_t missed = 0;      // Returned by take_missed().
-    std::uint64_t status_us = 0;   // Time at which this sequence's status was read, and so cleared; 0: not yet.
-    std::uint64_t restart_us = 0;  // Time at which the sequence is to be restarted.
+    int refine_stage = 0;       // The next status should show the end of this stage.
+    std::uint32_t to_pass = 0;  // So many sequences pass before the one to be sampled; 0 means the present one.
+    std::uint32_t passed = 1;   // The clock advanced by so many sequences.
+    std::uint32_t missed = 0;   // take_missed() returns this number.
+    // The status of this sequence was read, and so cleared, at this time; 0 means not yet.
+    std::uint64_t status_us = 0;
+    std::uint64_t restart_us = 0;  // The sequence must be restarted at this time.
     std::uint64_t transaction_us = kNever_us, transaction_length_us = 0;
     SequenceClock clock;
-    // Times from the clock, computed once after each change: due() compares them all the time, and the clock has to
-    // divide.
-    std::uint64_t open_us = 0, close_us = 0, end_us = 0;  // Window of the reading, and end of the present sequence.
+    // These times come from the clock and are computed once after each change, because due() compares them all the time
+    // and the clock has to divide.
+    // The window of the reading opens and closes at the first two times, and the present sequence ends at the third.
+    std::uint64_t open_us = 0, close_us = 0, end_us = 0;
     bool uncertain = false;
     void clock_changed();
   };

@@ -23,88 +23,89 @@
 
 namespace triskin::fw {
 
-/// How the converters of a patch are run.
+/// The settings apply to all converters of a patch.
 struct Sampling {
   wire::Decimation decimation = wire::Decimation::k256;
-  std::uint8_t every = 1;  ///< 1..255: each n-th sequence is read
+  std::uint8_t every = 1;  ///< Each n-th sequence is read, 1..255.
   wire::SamplingTiming timing = wire::SamplingTiming::kTracked;
   bool operator==(const Sampling&) const = default;
 };
 
-/// Drives one line: finds, configures, checks and reads its chips. step() never waits. It makes the transfers and hands
-/// their results to the parts that decide: AddressScan (what answers), Presence (when an address is asked for its
-/// chip), OffsetSearch (what each stage takes away), DuplicateCheck (one chip or two), LatchProbe (when a chip shows
-/// its results), ConfigurationCheck (when to read it back), ReadingSchedule (whose transfer is due), LineRecovery (what
-/// to do about a line that is held low). One bad chip or line stops no other.
+/// Drives one line: finds, configures, checks and reads its chips. step() never waits. It makes the transfers and
+/// passes their results to the parts that decide: AddressScan (which chips answer), Presence (when an address is asked
+/// for its chip), OffsetSearch (the offset of each stage), DuplicateCheck (one chip or two), LatchProbe (when a chip
+/// shows its results), ConfigurationCheck (when to read it back), ReadingSchedule (which transfer is due), LineRecovery
+/// (how to treat a line that is held low). One bad chip or line does not stop the others.
 class LineSampler {
  public:
-  /// What all lines share. Samples and offsets outlive the sampler, the table need not.
+  /// All lines share these data. Samples and offsets must outlive the sampler, but the table need not.
   struct Patch {
-    std::span<const layout::ModuleRow> rows;  ///< rows of the table
-    std::span<ModuleSample> samples;          ///< one per row
+    std::span<const layout::ModuleRow> rows;  ///< The rows are those of the table.
+    std::span<ModuleSample> samples;          ///< Each row has one sample.
     OffsetBook& offsets;
-    bool positive_input = false;  ///< the electrodes hang there: results are turned round
+    bool positive_input = false;  ///< The electrodes are on the positive input, so results are inverted.
   };
-  /// Forgets everything but the offsets and starts anew with those modules of the table that hang on this line.
+  /// Discards everything except the offsets and starts again with those modules of the table that are on this line.
   void begin(I2cLine& line, std::uint8_t line_index, const Patch& patch, const Sampling& sampling,
              std::uint64_t now_us);
-  /// Replaces the modules that the table does not know: adopted module k has row `own_rows` + k and is read where it
-  /// says. The modules of the table and the first `kept` adopted modules go on as they were. Between pause() and
-  /// resume(), when no transfer is under way.
+  /// Replaces the modules that are not in the table: adopted module k has row `own_rows` + k and is read at its stated
+  /// place. The modules of the table and the first `kept` adopted modules continue unchanged. Call it between pause()
+  /// and resume(), when no transfer is running.
   void replace_adopted(std::size_t own_rows, std::span<const wire::AdoptedModule> adopted_modules, std::size_t kept,
                        std::uint64_t now_us);
-  /// Also without a table: finds what answers at the four addresses; scan() has the result.
+  /// Requests a scan of the four addresses, which works without a table; scan() has the result.
   void request_scan();
-  /// Finds, configures and checks every chip of the line again.
+  /// Lets every chip of the line be found, configured and checked again.
   void request_check();
-  /// The same, and the offsets are searched from the beginning.
+  /// Does the same as request_check(), and searches the offsets from the beginning.
   void request_offsets();
-  /// Every chip of the table has been through its checks, or cannot be.
+  /// Returns true if every chip of the table has passed its checks, or cannot be checked.
   [[nodiscard]] bool checked() const;
-  /// Starts nothing new until resume(). True: no transfer is under way.
+  /// Starts nothing new until resume(). Returns true if no transfer is running.
   [[nodiscard]] bool pause();
-  /// Goes on after pause(): chips that were read before go on when they still hold their configuration.
+  /// Continues after pause(): chips that were read before continue if they still have their configuration.
   void resume(std::uint64_t now_us);
-  /// Does what is due.
+  /// Performs the work that is due.
   void step(std::uint64_t now_us);
-  /// What the last scan of the addresses found.
+  /// Returns the result of the last scan of the addresses.
   [[nodiscard]] const LineScan& scan() const { return scan_.result(); }
-  /// True while SDA or SCL is held low.
+  /// Returns true while SDA or SCL is held low.
   [[nodiscard]] bool stuck() const { return recovery_.stuck(); }
-  /// Bus clears since the sampler began.
+  /// Counts bus clears since the sampler started.
   [[nodiscard]] std::uint32_t recoveries() const { return recovery_.count(); }
-  /// Transfers that failed since the sampler was made.
+  /// Counts the transfers that failed since the sampler was made.
   [[nodiscard]] std::uint32_t bus_errors() const { return bus_errors_; }
-  /// When step() has something to do after `now_us`; max while a transfer is under way (the line reports its own end).
+  /// Returns when step() has work after `now_us`; the largest value while a transfer is running, because the line
+  /// reports its end.
   [[nodiscard]] std::uint64_t next_event_us(std::uint64_t now_us) const;
 
  private:
-  // The transfer that is under way.
+  // Names the transfer that is running.
   enum class Job : std::uint8_t {
     kIdle,
-    kDrain,  // one of before begin(): its end alone counts
+    kDrain,  // Only the end of this transfer counts, because it is from before begin().
     kScan,
     kIdentify,
-    kIdentifyUnconfigured,  // the chip does not hold its configuration: is it an AD7147 still?
+    kIdentifyUnconfigured,  // The chip has lost its configuration, so its id is read to see if it is still an AD7147.
     kConfigure,
     kRead,
-    kProbe,  // results in mid-sequence, for LatchProbe
+    kProbe,  // These results are read in mid-sequence, for LatchProbe.
     kVerify,
-    kVerifyReading,  // the results that were read count only when the configuration holds
+    kVerifyReading,  // The results that were read count only if the configuration is correct.
     kStatus,
     kRestart
   };
-  // Goal that a chip is on the way to. Readings of kOther (the input that is not used), kShifted (the one that is,
-  // with other offsets) and kFirst (as it is used) are not published: they belong to the checks.
+  // Each chip has one of these goals. Readings of kOther (the unused input), kShifted (the used one with other offsets)
+  // and kFirst (as it is used) are not published, because they belong to the checks.
   enum class Phase : std::uint8_t { kFind, kConfigure, kOther, kShifted, kFirst, kRun };
-  // One address of the line that the table has a module at.
+  // Each address of the line at which the table has a module has this state.
   struct ChipState {
     TableRow row{};
-    std::uint8_t address = 0;  // Address on the line, 0..3.
+    std::uint8_t address = 0;  // The address on the line is 0..3.
     Phase phase = Phase::kFind, after_configuration = Phase::kFind;
     std::uint8_t configuration_step = 0;
-    bool offsets_only = false;           // The configuration under way sets offsets only.
-    std::uint64_t offsets_begun_us = 0;  // Time of the restart before the offsets.
+    bool offsets_only = false;           // The present configuration sets only offsets.
+    std::uint64_t offsets_begun_us = 0;  // The sequence was restarted at this time, before the offsets.
     Presence presence;
     OffsetSearch offsets;
     DuplicateCheck duplicates;
@@ -167,7 +168,7 @@ class LineSampler {
   bool positive_input_ = false;
   Sampling sampling_;
   std::array<ChipState, layout::kAddressesPerLine> stations_{};
-  std::size_t station_count_ = 0, current_ = 0;  // current_ is the chip whose transfer is under way.
+  std::size_t station_count_ = 0, current_ = 0;  // The running transfer belongs to chip current_.
   Ad7147 chip_;
   ad7147::Results results_{};
   AddressScan scan_;
@@ -175,10 +176,11 @@ class LineSampler {
   LineRecovery recovery_;
   Job job_ = Job::kIdle;
   bool pausing_ = false;
-  int repeats_ = 0;                                      // Repeats of the transfer that starts a sequence.
-  std::uint32_t burst_us_ = ReadingSchedule::kBurst_us;  // The shortest burst so far: nobody slowed it down.
+  int repeats_ = 0;                                      // The transfer that starts a sequence was repeated this often.
+  std::uint32_t burst_us_ = ReadingSchedule::kBurst_us;  // The shortest burst so far was not slowed down by any chip.
   std::uint64_t job_start_us_ = 0, read_ended_us_ = 0;
-  std::uint64_t idle_until_us_ = 0;  // Nothing is due before; 0: the schedule has changed since it was asked.
+  // Nothing is due before this time; 0 means that the schedule has changed since it was asked.
+  std::uint64_t idle_until_us_ = 0;
   std::uint32_t bus_errors_ = 0;
 };
 

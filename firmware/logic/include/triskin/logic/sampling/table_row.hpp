@@ -5,11 +5,11 @@
 
 namespace triskin::fw {
 
-/// Row of the flashed table, by which samples, faults and frames name a module. Neither the module's id, which the
-/// design file gives it, nor the number under which discovery found it, nor a node address, which is a controller's.
+/// Samples, faults and frames name a module by its row of the flashed table. It differs from the module's id in the
+/// design file, from the number under which discovery found it, and from the node address of a controller.
 enum class TableRow : std::uint8_t {};
 
-inline constexpr TableRow kNoTableRow{0xFF};  ///< a module that the table does not know
+inline constexpr TableRow kNoTableRow{0xFF};  ///< The module is not in the table.
 
 [[nodiscard]] constexpr std::size_t index_of(TableRow row) {
   return static_cast<std::size_t>(row);

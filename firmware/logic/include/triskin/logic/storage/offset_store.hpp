@@ -12,38 +12,38 @@
 
 namespace triskin::fw {
 
-/// What is known about the offsets of the chip at one place. A place is a line and an address: the chip itself has
-/// nothing that names it but the kind and revision in its device id.
+/// The offsets belong to the chip at one place. A place is a line and an address, because the chip itself can only be
+/// recognized by the kind and revision in its device id.
 struct PlaceOffsets {
-  bool known = false;           ///< `steps` were right at least once
-  std::uint16_t device_id = 0;  ///< id of the chip that they were found for
-  ad7147::Offsets steps{};      ///< 0 … ad7147::kMaxOffset
-  bool to_store = false;        ///< newer than in the flash
+  bool known = false;           ///< The steps were right at least once.
+  std::uint16_t device_id = 0;  ///< They were found for a chip with this id.
+  ad7147::Offsets steps{};      ///< Each step is 0 … ad7147::kMaxOffset.
+  bool to_store = false;        ///< The offsets are newer than those in the flash.
   wire::OffsetState state = wire::OffsetState::kNone;
   wire::Latching latching = wire::Latching::kUnknown;
-  std::uint16_t outside = 0;   ///< bit t: taxel t rests outside the middle third
-  std::uint32_t searches = 0;  ///< number of searches that ended since power-up
+  std::uint16_t outside = 0;   ///< Bit t says that taxel t rests outside the middle third.
+  std::uint32_t searches = 0;  ///< Completed searches are counted from power-up.
 };
-/// Indexed by place: kAddressesPerLine · line + address.
+/// The index is the place: kAddressesPerLine · line + address.
 using OffsetBook = std::array<PlaceOffsets, layout::kMaxModules>;
 
-/// Keeps the offsets in flash: a log of records on two pages that are filled in turn (docs/flash_layout.md). The newest
-/// record of a place counts; before a page is erased, its records that count stand on the other one. A cut of power
-/// loses at most the record that was being written. One step() writes one unit, so that no reading is late.
+/// Stores the offsets in flash as a log of records on two pages that are filled in turn (docs/flash_layout.md). The
+/// newest record of a place counts; before a page is erased, its valid records are copied to the other one. A power
+/// failure loses at most the record that was being written. One step() writes one unit, so that no reading is late.
 class OffsetStore {
  public:
-  /// The store uses this page and the next one; a smaller flash keeps nothing.
+  /// The store uses this page and the next one; a smaller flash stores nothing.
   static constexpr std::size_t kFirstPage = 6;
   static constexpr std::size_t kRecordBytes = 32;
-  static constexpr std::uint8_t kVersion = 1;  ///< version of a record; others are not read
+  static constexpr std::uint8_t kVersion = 1;  ///< Records of another version are ignored.
 
-  /// Keeps its log in `flash`, which must outlive it; load() reads it.
+  /// Stores its log in `flash`, which must outlive it; load() reads it.
   explicit OffsetStore(FlashArea& flash) : flash_(flash) {}
-  /// Fills in what the flash has. Call once after power-up.
+  /// Fills `book` with the contents of the flash. Call it once after power-up.
   void load(OffsetBook& book);
-  /// Writes a unit of what is newer in `book` than in the flash, or erases a page.
+  /// Writes a unit of offsets that are newer in `book` than in the flash, or erases a page.
   void step(OffsetBook& book);
-  /// step() has something to write.
+  /// Returns true if step() has something to write.
   [[nodiscard]] bool busy(const OffsetBook& book) const;
 
  private:
@@ -63,10 +63,11 @@ class OffsetStore {
   void write_unit(OffsetBook& book);
 
   FlashArea& flash_;
-  std::size_t page_ = 0, used_ = 0;                          // The first used_ slots of page_ hold records.
-  std::uint32_t sequence_ = 0;                               // Number of the newest record.
-  std::array<std::uint32_t, layout::kMaxModules> newest_{};  // Record of each place that is valid; 0: none.
-  std::uint16_t elsewhere_ = 0;  // Bit p: the valid record of place p lies on the other page.
+  std::size_t page_ = 0, used_ = 0;  // The first used_ slots of page_ hold records.
+  std::uint32_t sequence_ = 0;       // The newest record has this number.
+  // Each place has the number of its valid record; 0 means that there is none.
+  std::array<std::uint32_t, layout::kMaxModules> newest_{};
+  std::uint16_t elsewhere_ = 0;  // Bit p says that the valid record of place p is on the other page.
   std::size_t writing_ = kNoPlace, written_ = 0;
   Record record_{};
   bool failed_ = false;  // The flash refused a write, so nothing more is written until load().

@@ -8,55 +8,57 @@
 
 namespace triskin::fw {
 
-/// Two slots for the patch image and two pages for the node address, on the board's flash. The image of a slot counts
-/// only when its commit record, written last, names its length and CRC: a cut of power at any moment leaves the old or
-/// the new one. Behind the image its slot keeps the calibration of its modules, likewise. Layout:
+/// The board's flash has two slots for the patch image and two pages for the node address. The image of a slot is valid
+/// only if its commit record, written last, has its length and CRC, so a power failure at any moment leaves the old or
+/// the new image. The calibration of its modules follows the image in the slot and is protected likewise. Layout:
 /// docs/flash_layout.md. Pages 0 and 1: slots; 2 and 3: node address.
 class TableStore {
  public:
-  /// Keeps tables and node address in `flash`, which must outlive it; load() reads them.
+  /// Stores tables and node address in `flash`, which must outlive it; load() reads them.
   explicit TableStore(FlashArea& flash) : flash_(flash) {}
 
-  /// Finds the newest valid slot. Call once after power-up.
+  /// Finds the newest valid slot. Call it once after power-up.
   void load();
 
-  /// True when a table is active.
+  /// Returns true when a table is active.
   [[nodiscard]] bool has_table() const { return active_slot_ >= 0; }
-  /// The active table; only with has_table().
+  /// Returns the active table; call it only if has_table().
   [[nodiscard]] const layout::PatchImage& table() const { return table_; }
-  /// Image of the active table as flashed; empty without one.
+  /// Returns the image of the active table as flashed; empty if there is none.
   [[nodiscard]] Bytes active_bytes() const;
-  /// Sequence number of the active slot; it counts activations, and calibrations that found its page full.
+  /// Returns the sequence number of the active slot. It counts activations, and calibrations for which the page was
+  /// full.
   [[nodiscard]] std::uint32_t sequence() const { return sequence_; }
-  /// kEmpty before the first activation.
+  /// Returns kEmpty before the first activation.
   [[nodiscard]] Status status() const { return has_table() ? Status::kOk : Status::kEmpty; }
 
-  /// Receives an image for the inactive slot into RAM; nothing touches flash before activate().
+  /// Prepares to receive an image for the inactive slot into RAM; nothing touches the flash before activate().
   void begin_download(std::size_t size_bytes);
-  /// Takes the next bytes of the download. kOk; kNoSpace: more than were announced.
+  /// Appends the next bytes of the download. Returns kOk, or kNoSpace if there are more than announced.
   [[nodiscard]] Status append(Bytes block);
-  /// True when as many bytes came as begin_download() announced.
+  /// Returns true when as many bytes arrived as begin_download() announced.
   [[nodiscard]] bool downloaded() const { return staged_size_ > 0 && staged_at_ == staged_size_; }
-  /// Bytes of the image that came so far.
+  /// Returns the bytes of the image that arrived so far.
   [[nodiscard]] Bytes staged_bytes() const { return {staged_.data(), staged_at_}; }
-  /// Decodes what was received and checks that it is for this node. kBadLength when not complete.
+  /// Decodes the received image and checks that it is for this node. kBadLength when it is incomplete.
   [[nodiscard]] Status check_staged(std::uint8_t node_address) const;
-  /// Writes the staged image to the inactive slot, reads it back, commits it, and makes it active. The calibration goes
-  /// along when the new table has the same design id and the same modules at the same places, else it ends with the old
-  /// table. Errors: those of check_staged(), kFlashFailed; the old table then stays active.
+  /// Writes the staged image to the inactive slot, reads it back, commits it, and makes it active. The calibration is
+  /// copied when the new table has the same design id and the same modules at the same places; otherwise it is lost
+  /// with the old table. Errors: those of check_staged(), kFlashFailed; the old table then stays active.
   [[nodiscard]] Status activate(std::uint8_t node_address);
 
-  /// The calibration of the active table as it was written (wire::Calibration); empty: none. Valid until the next
-  /// write.
+  /// Returns the calibration of the active table as it was written (wire::Calibration), or nothing. The view is valid
+  /// until the next write.
   [[nodiscard]] Bytes calibration() const;
-  /// Keeps a wire::Calibration with the active table, in place of the one before; one without rows deletes it. What is
-  /// kept already is not written again. kOk; those of Calibration::decode; kEmpty: no table; kWrongTarget: of another
-  /// design, or of a place without a module; kFlashFailed: the old one stays. Takes 5 ms, 30 ms when a page is erased.
+  /// Stores a wire::Calibration with the active table in place of the previous one; one without rows deletes it. An
+  /// equal calibration is not written again. Returns kOk; the errors of Calibration::decode; kEmpty: no table;
+  /// kWrongTarget: of another design, or of a place without a module; kFlashFailed: the old one stays. Takes 5 ms, or
+  /// 30 ms when a page is erased.
   [[nodiscard]] Status set_calibration(Bytes value);
 
-  /// layout::kFirstNode … kLastNode; kFirstNode when never assigned.
+  /// Returns the node address, layout::kFirstNode … kLastNode; kFirstNode when it was never assigned.
   [[nodiscard]] std::uint8_t node_address() const { return node_address_; }
-  /// Writes the node address to flash. kOk; kOutOfRange: not 1 … 126; kFlashFailed.
+  /// Writes the node address to flash. Returns kOk; kOutOfRange: not 1 … 126; kFlashFailed.
   [[nodiscard]] Status set_node_address(std::uint8_t address);
 
  private:
@@ -74,12 +76,13 @@ class TableStore {
   std::uint32_t sequence_ = 0;
   layout::PatchImage table_;
   std::uint8_t node_address_ = layout::kFirstNode;
-  std::uint16_t node_sequence_ = 0;  ///< 65535 changes at most
+  std::uint16_t node_sequence_ = 0;  ///< The number allows at most 65535 changes.
   int node_page_ = 0;
   std::array<std::uint8_t, layout::kMaxImageBytes> staged_{};
   std::size_t staged_size_ = 0, staged_at_ = 0;
-  std::size_t calibration_at_ = 0, calibration_bytes_ = 0;  // Position in the page of the active slot; 0 bytes: none.
-  std::size_t free_at_ = 0;                                 // First free byte after the records of that page.
+  // The calibration is at this position in the page of the active slot; 0 bytes means that there is none.
+  std::size_t calibration_at_ = 0, calibration_bytes_ = 0;
+  std::size_t free_at_ = 0;  // The first free byte of that page follows its records.
 };
 
 }  // namespace triskin::fw

@@ -11,18 +11,18 @@
 
 namespace triskin::fw {
 
-/// Who reads the full stream over a port, and until when.
+/// Tells who reads the full stream over a port, and until when.
 class StreamLeases {
  public:
-  /// Begins, renews or ends the lease of a reader. A ninth reader gets none: the account shows it.
+  /// Starts, renews or ends the lease of a reader. A ninth reader gets none, which the account shows.
   void renew(const wire::StreamLease& lease, std::uint64_t now_us);
-  /// Ends the leases whose time has come.
+  /// Ends the leases that have expired.
   void expire(std::uint64_t now_us);
-  /// True while a lease lasts.
+  /// Returns true while at least one lease is valid.
   [[nodiscard]] bool any() const { return count_ > 0; }
-  /// True when a lease asks for the sample with this number.
+  /// Returns true when a lease asks for the sample with this number.
   [[nodiscard]] bool want(std::uint32_t number) const;
-  /// Least time between two samples of a module, µs: the shortest that a lease names; 0: none does.
+  /// Returns the least time between two samples of a module in µs: the shortest that a lease names, or 0 if none does.
   [[nodiscard]] std::uint32_t pace_us() const;
   /// Writes the readers into an account.
   void report(wire::StreamAccount& account) const;
@@ -36,41 +36,41 @@ class StreamLeases {
   std::size_t count_ = 0;
 };
 
-/// The full stream over one port: what its readers are to get waits here for room in the port, and each sample is
-/// counted. A row has at most kPerRow samples waiting, and rows take turns: when the bus is too slow each module gets
-/// its share.
+/// In the full stream over one port, samples wait here for room in the port, and each one is counted. A row has at most
+/// kPerRow samples waiting, and rows take turns, so that each module gets its share when the bus is too slow.
 class FullStream {
  public:
-  static constexpr std::size_t kPerRow = 3;  ///< samples
+  static constexpr std::size_t kPerRow = 3;  ///< Each row can have this many samples waiting.
   static constexpr std::size_t kCapacity = kPerRow * layout::kMaxModules;
 
-  /// Sampling begins anew: numbers start at 1. Leases stay; what waits is dropped.
+  /// Restarts the numbers at 1 with the sampling. Leases stay; waiting samples are dropped.
   void restart(std::uint8_t starts);
-  /// The rows from `row` on mean other modules now: their numbers start at 1, what waits counts in dropped() alone.
+  /// Notes that the rows from `row` on mean other modules: their numbers restart at 1, and waiting samples count only
+  /// in dropped().
   void forget_from(std::size_t row);
-  /// A lease came.
+  /// Handles a lease.
   void renew(const wire::StreamLease& lease, std::uint64_t now_us) { leases_.renew(lease, now_us); }
-  /// Streams without a lease (FD05), or no longer.
+  /// Starts or ends streaming without a lease (FD05).
   void hold(bool on);
-  /// True while a sample may be wanted.
+  /// Returns true while a sample may be wanted.
   [[nodiscard]] bool active() const { return held_ || leases_.any(); }
-  /// Ends leases whose time has come. Without a reader nothing waits any more.
+  /// Ends expired leases. Without a reader, waiting samples are dropped.
   void tick(std::uint64_t now_us);
-  /// A sample of the module in `row` stands, or could not be read. `rows`: modules of the table. The frame waits when a
-  /// reader wants it and there is room; `pausing`: it is dropped in any case.
+  /// Handles a sample of the module in `row`, which may be invalid. `rows` counts the modules of the table. The frame
+  /// waits if a reader wants it and there is room; with `pausing` it is dropped in any case.
   void add(const wire::TaxelFrame& sample, std::size_t rows, bool pausing);
 
-  /// True when the next frame may be sent now.
+  /// Returns true when the next frame may be sent now.
   [[nodiscard]] bool due(std::uint64_t now_us) const { return size_ > 0 && now_us >= next_us_; }
-  /// When it may be sent; max: nothing waits.
+  /// Returns when it may be sent; the largest value if nothing waits.
   [[nodiscard]] std::uint64_t next_event_us() const { return size_ > 0 ? next_us_ : UINT64_MAX; }
-  /// The sample that waits longest of the row whose turn it is. Requires due().
+  /// Returns the oldest sample of the row whose turn it is. Requires due().
   [[nodiscard]] wire::CanFrame front() const { return wire::encode_full(waiting_[place(next_row(), 0)]); }
-  /// Takes it out: it was sent.
+  /// Removes that sample after it was sent.
   void pop(std::uint64_t now_us);
-  /// Samples that found no room since power-up.
+  /// Counts the samples that found no room since power-up.
   [[nodiscard]] std::uint32_t dropped() const { return dropped_; }
-  /// Account of the rows 0 … `rows` − 1.
+  /// Returns the account of the rows 0 … `rows` − 1.
   [[nodiscard]] wire::StreamAccount account(std::size_t rows, std::uint64_t now_us) const;
 
  private:
@@ -84,13 +84,13 @@ class FullStream {
 
   StreamLeases leases_;
   bool held_ = false;
-  std::array<wire::TaxelFrame, kCapacity> waiting_{};  // Holds a ring of kPerRow for each row.
+  std::array<wire::TaxelFrame, kCapacity> waiting_{};  // Each row has a ring of kPerRow frames.
   std::array<std::uint8_t, layout::kMaxModules> first_{};
   std::size_t size_ = 0;
-  std::size_t turn_ = layout::kMaxModules - 1;  // Row that sent last.
+  std::size_t turn_ = layout::kMaxModules - 1;  // This row sent last.
   std::array<wire::RowAccount, layout::kMaxModules> rows_{};
   std::uint32_t dropped_ = 0;
-  std::uint32_t gap_us_ = 0;  // Mean minimum time between two frames.
+  std::uint32_t gap_us_ = 0;  // On average, two frames are at least this far apart.
   std::uint64_t next_us_ = 0;
   std::uint8_t starts_ = 0;
 };

@@ -10,29 +10,30 @@
 
 namespace triskin::fw {
 
-/// Frames of the iCub stream that wait for room in a port, first in, first out. What finds no room is dropped and
-/// counted: the bus is slower than the stream.
+/// Frames of the iCub stream wait here for room in a port, first in, first out. Frames without room are dropped and
+/// counted, because the bus is slower than the stream.
 class StreamQueue {
  public:
-  static constexpr std::size_t kCapacity = 3 * layout::kMaxModules - 1;  ///< frames; a sample takes one or two
+  /// The capacity is in frames; a sample takes one or two.
+  static constexpr std::size_t kCapacity = 3 * layout::kMaxModules - 1;
 
-  /// Takes frames that belong together: all, or none when there is no room for all. Result: whether they were taken.
+  /// Adds frames that belong together: all of them, or none if there is not enough room. Returns whether they were
+  /// added.
   bool push(std::span<const wire::CanFrame> frames);
-  /// True when no frame waits.
+  /// Returns true when no frame waits.
   [[nodiscard]] bool empty() const { return size_ == 0; }
-  /// Frames that wait.
   [[nodiscard]] std::size_t size() const { return size_; }
-  /// The frame that waits longest; the queue must not be empty.
+  /// Returns the frame that has waited longest; the queue must not be empty.
   [[nodiscard]] const wire::CanFrame& front() const { return frames_[first_]; }
-  /// Takes front() out, which was sent.
+  /// Removes front() after it was sent.
   void pop();
-  /// Takes all out unsent: they are not counted as dropped.
+  /// Removes all frames unsent, without counting them as dropped.
   void clear() { size_ = 0; }
-  /// Frames that found no room since power-up.
+  /// Counts the frames that found no room since power-up.
   [[nodiscard]] std::uint32_t dropped() const { return dropped_; }
 
  private:
-  std::array<wire::CanFrame, kCapacity> frames_{};  // Used as a ring.
+  std::array<wire::CanFrame, kCapacity> frames_{};  // The array is used as a ring.
   std::size_t first_ = 0, size_ = 0;
   std::uint32_t dropped_ = 0;
 };

@@ -11,10 +11,10 @@
 #include "triskin/logic/switched/strapped_route.hpp"
 #endif
 
-/// The only header of this folder that other parts include.
+/// Other parts include no other header of this folder.
 namespace triskin::fw {
 
-/// True when the image knows switched modules (CMake's TRISKIN_SWITCHED, on by default).
+/// True when the image supports switched modules (CMake's TRISKIN_SWITCHED, on by default).
 inline constexpr bool kSwitchedModules = TRISKIN_SWITCHED != 0;
 
 #if TRISKIN_SWITCHED

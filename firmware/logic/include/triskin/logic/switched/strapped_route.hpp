@@ -10,8 +10,8 @@
 
 namespace triskin::fw {
 
-/// What RouteKeeper is for an image without switched modules: every patch is strapped, nothing is ever due. The answers
-/// are those of a board without a chain.
+/// Replaces RouteKeeper in an image without switched modules: every patch is strapped, and nothing is ever due. The
+/// answers are those of a board without a chain.
 class StrappedRoute {
  public:
   explicit StrappedRoute(RouteChain*) {}

@@ -8,15 +8,15 @@
 
 namespace triskin::fw {
 
-/// Standard requests (USB 2.0 §9.4), descriptors and the Microsoft request: the same for run time and DFU mode.
+/// The standard requests (USB 2.0 §9.4), descriptors and the Microsoft request are the same for run time and DFU mode.
 class UsbControl {
  public:
   UsbControl(const wire::UniqueId& unique_id, bool dfu_mode) : unique_id_(unique_id), dfu_mode_(dfu_mode) {}
-  /// Bus reset: address 0, not configured.
+  /// Handles a bus reset: address 0, not configured.
   void reset() { configuration_ = 0; }
-  /// True once the host has chosen the configuration.
+  /// Returns true once the host has chosen the configuration.
   [[nodiscard]] bool configured() const { return configuration_ != 0; }
-  /// Same as UsbFunction::control, except that it stalls class requests, which it does not know.
+  /// Does the same as UsbFunction::control, but stalls class requests, which it does not know.
   std::optional<Bytes> handle(const wire::UsbSetup& setup);
 
  private:

@@ -11,8 +11,9 @@
 
 namespace triskin::fw {
 
-/// The controller as a USB device: to the host HID, vendor bulk and DFU run time (docs/protocol.md, "USB"), to the
-/// application one more port for frames. Frames leave by the interface that the host used last.
+/// As a USB device, the controller has two sides. To the host it is HID, vendor bulk and DFU run time
+/// (docs/protocol.md, "USB"); to the application it is another port for frames. Frames leave by the interface that the
+/// host used last.
 class UsbDevice final : public wire::UsbFunction, public CanPort {
  public:
   explicit UsbDevice(const wire::UniqueId& unique_id) : control_(unique_id, false) {}
@@ -21,7 +22,7 @@ class UsbDevice final : public wire::UsbFunction, public CanPort {
   std::optional<Bytes> control(const wire::UsbSetup& setup, Bytes out) override;
   void out(std::uint8_t endpoint, Bytes packet) override;
   Bytes in(std::uint8_t endpoint) override;
-  /// The host has asked for DFU mode.
+  /// Returns true if the host has asked for DFU mode.
   [[nodiscard]] bool wants_to_reconnect() const override { return detach_; }
 
   [[nodiscard]] bool fd() const override { return true; }
@@ -29,7 +30,7 @@ class UsbDevice final : public wire::UsbFunction, public CanPort {
   bool send(const wire::CanFrame& frame) override;
   [[nodiscard]] bool has_room() const override { return !waiting_.full() || !control_.configured() || endpoint_ == 0; }
   std::optional<wire::CanFrame> receive() override;
-  /// True when a frame of the host waits to be received.
+  /// Returns true when a frame of the host waits to be received.
   [[nodiscard]] bool frame_waits() const { return received_.count != 0; }
 
  private:
@@ -51,7 +52,7 @@ class UsbDevice final : public wire::UsbFunction, public CanPort {
   Queue<wire::CanFrame, 32> received_;
   Queue<wire::UsbPacket, 32> waiting_;
   wire::UsbPacket leaving_;
-  std::uint8_t endpoint_ = 0;  // Endpoint of the host's last packet; 0: none yet.
+  std::uint8_t endpoint_ = 0;  // The host's last packet came to this endpoint; 0 means that there was none.
   std::uint8_t idle_ = 0;
   bool detach_ = false;
 };

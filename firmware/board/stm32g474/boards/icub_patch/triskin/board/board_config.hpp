@@ -2,12 +2,12 @@
 #pragma once
 #include "triskin/board/registers/gpio.hpp"
 
-/// A board for installed iCub patches, whose four data wires share one clock wire: the SCL pins of all four I²C blocks
-/// are tied to it, and one of them works at a time. CAN on the pins of USB, which it does not have; a light that is on
-/// when its pin is low. docs/port_a_board.md made it.
+/// The board is for installed iCub patches, whose four data wires share one clock wire: the SCL pins of all four I²C
+/// blocks are tied to it, and one of them works at a time. CAN uses the pins of USB, which the board does not have, and
+/// its light is on when the pin is low. It was made as docs/port_a_board.md describes.
 namespace triskin::board {
 
-/// Data sheet DS12288, table 13.
+/// Pins are from the data sheet DS12288, table 13.
 namespace pins {
 inline constexpr Pin kScl1{'A', 15}, kSda1{'B', 9}, kScl2{'A', 9}, kSda2{'A', 8}, kScl3{'C', 8}, kSda3{'C', 11},
     kScl4{'C', 6}, kSda4{'C', 7};

@@ -2,22 +2,23 @@
 #pragma once
 #include "triskin/board/registers/register.hpp"
 
-/// DMA1 and its request multiplexer, RM0440 §12.6, §13.6.
+/// DMA1 and its request multiplexer are described in RM0440 §12.6 and §13.6.
 namespace triskin::board::dma_reg {
 
 inline constexpr std::uint32_t kBase = 0x40020000, kMuxBase = 0x40020800;
-// First channel, distance of the channels; registers of a channel
+// The first channel begins at kFirstChannel, and channels are kChannelBytes apart.
 inline constexpr std::uint32_t kFirstChannel = 0x08, kChannelBytes = 20, kMuxChannelBytes = 4;
 inline constexpr std::uint32_t kCcr = 0x00, kCndtr = 0x04, kCpar = 0x08, kCmar = 0x0C;
-// Table 91: requests of I2C1; each further line has the two after that
+// Requests of I2C1 are from table 91; each further line has the next two.
 inline constexpr std::uint32_t kI2c1Receive = 16, kI2c1Send = 17, kI2cRequests = 2;
-// CCR
+// These bits belong to CCR.
 inline constexpr std::uint32_t kEnable = bit(0), kFromMemory = bit(4), kMemoryIncrement = bit(7);
 
-/// Channel 0..7 of DMA1 (the manual counts from 1). Bytes from or to a peripheral's data register.
+/// A channel of DMA1 moves bytes from or to a peripheral's data register. Numbers are 0..7, whereas the manual counts
+/// from 1.
 class Channel {
  public:
-  /// `index` 0..7. Touches no register.
+  /// `index` is 0..7. The constructor touches no register.
   constexpr explicit Channel(unsigned index)
       : base_(kBase + kFirstChannel + kChannelBytes * index), mux_(kMuxBase + kMuxChannelBytes * index) {}
   /// Sets the request line (RM0440 chapter 13) and the address of the data register. The channel must be off.
@@ -25,19 +26,19 @@ class Channel {
     Register(mux_).write(request);
     Register(base_ + kCpar).write(data_register);
   }
-  /// Switches the channel off; what it has moved stays.
+  /// Switches the channel off; data that it has moved stay.
   void stop() const { Register(base_ + kCcr).clear(kEnable); }
-  /// Moves `bytes` (1..65535) between `memory` and the data register; `from_memory`: towards the peripheral. Stops the
-  /// channel first.
+  /// Moves `bytes` (1..65535) between `memory` and the data register; `from_memory` means towards the peripheral. Stops
+  /// the channel first.
   void start(std::uint32_t memory, std::uint32_t bytes, bool from_memory) const {
-    stop();  // Count and address can be changed only while it is off.
+    stop();  // Count and address can be changed only while the channel is off.
     Register(base_ + kCndtr).write(bytes);
     Register(base_ + kCmar).write(memory);
     const std::uint32_t control = kMemoryIncrement | (from_memory ? kFromMemory : 0U);
     Register(base_ + kCcr).write(control);
     Register(base_ + kCcr).write(control | kEnable);
   }
-  /// Bytes of the present transfer that have not been moved yet.
+  /// Returns the bytes of the present transfer that have not been moved yet.
   [[nodiscard]] std::uint32_t remaining() const { return Register(base_ + kCndtr).read(); }
 
  private:

@@ -5,41 +5,42 @@
 
 namespace triskin::board {
 
-/// Embedded flash, RM0440 §3.7 (category 3 device).
+/// RM0440 §3.7 describes the embedded flash (category 3 device).
 namespace flash_reg {
 inline constexpr std::uint32_t kBase = 0x40022000;
 inline constexpr Register kAcr{kBase + 0x00}, kKeyr{kBase + 0x08}, kOptKeyr{kBase + 0x0C}, kSr{kBase + 0x10},
     kCr{kBase + 0x14}, kEccr{kBase + 0x18}, kOptr{kBase + 0x20}, kWrp1Ar{kBase + 0x2C};
-inline constexpr std::uint32_t kKey1 = 0x45670123, kKey2 = 0xCDEF89AB;              // §3.7.3
-inline constexpr std::uint32_t kOptionKey1 = 0x08192A3B, kOptionKey2 = 0x4C5D6E7F;  // §3.7.4
-// ACR
+inline constexpr std::uint32_t kKey1 = 0x45670123, kKey2 = 0xCDEF89AB;              // The keys are from §3.7.3.
+inline constexpr std::uint32_t kOptionKey1 = 0x08192A3B, kOptionKey2 = 0x4C5D6E7F;  // The keys are from §3.7.4.
+// These fields belong to ACR.
 inline constexpr std::uint32_t kLatencyMask = 0xF, kLatency4 = 4, kPrefetch = bit(8), kInstructionCache = bit(9),
                                kDataCache = bit(10), kDataCacheReset = bit(12);
-// SR
+// These bits belong to SR.
 inline constexpr std::uint32_t kEndOfOperation = bit(0), kBusy = bit(16);
 inline constexpr std::uint32_t kErrors = bit(1) | bit(3) | bit(4) | bit(5) | bit(6) | bit(7) | bit(8) | bit(9);
-// CR
+// These fields belong to CR.
 inline constexpr std::uint32_t kProgram = bit(0), kPageErase = bit(1), kPageShift = 3, kBank2 = bit(11),
                                kStart = bit(16), kOptionStart = bit(17), kOptionLock = bit(30), kLock = bit(31);
-// ECCR: two bits wrong, NMI; one bit wrong, corrected. The second ones are of the upper half with DBANK = 0.
+// ECCR reports two wrong bits with an NMI and one wrong bit as corrected. The second bit of each kind is for the upper
+// half with DBANK = 0.
 inline constexpr std::uint32_t kEccDetected = bit(31), kEccCorrected = bit(30), kEccDetectedHigh = bit(29),
                                kEccCorrectedHigh = bit(28);
-// OPTR: read protection, two banks; BOOT0 from the pin; BOOT0 of the option (inverted)
+// OPTR has the read protection, the two banks, BOOT0 from the pin, and BOOT0 of the option (inverted).
 inline constexpr std::uint32_t kReadProtectionMask = 0xFF, kNotProtected = 0xAA, kDualBank = bit(22),
                                kBootByPin = bit(26), kBootOptionFlash = bit(27), kBrownOutMask = 7U << 8,
                                kBrownOut28 = 4U << 8;  // Level 4 is about 2.8 V.
-// WRP1AR: first and last page of bank 1 that is not written; a first page behind the last one protects nothing
+// WRP1AR has the first and last protected page of bank 1; a first page after the last one protects nothing.
 inline constexpr std::uint32_t kProtectedPageMask = 0x7F, kLastProtectedShift = 16, kProtectsNothing = 0x7F;
 }  // namespace flash_reg
 
-/// Power control, §6.4.
+/// RM0440 §6.4 describes the power control.
 namespace pwr_reg {
 inline constexpr std::uint32_t kBase = 0x40007000;
 inline constexpr Register kCr1{kBase + 0x00}, kCr5{kBase + 0x80};
-inline constexpr std::uint32_t kNoBoost = bit(8);  // R1MODE = 0 above 150 MHz (§6.1.5)
+inline constexpr std::uint32_t kNoBoost = bit(8);  // R1MODE must be 0 above 150 MHz (§6.1.5).
 }  // namespace pwr_reg
 
-/// Reset and clock control, §7.4.
+/// RM0440 §7.4 describes the reset and clock control.
 namespace rcc_reg {
 inline constexpr std::uint32_t kBase = 0x40021000;
 inline constexpr Register kCr{kBase + 0x00}, kCfgr{kBase + 0x08}, kPllCfgr{kBase + 0x0C}, kAhb1Enr{kBase + 0x48},
@@ -48,7 +49,7 @@ inline constexpr Register kCr{kBase + 0x00}, kCfgr{kBase + 0x08}, kPllCfgr{kBase
     kCsr{kBase + 0x94}, kCrrcr{kBase + 0x98}, kCcipr2{kBase + 0x9C};
 inline constexpr std::uint32_t kHseOn = bit(16), kHseReady = bit(17), kClockSecurity = bit(19), kPllOn = bit(24),
                                kPllReady = bit(25);
-inline constexpr std::uint32_t kCrystalFailed = bit(8);  // CIFR and CICR
+inline constexpr std::uint32_t kCrystalFailed = bit(8);  // The bit belongs to CIFR and CICR.
 inline constexpr std::uint32_t kSwitchMask = 3, kSwitchHsi = 1, kSwitchHse = 2, kSwitchPll = 3, kStatusShift = 2,
                                kAhbMask = 0xF0, kAhbHalf = 0x80;
 inline constexpr std::uint32_t kPllFromHse = 3, kPllFromHsi = 2, kPllMShift = 4, kPllNShift = 8, kPllREnable = bit(24),
@@ -57,22 +58,22 @@ inline constexpr std::uint32_t kDma1 = bit(0), kDmaMux = bit(2), kFlashClock = b
                                kGpioC = bit(2);
 inline constexpr std::uint32_t kTim2 = bit(0), kCrs = bit(8), kSpi2 = bit(14), kUsart2 = bit(17), kI2c1 = bit(21),
                                kI2c2 = bit(22), kUsb = bit(23), kFdcan = bit(25), kPwr = bit(28),
-                               kI2c3 = bit(30);             // APB1ENR1
-inline constexpr std::uint32_t kI2c4 = bit(1);              // APB1ENR2
-inline constexpr std::uint32_t kTim16 = bit(17);            // APB2ENR
-inline constexpr std::uint32_t kFdcanFromPclk1 = 2U << 24;  // CCIPR.FDCANSEL
+                               kI2c3 = bit(30);             // The bit belongs to APB1ENR1.
+inline constexpr std::uint32_t kI2c4 = bit(1);              // The bit belongs to APB1ENR2.
+inline constexpr std::uint32_t kTim16 = bit(17);            // The bit belongs to APB2ENR.
+inline constexpr std::uint32_t kFdcanFromPclk1 = 2U << 24;  // The field is CCIPR.FDCANSEL.
 inline constexpr std::uint32_t kHsi48On = bit(0), kHsi48Ready = bit(1);
 inline constexpr std::uint32_t kRemoveResetFlags = bit(23), kOptionReset = bit(25), kPinReset = bit(26),
                                kPowerReset = bit(27), kSoftwareReset = bit(28), kWatchdogReset = bit(29);
 }  // namespace rcc_reg
 
-/// Gives the port of a pin its clock; before anything else is done to the pin.
+/// Enables the clock of a pin's port, which must happen before any other access to the pin.
 inline void open_port(Pin pin) {
   rcc_reg::kAhb2Enr.set(rcc_reg::kGpioA << static_cast<unsigned>(pin.port - 'A'));
   (void)rcc_reg::kAhb2Enr.read();
 }
 
-/// General-purpose timer with 32 bits, §30.5 (TIM2).
+/// RM0440 §30.5 describes TIM2, a general-purpose timer with 32 bits.
 namespace tim2_reg {
 inline constexpr std::uint32_t kBase = 0x40000000;
 inline constexpr Register kCr1{kBase + 0x00}, kDier{kBase + 0x0C}, kSr{kBase + 0x10}, kEgr{kBase + 0x14},
@@ -81,7 +82,7 @@ inline constexpr std::uint32_t kEnable = bit(0), kCompare1 = bit(1), kCompare2 =
 inline constexpr int kIrq = 28;
 }  // namespace tim2_reg
 
-/// Independent watchdog, §35.4. Runs from the 32 kHz oscillator and cannot be stopped.
+/// RM0440 §35.4 describes the independent watchdog, which runs from the 32 kHz oscillator and cannot be stopped.
 namespace iwdg_reg {
 inline constexpr std::uint32_t kBase = 0x40003000;
 inline constexpr Register kKr{kBase + 0x00}, kPr{kBase + 0x04}, kRlr{kBase + 0x08}, kSr{kBase + 0x0C};
@@ -89,10 +90,10 @@ inline constexpr std::uint32_t kStart = 0xCCCC, kUnlock = 0x5555, kReload = 0xAA
 inline constexpr std::uint32_t kPrescaler32 = 3;
 }  // namespace iwdg_reg
 
-/// Unique device id, §48: 96 bits.
+/// The unique device id of 96 bits begins here (§48).
 inline constexpr std::uint32_t kUniqueIdAddress = 0x1FFF7590;
 
-/// Cortex-M4 system control space (ARMv7-M architecture reference manual, B3.2 … B3.4).
+/// The ARMv7-M architecture reference manual, B3.2 … B3.4, describes the system control space of the Cortex-M4.
 namespace core_reg {
 inline constexpr Register kSysTickCsr{0xE000E010}, kSysTickRvr{0xE000E014}, kSysTickCvr{0xE000E018}, kIcsr{0xE000ED04},
     kVtor{0xE000ED08}, kAircr{0xE000ED0C}, kCpacr{0xE000ED88}, kCfsr{0xE000ED28}, kHfsr{0xE000ED2C}, kMmfar{0xE000ED34},
@@ -100,18 +101,19 @@ inline constexpr Register kSysTickCsr{0xE000E010}, kSysTickRvr{0xE000E014}, kSys
 inline constexpr Register kEnableFirst{0xE000E100}, kDisableFirst{0xE000E180}, kUnpendFirst{0xE000E280},
     kPriorityFirst{0xE000E400};
 inline constexpr std::uint32_t kResetRequest = 0x05FA0004, kFpuFull = 0xFU << 20, kActiveMask = 0x1FF;
-// CFSR: the frame could not be pushed; MMFAR, BFAR hold the address
+// CFSR says whether the frame could not be pushed, and whether MMFAR or BFAR has the address.
 inline constexpr std::uint32_t kStackingFailed = bit(12) | bit(4), kMmfarValid = bit(7), kBfarValid = bit(15);
-inline constexpr std::uint32_t kExtendedFrame = bit(4);  // EXC_RETURN: 0 with the registers of the FPU
-/// Lets interrupt `irq` (0..101, RM0440 chapter 14) through the NVIC.
+// In EXC_RETURN this bit is 0 if the frame has the registers of the FPU.
+inline constexpr std::uint32_t kExtendedFrame = bit(4);
+/// Enables interrupt `irq` (0..101, RM0440 chapter 14) in the NVIC.
 inline void enable_interrupt(int irq) {
   Register(kEnableFirst.address() + 4U * static_cast<unsigned>(irq / 32)).write(bit(static_cast<unsigned>(irq % 32)));
 }
-/// Priority of an interrupt: the upper four bits count, 0 is the most urgent.
+/// Sets the priority of an interrupt: the upper four bits count, 0 is the most urgent.
 inline void set_priority(int irq, std::uint8_t priority) {
   *reinterpret_cast<volatile std::uint8_t*>(kPriorityFirst.address() + static_cast<unsigned>(irq)) = priority;
 }
-/// Switches off every interrupt and gives the peripherals of APB1 their reset values (RCC_APB1RSTR1, §7.4.14).
+/// Disables every interrupt and resets the peripherals of APB1 (RCC_APB1RSTR1, §7.4.14).
 inline void reset_peripherals() {
   for (std::uint32_t k = 0; k < 4; ++k) Register(kDisableFirst.address() + 4 * k).write(0xFFFFFFFF);
   for (std::uint32_t k = 0; k < 4; ++k) Register(kUnpendFirst.address() + 4 * k).write(0xFFFFFFFF);
@@ -119,7 +121,7 @@ inline void reset_peripherals() {
   kApb1Rstr1.write(kTim2 | kSpi2 | kUsart2 | kUsb | kFdcan);
   kApb1Rstr1.write(0);
 }
-/// System reset, after all stores have reached memory.
+/// Resets the system after all stores have reached memory.
 [[noreturn]] inline void reset() {
   asm volatile("dsb" ::: "memory");
   kAircr.write(kResetRequest);
@@ -127,7 +129,7 @@ inline void reset_peripherals() {
 }
 }  // namespace core_reg
 
-/// No interrupt while one of these lives.
+/// Disables interrupts while an object of this class exists.
 class InterruptLock {
  public:
   InterruptLock() { asm volatile("mrs %0, primask\n cpsid i" : "=r"(saved_)::"memory"); }

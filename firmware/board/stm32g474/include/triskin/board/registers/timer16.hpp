@@ -2,7 +2,8 @@
 #pragma once
 #include "triskin/board/registers/register.hpp"
 
-/// TIM16 as a ruler: its channel 1 captures the count at edges of the crystal divided by 32. RM0440 chapter 31.
+/// TIM16 measures the crystal: its channel 1 captures the count at edges of the crystal divided by 32. RM0440 chapter
+/// 31.
 namespace triskin::board::tim16_reg {
 
 inline constexpr std::uint32_t kBase = 0x40014400;
@@ -10,8 +11,8 @@ inline constexpr Register kCr1{kBase + 0x00}, kSr{kBase + 0x10}, kEgr{kBase + 0x
     kCcer{kBase + 0x20}, kCnt{kBase + 0x24}, kPsc{kBase + 0x28}, kArr{kBase + 0x2C}, kCcr1{kBase + 0x34},
     kTisel{kBase + 0x5C};
 inline constexpr std::uint32_t kEnable = bit(0), kUpdate = bit(0), kCaptured = bit(1), kOvercaptured = bit(9);
-inline constexpr std::uint32_t kCaptureFromInput = bit(0), kEachEighthEdge = 3U << 2;  // CCMR1
-inline constexpr std::uint32_t kCaptureOn = bit(0);                                    // CCER
-inline constexpr std::uint32_t kCrystalBy32 = 3;                                       // TISEL.TI1SEL
+inline constexpr std::uint32_t kCaptureFromInput = bit(0), kEachEighthEdge = 3U << 2;  // The fields belong to CCMR1.
+inline constexpr std::uint32_t kCaptureOn = bit(0);                                    // The bit belongs to CCER.
+inline constexpr std::uint32_t kCrystalBy32 = 3;                                       // The field is TISEL.TI1SEL.
 
 }  // namespace triskin::board::tim16_reg
