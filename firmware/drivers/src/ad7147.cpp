@@ -43,10 +43,10 @@ void Ad7147::begin_configure(I2cLine& line, std::uint8_t address, int step, cons
     w.be16(static_cast<std::uint16_t>((positive ? 0x1000U : 0x2000U) | high));
     w.be16(offset_word(stages, step));
     w.be16(0x2626);  // The sensitivity is the data sheet's typical value.
-    w.be16(0x2710);  // This is the low offset.
-    w.be16(0x2710);  // This is the high offset.
-    w.be16(0x7530);  // This is the high clamp.
-    w.be16(0x0000);  // This is the low clamp.
+    w.be16(0x2710);  // The low offset only affects threshold interrupts, which are off.
+    w.be16(0x2710);  // The high offset only affects threshold interrupts, which are off.
+    w.be16(0x7530);  // The high clamp is wide open.
+    w.be16(0x0000);  // The low clamp is wide open.
   } else if (step == ad7147::kStages) {
     w.be16(ad7147::kPowerControl);
     w.be16(power_);

@@ -13,7 +13,7 @@ struct BackupOptions {
   std::string save, restore;      ///< Both are names of files; empty means not requested.
   std::vector<std::string> onto;  ///< Each text is OLD=NEW, two serial numbers.
 };
-/// Adds these options.
+/// Adds --save, --restore and --onto.
 void add_backup_options(CLI::App& app, BackupOptions& options);
 
 /// Saves the data of the controllers on all buses in the file of --save. Throws as device::save_boards and

@@ -42,7 +42,7 @@ Terminal::Terminal() : keys_(::isatty(STDIN_FILENO) != 0 && ::tcgetattr(STDIN_FI
     single.c_cc[VTIME] = 0;
     (void)::tcsetattr(STDIN_FILENO, TCSANOW, &single);
   }
-  put("\033[?1049h\033[?25l");  // The sequence switches to the alternate screen and hides the cursor.
+  put("\033[?1049h\033[?25l");  // The escape sequence switches to the alternate screen and hides the cursor.
 }
 
 Terminal::~Terminal() {

@@ -15,17 +15,17 @@ namespace {
 
 // A person has to do one of these kinds of work at the patch.
 enum class Work {
-  kFlash,        // The tables are wrong.
+  kFlash,        // The tables have to be flashed again.
   kOtherDesign,  // The tables belong to another design, so the file may be the wrong one.
   kTare,         // Only the rest values are wrong.
   kLook,         // The work is at the computer or the bus, with the supply on.
   kReplace,      // The module is replaced by a new one.
-  kStrap,        // The module's straps are wrong.
-  kPlace,        // Several modules sit at wrong places.
+  kStrap,        // The module's straps have to be changed.
+  kPlace,        // Several modules have to change their places.
   kJoint,        // A joint has to be soldered again.
   kPart,         // A joint that should not exist has to be separated.
-  kShort,        // A line is held low.
-  kTurn,         // The module is turned.
+  kShort,        // The module that holds a line low has to be found.
+  kTurn,         // The module has to be turned back.
   kCable,        // The cables of controllers, the lines of a cable or whole patches are exchanged.
 };
 

@@ -22,7 +22,7 @@ struct Source {
   std::vector<std::string> covers;
   device::LinkOptions link;
 };
-/// Reads the file. Throws InputError.
+/// Reads a robot file or a design file. Throws InputError.
 [[nodiscard]] Source read_source(const std::string& file, const triskin_options& options);
 
 struct ModuleCalibration {

@@ -10,7 +10,7 @@ namespace {
 // Register names and fields are those of the AD7147 data sheet rev. E, tables 20 to 24 and 48 to 52.
 constexpr std::uint16_t kPwrControl = 0x000;
 constexpr std::uint16_t kAmbCompControl0 = 0x002;
-constexpr std::uint16_t kConvReset = 0x8000;  // This bit clears itself.
+constexpr std::uint16_t kConvReset = 0x8000;  // The chip clears this bit itself once the sequence has restarted.
 constexpr std::uint16_t kStageCompleteStatus = 0x00A;
 constexpr std::uint16_t kResults = 0x00B;
 constexpr std::uint16_t kDeviceIdRegister = 0x017;

@@ -62,7 +62,7 @@ void note_place(wire::Crash& crash, const std::uint32_t* frame) {
   crash.lr = frame[kFrameLr];
 }
 
-// The loader has no label.
+// The loader has no label, so its version is unknown.
 std::uint32_t image_version() {
   const auto* words = reinterpret_cast<const std::uint32_t*>(image_origin() + layout::kLabelOffset);
   return words[0] == kLabelMark ? words[kLabelVersionWord] : 0;

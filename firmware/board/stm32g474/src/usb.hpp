@@ -18,7 +18,7 @@ class Stm32Usb {
 
   /// Joins the bus. `function` must outlive that.
   void open(wire::UsbFunction& function, bool data_endpoints);
-  /// Leaves the bus.
+  /// Leaves the bus, which looks to the host like an unplugged cable.
   void close();
   /// Passes received packets on, at most one of each end point.
   void serve();

@@ -503,7 +503,7 @@ void LineSampler::use_results(std::uint64_t now_us) {
   const std::optional<std::uint64_t> end_us = schedule_.read(current_, now_us);
   if (!end_us) return;
   if (!whole) {
-    ++sample_of(station).number;  // The sample is lost.
+    ++sample_of(station).number;  // A sample without its reading is lost, so its number is skipped.
     return;
   }
   sample_of(station).store(results_, station.frozen.add(results_));

@@ -312,7 +312,7 @@ Bytes string_descriptor(std::uint8_t index, const wire::UniqueId& unique_id, std
   w.u8(0);
   w.u8(kString);
   if (index == 0) {
-    w.le16(0x0409);  // The language is English.
+    w.le16(0x0409);  // The strings are in English.
   } else if (index == kSerial) {
     for (const std::uint8_t b : unique_id) {
       for (const int digit : {b >> 4, b & 0xF})

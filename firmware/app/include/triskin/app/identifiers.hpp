@@ -34,7 +34,8 @@ struct PatchParts {
   const FaultMemory& faults;
   const Route& route;
   const std::array<LineSampler, layout::kLines>& lines;
-  const std::array<ModuleSample, layout::kMaxModules>& samples;  ///< These samples are the latest.
+  /// The latest samples may still be rejected by the next check of the chain.
+  const std::array<ModuleSample, layout::kMaxModules>& samples;
   /// These samples were read before the last good check of the chain.
   const std::array<ModuleSample, layout::kMaxModules>& published;
   const OffsetBook& offsets;

@@ -87,7 +87,7 @@ class ImageReceiver final : public fw::ImageUpdate {
   bool who_due_ = false, image_due_ = false, state_due_ = false;
   std::uint32_t search_at_ = kNotSearching;  // The search continues with this unit.
   std::uint16_t missing_ = 0;
-  bool fd_ = false;       // Answers may be FD frames.
+  bool fd_ = false;       // FD frames shorten the answers on a bus that carries them.
   bool no_room_ = false;  // An answer waits for the port.
 };
 

@@ -60,7 +60,7 @@ class Bridge {
   void put_raw(std::span<const recording::ModuleSample> samples);
 
   Domain& domain_;
-  std::string base_;  // Topics begin with "/skin/PART/".
+  std::string base_;  // All topics of the cover begin with "/skin/PART/".
   std::string frame_;
   std::uint64_t points_period_ns_;
   recording::Calibration calibration_;

@@ -20,7 +20,7 @@ struct RosType {
   std::string_view hash;  ///< The hash is "RIHS01_" followed by 64 hexadecimal digits.
 };
 extern const RosType kRaw, kLayout, kContacts, kPoints, kDiagnostics, kTransforms;
-/// Returns all published types.
+/// Returns all types that the bridge publishes.
 [[nodiscard]] std::span<const RosType* const> all_types();
 /// Converts "sensor_msgs/msg/PointCloud2" to "sensor_msgs::msg::dds_::PointCloud2_".
 [[nodiscard]] std::string dds_name(std::string_view ros_name);

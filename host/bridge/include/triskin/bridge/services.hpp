@@ -41,7 +41,7 @@ struct Reroute {
   struct Answer {
     bool success = false;
     std::string message;
-    std::vector<std::int32_t> patch;  ///< These patches were asked.
+    std::vector<std::int32_t> patch;  ///< Only these patches were asked to reroute.
     /// The tree of each patch has this many modules; −1 means that they have no switches.
     std::vector<std::int32_t> modules;
     void write(recording::CdrWriter& w) const;

@@ -77,7 +77,7 @@ enum class Group { kDesign, kHardware, kData, kDevelopment };
 struct Command {
   std::string name;
   std::string summary;
-  std::string example;  ///< The example appears in --help.
+  std::string example;  ///< --help ends with this example.
   std::function<Run(CLI::App& app)> set_up;
   Group group = Group::kDevelopment;
 };

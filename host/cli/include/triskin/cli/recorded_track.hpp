@@ -13,7 +13,7 @@ using recording::RecordedSkin;
 /// The page plays a recording in this form.
 struct RecordedTrack {
   RecordedSkin skin;
-  std::string frames;  ///< view::FrameTrack made the frames.
+  std::string frames;  ///< The frames have the format of view::FrameTrack.
   std::string remark;  ///< The remark says which parts of the recording are missing; it is empty if it is complete.
 };
 

@@ -20,7 +20,7 @@ struct BoardFile {
 /// that the design lacks, a patch or controller that occurs twice, a file of another design.
 [[nodiscard]] BoardFile read_board_file(const std::filesystem::path& path, const design::Design& design);
 
-/// Formats such a file.
+/// Formats a board file that read_board_file() reads.
 [[nodiscard]] std::string board_file_text(const BoardFile& file);
 
 /// Converts a serial number to upper case; returns an empty text if it does not have 24 hexadecimal digits.

@@ -38,7 +38,7 @@ struct BoardUpdate {
   UpdateOutcome outcome = UpdateOutcome::kGivenUp;
   std::string why;        ///< The reason is a sentence; it is empty for kUpdated, kEqual and kWould.
   int slot = -1;          ///< The board now runs from this slot; −1 means unknown.
-  std::size_t bytes = 0;  ///< This many bytes were written.
+  std::size_t bytes = 0;  ///< An equal image leaves this at 0, because nothing was written.
 };
 
 struct BroadcastResult {

@@ -44,7 +44,7 @@ struct Design {
   /// Files with jumpers have this version, because a reader of version 1 would split their patches.
   static constexpr int kJumperVersion = 2;
 
-  /// Figures for the whole design.
+  /// The report has figures for the whole design.
   struct Report {
     double area_cm2 = 0.0;
     double coverage = 0.0;  ///< Coverage is modules · 389.7 mm² / area.
@@ -81,7 +81,7 @@ struct Design {
   double scale_to_mm = 1.0;
   std::optional<PartSource> part;  ///< The file has no such key when the source is a mesh.
   std::uint64_t seed = 1;
-  Mesh surface;                  ///< Vertices are in mm.
+  Mesh surface;                  ///< The surface is in mm, in the frame of the mesh.
   std::optional<PartSide> side;  ///< The file has no such key when the surface has no wall.
   LayoutLimits limits;
   std::vector<PlacedPiece> pieces;

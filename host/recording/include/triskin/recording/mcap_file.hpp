@@ -77,7 +77,7 @@ class Visitor {
 
 /// Says how far a file could be read.
 struct ReadReport {
-  bool complete = false;          ///< The file was closed properly.
+  bool complete = false;          ///< The writer closed the file properly, with summary and footer.
   std::uint64_t messages = 0;     ///< This many messages were passed to the visitor.
   std::uint64_t whole_bytes = 0;  ///< Up to this offset, the data section consists of whole records.
   std::uint64_t file_bytes = 0;

@@ -77,7 +77,7 @@ class SimUsbLink final : public InProcessLink {
   std::deque<wire::CanFrame> inbox_;
   NodeMap nodes_;
   std::vector<int> sessions_;  // The number of a device changes when it reconnects.
-  std::size_t next_ = 0;       // This device is asked first.
+  std::size_t next_ = 0;       // The devices take turns, and this one is asked first.
   std::uint64_t hub_free_ns_ = 0;
   std::uint64_t packets_ = 0;
 };

@@ -16,7 +16,7 @@ class VhciDevice {
   /// Plugs the device in; `number` (≥ 0) differs for each device. `function` must outlive it. Throws DeviceError: no
   /// vhci-hcd, no permission to use it, no free port.
   VhciDevice(wire::UsbFunction& function, int number);
-  /// Unplugs the device.
+  /// Unplugs the device from the virtual controller.
   ~VhciDevice();
   VhciDevice(const VhciDevice&) = delete;
   VhciDevice& operator=(const VhciDevice&) = delete;

@@ -71,7 +71,8 @@ struct CalibrateOptions {
   double max_error_percent = 10.0;       ///< A taxel with a larger error is not calibrated.
   std::uint64_t unix_minus_link_ns = 0;  ///< Ramps by calendar need the calendar time at which the link's time was 0.
   StreamOptions stream;                  ///< These options decide how samples are read.
-  wire::CalibrationMethod method = wire::CalibrationMethod::kSteps;  ///< The result records this method.
+  /// The calibration states by which method it was made.
+  wire::CalibrationMethod method = wire::CalibrationMethod::kSteps;
   /// The function applies a step and returns when the pressure is steady.
   std::function<void(const PressureStep&)> apply;
 };

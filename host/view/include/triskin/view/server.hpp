@@ -15,7 +15,7 @@
 
 namespace triskin::view {
 
-/// The server delivers this file.
+/// The server delivers the file under the name that is its key in a Site.
 struct Document {
   std::string type;  ///< The type goes into the header Content-Type.
   std::string body;
@@ -23,12 +23,12 @@ struct Document {
 /// Documents are found by name: "" is the start page, then "main.js", …
 using Site = std::map<std::string, Document>;
 
-/// A page sends these requests.
+/// A page sends these requests through its WebSocket.
 struct Command {
   enum class Kind {
     kPress,  ///< The simulated finger presses a module, or one taxel.
-    kLift,   ///< The simulated finger is lifted.
-    kRest,   ///< New rest values are taken.
+    kLift,   ///< The simulated finger is lifted from wherever it presses.
+    kRest,   ///< New rest values are taken, so nobody may touch the skin.
   };
   Kind kind = Kind::kLift;
   int module = 0;  ///< kPress sets the module, ≥ 0; the receiver must check whether the design has it.

@@ -22,7 +22,7 @@ class OffsetSearch {
   static constexpr int kCenteringRounds = 4;
   static constexpr std::int32_t kThird = 0x8000 / 3;
 
-  /// Starts without known offsets.
+  /// Starts a search in which no offset is known.
   void begin();
   /// Starts with offsets that were right before.
   void begin(const ad7147::Offsets& known);

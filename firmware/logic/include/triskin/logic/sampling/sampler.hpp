@@ -41,7 +41,7 @@ class LineSampler {
   /// All lines share these data. Samples and offsets must outlive the sampler, but the table need not.
   struct Patch {
     std::span<const layout::ModuleRow> rows;  ///< The rows are those of the table.
-    std::span<ModuleSample> samples;          ///< Each row has one sample.
+    std::span<ModuleSample> samples;          ///< The samples are indexed by the row of the table.
     OffsetBook& offsets;
     bool positive_input = false;  ///< The electrodes are on the positive input, so results are inverted.
   };

@@ -48,7 +48,7 @@ class FullStream {
   /// Notes that the rows from `row` on mean other modules: their numbers restart at 1, and waiting samples count only
   /// in dropped().
   void forget_from(std::size_t row);
-  /// Handles a lease.
+  /// Starts, renews or ends the lease of a reader.
   void renew(const wire::StreamLease& lease, std::uint64_t now_us) { leases_.renew(lease, now_us); }
   /// Starts or ends streaming without a lease (FD05).
   void hold(bool on);
@@ -87,7 +87,7 @@ class FullStream {
   std::array<wire::TaxelFrame, kCapacity> waiting_{};  // Each row has a ring of kPerRow frames.
   std::array<std::uint8_t, layout::kMaxModules> first_{};
   std::size_t size_ = 0;
-  std::size_t turn_ = layout::kMaxModules - 1;  // This row sent last.
+  std::size_t turn_ = layout::kMaxModules - 1;  // The next turn begins after the row that sent last.
   std::array<wire::RowAccount, layout::kMaxModules> rows_{};
   std::uint32_t dropped_ = 0;
   std::uint32_t gap_us_ = 0;  // On average, two frames are at least this far apart.

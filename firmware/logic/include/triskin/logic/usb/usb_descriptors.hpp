@@ -13,7 +13,7 @@ namespace triskin::fw::usb {
 inline constexpr std::uint8_t kDevice = 1, kConfiguration = 2, kString = 3, kBos = 15, kHid = 0x21, kReport = 0x22;
 /// A request with this bRequest fetches the Microsoft OS 2.0 set.
 inline constexpr std::uint8_t kMicrosoftCode = 0x20;
-inline constexpr std::uint16_t kMicrosoftSet = 7;  ///< The request has this wIndex.
+inline constexpr std::uint16_t kMicrosoftSet = 7;  ///< This wIndex asks for the descriptor set.
 inline constexpr std::uint16_t kDfuBlockBytes = 1024, kDetachTimeout_ms = 1000;
 /// Strings have these indexes; kSerial is made from the unique id.
 inline constexpr std::uint8_t kVendorText = 1, kProductText = 2, kSerial = 3, kHidText = 4, kBulkText = 5, kDfuText = 6,

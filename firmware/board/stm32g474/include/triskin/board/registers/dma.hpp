@@ -11,7 +11,7 @@ inline constexpr std::uint32_t kFirstChannel = 0x08, kChannelBytes = 20, kMuxCha
 inline constexpr std::uint32_t kCcr = 0x00, kCndtr = 0x04, kCpar = 0x08, kCmar = 0x0C;
 // Requests of I2C1 are from table 91; each further line has the next two.
 inline constexpr std::uint32_t kI2c1Receive = 16, kI2c1Send = 17, kI2cRequests = 2;
-// These bits belong to CCR.
+// A DMA channel is configured by these bits of its register CCR.
 inline constexpr std::uint32_t kEnable = bit(0), kFromMemory = bit(4), kMemoryIncrement = bit(7);
 
 /// A channel of DMA1 moves bytes from or to a peripheral's data register. Numbers are 0..7, whereas the manual counts

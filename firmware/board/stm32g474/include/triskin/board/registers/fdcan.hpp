@@ -11,7 +11,7 @@ inline constexpr Register kDbtp{kBase + 0x0C}, kCccr{kBase + 0x18}, kNbtp{kBase 
     kIle{kBase + 0x5C}, kRxgfc{kBase + 0x80}, kRxf0s{kBase + 0x90}, kRxf0a{kBase + 0x94}, kTxbc{kBase + 0xC0},
     kTxfqs{kBase + 0xC4}, kTxbar{kBase + 0xCC}, kTxbtie{kBase + 0xDC}, kCkdiv{kBase + 0x100};
 
-// These bits belong to CCCR.
+// The CAN controller is configured by these bits of its control register CCCR.
 inline constexpr std::uint32_t kInit = bit(0), kConfigure = bit(1), kRestricted = bit(2), kFdOperation = bit(8),
                                kBitRateSwitch = bit(9);
 // These bits belong to IR and IE.
@@ -27,9 +27,10 @@ inline constexpr std::uint32_t kNominalJumpShift = 25, kNominalPrescalerShift = 
     kDelayCompensation = bit(23), kDelayOffsetShift = 8;
 inline constexpr std::uint32_t kExtendedCountShift = 24, kStandardCountShift = 16, kOtherStandardShift = 4,
                                kOtherExtendedShift = 2, kRefuseRemote = 3;
-// These fields belong to RXF0S.
+// RXF0S tells how many frames are in the receive FIFO, and which one is next.
 inline constexpr std::uint32_t kFifoLevelMask = 0xF, kFifoGetShift = 8, kFifoIndexMask = 3;
-inline constexpr std::uint32_t kTxPutShift = 16, kTxFull = bit(21);  // These fields belong to TXFQS.
+// TXFQS tells which transmit buffer is free, or that none is.
+inline constexpr std::uint32_t kTxPutShift = 16, kTxFull = bit(21);
 // The message RAM has these byte offsets.
 inline constexpr std::uint32_t kStandardFilters = 0x000, kExtendedFilters = 0x070, kRxFifo0 = 0x0B0, kTxBuffers = 0x278,
                                kElementBytes = 72, kRamBytes = 0x350;

@@ -10,15 +10,17 @@ namespace flash_reg {
 inline constexpr std::uint32_t kBase = 0x40022000;
 inline constexpr Register kAcr{kBase + 0x00}, kKeyr{kBase + 0x08}, kOptKeyr{kBase + 0x0C}, kSr{kBase + 0x10},
     kCr{kBase + 0x14}, kEccr{kBase + 0x18}, kOptr{kBase + 0x20}, kWrp1Ar{kBase + 0x2C};
-inline constexpr std::uint32_t kKey1 = 0x45670123, kKey2 = 0xCDEF89AB;              // The keys are from §3.7.3.
-inline constexpr std::uint32_t kOptionKey1 = 0x08192A3B, kOptionKey2 = 0x4C5D6E7F;  // The keys are from §3.7.4.
-// These fields belong to ACR.
+// §3.7.3 defines the keys that unlock the flash.
+inline constexpr std::uint32_t kKey1 = 0x45670123, kKey2 = 0xCDEF89AB;
+// §3.7.4 defines the keys that unlock the option bytes.
+inline constexpr std::uint32_t kOptionKey1 = 0x08192A3B, kOptionKey2 = 0x4C5D6E7F;
+// The access control register ACR has the wait states and the caches of the flash.
 inline constexpr std::uint32_t kLatencyMask = 0xF, kLatency4 = 4, kPrefetch = bit(8), kInstructionCache = bit(9),
                                kDataCache = bit(10), kDataCacheReset = bit(12);
-// These bits belong to SR.
+// The status register SR tells when an operation has ended.
 inline constexpr std::uint32_t kEndOfOperation = bit(0), kBusy = bit(16);
 inline constexpr std::uint32_t kErrors = bit(1) | bit(3) | bit(4) | bit(5) | bit(6) | bit(7) | bit(8) | bit(9);
-// These fields belong to CR.
+// The control register CR selects the operation of the flash and its page.
 inline constexpr std::uint32_t kProgram = bit(0), kPageErase = bit(1), kPageShift = 3, kBank2 = bit(11),
                                kStart = bit(16), kOptionStart = bit(17), kOptionLock = bit(30), kLock = bit(31);
 // ECCR reports two wrong bits with an NMI and one wrong bit as corrected. The second bit of each kind is for the upper
@@ -58,10 +60,10 @@ inline constexpr std::uint32_t kDma1 = bit(0), kDmaMux = bit(2), kFlashClock = b
                                kGpioC = bit(2);
 inline constexpr std::uint32_t kTim2 = bit(0), kCrs = bit(8), kSpi2 = bit(14), kUsart2 = bit(17), kI2c1 = bit(21),
                                kI2c2 = bit(22), kUsb = bit(23), kFdcan = bit(25), kPwr = bit(28),
-                               kI2c3 = bit(30);             // The bit belongs to APB1ENR1.
-inline constexpr std::uint32_t kI2c4 = bit(1);              // The bit belongs to APB1ENR2.
-inline constexpr std::uint32_t kTim16 = bit(17);            // The bit belongs to APB2ENR.
-inline constexpr std::uint32_t kFdcanFromPclk1 = 2U << 24;  // The field is CCIPR.FDCANSEL.
+                               kI2c3 = bit(30);             // This clock is enabled in APB1ENR1.
+inline constexpr std::uint32_t kI2c4 = bit(1);              // This clock is enabled in APB1ENR2.
+inline constexpr std::uint32_t kTim16 = bit(17);            // This clock is enabled in APB2ENR.
+inline constexpr std::uint32_t kFdcanFromPclk1 = 2U << 24;  // CCIPR.FDCANSEL selects PCLK1 as the clock of FDCAN.
 inline constexpr std::uint32_t kHsi48On = bit(0), kHsi48Ready = bit(1);
 inline constexpr std::uint32_t kRemoveResetFlags = bit(23), kOptionReset = bit(25), kPinReset = bit(26),
                                kPowerReset = bit(27), kSoftwareReset = bit(28), kWatchdogReset = bit(29);

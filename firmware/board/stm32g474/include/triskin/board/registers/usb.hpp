@@ -13,7 +13,7 @@ inline constexpr Register kCntr{kBase + 0x40}, kIstr{kBase + 0x44}, kDaddr{kBase
 [[nodiscard]] constexpr Register endpoint(std::size_t n) {
   return Register(kBase + 4 * static_cast<std::uint32_t>(n));
 }
-// These bits belong to CNTR.
+// The USB device is switched on and off by these bits of its control register CNTR.
 inline constexpr std::uint32_t kForceReset = bit(0), kPowerDown = bit(1), kForceSuspend = bit(3);
 // These bits belong to CNTR (as masks) and ISTR.
 inline constexpr std::uint32_t kReset = bit(10), kSuspend = bit(11), kWakeUp = bit(12), kTransferred = bit(15);
@@ -23,8 +23,8 @@ inline constexpr std::uint32_t kReceived = bit(15), kReceiveToggle = bit(14), kR
 inline constexpr std::uint32_t kBulk = 0U << 9, kControl = 1U << 9, kInterrupt = 3U << 9;
 inline constexpr std::uint32_t kStall = 1, kNak = 2, kValid = 3;  // Both status fields use these values.
 inline constexpr unsigned kReceiveShift = 12, kSendShift = 4;
-inline constexpr std::uint32_t kEnableFunction = bit(7);  // The bit belongs to DADDR.
-inline constexpr std::uint32_t kPullUp = bit(15);         // The bit belongs to BCDR.
+inline constexpr std::uint32_t kEnableFunction = bit(7);  // The device answers only while this bit of DADDR is set.
+inline constexpr std::uint32_t kPullUp = bit(15);         // The pull-up on D+ is switched by BCDR.
 inline constexpr std::uint32_t kBlocksOf64 = bit(15) | 1U << 10,
                                kCountMask = 0x3FF;  // COUNTn_RX is set to two blocks of 32 bytes.
 inline constexpr int kIrq = 20;
