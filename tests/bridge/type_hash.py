@@ -44,7 +44,7 @@ def type_hash(name, definition):
     return "RIHS01_" + hashlib.sha256(text.encode()).hexdigest()
 
 
-# What ROS 2 Jazzy prints for two types of its own (ros2 topic info --verbose).
+# ROS 2 Jazzy prints these hashes for two of its own types (ros2 topic info --verbose).
 assert type_hash("std_msgs/msg/String", "string data\n") == \
     "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"
 assert type_hash("builtin_interfaces/msg/Time", "int32 sec\nuint32 nanosec\n") == \

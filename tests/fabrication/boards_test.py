@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Holds the files of `triskin fabricate` against the design by other code.
+"""Compares the files of `triskin fabricate` with the design by other code.
 Usage: boards_test.py boards|ezdxf|kicad TRISKIN WRITE_STRIP [DESIGN...]   without DESIGN: strips of our own
 boards: an s-expression reader of this file follows the copper of every KiCad board and finds patches, lines, addresses,
 joints and cables. ezdxf: lengths on each layer of the drawings. kicad: its own rule check (pcbnew).
@@ -17,7 +17,7 @@ import tempfile
 
 RELIEF, SIDE = 1.0, 30.0
 BUS = ["GND", "VDD", "SDA0", "SCL0", "SDA1", "SCL1", "SDA2", "SCL2", "SDA3", "SCL3"]
-CABLE = [0, 1, 2, 9, 7, 6, 8, 5, 4, 3]  # bus net of each pin of a cable
+CABLE = [0, 1, 2, 9, 7, 6, 8, 5, 4, 3]  # Each pin of a cable has this bus net.
 failures = 0
 
 
@@ -176,7 +176,7 @@ def corners_of(module):
 
 
 def side_pairs(modules):
-    """Pairs of modules of an island that share a lattice side, as (id, id) by that side's ends."""
+    """Returns pairs of modules of an island that share a lattice side, as (id, id) by that side's ends."""
     ends = collections.defaultdict(list)
     for m in modules:
         grid = corners_of(m)
@@ -186,7 +186,7 @@ def side_pairs(modules):
 
 
 def expected_joints(modules):
-    """Joints that carry lines: from each module to its parent in the same island, but not over a jumper."""
+    """Returns joints that carry lines: from each module to its parent in the same island, but not over a jumper."""
     ids = {m["id"] for m in modules}
     return {frozenset((m["id"], m["parent"])) for m in modules
             if m["parent"] in ids and m["parent"] in m["neighbours"]}
@@ -209,7 +209,7 @@ def check_module(board, module):
 
 
 def check_taxels(board, module):
-    """Places of the pads are those of the design: equal distances between all pairs, and not mirrored."""
+    """Compares the places of the pads with the design: equal distances between all pairs, and not mirrored."""
     flat = [board.places[(f"M{module['id']}", f"T{t}")][0] for t in range(12)]
     solid = [t["position"] for t in module["taxels"]]
     for a, b in itertools.combinations(range(12), 2):
@@ -226,7 +226,7 @@ def check_taxels(board, module):
 
 
 def joints_on(board, modules):
-    """Pairs of modules with a common part of copper on the GND of their ports, followed over tracks between modules."""
+    """Returns pairs of modules with a common part of copper on the GND of their ports, followed over tracks between modules."""
     pairs = set()
     by_place = {}
     for m in modules:
@@ -274,7 +274,7 @@ def check_netlist(path, board):
 
 
 def island_length(modules):
-    """Edge, folds and slits of an island by counting sides."""
+    """Measures edge, folds and slits of an island by counting sides."""
     slit = fold = outline = 0
     by_id = {m["id"]: m for m in modules}
     for ids in side_pairs(modules).values():
@@ -347,7 +347,7 @@ def check_rules(folder, design, pcbnew):
         violations = int(re.search(r"Found (\d+) DRC violations", text).group(1))
         open_pads = int(re.search(r"Found (\d+) unconnected pads", text).group(1))
         expect(violations == 0, f"{path.name}: {violations} violations\n{text}")
-        # Inside a module 46 connections are still to be drawn: chip to taxels, straps, capacitors and bus.
+        # Inside a module 46 connections have no track yet: chip to taxels, straps, capacitors and bus.
         expect(open_pads == 46 * len(modules), f"{path.name}: {open_pads} open connections of {len(modules)} modules")
     print(f"KiCad {pcbnew.GetBuildVersion()}: 0 violations on {len(islands_of(design))} boards")
 

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the RTPS dissector of tshark finds in a capture, as JSON: for each topic that a writer announces its type, user
+"""Prints what the RTPS dissector of tshark finds in a capture, as JSON: for each topic that a writer announces its type, user
 data, qualities, and the numbers of the messages that were sent. Usage: dissect.py PACKETS"""
 import json
 import subprocess
 import sys
 import xml.etree.ElementTree as tree
 
-PUBLICATIONS, DATA, DATA_FRAGMENT = 0x3C2, 0x15, 0x16  # writer of announcements; kinds of submessages
+PUBLICATIONS, DATA, DATA_FRAGMENT = 0x3C2, 0x15, 0x16  # The writer of announcements, then kinds of submessages.
 
 
 def first(submessage, name, key="show"):
@@ -32,7 +32,7 @@ for rtps in tree.fromstring(packets.stdout).iter("proto"):
                 "writer": first(submessage, "rtps.param.endpoint_guid", "value"),
                 "type": first(submessage, "rtps.param.typeName"),
                 "user_data": bytes.fromhex(first(submessage, "rtps.param.userData", "value") or "").decode(),
-                # What is not said is what RTPS takes for granted of a writer: reliable, volatile.
+                # A writer that states nothing is reliable and volatile by the defaults of RTPS.
                 "reliable": int(first(submessage, "rtps.reliability_kind") or "2", 16) == 2,
                 "latched": int(first(submessage, "rtps.durability") or "0", 16) == 1,
                 "depth": int(first(submessage, "rtps.history_depth") or "1")}

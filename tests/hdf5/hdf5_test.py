@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads the HDF5 file of the taxels with h5py and holds it against the CSV of the same design. Usage: hdf5_test.py TRISKIN WRITE_STRIP
+"""Reads the HDF5 file of the taxels with h5py and compares it with the CSV of the same design. Usage: hdf5_test.py TRISKIN WRITE_STRIP
 Exit status: 0 they agree, 1 they do not, 77 h5py is missing or the program has no HDF5."""
 import csv
 import pathlib

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Records one simulated skin to HDF5 and to CSV, and holds the two against each other with h5py. Usage: recording_test.py TRISKIN WRITE_STRIP
+"""Records one simulated skin to HDF5 and to CSV, and compares the two with h5py. Usage: recording_test.py TRISKIN WRITE_STRIP
 recording_test.py --compare FILE.h5 FILE.csv holds two recordings of one stream against each other.
 Exit status: 0 they agree, 1 they do not, 77 h5py is missing or the program has no HDF5."""
 import csv

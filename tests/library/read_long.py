@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads served simulations for a time, all at once, and says what came: every sample that was due, or exit status 1.
+"""Reads served simulations for a time, all at once: every sample that was due must arrive, or the exit status is 1.
 Usage: read_long.py PROGRAM SECONDS DESIGN..."""
 import os
 import re

@@ -18,14 +18,14 @@ MIDDLE_COUNTS = 3.0 / (2.0 * math.pi * 9e-6) * 1e-3 * 150.0
 
 
 def serve():
-    """A simulation on a free port; the press begins six seconds of its time after the start."""
+    """Serves a simulation on a free port; the press begins six seconds of its time after the start."""
     server = subprocess.Popen([program, "simulate", scene, "--listen", "127.0.0.1:0"], stdout=subprocess.PIPE, text=True)
     line = server.stdout.readline()
     return server, "sim:127.0.0.1:" + re.search(r"127\.0\.0\.1:(\d+)", line).group(1)
 
 
 def contents(skin):
-    """Shapes and places against the design file."""
+    """Compares shapes and places with the design file."""
     d = json.load(open(design))
     assert skin.modules == 8, skin.modules
     assert skin.positions_mm.shape == (8, 12, 3) and skin.normals.shape == (8, 12, 3)
@@ -55,7 +55,7 @@ def stream(skin):
         assert (np.diff(mine["time_s"]) > 0).all()
     assert samples["value"].shape[1:] == (12,)
     assert samples["valid"][-200:].min() == 0xFFF, "before, the controllers look for the offsets of their converters"
-    # On a busy computer the simulation loses time, so its clock is none: there is a bound, and nothing is said of its size.
+    # On a busy computer the simulation loses time, so its clock is unreliable: a bound exists, but its size is not tested.
     assert (np.isfinite(samples["error_s"])).mean() > 0.5 and samples["error_s"].min() > 0.0
     skin.stop()
     rest = skin.read()
@@ -65,7 +65,7 @@ def stream(skin):
 
 
 def any_order(skin):
-    """Questions in the middle of a stream: it pauses for them, and goes on; the contact is where the scene has it."""
+    """Asks in the middle of a stream: it pauses and continues, and the contact is where the scene has it."""
     assert len(skin.read(0.5)) == 0, "behind stop() nothing comes"
     skin.start()
     before = skin.read(1.0)
@@ -85,7 +85,7 @@ def any_order(skin):
 
 
 def robot():
-    """Two covers of this design on two buses; nothing of them is flashed, so it is opened and looked at only."""
+    """Opens two covers of this design on two buses; nothing of them is flashed, so the test only opens and inspects it."""
     folder = os.path.dirname(design)
     file = os.path.join(folder, "robot.json")
     say = lambda *words: subprocess.run([program, "robot", *words], check=True, stdout=subprocess.DEVNULL)
@@ -129,7 +129,7 @@ try:
 finally:
     server.send_signal(signal.SIGINT)
     server.wait()
-# Now that nobody else simulates these boards: the same in this process, in virtual time.
+# Nobody else simulates these boards now, so this process does it in virtual time.
 with triskin.open(design, link="sim", scene=scene) as skin:
     assert len(skin.read(2.0)) > 8 * 50 and skin.counts()["lost"] == 0
 print("ok")

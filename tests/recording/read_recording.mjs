@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Prints what @mcap/core finds in a recording; ends with 1 when a CRC is wrong. Usage: node read_recording.mjs FILE
+// Prints what @mcap/core finds in a recording and exits with 1 when a CRC is wrong. Usage: node read_recording.mjs FILE
 import { readFileSync } from "node:fs";
 import { McapIndexedReader, McapStreamReader } from "@mcap/core";
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Exported models before MuJoCo: beside the model of a robot, after a change of it, and a ball that drops on the skin while the
+// MuJoCo loads exported models: beside the model of a robot, after a change of it, and a ball that drops on the skin while the
 // simulated controllers of `triskin simulate --contacts` report it. Usage: mujoco_test.mjs TRISKIN WRITE_STRIP NODE_MODULES
 // Exit status: 0 passed, 1 failed, 77 left out because mujoco-js is not installed.
 import assert from "node:assert/strict";
@@ -37,7 +37,7 @@ put("tactile.xml", exported("mjcf"));
 put("touch.xml", exported("mjcf-touch"));
 put("worn.xml", exported("mjcf", "--body", "r_forearm"));
 
-// Beside the model of a robot, whose file is not touched, and after an update of that model.
+// The model is loaded beside that of a robot, whose file stays unchanged, and after an update of that model.
 const robot = more => `<mujoco model="robot"><worldbody>${more}<body name="r_upper_arm" pos="0 0 1"><joint name="shoulder" axis="0 1 0"/>
   <geom type="capsule" size="0.03 0.1"/><body name="r_forearm" pos="0 0 0.3"><joint name="elbow" axis="1 0 0"/>
   <geom type="capsule" size="0.03 0.1"/></body></body></worldbody></mujoco>`;
@@ -93,7 +93,7 @@ const answers = readline.createInterface({input: socket})[Symbol.asyncIterator](
 const answer = async () => JSON.parse((await answers.next()).value);
 const head = await answer();
 
-// Radius of the contact of the ball with an elastic foundation of 2 mm with a confined modulus of 134.6 kPa (docs/mechanics.md).
+// Returns the radius of the contact of the ball with an elastic foundation of 2 mm with a confined modulus of 134.6 kPa (docs/mechanics.md).
 const contact_radius_m = force_n => {
   const depth_m = Math.sqrt(force_n * 0.002 / (Math.PI * radius * 134.6e3));
   return Math.max(1e-3, Math.sqrt(2 * radius * depth_m));

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The taxel list of an export before NumPy. Usage: npz_test.py TRISKIN WRITE_STRIP. Exit status 77: NumPy is not installed."""
+"""Reads the taxel list of an export with NumPy. Usage: npz_test.py TRISKIN WRITE_STRIP. Exit status 77: NumPy is not installed."""
 import json
 import pathlib
 import subprocess
@@ -33,7 +33,7 @@ for k, taxel in enumerate(listed):
     assert arrays["module"][k] == taxel["module"] and arrays["taxel"][k] == taxel["taxel"]
     assert arrays["link"][k] == taxel["link"]
     assert numpy.array_equal(arrays["position"][k], taxel["position_m"])
-# The table for spreadsheets was written by other code: millimetres, on the board, 2 mm under the surface.
+# Other code wrote the table for spreadsheets: millimetres, on the board, 2 mm under the surface.
 places = {(int(r[0]), int(r[1])): numpy.array([float(v) for v in r[5:11]]) for r in rows}
 for module, taxel, position, normal in zip(arrays["module"], arrays["taxel"], arrays["position"], arrays["normal"]):
     place = places[(module, taxel)]

@@ -32,7 +32,7 @@ def inside(point, polygon):
 
 
 def points_of(path):
-    """Corners of a path in mm; the closing point is not repeated."""
+    """Returns the corners of a path in mm; the closing point is not repeated."""
     scale = [float(v) for v in path.get("transform").split()]
     points = []
     for step in path:
@@ -93,7 +93,7 @@ def sides_of(polygon):
 
 
 def module_outlines(page, cut):
-    """Hairlines of 0.05 mm with the corners of a module and its lengths."""
+    """Returns hairlines of 0.05 mm with the corners of a module and its lengths."""
     expected = [SIDE] if cut == 0 else [SIDE - 2 * cut, cut]
     found = []
     for points, width in page.outlines:
@@ -115,7 +115,7 @@ def number_in(page, polygon):
 
 
 def straps_in(page, polygon):
-    """Which pad is black, in the upper row and in the lower."""
+    """Tells which pad is black in the upper row and in the lower."""
     def pads(shapes):
         squares = [p for p in shapes if len(p) == 4 and all(abs(s - 2.0) < 0.02 for s in sides_of(p))]
         centers = [(sum(x for x, _ in p) / 4, sum(y for _, y in p) / 4) for p in squares]
@@ -135,7 +135,7 @@ def straps_in(page, polygon):
 
 
 def input_side(page, module, polygon, cut):
-    """Tile side at which the arrow enters: the outline is drawn in the order of the tile."""
+    """Returns the tile side at which the arrow enters: the outline is drawn in the order of the tile."""
     heads = [p for p, color in page.fills if color == [0, 0, 0] and len(p) == 3 and inside(p[0], polygon)]
     expect(len(heads) == 1, f"module {module} has {len(heads)} arrows")
     if not heads:
@@ -168,7 +168,7 @@ def check_modules(design, pages):
 
 
 def rows_of(page):
-    """Text in table rows: cells at one height, from the left."""
+    """Returns the text in table rows: cells at one height, from the left."""
     rows = {}
     for text, at, _ in page.texts:
         rows.setdefault(round(at[1], 1), []).append((at[0], text))
@@ -191,7 +191,7 @@ def check_tables(design, pages):
 
 
 def check_points(pages):
-    """The name of a point P or Q is not written over what stands beside it, such as the name of a jumper."""
+    """The name of a point P or Q must not overlap text beside it, such as the name of a jumper."""
     for number, page in enumerate(pages, 1):
         names = [(text, at, size) for text, at, size in page.glyphs if text in "PQ" and abs(size - 4.0) < 0.1]
         for text, at, size in names:
@@ -243,7 +243,7 @@ def check(program, file, paper, folder):
 
 
 def make_strips(write_strip, folder):
-    """A strip over several pages, and a shorter one with cut corners; straps changed so that no pattern hides a fault."""
+    """Draws a strip over several pages, and a shorter one with cut corners; straps changed so that no pattern hides a fault."""
     files = []
     for name, count, cut in (("whole", 40, 0), ("cut", 9, 5)):
         file = folder / f"{name}.json"

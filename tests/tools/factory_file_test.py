@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The factory file, read by a program that nobody here wrote. Usage: factory_file_test.py OBJCOPY
+"""Reads the factory file with a foreign program. Usage: factory_file_test.py OBJCOPY
 
 The hex file is turned into bytes by objcopy and must be the bin file; loader, application and commit record must lie
 where docs/firmware_board.md has them, and nowhere else anything may be written: what is filled up with FF would count as

@@ -20,7 +20,7 @@ def links(ninja, build, target, folder):
     if replaced != 1:
         sys.exit(f"{target}: no output in its link command")
     command = command.replace("-fuse-ld=mold", "").replace(" -o ", " -fuse-ld=bfd -o ", 1)
-    command = command.split(" && ")[1]  # not what is done after the link
+    command = command.split(" && ")[1]  # Commands after the link are left out.
     result = subprocess.run(command, shell=True, cwd=build, capture_output=True, text=True)
     if result.returncode != 0 or not linked.exists():
         print(f"{target}: GNU ld does not link it\n{result.stderr[-2000:]}")

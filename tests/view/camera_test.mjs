@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The cameras and colours of the page without a browser. Usage: camera_test.mjs FOLDER_OF_THE_PAGE
+// Tests the cameras and colours of the page without a browser. Usage: camera_test.mjs FOLDER_OF_THE_PAGE
 import assert from "node:assert/strict";
 import path from "node:path";
 import {pathToFileURL} from "node:url";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// An exported glTF file before the validator of the Khronos group. Usage: gltf_test.mjs TRISKIN WRITE_STRIP NODE_MODULES
+// Checks an exported glTF file with the validator of the Khronos group. Usage: gltf_test.mjs TRISKIN WRITE_STRIP NODE_MODULES
 // Exit status: 0 passed, 1 failed, 77 left out because gltf-validator is not installed.
 import {execFileSync} from "node:child_process";
 import fs from "node:fs";
@@ -18,7 +18,7 @@ try {
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), "gltf_test."));
 const design = path.join(folder, "strip.json"), file = path.join(folder, "strip.gltf");
 execFileSync(writeStrip, [design, "40"]);
-// With cut corners and a jumper, so that their shapes come before the validator too.
+// The design has cut corners and a jumper, so that the validator checks their shapes too.
 const made = JSON.parse(fs.readFileSync(design, "utf8"));
 Object.assign(made, {version: 2, corner_cut_mm: 4, jumpers: [{kind: "cable", modules: [0, 5], sides: [0, 1], length_mm: 60, fold_rad: 0}]});
 made.limits.jumper_mm = 60;

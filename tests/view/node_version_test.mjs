@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every npm package of the tests is the one that is listed and runs with the Node of Debian 12, whatever runs here.
+// Every npm package of the tests must be the listed one and run with the Node of Debian 12, whatever runs here.
 // Usage: node_version_test.mjs LIST NODE_MODULES
 // Exit status: 0 they do, 1 one does not, 77 left out because none is installed.
 import fs from "node:fs";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the page looks like, by its pixels: the legend against the picture, and what lies in reach at each size of the window.
+// Tests the look of the page by its pixels: the legend against the picture, and the controls in reach at each window size.
 import assert from "node:assert/strict";
 
 /** Ends when the page has drawn what was set before: the frame that may be under way, and one after it. */

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The page in headless Chromium. Usage: page_test.mjs CASE TRISKIN WRITE_STRIP CHROMIUM NODE_MODULES
+// Runs the page in headless Chromium. Usage: page_test.mjs CASE TRISKIN WRITE_STRIP CHROMIUM NODE_MODULES
 // Exit status: 0 passed, 1 failed, 77 left out because playwright-core is not installed.
 import assert from "node:assert/strict";
 import {execFileSync, spawn} from "node:child_process";
@@ -127,7 +127,7 @@ async function checkSelection(page) {
 
 async function live() {
   execFileSync(triskin, ["flash", design, "--link", "sim"], {env: environment, stdio: "ignore"});
-  // Something lies on taxel 3 of module 20 from before the start.
+  // An object lies on taxel 3 of module 20 from before the start.
   const scene = path.join(folder, "scene.json");
   fs.writeFileSync(scene, JSON.stringify({format: "triskin-scene", version: 1, design: "strip.json", seed: 1,
     contacts: [{module: 20, taxel: 3}]}));
@@ -170,7 +170,7 @@ async function live() {
   assert(!isHot(await colorAt(page, "flat", 7, 3)), "the lifted taxel is dark again");
   const latencies = (await page.evaluate(() => window.triskin.latencies)).sort((a, b) => a - b);
   console.log(`sample to screen: least ${latencies[0].toFixed(0)} ms, median ${latencies[latencies.length >> 1].toFixed(0)} ms of ${latencies.length}`);
-  // The least one tells of clocks that disagree or of a queue; the others also of what else this machine does.
+  // The least one shows clocks that disagree or a queue; the others include other work of this machine.
   assert(latencies[0] >= -5 && latencies[0] < 100, "samples are drawn within 100 ms");
   assert.equal((await page.evaluate(() => window.triskin.health.lost)), 0, "no sample is lost");
   await checkSelection(page);
@@ -194,7 +194,7 @@ async function offline() {
   await browser.close();
 }
 
-// The page of a design from a file, by its pixels.
+// Tests the page of a design from a file by its pixels.
 async function look() {
   const file = path.join(folder, "strip.html");
   execFileSync(triskin, ["export", design, "--format", "html", "-o", file], {env: environment, stdio: "ignore"});
@@ -294,7 +294,7 @@ async function robot() {
   await page.waitForFunction((n) => window.triskin.live.heard.every((h) => h) && window.triskin.health?.frames > 10 * n, covers * modules, {timeout: 60000});
   assert.equal(await page.evaluate(() => window.triskin.model.count), covers * modules);
   await page.evaluate(() => { window.triskin.setMode(1); window.triskin.shown.numbers = false; });
-  // A finger on the third module of the last cover, which hangs on the other bus.
+  // A finger on the third module of the last cover, which is on the other bus.
   const pressed = (covers - 1) * modules + 2;
   await page.evaluate((m) => window.triskin.link.send({do: "press", module: m, taxel: 3}), pressed);
   await page.waitForFunction((m) => window.triskin.pressed(m).includes(3), pressed);

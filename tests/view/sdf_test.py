@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An exported SDF file before the library of SDFormat. Usage: sdf_test.py TRISKIN WRITE_STRIP
+"""Checks an exported SDF file with the library of SDFormat. Usage: sdf_test.py TRISKIN WRITE_STRIP
 Exit status: 0 passed, 1 failed, 77 left out because libsdformat is not installed."""
 import ctypes
 import pathlib
@@ -17,7 +17,7 @@ with tempfile.TemporaryDirectory() as folder:
     design, file = pathlib.Path(folder, "strip.json"), pathlib.Path(folder, "strip.sdf")
     subprocess.run([write_strip, design, "40"], check=True)
     subprocess.run([triskin, "export", design, "-o", file], check=True, stdout=subprocess.DEVNULL)
-    # The function behind "ign sdf --check"; 0: valid.
+    # This is the function behind "ign sdf --check"; 0 means valid.
     whole = sdformat.cmdCheck(str(file).encode())
     file.write_text(file.read_text().replace("attached_to=\"cover\"", "attached_to=\"nothing\"", 1))
     broken = sdformat.cmdCheck(str(file).encode())

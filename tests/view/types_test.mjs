@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The types of the page's code. Usage: types_test.mjs TSCONFIG NODE_MODULES
+// Checks the types of the page's code. Usage: types_test.mjs TSCONFIG NODE_MODULES
 // Exit status: 0 no error, 1 errors, 77 left out because typescript is not installed.
 import {spawnSync} from "node:child_process";
 import fs from "node:fs";

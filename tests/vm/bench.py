@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the cases in the test machine share: programs under test, simulated controllers, a log that is shown with the verdict."""
+"""The cases in the test machine share this: programs under test, simulated controllers, a log that is shown with the verdict."""
 import contextlib
 import json
 import os
@@ -9,7 +9,7 @@ import subprocess
 import time
 
 TRISKIN = ""
-DESIGN = "/tmp/plate.json"  # in this machine's own tmpfs
+DESIGN = "/tmp/plate.json"  # The folder is in this machine's own tmpfs.
 MODULES, PATCHES = 0, 0
 log = []
 _running = []
@@ -25,12 +25,12 @@ def run(*command, timeout=60, status=0, text=None):
 
 
 def triskin(*arguments, timeout=60, status=0):
-    """Runs triskin with --json and returns the object. `status`: what it must end with; None: 0 or 1."""
+    """Runs triskin with --json and returns the object. It must exit with `status`; None allows 0 or 1."""
     command = [TRISKIN, *map(str, arguments), "--json"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=timeout, stdin=subprocess.DEVNULL)
     log.append(f"$ triskin {' '.join(map(str, arguments))}\n{done.stdout[:4000]}{done.stderr[-2000:]}")
     assert done.returncode in ([0, 1] if status is None else [status]), f"triskin {arguments[0]}: status {done.returncode}, expected {status}: {done.stderr[-500:]}"
-    # live writes an object a line; the last one is its result.
+    # live writes one object per line; the last one is its result.
     return json.loads(done.stdout.strip().splitlines()[-1]) if done.stdout.strip().startswith("{") else {"error": done.stderr}
 
 
@@ -78,7 +78,7 @@ def stop_all():
 
 @contextlib.contextmanager
 def controllers(link, scene=DESIGN, fresh=True):
-    """Simulated controllers on a link of this kernel."""
+    """Starts simulated controllers on a link of this kernel."""
     process = start(TRISKIN, "simulate", scene, "--board-seed", "0", "--listen", link, *(["--fresh"] if fresh else []), wait_for="end with Ctrl-C")
     try:
         yield process
@@ -87,7 +87,7 @@ def controllers(link, scene=DESIGN, fresh=True):
 
 
 class TwoEndedBus:
-    """A classic bus with an end for the host and one for the boards, so that each can have a queue of the kernel (netem)."""
+    """Makes a classic bus with an end for the host and one for the boards, so that each can have a queue of the kernel (netem)."""
 
     def __init__(self, host, boards):
         self.ends = (host, boards)
@@ -116,7 +116,7 @@ class TwoEndedBus:
 
 
 def prepare(design_file):
-    """The design that all cases use: two controllers."""
+    """Returns the design that all cases use, with two controllers."""
     global MODULES, PATCHES
     os.chdir("/tmp")
     pathlib.Path(DESIGN).write_bytes(pathlib.Path(design_file).read_bytes())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One image to all boards of a robot's bus that loses frames, while one board dies and one loses its power."""
+"""Sends one image to all boards of a robot's bus that loses frames, while one board dies and one loses its power."""
 import json
 import pathlib
 import random
@@ -22,7 +22,7 @@ SLOW = ("limit", "10", "rate", "25kbit", "2")
 
 
 def simulate(cover):
-    """The boards of a cover as a process of their own, with their flash in files: what is killed has lost its power."""
+    """Runs the boards of a cover as a process with their flash in files, so that killing it is a loss of power."""
     return start("env", f"XDG_STATE_HOME=/tmp/{cover}", bench.TRISKIN, "simulate", f"{cover}.json", "--board-seed", ord(cover),
                  "--listen", "can:vxcan1", wait_for="end with Ctrl-C")
 
@@ -44,12 +44,12 @@ def make_robot():
 
 
 def data_frames(count):
-    """Ends when so many frames of an image have gone over the bus."""
+    """Ends when this many frames of an image were on the bus."""
     return subprocess.Popen(["candump", "-r", "4000000", "-n", str(count), "vxcan1,1BF80000:1FFE0000"], stdout=subprocess.DEVNULL)
 
 
 def outcomes(result):
-    """What became of the boards of each cover."""
+    """Returns the result for the boards of each cover."""
     of_serial = {f["serial"]: f["outcome"] for f in result["firmware"]}
     return {c["cover"]: {of_serial[p["serial"]] for p in c["patches"]} for c in result["covers"]}
 
@@ -79,8 +79,8 @@ def test_firmware_to_sixteen_boards_on_a_bus_that_loses_frames():
         assert (got["a"], got["b"], got["c"]) == ({"updated"}, {"given up"}, {"given up"}), got
         assert got["d"] <= {"updated", "given up"} and bus_s <= 4.0, (got, bus_s)
         again = int(re.search(r"data frames, (\d+) of them again", text)[1])
-        assert again > 0.005 * IMAGE_BYTES / 8, again  # the queue did lose some
-        # Their power comes back, and nothing is lost any more: they run what they ran, and take the new one.
+        assert again > 0.005 * IMAGE_BYTES / 8, again  # The queue did lose some.
+        # Their power is back, and nothing is lost any more: they run their old image, and take the new one.
         bus.no_queue()
         for cover in "bc":
             boards[cover].wait()

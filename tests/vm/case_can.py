@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""triskin and other people's programs with controllers on a CAN bus of this kernel."""
+"""Runs triskin and foreign programs with controllers on a CAN bus of this kernel."""
 import pathlib
 import subprocess
 import time
@@ -12,7 +12,7 @@ TSHARK = ["tshark", "-n", "-o", "iso15765.can.extended_ids:0x18da0000-0x18daffff
 
 
 def flash_verify_live(link):
-    """The whole way of a user; the controllers were never flashed before."""
+    """Follows all steps of a user; the controllers were never flashed before."""
     found = triskin("discover", "--link", link)["controllers"]
     assert len(found) == bench.PATCHES and all(c["node_address"] == 1 and not c["flashed"] for c in found), found
     planned = triskin("flash", DESIGN, "--by-serial", "--link", link, "--dry-run")
@@ -91,7 +91,7 @@ def test_bus_off_ends_a_command_with_the_remedy():
 
 
 def test_a_controller_streams_as_an_icub_board():
-    """Frames as an MTB4 board sends them, told by somebody who knows nothing of Triskin; then read by live."""
+    """Sends frames of an MTB4 board from a source that knows nothing of Triskin; live must read them."""
     with controllers("can:vcan1"):
         triskin("flash", DESIGN, "--by-serial", "--link", "can:vcan1")
         log = open("/tmp/icub.log", "w")

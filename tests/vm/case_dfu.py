@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""New firmware: dfu-util over USB, triskin over CAN."""
+"""Installs new firmware with dfu-util over USB and with triskin over CAN."""
 import os
 import pathlib
 import struct
@@ -14,7 +14,7 @@ MAKE_PACKAGE = pathlib.Path(__file__).parents[2] / "tools/make_firmware_package"
 
 
 def make_package(path, fill, size=20_000, labelled=False):
-    """Images that would start: stack and entry fit their slots. With a label they know the broadcast."""
+    """Makes images that would start: stack and entry fit their slots. With a label they know the broadcast."""
     for name, origin in (("a", 0x08004000), ("b", 0x08040000)):
         image = bytearray(struct.pack("<II", 0x20010000, origin + 0x201) + bytes([fill]) * (size - 8))
         if labelled:
@@ -67,7 +67,7 @@ def test_dfu_util_updates_the_firmware():
         wait_for_devices(bench.PATCHES)
         time.sleep(1)
         bench.verify_all("usb")
-        # A package that is no package: refused, and the controller comes back as it was.
+        # A file that is no package is refused, and the controller returns unchanged.
         pathlib.Path("/tmp/nonsense.tsf").write_bytes(bytes(5000))
         text = run("dfu-util", "-d", "1209:0001,1209:0002", "-S", serial, "-D", "/tmp/nonsense.tsf", "-R", timeout=120, status=None)
         assert "Download done" not in text, text

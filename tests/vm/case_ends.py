@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Commands that are ended by Ctrl-C, and cables that are pulled while a flash runs."""
+"""Ends commands by Ctrl-C, and pulls cables while a flash runs."""
 import json
 import signal
 import subprocess
@@ -45,7 +45,7 @@ def test_ctrl_c_ends_a_flash_and_it_says_what_was_done():
 
 
 def wait_for_frames(process, count):
-    """Until so many frames were on the bus."""
+    """Waits until this many frames were on the bus."""
     with open("/tmp/frames", "w+") as out:
         seen = subprocess.Popen(["candump", "-n", str(count), "vcan1"], stdout=out)
         while seen.poll() is None and process.poll() is None:

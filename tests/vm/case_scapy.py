@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""scapy's UDS layer as a tester."""
+"""Uses scapy's UDS layer as a tester."""
 import subprocess
 import sys
 

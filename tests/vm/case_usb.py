@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""triskin and lsusb with controllers that are USB devices of this kernel."""
+"""Runs triskin and lsusb with controllers that are USB devices of this kernel."""
 import time
 
 import bench

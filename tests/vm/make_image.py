@@ -42,7 +42,7 @@ def fetch_kernel(work: pathlib.Path) -> pathlib.Path:
 
 
 def unpack_vmlinux(image: bytes) -> bytes:
-    """The payload of a bzImage (Linux documentation, x86/boot), which QEMU starts much sooner than it unpacks itself."""
+    """Returns the payload of a bzImage (Linux documentation, x86/boot), which QEMU starts much sooner than it unpacks itself."""
     setup_sectors = image[0x1F1] or 4
     offset, length = struct.unpack_from("<II", image, 0x248)
     start = (setup_sectors + 1) * 512 + offset

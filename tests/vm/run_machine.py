@@ -15,7 +15,7 @@ NEEDED = {"qemu-system-x86_64": "qemu-system-x86", "busybox": "busybox-static", 
 
 
 def make_design(build: pathlib.Path, work: pathlib.Path) -> None:
-    """A flat plate with more modules than one controller can have."""
+    """Makes a flat plate with more modules than one controller can have."""
     nx, ny, step_mm = 6, 4, 20
     lines = [f"v {x * step_mm} {y * step_mm} 0" for y in range(ny + 1) for x in range(nx + 1)]
     for y in range(ny):

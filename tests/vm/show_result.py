@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shows what a case of the test machine left; status 0 when it passed. Usage: show_result.py FILE"""
+"""Shows the result of a case of the test machine; the status is 0 when it passed. Usage: show_result.py FILE"""
 import pathlib
 import sys
 

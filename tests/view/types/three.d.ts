@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the page uses of three.js, for the type check of its code.
+// Declares the parts of three.js that the page uses, for the type check of its code.
 export class Matrix4 { fromArray(values: ArrayLike<number>): this; }
 export class Vector3 { constructor(x: number, y: number, z: number); fromArray(values: ArrayLike<number>): this; }
 export class BufferAttribute { constructor(array: Float32Array, size: number); array: Float32Array; needsUpdate: boolean; }
