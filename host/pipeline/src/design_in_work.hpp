@@ -11,7 +11,7 @@
 
 namespace triskin::pipeline {
 
-/// What the steps of make_design() share.
+/// The steps of make_design() read and change this state in turn.
 struct DesignInWork {
   std::filesystem::path mesh;
   DesignOptions options;
@@ -20,8 +20,8 @@ struct DesignInWork {
   design::Design design;
   DesignNotes notes;
 
-  /// True from `end_s` of the budget on. Empty with a fixed number of iterations: the result must not depend on the
-  /// time then.
+  /// Returns a deadline at `end_s` of the budget. It is empty with a fixed number of iterations, because the result
+  /// must not depend on the time then.
   [[nodiscard]] std::function<bool()> give_up_at(double end_s) const {
     if (options.iterations > 0) return {};
     return budget.is_over(end_s);

@@ -8,12 +8,12 @@
 
 namespace triskin::pipeline {
 
-/// Names of the steps after the growth, for which it reserves time as soon as it has a layout to measure them by.
+/// The growth reserves time for these steps as soon as it has a layout on which they can be measured.
 inline constexpr const char* kPricingStep = "pricing";
 inline constexpr const char* kWiringStep = "wiring";
 
-/// The layouts grown on the surface, best first, until `end_s` of the budget, or less where the steps that follow turn
-/// out to take longer. `regions` of the original, or null.
+/// Grows layouts on the surface until `end_s` of the budget, or less if the steps that follow turn out to take longer,
+/// and returns them, the best first. `regions` belong to the original and may be null.
 [[nodiscard]] std::vector<design::ModuleLayout> grown_layouts(DesignInWork& work, const SearchedSurface& searched,
                                                               const geometry::SurfaceRegions* regions, double end_s);
 

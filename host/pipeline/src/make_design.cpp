@@ -23,7 +23,7 @@ namespace {
 // Without a surface nothing can be covered, so repair may take much of a short limit.
 constexpr double kRepairShare = 0.4, kShortRepair_s = 2.0, kShortRepairShare = 0.7;
 constexpr double kPiecesShare = 0.3;
-// Until they are measured on the first layout, the steps after the growth keep these shares of the limit free.
+// Until the first layout is there to measure them on, the steps after the growth keep these shares of the limit free.
 constexpr double kPricingShare = 0.05, kWiringShare = 0.1;
 constexpr const char* kWritingStep = "writing";
 

@@ -7,12 +7,13 @@
 
 namespace triskin::pipeline {
 
-/// True where flat pieces can hold as many modules as the growth: the curvature under a module is so small that few
-/// seams are needed, as of plates, cylinders and cones (docs/measurements/unfolding.md), or where the options ask.
+/// Returns true if flat pieces may hold as many modules as the growth, because the curvature under a module is so small
+/// that few seams are needed (plates, cylinders and cones, docs/measurements/unfolding.md), or if the options ask for
+/// pieces.
 [[nodiscard]] bool are_pieces_tried(DesignInWork& work, const geometry::Surface& surface);
 
-/// Unfolds the surface, places modules on each piece and maps them back; with controllers and jumpers. Pieces that are
-/// not reached by `end_s` of the budget are left out, and counted in the notes. `regions` of the original, or null.
+/// Unfolds the surface, places modules on each piece, maps them back and prices the layout. Pieces that are not reached
+/// by `end_s` of the budget are left out and counted in the notes. `regions` belong to the original and may be null.
 [[nodiscard]] WiredLayout layout_on_pieces(DesignInWork& work, const SearchedSurface& searched,
                                            const geometry::SurfaceRegions* regions, double end_s);
 

@@ -8,7 +8,7 @@
 
 namespace triskin::pipeline {
 
-/// The surface on which pieces and growth are searched: the original, or a decimated mesh of it.
+/// Pieces and growth are searched on this surface: the original, or a decimated mesh if that has far fewer faces.
 class SearchedSurface {
  public:
   /// `original` must live as long as this.
@@ -20,7 +20,7 @@ class SearchedSurface {
 
   [[nodiscard]] const geometry::Surface& original() const { return original_; }
   [[nodiscard]] const geometry::Surface& surface() const { return reduced_ ? *reduced_ : original_; }
-  /// Null when the original is searched.
+  /// Returns null if the original itself is searched.
   [[nodiscard]] const geometry::DecimatedMesh* solver() const { return solver_ ? &*solver_ : nullptr; }
 
  private:

@@ -8,30 +8,30 @@
 
 namespace triskin::pipeline {
 
-/// Time that a step was granted and what it took of it.
+/// Records the time that a step was granted and the time that it took.
 struct StepTime {
   std::string name;
   double granted_s = 0.0;
   double used_s = 0.0;
 };
 
-/// Shares a time limit among the steps of a piece of work. A step is granted a share of what is left when it begins,
-/// without the time that is reserved for later steps; what it does not use is there for those after it. Reserves are
-/// meant to be measured while the work runs (the first item of a step, or a step that does the opposite, as reading a
-/// file says what writing it will take), so that no speed of a machine is assumed. Not thread-safe, but deadlines that
-/// it gave may be asked from any thread.
+/// Shares a time limit among the steps of a job. A step is granted a share of the time that is left when it begins,
+/// minus the time reserved for later steps; what it does not use remains for the steps after it. Measure a reserve
+/// while the job runs (on the first item of a step, or on the opposite step: writing a file takes about as long as
+/// reading it did), so that no speed of a machine is assumed. Not thread-safe, but any thread may ask a deadline from
+/// is_over().
 class TimeBudget {
  public:
-  using Seconds = std::function<double()>;  ///< A clock that never goes back.
+  using Seconds = std::function<double()>;  ///< The clock must never go back.
 
-  /// Starts the time. Steady clock. Errors: InputError for a limit that is not positive.
+  /// Starts the steady clock. Errors: InputError for a limit that is not positive.
   explicit TimeBudget(double limit_s);
-  /// The same with a clock of the caller's, for tests.
+  /// Starts with a clock of the caller, so that tests need not wait. Errors: as above.
   TimeBudget(double limit_s, Seconds now);
 
   [[nodiscard]] double limit_s() const { return limit_s_; }
   [[nodiscard]] double used_s() const { return now_() - start_s_; }
-  /// What is not used and not reserved; negative when the steps took longer.
+  /// Returns the time that is neither used nor reserved; negative if the steps took longer than the limit.
   [[nodiscard]] double left_s() const;
 
   /// Keeps `seconds` free until the step of that name begins; a second call for the same step replaces the first.
@@ -44,14 +44,15 @@ class TimeBudget {
     return std::forward<Work>(work)(running.end_s());
   }
 
-  /// True from `end_s` after the start on; holds a copy of the clock, so it may outlive the budget.
+  /// Returns a deadline: a function that is true from `end_s` after the start on. It holds a copy of the clock, so it
+  /// may outlive the budget.
   [[nodiscard]] std::function<bool()> is_over(double end_s) const;
 
-  /// Steps that have ended, in that order.
+  /// Returns the steps that have ended, in the order of their ends.
   [[nodiscard]] const std::vector<StepTime>& steps() const { return steps_; }
 
  private:
-  // Keeps the books of a step, also when it throws.
+  // The destructor records the step, so that one that throws is recorded too.
   class Running {
    public:
     Running(TimeBudget& budget, std::string name, double share);

@@ -17,10 +17,12 @@ struct SkinPlace {
 /// O(modules).
 [[nodiscard]] std::optional<SkinPlace> nearest_place(const design::Design& design, const design::Vec3& point_mm);
 
+/// A ray that passes beside a module by more than this misses it.
+inline constexpr double kMaxGap_mm = 3.0;
+
 /// Returns the first point where a ray from `from_mm` along `direction` meets the skin. A ray through the gap between
 /// two modules meets the nearest of them, and `distance_mm` is how far it passes beside the module, at most kMaxGap_mm.
 /// Empty if it misses the skin or the direction has no length. Cost: O(modules).
-inline constexpr double kMaxGap_mm = 3.0;
 [[nodiscard]] std::optional<SkinPlace> place_on_ray(const design::Design& design, const design::Vec3& from_mm,
                                                     const design::Vec3& direction);
 
