@@ -101,7 +101,7 @@ void show_first(GrowthTask& task, const Certifier& certifier, std::deque<Chain>&
   for (Chain& c : chains) c.end_at(task.end);
 }
 
-// Rounds of all teams side by side, until time or steps are over.
+// Runs rounds of all teams side by side until time or steps are over.
 void search(GrowthTask& task, const Certifier& certifier, std::deque<Chain>& chains, int max_in_a_team,
             const ProgressSink& progress) {
   const int iterations = task.options.iterations;

@@ -11,7 +11,7 @@
 
 namespace triskin::pipeline {
 
-/// What the steps of make_design() share.
+/// The steps of make_design() share these values.
 struct DesignInWork {
   std::filesystem::path mesh;
   DesignOptions options;

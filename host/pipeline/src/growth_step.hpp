@@ -12,8 +12,8 @@ namespace triskin::pipeline {
 inline constexpr const char* kPricingStep = "pricing";
 inline constexpr const char* kWiringStep = "wiring";
 
-/// The layouts grown on the surface, best first, until `end_s` of the budget, or less where the steps that follow turn
-/// out to take longer. `regions` of the original, or null.
+/// Returns the layouts grown on the surface, best first, until `end_s` of the budget, or less where the steps that
+/// follow turn out to take longer. `regions` of the original may be null.
 [[nodiscard]] std::vector<design::ModuleLayout> grown_layouts(DesignInWork& work, const SearchedSurface& searched,
                                                               const geometry::SurfaceRegions* regions, double end_s);
 

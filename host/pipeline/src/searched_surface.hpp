@@ -8,10 +8,10 @@
 
 namespace triskin::pipeline {
 
-/// The surface on which pieces and growth are searched: the original, or a decimated mesh of it.
+/// Holds the surface on which pieces and growth are searched: the original, or a decimated mesh of it.
 class SearchedSurface {
  public:
-  /// `original` must live as long as this.
+  /// `original` must live as long as this object.
   SearchedSurface(const geometry::Surface& original, const DesignOptions& options)
       : original_(original),
         solver_(geometry::solver_mesh_of(original, options.limits, options.solver_deviation_mm, options.threads)) {
@@ -20,7 +20,7 @@ class SearchedSurface {
 
   [[nodiscard]] const geometry::Surface& original() const { return original_; }
   [[nodiscard]] const geometry::Surface& surface() const { return reduced_ ? *reduced_ : original_; }
-  /// Null when the original is searched.
+  /// Returns null when the original is searched.
   [[nodiscard]] const geometry::DecimatedMesh* solver() const { return solver_ ? &*solver_ : nullptr; }
 
  private:

@@ -15,12 +15,12 @@ namespace triskin::geometry {
 
 /// With SurfaceLatticeOptions::front, measuring the other layouts may exceed the time limit by this share.
 inline constexpr double kFrontTimeShare = 0.05;
-/// grow_front() returns about so many layouts at most.
+/// grow_front() returns about this many layouts at most.
 inline constexpr int kMaxFront = 27;
 
-/// Effort of grow_lattice(), and what it maximises: worth of the modules (their number without regions) + hinge_reward
-/// · joints − price, where the price is relaxed: islands that jumpers can join count n / 16 + 15 / 32 controllers
-/// together, and jumpers as the wiring does (docs/cost.md). Out of range: InputError.
+/// Sets the effort of grow_lattice(), and what it maximises: worth of the modules (their number without regions) +
+/// hinge_reward · joints − price. The price is relaxed: islands that jumpers can join count n / 16 + 15 / 32
+/// controllers together, and jumpers as the wiring does (docs/cost.md). Errors: InputError for a value out of range.
 struct SurfaceLatticeOptions {
   /// The limit must be positive. Once a module is found, the search stops within about 0.1 s of it.
   double time_limit_s = 20.0;
@@ -48,11 +48,11 @@ struct SurfaceLatticeOptions {
   /// These modules stay exactly where they are, with the joints among them, and become the first modules of every
   /// layout, in this order. They must keep the limits and have the corner cut of the others.
   std::vector<PlacedModule> kept;
-  /// Called once with the best layout of the first starts, on the calling thread, while no `iterations` are given: a
-  /// caller that measures with it what it does afterwards answers with the time limit that holds from now on, in s from
-  /// the start. None, or no module found: time_limit_s holds.
+  /// Unless `iterations` is given, this is called once, on the calling thread, with the best layout of the first
+  /// starts. The caller may measure its later work with it, and returns the time limit that applies from now on, in s
+  /// from the start. Without this function, or if no module is found, time_limit_s applies.
   std::function<double(const ModuleLayout&)> first_layout{};
-  /// What the time limit is measured by, asked from all threads at once; none: the steady clock.
+  /// Measures the time limit and is called from all threads at once; an empty function selects the steady clock.
   std::function<std::chrono::steady_clock::time_point()> now{};
 };
 

@@ -25,14 +25,14 @@ enum class RepairMode : std::uint8_t {
   kNever,  ///< The mesh is refused.
 };
 
-/// Where layouts are searched. The one of the highest value is kept.
+/// Tells where layouts are searched. The one of the highest value is kept.
 enum class SearchMethod : std::uint8_t {
-  kAuto,     ///< Grown on the surface; flat pieces are placed too where the surface is nearly developable.
-  kPieces,   ///< Flat pieces are placed whatever the surface, and a layout is grown.
-  kLattice,  ///< Only grown on the surface.
+  kAuto,     ///< A layout is grown; if the surface is nearly developable, flat pieces are placed too.
+  kPieces,   ///< Flat pieces are placed on every surface, and a layout is grown.
+  kLattice,  ///< A layout is grown, and no pieces are placed.
 };
 
-/// Options of make_design(). Out of range: InputError.
+/// make_design() throws InputError for a value out of range.
 struct DesignOptions {
   std::optional<geometry::LengthUnit> unit;  ///< Without it the mesh file's own unit applies, or mm.
   cad::FaceSelection faces;                  ///< Selects faces of a STEP or IGES file; an empty selection takes all.
@@ -40,10 +40,10 @@ struct DesignOptions {
   bool flip = false;   ///< True turns all faces over, which takes the other side of an open part.
   RepairMode repair = RepairMode::kAuto;
   SearchMethod method = SearchMethod::kAuto;
-  geometry::SideOptions side;   ///< It chooses the side of a part with a wall.
+  geometry::SideOptions side;   ///< Selects the side of a part with a wall.
   double bridge_mm = 0.0;       ///< Holes up to this diameter are closed; 0 closes none.
-  double time_limit_s = 20.0;   ///< All steps share it (TimeBudget); the growth gets what the others leave.
-  std::uint64_t seed = 1;       ///< It seeds every random choice.
+  double time_limit_s = 20.0;   ///< All steps share this time (TimeBudget); the growth gets what the others leave.
+  std::uint64_t seed = 1;       ///< All random choices depend on this number.
   design::LayoutLimits limits;  ///< Each must be positive.
   /// If positive, no module is bent to a smaller radius: pieces are separated from surface that bends more
   /// (bend_seams.hpp), and depth and lift of modules are limited to the sagitta of a side, 112.5 mm² / radius. Zero
@@ -71,11 +71,11 @@ struct DesignOptions {
 struct DesignNotes {
   std::vector<std::string> reading;  ///< The reader of the mesh file wrote these notes (mesh_io.hpp).
   int pieces = 0, surface = 0;
-  int solver_faces = 0;              ///< The mesh that was searched, perhaps the surface itself, has so many faces.
-  double solver_deviation_mm = 0.0;  ///< That mesh is proved to be at most so far from the surface.
-  int pieces_left_out = 0;           ///< So many pieces were not placed because the time was over.
+  int solver_faces = 0;              ///< The mesh that was searched, perhaps the surface itself, has this many faces.
+  double solver_deviation_mm = 0.0;  ///< That mesh is proved to be at most this far from the surface.
+  int pieces_left_out = 0;           ///< This many pieces were not placed because the time was over.
   double curvature_rad = 0.0;        ///< Mean integral of |Gaussian curvature| under a module; 0 without a search.
-  std::vector<StepTime> steps;       ///< What each step was granted and took of the time limit.
+  std::vector<StepTime> steps;       ///< Each entry tells what a step was granted and took of the time limit.
   geometry::ExtractReport extract;
   geometry::TakenSide side;
   geometry::BridgeReport bridges;

@@ -8,7 +8,7 @@
 
 namespace triskin::pipeline {
 
-/// Time that a step was granted and what it took of it.
+/// Tells how much time a step was granted and how much it took.
 struct StepTime {
   std::string name;
   double granted_s = 0.0;
@@ -22,19 +22,19 @@ struct StepTime {
 /// it gave may be asked from any thread.
 class TimeBudget {
  public:
-  using Seconds = std::function<double()>;  ///< A clock that never goes back.
+  using Seconds = std::function<double()>;  ///< This clock must never go back.
 
-  /// Starts the time. Steady clock. Errors: InputError for a limit that is not positive.
+  /// Starts the time on the steady clock. Errors: InputError for a limit that is not positive.
   explicit TimeBudget(double limit_s);
-  /// The same with a clock of the caller's, for tests.
+  /// Starts the time on a clock of the caller's, for tests.
   TimeBudget(double limit_s, Seconds now);
 
   [[nodiscard]] double limit_s() const { return limit_s_; }
   [[nodiscard]] double used_s() const { return now_() - start_s_; }
-  /// What is not used and not reserved; negative when the steps took longer.
+  /// Returns the time that is neither used nor reserved; it is negative when the steps took longer.
   [[nodiscard]] double left_s() const;
 
-  /// Keeps `seconds` free until the step of that name begins; a second call for the same step replaces the first.
+  /// Keeps `seconds` free until the step with this name begins; a second call for the same step replaces the first.
   void reserve(std::string_view step, double seconds);
 
   /// Runs a step that should end when used_s() reaches the argument of `work`: `share` (0 … 1) of left_s() from now.
@@ -44,14 +44,15 @@ class TimeBudget {
     return std::forward<Work>(work)(running.end_s());
   }
 
-  /// True from `end_s` after the start on; holds a copy of the clock, so it may outlive the budget.
+  /// Returns a function that is true from `end_s` after the start; it holds a copy of the clock and may outlive the
+  /// budget.
   [[nodiscard]] std::function<bool()> is_over(double end_s) const;
 
-  /// Steps that have ended, in that order.
+  /// Returns the steps that have ended, in the order in which they ended.
   [[nodiscard]] const std::vector<StepTime>& steps() const { return steps_; }
 
  private:
-  // Keeps the books of a step, also when it throws.
+  // Records the time of a step, even if the step throws.
   class Running {
    public:
     Running(TimeBudget& budget, std::string name, double share);

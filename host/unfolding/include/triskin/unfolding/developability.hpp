@@ -4,10 +4,9 @@
 
 namespace triskin::geometry {
 
-/// Integral of |Gaussian curvature| over the inside of a surface, rad: the sum of |2π − angles around the vertex| over
-/// the vertices that are not on the border. 0 of planes, cylinders and cones (developable surfaces, which unfold
-/// without strain), 4π of a sphere and of a box. Cost: linear in the faces. Source: Meyer et al. 2003, discrete
-/// Gauss–Bonnet.
+/// Integrates |Gaussian curvature| over the inside of a surface, rad: it adds |2π − angles around the vertex| over
+/// all vertices that are not on the border. Planes, cylinders and cones, which unfold without strain, have 0; a sphere
+/// and a box have 4π. Cost: linear in the faces. Source: Meyer et al. 2003, discrete Gauss–Bonnet.
 [[nodiscard]] double total_curvature_rad(const Surface& surface);
 
 }  // namespace triskin::geometry
