@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// A fan of n faces around the apex of a pyramid over a regular polygon of radius 1, height h.
+// Returns a fan of n faces around the apex of a pyramid over a regular polygon of radius 1, height h.
 Mesh fan(int n, double h) {
   Mesh mesh;
   mesh.vertices.emplace_back(0.0, 0.0, h);
@@ -26,12 +26,12 @@ TEST(TotalCurvature, of_a_plane_is_zero) {
   EXPECT_NEAR(total_curvature_rad(Surface(fan(7, 0.0))), 0.0, 1e-12);
 }
 
-// Four equilateral triangles: 2π − 4 π/3.
+// Four equilateral triangles leave 2π − 4 π/3.
 TEST(TotalCurvature, of_the_tip_of_an_octahedron) {
   EXPECT_NEAR(total_curvature_rad(Surface(fan(4, 1.0))), 2.0 * kPi / 3.0, 1e-12);
 }
 
-// Whatever its edges: Gauss and Bonnet say 4π for every closed surface without a handle.
+// By Gauss–Bonnet every closed surface without a handle has 4π, whatever its edges.
 TEST(TotalCurvature, of_a_tetrahedron_is_4_pi) {
   Mesh mesh;
   mesh.vertices = {{0, 0, 0}, {3, 0, 0}, {0, 2, 0}, {0, 0, 5}};
@@ -39,7 +39,7 @@ TEST(TotalCurvature, of_a_tetrahedron_is_4_pi) {
   EXPECT_NEAR(total_curvature_rad(Surface(mesh)), 4.0 * kPi, 1e-12);
 }
 
-// A saddle of eight faces of 60° around one vertex: −2π/3, counted without its sign.
+// A saddle of eight faces of 60° around one vertex has −2π/3, which counts without its sign.
 TEST(TotalCurvature, counts_saddles_too) {
   Mesh mesh;
   mesh.vertices.emplace_back(0.0, 0.0, 0.0);

@@ -13,7 +13,7 @@
 namespace triskin::pipeline {
 namespace {
 
-// A sheet of 160 mm × 130 mm over which `height` says z.
+// Returns a sheet of 160 mm × 130 mm; `height` gives its z.
 geometry::Mesh sheet(const auto& height) {
   constexpr int kColumns = 16, kRows = 13;
   geometry::Mesh mesh;
@@ -34,7 +34,7 @@ geometry::Mesh plate() {
   return sheet([](double, double) { return 0.0; });
 }
 
-// 1 mm of sagitta at 20 mm, as of a sphere of 200 mm.
+// The sagitta is 1 mm at 20 mm, as on a sphere with a radius of 200 mm.
 geometry::Mesh dome() {
   return sheet([](double x, double y) { return -((x - 80.0) * (x - 80.0) + (y - 65.0) * (y - 65.0)) / 400.0; });
 }

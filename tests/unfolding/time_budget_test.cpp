@@ -11,7 +11,7 @@
 namespace triskin::pipeline {
 namespace {
 
-// A clock that the test moves.
+// The test moves this clock.
 class TimeBudgetTest : public testing::Test {
  protected:
   void wait(double seconds) { now_s_ += seconds; }

@@ -74,7 +74,7 @@ class Chain {
   /// Makes another start if the next annealing is due.
   void begin_due_run();
   void run(int steps);
-  /// Changes when its growing gives up.
+  /// Changes the time at which this chain's growth gives up.
   void end_at(Grower::Clock::time_point end) { grower_.end_at(end); }
   /// Takes over a layout of another chain.
   void adopt(const NetCopy& net);

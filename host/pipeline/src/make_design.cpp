@@ -56,7 +56,7 @@ DesignInWork begun(const std::filesystem::path& mesh, const DesignOptions& given
   return work;
 }
 
-// An older version of the part says where modules stand; only the rest of the surface is searched.
+// An older version of the part gives the places of its modules; only the rest of the surface is searched.
 void revise(DesignInWork& work) {
   Revision revision;
   work.budget.run("revising", 1.0, [&](double end_s) {
@@ -115,13 +115,13 @@ void cover(DesignInWork& work) {
   work.budget.run(kWiringStep, 1.0, [&](double) { take_best(work, choices, surface, regions.get()); });
 }
 
-// The steps, up to the first that decides the answer.
+// Runs the steps up to the first that decides the answer.
 void run_steps(DesignInWork& work) {
   TimeBudget& budget = work.budget;
   const geometry::MeshFile file = budget.run("reading", 1.0, [&](double) { return read_part(work); });
   // The design holds the surface, and writing it takes no longer than reading it did.
   budget.reserve(kWritingStep, budget.used_s());
-  // Smaller than a module: nothing fits, whatever its faces do, and that is an answer.
+  // On a surface smaller than a module nothing fits, whatever its faces do, and that is an answer.
   if (const double area_mm2 = area_mm2_of(file.mesh); area_mm2 < design::kModuleArea_mm2) {
     work.design.surface = file.mesh;
     work.design.report.area_cm2 = area_mm2 / 100.0;

@@ -21,7 +21,7 @@ namespace {
 // Pieces won on plates, and on caps of spheres up to 0.0003 rad under a module; from 0.0008 rad on the growth had more
 // modules (docs/measurements/unfolding.md). The limit leaves room for the tessellation of developable faces.
 constexpr double kMaxCurvature_rad = 0.002;
-// Of the time of this step, unfolding ends after the first share and placing after the second.
+// Unfolding ends after the first share of this step's time, and placing after the second.
 constexpr double kUnfoldingEnd = 0.4, kPlacingEnd = 0.7;
 // Each piece gets at least this time, or this share of a short limit.
 constexpr double kMinPiece_s = 0.1, kMinPieceShare = 0.005;
@@ -47,8 +47,8 @@ geometry::PlacementResult placed_on(const DesignInWork& work, const design::Piec
   return nothing;
 }
 
-// Large pieces first; each may use what its share of the area leaves of the time. Those that it does not reach are left
-// out: of a soup thousands of pieces take longer than their shares.
+// Large pieces come first; each may use its share of the remaining time by area. Pieces that are not reached are left
+// out: thousands of pieces of a triangle soup take longer than their shares.
 std::vector<geometry::TiledPiece> place_pieces(DesignInWork& work, const geometry::Net& net, double end_s) {
   std::vector<geometry::TiledPiece> placed;
   double area_left_mm2 = 0.0;

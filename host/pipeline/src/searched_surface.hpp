@@ -11,7 +11,7 @@ namespace triskin::pipeline {
 /// Pieces and growth are searched on this surface: the original, or a decimated mesh if that has far fewer faces.
 class SearchedSurface {
  public:
-  /// `original` must live as long as this.
+  /// `original` must live as long as this object.
   SearchedSurface(const geometry::Surface& original, const DesignOptions& options)
       : original_(original),
         solver_(geometry::solver_mesh_of(original, options.limits, options.solver_deviation_mm, options.threads)) {

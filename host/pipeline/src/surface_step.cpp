@@ -19,14 +19,14 @@ std::optional<design::Design::PartSource> part_source(const geometry::MeshReadRe
                                     cad::selection_text(faces)};
 }
 
-// Faces that were asked for, or those that an older version of the part was covered on.
+// Returns the faces that were asked for, or those on which an older version of the part was covered.
 cad::FaceSelection faces_of(const DesignOptions& options) {
   const bool is_asked = cad::selection_text(options.faces) != cad::selection_text({});
   if (is_asked || options.like == nullptr || !options.like->part) return options.faces;
   return cad::parse_selection(options.like->part->selection);
 }
 
-// With a fixed number of steps the repair's clock stands still: its result must not depend on the time.
+// With a fixed number of steps the repair's clock stands still, because the result must not depend on the time.
 geometry::Extraction repaired(const DesignInWork& work, const geometry::Mesh& mesh, double end_s) {
   if (work.options.repair == RepairMode::kNever) {
     geometry::require_manifold(mesh, work.mesh.string());
@@ -42,7 +42,7 @@ geometry::Extraction repaired(const DesignInWork& work, const geometry::Mesh& me
   return geometry::extract(mesh, steps, work.progress);
 }
 
-// The side that is covered, with its holes bridged; what it was taken from goes into the design, for the checker.
+// Takes the side to be covered, with its holes bridged; the original part goes into the design, for the checker.
 bool take_surface(DesignInWork& work, geometry::Extraction& extraction) {
   geometry::TakenSide taken = geometry::take_side(extraction.surface, work.options.side);
   if (taken.is_undecided) {

@@ -34,7 +34,7 @@ class TimeBudget {
   /// Returns the time that is neither used nor reserved; negative if the steps took longer than the limit.
   [[nodiscard]] double left_s() const;
 
-  /// Keeps `seconds` free until the step of that name begins; a second call for the same step replaces the first.
+  /// Keeps `seconds` free until the step with this name begins; a second call for the same step replaces the first.
   void reserve(std::string_view step, double seconds);
 
   /// Runs a step that should end when used_s() reaches the argument of `work`: `share` (0 … 1) of left_s() from now.
