@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "triskin/base/error.hpp"
-#include "triskin/base/files.hpp"
+#include "triskin/base/text_file.hpp"
 #include "triskin/design/design.hpp"
 
 namespace triskin::cli {
@@ -17,7 +17,7 @@ namespace {
 bool is_design(const std::filesystem::path& path, std::uint64_t id) {
   try {
     // The digits are looked for first: a file without them need not be read as a design.
-    return read_file(path).find(fmt::format("{:016x}", id)) != std::string::npos &&
+    return read_text(path).find(fmt::format("{:016x}", id)) != std::string::npos &&
            design::read_design(path).design_id == id;
   } catch (const InputError&) {
     return false;  // The file is another one with the extension .json.

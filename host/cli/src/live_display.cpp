@@ -109,7 +109,7 @@ class Screen final : public LiveDisplay {
     std::vector<std::string> lines;
     lines.push_back(fmt::format("{}  {:.1f} s  {} samples, {} lost{}", for_terminal(design_.name), state.time_s,
                                 state.frames, state.lost, force_of(monitor)));
-    std::vector<std::string> below = monitor.picture(patch_, unit(monitor), true, size.columns);
+    std::vector<std::string> below = monitor.picture(patch_, unit(monitor), Terminal::has_colour(), size.columns);
     below.emplace_back();
     const auto pressed = monitor.touches().pressed();
     for (std::size_t k = 0; k < std::min(kMaxTaxels, pressed.size()); ++k)

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <termios.h>
-
 #include <string>
 #include <vector>
 
@@ -12,26 +10,34 @@ class Terminal {
  public:
   /// True when standard output is a terminal that can move its cursor.
   [[nodiscard]] static bool there();
-  /// TERM says that the terminal cannot move its cursor.
+  /// TERM says that the terminal cannot move its cursor, or is not set, so that nobody knows.
   [[nodiscard]] static bool is_dumb();
+  /// Colours are wanted: the user did not set NO_COLOR (https://no-color.org).
+  [[nodiscard]] static bool has_colour();
   /// Size of the screen in characters.
   struct Size {
     int columns = 80, rows = 24;  ///< what terminals have that do not tell
   };
-  [[nodiscard]] static Size size();
+  /// Of the terminal that a file descriptor is, by default standard output.
+  [[nodiscard]] static Size size(int descriptor = 1);
+  /// At most one at a time. While it lasts, Ctrl-Z and a second signal leave the user's terminal as it was before.
   Terminal();
   ~Terminal();
   Terminal(const Terminal&) = delete;
   Terminal& operator=(const Terminal&) = delete;
 
-  /// Shows these lines and nothing else. Every place is written once, so nothing flickers.
+  /// Shows these lines and nothing else, cut to the width of the screen. Of more lines than it has rows the first are
+  /// shown, and the last. Every place is written once, so nothing flickers.
   void draw(const std::vector<std::string>& lines) const;
   /// A key that was pressed; 0: none. Does not wait.
   [[nodiscard]] char key() const;
 
  private:
   bool keys_ = false;  // Standard input is a terminal as well.
-  termios before_{};
 };
+
+/// A line with at most so many characters, at least one; "…" stands for what was cut off. Sequences that set colours
+/// take no place.
+[[nodiscard]] std::string cut_to(const std::string& line, int columns);
 
 }  // namespace triskin::cli

@@ -22,8 +22,4 @@ enum class MeshFormat { kObj, kTextStl, kBinaryStl, kPly, kOff, kThreeMf, kGltf,
 /// a mesh. Cost: as format_by_content().
 [[nodiscard]] std::string foreign_content(const std::string& bytes);
 
-/// Text in UTF-16 (with a byte order mark, or with a zero in every other byte of its beginning) becomes UTF-8; all
-/// other bytes stay. Halves of surrogate pairs become U+FFFD. Cost: linear.
-[[nodiscard]] std::string without_utf16(std::string bytes);
-
 }  // namespace triskin::geometry

@@ -58,6 +58,8 @@ class Link {
   [[nodiscard]] virtual std::string name() const = 0;
   /// One sentence on what the link has noticed (bus errors, unplugged devices) and the remedy; empty: nothing.
   [[nodiscard]] virtual std::string trouble() const { return {}; }
+  /// What to look at when nobody answers, as the end of a sentence.
+  [[nodiscard]] virtual std::string when_silent() const { return "check power, cable and bit rate"; }
   /// From now on receive() also returns what other hosts send, where the link can hear it: on a CAN bus. Throws as send
   /// does.
   virtual void receive_from_all() {}
