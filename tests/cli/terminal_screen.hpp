@@ -96,12 +96,15 @@ class Screen {
     if (c == '\n') return line_feed(), 1;
     if (rest.starts_with("\033[")) return sequence(rest);
     if ((c & 0xC0) == 0x80 || static_cast<unsigned char>(c) < 0x20) return 1;  // A letter is its first byte.
-    if (column_ == columns_) {
+    // U+3000 to U+9FFF, where Chinese and Japanese are, begin with these bytes and take two places.
+    const bool is_wide = static_cast<unsigned char>(c) >= 0xE3 && static_cast<unsigned char>(c) <= 0xE9;
+    if (column_ + (is_wide ? 1 : 0) >= columns_) {
       ++wraps_;
       column_ = 0;
       line_feed();
     }
     lines_[row_][column_++] = (c & 0x80) == 0 ? c : '~';
+    if (is_wide && column_ < columns_) lines_[row_][column_++] = '~';
     return 1;
   }
   void line_feed() {

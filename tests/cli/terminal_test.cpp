@@ -59,6 +59,19 @@ TEST_F(Terminals, live_stays_within_screens_of_any_size) {
   }
 }
 
+// A name of Chinese letters, each of which takes two places.
+TEST_F(Terminals, wide_letters_do_not_break_the_page) {
+  const std::string name = "皮膚模塊設計檔案右前臂外殼.json";
+  std::filesystem::copy_file(folder_ / "strip.json", folder_ / name);
+  for (const unsigned short columns : {30, 21, 20, 8}) {
+    TerminalProgram program(with("TERM=xterm", fmt::format("live {} --link sim --seconds 1", name)), columns, 12);
+    Screen screen(columns, 12);
+    screen.write(page_of(program.read_all()));
+    EXPECT_EQ(program.status(), 0);
+    EXPECT_EQ(screen.wraps() + screen.scrolls(), 0) << columns;
+  }
+}
+
 TEST_F(Terminals, a_terminal_that_does_not_tell_its_size_has_80_columns_and_24_rows) {
   Screen screen(80, 24);
   screen.write(page_of(live("TERM=vt100", 0, 0)));

@@ -116,8 +116,12 @@ def lost_in_silence(sample, mutation, good, outcome, line):
         return is_cut or (sample.is_sealed and mutation != "none")
     if not sample.reads_mesh or outcome.product == good.product:
         return False
+    if mutation.endswith("zeroed"):
+        return sample.has_checksums  # Elsewhere a zero is a coordinate like others.
     if mutation.startswith(("cut", "piece")):
         return not (outcome.ends_a_line and sample.uncounted)
+    if sample.has_checksums:
+        return True
     return mutation.startswith("line ") and "line ends" not in mutation and not (
         sample.uncounted and line.lstrip().startswith(sample.uncounted))
 

@@ -37,7 +37,7 @@ TEST_F(Pacing, a_dump_without_an_end_does_not_spin_a_core) {
   const double before_s = processor_s();
   const auto start = std::chrono::steady_clock::now();
   Running dump(line("dump strip.json --link sim --ask"), folder_ / "log");
-  ASSERT_TRUE(dump.says("node"));
+  ASSERT_TRUE(dump.says("claim"));
   ::usleep(1'500'000);
   dump.signal(SIGINT);
   EXPECT_TRUE(dump.ends());

@@ -118,7 +118,7 @@ class Screen final : public LiveDisplay {
     for (const device::AdoptedCounts& a : state.adopted)
       below.push_back(fmt::format("module {} is read by the controller of patch {}", a.module, a.patch));
     if (!state.note.empty()) below.push_back(for_terminal(state.note));
-    below.push_back(fmt::format("n, p: patch  u: unit ({})  t: tare, nobody touches  q: end", name_of(unit(monitor))));
+    below.push_back(fmt::format("q: end  n, p: patch  u: unit ({})  t: tare, nobody touches", name_of(unit(monitor))));
     const int room = size.rows - static_cast<int>(lines.size() + below.size()) - 2;
     for (std::string& line : patch_lines(monitor, std::max(room, kMinPatchLines))) lines.push_back(std::move(line));
     lines.emplace_back();

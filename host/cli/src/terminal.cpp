@@ -8,9 +8,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <string_view>
+#include <utility>
 
 #include "triskin/base/interrupt.hpp"
 #include "triskin/base/terminal_text.hpp"
@@ -19,12 +21,12 @@ namespace triskin::cli {
 namespace {
 
 // What signal handlers need: the state before the first Terminal, and whether standard input takes single keys.
-termios before{};
+termios modes_before{};
 volatile sig_atomic_t takes_keys = 0;
 
 // Both are called by signal handlers and use nothing but system calls.
 void enter_page() {
-  termios single = before;
+  termios single = modes_before;
   single.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
   single.c_cc[VMIN] = 0;
   single.c_cc[VTIME] = 0;
@@ -35,7 +37,7 @@ void enter_page() {
 void leave_page() {
   constexpr std::string_view kCursorAndFirstPage = "\033[?25h\033[?1049l";
   (void)!::write(STDOUT_FILENO, kCursorAndFirstPage.data(), kCursorAndFirstPage.size());
-  if (takes_keys != 0) (void)::tcsetattr(STDIN_FILENO, TCSANOW, &before);
+  if (takes_keys != 0) (void)::tcsetattr(STDIN_FILENO, TCSANOW, &modes_before);
 }
 
 // Ctrl-Z: the shell gets its terminal back, and the page is there again when the process goes on.
@@ -57,24 +59,51 @@ std::size_t colour_bytes(std::string_view text, std::size_t at) {
   return end == std::string_view::npos ? 0 : end + 1 - at;
 }
 
-// Where each character of a line begins.
-std::vector<std::size_t> characters_of(const std::string& line) {
-  std::vector<std::size_t> begins;
+// Places that a character takes: the wide ones of East Asia and pictures two, marks that join the letter before none
+// (Unicode Standard Annex 11, in blocks).
+int places_of(char32_t c) {
+  constexpr auto kWide = std::to_array<std::pair<char32_t, char32_t>>({{0x1100, 0x115F},
+                                                                       {0x2E80, 0xA4CF},
+                                                                       {0xAC00, 0xD7A3},
+                                                                       {0xF900, 0xFAFF},
+                                                                       {0xFE30, 0xFE6F},
+                                                                       {0xFF00, 0xFF60},
+                                                                       {0xFFE0, 0xFFE6},
+                                                                       {0x1F300, 0x1FAFF},
+                                                                       {0x20000, 0x3FFFD}});
+  constexpr std::pair<char32_t, char32_t> kJoining{0x0300, 0x036F};
+  if (c >= kJoining.first && c <= kJoining.second) return 0;
+  return std::ranges::any_of(kWide, [c](const auto& block) { return c >= block.first && c <= block.second; }) ? 2 : 1;
+}
+
+// A character of a line: where it begins, and how many places the line has taken behind it.
+struct Character {
+  std::size_t at = 0;
+  int places = 0;
+};
+std::vector<Character> characters_of(const std::string& line) {
+  std::vector<Character> characters;
+  int places = 0;
   for (std::size_t at = 0; at < line.size();) {
     const std::size_t colour = colour_bytes(line, at);
-    if (colour == 0) begins.push_back(at);
-    at += colour > 0 ? colour : std::max<std::size_t>(1, utf8_at(line, at).bytes);
+    const Utf8Character c = utf8_at(line, at);
+    if (colour == 0) characters.push_back({at, places += places_of(c.code)});
+    at += colour > 0 ? colour : std::max<std::size_t>(1, c.bytes);
   }
-  return begins;
+  return characters;
+}
+int places_of(const std::vector<Character>& characters) {
+  return characters.empty() ? 0 : characters.back().places;
 }
 
 }  // namespace
 
 std::string cut_to(const std::string& line, int columns) {
-  const std::vector<std::size_t> begins = characters_of(line);
-  if (begins.size() <= static_cast<std::size_t>(columns)) return line;
+  const std::vector<Character> characters = characters_of(line);
+  if (places_of(characters) <= columns) return line;
   const bool has_colours = line.find("\033[") != std::string::npos;
-  return line.substr(0, begins[static_cast<std::size_t>(columns - 1)]) + "…" + (has_colours ? "\033[0m" : "");
+  const auto first = std::ranges::find_if(characters, [&](const Character& c) { return c.places >= columns; });
+  return line.substr(0, first->at) + "…" + (has_colours ? "\033[0m" : "");
 }
 
 bool Terminal::is_dumb() {
@@ -97,7 +126,7 @@ Terminal::Size Terminal::size(int descriptor) {
   return {window.ws_col, window.ws_row};
 }
 
-Terminal::Terminal() : keys_(::isatty(STDIN_FILENO) != 0 && ::tcgetattr(STDIN_FILENO, &before) == 0) {
+Terminal::Terminal() : keys_(::isatty(STDIN_FILENO) != 0 && ::tcgetattr(STDIN_FILENO, &modes_before) == 0) {
   takes_keys = keys_ ? 1 : 0;
   enter_page();
   before_sudden_end(&leave_page);
@@ -121,7 +150,7 @@ void Terminal::draw(const std::vector<std::string>& lines) const {
     const std::string& line = row + 1 < rows ? lines[row] : lines.back();
     page += (row > 0 ? "\r\n" : "") + cut_to(line, screen.columns);
     // Behind a full line the cursor still stands in its last column, which would be erased.
-    if (characters_of(line).size() < static_cast<std::size_t>(screen.columns)) page += "\033[K";
+    if (places_of(characters_of(line)) < screen.columns) page += "\033[K";
   }
   if (rows < static_cast<std::size_t>(screen.rows)) page += "\r\n\033[J";
   put(page);

@@ -48,8 +48,7 @@ Listener listen_at(const HostPort& at, const std::string& refusal) {
   Listener listener;
   listener.is_exposed = !is_loopback(*found->ai_addr);
   if (listener.is_exposed && !refusal.empty()) throw InputError(fmt::format("{}: {}", name, refusal));
-  listener.socket =
-      ::socket(found->ai_family, found->ai_socktype | SOCK_CLOEXEC | SOCK_NONBLOCK, found->ai_protocol);
+  listener.socket = ::socket(found->ai_family, found->ai_socktype | SOCK_CLOEXEC | SOCK_NONBLOCK, found->ai_protocol);
   const int on = 1;
   if (listener.socket >= 0) (void)::setsockopt(listener.socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   if (listener.socket < 0 || ::bind(listener.socket, found->ai_addr, found->ai_addrlen) != 0 ||

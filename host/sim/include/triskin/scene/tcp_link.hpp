@@ -57,8 +57,9 @@ struct Record {
 /// A simulation that runs in another process (`triskin simulate SCENE --listen HOST:PORT`), in real time. Threads: one.
 class TcpLink final : public Link, public TouchActuator {
  public:
-  /// Connects. Throws InputError for port 0, DeviceError when nobody listens there or answers within 5 s. Afterwards send() throws DeviceError
-  /// when the simulation takes nothing for 2 s, Cancelled when the process is asked to end meanwhile.
+  /// Connects. Throws InputError for port 0, DeviceError when nobody listens there or answers within 5 s. Afterwards
+  /// send() throws DeviceError when the simulation takes nothing for 2 s, Cancelled when the process is asked to end
+  /// meanwhile.
   explicit TcpLink(const HostPort& to);
   ~TcpLink() override;
   TcpLink(const TcpLink&) = delete;
