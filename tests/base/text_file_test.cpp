@@ -46,7 +46,7 @@ TEST(OpenLine, is_said_of_a_text_without_a_last_line_end) {
 
 std::string cause_of(const std::string& text) {
   try {
-    (void)nlohmann::json::parse(text);
+    [[maybe_unused]] const auto parsed = nlohmann::json::parse(text);
   } catch (const nlohmann::json::exception& e) {
     return json_cause(e.what());
   }

@@ -17,8 +17,8 @@ namespace triskin::test {
 /// A program on a terminal of its own, of a given size; 0 columns and rows: one that does not tell its size.
 class TerminalProgram {
  public:
-  TerminalProgram(const std::string& line, unsigned short columns, unsigned short rows) {
-    const winsize size{rows, columns, 0, 0};
+  TerminalProgram(const std::string& line, int columns, int rows) {
+    const winsize size{static_cast<unsigned short>(rows), static_cast<unsigned short>(columns), 0, 0};
     pid_ = ::forkpty(&terminal_, nullptr, nullptr, &size);
     if (pid_ == 0) {
       (void)::prctl(PR_SET_PDEATHSIG, SIGKILL);

@@ -36,8 +36,8 @@ class Terminal {
   bool keys_ = false;  // Standard input is a terminal as well.
 };
 
-/// A line that takes at most so many places, at least one; "…" stands for what was cut off. Sequences for colours take
-/// no place, letters of East Asia two.
+/// A line that takes at most so many places, at least one; "…" stands for what was cut off. Sequences for colours
+/// take no place, letters of East Asia two.
 [[nodiscard]] std::string cut_to(const std::string& line, int columns);
 
 }  // namespace triskin::cli
