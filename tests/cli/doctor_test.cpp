@@ -159,6 +159,9 @@ TEST_F(Doctor, twelve_troubles_are_named_each_with_its_command) {
   ::setenv("ROS_DOMAIN_ID", "300", 1);
   expect_trouble("DDS domain", "export ROS_DOMAIN_ID=");
   ::unsetenv("ROS_DOMAIN_ID");
+  ::setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "HOST", 1);
+  expect_trouble("ROS discovery", "unset ROS_LOCALHOST_ONLY");
+  ::unsetenv("ROS_AUTOMATIC_DISCOVERY_RANGE");
   ::setenv("CYCLONEDDS_URI", "file:///etc/none.xml", 1);
   expect_trouble("DDS configuration", "unset CYCLONEDDS_URI");
   ::unsetenv("CYCLONEDDS_URI");

@@ -160,6 +160,32 @@ TEST_F(Deaf, ctrl_c_ends_commands_on_a_link_that_is_silent) {
   }
 }
 
+// A web server that waits for a request, a shell server, one that hangs up at once, one that speaks bytes.
+TEST_F(Deaf, a_port_of_another_program_is_called_that) {
+  const auto bytes_of = [](std::string_view text) { return std::vector<std::uint8_t>(text.begin(), text.end()); };
+  const auto answer_of = [&](const std::string& link) {
+    const Outcome o = run("discover --link " + link);
+    EXPECT_EQ(o.status, 3);
+    EXPECT_THAT(o.messages, testing::HasSubstr(link + ": "));
+    return o.messages;
+  };
+  for (const char* greeting :
+       {"", "SSH-2.0-OpenSSH_9.2\r\n", "HTTP/1.1 400 Bad Request\r\n\r\n", "220 mail ESMTP\r\n", "\xff\xff\xff\xff"}) {
+    const HostileServer server(bytes_of(greeting));
+    EXPECT_THAT(answer_of(server.link()), testing::HasSubstr("another program")) << greeting;
+  }
+  const Outcome o = run("discover --link sim:127.0.0.1:0");
+  EXPECT_EQ(o.status, 2);
+  EXPECT_THAT(o.messages, testing::HasSubstr("--listen alone"));
+}
+
+TEST_F(Deaf, a_simulation_without_boards_is_not_called_another_program) {
+  const HostileServer server(bit_rates_without_end());
+  const Outcome o = run("discover --link " + server.link());
+  EXPECT_EQ(o.status, 3);
+  EXPECT_THAT(o.messages, testing::HasSubstr("a Triskin simulation is there"));
+}
+
 TEST_F(Deaf, an_address_for_other_computers_needs_an_explicit_word) {
   Outcome o = run("simulate strip.json --listen 0.0.0.0:0 --seconds 0.1");
   EXPECT_EQ(o.status, 2);

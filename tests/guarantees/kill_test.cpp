@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "device/firmware_file.hpp"
@@ -57,6 +58,7 @@ class Kills : public ShellCase {
     for (int round = 0; round < each; ++round) {
       std::filesystem::remove_all(folder_ / "state");
       (void)kill_at_random(flash, flash_us);
+      expect_whole_tables(round);
       expect_works(flash, "an ended flash", round);
       expect_works("verify strip.json --link sim", "an ended flash", round);
 
@@ -77,8 +79,15 @@ class Kills : public ShellCase {
       EXPECT_EQ(view.status(), 0);
     }
   }
-  // The file is the old recording or the new one: complete if the program could end it, otherwise recoverable as soon
-  // as it had a chunk.
+  // Each controller has no table or the new one as a whole: half of one would be another table.
+  void expect_whole_tables(int round) const {
+    const Outcome o = run("verify strip.json --link sim --no-touch --json");
+    ASSERT_LE(o.status, 1) << o.messages << "round " << round;
+    for (const auto& finding : nlohmann::json::parse(o.out)["findings"])
+      EXPECT_EQ(finding["kind"], "not_flashed") << "round " << round << "\n" << finding;
+  }
+  // The file is the old recording, or the new one: complete where the program could end it, else it can be recovered
+  // as soon as a chunk was in it.
   void check_recording(const std::string& before, int signal, int round) const {
     const std::string now = read_file(folder_ / "r.mcap");
     if (now == before) return;
@@ -95,8 +104,10 @@ class Kills : public ShellCase {
   std::mt19937_64 random_{kSeed};
 };
 
-TEST_F(Kills, a_dozen_moments_and_the_next_command_works) {
-  rounds(3);
+// Each round has four moments, one of each command. The variable TRISKIN_KILLS asks for more of them.
+TEST_F(Kills, thirty_two_moments_and_the_next_command_works) {
+  const char* moments = std::getenv("TRISKIN_KILLS");
+  rounds(moments == nullptr ? 8 : std::max(1, std::atoi(moments) / 4));
 }
 
 TEST_F(Kills, three_hundred_moments_and_the_next_command_works) {

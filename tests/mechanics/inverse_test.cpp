@@ -246,7 +246,7 @@ void expect_refused(const std::string& text, const char* words) {
 
 TEST(InverseFile, SaysWhatIsWrongAndWhere) {
   const std::string modules = R"({"modules":[{"taxels_mm":[[0,0],[1,2]]}],"cases":)";
-  expect_refused("{", "no JSON at byte");
+  expect_refused("{", "no JSON: line 1, column 2");
   expect_refused("[]", "has no \"modules\"");
   expect_refused(R"({"modules":[{"taxels_mm":[[0]]}]})", "a position is [x, y]");
   expect_refused(modules + "5}", "cases: is no list");

@@ -166,6 +166,39 @@ class Client {
   int socket_;
 };
 
+// Each byte of a line is another one, each number is extreme, and each beginning of it comes alone: the line is taken
+// or refused in our words, and the skin's time does not run away.
+TEST(ContactStream, no_byte_of_a_line_can_do_harm) {
+  ContactStream stream(strip_scene());
+  const double begin_s = stream.time_s();
+  const std::string whole = fmt::format(
+      R"({{"time_s":{:.6f},"contacts":[{{"point_mm":[15.5,8.5,0.5],"normal":[0,0,1],"force_n":2.5,"radius_mm":5}}]}})",
+      begin_s);
+  ASSERT_EQ(error_of(stream, whole), "no error");
+  std::vector<std::string> lines;
+  // Another time would make all later lines too old.
+  for (std::size_t at = whole.find("\"contacts\""); at < whole.size(); ++at) {
+    lines.push_back(whole.substr(0, at));
+    for (const char with : std::string("{}[],:\"\\x0-.e\n\xFF\x01", 17)) {
+      lines.push_back(whole);
+      lines.back()[at] = with;
+    }
+  }
+  for (std::size_t at = whole.find_first_of("0123456789"); at != std::string::npos;
+       at = whole.find_first_of("0123456789", whole.find_first_not_of("0123456789.", at))) {
+    for (const char* value : {"1e7", "1e20", "-1e308", "1e999", "nan", "-0", "9007199254740993", "null", "\"5\"", ""}) {
+      lines.push_back(whole);
+      lines.back().replace(at, whole.find_first_not_of("0123456789.", at) - at, value);
+    }
+  }
+  for (const std::string& line : lines) {
+    const std::string error = error_of(stream, line);
+    for (const char* raw : {"exception", "last read", "syntax error", "std::"})
+      ASSERT_THAT(error, testing::Not(HasSubstr(raw))) << line;
+  }
+  EXPECT_LT(stream.time_s(), begin_s + 30.0);
+}
+
 TEST(ContactServer, serves_this_computer_only) {
   ContactStream stream(strip_scene());
   const std::atomic<bool> stop = true;

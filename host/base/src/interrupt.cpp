@@ -8,8 +8,23 @@ namespace {
 
 std::atomic<bool> requested = false;
 std::atomic<int> caught = 0;
-static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
-              "a signal handler writes it");
+std::atomic<unsigned> seen = 0;  // One bit for each signal number.
+std::atomic<void (*)()> restore_terminal = nullptr;
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free &&
+                  std::atomic<void (*)()>::is_always_lock_free,
+              "a signal handler uses them");
+
+void take_signal(int number) {
+  const unsigned bit = 1U << static_cast<unsigned>(number);
+  if ((seen.fetch_or(bit) & bit) == 0) {
+    caught = number;
+    requested = true;
+    return;
+  }
+  if (auto* restore = restore_terminal.load()) restore();
+  (void)::signal(number, SIG_DFL);
+  (void)::raise(number);
+}
 
 }  // namespace
 
@@ -21,13 +36,13 @@ int interrupt_signal() {
   return caught;
 }
 
+void before_sudden_end(void (*restore)()) {
+  restore_terminal = restore;
+}
+
 void catch_interrupts() {
   struct sigaction action{};
-  action.sa_handler = [](int number) {
-    caught = number;
-    requested = true;
-  };
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  action.sa_handler = &take_signal;
   (void)::sigaction(SIGINT, &action, nullptr);
   (void)::sigaction(SIGTERM, &action, nullptr);
   (void)::sigaction(SIGHUP, &action, nullptr);

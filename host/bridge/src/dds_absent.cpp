@@ -9,7 +9,7 @@ bool dds_available() {
   return false;
 }
 
-std::unique_ptr<Domain> join_domain(std::uint32_t /*id*/) {
+std::unique_ptr<Domain> join_domain(std::uint32_t /*id*/, const RosDiscovery& /*discovery*/) {
   throw InputError(
       "bridge: this program was built without DDS; install cyclonedds-dev, then configure and build it again");
 }

@@ -2,7 +2,9 @@
 #include <dds/dds.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
+#include <cstdlib>
 #include <cstring>
 #include <optional>
 #include <utility>
@@ -149,11 +151,25 @@ class CycloneWriters {
   dds_entity_t reader_;
 };
 
+// What the variables of ROS 2 say, and behind it, so that it wins, what the user has configured himself; 0: nothing but
+// that, which the library reads by itself.
+dds_entity_t configured_domain(std::uint32_t id, const RosDiscovery& discovery) {
+  std::string settings = cyclone_configuration(discovery, ::getpid());
+  if (settings.empty()) return 0;
+  if (const char* own = std::getenv("CYCLONEDDS_URI"); own != nullptr && *own != '\0')
+    settings += fmt::format(",{}", own);
+  return checked(dds_create_domain(id, settings.c_str()), fmt::format("domain {}", id));
+}
+
 class CycloneDomain final : public Domain {
  public:
-  explicit CycloneDomain(std::uint32_t id)
-      : participant_(checked(dds_create_participant(id, nullptr, nullptr), fmt::format("domain {}", id))) {}
-  ~CycloneDomain() override { (void)dds_delete(participant_); }
+  CycloneDomain(std::uint32_t id, const RosDiscovery& discovery)
+      : domain_(configured_domain(id, discovery)),
+        participant_(checked(dds_create_participant(id, nullptr, nullptr), fmt::format("domain {}", id))) {}
+  ~CycloneDomain() override {
+    (void)dds_delete(participant_);
+    if (domain_ > 0) (void)dds_delete(domain_);
+  }
   CycloneDomain(const CycloneDomain&) = delete;
   CycloneDomain& operator=(const CycloneDomain&) = delete;
   std::unique_ptr<Publisher> advertise(const std::string& name, const RosType& type,
@@ -186,6 +202,7 @@ class CycloneDomain final : public Domain {
 
   std::uint32_t services_ = 0;
   std::optional<CycloneWriters> writers_;
+  dds_entity_t domain_;  // Is 0 where the library made it by itself.
   dds_entity_t participant_;
 };
 
@@ -195,8 +212,8 @@ bool dds_available() {
   return true;
 }
 
-std::unique_ptr<Domain> join_domain(std::uint32_t id) {
-  return std::make_unique<CycloneDomain>(id);
+std::unique_ptr<Domain> join_domain(std::uint32_t id, const RosDiscovery& discovery) {
+  return std::make_unique<CycloneDomain>(id, discovery);
 }
 
 }  // namespace triskin::bridge

@@ -6,11 +6,13 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <string_view>
+#include <vector>
 
 #include "triskin/base/error.hpp"
-#include "triskin/base/files.hpp"
 #include "triskin/base/json_cause.hpp"
+#include "triskin/base/text_file.hpp"
 #include "triskin/check/checked_design.hpp"
 
 namespace triskin::check {
@@ -466,13 +468,25 @@ void require_shallow(const std::string& text, const std::string& file) {
   }
 }
 
+// A key that stands twice in an object: one of the two would be dropped without a word.
+json parse_once(const std::string& text) {
+  std::vector<std::set<std::string>> open;
+  return json::parse(text, [&](int, json::parse_event_t event, json& value) {
+    if (event == json::parse_event_t::object_start) open.emplace_back();
+    if (event == json::parse_event_t::object_end) open.pop_back();
+    if (event == json::parse_event_t::key && !open.back().insert(value.get<std::string>()).second)
+      throw InputError(fmt::format("key \"{}\" stands twice in one object; leave one out", value.get<std::string>()));
+    return true;
+  });
+}
+
 }  // namespace
 
 CheckedDesign read_checked_design(const std::filesystem::path& path) {
-  const std::string text = read_file(path);
+  const std::string text = read_text(path);
   require_shallow(text, path.string());
   try {
-    const json document = json::parse(text);
+    const json document = parse_once(text);
     require_bounded(document, "", kMaxNumber);
     CheckedDesign design = read_all(document);
     require_known_keys(document);

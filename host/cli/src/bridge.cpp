@@ -16,6 +16,7 @@
 #include "bridge_services.hpp"
 #include "contacts.hpp"
 #include "triskin/base/pace.hpp"
+#include "triskin/bridge/ros_discovery.hpp"
 #include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
@@ -256,12 +257,14 @@ int run(const Options& options, Output& output) {
   robot::Site site = read_site(options.site);
   const std::vector<bridge::BridgeOptions> by_cover = options_of(options, site);
   const std::uint32_t domain_id = domain_of(options);
-  const auto domain = bridge::join_domain(domain_id);
+  const bridge::RosDiscovery discovery = bridge::ros_discovery(&std::getenv);
+  const auto domain = bridge::join_domain(domain_id, discovery);
   device::LiveSkin skin(std::move(site), options.site.link);
   open_links(skin, output);
   std::deque<BusFeed> feeds;
   for (const auto& bus : skin.buses()) feeds.emplace_back(options, *bus);
-  output.say(fmt::format("publishing /skin/… in domain {}; end with Ctrl-C", domain_id));
+  output.say(fmt::format("publishing /skin/… in domain {}{}{}; end with Ctrl-C", domain_id,
+                         discovery.words.empty() ? "" : " ", discovery.words));
   skin.on_each_bus([&](device::LiveBus& bus) { feeds[bus.index()].run(*domain, by_cover, output); });
   nlohmann::json rows = nlohmann::json::array();
   int status = 0;

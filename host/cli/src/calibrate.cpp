@@ -57,7 +57,8 @@ void ask_person(const std::string& request) {
   if (interrupt_request()) throw Cancelled("ended before the calibration was complete; nothing was kept");
 }
 
-device::CalibrationOutcome measure(const Options& options, device::LiveBus& live, device::LiveCover& cover) {
+device::CalibrationOutcome measure(const Options& options, device::LiveBus& live, device::LiveCover& cover,
+                                   Output& output) {
   const design::Design& design = cover.design();
   device::Bus& bus = live.bus();
   device::CalibrateOptions calibrate = options.calibrate;
@@ -65,6 +66,7 @@ device::CalibrationOutcome measure(const Options& options, device::LiveBus& live
   calibrate.unix_minus_link_ns = live.unix_ns(0);
   if (!options.ramp.empty()) {
     const device::PressureRamp ramp(options.ramp);
+    if (!ramp.note().empty()) output.say(ramp.note());
     if (!ramp.by_calendar() && cover.actuator() == nullptr)
       throw InputError(
           fmt::format("{}: times of the link are known of simulated links only; give the column unix_s", options.ramp));
@@ -173,7 +175,7 @@ int run(const Options& options, Output& output) {
   Options own = options;
   const std::array streamed{&cover.design()};
   own.calibrate.stream = robot::stream_options(bus.config(), streamed, own.calibrate.stream);
-  device::CalibrationOutcome outcome = measure(own, bus, cover);
+  device::CalibrationOutcome outcome = measure(own, bus, cover, output);
   print_report(outcome, output);
   if (outcome.quality.taxels == 0) {
     output.say("no taxel followed the pressure: nothing was kept");

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "triskin/base/error.hpp"
-#include "triskin/base/files.hpp"
+#include "triskin/base/text_file.hpp"
 #include "triskin/design/design.hpp"
 
 namespace triskin::cli {
@@ -16,8 +16,8 @@ namespace {
 
 bool is_design(const std::filesystem::path& path, std::uint64_t id) {
   try {
-    // The search for the digits comes first, because a file without them need not be parsed.
-    return read_file(path).find(fmt::format("{:016x}", id)) != std::string::npos &&
+    // The digits are looked for first: a file without them need not be read as a design.
+    return read_text(path).find(fmt::format("{:016x}", id)) != std::string::npos &&
            design::read_design(path).design_id == id;
   } catch (const InputError&) {
     return false;  // The file has the extension .json but is not a design.

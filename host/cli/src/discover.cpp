@@ -109,8 +109,7 @@ bool opens_in_kernel(device::Link& link) {
 
 std::vector<wire::NodeClaim> claims_on(device::Bus& bus) {
   auto claims = bus.discover();
-  if (claims.empty())
-    throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", bus.name()));
+  if (claims.empty()) throw DeviceError(bus.nobody_answers());
   return claims;
 }
 

@@ -6,7 +6,11 @@
 #include <algorithm>
 #include <charconv>
 #include <fstream>
+#include <map>
 #include <sstream>
+
+#include "triskin/base/error.hpp"
+#include "triskin/bridge/ros_discovery.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -176,6 +180,20 @@ DoctorCheck domain_check(const Machine& machine) {
           "export ROS_DOMAIN_ID=0"};
 }
 
+DoctorCheck discovery_check(const Machine& machine) {
+  std::map<std::string, std::string> values;
+  const auto variable = [&](const char* name) -> const char* {
+    return (values[name] = machine.variable(name)).c_str();
+  };
+  try {
+    const std::string words = bridge::ros_discovery(variable).words;
+    return good("ROS discovery", words.empty() ? "by default" : words);
+  } catch (const InputError& e) {
+    return {"ROS discovery", false, e.what(),
+            "unset ROS_LOCALHOST_ONLY ROS_AUTOMATIC_DISCOVERY_RANGE ROS_STATIC_PEERS, or give them a value of those"};
+  }
+}
+
 DoctorCheck dds_file_check(const Machine& machine) {
   const std::string uri = machine.variable("CYCLONEDDS_URI"), scheme = "file://";
   const std::string path = uri.starts_with(scheme) ? uri.substr(scheme.size()) : "";
@@ -221,7 +239,7 @@ std::vector<DoctorCheck> check_boards(const Machine& machine) {
 }
 
 std::vector<DoctorCheck> check_surroundings(const Machine& machine) {
-  std::vector<DoctorCheck> checks{domain_check(machine), dds_file_check(machine)};
+  std::vector<DoctorCheck> checks{domain_check(machine), discovery_check(machine), dds_file_check(machine)};
   if (machine.has_program("xdg-open"))
     checks.push_back(good("browser", "xdg-open is there"));
   else

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "triskin/base/interrupt.hpp"
+#include "triskin/base/pace.hpp"
 #include "triskin/cli/link_options.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/session/bus.hpp"
@@ -35,7 +36,11 @@ class Dump {
       link_.send(question);
       print(question);
     }
+    // The time of a simulation in this process passes only while somebody waits, and then at once.
+    std::optional<Pace> pace;
+    if (options_.seconds == 0.0) pace.emplace(start_us_);
     while (!done()) {
+      if (pace) pace->hold(link_.now_us());
       if (const auto frame = link_.receive(link_.now_us() + kLook_us)) print(*frame);
     }
     output_.result = {{"frames", count_}, {"thrown_away", link_.thrown_away()}};

@@ -12,6 +12,7 @@
 #include "live_robot.hpp"
 #include "offset_lines.hpp"
 #include "triskin/base/interrupt.hpp"
+#include "triskin/base/pace.hpp"
 #include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
@@ -111,6 +112,9 @@ class Show {
     device::LiveRun run;
     if (options_.seconds > 0.0) run.until_us = start_us_ + static_cast<std::uint64_t>(options_.seconds * 1e6);
     run.slice_us = kLine_us;
+    // A simulation without an end would take a whole core and run away from whoever watches it.
+    std::optional<Pace> pace;
+    if (options_.seconds == 0.0) pace.emplace(bus_.now_us());
     std::uint64_t before_us = 0;
     run.before_slice = [&] {
       demonstrator_.step(elapsed_us());
@@ -118,6 +122,7 @@ class Show {
     };
     run.after_slice = [&] {
       cover_.monitor().close_period(static_cast<double>(elapsed_us() - before_us + 1) * 1e-6);
+      if (pace) pace->hold(bus_.now_us());
       return show(display);
     };
     bus_.run(run);

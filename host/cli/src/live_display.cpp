@@ -109,7 +109,7 @@ class Screen final : public LiveDisplay {
     std::vector<std::string> lines;
     lines.push_back(fmt::format("{}  {:.1f} s  {} samples, {} lost{}", for_terminal(design_.name), state.time_s,
                                 state.frames, state.lost, force_of(monitor)));
-    std::vector<std::string> below = monitor.picture(patch_, unit(monitor), true, size.columns);
+    std::vector<std::string> below = monitor.picture(patch_, unit(monitor), Terminal::has_colour(), size.columns);
     below.emplace_back();
     const auto pressed = monitor.touches().pressed();
     for (std::size_t k = 0; k < std::min(kMaxTaxels, pressed.size()); ++k)
@@ -118,7 +118,7 @@ class Screen final : public LiveDisplay {
     for (const device::AdoptedCounts& a : state.adopted)
       below.push_back(fmt::format("module {} is read by the controller of patch {}", a.module, a.patch));
     if (!state.note.empty()) below.push_back(for_terminal(state.note));
-    below.push_back(fmt::format("n, p: patch  u: unit ({})  t: tare, nobody touches  q: end", name_of(unit(monitor))));
+    below.push_back(fmt::format("q: end  n, p: patch  u: unit ({})  t: tare, nobody touches", name_of(unit(monitor))));
     const int room = size.rows - static_cast<int>(lines.size() + below.size()) - 2;
     for (std::string& line : patch_lines(monitor, std::max(room, kMinPatchLines))) lines.push_back(std::move(line));
     lines.emplace_back();

@@ -4,6 +4,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <optional>
+
+#include "triskin/base/pace.hpp"
 #include "triskin/cli/link_options.hpp"
 #include "triskin/skin/icub_skin.hpp"
 
@@ -31,7 +34,10 @@ int live_icub(const device::LinkOptions& link_options, const design::Design* des
   device::LiveRun run;
   if (seconds > 0.0) run.until_us = skin.now_us() + static_cast<std::uint64_t>(seconds * 1e6);
   run.slice_us = kIcubLine_us;
+  std::optional<Pace> pace;
+  if (seconds == 0.0) pace.emplace(skin.now_us());
   run.after_slice = [&] {
+    if (pace) pace->hold(skin.now_us());
     for (const auto& [place, taxels] : skin.triangles()) {
       if (!taxels.not_connected) output.say(to_line(taxels));
     }

@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "live_display.hpp"
+#include "triskin/base/pace.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
 
@@ -30,7 +32,10 @@ class BusShow {
     device::LiveRun run;
     if (seconds > 0.0) run.until_us = start_us + static_cast<std::uint64_t>(seconds * 1e6);
     run.slice_us = kRobotLine_us;
+    std::optional<Pace> pace;
+    if (seconds == 0.0) pace.emplace(start_us);
     run.after_slice = [&] {
+      if (pace) pace->hold(bus_.now_us());
       const std::lock_guard lock(mutex);
       show(static_cast<double>(bus_.now_us() - start_us) * 1e-6, output);
       return true;

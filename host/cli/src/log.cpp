@@ -38,7 +38,7 @@ std::vector<std::uint8_t> nodes_on(device::Bus& bus, int only) {
     if (only == 0 || claim.node_address == only) nodes.push_back(claim.node_address);
   }
   if (nodes.empty())
-    throw DeviceError(only == 0 ? fmt::format("{}: no controller answers; check power, cable and bit rate", bus.name())
+    throw DeviceError(only == 0 ? bus.nobody_answers()
                                 : fmt::format("{}: no controller answers at node address {}", bus.name(), only));
   std::ranges::sort(nodes);
   if (std::ranges::adjacent_find(nodes) != nodes.end())

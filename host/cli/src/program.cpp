@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/cli/program.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <iostream>
 #include <memory>
 #include <new>
 #include <utility>
@@ -60,7 +64,23 @@ int unless_ended(int status) {
   return interrupt_signal() > 0 ? kSignalled + interrupt_signal() : status;
 }
 
-// Runs one command and turns its exceptions into an exit status.
+// A file that the program opens would take the place of a standard descriptor that is closed, and get the messages.
+// Those that are missing are opened so that using them fails as before.
+void hold_standard_descriptors() {
+  for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(descriptor, F_GETFD) == -1 && errno == EBADF)
+      (void)::open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+  }
+}
+
+// The status, unless what was written to standard output did not get there.
+int when_written(int status) {
+  std::cout.flush();
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout) return status;
+  return fail("standard output: cannot write; check the disk or the pipe", 2);
+}
+
+// Runs one command and turns what it throws into its exit status.
 int run_entry(const Entry& entry) {
   try {
     const std::string file = output_of(*entry.app);
@@ -70,8 +90,7 @@ int run_entry(const Entry& entry) {
     const int status = entry.run(output);
     if (output.simulated()) output.result["simulated"] = true;
     if (entry.json) std::fputs((json_line(output.result)).c_str(), stdout);
-    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
-      return fail("standard output: cannot write; check the disk or the pipe", 2);
+    if (const int written = when_written(0); written != 0) return written;
     return output.expects_interrupt() && interrupt_signal() == SIGINT ? status : unless_ended(status);
   } catch (const Error& e) {
     return unless_ended(fail(e.what(), e.exit_status()));
@@ -117,6 +136,7 @@ int refuse(const CLI::App& program, const CLI::ParseError& error, int argc, cons
 }  // namespace
 
 int run_program(const std::string& description, int argc, char** argv) {
+  hold_standard_descriptors();
   CLI::App program{description};
   program.name(std::filesystem::path(argv[0]).filename().string());
   program.formatter(std::make_shared<HelpFormat>(help_columns()));
@@ -124,12 +144,12 @@ int run_program(const std::string& description, int argc, char** argv) {
   program.require_subcommand(1);
   program.footer("triskin help COMMAND shows its options and an example; triskin help links,\nwhat --link takes.");
   const auto entries = add_commands(program);
-  if (const auto status = answer_help(program, argc, argv)) return *status;
-  if (const auto status = answer_generate_docs(program, argc, argv)) return *status;
+  if (const auto status = answer_help(program, argc, argv)) return when_written(*status);
+  if (const auto status = answer_generate_docs(program, argc, argv)) return when_written(*status);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) return program.exit(e);
+    if (e.get_exit_code() == 0) return when_written(program.exit(e));
     return refuse(program, e, argc, argv);
   }
   for (const auto& entry : entries) {

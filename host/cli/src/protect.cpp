@@ -30,8 +30,9 @@ int run(const Options& options, Output& output) {
     controllers.push_back({{"serial", device::to_text(claim.unique_id)}, {"node_address", claim.node_address}});
   }
   if (controllers.empty())
-    throw DeviceError(fmt::format("{}: no controller answers{}; check power, cable and bit rate", bus.name(),
-                                  options.node == 0 ? "" : fmt::format(" at node address {}", options.node)));
+    throw DeviceError(bus.nobody_answers(options.node == 0
+                                             ? "no controller answers"
+                                             : fmt::format("no controller answers at node address {}", options.node)));
   output.result = {{"controllers", std::move(controllers)}, {"protected", !options.release}};
   return 0;
 }

@@ -10,6 +10,7 @@
 #include "contacts.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/interrupt.hpp"
+#include "triskin/base/text_file.hpp"
 #include "triskin/bridge/bridge.hpp"
 #include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/site_options.hpp"
@@ -107,7 +108,7 @@ class CoverFile {
   void describe(device::LiveBus& bus, std::size_t cover, const Options& options, const Output& output) {
     live_ = &bus.covers()[cover];
     bus_ = &bus;
-    origin_.design_text = read_file(cover_.design_file);
+    origin_.design_text = read_text(cover_.design_file);
     origin_.facts["link"] = bus.bus().name();
     if (device::is_simulated(bus.bus().name())) origin_.facts["simulated"] = "true";
     origin_.facts["program"] = fmt::format("triskin {}", TRISKIN_VERSION);

@@ -13,6 +13,7 @@
 
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/base/text_file.hpp"
 #include "triskin/base/writer_lock.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/robot/assembly.hpp"
@@ -345,7 +346,9 @@ int run_register(const Options& options, Output& output) {
   robot::Assembly a = robot::read_assembly(options.robot);
   robot::CoverEntry* cover = robot::find_cover(a.robot, options.name);
   if (cover == nullptr) throw InputError(fmt::format("{}: has no cover {}", options.robot, options.name));
-  const auto touches = robot::read_touches(read_file(options.file), options.file);
+  const std::string text = read_text(options.file);
+  if (const std::string note = note_of_open_line(text, options.file); !note.empty()) output.say(note);
+  const auto touches = robot::read_touches(text, options.file);
   robot::NamedDesign own;
   std::vector<robot::NamedDesign> others;
   for (std::size_t c = 0; c < a.designs.size(); ++c) {

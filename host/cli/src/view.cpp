@@ -7,8 +7,8 @@
 #include <thread>
 
 #include "triskin/base/error.hpp"
-#include "triskin/base/files.hpp"
 #include "triskin/base/interrupt.hpp"
+#include "triskin/base/text_file.hpp"
 #include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/design_argument.hpp"
 #include "triskin/cli/link_options.hpp"
@@ -133,7 +133,7 @@ int run(const Options& options, Output& output) {
   Shown shown = shown_of(argument.path, has_link);
   if (!options.findings.empty())
     shown.notes.findings =
-        view::findings_in(read_file(options.findings), options.findings, shown.design, shown.notes.covers);
+        view::findings_in(read_text(options.findings), options.findings, shown.design, shown.notes.covers);
   std::optional<device::LiveSkin> skin;
   if (has_link) skin.emplace(robot::read_site(argument.path), options.link);
   if (skin && !skin->site().is_robot) device::require_link(options.link);

@@ -9,7 +9,7 @@
 
 #include "address_moves.hpp"
 #include "table_writer.hpp"
-#include "triskin/base/files.hpp"
+#include "triskin/base/text_file.hpp"
 #include "triskin/deploy/board_file.hpp"
 #include "triskin/design/json_fields.hpp"
 #include "triskin/session/address_users.hpp"
@@ -334,8 +334,7 @@ class Restoration {
 
 std::vector<BoardBackup> save_boards(Bus& bus, const std::function<void(const std::string&)>& say) {
   const auto claims = bus.discover();
-  if (claims.empty())
-    throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", bus.name()));
+  if (claims.empty()) throw DeviceError(bus.nobody_answers());
   const auto users = users_of_addresses(claims);
   std::vector<BoardBackup> boards;
   for (const wire::NodeClaim& c : claims) {
@@ -365,7 +364,7 @@ std::string backup_text(std::span<const BoardBackup> boards) {
 
 std::vector<BoardBackup> read_backup(const std::filesystem::path& path) {
   const std::string name = path.string();
-  const nlohmann::json document = design::parse_json(read_file(path), name);
+  const nlohmann::json document = design::parse_json(read_text(path), name);
   const JsonValue v(document, name, "");
   if (v["format"].text() != kBackupFormat)
     v["format"].fail(fmt::format("must be \"{}\", as triskin flash --save writes it", kBackupFormat));

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "triskin/base/files.hpp"
+#include "triskin/base/text_file.hpp"
 #include "triskin/design/json_fields.hpp"
 
 namespace triskin::device {
@@ -36,7 +36,7 @@ std::string normal_serial(std::string text) {
 
 BoardFile read_board_file(const std::filesystem::path& path, const design::Design& design) {
   const std::string name = path.string();
-  const nlohmann::json document = design::parse_json(read_file(path), name);
+  const nlohmann::json document = design::parse_json(read_text(path), name);
   const JsonValue v(document, name, "");
   if (v["format"].text() != kBoardFormat)
     v["format"].fail(fmt::format("must be \"{}\", as triskin identify writes it", kBoardFormat));

@@ -73,8 +73,7 @@ class Matcher {
   };
 
   void find(const std::vector<wire::NodeClaim>& claims) {
-    if (claims.empty())
-      throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", bus_.name()));
+    if (claims.empty()) throw DeviceError(bus_.nobody_answers());
     const auto users = users_of_addresses(claims);
     bool any_answer = false;
     std::exception_ptr silence;

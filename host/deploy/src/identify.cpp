@@ -34,8 +34,7 @@ class Identification {
  private:
   void find_boards() {
     auto claims = bus_.discover();
-    if (claims.empty())
-      throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", bus_.name()));
+    if (claims.empty()) throw DeviceError(bus_.nobody_answers());
     claims = put_apart(bus_, std::move(claims), false);
     const auto users = users_of_addresses(claims);
     for (const auto& c : claims) {

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "triskin/base/files.hpp"
+#include "triskin/base/text_file.hpp"
 #include "triskin/design/json_fields.hpp"
 
 namespace triskin::design {
@@ -120,7 +120,7 @@ std::vector<BoardCalibration> parse_calibration(const std::string& text, const s
 }
 
 std::vector<BoardCalibration> read_calibration(const std::filesystem::path& path) {
-  return parse_calibration(read_file(path), path.string());
+  return parse_calibration(read_text(path), path.string());
 }
 
 CalibrationQuality quality_of(std::span<const BoardCalibration> boards) {

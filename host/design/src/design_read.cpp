@@ -5,7 +5,7 @@
 
 #include "alternatives_json.hpp"
 #include "regions_json.hpp"
-#include "triskin/base/files.hpp"
+#include "triskin/base/text_file.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/design_text.hpp"
 #include "triskin/design/json_fields.hpp"
@@ -394,7 +394,7 @@ Design parse_design(const std::string& text, const std::string& file) {
 }
 
 Design read_design(const std::filesystem::path& path) {
-  return parse_design(read_file(path), path.string());
+  return parse_design(read_text(path), path.string());
 }
 
 Design read_intact_design(const std::filesystem::path& path) {

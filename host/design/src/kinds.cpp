@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "triskin/base/files.hpp"
+#include "triskin/base/text_file.hpp"
 #include "triskin/design/json_fields.hpp"
 #include "triskin/layout/patch_image.hpp"
 
@@ -81,7 +81,7 @@ KindPlan kind_plan_of(const JsonValue& v) {
 }
 
 KindPlan read_kind_plan(const std::filesystem::path& path) {
-  const nlohmann::json document = parse_json(read_file(path), path.string());
+  const nlohmann::json document = parse_json(read_text(path), path.string());
   const JsonValue v(document, path.string(), "");
   only_keys(v, {"format", "version", "kinds", "regions"}, kKindsPage);
   if (v["format"].text() != "triskin-kinds") v["format"].fail("must be \"triskin-kinds\"");

@@ -4,13 +4,13 @@
 #include <map>
 #include <set>
 
-#include "triskin/base/files.hpp"
+#include "triskin/base/text_file.hpp"
 #include "triskin/design/json_value.hpp"
 
 namespace triskin::design {
 
 ModuleList read_module_list(const std::filesystem::path& path) {
-  const nlohmann::json document = parse_json(read_file(path), path.string());
+  const nlohmann::json document = parse_json(read_text(path), path.string());
   const JsonValue modules = JsonValue(document, path.string(), "")["modules"];
   if (modules.size() == 0) modules.fail("is empty; give at least one module");
   ModuleList list;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "regions_json.hpp"
 
-#include "triskin/base/files.hpp"
+#include "triskin/base/text_file.hpp"
 #include "triskin/design/design_text.hpp"
 #include "triskin/design/json_fields.hpp"
 #include "triskin/design/region_file.hpp"
@@ -73,7 +73,7 @@ std::vector<WantedRegion> read_list(const JsonValue& v) {
 }  // namespace
 
 RegionFile read_region_file(const std::filesystem::path& path) {
-  const json document = parse_json(read_file(path), path.string());
+  const json document = parse_json(read_text(path), path.string());
   const JsonValue v(document, path.string(), "");
   only_keys(v, {"format", "version", "elsewhere", "regions"}, kRegionsPage);
   if (v["format"].text() != "triskin-regions") v["format"].fail("must be \"triskin-regions\"");

@@ -34,8 +34,7 @@ ControllerCheck::ControllerCheck(Bus& bus, const design::Design& design)
     else
       ++without_table_;
   }
-  if (claims_.empty())
-    throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", bus.link().name()));
+  if (claims_.empty()) throw DeviceError(bus.nobody_answers());
 }
 
 bool ControllerCheck::check(PatchState& p, std::vector<Finding>& findings) {

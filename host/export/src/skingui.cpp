@@ -11,7 +11,7 @@
 #include <sstream>
 
 #include "triskin/base/error.hpp"
-#include "triskin/base/files.hpp"
+#include "triskin/base/text_file.hpp"
 #include "triskin/design/json_value.hpp"
 
 namespace triskin::design {
@@ -178,7 +178,7 @@ void count_boards(SkinGuiLayout& layout) {
 }  // namespace
 
 SkinGuiLayout read_skingui(const std::filesystem::path& path, const std::string& part) {
-  const std::string text = read_file(path), file = path.string();
+  const std::string text = read_text(path), file = path.string();
   const std::vector<Drawn> drawn = part.empty() ? read_ini(text, file) : read_collection(text, file, part);
   if (drawn.empty())
     throw InputError(fmt::format(

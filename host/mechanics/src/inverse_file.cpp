@@ -8,10 +8,12 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <set>
 #include <utility>
 
 #include "triskin/base/error.hpp"
-#include "triskin/base/files.hpp"
+#include "triskin/base/json_cause.hpp"
+#include "triskin/base/text_file.hpp"
 
 namespace triskin::mechanics {
 namespace {
@@ -116,14 +118,27 @@ InverseCase read_case(const Place& file, const Place& place, const std::vector<s
   return one;
 }
 
+// JSON without a key that stands twice in an object: one of the two would be dropped without a word.
+json parse_once(const std::string& text, const std::string& name) {
+  std::vector<std::set<std::string>> open;
+  return json::parse(text, [&](int, json::parse_event_t event, json& value) {
+    if (event == json::parse_event_t::object_start) open.emplace_back();
+    if (event == json::parse_event_t::object_end) open.pop_back();
+    if (event == json::parse_event_t::key && !open.back().insert(value.get<std::string>()).second)
+      throw InputError(
+          fmt::format("{}: key \"{}\" stands twice in one object; leave one out", name, value.get<std::string>()));
+    return true;
+  });
+}
+
 }  // namespace
 
 std::vector<InverseCase> read_inverse_cases(const std::filesystem::path& path) {
   json root;
   try {
-    root = json::parse(read_file(path));
-  } catch (const json::parse_error& error) {
-    throw InputError(fmt::format("{}: is no JSON at byte {}", path.string(), error.byte));
+    root = parse_once(read_text(path), path.string());
+  } catch (const json::exception& error) {
+    throw InputError(fmt::format("{}: is no JSON: {}", path.string(), json_cause(error.what())));
   }
   const Place file(root, path.string());
   const auto modules = read_modules(file);

@@ -22,6 +22,7 @@
 #include "formats/three_mf_reader.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/base/text_file.hpp"
 #include "triskin/cad/read_part.hpp"
 
 namespace triskin::geometry {
@@ -169,6 +170,15 @@ MeshFile read_part_mesh(const std::filesystem::path& path, const std::string& by
   return file;
 }
 
+void say_dropped(MeshReadReport& report, std::size_t held) {
+  if (report.degenerate_faces > 0)
+    report.notes.push_back(
+        fmt::format("{} of {} triangles have no area and were left out", report.degenerate_faces, held));
+  if (report.duplicate_faces > 0)
+    report.notes.push_back(
+        fmt::format("{} of {} triangles are there more than once and count once", report.duplicate_faces, held));
+}
+
 }  // namespace
 
 double scale_of(LengthUnit unit) {
@@ -209,7 +219,9 @@ MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> 
   if (unit) file.report.scale_to_mm = scale_of(*unit);
   require_bounded(name, file.mesh, file.report.scale_to_mm);
   for (Vec3& v : file.mesh.vertices) v *= file.report.scale_to_mm;
+  const std::size_t held = file.mesh.faces.size();
   clean(file.mesh, file.report);
+  say_dropped(file.report, held);
   if (file.mesh.faces.empty()) throw InputError(fmt::format("{}: no triangle with an area in it", name));
   require_size(name, file.mesh, unit.has_value() || file.report.unit_from_file);
   return file;

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "triskin/base/error.hpp"
-#include "triskin/base/files.hpp"
+#include "triskin/base/text_file.hpp"
 #include "triskin/robot/robot.hpp"
 
 namespace triskin::robot {
@@ -34,8 +34,10 @@ class Urdf {
     ptree document;
     try {
       boost::property_tree::read_xml(in, document);
-    } catch (const boost::property_tree::ptree_error& e) {
-      fail(fmt::format("is no XML: {}", e.what()));
+    } catch (const boost::property_tree::xml_parser_error& e) {
+      const bool is_cut = e.message().find("unexpected end") != std::string::npos;
+      fail(fmt::format("line {}: is not well-formed XML{}; give a URDF file", e.line(),
+                       is_cut ? ", because the file ends in the middle: it was cut" : ""));
     }
     const auto robot = document.get_child_optional("robot");
     if (!robot) fail("has no element <robot>; give a URDF file");
@@ -120,7 +122,7 @@ Frames Frames::parse_urdf(const std::string& text, const std::string& file) {
 }
 
 Frames Frames::read_urdf(const std::filesystem::path& path) {
-  return parse_urdf(read_file(path), path.string());
+  return parse_urdf(read_text(path), path.string());
 }
 
 }  // namespace triskin::robot

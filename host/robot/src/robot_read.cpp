@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "triskin/base/files.hpp"
+#include "triskin/base/text_file.hpp"
 #include "triskin/deploy/board_file.hpp"
 #include "triskin/design/json_fields.hpp"
 #include "triskin/robot/robot.hpp"
@@ -209,7 +209,7 @@ int bus_of(const Robot& robot, const CoverEntry& cover, const ControllerEntry& c
 
 bool is_robot_file(const std::filesystem::path& path) {
   FormatFinder finder;
-  (void)nlohmann::json::sax_parse(read_file(path), &finder);
+  (void)nlohmann::json::sax_parse(read_text(path), &finder);
   return finder.is_robot();
 }
 
@@ -230,7 +230,7 @@ Robot parse_robot(const std::string& text, const std::string& file) {
 }
 
 Robot read_robot(const std::filesystem::path& path) {
-  return parse_robot(read_file(path), path.string());
+  return parse_robot(read_text(path), path.string());
 }
 
 }  // namespace triskin::robot

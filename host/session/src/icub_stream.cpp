@@ -32,8 +32,7 @@ IcubStream::IcubStream(Bus& bus, OnTaxels handler) : bus_(bus), handler_(std::mo
   std::ranges::sort(boards_, {}, &IcubBoardInfo::address);
   if (boards_.empty()) {
     bus_.on_stream({});
-    throw DeviceError(fmt::format("{}: no skin board with the iCub protocol answers; check power, cable and bit rate",
-                                  bus_.link().name()));
+    throw DeviceError(bus_.nobody_answers("no skin board with the iCub protocol answers"));
   }
   for (const IcubBoardInfo& b : boards_) {
     poll(b.address, {icub::kSetBoard, kSkinType, kPeriod_ms, kRest});

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "scene_reader.hpp"
-#include "triskin/base/files.hpp"
+#include "triskin/base/text_file.hpp"
 
 namespace triskin::scene {
 namespace {
@@ -179,7 +179,7 @@ wire::UniqueId unique_id_of(const Scene& scene, std::size_t patch) {
 }
 
 Scene read_scene(const std::filesystem::path& path) {
-  const std::string file = path.string(), text = read_file(path);
+  const std::string file = path.string(), text = read_text(path);
   const nlohmann::json document = design::parse_json(text, file);
   const JsonValue v(document, file, "", &text);
   Scene scene;

@@ -44,6 +44,10 @@ std::string host_port_text(const HostPort& at) {
   return is_ipv6 ? fmt::format("[{}]:{}", at.host, at.port) : fmt::format("{}:{}", at.host, at.port);
 }
 
+namespace {
+constexpr const char* kOtherProgram = "does the port belong to another program, or a tunnel lead to another port?";
+}  // namespace
+
 namespace record {
 namespace {
 constexpr std::uint32_t kExtended = 1U << 31, kFd = 1U << 30, kRateSwitch = 1U << 29, kIdMask = 0x1FFFFFFF;
@@ -72,7 +76,7 @@ std::optional<Record> take(std::vector<std::uint8_t>& in) {
   if (in.size() < kLengthBytes) return std::nullopt;
   const std::size_t length = ByteReader(in).le32();
   if (length < 1 || length > kMaxBytes)
-    throw DeviceError("simulation link: the other side is no Triskin simulation of this release");
+    throw DeviceError(fmt::format("the other side is no Triskin simulation of this release; {}", kOtherProgram));
   if (in.size() < kLengthBytes + length) return std::nullopt;
   const auto end = in.begin() + static_cast<std::ptrdiff_t>(kLengthBytes + length);
   Record r{in[kLengthBytes], {in.begin() + kLengthBytes + 1, end}};
@@ -83,7 +87,7 @@ std::optional<Record> take(std::vector<std::uint8_t>& in) {
 wire::CanFrame frame_of(const Record& r) {
   wire::CanFrame f;
   if (r.contents.size() < 4 || r.contents.size() > 4 + f.data.size())
-    throw DeviceError("simulation link: a record is no frame");
+    throw DeviceError("a record of the simulation is no frame");
   const std::uint32_t head = ByteReader(r.contents).le32();
   f.extended = (head & kExtended) != 0;
   f.fd = (head & kFd) != 0;
@@ -91,7 +95,7 @@ wire::CanFrame frame_of(const Record& r) {
   f.id = head & kIdMask;
   f.size = static_cast<std::uint8_t>(r.contents.size() - 4);
   if ((!f.extended && f.id > 0x7FF) || (!f.fd && f.size > 8))
-    throw DeviceError("simulation link: a record is no frame");
+    throw DeviceError("a record of the simulation is no frame");
   std::copy(r.contents.begin() + 4, r.contents.end(), f.data.begin());
   return f;
 }
@@ -128,6 +132,9 @@ int connect_in_time(int socket, const addrinfo& to) {
 }  // namespace
 
 TcpLink::TcpLink(const HostPort& to) : name_("sim:" + host_port_text(to)) {
+  if (to.port == 0)
+    throw InputError(name_ +
+                     ": port 0 stands for a free port in --listen alone; give the one that simulate has printed");
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
@@ -229,20 +236,33 @@ std::optional<wire::CanFrame> TcpLink::receive(std::uint64_t until_us) {
 }
 
 std::optional<wire::CanFrame> TcpLink::frame_received() {
-  while (const auto r = record::take(in_)) {
-    if (r->kind == record::kCanFrame) return record::frame_of(*r);
-    ByteReader reader(r->contents);
-    const wire::BitRates rates{reader.le32(), reader.le32()};
-    if (r->kind == record::kBitRates && reader.ok()) rates_ = rates;
+  try {
+    while (const auto r = record::take(in_)) {
+      if (r->kind == record::kCanFrame) return record::frame_of(*r);
+      ByteReader reader(r->contents);
+      const wire::BitRates rates{reader.le32(), reader.le32()};
+      if (r->kind != record::kBitRates || !reader.ok()) continue;
+      rates_ = rates;
+      has_greeted_ = true;
+    }
+  } catch (const DeviceError& e) {
+    fail(e.what());
   }
   return std::nullopt;
+}
+
+std::string TcpLink::when_silent() const {
+  return has_greeted_ ? "a Triskin simulation is there: does its scene take the power of all boards?"
+                      : fmt::format("what listens there says nothing that triskin simulate says; {}", kOtherProgram);
 }
 
 void TcpLink::read_chunk() {
   std::array<std::uint8_t, 16'384> chunk{};
   const ssize_t n = ::recv(socket_, chunk.data(), chunk.size(), 0);
   if (n < 0 && (errno == EINTR || errno == EAGAIN)) return;
-  if (n <= 0) fail("the simulation has ended the connection");
+  if (n <= 0)
+    fail(has_greeted_ ? "the simulation has ended the connection"
+                      : fmt::format("the other side has ended the connection; {}", kOtherProgram));
   in_.insert(in_.end(), chunk.begin(), chunk.begin() + n);
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "triskin/base/files.hpp"
+#include "triskin/base/text_file.hpp"
 #include "triskin/base/writer_lock.hpp"
 #include "triskin/core/bytes.hpp"
 
@@ -29,7 +30,7 @@ RestStore::RestStore(const design::Design& design, std::span<const wire::NodeCla
 
 design::RestValues RestStore::read() const {
   if (!std::filesystem::exists(file_)) return {};
-  return design::parse_rest(read_file(file_), file_.string(), modules_);
+  return design::parse_rest(read_text(file_), file_.string(), modules_);
 }
 
 void RestStore::write(const design::RestValues& rest) const {

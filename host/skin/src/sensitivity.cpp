@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "triskin/base/error.hpp"
-#include "triskin/base/files.hpp"
+#include "triskin/base/text_file.hpp"
 #include "triskin/skin/calibrate.hpp"
 
 namespace triskin::device {
@@ -83,7 +83,9 @@ std::vector<PressureStep> pressure_steps(std::span<const double> pressures_kpa, 
 
 PressureRamp::PressureRamp(const std::filesystem::path& file) {
   const std::string name = file.string();
-  std::istringstream text(read_file(file));
+  const std::string all = read_text(file);
+  note_ = note_of_open_line(all, name);
+  std::istringstream text(all);
   std::string line;
   std::getline(text, line);
   std::erase_if(line, [](char c) { return c == ' ' || c == '\r'; });

@@ -11,8 +11,8 @@
 #include <sstream>
 
 #include "triskin/base/error.hpp"
-#include "triskin/base/files.hpp"
 #include "triskin/base/index.hpp"
+#include "triskin/base/text_file.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -102,8 +102,12 @@ class EdgeGraph {
 
 }  // namespace
 
-SeamLines read_seams(const std::filesystem::path& path, std::optional<LengthUnit> unit) {
-  std::istringstream file(read_file(path));
+SeamLines read_seams(const std::filesystem::path& path, std::optional<LengthUnit> unit,
+                     std::vector<std::string>* notes) {
+  const std::string all = read_text(path);
+  if (const std::string note = note_of_open_line(all, path.string()); notes != nullptr && !note.empty())
+    notes->push_back(note);
+  std::istringstream file(all);
   const double scale = scale_of(unit.value_or(LengthUnit::kMillimetre));
   SeamLines lines;
   std::vector<Vec3> points;

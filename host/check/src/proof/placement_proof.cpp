@@ -11,7 +11,7 @@
 #include "joint_bound.hpp"
 #include "motion_region.hpp"
 #include "ring_rules.hpp"
-#include "triskin/base/files.hpp"
+#include "triskin/base/text_file.hpp"
 
 namespace triskin::check {
 namespace {
@@ -303,9 +303,9 @@ ProofReport check_placement_proof_text(const std::string& log, const std::string
 
 ProofReport check_placement_proof(const std::filesystem::path& log, const std::filesystem::path& polygon,
                                   const ProofExpectation& expected) {
-  const std::vector<Ring> rings = read_rings(read_file(polygon), polygon.string());
+  const std::vector<Ring> rings = read_rings(read_text(polygon), polygon.string());
   require_valid_rings(rings, polygon.string());
-  return evaluate(read_proof_log(read_file(log), log.string()), rings, expected);
+  return evaluate(read_proof_log(read_text(log), log.string()), rings, expected);
 }
 
 }  // namespace triskin::check

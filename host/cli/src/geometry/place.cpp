@@ -178,7 +178,11 @@ int run(const Options& options, Output& output) {
   int modules = 0;
   const auto start = std::chrono::steady_clock::now();
   for (const geometry::Polygon& polygon : polygons) {
-    results.push_back(place_piece(polygon, options, polygons.size() - results.size(), start, output));
+    try {
+      results.push_back(place_piece(polygon, options, polygons.size() - results.size(), start, output));
+    } catch (const InputError& e) {
+      throw InputError(fmt::format("{}: {}", options.polygon, e.what()));
+    }
     const geometry::PlacementResult& r = results.back();
     modules += r.modules;
     pieces.push_back(result_of(polygon, r, options, output));

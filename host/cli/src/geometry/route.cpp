@@ -6,6 +6,7 @@
 
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/base/text_file.hpp"
 #include "triskin/check/routing_rules.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/design/design.hpp"
@@ -168,7 +169,7 @@ int run(const Options& options, Output& output) {
   const design::ModuleList& list = layout.list;
   if (!options.module_output.empty()) write_output(options.module_output, design::module_list_json(list).dump() + "\n");
   if (!options.checked.empty()) {
-    const nlohmann::json routes = design::parse_json(read_file(options.checked), options.checked);
+    const nlohmann::json routes = design::parse_json(read_text(options.checked), options.checked);
     const int status = report_check(check::check_routes(design::module_list_json(list), routes), output);
     output.say(
         fmt::format("{} rules, {} violations", output.result["rules"].get<int>(), output.result["violations"].size()));

@@ -52,6 +52,14 @@ json net_json(const geometry::Net& net) {
   return {{"format", "triskin-net"}, {"version", 1}, {"pieces", std::move(pieces)}};
 }
 
+std::vector<geometry::SurfaceEdge> edges_of(const std::string& file, const geometry::Surface& surface,
+                                            const Options& options, Output& output) {
+  std::vector<std::string> notes;
+  const geometry::SeamLines lines = geometry::read_seams(file, options.unit.unit, &notes);
+  for (const std::string& note : notes) output.say(note);
+  return edges_along(surface, lines, file);
+}
+
 int run(Options options, Output& output) {
   const auto start = std::chrono::steady_clock::now();
   require_writable(options.output);
@@ -59,12 +67,8 @@ int run(Options options, Output& output) {
       geometry::read_mesh(options.surface, options.unit.unit, options.object, options.faces.selection());
   say_notes(options.surface, file.report.notes, output);
   const geometry::Surface surface(geometry::extract(file.mesh).surface);
-  if (!options.seams.empty())
-    options.unfolding.seams =
-        edges_along(surface, geometry::read_seams(options.seams, options.unit.unit), options.seams);
-  if (!options.uncut.empty())
-    options.unfolding.uncut =
-        edges_along(surface, geometry::read_seams(options.uncut, options.unit.unit), options.uncut);
+  if (!options.seams.empty()) options.unfolding.seams = edges_of(options.seams, surface, options, output);
+  if (!options.uncut.empty()) options.unfolding.uncut = edges_of(options.uncut, surface, options, output);
   if (options.bend_radius_mm > 0.0) {
     const auto bends = geometry::seams_along_bends(surface, options.bend_radius_mm);
     options.unfolding.seams.insert(options.unfolding.seams.end(), bends.begin(), bends.end());

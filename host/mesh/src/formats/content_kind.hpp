@@ -21,8 +21,4 @@ enum class MeshFormat { kObj, kTextStl, kBinaryStl, kPly, kOff, kThreeMf, kGltf,
 /// they may be a mesh. Cost: as format_by_content().
 [[nodiscard]] std::string foreign_content(const std::string& bytes);
 
-/// Converts text in UTF-16 (with a byte order mark, or with a zero in every other byte of its beginning) to UTF-8 and
-/// leaves all other bytes unchanged. Halves of surrogate pairs become U+FFFD. Cost: linear.
-[[nodiscard]] std::string without_utf16(std::string bytes);
-
 }  // namespace triskin::geometry

@@ -14,10 +14,9 @@
 #include <utility>
 
 #include "clean.hpp"
+#include "collada_counts.hpp"
 #include "isolated.hpp"
-#include "text_numbers.hpp"
 #include "triskin/base/error.hpp"
-#include "xml_reader.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -33,20 +32,6 @@ double unit_of_scene_mm(const aiScene& scene) {
   if (scene.mMetaData->Get("UnitScaleFactor", centimetres) && centimetres > 0.0) return centimetres * 10.0;
   if (scene.mMetaData->Get("UnitScaleFactor", single) && single > 0.0F) return static_cast<double>(single) * 10.0;
   return 0.0;
-}
-
-// Returns the length of the unit that a COLLADA text states (`<unit meter="0.01"/>`); 0 if it states none. Throws if
-// the text is no XML, because the library would silently read up to the damage.
-double unit_of_dae_mm(const MeshSource& source) {
-  double unit_mm = 0.0;
-  XmlHandler handler;
-  handler.start = [&](const XmlTag& tag) {
-    if (tag.name != "unit" || unit_mm > 0.0) return;
-    const auto metres = decimal_number(tag.attribute("meter"));
-    if (metres && std::isfinite(*metres) && *metres > 0.0) unit_mm = 1000.0 * *metres;
-  };
-  parse_xml(source.bytes, source.name, handler);
-  return unit_mm;
 }
 
 void append_part(const aiMesh& part, const aiMatrix4x4& transform, Mesh& out) {
@@ -146,7 +131,7 @@ MeshInUnit read_with_library(const MeshSource& source, const std::string& extens
   const auto damaged = [&](const char* why) {
     return InputError(fmt::format("{}: not a mesh that can be read ({}); repair or export it again", source.name, why));
   };
-  const double dae_unit_mm = extension == ".dae" ? unit_of_dae_mm(source) : 0.0;
+  const double dae_unit_mm = extension == ".dae" ? checked_collada_unit_mm(source) : 0.0;
   // A damaged count of elements makes the library reserve gigabytes.
   const IsolatedLimits limits{static_cast<unsigned>(1 + source.bytes.size() / 500'000),
                               kSpareMemory_bytes + kMemoryFactor * source.bytes.size()};

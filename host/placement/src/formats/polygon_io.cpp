@@ -12,7 +12,7 @@
 
 #include "polygon_rules.hpp"
 #include "triskin/base/error.hpp"
-#include "triskin/base/files.hpp"
+#include "triskin/base/text_file.hpp"
 #include "triskin/design/json_value.hpp"
 
 namespace triskin::geometry {
@@ -379,11 +379,11 @@ Polygon parse_polygon(const std::string& text, const std::string& name) {
 }
 
 std::vector<Polygon> read_polygons(const std::filesystem::path& path) {
-  return parse_polygons(read_file(path), path.string());
+  return parse_polygons(read_text(path), path.string());
 }
 
 Polygon read_polygon(const std::filesystem::path& path) {
-  return parse_polygon(read_file(path), path.string());
+  return parse_polygon(read_text(path), path.string());
 }
 
 }  // namespace triskin::geometry

@@ -8,8 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "triskin/base/error.hpp"
-#include "triskin/base/files.hpp"
 #include "triskin/base/json_cause.hpp"
+#include "triskin/base/text_file.hpp"
+#include "triskin/design/json_value.hpp"
 #include "triskin/placement/weight_regions.hpp"
 
 namespace triskin::geometry {
@@ -167,8 +168,8 @@ WeightRegions regions_of(const nlohmann::json& json) {
 }  // namespace
 
 WeightMap read_weight_map(const std::filesystem::path& file) {
+  const auto json = design::parse_json(read_text(file), file.string());
   try {
-    const auto json = nlohmann::json::parse(read_file(file));
     if (json.contains("regions")) return weight_map_of(regions_of(json));
     if (json.contains("vertices")) {
       std::vector<WeightMap::Vertex> vertices;

@@ -17,7 +17,10 @@ class Cancelled : public Error {
 
 /// Makes the first SIGINT, SIGTERM or SIGHUP only set interrupt_request(); a second one then ends the process at once.
 void catch_interrupts();
-/// Returns the number of the signal that was caught; 0 means none. Lock-free.
+/// What a second signal calls before it ends the process, as to give a terminal back; nullptr: nothing. The function
+/// may use what a signal handler may.
+void before_sudden_end(void (*restore)());
+/// Number of the signal that was caught; 0: none. Lock-free.
 [[nodiscard]] int interrupt_signal();
 /// Becomes true when the process was asked to end. Long work reads it at points where it can stop safely. Lock-free;
 /// tests may set it.

@@ -5,18 +5,8 @@
 
 namespace triskin {
 
-/// Shortens the message of a JSON parser for a person by removing the name and number of the exception's class
-/// ("[json.exception.parse_error.101] parse error at line 1, column 5: …" becomes "line 1, column 5: …").
-[[nodiscard]] inline std::string json_cause(std::string_view what) {
-  if (what.starts_with("[json.exception")) {
-    const auto end = what.find("] ");
-    if (end != std::string_view::npos) what.remove_prefix(end + 2);
-  }
-  if (what.starts_with("parse error at ")) what.remove_prefix(std::string_view("parse error at ").size());
-  std::string text(what);
-  constexpr std::string_view kParsing = "syntax error while parsing ";
-  if (const auto at = text.find(kParsing); at != std::string::npos) text.replace(at, kParsing.size(), "cannot read ");
-  return text;
-}
+/// Message of an exception of the JSON library in the words of somebody who edits files: where it knows a place,
+/// "line 1, column 5: …", then what is wrong there. Words of the library and bytes of the file stay out of it.
+[[nodiscard]] std::string json_cause(std::string_view what);
 
 }  // namespace triskin

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "triskin/bridge/ros_discovery.hpp"
 #include "triskin/bridge/ros_types.hpp"
 #include "triskin/core/bytes.hpp"
 
@@ -62,8 +63,8 @@ class Domain {
   [[nodiscard]] virtual int other_writers(const std::string& name) = 0;
 };
 
-/// Joins domain `id`, 0 … 232 (ROS_DOMAIN_ID). Throws InputError when this program was built without Cyclone DDS,
-/// DeviceError when the network cannot be used.
-[[nodiscard]] std::unique_ptr<Domain> join_domain(std::uint32_t id);
+/// Joins domain `id` 0 … 232 (ROS_DOMAIN_ID), and looks for others as far as `discovery` says. Throws InputError when
+/// this program was built without Cyclone DDS, DeviceError when the network cannot be used.
+[[nodiscard]] std::unique_ptr<Domain> join_domain(std::uint32_t id, const RosDiscovery& discovery = {});
 
 }  // namespace triskin::bridge

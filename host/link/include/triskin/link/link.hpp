@@ -61,8 +61,10 @@ class Link {
   /// Describes problems of the link (bus errors, unplugged devices) in one sentence with the remedy; empty if there are
   /// none.
   [[nodiscard]] virtual std::string trouble() const { return {}; }
-  /// Makes receive() also return frames that other hosts send, if the link can hear them, as a CAN bus can. Throws as
-  /// send does.
+  /// What to look at when nobody answers, as the end of a sentence.
+  [[nodiscard]] virtual std::string when_silent() const { return "check power, cable and bit rate"; }
+  /// From now on receive() also returns what other hosts send, where the link can hear it: on a CAN bus. Throws as send
+  /// does.
   virtual void receive_from_all() {}
   /// Opens a connection on which the operating system segments messages; the link must outlive it. `tx_id` and `rx_id`
   /// are 29-bit identifiers. Null means that the link has none, and the caller must segment messages itself. Throws

@@ -94,7 +94,11 @@ class Bus {
   [[nodiscard]] Link& link() { return link_; }
   /// Returns Link::name.
   [[nodiscard]] std::string name() const { return link_.name(); }
-  /// Returns Link::now_us, the time of the link in µs.
+  /// Message for a bus without an answer: its name, `who` does not answer, and what to look at.
+  [[nodiscard]] std::string nobody_answers(const std::string& who = "no controller answers") const {
+    return name() + ": " + who + "; " + link_.when_silent();
+  }
+  /// Link::now_us: time of the link, µs.
   [[nodiscard]] std::uint64_t now_us() const { return link_.now_us(); }
 
  private:

@@ -57,9 +57,9 @@ struct Record {
 /// The simulation runs in another process (`triskin simulate SCENE --listen HOST:PORT`), in real time. Threads: one.
 class TcpLink final : public Link, public TouchActuator {
  public:
-  /// Connects. Throws DeviceError when no server listens there or answers within 5 s. Afterwards send() throws
-  /// DeviceError when the simulation accepts no data for 2 s, and Cancelled when the process is asked to end during
-  /// that time.
+  /// Connects. Throws InputError for port 0, DeviceError when nobody listens there or answers within 5 s. Afterwards
+  /// send() throws DeviceError when the simulation takes nothing for 2 s, Cancelled when the process is asked to end
+  /// meanwhile.
   explicit TcpLink(const HostPort& to);
   ~TcpLink() override;
   TcpLink(const TcpLink&) = delete;
@@ -71,6 +71,7 @@ class TcpLink final : public Link, public TouchActuator {
   [[nodiscard]] bool fd() const override { return true; }
   [[nodiscard]] std::uint64_t answer_us() const override { return 2'000'000; }
   [[nodiscard]] std::string name() const override { return name_; }
+  [[nodiscard]] std::string when_silent() const override;
   void press(int module, int taxel) override;
   void lift() override;
   void pressurize(int module, double kpa) override;
@@ -89,6 +90,7 @@ class TcpLink final : public Link, public TouchActuator {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::vector<std::uint8_t> in_;
   wire::BitRates rates_;
+  bool has_greeted_ = false;  // A simulation says its bit rates before anything else.
 };
 
 }  // namespace triskin::device

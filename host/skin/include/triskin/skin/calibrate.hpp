@@ -55,11 +55,14 @@ class PressureRamp {
   [[nodiscard]] double last_s() const { return points_.back().first; }
   /// Returns the largest pressure in kPa.
   [[nodiscard]] double max_kpa() const;
-  /// Returns the pressure at a time by linear interpolation; nullopt outside the recorded times.
+  /// What is to be said about the file: its last line may have been cut. Empty: nothing.
+  [[nodiscard]] const std::string& note() const { return note_; }
+  /// Pressure at a time, between two lines linear; nullopt outside them.
   [[nodiscard]] std::optional<double> kpa(double time_s) const;
 
  private:
-  std::vector<std::pair<double, double>> points_;  // Each pair is a time (s) and a pressure (kPa).
+  std::vector<std::pair<double, double>> points_;  // Pairs of time (s) and pressure (kPa).
+  std::string note_;
   bool by_calendar_ = false;
 };
 

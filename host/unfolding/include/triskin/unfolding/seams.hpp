@@ -19,9 +19,11 @@ struct SurfaceEdge {
 };
 
 /// Reads polylines (mm after `unit`, default mm) of an OBJ file: `v x y z` and `l i j k …` (1-based; negative counts
-/// from the end); other records are skipped. Errors: InputError naming file, line and remedy for a file that cannot be
-/// read, for malformed numbers, indices without a vertex, lines of fewer than two points, and a file without `l`.
-[[nodiscard]] SeamLines read_seams(const std::filesystem::path& path, std::optional<LengthUnit> unit = {});
+/// from the end); other records are passed over. Errors: InputError naming file, line and remedy for a file that cannot
+/// be read, for numbers that are none, indices without a vertex, lines of fewer than two points, and a file without
+/// `l`. Appends to `notes` what is to be said, as of a last line that may have been cut.
+[[nodiscard]] SeamLines read_seams(const std::filesystem::path& path, std::optional<LengthUnit> unit = {},
+                                   std::vector<std::string>* notes = nullptr);
 
 /// Returns the edges of the surface along the lines, for UnfoldingOptions::seams or ::uncut: each point moves to the
 /// nearest vertex, and consecutive points are joined along edges by the shortest path. Errors: InputError naming

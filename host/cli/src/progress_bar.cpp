@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "progress_bar.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "terminal.hpp"
+#include "triskin/base/terminal_text.hpp"
+
+namespace triskin::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::string bar_line(const Progress& p, int columns) {
+  constexpr int kWidth = 30, kNarrowWidth = 8, kNarrowTerminal = 60;
+  const int width = columns < kNarrowTerminal ? kNarrowWidth : kWidth;
+  std::string bar(static_cast<std::size_t>(width), '.');
+  if (p.fraction >= 0.0) std::fill_n(bar.begin(), static_cast<int>(width * std::min(1.0, p.fraction)), '#');
+  // The last column stays free: some terminals go to the next line when it is written.
+  return cut_to(fmt::format("[{}] {} {}", bar, p.stage, for_terminal(p.detail)), columns - 1);
+}
+
+class Bar {
+ public:
+  Bar() : terminal_(::isatty(STDERR_FILENO) != 0 && !Terminal::is_dumb()) {}
+  Bar(const Bar&) = delete;
+  Bar& operator=(const Bar&) = delete;
+  ~Bar() {
+    const std::lock_guard lock(mutex);
+    clear();
+    if (drawn == this) drawn = nullptr;
+  }
+
+  void show(const Progress& p) {
+    const std::lock_guard lock(mutex);
+    const auto now = Clock::now();
+    Progress& part = parts_[p.part];
+    const bool new_stage = p.stage != part.stage;
+    part = p;
+    if (now - start_ < std::chrono::seconds(1)) return;
+    if (!terminal_) {
+      if (new_stage) std::fputs(fmt::format("… {} {}\n", p.stage, for_terminal(p.detail)).c_str(), stderr);
+    } else if (new_stage || now - last_ > std::chrono::milliseconds(100)) {
+      draw();
+      last_ = now;
+    }
+  }
+  static void clear_drawn() {
+    const std::lock_guard lock(mutex);
+    if (drawn != nullptr) drawn->clear();
+  }
+
+ private:
+  // Moves to the first line and clears all lines.
+  [[nodiscard]] std::string back() const {
+    return lines_ > 1 ? fmt::format("\r\033[{}A\033[J", lines_ - 1) : "\r\033[J";
+  }
+  void clear() {
+    if (lines_ > 0) std::fputs(back().c_str(), stderr);
+    lines_ = 0;
+  }
+  // Parts that are done make room when there are many.
+  void draw() {
+    constexpr int kMaxLines = 20;
+    const Terminal::Size size = Terminal::size(STDERR_FILENO);
+    const int room = std::clamp(size.rows - 1, 1, kMaxLines);
+    const int parts = static_cast<int>(parts_.size() - parts_.count(-1));
+    std::string text = lines_ > 0 ? back() : "\r";
+    int lines = 0;
+    for (const auto& [part, p] : parts_) {
+      const bool shown = part < 0 ? parts == 0 : lines < room && (parts <= room || p.fraction < 1.0);
+      if (!shown) continue;
+      if (lines++ > 0) text += '\n';
+      text += bar_line(p, size.columns);
+    }
+    std::fputs(text.c_str(), stderr);
+    std::fflush(stderr);
+    lines_ = lines;
+    drawn = this;
+  }
+
+  static std::mutex mutex;
+  static Bar* drawn;
+  const bool terminal_;
+  const Clock::time_point start_ = Clock::now();
+  Clock::time_point last_;
+  std::map<int, Progress> parts_;
+  int lines_ = 0;
+};
+
+std::mutex Bar::mutex;
+Bar* Bar::drawn = nullptr;
+
+}  // namespace
+
+ProgressSink progress_on_standard_error() {
+  auto bar = std::make_shared<Bar>();
+  return [bar](const Progress& p) { bar->show(p); };
+}
+
+void clear_progress_bar() {
+  Bar::clear_drawn();
+}
+
+}  // namespace triskin::cli
