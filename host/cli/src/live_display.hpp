@@ -38,7 +38,7 @@ class LiveDisplay {
 /// Place of a taxel and what presses it, in kPa where the monitor is calibrated, else in counts.
 [[nodiscard]] std::string place_text(const device::LiveMonitor& monitor, const device::PressedTaxel& taxel);
 /// Keys "time_s", "frames", "lost", "pressed", "unit", with a calibration "force_n" and, where they are known,
-/// "time_error_us" and "adopted" of a line.
+/// "time_error_us", "off_rest" and "adopted" of a line.
 [[nodiscard]] nlohmann::json to_json(const device::LiveMonitor& monitor, const LiveState& state);
 
 }  // namespace triskin::cli

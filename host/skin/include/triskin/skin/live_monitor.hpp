@@ -18,7 +18,16 @@ enum class PressureUnit {
   kCounts,   ///< The unit is the converter's count.
   kPercent,  ///< The unit is a percentage of the counts between rest and the end of the range.
   kKpa,      ///< The calibration gives kPa, and 0 where there is none.
+  kModule,   ///< Each cell shows the number of its module; colours are those of the pressure.
 };
+
+/// Taxels that do not rest where they should.
+struct OffRest {
+  int taxels = 0;
+  std::vector<int> modules;  ///< modules that have them, ascending
+};
+/// "n taxels do not rest: tare; their modules: …", with twelve modules at most; empty where all rest.
+[[nodiscard]] std::string sentence(const OffRest& off);
 
 /// What is known of a skin while its samples come: pressure, states, rates; and its picture as text. Not thread-safe.
 class LiveMonitor {
@@ -36,6 +45,11 @@ class LiveMonitor {
   [[nodiscard]] const design::SkinCalibration& calibration() const { return calibration_; }
   /// Force on all taxels under pressure together, against their normals, N; 0 without a complete calibration.
   [[nodiscard]] double force_n() const;
+
+  /// Modules in order with a taxel that reads above its rest value by TouchMap::kPressed_counts or more, which no touch
+  /// does: what was exchanged or taken away since the last tare rests elsewhere. Their taxels that read so much below
+  /// it count as well. Cost: O(modules).
+  [[nodiscard]] OffRest off_rest() const;
 
   /// Closes a period of `seconds` (> 0): rates are those of the last closed period.
   void close_period(double seconds);
