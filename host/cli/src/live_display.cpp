@@ -9,10 +9,10 @@
 #include <numeric>
 #include <set>
 
-#include "taxel_trace.hpp"
 #include "terminal.hpp"
 #include "triskin/base/pace.hpp"
 #include "triskin/base/terminal_text.hpp"
+#include "triskin/skin/taxel_trace.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -226,7 +226,7 @@ class Screen final : public LiveDisplay {
   const design::Design& design_;
   Terminal terminal_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  TaxelTrace trace_;
+  device::TaxelTrace trace_;
   int patch_ = 0;
   bool has_chosen_ = false;  // The person chose the patch.
   std::size_t unit_turns_ = 0;

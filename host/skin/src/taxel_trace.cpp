@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "taxel_trace.hpp"
+#include "triskin/skin/taxel_trace.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 
-namespace triskin::cli {
+namespace triskin::device {
 namespace {
 
 constexpr std::array kBlocks{" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
@@ -17,7 +17,7 @@ const char* block_of(double part) {
 
 }  // namespace
 
-void TaxelTrace::step(const device::LiveMonitor& monitor) {
+void TaxelTrace::step(const LiveMonitor& monitor) {
   const auto pressed = monitor.touches().pressed();
   if (!is_held_ && !pressed.empty() && (pressed.front().module != module_ || pressed.front().taxel != taxel_)) {
     module_ = pressed.front().module;
@@ -33,7 +33,7 @@ std::vector<std::string> TaxelTrace::lines(std::size_t columns, double step_s) c
   if (counts_.empty() || columns == 0) return {};
   const std::size_t shown = std::min(columns, counts_.size());
   const auto first = counts_.end() - static_cast<std::ptrdiff_t>(shown);
-  const double max = std::max(device::TouchMap::kPressed_counts, *std::max_element(first, counts_.end()));
+  const double max = std::max(TouchMap::kPressed_counts, *std::max_element(first, counts_.end()));
   std::string plot;
   std::for_each(first, counts_.end(), [&](double counts) { plot += block_of(counts / max); });
   return {fmt::format("module {} taxel {}{}, last {:.0f} s, up to {:.0f} counts", module_, taxel_,
@@ -41,4 +41,4 @@ std::vector<std::string> TaxelTrace::lines(std::size_t columns, double step_s) c
           plot};
 }
 
-}  // namespace triskin::cli
+}  // namespace triskin::device

@@ -7,13 +7,13 @@
 
 #include "triskin/skin/live_monitor.hpp"
 
-namespace triskin::cli {
+namespace triskin::device {
 
 /// The pressure of one taxel over the last seconds, as a row of blocks. It follows the strongest taxel, or holds one.
 class TaxelTrace {
  public:
   /// Takes the present values; a step is one column of the plot.
-  void step(const device::LiveMonitor& monitor);
+  void step(const LiveMonitor& monitor);
   /// Holds the taxel that it shows, or follows the strongest again.
   void toggle_hold() { is_held_ = !is_held_ && module_ >= 0; }
   /// Two lines of at most `columns` characters: which taxel, up to how many counts; and its plot, the newest value at
@@ -27,4 +27,4 @@ class TaxelTrace {
   std::deque<double> counts_;
 };
 
-}  // namespace triskin::cli
+}  // namespace triskin::device
