@@ -168,7 +168,7 @@ class Screen final : public LiveDisplay {
       below.push_back(fmt::format("module {} is read by the controller of patch {}", a.module, a.patch));
     if (!state.note.empty()) below.push_back(for_terminal(state.note));
     below.push_back(
-        fmt::format("n p f: patch ({})  u: {}", has_chosen_ ? "chosen" : "pressed", name_of(unit(monitor))));
+        fmt::format("n p f: patch ({})  u: unit ({})", has_chosen_ ? "chosen" : "pressed", name_of(unit(monitor))));
     below.emplace_back("h: hold the plotted taxel  t: tare, nobody touches  q: end");
     const int room = std::max(size.rows - static_cast<int>(lines.size() + below.size()) - 2, kMinPatchLines);
     for (std::string& line : patch_lines(monitor, room, size.columns)) lines.push_back(std::move(line));

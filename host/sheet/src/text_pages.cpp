@@ -406,8 +406,9 @@ std::vector<Page> controller_pages(const design::Design& design, const Plan& pla
     if (!pages.empty() && used_mm + height <= room_of(paper)) {
       std::ranges::move(lines, std::back_inserter(pages.back().lines));
       std::string& title = pages.back().title;
-      if (title.starts_with("Controller ")) title.insert(std::string("Controller").size(), "s");
-      title += fmt::format(", {}", p);
+      constexpr std::string_view kOne = "Controller ";
+      const std::string numbers = title.substr(title.starts_with(kOne) ? kOne.size() : kOne.size() + 1);
+      title = fmt::format("Controllers {}, {}", numbers, p);
       pages.back().patch = -1;
       used_mm += height;
       continue;

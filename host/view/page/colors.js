@@ -96,7 +96,7 @@ export function modesOf(model) {
     {name: "pressure", color: () => colorOf("module"), swatches: [entry("module", () => true)],
      bar: HEAT_BAR},
     {name: "lines", ...strap("line", ["L0", "L1", "L2", "L3"])},
-    {name: "addresses", ...strap("address", ["0x2C", "0x2D", "0x2E", "0x2F"])},
+    {name: "addresses", ...strap("address", ["2C", "2D", "2E", "2F"])},
     byValue("depth in the tree", (k) => modules[k].depth, depthMax(model), "entry", `${depthMax(model)} joints`),
     byValue("loss when it fails", (k) => model.subtree(k).length, 16, "0", "16 modules"),
   ]);

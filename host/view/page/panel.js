@@ -60,7 +60,7 @@ function moduleRows(model, k, m) {
   const failure = model.failureOf(k), joint = model.failureOf(k, m.parent), rows = /** @type {[string, string|number][]} */ ([["island, tile", `${m.island}: ${m.tile[0]}, ${m.tile[1]} ${m.tile[2] ? "up" : "down"}`]]);
   if (m.kind) rows.push(["kind", m.kind]);
   if (m.patch >= 0) {
-    rows.push(["controller", `${m.patch} (node ${m.patch + 1})`], ["line strap", `L${m.line}`], ["address strap", `${m.address} (0x${(0x2c + m.address).toString(16).toUpperCase()})`],
+    rows.push(["controller", `${m.patch} (node ${m.patch + 1})`], ["line strap", `L${m.line}`], ["address strap", (0x2c + m.address).toString(16).toUpperCase()],
               ["port A at side", `${m.rotation} (turned ${120 * m.rotation}°)`], ["parent", entryText(model, k)], ["depth", m.depth],
               ["lost when it fails", `${failure.cut.length}, switched ${failure.lost.length}`]);
     if (m.parent >= 0) rows.push([`lost with its joint to ${m.parent}`, `${joint.cut.length}, switched ${joint.lost.length}`]);
