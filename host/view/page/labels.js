@@ -5,7 +5,7 @@
 import {css, PALETTE} from "./colors.js";
 import {pick} from "./camera.js";
 import {stubOf} from "./marks.js";
-import {ISLAND_GAP_MM, Model} from "./model.js";
+import {ISLAND_GAP_MM, Model, TAXELS} from "./model.js";
 
 const MAX_NUMBERS = 500, CELL = 64; // the latter in pixels
 
@@ -61,7 +61,7 @@ export class Labels {
       this.paint.clip();
       const occupied = new Occupied();
       if (view.name === "flat") this.drawNames(view, shown, occupied); else this.drawCovers(view, occupied);
-      if (shown.numbers) this.drawNumbers(view, state.selected, occupied, shown.trees);
+      if (shown.numbers) this.drawNumbers(view, state.selected, occupied, this.busyCentres(shown.trees, state.contacts));
       if (view.name === "cover") this.drawContacts(view.camera, state.contacts);
       if (state.measured?.view === view.name) this.drawMeasured(view.camera, state.measured);
       this.drawRuler(view.camera);
@@ -101,7 +101,7 @@ export class Labels {
     paint.font = NAME_FONT;
     model.islandCorners.forEach((corner, island) => {
       const [x, y] = camera.project(corner), room = (model.islandWidths[island] + ISLAND_GAP_MM) / camera.mm_per_pixel;
-      for (const text of [this.nameOf(island), this.nameOf(island).replace("island ", "")]) {
+      for (const text of [this.nameOf(island), this.nameOf(island).replace(/^.* /, "")]) {
         const wide = paint.measureText(text).width, box = /** @type {Box} */ ([x + wide / 2, y - 8, wide, 12]);
         if (wide > room || !occupied.take(...box)) continue;
         placed.push({text, x, y: y - 2, box});
@@ -124,7 +124,7 @@ export class Labels {
     model.data.jumpers.forEach((jumper, j) => [0, 1].forEach((end) => {
       if (!model.shows(jumper.modules[end])) return;
       const {to, out} = stubOf(model, jumper, end), [x, y] = camera.project(to);
-      for (const text of [`J${j} → ${jumper.modules[1 - end]}`, `J${j}`]) {
+      for (const text of [`J${j} → ${model.numberOf(jumper.modules[1 - end])}`, `J${j}`]) {
         const wide = paint.measureText(text).width, left = x + (out[0] > 0.3 ? 3 : out[0] < -0.3 ? -wide - 3 : -wide / 2);
         const middle = y - 8 * Math.sign(out[1]) * (Math.abs(out[1]) > 0.3 ? 1 : 0), box = /** @type {Box} */ ([left + wide / 2, middle, wide, 10]);
         if (!occupied.take(...box)) continue;
@@ -172,7 +172,7 @@ export class Labels {
     for (const k of order) {
       if (seen.has(k) || !this.model.shows(k)) continue;
       seen.add(k);
-      const [x, y] = camera.project(Model.centre(shape.corners, k)), wide = 0.6 * size * String(k).length;
+      const [x, y] = camera.project(Model.centre(shape.corners, k)), wide = 0.6 * size * String(this.model.numberOf(k)).length;
       if (x < 0 || y < 0 || x > camera.width || y > camera.height) continue;
       if (!(k === selected ? area(camera, shape, k) > 1 : holds(camera, shape, k, wide, size))) continue;
       if (name === "cover" && pick(shape.corners, shape.normals, camera.ray(x, y), this.model.shown) !== k) continue;
@@ -183,14 +183,22 @@ export class Labels {
     return list;
   }
 
-  drawNumbers(view, selected, occupied, withTrees) {
+  // Modules whose centre has something to show: the disc of an entry, a pressed taxel. @returns {Set<number>}
+  busyCentres(withTrees, contacts) {
+    const busy = new Set(contacts.flatMap((c) => c.taxels.map((n) => Math.floor(n / TAXELS))));
+    if (withTrees) for (const p of this.model.data.patches) busy.add(p.entry);
+    return busy;
+  }
+
+  drawNumbers(view, selected, occupied, busy) {
     const {mm_per_pixel} = view.camera, size = Math.min(15, Math.max(8, 5.5 / mm_per_pixel)), paint = this.paint;
     if (mm_per_pixel > 1.4) return;
     Object.assign(paint, {font: `600 ${size.toFixed(1)}px system-ui, sans-serif`, textAlign: "center", textBaseline: "middle", lineWidth: 3,
                           strokeStyle: "rgba(255,255,255,.85)", fillStyle: "#111"});
     for (const {k, x, y} of this.visible(view, size, selected)) {
-      const below = withTrees && this.model.isEntry(k) ? 3.4 / mm_per_pixel + 0.5 * size : 0; // the disc of an entry stays free
-      if (occupied.take(x, y + below, 0.6 * size * String(k).length + 4, 0.8 * size + 1)) this.write(String(k), x, y + below);
+      const below = busy.has(k) ? 3.4 / mm_per_pixel + 0.5 * size : 0;
+      const text = String(this.model.numberOf(k));
+      if (occupied.take(x, y + below, 0.6 * size * text.length + 4, 0.8 * size + 1)) this.write(text, x, y + below);
     }
   }
 
@@ -199,9 +207,9 @@ export class Labels {
     for (const contact of contacts.slice(0, 8)) {
       const [x, y] = camera.project(contact.centre);
       this.paint.setLineDash(area(camera, this.model.cover, contact.module) > 0 ? [] : [4, 4]);
-      Object.assign(this.paint, {lineWidth: 2, strokeStyle: themeColor("--contact")});
+      Object.assign(this.paint, {lineWidth: 2.5, strokeStyle: themeColor("--contact")});
       this.paint.beginPath();
-      this.paint.arc(x, y, Math.max(9, 4 * Math.sqrt(contact.taxels.length) / camera.mm_per_pixel), 0, 2 * Math.PI);
+      this.paint.arc(x, y, Math.max(13, 4 * Math.sqrt(contact.taxels.length) / camera.mm_per_pixel), 0, 2 * Math.PI);
       this.paint.stroke();
     }
     this.paint.setLineDash([]);

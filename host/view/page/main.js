@@ -385,11 +385,11 @@ class Page {
     if (this.player && this.faultsChanged) { fillFaults(this.live, (k) => this.select(k, true)); this.faultsChanged = false; }
     if (!this.dirty) { this.lastFrame = 0; return; }
     this.dirty = false;
+    if (this.fresh) this.showContacts(); // before the labels, which draw them: a recording may stand still after this frame
     this.drawing.draw(this.views, this.shown);
     this.drawLabels();
     if (this.lastFrame) keep(this.intervals, at - this.lastFrame);
     this.lastFrame = at;
-    if (this.fresh) this.showContacts();
     if (this.fresh) keep(this.latencies, Date.now() - this.live.newest_ms);
     this.fresh = false;
     document.documentElement.dataset.ready = "yes";

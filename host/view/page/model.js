@@ -83,6 +83,8 @@ export class Model {
   shows(k) { return this.shown[k] === 1; }
   /** Shows the modules for which `wanted` holds, and no others. @param {(k: number) => boolean} wanted */
   show(wanted) { for (let k = 0; k < this.count; ++k) this.shown[k] = wanted(k) ? 1 : 0; ++this.shownVersion; }
+  /** The number that a module has in its own design: of two that are compared both begin with 0. @param {number} k */
+  numberOf(k) { return this.data.changes?.length && k >= this.data.before.modules ? k - this.data.before.modules : k; }
   /** The cover of a robot that a module is on; −1: the design is of one cover. @param {number} k */
   coverOf(k) { return (this.data.covers ?? []).findLastIndex((c) => c.first_module <= k); }
 
