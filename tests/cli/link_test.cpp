@@ -98,9 +98,9 @@ TEST_F(Links, ctrl_c_is_the_usual_end_of_live_and_view) {
   EXPECT_EQ(status_after_interrupt(line("view strip.json --link sim --no-open"), folder_ / "view", "http://"), 0);
 }
 
-TEST_F(Links, view_without_a_link_shows_the_design_and_says_so) {
-  EXPECT_EQ(status_after_interrupt(line("view strip.json --no-open"), folder_ / "alone", "http://"), 0);
-  EXPECT_THAT(read_file(folder_ / "alone"), HasSubstr("no link is named: the page shows the design alone"));
+TEST_F(Links, view_shows_a_design_alone_or_beside_another_one_without_a_link) {
+  EXPECT_THAT(run("view strip.json --no-open").messages, HasSubstr("--link none shows the design alone"));
+  EXPECT_EQ(status_after_interrupt(line("view strip.json --link none --no-open"), folder_ / "alone", "http://"), 0);
   EXPECT_EQ(status_after_interrupt(line("view strip.json --compare strip.json --no-open"), folder_ / "two", "http://"),
             0);
   EXPECT_THAT(run("view strip.json --compare strip.json --link sim --no-open").messages, HasSubstr("leave out --link"));

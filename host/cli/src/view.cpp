@@ -82,14 +82,16 @@ Shown compared(const Options& options, const std::string& file) {
   return {std::move(comparison.design), {{}}, std::move(comparison.notes)};
 }
 
-// Whether the page gets live samples. Without a link it shows the design alone, and says so.
-bool reads_skin(const Options& options, const std::string& file, const Output& output) {
+// Whether the page gets live samples. Throws InputError where no link is named.
+bool reads_skin(const Options& options, const std::string& file) {
   if (!options.compare.empty() || options.link.link == "none") return false;
-  if (!options.link.link.empty() || robot::is_robot_file(file)) return true;
-  Output(output.json(), true)
-      .say(
-          "no link is named: the page shows the design alone; --link can:can0 reads its skin, --link sim simulates it");
-  return false;
+  if (robot::is_robot_file(file)) return true;
+  try {
+    device::require_link(options.link);
+  } catch (const InputError& e) {
+    throw InputError(std::string(e.what()) + "; --link none shows the design alone");
+  }
+  return true;
 }
 
 // Standard output is for the address alone.
@@ -151,7 +153,7 @@ int run(const Options& options, Output& output) {
   output.expect_interrupt();
   if (is_recording(options.design)) return play(options, output);
   const DesignArgument argument = find_design(options.design);
-  const bool has_link = reads_skin(options, argument.path, output);
+  const bool has_link = reads_skin(options, argument.path);
   Shown shown = options.compare.empty() ? shown_of(argument.path, has_link) : compared(options, argument.path);
   shown.notes.has_live_skin = has_link;
   if (!options.findings.empty())
@@ -193,7 +195,7 @@ const Registration kView{{
           ->required();
       add_link_options(app, options->link);
       app.get_option("--link")->description(app.get_option("--link")->get_description() +
-                                            "; none, or no link at all: the design without live samples");
+                                            "; none: the design without live samples");
       add_decimation_option(app, options->stream);
       add_calibration_options(app, options->calibration);
       app.add_option("--findings", options->findings,
