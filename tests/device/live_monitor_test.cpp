@@ -173,7 +173,8 @@ TEST(TaxelTrace, plots_the_strongest_taxel_or_the_one_that_is_held) {
     monitor.add(frame(1, layout::kRestCounts, 1'000.0 * k));
     trace.step(monitor);
   }
-  EXPECT_THAT(trace.lines(80, 0.25), ElementsAre("module 1 taxel 3, last 2 s, up to 8000 counts", "▁▂▃▄▅▆▇█"));
+  const auto lines = trace.lines(80, 0.25);
+  EXPECT_THAT(lines, ElementsAre("module 1 taxel 3, last 2 s, up to 8000 counts", "▁▂▃▄▅▆▇█"));
   EXPECT_THAT(trace.lines(2, 0.25)[1], "▇█") << "as many values as the line has columns";
   trace.toggle_hold();
   for (int k = 0; k < 3; ++k) monitor.add(frame(2, layout::kRestCounts, k == 2 ? 20'000 : 0));
