@@ -98,6 +98,14 @@ TEST_F(Links, ctrl_c_is_the_usual_end_of_live_and_view) {
   EXPECT_EQ(status_after_interrupt(line("view strip.json --link sim --no-open"), folder_ / "view", "http://"), 0);
 }
 
+TEST_F(Links, view_shows_a_design_alone_or_beside_another_one_without_a_link) {
+  EXPECT_THAT(run("view strip.json --no-open").messages, HasSubstr("--link none shows the design alone"));
+  EXPECT_EQ(status_after_interrupt(line("view strip.json --link none --no-open"), folder_ / "alone", "http://"), 0);
+  EXPECT_EQ(status_after_interrupt(line("view strip.json --compare strip.json --no-open"), folder_ / "two", "http://"),
+            0);
+  EXPECT_THAT(run("view strip.json --compare strip.json --link sim --no-open").messages, HasSubstr("leave out --link"));
+}
+
 TEST_F(Links, a_missing_interface_leads_to_the_doctor) {
   EXPECT_THAT(run("discover --link can:nowhere").messages, HasSubstr("run: triskin doctor"));
 }

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "cli/shell_case.hpp"
+#include "support/places.hpp"
 #include "support/strip_design.hpp"
 #include "triskin/base/files.hpp"
 
@@ -268,6 +269,53 @@ TEST_F(Recordings, live_draws_the_patch_on_a_terminal_and_takes_keys) {
   EXPECT_TRUE(read_until(" samples of "));
   EXPECT_EQ(end_of(child), 0);
   ::close(terminal);
+}
+
+// What stands at the leaves of the tree of panels.
+void add_panels(const nlohmann::json& tree, std::vector<std::string>& panels) {
+  if (tree.is_string()) return panels.push_back(tree.get<std::string>());
+  ASSERT_THAT(tree.at("direction"), testing::AnyOf("row", "column"));
+  for (const char* half : {"first", "second"}) add_panels(tree.at(half), panels);
+}
+
+// Keys as Foxglove exports them: panels by "TYPE!ID", which the tree of the layout names once each.
+TEST_F(Recordings, the_layout_for_Foxglove_shows_topics_that_a_recording_has) {
+  const auto layout =
+      nlohmann::json::parse(read_file(fs::path(source_folder()) / "docs/examples/foxglove_layout.json"));
+  for (const char* key : {"configById", "globalVariables", "userNodes", "playbackConfig", "layout"})
+    EXPECT_TRUE(layout.contains(key)) << key;
+  std::vector<std::string> panels;
+  add_panels(layout["layout"], panels);
+  EXPECT_EQ(panels.size(), layout["configById"].size());
+  for (const std::string& panel : panels) {
+    EXPECT_TRUE(layout["configById"].contains(panel)) << panel;
+    EXPECT_THAT(panel.substr(0, panel.find('!')), testing::AnyOf("3D", "Plot", "RawMessages"));
+  }
+  write_scene(R"("contacts":[{"module":3,"taxel":3}])");
+  ASSERT_EQ(run("record strip.json --link sim --scene scene.json -o r.mcap --seconds 2").status, 0);
+  const std::string recording = read_file(folder_ / "r.mcap"), text = layout.dump();
+  int topics = 0;
+  for (std::size_t at = text.find("/skin/"); at != std::string::npos; at = text.find("/skin/", at + 1)) {
+    const std::string topic = text.substr(at, text.find_first_of(".\"", at) - at);
+    EXPECT_THAT(recording, HasSubstr(topic));
+    ++topics;
+  }
+  EXPECT_EQ(topics, 4);
+}
+
+// Two covers on two buses in one file, and nothing else beside it.
+TEST_F(Recordings, a_robot_goes_into_one_file) {
+  for (const char* words : {"robot new robot.json --name demo --bus a=sim --bus b=sim",
+                            "robot add robot.json strip.json --name arm --bus a",
+                            "robot add robot.json strip.json --name leg --bus b --xyz-mm 0,60,20", "flash robot.json"})
+    ASSERT_EQ(run(words).status, 0) << words << run(words).messages;
+  const Outcome o = run("record robot.json -o all.mcap --seconds 1 --json");
+  EXPECT_EQ(o.status, 0) << o.messages;
+  const std::string recording = read_file(folder_ / "all.mcap");
+  for (const char* text : {"/skin/arm/raw", "/skin/leg/points", "/tf_static", "arm/design.json", "leg/design.json"})
+    EXPECT_THAT(recording, HasSubstr(text));
+  EXPECT_FALSE(fs::exists(folder_ / "all.mcap.covers"));
+  EXPECT_THAT(run("replay all.mcap --speed 0").messages, HasSubstr("holds several covers"));
 }
 
 }  // namespace

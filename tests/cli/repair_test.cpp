@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "cli/shell_case.hpp"
+#include "support/page_block.hpp"
 #include "support/strip_design.hpp"
 
 namespace triskin::test {
@@ -96,30 +97,6 @@ TEST_F(Bench, a_slip_is_asked_about_in_the_first_line) {
   EXPECT_THAT(messages.substr(0, messages.find('\n')), HasSubstr("did you mean dump?"));
 }
 
-// Returns the lines of a block on the page, in their order, with "…" for any text.
-std::vector<std::string> block_of(const std::string& script) {
-  const std::string page = read_file(fs::path(source_folder()) / "docs/first_hours.md");
-  const std::size_t at = page.find(script + "`");
-  const std::size_t from = page.find("```\n", at), to = page.find("```", from + 4);
-  std::vector<std::string> lines;
-  std::istringstream in(page.substr(from + 4, to - from - 4));
-  for (std::string line; std::getline(in, line);) lines.push_back(line);
-  return lines;
-}
-bool is_like(const std::string& wanted, const std::string& line) {
-  std::string pattern;
-  for (std::size_t at = 0; at < wanted.size();) {
-    if (wanted.compare(at, 3, "…") == 0) {
-      pattern += ".*";
-      at += 3;
-    } else {
-      if (std::string(".^$|()[]{}*+?\\").find(wanted[at]) != std::string::npos) pattern += '\\';
-      pattern += wanted[at++];
-    }
-  }
-  return std::regex_match(line, std::regex(pattern));
-}
-
 class Hours : public ShellCase {
  protected:
   void expect_page(const std::string& script) const {
@@ -131,14 +108,9 @@ class Hours : public ShellCase {
     fs::create_directories(folder_ / "hour");
     EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 0) << read_file(folder_ / "messages");
     const std::string out = read_file(folder_ / "out");
-    std::istringstream lines(out);
-    const auto wanted = block_of(script);
+    const auto wanted = page_block("first_hours.md", script + "`");
     ASSERT_GT(wanted.size(), 5U);
-    for (const std::string& want : wanted) {
-      bool found = false;
-      for (std::string line; !found && std::getline(lines, line);) found = is_like(want, line);
-      ASSERT_TRUE(found) << want << "\n" << out;
-    }
+    EXPECT_EQ(missing_line(wanted, out), "") << out;
   }
 };
 

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "support/strip_design.hpp"
+#include "triskin/skin/taxel_trace.hpp"
 
 namespace triskin::device {
 namespace {
@@ -129,6 +130,60 @@ TEST(LiveMonitor, draws_the_patch_in_its_shape) {
   EXPECT_THAT(monitor.picture(0, PressureUnit::kCounts, false), ElementsAre("▲   0 ▼4000 ▲8000 ▼  -- "));
   EXPECT_THAT(monitor.picture(0, PressureUnit::kPercent, false), ElementsAre("▲  0% ▼ 12% ▲ 24% ▼  -- "));
   EXPECT_THAT(monitor.picture(0, PressureUnit::kCounts, true)[0], HasSubstr("\033[48;5;172m▼4000\033[0m"));
+}
+
+TEST(LiveMonitor, shows_numbers_of_modules_in_their_cells) {
+  const design::Design design = strip(3);
+  LiveMonitor monitor(design);
+  for (int k = 0; k < 3; ++k) monitor.add(frame(2, layout::kRestCounts, 8'000));
+  EXPECT_THAT(monitor.picture(0, PressureUnit::kModule, false), ElementsAre("▲   0 ▼   1 ▲   2 "));
+  EXPECT_THAT(monitor.picture(0, PressureUnit::kModule, true)[0], HasSubstr("\033[48;5;172m▲   2\033[0m"));
+}
+
+// Rest values are those of a tare. Module 1 was exchanged since: one taxel reads 300 above, all others 50.
+TEST(LiveMonitor, says_which_taxels_do_not_rest) {
+  const design::Design design = strip(3);
+  design::RestValues tared(3);
+  for (auto& module : tared) module.fill(20'000);
+  LiveMonitor monitor(design, tared);
+  EXPECT_EQ(sentence(monitor.off_rest()), "") << "nothing was heard";
+  monitor.add(frame(0, 20'000, 4'000));
+  EXPECT_EQ(monitor.off_rest().taxels, 0) << "a touch is none";
+  monitor.add(frame(1, 20'050, -250));
+  EXPECT_THAT(monitor.off_rest().modules, ElementsAre(1));
+  EXPECT_EQ(sentence(monitor.off_rest()), "1 taxels do not rest: tare; their modules: 1");
+  ModuleSample saturated = frame(2, 20'000, -30'000);
+  saturated.sample.state = wire::ModuleState::kSaturated;
+  monitor.add(saturated);
+  EXPECT_EQ(monitor.off_rest().taxels, 1) << "a module with a fault has another cause";
+  OffRest many{24, {}};
+  for (int k = 0; k < 14; ++k) many.modules.push_back(k);
+  EXPECT_EQ(sentence(many),
+            "24 taxels do not rest: tare; their modules: 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11 and 2 more");
+}
+
+// A ramp from 0 to 8,000 counts of the taxel that is pressed most: the newest value is the highest block.
+TEST(TaxelTrace, plots_the_strongest_taxel_or_the_one_that_is_held) {
+  const design::Design design = strip(3);
+  LiveMonitor monitor(design);
+  TaxelTrace trace;
+  for (int k = 0; k < 3; ++k) monitor.add(frame(1, layout::kRestCounts, 0));
+  trace.step(monitor);
+  EXPECT_TRUE(trace.lines(80, 0.2).empty()) << "nothing was pressed yet";
+  for (int k = 1; k <= 8; ++k) {
+    monitor.add(frame(1, layout::kRestCounts, 1'000.0 * k));
+    trace.step(monitor);
+  }
+  const auto lines = trace.lines(80, 0.25);
+  EXPECT_THAT(lines, ElementsAre("module 1 taxel 3, last 2 s, up to 8000 counts", "▁▂▃▄▅▆▇█"));
+  EXPECT_THAT(trace.lines(2, 0.25)[1], "▇█") << "as many values as the line has columns";
+  trace.toggle_hold();
+  for (int k = 0; k < 3; ++k) monitor.add(frame(2, layout::kRestCounts, k == 2 ? 20'000 : 0));
+  trace.step(monitor);
+  EXPECT_THAT(trace.lines(80, 0.25)[0], HasSubstr("module 1 taxel 3 (held)"));
+  trace.toggle_hold();
+  trace.step(monitor);
+  EXPECT_THAT(trace.lines(80, 0.25)[0], HasSubstr("module 2 taxel 3,"));
 }
 
 TEST(LiveMonitor, rows_of_the_lattice_stand_above_each_other) {

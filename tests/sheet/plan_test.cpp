@@ -263,6 +263,28 @@ TEST(Plan, islands_that_share_a_page_keep_their_distance) {
   }
 }
 
+// The ruler at the right takes 8 mm within the margin, the longest caption 88 mm.
+TEST(Plan, captions_of_small_islands_lie_beside_the_ruler) {
+  int captions = 0;
+  for (const auto& page : sheet::plan_of(forty_islands(), sheet::Paper::kA4).pages) {
+    if (page.islands.size() < 2) continue;
+    for (const auto& island : page.islands) {
+      EXPECT_LE(island.caption_mm.x() + 88.0, page.size_mm.x() - sheet::kMargin_mm - 8.0) << page.title;
+      ++captions;
+    }
+  }
+  EXPECT_GE(captions, 20);
+}
+
+TEST(Plan, names_controllers_of_a_page_in_its_title) {
+  std::vector<std::string> titles;
+  for (const auto& page : sheet::plan_of(strip(20, 16), sheet::Paper::kA4).pages) titles.push_back(page.title);
+  EXPECT_THAT(titles, testing::Contains("Controllers 0, 1"));
+  titles.clear();
+  for (const auto& page : sheet::plan_of(strip(4), sheet::Paper::kA4).pages) titles.push_back(page.title);
+  EXPECT_THAT(titles, testing::Contains("Controller 0"));
+}
+
 TEST(Plan, says_to_what_radius_a_module_is_bent) {
   // By hand: a chord of 30 mm whose middle lies 4.5 mm below the arc gives a radius of 25 mm by c²/(8s); 2.25 mm give
   // 50 mm.

@@ -6,7 +6,7 @@ import {pathToFileURL} from "node:url";
 
 const load = (name) => import(pathToFileURL(path.resolve(process.argv[2], name)).href);
 const {bestDirection, hitOf, OrbitCamera} = await load("camera.js");
-const {heatColor, PALETTE} = await load("colors.js");
+const {heatColor, LINES, PALETTE, scale} = await load("colors.js");
 
 /** Places and normals on parts of simple shapes, mm. */
 function sphere(at) {
@@ -95,6 +95,18 @@ check("no two entries of the table look alike, nor one like a pressed taxel", ()
   for (const [a, ca] of entries) for (const [b, cb] of entries) {
     if (a === b || (a.startsWith("pressed") && b.startsWith("pressed"))) continue;
     assert(Math.hypot(...ca.map((v, x) => v - cb[x])) > 0.12, `${a} and ${b}`);
+  }
+});
+check("no line, and no value on the scale, looks like a pressed taxel or a limit that is passed", () => {
+  const colors = [...LINES.map((c, n) => [`L${n}`, c]), ...Array.from({length: 21}, (_, k) => [`value ${k}/20`, scale(k / 20)])];
+  const others = [["over the limit", PALETTE.over.color], ...Array.from({length: 21}, (_, k) => [`pressed ${k}/20`, heatColor(k / 20)])];
+  for (const [a, ca] of colors) for (const [b, cb] of others) assert(Math.hypot(...ca.map((v, x) => v - cb[x])) > 0.2, `${a} and ${b}`);
+});
+check("below the buttons: the body leaves the upper 30 pixels free", () => {
+  for (const {points, normals} of Object.values(SHAPES)) {
+    const camera = new OrbitCamera(Float32Array.from(points), bestDirection(Float32Array.from(normals)));
+    camera.resize(390, 330);
+    for (let k = 0; k < points.length; k += 3) assert(camera.project(points, k)[1] >= 30);
   }
 });
 check("stronger is lighter", () => {

@@ -21,30 +21,39 @@ async function pixelsAt(page, places) {
 }
 const alike = (a, b, tolerance = 10) => a.every((v, c) => Math.abs(v - b[c]) <= tolerance);
 
-/** For every mode: each entry of the legend and a module to which it applies; of each bar five places and what is drawn for the same value. */
+/** Each entry of the legend of a mode and a module to which it applies. @param {any} page @param {number} mode @returns {Promise<number>} entries */
+async function compareMode(page, mode) {
+  const pairs = await page.evaluate((m) => {
+    const triskin = window.triskin, {model} = triskin;
+    triskin.setMode(m);
+    const spots = [...document.querySelectorAll("#legend .swatch i, #legend .chip i")];
+    const found = [];
+    for (const swatch of triskin.modes[m].swatches) {
+      const k = swatch.of ? model.modules.findIndex((_, n) => swatch.of(n)) : -1;
+      if (k < 0) continue;
+      const spot = spots.find((s) => s.nextSibling.textContent === swatch.what).getBoundingClientRect();
+      found.push({what: `${triskin.modes[m].name}: ${swatch.what}`, spot: [spot.left + spot.width / 2, spot.top + spot.height / 2], at: triskin.placeOf("flat", k, -1)});
+    }
+    return found;
+  }, mode);
+  await drawn(page);
+  const colors = await pixelsAt(page, pairs.flatMap((p) => [p.spot, p.at]));
+  pairs.forEach((p, n) => assert(alike(colors[2 * n], colors[2 * n + 1]), `${p.what}: legend ${colors[2 * n]}, picture ${colors[2 * n + 1]}`));
+  return pairs.length;
+}
+
+/** For every mode: each entry of the legend. */
 async function compareModules(page) {
   const modes = await page.evaluate(() => window.triskin.modes.length);
   let compared = 0;
-  for (let mode = 0; mode < modes; ++mode) {
-    const pairs = await page.evaluate((m) => {
-      const triskin = window.triskin, {model} = triskin;
-      triskin.setMode(m);
-      const spots = [...document.querySelectorAll("#legend .swatch i, #legend .chip i")];
-      const found = [];
-      for (const swatch of triskin.modes[m].swatches) {
-        const k = swatch.of ? model.modules.findIndex((_, n) => swatch.of(n)) : -1;
-        if (k < 0) continue;
-        const spot = spots.find((s) => s.nextSibling.textContent === swatch.what).getBoundingClientRect();
-        found.push({what: `${triskin.modes[m].name}: ${swatch.what}`, spot: [spot.left + spot.width / 2, spot.top + spot.height / 2], at: triskin.placeOf("flat", k, -1)});
-      }
-      return found;
-    }, mode);
-    await drawn(page);
-    const colors = await pixelsAt(page, pairs.flatMap((p) => [p.spot, p.at]));
-    pairs.forEach((p, n) => assert(alike(colors[2 * n], colors[2 * n + 1]), `${p.what}: legend ${colors[2 * n]}, picture ${colors[2 * n + 1]}`));
-    compared += pairs.length;
-  }
+  for (let mode = 0; mode < modes; ++mode) compared += await compareMode(page, mode);
   return compared;
+}
+
+/** The mode that is shown, without marks on the modules. @param {any} page @returns {Promise<number>} entries that were compared */
+export async function checkModeColors(page) {
+  await page.evaluate(() => Object.assign(window.triskin.shown, {numbers: false, taxels: false, trees: false, seams: false}));
+  return compareMode(page, await page.evaluate(() => window.triskin.mode));
 }
 
 async function compareBar(page) {

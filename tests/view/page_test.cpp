@@ -5,10 +5,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "support/strip_design.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/view/comparison.hpp"
 #include "triskin/view/notes.hpp"
 
 namespace triskin::test {
@@ -75,6 +77,47 @@ TEST(ViewModel, findings_of_a_robot_are_counted_on) {
   ASSERT_EQ(findings.size(), 1U);
   EXPECT_EQ(findings[0].module, 13);
   EXPECT_EQ(findings[0].patch, 1);
+}
+
+// Five modules of six stay; the sixth is gone, and another one stands 40 mm beside the strip.
+TEST(ViewComparison, tells_kept_added_and_removed_modules_apart) {
+  const design::Design before = strip(6);
+  design::Design after = strip(6);
+  for (auto& corner : after.layout.modules[5].corner_mm) corner += design::Vec3(0, 40, 0);
+  std::ranges::rotate(after.layout.modules[2].corner_mm, after.layout.modules[2].corner_mm.begin() + 1);
+  const view::Comparison c = view::compare(before, after);
+  ASSERT_EQ(c.notes.changes.modules.size(), 12U);
+  using Kind = view::ModuleChange::Kind;
+  for (std::size_t k = 0; k < 5; ++k) {
+    EXPECT_EQ(c.notes.changes.modules[k].kind, Kind::kKept);
+    EXPECT_EQ(c.notes.changes.modules[k].other, static_cast<int>(k) + 6);
+    EXPECT_EQ(c.notes.changes.modules[k + 6].other, static_cast<int>(k));
+  }
+  EXPECT_EQ(c.notes.changes.modules[5].kind, Kind::kRemoved);
+  EXPECT_EQ(c.notes.changes.modules[11].kind, Kind::kAdded);
+  EXPECT_EQ(c.notes.changes.modules[11].other, -1);
+  const json model = json::parse(view::model_json(c.design, false, {}, c.notes));
+  EXPECT_EQ(model["changes"][11]["what"], "added");
+  EXPECT_EQ(model["before"]["modules"], 6);
+  EXPECT_EQ(model["before"]["vertices"], before.surface.vertices.size());
+  EXPECT_EQ(model["covers"][1]["name"], "after");
+  EXPECT_EQ(model["live"], false);
+}
+
+TEST(ViewComparison, refuses_other_corner_cuts) {
+  design::Design cut = strip(2);
+  cut.layout.corner_cut_mm = 3.5;
+  EXPECT_THROW((void)view::compare(strip(2), cut), InputError);
+}
+
+TEST(ViewModel, has_angles_in_degrees) {
+  design::Design d = strip(2);
+  d.limits.fold_rad = 0.5;
+  d.layout.modules[0].fold_rad = {0.25, 0, 0};
+  const json model = json::parse(view::model_json(d));
+  EXPECT_EQ(model["metrics"][2]["unit"], "°");
+  EXPECT_NEAR(model["metrics"][2]["limit"].get<double>(), 28.65, 0.005 + 1e-9);
+  EXPECT_NEAR(model["modules"][0]["metrics"][2].get<double>(), 14.324, 0.0005 + 1e-9);
 }
 
 TEST(ViewModel, a_report_that_is_none_is_refused_with_its_name) {

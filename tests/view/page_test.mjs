@@ -9,7 +9,7 @@ import os from "node:os";
 import path from "node:path";
 import {pathToFileURL} from "node:url";
 
-import {checkLegend, checkSizes, checkTools, drawn} from "./page_look.mjs";
+import {checkLegend, checkModeColors, checkSizes, checkTools, drawn} from "./page_look.mjs";
 
 const [name, triskin, writeStrip, chromiumPath, nodeModules] = process.argv.slice(2);
 const MODULES = 40;
@@ -164,7 +164,7 @@ async function live() {
   assert.equal(contacts.length, 1, "one finger is one contact");
   assert.equal(contacts[0].module, 7);
   assert(Math.hypot(...place.map((v, x) => v - contacts[0].centre[x])) < 4, "the contact lies within a taxel's pitch of the finger");
-  assert.match(await page.textContent("#contacts"), /module 7: \d+ taxels/);
+  assert.match(await page.textContent("#contacts"), /module 7: \d+ taxels?/);
   await page.evaluate(() => window.triskin.link.send({do: "lift"}));
   await page.waitForFunction(() => window.triskin.pressed(7).length === 0);
   assert(!isHot(await colorAt(page, "flat", 7, 3)), "the lifted taxel is dark again");
@@ -273,6 +273,35 @@ const frameTimes = (page, frames) => page.evaluate((n) => new Promise((resolve) 
   requestAnimationFrame(step);
 }), frames);
 
+/** Two strips side by side, the later one longer: colours by the legend, names of both, and none lies on the other. */
+async function compared() {
+  const longer = path.join(folder, "longer.json");
+  execFileSync(writeStrip, [longer, String(MODULES + 4)]);
+  const server = spawn(triskin, ["view", longer, "--compare", design, "--no-open", "--port", "0"], {env: environment});
+  let printed = "";
+  server.stdout.on("data", (text) => { printed += text; });
+  while (!printed.includes("\n")) await new Promise((resolve) => setTimeout(resolve, 20));
+  const browser = await launch(), origin = new URL(printed.trim()).origin;
+  const {page, wrong} = await open(browser, printed.trim(), (url) => url.startsWith(origin));
+  assert.equal(await page.evaluate(() => window.triskin.modes[window.triskin.mode].name), "changes");
+  assert.equal(await page.evaluate(() => window.triskin.link), null, "two designs have no live skin");
+  const kinds = await page.evaluate(() => window.triskin.model.data.changes.map((c) => c.what));
+  assert.deepEqual([...new Set(kinds.slice(0, MODULES))], ["kept"]);
+  assert.deepEqual(kinds.slice(-4), ["added", "added", "added", "added"]);
+  const ends = await page.evaluate((n) => {
+    const {model, views} = window.triskin, x = (k) => views[0].camera.project(Array.from(model.cover.corners.subarray(9 * k, 9 * k + 3)))[0];
+    const of = (from, to) => Array.from({length: to - from}, (_, k) => x(from + k));
+    return [Math.max(...of(0, n)), Math.min(...of(n, model.count))];
+  }, MODULES);
+  assert(ends[0] < ends[1], `before lies to the left of after: ${ends}`);
+  assert((await checkModeColors(page)) >= 2, "kept and added are in the legend and in the picture");
+  assert.match(await page.textContent("#design"), /added4removed0/);
+  await page.screenshot({path: path.join(process.cwd(), "page_compared.png")});
+  assert.deepEqual(wrong, []);
+  await browser.close();
+  server.kill("SIGINT");
+}
+
 // Covers on two buses and more, all in one page. ROBOT=COVERSxMODULES measures another size, BUSES=NUMBERxLINK on other
 // buses (8xsim-usb), DECIMATION=128 at twice the rate.
 async function robot() {
@@ -320,7 +349,7 @@ async function robot() {
 }
 
 try {
-  await {live, offline, look, recorded, robot}[name]();
+  await {live, offline, look, compared, recorded, robot}[name]();
   console.log("1 passed, 0 failed");
 } catch (e) {
   console.error(e);

@@ -12,6 +12,7 @@
 #include "terminal.hpp"
 #include "triskin/base/pace.hpp"
 #include "triskin/base/terminal_text.hpp"
+#include "triskin/skin/taxel_trace.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -21,7 +22,10 @@ using device::PressedTaxel;
 using device::PressureUnit;
 
 std::string_view name_of(PressureUnit unit) {
-  return unit == PressureUnit::kKpa ? "kPa" : unit == PressureUnit::kPercent ? "% of range" : "counts";
+  return unit == PressureUnit::kKpa       ? "kPa"
+         : unit == PressureUnit::kPercent ? "% of range"
+         : unit == PressureUnit::kModule  ? "numbers of modules"
+                                          : "counts";
 }
 
 PressureUnit best_unit(const LiveMonitor& monitor) {
@@ -37,6 +41,7 @@ class Lines final : public LiveDisplay {
   explicit Lines(const Output& output) : output_(output) {}
   Wish show(LiveMonitor& monitor, const LiveState& state) override {
     const auto pressed = monitor.touches().pressed();
+    say_off_rest(monitor, state.time_s);
     if (pressed.empty() && state.time_s < spoke_s_ + kHeartbeat_s) return Wish::kNothing;
     spoke_s_ = state.time_s;
     if (pressed.empty()) {
@@ -52,10 +57,23 @@ class Lines final : public LiveDisplay {
   }
 
  private:
-  // Readers of a pipe see that the skin works even if nobody touches it.
+  // Once when it begins, and again with other lines of the kind when it lasts.
+  void say_off_rest(const LiveMonitor& monitor, double time_s) {
+    const std::string remark = device::sentence(monitor.off_rest());
+    if (remark.empty() || (!off_rest_.empty() && time_s < off_rest_s_ + kHeartbeat_s)) {
+      off_rest_ = remark;
+      return;
+    }
+    off_rest_ = remark;
+    off_rest_s_ = time_s;
+    output_.say(fmt::format("{:7.2f} s  {}", time_s, remark));
+  }
+
+  // Whoever reads a pipe sees that the skin is alive while nobody touches it.
   static constexpr double kHeartbeat_s = 5.0;
   const Output& output_;
-  double spoke_s_ = 0.0;
+  double spoke_s_ = 0.0, off_rest_s_ = 0.0;
+  std::string off_rest_;
 };
 
 class Objects final : public LiveDisplay {
@@ -70,12 +88,23 @@ class Objects final : public LiveDisplay {
   const Output& output_;
 };
 
+// Texts below each other in `beside` columns that are `wide` characters wide.
+std::vector<std::string> in_columns(const std::vector<std::string>& texts, std::size_t wide, std::size_t beside) {
+  const std::size_t high = (texts.size() + beside - 1) / beside;
+  std::vector<std::string> lines(high);
+  for (std::size_t k = 0; k < texts.size(); ++k)
+    lines[k % high] += k + high < texts.size() ? fmt::format("{:<{}}", texts[k], wide) : texts[k];
+  return lines;
+}
+
 class Screen final : public LiveDisplay {
  public:
   explicit Screen(const design::Design& design) : design_(design) {}
 
   Wish show(LiveMonitor& monitor, const LiveState& state) override {
     Wish wish = Wish::kNothing;
+    trace_.step(monitor);
+    if (!has_chosen_) follow(monitor);
     while (const char key = terminal_.key()) {
       const Wish asked = take(key);
       if (asked != Wish::kNothing) wish = asked;
@@ -93,13 +122,30 @@ class Screen final : public LiveDisplay {
     if (key == 't') return Wish::kTare;
     if (key == 'n') patch_ = (patch_ + 1) % patches;
     if (key == 'p') patch_ = (patch_ + patches - 1) % patches;
+    if (key == 'n' || key == 'p') has_chosen_ = true;
+    if (key == 'f') has_chosen_ = false;
+    if (key == 'h') trace_.toggle_hold();
     if (key == 'u') ++unit_turns_;
     return Wish::kNothing;
   }
 
-  // The key u cycles through the units; kPa is the first if it is known.
+  // The picture is that of the patch which is pressed most.
+  void follow(const LiveMonitor& monitor) {
+    const auto pressed = monitor.touches().pressed();
+    if (!pressed.empty()) patch_ = std::max(0, patch_of(pressed.front().module));
+  }
+
+  [[nodiscard]] int patch_of(int module) const {
+    const auto found = std::ranges::find_if(design_.patches, [&](const design::Patch& p) {
+      return std::ranges::find(p.modules, module, &design::RoutedModule::node) != p.modules.end();
+    });
+    return found == design_.patches.end() ? -1 : static_cast<int>(found - design_.patches.begin());
+  }
+
+  // The key u goes through the units; kPa is the first where it is known.
   [[nodiscard]] PressureUnit unit(const LiveMonitor& monitor) const {
-    constexpr std::array kUnits{PressureUnit::kKpa, PressureUnit::kCounts, PressureUnit::kPercent};
+    constexpr std::array kUnits{PressureUnit::kKpa, PressureUnit::kCounts, PressureUnit::kPercent,
+                                PressureUnit::kModule};
     const std::size_t unknown = monitor.calibration().complete() ? 0 : 1;
     return kUnits[unknown + unit_turns_ % (kUnits.size() - unknown)];
   }
@@ -115,19 +161,32 @@ class Screen final : public LiveDisplay {
     for (std::size_t k = 0; k < std::min(kMaxTaxels, pressed.size()); ++k)
       below.push_back(place_text(monitor, pressed[k]));
     if (pressed.size() > kMaxTaxels) below.push_back(fmt::format("+{} taxels", pressed.size() - kMaxTaxels));
+    for (std::string& line : trace_.lines(static_cast<std::size_t>(std::max(1, size.columns - 1)), kStep_s))
+      below.push_back(std::move(line));
+    if (const std::string remark = device::sentence(monitor.off_rest()); !remark.empty()) below.push_back(remark);
     for (const device::AdoptedCounts& a : state.adopted)
       below.push_back(fmt::format("module {} is read by the controller of patch {}", a.module, a.patch));
     if (!state.note.empty()) below.push_back(for_terminal(state.note));
-    below.push_back(fmt::format("q: end  n, p: patch  u: unit ({})  t: tare, nobody touches", name_of(unit(monitor))));
-    const int room = size.rows - static_cast<int>(lines.size() + below.size()) - 2;
-    for (std::string& line : patch_lines(monitor, std::max(room, kMinPatchLines))) lines.push_back(std::move(line));
+    below.push_back(
+        fmt::format("n p f: patch ({})  u: unit ({})", has_chosen_ ? "chosen" : "pressed", name_of(unit(monitor))));
+    below.emplace_back("h: hold the plotted taxel  t: tare, nobody touches  q: end");
+    const int room = std::max(size.rows - static_cast<int>(lines.size() + below.size()) - 2, kMinPatchLines);
+    for (std::string& line : patch_lines(monitor, room, size.columns)) lines.push_back(std::move(line));
     lines.emplace_back();
     for (std::string& line : below) lines.push_back(std::move(line));
     return lines;
   }
 
-  // Shows all patches if there is room, otherwise the selected one, then pressed or faulty ones, then the rest.
-  [[nodiscard]] std::vector<std::string> patch_lines(const LiveMonitor& monitor, int room) const {
+  // All patches where there is room, else the chosen one and those that are pressed or at fault before the others.
+  // They stand beside each other as the width permits, in `rows` lines at most.
+  [[nodiscard]] std::vector<std::string> patch_lines(const LiveMonitor& monitor, int rows, int columns) const {
+    std::vector<std::string> all;
+    std::size_t wide = 0;
+    for (int p = 0; p < static_cast<int>(design_.patches.size()); ++p) {
+      all.push_back(line_of(monitor, p));
+      wide = std::max(wide, all.back().size() + 3);
+    }
+    const int beside = std::max(1, columns / static_cast<int>(wide)), room = rows * beside;
     const int patches = static_cast<int>(design_.patches.size());
     std::vector<int> shown(static_cast<std::size_t>(patches));
     std::iota(shown.begin(), shown.end(), 0);
@@ -139,35 +198,37 @@ class Screen final : public LiveDisplay {
       shown.resize(static_cast<std::size_t>(room - 1));
       std::ranges::sort(shown);
     }
-    std::vector<std::string> lines;
-    for (const int p : shown) lines.push_back(line_of(monitor, p));
-    if (patches > room) lines.push_back(fmt::format("  +{} patches", patches - room + 1));
-    return lines;
+    std::vector<std::string> texts;
+    for (const int p : shown) texts.push_back(all[static_cast<std::size_t>(p)]);
+    if (patches > room) texts.push_back(fmt::format("  +{} patches", patches - room + 1));
+    return in_columns(texts, wide, static_cast<std::size_t>(beside));
   }
 
   [[nodiscard]] std::set<int> pressed_patches(const LiveMonitor& monitor) const {
     std::set<int> patches;
-    for (const PressedTaxel& t : monitor.touches().pressed()) {
-      for (int p = 0; p < static_cast<int>(design_.patches.size()); ++p) {
-        const auto& modules = design_.patches[static_cast<std::size_t>(p)].modules;
-        if (std::ranges::find(modules, t.module, &design::RoutedModule::node) != modules.end()) patches.insert(p);
-      }
-    }
+    for (const PressedTaxel& t : monitor.touches().pressed()) patches.insert(patch_of(t.module));
     return patches;
   }
 
   [[nodiscard]] std::string line_of(const LiveMonitor& monitor, int patch) const {
-    return fmt::format("{} patch {:3}  {:2} modules  {:5.1f}/s  {} faults  {} never heard", patch == patch_ ? ">" : " ",
-                       patch, design_.patches[static_cast<std::size_t>(patch)].modules.size(), monitor.rate_hz(patch),
-                       monitor.faults(patch), monitor.unheard(patch));
+    std::string text =
+        fmt::format("{} patch {:3}  {:2} modules  {:5.1f}/s", patch == patch_ ? ">" : " ", patch,
+                    design_.patches[static_cast<std::size_t>(patch)].modules.size(), monitor.rate_hz(patch));
+    if (monitor.faults(patch) > 0) text += fmt::format("  {} faults", monitor.faults(patch));
+    if (monitor.unheard(patch) > 0) text += fmt::format("  {} never heard", monitor.unheard(patch));
+    return text;
   }
 
   static constexpr std::size_t kMaxTaxels = 5;
   static constexpr int kMinPatchLines = 3;
+  // Time between two calls of show().
+  static constexpr double kStep_s = 0.2;
   const design::Design& design_;
   Terminal terminal_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  device::TaxelTrace trace_;
   int patch_ = 0;
+  bool has_chosen_ = false;  // The person chose the patch.
   std::size_t unit_turns_ = 0;
 };
 
@@ -195,6 +256,8 @@ nlohmann::json to_json(const LiveMonitor& monitor, const LiveState& state) {
   nlohmann::json line = {
       {"time_s", state.time_s}, {"frames", state.frames}, {"lost", state.lost}, {"pressed", std::move(pressed)}};
   line["unit"] = name_of(best_unit(monitor));
+  if (const device::OffRest off = monitor.off_rest(); off.taxels > 0)
+    line["off_rest"] = {{"taxels", off.taxels}, {"modules", off.modules}};
   if (calibrated) line["force_n"] = monitor.force_n();
   if (state.error_us) line["time_error_us"] = *state.error_us;
   for (const device::AdoptedCounts& a : state.adopted)

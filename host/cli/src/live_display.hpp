@@ -35,8 +35,8 @@ class LiveDisplay {
 [[nodiscard]] std::unique_ptr<LiveDisplay> make_display(const design::Design& design, const Output& output);
 /// Describes the place of a taxel and the pressure on it, in kPa if the monitor is calibrated, otherwise in counts.
 [[nodiscard]] std::string place_text(const device::LiveMonitor& monitor, const device::PressedTaxel& taxel);
-/// Returns the keys of a line: "time_s", "frames", "lost", "pressed", "unit", with a calibration "force_n", and
-/// "time_error_us" and "adopted" if they are known.
+/// Keys "time_s", "frames", "lost", "pressed", "unit", with a calibration "force_n" and, where they are known,
+/// "time_error_us", "off_rest" and "adopted" of a line.
 [[nodiscard]] nlohmann::json to_json(const device::LiveMonitor& monitor, const LiveState& state);
 
 }  // namespace triskin::cli

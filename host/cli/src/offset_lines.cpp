@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "offset_lines.hpp"
 
+#include <algorithm>
+#include <iterator>
+
 #include "triskin/diagnose/offset_report.hpp"
 
 namespace triskin::cli {
@@ -8,7 +11,10 @@ namespace triskin::cli {
 nlohmann::json read_offset_lines(device::Bus& bus, const design::Design& design, std::vector<std::string>& lines) {
   nlohmann::json list = nlohmann::json::array();
   for (const device::PatchOffsets& p : device::read_offsets(bus, design)) {
-    for (std::string& line : device::describe(p)) lines.push_back(std::move(line));
+    const bool is_starting = std::ranges::all_of(
+        p.offsets.rows(), [](const wire::ModuleOffsets& m) { return m.state == wire::OffsetState::kSearching; });
+    // A controller that has just begun has no offsets to report; soon it has.
+    if (!is_starting) std::ranges::move(device::describe(p), std::back_inserter(lines));
     for (std::size_t row = 0; row < p.modules.size(); ++row) {
       const wire::ModuleOffsets& m = p.offsets.modules[row];
       list.push_back({{"module", p.modules[row]},

@@ -17,6 +17,7 @@
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/hdf5/recording.hpp"
 #include "triskin/hdf5/taxel_table.hpp"
+#include "triskin/recording/join.hpp"
 #include "triskin/recording/recorder.hpp"
 #include "triskin/recording/recording.hpp"
 #include "triskin/robot/assembly.hpp"
@@ -191,11 +192,12 @@ std::string file_of(const Options& options, Format format, const robot::CoverCon
 // Each bus has its recordings and their results.
 class BusRecording {
  public:
-  // Files are opened before anything is requested from the controllers. `places` is indexed by cover; empty for a
-  // design file.
+  // Files are opened before anything is asked of the controllers.
+  // `places`: indexed by cover; empty for a design file.
+  // `joint`: file into which all covers go at the end; empty: none.
   BusRecording(const Options& options, const robot::BusConfig& site, Format format,
-               const std::vector<CoverPlace>& places)
-      : options_(options), site_(site) {
+               const std::vector<CoverPlace>& places, std::string joint)
+      : options_(options), site_(site), joint_(std::move(joint)) {
     for (const robot::CoverConfig& cover : site.covers) {
       if (!cover.chosen) continue;
       files_.push_back(std::make_unique<CoverFile>(cover, file_of(options, format, cover, site), format));
@@ -231,9 +233,9 @@ class BusRecording {
         if (!reports_[c].complete()) status = std::max(status, 1);
       }
       row["seconds"] = seconds_;
-      row["file"] = file.name();
+      row["file"] = name_of(file);
       if (trouble_) row["ended_by"] = *trouble_;
-      output.say(fmt::format("{} module samples in {:.2f} s -> {}", file.samples(), seconds_, file.name()));
+      output.say(fmt::format("{} module samples in {:.2f} s -> {}", file.samples(), seconds_, name_of(file)));
       if (file.samples() == 0) {
         output.say(prefix_of(file.cover()) + "nothing was recorded: no module sent a sample; run triskin verify");
         status = std::max(status, 1);
@@ -248,10 +250,18 @@ class BusRecording {
     std::uint64_t samples = 0;
     for (const auto& file : files_) samples += file->samples();
     return fmt::format("{}; the recording ends here, with {} samples in {}{}", *trouble_, samples,
-                       files_.front()->name(), files_.size() > 1 ? " and the files beside it" : "");
+                       name_of(*files_.front()), files_.size() > 1 && joint_.empty() ? " and the files beside it" : "");
+  }
+  // The recordings of its covers, for a joint file.
+  void add_parts(std::vector<recording::JoinPart>& parts) const {
+    for (const auto& file : files_)
+      parts.push_back({std::filesystem::path(file->name()).stem().string(), file->name()});
   }
 
  private:
+  [[nodiscard]] const std::string& name_of(const CoverFile& file) const {
+    return joint_.empty() ? file.name() : joint_;
+  }
   void receive(device::LiveBus& bus, const ProgressSink& progress) {
     bus.start(speaking(options_.stream),
               [&](const device::LiveSample& s) { files_[static_cast<std::size_t>(s.cover)]->add(s); });
@@ -275,6 +285,7 @@ class BusRecording {
 
   const Options& options_;
   const robot::BusConfig& site_;
+  std::string joint_;
   std::vector<std::unique_ptr<CoverFile>> files_;
   std::vector<device::StreamReport> reports_;
   std::uint64_t start_us_ = 0, lost_ = 0;
@@ -312,6 +323,31 @@ void make_folder(const std::string& path) {
                                  path, error ? ": " + error.message() : ""));
 }
 
+// All covers of a robot in one file: each is recorded into a file beside it, so that nothing is lost when the program
+// is killed, and these go into it at the end.
+class JointFile {
+ public:
+  explicit JointFile(const std::string& path) : folder_(path + ".covers"), file_(path) { make_folder(folder_); }
+  // Of a recording that never began, the folder is empty.
+  ~JointFile() {
+    std::error_code ignored;
+    std::filesystem::remove(folder_, ignored);
+  }
+  JointFile(const JointFile&) = delete;
+  JointFile& operator=(const JointFile&) = delete;
+  [[nodiscard]] const std::string& folder() const { return folder_; }
+  [[nodiscard]] const std::string& name() const { return file_.name(); }
+  void take(const std::vector<recording::JoinPart>& parts) {
+    recording::join(parts, file_);
+    file_.close();
+    for (const recording::JoinPart& part : parts) std::filesystem::remove(part.path);
+  }
+
+ private:
+  std::string folder_;
+  recording::OutputFile file_;
+};
+
 int conclude_all(const std::vector<std::unique_ptr<BusRecording>>& buses, bool is_robot, Output& output) {
   nlohmann::json covers = nlohmann::json::array();
   int status = 0;
@@ -336,22 +372,33 @@ int conclude_all(const std::vector<std::unique_ptr<BusRecording>>& buses, bool i
   return status;
 }
 
-int run(const Options& options, Output& output) {
+int run(Options options, Output& output) {
   robot::Site site = read_site(options.site);
   const Format format = format_of(options, site.is_robot);
   require_modules(site);
   if (format == Format::kHdf5) require_hdf5(options.output);
-  if (site.is_robot) make_folder(options.output);
+  std::optional<JointFile> joint;
+  if (site.is_robot && std::filesystem::path(options.output).extension() == ".mcap") {
+    joint.emplace(options.output);
+    options.output = joint->folder();
+  } else if (site.is_robot) {
+    make_folder(options.output);
+  }
   if (!site.is_robot) device::require_link(options.site.link);
   std::vector<CoverPlace> places;
   if (site.is_robot) places = places_of(robot::read_assembly(options.site.file));
   device::LiveSkin skin(std::move(site), options.site.link);
   std::vector<std::unique_ptr<BusRecording>> buses;
   for (const robot::BusConfig& bus : skin.site().buses)
-    buses.push_back(std::make_unique<BusRecording>(options, bus, format, places));
+    buses.push_back(std::make_unique<BusRecording>(options, bus, format, places, joint ? joint->name() : ""));
   open_links(skin, output);
   const ProgressSink progress = output.progress();
   skin.on_each_bus([&](device::LiveBus& bus) { buses[bus.index()]->run(bus, progress, output); });
+  if (joint) {
+    std::vector<recording::JoinPart> parts;
+    for (const auto& bus : buses) bus->add_parts(parts);
+    joint->take(parts);
+  }
   return conclude_all(buses, skin.site().is_robot, output);
 }
 
@@ -361,9 +408,9 @@ const Registration kRecord{{
     "triskin record forearm.json --link sim -o touch.mcap --seconds 5",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      app.add_option(
-             "-o,--output", options->output,
-             "file.mcap (docs/recording.md), file.csv or file.h5; of a robot a folder, with a file for each cover")
+      app.add_option("-o,--output", options->output,
+                     "file.mcap (docs/recording.md), file.csv or file.h5; of a robot a folder, with a file for each "
+                     "cover, or file.mcap, which holds all of them for viewers")
           ->required();
       app.add_option("--to", options->to, "format; default: by the extension of -o")
           ->check(CLI::IsMember({"mcap", "csv", "hdf5"}));

@@ -16,6 +16,7 @@
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/skin/live_skin.hpp"
 #include "triskin/view/browser.hpp"
+#include "triskin/view/comparison.hpp"
 #include "triskin/view/frame_track.hpp"
 #include "view_feed.hpp"
 
@@ -27,7 +28,7 @@ struct Options {
   device::LinkOptions link;
   device::StreamOptions stream;
   CalibrationOptions calibration;
-  std::string findings;
+  std::string findings, compare;
   std::uint16_t port = 0;
   bool no_open = false;
 };
@@ -64,13 +65,36 @@ Shown shown_of(const std::string& file, bool has_link) {
   if (robot::is_robot_file(file)) {
     const robot::Assembly assembly = robot::read_assembly(file);
     design::SideBySide joint = robot::in_base(assembly);
-    view::Notes notes{covers_of(assembly, joint.offsets), {}};
+    view::Notes notes;
+    notes.covers = covers_of(assembly, joint.offsets);
     return {std::move(joint.design), std::move(joint.offsets), std::move(notes)};
   }
   return {has_link ? design::read_intact_design(file) : design::read_design(file), {{}}, {}};
 }
 
-// Standard output is reserved for the address.
+// A design beside an earlier one.
+Shown compared(const Options& options, const std::string& file) {
+  if (robot::is_robot_file(file))
+    throw InputError(fmt::format("{}: --compare takes two designs, and this is a robot file", file));
+  if (options.link.chosen && options.link.link != "none")
+    throw InputError("--compare shows two designs without live samples; leave out --link");
+  view::Comparison comparison = view::compare(design::read_design(options.compare), design::read_design(file));
+  return {std::move(comparison.design), {{}}, std::move(comparison.notes)};
+}
+
+// Whether the page gets live samples. Throws InputError where no link is named.
+bool reads_skin(const Options& options, const std::string& file) {
+  if (!options.compare.empty() || options.link.link == "none") return false;
+  if (robot::is_robot_file(file)) return true;
+  try {
+    device::require_link(options.link);
+  } catch (const InputError& e) {
+    throw InputError(std::string(e.what()) + "; --link none shows the design alone");
+  }
+  return true;
+}
+
+// Standard output is for the address alone.
 void say_simulated_links(const device::LinkOptions& link, const robot::Site& site, Output& output) {
   for (const robot::BusConfig& bus : site.buses) {
     const std::string& name = site.is_robot && !link.chosen ? bus.link : link.link;
@@ -129,17 +153,17 @@ int run(const Options& options, Output& output) {
   output.expect_interrupt();
   if (is_recording(options.design)) return play(options, output);
   const DesignArgument argument = find_design(options.design);
-  const bool has_link = options.link.link != "none";
-  Shown shown = shown_of(argument.path, has_link);
+  const bool has_link = reads_skin(options, argument.path);
+  Shown shown = options.compare.empty() ? shown_of(argument.path, has_link) : compared(options, argument.path);
+  shown.notes.has_live_skin = has_link;
   if (!options.findings.empty())
     shown.notes.findings =
         view::findings_in(read_text(options.findings), options.findings, shown.design, shown.notes.covers);
   std::optional<device::LiveSkin> skin;
   if (has_link) skin.emplace(robot::read_site(argument.path), options.link);
-  if (skin && !skin->site().is_robot) device::require_link(options.link);
   if (skin) say_simulated_links(options.link, skin->site(), output);
   view::LiveSkin live(shown.design.layout.modules.size());
-  live.set_health({options.link.link, false, "", 0, 0});
+  live.set_health({has_link ? options.link.link : "none", false, "", 0, 0});
   CommandQueue commands(skin ? skin->buses().size() : 1);
   catch_interrupts();
   const view::Server server(view::site_of(shown.design, {}, calibration_now(options, skin, output), shown.notes), live,
@@ -176,6 +200,9 @@ const Registration kView{{
       add_calibration_options(app, options->calibration);
       app.add_option("--findings", options->findings,
                      "report of triskin verify (--report FILE.json): its findings are shown at their modules");
+      app.add_option("--compare", options->compare,
+                     "an earlier design of the part: both are shown side by side, and which modules stay, are added or "
+                     "removed");
       app.add_option("--port", options->port, "of the page on 127.0.0.1; 0 takes a free one")->capture_default_str();
       app.add_flag("--no-open", options->no_open, "do not start a browser");
       return [options](Output& output) { return run(*options, output); };

@@ -147,7 +147,7 @@ class Session {
         const bool used = uses_line(node, static_cast<int>(l));
         if (!states.lines[l].stuck || !used) continue;
         good = false;
-        found += fmt::format("controller {}: line {} is held low; ", node, l + 1);
+        found += fmt::format("controller {}: line L{} is held low; ", node, l);
       }
     }
     const StepAnswer person = ask(bring_up_steps()[8]);

@@ -70,7 +70,7 @@ void Diagnosis::run(VerifyResult& result) {
 }
 
 std::string Diagnosis::at(int line, int address) {
-  return fmt::format("line {}, address {} (0x{:02X})", line, address, layout::kFirstCdcAddress + address);
+  return fmt::format("L{}, address {:02X}", line, layout::kFirstCdcAddress + address);
 }
 
 std::string Diagnosis::where(int module) const {
@@ -178,7 +178,7 @@ void Diagnosis::examine_lines(const PatchState& p) {
              : fmt::format("was held low and freed by clock pulses {} times", p.line_states.lines[k].recoveries);
     Finding& f = add(
         FindingKind::kStuckLine, -1, p.patch,
-        fmt::format("patch {}, line {}: SDA or SCL {}; modules on it: {}", p.patch, l, what, fmt::join(modules, ", ")),
+        fmt::format("patch {}, line L{}: SDA or SCL {}; modules on it: {}", p.patch, l, what, fmt::join(modules, ", ")),
         "look for a short of this line; part the joints from the far end on until the line is free");
     f.line = l;
     if (!held) continue;

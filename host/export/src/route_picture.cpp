@@ -122,7 +122,7 @@ std::string route_svg(const ModuleList& list, std::span<const Patch> patches) {
     svg += fmt::format(
         "<rect x=\"{0:.1f}\" y=\"{1:.1f}\" width=\"12\" height=\"12\" fill=\"{2}\"/><text x=\"{3:.1f}\" y=\"{4:.1f}\" "
         "font-family=\"sans-serif\" "
-        "font-size=\"10\">line {5}</text>\n",
+        "font-size=\"10\">L{5}</text>\n",
         10.0 + 60.0 * static_cast<double>(l), sheet.size().y(), kLineColor[l], 25.0 + 60.0 * static_cast<double>(l),
         sheet.size().y() + 10, l);
   }

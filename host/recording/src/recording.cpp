@@ -15,7 +15,10 @@ class Samples final : public mcap::Visitor {
 
   void on_schema(const mcap::Schema& schema) override { schemas_[schema.id] = schema.name; }
   void on_channel(const mcap::Channel& channel) override {
-    if (schemas_[channel.schema] == kRawFrameType.name) raw_ = channel.id;
+    if (schemas_[channel.schema] == kRawFrameType.name) {
+      if (raw_ != 0 && raw_ != channel.id) throw_several_covers();
+      raw_ = channel.id;
+    }
     if (schemas_[channel.schema] == kReadersType.name) readers_channel_ = channel.id;
   }
   void on_attachment(const mcap::Attachment& attachment) override {
@@ -33,6 +36,13 @@ class Samples final : public mcap::Visitor {
   }
 
  private:
+  // Modules of different covers have the same numbers.
+  [[noreturn]] void throw_several_covers() const {
+    throw InputError(
+        fmt::format("{}: holds several covers of a robot, for viewers; record the robot into a folder (-o FOLDER), and "
+                    "each cover has a file of its own",
+                    name_));
+  }
   [[noreturn]] void malformed(const MessageType& type) const {
     throw InputError(fmt::format("{}: a message of {} is malformed", name_, type.name));
   }

@@ -92,11 +92,18 @@ void draw_jumper(const Drawing& d, const PageSide& at, const Side& side, int mod
 
 void draw_cable(const Drawing& d, const PageSide& at, const Side& side, int module) {
   if (!side.cable && !side.second_cable) return;
-  const double from_mm = is_joint(side) ? 4.0 : 9.0;  // At a joint the neighbour needs the room.
+  const int patch = d.plan.wiring[index(module)].patch;
+  const double from_mm = is_joint(side) ? 4.0 : 9.0;
   draw_arrow(d.canvas, at.middle() + from_mm * at.outward, at.middle(), kBlue);
+  if (is_joint(side)) {
+    // The neighbour takes the room: between the arrow and the angle or the crosses there are 4 mm.
+    write_along(d, at, 0.595, 0.7, fmt::format("C{}{}", patch, side.cable ? "" : "*"),
+                {.size_mm = 1.8, .bold = true, .color = kBlue});
+    return;
+  }
   const double align = at.outward.x() > 0.1 ? 0.0 : at.outward.x() < -0.1 ? 1.0 : 0.5;
   d.canvas.text(at.middle() + (from_mm + 1.0) * at.outward + Vec2(0, at.outward.y() > 0.9 ? 2.2 : 0.8),
-                fmt::format("{}cable C{}", side.cable ? "" : "2nd ", d.plan.wiring[index(module)].patch),
+                fmt::format("{}cable C{}", side.cable ? "" : "2nd ", patch),
                 {.size_mm = 2.6, .bold = true, .align = align, .color = kBlue});
 }
 

@@ -57,9 +57,10 @@ void key_of_sides(Canvas& c, Key& key) {
 }
 
 void key_of_cables(Canvas& c, Key& key) {
-  const Vec2 cable = key.next({"The cable of controller 3 is plugged in here, at port A of its entry module.",
-                               "2nd cable: only for switched modules; else it is left out."},
-                              12.0);
+  const Vec2 cable =
+      key.next({"The cable of controller 3 is plugged in here, at port A of its entry module.",
+                "2nd cable: only for switched modules; else it is left out. At a joint: C3, and C3* for the 2nd."},
+               12.0);
   draw_arrow(c, cable + Vec2(0, -4), cable + Vec2(0, 4), kBlue);
   c.text(cable + Vec2(-1.5, 0), "cable C3", {.size_mm = 2.6, .bold = true, .align = 1.0, .color = kBlue});
   const Vec2 jumper =

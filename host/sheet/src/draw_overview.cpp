@@ -109,10 +109,40 @@ void draw_badge(Canvas& canvas, const Vec2& at, const std::string& text, const C
   canvas.text(at + Vec2(0, 1.1), text, {.size_mm = 3.0, .bold = true, .align = 0.5, .color = color});
 }
 
+// How much of each island the view shows: the sum of its modules, each as far as it faces the viewer.
+std::map<int, double> shown_of(const design::Design& design, const Vec3& toward) {
+  std::map<int, double> shown;
+  for (const auto& m : design.layout.modules) shown[m.island] += std::max(0.0, normal_of(m.corner_mm).dot(toward));
+  return shown;
+}
+
+// For each island, what its best view shows.
+std::map<int, double> best_shown(const design::Design& design) {
+  std::map<int, double> best;
+  for (const View& view : kViews) {
+    for (const auto& [island, shown] : shown_of(design, view.toward)) best[island] = std::max(best[island], shown);
+  }
+  return best;
+}
+
+// An island that is seen from the side has its number in the views that show it better; else numbers of islands around
+// a corner would lie on each other.
+void draw_island_numbers(const Drawing& d, const View& view, const std::map<int, std::vector<Vec2>>& centers) {
+  constexpr double kWellShown = 0.5;
+  const auto best = best_shown(d.design);
+  const auto shown = shown_of(d.design, view.toward);
+  for (const auto& [island, points] : centers) {
+    if (shown.at(island) >= kWellShown * best.at(island))
+      draw_badge(d.canvas, middle_of_points(points), std::to_string(island), kBlack);
+  }
+}
+
+// An entry is named in each view that it faces; of six views along axes at least one is faced with 1/√3.
 void draw_entries(const Drawing& d, const View& view) {
+  constexpr double kFacing = 0.4;
   for (std::size_t p = 0; p < d.design.patches.size(); ++p) {
     const auto& m = d.design.layout.modules.at(static_cast<std::size_t>(d.design.patches[p].entry));
-    if (normal_of(m.corner_mm).dot(view.toward) < 0.05) continue;
+    if (normal_of(m.corner_mm).dot(view.toward) < kFacing) continue;
     const int rotation = d.plan.wiring[static_cast<std::size_t>(d.design.patches[p].entry)].routed.rotation;
     const Vec2 at = view.flat(middle_of(m, rotation));
     d.canvas.fill_circle(at, 0.9, kBlue);
@@ -159,10 +189,11 @@ void draw_overview(const Drawing& d) {
     most = std::min(most, (room.cwiseQuotient(boxes[v].sizes().cwiseMax(1.0))).minCoeff());
   }
   const double scale = round_scale(most);
+  const char landmark = d.plan.landmarks.empty() ? 'R' : d.plan.landmarks.front().name.front();
   d.canvas.text({kMargin_mm, kMargin_mm + 16.0},
                 fmt::format("Scale 1:{:g}. Boxed numbers are islands, C0, C1, … entries of the controllers, red "
-                            "crosses R1, R2, … landmarks.",
-                            1.0 / scale),
+                            "crosses {}1, {}2, … landmarks.",
+                            1.0 / scale, landmark, landmark),
                 {.size_mm = 2.6});
   d.canvas.text({kMargin_mm, kMargin_mm + 20.0}, "A colour is a controller. x, y and z are the axes of the mesh.",
                 {.size_mm = 2.6});
@@ -182,8 +213,7 @@ void draw_overview(const Drawing& d) {
     }
     draw_landmarks(d, view, (low + high) / 2.0);
     draw_entries(d, view);
-    for (const auto& [island, centers] : islands)
-      draw_badge(d.canvas, middle_of_points(centers), std::to_string(island), kBlack);
+    draw_island_numbers(d, view, islands);
   }
 }
 

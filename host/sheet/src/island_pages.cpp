@@ -126,8 +126,8 @@ struct OpenPage {
   }
 };
 
-constexpr double kCaption_mm = 14.0;  // The caption holds the name of an island and its two points.
-constexpr double kCaptionWidth_mm = 96.0;
+constexpr double kCaption_mm = 14.0;                            // Name of an island and its two points.
+constexpr double kCaptionWidth_mm = 93.0, kRulerRoom_mm = 8.0;  // Two captions and the ruler fill the width of A4.
 
 // Returns the room that an island takes on a page that it shares.
 Vec2 cell_of(const Vec2& box_mm) {
@@ -135,7 +135,7 @@ Vec2 cell_of(const Vec2& box_mm) {
 }
 
 Vec2 shared_room(const Vec2& paper_mm) {
-  return paper_mm - Vec2(2.0 * kMargin_mm, 2.0 * kMargin_mm + kHead_mm + kFoot_mm);
+  return paper_mm - Vec2(2.0 * kMargin_mm + kRulerRoom_mm, 2.0 * kMargin_mm + kHead_mm + kFoot_mm);
 }
 
 void put_on(OpenPage& open, const Vec2& at_mm, const design::Design& design, IslandPage island) {

@@ -405,12 +405,15 @@ std::vector<Page> controller_pages(const design::Design& design, const Plan& pla
     const double height = height_of(lines);
     if (!pages.empty() && used_mm + height <= room_of(paper)) {
       std::ranges::move(lines, std::back_inserter(pages.back().lines));
-      pages.back().title += fmt::format(", {}", p);
+      std::string& title = pages.back().title;
+      constexpr std::string_view kOne = "Controller ";
+      const std::string numbers = title.substr(title.starts_with(kOne) ? kOne.size() : kOne.size() + 1);
+      title = fmt::format("Controllers {}, {}", numbers, p);
       pages.back().patch = -1;
       used_mm += height;
       continue;
     }
-    std::vector<Page> own = paginated(lines, fmt::format("Controllers {}", p), paper);
+    std::vector<Page> own = paginated(lines, fmt::format("Controller {}", p), paper);
     own.front().patch = p;
     used_mm = own.size() == 1 ? height : room_of(paper);
     std::ranges::move(own, std::back_inserter(pages));

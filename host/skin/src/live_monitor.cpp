@@ -2,6 +2,7 @@
 #include "triskin/skin/live_monitor.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -131,6 +132,30 @@ double LiveMonitor::force_n() const {
   return sum_n;
 }
 
+OffRest LiveMonitor::off_rest() const {
+  OffRest off;
+  for (std::size_t k = 0; k < modules_.size(); ++k) {
+    if (!modules_[k].heard || !trouble_of(modules_[k].state).empty()) continue;
+    const auto change = touches_.change(static_cast<int>(k));
+    if (*std::ranges::min_element(change) > -TouchMap::kPressed_counts) continue;
+    off.modules.push_back(static_cast<int>(k));
+    off.taxels += static_cast<int>(
+        std::ranges::count_if(change, [](double c) { return std::abs(c) >= TouchMap::kPressed_counts; }));
+  }
+  return off;
+}
+
+std::string sentence(const OffRest& off) {
+  constexpr std::size_t kMaxNamed = 12;
+  if (off.taxels == 0) return {};
+  const std::size_t named = std::min(kMaxNamed, off.modules.size());
+  std::string text =
+      fmt::format("{} taxels do not rest: tare; their modules: {}", off.taxels,
+                  fmt::join(off.modules.begin(), off.modules.begin() + static_cast<std::ptrdiff_t>(named), ", "));
+  if (named < off.modules.size()) text += fmt::format(" and {} more", off.modules.size() - named);
+  return text;
+}
+
 const std::vector<design::RoutedModule>& LiveMonitor::modules_of(int patch) const {
   return design_.patches.at(static_cast<std::size_t>(patch)).modules;
 }
@@ -177,7 +202,9 @@ std::string LiveMonitor::cell(int module, PressureUnit unit, bool colour, CellFo
     kpa = std::max(kpa, calibration_.pressure_kpa(module, static_cast<int>(t), change[t]));
   const std::string_view trouble = m.heard ? trouble_of(m.state) : "  --";
   std::string text = design_.layout.modules[static_cast<std::size_t>(module)].tile.up ? "▲" : "▼";
-  if (form == CellForm::kDigit)
+  if (unit == PressureUnit::kModule && form != CellForm::kDigit)
+    text += fmt::format("{:4}", module);
+  else if (form == CellForm::kDigit)
     text += !m.heard ? "-" : !trouble.empty() ? "!" : digit(counts);
   else
     text += trouble.empty() ? number(counts, kpa, unit) : std::string(trouble);

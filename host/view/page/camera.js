@@ -58,8 +58,11 @@ export function bestDirection(normals) {
   return ways.reduce((best, d) => seen(d) > seen(best) + 1e-9 ? d : best, ways[0]);
 }
 
+/** The direction that lies to the right of a camera which stands toward `toward`. @param {number[]} toward */
+export const rightOf = (toward) => Math.hypot(toward[0], toward[1]) > 1e-3 ? unit([-toward[1], toward[0], 0]) : [1, 0, 0];
+
 const HALF_ANGLE = Math.tan(0.3);
-const MARGIN = 1.14; // room for the buttons over the drawing
+const MARGIN = 1.1, TOOLS_PX = 34; // room around the drawing, and for the buttons over it
 
 /** Turns around a point of the body; z points up. Views along an axis are orthographic until the view is turned. */
 export class OrbitCamera extends Camera {
@@ -91,7 +94,7 @@ export class OrbitCamera extends Camera {
   }
   // The smallest distance from which every point lies in the pane, seen toward the middle of what is drawn.
   fit() {
-    const {back, right, up} = this.axes(), wide = this.half_width(), high = this.half_height();
+    const {back, right, up} = this.axes(), wide = this.half_width(), high = this.half_height(), strip = Math.min(0.25, TOOLS_PX / this.height);
     this.target = this.middle.slice();
     for (let turn = 0; turn < 3; ++turn) {
       const ends = {right: [Infinity, -Infinity], up: [Infinity, -Infinity]};
@@ -101,11 +104,12 @@ export class OrbitCamera extends Camera {
         const x = dot(p, right), y = dot(p, up), z = this.orthographic ? 0 : dot(p, back);
         ends.right = [Math.min(ends.right[0], x), Math.max(ends.right[1], x)];
         ends.up = [Math.min(ends.up[0], y), Math.max(ends.up[1], y)];
-        distance = Math.max(distance, z + MARGIN * Math.max(Math.abs(x) / wide, Math.abs(y) / high));
+        distance = Math.max(distance, z + MARGIN * Math.max(Math.abs(x) / wide, Math.abs(y) / (high * (1 - strip))));
       }
       this.distance = Math.max(distance, this.radius * 0.05);
       if (turn < 2) this.target = add(add(this.target, right, (ends.right[0] + ends.right[1]) / 2), up, (ends.up[0] + ends.up[1]) / 2);
     }
+    this.target = add(this.target, up, strip * this.distance * high); // the body lies below the buttons
   }
   // Half of what the pane shows at a distance of 1.
   half_height() { return HALF_ANGLE / Math.min(1, this.width / this.height); }
@@ -168,6 +172,9 @@ export class OrbitCamera extends Camera {
   }
 }
 
+// Room for names above the islands, for what is written below them, and for jumpers at either side, pixels.
+const ABOVE_PX = 26, BELOW_PX = 36, BESIDE_PX = 60;
+
 /** Looks straight down on the plane of the islands. */
 export class PlaneCamera extends Camera {
   constructor(box) { super(); this.box = box; this.fitted = true; this.reset(); }
@@ -175,8 +182,10 @@ export class PlaneCamera extends Camera {
   update() {
     if (this.fitted) {
       this.target = this.box.low.map((v, k) => (v + this.box.high[k]) / 2);
-      this.mm_per_pixel = 1.14 * Math.max((this.box.high[0] - this.box.low[0]) / this.width,
-                                          (this.box.high[1] - this.box.low[1]) / this.height, 0.01);
+      const beside = Math.min(BESIDE_PX, 0.12 * this.width), above = Math.min(ABOVE_PX, 0.1 * this.height), below = Math.min(BELOW_PX, 0.1 * this.height);
+      this.mm_per_pixel = Math.max((this.box.high[0] - this.box.low[0]) / (this.width - 2 * beside),
+                                   (this.box.high[1] - this.box.low[1]) / (this.height - above - below), 0.01);
+      this.target[1] += this.mm_per_pixel * (above - below) / 2;
     }
     const sx = 2 / (this.width * this.mm_per_pixel), sy = 2 / (this.height * this.mm_per_pixel);
     this.matrix.set([sx, 0, 0, 0, 0, sy, 0, 0, 0, 0, -0.01, 0, -sx * this.target[0], -sy * this.target[1], 0, 1]);

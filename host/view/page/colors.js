@@ -12,16 +12,20 @@ export const PALETTE = /** @type {Record<string, {color: Rgb, what: string}>} */
   fault: {color: [0.0, 0.85, 0.90], what: "chip fault, crossed"},
   none: {color: [0.72, 0.67, 0.60], what: "in no patch"},
   lost: {color: [0.45, 0.05, 0.30], what: "lost for good"},
-  rerouted: {color: [0.99, 0.86, 0.52], what: "read over the blue joints (switched modules)"},
+  rerouted: {color: [0.97, 0.72, 0.84], what: "read over the blue joints (switched modules)"},
   backup: {color: [0.10, 0.25, 0.95], what: "joint that takes over"},
   module: {color: [0.40, 0.43, 0.48], what: "module"},
   rest: {color: [0.78, 0.81, 0.85], what: "taxel at rest"},
   noValue: {color: [0.24, 0.26, 0.29], what: "without pressure value"},
   tree: {color: [0.08, 0.09, 0.10], what: "to parent; disc: entry; ring: second entry"},
   seam: {color: [0.58, 0.60, 0.64], what: "between controllers"},
-  cut: {color: [1.0, 1.0, 1.0], what: "cut joint"},
+  cut: {color: [0.66, 0.96, 0.16], what: "cut joint"},
   jumper: {color: [0.42, 0.12, 0.78], what: "jumper"},
   finding: {color: [0.0, 0.45, 0.70], what: "finding of verify"},
+  back: {color: [0.37, 0.30, 0.23], what: "back of a module"},
+  kept: {color: [0.50, 0.56, 0.78], what: "stays where it is"},
+  added: {color: [0.16, 0.66, 0.22], what: "added"},
+  removed: {color: [0.84, 0.36, 0.48], what: "removed"},
 });
 /** The colour of an entry of the table. @param {string} name @returns {Rgb} */
 export const colorOf = (name) => PALETTE[name].color;
@@ -41,8 +45,8 @@ function between(stops, x) {
   return /** @type {Rgb} */ (stops[k].map((v, c) => v + (at - k) * (stops[k + 1][c] - v)));
 }
 
-// A scale that grows in lightness for every kind of colour vision (five stops of viridis).
-const SCALE = [[0.267, 0.005, 0.329], [0.230, 0.322, 0.546], [0.128, 0.567, 0.551], [0.369, 0.789, 0.383], [0.993, 0.906, 0.144]];
+// A scale that grows in lightness for every kind of colour vision: four stops of viridis and a pale green, since its yellow end would look like a pressed taxel.
+const SCALE = [[0.267, 0.005, 0.329], [0.230, 0.322, 0.546], [0.128, 0.567, 0.551], [0.369, 0.789, 0.383], [0.84, 0.96, 0.72]];
 /** @param {number} x 0 … 1 @returns {Rgb} */
 export const scale = (x) => between(SCALE, x);
 
@@ -51,9 +55,10 @@ export const HEAT = [[0.50, 0.22, 0.02], [0.85, 0.42, 0.0], [1.0, 0.68, 0.0], [1
 /** Colour of a pressed taxel. @param {number} x 0 … 1 @returns {Rgb} */
 export const heatColor = (x) => between(HEAT, x);
 
-const LINES = /** @type {Rgb[]} */ ([[0.90, 0.62, 0.0], [0.34, 0.71, 0.91], [0.0, 0.62, 0.45], [0.80, 0.47, 0.65]]);
+/** Colours of the four lines, and of the four addresses. */
+export const LINES = /** @type {Rgb[]} */ ([[0.58, 0.60, 0.12], [0.34, 0.71, 0.91], [0.0, 0.62, 0.45], [0.80, 0.47, 0.65]]);
 /** Colours of the curves in the history plot. */
-export const CURVES = LINES.concat([[0.0, 0.45, 0.70], [0.84, 0.37, 0.0]]);
+export const CURVES = /** @type {Rgb[]} */ ([[0.90, 0.62, 0.0], ...LINES.slice(1), [0.0, 0.45, 0.70], [0.84, 0.37, 0.0]]);
 
 export const css = (c) => `rgb(${c.map((v) => Math.round(255 * v)).join(",")})`;
 
@@ -61,11 +66,11 @@ export const css = (c) => `rgb(${c.map((v) => Math.round(255 * v)).join(",")})`;
 export const FULL_COUNTS = 6000;
 /** Change in counts from which a taxel counts as pressed. */
 export const PRESSED_COUNTS = 200;
-/** Colour strength of a change: the square root shows light touches. @param {number} counts */
-export const heatOf = (counts) => {
-  const x = Math.abs(counts);
-  return x < PRESSED_COUNTS / 2 ? 0 : Math.min(1, Math.sqrt(x / FULL_COUNTS));
-};
+/** Colour strength of a pressure: the square root shows light touches. @param {number} counts below rest */
+export const heatOf = (counts) => counts < PRESSED_COUNTS / 2 ? 0 : Math.min(1, Math.sqrt(counts / FULL_COUNTS));
+
+/** Name of the mode that compares two designs. */
+export const CHANGES = "changes";
 
 /** Colour of a controller: neighbours in number are far apart in hue. @param {number} patch @returns {Rgb} */
 export const controllerColor = (patch) => patch < 0 ? colorOf("none") : hsl((patch * 137.508) % 360, 0.45, 0.6);
@@ -73,6 +78,9 @@ export const controllerColor = (patch) => patch < 0 ? colorOf("none") : hsl((pat
 /** @typedef {{color: Rgb, what: string, of?: (k: number) => boolean}} Swatch `of`: the modules that are drawn in this colour */
 /** @typedef {{of: (x: number) => Rgb, low: string, high: string}} Bar */
 /** @typedef {{name: string, color: (k: number) => Rgb, swatches: Swatch[], bar?: Bar, chips?: boolean}} Mode `chips`: swatches whose text is a number */
+
+/** The scale of a pressed taxel, in every mode. @type {Bar} */
+export const HEAT_BAR = {of: heatColor, low: "touched", high: `${FULL_COUNTS} counts`};
 
 /** The ways to colour modules. @param {Model} model @returns {Mode[]} */
 export function modesOf(model) {
@@ -86,9 +94,9 @@ export function modesOf(model) {
     {name: "controllers", color: (k) => controllerColor(patch(k)), chips: true,
      swatches: model.data.patches.map((_, p) => ({color: controllerColor(p), what: String(p), of: (k) => patch(k) === p}))},
     {name: "pressure", color: () => colorOf("module"), swatches: [entry("module", () => true)],
-     bar: {of: heatColor, low: "touched", high: `${FULL_COUNTS} counts`}},
-    {name: "lines", ...strap("line", ["line 0", "line 1", "line 2", "line 3"])},
-    {name: "addresses", ...strap("address", ["0x2C", "0x2D", "0x2E", "0x2F"])},
+     bar: HEAT_BAR},
+    {name: "lines", ...strap("line", ["L0", "L1", "L2", "L3"])},
+    {name: "addresses", ...strap("address", ["2C", "2D", "2E", "2F"])},
     byValue("depth in the tree", (k) => modules[k].depth, depthMax(model), "entry", `${depthMax(model)} joints`),
     byValue("loss when it fails", (k) => model.subtree(k).length, 16, "0", "16 modules"),
   ]);
@@ -100,6 +108,11 @@ export function modesOf(model) {
                 swatches: kinds.map((kind) => ({color: colorOfKind(kind), what: kind, of: (k) => modules[k].kind === kind}))});
   }
   if (model.data.side?.wall_mm?.length) modes.push(wallMode(model));
+  const {changes} = model.data;
+  if (changes?.length) {
+    modes.push({name: CHANGES, color: (k) => colorOf(changes[k].what),
+                swatches: ["kept", "added", "removed"].map((what) => entry(what, (k) => changes[k].what === what))});
+  }
   model.data.metrics.forEach((metric, row) => {
     const max = metric.limit || Math.max(0.01, ...modules.map((m) => m.metrics[row]));
     const mode = byValue(metric.name, (k) => modules[k].metrics[row], max, "0", `${+max.toFixed(2)} ${metric.unit}${metric.limit ? " (limit)" : ""}`);

@@ -11,7 +11,7 @@ const NEAR_MM = 12; // taxels of a module are 7 mm apart, those of neighbours up
 /** All contact regions, strongest first; at most `most` taxels are looked at. @param {import("./model.js").Model} model
  * @param {import("./live.js").LiveSkin} live @returns {Contact[]} */
 export function contactsOf(model, live, most = 300) {
-  const pressed = /** @type {number[]} */ ([]), strength = (n) => Math.abs(live.change[n]);
+  const pressed = /** @type {number[]} */ ([]), strength = (n) => live.pressureOf(n);
   for (let n = 0; n < live.change.length && pressed.length < most; ++n)
     if (strength(n) >= PRESSED_COUNTS && model.pressure[n % TAXELS] && (live.valid[Math.floor(n / TAXELS)] >> n % TAXELS & 1)) pressed.push(n);
   const left = new Set(pressed), contacts = /** @type {Contact[]} */ ([]);

@@ -16,9 +16,9 @@ void main() {
   vColor = color * mix(1.0, 0.5 + 0.5 * abs(dot(normal, light)), shade);
 }`;
 const PLAIN = `precision mediump float; varying vec3 vColor; void main() { gl_FragColor = vec4(vColor, 1.0); }`;
-const TWO_SIDED = `precision mediump float; varying vec3 vColor;
-void main() { gl_FragColor = vec4(gl_FrontFacing ? vColor : vec3(0.32, 0.33, 0.35) , 1.0); }`;
 const glsl = (color) => `vec3(${color.map((v) => v.toFixed(4)).join(",")})`;
+const TWO_SIDED = `precision mediump float; varying vec3 vColor;
+void main() { gl_FragColor = vec4(gl_FrontFacing ? vColor : ${glsl(colorOf("back"))}, 1.0); }`;
 // A taxel at rest is a small dot that is left out where modules are small; a pressed one is never smaller than three pixels and has a dark rim, so that it
 // shows on modules of any colour. Heat below −1: the module is hidden.
 const TAXEL = `

@@ -26,7 +26,7 @@ export class History {
       if (!changed.includes(trace.module)) continue;
       const at = live.newest_ms, {samples} = trace;
       if (samples.length && at < samples[samples.length - 1].at) samples.length = 0; // a recording was sent back
-      samples.push({at, value: Math.abs(live.change[TAXELS * trace.module + trace.taxel])});
+      samples.push({at, value: live.pressureOf(TAXELS * trace.module + trace.taxel)});
       while (samples[0].at < at - SPAN_MS) samples.shift();
     }
   }

@@ -5,27 +5,37 @@
 import {css, PALETTE} from "./colors.js";
 import {pick} from "./camera.js";
 import {stubOf} from "./marks.js";
-import {Model} from "./model.js";
+import {ISLAND_GAP_MM, Model, TAXELS} from "./model.js";
 
-const MAX_NUMBERS = 500, CELL = 8; // pixels
+const MAX_NUMBERS = 500, CELL = 64; // the latter in pixels
 
-/** Where labels lie already, in cells of some pixels. */
+/** Where labels lie already: rectangles, each listed with the cells that it touches. */
 class Occupied {
-  cells = new Set();
+  cells = new Map();
   /** Takes a place if it is free. @returns {boolean} */
   take(x, y, wide, high) {
-    const cells = [];
-    for (let i = Math.floor((x - wide / 2) / CELL); i <= Math.floor((x + wide / 2) / CELL); ++i) {
-      for (let j = Math.floor((y - high / 2) / CELL); j <= Math.floor((y + high / 2) / CELL); ++j) {
-        const cell = 65536 * i + j;
-        if (this.cells.has(cell)) return false;
-        cells.push(cell);
-      }
-    }
-    for (const cell of cells) this.cells.add(cell);
+    const box = [x - wide / 2, y - high / 2, x + wide / 2, y + high / 2], cells = this.cellsOf(box);
+    if (cells.some((list) => list.some((other) => box[0] < other[2] && other[0] < box[2] && box[1] < other[3] && other[1] < box[3]))) return false;
+    for (const list of cells) list.push(box);
     return true;
   }
+  /** @param {number[]} box @returns {number[][][]} */
+  cellsOf([left, top, right, bottom]) {
+    const lists = [];
+    for (let i = Math.floor(left / CELL); i <= Math.floor(right / CELL); ++i) {
+      for (let j = Math.floor(top / CELL); j <= Math.floor(bottom / CELL); ++j) {
+        const key = 65536 * i + j;
+        if (!this.cells.has(key)) this.cells.set(key, []);
+        lists.push(this.cells.get(key));
+      }
+    }
+    return lists;
+  }
 }
+
+const NAME_FONT = "600 12px system-ui, sans-serif", JUMPER_FONT = "600 11px system-ui, sans-serif";
+/** @typedef {[number, number, number, number]} Box x and y of the middle, width, height */
+/** @typedef {{text: string, x: number, y: number, box: Box}} Label */
 
 const themeColor = (name) => getComputedStyle(document.documentElement).getPropertyValue(name);
 
@@ -35,9 +45,11 @@ export class Labels {
     this.paint = paint;
     this.model = model;
     this.numbers = new Map(); // by view: what was computed for a camera
+    this.covers = /** @type {{key: string, names: Label[]} | null} */ (null);
+    this.placed = /** @type {{key: string, names: Label[], jumpers: Label[]} | null} */ (null);
   }
 
-  /** @param {any[]} views @param {{numbers: boolean, jumpers: boolean}} shown @param {{contacts: any[], selected: number, measured: any}} state */
+  /** @param {any[]} views @param {{numbers: boolean, jumpers: boolean, trees: boolean}} shown @param {{contacts: any[], selected: number, measured: any}} state */
   draw(views, shown, state) {
     const canvas = this.paint.canvas;
     this.paint.clearRect(0, 0, canvas.width, canvas.height);
@@ -48,8 +60,8 @@ export class Labels {
       this.paint.rect(0, 0, view.camera.width, view.camera.height);
       this.paint.clip();
       const occupied = new Occupied();
-      if (view.name === "flat") this.drawNames(view.camera, shown, occupied);
-      if (shown.numbers) this.drawNumbers(view, state.selected, occupied);
+      if (view.name === "flat") this.drawNames(view, shown, occupied); else this.drawCovers(view, occupied);
+      if (shown.numbers) this.drawNumbers(view, state.selected, occupied, this.busyCentres(shown.trees, state.contacts));
       if (view.name === "cover") this.drawContacts(view.camera, state.contacts);
       if (state.measured?.view === view.name) this.drawMeasured(view.camera, state.measured);
       this.drawRuler(view.camera);
@@ -63,23 +75,85 @@ export class Labels {
   }
 
   // Islands and the stubs of jumpers: what has a name of its own comes before numbers of modules.
-  drawNames(camera, shown, occupied) {
-    const {paint, model} = this;
-    Object.assign(paint, {font: "600 12px system-ui, sans-serif", textAlign: "left", textBaseline: "bottom", lineWidth: 3, strokeStyle: themeColor("--back")});
+  drawNames(view, shown, occupied) {
+    const {paint} = this, {names, jumpers} = this.namesFor(view, shown.jumpers);
+    for (const {box} of [...names, ...jumpers]) occupied.take(...box);
+    Object.assign(paint, {font: NAME_FONT, textAlign: "left", textBaseline: "bottom", lineWidth: 3, strokeStyle: themeColor("--back")});
     paint.fillStyle = themeColor("--front");
+    for (const {text, x, y} of names) this.write(text, x, y);
+    Object.assign(paint, {font: JUMPER_FONT, textBaseline: "middle", fillStyle: css(PALETTE.jumper.color), strokeStyle: "#fff"});
+    for (const {text, x, y} of jumpers) this.write(text, x, y);
+  }
+
+  // Where they stand; computed anew when the camera moves or other modules are shown.
+  namesFor({camera}, withJumpers) {
+    const key = `${camera.matrix.join()} ${camera.width} ${this.model.shownVersion} ${withJumpers}`;
+    if (this.placed?.key !== key) {
+      const occupied = new Occupied(), names = this.placeNames(camera, occupied);
+      this.placed = {key, names, jumpers: withJumpers ? this.placeJumpers(camera, occupied) : []};
+    }
+    return this.placed;
+  }
+
+  // An island has its number alone where the name has no room beside the next one.
+  placeNames(camera, occupied) {
+    const {paint, model} = this, placed = /** @type {Label[]} */ ([]);
+    paint.font = NAME_FONT;
     model.islandCorners.forEach((corner, island) => {
-      const [x, y] = camera.project(corner), placed = (text) => occupied.take(x + paint.measureText(text).width / 2, y - 8, paint.measureText(text).width, 10);
-      const text = [this.nameOf(island), String(island)].find(placed); // the number alone where the name has no room
-      if (text) this.write(text, x, y - 2);
+      const [x, y] = camera.project(corner), room = (model.islandWidths[island] + ISLAND_GAP_MM) / camera.mm_per_pixel;
+      for (const text of [this.nameOf(island), this.nameOf(island).replace(/^.* /, "")]) {
+        const wide = paint.measureText(text).width, box = /** @type {Box} */ ([x + wide / 2, y - 8, wide, 12]);
+        if (wide > room || !occupied.take(...box)) continue;
+        placed.push({text, x, y: y - 2, box});
+        break;
+      }
     });
-    if (!shown.jumpers || camera.mm_per_pixel > 1.1) return;
-    Object.assign(paint, {font: "600 11px system-ui, sans-serif", textBaseline: "middle", fillStyle: css(PALETTE.jumper.color), strokeStyle: "#fff"});
+    return placed;
+  }
+
+  // A label does not lie on a module: where it would, the name of the jumper alone is tried.
+  placeJumpers(camera, occupied) {
+    const {paint, model} = this, placed = /** @type {Label[]} */ ([]);
+    if (camera.mm_per_pixel > 1.4) return placed;
+    const reach = 14 / camera.mm_per_pixel; // pixels around the centre of a module that its triangle fills
+    for (let k = 0; k < model.count; ++k) {
+      const [x, y] = camera.project(Model.centre(model.flat.corners, k));
+      if (model.shows(k)) occupied.take(x, y, reach, reach);
+    }
+    paint.font = JUMPER_FONT;
     model.data.jumpers.forEach((jumper, j) => [0, 1].forEach((end) => {
       if (!model.shows(jumper.modules[end])) return;
-      const {to, out} = stubOf(model, jumper, end), [x, y] = camera.project(to), text = `J${j} → ${jumper.modules[1 - end]}`, wide = paint.measureText(text).width;
-      const left = x + (out[0] > 0.3 ? 3 : out[0] < -0.3 ? -wide - 3 : -wide / 2), middle = y - 8 * Math.sign(out[1]) * (Math.abs(out[1]) > 0.3 ? 1 : 0);
-      if (occupied.take(left + wide / 2, middle, wide, 8)) this.write(text, left, middle);
+      const {to, out} = stubOf(model, jumper, end), [x, y] = camera.project(to);
+      for (const text of [`J${j} → ${model.numberOf(jumper.modules[1 - end])}`, `J${j}`]) {
+        const wide = paint.measureText(text).width, left = x + (out[0] > 0.3 ? 3 : out[0] < -0.3 ? -wide - 3 : -wide / 2);
+        const middle = y - 8 * Math.sign(out[1]) * (Math.abs(out[1]) > 0.3 ? 1 : 0), box = /** @type {Box} */ ([left + wide / 2, middle, wide, 10]);
+        if (!occupied.take(...box)) continue;
+        placed.push({text, x: left, y: middle, box});
+        break;
+      }
     }));
+    return placed;
+  }
+
+  // The name of each cover stands above it.
+  drawCovers({camera}, occupied) {
+    const {paint, model} = this, covers = model.data.covers ?? [], key = `${camera.matrix.join()} ${camera.width} ${model.shownVersion}`;
+    if (covers.length === 0) return;
+    Object.assign(paint, {font: NAME_FONT, textAlign: "left", textBaseline: "bottom", lineWidth: 3, strokeStyle: themeColor("--back")});
+    paint.fillStyle = themeColor("--front");
+    if (this.covers?.key !== key) this.covers = {key, names: covers.map((cover) => this.placeCover(camera, cover))};
+    for (const {text, x, y, box} of this.covers.names) if (occupied.take(...box)) this.write(text, x, y);
+  }
+  /** @returns {Label} */
+  placeCover(camera, cover) {
+    let [left, right, top] = [Infinity, -Infinity, Infinity];
+    for (let k = cover.first_module; k < cover.first_module + cover.modules; ++k) {
+      if (!this.model.shows(k)) continue;
+      const [x, y] = camera.project(Model.centre(this.model.cover.corners, k));
+      [left, right, top] = [Math.min(left, x), Math.max(right, x), Math.min(top, y)];
+    }
+    const wide = this.paint.measureText(cover.name).width, x = (left + right - wide) / 2, y = Math.max(14, top - 16);
+    return {text: cover.name, x, y, box: [x + wide / 2, y - 7, wide, 14]};
   }
 
   nameOf(island) {
@@ -98,8 +172,9 @@ export class Labels {
     for (const k of order) {
       if (seen.has(k) || !this.model.shows(k)) continue;
       seen.add(k);
-      const [x, y] = camera.project(Model.centre(shape.corners, k)), wide = 0.6 * size * String(k).length;
-      if (x < 0 || y < 0 || x > camera.width || y > camera.height || area(camera, shape, k) < (k === selected ? 1 : 1.5 * wide * size)) continue;
+      const [x, y] = camera.project(Model.centre(shape.corners, k)), wide = 0.6 * size * String(this.model.numberOf(k)).length;
+      if (x < 0 || y < 0 || x > camera.width || y > camera.height) continue;
+      if (!(k === selected ? area(camera, shape, k) > 1 : holds(camera, shape, k, wide, size))) continue;
       if (name === "cover" && pick(shape.corners, shape.normals, camera.ray(x, y), this.model.shown) !== k) continue;
       list.push({k, x, y});
       if (list.length >= MAX_NUMBERS) break;
@@ -108,13 +183,23 @@ export class Labels {
     return list;
   }
 
-  drawNumbers(view, selected, occupied) {
-    const size = Math.min(15, 5.5 / view.camera.mm_per_pixel), paint = this.paint;
-    if (size < 7) return;
+  // Modules whose centre has something to show: the disc of an entry, a pressed taxel. @returns {Set<number>}
+  busyCentres(withTrees, contacts) {
+    const busy = new Set(contacts.flatMap((c) => c.taxels.map((n) => Math.floor(n / TAXELS))));
+    if (withTrees) for (const p of this.model.data.patches) busy.add(p.entry);
+    return busy;
+  }
+
+  drawNumbers(view, selected, occupied, busy) {
+    const {mm_per_pixel} = view.camera, size = Math.min(15, Math.max(8, 5.5 / mm_per_pixel)), paint = this.paint;
+    if (mm_per_pixel > 1.4) return;
     Object.assign(paint, {font: `600 ${size.toFixed(1)}px system-ui, sans-serif`, textAlign: "center", textBaseline: "middle", lineWidth: 3,
                           strokeStyle: "rgba(255,255,255,.85)", fillStyle: "#111"});
-    for (const {k, x, y} of this.visible(view, size, selected))
-      if (occupied.take(x, y, 0.6 * size * String(k).length, 0.8 * size)) this.write(String(k), x, y);
+    for (const {k, x, y} of this.visible(view, size, selected)) {
+      const below = busy.has(k) ? 3.4 / mm_per_pixel + 0.5 * size : 0;
+      const text = String(this.model.numberOf(k));
+      if (occupied.take(x, y + below, 0.6 * size * text.length + 4, 0.8 * size + 1)) this.write(text, x, y + below);
+    }
   }
 
   // A ring around each contact on the cover, also where the body hides it: then it is dashed.
@@ -122,9 +207,9 @@ export class Labels {
     for (const contact of contacts.slice(0, 8)) {
       const [x, y] = camera.project(contact.centre);
       this.paint.setLineDash(area(camera, this.model.cover, contact.module) > 0 ? [] : [4, 4]);
-      Object.assign(this.paint, {lineWidth: 2, strokeStyle: themeColor("--contact")});
+      Object.assign(this.paint, {lineWidth: 2.5, strokeStyle: themeColor("--contact")});
       this.paint.beginPath();
-      this.paint.arc(x, y, Math.max(9, 4 * Math.sqrt(contact.taxels.length) / camera.mm_per_pixel), 0, 2 * Math.PI);
+      this.paint.arc(x, y, Math.max(13, 4 * Math.sqrt(contact.taxels.length) / camera.mm_per_pixel), 0, 2 * Math.PI);
       this.paint.stroke();
     }
     this.paint.setLineDash([]);
@@ -161,4 +246,10 @@ export const distanceOf = ([a, b]) => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] 
 export function area(camera, shape, k) {
   const p = [0, 3, 6].map((c) => camera.project(shape.corners, 9 * k + c));
   return ((p[2][0] - p[0][0]) * (p[1][1] - p[0][1]) - (p[1][0] - p[0][0]) * (p[2][1] - p[0][1])) / 2;
+}
+
+// True when a label fits into the triangle of a module that shows its front.
+function holds(camera, shape, k, wide, high) {
+  const p = [0, 3, 6].map((c) => camera.project(shape.corners, 9 * k + c)), span = (c) => Math.max(p[0][c], p[1][c], p[2][c]) - Math.min(p[0][c], p[1][c], p[2][c]);
+  return area(camera, shape, k) > 0 && span(0) >= 1.5 * wide && span(1) >= 1.6 * high;
 }

@@ -2,7 +2,7 @@
 // @ts-check
 // The legend: made of the entries by which the picture is drawn. Texts are set as text, since names of kinds come from a file; colours are set here because
 // the page allows no inline style.
-import {css, PALETTE} from "./colors.js";
+import {css, HEAT_BAR, PALETTE} from "./colors.js";
 import {byId} from "./panel.js";
 
 /** @param {{color: number[], what: string}} entry @param {string} kind of CSS class */
@@ -28,17 +28,20 @@ function barOf(bar) {
 /** Which marks are shown, and what of the table explains them. */
 const MARKS = [["taxels", ["rest", "noValue"]], ["trees", ["tree"]], ["seams", ["seam", "cut"]], ["jumpers", ["jumper"]]];
 
-/** @param {import("./colors.js").Mode} mode @param {import("./model.js").Model} model @param {Record<string, boolean>} shown @param {boolean} hasFaults
- * @param {boolean} hasFindings */
-export function fillLegend(mode, model, shown, hasFaults, hasFindings) {
+/** @param {import("./colors.js").Mode} mode @param {import("./model.js").Model} model @param {Record<string, boolean>} shown 
+ * @param {{faults: boolean, findings: boolean, skin: boolean}} has what there is to see */
+export function fillLegend(mode, model, shown, has) {
   const rows = /** @type {HTMLElement[]} */ ([]);
   if (mode.bar) rows.push(...barOf(mode.bar));
   const kind = mode.chips ? "chip" : "swatch";
   rows.push(...mode.swatches.filter((s) => !s.of || mode.chips || model.modules.some((_, k) => s.of?.(k))).map((s) => swatch(s, kind)));
   const names = MARKS.filter(([part]) => shown[/** @type {string} */ (part)]).flatMap(([, entries]) => entries).filter((name) => name !== "jumper" || model.data.jumpers.length > 0);
-  if (hasFaults) names.unshift("fault");
-  if (hasFindings) names.push("finding");
+  if (has.faults) names.unshift("fault");
+  if (has.findings) names.push("finding");
+  names.push("back");
   const marks = document.createElement("div");
   marks.append(...names.map((name) => swatch(PALETTE[name], "swatch")));
-  byId("legend").replaceChildren(...rows, marks);
+  // Whoever colours by something else sees the touched taxels too.
+  const touched = has.skin && shown.taxels && mode.bar !== HEAT_BAR ? barOf(HEAT_BAR) : [];
+  byId("legend").replaceChildren(...rows, ...touched, marks);
 }

@@ -18,6 +18,9 @@ export class LiveSkin {
     this.frames = 0;
   }
 
+  /** By how many counts a taxel reads below its rest value; above it there is no pressure. @param {number} n 12 · module + taxel */
+  pressureOf(n) { return Math.max(0, -this.change[n]); }
+
   /** Takes one frame. @param {ArrayBuffer} bytes @returns {number[]} modules that changed; none for a frame of another version */
   take(bytes) {
     const view = new DataView(bytes), changed = [];

@@ -4,7 +4,7 @@
 import {CanvasDrawing} from "./canvas_drawing.js";
 import {bestDirection, hitOf, OrbitCamera, PlaneCamera, boxOf} from "./camera.js";
 import {contactsOf} from "./contacts.js";
-import {colorOf, heatOf, modesOf} from "./colors.js";
+import {CHANGES, colorOf, heatOf, modesOf} from "./colors.js";
 import {GlDrawing} from "./gl_drawing.js";
 import {History} from "./history.js";
 import {Labels} from "./labels.js";
@@ -13,7 +13,7 @@ import {FIRST_FAULT, LiveLink, LiveSkin} from "./live.js";
 import {faultMarks, findingMarks, jumperMarks, seamMarks, selectionMarks, treeMarks} from "./marks.js";
 import {Model, TAXELS} from "./model.js";
 import {Player} from "./player.js";
-import {byId, fillButtons, fillContacts, fillDesign, fillFaults, fillFindings, fillList, fillModule, foldParts, openPart, pressedOf} from "./panel.js";
+import {byId, fillButtons, fillContacts, fillDesign, fillFaults, fillFindings, fillList, fillModule, foldParts, openPart, pressedOf, restRemark} from "./panel.js";
 
 const PRESSURE = 1; // the mode that shows the skin
 const SIDES = /** @type {[string, number[]][]} */ ([["+x", [1, 0, 0]], ["−x", [-1, 0, 0]], ["+y", [0, 1, 0]], ["−y", [0, -1, 0]], ["+z", [0, 0, 1]], ["−z", [0, 0, -1]]]);
@@ -56,8 +56,9 @@ class Page {
     for (const id of online && !track ? [] : ["live-part"]) byId(id).hidden = true;
     for (const id of online || track ? [] : ["contact-part", "fault-part"]) byId(id).hidden = true;
     this.hasSkin = online || Boolean(track);
+    this.restTold = "";
     new ResizeObserver(() => this.resize()).observe(byId("stage"));
-    this.setMode(this.link ? PRESSURE : 0);
+    this.setMode(this.link ? PRESSURE : Math.max(0, this.modes.findIndex((mode) => mode.name === CHANGES)));
     for (const part of this.hasSkin ? ["trees", "seams"] : []) byId(`show-${part}`).click(); // whoever looks at pressure does not look at wires
     this.resize();
     openPart(this.hasSkin ? "contact-part" : "design-part");
@@ -195,7 +196,7 @@ class Page {
 
   isFaulty(k) { return this.live.heard[k] === 1 && this.live.state[k] >= FIRST_FAULT; }
   hasFaults() { return this.live.state.some((_, k) => this.isFaulty(k)); }
-  showLegend() { fillLegend(this.modes[this.mode], this.model, this.shown, this.hasFaults(), this.model.findings.size > 0); }
+  showLegend() { fillLegend(this.modes[this.mode], this.model, this.shown, {faults: this.hasFaults(), findings: this.model.findings.size > 0, skin: this.hasSkin}); }
 
   click(view, x, y) {
     const shape = this.model[view.name], hit = hitOf(shape.corners, shape.normals, view.camera.ray(x, y), this.model.shown), {module} = hit;
@@ -281,7 +282,7 @@ class Page {
   // −1: no valid value, −2: of a hidden module.
   heatAt(k, t, valid) {
     if (!this.model.shows(k)) return -2;
-    return this.model.pressure[t] && valid ? heatOf(this.live.change[TAXELS * k + t]) : -1;
+    return this.model.pressure[t] && valid ? heatOf(this.live.pressureOf(TAXELS * k + t)) : -1;
   }
   /** @param {boolean} atRest as if nothing had been heard; otherwise as the skin is */
   resetHeat(atRest = true) {
@@ -339,12 +340,15 @@ class Page {
     if (health.live) rows.push(["samples a second", rate.toFixed(1)], ["received", health.frames], ["lost", health.lost], ["sample to screen", `${middleOf(this.latencies)} ms`],
                                ["frame time", `${middleOf(this.intervals)} ms`]);
     fillList(byId("link"), rows);
-    byId("trouble").textContent = health.trouble;
+    this.showTrouble();
     if (health.live || this.faultsChanged) fillFaults(this.live, (k) => this.select(k, true));
     this.faultsChanged = false;
     if (this.selected >= 0) fillModule(this.model, this.live, this.selected);
     this.history.draw(this.live.newest_ms);
   }
+
+  // What is wrong with the link, else that taxels do not rest where they should.
+  showTrouble() { byId("trouble").textContent = this.health?.trouble || this.restTold; }
 
   /** Contacts are listed ten times a second at most: a person reads no faster. */
   showContacts() {
@@ -352,6 +356,8 @@ class Page {
     if (now - this.contactsAt < 100) return;
     this.contactsAt = now;
     this.contacts = contactsOf(this.model, this.live);
+    this.restTold = restRemark(this.model, this.live);
+    this.showTrouble();
     fillContacts(this.contacts, (k) => this.select(k, true));
   }
 
@@ -379,11 +385,11 @@ class Page {
     if (this.player && this.faultsChanged) { fillFaults(this.live, (k) => this.select(k, true)); this.faultsChanged = false; }
     if (!this.dirty) { this.lastFrame = 0; return; }
     this.dirty = false;
+    if (this.fresh) this.showContacts(); // before the labels, which draw them: a recording may stand still after this frame
     this.drawing.draw(this.views, this.shown);
     this.drawLabels();
     if (this.lastFrame) keep(this.intervals, at - this.lastFrame);
     this.lastFrame = at;
-    if (this.fresh) this.showContacts();
     if (this.fresh) keep(this.latencies, Date.now() - this.live.newest_ms);
     this.fresh = false;
     document.documentElement.dataset.ready = "yes";
@@ -412,7 +418,7 @@ async function load() {
   const answer = await fetch("model.json");
   if (!answer.ok) throw new Error(`the design cannot be read (${answer.status}); open the address that triskin view printed`);
   const data = await answer.json();
-  return {data, online: true, track: data.recording ? await (await fetch("recording.bin")).arrayBuffer() : null};
+  return {data, online: data.live, track: data.recording ? await (await fetch("recording.bin")).arrayBuffer() : null};
 }
 
 /** @param {string} text base64 */

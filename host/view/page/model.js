@@ -2,8 +2,13 @@
 // @ts-check
 // The design as the page needs it: typed arrays for drawing, and questions about the wiring.
 
+import {bestDirection, rightOf} from "./camera.js";
+
 const ROW_MM = 25.980762113533160; // height of a module of side 30 mm
 export const TAXELS = 12;
+/** Space between islands on the plane: room for names and for stubs of jumpers, mm. */
+export const ISLAND_GAP_MM = 36;
+const BESIDE_MM = 25; // between two designs that are compared
 
 /** Point of the lattice, mm. @param {number} i @param {number} j @param {number} side */
 function latticePoint(i, j, side) {
@@ -27,10 +32,11 @@ export function normalOf(p, at) {
 
 /** Lays the islands out in rows of about the shape of a screen. @returns {number[][]} shift of each island, mm */
 function packIslands(boxes) {
-  const gap = 36; // room for names and for stubs of jumpers
+  const gap = ISLAND_GAP_MM;
   const order = boxes.map((_, k) => k).sort((a, b) => boxes[b].height - boxes[a].height);
   const area = boxes.reduce((sum, b) => sum + (b.width + gap) * (b.height + gap), 0);
-  const rowWidth = Math.max(Math.sqrt(area), ...boxes.map((b) => b.width));
+  const rowWidth = Math.max(0.82 * Math.sqrt(area), // a pane is higher than wide
+                             ...boxes.map((b) => b.width));
   const shift = boxes.map(() => [0, 0]);
   let x = 0, y = 0, rowHeight = 0;
   for (const k of order) {
@@ -43,8 +49,9 @@ function packIslands(boxes) {
 }
 
 export class Model {
-  /** Upper left corner of each island on the plane, mm. */
+  /** Upper left corner of each island on the plane, and how wide it is, mm. */
   islandCorners = /** @type {number[][]} */ ([]);
+  islandWidths = /** @type {number[]} */ ([]);
   /** @param {any} data what model.json holds (docs/view.md) */
   constructor(data) {
     this.data = data;
@@ -52,6 +59,7 @@ export class Model {
     /** @type {any[]} */
     this.modules = data.modules;
     this.cover = this.coverShape();
+    if (data.changes?.length) this.partCovers();
     this.flat = this.flatShape();
     this.children = this.modules.map(() => /** @type {number[]} */ ([]));
     this.modules.forEach((m, k) => { if (m.parent >= 0) this.children[m.parent].push(k); });
@@ -75,6 +83,8 @@ export class Model {
   shows(k) { return this.shown[k] === 1; }
   /** Shows the modules for which `wanted` holds, and no others. @param {(k: number) => boolean} wanted */
   show(wanted) { for (let k = 0; k < this.count; ++k) this.shown[k] = wanted(k) ? 1 : 0; ++this.shownVersion; }
+  /** The number that a module has in its own design: of two that are compared both begin with 0. @param {number} k */
+  numberOf(k) { return this.data.changes?.length && k >= this.data.before.modules ? k - this.data.before.modules : k; }
   /** The cover of a robot that a module is on; −1: the design is of one cover. @param {number} k */
   coverOf(k) { return (this.data.covers ?? []).findLastIndex((c) => c.first_module <= k); }
 
@@ -88,6 +98,22 @@ export class Model {
       normals.set(normalOf(corners, 9 * k), 3 * k);
     });
     return {corners, taxels, normals};
+  }
+
+  // Two designs of one part lie in each other: the earlier one moves to the left of the later one, as both are seen at first.
+  partCovers() {
+    const {modules, vertices} = this.data.before, right = rightOf(bestDirection(this.cover.normals)), points = this.data.surface.vertices;
+    const {corners, taxels} = this.cover, along = (p, at) => p[at] * right[0] + p[at + 1] * right[1] + p[at + 2] * right[2];
+    let rightmost = -Infinity, leftmost = Infinity;
+    for (const [list, first] of /** @type {[ArrayLike<number>, number][]} */ ([[points, 3 * vertices], [corners, 9 * modules]])) {
+      for (let at = 0; at < list.length; at += 3) {
+        if (at < first) rightmost = Math.max(rightmost, along(list, at)); else leftmost = Math.min(leftmost, along(list, at));
+      }
+    }
+    const shift = right.map((v) => (leftmost - rightmost - BESIDE_MM) * v), move = (list, end) => { for (let at = 0; at < end; ++at) list[at] += shift[at % 3]; };
+    move(points, 3 * vertices);
+    move(corners, 9 * modules);
+    move(taxels, 36 * modules);
   }
 
   // The same on the plane: each island as its lattice is, so 30 mm are 30 mm everywhere.
@@ -108,6 +134,7 @@ export class Model {
       b.width = b.right - b.left; b.height = b.top - b.bottom;
     }
     const shift = packIslands(boxes);
+    this.islandWidths = boxes.map((b) => b.width);
     this.islandCorners = boxes.map((b, k) => [b.left + shift[k][0], b.top + shift[k][1], 0]);
     const corners = new Float32Array(9 * this.count), taxels = new Float32Array(36 * this.count);
     const normals = new Float32Array(3 * this.count);

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // @ts-check
 // The column beside the drawing: text only, set as text, so that no name from a file is taken for markup.
-import {PRESSED_COUNTS} from "./colors.js";
+import {PALETTE, PRESSED_COUNTS} from "./colors.js";
 import {FIRST_FAULT, STATES} from "./live.js";
 import {TAXELS} from "./model.js";
+
+/** So many modules are named in a sentence. */
+const MAX_NAMED = 12;
 
 /** @param {string} id @returns {any} */
 export const byId = (id) => document.getElementById(id);
@@ -23,48 +26,88 @@ export function fillDesign(model) {
   const d = model.data;
   byId("name").textContent = d.name;
   document.title = `${d.name} – triskin view`;
-  fillList(byId("design"), [["modules", model.count], ["controllers", d.patches.length], ["islands", d.islands], ["jumpers", d.jumpers.length], ["area", `${d.area_cm2} cm²`],
-                            ["coverage", `${Math.round(100 * d.coverage)} %`],
+  const isCompared = model.data.changes?.length > 0; // sums of two designs would mean nothing
+  fillList(byId("design"), [...(isCompared ? [] : sumRows(model)),
     ...(d.side ? /** @type {[string, string][]} */ ([["side of the part", d.side.taken], ["wall", `${d.side.mean_mm} mm`]]) : []),
-    ...(d.covers ?? []).map((c) => /** @type {[string, string]} */ ([c.name, `${c.modules} modules, ${Math.round(100 * c.coverage)} % of ${c.area_cm2} cm²`])),
-    ["design", d.design_id]]);
+    ...(d.covers ?? []).map((c) => /** @type {[string, string]} */ ([c.name, `${c.modules} modules, ${Math.round(100 * c.coverage)} % of ${Math.round(c.area_cm2)} cm²`])),
+    ...(isCompared ? changeRows(model.data.changes, d.before.modules) : /** @type {[string, string][]} */ ([["design", d.design_id]]))]);
 }
 
-const entryText = (model, k) => model.isEntry(k) ? "cable (entry)" : model.modules[k].parent >= 0 ? `module ${model.modules[k].parent}` : "none";
+/** How many modules stay, are added and removed. @returns {[string, number][]} */
+function changeRows(changes, before) {
+  const count = (what) => changes.filter((c, k) => c.what === what && (what !== "kept" || k >= before)).length;
+  return ["kept", "added", "removed"].map((what) => [PALETTE[what].what, count(what)]);
+}
+
+/** Of a robot it is that of all covers. */
+function coverageOf(d) {
+  const covers = d.covers ?? [], area = covers.reduce((sum, c) => sum + c.area_cm2, 0);
+  return area > 0 ? covers.reduce((sum, c) => sum + c.area_cm2 * c.coverage, 0) / area : d.coverage;
+}
+
+/** @returns {[string, string|number][]} */
+function sumRows({count, data: d}) {
+  return [["modules", count], ["controllers", d.patches.length], ["islands", d.islands], ["jumpers", d.jumpers.length], ["area", `${Math.round(d.area_cm2)} cm²`],
+          ["coverage", `${Math.round(100 * coverageOf(d))} %`]];
+}
+
+const entryText = (model, k) => model.isEntry(k) ? "cable (entry)" : model.modules[k].parent >= 0 ? `module ${model.numberOf(model.modules[k].parent)}` : "none";
 
 /** Everything on one module. @param {import("./model.js").Model} model @param {import("./live.js").LiveSkin} live */
 export function fillModule(model, live, k) {
   const m = model.modules[k], list = document.createElement("dl");
-  const rows = /** @type {[string, string|number][]} */ ([["module", k]]), cover = model.coverOf(k);
+  const rows = /** @type {[string, string|number][]} */ ([["module", model.numberOf(k)]]), cover = model.coverOf(k);
   if (cover >= 0) rows.push(["cover", `${model.data.covers[cover].name}, its module ${k - model.data.covers[cover].first_module}`]);
   if (live.heard[k]) rows.push(["chip", STATES[live.state[k]] || "?"], ["taxels pressed", pressedOf(model, live, k).join(" ") || "none"]);
-  for (const f of model.findings.get(k) ?? []) rows.push(["finding", `${f.text}; ${f.remedy}`]);
+  const change = model.data.changes?.[k];
+  if (change) rows.push([PALETTE[change.what].what, change.other < 0 ? "no module in the other design" : `module ${model.numberOf(change.other)} of the other design`]);
   rows.push(...moduleRows(model, k, m));
   fillList(list, rows);
-  byId("module").replaceChildren(list);
+  const findings = (model.findings.get(k) ?? []).map((f) => Object.assign(document.createElement("p"), {className: "finding", textContent: `${f.text}; ${f.remedy}`}));
+  byId("module").replaceChildren(...findings, list);
 }
 
 function moduleRows(model, k, m) {
   const failure = model.failureOf(k), joint = model.failureOf(k, m.parent), rows = /** @type {[string, string|number][]} */ ([["island, tile", `${m.island}: ${m.tile[0]}, ${m.tile[1]} ${m.tile[2] ? "up" : "down"}`]]);
   if (m.kind) rows.push(["kind", m.kind]);
   if (m.patch >= 0) {
-    rows.push(["controller", `${m.patch} (node ${m.patch + 1})`], ["line strap", m.line], ["address strap", `${m.address} (0x${(0x2c + m.address).toString(16).toUpperCase()})`],
+    rows.push(["controller", `${m.patch} (node ${m.patch + 1})`], ["line strap", `L${m.line}`], ["address strap", (0x2c + m.address).toString(16).toUpperCase()],
               ["port A at side", `${m.rotation} (turned ${120 * m.rotation}°)`], ["parent", entryText(model, k)], ["depth", m.depth],
               ["lost when it fails", `${failure.cut.length}, switched ${failure.lost.length}`]);
-    if (m.parent >= 0) rows.push([`lost with its joint to ${m.parent}`, `${joint.cut.length}, switched ${joint.lost.length}`]);
+    if (m.parent >= 0) rows.push([`lost with its joint to ${model.numberOf(m.parent)}`, `${joint.cut.length}, switched ${joint.lost.length}`]);
   }
   for (const j of model.data.jumpers) {
-    if (j.modules.includes(k)) rows.push(["jumper", `to module ${j.modules[0] === k ? j.modules[1] : j.modules[0]}, ${j.length_mm} mm`]);
+    if (j.modules.includes(k)) rows.push(["jumper", `to module ${model.numberOf(j.modules[0] === k ? j.modules[1] : j.modules[0])}, ${j.length_mm} mm`]);
   }
-  model.data.metrics.forEach((metric, row) => rows.push([metric.name, `${m.metrics[row]}${metric.limit ? ` of ${metric.limit}` : ""} ${metric.unit}`]));
+  model.data.metrics.forEach((metric, row) => rows.push([metric.name, `${+m.metrics[row].toFixed(2)}${metric.limit ? ` of ${+metric.limit.toFixed(2)}` : ""} ${metric.unit}`]));
   return rows;
+}
+
+/** Taxels that read above their rest values, which no touch does, and all others off rest in the same modules; "" if there are none. What was exchanged or
+ * taken away since the last tare rests elsewhere. @param {import("./model.js").Model} model @param {import("./live.js").LiveSkin} live */
+export function restRemark(model, live) {
+  const modules = [];
+  let taxels = 0;
+  for (let k = 0; k < model.count; ++k) {
+    const off = (/** @type {(change: number) => boolean} */ is) => {
+      let n = 0;
+      for (let t = 0; t < TAXELS; ++t) if (model.pressure[t] && (live.valid[k] >> t & 1) && is(live.change[TAXELS * k + t])) ++n;
+      return n;
+    };
+    if (live.heard[k] !== 1 || live.state[k] >= FIRST_FAULT || off((c) => c >= PRESSED_COUNTS) === 0) continue;
+    modules.push(k);
+    taxels += off((c) => Math.abs(c) >= PRESSED_COUNTS);
+  }
+  if (taxels === 0) return "";
+  const named = modules.slice(0, MAX_NAMED).join(", ");
+  return `${taxels} taxels do not rest: tare; their modules: ${named}${modules.length > MAX_NAMED ? ` and ${modules.length - MAX_NAMED} more` : ""}`;
 }
 
 /** Taxels of a module that are under pressure. */
 export function pressedOf(model, live, k) {
   const found = [];
   for (let t = 0; t < TAXELS; ++t)
-    if (model.pressure[t] && (live.valid[k] >> t & 1) && Math.abs(live.change[TAXELS * k + t]) >= PRESSED_COUNTS) found.push(t);
+    if (model.pressure[t] && (live.valid[k] >> t & 1) && live.pressureOf(TAXELS * k + t) >= PRESSED_COUNTS) found.push(t);
   return found;
 }
 
@@ -81,7 +124,7 @@ function rowOf(text, act) {
 /** @param {import("./contacts.js").Contact[]} contacts @param {(module: number) => void} choose */
 export function fillContacts(contacts, choose) {
   const rows = contacts.slice(0, 8).map((c) => rowOf(
-    `module ${c.module}: ${c.taxels.length} taxels, ${c.force === null ? `${Math.round(c.sum)} counts` : `${c.force.toFixed(2)} N`} at ${c.centre.map((v) => v.toFixed(1)).join(", ")} mm`, () => choose(c.module)));
+    `module ${c.module}: ${c.taxels.length} taxel${c.taxels.length === 1 ? "" : "s"}, ${c.force === null ? `${Math.round(c.sum)} counts` : `${c.force.toFixed(2)} N`} at ${c.centre.map((v) => v.toFixed(1)).join(", ")} mm`, () => choose(c.module)));
   if (rows.length === 0) { rows.push(document.createElement("li")); rows[0].textContent = "none"; }
   byId("contacts").replaceChildren(...rows);
 }

@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "triskin/layout/module.hpp"
 #include "triskin/view/page.hpp"
@@ -31,21 +33,26 @@ json surface_of(const design::Mesh& mesh) {
   return {{"vertices", std::move(vertices)}, {"faces", std::move(faces)}};
 }
 
-// Lists each metric with its limit (0: none), in the order of "metrics" of a module.
+// People read angles in degrees.
+double degrees(double rad) {
+  return rad * 180.0 / std::numbers::pi;
+}
+
+// Each metric with its limit (0: it has none), in the order of "metrics" of a module.
 json metrics_of(const design::LayoutLimits& l) {
   const auto row = [](const char* name, const char* unit, double limit) {
     return json{{"name", name}, {"unit", unit}, {"limit", rounded(limit)}};
   };
   const auto limit_or_none = [](double limit) { return std::isfinite(limit) ? limit : 0.0; };
   return json::array({row("edge error", "mm", l.edge_error_mm), row("hinge gap", "mm", l.hinge_gap_mm),
-                      row("fold", "rad", l.fold_rad), row("centre gap", "mm", l.center_gap_mm),
+                      row("fold", "°", degrees(l.fold_rad)), row("centre gap", "mm", l.center_gap_mm),
                       row("edge depth", "mm", limit_or_none(l.depth_mm)), row("penetration", "mm", l.penetration_mm),
                       row("overrun", "mm", l.overrun_mm), row("edge lift", "mm", limit_or_none(l.lift_mm))});
 }
 
 json metrics_of(const design::PlacedModule& m) {
   json list = json::array();
-  for (const double value : {m.edge_error_mm, std::ranges::max(m.hinge_gap_mm), std::ranges::max(m.fold_rad),
+  for (const double value : {m.edge_error_mm, std::ranges::max(m.hinge_gap_mm), degrees(std::ranges::max(m.fold_rad)),
                              m.center_gap_mm, m.edge_depth_mm, m.penetration_mm, m.overrun_mm, m.edge_lift_mm})
     list.push_back(std::round(value * 1000.0) / 1000.0);
   return list;
@@ -127,6 +134,15 @@ json covers_of(const Notes& notes) {
   return list;
 }
 
+// What became of each module.
+json changes_of(const Changes& changes) {
+  constexpr std::array kNames{"kept", "added", "removed"};
+  json list = json::array();
+  for (const ModuleChange& c : changes.modules)
+    list.push_back({{"what", kNames.at(static_cast<std::size_t>(c.kind))}, {"other", c.other}});
+  return list;
+}
+
 json findings_of(const Notes& notes) {
   json list = json::array();
   for (const Finding& f : notes.findings)
@@ -146,25 +162,29 @@ std::string model_json(const design::Design& design, bool recording, const desig
       modules.back()["kind"] = design::kind_of(design.kinds, design.layout.modules[k].kind).name;
   }
   for (const auto& p : design.patches) patches.push_back(patch_of(p));
-  const json model = {{"name", design.name},
-                      {"design_id", fmt::format("{:016x}", design.design_id)},
-                      {"side_mm", design::kSide_mm},
-                      {"corner_cut_mm", design.layout.corner_cut_mm},
-                      {"jumpers", jumpers_of(design.layout)},
-                      {"recording", recording},
-                      {"newton_per_count", newton_per_count(design, calibration)},
-                      {"islands", design.layout.islands},
-                      {"area_cm2", rounded(design.report.area_cm2)},
-                      {"coverage", rounded(design.report.coverage)},
-                      {"temperature_pads", layout::kTemperaturePads},
-                      {"metrics", metrics_of(design.limits)},
-                      {"surface", surface_of(design.surface)},
-                      {"side", side_of(design)},
-                      {"covers", covers_of(notes)},
-                      {"findings", findings_of(notes)},
-                      {"modules", std::move(modules)},
-                      {"patches", std::move(patches)}};
-  // A name from a file must not be able to close the script element that contains it in page_html.
+  const json model = {
+      {"name", design.name},
+      {"design_id", fmt::format("{:016x}", design.design_id)},
+      {"side_mm", design::kSide_mm},
+      {"corner_cut_mm", design.layout.corner_cut_mm},
+      {"jumpers", jumpers_of(design.layout)},
+      {"recording", recording},
+      {"newton_per_count", newton_per_count(design, calibration)},
+      {"islands", design.layout.islands},
+      {"area_cm2", rounded(design.report.area_cm2)},
+      {"coverage", rounded(design.report.coverage)},
+      {"temperature_pads", layout::kTemperaturePads},
+      {"metrics", metrics_of(design.limits)},
+      {"surface", surface_of(design.surface)},
+      {"side", side_of(design)},
+      {"covers", covers_of(notes)},
+      {"findings", findings_of(notes)},
+      {"live", notes.has_live_skin},
+      {"changes", changes_of(notes.changes)},
+      {"before", {{"modules", notes.changes.before_modules}, {"vertices", notes.changes.before_vertices}}},
+      {"modules", std::move(modules)},
+      {"patches", std::move(patches)}};
+  // A name from a file must not end the script that holds it in page_html.
   std::string text = model.dump(-1, ' ', true, json::error_handler_t::replace);
   for (const auto& [bracket, escape] : {std::pair{'<', "\\u003c"}, std::pair{'>', "\\u003e"}}) {
     for (std::size_t at = text.find(bracket); at != std::string::npos; at = text.find(bracket, at))

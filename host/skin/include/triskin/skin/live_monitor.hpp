@@ -16,11 +16,20 @@ namespace triskin::device {
 /// The numbers in the picture of a patch have one of these units.
 enum class PressureUnit {
   kCounts,   ///< The unit is the converter's count.
-  kPercent,  ///< 100 percent are the counts between rest and the end of the range.
-  kKpa,      ///< The calibration gives kPa; a module without one shows 0.
+  kPercent,  ///< The unit is a percentage of the counts between rest and the end of the range.
+  kKpa,      ///< The calibration gives kPa, and 0 where there is none.
+  kModule,   ///< Each cell shows the number of its module; colours are those of the pressure.
 };
 
-/// Collects pressure, states and rates of a skin while samples arrive, and draws them as text. Not thread-safe.
+/// Taxels that do not rest where they should.
+struct OffRest {
+  int taxels = 0;
+  std::vector<int> modules;  ///< modules that have them, ascending
+};
+/// "n taxels do not rest: tare; their modules: …", with twelve modules at most; empty where all rest.
+[[nodiscard]] std::string sentence(const OffRest& off);
+
+/// What is known of a skin while its samples come: pressure, states, rates; and its picture as text. Not thread-safe.
 class LiveMonitor {
  public:
   /// `design` must outlive the monitor. `rest` is passed to TouchMap.
@@ -38,7 +47,12 @@ class LiveMonitor {
   /// calibration.
   [[nodiscard]] double force_n() const;
 
-  /// Closes a period of `seconds` (> 0), for which rates are then reported.
+  /// Modules in order with a taxel that reads above its rest value by TouchMap::kPressed_counts or more, which no touch
+  /// does: what was exchanged or taken away since the last tare rests elsewhere. Their taxels that read so much below
+  /// it count as well. Cost: O(modules).
+  [[nodiscard]] OffRest off_rest() const;
+
+  /// Closes a period of `seconds` (> 0): rates are those of the last closed period.
   void close_period(double seconds);
   /// Returns the samples per second and module of a patch in the last period; 0 when none arrived.
   [[nodiscard]] double rate_hz(int patch) const;

@@ -24,10 +24,26 @@ struct CoverNote {
   double area_cm2 = 0.0, coverage = 0.0;
 };
 
-/// The page shows these notes with a design.
+/// What became of a module from one design to the next.
+struct ModuleChange {
+  enum class Kind { kKept, kAdded, kRemoved };
+  Kind kind = Kind::kKept;
+  int other = -1;  ///< the same module in the other half of the joint design; −1: it is in one half only
+};
+
+/// Two designs that are shown as one, the earlier one first.
+struct Changes {
+  std::vector<ModuleChange> modules;  ///< by module of the joint design; empty: nothing is compared
+  int before_modules = 0;             ///< number of modules of the earlier design
+  int before_vertices = 0;            ///< number of vertices of its surface
+};
+
+/// What the page shows beside a design.
 struct Notes {
-  std::vector<CoverNote> covers;  ///< The design of a single cover has no entries here.
-  std::vector<Finding> findings;
+  std::vector<CoverNote> covers{};  ///< empty for the design of one cover
+  std::vector<Finding> findings{};
+  bool has_live_skin = false;  ///< the server of the page sends samples
+  Changes changes{};
 };
 
 /// Reads the findings in a report of `triskin verify` (--report FILE.json, or the output of --json; for a robot with
