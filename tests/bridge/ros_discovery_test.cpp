@@ -96,7 +96,7 @@ class Discovered : public test::ShellCase {
     domain_ = test_domain();
   }
   [[nodiscard]] std::string bridge(const std::string& state, const std::string& variables) const {
-    return fmt::format("cd '{}' && env XDG_STATE_HOME={} {} {} bridge strip.json --link sim --domain {}",
+    return fmt::format("cd '{}' && exec env XDG_STATE_HOME={} {} {} bridge strip.json --link sim --domain {}",
                        folder_.string(), state, variables, test::program_file(), domain_);
   }
   std::uint32_t domain_ = 0;

@@ -27,7 +27,7 @@ class Terminals : public ShellCase {
     ASSERT_EQ(run("flash strip.json --link sim").status, 0);
   }
   [[nodiscard]] std::string with(const std::string& variables, const std::string& arguments) const {
-    return fmt::format("cd '{}' && exec env XDG_STATE_HOME=state {} {} {}", folder_.string(), variables, program_file(),
+    return fmt::format("cd '{}' && exec env {} XDG_STATE_HOME=state {} {}", folder_.string(), variables, program_file(),
                        arguments);
   }
   // What `live` writes for a second of its time.
@@ -92,7 +92,7 @@ TEST_F(Terminals, without_a_known_terminal_there_are_lines_and_no_sequences) {
 TEST_F(Terminals, no_color_is_kept) {
   constexpr const char* kColour = "\033[48;";
   EXPECT_THAT(live("TERM=xterm NO_COLOR=", 80, 24), HasSubstr(kColour));
-  EXPECT_THAT(live("TERM=xterm -u NO_COLOR", 80, 24), HasSubstr(kColour));
+  EXPECT_THAT(live("-u NO_COLOR TERM=xterm", 80, 24), HasSubstr(kColour));
   EXPECT_THAT(live("TERM=xterm NO_COLOR=1", 80, 24), Not(HasSubstr(kColour)));
   EXPECT_THAT(live("TERM=xterm NO_COLOR=0", 80, 24), Not(HasSubstr(kColour)));
 }
@@ -160,7 +160,7 @@ TEST_F(Bars, stay_in_one_line_and_vanish) {
     screen.write(text);
     EXPECT_THAT(screen.lines(), Each(Not(HasSubstr("[#")))) << text;
     EXPECT_THAT(screen.lines(), Each(Not(HasSubstr("[.")))) << text;
-    EXPECT_THAT(screen.lines(), testing::Contains(HasSubstr("modules")));
+    EXPECT_THAT(screen.lines(), testing::Contains(HasSubstr("arm: ")));
   }
 }
 
@@ -174,9 +174,11 @@ TEST_F(Bars, are_lines_where_the_terminal_cannot_go_back) {
 
 TEST_F(Terminals, help_fits_the_width_that_columns_or_the_terminal_say) {
   for (const int columns : {40, 60, 100}) {
-    TerminalProgram program(with("TERM=xterm -u COLUMNS", "record --help"), columns, 24);
+    TerminalProgram program(with("-u COLUMNS TERM=xterm", "record --help"), columns, 24);
     Screen screen(static_cast<std::size_t>(columns), 400);
-    screen.write(program.read_all());
+    const std::string text = program.read_all();
+    EXPECT_THAT(text, HasSubstr("Usage"));
+    screen.write(text);
     EXPECT_EQ(screen.wraps(), 0) << columns;
   }
   for (const char* columns : {"0", "-5", "abc", "99999999999"}) {
@@ -199,7 +201,7 @@ TEST_F(Terminals, messages_do_not_get_into_files_when_descriptors_are_closed) {
 
 TEST_F(Terminals, what_does_not_reach_standard_output_is_status_2) {
   for (const char* arguments :
-       {"--version", "--help", "help record", "discover --link sim", "verify strip.json --link sim --json"}) {
+       {"--version", "--help", "help record", "verify strip.json --link sim", "verify strip.json --link sim --json"}) {
     const Outcome o = run(std::string(arguments) + " >/dev/full");
     EXPECT_EQ(o.status, 2) << arguments;
     EXPECT_THAT(o.messages, HasSubstr("standard output: cannot write")) << arguments;

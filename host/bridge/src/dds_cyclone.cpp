@@ -153,11 +153,15 @@ class CycloneWriters {
 
 // What the variables of ROS 2 say, and behind it, so that it wins, what the user has configured himself; 0: nothing but
 // that, which the library reads by itself.
-dds_entity_t configured_domain(std::uint32_t id, const RosDiscovery& discovery) {
+dds_entity_t configured_domain(std::uint32_t id, RosDiscovery discovery) {
+  const char* variable = std::getenv("CYCLONEDDS_URI");
+  const std::string own = variable == nullptr ? "" : variable;
+  // The library refuses an interface that is named twice.
+  if (discovery.range == DiscoveryRange::kLoopback && own.find("NetworkInterface") != std::string::npos)
+    discovery.range = DiscoveryRange::kLocalhost;
   std::string settings = cyclone_configuration(discovery, ::getpid());
   if (settings.empty()) return 0;
-  if (const char* own = std::getenv("CYCLONEDDS_URI"); own != nullptr && *own != '\0')
-    settings += fmt::format(",{}", own);
+  if (!own.empty()) settings += "," + own;
   return checked(dds_create_domain(id, settings.c_str()), fmt::format("domain {}", id));
 }
 

@@ -115,10 +115,8 @@ class ColladaCounts {
     (void)whole_numbers(held);
     if (held % (3 * stride_) != 0) fail(fmt::format("{} indices are no whole number of triangles", held));
     const long triangles = held / (3 * stride_);
-    if (polygons_ && *polygons_ != triangles) {
-      source_.notes.push_back(
-          fmt::format("a list of {} triangles holds {}: the file was cut or changed", *polygons_, triangles));
-    }
+    if (polygons_ && *polygons_ != triangles)
+      fail(fmt::format("a list of {} triangles holds {}", *polygons_, triangles));
   }
 
   const MeshSource& source_;
