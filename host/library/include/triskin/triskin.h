@@ -138,19 +138,21 @@ TRISKIN_API triskin_status triskin_verify(triskin_skin* skin, const char** repor
 /// TRISKIN_DEVICE_FAILED: another process simulates these boards now.
 TRISKIN_API triskin_status triskin_flash_simulation(const char* file);
 
-/// A region of the skin under pressure: taxels that lie within 12 mm of each other and do not face away from each
-/// other.
+/// What presses the skin at one place. Contacts are found among pressed taxels that lie within 12 mm of each other and
+/// do not face away from each other.
 typedef struct triskin_contact {
-  double position_mm[3];  ///< mean of its taxels, weighted by their change
-  double normal[3];       ///< outward unit vector, weighted likewise
+  double position_mm[3];  ///< on the skin
+  double normal[3];       ///< outward unit vector
   double change_counts;   ///< sum over its taxels
-  double force_n;         ///< sum over its taxels, N; NaN without a calibration of all of them
-  double area_mm2;        ///< skin that its taxels stand for
+  double force_n;         ///< against the normal, N; NaN without a calibration of all its taxels
+  double area_mm2;        ///< that is pressed
   int32_t module, taxel;  ///< the strongest
   int32_t taxels;         ///< how many
+  double position_sd_mm;  ///< standard deviation of the position, in each direction along the skin
+  double force_sd_n;      ///< standard deviation of force_n
 } triskin_contact;
-/// Gathers the taxels that read 200 counts and more below rest to contacts, the strongest first, as `live` and the
-/// page do. `xyz_mm`, `normals`: as triskin_positions_mm and triskin_normals write them; `change_counts`: 12 a module.
+/// Finds the contacts that press the taxels that read 200 counts and more below rest, the strongest first, as `live`
+/// does. `xyz_mm`, `normals`: as triskin_positions_mm and triskin_normals write them; `change_counts`: 12 a module.
 /// `counts_per_kpa` and `taxel_area_mm2`: as triskin_calibration writes them, both NULL: without forces.
 /// `module_count`: number of modules. Writes at most `capacity` contacts and sets *count to the number that there are.
 /// TRISKIN_BAD_INPUT: an argument is NULL that may not be.

@@ -41,11 +41,11 @@ struct PressedTaxel {
 
 /// A region of the skin under pressure, mesh frame.
 struct Contact {
-  design::Vec3 position_mm{0, 0, 0};  ///< It is the mean of its taxels, weighted by their change.
-  design::Vec3 normal{0, 0, 0};       ///< It is an outward unit vector, weighted likewise.
+  design::Vec3 position_mm{0, 0, 0};  ///< It lies on the skin.
+  design::Vec3 normal{0, 0, 0};       ///< It is an outward unit vector.
   double change_counts = 0.0;         ///< It sums over the taxels.
-  double force_n = 0.0;               ///< It sums over the taxels in N, and is 0 without a calibration.
-  double area_mm2 = 0.0;              ///< Its taxels stand for this area of skin.
+  double force_n = 0.0;               ///< It acts against the normal, and is 0 without a calibration.
+  double area_mm2 = 0.0;              ///< So much skin is pressed.
   std::vector<PressedTaxel> taxels;   ///< The strongest comes first, and there is at least one.
 };
 /// Farthest that two taxels of one contact lie from the next one: those of a module are 7 mm apart, those of neighbours
