@@ -109,7 +109,7 @@ class CoverFeed {
     bridge_.add({s.module, s.raw.link_time_us, s.raw.sample, s.unix_ns, s.error_us});
   }
   void slice(device::LiveBus& bus, std::uint64_t now_ns) {
-    bridge_.add_contacts(contacts_of(cover_.touches(), cover_.design(), cover_.calibration()), now_ns);
+    bridge_.add_contacts(contact_messages(cover_.touches(), cover_.design(), cover_.calibration()), now_ns);
     if (services_) services_->step(bus.bus());
   }
   void diagnose(const device::StreamReport& report, std::uint64_t now_ns, const Output& output) {

@@ -1,23 +1,31 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cmath>
 #include <vector>
 
 #include "triskin/design/calibration.hpp"
-#include "triskin/design/outline.hpp"
 #include "triskin/recording/messages.hpp"
-#include "triskin/skin/touch_map.hpp"
+#include "triskin/skin/skin_contacts.hpp"
 
 namespace triskin::cli {
 
-/// Returns the contacts on a cover in the form of messages, with forces if `calibration` is complete.
-inline std::vector<recording::Contact> contacts_of(const device::TouchMap& touches, const design::Design& design,
-                                                   const design::SkinCalibration& calibration) {
-  std::vector<recording::PressedTaxel> taxels;
-  for (const auto& t : touches.pressed()) {
-    const double force_n = calibration.complete() ? calibration.force_n(t.module, t.taxel, t.change_counts) : 0.0;
-    taxels.push_back({t.module, t.taxel, t.change_counts, t.position_mm, t.normal, force_n});
+/// Contacts as messages have them, with their forces where `calibration` is complete.
+inline std::vector<recording::Contact> contact_messages(const device::TouchMap& touches, const design::Design& design,
+                                                        const design::SkinCalibration& calibration) {
+  std::vector<recording::Contact> messages;
+  for (const device::SkinContact& c : device::contacts_of(touches, design, calibration)) {
+    recording::Contact& m = messages.emplace_back();
+    m.position_mm = c.position_mm;
+    m.normal = c.normal;
+    m.change_counts = c.change_counts;
+    m.force_n = std::isfinite(c.force_n) ? c.force_n : 0.0;
+    m.area_mm2 = c.area_mm2;
+    for (const device::PressedTaxel& t : c.taxels) {
+      const double force_n = calibration.complete() ? calibration.force_n(t.module, t.taxel, t.change_counts) : 0.0;
+      m.taxels.push_back({t.module, t.taxel, t.change_counts, t.position_mm, t.normal, force_n});
+    }
   }
-  return recording::gather_contacts(taxels, design::module_area_mm2(design.layout.corner_cut_mm));
+  return messages;
 }
 
 }  // namespace triskin::cli

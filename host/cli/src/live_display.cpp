@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <numeric>
 #include <set>
 
@@ -36,6 +37,28 @@ std::string force_of(const LiveMonitor& monitor) {
   return monitor.calibration().complete() ? fmt::format("  {:.2f} N in all", monitor.force_n()) : "";
 }
 
+nlohmann::json numbers_of(const design::Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+nlohmann::json contacts_json(const std::vector<device::SkinContact>& contacts) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const device::SkinContact& c : contacts) {
+    list.push_back({{"position_mm", numbers_of(c.position_mm)},
+                    {"position_sd_mm", c.position_sd_mm},
+                    {"normal", numbers_of(c.normal)},
+                    {"area_mm2", c.area_mm2},
+                    {"change_counts", c.change_counts},
+                    {"module", c.taxels.front().module},
+                    {"taxel", c.taxels.front().taxel},
+                    {"taxels", c.taxels.size()}});
+    if (!std::isfinite(c.force_n)) continue;
+    list.back()["force_n"] = c.force_n;
+    list.back()["force_sd_n"] = c.force_sd_n;
+  }
+  return list;
+}
+
 class Lines final : public LiveDisplay {
  public:
   explicit Lines(const Output& output) : output_(output) {}
@@ -53,6 +76,7 @@ class Lines final : public LiveDisplay {
     const auto bar = std::string(static_cast<std::size_t>(std::clamp(first.change_counts / 500.0, 1.0, 24.0)), '#');
     output_.say(fmt::format("{:7.2f} s  {} {:<24} +{} taxels{}", state.time_s, place_text(monitor, first), bar,
                             pressed.size() - 1, force_of(monitor)));
+    for (const device::SkinContact& c : monitor.contacts()) output_.say(fmt::format("{:>11}{}", "", contact_text(c)));
     return Wish::kNothing;
   }
 
@@ -160,6 +184,9 @@ class Screen final : public LiveDisplay {
     const auto pressed = monitor.touches().pressed();
     for (std::size_t k = 0; k < std::min(kMaxTaxels, pressed.size()); ++k)
       below.push_back(place_text(monitor, pressed[k]));
+    const auto contacts = monitor.contacts();
+    for (std::size_t k = 0; k < std::min(kMaxContacts, contacts.size()); ++k)
+      below.push_back(contact_text(contacts[k]));
     if (pressed.size() > kMaxTaxels) below.push_back(fmt::format("+{} taxels", pressed.size() - kMaxTaxels));
     for (std::string& line : trace_.lines(static_cast<std::size_t>(std::max(1, size.columns - 1)), kStep_s))
       below.push_back(std::move(line));
@@ -219,7 +246,7 @@ class Screen final : public LiveDisplay {
     return text;
   }
 
-  static constexpr std::size_t kMaxTaxels = 5;
+  static constexpr std::size_t kMaxTaxels = 5, kMaxContacts = 3;
   static constexpr int kMinPatchLines = 3;
   // Time between two calls of show().
   static constexpr double kStep_s = 0.2;
@@ -241,6 +268,13 @@ std::string place_text(const LiveMonitor& monitor, const PressedTaxel& t) {
   return fmt::format("{}  {:6.2f} kPa", place, monitor.calibration().pressure_kpa(t.module, t.taxel, t.change_counts));
 }
 
+std::string contact_text(const device::SkinContact& c) {
+  std::string text = fmt::format("contact at ({:8.2f}, {:8.2f}, {:8.2f}) mm ± {:.1f}", c.position_mm.x(),
+                                 c.position_mm.y(), c.position_mm.z(), c.position_sd_mm);
+  if (std::isfinite(c.force_n)) text += fmt::format("  {:.2f} N ± {:.2f}", c.force_n, c.force_sd_n);
+  return text + fmt::format("  {:.0f} mm²  module {}", c.area_mm2, c.taxels.front().module);
+}
+
 nlohmann::json to_json(const LiveMonitor& monitor, const LiveState& state) {
   const bool calibrated = monitor.calibration().complete();
   nlohmann::json pressed = nlohmann::json::array();
@@ -256,9 +290,14 @@ nlohmann::json to_json(const LiveMonitor& monitor, const LiveState& state) {
   nlohmann::json line = {
       {"time_s", state.time_s}, {"frames", state.frames}, {"lost", state.lost}, {"pressed", std::move(pressed)}};
   line["unit"] = name_of(best_unit(monitor));
-  if (const device::OffRest off = monitor.off_rest(); off.taxels > 0)
-    line["off_rest"] = {{"taxels", off.taxels}, {"modules", off.modules}};
-  if (calibrated) line["force_n"] = monitor.force_n();
+  const auto contacts = monitor.contacts();
+  line["contacts"] = contacts_json(contacts);
+  if (calibrated) {
+    line["force_n"] = monitor.force_n();
+    const device::NetForce net = device::net_force(contacts);
+    line["net_force_n"] = numbers_of(net.force_n);
+    line["net_torque_nmm"] = numbers_of(net.torque_nmm);
+  }
   if (state.error_us) line["time_error_us"] = *state.error_us;
   for (const device::AdoptedCounts& a : state.adopted)
     line["adopted"].push_back({{"module", a.module}, {"patch", a.patch}});

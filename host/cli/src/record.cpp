@@ -145,7 +145,7 @@ class CoverFile {
   }
 
   void slice() {
-    const auto contacts = contacts_of(live_->touches(), cover_.design, live_->calibration());
+    const auto contacts = contact_messages(live_->touches(), cover_.design, live_->calibration());
     if (!contacts.empty() || had_contacts_) recorder_->add_contacts(bus_->now_us(), contacts);
     had_contacts_ = !contacts.empty();
     recorder_->tick(steady_us());

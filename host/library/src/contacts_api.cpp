@@ -1,42 +1,35 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <limits>
 #include <vector>
 
 #include "guarded.hpp"
-#include "triskin/design/calibration.hpp"
 #include "triskin/design/outline.hpp"
-#include "triskin/recording/messages.hpp"
-#include "triskin/skin/touch_map.hpp"
+#include "triskin/layout/module.hpp"
+#include "triskin/skin/skin_contacts.hpp"
 
 namespace triskin::library {
 namespace {
 
-using recording::Contact;
-using recording::PressedTaxel;
-
-design::Vec3 vector_at(const double* numbers, std::size_t taxel) {
-  return {numbers[3 * taxel], numbers[3 * taxel + 1], numbers[3 * taxel + 2]};
+std::vector<design::Vec3> vectors_of(const double* numbers, std::size_t count) {
+  std::vector<design::Vec3> vectors;
+  for (std::size_t n = 0; n < count; ++n) vectors.emplace_back(numbers[3 * n], numbers[3 * n + 1], numbers[3 * n + 2]);
+  return vectors;
 }
 
-// Returns the force of a taxel, or NaN if it has no calibration; NaN also makes the sum of its contact NaN.
-double force_of(double change_counts, double counts_per_kpa, double area_mm2) {
-  return counts_per_kpa > 0.0 ? change_counts / counts_per_kpa * area_mm2 * design::kNewtonPerKpaMm2
-                              : std::numeric_limits<double>::quiet_NaN();
-}
-
-triskin_contact contact_of(const Contact& c, bool has_forces) {
+triskin_contact contact_of(const device::SkinContact& c) {
   triskin_contact out{};
   for (int axis = 0; axis < 3; ++axis) {
     out.position_mm[axis] = c.position_mm[axis];
     out.normal[axis] = c.normal[axis];
   }
   out.change_counts = c.change_counts;
-  out.force_n = has_forces ? c.force_n : std::numeric_limits<double>::quiet_NaN();
+  out.force_n = c.force_n;
   out.area_mm2 = c.area_mm2;
   out.module = c.taxels.front().module;
   out.taxel = c.taxels.front().taxel;
   out.taxels = static_cast<std::int32_t>(c.taxels.size());
+  out.position_sd_mm = c.position_sd_mm;
+  out.force_sd_n = c.force_sd_n;
   return out;
 }
 
@@ -53,19 +46,20 @@ triskin_status triskin_contacts(const double* xyz_mm, const double* normals, con
     require((counts_per_kpa == nullptr) == (taxel_area_mm2 == nullptr),
             "triskin_contacts: forces need both counts_per_kpa and taxel_area_mm2");
     require(contacts != nullptr || capacity == 0, "triskin_contacts: contacts is NULL, and capacity is not 0");
-    std::vector<PressedTaxel> pressed;
-    for (std::size_t n = 0; n < module_count * TRISKIN_TAXELS; ++n) {
-      if (!(change_counts[n] >= triskin::device::TouchMap::kPressed_counts)) continue;
-      const std::size_t module = n / TRISKIN_TAXELS;
-      const double force_n =
-          counts_per_kpa == nullptr ? 0.0 : force_of(change_counts[n], counts_per_kpa[n], taxel_area_mm2[module]);
-      pressed.push_back({static_cast<int>(module), static_cast<int>(n % TRISKIN_TAXELS), change_counts[n],
-                         vector_at(xyz_mm, n), vector_at(normals, n), force_n});
+    const std::size_t n = module_count * TRISKIN_TAXELS;
+    constexpr double kEqualShare_mm2 = triskin::design::kModuleArea_mm2 / triskin::layout::kPressureTaxelsPerModule;
+    triskin::device::ContactFrame frame{vectors_of(xyz_mm, n),
+                                        vectors_of(normals, n),
+                                        {change_counts, change_counts + n},
+                                        {},
+                                        std::vector<double>(module_count, kEqualShare_mm2)};
+    if (counts_per_kpa != nullptr) frame.counts_per_kpa.assign(counts_per_kpa, counts_per_kpa + n);
+    for (std::size_t m = 0; m < module_count && taxel_area_mm2 != nullptr; ++m) {
+      if (taxel_area_mm2[m] > 0.0) frame.taxel_area_mm2[m] = taxel_area_mm2[m];
     }
-    const std::vector<Contact> found = triskin::recording::gather_contacts(pressed, triskin::design::kModuleArea_mm2);
+    const auto found = triskin::device::contacts_of(frame);
     *count = found.size();
-    for (std::size_t k = 0; k < std::min(capacity, found.size()); ++k)
-      contacts[k] = contact_of(found[k], counts_per_kpa != nullptr);
+    for (std::size_t k = 0; k < std::min(capacity, found.size()); ++k) contacts[k] = contact_of(found[k]);
     return TRISKIN_OK;
   });
 }

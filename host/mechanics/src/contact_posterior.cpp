@@ -19,6 +19,9 @@ constexpr std::uint64_t kSeed = 20190814;
 // growth.
 constexpr double kLookDeviations = 1.5, kMaxCurvatureError = 0.25;
 
+// A contact whose place and ln F the Gauss-Newton matrix knows to this is resolved.
+constexpr double kResolved_mm = 0.5, kResolvedLogForce = 0.1;
+
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
@@ -132,11 +135,10 @@ std::vector<ContactMoments> ridge_moments(const FitProblem& problem, const Fit& 
   return moments;
 }
 
-std::vector<ContactMoments> posterior_moments(const FitProblem& problem, const Fit& fit) {
-  if (fit.contacts.empty()) return {};
-  if (!is_normal(problem, fit)) {
-    return Chain(problem, fit).sample();
-  }
+namespace {
+
+// The optimum with the deviations of the Gauss-Newton matrix.
+std::vector<ContactMoments> optimum_moments(const Fit& fit) {
   const Vector deviation = inverse_of(fit.precision).diagonal().cwiseSqrt();
   std::vector<ContactMoments> moments;
   Eigen::Index at = 0;
@@ -147,6 +149,30 @@ std::vector<ContactMoments> posterior_moments(const FitProblem& problem, const F
         {{c.position_mm.x(), c.position_mm.y(), force, radius}, scale.cwiseProduct(deviation.segment<4>(at))});
     at += kParametersPerContact;
   }
+  return moments;
+}
+
+bool is_resolved(const ContactMoments& optimum) {
+  return optimum.deviation.head<2>().norm() <= kResolved_mm &&
+         optimum.deviation[2] <= kResolvedLogForce * optimum.mean[2];
+}
+
+// The mean of the samples follows the tails, also those of a neighbour that the taxels hardly see. For a resolved
+// contact the optimum is the efficient estimate; what the tails weigh goes into its deviation about the optimum.
+ContactMoments about_optimum(const ContactMoments& sampled, const ContactMoments& optimum) {
+  if (!is_resolved(optimum)) return sampled;
+  const ContactVector shift = sampled.mean - optimum.mean;
+  return {optimum.mean, (sampled.deviation.cwiseAbs2() + shift.cwiseAbs2()).cwiseSqrt()};
+}
+
+}  // namespace
+
+std::vector<ContactMoments> posterior_moments(const FitProblem& problem, const Fit& fit) {
+  if (fit.contacts.empty()) return {};
+  std::vector<ContactMoments> moments = optimum_moments(fit);
+  if (is_normal(problem, fit)) return moments;
+  const std::vector<ContactMoments> sampled = Chain(problem, fit).sample();
+  for (std::size_t c = 0; c < moments.size(); ++c) moments[c] = about_optimum(sampled[c], moments[c]);
   return moments;
 }
 

@@ -18,7 +18,7 @@ namespace triskin::mechanics {
 namespace {
 
 constexpr double kStudyThickness_mm = 2.0, kStudyModulus_kpa = 30.0;
-constexpr double kMinTip_mm = 4.0, kMaxTip_mm = 40.0, kMinShare = 0.15, kMaxShare = 0.5;
+constexpr double kMinTip_mm = 4.0, kMaxTip_mm = 40.0, kMinDepthShare = 0.15, kMaxDepthShare = 0.5;
 constexpr double kMinSignal = 10.0;
 // Superposition holds if the edges are at least 0.7 thicknesses apart.
 constexpr double kEdgeGap_mm = 1.4, kMaxDistance_mm = 30.0;
@@ -115,7 +115,7 @@ class Study {
     ContactEstimate c;
     c.position_mm = {uniform(dice_, 12.0, 93.0), uniform(dice_, 3.0, 48.0)};
     c.tip_radius_mm = kMinTip_mm * std::pow(kMaxTip_mm / kMinTip_mm, dice_.unit());
-    const double depth_mm = kStudyThickness_mm * uniform(dice_, kMinShare, kMaxShare);
+    const double depth_mm = kStudyThickness_mm * uniform(dice_, kMinDepthShare, kMaxDepthShare);
     const Contact pressed =
         table.press_to_radius({Shape::kSphere, c.tip_radius_mm}, std::sqrt(1.7 * c.tip_radius_mm * depth_mm));
     c.force_n = pressed.force;

@@ -83,7 +83,8 @@ py::list contacts_of(const py::array_t<double>& places, const py::array_t<double
                          py::arg("normal") = py::array_t<double>(3, c.normal),
                          py::arg("change_counts") = c.change_counts, py::arg("force_n") = c.force_n,
                          py::arg("area_mm2") = c.area_mm2, py::arg("module") = c.module, py::arg("taxel") = c.taxel,
-                         py::arg("taxels") = c.taxels));
+                         py::arg("taxels") = c.taxels, py::arg("position_sd_mm") = c.position_sd_mm,
+                         py::arg("force_sd_n") = c.force_sd_n));
   }
   return list;
 }

@@ -19,8 +19,8 @@ constexpr double kSaturatedCounts = -1e6;
 constexpr std::uint64_t kForgetAfterUs = 1'000'000;
 // Whole steps of the converter's offset cancel this electrode exactly.
 constexpr double kShownElectrode_counts = 20 * Ad7147Behaviour{}.afe_step_pf * kCountsPerPf;
-// A separate random stream keeps the electrodes' numbers unchanged.
-constexpr std::uint64_t kSensitivityStream = 0x100;
+// A separate stream keeps the electrodes' random numbers unchanged.
+constexpr std::uint64_t kSensitivityStream = 0x100, kHumidityStream = 0x200, kEmiStream = 0x300;
 
 // SplitMix64 (Steele, Lea, Flood 2014) hashes each sample, so that noise needs no state.
 std::uint64_t mix(std::uint64_t x) {
@@ -51,6 +51,8 @@ double Touch::pressure_kpa(const design::Vec3& at_mm, std::uint64_t at_us) const
   if (at_us >= released_us) return 0.0;
   const auto now = state_of(contact, at_us);
   if (!now) return 0.0;
+  if (footprint != nullptr)
+    return now->force_n * footprint->kpa_per_newton(now->radius_mm, (at_mm - now->position_mm).norm());
   const double r = now->radius_mm;
   const double ratio2 = (at_mm - now->position_mm).squaredNorm() / (r * r);
   if (ratio2 >= 1.0) return 0.0;
@@ -81,6 +83,7 @@ ModuleSkin::ModuleSkin(const Scene& scene, int module, int rotation)
       seed_(mix(scene.seed ^ drawn_from(scene, module))),
       noise_counts_(scene.effects.noise_counts),
       drift_counts_per_us_(scene.effects.drift_counts_per_s * 1e-6) {
+  if (scene.effects.pads.act_on_samples()) effects_ = std::make_shared<const PadEffects>(scene.effects.pads);
   const auto taxels = design::taxels_of(scene.design.layout.modules[static_cast<std::size_t>(module)], rotation);
   for (std::size_t t = 0; t < taxels.size(); ++t) {
     position_mm_[t] = taxels[t].position_mm;
@@ -102,14 +105,36 @@ double ModuleSkin::counts(int cin, std::uint64_t at_us) const {
   for (const BrokenTaxel& b : broken_) {
     if (b.taxel == taxel && at_us >= b.from_us && at_us < b.until_us) return b.saturated ? kSaturatedCounts : value;
   }
-  if (layout::measures_pressure(taxel)) {
-    double kpa = pressure_.kpa(at_us);
-    for (const Touch* touch : touches_) kpa += touch->pressure_kpa(position_mm(taxel, at_us), at_us);
-    value += counts_per_kpa_[taxel] * kpa;
-  }
+  const double by_pressure = pressure_counts(taxel, at_us);
+  value += by_pressure;
+  if (effects_) value += effect_counts(taxel, by_pressure, at_us);
   if (drift_counts_per_us_ != 0.0) value += drift_counts_per_us_ * static_cast<double>(at_us);
   if (noise_counts_ != 0.0) value += noise_counts_ * gaussian(seed_ ^ (at_us * 16 + taxel));
   return value;
+}
+
+double ModuleSkin::pressure_counts(std::size_t taxel, std::uint64_t at_us) const {
+  if (!layout::measures_pressure(taxel)) return 0.0;
+  double kpa = pressure_.kpa(at_us);
+  for (const Touch* touch : touches_) kpa += touch->pressure_kpa(position_mm(taxel, at_us), at_us);
+  return counts_per_kpa_[taxel] * kpa;
+}
+
+double ModuleSkin::effect_counts(std::size_t taxel, double by_pressure, std::uint64_t at_us) const {
+  double counts = 0.0;
+  if (effects_->temperature) counts += temperature_counts(*effects_->temperature, at_us);
+  if (effects_->humidity) {
+    const double unit = 2.0 * uniform(mix(seed_ ^ mix(taxel + kHumidityStream))) - 1.0;
+    counts += humidity_counts(*effects_->humidity, unit, at_us);
+  }
+  if (effects_->crosstalk) {
+    double sum = 0.0;
+    for (std::size_t t = 0; t < rest_counts_.size(); ++t) sum += pressure_counts(t, at_us);
+    counts += crosstalk_counts(*effects_->crosstalk, by_pressure, sum);
+  }
+  if (const double deviation = emi_deviation_counts(effects_->emi, at_us); deviation > 0.0)
+    counts += deviation * gaussian(mix(seed_ + kEmiStream) ^ (at_us * 16 + taxel));
+  return counts;
 }
 
 const design::Vec3& ModuleSkin::position_mm(std::size_t taxel, std::uint64_t at_us) const {
@@ -119,9 +144,11 @@ const design::Vec3& ModuleSkin::position_mm(std::size_t taxel, std::uint64_t at_
   return position_mm_[taxel];
 }
 
-bool ModuleSkin::reached_by(const Contact& contact) const {
+bool ModuleSkin::reached_by(const Contact& contact, double beyond_mm) const {
   const auto any_of = [&](const auto& places) {
-    return std::ranges::any_of(places, [&](const design::Vec3& p) { return reaches(contact, p); });
+    return std::ranges::any_of(places, [&](const design::Vec3& p) {
+      return beyond_mm > 0.0 ? distance_mm(contact, p) < max_radius_mm(contact) + beyond_mm : reaches(contact, p);
+    });
   };
   return any_of(position_mm_) || std::ranges::any_of(turns_, [&](const Turn& t) { return any_of(t.position_mm); });
 }
@@ -137,6 +164,10 @@ void ModuleSkin::remove(int touch_id) {
 Skin::Skin(const Scene& scene, SwitchedHardware* switched) : lines_(scene.design.patches.size()) {
   for (int m = 0; m < static_cast<int>(scene.design.layout.modules.size()); ++m)
     modules_.emplace_back(scene, m, real_rotation(scene, m));
+  if (const auto& layer = scene.effects.pads.layer) {
+    // Only Poisson's ratio and the thickness shape a footprint.
+    footprint_.emplace(mechanics::Layer{layer->thickness_mm, layer->poisson, 100.0}, layer->electrode_mm);
+  }
   turn_modules(scene);
   place_chips(scene, switched);
   for (const Fault& fault : scene.faults) apply(fault);
@@ -263,9 +294,11 @@ I2cLineModel& Skin::line(int patch, int line) {
 
 int Skin::press(const Contact& contact) {
   const int id = next_touch_++;
-  const Touch& touch = touches_.emplace_back(Touch{id, contact});
+  const Touch& touch = touches_.emplace_back(Touch{id, contact, kForever, footprint_ ? &*footprint_ : nullptr});
+  const double radius_mm = max_radius_mm(contact);
+  const double beyond_mm = footprint_ ? std::max(0.0, footprint_->reach_mm(radius_mm) - radius_mm) : 0.0;
   for (ModuleSkin& m : modules_) {
-    if (m.reached_by(contact)) m.add(touch);
+    if (m.reached_by(contact, beyond_mm)) m.add(touch);
   }
   return id;
 }

@@ -125,6 +125,10 @@ LiveMonitor::LiveMonitor(const design::Design& design, const design::RestValues&
       calibration_(std::move(calibration)),
       modules_(design.layout.modules.size()) {}
 
+std::vector<SkinContact> LiveMonitor::contacts() const {
+  return contacts_of(touches_, design_, calibration_);
+}
+
 double LiveMonitor::force_n() const {
   double sum_n = 0.0;
   if (!calibration_.complete()) return sum_n;

@@ -141,22 +141,24 @@ TRISKIN_API triskin_status triskin_verify(triskin_skin* skin, const char** repor
 /// file. TRISKIN_DEVICE_FAILED: another process simulates these boards now.
 TRISKIN_API triskin_status triskin_flash_simulation(const char* file);
 
-/// A contact is a pressed region of the skin: taxels that lie within 12 mm of each other and do not face away from each
-/// other.
+/// What presses the skin at one place. Contacts are found among pressed taxels that lie within 12 mm of each other and
+/// do not face away from each other.
 typedef struct triskin_contact {
-  double position_mm[3];  ///< The position is the mean over the taxels, weighted by their change.
-  double normal[3];       ///< The outward unit vector is weighted likewise.
-  double change_counts;   ///< The change is summed over the taxels.
-  double force_n;         ///< The force in N is summed over the taxels; NaN means that one of them has no calibration.
-  double area_mm2;        ///< The taxels represent this area of skin.
-  int32_t module, taxel;  ///< The strongest taxel is named here.
-  int32_t taxels;         ///< The contact has this many taxels.
+  double position_mm[3];  ///< on the skin
+  double normal[3];       ///< outward unit vector
+  double change_counts;   ///< sum over its taxels
+  double force_n;         ///< against the normal, N; NaN without a calibration of all its taxels
+  double area_mm2;        ///< that is pressed
+  int32_t module, taxel;  ///< the strongest
+  int32_t taxels;         ///< how many
+  double position_sd_mm;  ///< standard deviation of the position, in each direction along the skin
+  double force_sd_n;      ///< standard deviation of force_n
 } triskin_contact;
-/// Groups the taxels that read at least 200 counts below rest into contacts, the strongest first, as `live` and the
-/// page do. `xyz_mm` and `normals` are those of triskin_positions_mm and triskin_normals; `change_counts` has 12 per
-/// module. `counts_per_kpa` and `taxel_area_mm2` are those of triskin_calibration, or both NULL for contacts without
-/// forces. `module_count` is the number of modules. Writes at most `capacity` contacts and sets *count to the total
-/// number. TRISKIN_BAD_INPUT: a required argument is NULL.
+/// Finds the contacts that press the taxels that read 200 counts and more below rest, the strongest first, as `live`
+/// does. `xyz_mm`, `normals`: as triskin_positions_mm and triskin_normals write them; `change_counts`: 12 a module.
+/// `counts_per_kpa` and `taxel_area_mm2`: as triskin_calibration writes them, both NULL: without forces.
+/// `module_count`: number of modules. Writes at most `capacity` contacts and sets *count to the number that there are.
+/// TRISKIN_BAD_INPUT: an argument is NULL that may not be.
 TRISKIN_API triskin_status triskin_contacts(const double* xyz_mm, const double* normals, const double* change_counts,
                                             const double* counts_per_kpa, const double* taxel_area_mm2,
                                             size_t module_count, triskin_contact* contacts, size_t capacity,

@@ -13,6 +13,7 @@
 #include "triskin/design/design.hpp"
 #include "triskin/scene/ad7147.hpp"
 #include "triskin/scene/contact.hpp"
+#include "triskin/scene/effects.hpp"
 #include "triskin/scene/expectation.hpp"
 #include "triskin/wire/unique_id.hpp"
 
@@ -107,13 +108,14 @@ struct Effects {
   double taxel_spread_counts = 0.0;  ///< The offset that is added to an electrode lies within ± this value.
   /// The gains of the taxels lie within ± this fraction of kCountsPerKpa (< 1).
   double sensitivity_spread = 0.0;
-  double electrode_least_pf = 2.0;      ///< Each taxel has its own electrode, whose capacitance is at least this.
-  double electrode_most_pf = 18.0;      ///< The capacitance of an electrode is at most this.
-  Ad7147Behaviour converter;            ///< Every chip behaves like this; scene files cannot set it.
-  std::uint64_t bus_bit_rate = 0;       ///< Zero means that frames take no time.
-  std::uint64_t bus_data_bit_rate = 0;  ///< FD frames with a rate switch use this rate; 0 means bus_bit_rate.
-  double chain_bit_error_rate = 0.0;    ///< With this probability a bit on the route chain flips in one module.
-  std::vector<double> clock_ppm{};      ///< The clock of each patch's controller runs faster by this.
+  double electrode_least_pf = 2.0;      ///< It is the smallest capacitance of an electrode; each taxel has its own.
+  double electrode_most_pf = 18.0;      ///< It is the largest capacitance of an electrode.
+  Ad7147Behaviour converter;            ///< It is the behaviour of every chip and does not occur in scene files.
+  std::uint64_t bus_bit_rate = 0;       ///< 0 means that frames take no time.
+  std::uint64_t bus_data_bit_rate = 0;  ///< It is the rate of FD frames with a rate switch; 0 means bus_bit_rate.
+  double chain_bit_error_rate = 0.0;    ///< It is the probability that a bit on the route chain flips in one module.
+  PadEffects pads{};                    ///< They act on the pads (docs/effects.md).
+  std::vector<double> clock_ppm{};      ///< Each controller's clock runs faster by this; it is indexed by patch.
 };
 
 struct Scene {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "triskin/layout/module.hpp"
+#include "triskin/mechanics/footprint.hpp"
 #include "triskin/scene/ad7147.hpp"
 #include "triskin/scene/i2c_line.hpp"
 #include "triskin/scene/scene.hpp"
@@ -25,8 +26,10 @@ inline constexpr double kCountsPerKpa = 150.0;
 struct Touch {
   int id = 0;
   Contact contact;
-  std::uint64_t released_us = kForever;  ///< The finger was lifted at this time, before the end of the contact.
-  /// Returns the pressure on the skin in kPa at a point (mesh frame, mm) and virtual time; 0 outside the contact.
+  std::uint64_t released_us = kForever;  ///< lifted before the end of the contact
+  /// What the layer makes of the contact; null: Hertz' pressure at the middle of each taxel.
+  const mechanics::Footprint* footprint = nullptr;
+  /// Pressure on the skin at a point (mesh frame, mm) and virtual time, kPa; 0 outside the contact.
   [[nodiscard]] double pressure_kpa(const design::Vec3& at_mm, std::uint64_t at_us) const;
 };
 
@@ -63,8 +66,8 @@ class ModuleSkin final : public CapacitanceSource {
   /// Sets the pads so that the converter reads `counts` once the controller has found offsets for layout::kRestCounts;
   /// nothing else then affects them.
   void show(const std::array<double, layout::kTaxelsPerModule>& counts) { shown_counts_ = counts; }
-  /// Returns true if the contact can press a pad of this module at some time.
-  [[nodiscard]] bool reached_by(const Contact& contact) const;
+  /// True: the contact can press a pad of this module at some time. `beyond_mm`: how far it acts beyond its radius.
+  [[nodiscard]] bool reached_by(const Contact& contact, double beyond_mm = 0.0) const;
 
  private:
   struct BrokenTaxel {
@@ -77,6 +80,8 @@ class ModuleSkin final : public CapacitanceSource {
     std::array<design::Vec3, layout::kTaxelsPerModule> position_mm;
   };
   [[nodiscard]] const design::Vec3& position_mm(std::size_t taxel, std::uint64_t at_us) const;
+  [[nodiscard]] double pressure_counts(std::size_t taxel, std::uint64_t at_us) const;
+  [[nodiscard]] double effect_counts(std::size_t taxel, double by_pressure, std::uint64_t at_us) const;
   std::array<design::Vec3, layout::kTaxelsPerModule> position_mm_;
   std::vector<BrokenTaxel> broken_;
   std::vector<Turn> turns_;
@@ -87,6 +92,7 @@ class ModuleSkin final : public CapacitanceSource {
   std::uint64_t seed_;
   double noise_counts_;
   double drift_counts_per_us_;
+  std::shared_ptr<const PadEffects> effects_;  // Null: none acts on samples.
 };
 
 /// The skin connects all modules of a scene to the lines of their controllers. Not thread-safe.
@@ -125,6 +131,7 @@ class Skin {
   std::deque<ModuleSkin> modules_;
   std::vector<std::unique_ptr<Ad7147>> chips_;
   std::vector<std::array<I2cLineModel, 4>> lines_;
+  std::optional<mechanics::Footprint> footprint_;
   std::list<Touch> touches_;
   int next_touch_ = 1;
 };

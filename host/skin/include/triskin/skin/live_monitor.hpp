@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "triskin/design/calibration.hpp"
+#include "triskin/skin/skin_contacts.hpp"
 #include "triskin/skin/touch_map.hpp"
 #include "triskin/wire/module_state.hpp"
 
@@ -43,8 +44,9 @@ class LiveMonitor {
   void set_calibration(design::SkinCalibration calibration) { calibration_ = std::move(calibration); }
   /// Returns the calibration that converts counts.
   [[nodiscard]] const design::SkinCalibration& calibration() const { return calibration_; }
-  /// Returns the sum of the forces on all pressed taxels, against their normals, in N; 0 without a complete
-  /// calibration.
+  /// What presses the skin now, the strongest first (skin_contacts.hpp). Cost: some ms for each contact.
+  [[nodiscard]] std::vector<SkinContact> contacts() const;
+  /// Force on all taxels under pressure together, against their normals, N; 0 without a complete calibration.
   [[nodiscard]] double force_n() const;
 
   /// Modules in order with a taxel that reads above its rest value by TouchMap::kPressed_counts or more, which no touch

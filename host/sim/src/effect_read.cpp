@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene_reader.hpp"
+
+namespace triskin::scene {
+namespace {
+
+using design::has;
+using design::JsonValue;
+using design::number_in;
+
+constexpr double kMaxCounts = 1e4;
+
+std::vector<TimedValue> read_points(const JsonValue& list, const char* key, double low, double high) {
+  std::vector<TimedValue> points;
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    const JsonValue v = list.at(k);
+    only_scene_keys(v, {"at_s", key});
+    points.push_back({scene_time_us(v["at_s"]), number_in(v[key], low, high)});
+    if (k > 0 && points[k].at_us < points[k - 1].at_us) v["at_s"].fail("is earlier than the point before");
+  }
+  if (points.empty()) list.fail("has no point; give at least one");
+  return points;
+}
+
+LayerEffect read_layer(const JsonValue& v) {
+  only_scene_keys(v, {"thickness_mm", "poisson", "electrode_mm"});
+  LayerEffect e;
+  if (has(v, "thickness_mm")) e.thickness_mm = number_in(v["thickness_mm"], 0.2, 10.0);
+  if (has(v, "poisson")) e.poisson = number_in(v["poisson"], 0.0, 0.495);
+  if (has(v, "electrode_mm")) e.electrode_mm = number_in(v["electrode_mm"], 0.5, 10.0);
+  return e;
+}
+
+TemperatureEffect read_temperature(const JsonValue& v) {
+  only_scene_keys(v, {"points", "counts_per_degree"});
+  TemperatureEffect e;
+  e.celsius = read_points(v["points"], "celsius", -40.0, 125.0);
+  if (has(v, "counts_per_degree")) e.counts_per_degree = number_in(v["counts_per_degree"], -kMaxCounts, kMaxCounts);
+  return e;
+}
+
+HumidityEffect read_humidity(const JsonValue& v) {
+  only_scene_keys(v, {"points", "counts_per_percent", "spread"});
+  HumidityEffect e;
+  e.percent = read_points(v["points"], "percent", 0.0, 100.0);
+  if (has(v, "counts_per_percent")) e.counts_per_percent = number_in(v["counts_per_percent"], -kMaxCounts, kMaxCounts);
+  if (has(v, "spread")) e.spread = number_in(v["spread"], 0.0, 1.0);
+  return e;
+}
+
+EmiBurst read_burst(const JsonValue& v) {
+  only_scene_keys(v, {"at_s", "for_s", "every_s", "counts"});
+  EmiBurst b;
+  if (has(v, "at_s")) b.from_us = scene_time_us(v["at_s"]);
+  b.length_us = scene_time_us(v["for_s"]);
+  if (has(v, "every_s")) {
+    b.every_us = scene_time_us(v["every_s"]);
+    if (b.every_us < b.length_us) v["every_s"].fail("is shorter than for_s: the burst would never end");
+  }
+  b.counts = number_in(v["counts"], 0.0, kMaxCounts);
+  return b;
+}
+
+}  // namespace
+
+PadEffects read_pad_effects(const JsonValue& v) {
+  PadEffects e;
+  if (has(v, "layer")) e.layer = read_layer(v["layer"]);
+  if (has(v, "temperature")) e.temperature = read_temperature(v["temperature"]);
+  if (has(v, "humidity")) e.humidity = read_humidity(v["humidity"]);
+  if (has(v, "crosstalk")) e.crosstalk = CrosstalkEffect{number_in(v["crosstalk"], 0.0, 0.5)};
+  if (has(v, "emi")) {
+    const JsonValue list = v["emi"];
+    for (std::size_t k = 0; k < list.size(); ++k) e.emi.push_back(read_burst(list.at(k)));
+  }
+  return e;
+}
+
+}  // namespace triskin::scene
