@@ -50,8 +50,8 @@ struct InverseResult {
 /// 3. A likelihood-ratio test adds contacts one by one; noise passes for one more with a probability of 0.001 at most.
 ///
 /// Estimates and deviations are those of the posterior: of the Gauss-Newton matrix where the objective is a parabola,
-/// elsewhere (few pressed taxels) of samples of it, about the optimum where that is known to 0.5 mm and 10 %. Weak
-/// priors keep it regular: a factor of e² about the force that presses a tip of 12 mm by a quarter of the thickness, of
+/// elsewhere (few pressed taxels) of samples of it, about the optimum where that is known to 0.5 mm and 10 %.
+/// Weak priors keep it regular: a factor of e² about the force that presses a tip of 12 mm by a quarter of the thickness, of
 /// e about that radius, and some 6 mm about the taxels. A single pressed taxel cannot tell place, force and radius
 /// apart; then the deviations are as wide as the priors.
 ///
