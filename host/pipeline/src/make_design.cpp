@@ -324,7 +324,7 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   if (options.flip) geometry::turn_over(extraction.surface);
   if (notes != nullptr) notes->extract = extraction.report;
   if (!take_surface(extraction, options, design, notes)) return design;
-  if (options.regions) design.regions = resolve_regions(mesh, file, extraction, *options.regions);
+  if (options.regions) design.regions = resolve_regions(mesh, options.unit, file, extraction, *options.regions);
   if (options.like != nullptr) return revised(std::move(design), options, start, progress, notes);
   const geometry::Surface surface(design.surface);
   const auto of_surface = regions_of(surface, design);

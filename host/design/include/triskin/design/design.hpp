@@ -59,6 +59,8 @@ struct Design {
     double module_value = 0.0;
     /// They are must-cover regions that are not covered, and in the file only beside regions.
     std::vector<Uncovered> uncovered;
+    /// Patches whose cable enters outside of the regions for it, and in the file only beside such regions.
+    std::vector<int> entries_elsewhere;
     /// It is modules · what corner cuts leave of 389.7 mm² / area, and in the file only with a cut.
     double coverage_cut = 0.0;
   };

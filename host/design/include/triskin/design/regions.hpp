@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <filesystem>
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <variant>
@@ -21,19 +21,36 @@ struct Box {
   Vec3 low_mm = Vec3::Zero(), high_mm = Vec3::Zero();  ///< The low corner is below the high one on every axis.
   bool operator==(const Box&) const = default;
 };
-/// or on faces of it: indices of Design::surface.
+/// on faces of it: indices of Design::surface,
 struct FaceSet {
   std::vector<int> faces;
+};
+/// near another body: places whose normal comes within `margin_mm` of it on the way from `below_mm` under the surface
+/// to `above_mm` over it. The inside of a closed mesh belongs to the body; an open mesh is a sheet without an inside.
+struct Obstacle {
+  Mesh mesh;               ///< It is in mm, in the frame of the part, and oriented outward where it is closed.
+  double margin_mm = 0.0;  ///< It ranges from 0 to 1000.
+  double above_mm = 0.0;   ///< It ranges from 0 to 200.
+  double below_mm = 0.0;   ///< It ranges from 0 to 200.
+};
+/// or along the border of the surface: what lies no farther than `margin_mm`, straight through space, from a border
+/// whose width, the largest distance of two of its corners, lies between the two limits.
+struct BorderStrip {
+  static constexpr double kMaxWidth_mm = 1e5;  ///< No border is wider.
+  double margin_mm = 0.0;                      ///< It must be positive.
+  double min_width_mm = 0.0;                   ///< Narrower borders, as of holes, have no strip.
+  double max_width_mm = kMaxWidth_mm;          ///< Wider ones, as the outline, have none.
 };
 
 /// Requirement for a part of the surface (docs/regions.md).
 struct Region {
   std::string name;  ///< It is unique and not empty.
-  std::variant<Sphere, Box, FaceSet> shape;
+  std::variant<Sphere, Box, FaceSet, Obstacle, BorderStrip> shape;
   /// A module whose centre lies in the region is worth 0 … 1000; without a value the value of elsewhere holds.
   std::optional<double> weight;
   bool cover = false;      ///< Every place of it must lie within `within_mm` of a module, seen along its normal.
   bool free = false;       ///< No module may lie over it, so its rim is a border.
+  bool entry = false;      ///< Cables of the controllers may enter here, and nowhere else than in such regions.
   double within_mm = 2.0;  ///< It ranges from 0 to 30.
 };
 
@@ -42,6 +59,8 @@ struct Regions {
   double elsewhere = 1.0;  ///< A module in no region with a weight is worth this, 0 … 1000.
   std::vector<Region> list;
   [[nodiscard]] bool empty() const { return list.empty(); }
+  /// Whether cables may enter in some places only.
+  [[nodiscard]] bool limits_entries() const { return std::ranges::any_of(list, &Region::entry); }
 };
 
 /// A must-cover region that is not covered everywhere.

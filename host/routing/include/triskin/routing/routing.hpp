@@ -46,7 +46,9 @@ struct RoutingOptions {
   RouteObjective objective = RouteObjective::kLossFirst;
   ElectricalModel electrical;
   bool second_entry = true;  ///< A second connector is planned where it saves modules.
-  bool adoption = true;      ///< Neighbouring patches with free addresses may read unreachable modules.
+  /// Where it saves most, the second connector may lie at the seam to another patch, which no border side reaches.
+  bool second_entry_at_seam = true;
+  bool adoption = true;  ///< Neighbouring patches with free addresses may read unreachable modules.
   /// A patch gets so many moves that lower the secondary cost; 0 keeps the first partition.
   int recombinations = 60;
   bool has_controller_place = false;      ///< Then cable lengths count in the secondary cost.
