@@ -75,6 +75,8 @@ class Chain {
   /// Makes another start where the next annealing is due.
   void begin_due_run();
   void run(int steps);
+  /// Changes when its growing gives up.
+  void end_at(Grower::Clock::time_point end) { grower_.end_at(end); }
   /// Takes over a layout of another chain.
   void adopt(const NetCopy& net);
 

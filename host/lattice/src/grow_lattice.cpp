@@ -29,9 +29,8 @@ constexpr int kRoundsAnExchange = 2;  // The chains exchange their best layout a
 // Room for so many modules makes a chain of a team worth its thread: fewer leave little between the bands of its zone,
 // and islands are parted by them (HEAD with four zones of 64 is worth less than with two).
 constexpr double kModulesAChain = 90.0;
-constexpr std::size_t kMore = 8;      // We certify at most this many other layouts that have as many modules.
-constexpr std::size_t kThinned = 5;   // We make this many smaller layouts from the best one.
-constexpr double kFrontShare = 0.05;  // Certifying the front may exceed the time limit by this share.
+constexpr std::size_t kMore = 8;     // We certify at most this many other layouts that have as many modules.
+constexpr std::size_t kThinned = 5;  // We make this many smaller layouts from the best one.
 constexpr double kSampleArea_mm2 = 50.0;
 // The corners of the rigid module stand off a little more than those of the lattice, so these get 70 % of the limit.
 constexpr double kLiftShare = 0.7;
@@ -92,13 +91,24 @@ std::vector<const LatticeMesh*> front_of(const std::deque<Chain>& chains) {
   return nets;
 }
 
+// Lets the caller see the first layout and shorten or lengthen the time.
+void show_first(GrowthTask& task, const Certifier& certifier, std::deque<Chain>& chains) {
+  if (!task.options.first_layout || task.options.iterations > 0) return;
+  const LatticeMesh& first = *best_of(chains).best();
+  if (first.size() == 0) return;
+  task.end = task.start + duration_of(task.options.first_layout(certifier.other(first)));
+  for (Chain& c : chains) c.end_at(task.end);
+}
+
 // Rounds of all teams side by side, until time or steps are over.
-void search(const GrowthTask& task, std::deque<Chain>& chains, int max_in_a_team, const ProgressSink& progress) {
+void search(GrowthTask& task, const Certifier& certifier, std::deque<Chain>& chains, int max_in_a_team,
+            const ProgressSink& progress) {
   const int iterations = task.options.iterations;
   const auto each = [](auto& items, const auto& work) {
     in_parallel(static_cast<int>(items.size()), items.size(), [&](std::size_t k) { work(items[k]); });
   };
   each(chains, [](Chain& c) { c.build(); });
+  show_first(task, certifier, chains);
   std::vector<Team> teams = teams_of(task, chains, max_in_a_team);
   const Chain& leader = chains.front();
   for (int round = 1; task.now() < task.end && !interrupt_request() && (iterations == 0 || leader.steps() < iterations);
@@ -136,7 +146,7 @@ void certify_others(const GrowthTask& task, const Certifier& certifier, const La
   for (const LatticeMesh& l : less) others.push_back(&l);
   others.insert(others.end(), found.begin(), found.end());
   std::vector<std::optional<ModuleLayout>> front(others.size());
-  const auto end = task.end + duration_of(kFrontShare * task.options.time_limit_s);
+  const auto end = task.end + duration_of(kFrontTimeShare * task.options.time_limit_s);
   in_parallel(task.options.threads, others.size(), [&](std::size_t k) {
     if (task.options.iterations > 0 || task.now() < end) front[k] = certifier.other(*others[k]);
   });
@@ -164,26 +174,26 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
   const std::vector<Sample> samples = spread_samples(surface, kSampleArea_mm2, options.seed);
   const LatticeMesh started = net_of_kept(surface, copy, options.kept, options.corner_cut_mm);
   const double room = surface.area_mm2() / kModuleArea_mm2;
-  const GrowthTask task{surface,
-                        rules,
-                        options,
-                        samples,
-                        regions,
-                        limits.jumper_mm,
-                        corner_lift_of(limits, options),
-                        started,
-                        start,
-                        end,
-                        SearchPlan::of(room)};
+  GrowthTask task{surface,
+                  rules,
+                  options,
+                  samples,
+                  regions,
+                  limits.jumper_mm,
+                  corner_lift_of(limits, options),
+                  started,
+                  start,
+                  end,
+                  SearchPlan::of(room)};
   std::deque<Chain> chains;
   for (int k = 0; k < options.threads; ++k)
     chains.emplace_back(task, options.seed * 1000003 + static_cast<std::uint64_t>(k));
-  search(task, chains, std::max(1, static_cast<int>(room / kModulesAChain)), progress);
+  Certifier certifier(original, copy, limits, options);
+  search(task, certifier, chains, std::max(1, static_cast<int>(room / kModulesAChain)), progress);
   const LatticeMesh& best = *best_of(chains).best();
   LatticeMesh net = best;
   ModuleLayout refusals;
   count_refusals(task, net, refusals);
-  Certifier certifier(original, copy, limits, options);
   std::vector<ModuleLayout> layouts{certifier.first(std::move(net))};
   layouts[0].refused = std::move(refusals.refused);
   if (options.front) certify_others(task, certifier, best, front_of(chains), layouts);

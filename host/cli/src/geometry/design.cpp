@@ -39,6 +39,13 @@ struct Options {
   Verbosity verbosity;
 };
 
+nlohmann::json steps_json(const std::vector<pipeline::StepTime>& steps) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const pipeline::StepTime& s : steps)
+    list.push_back({{"step", s.name}, {"granted_s", s.granted_s}, {"used_s", s.used_s}});
+  return list;
+}
+
 nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& notes) {
   const auto& r = d.report;
   nlohmann::json refused = nlohmann::json::object();
@@ -61,7 +68,8 @@ nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& not
                          {"modules_pieces", notes.pieces},
                          {"modules_surface", notes.surface},
                          {"pieces_left_out", notes.pieces_left_out},
-                         {"growth_left_out", notes.growth_left_out},
+                         {"curvature_rad", notes.curvature_rad},
+                         {"steps", steps_json(notes.steps)},
                          {"refused", refused},
                          {"repair", geometry::kRepairNames.name(notes.extract.repair)},
                          {"enclosed_components", notes.extract.enclosed_components},
@@ -87,12 +95,9 @@ void say_warnings(const design::Design& d, const pipeline::DesignNotes& notes, O
   if (const std::string change = repair_text(notes.extract, "repair"); !change.empty()) output.say(change);
   if (const std::string side = side_text(notes.side); !side.empty()) output.say(side);
   if (const std::string holes = bridge_text(notes.bridges); !holes.empty()) output.say(holes);
-  std::vector<std::string> left_out;
-  if (notes.pieces_left_out > 0) left_out.push_back(fmt::format("{} pieces", notes.pieces_left_out));
-  if (notes.growth_left_out) left_out.emplace_back("the growth on the surface");
-  if (!left_out.empty()) {
-    output.say(fmt::format("no time was left for {}; a longer --time-limit-s may give more modules",
-                           fmt::join(left_out, " and ")));
+  if (notes.pieces_left_out > 0) {
+    output.say(fmt::format("no time was left for {} pieces; a longer --time-limit-s may give more modules",
+                           notes.pieces_left_out));
   }
   if (d.layout.corner_cut_mm > 0.0) say_cut_pads(d.layout.corner_cut_mm, output);
 }
@@ -121,8 +126,15 @@ void say_details(const design::Design& d, const pipeline::DesignNotes& notes, Ou
       "edge error ≤ {:.2f} mm, hinge gap ≤ {:.2f} mm, centre gap ≤ {:.2f} mm, sides lift ≤ {:.2f} mm, "
       "depth ≤ {:.2f} mm",
       r.max_edge_error_mm, r.max_hinge_gap_mm, r.max_center_gap_mm, r.max_edge_lift_mm, r.max_edge_depth_mm));
-  output.say(fmt::format("pieces give {} modules, growth on the surface {}: {} taken", notes.pieces, notes.surface,
-                         design::kLayoutMethodNames.name(d.layout.method)));
+  const bool pieces_tried = std::ranges::find(notes.steps, "pieces", &pipeline::StepTime::name) != notes.steps.end();
+  output.say(pieces_tried ? fmt::format("pieces give {} modules, growth on the surface {}: {} taken", notes.pieces,
+                                        notes.surface, design::kLayoutMethodNames.name(d.layout.method))
+                          : fmt::format("grown on the surface; flat pieces were not tried (curvature under a module: "
+                                        "{:.2f} rad; --method pieces tries them)",
+                                        notes.curvature_rad));
+  std::vector<std::string> steps;
+  for (const pipeline::StepTime& s : notes.steps) steps.push_back(fmt::format("{} {:.1f} s", s.name, s.used_s));
+  output.say(fmt::format("time: {}", fmt::join(steps, ", ")));
   for (const auto& [limit, count] : d.layout.refused)
     output.say(fmt::format("{} refused {} further modules", limit, count));
 }
@@ -246,7 +258,7 @@ void require_like_alone(const CLI::App& app) {
   for (const char* name :
        {"--edge-error-mm", "--hinge-gap-mm", "--center-gap-mm", "--fold-rad", "--penetration-mm", "--overrun-mm",
         "--lift-mm", "--depth-mm", "--jumper-mm", "--controller-cost", "--jumper-cost", "--island-cost", "--seed",
-        "--kinds", "--corner-cut-mm", "--bend-radius-mm", "--solver-deviation-mm"}) {
+        "--kinds", "--corner-cut-mm", "--bend-radius-mm", "--solver-deviation-mm", "--method"}) {
     if (app.get_option(name)->count() > 0)
       throw InputError(
           fmt::format("{} has no effect with --like, whose design says it; leave it out, or make the design "
@@ -280,6 +292,13 @@ const Registration kDesign{{
       app.add_option("--time-limit-s", options->design.time_limit_s, "effort")
           ->check(CLI::Range(0.01, 1e6))
           ->capture_default_str();
+      app.add_option("--method", options->design.method,
+                     "where layouts are searched; auto: grown on the surface, and on flat pieces too where the surface "
+                     "bends in one direction only; pieces: on both; lattice: grown only (default: auto)")
+          ->transform(
+              one_of(std::map<std::string, pipeline::SearchMethod>{{"auto", pipeline::SearchMethod::kAuto},
+                                                                   {"pieces", pipeline::SearchMethod::kPieces},
+                                                                   {"lattice", pipeline::SearchMethod::kLattice}}));
       app.add_option("--seed", options->design.seed, "of every random choice")->capture_default_str();
       options->unit.add_to(app);
       add_object_option(app, options->design.object);

@@ -13,6 +13,11 @@
 
 namespace triskin::geometry {
 
+/// With SurfaceLatticeOptions::front, measuring the other layouts may exceed the time limit by this share.
+inline constexpr double kFrontTimeShare = 0.05;
+/// grow_front() returns about so many layouts at most.
+inline constexpr int kMaxFront = 27;
+
 /// Effort of grow_lattice(), and what it maximises: worth of the modules (their number without regions) + hinge_reward
 /// · joints − price, where the price is relaxed: islands that jumpers can join count n / 16 + 15 / 32 controllers
 /// together, and jumpers as the wiring does (docs/cost.md). Out of range: InputError.
@@ -42,6 +47,10 @@ struct SurfaceLatticeOptions {
   /// Modules that stay exactly where they are, with the joints among them: the first modules of every layout, in this
   /// order. They must keep the limits and have the corner cut of the others.
   std::vector<PlacedModule> kept;
+  /// Called once with the best layout of the first starts, on the calling thread, while no `iterations` are given: a
+  /// caller that measures with it what it does afterwards answers with the time limit that holds from now on, in s from
+  /// the start. None, or no module found: time_limit_s holds.
+  std::function<double(const ModuleLayout&)> first_layout{};
   /// What the time limit is measured by, asked from all threads at once; none: the steady clock.
   std::function<std::chrono::steady_clock::time_point()> now{};
 };

@@ -54,6 +54,7 @@ class Grower {
   bool remove_overrunning(LatticeMesh& net);
 
   [[nodiscard]] bool covered(const LatticeMesh& net, const Vec3& p) const;
+  void end_at(Clock::time_point end) { end_ = end; }
   [[nodiscard]] bool late() const { return (now_ ? now_() : Clock::now()) > end_ || interrupt_request(); }
   /// Same as late(), but the time never ends the search for the first module, since a layout needs one.
   [[nodiscard]] bool late(const LatticeMesh& net) const { return (net.size() > 0 && late()) || interrupt_request(); }

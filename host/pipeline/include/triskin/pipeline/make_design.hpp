@@ -15,6 +15,7 @@
 #include "triskin/mesh/mesh_io.hpp"
 #include "triskin/mesh/side.hpp"
 #include "triskin/pipeline/revise_design.hpp"
+#include "triskin/pipeline/time_budget.hpp"
 
 namespace triskin::pipeline {
 
@@ -24,6 +25,13 @@ enum class RepairMode : std::uint8_t {
   kNever,  ///< It is refused.
 };
 
+/// Where layouts are searched. The one of the highest value is kept.
+enum class SearchMethod : std::uint8_t {
+  kAuto,     ///< Grown on the surface; flat pieces are placed too where the surface is nearly developable.
+  kPieces,   ///< Flat pieces are placed whatever the surface, and a layout is grown.
+  kLattice,  ///< Only grown on the surface.
+};
+
 /// Options of make_design(). Out of range: InputError.
 struct DesignOptions {
   std::optional<geometry::LengthUnit> unit;  ///< Without it the mesh file's own unit holds, or mm.
@@ -31,9 +39,10 @@ struct DesignOptions {
   std::string object;  ///< It names one object of a mesh file with several; an empty name takes all.
   bool flip = false;   ///< All faces are turned over, which takes the other side of an open part.
   RepairMode repair = RepairMode::kAuto;
+  SearchMethod method = SearchMethod::kAuto;
   geometry::SideOptions side;   ///< It chooses the side of a part with a wall.
   double bridge_mm = 0.0;       ///< Holes up to this diameter are closed; 0 closes none.
-  double time_limit_s = 20.0;   ///< All steps share it, and the growth gets what placement and wiring leave.
+  double time_limit_s = 20.0;   ///< All steps share it (TimeBudget); the growth gets what the others leave.
   std::uint64_t seed = 1;       ///< It seeds every random choice.
   design::LayoutLimits limits;  ///< Each must be positive.
   /// > 0: no module is bent to a smaller radius: pieces are parted from what bends more (bend_seams.hpp), and depth and
@@ -63,7 +72,8 @@ struct DesignNotes {
   int solver_faces = 0;              ///< The mesh that was searched, perhaps the surface itself, has so many faces.
   double solver_deviation_mm = 0.0;  ///< That mesh is proved to be at most so far from the surface.
   int pieces_left_out = 0;           ///< So many pieces were not placed because the time was over.
-  bool growth_left_out = false;      ///< No time was left for the growth.
+  double curvature_rad = 0.0;        ///< Mean integral of |Gaussian curvature| under a module; 0 without a search.
+  std::vector<StepTime> steps;       ///< What each step was granted and took of the time limit.
   geometry::ExtractReport extract;
   geometry::TakenSide side;
   geometry::BridgeReport bridges;

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pieces_step.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "triskin/design/outline.hpp"
+#include "triskin/lattice/map_modules.hpp"
+#include "triskin/placement/placement.hpp"
+#include "triskin/placement/polygon_io.hpp"
+#include "triskin/unfolding/bend_seams.hpp"
+#include "triskin/unfolding/developability.hpp"
+#include "triskin/unfolding/unfolding.hpp"
+#include "wire_design.hpp"
+
+namespace triskin::pipeline {
+namespace {
+
+// Pieces won on plates, and on caps of spheres up to 0.0003 rad under a module; from 0.0008 rad on the growth had more
+// modules (docs/measurements/unfolding.md). The limit leaves room for the tessellation of developable faces.
+constexpr double kMaxCurvature_rad = 0.002;
+// Of the time of this step, unfolding ends after the first share and placing after the second.
+constexpr double kUnfoldingEnd = 0.4, kPlacingEnd = 0.7;
+// Each piece gets at least this time, or this share of a short limit.
+constexpr double kMinPiece_s = 0.1, kMinPieceShare = 0.005;
+
+geometry::Net pieces_of(const DesignInWork& work, const geometry::Surface& surface, double end_s) {
+  geometry::UnfoldingOptions unfolding;
+  unfolding.edge_error_mm = work.options.limits.edge_error_mm;
+  if (work.options.bend_radius_mm > 0.0)
+    unfolding.seams = geometry::seams_along_bends(surface, work.options.bend_radius_mm);
+  unfolding.give_up = work.give_up_at(end_s);
+  return geometry::unfold(surface, unfolding, work.progress);
+}
+
+geometry::PlacementResult placed_on(const DesignInWork& work, const design::Piece& piece, double area_mm2,
+                                    double time_limit_s) {
+  geometry::PlacementOptions options;
+  options.seed = work.options.seed;
+  options.corner_cut_mm = work.options.corner_cut_mm;
+  options.time_limit_s = std::max(std::min(kMinPiece_s, kMinPieceShare * work.options.time_limit_s), time_limit_s);
+  if (area_mm2 >= design::module_area_mm2(options.corner_cut_mm)) return geometry::place(piece.outline, options);
+  geometry::PlacementResult nothing;
+  nothing.proved = true;  // A piece smaller than a module holds none.
+  return nothing;
+}
+
+// Large pieces first; each may use what its share of the area leaves of the time. Those that it does not reach are left
+// out: of a soup thousands of pieces take longer than their shares.
+std::vector<geometry::TiledPiece> place_pieces(DesignInWork& work, const geometry::Net& net, double end_s) {
+  std::vector<geometry::TiledPiece> placed;
+  double area_left_mm2 = 0.0;
+  for (const auto& piece : net.pieces) area_left_mm2 += geometry::polygon_area(piece.outline);
+  const auto is_late = work.give_up_at(end_s);
+  for (const design::Piece& piece : net.pieces) {
+    if (!placed.empty() && is_late && is_late()) break;
+    const double area_mm2 = geometry::polygon_area(piece.outline);
+    const double share = area_mm2 / std::max(area_left_mm2, 1.0);
+    geometry::PlacementResult result = placed_on(work, piece, area_mm2, share * (end_s - work.budget.used_s()));
+    area_left_mm2 -= area_mm2;
+    report(work.progress, "placing", -1.0,
+           fmt::format("{} modules on piece {} of {}", result.modules, placed.size() + 1, net.pieces.size()));
+    work.design.pieces.push_back({piece, result.placement, result.modules, result.upper_bound, result.proved});
+    placed.push_back({&piece, result.placement, std::move(result.tiles)});
+  }
+  work.notes.pieces_left_out = static_cast<int>(net.pieces.size() - placed.size());
+  return placed;
+}
+
+// The modules of the pieces keep the limits on the original.
+design::ModuleLayout mapped_layout(const DesignInWork& work, const SearchedSurface& searched,
+                                   const std::vector<geometry::TiledPiece>& placed,
+                                   const geometry::SurfaceRegions* regions, double end_s) {
+  const design::LayoutLimits& limits = work.options.limits;
+  const geometry::DecimatedMesh* const solver = searched.solver();
+  design::ModuleLayout layout = geometry::map_modules(searched.surface(), placed,
+                                                      solver == nullptr ? limits : geometry::limits_on(*solver, limits),
+                                                      work.options.corner_cut_mm, regions, work.give_up_at(end_s));
+  if (solver != nullptr) geometry::keep_limits(searched.original(), limits, layout, regions);
+  return layout;
+}
+
+}  // namespace
+
+bool are_pieces_tried(DesignInWork& work, const geometry::Surface& surface) {
+  work.notes.curvature_rad =
+      geometry::total_curvature_rad(surface) * design::kModuleArea_mm2 / std::max(surface.area_mm2(), 1.0);
+  if (work.options.method != SearchMethod::kAuto) return work.options.method == SearchMethod::kPieces;
+  return work.notes.curvature_rad <= kMaxCurvature_rad;
+}
+
+WiredLayout layout_on_pieces(DesignInWork& work, const SearchedSurface& searched,
+                             const geometry::SurfaceRegions* regions, double end_s) {
+  const double begin_s = work.budget.used_s();
+  const auto at_share = [&](double share) { return begin_s + share * (end_s - begin_s); };
+  const geometry::Net net = pieces_of(work, searched.surface(), at_share(kUnfoldingEnd));
+  const auto placed = place_pieces(work, net, at_share(kPlacingEnd));
+  report(work.progress, "mapping to the surface", -1.0);
+  design::ModuleLayout mapped = mapped_layout(work, searched, placed, regions, end_s);
+  // The pieces name faces of the solver's mesh, which the design does not contain.
+  if (searched.solver() != nullptr) work.design.pieces.clear();
+  work.notes.pieces = static_cast<int>(mapped.modules.size());
+  geometry::RoutingOptions routing = routing_options(work.design);
+  routing.threads = work.options.threads;
+  routing.give_up = work.give_up_at(end_s);
+  return priced(searched.original(), std::move(mapped), work.options.limits, routing, regions);
+}
+
+}  // namespace triskin::pipeline
