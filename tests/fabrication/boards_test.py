@@ -6,6 +6,7 @@ boards: an s-expression reader of this file follows the copper of every KiCad bo
 joints and cables. ezdxf: lengths on each layer of the drawings. kicad: its own rule check (pcbnew).
 Exit status: 0 all is as the design says, 1 something is not, 77 the other reader is missing."""
 import collections
+import csv
 import itertools
 import json
 import math
@@ -294,7 +295,45 @@ def islands_of(design):
     return islands
 
 
+def header_pins():
+    """Nets of the controller and their pins, from the firmware's header of the board."""
+    header = pathlib.Path(__file__).resolve().parents[2] / (
+        "firmware/board/stm32g474/boards/nucleo_g474re/triskin/board/board_config.hpp")
+    names = {"CanReceive": "CAN_RX", "CanSend": "CAN_TX", "LogSend": "LOG_TX", "Light": "LIGHT",
+             "ChainClock": "CHAIN_CLOCK", "ChainIn": "CHAIN_IN", "ChainOut": "CHAIN_OUT",
+             "ChainEnable": "CHAIN_ENABLE", "ChainEnable2": "CHAIN_ENABLE2", "ChainLatch": "CHAIN_LATCH"}
+    pins = {}
+    for name, port, number in re.findall(r"\bk(\w+)\{'([A-Z])', (\d+)\}", header.read_text(encoding="utf-8")):
+        line = re.fullmatch(r"(Scl|Sda)([1-4])", name)
+        if name != "Boot":  # The pin of CAN_RX.
+            pins[f"{line[1].upper()}{int(line[2]) - 1}" if line else names[name]] = f"P{port}{number}"
+    return pins
+
+
+def check_controller(folder):
+    """The circuit has the pins of the header, and its cable fits the skin's."""
+    with (folder / "kicad/controller.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    nets = collections.defaultdict(set)
+    for row in rows:
+        nets[row["net"]].add((row["component"], row["pin"]))
+    wanted = header_pins()
+    expect(len(wanted) == 18, f"{len(wanted)} pins in the header")
+    for net, pin in wanted.items():
+        expect({p for c, p in nets[net] if c == "U1"} == {pin}, f"controller: {net} at {nets[net]}, header: {pin}")
+    used = [row["pin"] for row in rows if row["component"] == "U1"]
+    expect(len(used) == len(set(used)), "controller: a pin has two nets")
+    for pin, net in enumerate(CABLE, 1):
+        expect(("J1", str(pin)) in nets[BUS[net]], f"controller: pin {pin} of the cable is not {BUS[net]}")
+    for net in BUS[2:]:
+        pulls = [c for c, _ in nets[net] if c.startswith("R")]
+        expect(len(pulls) == 1 and any(c == pulls[0] for c, _ in nets["VDD"]), f"controller: pull-up of {net}")
+    for net, pins in nets.items():
+        expect(len(pins) > 1 or net == "USB_VBUS", f"controller: {net} joins nothing")
+
+
 def check_boards(folder, design):
+    check_controller(folder)
     for island, modules in islands_of(design).items():
         path, = folder.glob(f"kicad/*-I{island}-*.kicad_pcb")
         board = Board(path)
@@ -338,6 +377,35 @@ def check_drawings(folder, design, ezdxf):
     print(f"ezdxf {ezdxf.__version__}: lengths of {len(islands_of(design))} drawings agree")
 
 
+def rings_on(drawing, layer):
+    return [[tuple(v.dxf.location)[:2] for v in entity.vertices]
+            for entity in drawing.modelspace() if entity.dxftype() == "POLYLINE" and entity.dxf.layer == layer]
+
+
+def check_sheets(folder, design, ezdxf):
+    """Every island's outline lies on its sheet where places.csv says, and nothing else does."""
+    lines = (folder / "sheets/places.csv").read_text(encoding="utf-8").split()
+    expect(lines[0] == "part_number,sheet,x_mm,y_mm,angle_deg", f"head of places.csv: {lines[0]}")
+    expect(len(lines) == 1 + len(islands_of(design)), f"{len(lines) - 1} islands in places.csv")
+    wanted = collections.Counter()
+    for line in lines[1:]:
+        name, sheet, *numbers = line.split(",")
+        x, y, angle = map(float, numbers)
+        wanted[sheet] += 1
+        drawing = ezdxf.readfile(str(folder / f"sheets/sheet_{sheet}.dxf"))
+        expect(not drawing.audit().has_errors, f"sheet {sheet}: sound")
+        (ring,) = rings_on(ezdxf.readfile(str(folder / f"dxf/{name}.dxf")), "OUTLINE")
+        c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+        moved = [(x + c * p - s * q, y + s * p + c * q) for p, q in ring]
+        distance = min(max(math.dist(a, b) for a, b in zip(moved, other)) for other in rings_on(drawing, "OUTLINE")
+                       if len(other) == len(moved))
+        expect(distance < 0.002, f"{name} lies {distance} mm from its place on sheet {sheet}")
+        expect(name in {e.dxf.text for e in drawing.modelspace() if e.dxftype() == "TEXT"}, f"{name} is marked")
+    for sheet, count in wanted.items():
+        outlines = rings_on(ezdxf.readfile(str(folder / f"sheets/sheet_{sheet}.dxf")), "OUTLINE")
+        expect(len(outlines) == count, f"sheet {sheet} has {len(outlines)} outlines, {count} are listed")
+
+
 def check_rules(folder, design, pcbnew):
     for island, modules in islands_of(design).items():
         path, = folder.glob(f"kicad/*-I{island}-*.kicad_pcb")
@@ -365,13 +433,14 @@ def main():
             subprocess.run([write_strip, designs[1], "7", "3"], check=True)
         for number, name in enumerate(designs):
             folder = place / f"out{number}"
-            subprocess.run([program, "fabricate", name, "-o", str(folder), "--only", "dxf,kicad"], check=True,
+            subprocess.run([program, "fabricate", name, "-o", str(folder), "--only", "dxf,kicad,sheets"], check=True,
                            capture_output=True)
             design = json.loads(pathlib.Path(name).read_text(encoding="utf-8"))
             if witness == "boards":
                 check_boards(folder, design)
             elif witness == "ezdxf":
                 check_drawings(folder, design, other)
+                check_sheets(folder, design, other)
             else:
                 check_rules(folder, design, other)
     return 1 if failures else 0

@@ -224,7 +224,32 @@ void add_hat(std::vector<WalledPart>& parts) {
   parts.push_back(p);
 }
 
-// A scanner sees one rough sheet, without another side.
+// A board and a motor in a deep tray: they are two parts of the assembly, and nothing of them is outside.
+void add_board_in_tray(std::vector<WalledPart>& parts) {
+  WalledPart p = box_part("board_in_tray", tray({130, 100, 45}, 2), {130, 100, 45});
+  const auto all_inside = [](const Vec3&, const Vec3&) { return -1; };
+  plate({112, 82, 1.6}, 6).append_to(p, moved({9, 9, -22}), all_inside);
+  plate({30, 30, 14}).append_to(p, moved({50, 35, -26}), all_inside);
+  parts.push_back(p);
+}
+
+// A flat panel that bulges in its middle: the rim alone says that the flat side is the outer one, the bulge that it is
+// the inner one.
+void add_bulged_panel(std::vector<WalledPart>& parts) {
+  BlockSolid panel = plate({150, 120, 2}, 6);
+  panel.add({50, 40, -2}, {100, 80, 16});
+  panel.cut({52, 42, -3}, {98, 78, 14});
+  WalledPart p = named("bulged_panel");
+  panel.append_to(p, straight(), [](const Vec3& m, const Vec3& n) {
+    if (n.z() > 0.5) return 1;
+    if (n.z() < -0.5) return -1;
+    if (m.x() < 1 || m.x() > 149 || m.y() < 1 || m.y() > 119) return 0;
+    return m.x() < 51 || m.x() > 99 || m.y() < 41 || m.y() > 79 ? 1 : -1;
+  });
+  parts.push_back(p);
+}
+
+// What a scanner sees: one sheet, rough, with no other side.
 void add_scans(std::vector<WalledPart>& parts) {
   std::mt19937 dice(7);
   std::normal_distribution<double> rough(0.0, 0.08);
@@ -266,6 +291,8 @@ std::vector<WalledPart> walled_parts() {
   add_bent_plates(parts);
   add_shells(parts);
   add_hat(parts);
+  add_board_in_tray(parts);
+  add_bulged_panel(parts);
   add_scans(parts);
   return parts;
 }

@@ -168,6 +168,22 @@ CheckedDesign::Patch read_patch(const json& j, int n) {
   return p;
 }
 
+void read_obstacle(const json& j, CheckedDesign::Region& r) {
+  r.kind = CheckedDesign::Region::Kind::kObstacle;
+  r.margin = number(j.at("margin_mm"));
+  r.above = number(j.at("above_mm"));
+  r.below = number(j.at("below_mm"));
+  const json& mesh = j.at("mesh");
+  r.body_vertices = all(mesh.at("vertices"), p3);
+  const int last = static_cast<int>(r.body_vertices.size()) - 1;
+  r.body_faces = all(mesh.at("faces"), [last](const json& f) {
+    list_of(f, 3);
+    const auto corner = [&](std::size_t k) { return bounded(integer(f[k]), 0, last, "corner of an obstacle"); };
+    return std::array{corner(0), corner(1), corner(2)};
+  });
+  if (r.body_faces.empty()) throw InputError("an obstacle has no face");
+}
+
 CheckedDesign::Region read_region(const json& j, int n_faces) {
   CheckedDesign::Region r{};
   r.name = j.at("name").get<std::string>();
@@ -179,12 +195,20 @@ CheckedDesign::Region read_region(const json& j, int n_faces) {
     r.kind = CheckedDesign::Region::Kind::kBox;
     r.a = p3(j["box"].at("low_mm"));
     r.b = p3(j["box"].at("high_mm"));
+  } else if (j.contains("obstacle")) {
+    read_obstacle(j["obstacle"], r);
+  } else if (j.contains("border")) {
+    r.kind = CheckedDesign::Region::Kind::kBorder;
+    r.margin = number(j["border"].at("margin_mm"));
+    r.min_width = number(j["border"].at("min_width_mm"));
+    r.max_width = number(j["border"].at("max_width_mm"));
   } else {
     r.kind = CheckedDesign::Region::Kind::kFaces;
     r.faces = all(j.at("faces"), [n_faces](const json& f) { return bounded(integer(f), 0, n_faces - 1, "face"); });
   }
   r.free = j.contains("free") && j["free"].get<bool>();
   r.cover = j.contains("cover") && j["cover"].get<bool>();
+  r.entry = j.contains("entry") && j["entry"].get<bool>();
   if (r.cover) r.within = number(j.at("within_mm"));
   return r;
 }
@@ -192,6 +216,8 @@ CheckedDesign::Region read_region(const json& j, int n_faces) {
 void read_regions(const json& j, CheckedDesign& d) {
   for (const json& r : j.at("regions").at("list"))
     d.regions.push_back(read_region(r, static_cast<int>(d.faces.size())));
+  const bool limits_entries = std::ranges::any_of(d.regions, &CheckedDesign::Region::entry);
+  if (limits_entries) d.entries_elsewhere = all(j.at("report").at("entries_elsewhere"), integer);
   for (std::size_t k = 0; k < d.modules.size(); ++k)
     d.modules[k].keep_out = number(j.at("modules").at(k).at("keep_out_mm"));
 }
@@ -319,12 +345,15 @@ void require_bounded(const json& j, const std::string& key, double bound) {
   }
 }
 
-// A key that no reader knows would have no effect, whatever its author meant by it.
-constexpr std::array<std::string_view, 123> kKnownKeys{"address",
+// A key that no reader knows would change nothing, whatever its author meant by it.
+constexpr std::array<std::string_view, 132> kKnownKeys{"above_mm",
+                                                       "address",
                                                        "alternatives",
                                                        "area_cm2",
                                                        "backup",
+                                                       "below_mm",
                                                        "bend_radius_mm",
+                                                       "border",
                                                        "box",
                                                        "center_gap_mm",
                                                        "center_mm",
@@ -346,6 +375,7 @@ constexpr std::array<std::string_view, 123> kKnownKeys{"address",
                                                        "edge_error_mm",
                                                        "edge_lift_mm",
                                                        "elsewhere",
+                                                       "entries_elsewhere",
                                                        "entry",
                                                        "face_count",
                                                        "faces",
@@ -380,19 +410,24 @@ constexpr std::array<std::string_view, 123> kKnownKeys{"address",
                                                        "lost_rerouted",
                                                        "lost_strapped",
                                                        "low_mm",
+                                                       "margin_mm",
                                                        "max_center_gap_mm",
                                                        "max_depth",
                                                        "max_edge_depth_mm",
                                                        "max_edge_error_mm",
                                                        "max_edge_lift_mm",
                                                        "max_hinge_gap_mm",
+                                                       "max_width_mm",
+                                                       "mesh",
                                                        "method",
+                                                       "min_width_mm",
                                                        "module",
                                                        "modules",
                                                        "name",
                                                        "neighbours",
                                                        "node_address",
                                                        "normal",
+                                                       "obstacle",
                                                        "other",
                                                        "outline",
                                                        "overrun_mm",

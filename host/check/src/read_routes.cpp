@@ -26,14 +26,14 @@ bool boolean(const json& object, const char* name, const std::string& where) {
     throw InputError(fmt::format("{}: \"{}\" must be true or false, is {}", where, name, value.dump()));
   return value.get<bool>();
 }
-const json& list(const json& object, const char* name, const std::string& where) {
+const json& list_in(const json& object, const char* name, const std::string& where) {
   const json& value = key(object, name, where);
   if (!value.is_array()) throw InputError(fmt::format("{}: \"{}\" must be a list", where, name));
   return value;
 }
 std::vector<std::array<int, 2>> pairs(const json& object, const char* name, const std::string& where) {
   std::vector<std::array<int, 2>> result;
-  for (const json& p : list(object, name, where)) {
+  for (const json& p : list_in(object, name, where)) {
     if (!p.is_array() || p.size() != 2 || !p[0].is_number_integer() || !p[1].is_number_integer()) {
       throw InputError(fmt::format("{}: \"{}\" must hold pairs of ids, holds {}", where, name, p.dump()));
     }
@@ -55,7 +55,7 @@ std::array<int, 3> tile_beyond(const std::array<int, 3>& t, int side) {
 ModuleMap read_listed_modules(const json& document) {
   ModuleMap modules;
   std::map<std::pair<int, std::array<int, 3>>, int> at_tile;
-  for (const json& m : list(document, "modules", "module list")) {
+  for (const json& m : list_in(document, "modules", "module list")) {
     const std::string where = "module list";
     const int id = integer(m, "id", where), island = m.contains("island") ? integer(m, "island", where) : 0;
     const std::array<int, 3> tile{integer(m, "i", where), integer(m, "j", where), boolean(m, "up", where) ? 1 : 0};
@@ -80,7 +80,7 @@ RouteDocument read_route_document(const json& document) {
                   integer(document, "max_depth", where),
                   boolean(document, "proved", where),
                   key(document, "mean_loss", where).get<double>()};
-  for (const json& p : list(document, "routes", where)) {
+  for (const json& p : list_in(document, "routes", where)) {
     const std::string name = fmt::format("patch {}", d.patches.size());
     RoutePatch patch{integer(p, "entry", name),
                      integer(p, "second_entry", name),
@@ -92,11 +92,11 @@ RouteDocument read_route_document(const json& document) {
                      {},
                      pairs(p, "cut_joints", name),
                      {}};
-    for (const json& m : list(p, "modules", name)) {
+    for (const json& m : list_in(p, "modules", name)) {
       patch.rows.push_back({integer(m, "id", name), integer(m, "parent", name), integer(m, "rotation", name),
                             integer(m, "line", name), integer(m, "address", name), integer(m, "depth", name)});
     }
-    for (const json& f : list(p, "failures", name)) {
+    for (const json& f : list_in(p, "failures", name)) {
       patch.failures.push_back({integer(f, "module", name), integer(f, "other", name),
                                 integer(f, "lost_strapped", name), integer(f, "lost_rerouted", name),
                                 integer(f, "lost_one_entry", name), integer(f, "lost_backed_up", name),

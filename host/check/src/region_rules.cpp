@@ -4,9 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <map>
+#include <optional>
+#include <set>
 
+#include "checked_body.hpp"
 #include "triskin/check/surface_index.hpp"
 
 namespace triskin::check {
@@ -16,8 +20,10 @@ constexpr double kPlaceStep_mm = 0.9;  // Places that must be covered are this f
 // Solver and checker test different places, so one may be this much farther off.
 constexpr double kPlaceSlack_mm = 1.0;
 constexpr double kStatedReach_mm = 0.15;
-constexpr double kMaxParts = 5000.0;  // No side of a face needs more parts, because no cover is larger than 5 m.
-constexpr double kSheet_mm = 8.0;     // Points higher over a module belong to another sheet.
+constexpr double kBodyStep_mm = 0.1;     // A distance along a line costs fifty times one of a point.
+constexpr double kMaxParts = 5000.0;     // A side of a face has at most so many parts: no cover is larger than 5 m.
+constexpr double kEntrySlack_mm = 0.01;  // The closest points of solver and checker differ by less.
+constexpr double kSheet_mm = 8.0;        // Points higher over a module belong to another sheet.
 
 double distance_to_edge(const P3& p, const P3& a, const P3& b) {
   const P3 d = b - a;
@@ -25,10 +31,59 @@ double distance_to_edge(const P3& p, const P3& a, const P3& b) {
   return (a + part * d - p).norm();
 }
 
-// A region, and the faces of the surface that it names.
+// The edges of the surface with one face, by what hangs together at corners: a loop each, unless two loops meet.
+std::vector<std::vector<std::array<int, 2>>> loops_of(const CheckedDesign& d) {
+  std::map<std::pair<int, int>, int> uses;
+  for (const auto& f : d.faces) {
+    for (std::size_t k = 0; k < 3; ++k) ++uses[std::minmax(f[k], f[(k + 1) % 3])];
+  }
+  std::map<int, std::vector<int>> beside;
+  for (const auto& [edge, count] : uses) {
+    if (count != 1) continue;
+    beside[edge.first].push_back(edge.second);
+    beside[edge.second].push_back(edge.first);
+  }
+  std::vector<std::vector<std::array<int, 2>>> loops;
+  std::set<int> seen;
+  for (const auto& [first, ends] : beside) {
+    if (!seen.insert(first).second) continue;
+    loops.emplace_back();
+    std::vector<int> open{first};
+    while (!open.empty()) {
+      const int v = open.back();
+      open.pop_back();
+      for (const int w : beside[v]) {
+        if (v < w) loops.back().push_back({v, w});
+        if (seen.insert(w).second) open.push_back(w);
+      }
+    }
+  }
+  return loops;
+}
+
+std::vector<std::pair<P3, P3>> border_of(const CheckedDesign& d, const CheckedDesign::Region& r) {
+  std::vector<std::pair<P3, P3>> edges;
+  const auto vertex = [&](int v) { return d.vertices[static_cast<std::size_t>(v)]; };
+  for (const auto& loop : loops_of(d)) {
+    double width = 0.0;
+    for (const auto& a : loop) {
+      for (const auto& b : loop) {
+        for (const std::size_t k : {0U, 1U})
+          width = std::max({width, (vertex(a[0]) - vertex(b[k])).norm(), (vertex(a[1]) - vertex(b[k])).norm()});
+      }
+    }
+    if (width < r.min_width || width > r.max_width) continue;
+    for (const auto& [a, b] : loop) edges.emplace_back(vertex(a), vertex(b));
+  }
+  return edges;
+}
+
+// A region, and which faces of the surface it names.
 class RegionArea {
  public:
   RegionArea(const CheckedDesign& d, const CheckedDesign::Region& r) : d_(d), r_(r), named_(d.faces.size(), false) {
+    if (r.kind == CheckedDesign::Region::Kind::kObstacle) body_.emplace(r.body_vertices, r.body_faces);
+    if (r.kind == CheckedDesign::Region::Kind::kBorder) rim_ = border_of(d, r);
     for (const int f : r.faces) named_[static_cast<std::size_t>(f)] = true;
     if (r.kind != CheckedDesign::Region::Kind::kFaces) return;
     std::map<std::pair<int, int>, std::array<int, 2>> sides;  // The faces at each side are counted, named or not.
@@ -43,7 +98,9 @@ class RegionArea {
     }
   }
 
-  // Returns the distance to the rim, negative outside.
+  [[nodiscard]] bool has_body() const { return body_.has_value(); }
+
+  // Distance to the rim, negative outside.
   [[nodiscard]] double depth(const P3& p, std::size_t face) const {
     using Kind = CheckedDesign::Region::Kind;
     if (r_.kind == Kind::kSphere) return r_.radius - (p - r_.a).norm();
@@ -52,8 +109,13 @@ class RegionArea {
       for (int k = 0; k < 3; ++k) least = std::min({least, p[k] - r_.a[k], r_.b[k] - p[k]});
       return least;
     }
+    if (body_) {
+      const P3 normal = face_normal(face);
+      return r_.margin - body_->least_along(p - r_.below * normal, p + r_.above * normal);
+    }
     double least = 1e6;
     for (const auto& [a, b] : rim_) least = std::min(least, distance_to_edge(p, a, b));
+    if (r_.kind == Kind::kBorder) return r_.margin - least;
     return named_[face] ? least : -least;
   }
 
@@ -75,8 +137,14 @@ class RegionArea {
   }
 
  private:
+  [[nodiscard]] P3 face_normal(std::size_t face) const {
+    const auto corner = [&](std::size_t k) { return d_.vertices[static_cast<std::size_t>(d_.faces[face][k])]; };
+    return (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
+  }
+
   const CheckedDesign& d_;
   const CheckedDesign::Region& r_;
+  std::optional<CheckedBody> body_;
   std::vector<bool> named_;
   std::vector<std::pair<P3, P3>> rim_;
 };
@@ -84,7 +152,8 @@ class RegionArea {
 // Returns how far the projection of a module's points on the surface reaches into the region, by parts as for the
 // overrun.
 double reach_into(const RegionArea& area, const SurfaceIndex& surface, const Outline3& outline) {
-  constexpr double kStep = 0.02, kPart = 0.05, kSlope = 2.0;  // Depths beyond 1 mm are only measured to 5 %.
+  const double step_mm = area.has_body() ? kBodyStep_mm : 0.02;
+  constexpr double kPart = 0.05, kSlope = 2.0;  // Depths beyond 1 mm are measured to 5 % only.
   double most = 0.0;
   std::vector<std::array<P3, 3>> parts;
   for (std::size_t k = 2; k < outline.size(); ++k) parts.push_back({outline[0], outline[k - 1], outline[k]});
@@ -96,7 +165,7 @@ double reach_into(const RegionArea& area, const SurfaceIndex& surface, const Out
     const auto hit = surface.closest(middle);
     const double here = area.depth(hit.point, hit.face);
     most = std::max(most, here);
-    const double known = most + kStep + kPart * std::max(0.0, most - 1.0);
+    const double known = most + step_mm + kPart * std::max(0.0, most - 1.0);
     if (!(here + kSlope * radius > known && std::isfinite(radius))) continue;
     const P3 p = (t[0] + t[1]) / 2, q = (t[1] + t[2]) / 2, r = (t[2] + t[0]) / 2;
     for (const auto& part :
@@ -170,13 +239,64 @@ void check_cover(const CheckedDesign& d, Findings& f) {
   }
 }
 
+// The cable of a patch enters at the middle of the side of its entry module at which port A lies; the second one at the
+// side that the patch names.
+class EntryPlaces {
+ public:
+  EntryPlaces(const CheckedDesign& d, const SurfaceIndex& surface) : d_(d), surface_(surface) {
+    for (const auto& region : d.regions) {
+      if (region.entry) areas_.emplace_back(d, region);
+    }
+  }
+
+  [[nodiscard]] bool is_limited() const { return !areas_.empty(); }
+  // How far the side's middle lies outside of the nearest entry region; 0 or less inside.
+  [[nodiscard]] double outside(int module, int side) const {
+    const Triangle3& c = d_.modules[static_cast<std::size_t>(module)].corner;
+    const auto s = static_cast<std::size_t>(side);
+    const auto hit = surface_.closest(0.5 * (c[s] + c[(s + 1) % 3]));
+    double least = std::numeric_limits<double>::infinity();
+    for (const RegionArea& area : areas_) least = std::min(least, -area.depth(hit.point, hit.face));
+    return least;
+  }
+
+ private:
+  const CheckedDesign& d_;
+  const SurfaceIndex& surface_;
+  std::deque<RegionArea> areas_;  // They are not moved, since their bodies refer to themselves.
+};
+
+void check_entries(const CheckedDesign& d, const SurfaceIndex& surface, Findings& f) {
+  const EntryPlaces places(d, surface);
+  if (!places.is_limited()) return;
+  f.rule("entry-place");
+  std::vector<int> elsewhere;
+  const auto check = [&](std::size_t patch, int module, int side) {
+    if (side < 0 || side > 2) return;  // Another rule says so.
+    const double outside = places.outside(module, side);
+    if (!(outside > kEntrySlack_mm)) return;
+    if (elsewhere.empty() || elsewhere.back() != static_cast<int>(patch)) elsewhere.push_back(static_cast<int>(patch));
+    f.broken("entry-place", fmt::format("patch {}", patch),
+             fmt::format("its cable enters module {} {:.1f} mm outside of every entry region", module, outside));
+  };
+  for (std::size_t p = 0; p < d.patches.size(); ++p) {
+    const auto& patch = d.patches[p];
+    check(p, patch.entry, d.modules[static_cast<std::size_t>(patch.entry)].rotation);
+    if (patch.second_entry >= 0) check(p, patch.second_entry, patch.second_entry_side);
+  }
+  if (elsewhere != d.entries_elsewhere)
+    f.broken("entry-place", "report", "entries_elsewhere does not name the patches whose cable enters elsewhere");
+}
+
 }  // namespace
 
 void check_regions(const CheckedDesign& design, Findings& findings) {
   if (design.regions.empty()) return;
   for (const char* rule : {"keep-out", "must-cover"}) findings.rule(rule);
-  check_free(design, SurfaceIndex(design), findings);
+  const SurfaceIndex surface(design);
+  check_free(design, surface, findings);
   check_cover(design, findings);
+  check_entries(design, surface, findings);
 }
 
 }  // namespace triskin::check

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "alternatives_json.hpp"
+#include "mesh_json.hpp"
 #include "regions_json.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/design/design.hpp"
@@ -88,22 +89,13 @@ Jumper read_jumper(const JsonValue& v, std::size_t n_modules) {
   return j;
 }
 
-Mesh read_surface(const JsonValue& v) {
-  only_keys(v, {"vertices", "faces"}, kDesignPage);
-  Mesh mesh;
-  mesh.vertices = list(v["vertices"], vec3);
-  const auto vertex = index_below(mesh.vertices.size());
-  mesh.faces = list(v["faces"], [&](const JsonValue& f) { return triple(f, vertex); });
-  return mesh;
-}
-
 PartSide read_side(const JsonValue& v) {
   only_keys(v, {"taken", "certain", "wall_mm", "part"}, kDesignPage);
   PartSide side;
   side.taken = v["taken"].text();
   side.is_certain = v["certain"].boolean();
   side.wall_mm = number(v["wall_mm"]);
-  if (has(v, "part")) side.part = read_surface(v["part"]);
+  if (has(v, "part")) side.part = read_mesh_json(v["part"]);
   return side;
 }
 
@@ -263,7 +255,7 @@ Design::Report read_report(const JsonValue& v) {
   only_keys(v,
             {"area_cm2", "coverage", "upper_bound", "patches_lower_bound", "max_edge_error_mm", "max_hinge_gap_mm",
              "max_center_gap_mm", "seconds", "max_edge_lift_mm", "max_edge_depth_mm", "jumpers_lower_bound",
-             "coverage_cut", "worth", "uncovered"},
+             "coverage_cut", "worth", "uncovered", "entries_elsewhere"},
             kDesignPage);
   Design::Report r;
   r.area_cm2 = magnitude(v["area_cm2"]);
@@ -365,7 +357,7 @@ Design parse_design(const std::string& text, const std::string& file) {
   d.source_file = v["source"]["file"].text();
   d.scale_to_mm = number(v["source"]["scale_to_mm"]);
   d.part = read_part_source(v["source"]);
-  d.surface = read_surface(v["surface"]);
+  d.surface = read_mesh_json(v["surface"]);
   if (has(v, "side")) d.side = read_side(v["side"]);
   read_limits(v["limits"], d.limits);
   d.pieces = list(v["pieces"], [&](const JsonValue& p) { return read_piece(p, d.surface.faces.size()); });

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "alternatives_json.hpp"
+#include "mesh_json.hpp"
 #include "regions_json.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/design/design.hpp"
@@ -28,13 +29,9 @@ json list(const Range& range) {
   return out;
 }
 
-json surface_json(const Mesh& mesh) {
-  return {{"vertices", list(mesh.vertices)}, {"faces", mesh.faces}};
-}
-
 json side_json(const PartSide& side) {
   json j = {{"taken", side.taken}, {"certain", side.is_certain}, {"wall_mm", side.wall_mm}};
-  if (!side.part.faces.empty()) j["part"] = surface_json(side.part);
+  if (!side.part.faces.empty()) j["part"] = mesh_json(side.part);
   return j;
 }
 
@@ -184,7 +181,7 @@ void write_design(const std::filesystem::path& path, const Design& design) {
                {"design_id", fmt::format("{:016x}", design.design_id)},
                {"seed", design.seed},
                {"source", source_json(design)},
-               {"surface", surface_json(design.surface)},
+               {"surface", mesh_json(design.surface)},
                {"limits", limits_json(design.limits, with_jumpers)},
                {"method", kLayoutMethodNames.name(design.layout.method)},
                {"islands", design.layout.islands},

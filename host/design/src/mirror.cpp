@@ -83,6 +83,7 @@ Regions mirrored(const Regions& regions, const MirrorPlane& plane) {
       const Vec3 a = mirrored(box->low_mm, plane), b = mirrored(box->high_mm, plane);
       *box = {a.cwiseMin(b), a.cwiseMax(b)};
     }
+    if (auto* obstacle = std::get_if<Obstacle>(&r.shape)) obstacle->mesh = mirrored(obstacle->mesh, plane);
   }
   return image;
 }

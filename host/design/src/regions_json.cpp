@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "regions_json.hpp"
 
-#include "triskin/base/text_file.hpp"
+#include "mesh_json.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/design/design_text.hpp"
 #include "triskin/design/json_fields.hpp"
 #include "triskin/design/region_file.hpp"
@@ -24,10 +25,19 @@ json region_json(const Region& r) {
     j["sphere"] = {{"center_mm", point(s->center_mm)}, {"radius_mm", s->radius_mm}};
   else if (const auto* b = std::get_if<Box>(&r.shape))
     j["box"] = {{"low_mm", point(b->low_mm)}, {"high_mm", point(b->high_mm)}};
+  else if (const auto* o = std::get_if<Obstacle>(&r.shape))
+    j["obstacle"] = {{"margin_mm", o->margin_mm},
+                     {"above_mm", o->above_mm},
+                     {"below_mm", o->below_mm},
+                     {"mesh", mesh_json(o->mesh)}};
+  else if (const auto* strip = std::get_if<BorderStrip>(&r.shape))
+    j["border"] = {
+        {"margin_mm", strip->margin_mm}, {"min_width_mm", strip->min_width_mm}, {"max_width_mm", strip->max_width_mm}};
   else
     j["faces"] = std::get<FaceSet>(r.shape).faces;
   if (r.weight) j["weight"] = *r.weight;
   if (r.free) j["free"] = true;
+  if (r.entry) j["entry"] = true;
   if (r.cover) {
     j["cover"] = true;
     j["within_mm"] = r.within_mm;
@@ -35,16 +45,44 @@ json region_json(const Region& r) {
   return j;
 }
 
-// A region must have exactly one shape.
-WantedRegion read_region(const JsonValue& v) {
-  only_keys(v, {"name", "sphere", "box", "faces", "group", "weight", "cover", "free", "within_mm"}, kRegionsPage);
-  WantedRegion wanted;
-  Region& r = wanted.region;
-  r.name = v["name"].text();
+double length_or(const JsonValue& v, const char* key, double otherwise) {
+  return has(v, key) ? number_in(v[key], 0.0, kMaxLength_mm) : otherwise;
+}
+
+// In a design the obstacle has its mesh, in a region file the file of it.
+Obstacle read_obstacle(const JsonValue& v, WantedRegion& wanted) {
+  only_keys(v, {"file", "object", "mesh", "margin_mm", "above_mm", "below_mm"}, kRegionsPage);
+  Obstacle o;
+  o.margin_mm = length_or(v, "margin_mm", 0.0);
+  o.above_mm = length_or(v, "above_mm", 0.0);
+  o.below_mm = length_or(v, "below_mm", 0.0);
+  if (has(v, "mesh")) o.mesh = read_mesh_json(v["mesh"]);
+  if (has(v, "file")) wanted.file = v["file"].text();
+  if (has(v, "object")) wanted.object = v["object"].text();
+  if (!has(v, "mesh") && !has(v, "file") && !has(v, "object")) v.fail("needs a \"file\", an \"object\" or both");
+  return o;
+}
+
+BorderStrip read_border_strip(const JsonValue& v) {
+  only_keys(v, {"margin_mm", "min_width_mm", "max_width_mm"}, kRegionsPage);
+  return {number_in(v["margin_mm"], 0.0, kMaxLength_mm), length_or(v, "min_width_mm", 0.0),
+          length_or(v, "max_width_mm", BorderStrip::kMaxWidth_mm)};
+}
+
+void require_one_shape(const JsonValue& v) {
   int shapes = 0;
-  for (const char* shape : {"sphere", "box", "faces", "group"}) shapes += has(v, shape) ? 1 : 0;
-  if (shapes != 1) v.fail("needs one of \"sphere\", \"box\", \"faces\" and \"group\"");
-  if (has(v, "sphere")) {
+  for (const char* shape : {"sphere", "box", "faces", "group", "obstacle", "border"}) shapes += has(v, shape) ? 1 : 0;
+  if (shapes != 1) v.fail("needs one of \"sphere\", \"box\", \"faces\", \"group\", \"obstacle\" and \"border\"");
+}
+
+void read_shape(const JsonValue& v, WantedRegion& wanted) {
+  Region& r = wanted.region;
+  require_one_shape(v);
+  if (has(v, "obstacle")) {
+    r.shape = read_obstacle(v["obstacle"], wanted);
+  } else if (has(v, "border")) {
+    r.shape = read_border_strip(v["border"]);
+  } else if (has(v, "sphere")) {
     only_keys(v["sphere"], {"center_mm", "radius_mm"}, kRegionsPage);
     r.shape = Sphere{vec3(v["sphere"]["center_mm"]), number_in(v["sphere"]["radius_mm"], 0.0, kMaxLength_mm)};
   } else if (has(v, "box")) {
@@ -57,6 +95,18 @@ WantedRegion read_region(const JsonValue& v) {
       set.faces.push_back(v["faces"].at(k).integer(0, 2'000'000'000));
     r.shape = std::move(set);
   }
+}
+
+WantedRegion read_region(const JsonValue& v) {
+  only_keys(v,
+            {"name", "sphere", "box", "faces", "group", "obstacle", "border", "weight", "cover", "free", "entry",
+             "within_mm"},
+            kRegionsPage);
+  WantedRegion wanted;
+  Region& r = wanted.region;
+  r.name = v["name"].text();
+  read_shape(v, wanted);
+  if (has(v, "entry")) r.entry = v["entry"].boolean();
   if (has(v, "weight")) r.weight = number_in(v["weight"], -kMaxWeight, kMaxWeight);
   if (has(v, "cover")) r.cover = v["cover"].boolean();
   if (has(v, "free")) r.free = v["free"].boolean();
@@ -81,6 +131,9 @@ RegionFile read_region_file(const std::filesystem::path& path) {
   RegionFile file;
   if (has(v, "elsewhere")) file.elsewhere = number_in(v["elsewhere"], -kMaxWeight, kMaxWeight);
   file.regions = read_list(v["regions"]);
+  for (WantedRegion& w : file.regions) {
+    if (!w.file.empty()) w.file = path.parent_path() / w.file;
+  }
   if (file.regions.empty()) v["regions"].fail("must name at least one region");
   return file;
 }
@@ -97,6 +150,7 @@ void write_regions(const Design& design, json& document) {
   document["regions"] = {{"elsewhere", design.regions.elsewhere}, {"list", std::move(list)}};
   document["report"]["worth"] = design.report.module_value;
   document["report"]["uncovered"] = std::move(uncovered);
+  if (design.regions.limits_entries()) document["report"]["entries_elsewhere"] = design.report.entries_elsewhere;
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k)
     document["modules"][k]["keep_out_mm"] = design.layout.modules[k].keep_out_mm;
   for (std::size_t k = 0; k < design.alternatives.size(); ++k)
@@ -111,6 +165,11 @@ void read_regions(const JsonValue& v, Design& design) {
   design.regions.elsewhere = number_in(v["regions"]["elsewhere"], -kMaxWeight, kMaxWeight);
   for (WantedRegion& wanted : read_list(v["regions"]["list"])) design.regions.list.push_back(std::move(wanted.region));
   design.report.module_value = number_in(v["report"]["worth"], -kMaxWorth, kMaxWorth);
+  if (design.regions.limits_entries()) {
+    const JsonValue patches = v["report"]["entries_elsewhere"];
+    for (std::size_t k = 0; k < patches.size(); ++k)
+      design.report.entries_elsewhere.push_back(patches.at(k).integer(0, static_cast<int>(v["patches"].size()) - 1));
+  }
   const JsonValue uncovered = v["report"]["uncovered"];
   for (std::size_t k = 0; k < uncovered.size(); ++k) {
     const JsonValue u = uncovered.at(k);

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "triskin/fabrication/flat_island.hpp"
+#include "triskin/fabrication/nesting.hpp"
 
 // Writes DXF R12 (AC1009), because every program reads it and it needs neither handles nor object tables.
 namespace triskin::fabrication {
@@ -15,7 +16,8 @@ struct DxfLayer {
   const char* name;
   int colour;  // The colour is an AutoCAD colour index.
 };
-constexpr std::array<DxfLayer, 5> kDxfLayers{{{"OUTLINE", 7}, {"HOLES", 1}, {"FOLDS", 5}, {"SLITS", 6}, {"MARKS", 3}}};
+constexpr std::array<DxfLayer, 6> kDxfLayers{
+    {{"OUTLINE", 7}, {"HOLES", 1}, {"FOLDS", 5}, {"SLITS", 6}, {"MARKS", 3}, {"SHEET", 8}}};
 
 std::string header() {
   std::string text =
@@ -54,16 +56,32 @@ Mark angle_mark(const Fold& fold) {
       1.2, text_angle_rad(fold)};
 }
 
-}  // namespace
-
-std::string island_dxf(const FlatIsland& island) {
-  std::string text = header() + closed_line("OUTLINE", island.outline_mm);
+std::string drawn(const FlatIsland& island) {
+  std::string text = closed_line("OUTLINE", island.outline_mm);
   for (const auto& hole : island.holes_mm) text += closed_line("HOLES", hole);
   for (const Fold& fold : island.folds)
     text += line("FOLDS", fold.from_mm, fold.to_mm) + centered_text("MARKS", angle_mark(fold));
   for (const Slit& slit : island.slits) text += line("SLITS", slit.from_mm, slit.to_mm);
   for (const Mark& mark : island.marks) text += centered_text("MARKS", mark);
-  return text + "0\nENDSEC\n0\nEOF\n";
+  return text;
+}
+
+const char* const kEnd = "0\nENDSEC\n0\nEOF\n";
+
+}  // namespace
+
+std::string island_dxf(const FlatIsland& island) {
+  return header() + drawn(island) + kEnd;
+}
+
+std::string sheet_dxf(const std::vector<FlatIsland>& islands, const Nesting& nesting, int sheet,
+                      const SheetOptions& options) {
+  const double w = options.width_mm, l = options.length_mm;
+  std::string text = header() + closed_line("SHEET", {{0, 0}, {w, 0}, {w, l}, {0, l}});
+  for (const NestedIsland& place : nesting.places) {
+    if (place.sheet == sheet) text += drawn(on_sheet(islands[place.island], place));
+  }
+  return text + kEnd;
 }
 
 }  // namespace triskin::fabrication

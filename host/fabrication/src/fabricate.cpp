@@ -10,6 +10,7 @@
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/cad/read_part.hpp"
+#include "triskin/fabrication/controller_nets.hpp"
 #include "triskin/fabrication/kicad.hpp"
 #include "triskin/fabrication/parts_list.hpp"
 #include "triskin/fabrication/solids.hpp"
@@ -76,6 +77,7 @@ class Fabrication {
     if (wants(Product::kParts)) write("parts.csv", parts_csv(parts_of(design_, sides_, islands_)));
     if (wants(Product::kSolids)) write_solids();
     if (wants(Product::kStep)) write_assembly();
+    if (wants(Product::kSheets)) write_sheets();
     std::ranges::sort(report_.files);
     folder_.commit();
     return std::move(report_);
@@ -107,6 +109,7 @@ class Fabrication {
     write("kicad/Triskin.pretty/Module.kicad_mod", module_footprint());
     write("kicad/Triskin.kicad_sym", module_symbol());
     write("kicad/Module.net", module_netlist());
+    write("kicad/controller.csv", controller_csv());
   }
 
   void write_solids() {
@@ -138,6 +141,21 @@ class Fabrication {
       return;
     }
     write(plain_name(design_.name) + ".step", assembly_step(design_, islands_.front().corner_cut_mm, report_.left_out));
+  }
+
+  void write_sheets() {
+    Nesting nesting;
+    try {
+      nesting = nest(islands_, options_.sheet);
+    } catch (const InputError& e) {
+      if (!options_.products.empty()) throw;
+      report_.left_out.push_back(fmt::format("the sheets are left out: {}", e.what()));
+      return;
+    }
+    report_.sheet_fill = nesting.fill;
+    for (int sheet = 0; sheet < static_cast<int>(nesting.fill.size()); ++sheet)
+      write(fmt::format("sheets/sheet_{}.dxf", sheet + 1), sheet_dxf(islands_, nesting, sheet, options_.sheet));
+    write("sheets/places.csv", places_csv(islands_, nesting));
   }
 
   const design::Design& design_;

@@ -25,14 +25,6 @@ struct Hole {
   double radius_mm = 0.0;
 };
 
-double width_of(const Mesh& mesh, const std::vector<int>& loop) {
-  double width = 0.0;
-  for (const int a : loop) {
-    for (const int b : loop) width = std::max(width, (mesh.vertices[at(a)] - mesh.vertices[at(b)]).norm());
-  }
-  return width;
-}
-
 Hole hole_of(const Mesh& mesh, const std::vector<int>& loop) {
   Hole hole{loop};
   for (const int v : loop) hole.middle += mesh.vertices[at(v)] / static_cast<double>(loop.size());
@@ -78,7 +70,7 @@ BridgeReport bridge_holes(Mesh& surface, const Mesh& part, double diameter_mm) {
   BridgeReport report;
   std::vector<Hole> holes;
   for (const std::vector<int>& loop : border_loops_of(surface, neighbours_of(surface))) {
-    if (loop.size() < 3 || loop.size() > kMaxBorder || width_of(surface, loop) > diameter_mm) continue;
+    if (loop.size() < 3 || loop.size() > kMaxBorder || width_of_loop(surface, loop) > diameter_mm) continue;
     holes.push_back(hole_of(surface, loop));
     if (!sticks_out(part, holes.back())) continue;
     holes.pop_back();

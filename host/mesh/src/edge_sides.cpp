@@ -85,4 +85,12 @@ std::vector<std::vector<int>> border_loops_of(const Mesh& mesh, const std::vecto
   return loops;
 }
 
+double width_of_loop(const Mesh& mesh, const std::vector<int>& loop) {
+  double width = 0.0;
+  for (const int a : loop) {
+    for (const int b : loop) width = std::max(width, (mesh.vertices[at(a)] - mesh.vertices[at(b)]).norm());
+  }
+  return width;
+}
+
 }  // namespace triskin::geometry

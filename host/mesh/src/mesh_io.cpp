@@ -166,7 +166,6 @@ MeshFile read_part_mesh(const std::filesystem::path& path, const std::string& by
   file.report.part = std::move(report);
   clean(file.mesh, file.report, Corners::kKept);
   if (file.mesh.faces.empty()) throw InputError(fmt::format("{}: no triangle with an area in it", path.string()));
-  require_size(path.string(), file.mesh, unit.has_value() || file.report.unit_from_file);
   return file;
 }
 
@@ -195,10 +194,16 @@ double scale_of(LengthUnit unit) {
   return 1.0;
 }
 
-MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit, const std::string& object,
-                   const cad::FaceSelection& faces) {
-  const std::string name = path == "-" ? "standard input" : path.string();
-  const std::string read = read_file(path);  // The file is read only once, because it may be a pipe.
+namespace {
+
+std::string shown_name(const std::filesystem::path& path) {
+  return path == "-" ? "standard input" : path.string();
+}
+
+MeshFile read_any_size(const std::filesystem::path& path, std::optional<LengthUnit> unit, const std::string& object,
+                       const cad::FaceSelection& faces) {
+  const std::string name = shown_name(path);
+  const std::string read = read_file(path);  // Once, because it may be a pipe.
   if (cad::is_cad_file(path, read)) return read_part_mesh(path, read, unit, with_body(faces, object));
   if (!faces.is_empty())
     throw InputError(
@@ -223,8 +228,20 @@ MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> 
   clean(file.mesh, file.report);
   say_dropped(file.report, held);
   if (file.mesh.faces.empty()) throw InputError(fmt::format("{}: no triangle with an area in it", name));
-  require_size(name, file.mesh, unit.has_value() || file.report.unit_from_file);
   return file;
+}
+
+}  // namespace
+
+MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit, const std::string& object,
+                   const cad::FaceSelection& faces) {
+  MeshFile file = read_any_size(path, unit, object, faces);
+  require_size(shown_name(path), file.mesh, unit.has_value() || file.report.unit_from_file);
+  return file;
+}
+
+Mesh read_body(const std::filesystem::path& path, std::optional<LengthUnit> unit, const std::string& object) {
+  return read_any_size(path, unit, object, {}).mesh;
 }
 
 Mesh read_obj_group(const std::filesystem::path& path, const std::string& group, double scale_to_mm) {

@@ -9,6 +9,7 @@
 #include <limits>
 #include <set>
 
+#include "edge_sides.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/design/outline.hpp"
@@ -21,10 +22,12 @@ constexpr double kFreeRim_mm = 1.5, kFreeRimStep_mm = 0.5, kFreeStep_mm = 3.0;
 constexpr double kCoverStep_mm = 1.0, kWorthStep_mm = 3.0;
 // A place beside a module may be this far from its corner: within_mm, a side, some height.
 constexpr double kBeside_mm = 75.0;
-constexpr double kSheet_mm = 8.0;  // Anything higher or lower belongs to another sheet.
-constexpr double kStretch = 1.5;   // The path on the surface may be this much longer than the one along the module.
+constexpr double kSheet_mm = 8.0;           // What lies higher or lower is another sheet.
+constexpr double kStretch = 1.5;            // The way on the surface may be this much longer than along the module.
+constexpr double kBodyReachStep_mm = 0.05;  // A distance along a line costs fifty times one of a point.
 constexpr double kReachStep_mm = 0.005,
-                 kReachPart = 0.05;  // keep_out_mm() is exact to this fraction of the reach beyond 1 mm.
+                 kReachPart = 0.05;  // keep_out_mm() is found to this share of what exceeds 1 mm.
+constexpr double kMaxHeight_mm = 200.0;
 constexpr double kModuleRadius_mm = 2.0 * kHeight_mm / 3.0;
 
 double distance_to_segment(const Vec3& p, const std::array<Vec3, 2>& s) {
@@ -37,27 +40,54 @@ double distance_to_segment(const Vec3& p, const std::array<Vec3, 2>& s) {
   throw InputError(fmt::format("region \"{}\": {}; see docs/regions.md", r.name, what));
 }
 
+void require_obstacle(const design::Region& r, const design::Obstacle& o) {
+  if (!(o.margin_mm >= 0.0 && o.margin_mm <= 1000.0)) refuse_region(r, "margin_mm must be 0 … 1000");
+  for (const double height : {o.above_mm, o.below_mm}) {
+    if (!(height >= 0.0 && height <= kMaxHeight_mm)) refuse_region(r, "above_mm and below_mm must be 0 … 200");
+  }
+  if (o.mesh.faces.empty()) refuse_region(r, "its obstacle has no triangle");
+}
+
+void require_strip(const design::Region& r, const design::BorderStrip& strip) {
+  if (!(strip.margin_mm > 0.0 && strip.margin_mm <= 1000.0))
+    refuse_region(r, "margin_mm must be above 0, at most 1000");
+  if (!(strip.min_width_mm <= strip.max_width_mm)) refuse_region(r, "min_width_mm must not exceed max_width_mm");
+}
+
+void require_faces(const design::Region& r, const design::FaceSet& set, std::size_t faces) {
+  for (const int f : set.faces) {
+    if (f < 0 || at(f) >= faces) refuse_region(r, fmt::format("face {} is not there; 0 … {} are", f, faces - 1));
+  }
+}
+
 void require_region(const design::Region& r, std::size_t faces) {
   if (r.name.empty()) refuse_region(r, "needs a name");
   if (r.cover && r.free) refuse_region(r, "cannot be covered and free at once");
-  if (!r.cover && !r.free && !r.weight) refuse_region(r, "says nothing: needs \"weight\", \"cover\" or \"free\"");
+  if (!r.cover && !r.free && !r.weight && !r.entry)
+    refuse_region(r, "says nothing: needs \"weight\", \"cover\", \"free\" or \"entry\"");
   if (r.weight && !(*r.weight >= 0.0 && *r.weight <= 1000.0)) refuse_region(r, "its weight must be 0 … 1000");
   if (!(r.within_mm >= 0.0 && r.within_mm <= 30.0)) refuse_region(r, "within_mm must be 0 … 30");
   if (const auto* s = std::get_if<design::Sphere>(&r.shape)) {
     if (!(s->radius_mm > 0.0 && s->center_mm.allFinite())) refuse_region(r, "its radius must be above 0");
   } else if (const auto* b = std::get_if<design::Box>(&r.shape)) {
     if (!((b->high_mm - b->low_mm).minCoeff() > 0.0)) refuse_region(r, "low_mm must be below high_mm on every axis");
+  } else if (const auto* set = std::get_if<design::FaceSet>(&r.shape)) {
+    require_faces(r, *set, faces);
+  } else if (const auto* strip = std::get_if<design::BorderStrip>(&r.shape)) {
+    require_strip(r, *strip);
   } else {
-    for (const int f : std::get<design::FaceSet>(r.shape).faces) {
-      if (f < 0 || at(f) >= faces) refuse_region(r, fmt::format("face {} is not there; 0 … {} are", f, faces - 1));
-    }
+    require_obstacle(r, std::get<design::Obstacle>(r.shape));
   }
 }
 
 }  // namespace
 
 SurfaceRegions::SurfaceRegions(const Surface& surface, design::Regions regions)
-    : surface_(surface), regions_(std::move(regions)), groups_(regions_.list.size()) {
+    : surface_(surface),
+      regions_(std::move(regions)),
+      groups_(regions_.list.size()),
+      bodies_(regions_.list.size()),
+      borders_(regions_.list.size()) {
   if (!(regions_.elsewhere >= 0.0 && regions_.elsewhere <= 1000.0))
     throw InputError("regions: \"elsewhere\" must be 0 … 1000; see docs/regions.md");
   has_weights_ = regions_.elsewhere != 1.0;
@@ -68,21 +98,11 @@ SurfaceRegions::SurfaceRegions(const Surface& surface, design::Regions regions)
     require_region(r, mesh.faces.size());
     if (!names.insert(r.name).second) refuse_region(r, "the name is taken");
     has_weights_ = has_weights_ || r.weight.has_value();
-    if (const auto* set = std::get_if<design::FaceSet>(&r.shape)) {
-      Group& group = groups_[k];
-      group.holds.assign(mesh.faces.size(), 0);
-      for (const int f : set->faces) group.holds[at(f)] = 1;
-      for (const int f : set->faces) {
-        for (std::size_t s = 0; s < 3; ++s) {
-          const int other = surface_.neighbours(f)[s];
-          if (other < 0 || group.holds[at(other)]) continue;
-          group.rim.push_back(
-              {mesh.vertices[at(mesh.faces[at(f)][s])], mesh.vertices[at(mesh.faces[at(f)][(s + 1) % 3])]});
-        }
-      }
-    }
+    prepare(k);
     bool any = false;
     sample(k, 3.0, 3.0, 0.0, [&](const Vec3&, double) { any = true; });
+    // An obstacle with a narrow tip may lie between places 3 mm apart.
+    if (!any) sample(k, kFreeRimStep_mm, kFreeRimStep_mm, 0.0, [&](const Vec3&, double) { any = true; });
     if (!any) refuse_region(r, "no part of the surface lies in it: it has the frame of the mesh, in mm");
     if (r.free) {
       sample(k, kFreeRimStep_mm, kFreeStep_mm, kFreeRim_mm,
@@ -91,12 +111,81 @@ SurfaceRegions::SurfaceRegions(const Surface& surface, design::Regions regions)
   }
 }
 
-// Returns a value > 0 inside, which is the distance to the rim or a lower bound of it; < 0 outside.
+SurfaceRegions::Group SurfaceRegions::group_of(const design::FaceSet& set) const {
+  const Mesh& mesh = surface_.mesh();
+  Group group;
+  group.holds.assign(mesh.faces.size(), 0);
+  for (const int f : set.faces) group.holds[at(f)] = 1;
+  for (const int f : set.faces) {
+    for (std::size_t s = 0; s < 3; ++s) {
+      const int other = surface_.neighbours(f)[s];
+      if (other < 0 || group.holds[at(other)]) continue;
+      group.rim.push_back({mesh.vertices[at(mesh.faces[at(f)][s])], mesh.vertices[at(mesh.faces[at(f)][(s + 1) % 3])]});
+    }
+  }
+  return group;
+}
+
+void SurfaceRegions::prepare(std::size_t region) {
+  const design::Region& r = regions_.list[region];
+  if (const auto* set = std::get_if<design::FaceSet>(&r.shape)) groups_[region] = group_of(*set);
+  if (const auto* o = std::get_if<design::Obstacle>(&r.shape))
+    bodies_[region] = std::make_unique<const BodyDistance>(o->mesh);
+  if (const auto* strip = std::get_if<design::BorderStrip>(&r.shape)) prepare_border(region, *strip);
+}
+
+void SurfaceRegions::prepare_border(std::size_t region, const design::BorderStrip& strip) {
+  const Mesh& mesh = surface_.mesh();
+  Border& border = borders_[region];
+  for (const std::vector<int>& loop : surface_.border_loops()) {
+    const double width = width_of_loop(mesh, loop);
+    if (width < strip.min_width_mm || width > strip.max_width_mm) continue;
+    for (std::size_t k = 0; k < loop.size(); ++k)
+      border.edges.push_back({mesh.vertices[at(loop[k])], mesh.vertices[at(loop[(k + 1) % loop.size()])]});
+  }
+  if (border.edges.empty()) refuse_region(regions_.list[region], "the surface has no border of that width");
+  std::vector<Bvh::Extent> extents;
+  for (const auto& [a, b] : border.edges) extents.push_back({a.cwiseMin(b).array(), a.cwiseMax(b).array()});
+  border.tree = Bvh(extents);
+}
+
+double SurfaceRegions::near_border_mm(std::size_t region, double margin_mm, const Vec3& p) const {
+  double best = kFar;
+  borders_[region].tree.nearest(p, best, [&](int edge) {
+    const double distance = distance_to_segment(p, borders_[region].edges[at(edge)]);
+    best = std::min(best, distance * distance);
+  });
+  return margin_mm - std::sqrt(best);
+}
+
+double SurfaceRegions::near_body_mm(const design::Obstacle& obstacle, const BodyDistance& body, const Vec3& p,
+                                    int face) const {
+  const Vec3& normal = surface_.face_normal(face);
+  return obstacle.margin_mm - body.least_along_mm(p - obstacle.below_mm * normal, normal,
+                                                  obstacle.below_mm + obstacle.above_mm,
+                                                  obstacle.margin_mm + kStretch * kModuleRadius_mm);
+}
+
+bool SurfaceRegions::allows_entry(const Vec3& point_mm) const {
+  const SurfacePoint foot = surface_.closest(point_mm);
+  bool is_limited = false;
+  for (std::size_t k = 0; k < regions_.list.size(); ++k) {
+    if (!regions_.list[k].entry) continue;
+    is_limited = true;
+    if (inside_mm(k, foot.position_mm, foot.face) >= 0.0) return true;
+  }
+  return !is_limited;
+}
+
+// > 0 inside: the distance to the rim, or a lower bound of it; < 0 outside.
 double SurfaceRegions::inside_mm(std::size_t region, const Vec3& p, int face) const {
   const design::Region& r = regions_.list[region];
   if (const auto* s = std::get_if<design::Sphere>(&r.shape)) return s->radius_mm - (p - s->center_mm).norm();
   if (const auto* b = std::get_if<design::Box>(&r.shape))
     return std::min((p - b->low_mm).minCoeff(), (b->high_mm - p).minCoeff());
+  if (const auto* o = std::get_if<design::Obstacle>(&r.shape)) return near_body_mm(*o, *bodies_[region], p, face);
+  if (const auto* strip = std::get_if<design::BorderStrip>(&r.shape))
+    return near_border_mm(region, strip->margin_mm, p);
   const Group& group = groups_[region];
   double least = 1e6;  // No surface has points this far away.
   for (const auto& edge : group.rim) least = std::min(least, distance_to_segment(p, edge));
@@ -160,13 +249,14 @@ double SurfaceRegions::keep_out_mm(const std::array<Vec3, 3>& corner_mm, double 
       return inside_mm(k, foot.position_mm, foot.face);
     };
     if (inside(center) < -kStretch * kModuleRadius_mm) continue;
+    const double step_mm = bodies_[k] ? kBodyReachStep_mm : kReachStep_mm;
     const std::function<void(const std::array<Vec3, 3>&)> search = [&](const std::array<Vec3, 3>& part) {
       const Vec3 middle = (part[0] + part[1] + part[2]) / 3.0;
       double reach = 0.0;
       for (const Vec3& c : part) reach = std::max(reach, (c - middle).norm());
       const double here = inside(middle);
       deepest = std::max(deepest, here);
-      if (here + kStretch * reach <= deepest + kReachStep_mm + kReachPart * std::max(0.0, deepest - 1.0)) return;
+      if (here + kStretch * reach <= deepest + step_mm + kReachPart * std::max(0.0, deepest - 1.0)) return;
       const Vec3 ab = 0.5 * (part[0] + part[1]), bc = 0.5 * (part[1] + part[2]), ca = 0.5 * (part[2] + part[0]);
       for (const auto& quarter : {std::array{part[0], ab, ca}, std::array{part[1], bc, ab}, std::array{part[2], ca, bc},
                                   std::array{ab, bc, ca}})

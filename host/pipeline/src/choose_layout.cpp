@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "triskin/base/parallel.hpp"
-#include "triskin/design/module_graph.hpp"
 #include "triskin/routing/jumpers.hpp"
+#include "wire_design.hpp"
 
 namespace triskin::pipeline {
 
@@ -20,7 +20,7 @@ WiredLayout priced(const geometry::Surface& surface, design::ModuleLayout layout
   geometry::RoutingOptions quick = routing;
   quick.failure_analysis = false;
   quick.recombinations = 0;
-  const geometry::RoutingResult r = geometry::route(design::graph_of(wired.layout), wired.places, quick);
+  const geometry::RoutingResult r = geometry::route(wired_graph(wired.layout, regions), wired.places, quick);
   wired.patches = static_cast<int>(r.patches.size());
   wired.division = r.division;
   wired.jumpers = static_cast<int>(r.jumpers.size());

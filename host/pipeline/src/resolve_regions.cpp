@@ -42,12 +42,16 @@ bool is_near(const std::map<Cell, design::Vec3>& places, const design::Vec3& p) 
 
 }  // namespace
 
-design::Regions resolve_regions(const std::filesystem::path& mesh, const geometry::MeshFile& file,
-                                const geometry::Extraction& surface, const design::RegionFile& wanted) {
+design::Regions resolve_regions(const std::filesystem::path& mesh, std::optional<geometry::LengthUnit> unit,
+                                const geometry::MeshFile& file, const geometry::Extraction& surface,
+                                const design::RegionFile& wanted) {
   design::Regions regions;
   regions.elsewhere = wanted.elsewhere;
   for (const design::WantedRegion& w : wanted.regions) {
     regions.list.push_back(w.region);
+    if (auto* obstacle = std::get_if<design::Obstacle>(&regions.list.back().shape))
+      obstacle->mesh = w.file.empty() ? geometry::read_body(mesh, unit, w.object)
+                                      : geometry::read_body(w.file, std::nullopt, w.object);
     auto* set = std::get_if<design::FaceSet>(&regions.list.back().shape);
     if (set == nullptr) continue;
     const auto refuse = [&](const std::string& what) -> void {

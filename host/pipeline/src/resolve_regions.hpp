@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <filesystem>
+#include <optional>
 
 #include "triskin/design/region_file.hpp"
 #include "triskin/mesh/extract.hpp"
@@ -8,10 +9,12 @@
 
 namespace triskin::pipeline {
 
-/// Maps regions to the surface that was made of a mesh file: groups and faces of the file become faces of the surface.
-/// Errors: InputError naming the region for groups and faces that do not exist or do not belong to the surface, and for
-/// any of them if the mesh had to be repaired, which changes its faces. Cost: O(faces) per region of faces.
-[[nodiscard]] design::Regions resolve_regions(const std::filesystem::path& mesh, const geometry::MeshFile& file,
+/// The regions on the surface that was made of a mesh file, which was read in `unit`: groups and faces of the file
+/// become faces of the surface, and obstacles get their meshes, from the same file or from others in their own units.
+/// Errors: InputError naming the region for groups and faces that are not there, that do not belong to the surface, and
+/// for any of them where the mesh had to be repaired, so that its faces are others. Cost: O(faces) a region of faces.
+[[nodiscard]] design::Regions resolve_regions(const std::filesystem::path& mesh,
+                                              std::optional<geometry::LengthUnit> unit, const geometry::MeshFile& file,
                                               const geometry::Extraction& surface, const design::RegionFile& wanted);
 
 }  // namespace triskin::pipeline

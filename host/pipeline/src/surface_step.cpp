@@ -89,7 +89,8 @@ bool make_surface(DesignInWork& work, const geometry::MeshFile& file, double end
   if (work.options.flip) geometry::turn_over(extraction.surface);
   work.notes.extract = extraction.report;
   if (!take_surface(work, extraction)) return false;
-  if (work.options.regions) work.design.regions = resolve_regions(work.mesh, file, extraction, *work.options.regions);
+  if (work.options.regions)
+    work.design.regions = resolve_regions(work.mesh, work.options.unit, file, extraction, *work.options.regions);
   return true;
 }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "triskin/design/module_graph.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/lattice/grow_lattice.hpp"
 
@@ -38,11 +37,26 @@ void state_taken(design::Design& design) {
   taken.price = design.price.of(taken.patches, taken.jumpers, design.layout.islands);
 }
 
+design::Vec3 middle_of_side(const design::PlacedModule& module, int side) {
+  const auto s = static_cast<std::size_t>(side);
+  return 0.5 * (module.corner_mm[s] + module.corner_mm[(s + 1) % 3]);
+}
+
+void report_entries(design::Design& design, const geometry::SurfaceRegions& regions) {
+  for (std::size_t p = 0; p < design.patches.size(); ++p) {
+    const design::Patch& patch = design.patches[p];
+    const design::PlacedModule& entry = design.layout.modules[static_cast<std::size_t>(patch.entry)];
+    if (!regions.allows_entry(middle_of_side(entry, patch.modules.front().rotation)))
+      design.report.entries_elsewhere.push_back(static_cast<int>(p));
+  }
+}
+
 void report_regions(design::Design& design, const geometry::Surface& surface, const geometry::SurfaceRegions* regions) {
   design.report.module_value = static_cast<double>(design.layout.modules.size());
   if (regions == nullptr) return;
   design.report.module_value = regions->weight_of(design.layout);
   design.report.uncovered = regions->uncovered(design.layout);
+  report_entries(design, *regions);
   geometry::SurfaceLatticeOptions lattice;
   lattice.corner_cut_mm = design.layout.corner_cut_mm;
   lattice.regions = regions;
@@ -60,8 +74,21 @@ std::unique_ptr<const geometry::SurfaceRegions> regions_of(const geometry::Surfa
   return std::make_unique<const geometry::SurfaceRegions>(surface, design.regions);
 }
 
+design::ModuleGraph wired_graph(const design::ModuleLayout& layout, const geometry::SurfaceRegions* regions) {
+  design::ModuleGraph graph = design::graph_of(layout);
+  if (regions == nullptr || !regions->regions().limits_entries()) return graph;
+  for (std::size_t k = 0; k < graph.nodes.size(); ++k) {
+    for (std::size_t s = 0; s < 3; ++s) {
+      bool& border = graph.nodes[k].border[s];
+      border = border && regions->allows_entry(middle_of_side(layout.modules[k], static_cast<int>(s)));
+    }
+  }
+  return graph;
+}
+
 geometry::RoutingOptions routing_options(const design::Design& design) {
   geometry::RoutingOptions routing;
+  routing.second_entry_at_seam = !design.regions.limits_entries();
   routing.seed = design.seed;
   routing.price = design.price;
   return routing;
@@ -74,7 +101,7 @@ void wire(design::Design& design, const geometry::Surface& surface, const geomet
   routing.division = division;
   // The router may turn these places into joints; none of them is in the layout yet.
   design.layout.jumpers.clear();
-  const design::ModuleGraph graph = design::graph_of(design.layout);
+  const design::ModuleGraph graph = wired_graph(design.layout, regions);
   geometry::RoutingResult routes = kept == nullptr ? geometry::route(graph, places, routing, progress)
                                                    : geometry::route_around(graph, places, *kept, routing, progress);
   design.layout.jumpers = std::move(routes.jumpers);

@@ -5,6 +5,7 @@
 
 #include "triskin/base/progress.hpp"
 #include "triskin/design/design.hpp"
+#include "triskin/design/module_graph.hpp"
 #include "triskin/mesh/surface.hpp"
 #include "triskin/mesh/surface_regions.hpp"
 #include "triskin/routing/routing.hpp"
@@ -18,6 +19,11 @@ namespace triskin::pipeline {
 /// faces.
 [[nodiscard]] std::unique_ptr<const geometry::SurfaceRegions> regions_of(const geometry::Surface& surface,
                                                                          const design::Design& design);
+
+/// The graph that is wired: that of the layout, with a border only at sides where `regions` (or null) let a cable
+/// enter. Cost: one closest point for each free side where entries are limited.
+[[nodiscard]] design::ModuleGraph wired_graph(const design::ModuleLayout& layout,
+                                              const geometry::SurfaceRegions* regions);
 
 /// Gives the layout of a design, whose modules are measured, controllers, jumpers (at some of `places`), report and id;
 /// the alternative that is taken states what they cost. `regions` of the surface may be null; `division` is that of

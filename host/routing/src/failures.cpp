@@ -137,7 +137,7 @@ class PatchAnalysis {
           !cable_between(v, across))
         seam = s;
     }
-    return {seam, false};
+    return {options_.second_entry_at_seam ? seam : -1, false};
   }
 
   FailureLoss loss(const Failure& f) {

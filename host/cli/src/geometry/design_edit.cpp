@@ -2,6 +2,7 @@
 #include "design_edit.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -189,6 +190,22 @@ void EditOptions::require_fitting(const CLI::App& app, const std::string& from) 
   }
 }
 
+namespace {
+
+// Whether every cable enters where it may.
+bool report_entries(const design::Design& d, Output& output) {
+  if (!d.regions.limits_entries()) return true;
+  output.result["entries_elsewhere"] = d.report.entries_elsewhere;
+  if (d.report.entries_elsewhere.empty()) return true;
+  output.say(fmt::format(
+      "  no free side of patch {} lies in an entry region: its cable enters elsewhere; make an entry region larger, or "
+      "add one",
+      fmt::join(d.report.entries_elsewhere, ", ")));
+  return false;
+}
+
+}  // namespace
+
 bool report_regions(const design::Design& d, Output& output) {
   if (d.regions.empty()) return true;
   output.result["worth"] = d.report.module_value;
@@ -204,7 +221,7 @@ bool report_regions(const design::Design& d, Output& output) {
                     "({:.1f}, {:.1f}, {:.1f}); {}",
                     u.region, 100.0 * u.share, p.x(), p.y(), p.z(), why));
   }
-  return d.report.uncovered.empty();
+  return report_entries(d, output) && d.report.uncovered.empty();
 }
 
 void report_kinds(const design::Design& d, Output& output) {

@@ -5,6 +5,7 @@
 
 #include <memory>
 
+#include "number_list.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/cli/command.hpp"
 
@@ -12,7 +13,7 @@ namespace triskin::cli::fabricate_command {
 namespace {
 
 struct Options {
-  std::string design, folder;
+  std::string design, folder, sheet_mm;
   std::vector<std::string> only;
   fabrication::FabricationOptions fabrication;
 };
@@ -26,7 +27,20 @@ void say_layer(const char* name, double error_mm, int folded_faces, Output& outp
                     name, folded_faces));
 }
 
+void say_sheets(const std::vector<double>& fill, Output& output) {
+  for (std::size_t k = 0; k < fill.size(); ++k)
+    output.say(fmt::format("sheet {}: {:.0f} % of its used length is islands", k + 1, 100.0 * fill[k]));
+}
+
+void read_sheet_size(const std::string& text, fabrication::SheetOptions& sheet) {
+  const std::vector<double> size = numbers_of(text);
+  if (size.size() != 2) throw InputError(fmt::format("--sheet-mm {}: wanted width,length in mm", text));
+  sheet.width_mm = size[0];
+  sheet.length_mm = size[1];
+}
+
 int run(Options options, Output& output) {
+  if (!options.sheet_mm.empty()) read_sheet_size(options.sheet_mm, options.fabrication.sheet);
   for (const std::string& name : options.only)
     options.fabrication.products.insert(fabrication::kProductNames.value(name).value());
   const auto report =
@@ -38,6 +52,7 @@ int run(Options options, Output& output) {
                    {"carrier_folded_faces", report.carrier_folded_faces},
                    {"mould_error_mm", report.mould_error_mm},
                    {"mould_folded_faces", report.mould_folded_faces},
+                   {"sheet_fill", report.sheet_fill},
                    {"left_out", report.left_out}};
   output.say(fmt::format("{}: {} files for {} islands", options.folder, report.files.size(), report.islands));
   const auto& products = options.fabrication.products;
@@ -47,6 +62,7 @@ int run(Options options, Output& output) {
   }
   if (products.empty() || products.contains(fabrication::Product::kKicad))
     output.say("the boards are a proposal: none was built, and the tracks inside a module are still to be drawn");
+  say_sheets(report.sheet_fill, output);
   for (const std::string& sentence : report.left_out) output.say(sentence);
   const bool is_whole = report.left_out.empty() && report.carrier_folded_faces == 0 && report.mould_folded_faces == 0;
   return is_whole ? 0 : 1;
@@ -54,7 +70,7 @@ int run(Options options, Output& output) {
 
 const Registration kFabricate{{
     "fabricate",
-    "write what a board house and a workshop need: drawings, boards, parts list, solids, STEP assembly",
+    "write what a board house and a workshop need: drawings, boards, parts list, solids, STEP assembly, sheets",
     "triskin fabricate forearm.design.json -o forearm.fabrication",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
@@ -75,6 +91,11 @@ const Registration kFabricate{{
           ->capture_default_str();
       app.add_option("--wall-mm", options->fabrication.wall_mm, "thickness of carrier and mould")
           ->check(CLI::Range(0.1, 20.0))
+          ->capture_default_str();
+      app.add_option("--sheet-mm", options->sheet_mm,
+                     "width,length of the sheets that islands are cut from (300,400 unless given)");
+      app.add_option("--gap-mm", options->fabrication.sheet.gap_mm, "gap between islands on a sheet, and at its edge")
+          ->check(CLI::Range(0.0, 20.0))
           ->capture_default_str();
       return [options](Output& output) { return run(*options, output); };
     },

@@ -65,6 +65,8 @@ std::string side_text(const geometry::TakenSide& taken) {
   const bool is_inner = taken.options.wanted == geometry::SideWanted::kInner;
   std::string text = fmt::format("{}: {}; {} side and {} rim faces left out", name_of(taken.options), areas,
                                  is_inner ? "outer" : "inner", taken.rim_faces);
+  if (taken.choice.enclosed > 0 && !is_inner)
+    text += fmt::format("; parts inside of another one left out: {} (--object takes one)", taken.choice.enclosed);
   if (taken.undecided_mm2 >= 100.0) {
     text += fmt::format("; so were {} cm² whose two sides look alike (--side 1 or 2 takes one)",
                         whole_cm2(taken.undecided_mm2));

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 
 #include "triskin/base/index.hpp"
 
@@ -61,6 +62,14 @@ double HullDepth::along(const Vec3& point_mm, const Vec3& normal) const {
     if (slope > 0.0) depth = std::min(depth, std::max(0.0, heights_mm_[k] - directions[k].dot(point_mm)) / slope);
   }
   return depth;
+}
+
+bool HullDepth::encloses(const HullDepth& other, double by_mm) const {
+  return std::ranges::equal(heights_mm_, other.heights_mm_, [by_mm](double a, double b) { return a > b + by_mm; });
+}
+
+double HullDepth::mean_height_mm() const {
+  return std::reduce(heights_mm_.begin(), heights_mm_.end()) / static_cast<double>(heights_mm_.size());
 }
 
 double visibility_of(const RayCaster& part, const Vec3& point_mm, const Vec3& normal, int rays, unsigned turn) {

@@ -129,6 +129,7 @@ SideChoice find_sides(const Mesh& mesh, const SideOptions& options) {
   choice.is_certain = decision.is_certain;
   choice.has_loose_sheets = decision.has_loose_sheets;
   choice.margin = decision.margin;
+  if (decision.has_wall) choice.enclosed = decision.enclosed;
   choice.wall_mm = decision.has_wall ? median_wall(samples) : 0.0;
   for (std::size_t r = 0; r < evidence.regions.size(); ++r) {
     const RegionEvidence& e = evidence.regions[r];

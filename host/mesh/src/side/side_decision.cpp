@@ -12,8 +12,9 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kDecided = 0.15;  // A region is decided from this |outwardness| on; see docs/side.md.
-constexpr double kPocket = -0.3;   // Below this outwardness the floor of a thick body is a pocket.
+constexpr double kDecided = 0.15;  // |outwardness| from which a region is decided; see docs/side.md
+constexpr double kWeak = 0.3, kBeyondDoubt = 0.5;
+constexpr double kPocket = -0.3;  // Below this outwardness the floor of a thick body is a pocket.
 constexpr double kHiddenVisibility = 0.2;
 constexpr double kWalledRegion = 0.5;  // A region counts as walled when this share of its area has a wall.
 // An edge weighs as much as a strip of this width. It weighs more if the sheets across the wall meet behind it too,
@@ -49,6 +50,7 @@ class Decision {
       weight.push_back(e.outwardness_mm2 + 1e-6);
     }
     out_.outwardness = relaxed(wanted, weight);
+    out_.enclosed = static_cast<int>(std::ranges::count(evidence_.is_component_enclosed, true));
     label_regions();
     label_strips();
     label_ribs();
@@ -77,6 +79,7 @@ class Decision {
   [[nodiscard]] bool is_narrow(int r) const {
     return 2.0 * region(r).area_mm2 < kModuleInradius_mm * region(r).border_mm;
   }
+  [[nodiscard]] bool is_enclosed(int r) const { return evidence_.is_component_enclosed[at(region(r).component)]; }
   [[nodiscard]] int count() const { return static_cast<int>(evidence_.regions.size()); }
 
   [[nodiscard]] bool has_enough_wall() const {
@@ -148,7 +151,7 @@ class Decision {
     for (int r = 0; r < count(); ++r) {
       const double x = out_.outwardness[at(r)];
       FaceSide& side = out_.side[at(r)];
-      if (!options_.from_mm && region(r).visibility < kHiddenVisibility) {
+      if (!options_.from_mm && (region(r).visibility < kHiddenVisibility || is_enclosed(r))) {
         side = FaceSide::kInner;
       } else if (has_wall(r)) {
         side = x >= kDecided ? FaceSide::kOuter : x <= -kDecided ? FaceSide::kInner : FaceSide::kUndecided;
@@ -192,7 +195,8 @@ class Decision {
       const bool stands = inner_mm[at(r)] >= kRibFoot * region(r).border_mm && outer_mm[at(r)] < inner_mm[at(r)];
       FaceSide& side = out_.side[at(r)];
       if (side == FaceSide::kUndecided && is_narrow(r)) side = FaceSide::kRim;
-      if (side == FaceSide::kUndecided || (side == FaceSide::kOuter && has_wall(r) && region(r).area_mm2 < most))
+      const bool may_be_rib = has_wall(r) || outer_mm[at(r)] == 0.0;  // The walls of a honeycomb's cell have no wall.
+      if (side == FaceSide::kUndecided || (side == FaceSide::kOuter && may_be_rib && region(r).area_mm2 < most))
         side = stands ? FaceSide::kInner : side;
     }
   }
@@ -266,8 +270,32 @@ class Decision {
       if (counts && has_wall(r) && region(r).area_mm2 > kLargeRegion * outer)
         out_.margin = std::min(out_.margin, std::abs(out_.outwardness[at(r)]));
     }
+    out_.is_certain = 0.5 * undecided < std::max(kMinUndecided_mm2, undecided_fraction() * (outer + 0.5 * undecided));
+    if (!out_.is_certain) open_weak_regions();
     number_choices();
-    out_.is_certain = 0.5 * undecided < std::max(kMinUndecided_mm2, kMaxUndecidedFraction * (outer + 0.5 * undecided));
+  }
+
+  // Much may be left undecided beside an outer side that is beyond doubt, little beside one that is barely the outer
+  // one: the rim of a flat panel whose bulge says the opposite.
+  [[nodiscard]] double undecided_fraction() const {
+    double sum = 0.0, area = 0.0;
+    for (int r = 0; r < count(); ++r) {
+      if (out_.side[at(r)] != FaceSide::kOuter || !has_wall(r)) continue;
+      sum += out_.outwardness[at(r)] * region(r).area_mm2;
+      area += region(r).area_mm2;
+    }
+    const double mean = area > 0.0 ? sum / area : 1.0;
+    return kMaxUndecidedFraction * std::clamp((mean - kDecided) / (kBeyondDoubt - kDecided), 0.0, 1.0);
+  }
+
+  // Where a person is asked, what was barely decided is part of the question.
+  void open_weak_regions() {
+    for (int r = 0; r < count(); ++r) {
+      FaceSide& side = out_.side[at(r)];
+      const bool is_decided = side == FaceSide::kOuter || side == FaceSide::kInner;
+      if (is_decided && has_wall(r) && !is_enclosed(r) && std::abs(out_.outwardness[at(r)]) < kWeak)
+        side = FaceSide::kUndecided;
+    }
   }
 
   // Tells whether most of the wall has both its sides in one component, as a solid has. Two sheets that no rim joins

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "outside_view.hpp"
 #include "triskin/base/index.hpp"
@@ -24,6 +25,9 @@ constexpr double kVisibilityGain = 4.0;
 // Both sides of a rib see a third to a half of the sky; the outer side of a cover sees more.
 constexpr double kRibVisibility = 0.35, kOpenVisibility = 0.65;
 constexpr double kHiddenOutwardness = -0.5;
+// A lid that is sunk into its frame lies no deeper than this under the rim of the frame.
+constexpr double kEnclosed_mm = 3.0;
+constexpr std::size_t kMaxEnclosing = 8;  // Only the largest components are asked whether they enclose another one.
 
 struct View {
   double visibility = 0.0;
@@ -86,6 +90,7 @@ class Evidence {
   SideEvidence run() {
     component_ = components_of(neighbours_, found_.is_component_closed);
     hulls_ = hulls_of(part_.mesh(), component_, found_.is_component_closed.size());
+    find_enclosed();
     if (hulls_.size() > 1) hulls_.emplace_back(part_.mesh().vertices);
     found_.regions.resize(at(regions_.count));
     measure_regions();
@@ -96,6 +101,26 @@ class Evidence {
 
  private:
   [[nodiscard]] int region(int face) const { return regions_.of_face[at(face)]; }
+
+  // An open sheet has no inside, and what lies in its hull may be another sheet of the same surface.
+  void find_enclosed() {
+    found_.is_component_enclosed.assign(hulls_.size(), false);
+    std::vector<std::size_t> largest;
+    for (std::size_t c = 0; c < hulls_.size(); ++c) {
+      if (found_.is_component_closed[c]) largest.push_back(c);
+    }
+    std::vector<double> size;
+    for (const HullDepth& hull : hulls_) size.push_back(hull.mean_height_mm());
+    const std::size_t few = std::min(largest.size(), kMaxEnclosing);
+    std::ranges::partial_sort(largest, largest.begin() + static_cast<std::ptrdiff_t>(few), std::greater{},
+                              [&](std::size_t c) { return size[c]; });
+    for (std::size_t c = 0; c < hulls_.size(); ++c) {
+      found_.is_component_enclosed[c] =
+          found_.is_component_closed[c] &&
+          std::any_of(largest.begin(), largest.begin() + static_cast<std::ptrdiff_t>(few),
+                      [&](std::size_t o) { return hulls_[o].encloses(hulls_[c], kEnclosed_mm); });
+    }
+  }
 
   void measure_regions() {
     // Each pair is a thickness and the area that has it.

@@ -51,13 +51,16 @@ struct CheckedDesign {
     double length, fold;
   };
   struct Region {
-    enum class Kind { kSphere, kBox, kFaces };
+    enum class Kind { kSphere, kBox, kFaces, kObstacle, kBorder };
     std::string name;
     Kind kind;
     P3 a, b;  ///< A sphere has its centre in `a`; a box has its low and high corner.
     double radius;
     std::vector<int> faces;
-    bool cover, free;
+    std::vector<P3> body_vertices;
+    std::vector<std::array<int, 3>> body_faces;  ///< They are those of an obstacle.
+    double margin, above, below, min_width, max_width;
+    bool cover, free, entry;
     double within;
   };
   struct Kind {
@@ -88,6 +91,7 @@ struct CheckedDesign {
   std::vector<Patch> patches;
   double area_cm2, coverage, coverage_cut, max_edge_error, max_hinge_gap, max_center_gap, max_edge_lift, max_edge_depth;
   int upper_bound, patches_lower_bound, jumpers_lower_bound;
+  std::vector<int> entries_elsewhere;  ///< The file says so of these patches, where entries are limited.
   std::string method;
   std::uint64_t design_id;
 };

@@ -61,7 +61,9 @@ struct Design {
     double module_value = 0.0;
     /// These must-cover regions are not covered; the file lists them only beside regions.
     std::vector<Uncovered> uncovered;
-    /// The coverage counts the area that corner cuts leave of 389.7 mm² per module; the file has it only with a cut.
+    /// Patches whose cable enters outside of the regions for it, and in the file only beside such regions.
+    std::vector<int> entries_elsewhere;
+    /// It is modules · what corner cuts leave of 389.7 mm² / area, and in the file only with a cut.
     double coverage_cut = 0.0;
   };
 

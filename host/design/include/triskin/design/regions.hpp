@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <filesystem>
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <variant>
@@ -21,21 +21,37 @@ struct Box {
   Vec3 low_mm = Vec3::Zero(), high_mm = Vec3::Zero();  ///< The low corner is below the high one on every axis.
   bool operator==(const Box&) const = default;
 };
-/// Selects faces by their indices in Design::surface.
+/// on faces of it: indices of Design::surface,
 struct FaceSet {
   std::vector<int> faces;
+};
+/// near another body: places whose normal comes within `margin_mm` of it on the way from `below_mm` under the surface
+/// to `above_mm` over it. The inside of a closed mesh belongs to the body; an open mesh is a sheet without an inside.
+struct Obstacle {
+  Mesh mesh;               ///< It is in mm, in the frame of the part, and oriented outward where it is closed.
+  double margin_mm = 0.0;  ///< It ranges from 0 to 1000.
+  double above_mm = 0.0;   ///< It ranges from 0 to 200.
+  double below_mm = 0.0;   ///< It ranges from 0 to 200.
+};
+/// or along the border of the surface: what lies no farther than `margin_mm`, straight through space, from a border
+/// whose width, the largest distance of two of its corners, lies between the two limits.
+struct BorderStrip {
+  static constexpr double kMaxWidth_mm = 1e5;  ///< No border is wider.
+  double margin_mm = 0.0;                      ///< It must be positive.
+  double min_width_mm = 0.0;                   ///< Narrower borders, as of holes, have no strip.
+  double max_width_mm = kMaxWidth_mm;          ///< Wider ones, as the outline, have none.
 };
 
 /// A region states a requirement for a part of the surface (docs/regions.md).
 struct Region {
-  std::string name;  ///< Names are unique and not empty.
-  std::variant<Sphere, Box, FaceSet> shape;
-  /// A module whose centre lies in the region has this value, 0 … 1000; if unset, it has the value of elsewhere.
+  std::string name;  ///< It is unique and not empty.
+  std::variant<Sphere, Box, FaceSet, Obstacle, BorderStrip> shape;
+  /// A module whose centre lies in the region is worth 0 … 1000; without a value the value of elsewhere holds.
   std::optional<double> weight;
-  /// True means that every place of the region must lie within `within_mm` of a module, seen along its normal.
-  bool cover = false;
-  bool free = false;       ///< True means that no module may lie over the region, so that its rim is a border.
-  double within_mm = 2.0;  ///< Valid values are 0 to 30.
+  bool cover = false;      ///< Every place of it must lie within `within_mm` of a module, seen along its normal.
+  bool free = false;       ///< No module may lie over it, so its rim is a border.
+  bool entry = false;      ///< Cables of the controllers may enter here, and nowhere else than in such regions.
+  double within_mm = 2.0;  ///< It ranges from 0 to 30.
 };
 
 /// A cover can have several regions. If a module lies in several regions with a weight, the last one counts.
@@ -43,6 +59,8 @@ struct Regions {
   double elsewhere = 1.0;  ///< Modules outside all weighted regions have this value, 0 … 1000.
   std::vector<Region> list;
   [[nodiscard]] bool empty() const { return list.empty(); }
+  /// Whether cables may enter in some places only.
+  [[nodiscard]] bool limits_entries() const { return std::ranges::any_of(list, &Region::entry); }
 };
 
 /// Some places of this must-cover region are not covered.

@@ -59,7 +59,11 @@ struct MeshFile {
 [[nodiscard]] MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit = std::nullopt,
                                  const std::string& object = {}, const cad::FaceSelection& faces = {});
 
-/// Reads the triangles of one group or object (`g`, `o`) of an OBJ file, as read_mesh() does. Errors: InputError for
+/// The same for a body that need not be a part, as a screw or another part of an assembly: it may have any size.
+[[nodiscard]] Mesh read_body(const std::filesystem::path& path, std::optional<LengthUnit> unit = std::nullopt,
+                             const std::string& object = {});
+
+/// The triangles of one group or object (`g`, `o`) of an OBJ file, as read_mesh() has them. Errors: InputError for
 /// other files and for a name that is not in it, naming those that are. Cost: linear.
 [[nodiscard]] Mesh read_obj_group(const std::filesystem::path& path, const std::string& group, double scale_to_mm);
 

@@ -2,11 +2,14 @@
 #pragma once
 #include <array>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "triskin/design/design_types.hpp"
 #include "triskin/design/regions.hpp"
+#include "triskin/mesh/body_distance.hpp"
+#include "triskin/mesh/bvh.hpp"
 #include "triskin/mesh/surface.hpp"
 
 namespace triskin::geometry {
@@ -30,8 +33,12 @@ class SurfaceRegions {
   /// hundred closest points near one.
   [[nodiscard]] double keep_out_mm(const std::array<Vec3, 3>& corner_mm, double corner_cut_mm) const;
 
-  /// Samples the regions that must stay free every 0.5 mm at their rims and every 3 mm inside: a module that covers
-  /// none of these points reaches in by no more than about 0.4 mm.
+  /// Whether a cable may enter here: the point's foot lies in an entry region, or there is none. Cost: one closest
+  /// point.
+  [[nodiscard]] bool allows_entry(const Vec3& point_mm) const;
+
+  /// Points of the regions that must stay free, 0.5 mm apart at their rims and 3 mm inside: a module that covers none
+  /// of them reaches in by no more than about 0.4 mm.
   [[nodiscard]] const std::vector<Vec3>& free_points() const { return free_points_; }
 
   /// A place that some module must cover.
@@ -57,6 +64,12 @@ class SurfaceRegions {
     std::vector<char> holds;
     std::vector<std::array<Vec3, 2>> rim;
   };
+  [[nodiscard]] Group group_of(const design::FaceSet& set) const;
+  void prepare(std::size_t region);
+  void prepare_border(std::size_t region, const design::BorderStrip& strip);
+  [[nodiscard]] double near_border_mm(std::size_t region, double margin_mm, const Vec3& point_mm) const;
+  [[nodiscard]] double near_body_mm(const design::Obstacle& obstacle, const BodyDistance& body, const Vec3& on_surface,
+                                    int face) const;
   [[nodiscard]] std::vector<design::Uncovered> uncovered(const ModuleLayout& layout, double step_mm) const;
   [[nodiscard]] double inside_mm(std::size_t region, const Vec3& on_surface, int face) const;
   void sample(std::size_t region, double rim_step_mm, double step_mm, double rim_mm,
@@ -64,7 +77,13 @@ class SurfaceRegions {
 
   const Surface& surface_;
   design::Regions regions_;
-  std::vector<Group> groups_;  // The index is the region; other shapes have an empty group.
+  std::vector<Group> groups_;                                // Indexed by region; empty for other shapes.
+  std::vector<std::unique_ptr<const BodyDistance>> bodies_;  // Indexed by region; null for other shapes.
+  struct Border {
+    std::vector<std::array<Vec3, 2>> edges;
+    Bvh tree;
+  };
+  std::vector<Border> borders_;  // Indexed by region; empty for other shapes.
   std::vector<Vec3> free_points_;
   bool has_weights_ = false;
 };

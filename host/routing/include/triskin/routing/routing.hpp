@@ -45,9 +45,11 @@ struct RoutingOptions {
   bool failure_analysis = true;  ///< True fills Patch::failures, second entries, articulation nodes and bridges.
   RouteObjective objective = RouteObjective::kLossFirst;
   ElectricalModel electrical;
-  bool second_entry = true;  ///< A second connector is planned if it saves modules.
-  bool adoption = true;      ///< Neighbouring patches with free addresses may read unreachable modules.
-  /// The partition gets this many moves per patch that lower the secondary cost; 0 keeps the first partition.
+  bool second_entry = true;  ///< A second connector is planned where it saves modules.
+  /// Where it saves most, the second connector may lie at the seam to another patch, which no border side reaches.
+  bool second_entry_at_seam = true;
+  bool adoption = true;  ///< Neighbouring patches with free addresses may read unreachable modules.
+  /// A patch gets so many moves that lower the secondary cost; 0 keeps the first partition.
   int recombinations = 60;
   bool has_controller_place = false;      ///< True counts cable lengths in the secondary cost.
   std::array<double, 3> controller_mm{};  ///< The place is given in the frame of the mesh.

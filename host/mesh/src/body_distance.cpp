@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/mesh/body_distance.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "triskin/base/index.hpp"
+#include "triskin/mesh/surface.hpp"
+
+namespace triskin::geometry {
+namespace {
+
+constexpr double kBeyond_mm = 1e7;  // A part is at most 5 m across.
+constexpr double kAlong_mm = 0.1;   // A fifth of the overrun that modules are allowed at a keep-out.
+
+// Even directions of no symmetry that parts have, so that few rays pass along an edge; two of three decide.
+const std::array<Vec3, 3> kInsideRays{Vec3(0.5773, 0.2113, 0.7887).normalized(),
+                                      Vec3(-0.3127, 0.8231, 0.4741).normalized(),
+                                      Vec3(0.1931, -0.5519, -0.8113).normalized()};
+
+std::vector<Bvh::Extent> extents_of(const Mesh& mesh) {
+  std::vector<Bvh::Extent> extents;
+  for (const auto& f : mesh.faces) {
+    Bvh::Extent e{mesh.vertices[at(f[0])].array(), mesh.vertices[at(f[0])].array()};
+    for (const int v : f) {
+      e[0] = e[0].min(mesh.vertices[at(v)].array());
+      e[1] = e[1].max(mesh.vertices[at(v)].array());
+    }
+    extents.push_back(e);
+  }
+  return extents;
+}
+
+bool has_even_edges(const Mesh& mesh) {
+  std::map<std::pair<int, int>, int> faces_at;
+  for (const auto& f : mesh.faces) {
+    for (std::size_t s = 0; s < 3; ++s) ++faces_at[std::minmax(f[s], f[(s + 1) % 3])];
+  }
+  return std::ranges::all_of(faces_at, [](const auto& edge) { return edge.second % 2 == 0; });
+}
+
+// 1 where the ray leaves through the triangle, −1 where it enters, 0 where it misses it.
+int passage(const Vec3& from, const Vec3& ray, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 u = b - a, v = c - a, p = ray.cross(v), s = from - a, q = s.cross(u);
+  const double det = u.dot(p);
+  if (det == 0.0) return 0;
+  const double x = s.dot(p) / det, y = q.dot(ray) / det, t = q.dot(v) / det;
+  if (x < 0.0 || y < 0.0 || x + y > 1.0 || t <= 0.0) return 0;
+  return det < 0.0 ? 1 : -1;
+}
+
+}  // namespace
+
+BodyDistance::BodyDistance(Mesh mesh)
+    : mesh_(std::move(mesh)), is_closed_(has_even_edges(mesh_)), tree_(extents_of(mesh_)) {}
+
+double BodyDistance::distance_mm(const Vec3& p) const {
+  double best = std::numeric_limits<double>::infinity();
+  tree_.nearest(p, best, [&](int face) {
+    const auto& f = mesh_.faces[at(face)];
+    const Vec3 &a = mesh_.vertices[at(f[0])], &b = mesh_.vertices[at(f[1])], &c = mesh_.vertices[at(f[2])];
+    const Vec3 w = closest_on_triangle(p, a, b, c);
+    best = std::min(best, (p - w[0] * a - w[1] * b - w[2] * c).squaredNorm());
+  });
+  return std::sqrt(best);
+}
+
+int BodyDistance::windings(const Vec3& p, const Vec3& direction) const {
+  double end = kBeyond_mm;
+  int sum = 0;
+  tree_.along(p, direction, end, [&](int face) {
+    const auto& f = mesh_.faces[at(face)];
+    sum += passage(p, direction, mesh_.vertices[at(f[0])], mesh_.vertices[at(f[1])], mesh_.vertices[at(f[2])]);
+  });
+  return sum;
+}
+
+bool BodyDistance::contains(const Vec3& p) const {
+  return is_closed_ && std::ranges::count_if(kInsideRays, [&](const Vec3& ray) { return windings(p, ray) != 0; }) >= 2;
+}
+
+double BodyDistance::signed_mm(const Vec3& p) const {
+  const double distance = distance_mm(p);
+  return contains(p) ? -distance : distance;
+}
+
+// The distance changes no faster than the place, so that a step may be as long as what is missing to the least.
+double BodyDistance::least_along_mm(const Vec3& from, const Vec3& direction, double length_mm, double enough_mm) const {
+  double least = std::numeric_limits<double>::infinity();
+  if (const double middle = distance_mm(from + 0.5 * length_mm * direction);
+      middle - 0.5 * length_mm > enough_mm && !contains(from))
+    return middle - 0.5 * length_mm;
+  for (double t = 0.0;;) {
+    const double here = signed_mm(from + t * direction);
+    least = std::min(least, here);
+    if (t >= length_mm) return least;
+    t = std::min(length_mm, t + std::max(kAlong_mm, here - least));
+  }
+}
+
+}  // namespace triskin::geometry
