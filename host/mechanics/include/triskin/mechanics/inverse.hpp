@@ -51,9 +51,9 @@ struct InverseResult {
 ///
 /// Estimates and deviations are those of the posterior: of the Gauss-Newton matrix where the objective is a parabola,
 /// elsewhere (few pressed taxels) of samples of it, about the optimum where that is known to 0.5 mm and 10 %.
-/// Weak priors keep it regular: a factor of e² about the force that presses a tip of 12 mm by a quarter of the thickness, of
-/// e about that radius, and some 6 mm about the taxels. A single pressed taxel cannot tell place, force and radius
-/// apart; then the deviations are as wide as the priors.
+/// Weak priors keep it regular: a factor of e² about the force that presses a tip of 12 mm by a quarter of the
+/// thickness, of e about that radius, and some 6 mm about the taxels. A single pressed taxel cannot tell place, force
+/// and radius apart; then the deviations are as wide as the priors.
 ///
 /// `observations` are taxels that feel pressure, any number; those that are not finite are left out. Throws InputError
 /// when an option is out of range. Cost: 0.1 … 1 s for 120 taxels beside the table, which is made once; for a stream

@@ -36,10 +36,10 @@ struct PressureContact {
 /// of its taxels as its force; for such wide ones the sum is right.
 ///
 /// `positions_mm`, unit `normals` (outwards) and `kpa` have one entry for each taxel that feels pressure; values that
-/// are not finite are left out. `pressed`: indices of the taxels that count as pressed. Of the result, tip_radius_mm is
-/// 0. Counts may stand in for kPa where nothing is calibrated: then forces are in that unit · 10⁻³ mm². The strongest
-/// contact comes first. Throws InputError when the lists differ in length, a normal has no length, an index is beyond
-/// them or an option is not positive. Cost: about 1 ms a contact. Thread-safe.
+/// are not finite are left out. `pressed`: indices of the taxels that count as pressed. Of the result, tip_radius_mm
+/// is 0. Counts may stand in for kPa if nothing is calibrated; then forces are in that unit · 10⁻³ mm². The
+/// strongest contact comes first. Throws InputError when the lists differ in length, a normal has no length, an index
+/// is beyond them or an option is not positive. Cost: about 1 ms a contact. Thread-safe.
 [[nodiscard]] std::vector<PressureContact> contacts_from_pressure(
     const Footprint& footprint, std::span<const Eigen::Vector3d> positions_mm, std::span<const Eigen::Vector3d> normals,
     std::span<const double> kpa, std::span<const std::size_t> pressed, const PressureOptions& options);
