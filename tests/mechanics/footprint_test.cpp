@@ -35,9 +35,9 @@ TEST(Footprint, IntegralIsTheForce) {
   }
 }
 
-// A thin layer under small electrodes spreads nothing: for 1 N at s = r/a the pressures are 1500/(πa²)·√(1 − s²) and
-// 2000/(πa²)·(1 − s²) kPa, the latter with the share a/(a + 3h). The transforms end at a wave number of 12/mm, which
-// costs some 1 %.
+// A thin layer under small electrodes spreads nothing: for 1 N at s = r/a the pressures are 1500/(πa²)·√(1 −
+// s²) and 2000/(πa²)·(1 − s²) kPa, the latter with the share a/(a + 3h). The transforms end at a wave number
+// of 12/mm, which costs some 1 %.
 TEST(Footprint, ThinLayerShowsThePressure) {
   const Footprint footprint({0.2, 0.0, 30.0}, 0.2);
   for (const double radius : {6.0, 10.0}) {

@@ -21,7 +21,7 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 using view::Command;
-using view::LiveSkin;
+using view::LatestSamples;
 using view::Server;
 
 constexpr int kModules = 2570;
@@ -84,7 +84,7 @@ class ViewServer : public testing::Test {
     got_command_ = true;
   }
 
-  LiveSkin live_{kModules};
+  LatestSamples live_{kModules};
   std::promise<Command> command_;
   bool got_command_ = false;
   Server server_;
@@ -179,7 +179,7 @@ TEST_F(ViewServer, sends_the_state_of_the_link_and_then_what_changed) {
   std::string frame = next_message(*page);
   // This frame is older than the last sample.
   while (frame.size() == 48 && frame[24] == 0) frame = next_message(*page);
-  ASSERT_EQ(frame.size(), LiveSkin::kHeaderBytes + LiveSkin::kRecordBytes);
+  ASSERT_EQ(frame.size(), LatestSamples::kHeaderBytes + LatestSamples::kRecordBytes);
   EXPECT_EQ(frame[2], 1);                                                  // The frame has one module.
   EXPECT_EQ(frame[16], 5);                                                 // The module is this one.
   EXPECT_EQ(static_cast<unsigned char>(frame[24]) | frame[25] << 8, 300);  // The value is its change.
@@ -286,7 +286,7 @@ std::size_t resident_bytes() {
 
 TEST(ViewDocuments, are_shared_by_readers_that_are_slow) {
   constexpr std::size_t kBody_bytes = std::size_t{16} << 20;
-  const LiveSkin live(1);
+  const LatestSamples live(1);
   const Server server({{"recording.bin", {"application/octet-stream", std::string(kBody_bytes, 'x')}}}, live, 0,
                       [](const Command&) {}, {});
   const std::size_t before = resident_bytes();
@@ -302,7 +302,7 @@ TEST(ViewDocuments, are_shared_by_readers_that_are_slow) {
 
 // Without file descriptors a waiting connection must not keep the server's thread busy.
 TEST(ViewWithoutDescriptors, rests) {
-  const LiveSkin live(1);
+  const LatestSamples live(1);
   rlimit old{};
   ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &old), 0);
   const Server server({{"", {"text/html", "the page"}}}, live, 0, [](const Command&) {}, {});
@@ -332,7 +332,7 @@ TEST(ViewWithoutDescriptors, rests) {
 }
 
 TEST(ViewPort, says_which_port_is_taken) {
-  LiveSkin live(1);
+  LatestSamples live(1);
   const Server first({}, live, 0, [](const Command&) {}, {});
   try {
     const Server second({}, live, first.port(), [](const Command&) {}, {});

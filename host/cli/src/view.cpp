@@ -138,7 +138,7 @@ int play(const Options& options, Output& output) {
   RecordedTrack track = read_track(options.design, view::FrameTrack::kMax_bytes);
   if (!track.remark.empty()) output.say(track.remark);
   const std::size_t bytes = track.frames.size();
-  const view::LiveSkin live(track.skin.design.layout.modules.size());
+  const view::LatestSamples live(track.skin.design.layout.modules.size());
   catch_interrupts();
   const view::Server server(view::site_of(track.skin.design, std::move(track.frames), track.skin.calibration), live,
                             options.port, [](const view::Command&) {}, {});
@@ -162,7 +162,7 @@ int run(const Options& options, Output& output) {
   std::optional<device::LiveSkin> skin;
   if (has_link) skin.emplace(robot::read_site(argument.path), options.link);
   if (skin) say_simulated_links(options.link, skin->site(), output);
-  view::LiveSkin live(shown.design.layout.modules.size());
+  view::LatestSamples live(shown.design.layout.modules.size());
   live.set_health({has_link ? options.link.link : "none", false, "", 0, 0});
   CommandQueue commands(skin ? skin->buses().size() : 1);
   catch_interrupts();

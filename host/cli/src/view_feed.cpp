@@ -20,7 +20,7 @@ constexpr microseconds kHealthEvery{250'000};
 // Combines the health of all links for the page, because trouble on one bus affects the whole page.
 class Health {
  public:
-  Health(std::string link, std::size_t buses, view::LiveSkin& live)
+  Health(std::string link, std::size_t buses, view::LatestSamples& live)
       : link_(std::move(link)), live_(live), buses_(buses) {}
   struct Bus {
     bool is_live = false;
@@ -42,14 +42,14 @@ class Health {
  private:
   std::mutex mutex_;
   std::string link_;
-  view::LiveSkin& live_;
+  view::LatestSamples& live_;
   std::vector<Bus> buses_;
 };
 
 // Feeds one bus; if there are several, each runs in its own thread.
 class Feed {
  public:
-  Feed(device::LiveBus& bus, const std::vector<design::CoverOffset>& offsets, view::LiveSkin& live, Health& health,
+  Feed(device::LiveBus& bus, const std::vector<design::CoverOffset>& offsets, view::LatestSamples& live, Health& health,
        CommandQueue& commands)
       : bus_(bus), offsets_(offsets), live_(live), health_(health), commands_(commands) {}
 
@@ -126,7 +126,7 @@ class Feed {
 
   device::LiveBus& bus_;
   const std::vector<design::CoverOffset>& offsets_;
-  view::LiveSkin& live_;
+  view::LatestSamples& live_;
   Health& health_;
   CommandQueue& commands_;
   std::optional<Pace> pace_;  // The pace is set while samples arrive.
@@ -154,7 +154,8 @@ std::optional<view::Command> CommandQueue::pop(int reader) {
 }
 
 device::LiveTotals feed(device::LiveSkin& skin, const std::string& link, const device::StreamOptions& stream,
-                        const std::vector<design::CoverOffset>& offsets, view::LiveSkin& live, CommandQueue& commands) {
+                        const std::vector<design::CoverOffset>& offsets, view::LatestSamples& live,
+                        CommandQueue& commands) {
   Health health(link, skin.buses().size(), live);
   skin.on_each_bus([&](device::LiveBus& bus) { Feed(bus, offsets, live, health, commands).run(stream); });
   device::LiveTotals sum;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "triskin/skin/live_skin.hpp"
-#include "triskin/view/live_skin.hpp"
+#include "triskin/view/latest_samples.hpp"
 #include "triskin/view/server.hpp"
 
 namespace triskin::cli {
@@ -33,6 +33,7 @@ class CommandQueue {
 /// the page. The page shows when a link fails, and the link is opened again every second. Virtual time follows the wall
 /// clock. Throws InputError when a link cannot be used at all.
 device::LiveTotals feed(device::LiveSkin& skin, const std::string& link, const device::StreamOptions& stream,
-                        const std::vector<design::CoverOffset>& offsets, view::LiveSkin& live, CommandQueue& commands);
+                        const std::vector<design::CoverOffset>& offsets, view::LatestSamples& live,
+                        CommandQueue& commands);
 
 }  // namespace triskin::cli

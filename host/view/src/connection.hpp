@@ -22,7 +22,7 @@ class Stranger {
 /// `connections`.
 struct Shared {
   Site site;
-  const LiveSkin& live;
+  const LatestSamples& live;
   Server::OnCommand on_command;
   Server::Limits limits;
   std::string token;

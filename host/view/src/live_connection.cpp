@@ -16,8 +16,8 @@ namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 using Clock = std::chrono::steady_clock;
 
-// Sends one message at a time to the page. Meanwhile newer samples replace older ones in LiveSkin, so a slow page only
-// gets fewer frames. A page that accepts nothing for `write_time` is disconnected.
+// Sends one message at a time to the page. Meanwhile newer samples replace older ones in LatestSamples, so a slow page
+// only gets fewer frames. A page that accepts nothing for `write_time` is disconnected.
 class LiveConnection : public std::enable_shared_from_this<LiveConnection> {
  public:
   LiveConnection(beast::tcp_stream stream, Shared& shared, std::unique_ptr<Counted> counted)

@@ -39,7 +39,7 @@ std::optional<Command> command_of(std::string_view text) {
   return Command{Command::Kind::kPress, *module, *taxel};
 }
 
-std::string health_json(const LiveSkin::Health& health) {
+std::string health_json(const LatestSamples::Health& health) {
   return json{{"link", health.link},
               {"live", health.live},
               {"trouble", health.trouble},

@@ -12,7 +12,7 @@ namespace triskin::view {
 [[nodiscard]] std::optional<Command> command_of(std::string_view text);
 
 /// Formats the status message for the page.
-[[nodiscard]] std::string health_json(const LiveSkin::Health& health);
+[[nodiscard]] std::string health_json(const LatestSamples::Health& health);
 
 /// Makes a random token of 32 hexadecimal digits. Throws DeviceError when the operating system has no random numbers.
 [[nodiscard]] std::string random_token();

@@ -20,7 +20,7 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 
 struct Server::State {
-  State(Site site, const LiveSkin& live, OnCommand on_command, const Limits& limits)
+  State(Site site, const LatestSamples& live, OnCommand on_command, const Limits& limits)
       : shared{std::move(site), live, std::move(on_command), limits, random_token()} {}
 
   void listen(std::uint16_t wanted);
@@ -65,7 +65,7 @@ void Server::State::accept_later() {
   });
 }
 
-Server::Server(Site site, const LiveSkin& live, std::uint16_t port, OnCommand on_command, const Limits& limits)
+Server::Server(Site site, const LatestSamples& live, std::uint16_t port, OnCommand on_command, const Limits& limits)
     : state_(std::make_unique<State>(std::move(site), live, std::move(on_command), limits)) {
   state_->listen(port);
   state_->accept();

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "triskin/view/live_skin.hpp"
+#include "triskin/view/latest_samples.hpp"
 
 namespace triskin::view {
 
@@ -33,7 +33,7 @@ class FrameTrack {
  private:
   void flush();
 
-  LiveSkin live_;
+  LatestSamples live_;
   std::size_t max_bytes_;
   std::string bytes_;
   std::uint64_t seen_ = 0;

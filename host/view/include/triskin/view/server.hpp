@@ -10,7 +10,7 @@
 
 #include "triskin/design/calibration.hpp"
 #include "triskin/design/design.hpp"
-#include "triskin/view/live_skin.hpp"
+#include "triskin/view/latest_samples.hpp"
 #include "triskin/view/notes.hpp"
 
 namespace triskin::view {
@@ -58,7 +58,7 @@ class Server {
 
   /// Starts to listen on 127.0.0.1; `port` 0 uses a free one. `live` must outlive the server. `on_command` is called in
   /// the server's thread and must neither block nor throw. Throws DeviceError when the port is not available.
-  Server(Site site, const LiveSkin& live, std::uint16_t port, OnCommand on_command, const Limits& limits);
+  Server(Site site, const LatestSamples& live, std::uint16_t port, OnCommand on_command, const Limits& limits);
   /// Closes every connection and waits for the thread.
   ~Server();
   Server(const Server&) = delete;

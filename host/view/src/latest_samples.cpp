@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/view/live_skin.hpp"
+#include "triskin/view/latest_samples.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -23,7 +23,7 @@ std::int16_t change_of(double below_rest_counts) {
 
 }  // namespace
 
-void LiveSkin::add(int module, const PressureSample& sample, std::int64_t wall_time_us) {
+void LatestSamples::add(int module, const PressureSample& sample, std::int64_t wall_time_us) {
   const std::lock_guard lock(mutex_);
   if (module < 0 || static_cast<std::size_t>(module) >= modules_.size()) return;
   Module& m = modules_[static_cast<std::size_t>(module)];
@@ -34,17 +34,17 @@ void LiveSkin::add(int module, const PressureSample& sample, std::int64_t wall_t
   for (std::size_t t = 0; t < m.change.size(); ++t) m.change[t] = change_of(sample.below_rest_counts[t]);
 }
 
-void LiveSkin::set_health(Health health) {
+void LatestSamples::set_health(Health health) {
   const std::lock_guard lock(mutex_);
   health_ = std::move(health);
 }
 
-LiveSkin::Health LiveSkin::health() const {
+LatestSamples::Health LatestSamples::health() const {
   const std::lock_guard lock(mutex_);
   return health_;
 }
 
-std::string LiveSkin::frame_since(std::uint64_t& seen) const {
+std::string LatestSamples::frame_since(std::uint64_t& seen) const {
   const std::lock_guard lock(mutex_);
   std::int64_t newest_us = std::numeric_limits<std::int64_t>::min();
   std::size_t count = 0;

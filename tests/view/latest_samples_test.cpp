@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/view/live_skin.hpp"
+#include "triskin/view/latest_samples.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 namespace triskin::test {
 namespace {
 
-using view::LiveSkin;
+using view::LatestSamples;
 
 view::PressureSample sample_of(double below_rest_counts) {
   view::PressureSample sample{wire::ModuleState::kOk, layout::kAllTaxels, {}};
@@ -26,18 +26,18 @@ std::uint64_t le(const std::string& bytes, std::size_t at, std::size_t size) {
 }
 
 int change(const std::string& frame, std::size_t record, std::size_t taxel) {
-  const std::size_t at = LiveSkin::kHeaderBytes + record * LiveSkin::kRecordBytes + 8 + 2 * taxel;
+  const std::size_t at = LatestSamples::kHeaderBytes + record * LatestSamples::kRecordBytes + 8 + 2 * taxel;
   return static_cast<std::int16_t>(le(frame, at, 2));
 }
 
-TEST(ViewLiveSkin, sends_each_module_once_after_it_changed) {
-  LiveSkin skin(3);
+TEST(LatestSamples, sends_each_module_once_after_it_changed) {
+  LatestSamples skin(3);
   std::uint64_t seen = 0;
   EXPECT_TRUE(skin.frame_since(seen).empty());
   skin.add(0, sample_of(10), 1'000'000);
   skin.add(2, sample_of(10), 1'250'000);
   const std::string frame = skin.frame_since(seen);
-  ASSERT_EQ(frame.size(), LiveSkin::kHeaderBytes + 2 * LiveSkin::kRecordBytes);
+  ASSERT_EQ(frame.size(), LatestSamples::kHeaderBytes + 2 * LatestSamples::kRecordBytes);
   EXPECT_EQ(le(frame, 2, 2), 2U);
   EXPECT_EQ(std::bit_cast<double>(le(frame, 8, 8)), 1250.0);
   EXPECT_EQ(le(frame, 16, 2), 0U);
@@ -48,8 +48,8 @@ TEST(ViewLiveSkin, sends_each_module_once_after_it_changed) {
   EXPECT_EQ(le(skin.frame_since(seen), 16, 2), 1U);
 }
 
-TEST(ViewLiveSkin, pressure_is_below_rest_to_the_nearest_count) {
-  LiveSkin skin(1);
+TEST(LatestSamples, pressure_is_below_rest_to_the_nearest_count) {
+  LatestSamples skin(1);
   std::uint64_t seen = 0;
   skin.add(0, sample_of(210.4), 0);
   EXPECT_EQ(change(skin.frame_since(seen), 0, 3), -210);
@@ -57,15 +57,15 @@ TEST(ViewLiveSkin, pressure_is_below_rest_to_the_nearest_count) {
   EXPECT_EQ(change(skin.frame_since(seen), 0, 3), 200);
 }
 
-TEST(ViewLiveSkin, holds_changes_within_16_bits) {
-  LiveSkin skin(1);
+TEST(LatestSamples, holds_changes_within_16_bits) {
+  LatestSamples skin(1);
   std::uint64_t seen = 0;
   skin.add(0, sample_of(-65'535), 0);
   EXPECT_EQ(change(skin.frame_since(seen), 0, 0), 32767);
 }
 
-TEST(ViewLiveSkin, ignores_modules_that_the_design_lacks) {
-  LiveSkin skin(2);
+TEST(LatestSamples, ignores_modules_that_the_design_lacks) {
+  LatestSamples skin(2);
   std::uint64_t seen = 0;
   skin.add(2, sample_of(1), 0);
   skin.add(-1, sample_of(1), 0);
@@ -84,13 +84,13 @@ TEST(ViewFrameTrack, gathers_the_samples_of_33_ms_into_a_frame) {
   std::size_t at = 0;
   while (at < bytes.size()) {
     const std::size_t size = le(bytes, at, 4);
-    ASSERT_EQ(size, LiveSkin::kHeaderBytes + 2 * LiveSkin::kRecordBytes);
+    ASSERT_EQ(size, LatestSamples::kHeaderBytes + 2 * LatestSamples::kRecordBytes);
     times_ms.push_back(std::bit_cast<double>(le(bytes, at + 4 + 8, 8)));
     at += 4 + size;
   }
   EXPECT_EQ(at, bytes.size());
   EXPECT_EQ(times_ms, (std::vector<double>{20, 60, 100}));
-  EXPECT_EQ(change(bytes.substr(at - LiveSkin::kHeaderBytes - 2 * LiveSkin::kRecordBytes), 1, 3), -105);
+  EXPECT_EQ(change(bytes.substr(at - LatestSamples::kHeaderBytes - 2 * LatestSamples::kRecordBytes), 1, 3), -105);
   EXPECT_FALSE(track.is_cut());
 }
 

@@ -22,7 +22,7 @@ struct PressureSample {
 
 /// Holds the latest sample of every module. Some threads add samples; others encode what a reader has not received yet.
 /// Memory is fixed: a slow reader skips samples instead of making a queue grow. Thread-safe.
-class LiveSkin {
+class LatestSamples {
  public:
   /// A frame has this many bytes before its records, and each record this many (docs/view_server.md).
   static constexpr std::size_t kHeaderBytes = 16, kRecordBytes = 32;
@@ -38,7 +38,7 @@ class LiveSkin {
   };
 
   /// `modules` is the number of modules of the design.
-  explicit LiveSkin(std::size_t modules) : modules_(modules) {}
+  explicit LatestSamples(std::size_t modules) : modules_(modules) {}
 
   /// Adds a sample of module `module`; one that the design lacks is ignored. `wall_time_us` is the time when it was
   /// taken, µs since 1970.
