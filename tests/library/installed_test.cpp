@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Uses the installed package as others do: a C compiler with pkg-config, a CMake project, Python.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
@@ -89,7 +90,7 @@ TEST(Installed, the_program_comes_with_pages_rules_and_completion) {
   const auto [status, text] =
       shell(sim, "cmake --install '" TRISKIN_BUILD "' --component program --prefix '" + prefix.string() + "'");
   ASSERT_EQ(status, 0) << text;
-  const auto [said, version] = shell(sim, "'" + (prefix / "bin/triskin").string() + "' --version");
+  const auto [said, version] = shell(sim, fmt::format("'{}' --version", (prefix / "bin/triskin").string()));
   EXPECT_EQ(said, 0) << version;
   for (const char* file : {"share/man/man1/triskin.1.gz", "share/man/man1/triskin-verify.1.gz",
                            "share/man/man1/triskin-repair.1.gz", "share/bash-completion/completions/triskin",
