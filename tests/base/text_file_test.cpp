@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A text is the same text from every editor, and what a JSON library says becomes words of our own.
+// These tests check that a text reads the same from every editor, and that JSON errors use our own words.
 #include "triskin/base/text_file.hpp"
 
 #include <gmock/gmock.h>
@@ -29,10 +29,10 @@ TEST(PlainText, has_no_byte_order_mark_and_is_utf8) {
   EXPECT_EQ(plain_text(std::string("\xFF\xFE{\0}\0", 6)), "{}");
   EXPECT_EQ(plain_text(std::string("\xFE\xFF\0{\0}", 6)), "{}");
   EXPECT_EQ(plain_text(std::string("{\0 \0}\0", 6)), "{ }");
-  EXPECT_EQ(plain_text("\xC2\xB5\xFF"), "\xC2\xB5\xFF");  // Damage stays, for the reader to find.
+  EXPECT_EQ(plain_text("\xC2\xB5\xFF"), "\xC2\xB5\xFF");  // Damaged bytes stay, so that the reader finds them.
 }
 
-// The euro sign, and U+10348 as the pair D800 DF48 (the Unicode standard, 3.9, table 3-4); a half without its other.
+// The text has the euro sign, U+10348 as the pair D800 DF48 (Unicode 3.9, table 3-4), and half of a pair alone.
 TEST(PlainText, utf16_beyond_the_basic_plane) {
   EXPECT_EQ(without_utf16(std::string("\xFF\xFE\xAC\x20\x00\xD8\x48\xDF", 8)), "\xE2\x82\xAC\xF0\x90\x8D\x88");
   EXPECT_EQ(without_utf16(std::string("\xFF\xFE\x00\xD8\x41\x00", 6)), "\xEF\xBF\xBD\x41");
@@ -82,7 +82,7 @@ TEST(JsonCause, says_what_is_wrong_with_a_value) {
   EXPECT_EQ(cause([&] { (void)nlohmann::json::array({1}).at(3); }), "a list is too short");
 }
 
-// Whatever the library says, its own words and damaged bytes stay out of the message.
+// The message must not contain the library's own words or damaged bytes.
 TEST(JsonCause, no_message_of_the_library_comes_through) {
   const std::string whole = R"({"a":[1.5,-2e3,true,null],"b":{"c":"d\u00e9"}})";
   for (std::size_t at = 0; at < whole.size(); ++at) {

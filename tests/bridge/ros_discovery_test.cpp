@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The variables of ROS 2 that say which computers a node looks for. What each means: docs.ros.org, "Improved Dynamic
-// Discovery" (SUBNET, LOCALHOST, OFF, SYSTEM_DEFAULT; semicolons between peers; ROS_LOCALHOST_ONLY outweighs them).
+// These tests check the ROS 2 variables that limit node discovery. Source of the expected values: docs.ros.org,
+// "Improved Dynamic Discovery" (SUBNET, LOCALHOST, OFF, SYSTEM_DEFAULT; semicolons; ROS_LOCALHOST_ONLY wins).
 #include "triskin/bridge/ros_discovery.hpp"
 
 #include <fmt/format.h>
@@ -84,8 +84,8 @@ TEST(RosDiscovery, a_wrong_value_is_named_with_its_variable) {
   EXPECT_THAT(error_of({{"ROS_STATIC_PEERS", "\"/><Peer"}}), HasSubstr("ROS_STATIC_PEERS"));
 }
 
-// Two bridges of one part in one domain say that they see each other, unless one of them is off. Both are kept on the
-// loopback interface by CYCLONEDDS_URI, which is read behind the variables of ROS 2.
+// Two bridges of one part in one domain report that they see each other, unless one of them has discovery off.
+// CYCLONEDDS_URI, which is read after the variables of ROS 2, keeps both on the loopback interface.
 class Discovered : public test::ShellCase {
  protected:
   void SetUp() override {

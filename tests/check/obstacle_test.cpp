@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Bodies that modules keep clear of, strips along borders, and places where cables enter: the design obeys, and check
-// finds one that does not. The part is a plate of 200 mm by 110 mm at z = 0.
+// These tests cover bodies that modules keep clear of, strips along borders, and places where cables enter: designs
+// obey them, and check finds violations. The part is a plate of 200 mm by 110 mm at z = 0.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -56,7 +56,7 @@ class ObstacleDesign : public testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  // The file of the part holds the plate, and the body as an object of its own where there is one.
+  // The part's file contains the plate and, if the test has one, the body as an object of its own.
   design::Design design_with(const json& regions, const design::Mesh& body = {}) {
     {
       std::ofstream out(folder_ / "plate.obj");
@@ -96,7 +96,7 @@ class ObstacleDesign : public testing::Test {
   design::Mesh plate_;
 };
 
-// Least distance of all modules from a rectangle on the plate, by points 0.5 mm apart.
+// Returns the least distance of all modules from a rectangle on the plate, sampled every 0.5 mm.
 double clearance(const design::Design& d, double x0, double y0, double x1, double y1) {
   double least = 1e9;
   for (const auto& m : d.layout.modules) {
@@ -108,7 +108,7 @@ double clearance(const design::Design& d, double x0, double y0, double x1, doubl
   return least;
 }
 
-// A motor 4 mm over the plate: modules of 6 mm height would meet it, those of 3 mm with 0.9 mm of air would not.
+// A motor is 4 mm over the plate: modules of 6 mm height would hit it, those of 3 mm with 0.9 mm of air would not.
 TEST_F(ObstacleDesign, modules_keep_their_height_free) {
   const design::Mesh motor = cuboid({90, 45, 4}, {110, 65, 30});
   const auto region = [](double above, double margin) {
@@ -129,7 +129,7 @@ TEST_F(ObstacleDesign, modules_keep_their_height_free) {
   EXPECT_THAT(refusal_of(region(3, 0.9), motor), HasSubstr("no part of the surface lies in it"));
 }
 
-// The body reaches through the plate, and no triangle of it is near the middle of what it covers.
+// The body reaches through the plate, and none of its triangles is near the middle of the area that it covers.
 TEST_F(ObstacleDesign, the_inside_of_a_body_counts) {
   const design::Mesh block = cuboid({60, 25, -15}, {140, 85, 15});
   const design::Design d =
@@ -139,7 +139,7 @@ TEST_F(ObstacleDesign, the_inside_of_a_body_counts) {
   EXPECT_THAT(broken(), IsEmpty());
 }
 
-// A rib 5 mm under the plate: what is as deep as 6 mm meets it.
+// A rib is 5 mm under the plate, so modules that reach 6 mm deep hit it.
 TEST_F(ObstacleDesign, what_lies_under_a_module_counts_by_its_depth) {
   const design::Mesh rib = cuboid({95, 0, -20}, {105, 110, -5});
   const auto region = [](double below) {
@@ -196,7 +196,7 @@ Vec3 entry_of(const design::Design& d, const design::Patch& p) {
   return 0.5 * (corner[side] + corner[(side + 1) % 3]);
 }
 
-// A duct along the lower edge, which every controller can reach.
+// The duct runs along the lower edge, where every controller can reach it.
 TEST_F(ObstacleDesign, cables_enter_at_the_duct) {
   const design::Design d = design_with(
       {{{"name", "duct"}, {"entry", true}, {"box", {{"low_mm", {-5, -5, -5}}, {"high_mm", {205, 22, 5}}}}}});
@@ -209,7 +209,7 @@ TEST_F(ObstacleDesign, cables_enter_at_the_duct) {
   EXPECT_THAT(broken_by([](json& j) { j["report"]["entries_elsewhere"] = {0}; }), Contains("entry-place"));
 }
 
-// One connector at a corner of the plate: a controller at the other end has no way to it, and is named.
+// The only connector is at one corner of the plate; the report must name the controller that cannot reach it.
 TEST_F(ObstacleDesign, a_controller_without_an_entry_is_named) {
   const design::Design d = design_with(
       {{{"name", "connector"}, {"entry", true}, {"sphere", {{"center_mm", {20, 20, 0}}, {"radius_mm", 25}}}}});

@@ -271,14 +271,14 @@ TEST_F(Recordings, live_draws_the_patch_on_a_terminal_and_takes_keys) {
   ::close(terminal);
 }
 
-// What stands at the leaves of the tree of panels.
+// Collects the leaves of the tree of panels.
 void add_panels(const nlohmann::json& tree, std::vector<std::string>& panels) {
   if (tree.is_string()) return panels.push_back(tree.get<std::string>());
   ASSERT_THAT(tree.at("direction"), testing::AnyOf("row", "column"));
   for (const char* half : {"first", "second"}) add_panels(tree.at(half), panels);
 }
 
-// Keys as Foxglove exports them: panels by "TYPE!ID", which the tree of the layout names once each.
+// Foxglove exports panels under keys "TYPE!ID", and the layout's tree names each of them once.
 TEST_F(Recordings, the_layout_for_Foxglove_shows_topics_that_a_recording_has) {
   const auto layout =
       nlohmann::json::parse(read_file(fs::path(source_folder()) / "docs/examples/foxglove_layout.json"));
@@ -303,7 +303,7 @@ TEST_F(Recordings, the_layout_for_Foxglove_shows_topics_that_a_recording_has) {
   EXPECT_EQ(topics, 4);
 }
 
-// Two covers on two buses in one file, and nothing else beside it.
+// Two covers on two buses go into one file, and no other file may remain beside it.
 TEST_F(Recordings, a_robot_goes_into_one_file) {
   for (const char* words : {"robot new robot.json --name demo --bus a=sim --bus b=sim",
                             "robot add robot.json strip.json --name arm --bus a",

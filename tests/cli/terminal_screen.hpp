@@ -14,7 +14,7 @@
 
 namespace triskin::test {
 
-/// A program on a terminal of its own, of a given size; 0 columns and rows: one that does not tell its size.
+/// Runs a program on its own terminal of a given size; with 0 columns and rows the terminal reports no size.
 class TerminalProgram {
  public:
   TerminalProgram(const std::string& line, int columns, int rows) {
@@ -34,7 +34,7 @@ class TerminalProgram {
   TerminalProgram(const TerminalProgram&) = delete;
   TerminalProgram& operator=(const TerminalProgram&) = delete;
 
-  /// All that it has written until `sign` is in it, or it has ended, or half a minute has passed.
+  /// Returns the output so far once it contains `sign`, the program has ended, or half a minute has passed.
   const std::string& read_until(std::string_view sign) {
     for (int k = 0; k < 3000 && text_.find(sign) == std::string::npos; ++k) {
       pollfd p{terminal_, POLLIN, 0};
@@ -46,12 +46,12 @@ class TerminalProgram {
     }
     return text_;
   }
-  /// All that it writes until it ends, at most half a minute.
+  /// Returns all output until the program ends, for at most half a minute.
   const std::string& read_all() { return read_until("\x01 never written"); }
   void signal(int number) const { (void)::kill(pid_, number); }
-  /// As somebody presses a key.
+  /// Sends a key as if somebody pressed it.
   void type(char key) const { (void)!::write(terminal_, &key, 1); }
-  /// Waits until it is stopped (Ctrl-Z); false: it ended.
+  /// Waits until Ctrl-Z stops the program; returns false if the program ended instead.
   bool is_stopped() {
     int status = 0;
     ended_ = ::waitpid(pid_, &status, WUNTRACED) != pid_ || !WIFSTOPPED(status);
@@ -71,7 +71,7 @@ class TerminalProgram {
   std::string text_;
 };
 
-/// What a terminal of the kind VT100 shows after these bytes: the sequences that programs use to move and to erase.
+/// Emulates the screen of a VT100 terminal, with the sequences that programs use to move and to erase.
 class Screen {
  public:
   Screen(std::size_t columns, std::size_t rows) : columns_(columns), lines_(rows, std::string(columns, ' ')) {}
@@ -79,7 +79,7 @@ class Screen {
   void write(std::string_view bytes) {
     for (std::size_t at = 0; at < bytes.size();) at += take(bytes.substr(at));
   }
-  /// Lines without the spaces at their ends.
+  /// Returns the lines without trailing spaces.
   [[nodiscard]] std::vector<std::string> lines() const {
     std::vector<std::string> trimmed;
     for (const std::string& line : lines_) trimmed.push_back(line.substr(0, line.find_last_not_of(' ') + 1));
@@ -89,14 +89,14 @@ class Screen {
   [[nodiscard]] int scrolls() const { return scrolls_; }
 
  private:
-  // Returns the number of bytes that were taken.
+  // Returns the number of bytes consumed.
   std::size_t take(std::string_view rest) {
     const char c = rest.front();
     if (c == '\r') return column_ = 0, 1;
     if (c == '\n') return line_feed(), 1;
     if (rest.starts_with("\033[")) return sequence(rest);
-    if ((c & 0xC0) == 0x80 || static_cast<unsigned char>(c) < 0x20) return 1;  // A letter is its first byte.
-    // U+3000 to U+9FFF, where Chinese and Japanese are, begin with these bytes and take two places.
+    if ((c & 0xC0) == 0x80 || static_cast<unsigned char>(c) < 0x20) return 1;  // Only a letter's first byte counts.
+    // The characters U+3000 to U+9FFF (mostly Chinese and Japanese) begin with these bytes and take two columns.
     const bool is_wide = static_cast<unsigned char>(c) >= 0xE3 && static_cast<unsigned char>(c) <= 0xE9;
     if (column_ + (is_wide ? 1 : 0) >= columns_) {
       ++wraps_;

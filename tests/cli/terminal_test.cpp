@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The program on terminals of every kind: narrow and low ones, one without a size, TERM=dumb or none, NO_COLOR; and
-// with standard descriptors that are closed or full. A small emulator says what a person sees.
+// These tests run the program on narrow and low terminals, without a size, with TERM=dumb or none, with NO_COLOR, and
+// with closed or full standard descriptors. A small emulator reports what a person would see.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ class Terminals : public ShellCase {
     return fmt::format("cd '{}' && exec env {} XDG_STATE_HOME=state {} {}", folder_.string(), variables, program_file(),
                        arguments);
   }
-  // What `live` writes for a second of its time.
+  // Returns what `live` writes during one second of its time.
   [[nodiscard]] std::string live(const std::string& variables, int columns, int rows) const {
     TerminalProgram program(with(variables, "live strip.json --link sim --seconds 1"), columns, rows);
     std::string text = program.read_all();
@@ -39,7 +39,7 @@ class Terminals : public ShellCase {
   }
 };
 
-// Bytes between the change to the other page and the way back.
+// Returns the bytes between entering and leaving the alternate screen.
 std::string page_of(const std::string& text) {
   const std::size_t begin = text.find(kOtherPage), end = text.rfind(kFirstPage);
   return begin == std::string::npos || end == std::string::npos ? "" : text.substr(begin, end - begin);
@@ -60,7 +60,7 @@ TEST_F(Terminals, live_stays_within_screens_of_any_size) {
   }
 }
 
-// A name of Chinese letters, each of which takes two places.
+// Each Chinese letter of the name takes two columns.
 TEST_F(Terminals, wide_letters_do_not_break_the_page) {
   const std::string name = "皮膚模塊設計檔案右前臂外殼.json";
   std::filesystem::copy_file(folder_ / "strip.json", folder_ / name);
@@ -88,7 +88,7 @@ TEST_F(Terminals, without_a_known_terminal_there_are_lines_and_no_sequences) {
   }
 }
 
-// https://no-color.org: when it is there and not empty, regardless of its value.
+// NO_COLOR counts if it is set and not empty, whatever its value (https://no-color.org).
 TEST_F(Terminals, no_color_is_kept) {
   constexpr const char* kColour = "\033[48;";
   EXPECT_THAT(live("TERM=xterm NO_COLOR=", 80, 24), HasSubstr(kColour));
@@ -137,7 +137,7 @@ class Bars : public Terminals {
   }
 };
 
-// The bars of a text, each up to what follows it.
+// Splits a text into its bars, each with everything up to the next one.
 std::vector<std::string> bars_of(const std::string& text) {
   std::vector<std::string> bars;
   for (const char* begin : {"[#", "[."}) {
@@ -188,7 +188,7 @@ TEST_F(Terminals, help_fits_the_width_that_columns_or_the_terminal_say) {
   }
 }
 
-// A file that is opened while a standard descriptor is closed would get its number, and the messages in it.
+// A file opened while a standard descriptor is closed would get its number and receive the messages.
 TEST_F(Terminals, messages_do_not_get_into_files_when_descriptors_are_closed) {
   for (const char* closed : {">&- 2>&- <&-", "2>&-", "<&-", ">/dev/null 2>&-"}) {
     (void)std::system(line(fmt::format("record strip.json --link sim --seconds 1 -o r.mcap {}", closed)).c_str());

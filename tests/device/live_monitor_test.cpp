@@ -140,7 +140,7 @@ TEST(LiveMonitor, shows_numbers_of_modules_in_their_cells) {
   EXPECT_THAT(monitor.picture(0, PressureUnit::kModule, true)[0], HasSubstr("\033[48;5;172m▲   2\033[0m"));
 }
 
-// Rest values are those of a tare. Module 1 was exchanged since: one taxel reads 300 above, all others 50.
+// The rest values are from a tare. Module 1 was exchanged since: one taxel reads 300 above, all others 50.
 TEST(LiveMonitor, says_which_taxels_do_not_rest) {
   const design::Design design = strip(3);
   design::RestValues tared(3);
@@ -162,7 +162,7 @@ TEST(LiveMonitor, says_which_taxels_do_not_rest) {
             "24 taxels do not rest: tare; their modules: 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11 and 2 more");
 }
 
-// A ramp from 0 to 8,000 counts of the taxel that is pressed most: the newest value is the highest block.
+// The strongest taxel rises from 0 to 8,000 counts, so the newest value has the highest block.
 TEST(TaxelTrace, plots_the_strongest_taxel_or_the_one_that_is_held) {
   const design::Design design = strip(3);
   LiveMonitor monitor(design);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Islands on sheets: cases worked by hand, and gaps measured between all outlines.
+// These tests use cases worked by hand and measure the gaps between all outlines.
 #include "triskin/fabrication/nesting.hpp"
 
 #include <gtest/gtest.h>
@@ -44,7 +44,7 @@ bool is_inside(const Vec2& p, const std::vector<Vec2>& ring) {
   return inside;
 }
 
-// Of outlines that do not cross; 0 where one lies in the other.
+// The outlines must not cross; the distance is 0 if one lies inside the other.
 double distance_between(const std::vector<Vec2>& a, const std::vector<Vec2>& b) {
   if (is_inside(a[0], b) || is_inside(b[0], a)) return 0.0;
   double least = 1e9;
@@ -57,7 +57,7 @@ double distance_between(const std::vector<Vec2>& a, const std::vector<Vec2>& b) 
   return least;
 }
 
-// 100 mm by 40 mm on a sheet of 120 mm: it lies flat, 1 mm from each edge, and is 40 mm high.
+// 100 mm by 40 mm on a sheet of 120 mm lies flat, 1 mm from each edge, and is 40 mm high.
 TEST(Nesting, OneRectangleLiesFlat) {
   SheetOptions options;
   options.width_mm = 120.0;
@@ -68,7 +68,7 @@ TEST(Nesting, OneRectangleLiesFlat) {
   EXPECT_NEAR(nesting.fill[0], 4000.0 / (120.0 * nesting.used_mm[0]), 1e-12);
 }
 
-// A sheet of 120 mm takes one square of 100 mm.
+// A sheet of 120 mm has room for only one square of 100 mm.
 TEST(Nesting, WhatDoesNotFitBesideTheOthersGetsAnotherSheet) {
   SheetOptions options;
   options.width_mm = options.length_mm = 120.0;
@@ -108,7 +108,7 @@ TEST(Nesting, IslandsKeepTheirGapAndTheSheet) {
   }
 }
 
-// Strips of eight modules are parallelograms that fill a sheet but for its edges; more orders are never worse.
+// Strips of eight modules are parallelograms that fill a sheet except at its edges; more orders are never worse.
 TEST(Nesting, StripsFillASheet) {
   const std::vector<FlatIsland> islands(12, strip(8));
   SheetOptions options;

@@ -160,7 +160,7 @@ TEST_F(Deaf, ctrl_c_ends_commands_on_a_link_that_is_silent) {
   }
 }
 
-// A web server that waits for a request, a shell server, one that hangs up at once, one that speaks bytes.
+// The peers are a web server that waits for a request, a shell server, one that hangs up, and one that sends bytes.
 TEST_F(Deaf, a_port_of_another_program_is_called_that) {
   const auto bytes_of = [](std::string_view text) { return std::vector<std::uint8_t>(text.begin(), text.end()); };
   const auto answer_of = [&](const std::string& link) {

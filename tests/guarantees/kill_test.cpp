@@ -79,7 +79,7 @@ class Kills : public ShellCase {
       EXPECT_EQ(view.status(), 0);
     }
   }
-  // Each controller has no table or the new one as a whole: half of one would be another table.
+  // Each controller must have no table or the complete new one; half of it would be a different table.
   void expect_whole_tables(int round) const {
     const Outcome o = run("verify strip.json --link sim --no-touch --json");
     ASSERT_LE(o.status, 1) << o.messages << "round " << round;
@@ -104,7 +104,7 @@ class Kills : public ShellCase {
   std::mt19937_64 random_{kSeed};
 };
 
-// Each round has four moments, one of each command. The variable TRISKIN_KILLS asks for more of them.
+// Each round kills the program at four moments, one in each command. TRISKIN_KILLS sets a higher number of rounds.
 TEST_F(Kills, thirty_two_moments_and_the_next_command_works) {
   const char* moments = std::getenv("TRISKIN_KILLS");
   rounds(moments == nullptr ? 8 : std::max(1, std::atoi(moments) / 4));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A simulation in the process is faster than time. Commands without an end follow the clock of whoever watches them,
-// and wait for the next sample without a busy core.
+// A simulation in the process runs faster than real time. Commands without an end must follow the user's clock and wait
+// for the next sample without keeping a core busy.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/resource.h>
@@ -21,7 +21,7 @@ class Pacing : public ShellCase {
     design::write_design(folder_ / "strip.json", strip(4, 4));
     ASSERT_EQ(run("flash strip.json --link sim").status, 0);
   }
-  // Of all programs that have been awaited.
+  // The time includes all child programs that have been waited for.
   static double processor_s() {
     rusage usage{};
     ::getrusage(RUSAGE_CHILDREN, &usage);
@@ -32,7 +32,7 @@ class Pacing : public ShellCase {
   }
 };
 
-// Both are ratios to the time that this very run took, which is longer on a loaded machine.
+// Both limits are ratios to the duration of this run, which is longer on a loaded machine.
 TEST_F(Pacing, a_dump_without_an_end_does_not_spin_a_core) {
   const double before_s = processor_s();
   const auto start = std::chrono::steady_clock::now();
@@ -57,7 +57,7 @@ TEST_F(Pacing, live_without_an_end_does_not_run_ahead_of_the_clock) {
   const std::string text = live.text();
   const std::size_t at = text.rfind("\"time_s\":");
   ASSERT_NE(at, std::string::npos);
-  constexpr double kLine_s = 0.2;  // Virtual time passes in slices of one line.
+  constexpr double kLine_s = 0.2;  // Virtual time advances by one line at a time.
   EXPECT_LE(std::stod(text.substr(at + 9)), took_s + kLine_s) << text;
 }
 

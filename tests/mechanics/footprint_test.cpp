@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The footprint of a contact in the linear limit.
+// These tests check the footprint of a contact in the linear limit.
 #include "triskin/mechanics/footprint.hpp"
 
 #include <gtest/gtest.h>
@@ -15,9 +15,9 @@
 namespace triskin::mechanics {
 namespace {
 
-constexpr double kKpaMm2 = 1000.0;  // one newton
+constexpr double kKpaMm2 = 1000.0;  // This is one newton.
 
-// ∫ p dA = F for any contact: what calibrated taxels read adds up to the force (Simpson's rule over rings).
+// ∫ p dA = F holds for any contact: the values of calibrated taxels add up to the force (Simpson's rule over rings).
 TEST(Footprint, IntegralIsTheForce) {
   for (const double poisson : {0.0, 0.3, 0.45}) {
     const Footprint footprint({2.0, poisson, 30.0});
@@ -29,7 +29,7 @@ TEST(Footprint, IntegralIsTheForce) {
         const double weight = k == 0 || k == kSteps ? 1.0 : k % 2 == 1 ? 4.0 : 2.0;
         sum += weight * k * step * footprint.kpa_per_newton(radius, k * step);
       }
-      // What lies beyond the reach is below 0.02 % of the peak, over a ring of some 20 mm.
+      // The pressure beyond the reach is below 0.02 % of the peak, over a ring of about 20 mm.
       EXPECT_NEAR(2.0 * std::numbers::pi * sum * step / 3.0 / kKpaMm2, 1.0, 0.02) << poisson << " " << radius;
     }
   }
@@ -49,8 +49,8 @@ TEST(Footprint, ThinLayerShowsThePressure) {
   }
 }
 
-// What the taxels read under the exact contact of a sphere differs by some percent of the peak only (made by the dual
-// integral equations of the table, which share nothing with the footprint).
+// The taxel values under the exact contact of a sphere differ by only some percent of the peak. The reference comes
+// from the dual integral equations of the table, which share no code with the footprint.
 TEST(Footprint, IsNearTheExactContact) {
   const Layer layer{2.0, 0.3, 30.0};
   const ContactTable table(layer);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contacts from calibrated taxels. The truth is the exact contact of a sphere on the bonded layer (contact_table.hpp),
-// not the footprint that the fit believes in.
+// These tests find contacts from calibrated taxels. The truth is the exact contact of a sphere on the bonded layer
+// (contact_table.hpp), not the footprint that the fit assumes.
 #include "triskin/mechanics/pressure_contacts.hpp"
 
 #include <gmock/gmock.h>
@@ -31,7 +31,7 @@ class PressureContacts : public testing::Test {
     }
     kpa.assign(positions.size(), 0.0);
   }
-  // Presses a sphere of 20 mm until the contact has the radius; returns its force.
+  // Presses a sphere of 20 mm until the contact has the radius, and returns its force.
   double press(const Eigen::Vector3d& at, double radius_mm) {
     const Contact contact = table.press_to_radius({Shape::kSphere, 20.0}, radius_mm);
     const double stiffness = confined_modulus_kpa(kLayer) / kLayer.thickness_mm;
@@ -58,7 +58,7 @@ class PressureContacts : public testing::Test {
   std::vector<double> kpa;
 };
 
-// Force scatters by 10 % over positions when it is the sum over the taxels, and by 5 % at most when it is fitted.
+// As the sum over the taxels, the force scatters by 10 % over positions; when fitted, by 5 % at most.
 TEST_F(PressureContacts, AFingerOf6MmHasPlaceAndForceAnywhere) {
   std::uniform_real_distribution<double> x(20.0, 70.0), y(15.0, 45.0);
   constexpr int kDraws = 80;
@@ -74,7 +74,7 @@ TEST_F(PressureContacts, AFingerOf6MmHasPlaceAndForceAnywhere) {
     force_square += std::pow(c.force_n / force - 1.0, 2);
     place_square += (c.position_mm - at).squaredNorm();
     within += std::abs(c.force_n - force) < 1.96 * c.force_sd_n ? 1 : 0;
-    // Both axes together: 95 % of a normal distribution in the plane lie within 2.45 deviations of one axis.
+    // For both axes together, 95 % of a normal distribution in the plane lie within 2.45 deviations of one axis.
     within += (c.position_mm - at).norm() < 2.45 * c.position_sd_mm ? 1 : 0;
     EXPECT_NEAR(c.area_mm2, 113.0, 60.0);
   }
@@ -97,7 +97,7 @@ TEST_F(PressureContacts, TwoFingersSideBySideAreTwo) {
   }
 }
 
-// A bag on 84 taxels at 5 kPa and 39 mm² each: 5·0.039·84 = 16.38 N at their centroid.
+// A bag presses 84 taxels at 5 kPa and 39 mm² each: 5·0.039·84 = 16.38 N at their centroid.
 TEST_F(PressureContacts, AWideContactIsTheSumOfItsTaxels) {
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
   for (std::size_t t = 0; t < 84; ++t) {
@@ -112,7 +112,7 @@ TEST_F(PressureContacts, AWideContactIsTheSumOfItsTaxels) {
   EXPECT_EQ(contacts[0].taxels.size(), 84U);
 }
 
-// One taxel alone: the contact is small, and lies within half the pitch of it.
+// If only one taxel is pressed, the contact is small and lies within half the pitch of it.
 TEST_F(PressureContacts, ASingleTaxelIsWithinHalfThePitch) {
   kpa[5 * 14 + 6] = 3.0;
   const auto contacts = found();

@@ -8,7 +8,7 @@
 namespace triskin::geometry {
 namespace {
 
-// A cube of 20 mm about a point.
+// Returns a cube of 20 mm about a point.
 Mesh cube(const Vec3& middle) {
   Mesh mesh;
   for (int k = 0; k < 8; ++k)
@@ -34,7 +34,7 @@ TEST(BodyDistance, OfACube) {
   EXPECT_NEAR(body.signed_mm(Vec3(-12, 11, 12)), 3.0, 1e-12);
 }
 
-// Where two cubes overlap is inside of both, which counting faces alone takes for outside.
+// The overlap of two cubes is inside both, but counting faces alone would take it for outside.
 TEST(BodyDistance, BodiesThatOverlapAreOne) {
   const BodyDistance body(both(cube(Vec3::Zero()), cube(Vec3(12, 0, 0))));
   EXPECT_LT(body.signed_mm(Vec3(6, 0.3, 0.2)), 0.0);
@@ -48,7 +48,7 @@ TEST(BodyDistance, ASheetHasNoInside) {
   EXPECT_GT(BodyDistance(open).signed_mm(Vec3(0, 0, 0)), 9.9);
 }
 
-// Past the cube at 3 mm, through its middle, and away from it.
+// The lines pass the cube at 3 mm, run through its middle, and lead away from it.
 TEST(BodyDistance, LeastAlongALine) {
   const BodyDistance body(cube(Vec3::Zero()));
   EXPECT_NEAR(body.least_along_mm(Vec3(-20, 13, 0), Vec3::UnitX(), 40.0, 100.0), 3.0, 1e-9);

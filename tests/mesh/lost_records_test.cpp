@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Records that a mesh file has lost, or has too many of: what its own counts say is held against it.
+// These tests remove or add records in mesh files, so that the file's own counts no longer match.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-// Two triangles of 100 mm. What stands in the lists is changed by the tests.
+// The two triangles have sides of 100 mm. The tests change the contents of the lists.
 struct Collada {
   std::string values = "0 0 0 100 0 0 100 100 7 0 100 0", value_count = "12", corners = "0 1 2 0 2 3", count = "2";
   std::string primitive = "triangles", before_corners, offset = "0";
@@ -113,7 +113,7 @@ TEST_F(LostRecords, polygons_have_the_corners_that_they_say) {
   EXPECT_THAT(error_of(c), HasSubstr("a list of 2 polygons has the corners of 1"));
 }
 
-// Zeros in a binary STL are triangles without an area, which stand for triangles that somebody had.
+// Zeroed records of a binary STL read as triangles without an area, in place of triangles that were lost.
 TEST_F(LostRecords, triangles_without_area_and_doubled_ones_are_said) {
   const std::string vertices = "v 0 0 0\nv 100 0 0\nv 100 100 5\nv 0 100 0\n";
   const MeshFile flat = read_mesh(file("a.obj", vertices + "f 1 2 3\nf 1 3 4\nf 1 1 2\n"));

@@ -93,8 +93,8 @@ std::vector<std::string> names() {
 }
 INSTANTIATE_TEST_SUITE_P(All, WalledParts, ::testing::ValuesIn(names()), [](const auto& i) { return i.param; });
 
-// Few questions: of the parts that a person can tell all but the hat, whose brim sees more from below, the panel with a
-// bulge, of which the same is true, and the trays that stand too near to each other.
+// Few questions may remain. Of the parts that a person can tell, only these are asked about: the hat, whose brim sees
+// more from below, the panel with a bulge, for the same reason, and the trays that are too near to each other.
 TEST(Side, QuestionsAreFew) {
   std::vector<std::string> asked;
   for (const WalledPart& p : testing::walled_parts()) {
@@ -103,7 +103,7 @@ TEST(Side, QuestionsAreFew) {
   EXPECT_LE(asked.size(), 3U) << ::testing::PrintToString(asked);
 }
 
-// The tray is certain, and both bodies in it are counted.
+// The tray is decided with certainty, and both bodies in it are counted.
 TEST(Side, PartsInsideOfAnotherAreInner) {
   const geometry::SideChoice choice = geometry::find_sides(part_named("board_in_tray").mesh);
   EXPECT_TRUE(choice.is_certain);

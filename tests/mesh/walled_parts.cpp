@@ -224,7 +224,7 @@ void add_hat(std::vector<WalledPart>& parts) {
   parts.push_back(p);
 }
 
-// A board and a motor in a deep tray: they are two parts of the assembly, and nothing of them is outside.
+// A board and a motor lie in a deep tray as two parts of the assembly, and neither of them is outside.
 void add_board_in_tray(std::vector<WalledPart>& parts) {
   WalledPart p = box_part("board_in_tray", tray({130, 100, 45}, 2), {130, 100, 45});
   const auto all_inside = [](const Vec3&, const Vec3&) { return -1; };
@@ -233,8 +233,8 @@ void add_board_in_tray(std::vector<WalledPart>& parts) {
   parts.push_back(p);
 }
 
-// A flat panel that bulges in its middle: the rim alone says that the flat side is the outer one, the bulge that it is
-// the inner one.
+// A flat panel bulges in its middle: judged by the rim alone, the flat side is the outer one; judged by the bulge, it
+// is the inner one.
 void add_bulged_panel(std::vector<WalledPart>& parts) {
   BlockSolid panel = plate({150, 120, 2}, 6);
   panel.add({50, 40, -2}, {100, 80, 16});

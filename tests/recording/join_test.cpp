@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Recordings of several covers in one file for viewers.
+// These tests join recordings of several covers into one file for viewers.
 #include "triskin/recording/join.hpp"
 
 #include <gmock/gmock.h>
@@ -18,7 +18,7 @@ using test::strip;
 using testing::HasSubstr;
 using testing::UnorderedElementsAre;
 
-// What a file holds: topics with the times of their messages, and names of attachments and tables.
+// The summary of a file has topics with the times of their messages, and names of attachments and tables.
 class Contents final : public mcap::Visitor {
  public:
   explicit Contents(const std::filesystem::path& path)
@@ -73,7 +73,7 @@ TEST(Join, has_every_message_of_both_covers_about_in_order) {
   EXPECT_THAT(robot.attachments, UnorderedElementsAre("arm/design.json", "leg/design.json"));
   EXPECT_THAT(robot.tables,
               UnorderedElementsAre("triskin/arm", "triskin_result/arm", "triskin/leg", "triskin_result/leg"));
-  // A message is later than another one behind it by the span of a chunk at most.
+  // A message may be later than one behind it by at most the span of a chunk.
   std::uint64_t latest = 0;
   for (const std::uint64_t ns : robot.all_times) {
     EXPECT_GE(ns + mcap::ChunkLimits{}.span_ns, latest);
@@ -81,7 +81,7 @@ TEST(Join, has_every_message_of_both_covers_about_in_order) {
   }
 }
 
-// Its modules have the same numbers on each cover: a reader of one cover would mix them.
+// The modules have the same numbers on each cover, so a reader of one cover would mix them.
 TEST(Join, a_joint_file_is_not_read_as_one_cover) {
   const Folder folder("join");
   record_samples(folder / "arm.mcap", strip(4), 100, of_part("arm"));

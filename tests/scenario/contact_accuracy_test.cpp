@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contacts that are found in the samples of a simulated skin with a soft layer and noise, against the truth of the
-// scene.
+// These tests compare contacts found in the samples of a simulated skin, with a soft layer and noise, with the truth of
+// the scene.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,7 +21,7 @@ struct Accuracy {
   double worst_single_mm = 0.0;
 };
 
-// One calibrated sample of every module while a finger presses.
+// Returns one calibrated sample of every module while a finger presses.
 device::ContactFrame pressed_frame(const scene::Scene& scene) {
   const scene::Skin skin(scene);
   const auto wiring = design::wiring_of(scene.design);

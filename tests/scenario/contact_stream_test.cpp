@@ -166,7 +166,7 @@ class Client {
   int socket_;
 };
 
-// Each byte of a line is another one, each number is extreme, and each beginning of it comes alone: the line is taken
+// The test changes each byte of a line, makes each number extreme, and sends each beginning alone: the line is accepted
 // or refused in our words, and the skin's time does not run away.
 TEST(ContactStream, no_byte_of_a_line_can_do_harm) {
   ContactStream stream(strip_scene());
@@ -176,7 +176,7 @@ TEST(ContactStream, no_byte_of_a_line_can_do_harm) {
       begin_s);
   ASSERT_EQ(error_of(stream, whole), "no error");
   std::vector<std::string> lines;
-  // Another time would make all later lines too old.
+  // A wrong time would make all later lines too old.
   for (std::size_t at = whole.find("\"contacts\""); at < whole.size(); ++at) {
     lines.push_back(whole.substr(0, at));
     for (const char with : std::string("{}[],:\"\\x0-.e\n\xFF\x01", 17)) {

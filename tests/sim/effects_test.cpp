@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Effects of the surroundings on the pads, by hand-worked values.
+// These tests compare the effects of the surroundings on the pads with values worked by hand.
 #include "triskin/scene/effects.hpp"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ TEST(Effects, TemperatureMovesEveryPadAlike) {
   scene.effects.pads.temperature =
       TemperatureEffect{.celsius = {{0, 20.0}, {10 * kSecond_us, 30.0}}, .counts_per_degree = 20.0};
   const ModuleSkin skin(scene, 0, 0);
-  // After 5 s it is 5 degrees warmer: 100 counts, also on the pads 6 and 10 that measure it.
+  // After 5 s the pads are 5 degrees warmer: 100 counts, also on the pads 6 and 10 that measure temperature.
   for (int t = 0; t < 12; ++t) {
     EXPECT_NEAR(skin.counts(t, 5 * kSecond_us) - skin.rest_counts(t), 100.0, 1e-9) << t;
     EXPECT_NEAR(skin.counts(t, 60 * kSecond_us) - skin.rest_counts(t), 200.0, 1e-9) << t;
@@ -63,7 +63,7 @@ TEST(Effects, CrosstalkIsAShareOfTheOthers) {
 TEST(Effects, BurstsBeginEndAndRepeat) {
   const std::vector<EmiBurst> bursts = {{kSecond_us, kSecond_us / 2, 2 * kSecond_us, 30.0}, {kSecond_us, 1, 0, 40.0}};
   EXPECT_DOUBLE_EQ(emi_deviation_counts(bursts, kSecond_us - 1), 0.0);
-  EXPECT_DOUBLE_EQ(emi_deviation_counts(bursts, kSecond_us), 50.0);  // 30 and 40 add up as squares
+  EXPECT_DOUBLE_EQ(emi_deviation_counts(bursts, kSecond_us), 50.0);  // 30 and 40 add up as squares.
   EXPECT_DOUBLE_EQ(emi_deviation_counts(bursts, kSecond_us + 1), 30.0);
   EXPECT_DOUBLE_EQ(emi_deviation_counts(bursts, kSecond_us + kSecond_us / 2), 0.0);
   EXPECT_DOUBLE_EQ(emi_deviation_counts(bursts, 3 * kSecond_us), 30.0);
@@ -77,10 +77,10 @@ TEST(Effects, BurstsBeginEndAndRepeat) {
     const double x = skin.counts(1, kSecond_us + static_cast<std::uint64_t>(k)) - skin.rest_counts(1);
     square += x * x;
   }
-  EXPECT_NEAR(std::sqrt(square / kSamples), 30.0, 0.6);  // four standard errors
+  EXPECT_NEAR(std::sqrt(square / kSamples), 30.0, 0.6);  // The tolerance is four standard errors.
 }
 
-// Taxel 0 is 6.533 mm from the middle of a contact of 6 mm: only under a layer it feels it, as the footprint says.
+// Taxel 0 is 6.533 mm from the middle of a contact of 6 mm, so it feels the contact only through a layer.
 TEST(Effects, TheLayerSpreadsAContact) {
   Scene scene = scene_of_strip();
   const design::Vec3 at = center_of(scene.design, 0);

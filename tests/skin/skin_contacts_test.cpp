@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contacts of a frame, as every reader of a skin has them.
+// These tests find the contacts of a frame with the function that all readers of a skin share.
 #include "triskin/skin/skin_contacts.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kCountsPerKpa = 150.0;
 
-// The frame of a strip of four modules under a pressure in kPa about a point, of a Gaussian shape.
+// Returns the frame of a strip of four modules under a Gaussian pressure in kPa about a point.
 ContactFrame frame_of(const design::Vec3& at, double peak_kpa, double width_mm) {
   const design::Design design = test::strip(4);
   const auto wiring = design::wiring_of(design);
@@ -58,7 +58,7 @@ TEST(SkinContacts, WithoutCalibrationThereIsNoForceButThePlaceIsTheSame) {
   EXPECT_DOUBLE_EQ(counts[0].change_counts, calibrated[0].change_counts);
 }
 
-// A pressed taxel that is not calibrated is seen, and its contact has no force.
+// A pressed taxel without calibration is seen, but its contact has no force.
 TEST(SkinContacts, APressedTaxelWithoutCalibrationTakesTheForceAway) {
   ContactFrame frame = frame_of({30.0, 14.0, 0.0}, 20.0, 4.0);
   const auto strongest = std::max_element(frame.change_counts.begin(), frame.change_counts.end());
@@ -83,8 +83,8 @@ TEST(SkinContacts, RefusesListsOfOtherLengths) {
   EXPECT_THROW((void)contacts_of(frame), InputError);
 }
 
-// 3 N down at x = 10 mm and 1 N down at x = −10 mm, worked by hand: −4 N in z; torque about y: −x·F_z, so
-// 10·3 − 10·1 = 20 Nmm. A contact without a force does not count.
+// 3 N press down at x = 10 mm and 1 N at x = −10 mm. Worked by hand, the force is −4 N in z; the torque about y is
+// −x·F_z, so 10·3 − 10·1 = 20 Nmm. A contact without a force does not count.
 TEST(SkinContacts, NetForceAndTorqueAddUp) {
   std::vector<SkinContact> contacts(3);
   for (SkinContact& c : contacts) c.normal = {0.0, 0.0, 1.0};

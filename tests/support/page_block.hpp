@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Output that a page of docs/ shows, against what a program prints. "…" on the page stands for any text.
+// These functions compare the output shown in docs/ with what a program prints; "…" on the page matches any text.
 #pragma once
 #include <filesystem>
 #include <regex>
@@ -12,7 +12,7 @@
 
 namespace triskin::test {
 
-/// Lines of the first block without a language behind `mark` on the page docs/`page`.
+/// Returns the lines of the first block without a language after `mark` on the page docs/`page`.
 inline std::vector<std::string> page_block(const std::string& page, const std::string& mark) {
   const std::string text = read_file(std::filesystem::path(source_folder()) / "docs" / page);
   const std::size_t from = text.find("```\n", text.find(mark)), to = text.find("```", from + 4);
@@ -22,7 +22,7 @@ inline std::vector<std::string> page_block(const std::string& page, const std::s
   return lines;
 }
 
-/// True when a printed line is like a line of the page.
+/// Returns true if a printed line matches a line of the page.
 inline bool is_like(const std::string& wanted, const std::string& line) {
   std::string pattern;
   for (std::size_t at = 0; at < wanted.size();) {
@@ -37,7 +37,7 @@ inline bool is_like(const std::string& wanted, const std::string& line) {
   return std::regex_match(line, std::regex(pattern));
 }
 
-/// The first line of `wanted` that `printed` does not have, in the order of the page; empty: it has all.
+/// Returns the first line of `wanted` that `printed` lacks, in the order of the page, or an empty string if none.
 inline std::string missing_line(const std::vector<std::string>& wanted, const std::string& printed) {
   std::istringstream lines(printed);
   for (const std::string& want : wanted) {

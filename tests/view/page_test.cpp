@@ -79,7 +79,7 @@ TEST(ViewModel, findings_of_a_robot_are_counted_on) {
   EXPECT_EQ(findings[0].patch, 1);
 }
 
-// Five modules of six stay; the sixth is gone, and another one stands 40 mm beside the strip.
+// Five of six modules stay, the sixth is removed, and another one appears 40 mm beside the strip.
 TEST(ViewComparison, tells_kept_added_and_removed_modules_apart) {
   const design::Design before = strip(6);
   design::Design after = strip(6);

@@ -8,7 +8,7 @@ namespace {
 
 std::atomic<bool> requested = false;
 std::atomic<int> caught = 0;
-std::atomic<unsigned> seen = 0;  // One bit for each signal number.
+std::atomic<unsigned> seen = 0;  // Each signal number has one bit.
 std::atomic<void (*)()> restore_terminal = nullptr;
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free &&
                   std::atomic<void (*)()>::is_always_lock_free,

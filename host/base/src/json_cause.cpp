@@ -10,11 +10,11 @@ namespace triskin {
 namespace {
 
 struct Cause {
-  std::string_view library;  // What the library's message contains (nlohmann-json 3.11).
+  std::string_view library;  // The library's message contains this text (nlohmann-json 3.11).
   std::string_view words;
 };
 
-// The first that fits counts.
+// The order matters, since the first matching cause is used.
 constexpr std::array<Cause, 14> kCauses{{
     {"unexpected end of input", "the text ends in the middle: it was cut, or a bracket is missing"},
     {"empty input", "the text is empty"},

@@ -17,7 +17,7 @@ unsigned byte_of(std::string_view bytes, std::size_t k) {
   return static_cast<unsigned char>(bytes[k]);
 }
 
-// Letters of English text have a zero in every other byte.
+// In UTF-16, every other byte of an English letter is zero.
 ByteOrder order_by_zeros(std::string_view bytes) {
   const std::size_t n = std::min<std::size_t>(bytes.size() / 2, 40);
   std::size_t even = 0, odd = 0;

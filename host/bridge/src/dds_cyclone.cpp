@@ -151,8 +151,8 @@ class CycloneWriters {
   dds_entity_t reader_;
 };
 
-// What the variables of ROS 2 say, and behind it, so that it wins, what the user has configured himself; 0: nothing but
-// that, which the library reads by itself.
+// Combines the settings of the ROS 2 variables with the user's own configuration, which is appended so that it wins.
+// The result is 0 if the variables set nothing; the library then reads the user's configuration by itself.
 dds_entity_t configured_domain(std::uint32_t id, RosDiscovery discovery) {
   const char* variable = std::getenv("CYCLONEDDS_URI");
   const std::string own = variable == nullptr ? "" : variable;
@@ -206,7 +206,7 @@ class CycloneDomain final : public Domain {
 
   std::uint32_t services_ = 0;
   std::optional<CycloneWriters> writers_;
-  dds_entity_t domain_;  // Is 0 where the library made it by itself.
+  dds_entity_t domain_;  // The handle is 0 if the library created the domain by itself.
   dds_entity_t participant_;
 };
 

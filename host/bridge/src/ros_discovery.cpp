@@ -36,7 +36,7 @@ std::string_view trimmed(std::string_view text) {
                                          : text.substr(first, text.find_last_not_of(' ') + 1 - first);
 }
 
-// Names and addresses go into XML, so that nothing else may be in them.
+// The names and addresses are written into XML, so characters outside of these sets are refused.
 std::vector<std::string> peers_of(std::string_view list) {
   constexpr std::string_view kAllowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.-_:[]%";
   std::vector<std::string> peers;
@@ -75,7 +75,7 @@ std::string peer_list(const RosDiscovery& d, bool with_localhost) {
   return list.empty() ? "" : "<Peers>" + list + "</Peers>";
 }
 
-// With an index a participant has a port that peers without multicast can know.
+// A participant with an index uses a predictable port, so peers without multicast can reach it.
 constexpr const char* kKnownPorts =
     "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>";
 constexpr const char* kNoMulticast = "<General><AllowMulticast>false</AllowMulticast></General>";

@@ -10,7 +10,7 @@
 namespace triskin::check {
 namespace {
 
-constexpr double kAlong_mm = 0.15;  // Other places along the normal than those of the solver.
+constexpr double kAlong_mm = 0.15;  // The checker samples other places along the normal than the solver.
 
 }  // namespace
 
@@ -30,7 +30,7 @@ CheckedBody::CheckedBody(const std::vector<P3>& vertices, const std::vector<std:
   tree_.accelerate_distance_queries();
 }
 
-// Leaving counts +1 and entering −1, so that bodies that overlap are one.
+// A ray counts +1 when it leaves and −1 when it enters, so overlapping bodies count as one.
 bool CheckedBody::is_inside(const P3& p, const Kernel::Vector_3& ray) const {
   std::vector<Triangles::const_iterator> met;
   tree_.all_intersected_primitives(Kernel::Ray_3(Kernel::Point_3(p.x(), p.y(), p.z()), ray), std::back_inserter(met));
@@ -49,7 +49,7 @@ bool CheckedBody::contains(const P3& p) const {
   return inside >= 2;
 }
 
-// Within the distance of a point all points are on its side, so that few of them are asked whether they are inside.
+// All points nearer to a point than its distance are on its side, so only few points need the inside test.
 double CheckedBody::least_along(const P3& from, const P3& to) const {
   const double length = (to - from).norm();
   const P3 step = length > 0.0 ? P3((to - from) / length) : P3(P3::Zero());

@@ -11,12 +11,12 @@
 
 namespace triskin::check {
 
-/// The body of a region, as the checker measures it: by CGAL's tree, without code of the solver. Immutable.
+/// Measures distances to the body of a region with CGAL's tree, independently of the solver's code. Immutable.
 class CheckedBody {
  public:
   CheckedBody(const std::vector<P3>& vertices, const std::vector<std::array<int, 3>>& faces);
 
-  /// Least distance, negative inside, of the points of a segment.
+  /// Returns the least distance of the points of a segment, which is negative inside the body.
   [[nodiscard]] double least_along(const P3& from, const P3& to) const;
 
  private:

@@ -503,7 +503,7 @@ void require_shallow(const std::string& text, const std::string& file) {
   }
 }
 
-// A key that stands twice in an object: one of the two would be dropped without a word.
+// The JSON library would silently drop one of two equal keys in an object, so they are an error here.
 json parse_once(const std::string& text) {
   std::vector<std::set<std::string>> open;
   return json::parse(text, [&](int, json::parse_event_t event, json& value) {

@@ -20,9 +20,9 @@ constexpr double kPlaceStep_mm = 0.9;  // Places that must be covered are this f
 // Solver and checker test different places, so one may be this much farther off.
 constexpr double kPlaceSlack_mm = 1.0;
 constexpr double kStatedReach_mm = 0.15;
-constexpr double kBodyStep_mm = 0.1;     // A distance along a line costs fifty times one of a point.
-constexpr double kMaxParts = 5000.0;     // A side of a face has at most so many parts: no cover is larger than 5 m.
-constexpr double kEntrySlack_mm = 0.01;  // The closest points of solver and checker differ by less.
+constexpr double kBodyStep_mm = 0.1;     // A distance along a line costs fifty times that of a point.
+constexpr double kMaxParts = 5000.0;     // No cover exceeds 5 m, so a face's side has at most this many parts.
+constexpr double kEntrySlack_mm = 0.01;  // The closest points of solver and checker differ by less than this.
 constexpr double kSheet_mm = 8.0;        // Points higher over a module belong to another sheet.
 
 double distance_to_edge(const P3& p, const P3& a, const P3& b) {
@@ -31,7 +31,7 @@ double distance_to_edge(const P3& p, const P3& a, const P3& b) {
   return (a + part * d - p).norm();
 }
 
-// The edges of the surface with one face, by what hangs together at corners: a loop each, unless two loops meet.
+// Groups the border edges of the surface by shared corners: each group is one loop, or several that touch.
 std::vector<std::vector<std::array<int, 2>>> loops_of(const CheckedDesign& d) {
   std::map<std::pair<int, int>, int> uses;
   for (const auto& f : d.faces) {
@@ -153,7 +153,7 @@ class RegionArea {
 // overrun.
 double reach_into(const RegionArea& area, const SurfaceIndex& surface, const Outline3& outline) {
   const double step_mm = area.has_body() ? kBodyStep_mm : 0.02;
-  constexpr double kPart = 0.05, kSlope = 2.0;  // Depths beyond 1 mm are measured to 5 % only.
+  constexpr double kPart = 0.05, kSlope = 2.0;  // Depths beyond 1 mm are measured with a tolerance of 5 %.
   double most = 0.0;
   std::vector<std::array<P3, 3>> parts;
   for (std::size_t k = 2; k < outline.size(); ++k) parts.push_back({outline[0], outline[k - 1], outline[k]});
@@ -239,8 +239,8 @@ void check_cover(const CheckedDesign& d, Findings& f) {
   }
 }
 
-// The cable of a patch enters at the middle of the side of its entry module at which port A lies; the second one at the
-// side that the patch names.
+// The cable of a patch enters at the middle of the side of its entry module where port A lies; a second cable enters at
+// the side that the patch names.
 class EntryPlaces {
  public:
   EntryPlaces(const CheckedDesign& d, const SurfaceIndex& surface) : d_(d), surface_(surface) {
@@ -250,7 +250,7 @@ class EntryPlaces {
   }
 
   [[nodiscard]] bool is_limited() const { return !areas_.empty(); }
-  // How far the side's middle lies outside of the nearest entry region; 0 or less inside.
+  // Returns the distance from the middle of the side to the nearest entry region; 0 or less means inside.
   [[nodiscard]] double outside(int module, int side) const {
     const Triangle3& c = d_.modules[static_cast<std::size_t>(module)].corner;
     const auto s = static_cast<std::size_t>(side);
@@ -263,7 +263,7 @@ class EntryPlaces {
  private:
   const CheckedDesign& d_;
   const SurfaceIndex& surface_;
-  std::deque<RegionArea> areas_;  // They are not moved, since their bodies refer to themselves.
+  std::deque<RegionArea> areas_;  // A deque never moves its elements, whose bodies contain pointers to themselves.
 };
 
 void check_entries(const CheckedDesign& d, const SurfaceIndex& surface, Findings& f) {
@@ -272,7 +272,7 @@ void check_entries(const CheckedDesign& d, const SurfaceIndex& surface, Findings
   f.rule("entry-place");
   std::vector<int> elsewhere;
   const auto check = [&](std::size_t patch, int module, int side) {
-    if (side < 0 || side > 2) return;  // Another rule says so.
+    if (side < 0 || side > 2) return;  // Another rule reports sides out of range.
     const double outside = places.outside(module, side);
     if (!(outside > kEntrySlack_mm)) return;
     if (elsewhere.empty() || elsewhere.back() != static_cast<int>(patch)) elsewhere.push_back(static_cast<int>(patch));

@@ -9,7 +9,7 @@
 
 namespace triskin::cli {
 
-/// Contacts as messages have them, with their forces where `calibration` is complete.
+/// Converts contacts to messages, with forces if `calibration` is complete.
 inline std::vector<recording::Contact> contact_messages(const device::TouchMap& touches, const design::Design& design,
                                                         const design::SkinCalibration& calibration) {
   std::vector<recording::Contact> messages;

@@ -36,7 +36,7 @@ class Dump {
       link_.send(question);
       print(question);
     }
-    // The time of a simulation in this process passes only while somebody waits, and then at once.
+    // A simulation in this process jumps ahead whenever the command waits, so the output needs a pace.
     std::optional<Pace> pace;
     if (options_.seconds == 0.0) pace.emplace(start_us_);
     while (!done()) {

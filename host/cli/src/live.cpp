@@ -112,7 +112,7 @@ class Show {
     device::LiveRun run;
     if (options_.seconds > 0.0) run.until_us = start_us_ + static_cast<std::uint64_t>(options_.seconds * 1e6);
     run.slice_us = kLine_us;
-    // A simulation without an end would take a whole core and run away from whoever watches it.
+    // An endless simulation without a pace would take a whole core and outrun its viewer.
     std::optional<Pace> pace;
     if (options_.seconds == 0.0) pace.emplace(bus_.now_us());
     std::uint64_t before_us = 0;

@@ -81,7 +81,7 @@ class Lines final : public LiveDisplay {
   }
 
  private:
-  // Once when it begins, and again with other lines of the kind when it lasts.
+  // The message appears when the state begins and is repeated in every heartbeat period while it lasts.
   void say_off_rest(const LiveMonitor& monitor, double time_s) {
     const std::string remark = device::sentence(monitor.off_rest());
     if (remark.empty() || (!off_rest_.empty() && time_s < off_rest_s_ + kHeartbeat_s)) {
@@ -112,7 +112,7 @@ class Objects final : public LiveDisplay {
   const Output& output_;
 };
 
-// Texts below each other in `beside` columns that are `wide` characters wide.
+// Arranges texts in `beside` columns that are `wide` characters wide.
 std::vector<std::string> in_columns(const std::vector<std::string>& texts, std::size_t wide, std::size_t beside) {
   const std::size_t high = (texts.size() + beside - 1) / beside;
   std::vector<std::string> lines(high);
@@ -153,7 +153,7 @@ class Screen final : public LiveDisplay {
     return Wish::kNothing;
   }
 
-  // The picture is that of the patch which is pressed most.
+  // The picture follows the patch with the strongest pressure.
   void follow(const LiveMonitor& monitor) {
     const auto pressed = monitor.touches().pressed();
     if (!pressed.empty()) patch_ = std::max(0, patch_of(pressed.front().module));
@@ -205,7 +205,7 @@ class Screen final : public LiveDisplay {
   }
 
   // All patches where there is room, else the chosen one and those that are pressed or at fault before the others.
-  // They stand beside each other as the width permits, in `rows` lines at most.
+  // Arranges the patches in as many columns as the width permits and in `rows` lines at most.
   [[nodiscard]] std::vector<std::string> patch_lines(const LiveMonitor& monitor, int rows, int columns) const {
     std::vector<std::string> all;
     std::size_t wide = 0;
@@ -248,14 +248,14 @@ class Screen final : public LiveDisplay {
 
   static constexpr std::size_t kMaxTaxels = 5, kMaxContacts = 3;
   static constexpr int kMinPatchLines = 3;
-  // Time between two calls of show().
+  // show() is called once in this period.
   static constexpr double kStep_s = 0.2;
   const design::Design& design_;
   Terminal terminal_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   device::TaxelTrace trace_;
   int patch_ = 0;
-  bool has_chosen_ = false;  // The person chose the patch.
+  bool has_chosen_ = false;  // The user's choice of a patch stops the automatic choice.
   std::size_t unit_turns_ = 0;
 };
 

@@ -36,10 +36,10 @@ class LiveDisplay {
 [[nodiscard]] std::unique_ptr<LiveDisplay> make_display(const design::Design& design, const Output& output);
 /// Describes the place of a taxel and the pressure on it, in kPa if the monitor is calibrated, otherwise in counts.
 [[nodiscard]] std::string place_text(const device::LiveMonitor& monitor, const device::PressedTaxel& taxel);
-/// Place, force and pressed area of a contact with deviations; without a calibration there is no force.
+/// Describes a contact's place, force and area with deviations; without a calibration the force is left out.
 [[nodiscard]] std::string contact_text(const device::SkinContact& contact);
-/// Keys "time_s", "frames", "lost", "pressed", "contacts", "unit", with a calibration "force_n", "net_force_n" and
-/// "net_torque_nmm", and, where they are known, "time_error_us" and "adopted" of a line.
+/// Writes the keys "time_s", "frames", "lost", "pressed", "contacts", "unit", with a calibration "force_n",
+/// "net_force_n" and "net_torque_nmm", and, if they are known, "time_error_us" and "adopted" of a line.
 [[nodiscard]] nlohmann::json to_json(const device::LiveMonitor& monitor, const LiveState& state);
 
 }  // namespace triskin::cli

@@ -13,7 +13,7 @@ nlohmann::json read_offset_lines(device::Bus& bus, const design::Design& design,
   for (const device::PatchOffsets& p : device::read_offsets(bus, design)) {
     const bool is_starting = std::ranges::all_of(
         p.offsets.rows(), [](const wire::ModuleOffsets& m) { return m.state == wire::OffsetState::kSearching; });
-    // A controller that has just begun has no offsets to report; soon it has.
+    // A controller that has just started has no offsets to report yet.
     if (!is_starting) std::ranges::move(device::describe(p), std::back_inserter(lines));
     for (std::size_t row = 0; row < p.modules.size(); ++row) {
       const wire::ModuleOffsets& m = p.offsets.modules[row];

@@ -64,8 +64,8 @@ int unless_ended(int status) {
   return interrupt_signal() > 0 ? kSignalled + interrupt_signal() : status;
 }
 
-// A file that the program opens would take the place of a standard descriptor that is closed, and get the messages.
-// Those that are missing are opened so that using them fails as before.
+// If a standard descriptor is closed, the next opened file would take its number and receive the messages. This
+// function fills the missing descriptors with files on which reading or writing still fails.
 void hold_standard_descriptors() {
   for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(descriptor, F_GETFD) == -1 && errno == EBADF)
@@ -73,7 +73,7 @@ void hold_standard_descriptors() {
   }
 }
 
-// The status, unless what was written to standard output did not get there.
+// Returns the status, or an error if standard output did not accept everything.
 int when_written(int status) {
   std::cout.flush();
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout) return status;

@@ -25,7 +25,7 @@ std::string bar_line(const Progress& p, int columns) {
   const int width = columns < kNarrowTerminal ? kNarrowWidth : kWidth;
   std::string bar(static_cast<std::size_t>(width), '.');
   if (p.fraction >= 0.0) std::fill_n(bar.begin(), static_cast<int>(width * std::min(1.0, p.fraction)), '#');
-  // The last column stays free: some terminals go to the next line when it is written.
+  // The last column stays free because some terminals wrap as soon as it is written.
   return cut_to(fmt::format("[{}] {} {}", bar, p.stage, for_terminal(p.detail)), columns - 1);
 }
 
@@ -60,7 +60,7 @@ class Bar {
   }
 
  private:
-  // Moves to the first line and clears all lines.
+  // Moves the cursor to the first line and clears all lines.
   [[nodiscard]] std::string back() const {
     return lines_ > 1 ? fmt::format("\r\033[{}A\033[J", lines_ - 1) : "\r\033[J";
   }
@@ -68,7 +68,7 @@ class Bar {
     if (lines_ > 0) std::fputs(back().c_str(), stderr);
     lines_ = 0;
   }
-  // Parts that are done make room when there are many.
+  // If there are many parts, the finished ones make room for others.
   void draw() {
     constexpr int kMaxLines = 20;
     const Terminal::Size size = Terminal::size(STDERR_FILENO);

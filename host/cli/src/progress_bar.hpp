@@ -4,12 +4,12 @@
 
 namespace triskin::cli {
 
-/// A sink that shows work on standard error: on a terminal a bar, or one for each part of the work that is under way,
-/// each within one line; elsewhere one line for each stage. Quiet for the first second, so that short work leaves no
+/// Returns a sink that shows progress on standard error: a terminal gets a bar, or a one-line bar for each active part
+/// of the work; anything else gets one line for each stage. The first second stays quiet, so that short work leaves no
 /// trace. Threads: any.
 [[nodiscard]] ProgressSink progress_on_standard_error();
 
-/// Takes the bar off the terminal, so that a line that is printed now stands alone; the next progress draws it again.
+/// Clears the bar from the terminal, so that the caller can print a line; the next progress draws the bar again.
 /// Threads: any.
 void clear_progress_bar();
 

@@ -194,7 +194,7 @@ class BusRecording {
  public:
   // Files are opened before anything is asked of the controllers.
   // `places`: indexed by cover; empty for a design file.
-  // `joint`: file into which all covers go at the end; empty: none.
+  // All covers are joined into the file `joint` at the end; an empty path disables this.
   BusRecording(const Options& options, const robot::BusConfig& site, Format format,
                const std::vector<CoverPlace>& places, std::string joint)
       : options_(options), site_(site), joint_(std::move(joint)) {
@@ -252,7 +252,7 @@ class BusRecording {
     return fmt::format("{}; the recording ends here, with {} samples in {}{}", *trouble_, samples,
                        name_of(*files_.front()), files_.size() > 1 && joint_.empty() ? " and the files beside it" : "");
   }
-  // The recordings of its covers, for a joint file.
+  // Adds the recordings of this bus's covers to the parts of the joint file.
   void add_parts(std::vector<recording::JoinPart>& parts) const {
     for (const auto& file : files_)
       parts.push_back({std::filesystem::path(file->name()).stem().string(), file->name()});
@@ -323,12 +323,12 @@ void make_folder(const std::string& path) {
                                  path, error ? ": " + error.message() : ""));
 }
 
-// All covers of a robot in one file: each is recorded into a file beside it, so that nothing is lost when the program
-// is killed, and these go into it at the end.
+// Each cover is recorded into a file of its own beside the joint file, so that nothing is lost if the program is
+// killed; the joint file is written from them at the end.
 class JointFile {
  public:
   explicit JointFile(const std::string& path) : folder_(path + ".covers"), file_(path) { make_folder(folder_); }
-  // Of a recording that never began, the folder is empty.
+  // The folder is empty if the recording never began.
   ~JointFile() {
     std::error_code ignored;
     std::filesystem::remove(folder_, ignored);

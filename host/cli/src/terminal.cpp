@@ -20,11 +20,11 @@
 namespace triskin::cli {
 namespace {
 
-// What signal handlers need: the state before the first Terminal, and whether standard input takes single keys.
+// Signal handlers read this state: the modes before the first Terminal, and whether input arrives key by key.
 termios modes_before{};
 volatile sig_atomic_t takes_keys = 0;
 
-// Both are called by signal handlers and use nothing but system calls.
+// Signal handlers call both functions, so these use system calls only.
 void enter_page() {
   termios single = modes_before;
   single.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
@@ -40,7 +40,7 @@ void leave_page() {
   if (takes_keys != 0) (void)::tcsetattr(STDIN_FILENO, TCSANOW, &modes_before);
 }
 
-// Ctrl-Z: the shell gets its terminal back, and the page is there again when the process goes on.
+// On Ctrl-Z the shell gets its terminal back; the page returns when the process continues.
 void stop_here(int /*signal*/) {
   leave_page();
   (void)::raise(SIGSTOP);
@@ -52,14 +52,14 @@ void put(const std::string& text) {
   std::fflush(stdout);
 }
 
-// Bytes of the sequence for a colour that begins at `at`; 0 where none does.
+// Returns the length in bytes of the colour sequence that begins at `at`, or 0 if there is none.
 std::size_t colour_bytes(std::string_view text, std::size_t at) {
   if (!text.substr(at).starts_with("\033[")) return 0;
   const std::size_t end = text.find('m', at);
   return end == std::string_view::npos ? 0 : end + 1 - at;
 }
 
-// Places that a character takes: the wide ones of East Asia and pictures two, marks that join the letter before none
+// Returns the columns that a character takes: wide East Asian characters and pictographs take two, combining marks none
 // (Unicode Standard Annex 11, in blocks).
 int places_of(char32_t c) {
   constexpr auto kWide = std::to_array<std::pair<char32_t, char32_t>>({{0x1100, 0x115F},
@@ -76,7 +76,7 @@ int places_of(char32_t c) {
   return std::ranges::any_of(kWide, [c](const auto& block) { return c >= block.first && c <= block.second; }) ? 2 : 1;
 }
 
-// A character of a line: where it begins, and how many places the line has taken behind it.
+// Each character knows where it begins and how many columns the line has taken up to its end.
 struct Character {
   std::size_t at = 0;
   int places = 0;
@@ -149,7 +149,7 @@ void Terminal::draw(const std::vector<std::string>& lines) const {
   for (std::size_t row = 0; row < rows; ++row) {
     const std::string& line = row + 1 < rows ? lines[row] : lines.back();
     page += (row > 0 ? "\r\n" : "") + cut_to(line, screen.columns);
-    // Behind a full line the cursor still stands in its last column, which would be erased.
+    // After a full line the cursor is still in the last column, so erasing would delete that column.
     if (places_of(characters_of(line)) < screen.columns) page += "\033[K";
   }
   if (rows < static_cast<std::size_t>(screen.rows)) page += "\r\n\033[J";

@@ -72,7 +72,7 @@ Shown shown_of(const std::string& file, bool has_link) {
   return {has_link ? design::read_intact_design(file) : design::read_design(file), {{}}, {}};
 }
 
-// A design beside an earlier one.
+// Merges a design with an earlier one, so that the page can show them side by side.
 Shown compared(const Options& options, const std::string& file) {
   if (robot::is_robot_file(file))
     throw InputError(fmt::format("{}: --compare takes two designs, and this is a robot file", file));
@@ -82,7 +82,7 @@ Shown compared(const Options& options, const std::string& file) {
   return {std::move(comparison.design), {{}}, std::move(comparison.notes)};
 }
 
-// Whether the page gets live samples. Throws InputError where no link is named.
+// Returns whether the page gets live samples. Throws InputError if no link is named.
 bool reads_skin(const Options& options, const std::string& file) {
   if (!options.compare.empty() || options.link.link == "none") return false;
   if (robot::is_robot_file(file)) return true;

@@ -5,9 +5,9 @@
 
 namespace triskin::design {
 
-/// A mesh as design files hold it: {"vertices":[[x,y,z],…],"faces":[[a,b,c],…]}, mm. Cost: linear.
+/// Writes a mesh in the form of design files: {"vertices":[[x,y,z],…],"faces":[[a,b,c],…]}, mm. Cost: linear.
 [[nodiscard]] nlohmann::json mesh_json(const Mesh& mesh);
-/// Reads it. Errors: InputError naming the key for what is no such mesh, corners that are not there included.
+/// Reads such a mesh. Errors: InputError naming the key if the form is wrong or a face names a missing vertex.
 [[nodiscard]] Mesh read_mesh_json(const JsonValue& v);
 
 }  // namespace triskin::design

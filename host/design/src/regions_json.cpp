@@ -49,7 +49,7 @@ double length_or(const JsonValue& v, const char* key, double otherwise) {
   return has(v, key) ? number_in(v[key], 0.0, kMaxLength_mm) : otherwise;
 }
 
-// In a design the obstacle has its mesh, in a region file the file of it.
+// A design contains the mesh of an obstacle; a region file only names the file of that mesh.
 Obstacle read_obstacle(const JsonValue& v, WantedRegion& wanted) {
   only_keys(v, {"file", "object", "mesh", "margin_mm", "above_mm", "below_mm"}, kRegionsPage);
   Obstacle o;

@@ -13,11 +13,11 @@ namespace triskin::fabrication {
 namespace {
 
 constexpr const char* kMicrocontroller = "STM32G474RET6";
-// The pull-ups with which docs/program_board.md begins; how strong they may be is in docs/routing.md.
+// These are the first pull-ups of docs/program_board.md; docs/routing.md limits how strong they may be.
 constexpr const char* kPullUp = "2.2k";
 
-// Microcontroller's pin of each net. The same pins are in the firmware's board header for NUCLEO-G474RE; a test reads
-// both.
+// Each net has one pin of the microcontroller. The firmware's board header for NUCLEO-G474RE has the same pins, and a
+// test compares the two.
 struct ControllerPin {
   const char* net;
   const char* pin;

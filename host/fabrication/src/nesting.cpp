@@ -22,7 +22,7 @@ namespace {
 using design::Vec2;
 
 constexpr double kPixel_mm = 0.5;
-// Islands are made of triangles: turned by 60° they fit each other, turned by 30° the edges of the sheet.
+// Islands consist of triangles: turned by 60° they fit each other, turned by 30° the edges of the sheet.
 constexpr int kTurns = 12;
 constexpr std::size_t kWord = 64;
 
@@ -52,13 +52,13 @@ double distance_to_side(const Vec2& p, const Vec2& a, const Vec2& b) {
   return (p - a - t * d).norm();
 }
 
-// Pixels first … end − 1 of a row.
+// The run covers the pixels first … end − 1 of a row.
 struct Run {
   int first, end;
 };
 
-// An island in one orientation as the runs of pixels that it and half the gap touch; its corner (0, 0) is that of the
-// pixels.
+// A silhouette stores, for one orientation of an island, the runs of pixels that the island and half the gap touch. The
+// corner (0, 0) of the island is also the corner of the pixels.
 class Silhouette {
  public:
   Silhouette(const std::vector<Vec2>& outline, int turn, double half_gap_mm)
@@ -88,7 +88,7 @@ class Silhouette {
     std::vector<std::vector<char>> is_set(static_cast<std::size_t>(height_),
                                           std::vector<char>(static_cast<std::size_t>(width_), 0));
     fill_inside(ring, is_set);
-    // A pixel is touched where its middle is no farther than the gap and half the pixel's diagonal.
+    // A pixel counts as touched if its middle is within the gap plus half of the pixel's diagonal.
     const double reach = half_gap_mm + kPixel_mm * std::numbers::sqrt2 / 2.0;
     for (std::size_t k = 0; k < ring.size(); ++k) draw_side(ring[k], ring[(k + 1) % ring.size()], reach, is_set);
     for (const auto& row : is_set) {
@@ -103,7 +103,7 @@ class Silhouette {
     }
   }
 
-  // By the sides that the row through the pixels' middles crosses.
+  // Fills each row between the sides of the outline that cross the middles of its pixels.
   void fill_inside(const std::vector<Vec2>& ring, std::vector<std::vector<char>>& is_set) const {
     for (int y = 0; y < height_; ++y) {
       const double level = (y + 0.5) * kPixel_mm;
@@ -143,7 +143,7 @@ class Silhouette {
 
 using Bits = std::vector<std::uint64_t>;
 
-// bits |= more >> shift, where shift counts pixels.
+// Computes bits |= more >> shift, where `shift` counts pixels.
 void add_shifted(Bits& bits, const Bits& more, int shift) {
   const std::size_t words = static_cast<std::size_t>(shift) / kWord, rest = static_cast<std::size_t>(shift) % kWord;
   for (std::size_t k = 0; k + words < more.size(); ++k) {
@@ -153,7 +153,7 @@ void add_shifted(Bits& bits, const Bits& more, int shift) {
   }
 }
 
-// Taken pixels of a sheet. Of each row also, for each power of two, where a run of that length would meet one.
+// The sheet stores its taken pixels and, for each row and power of two, the starts where a run of that length collides.
 class Sheet {
  public:
   Sheet(int width, int height)
@@ -166,7 +166,7 @@ class Sheet {
   struct Place {
     int x, y;
   };
-  // The lowest place, of several the left one, that ends below `top`.
+  // Returns the lowest place that ends below `top`; among equally low places, the leftmost.
   [[nodiscard]] std::optional<Place> lowest(const Silhouette& s, int top) const {
     for (int y = 0; y + s.height() <= std::min(top, height_); ++y) {
       if (const int x = leftmost(s, y); x >= 0) return Place{x, y};
@@ -189,23 +189,23 @@ class Sheet {
   }
 
  private:
-  // The numbers 0 … count − 1 in the order 0, 16, 32, …, 1, 17, …
+  // Visits the numbers 0 … count − 1 in the order 0, 16, 32, …, 1, 17, …
   [[nodiscard]] static int spread(int k, int count) {
     constexpr int kStride = 16;
-    const int full = count / kStride, rest = count % kStride;  // The first `rest` passes have one number more.
+    const int full = count / kStride, rest = count % kStride;  // The first `rest` passes have one more.
     const int in_longer = rest * (full + 1);
     if (k < in_longer) return k % (full + 1) * kStride + k / (full + 1);
     return (k - in_longer) % full * kStride + rest + (k - in_longer) / full;
   }
 
-  // −1: none.
+  // Returns −1 if the silhouette fits nowhere in the row.
   [[nodiscard]] int leftmost(const Silhouette& s, int y) const {
     const int places = width_ - s.width() + 1;
     if (places <= 0) return -1;
     Bits blocked(rows_[0][0].size(), ~std::uint64_t{0});
     for (int x = 0; x < places; ++x)
       blocked[static_cast<std::size_t>(x) / kWord] &= ~(std::uint64_t{1} << (static_cast<std::size_t>(x) % kWord));
-    // Rows far from each other first: they block most places soon.
+    // Rows far from each other come first, because together they exclude most places early.
     for (int k = 0; k < s.height(); ++k) {
       if (std::ranges::all_of(blocked, [](std::uint64_t word) { return word == ~std::uint64_t{0}; })) return -1;
       const int r = spread(k, s.height());
@@ -228,7 +228,7 @@ class Sheet {
   std::vector<std::vector<Bits>> rows_;
 };
 
-// What an order of the islands comes to: sheets, then rows of the last one.
+// Outcomes are compared by the number of sheets, then by the rows used on the last one.
 struct Outcome {
   std::vector<NestedIsland> places;
   std::vector<int> used_rows;
@@ -239,7 +239,7 @@ class Nester {
  public:
   Nester(const std::vector<FlatIsland>& islands, const SheetOptions& options)
       : options_(options),
-        // Half the gap at the edges is in the silhouettes, the other half is kept off the sheet.
+        // The silhouettes include half the gap at the edges; the sheet is reduced by the other half.
         width_(static_cast<int>(std::floor((options.width_mm - options.gap_mm) / kPixel_mm))),
         height_(static_cast<int>(std::floor((options.length_mm - options.gap_mm) / kPixel_mm))) {
     for (const FlatIsland& island : islands) {
@@ -255,7 +255,7 @@ class Nester {
     Outcome best = outcome_of(order);
     for (int k = 1; k < options_.tries && order.size() > 1; ++k) {
       std::vector<std::size_t> other = order;
-      // Not by a distribution of the library, whose numbers depend on the compiler.
+      // The library's distributions give numbers that depend on the compiler, so we take the remainder.
       std::swap(other[dice() % other.size()], other[dice() % other.size()]);
       Outcome outcome = outcome_of(other);
       if (outcome.cost() > best.cost()) continue;
@@ -291,7 +291,7 @@ class Nester {
     return outcome;
   }
 
-  // At the orientation that ends lowest.
+  // Places the island in the orientation that ends lowest.
   bool place(std::size_t island, std::size_t number, Sheet& sheet, Outcome& outcome) const {
     const Silhouette* best = nullptr;
     Sheet::Place at{0, 0};
@@ -314,7 +314,7 @@ class Nester {
 
   const SheetOptions& options_;
   int width_, height_;
-  std::vector<std::vector<Silhouette>> silhouettes_;  // Indexed by island, then by turn.
+  std::vector<std::vector<Silhouette>> silhouettes_;  // The indices are the island, then the turn.
 };
 
 void require_options(const SheetOptions& o) {

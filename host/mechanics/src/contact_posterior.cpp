@@ -19,7 +19,7 @@ constexpr std::uint64_t kSeed = 20190814;
 // growth.
 constexpr double kLookDeviations = 1.5, kMaxCurvatureError = 0.25;
 
-// A contact whose place and ln F the Gauss-Newton matrix knows to this is resolved.
+// A contact is resolved if the Gauss-Newton matrix gives smaller deviations of its place and ln F than these.
 constexpr double kResolved_mm = 0.5, kResolvedLogForce = 0.1;
 
 using Vector = Eigen::VectorXd;
@@ -137,7 +137,7 @@ std::vector<ContactMoments> ridge_moments(const FitProblem& problem, const Fit& 
 
 namespace {
 
-// The optimum with the deviations of the Gauss-Newton matrix.
+// Returns the optimum with the deviations from the Gauss-Newton matrix.
 std::vector<ContactMoments> optimum_moments(const Fit& fit) {
   const Vector deviation = inverse_of(fit.precision).diagonal().cwiseSqrt();
   std::vector<ContactMoments> moments;
@@ -157,8 +157,8 @@ bool is_resolved(const ContactMoments& optimum) {
          optimum.deviation[2] <= kResolvedLogForce * optimum.mean[2];
 }
 
-// The mean of the samples follows the tails, also those of a neighbour that the taxels hardly see. For a resolved
-// contact the optimum is the efficient estimate; what the tails weigh goes into its deviation about the optimum.
+// The mean of the samples follows the tails, including those of a neighbour that the taxels hardly see. For a resolved
+// contact the optimum is the efficient estimate; the tails then only widen its deviation.
 ContactMoments about_optimum(const ContactMoments& sampled, const ContactMoments& optimum) {
   if (!is_resolved(optimum)) return sampled;
   const ContactVector shift = sampled.mean - optimum.mean;

@@ -16,10 +16,10 @@ namespace {
 
 constexpr double kProfileStep_mm = 0.2;
 constexpr int kRadiusSamples = 80;
-// The integrand falls as k⁻⁴, so what lies beyond is less than 10⁻⁴ of the value on the axis.
+// The integrand falls as k⁻⁴, so the neglected rest is less than 10⁻⁴ of the value on the axis.
 constexpr double kHighestWaveNumber_per_mm = 12.0;
 constexpr double kReachShare = 2e-4;
-// A contact moves no taxel so many thicknesses from its edge.
+// Farther than this from its edge, in thicknesses, a contact moves no taxel.
 constexpr double kFarThicknesses = 8.0;
 
 double radius_of(int index) {
@@ -27,30 +27,30 @@ double radius_of(int index) {
   return Footprint::kMinContactRadius_mm * std::pow(kSpan, static_cast<double>(index) / (kRadiusSamples - 1));
 }
 
-// Transform of Hertz' pressure whose integral is 1: 3 (sin x − x cos x) / x³.
+// Returns the transform of Hertz' pressure with integral 1: 3 (sin x − x cos x) / x³.
 double hertz_transform(double x) {
   if (x < 0.05) return 1.0 - x * x / 10.0;
   return 3.0 * (std::sin(x) - x * std::cos(x)) / (x * x * x);
 }
 
-// Transform of a paraboloid of pressure whose integral is 1: 8 J₂(x) / x².
+// Returns the transform of a paraboloid of pressure with integral 1: 8 J₂(x) / x².
 double paraboloid_transform(double x) {
   if (x < 0.05) return 1.0 - x * x / 12.0;
   return 8.0 * ::jn(2, x) / (x * x);
 }
 
-// A contact that is small against the thickness presses as on a half-space, a wide one as on columns.
+// A contact much smaller than the thickness presses as on a half-space, a wide one as on independent columns.
 double pressure_transform(double wave_number, double radius, double thickness) {
   const double wide = radius / (radius + 3.0 * thickness), x = wave_number * radius;
   return (1.0 - wide) * hertz_transform(x) + wide * paraboloid_transform(x);
 }
 
-// Transform of the mean over a disc: 2 J₁(x) / x.
+// Returns the transform of the mean over a disc: 2 J₁(x) / x.
 double disc_transform(double x) {
   return x < 1e-4 ? 1.0 : 2.0 * ::j1(x) / x;
 }
 
-// Transform of the displacement in units of that under an even pressure, which is h / K.
+// Returns the transform of the displacement, divided by h / K, the displacement under an even pressure.
 double layer_transform(double wave_number, const Layer& layer) {
   const double even = layer.thickness_mm / confined_modulus_kpa(layer);
   return half_space_compliance_per_kpa(layer) * compliance_ratio(wave_number * layer.thickness_mm, layer.poisson) /

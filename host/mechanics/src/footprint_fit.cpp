@@ -11,14 +11,14 @@ namespace triskin::mechanics {
 namespace {
 
 constexpr int kPlaces = 9, kRadiusSteps = 7, kMaxLevels = 8;
-// A grid resolves a distribution whose deviation is at least this share of its step.
+// A grid resolves a distribution if its deviation is at least this share of the grid's step.
 constexpr double kResolvedSteps = 0.8;
 constexpr double kWindowDeviations = 3.0;
-// Between points of a coarse grid the values of taxels change by this share of the largest for each mm. It stands in
-// for the noise until the grid is fine, so that no point wins by chance.
+// Between points of a coarse grid the values of taxels change by this share of the largest for each mm. We treat that
+// as noise until the grid is fine; otherwise one point would win by chance.
 constexpr double kChangePerMm = 0.12;
 
-using Point = Eigen::Vector3d;  // x, y, ln a
+using Point = Eigen::Vector3d;  // The coordinates are x, y and ln a.
 
 struct GridPoint {
   Point at;
@@ -35,7 +35,7 @@ class FootprintGrid {
   FootprintGrid(const Footprint& footprint, const PlaneTaxels& taxels, const FootprintPrior& prior)
       : footprint_(footprint), taxels_(taxels), prior_(prior) {}
 
-  // Moments over the box centre ± half; nothing where no point has a force.
+  // Returns the moments over the box centre ± half, or nothing if no point has a force.
   [[nodiscard]] std::optional<GridMoments> moments(const Point& centre, const Point& half, double sd_kpa) const {
     std::vector<GridPoint> points;
     for (int i = 0; i < kPlaces; ++i) {
@@ -52,7 +52,7 @@ class FootprintGrid {
   }
 
  private:
-  // The best force at a place and radius is a ratio of sums, because the model is linear in it.
+  // The model is linear in the force, so the best force at a place and radius is a ratio of sums.
   [[nodiscard]] std::optional<GridPoint> evaluated(const Point& at, double variance) const {
     const double radius = std::exp(at.z());
     double square = 0.0, product = 0.0;
@@ -65,7 +65,7 @@ class FootprintGrid {
     const double force = product / square;
     const double radius_off = (at.z() - prior_.log_radius) / prior_.log_radius_sd;
     const double force_off = (std::log(force) - prior_.log_force) / prior_.log_force_sd;
-    // The force is integrated out; its prior hardly changes over the width that the taxels leave it.
+    // The force is integrated out; its prior is almost constant over the width that the values allow.
     const double log_weight = 0.5 * force * product / variance - 0.5 * std::log(square) - std::log(force) -
                               0.5 * (radius_off * radius_off + force_off * force_off);
     return GridPoint{at, force, variance / square, log_weight};

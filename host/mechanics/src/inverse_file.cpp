@@ -118,7 +118,7 @@ InverseCase read_case(const Place& file, const Place& place, const std::vector<s
   return one;
 }
 
-// JSON without a key that stands twice in an object: one of the two would be dropped without a word.
+// The JSON library would silently drop one of two equal keys in an object, so they are an error here.
 json parse_once(const std::string& text, const std::string& name) {
   std::vector<std::set<std::string>> open;
   return json::parse(text, [&](int, json::parse_event_t event, json& value) {

@@ -17,19 +17,19 @@ namespace triskin::mechanics {
 namespace {
 
 constexpr std::size_t kMaxFittedTaxels = 30, kMaxFootprints = 3;
-// Where a contact is looked for about the strongest taxel, and again when others have changed.
+// The first search reaches this far around the strongest taxel, the repeated ones after other contacts have changed.
 constexpr double kFirstReach_mm = 6.0, kNextReach_mm = 3.0;
 constexpr int kRounds = 4;
-// What one more contact has to take off the sum of squares, in variances.
+// An additional contact must reduce the sum of squares by at least this many variances.
 constexpr double kWantedGain = 100.0;
-// One pressed taxel alone makes a contact; two contacts need four, or they would explain what one leaves by chance.
+// A single taxel supports one contact; two contacts need four taxels, or the second would fit noise.
 constexpr std::size_t kTaxelsForOne = 2;
-// Round contacts explain a group when they leave less than this share of its sum of squares.
+// Round contacts explain a group if they leave less than this share of its sum of squares.
 constexpr double kMaxUnexplained = 0.05;
-// A sum over taxels errs by this share for the smallest contacts that are summed (docs/force.md).
+// For the smallest contacts that are summed, the sum over taxels errs by this share (docs/force.md).
 constexpr double kSumErrorShare = 0.05;
-// The sum over the taxels about a contact is its force within a factor e to this; without that bound a light touch on
-// one taxel could be a huge force far beside it.
+// The force of a contact equals the sum over the taxels around it within a factor e to the power of this. Without this
+// bound, a light touch on one taxel could be explained by a huge force far beside it.
 constexpr double kSumLogSd = 0.4, kSumReach_mm = 15.0;
 
 using Fits = std::vector<FootprintFit>;
@@ -44,14 +44,14 @@ void check(const PressureOptions& o, std::size_t taxels, std::span<const std::si
   }
 }
 
-// One group: contacts are added while they explain much more, each fitted to what the others leave.
+// Contacts are added to a group while they explain much more; each one is fitted to the residual of the others.
 class GroupFit {
  public:
   GroupFit(const Footprint& footprint, const SurfaceLayout& layout, const PressureOptions& options)
       : footprint_(footprint), layout_(layout), options_(options) {
     sd_ = std::hypot(options.noise_kpa, options.model_error * std::max(0.0, layout.values.maxCoeff()));
   }
-  // Nothing where round contacts do not explain the group, in which so many taxels are pressed.
+  // Returns nothing if round contacts do not explain the group, which has this many pressed taxels.
   [[nodiscard]] Fits run(std::size_t taxels) const {
     Fits fits;
     double left = layout_.values.squaredNorm();
@@ -68,7 +68,7 @@ class GroupFit {
   }
 
  private:
-  // What all contacts but one leave unexplained.
+  // Returns the values that all contacts but one leave unexplained.
   [[nodiscard]] Eigen::VectorXd rest(const Fits& fits, std::size_t but) const {
     Eigen::VectorXd rest = layout_.values;
     for (std::size_t k = 0; k < fits.size(); ++k) {
@@ -118,7 +118,7 @@ ContactEstimate estimate_of(const FootprintFit& fit) {
   return e;
 }
 
-// The sum over the taxels of a group, at their centroid.
+// Replaces a group by one contact with the sum of its taxels at their centroid.
 PressureContact summed(const SurfaceTaxels& taxels, const TaxelGroup& group, const PressureOptions& options) {
   PressureContact sum;
   sum.contact.normal = Eigen::Vector3d::Zero();
@@ -137,13 +137,13 @@ PressureContact summed(const SurfaceTaxels& taxels, const TaxelGroup& group, con
   sum.contact.force_sd_n = std::hypot(kSumErrorShare * sum.contact.force_n,
                                       options.noise_kpa * newton * std::sqrt(static_cast<double>(group.size())));
   sum.contact.area_mm2 = options.taxel_area_mm2 * static_cast<double>(group.size());
-  // The centroid lies where a taxel does within half a pitch, less as more taxels share the weight.
+  // A single taxel locates the centroid within half a pitch; more taxels share the weight and reduce the error.
   sum.contact.position_sd_mm = std::sqrt(options.taxel_area_mm2 / 12.0 * squares) / kpa;
   sum.taxels = group;
   return sum;
 }
 
-// Each taxel of a group belongs to the contact that moves it most; a contact that moves none most is left out.
+// Assigns each taxel of a group to the contact that moves it most and drops contacts that get no taxel.
 std::vector<PressureContact> with_taxels(const Footprint& footprint, const SurfaceTaxels& taxels,
                                          const SurfaceLayout& layout, const TaxelGroup& group, const Fits& fits) {
   std::vector<PressureContact> contacts;

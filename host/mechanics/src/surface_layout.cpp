@@ -15,9 +15,9 @@
 namespace triskin::mechanics {
 namespace {
 
-// Taxels about a group say where nothing presses; farther ones say nothing new.
+// Taxels around a group show where nothing presses; more distant ones add no information.
 constexpr double kSurroundings_mm = 10.0;
-// Taxels that face away more than a right angle are on another side of the part.
+// Taxels that face away by about a right angle or more are on another side of the part.
 constexpr double kMinFacing = 0.2;
 
 double sum_of(const SurfaceTaxels& taxels, const TaxelGroup& group) {
@@ -26,7 +26,7 @@ double sum_of(const SurfaceTaxels& taxels, const TaxelGroup& group) {
   return sum;
 }
 
-// The tangent plane at the strongest taxel of a group.
+// The chart is the tangent plane at the strongest taxel of a group.
 class Chart {
  public:
   Chart(const SurfaceTaxels& cover, const TaxelGroup& group)
@@ -39,7 +39,7 @@ class Chart {
   }
   [[nodiscard]] double facing(const Eigen::Vector3d& normal) const { return normal.dot(axes_.col(2)); }
   [[nodiscard]] const Eigen::Vector3d& origin() const { return origin_; }
-  // Where a taxel lies in the plane: as far away as along an arc that turns by the angle between the normals.
+  // Lays a taxel out at the distance of an arc that turns by the angle between the normals.
   [[nodiscard]] Eigen::Vector2d laid_out(const Eigen::Vector3d& position, const Eigen::Vector3d& normal,
                                          const Eigen::Vector3d& normal_at_origin) const {
     const Eigen::Vector3d chord = position - origin_;
@@ -108,14 +108,14 @@ SurfaceLayout laid_out(const SurfaceTaxels& cover, const TaxelGroup& group) {
   return layout;
 }
 
-// Back onto the cover: from the nearest taxel along its tangent plane, in the directions in which its neighbours lie.
+// Maps a contact back to the cover, from the nearest taxel along its tangent plane toward its neighbours.
 SurfaceContact on_cover(const SurfaceTaxels& cover, const SurfaceLayout& layout, const ContactEstimate& found) {
   std::size_t nearest = 0;
   for (std::size_t k = 1; k < layout.places_mm.size(); ++k) {
     if ((layout.places_mm[k] - found.position_mm).norm() < (layout.places_mm[nearest] - found.position_mm).norm())
       nearest = k;
   }
-  // The linear map from the plane to space that fits the taxels about it best.
+  // We fit the linear map from the plane to space to the taxels around that one.
   Eigen::Matrix2d moments = 1e-9 * Eigen::Matrix2d::Identity();
   Eigen::Matrix<double, 3, 2> products = Eigen::Matrix<double, 3, 2>::Zero();
   const std::size_t centre = layout.taxels[nearest];

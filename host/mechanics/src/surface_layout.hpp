@@ -10,7 +10,7 @@
 
 namespace triskin::mechanics {
 
-/// Taxels of a curved cover and their values; lists of one length.
+/// The taxels of a curved cover and their values are in lists of one length.
 struct SurfaceTaxels {
   std::span<const Eigen::Vector3d> positions, normals;
   std::span<const double> values;
@@ -19,15 +19,15 @@ struct SurfaceTaxels {
 /// Throws InputError unless the lists have one length, positions are finite and normals have the length 1.
 void check(const SurfaceTaxels& taxels);
 
-/// Indices of taxels that hang together, the strongest first.
+/// The indices belong to connected taxels and begin with the strongest.
 using TaxelGroup = std::vector<std::size_t>;
 
-/// The taxels of `pressed` that hang together: neighbours lie within `max_link_mm` and do not face away from each
-/// other. The group with the largest sum of values comes first.
+/// Divides `pressed` into groups of connected taxels: neighbours lie within `max_link_mm` and do not face away from
+/// each other. The group with the largest sum of values comes first.
 [[nodiscard]] std::vector<TaxelGroup> pressed_groups(const SurfaceTaxels& taxels, TaxelGroup pressed,
                                                      double max_link_mm);
 
-/// A group and the finite taxels about it, laid out in the tangent plane with distances along the surface kept.
+/// The layout keeps distances along the surface; besides the group it holds the finite taxels around it.
 struct SurfaceLayout {
   TaxelGroup taxels;
   std::vector<Eigen::Vector2d> places_mm;
@@ -35,7 +35,7 @@ struct SurfaceLayout {
 };
 [[nodiscard]] SurfaceLayout laid_out(const SurfaceTaxels& taxels, const TaxelGroup& group);
 
-/// A contact in the plane of a layout, back on the cover to first order in its curvature.
+/// Maps a contact from the plane of a layout back to the cover, to first order in its curvature.
 [[nodiscard]] SurfaceContact on_cover(const SurfaceTaxels& taxels, const SurfaceLayout& layout,
                                       const ContactEstimate& found);
 

@@ -14,10 +14,10 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kBeyond_mm = 1e7;  // A part is at most 5 m across.
-constexpr double kAlong_mm = 0.1;   // A fifth of the overrun that modules are allowed at a keep-out.
+constexpr double kBeyond_mm = 1e7;  // Every part is smaller than this, since no part exceeds 5 m.
+constexpr double kAlong_mm = 0.1;   // Modules may overrun a keep-out by five times this.
 
-// Even directions of no symmetry that parts have, so that few rays pass along an edge; two of three decide.
+// These directions match no symmetry of common parts, so rays rarely hit an edge; two of three rays decide.
 const std::array<Vec3, 3> kInsideRays{Vec3(0.5773, 0.2113, 0.7887).normalized(),
                                       Vec3(-0.3127, 0.8231, 0.4741).normalized(),
                                       Vec3(0.1931, -0.5519, -0.8113).normalized()};
@@ -43,7 +43,7 @@ bool has_even_edges(const Mesh& mesh) {
   return std::ranges::all_of(faces_at, [](const auto& edge) { return edge.second % 2 == 0; });
 }
 
-// 1 where the ray leaves through the triangle, −1 where it enters, 0 where it misses it.
+// Returns 1 if the ray leaves through the triangle, −1 if it enters, and 0 if it misses.
 int passage(const Vec3& from, const Vec3& ray, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 u = b - a, v = c - a, p = ray.cross(v), s = from - a, q = s.cross(u);
   const double det = u.dot(p);
@@ -88,7 +88,7 @@ double BodyDistance::signed_mm(const Vec3& p) const {
   return contains(p) ? -distance : distance;
 }
 
-// The distance changes no faster than the place, so that a step may be as long as what is missing to the least.
+// The distance changes no faster than the position, so a step may be as long as the excess over the least value.
 double BodyDistance::least_along_mm(const Vec3& from, const Vec3& direction, double length_mm, double enough_mm) const {
   double least = std::numeric_limits<double>::infinity();
   if (const double middle = distance_mm(from + 0.5 * length_mm * direction);

@@ -45,7 +45,7 @@ class EdgeSides {
 [[nodiscard]] std::vector<std::vector<int>> border_loops_of(const Mesh& mesh,
                                                             const std::vector<std::array<int, 3>>& neighbours);
 
-/// Largest distance of two corners of a loop, mm. Cost: O(n²).
+/// Returns the largest distance between two corners of a loop in mm. Cost: O(n²).
 [[nodiscard]] double width_of_loop(const Mesh& mesh, const std::vector<int>& loop);
 
 }  // namespace triskin::geometry

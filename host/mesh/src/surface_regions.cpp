@@ -22,9 +22,9 @@ constexpr double kFreeRim_mm = 1.5, kFreeRimStep_mm = 0.5, kFreeStep_mm = 3.0;
 constexpr double kCoverStep_mm = 1.0, kWorthStep_mm = 3.0;
 // A place beside a module may be this far from its corner: within_mm, a side, some height.
 constexpr double kBeside_mm = 75.0;
-constexpr double kSheet_mm = 8.0;           // What lies higher or lower is another sheet.
-constexpr double kStretch = 1.5;            // The way on the surface may be this much longer than along the module.
-constexpr double kBodyReachStep_mm = 0.05;  // A distance along a line costs fifty times one of a point.
+constexpr double kSheet_mm = 8.0;           // Points farther above or below belong to another sheet.
+constexpr double kStretch = 1.5;            // The path on the surface may exceed that along the module by this factor.
+constexpr double kBodyReachStep_mm = 0.05;  // A distance along a line costs fifty times that of a point.
 constexpr double kReachStep_mm = 0.005,
                  kReachPart = 0.05;  // keep_out_mm() is found to this share of what exceeds 1 mm.
 constexpr double kMaxHeight_mm = 200.0;

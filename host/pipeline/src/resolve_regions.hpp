@@ -9,8 +9,8 @@
 
 namespace triskin::pipeline {
 
-/// The regions on the surface that was made of a mesh file, which was read in `unit`: groups and faces of the file
-/// become faces of the surface, and obstacles get their meshes, from the same file or from others in their own units.
+/// Resolves regions for the surface of a mesh file that was read in `unit`: groups and faces of the file become faces
+/// of the surface, and obstacles get their meshes from this file or from others, each in its own unit.
 /// Errors: InputError naming the region for groups and faces that are not there, that do not belong to the surface, and
 /// for any of them where the mesh had to be repaired, so that its faces are others. Cost: O(faces) a region of faces.
 [[nodiscard]] design::Regions resolve_regions(const std::filesystem::path& mesh,

@@ -20,8 +20,8 @@ namespace triskin::pipeline {
 [[nodiscard]] std::unique_ptr<const geometry::SurfaceRegions> regions_of(const geometry::Surface& surface,
                                                                          const design::Design& design);
 
-/// The graph that is wired: that of the layout, with a border only at sides where `regions` (or null) let a cable
-/// enter. Cost: one closest point for each free side where entries are limited.
+/// Returns the graph for the wiring: that of the layout, but with borders only at sides where `regions` lets a cable
+/// enter; null sets no limit. Cost: one closest point for each free side if entries are limited.
 [[nodiscard]] design::ModuleGraph wired_graph(const design::ModuleLayout& layout,
                                               const geometry::SurfaceRegions* regions);
 

@@ -13,9 +13,9 @@
 namespace triskin::recording {
 namespace {
 
-constexpr std::uint64_t kChunkHeadBytes = 64;  // Start, end, size, CRC and the name of no compression take less.
+constexpr std::uint64_t kChunkHeadBytes = 64;  // Start, end, size, CRC and the name of no compression fit.
 
-// Definitions of the joint file: a schema and a channel that several parts have are written once.
+// Several parts can define the same schema or channel; the joint file gets each definition once.
 class Definitions {
  public:
   explicit Definitions(mcap::Writer& writer) : writer_(writer) {}
@@ -36,14 +36,14 @@ class Definitions {
   std::map<std::pair<std::uint16_t, std::string>, std::uint16_t> channels_;
 };
 
-// One of the files, read record by record.
+// A part is read record by record.
 class PartReader {
  public:
   explicit PartReader(const JoinPart& part)
       : name_(part.name), source_(part.path), found_(mcap::salvage(source_, part.path.string())) {}
 
   [[nodiscard]] bool has_next() const { return next_ < found_.records.size(); }
-  // Time of the next chunk; what is no chunk comes at once.
+  // Returns the time of the next chunk; records that are not chunks return the earliest time.
   [[nodiscard]] std::uint64_t next_ns() const {
     const mcap::Place& place = found_.records[next_];
     mcap::ChunkHead head;
@@ -97,7 +97,7 @@ class PartReader {
   InputFile source_;
   mcap::Salvage found_;
   std::size_t next_ = 0;
-  std::map<std::uint16_t, std::uint16_t> schemas_, channels_;  // Number in the joint file, keyed by that in the part.
+  std::map<std::uint16_t, std::uint16_t> schemas_, channels_;  // They are keyed by the part's number.
   std::uint64_t messages_ = 0;
 };
 

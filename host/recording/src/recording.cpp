@@ -36,7 +36,7 @@ class Samples final : public mcap::Visitor {
   }
 
  private:
-  // Modules of different covers have the same numbers.
+  // Modules of different covers share numbers, so one reader would mix them.
   [[noreturn]] void throw_several_covers() const {
     throw InputError(
         fmt::format("{}: holds several covers of a robot, for viewers; record the robot into a folder (-o FOLDER), and "

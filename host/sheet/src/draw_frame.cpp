@@ -41,7 +41,7 @@ void draw_frame(const Drawing& d) {
   draw_ruler(d.canvas, {kMargin_mm, foot - 1.0}, {1, 0}, {0, -1});
   d.canvas.text({kMargin_mm + kRuler_mm + 8.0, foot - 1.0}, "100 mm? Measure before use; print at 100 %.",
                 {.size_mm = 2.6});
-  // At the right, where no caption reaches.
+  // No caption reaches the right side.
   if (d.page.kind == PageKind::kIsland)
     draw_ruler(d.canvas, {size.x() - kMargin_mm, foot - kFoot_mm}, {0, -1}, {-1, 0});
 }

@@ -96,7 +96,7 @@ void draw_cable(const Drawing& d, const PageSide& at, const Side& side, int modu
   const double from_mm = is_joint(side) ? 4.0 : 9.0;
   draw_arrow(d.canvas, at.middle() + from_mm * at.outward, at.middle(), kBlue);
   if (is_joint(side)) {
-    // The neighbour takes the room: between the arrow and the angle or the crosses there are 4 mm.
+    // The neighbour limits the room: 4 mm remain between the arrow and the angle or the crosses.
     write_along(d, at, 0.595, 0.7, fmt::format("C{}{}", patch, side.cable ? "" : "*"),
                 {.size_mm = 1.8, .bold = true, .color = kBlue});
     return;

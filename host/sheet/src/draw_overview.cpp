@@ -109,14 +109,14 @@ void draw_badge(Canvas& canvas, const Vec2& at, const std::string& text, const C
   canvas.text(at + Vec2(0, 1.1), text, {.size_mm = 3.0, .bold = true, .align = 0.5, .color = color});
 }
 
-// How much of each island the view shows: the sum of its modules, each as far as it faces the viewer.
+// Returns how much of each island a view shows: the sum of its modules, each weighted by how far it faces the viewer.
 std::map<int, double> shown_of(const design::Design& design, const Vec3& toward) {
   std::map<int, double> shown;
   for (const auto& m : design.layout.modules) shown[m.island] += std::max(0.0, normal_of(m.corner_mm).dot(toward));
   return shown;
 }
 
-// For each island, what its best view shows.
+// Returns for each island the most that any view shows of it.
 std::map<int, double> best_shown(const design::Design& design) {
   std::map<int, double> best;
   for (const View& view : kViews) {
@@ -125,8 +125,8 @@ std::map<int, double> best_shown(const design::Design& design) {
   return best;
 }
 
-// An island that is seen from the side has its number in the views that show it better; else numbers of islands around
-// a corner would lie on each other.
+// An island seen from the side gets its number only in the views that show it better; otherwise the numbers of islands
+// around a corner would overlap.
 void draw_island_numbers(const Drawing& d, const View& view, const std::map<int, std::vector<Vec2>>& centers) {
   constexpr double kWellShown = 0.5;
   const auto best = best_shown(d.design);
@@ -137,7 +137,7 @@ void draw_island_numbers(const Drawing& d, const View& view, const std::map<int,
   }
 }
 
-// An entry is named in each view that it faces; of six views along axes at least one is faced with 1/√3.
+// Each view that an entry faces names it; of six views along the axes at least one has a cosine of 1/√3 or more.
 void draw_entries(const Drawing& d, const View& view) {
   constexpr double kFacing = 0.4;
   for (std::size_t p = 0; p < d.design.patches.size(); ++p) {

@@ -126,7 +126,7 @@ struct OpenPage {
   }
 };
 
-constexpr double kCaption_mm = 14.0;                            // Name of an island and its two points.
+constexpr double kCaption_mm = 14.0;                            // The caption is an island's name and its two points.
 constexpr double kCaptionWidth_mm = 93.0, kRulerRoom_mm = 8.0;  // Two captions and the ruler fill the width of A4.
 
 // Returns the room that an island takes on a page that it shares.

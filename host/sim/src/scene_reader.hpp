@@ -34,7 +34,7 @@ void only_scene_keys(const design::JsonValue& v, std::initializer_list<std::stri
 [[nodiscard]] design::Vec3 scene_point_mm(const design::JsonValue& v);
 
 [[nodiscard]] Contact read_contact(const SceneNames& names, const design::JsonValue& v);
-/// The effects of effects.hpp among the keys of "effects".
+/// Reads the effects of effects.hpp from the keys of "effects".
 [[nodiscard]] PadEffects read_pad_effects(const design::JsonValue& v);
 [[nodiscard]] Fault read_fault(const SceneNames& names, const design::JsonValue& v);
 [[nodiscard]] Expectation read_expectation(const SceneNames& names, const design::JsonValue& v);

@@ -165,7 +165,7 @@ Skin::Skin(const Scene& scene, SwitchedHardware* switched) : lines_(scene.design
   for (int m = 0; m < static_cast<int>(scene.design.layout.modules.size()); ++m)
     modules_.emplace_back(scene, m, real_rotation(scene, m));
   if (const auto& layer = scene.effects.pads.layer) {
-    // Only Poisson's ratio and the thickness shape a footprint.
+    // Only Poisson's ratio and the thickness affect the footprint, so any modulus will do.
     footprint_.emplace(mechanics::Layer{layer->thickness_mm, layer->poisson, 100.0}, layer->electrode_mm);
   }
   turn_modules(scene);

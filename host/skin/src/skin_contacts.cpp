@@ -16,9 +16,9 @@ namespace triskin::device {
 namespace {
 
 constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
-// Noise of a sample at the default rate of the converter, and what a rest value may be off by.
+// The noise of a sample at the converter's default rate and the error of a rest value add up to this.
 constexpr double kNoise_counts = 4.0;
-// Modules whose middle is farther than this from each pressed taxel tell nothing about a contact.
+// Modules whose middle is farther than this from every pressed taxel tell nothing about a contact.
 constexpr double kSurroundings_mm = 45.0;
 
 const mechanics::Footprint& default_footprint() {
@@ -30,12 +30,12 @@ bool is_near_any(const design::Vec3& place, std::span<const design::Vec3> presse
   return std::ranges::any_of(pressed, [&](const design::Vec3& p) { return (p - place).norm() < kSurroundings_mm; });
 }
 
-// The taxels for pressure of the modules about the pressed ones, as the fit takes them.
+// The fit takes only the pressure taxels of modules near the pressed ones.
 struct FitTaxels {
-  std::vector<std::size_t> taxel;  // Index in the frame.
+  std::vector<std::size_t> taxel;  // The index refers to the frame.
   std::vector<Eigen::Vector3d> positions, normals;
   std::vector<double> values;
-  std::vector<std::size_t> pressed;  // Indices in these lists.
+  std::vector<std::size_t> pressed;  // The indices refer to these lists.
   double largest_counts_per_unit = 1.0;
 };
 
@@ -62,8 +62,8 @@ class FrameFit {
     return layout::measures_pressure(n % layout::kTaxelsPerModule) &&
            frame_.change_counts[n] >= TouchMap::kPressed_counts;
   }
-  // In a calibrated frame kPa; a taxel without a calibration takes part as if it had the largest sensitivity when it is
-  // pressed, so that the contact is seen, and not at all otherwise.
+  // Values are kPa in a calibrated frame. There, a taxel without calibration counts only if it is pressed; it then gets
+  // the largest sensitivity of all, so that its contact is seen.
   [[nodiscard]] double value_of(std::size_t n) const {
     if (!is_calibrated_) return frame_.change_counts[n];
     return frame_.counts_per_kpa[n] > 0.0 ? frame_.change_counts[n] / frame_.counts_per_kpa[n] : kNoValue;

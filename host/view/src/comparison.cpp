@@ -13,7 +13,7 @@ namespace {
 
 using Kind = ModuleChange::Kind;
 
-// A design file keeps 1 µm; a module that was moved on purpose moves by more than this.
+// Design files round to 1 µm; a module that was moved on purpose moves by more than this.
 constexpr double kSamePlace_mm = 0.05;
 
 design::Vec3 centre_of(const design::PlacedModule& m) {
@@ -27,7 +27,7 @@ bool is_same_place(const design::PlacedModule& a, const design::PlacedModule& b)
   });
 }
 
-// Modules of a design by the x of their centres.
+// Sorts the modules of a design by the x of their centres.
 std::multimap<double, int> by_x(const design::Design& d) {
   std::multimap<double, int> found;
   for (std::size_t k = 0; k < d.layout.modules.size(); ++k)

@@ -33,7 +33,7 @@ json surface_of(const design::Mesh& mesh) {
   return {{"vertices", std::move(vertices)}, {"faces", std::move(faces)}};
 }
 
-// People read angles in degrees.
+// The page shows angles in degrees because people read them more easily.
 double degrees(double rad) {
   return rad * 180.0 / std::numbers::pi;
 }
@@ -134,7 +134,7 @@ json covers_of(const Notes& notes) {
   return list;
 }
 
-// What became of each module.
+// Classifies each module as kept, added or removed.
 json changes_of(const Changes& changes) {
   constexpr std::array kNames{"kept", "added", "removed"};
   json list = json::array();

@@ -192,7 +192,7 @@ void EditOptions::require_fitting(const CLI::App& app, const std::string& from) 
 
 namespace {
 
-// Whether every cable enters where it may.
+// Returns whether every cable enters in an allowed place.
 bool report_entries(const design::Design& d, Output& output) {
   if (!d.regions.limits_entries()) return true;
   output.result["entries_elsewhere"] = d.report.entries_elsewhere;

@@ -141,24 +141,24 @@ TRISKIN_API triskin_status triskin_verify(triskin_skin* skin, const char** repor
 /// file. TRISKIN_DEVICE_FAILED: another process simulates these boards now.
 TRISKIN_API triskin_status triskin_flash_simulation(const char* file);
 
-/// What presses the skin at one place. Contacts are found among pressed taxels that lie within 12 mm of each other and
-/// do not face away from each other.
+/// A contact is a place where something presses the skin. Its pressed taxels lie within 12 mm of each other and do not
+/// face away from each other.
 typedef struct triskin_contact {
-  double position_mm[3];  ///< on the skin
-  double normal[3];       ///< outward unit vector
+  double position_mm[3];  ///< The position lies on the skin.
+  double normal[3];       ///< The unit vector points outward.
   double change_counts;   ///< sum over its taxels
-  double force_n;         ///< against the normal, N; NaN without a calibration of all its taxels
-  double area_mm2;        ///< that is pressed
+  double force_n;         ///< The force in N acts against the normal; it is NaN unless all its taxels are calibrated.
+  double area_mm2;        ///< The contact presses this area of skin.
   int32_t module, taxel;  ///< the strongest
   int32_t taxels;         ///< how many
-  double position_sd_mm;  ///< standard deviation of the position, in each direction along the skin
-  double force_sd_n;      ///< standard deviation of force_n
+  double position_sd_mm;  ///< The standard deviation holds for each direction along the skin.
+  double force_sd_n;      ///< The standard deviation is that of force_n.
 } triskin_contact;
-/// Finds the contacts that press the taxels that read 200 counts and more below rest, the strongest first, as `live`
-/// does. `xyz_mm`, `normals`: as triskin_positions_mm and triskin_normals write them; `change_counts`: 12 a module.
-/// `counts_per_kpa` and `taxel_area_mm2`: as triskin_calibration writes them, both NULL: without forces.
-/// `module_count`: number of modules. Writes at most `capacity` contacts and sets *count to the number that there are.
-/// TRISKIN_BAD_INPUT: an argument is NULL that may not be.
+/// Finds the contacts, the strongest first, of the taxels that read at least 200 counts below rest, as `live` does.
+/// `xyz_mm` and `normals` have the layout of triskin_positions_mm and triskin_normals, `counts_per_kpa` and
+/// `taxel_area_mm2` that of triskin_calibration; if both are NULL, no forces result. `change_counts` has twelve values
+/// a module. Writes at most `capacity` of the contacts and sets *count to the number found. TRISKIN_BAD_INPUT: an
+/// argument is NULL that may not be.
 TRISKIN_API triskin_status triskin_contacts(const double* xyz_mm, const double* normals, const double* change_counts,
                                             const double* counts_per_kpa, const double* taxel_area_mm2,
                                             size_t module_count, triskin_contact* contacts, size_t capacity,

@@ -81,7 +81,7 @@ class ColladaCounts {
     if (stated_ && *stated_ != held) fail(fmt::format("an array of {} numbers holds {}", *stated_, held));
   }
 
-  // Sum of the list, and its length in `count`.
+  // Returns the sum of the list and writes its length into `count`.
   [[nodiscard]] long whole_numbers(long& count) const {
     long sum = 0;
     count = 0;

@@ -16,9 +16,9 @@ class HullDepth {
 
   /// Returns the distance from a point along a unit normal to where it leaves the hull; 0 on the hull. Cost: constant.
   [[nodiscard]] double along(const Vec3& point_mm, const Vec3& normal) const;
-  /// True if the other hull lies under this one by more than `by_mm` in every direction. Cost: constant.
+  /// Returns true if the other hull lies more than `by_mm` under this one in every direction. Cost: constant.
   [[nodiscard]] bool encloses(const HullDepth& other, double by_mm) const;
-  /// Mean height over the origin in all directions, which grows with the size. Cost: constant.
+  /// Returns the mean height over the origin in all directions, which grows with the size. Cost: constant.
   [[nodiscard]] double mean_height_mm() const;
 
  private:

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kDecided = 0.15;  // |outwardness| from which a region is decided; see docs/side.md
 constexpr double kWeak = 0.3, kBeyondDoubt = 0.5;
-constexpr double kPocket = -0.3;  // Below this outwardness the floor of a thick body is a pocket.
+constexpr double kPocket = -0.3;  // The floor of a thick body below this outwardness is a pocket.
 constexpr double kHiddenVisibility = 0.2;
 constexpr double kWalledRegion = 0.5;  // A region counts as walled when this share of its area has a wall.
 // An edge weighs as much as a strip of this width. It weighs more if the sheets across the wall meet behind it too,
@@ -275,8 +275,8 @@ class Decision {
     number_choices();
   }
 
-  // Much may be left undecided beside an outer side that is beyond doubt, little beside one that is barely the outer
-  // one: the rim of a flat panel whose bulge says the opposite.
+  // Beside a clear outer side, a large part may stay undecided; beside a doubtful one only little may, as on a flat
+  // panel whose rim and bulge contradict each other.
   [[nodiscard]] double undecided_fraction() const {
     double sum = 0.0, area = 0.0;
     for (int r = 0; r < count(); ++r) {
@@ -288,7 +288,7 @@ class Decision {
     return kMaxUndecidedFraction * std::clamp((mean - kDecided) / (kBeyondDoubt - kDecided), 0.0, 1.0);
   }
 
-  // Where a person is asked, what was barely decided is part of the question.
+  // If the user is asked anyway, the question includes the weakly decided regions.
   void open_weak_regions() {
     for (int r = 0; r < count(); ++r) {
       FaceSide& side = out_.side[at(r)];

@@ -13,7 +13,7 @@ struct SideDecision {
   bool has_wall = false, is_certain = true;
   bool has_loose_sheets = false;
   double margin = 1.0;
-  int enclosed = 0;  ///< So many components lie wholly inside of another one.
+  int enclosed = 0;  ///< This many components lie wholly inside another one.
 };
 
 /// Decides the side of each region by least squares: regions across a wall should differ, regions beside each other

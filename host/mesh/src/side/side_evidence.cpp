@@ -25,9 +25,9 @@ constexpr double kVisibilityGain = 4.0;
 // Both sides of a rib see a third to a half of the sky; the outer side of a cover sees more.
 constexpr double kRibVisibility = 0.35, kOpenVisibility = 0.65;
 constexpr double kHiddenOutwardness = -0.5;
-// A lid that is sunk into its frame lies no deeper than this under the rim of the frame.
+// A lid that is sunk into its frame lies less deep than this under the frame's rim.
 constexpr double kEnclosed_mm = 3.0;
-constexpr std::size_t kMaxEnclosing = 8;  // Only the largest components are asked whether they enclose another one.
+constexpr std::size_t kMaxEnclosing = 8;  // Only the largest components are tested for enclosing another one.
 
 struct View {
   double visibility = 0.0;
@@ -102,7 +102,7 @@ class Evidence {
  private:
   [[nodiscard]] int region(int face) const { return regions_.of_face[at(face)]; }
 
-  // An open sheet has no inside, and what lies in its hull may be another sheet of the same surface.
+  // An open sheet has no inside: parts in its hull may be other sheets of the same surface.
   void find_enclosed() {
     found_.is_component_enclosed.assign(hulls_.size(), false);
     std::vector<std::size_t> largest;

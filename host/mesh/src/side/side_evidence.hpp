@@ -33,7 +33,7 @@ struct SideEvidence {
   std::map<RegionPair, double> across_mm2;  ///< Two regions are the two sides of one wall over this area.
   std::map<RegionPair, double> beside_mm;   ///< The edges between two regions have this length.
   std::vector<bool> is_component_closed;
-  std::vector<bool> is_component_enclosed;  ///< It lies wholly inside of another one, as a board in its cover.
+  std::vector<bool> is_component_enclosed;  ///< The component lies wholly inside another one, as a board in its cover.
 };
 
 /// Gathers the evidence. Each sample measures the visibility and the depth under the convex hull here and across the

@@ -17,8 +17,8 @@ class Cancelled : public Error {
 
 /// Makes the first SIGINT, SIGTERM or SIGHUP only set interrupt_request(); a second one then ends the process at once.
 void catch_interrupts();
-/// What a second signal calls before it ends the process, as to give a terminal back; nullptr: nothing. The function
-/// may use what a signal handler may.
+/// A second signal calls this function before it ends the process, for example to restore the terminal; nullptr calls
+/// nothing. The function may use only what a signal handler may use.
 void before_sudden_end(void (*restore)());
 /// Number of the signal that was caught; 0: none. Lock-free.
 [[nodiscard]] int interrupt_signal();

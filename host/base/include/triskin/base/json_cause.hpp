@@ -5,8 +5,8 @@
 
 namespace triskin {
 
-/// Message of an exception of the JSON library in the words of somebody who edits files: where it knows a place,
-/// "line 1, column 5: …", then what is wrong there. Words of the library and bytes of the file stay out of it.
+/// Explains an exception of the JSON library to somebody who edits files: where the place is known, the message begins
+/// with "line 1, column 5: …". It quotes neither the library's words nor bytes of the file.
 [[nodiscard]] std::string json_cause(std::string_view what);
 
 }  // namespace triskin

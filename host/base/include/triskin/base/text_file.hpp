@@ -6,19 +6,19 @@
 
 namespace triskin {
 
-/// Text in UTF-16 (with a byte order mark, or with a zero in every other byte of its beginning) becomes UTF-8; all
-/// other bytes stay. Halves of surrogate pairs become U+FFFD. Cost: linear.
+/// Converts UTF-16 text (with a byte order mark, or with a zero in every other byte of its beginning) to UTF-8 and
+/// leaves all other bytes as they are. Unpaired surrogates become U+FFFD. Cost: linear.
 [[nodiscard]] std::string without_utf16(std::string bytes);
 
-/// A text as readers of lines and of JSON expect it, from whichever editor it comes: UTF-16 becomes UTF-8, a byte order
-/// mark is left out, and the line ends CR and CRLF become LF. Cost: linear; a text that has none of these stays.
+/// Normalises a text from any editor for the readers of lines and of JSON: UTF-16 becomes UTF-8, a byte order mark is
+/// removed, and the line ends CR and CRLF become LF. Cost: linear; a text without any of these stays as it is.
 [[nodiscard]] std::string plain_text(std::string bytes);
 
-/// plain_text() of a whole file; "-" is standard input. Throws InputError naming the file when it cannot be read.
+/// Reads a whole file through plain_text(); "-" is standard input. Throws InputError naming an unreadable file.
 [[nodiscard]] std::string read_text(const std::filesystem::path& path);
 
-/// For texts whose lines end with a number and that have no end mark, as CSV: what to say about one whose last line has
-/// no end, "NAME: ends without a line end: …". Empty for one that ends with a line end.
+/// Returns a note "NAME: ends without a line end: …" if the last line has no end, else an empty string. Formats such
+/// as CSV have no end mark, so a last number that was cut short would look complete.
 [[nodiscard]] std::string note_of_open_line(std::string_view text, std::string_view name);
 
 }  // namespace triskin

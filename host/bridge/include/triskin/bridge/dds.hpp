@@ -63,8 +63,8 @@ class Domain {
   [[nodiscard]] virtual int other_writers(const std::string& name) = 0;
 };
 
-/// Joins domain `id` 0 … 232 (ROS_DOMAIN_ID), and looks for others as far as `discovery` says. Throws InputError when
-/// this program was built without Cyclone DDS, DeviceError when the network cannot be used.
+/// Joins domain `id` 0 … 232 (ROS_DOMAIN_ID) and looks for other nodes as far as `discovery` allows. Throws
+/// InputError if this program was built without Cyclone DDS, DeviceError if the network cannot be used.
 [[nodiscard]] std::unique_ptr<Domain> join_domain(std::uint32_t id, const RosDiscovery& discovery = {});
 
 }  // namespace triskin::bridge

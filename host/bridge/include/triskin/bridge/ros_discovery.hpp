@@ -6,30 +6,30 @@
 
 namespace triskin::bridge {
 
-/// How far a node of ROS 2 looks for others (docs.ros.org, "Improved Dynamic Discovery").
+/// These ranges limit where a ROS 2 node looks for other nodes (docs.ros.org, "Improved Dynamic Discovery").
 enum class DiscoveryRange {
-  kUnset,      ///< No variable says it: DDS as it is configured.
-  kLoopback,   ///< ROS_LOCALHOST_ONLY=1, up to Humble: the loopback interface alone.
-  kLocalhost,  ///< This computer, and peers that are named.
-  kSubnet,     ///< Whoever multicast reaches, and peers that are named.
-  kOff         ///< Nobody, not even on this computer.
+  kUnset,      ///< No variable sets a range, so the configuration of DDS applies.
+  kLoopback,   ///< ROS_LOCALHOST_ONLY=1 (up to Humble) limits DDS to the loopback interface.
+  kLocalhost,  ///< The node finds nodes on this computer and the named peers.
+  kSubnet,     ///< The node finds all nodes that multicast reaches and the named peers.
+  kOff         ///< The node finds no other node, not even on this computer.
 };
 
-/// What the environment says about discovery.
+/// The environment variables of ROS 2 give these settings.
 struct RosDiscovery {
   DiscoveryRange range = DiscoveryRange::kUnset;
-  std::vector<std::string> peers;  ///< Names or addresses of computers.
-  std::string words;               ///< For the user, with the variable that says it; empty: nothing to say.
+  std::vector<std::string> peers;  ///< Each peer is the name or address of a computer.
+  std::string words;  ///< The sentence tells the user which variable set the range; it is empty if none did.
 };
 
-/// Reads ROS_LOCALHOST_ONLY, ROS_AUTOMATIC_DISCOVERY_RANGE and ROS_STATIC_PEERS (semicolons between them) as nodes of
-/// ROS 2 do: ROS_LOCALHOST_ONLY=1 outweighs the other two, SYSTEM_DEFAULT leaves all to DDS, and OFF has no peers.
-/// `variable` returns the value of an environment variable, nullptr where it is not set. Throws InputError that names
-/// the variable, its value and what it may be.
+/// Reads ROS_LOCALHOST_ONLY, ROS_AUTOMATIC_DISCOVERY_RANGE and ROS_STATIC_PEERS (separated by semicolons) as ROS 2
+/// nodes do: ROS_LOCALHOST_ONLY=1 overrides the other two, SYSTEM_DEFAULT leaves everything to DDS, and OFF ignores
+/// peers. `variable` returns the value of an environment variable, or nullptr if it is not set. Throws InputError
+/// naming the variable, its value and the allowed values.
 [[nodiscard]] RosDiscovery ros_discovery(const std::function<const char*(const char*)>& variable);
 
-/// The same as a configuration of Cyclone DDS (XML), which CYCLONEDDS_URI may stand behind to overrule it. `process`:
-/// what no other process has, as its number. Empty: nothing to configure.
+/// Writes the settings as a Cyclone DDS configuration (XML); a CYCLONEDDS_URI appended to it overrules it. `process`
+/// must be unique to this process, such as its number. The result is empty if there is nothing to configure.
 [[nodiscard]] std::string cyclone_configuration(const RosDiscovery& discovery, long process);
 
 }  // namespace triskin::bridge

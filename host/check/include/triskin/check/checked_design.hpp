@@ -58,7 +58,7 @@ struct CheckedDesign {
     double radius;
     std::vector<int> faces;
     std::vector<P3> body_vertices;
-    std::vector<std::array<int, 3>> body_faces;  ///< They are those of an obstacle.
+    std::vector<std::array<int, 3>> body_faces;  ///< Only an obstacle has vertices and faces of its own.
     double margin, above, below, min_width, max_width;
     bool cover, free, entry;
     double within;
@@ -91,7 +91,7 @@ struct CheckedDesign {
   std::vector<Patch> patches;
   double area_cm2, coverage, coverage_cut, max_edge_error, max_hinge_gap, max_center_gap, max_edge_lift, max_edge_depth;
   int upper_bound, patches_lower_bound, jumpers_lower_bound;
-  std::vector<int> entries_elsewhere;  ///< The file says so of these patches, where entries are limited.
+  std::vector<int> entries_elsewhere;  ///< The file lists these patches if entries are limited.
   std::string method;
   std::uint64_t design_id;
 };

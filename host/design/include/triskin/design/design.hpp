@@ -61,7 +61,7 @@ struct Design {
     double module_value = 0.0;
     /// These must-cover regions are not covered; the file lists them only beside regions.
     std::vector<Uncovered> uncovered;
-    /// Patches whose cable enters outside of the regions for it, and in the file only beside such regions.
+    /// The cables of these patches enter outside the entry regions; the file lists them only beside such regions.
     std::vector<int> entries_elsewhere;
     /// It is modules · what corner cuts leave of 389.7 mm² / area, and in the file only with a cut.
     double coverage_cut = 0.0;

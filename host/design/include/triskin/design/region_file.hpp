@@ -12,8 +12,8 @@ namespace triskin::design {
 struct WantedRegion {
   Region region;
   std::string group;  ///< It names a group or object of an OBJ file; if it is empty, the shape of `region` says it.
-  std::filesystem::path file;  ///< It holds the mesh of an obstacle; if it is empty, the file of the part does.
-  std::string object;          ///< It names one object or body of that file; if it is empty, all of it counts.
+  std::filesystem::path file;  ///< The mesh of an obstacle is in this file; an empty path means the part's own file.
+  std::string object;  ///< The obstacle is this object or body of the file; an empty name selects the whole file.
 };
 
 /// docs/regions.md describes the contents of a region file.
@@ -22,9 +22,9 @@ struct RegionFile {
   std::vector<WantedRegion> regions;
 };
 
-/// Reads one and checks its form; ranges are for geometry::SurfaceRegions to check, which knows the surface. Files that
-/// it names are taken from its own folder. Errors: InputError naming file and key, also for keys that are unknown.
-/// Cost: linear.
+/// Reads a region file and checks its form; geometry::SurfaceRegions, which knows the surface, checks the ranges.
+/// Relative paths in it start at its own folder. Errors: InputError naming file and key, also for keys that are
+/// unknown. Cost: linear.
 [[nodiscard]] RegionFile read_region_file(const std::filesystem::path& path);
 
 }  // namespace triskin::design

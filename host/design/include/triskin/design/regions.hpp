@@ -21,25 +21,25 @@ struct Box {
   Vec3 low_mm = Vec3::Zero(), high_mm = Vec3::Zero();  ///< The low corner is below the high one on every axis.
   bool operator==(const Box&) const = default;
 };
-/// on faces of it: indices of Design::surface,
+/// Selects faces of the surface by their indices in Design::surface.
 struct FaceSet {
   std::vector<int> faces;
 };
-/// near another body: places whose normal comes within `margin_mm` of it on the way from `below_mm` under the surface
-/// to `above_mm` over it. The inside of a closed mesh belongs to the body; an open mesh is a sheet without an inside.
+/// Selects the places near another body: their normal passes within `margin_mm` of it between `below_mm` under the
+/// surface and `above_mm` over it. A closed mesh counts as solid; an open mesh is a sheet without an inside.
 struct Obstacle {
-  Mesh mesh;               ///< It is in mm, in the frame of the part, and oriented outward where it is closed.
-  double margin_mm = 0.0;  ///< It ranges from 0 to 1000.
-  double above_mm = 0.0;   ///< It ranges from 0 to 200.
-  double below_mm = 0.0;   ///< It ranges from 0 to 200.
+  Mesh mesh;               ///< The mesh is in mm, in the frame of the part, and faces outward if it is closed.
+  double margin_mm = 0.0;  ///< The margin ranges from 0 to 1000.
+  double above_mm = 0.0;   ///< The height ranges from 0 to 200.
+  double below_mm = 0.0;   ///< The depth ranges from 0 to 200.
 };
-/// or along the border of the surface: what lies no farther than `margin_mm`, straight through space, from a border
-/// whose width, the largest distance of two of its corners, lies between the two limits.
+/// Selects a strip along borders of the surface: every place within `margin_mm`, straight through space, of a border
+/// whose width lies between the two limits. The width is the largest distance between two of its corners.
 struct BorderStrip {
-  static constexpr double kMaxWidth_mm = 1e5;  ///< No border is wider.
-  double margin_mm = 0.0;                      ///< It must be positive.
-  double min_width_mm = 0.0;                   ///< Narrower borders, as of holes, have no strip.
-  double max_width_mm = kMaxWidth_mm;          ///< Wider ones, as the outline, have none.
+  static constexpr double kMaxWidth_mm = 1e5;  ///< This exceeds the width of every part.
+  double margin_mm = 0.0;                      ///< The margin must be positive.
+  double min_width_mm = 0.0;                   ///< Narrower borders, such as those of holes, get no strip.
+  double max_width_mm = kMaxWidth_mm;          ///< Wider borders, such as the outline, get no strip.
 };
 
 /// A region states a requirement for a part of the surface (docs/regions.md).
@@ -50,7 +50,7 @@ struct Region {
   std::optional<double> weight;
   bool cover = false;      ///< Every place of it must lie within `within_mm` of a module, seen along its normal.
   bool free = false;       ///< No module may lie over it, so its rim is a border.
-  bool entry = false;      ///< Cables of the controllers may enter here, and nowhere else than in such regions.
+  bool entry = false;      ///< Once a region sets this, controller cables may enter only in regions that do.
   double within_mm = 2.0;  ///< It ranges from 0 to 30.
 };
 
@@ -59,7 +59,7 @@ struct Regions {
   double elsewhere = 1.0;  ///< Modules outside all weighted regions have this value, 0 … 1000.
   std::vector<Region> list;
   [[nodiscard]] bool empty() const { return list.empty(); }
-  /// Whether cables may enter in some places only.
+  /// Returns true if cables may enter only in some places.
   [[nodiscard]] bool limits_entries() const { return std::ranges::any_of(list, &Region::entry); }
 };
 

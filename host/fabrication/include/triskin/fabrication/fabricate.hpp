@@ -14,14 +14,14 @@ namespace triskin::fabrication {
 
 /// Each product is one kind of file that fabricate() can write.
 enum class Product {
-  kDxf,  ///< a drawing for each island
-  /// a board for each island, its project and net list; of the module footprint, symbol and net list; the nets of
-  /// the patch controller
+  kDxf,  ///< Each island gets a drawing.
+  /// Each island gets a board with its project and net list; the module gets footprint, symbol and net list, and the
+  /// patch controller its nets.
   kKicad,
   kParts,   ///< parts.csv
   kSolids,  ///< modules, carrier and mould as STL and 3MF
   kStep,    ///< cover and modules as an assembly
-  kSheets,  ///< all islands laid on sheets of material, a drawing for each sheet, and a list of what lies where
+  kSheets,  ///< All islands lie on sheets of material; each sheet has a drawing, and a list gives every place.
 };
 /// The command line uses these names.
 inline constexpr NameTable kProductNames{
@@ -37,7 +37,7 @@ struct FabricationOptions {
   double corner_relief_mm = kCornerRelief_mm;
   double elastic_mm = 2.0;  ///< 0.1 … 20: thickness of the elastic layer
   double wall_mm = 2.0;     ///< 0.1 … 20: thickness of carrier and mould
-  SheetOptions sheet{};     ///< sheets that the islands are cut from
+  SheetOptions sheet{};     ///< The islands are cut from such sheets.
 };
 
 /// Lists what was written, and what a person has to know about it.
@@ -46,15 +46,15 @@ struct FabricationReport {
   int islands = 0;
   double carrier_error_mm = 0.0, mould_error_mm = 0.0;   ///< Layer::error_mm
   int carrier_folded_faces = 0, mould_folded_faces = 0;  ///< Layer::folded_faces
-  std::vector<double> sheet_fill;                        ///< Nesting::fill
+  std::vector<double> sheet_fill;                        ///< The values are those of Nesting::fill.
   std::vector<std::string> left_out;                     ///< one sentence each
 };
 
-/// Writes the files of a design into a folder that does not exist yet or is empty: all or none. Where all products were
-/// wanted, a STEP assembly is left out without triskin-cad, and sheets where an island does not fit one, each with a
-/// sentence. Errors: InputError for a
-/// folder with files in it or that cannot be made, for options out of range, and as the products say. Cost: linear but
-/// for STEP.
+/// Writes the files of a design into a folder that does not exist yet or is empty; after an error no file
+/// remains. If all products were requested, the report explains why a product is left out: the STEP assembly
+/// without triskin-cad, and the sheets if an island does not fit one. Errors: InputError for a folder that has
+/// files in it or cannot be made, for options out of range, and as the products say. Cost: linear except for
+/// STEP.
 FabricationReport fabricate(const design::Design& design, const std::filesystem::path& folder,
                             const FabricationOptions& options);
 

@@ -61,7 +61,7 @@ class Link {
   /// Describes problems of the link (bus errors, unplugged devices) in one sentence with the remedy; empty if there are
   /// none.
   [[nodiscard]] virtual std::string trouble() const { return {}; }
-  /// What to look at when nobody answers, as the end of a sentence.
+  /// Returns the end of a sentence that tells the user what to check when no device answers.
   [[nodiscard]] virtual std::string when_silent() const { return "check power, cable and bit rate"; }
   /// From now on receive() also returns what other hosts send, where the link can hear it: on a CAN bus. Throws as send
   /// does.

@@ -6,7 +6,7 @@
 
 namespace triskin::mechanics {
 
-/// What a round contact of given size does to taxels at a distance, for any force: the linear limit of the layer.
+/// Computes how a round contact moves taxels at a distance, in the linear limit of the layer, for any force.
 ///
 /// The contact presses between Hertz' pressure 3F/(2πa²)·√(1 − (r/a)²), which is right if it is small against
 /// the thickness h, and the paraboloid 2F/(πa²)·(1 − (r/a)²) of a wide one. The share of the latter is a/(a +
@@ -15,19 +15,19 @@ namespace triskin::mechanics {
 /// are pressures that would move the taxel as far if they were even, which is what a calibrated taxel reads: their
 /// integral over the plane is the force.
 ///
-/// Immutable and thread-safe. Cost of making it: some 20 ms; of a value: two interpolations. Source: Hankel transforms
-/// of the pressures, of the disc and of the layer (layer.hpp).
+/// Immutable and thread-safe. Construction takes about 20 ms, a value two interpolations. Source: Hankel transforms of
+/// the pressures, of the disc and of the layer (layer.hpp).
 class Footprint {
  public:
   static constexpr double kMinContactRadius_mm = 1.0, kMaxContactRadius_mm = 25.0;
 
-  /// Only thickness and Poisson's ratio of the layer matter. Throws InputError as check(Layer), and unless the disc is
-  /// 0.1 … 20 mm across.
+  /// Uses only the layer's thickness and Poisson's ratio. Throws InputError as check(Layer) does, and unless the disc
+  /// is 0.1 … 20 mm across.
   explicit Footprint(const Layer& layer = {}, double disc_diameter_mm = 4.0);
-  /// kPa for 1 N at `distance_mm` ≥ 0 from the axis of a contact of the radius, which is taken for the nearest one
-  /// between the limits. 0 beyond reach_mm().
+  /// Returns the pressure in kPa for 1 N at `distance_mm` ≥ 0 from the contact's axis; a radius beyond the limits
+  /// counts as the nearest limit. Beyond reach_mm() the result is 0.
   [[nodiscard]] double kpa_per_newton(double contact_radius_mm, double distance_mm) const;
-  /// Farthest distance at which a contact of the radius moves a taxel by more than 0.02 % of its largest value.
+  /// Returns the largest distance at which the contact moves a taxel by more than 0.02 % of its peak value.
   [[nodiscard]] double reach_mm(double contact_radius_mm) const;
 
  private:
@@ -41,7 +41,7 @@ class Footprint {
     double share;
   };
   [[nodiscard]] static Place place_of(double contact_radius_mm);
-  std::vector<Profile> profiles_;  // One for each radius, which grow by equal factors.
+  std::vector<Profile> profiles_;  // The radii of successive profiles grow by equal factors.
 };
 
 }  // namespace triskin::mechanics

@@ -59,7 +59,7 @@ struct MeshFile {
 [[nodiscard]] MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit = std::nullopt,
                                  const std::string& object = {}, const cad::FaceSelection& faces = {});
 
-/// The same for a body that need not be a part, as a screw or another part of an assembly: it may have any size.
+/// Reads a mesh without the limits on a part's size, for example a screw or another part of an assembly.
 [[nodiscard]] Mesh read_body(const std::filesystem::path& path, std::optional<LengthUnit> unit = std::nullopt,
                              const std::string& object = {});
 

@@ -63,8 +63,8 @@ struct SideRegion {
 struct SideChoice {
   bool has_wall = false;  ///< False means that every face is kOuter and nothing is left out.
   bool is_certain = true;
-  bool has_loose_sheets = false;  ///< The wall is two sheets that no rim joins, so kAuto keeps both.
-  int enclosed = 0;  ///< So many components lie wholly inside of another one, as a board in its cover; they are inner.
+  bool has_loose_sheets = false;  ///< The wall consists of two sheets that no rim joins, so kAuto keeps both.
+  int enclosed = 0;  ///< This many components lie wholly inside another one, as a board in its cover; they are inner.
   double wall_mm = 0.0;             ///< It is the median thickness; 0 means that there is no wall.
   double margin = 1.0;              ///< 0 … 1: least |outwardness| of the regions that matter; 1 without a wall
   std::vector<int> region_of_face;  ///< Each face has the index of its region in `regions`.

@@ -33,8 +33,8 @@ class SurfaceRegions {
   /// hundred closest points near one.
   [[nodiscard]] double keep_out_mm(const std::array<Vec3, 3>& corner_mm, double corner_cut_mm) const;
 
-  /// Whether a cable may enter here: the point's foot lies in an entry region, or there is none. Cost: one closest
-  /// point.
+  /// Returns true if a cable may enter here: the point's foot lies in an entry region, or no such region exists. Cost:
+  /// one closest point.
   [[nodiscard]] bool allows_entry(const Vec3& point_mm) const;
 
   /// Points of the regions that must stay free, 0.5 mm apart at their rims and 3 mm inside: a module that covers none
@@ -77,13 +77,13 @@ class SurfaceRegions {
 
   const Surface& surface_;
   design::Regions regions_;
-  std::vector<Group> groups_;                                // Indexed by region; empty for other shapes.
-  std::vector<std::unique_ptr<const BodyDistance>> bodies_;  // Indexed by region; null for other shapes.
+  std::vector<Group> groups_;                                // Other shapes have an empty entry.
+  std::vector<std::unique_ptr<const BodyDistance>> bodies_;  // Other shapes have a null pointer.
   struct Border {
     std::vector<std::array<Vec3, 2>> edges;
     Bvh tree;
   };
-  std::vector<Border> borders_;  // Indexed by region; empty for other shapes.
+  std::vector<Border> borders_;  // Each region has an entry; it is empty for other shapes.
   std::vector<Vec3> free_points_;
   bool has_weights_ = false;
 };

@@ -40,11 +40,11 @@ struct PressedTaxel {
 
 /// A contact is a pressed region of the skin, in the mesh frame.
 struct Contact {
-  design::Vec3 position_mm{0, 0, 0};  ///< It lies on the skin.
-  design::Vec3 normal{0, 0, 0};       ///< It is an outward unit vector.
+  design::Vec3 position_mm{0, 0, 0};  ///< The position lies on the skin.
+  design::Vec3 normal{0, 0, 0};       ///< The unit vector points outward.
   double change_counts = 0.0;         ///< It sums over the taxels.
-  double force_n = 0.0;               ///< It acts against the normal, and is 0 without a calibration.
-  double area_mm2 = 0.0;              ///< So much skin is pressed.
+  double force_n = 0.0;               ///< The force acts against the normal and is 0 without a calibration.
+  double area_mm2 = 0.0;              ///< The contact presses this area of skin.
   std::vector<PressedTaxel> taxels;   ///< The strongest comes first, and there is at least one.
 };
 /// Two taxels of one contact may be this far apart: those of a module are at 7 mm, those of neighbouring modules at up

@@ -46,9 +46,9 @@ struct RoutingOptions {
   RouteObjective objective = RouteObjective::kLossFirst;
   ElectricalModel electrical;
   bool second_entry = true;  ///< A second connector is planned where it saves modules.
-  /// Where it saves most, the second connector may lie at the seam to another patch, which no border side reaches.
+  /// Allows the second connector at a seam to another patch if that saves most, although no border is there.
   bool second_entry_at_seam = true;
-  bool adoption = true;  ///< Neighbouring patches with free addresses may read unreachable modules.
+  bool adoption = true;  ///< Neighbouring patches with free addresses may read modules that lost their own path.
   /// A patch gets so many moves that lower the secondary cost; 0 keeps the first partition.
   int recombinations = 60;
   bool has_controller_place = false;      ///< True counts cable lengths in the secondary cost.

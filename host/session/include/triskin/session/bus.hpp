@@ -94,7 +94,7 @@ class Bus {
   [[nodiscard]] Link& link() { return link_; }
   /// Returns Link::name.
   [[nodiscard]] std::string name() const { return link_.name(); }
-  /// Message for a bus without an answer: its name, `who` does not answer, and what to look at.
+  /// Returns the error message for a silent bus: the bus, that `who` does not answer, and what to check.
   [[nodiscard]] std::string nobody_answers(const std::string& who = "no controller answers") const {
     return name() + ": " + who + "; " + link_.when_silent();
   }

@@ -27,7 +27,7 @@ struct Touch {
   int id = 0;
   Contact contact;
   std::uint64_t released_us = kForever;  ///< lifted before the end of the contact
-  /// What the layer makes of the contact; null: Hertz' pressure at the middle of each taxel.
+  /// The layer spreads the contact by this footprint; null applies Hertz' pressure at the middle of each taxel.
   const mechanics::Footprint* footprint = nullptr;
   /// Pressure on the skin at a point (mesh frame, mm) and virtual time, kPa; 0 outside the contact.
   [[nodiscard]] double pressure_kpa(const design::Vec3& at_mm, std::uint64_t at_us) const;
@@ -66,7 +66,7 @@ class ModuleSkin final : public CapacitanceSource {
   /// Sets the pads so that the converter reads `counts` once the controller has found offsets for layout::kRestCounts;
   /// nothing else then affects them.
   void show(const std::array<double, layout::kTaxelsPerModule>& counts) { shown_counts_ = counts; }
-  /// True: the contact can press a pad of this module at some time. `beyond_mm`: how far it acts beyond its radius.
+  /// Returns true if the contact can ever press a pad of this module, acting `beyond_mm` farther than its radius.
   [[nodiscard]] bool reached_by(const Contact& contact, double beyond_mm = 0.0) const;
 
  private:
@@ -92,7 +92,7 @@ class ModuleSkin final : public CapacitanceSource {
   std::uint64_t seed_;
   double noise_counts_;
   double drift_counts_per_us_;
-  std::shared_ptr<const PadEffects> effects_;  // Null: none acts on samples.
+  std::shared_ptr<const PadEffects> effects_;  // Null means that no effect acts on samples.
 };
 
 /// The skin connects all modules of a scene to the lines of their controllers. Not thread-safe.

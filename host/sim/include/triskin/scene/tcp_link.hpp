@@ -57,9 +57,9 @@ struct Record {
 /// The simulation runs in another process (`triskin simulate SCENE --listen HOST:PORT`), in real time. Threads: one.
 class TcpLink final : public Link, public TouchActuator {
  public:
-  /// Connects. Throws InputError for port 0, DeviceError when nobody listens there or answers within 5 s. Afterwards
-  /// send() throws DeviceError when the simulation takes nothing for 2 s, Cancelled when the process is asked to end
-  /// meanwhile.
+  /// Connects to a simulation. Throws InputError for port 0, DeviceError if nothing listens there or answers within 5
+  /// s. Later, send() throws DeviceError if the simulation accepts no data for 2 s, and Cancelled if the process is
+  /// asked to end meanwhile.
   explicit TcpLink(const HostPort& to);
   ~TcpLink() override;
   TcpLink(const TcpLink&) = delete;
@@ -90,7 +90,7 @@ class TcpLink final : public Link, public TouchActuator {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::vector<std::uint8_t> in_;
   wire::BitRates rates_;
-  bool has_greeted_ = false;  // A simulation says its bit rates before anything else.
+  bool has_greeted_ = false;  // A simulation announces its bit rates before it sends anything else.
 };
 
 }  // namespace triskin::device

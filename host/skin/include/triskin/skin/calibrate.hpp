@@ -55,7 +55,7 @@ class PressureRamp {
   [[nodiscard]] double last_s() const { return points_.back().first; }
   /// Returns the largest pressure in kPa.
   [[nodiscard]] double max_kpa() const;
-  /// What is to be said about the file: its last line may have been cut. Empty: nothing.
+  /// Warns that the file's last line may have been cut; the text is empty if there is nothing to report.
   [[nodiscard]] const std::string& note() const { return note_; }
   /// Pressure at a time, between two lines linear; nullopt outside them.
   [[nodiscard]] std::optional<double> kpa(double time_s) const;

@@ -19,15 +19,15 @@ enum class PressureUnit {
   kCounts,   ///< The unit is the converter's count.
   kPercent,  ///< The unit is a percentage of the counts between rest and the end of the range.
   kKpa,      ///< The calibration gives kPa, and 0 where there is none.
-  kModule,   ///< Each cell shows the number of its module; colours are those of the pressure.
+  kModule,   ///< Each cell shows the number of its module; its colour shows the pressure.
 };
 
-/// Taxels that do not rest where they should.
+/// Taxels are off rest if they read something that no touch explains.
 struct OffRest {
   int taxels = 0;
-  std::vector<int> modules;  ///< modules that have them, ascending
+  std::vector<int> modules;  ///< The modules with such taxels are in ascending order.
 };
-/// "n taxels do not rest: tare; their modules: …", with twelve modules at most; empty where all rest.
+/// Returns "n taxels do not rest: tare; their modules: …" with at most twelve modules, or nothing if all rest.
 [[nodiscard]] std::string sentence(const OffRest& off);
 
 /// What is known of a skin while its samples come: pressure, states, rates; and its picture as text. Not thread-safe.
@@ -44,14 +44,14 @@ class LiveMonitor {
   void set_calibration(design::SkinCalibration calibration) { calibration_ = std::move(calibration); }
   /// Returns the calibration that converts counts.
   [[nodiscard]] const design::SkinCalibration& calibration() const { return calibration_; }
-  /// What presses the skin now, the strongest first (skin_contacts.hpp). Cost: some ms for each contact.
+  /// Returns the present contacts, the strongest first (skin_contacts.hpp). Cost: some ms for each contact.
   [[nodiscard]] std::vector<SkinContact> contacts() const;
   /// Force on all taxels under pressure together, against their normals, N; 0 without a complete calibration.
   [[nodiscard]] double force_n() const;
 
-  /// Modules in order with a taxel that reads above its rest value by TouchMap::kPressed_counts or more, which no touch
-  /// does: what was exchanged or taken away since the last tare rests elsewhere. Their taxels that read so much below
-  /// it count as well. Cost: O(modules).
+  /// Finds the modules with a taxel that reads TouchMap::kPressed_counts or more above rest, which no touch causes: a
+  /// part that was exchanged or removed since the last tare has another rest value. Taxels of these modules that read
+  /// equally far below rest count as well. The modules are in ascending order. Cost: O(modules).
   [[nodiscard]] OffRest off_rest() const;
 
   /// Closes a period of `seconds` (> 0): rates are those of the last closed period.

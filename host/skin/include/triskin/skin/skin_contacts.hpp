@@ -9,41 +9,41 @@
 
 namespace triskin::device {
 
-/// All taxels of a cover at one time, twelve a module; lists of one length. Taxel n belongs to module n / 12.
+/// A frame holds all taxels of a cover at one time, in lists of one length; taxel n belongs to module n / 12.
 struct ContactFrame {
   std::vector<design::Vec3> position_mm, normal;
-  std::vector<double> change_counts;   ///< how far each reads below rest
-  std::vector<double> counts_per_kpa;  ///< 0: not calibrated; empty: no taxel is
-  std::vector<double> taxel_area_mm2;  ///< skin that a taxel of the module stands for, one a module
+  std::vector<double> change_counts;   ///< Each value tells how far the taxel reads below rest.
+  std::vector<double> counts_per_kpa;  ///< Zero marks a taxel without calibration; an empty list means none has one.
+  std::vector<double> taxel_area_mm2;  ///< Each taxel of a module stands for this area; one value per module.
 };
 
-/// What presses the skin at one place, mesh frame, with standard deviations.
+/// A contact is a place where something presses the skin, in the mesh frame, with standard deviations.
 struct SkinContact {
-  design::Vec3 position_mm{0, 0, 0}, normal{0, 0, 0};  ///< on the cover, and outwards
-  double position_sd_mm = 0.0;                         ///< along the cover, for each of its two directions
-  double force_n = 0.0, force_sd_n = 0.0;              ///< against the normal; NaN without a calibration
-  double area_mm2 = 0.0;                               ///< that is pressed
-  double change_counts = 0.0;                          ///< sum over its taxels
-  std::vector<PressedTaxel> taxels;                    ///< the strongest first; at least one
+  design::Vec3 position_mm{0, 0, 0}, normal{0, 0, 0};  ///< The position lies on the cover; the normal points outwards.
+  double position_sd_mm = 0.0;             ///< The deviation holds for each of two directions along the cover.
+  double force_n = 0.0, force_sd_n = 0.0;  ///< The force acts against the normal; NaN means not calibrated.
+  double area_mm2 = 0.0;                   ///< The contact presses this area.
+  double change_counts = 0.0;              ///< The changes of its taxels add up to this value.
+  std::vector<PressedTaxel> taxels;        ///< The strongest taxel comes first; there is at least one.
 };
 
-/// Contacts that explain a frame, the strongest first: the only place where the host makes contacts of taxels for
-/// `live`, recordings, the bridge, the library and Python. Taxels of TouchMap::kPressed_counts and more below rest are
-/// pressed; how place, force and area follow is said at mechanics::contacts_from_pressure, with a dielectric of 2 mm
-/// with Poisson's ratio 0.3 and electrodes of 4 mm. Forces need a calibration of every pressed taxel of a contact.
-/// A taxel that is not calibrated in a calibrated frame does not count. Throws InputError when lists differ in length.
-/// Cost: some ms for each contact, microseconds where nothing is pressed. Thread-safe.
+/// Finds the contacts that explain a frame, the strongest first. `live`, recordings, the bridge, the library and Python
+/// all use this function. Taxels that read at least TouchMap::kPressed_counts below rest are pressed;
+/// mechanics::contacts_from_pressure describes how place, force and area follow, here with a 2 mm dielectric of
+/// Poisson's ratio 0.3 and 4 mm electrodes. Forces need a calibration of every pressed taxel of a contact. Uncalibrated
+/// taxels of a calibrated frame do not count. Throws InputError if lists differ in length. Cost: some ms for each
+/// contact, microseconds if nothing is pressed. Thread-safe.
 [[nodiscard]] std::vector<SkinContact> contacts_of(const ContactFrame& frame);
 
-/// The contacts of a cover now. `calibration` may be incomplete; then there are no forces.
+/// Finds the present contacts of a cover. An incomplete `calibration` gives no forces.
 [[nodiscard]] std::vector<SkinContact> contacts_of(const TouchMap& touches, const design::Design& design,
                                                    const design::SkinCalibration& calibration);
 
-/// Net force and its torque about the origin of the mesh frame, with standard deviations.
+/// The torque is about the origin of the mesh frame; all values have standard deviations.
 struct NetForce {
   design::Vec3 force_n{0, 0, 0}, force_sd_n{0, 0, 0}, torque_nmm{0, 0, 0}, torque_sd_nmm{0, 0, 0};
 };
-/// Sum over the contacts that have a force. Tangential forces are not felt.
+/// Adds up the contacts that have a force. The taxels cannot feel tangential forces.
 [[nodiscard]] NetForce net_force(std::span<const SkinContact> contacts);
 
 }  // namespace triskin::device

@@ -9,15 +9,15 @@
 
 namespace triskin::device {
 
-/// The pressure of one taxel over the last seconds, as a row of blocks. It follows the strongest taxel, or holds one.
+/// Plots the pressure of one taxel over the last seconds as a row of blocks, for the strongest taxel or a held one.
 class TaxelTrace {
  public:
-  /// Takes the present values; a step is one column of the plot.
+  /// Adds the present values as one step, which fills one column of the plot.
   void step(const LiveMonitor& monitor);
-  /// Holds the taxel that it shows, or follows the strongest again.
+  /// Toggles between holding the taxel on display and following the strongest one.
   void toggle_hold() { is_held_ = !is_held_ && module_ >= 0; }
-  /// Two lines of at most `columns` characters: which taxel, up to how many counts; and its plot, the newest value at
-  /// the right. Empty until a taxel was pressed. `step_s`: time of a step.
+  /// Returns two lines of at most `columns` characters: the taxel with its largest count, and its plot with the newest
+  /// value at the right. `step_s` is the time of a step. The lines are empty until a taxel has been pressed.
   [[nodiscard]] std::vector<std::string> lines(std::size_t columns, double step_s) const;
 
  private:

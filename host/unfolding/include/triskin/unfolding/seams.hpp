@@ -21,7 +21,7 @@ struct SurfaceEdge {
 /// Reads polylines (mm after `unit`, default mm) of an OBJ file: `v x y z` and `l i j k …` (1-based; negative counts
 /// from the end); other records are passed over. Errors: InputError naming file, line and remedy for a file that cannot
 /// be read, for numbers that are none, indices without a vertex, lines of fewer than two points, and a file without
-/// `l`. Appends to `notes` what is to be said, as of a last line that may have been cut.
+/// `l`. Appends warnings to `notes`, for example that the last line may have been cut.
 [[nodiscard]] SeamLines read_seams(const std::filesystem::path& path, std::optional<LengthUnit> unit = {},
                                    std::vector<std::string>* notes = nullptr);
 

@@ -5,15 +5,15 @@
 
 namespace triskin::view {
 
-/// Two designs as one, for a page that shows them side by side.
+/// A comparison merges two designs into one, so that a page can show them side by side.
 struct Comparison {
-  design::Design design;  ///< modules of the earlier design, then those of the later one, each in its own mesh frame
-  Notes notes;            ///< the covers "before" and "after", and what became of each module
+  design::Design design;  ///< The earlier design's modules come first; each half keeps its own mesh frame.
+  Notes notes;            ///< The notes name the covers "before" and "after" and classify each module.
 };
 
-/// What changed from `before` to `after`. A module is kept where both designs have one with the same three corners,
-/// within 0.05 mm; that holds for designs that `design --like` or `edit` made of each other. Throws InputError when
-/// their corner cuts differ. Cost: O(modules · log modules).
+/// Compares two designs. A module counts as kept if both designs have one with the same three corners, within 0.05 mm;
+/// designs that `design --like` or `edit` derived from each other do. Throws InputError if their corner cuts differ.
+/// Cost: O(modules · log modules).
 [[nodiscard]] Comparison compare(const design::Design& before, const design::Design& after);
 
 }  // namespace triskin::view

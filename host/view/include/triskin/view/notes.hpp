@@ -24,25 +24,25 @@ struct CoverNote {
   double area_cm2 = 0.0, coverage = 0.0;
 };
 
-/// What became of a module from one design to the next.
+/// A module is kept, added or removed between two designs.
 struct ModuleChange {
   enum class Kind { kKept, kAdded, kRemoved };
   Kind kind = Kind::kKept;
-  int other = -1;  ///< the same module in the other half of the joint design; −1: it is in one half only
+  int other = -1;  ///< The same module has this index in the other half of the joint design; −1 means none.
 };
 
-/// Two designs that are shown as one, the earlier one first.
+/// The joint design holds two designs, the earlier one first.
 struct Changes {
-  std::vector<ModuleChange> modules;  ///< by module of the joint design; empty: nothing is compared
-  int before_modules = 0;             ///< number of modules of the earlier design
-  int before_vertices = 0;            ///< number of vertices of its surface
+  std::vector<ModuleChange> modules;  ///< The list follows the joint modules; it is empty without a comparison.
+  int before_modules = 0;             ///< The earlier design has this many modules.
+  int before_vertices = 0;            ///< Its surface has this many vertices.
 };
 
 /// What the page shows beside a design.
 struct Notes {
-  std::vector<CoverNote> covers{};  ///< empty for the design of one cover
+  std::vector<CoverNote> covers{};  ///< The list is empty if the design has only one cover.
   std::vector<Finding> findings{};
-  bool has_live_skin = false;  ///< the server of the page sends samples
+  bool has_live_skin = false;  ///< True means that the page's server sends samples.
   Changes changes{};
 };
 
