@@ -137,7 +137,7 @@ TEST(LiveMonitor, shows_numbers_of_modules_in_their_cells) {
   LiveMonitor monitor(design);
   for (int k = 0; k < 3; ++k) monitor.add(frame(2, layout::kRestCounts, 8'000));
   EXPECT_THAT(monitor.picture(0, PressureUnit::kModule, false), ElementsAre("▲   0 ▼   1 ▲   2 "));
-  EXPECT_THAT(monitor.picture(0, PressureUnit::kModule, true)[0], HasSubstr("\033[48;5;172m▲   2\033[0m"));
+  EXPECT_THAT(monitor.picture(0, PressureUnit::kModule, true)[0], HasSubstr("\033[48;5;160m▲   2\033[0m"));
 }
 
 // The rest values are from a tare. Module 1 was exchanged since: one taxel reads 300 above, all others 50.

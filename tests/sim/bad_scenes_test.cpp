@@ -36,7 +36,7 @@ constexpr BadScene kKeysAndTypes[] = {
     {R"("seed":1,"seed":2)", "\"seed\" stands twice"},
     {R"("seed":-1)", "not negative"},
     {R"("seed":"one")", "whole number"},
-    {R"("seed":NaN)", "cannot read"},
+    {R"("seed":NaN)", "is not JSON: line 3, column 8"},
     {R"("effects":{"noise_counts":1e999})", "out of range"},
     {R"("contacts":{})", "must be an array"},
     {R"("contacts":[7])", "must be an object"},
@@ -47,7 +47,7 @@ constexpr BadScene kKeysAndTypes[] = {
     {R"("contacts":[{"module":"4"}])", "must be an integer"},
     {R"("hardware":"soft")", "\"strapped\" or \"switched\""},
     {R"("border_joints":true)", "needs \"hardware\": \"switched\""},
-    {R"("contacts":[{"module":1},])", "cannot read"},
+    {R"("contacts":[{"module":1},])", "is not JSON: line 3, column 26"},
 };
 INSTANTIATE_TEST_SUITE_P(KeysAndTypes, BadScenes, testing::ValuesIn(kKeysAndTypes));
 

@@ -196,7 +196,7 @@ class Screen final : public LiveDisplay {
     if (!state.note.empty()) below.push_back(for_terminal(state.note));
     below.push_back(
         fmt::format("n p f: patch ({})  u: unit ({})", has_chosen_ ? "chosen" : "pressed", name_of(unit(monitor))));
-    below.emplace_back("h: hold the plotted taxel  t: tare, nobody touches  q: end");
+    below.emplace_back("q: end  t: tare, nobody touches  h: hold the plotted taxel");
     const int room = std::max(size.rows - static_cast<int>(lines.size() + below.size()) - 2, kMinPatchLines);
     for (std::string& line : patch_lines(monitor, room, size.columns)) lines.push_back(std::move(line));
     lines.emplace_back();

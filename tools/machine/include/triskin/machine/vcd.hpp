@@ -10,7 +10,7 @@
 
 namespace triskin::machine {
 
-/// Records bus signals and CPU state as a value change dump (IEEE 1364-2005 §18) for a wave viewer, at 1 ns.
+/// Records bus signals and CPU state as a value change dump (clause 18 of IEEE 1364-2005) for a wave viewer, at 1 ns.
 class VcdTrace {
  public:
   /// Records one byte with its acknowledge bit on line 0..3, which ended at `end`; `period` is that of SCL.
