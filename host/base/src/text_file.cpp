@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "triskin/base/files.hpp"
+#include "triskin/base/utf8.hpp"
 
 namespace triskin {
 namespace {
@@ -37,23 +38,6 @@ ByteOrder order_of(std::string_view bytes) {
   return order_by_zeros(bytes);
 }
 
-void append_character(std::string& out, unsigned c) {
-  const auto put = [&](unsigned value) { out += static_cast<char>(value); };
-  if (c < 0x80) return put(c);
-  if (c < 0x800) {
-    put(0xC0 | c >> 6);
-  } else {
-    if (c < 0x10000) {
-      put(0xE0 | c >> 12);
-    } else {
-      put(0xF0 | c >> 18);
-      put(0x80 | (c >> 12 & 63));
-    }
-    put(0x80 | (c >> 6 & 63));
-  }
-  put(0x80 | (c & 63));
-}
-
 bool is_high_half(unsigned c) {
   return c >= 0xD800 && c < 0xDC00;
 }
@@ -81,17 +65,17 @@ std::string without_utf16(std::string bytes) {
     const unsigned first = byte_of(bytes, k), second = byte_of(bytes, k + 1);
     return order == ByteOrder::kLittle ? first | second << 8 : first << 8 | second;
   };
-  constexpr unsigned kMark = 0xFEFF, kReplacement = 0xFFFD;
+  constexpr unsigned kMark = 0xFEFF;
   std::string out;
   for (std::size_t k = 0; k + 1 < bytes.size(); k += 2) {
     const unsigned c = unit(k);
     if (c == kMark && k == 0) continue;
     const bool is_pair = is_high_half(c) && k + 3 < bytes.size() && is_low_half(unit(k + 2));
     if (is_pair) {
-      append_character(out, 0x10000 + ((c - 0xD800) << 10) + (unit(k + 2) - 0xDC00));
+      append_utf8(out, 0x10000 + ((c - 0xD800) << 10) + (unit(k + 2) - 0xDC00));
       k += 2;
     } else {
-      append_character(out, is_high_half(c) || is_low_half(c) ? kReplacement : c);
+      append_utf8(out, c);
     }
   }
   return out;
