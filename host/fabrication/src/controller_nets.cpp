@@ -7,6 +7,7 @@
 #include <array>
 #include <tuple>
 
+#include "triskin/base/csv_field.hpp"
 #include "triskin/fabrication/module_board.hpp"
 
 namespace triskin::fabrication {
@@ -81,10 +82,6 @@ class Circuit {
   std::vector<NetPin> pins_;
 };
 
-std::string csv_cell(const std::string& text) {
-  return text.find(',') == std::string::npos ? text : "\"" + text + "\"";
-}
-
 }  // namespace
 
 std::vector<NetPin> controller_nets() {
@@ -103,7 +100,7 @@ std::vector<NetPin> controller_nets() {
 std::string controller_csv() {
   std::string text = "net,component,value,pin\r\n";
   for (const NetPin& p : controller_nets())
-    text += fmt::format("{},{},{},{}\r\n", p.net, p.component, csv_cell(p.value), p.pin);
+    text += fmt::format("{},{},{},{}\r\n", p.net, p.component, csv_field(p.value), p.pin);
   return text;
 }
 
