@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "triskin/design/module_side.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/lattice/grow_lattice.hpp"
 
@@ -37,16 +38,11 @@ void state_taken(design::Design& design) {
   taken.price = design.price.of(taken.patches, taken.jumpers, design.layout.islands);
 }
 
-design::Vec3 middle_of_side(const design::PlacedModule& module, int side) {
-  const auto s = static_cast<std::size_t>(side);
-  return 0.5 * (module.corner_mm[s] + module.corner_mm[(s + 1) % 3]);
-}
-
 void report_entries(design::Design& design, const geometry::SurfaceRegions& regions) {
   for (std::size_t p = 0; p < design.patches.size(); ++p) {
     const design::Patch& patch = design.patches[p];
     const design::PlacedModule& entry = design.layout.modules[static_cast<std::size_t>(patch.entry)];
-    if (!regions.allows_entry(middle_of_side(entry, patch.modules.front().rotation)))
+    if (!regions.allows_entry(design::middle_of_side(entry, patch.modules.front().rotation)))
       design.report.entries_elsewhere.push_back(static_cast<int>(p));
   }
 }
@@ -80,7 +76,7 @@ design::ModuleGraph wired_graph(const design::ModuleLayout& layout, const geomet
   for (std::size_t k = 0; k < graph.nodes.size(); ++k) {
     for (std::size_t s = 0; s < 3; ++s) {
       bool& border = graph.nodes[k].border[s];
-      border = border && regions->allows_entry(middle_of_side(layout.modules[k], static_cast<int>(s)));
+      border = border && regions->allows_entry(design::middle_of_side(layout.modules[k], static_cast<int>(s)));
     }
   }
   return graph;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "triskin/design/module_side.hpp"
 #include "triskin/sheet/landmarks.hpp"
 
 namespace triskin::sheet {
@@ -52,7 +53,7 @@ Bill bill_of(const design::Design& design, const Sides& sides) {
     for (std::size_t s = 0; s < 3; ++s) {
       const Side& side = sides.of[k][s];
       if (!side.cable && !side.second_cable) continue;
-      const auto at = middle_of(design.layout.modules[k], static_cast<int>(s));
+      const auto at = design::middle_of_side(design.layout.modules[k], static_cast<int>(s));
       ++(side.cable ? cables : second_cables)[rounded_up_mm(distance_to_mm(rim, at), 10)];
     }
   }

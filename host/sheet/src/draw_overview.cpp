@@ -8,6 +8,7 @@
 
 #include "drawing.hpp"
 #include "module_geometry.hpp"
+#include "triskin/design/module_side.hpp"
 #include "triskin/design/outline.hpp"
 
 namespace triskin::sheet {
@@ -144,7 +145,7 @@ void draw_entries(const Drawing& d, const View& view) {
     const auto& m = d.design.layout.modules.at(static_cast<std::size_t>(d.design.patches[p].entry));
     if (normal_of(m.corner_mm).dot(view.toward) < kFacing) continue;
     const int rotation = d.plan.wiring[static_cast<std::size_t>(d.design.patches[p].entry)].routed.rotation;
-    const Vec2 at = view.flat(middle_of(m, rotation));
+    const Vec2 at = view.flat(design::middle_of_side(m, rotation));
     d.canvas.fill_circle(at, 0.9, kBlue);
     d.canvas.text(at + Vec2(1.1, -0.6), fmt::format("C{}", p), {.size_mm = 2.4, .bold = true, .color = kBlue});
   }

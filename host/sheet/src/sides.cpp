@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "module_geometry.hpp"
+#include "triskin/design/module_side.hpp"
 
 namespace triskin::sheet {
 namespace {
@@ -81,7 +82,7 @@ std::vector<FreeSide> free_sides(const design::Design& design, const Sides& side
       if (kind != SideKind::kOutline && kind != SideKind::kSlit) continue;
       if (sides.of[k][index(s)].jumper >= 0) continue;  // The jumper already defines the opposite side.
       const PlacedModule& m = design.layout.modules[k];
-      const Vec3 middle = middle_of(m, s);
+      const Vec3 middle = design::middle_of_side(m, s);
       free.push_back({static_cast<int>(k), s, middle, (middle - center_of(m)).normalized()});
     }
   }
@@ -117,10 +118,6 @@ void match(const design::Design& design, Sides& sides) {
 }
 
 }  // namespace
-
-Vec3 middle_of(const PlacedModule& module, int side) {
-  return (module.corner_mm[index(side)] + module.corner_mm[index((side + 1) % 3)]) / 2.0;
-}
 
 Sides sides_of(const design::Design& design) {
   Sides sides;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pages.hpp"
+#include "triskin/design/module_side.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/sheet/bill.hpp"
@@ -309,7 +310,7 @@ void add_entry(Lines& lines, const design::Design& design, const Plan& plan, int
                const std::string& what) {
   const auto& m = design.layout.modules.at(static_cast<std::size_t>(module));
   const int rotation = plan.wiring[static_cast<std::size_t>(module)].routed.rotation;
-  const design::Vec3 at = middle_of(m, side);
+  const design::Vec3 at = design::middle_of_side(m, side);
   add_text(lines,
            fmt::format("{}: module {}, port {} (page {}). The middle of this side lies at {}.", what, module,
                        port_at(side, rotation), plan.page_of_module[static_cast<std::size_t>(module)],

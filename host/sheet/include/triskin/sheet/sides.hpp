@@ -49,7 +49,4 @@ struct Sides {
 /// Throws std::out_of_range for a patch or jumper of a module that the design lacks. Cost: O(n + free sides²).
 [[nodiscard]] Sides sides_of(const design::Design& design);
 
-/// Returns the middle of side `side` (0 … 2) of a module, mesh frame, mm.
-[[nodiscard]] design::Vec3 middle_of(const design::PlacedModule& module, int side);
-
 }  // namespace triskin::sheet
