@@ -15,6 +15,7 @@
 #include "searched_surface.hpp"
 #include "surface_step.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/mesh/extract_steps.hpp"
 #include "wire_design.hpp"
 
 namespace triskin::pipeline {
@@ -122,7 +123,7 @@ void run_steps(DesignInWork& work) {
   // The design holds the surface, and writing it takes no longer than reading it did.
   budget.reserve(kWritingStep, budget.used_s());
   // On a surface smaller than a module nothing fits, whatever its faces do, and that is an answer.
-  if (const double area_mm2 = area_mm2_of(file.mesh); area_mm2 < design::kModuleArea_mm2) {
+  if (const double area_mm2 = geometry::area_of(file.mesh); area_mm2 < design::kModuleArea_mm2) {
     work.design.surface = file.mesh;
     work.design.report.area_cm2 = area_mm2 / 100.0;
     return;

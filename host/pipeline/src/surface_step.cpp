@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "resolve_regions.hpp"
-#include "triskin/base/index.hpp"
 #include "triskin/mesh/extract.hpp"
 #include "triskin/mesh/open_side.hpp"
 
@@ -64,15 +63,6 @@ bool take_surface(DesignInWork& work, geometry::Extraction& extraction) {
 }
 
 }  // namespace
-
-double area_mm2_of(const geometry::Mesh& mesh) {
-  double twice = 0.0;
-  for (const auto& f : mesh.faces) {
-    const geometry::Vec3& a = mesh.vertices[at(f[0])];
-    twice += (mesh.vertices[at(f[1])] - a).cross(mesh.vertices[at(f[2])] - a).norm();
-  }
-  return 0.5 * twice;
-}
 
 geometry::MeshFile read_part(DesignInWork& work) {
   const cad::FaceSelection faces = faces_of(work.options);

@@ -8,9 +8,6 @@ namespace triskin::pipeline {
 /// Reads the mesh file, and stores its scale and its source in the design. Errors: as geometry::read_mesh().
 [[nodiscard]] geometry::MeshFile read_part(DesignInWork& work);
 
-/// Returns the area of all faces of a mesh, mm². Cost: linear.
-[[nodiscard]] double area_mm2_of(const geometry::Mesh& mesh);
-
 /// Makes the surface to cover: repairs the mesh by `end_s` of the budget, turns it over if that was asked, takes the
 /// wanted side, bridges small holes and resolves the regions. Returns false if both sides of a wall look alike; then
 /// nothing is covered, and notes.part and notes.side hold what the caller has to ask. Errors: InputError for a mesh

@@ -128,6 +128,7 @@ int drop_enclosed(Mesh& mesh);
 /// they may be its cavities. Cost: as drop_enclosed().
 int turn_outward(Mesh& mesh);
 
+/// Returns the area of all faces, mm². Cost: linear.
 [[nodiscard]] double area_of(const Mesh& mesh);
 
 }  // namespace triskin::geometry
