@@ -84,11 +84,9 @@ class Lines final : public LiveDisplay {
   // The message appears when the state begins and is repeated in every heartbeat period while it lasts.
   void say_off_rest(const LiveMonitor& monitor, double time_s) {
     const std::string remark = device::sentence(monitor.off_rest());
-    if (remark.empty() || (!off_rest_.empty() && time_s < off_rest_s_ + kHeartbeat_s)) {
-      off_rest_ = remark;
-      return;
-    }
-    off_rest_ = remark;
+    const bool is_due = !is_off_rest_ || time_s >= off_rest_s_ + kHeartbeat_s;
+    is_off_rest_ = !remark.empty();
+    if (!is_off_rest_ || !is_due) return;
     off_rest_s_ = time_s;
     output_.say(fmt::format("{:7.2f} s  {}", time_s, remark));
   }
@@ -97,7 +95,7 @@ class Lines final : public LiveDisplay {
   static constexpr double kHeartbeat_s = 5.0;
   const Output& output_;
   double spoke_s_ = 0.0, off_rest_s_ = 0.0;
-  std::string off_rest_;
+  bool is_off_rest_ = false;
 };
 
 class Objects final : public LiveDisplay {
