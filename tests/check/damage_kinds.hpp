@@ -80,120 +80,131 @@ struct DamageKind {
   std::function<bool(json& design, std::size_t module)> apply;
 };
 
-/// Returns the kinds of damage of a design on `surface`, which must outlive them.
-inline std::vector<DamageKind> damage_kinds(const geometry::Surface& surface) {
-  const auto module = [](json& d, std::size_t k) -> json& { return d["modules"][k]; };
-  const auto neighbour = [](const json& m) {
-    for (const json& n : m["neighbours"]) {
-      if (n.get<int>() >= 0) return n.get<std::size_t>();
+inline json& module_of(json& design, std::size_t k) {
+  return design["modules"][k];
+}
+/// Returns the id of the first neighbour of a module, or 0.
+inline std::size_t neighbour_of(const json& m) {
+  for (const json& n : m["neighbours"]) {
+    if (n.get<int>() >= 0) return n.get<std::size_t>();
+  }
+  return 0;
+}
+/// Returns the way from the centre of a module to the nearest vertex of the border.
+inline Vec3 way_to_border(const geometry::Surface& surface, const json& m) {
+  const Frame f(m);
+  Vec3 best = Vec3::Zero();
+  double least = 1e300;
+  for (const auto& loop : surface.border_loops()) {
+    for (const int v : loop) {
+      const Vec3 d = surface.mesh().vertices[static_cast<std::size_t>(v)] - f.center;
+      if (d.norm() >= least) continue;
+      least = d.norm();
+      best = d;
     }
-    return std::size_t{0};
-  };
-  const auto border_way = [&surface](const json& m) {  // The direction leads towards the nearest place of the border.
-    const Frame f(m);
-    Vec3 best = Vec3::Zero();
-    double least = 1e300;
-    for (const auto& loop : surface.border_loops()) {
-      for (const int v : loop) {
-        const Vec3 d = surface.mesh().vertices[static_cast<std::size_t>(v)] - f.center;
-        if (d.norm() >= least) continue;
-        least = d.norm();
-        best = d;
-      }
-    }
-    return best;
-  };
+  }
+  return best;
+}
+
+/// Returns the kinds that put a module at a wrong place.
+inline std::vector<DamageKind> misplacements(const geometry::Surface& surface) {
   return {
       {"moved 2 mm in its plane",
        {"hinge-gap", "edge-error"},
-       [=](json& d, std::size_t k) {
-         const Frame f(module(d, k));
-         move(module(d, k), 2.0 * (f.corner[1] - f.corner[0]).normalized());
-         return joined(module(d, k));
+       [](json& d, std::size_t k) {
+         const Frame f(module_of(d, k));
+         move(module_of(d, k), 2.0 * (f.corner[1] - f.corner[0]).normalized());
+         return joined(module_of(d, k));
        }},
       {"rotated 3° in its plane",
        {"hinge-gap", "edge-error"},
-       [=](json& d, std::size_t k) {
-         turn(module(d, k), Frame(module(d, k)).normal, 3.0);
-         return joined(module(d, k));
-       }},
-      {"doubled",
-       {"tile-unique", "penetration"},
-       [=](json& d, std::size_t k) {
-         append_copy(d, k);
-         return true;
-       }},
-      {"doubled on a tile of its own",
-       {"penetration", "every-module-wired"},
-       [=](json& d, std::size_t k) {
-         json& copy = append_copy(d, k);
-         copy["i"] = 1000;
-         copy["neighbours"] = {-1, -1, -1};
-         return true;
+       [](json& d, std::size_t k) {
+         turn(module_of(d, k), Frame(module_of(d, k)).normal, 3.0);
+         return joined(module_of(d, k));
        }},
       {"over the border",
        {"overrun"},
-       [=](json& d, std::size_t k) {
-         const Vec3 way = border_way(module(d, k));
-         const Frame f(module(d, k));
+       [&surface](json& d, std::size_t k) {
+         const Vec3 way = way_to_border(surface, module_of(d, k));
+         const Frame f(module_of(d, k));
          const Vec3 flat = way - way.dot(f.normal) * f.normal;
          if (way.norm() > 25.0) return false;
-         move(module(d, k), std::max(4.0, flat.norm() - 5.0) * flat.normalized());
+         move(module_of(d, k), std::max(4.0, flat.norm() - 5.0) * flat.normalized());
          return true;
        }},
       {"through a neighbour",
        {"penetration", "pierced"},
-       [=](json& d, std::size_t k) {
-         if (!joined(module(d, k))) return false;
-         const Frame f(module(d, k)), other(module(d, neighbour(module(d, k))));
+       [](json& d, std::size_t k) {
+         if (!joined(module_of(d, k))) return false;
+         const Frame f(module_of(d, k)), other(module_of(d, neighbour_of(module_of(d, k))));
          const Vec3 across = (other.center - f.center).normalized();
-         move(module(d, k), 8.0 * across + 3.0 * f.normal);
-         turn(module(d, k), f.normal.cross(across), 35.0);
+         move(module_of(d, k), 8.0 * across + 3.0 * f.normal);
+         turn(module_of(d, k), f.normal.cross(across), 35.0);
          return true;
-       }},
-      {"off the lattice",
-       {"joint-lattice", "tile-unique"},
-       [=](json& d, std::size_t k) {
-         module(d, k)["i"] = module(d, k)["i"].get<int>() + 1;
-         return joined(module(d, k));
        }},
       {"4 mm above its place",
        // The gap has no sign: the centre of a free module may end as far above the surface as it was below it.
        {"center-gap", "hinge-gap", "edge-lift"},
-       [=](json& d, std::size_t k) {
-         move(module(d, k), 4.0 * Frame(module(d, k)).normal);
+       [](json& d, std::size_t k) {
+         move(module_of(d, k), 4.0 * Frame(module_of(d, k)).normal);
          return true;
          // A module that bridges an edge may turn onto the face behind it, and is then below it.
        }},
       {"tilted by 30°, a corner 9 mm off",
        {"edge-lift", "edge-depth"},
-       [=](json& d, std::size_t k) {
-         const Frame f(module(d, k));
-         turn(module(d, k), f.corner[1] - f.corner[0], 30.0);
+       [](json& d, std::size_t k) {
+         const Frame f(module_of(d, k));
+         turn(module_of(d, k), f.corner[1] - f.corner[0], 30.0);
          return true;
+       }},
+      {"upside down",
+       {"outward", "hinge-gap", "fold"},
+       [](json& d, std::size_t k) {
+         const Frame f(module_of(d, k));
+         turn(module_of(d, k), f.corner[1] - f.corner[0], 180.0);
+         return true;
+       }},
+  };
+}
+
+/// Returns the kinds that leave a module where it is and state something wrong about it.
+inline std::vector<DamageKind> false_statements() {
+  return {
+      {"doubled",
+       {"tile-unique", "penetration"},
+       [](json& d, std::size_t k) {
+         append_copy(d, k);
+         return true;
+       }},
+      {"doubled on a tile of its own",
+       {"penetration", "every-module-wired"},
+       [](json& d, std::size_t k) {
+         json& copy = append_copy(d, k);
+         copy["i"] = 1000;
+         copy["neighbours"] = {-1, -1, -1};
+         return true;
+       }},
+      {"off the lattice",
+       {"joint-lattice", "tile-unique"},
+       [](json& d, std::size_t k) {
+         module_of(d, k)["i"] = module_of(d, k)["i"].get<int>() + 1;
+         return joined(module_of(d, k));
        }},
       {"a flattering lift",
        {"edge-lift"},
-       [=](json& d, std::size_t k) { return flattered(module(d, k)["edge_lift_mm"]); }},
-      {"upside down",
-       {"outward", "hinge-gap", "fold"},
-       [=](json& d, std::size_t k) {
-         const Frame f(module(d, k));
-         turn(module(d, k), f.corner[1] - f.corner[0], 180.0);
-         return true;
-       }},
+       [](json& d, std::size_t k) { return flattered(module_of(d, k)["edge_lift_mm"]); }},
       {"1 % too large",
        {"rigid"},
-       [=](json& d, std::size_t k) {
-         const Vec3 c = Frame(module(d, k)).center;
-         transform(module(d, k), [&](const Vec3& p) { return Vec3(c + 1.01 * (p - c)); });
+       [](json& d, std::size_t k) {
+         const Vec3 c = Frame(module_of(d, k)).center;
+         transform(module_of(d, k), [&](const Vec3& p) { return Vec3(c + 1.01 * (p - c)); });
          return true;
        }},
       {"joined to a module elsewhere",
        {"joint-lattice", "joint-symmetric"},
-       [=](json& d, std::size_t k) {
+       [](json& d, std::size_t k) {
          const std::size_t n = d["modules"].size();
-         for (json& side : module(d, k)["neighbours"]) {
+         for (json& side : module_of(d, k)["neighbours"]) {
            if (side.get<int>() < 0) continue;
            side = (side.get<std::size_t>() + n / 2) % n;
            return true;
@@ -202,21 +213,28 @@ inline std::vector<DamageKind> damage_kinds(const geometry::Surface& surface) {
        }},
       {"in another island",
        {"joint-island", "island-connected"},
-       [=](json& d, std::size_t k) {
-         module(d, k)["island"] = module(d, k)["island"].get<int>() + 1;
-         return joined(module(d, k));
+       [](json& d, std::size_t k) {
+         module_of(d, k)["island"] = module_of(d, k)["island"].get<int>() + 1;
+         return joined(module_of(d, k));
        }},
       {"a taxel 1 mm off",
        {"taxel-pose"},
-       [=](json& d, std::size_t k) {
-         json& p = module(d, k)["taxels"][7]["position"];
+       [](json& d, std::size_t k) {
+         json& p = module_of(d, k)["taxels"][7]["position"];
          p = list(vec(p) + Vec3(0, 1, 0));
          return true;
        }},
       {"a flattering centre gap",
        {"center-gap"},
-       [=](json& d, std::size_t k) { return flattered(module(d, k)["center_gap_mm"]); }},
+       [](json& d, std::size_t k) { return flattered(module_of(d, k)["center_gap_mm"]); }},
   };
+}
+
+/// Returns the kinds of damage of a design on `surface`, which must outlive them.
+inline std::vector<DamageKind> damage_kinds(const geometry::Surface& surface) {
+  std::vector<DamageKind> kinds = misplacements(surface);
+  std::ranges::move(false_statements(), std::back_inserter(kinds));
+  return kinds;
 }
 
 }  // namespace triskin::check::damage

@@ -63,8 +63,9 @@ json& failure_where(json& routes, const std::function<bool(const json&)>& fits) 
   throw std::logic_error("no failure row fits");
 }
 
-const std::vector<Damage>& damages() {
-  static const std::vector<Damage> kDamages{
+/// Returns damages of the trees, their lines and addresses.
+std::vector<Damage> tree_damages() {
+  return {
       {"address-unique",
        [](json& r) {
          module_row(r, 0, 1)["line"] = module_row(r, 0, 0)["line"];
@@ -118,6 +119,12 @@ const std::vector<Damage>& damages() {
          json& m = module_row(r, 0, 3);
          m["depth"] = m["depth"].get<int>() + 1;
        }},
+  };
+}
+
+/// Returns damages of which modules a patch has, and of what is said of patches and failures.
+std::vector<Damage> patch_damages() {
+  return {
       {"every-module-wired", [](json& r) { r["routes"][0]["modules"].erase(r["routes"][0]["modules"].size() - 1); }},
       {"one-patch", [](json& r) { r["routes"][0]["modules"].push_back(module_row(r, 1, 1)); }},
       {"known-module", [](json& r) { module_row(r, 0, 5)["id"] = 99999; }},
@@ -176,7 +183,12 @@ const std::vector<Damage>& damages() {
          p["failures"][0]["adopted"].push_back({p["modules"][2]["id"], r["routes"][1]["entry"]});
        }},
   };
-  return kDamages;
+}
+
+std::vector<Damage> damages() {
+  std::vector<Damage> all = tree_damages();
+  std::ranges::move(patch_damages(), std::back_inserter(all));
+  return all;
 }
 
 TEST(RoutingRules, accepts_every_result) {

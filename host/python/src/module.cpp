@@ -363,14 +363,7 @@ std::unique_ptr<Skin> simulate(const std::string& file, const std::string& scene
   return std::make_unique<Skin>(file, "sim", scene, every, false, 10.0);
 }
 
-}  // namespace
-
-PYBIND11_MODULE(triskin, m) {
-  m.doc() = "Samples of robot skin as numpy arrays (docs/library.md).";
-  m.attr("__version__") = triskin_version();
-  PYBIND11_NUMPY_DTYPE(triskin_sample, time_s, error_s, device_time_us, number, module, node, valid, value);
-  py::register_exception<BadInput>(m, "BadInput", PyExc_ValueError);
-  py::register_exception<DeviceFailed>(m, "DeviceFailed", PyExc_OSError);
+void add_skin(py::module_& m) {
   py::class_<Skin>(m, "Skin", "The skin of a design or of a robot. Use triskin.open.")
       .def("close", &Skin::close, "Ends the stream and the link.")
       .def(
@@ -403,6 +396,9 @@ PYBIND11_MODULE(triskin, m) {
            "without calibration), area_mm2, module, taxel (the strongest) and taxels (how many).")
       .def("verify", &Skin::verify,
            "Whether the hardware is the design, and the report as text. A stream that runs pauses for that.");
+}
+
+void add_recording(py::module_& m) {
   py::class_<Recording>(m, "Recording", "A recording (.mcap), whole in memory. Use triskin.open.")
       .def_readonly("modules", &Recording::modules, "Number of modules.")
       .def_readonly("name", &Recording::name, "Name of the cover, or of the design.")
@@ -420,6 +416,18 @@ PYBIND11_MODULE(triskin, m) {
       .def(
           "__enter__", [](Recording& r) -> Recording& { return r; }, py::return_value_policy::reference)
       .def("__exit__", [](Recording&, const py::args&) {});
+}
+
+}  // namespace
+
+PYBIND11_MODULE(triskin, m) {
+  m.doc() = "Samples of robot skin as numpy arrays (docs/library.md).";
+  m.attr("__version__") = triskin_version();
+  PYBIND11_NUMPY_DTYPE(triskin_sample, time_s, error_s, device_time_us, number, module, node, valid, value);
+  py::register_exception<BadInput>(m, "BadInput", PyExc_ValueError);
+  py::register_exception<DeviceFailed>(m, "DeviceFailed", PyExc_OSError);
+  add_skin(m);
+  add_recording(m);
   m.def("open", &open_file, py::arg("file"), py::kw_only(), py::arg("link") = "", py::arg("scene") = "",
         py::arg("every") = 0, py::arg("overload") = false, py::arg("queue_s") = 10.0,
         "Opens the skin of a design file or of a robot file, or a recording (.mcap). link: as --link of the program; "

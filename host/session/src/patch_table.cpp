@@ -95,19 +95,65 @@ bool concerns(const design::Patch& patch, const RouteChoice& choice) {
          (choice.other < 0 || row_of(patch, choice.other) >= 0);
 }
 
-layout::PatchImage image_of(const design::Design& design, int patch_index, const RouteChoice& choice) {
-  const design::Patch& patch = design.patches.at(static_cast<std::size_t>(patch_index));
-  const auto refuse = [&](const std::string& what) {
-    throw InputError(fmt::format("patch {}: {}; run triskin check on the design", patch_index, what));
-  };
+namespace {
+
+[[noreturn]] void refuse(int patch_index, const std::string& what) {
+  throw InputError(fmt::format("patch {}: {}; run triskin check on the design", patch_index, what));
+}
+
+void require_limits(const design::Design& design, int patch_index) {
+  const std::size_t modules = design.patches.at(static_cast<std::size_t>(patch_index)).modules.size();
   if (design.node_addresses.empty() && design.patches.size() > layout::kMaxNodes)
-    refuse(fmt::format("a bus has {} node addresses, the design {} patches", layout::kMaxNodes, design.patches.size()));
-  if (patch.modules.empty() || patch.modules.size() > layout::kMaxModules)
-    refuse(fmt::format("{} modules, a controller reads 1 … {}", patch.modules.size(), layout::kMaxModules));
-  if (design.layout.modules.size() > 0xFFFF) refuse("module ids beyond 65535 fit no table");
+    refuse(patch_index,
+           fmt::format("a bus has {} node addresses, the design {} patches", layout::kMaxNodes, design.patches.size()));
+  if (modules == 0 || modules > layout::kMaxModules)
+    refuse(patch_index, fmt::format("{} modules, a controller reads 1 … {}", modules, layout::kMaxModules));
+  if (design.layout.modules.size() > 0xFFFF) refuse(patch_index, "module ids beyond 65535 fit no table");
   if (!design.kinds.empty() && design.layout.modules.size() > layout::kIdsBesideKinds)
-    refuse(
-        fmt::format("module ids beyond {} fit no table beside kinds; divide the cover", layout::kIdsBesideKinds - 1));
+    refuse(patch_index, fmt::format("module ids beyond {} fit no table beside kinds; divide the cover",
+                                    layout::kIdsBesideKinds - 1));
+}
+
+/// Returns the row of a module in the table of this tree, or −1.
+int row_in(const Tree& tree, int module) {
+  const auto found = std::ranges::find(tree.modules, module, &design::RoutedModule::node);
+  return found == tree.modules.end() ? -1 : static_cast<int>(found - tree.modules.begin());
+}
+
+/// Enters the joints of a row to those modules that the table holds, without the one that failed.
+void add_joints(const design::Patch& patch, const Tree& tree, const std::array<design::PortEnd, layout::kPorts>& ends,
+                int module, layout::ModuleRow& row) {
+  for (std::size_t port = 0; port < layout::kPorts; ++port) {
+    if (ends[port].row < 0) continue;
+    const int far_module = patch.modules[static_cast<std::size_t>(ends[port].row)].node;
+    const bool cut = std::minmax(module, far_module) == std::minmax(tree.cut_a, tree.cut_b);
+    const int far = row_in(tree, far_module);
+    if (far >= 0 && !cut)
+      row.joints[port] = layout::joint_to(static_cast<std::size_t>(far), static_cast<std::size_t>(ends[port].port));
+  }
+}
+
+/// Enters the parent of row `k`, which must precede it and have a joint to it.
+void add_parent(int patch_index, const Tree& tree, std::size_t k, layout::PatchImage& image) {
+  const design::RoutedModule& m = tree.modules[k];
+  if (m.parent < 0) return;
+  const int parent = row_in(tree, m.parent);
+  if (parent < 0 || parent >= static_cast<int>(k))
+    refuse(patch_index, fmt::format("module {} stands before its parent {}", m.node, m.parent));
+  const layout::ModuleRow& above = image.modules[static_cast<std::size_t>(parent)];
+  const auto port =
+      std::ranges::find_if(above.joints, [&](std::uint8_t j) { return j != 0 && layout::joint_row(j) == k; });
+  if (port == above.joints.end())
+    refuse(patch_index, fmt::format("module {} is no neighbour of its parent {}", m.node, m.parent));
+  image.modules[k].parent = static_cast<std::uint8_t>(parent);
+  image.modules[k].parent_port = static_cast<std::uint8_t>(port - above.joints.begin());
+}
+
+}  // namespace
+
+layout::PatchImage image_of(const design::Design& design, int patch_index, const RouteChoice& choice) {
+  require_limits(design, patch_index);
+  const design::Patch& patch = design.patches[static_cast<std::size_t>(patch_index)];
   const Tree tree = concerns(patch, choice) ? tree_after(patch, choice) : Tree{patch.modules, -1, -1};
   if (tree.modules.empty()) {
     throw InputError(fmt::format("patch {}: module {} is its entry, nothing is read without it; replace it",
@@ -117,10 +163,6 @@ layout::PatchImage image_of(const design::Design& design, int patch_index, const
   image.design_id = design.design_id;
   image.node_address = static_cast<std::uint8_t>(design::node_address_of(design, patch_index));
   image.module_count = static_cast<std::uint8_t>(tree.modules.size());
-  const auto row_in = [&](int module) {
-    const auto found = std::ranges::find(tree.modules, module, &design::RoutedModule::node);
-    return found == tree.modules.end() ? -1 : static_cast<int>(found - tree.modules.begin());
-  };
   const design::PortEnds ends = design::joints_of(design, patch_index);
   for (std::size_t k = 0; k < tree.modules.size(); ++k) {
     const design::RoutedModule& m = tree.modules[k];
@@ -130,30 +172,13 @@ layout::PatchImage image_of(const design::Design& design, int patch_index, const
     row.line = static_cast<std::uint8_t>(m.line);
     row.address = static_cast<std::uint8_t>(m.address);
     row.rotation = static_cast<std::uint8_t>(m.rotation);
-    const auto& mine = ends[static_cast<std::size_t>(row_of(patch, m.node))];
-    for (std::size_t port = 0; port < layout::kPorts; ++port) {
-      if (mine[port].row < 0) continue;
-      const int far_module = patch.modules[static_cast<std::size_t>(mine[port].row)].node;
-      const bool cut = std::minmax(m.node, far_module) == std::minmax(tree.cut_a, tree.cut_b);
-      const int far = row_in(far_module);
-      if (far >= 0 && !cut)
-        row.joints[port] = layout::joint_to(static_cast<std::size_t>(far), static_cast<std::size_t>(mine[port].port));
-    }
-    if (m.parent < 0) continue;
-    const int parent = row_in(m.parent);
-    if (parent < 0 || parent >= static_cast<int>(k))
-      refuse(fmt::format("module {} stands before its parent {}", m.node, m.parent));
-    const layout::ModuleRow& above = image.modules[static_cast<std::size_t>(parent)];
-    const auto port =
-        std::ranges::find_if(above.joints, [&](std::uint8_t j) { return j != 0 && layout::joint_row(j) == k; });
-    if (port == above.joints.end()) refuse(fmt::format("module {} is no neighbour of its parent {}", m.node, m.parent));
-    row.parent = static_cast<std::uint8_t>(parent);
-    row.parent_port = static_cast<std::uint8_t>(port - above.joints.begin());
+    add_joints(patch, tree, ends[static_cast<std::size_t>(row_of(patch, m.node))], m.node, row);
+    add_parent(patch_index, tree, k, image);
   }
   image.second_entry = second_entry_of(patch, tree);
   if (const Status s = layout::check(image); s != Status::kOk) {
-    refuse(s == Status::kDuplicate ? "two modules have one line and address"
-                                   : "a joint leaves by the input port or is used twice");
+    refuse(patch_index, s == Status::kDuplicate ? "two modules have one line and address"
+                                                : "a joint leaves by the input port or is used twice");
   }
   return image;
 }

@@ -267,68 +267,77 @@ void require_like_alone(const CLI::App& app) {
   }
 }
 
+void add_files(CLI::App& app, Options& o) {
+  app.add_option("MESH", o.mesh,
+                 "OBJ, STL, PLY, OFF, DAE, glTF, GLB, 3MF, STEP or IGES; mm unless --unit says otherwise")
+      ->required();
+  app.add_option("-o,--output", o.output, "design file")->required();
+  o.edit.add_to(app);
+  EditOptions::hide(app);
+  app.add_option("--like", o.like,
+                 "design of an older version of the part: its modules stay where the surface lets them, its limits, "
+                 "price, seed and kinds are taken")
+      ->check(CLI::ExistingFile);
+  app.add_option("--repair", o.design.repair,
+                 "auto: a mesh that crosses itself or is no manifold is made one that can be covered; never: it is "
+                 "refused")
+      ->transform(one_of(std::map<std::string, pipeline::RepairMode>{{"auto", pipeline::RepairMode::kAuto},
+                                                                     {"never", pipeline::RepairMode::kNever}}));
+}
+
+void add_search(CLI::App& app, Options& o) {
+  app.add_option("--time-limit-s", o.design.time_limit_s, "effort")
+      ->check(CLI::Range(0.01, 1e6))
+      ->capture_default_str();
+  app.add_option("--method", o.design.method,
+                 "where layouts are searched; auto: grown on the surface, and on flat pieces too where the surface "
+                 "bends in one direction only; pieces: on both; lattice: grown only (default: auto)")
+      ->transform(one_of(std::map<std::string, pipeline::SearchMethod>{{"auto", pipeline::SearchMethod::kAuto},
+                                                                       {"pieces", pipeline::SearchMethod::kPieces},
+                                                                       {"lattice", pipeline::SearchMethod::kLattice}}));
+  app.add_option("--seed", o.design.seed, "of every random choice")->capture_default_str();
+  o.unit.add_to(app);
+  add_object_option(app, o.design.object);
+  o.side.add_to(app);
+  app.add_flag("--flip", o.design.flip, "turn all faces over: the other side of an open part");
+  o.faces.add_to(app);
+}
+
+void add_rules(CLI::App& app, Options& o) {
+  add_limits(app, o.design.limits);
+  add_corner_cut(app, o.design.corner_cut_mm);
+  app.add_option("--bend-radius-mm", o.design.bend_radius_mm,
+                 "no module is bent to a smaller radius, as in the reference paper at 50: parts the pieces and "
+                 "limits depth and lift to 112.5/radius (0: no)")
+      ->check(CLI::Range(0.0, 1e4))
+      ->capture_default_str();
+  app.add_option("--solver-deviation-mm", o.design.solver_deviation_mm,
+                 "deviation of the mesh that is searched on where the surface has more faces than it needs; all is "
+                 "measured on the surface (0: search on the surface)")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  app.add_option("--regions", o.regions, "file of weights, keep-outs and places that must be covered (docs/regions.md)")
+      ->check(CLI::ExistingFile);
+  add_price(app, o.design.limits, o.design.price);
+  o.verbosity.add_to(app);
+  app.add_option("--threads", o.design.threads, "chains of the growth; part of what a result depends on")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  app.add_option("--iterations", o.design.iterations,
+                 "steps of each chain (0: as the time permits); repeatable when the time suffices")
+      ->check(CLI::Range(0, 1000000000))
+      ->capture_default_str();
+}
+
 const Registration kDesign{{
     "design",
     "cover a mesh with modules: surface, layout, controllers, wiring",
     "triskin design forearm.obj -o forearm.design.json",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      app.add_option("MESH", options->mesh,
-                     "OBJ, STL, PLY, OFF, DAE, glTF, GLB, 3MF, STEP or IGES; mm unless --unit says otherwise")
-          ->required();
-      app.add_option("-o,--output", options->output, "design file")->required();
-      options->edit.add_to(app);
-      EditOptions::hide(app);
-      app.add_option(
-             "--like", options->like,
-             "design of an older version of the part: its modules stay where the surface lets them, its limits, "
-             "price, seed and kinds are taken")
-          ->check(CLI::ExistingFile);
-      app.add_option("--repair", options->design.repair,
-                     "auto: a mesh that crosses itself or is no manifold is made one that can be covered; never: it is "
-                     "refused")
-          ->transform(one_of(std::map<std::string, pipeline::RepairMode>{{"auto", pipeline::RepairMode::kAuto},
-                                                                         {"never", pipeline::RepairMode::kNever}}));
-      app.add_option("--time-limit-s", options->design.time_limit_s, "effort")
-          ->check(CLI::Range(0.01, 1e6))
-          ->capture_default_str();
-      app.add_option("--method", options->design.method,
-                     "where layouts are searched; auto: grown on the surface, and on flat pieces too where the surface "
-                     "bends in one direction only; pieces: on both; lattice: grown only (default: auto)")
-          ->transform(
-              one_of(std::map<std::string, pipeline::SearchMethod>{{"auto", pipeline::SearchMethod::kAuto},
-                                                                   {"pieces", pipeline::SearchMethod::kPieces},
-                                                                   {"lattice", pipeline::SearchMethod::kLattice}}));
-      app.add_option("--seed", options->design.seed, "of every random choice")->capture_default_str();
-      options->unit.add_to(app);
-      add_object_option(app, options->design.object);
-      options->side.add_to(app);
-      app.add_flag("--flip", options->design.flip, "turn all faces over: the other side of an open part");
-      options->faces.add_to(app);
-      add_limits(app, options->design.limits);
-      add_corner_cut(app, options->design.corner_cut_mm);
-      app.add_option("--bend-radius-mm", options->design.bend_radius_mm,
-                     "no module is bent to a smaller radius, as in the reference paper at 50: parts the pieces and "
-                     "limits depth and lift to 112.5/radius (0: no)")
-          ->check(CLI::Range(0.0, 1e4))
-          ->capture_default_str();
-      app.add_option("--solver-deviation-mm", options->design.solver_deviation_mm,
-                     "deviation of the mesh that is searched on where the surface has more faces than it needs; all is "
-                     "measured on the surface (0: search on the surface)")
-          ->check(CLI::Range(0.0, 1.0))
-          ->capture_default_str();
-      app.add_option("--regions", options->regions,
-                     "file of weights, keep-outs and places that must be covered (docs/regions.md)")
-          ->check(CLI::ExistingFile);
-      add_price(app, options->design.limits, options->design.price);
-      options->verbosity.add_to(app);
-      app.add_option("--threads", options->design.threads, "chains of the growth; part of what a result depends on")
-          ->check(CLI::Range(1, 256))
-          ->capture_default_str();
-      app.add_option("--iterations", options->design.iterations,
-                     "steps of each chain (0: as the time permits); repeatable when the time suffices")
-          ->check(CLI::Range(0, 1000000000))
-          ->capture_default_str();
+      add_files(app, *options);
+      add_search(app, *options);
+      add_rules(app, *options);
       return [options, &app](Output& output) {
         options->edit.require_fitting(app, options->mesh);
         require_like_alone(app);

@@ -153,64 +153,68 @@ int report_check(const check::DesignReport& report, Output& output) {
   return report.violations.empty() ? 0 : 1;
 }
 
-int run(const Options& options, Output& output) {
+/// Holds what is routed: the modules, and the places of jumpers where those are wanted.
+struct Task {
+  design::SkinGuiLayout layout;
+  std::vector<geometry::Jumper> places;
+};
+
+Task read_task(const Options& options) {
   if (!options.part.empty() && !options.skingui)
     throw InputError("--part: names a part of a skinGui collection; give --skingui too");
   if (options.jumpers_mm > 0.0 && (options.skingui || !options.checked.empty()))
     throw InputError("--jumpers-mm: needs a design file, which alone knows where the sides lie in space");
-  design::SkinGuiLayout layout;
-  std::vector<geometry::Jumper> places;
+  Task task;
   if (options.jumpers_mm > 0.0)
-    places = jumper_places(options.modules, options.jumpers_mm, layout.list);
+    task.places = jumper_places(options.modules, options.jumpers_mm, task.layout.list);
   else if (options.skingui)
-    layout = design::read_skingui(options.modules, options.part);
+    task.layout = design::read_skingui(options.modules, options.part);
   else
-    layout.list = design::read_module_list(options.modules);
-  const design::ModuleList& list = layout.list;
-  if (!options.module_output.empty()) write_output(options.module_output, design::module_list_json(list).dump() + "\n");
-  if (!options.checked.empty()) {
-    const nlohmann::json routes = design::parse_json(read_text(options.checked), options.checked);
-    const int status = report_check(check::check_routes(design::module_list_json(list), routes), output);
-    output.say(
-        fmt::format("{} rules, {} violations", output.result["rules"].get<int>(), output.result["violations"].size()));
-    return status;
-  }
+    task.layout.list = design::read_module_list(options.modules);
+  return task;
+}
+
+int check_file(const Options& options, const design::ModuleList& list, Output& output) {
+  const nlohmann::json routes = design::parse_json(read_text(options.checked), options.checked);
+  const int status = report_check(check::check_routes(design::module_list_json(list), routes), output);
+  output.say(
+      fmt::format("{} rules, {} violations", output.result["rules"].get<int>(), output.result["violations"].size()));
+  return status;
+}
+
+geometry::RoutingOptions routing_options(const Options& options) {
   geometry::RoutingOptions routing = options.routing;
   if (options.hops_first) routing.objective = geometry::RouteObjective::kHopsFirst;
   if (options.time_limit_s > 0.0) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(options.time_limit_s);
     routing.give_up = [end] { return std::chrono::steady_clock::now() > end; };
   }
-  const geometry::RoutingResult r = geometry::route(list.graph, places, routing, output.progress());
-  output.result = result_json(r, list.ids);
-  if (options.jumpers_mm > 0.0) {
-    geometry::RoutingOptions count_only = routing;
-    count_only.failure_analysis = false;
-    count_only.recombinations = 0;
-    const geometry::RoutingResult apart = geometry::route(list.graph, count_only);
-    output.say(
-        fmt::format("{} jumpers (at least {}) of {} places up to {:g} mm: {} controllers instead of {}, lower "
-                    "bound {} instead of {}",
-                    r.jumpers.size(), r.jumpers_lower_bound, places.size(), options.jumpers_mm, r.patches.size(),
-                    apart.patches.size(), r.lower_bound, apart.lower_bound));
-    output.result["patches_without_jumpers"] = apart.patches.size();
-    output.result["lower_bound_without_jumpers"] = apart.lower_bound;
-    output.result["jumpers"] = jumpers_json(r.jumpers);
-    output.result["jumpers_lower_bound"] = r.jumpers_lower_bound;
-    output.result["jumper_places"] = places.size();
-    output.result["price_proved"] = r.price_proved;
-  }
-  if (options.skingui) {
-    output.result["boards_today"] = layout.boards;
-    output.result["boards_apart_today"] = layout.boards_apart;
-  }
-  if (!options.picture.empty()) write_output(options.picture, design::route_svg(list, r.patches));
-  if (!options.output.empty()) write_output(options.output, output.result.dump() + "\n");
-  if (options.skingui)
-    output.say(fmt::format("today {} boards, {} of them with triangles that do not hang together", layout.boards,
-                           layout.boards_apart));
+  return routing;
+}
+
+/// Routes the modules without jumpers as well, to say what the jumpers save.
+void report_jumpers(const Options& options, const Task& task, const geometry::RoutingResult& with,
+                    geometry::RoutingOptions count_only, Output& output) {
+  count_only.failure_analysis = false;
+  count_only.recombinations = 0;
+  const geometry::RoutingResult apart = geometry::route(task.layout.list.graph, count_only);
   output.say(
-      fmt::format("{} modules on {} controllers, lower bound {}{}; {} line hops, depth {}; {:.3f} s", list.ids.size(),
+      fmt::format("{} jumpers (at least {}) of {} places up to {:g} mm: {} controllers instead of {}, lower "
+                  "bound {} instead of {}",
+                  with.jumpers.size(), with.jumpers_lower_bound, task.places.size(), options.jumpers_mm,
+                  with.patches.size(), apart.patches.size(), with.lower_bound, apart.lower_bound));
+  output.result["patches_without_jumpers"] = apart.patches.size();
+  output.result["lower_bound_without_jumpers"] = apart.lower_bound;
+  output.result["jumpers"] = jumpers_json(with.jumpers);
+  output.result["jumpers_lower_bound"] = with.jumpers_lower_bound;
+  output.result["jumper_places"] = task.places.size();
+  output.result["price_proved"] = with.price_proved;
+}
+
+/// Says what was found. Returns the exit status: 1 if a line is too heavy.
+int report_routes(const geometry::RoutingResult& r, std::size_t modules, double bus_hz, Output& output) {
+  output.say(
+      fmt::format("{} modules on {} controllers, lower bound {}{}; {} line hops, depth {}; {:.3f} s", modules,
                   r.patches.size(), r.lower_bound,
                   r.proved ? fmt::format(" (proved fewest by {})", geometry::kPartitionProofNames.name(r.proof)) : "",
                   r.line_hops, r.max_depth, r.seconds));
@@ -219,10 +223,30 @@ int run(const Options& options, Output& output) {
   if (r.patches_without_border > 0)
     output.say(
         fmt::format("{} patches have no border side: their cables pass through the skin", r.patches_without_border));
-  if (r.electrical_violations > 0)
-    output.say(
-        fmt::format("{} lines are too heavy for {:g} kHz", r.electrical_violations, routing.electrical.bus_hz / 1e3));
-  return r.electrical_violations > 0 ? 1 : 0;
+  if (r.electrical_violations == 0) return 0;
+  output.say(fmt::format("{} lines are too heavy for {:g} kHz", r.electrical_violations, bus_hz / 1e3));
+  return 1;
+}
+
+int run(const Options& options, Output& output) {
+  const Task task = read_task(options);
+  const design::ModuleList& list = task.layout.list;
+  if (!options.module_output.empty()) write_output(options.module_output, design::module_list_json(list).dump() + "\n");
+  if (!options.checked.empty()) return check_file(options, list, output);
+  const geometry::RoutingOptions routing = routing_options(options);
+  const geometry::RoutingResult r = geometry::route(list.graph, task.places, routing, output.progress());
+  output.result = result_json(r, list.ids);
+  if (options.jumpers_mm > 0.0) report_jumpers(options, task, r, routing, output);
+  if (options.skingui) {
+    output.result["boards_today"] = task.layout.boards;
+    output.result["boards_apart_today"] = task.layout.boards_apart;
+  }
+  if (!options.picture.empty()) write_output(options.picture, design::route_svg(list, r.patches));
+  if (!options.output.empty()) write_output(options.output, output.result.dump() + "\n");
+  if (options.skingui)
+    output.say(fmt::format("today {} boards, {} of them with triangles that do not hang together", task.layout.boards,
+                           task.layout.boards_apart));
+  return report_routes(r, list.ids.size(), routing.electrical.bus_hz, output);
 }
 
 void add_options(CLI::App& app, Options& o) {
