@@ -71,8 +71,7 @@ TEST_P(Fuzz, CorpusAndMutations) {
   for (const Input& input : corpus) GetParam().run(input);
   GetParam().run({});
   std::mt19937 random(31);
-  constexpr int kRounds = 20'000;
-  for (int k = 0; k < kRounds; ++k) GetParam().run(mutate(corpus, random));
+  for (int k = 0; k < GetParam().mutations; ++k) GetParam().run(mutate(corpus, random));
 }
 
 INSTANTIATE_TEST_SUITE_P(Decoders, Fuzz, testing::ValuesIn(targets().begin(), targets().end()),

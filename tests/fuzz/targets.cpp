@@ -36,10 +36,6 @@
 namespace triskin::fuzz {
 namespace {
 
-void require(bool rule) {
-  if (!rule) std::abort();
-}
-
 // Simulates erased memory of any size; every operation is allowed.
 class Memory final : public fw::FlashArea {
  public:
@@ -356,31 +352,25 @@ void record(Bytes input) {
   }
 }
 
-constexpr std::array<Target, 14> kTargets{{{"iso_tp", iso_tp},
-                                           {"uds_server", uds_server},
-                                           {"usb_packet", usb_packet},
-                                           {"usb_control", usb_control},
-                                           {"dfu", dfu},
-                                           {"loader", loader},
-                                           {"image_update", image_update},
-                                           {"icub", icub},
-                                           {"patch_image", patch_image},
-                                           {"taxel_frames", taxel_frames},
-                                           {"node_claim", node_claim},
-                                           {"answers", answers},
-                                           {"firmware_package", firmware_package},
-                                           {"record", record}}};
+constexpr std::array kTargets{Target{"iso_tp", iso_tp},
+                              Target{"uds_server", uds_server},
+                              Target{"usb_packet", usb_packet},
+                              Target{"usb_control", usb_control},
+                              Target{"dfu", dfu},
+                              Target{"loader", loader},
+                              Target{"image_update", image_update},
+                              Target{"icub", icub},
+                              Target{"patch_image", patch_image},
+                              Target{"taxel_frames", taxel_frames},
+                              Target{"node_claim", node_claim},
+                              Target{"answers", answers},
+                              Target{"firmware_package", firmware_package},
+                              Target{"record", record}};
 
 }  // namespace
 
 std::span<const Target> targets() {
   return kTargets;
-}
-
-Target find_target(std::string_view name) {
-  const auto found = std::ranges::find(kTargets, name, &Target::name);
-  require(found != kTargets.end());
-  return *found;
 }
 
 }  // namespace triskin::fuzz

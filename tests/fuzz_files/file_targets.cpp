@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Readers of files as fuzz targets. A file is either read or refused by an Error; anything else, such as an exception of a
+// library, ends the program.
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <array>
+#include <filesystem>
+#include <string>
+
+#include "../fuzz/targets.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
+#include "triskin/check/design_rules.hpp"
+#include "triskin/check/placement_proof.hpp"
+#include "triskin/deploy/board_backup.hpp"
+#include "triskin/design/calibration.hpp"
+#include "triskin/design/design.hpp"
+#include "triskin/design/kinds.hpp"
+#include "triskin/design/region_file.hpp"
+#include "triskin/robot/frames.hpp"
+#include "triskin/robot/registration.hpp"
+#include "triskin/robot/robot.hpp"
+#include "triskin/scene/scene.hpp"
+
+namespace triskin::fuzz {
+namespace {
+
+/// Holds the input in memory under a path, because a disk would decide how many inputs a second are tried.
+class FileInMemory {
+ public:
+  explicit FileInMemory(Bytes content) : descriptor_(memfd_create("input", MFD_CLOEXEC)) {
+    require(descriptor_ >= 0 && ::write(descriptor_, content.data(), content.size()) == std::ssize(content));
+  }
+  ~FileInMemory() { ::close(descriptor_); }
+  FileInMemory(const FileInMemory&) = delete;
+  FileInMemory& operator=(const FileInMemory&) = delete;
+  [[nodiscard]] std::filesystem::path path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
+
+ private:
+  int descriptor_;
+};
+
+template <auto kRead>
+void file(Bytes input) {
+  const FileInMemory in(input);
+  try {
+    kRead(in.path());
+  } catch (const Error&) {
+    return;  // The file was refused.
+  }
+}
+
+constexpr auto kDesign = [](const auto& path) { (void)design::read_design(path); };
+constexpr auto kCheck = [](const auto& path) { (void)check::check_design(path); };
+constexpr auto kScene = [](const auto& path) { (void)scene::read_scene(path); };
+constexpr auto kRobot = [](const auto& path) { (void)robot::read_robot(path); };
+constexpr auto kUrdf = [](const auto& path) { (void)robot::Frames::read_urdf(path); };
+constexpr auto kTouches = [](const auto& path) { (void)robot::read_touches(read_file(path), "touches"); };
+constexpr auto kCalibration = [](const auto& path) { (void)design::read_calibration(path); };
+constexpr auto kBackup = [](const auto& path) { (void)device::read_backup(path); };
+constexpr auto kKinds = [](const auto& path) { (void)design::read_kind_plan(path); };
+constexpr auto kRegions = [](const auto& path) { (void)design::read_region_file(path); };
+
+/// Checks the input as a proof about the outline in the corpus of this target.
+void proof(Bytes input) {
+  static const std::string kOutline =
+      R"({"type":"Polygon","coordinates":[[[0,0],[70,0],[70,60],[0,60],[0,0]]]})";
+  try {
+    (void)check::check_placement_proof_text(std::string(input.begin(), input.end()), kOutline);
+  } catch (const Error&) {
+    return;
+  }
+}
+
+constexpr std::array kTargets{Target{"design", file<kDesign>, 1000},
+                              Target{"check", file<kCheck>, 500},
+                              Target{"scene", file<kScene>, 1000},
+                              Target{"robot", file<kRobot>, 1000},
+                              Target{"urdf", file<kUrdf>, 1000},
+                              Target{"touches", file<kTouches>, 1000},
+                              Target{"calibration", file<kCalibration>, 1000},
+                              Target{"backup", file<kBackup>, 1000},
+                              Target{"kinds", file<kKinds>, 1000},
+                              Target{"regions", file<kRegions>, 1000},
+                              Target{"proof", proof, 500}};
+
+}  // namespace
+
+std::span<const Target> targets() {
+  return kTargets;
+}
+
+}  // namespace triskin::fuzz
