@@ -313,7 +313,7 @@ class SpreadSkin {
       for (int t = 0; t < layout::kTaxelsPerModule; ++t) {
         if (!layout::measures_pressure(static_cast<std::size_t>(t))) continue;
         const double truth = link_->skin().skin().module(m).counts_per_kpa(t);
-        worst = std::max(worst, std::abs(calibration.counts_per_kpa(m, t) / truth - 1.0));
+        worst = std::max(worst, std::abs(calibration.counts_per_kpa({m, t}) / truth - 1.0));
       }
     }
     return worst;
@@ -325,7 +325,7 @@ class SpreadSkin {
     stream.run_until(bus_->now_us() + kLook_us);
     stream.finish();
     double sum = 0.0;
-    for (const PressedTaxel& t : map.pressed()) sum += calibration.force_n(t.module, t.taxel, t.change_counts);
+    for (const PressedTaxel& t : map.pressed()) sum += calibration.force_n({t.module, t.taxel}, t.change_counts);
     return sum;
   }
 
@@ -362,7 +362,7 @@ TEST(Calibrate, a_taxel_that_does_not_follow_is_named_and_has_none) {
   const CalibrationOutcome outcome = skin.by_steps(kSteps);
   EXPECT_THAT(outcome.without, testing::ElementsAre(std::pair{2, 5}));
   EXPECT_EQ(outcome.quality.missing, 1U);
-  EXPECT_EQ(skin.calibration(outcome).counts_per_kpa(2, 5), 0.0);
+  EXPECT_EQ(skin.calibration(outcome).counts_per_kpa({2, 5}), 0.0);
   EXPECT_TRUE(skin.calibration(outcome).complete());
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Readers of files as fuzz targets. A file is either read or refused by an Error; anything else, such as an exception of a
-// library, ends the program.
+// Readers of files as fuzz targets. A file is either read or refused by an Error; anything else, such as an exception
+// of a library, ends the program.
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -64,8 +64,7 @@ constexpr auto kRegions = [](const auto& path) { (void)design::read_region_file(
 
 /// Checks the input as a proof about the outline in the corpus of this target.
 void proof(Bytes input) {
-  static const std::string kOutline =
-      R"({"type":"Polygon","coordinates":[[[0,0],[70,0],[70,60],[0,60],[0,0]]]})";
+  static const std::string kOutline = R"({"type":"Polygon","coordinates":[[[0,0],[70,0],[70,60],[0,60],[0,0]]]})";
   try {
     (void)check::check_placement_proof_text(std::string(input.begin(), input.end()), kOutline);
   } catch (const Error&) {

@@ -87,7 +87,7 @@ TEST_F(LiveSkins, show_which_taxel_is_pressed_and_forget_it_by_a_tare) {
   bus.start({}, [&](const LiveSample& s) { last.insert_or_assign(s.module, s); });
   LiveCover& cover = bus.covers().front();
   pass(bus, 500'000);
-  cover.actuator()->press(kPressed, kTaxel);
+  cover.actuator()->press({kPressed, kTaxel});
   pass(bus, 500'000);
   for (const auto& [module, s] : last) {
     for (int t = 0; t < int{layout::kTaxelsPerModule}; ++t) {

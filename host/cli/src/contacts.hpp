@@ -21,7 +21,7 @@ inline std::vector<recording::Contact> contact_messages(const device::TouchMap& 
     m.force_n = std::isfinite(c.force_n) ? c.force_n : 0.0;
     m.area_mm2 = c.area_mm2;
     for (const device::PressedTaxel& t : c.taxels) {
-      const double force_n = calibration.complete() ? calibration.force_n(t.module, t.taxel, t.change_counts) : 0.0;
+      const double force_n = calibration.complete() ? calibration.force_n({t.module, t.taxel}, t.change_counts) : 0.0;
       m.taxels.push_back({t.module, t.taxel, t.change_counts, t.position_mm, t.normal, force_n});
     }
   }

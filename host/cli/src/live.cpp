@@ -54,10 +54,12 @@ class Demonstrator {
     const int turn = static_cast<int>(elapsed_us / kFingerMoves_us);
     if (turn == turn_ || (turn_ >= 0 && options_.press >= 0)) return;
     turn_ = turn;
-    const int module = options_.press >= 0 ? options_.press : turn % modules_;
-    actuator_->press(module, options_.press >= 0
-                                 ? options_.taxel
-                                 : kTaxelsInTurn[static_cast<std::size_t>(turn) % kTaxelsInTurn.size()]);
+    if (options_.press < 0)
+      actuator_->press({turn % modules_, kTaxelsInTurn[static_cast<std::size_t>(turn) % kTaxelsInTurn.size()]});
+    else if (options_.taxel < 0)
+      actuator_->press(options_.press);
+    else
+      actuator_->press({options_.press, options_.taxel});
   }
 
  private:

@@ -263,7 +263,8 @@ std::string place_text(const LiveMonitor& monitor, const PressedTaxel& t) {
   const std::string place = fmt::format("module {:4} taxel {:2}  at ({:8.2f}, {:8.2f}, {:8.2f}) mm", t.module, t.taxel,
                                         t.position_mm.x(), t.position_mm.y(), t.position_mm.z());
   if (best_unit(monitor) == PressureUnit::kCounts) return fmt::format("{}  {:6.0f} counts", place, t.change_counts);
-  return fmt::format("{}  {:6.2f} kPa", place, monitor.calibration().pressure_kpa(t.module, t.taxel, t.change_counts));
+  return fmt::format("{}  {:6.2f} kPa", place,
+                     monitor.calibration().pressure_kpa({t.module, t.taxel}, t.change_counts));
 }
 
 std::string contact_text(const device::SkinContact& c) {
@@ -283,7 +284,7 @@ nlohmann::json to_json(const LiveMonitor& monitor, const LiveState& state) {
                        {"position_mm", {t.position_mm.x(), t.position_mm.y(), t.position_mm.z()}},
                        {"normal", {t.normal.x(), t.normal.y(), t.normal.z()}}});
     if (calibrated)
-      pressed.back()["pressure_kpa"] = monitor.calibration().pressure_kpa(t.module, t.taxel, t.change_counts);
+      pressed.back()["pressure_kpa"] = monitor.calibration().pressure_kpa({t.module, t.taxel}, t.change_counts);
   }
   nlohmann::json line = {
       {"time_s", state.time_s}, {"frames", state.frames}, {"lost", state.lost}, {"pressed", std::move(pressed)}};

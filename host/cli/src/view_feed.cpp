@@ -101,7 +101,7 @@ class Feed {
     while (const auto command = commands_.pop(static_cast<int>(bus_.index()))) {
       if (command->kind == view::Command::Kind::kRest) begin_tare();
       if (command->kind == view::Command::Kind::kLift) lift();
-      if (command->kind == view::Command::Kind::kPress) press(command->module, command->taxel);
+      if (command->kind == view::Command::Kind::kPress) press(*command);
     }
   }
   void begin_tare() {
@@ -114,11 +114,15 @@ class Feed {
   void lift() {
     if (device::TouchActuator* actuator = bus_.covers().front().actuator()) actuator->lift();
   }
-  void press(int module, int taxel) {
+  void press(const view::Command& command) {
     for (device::LiveCover& cover : bus_.covers()) {
-      const int own = module - first_module(cover);
+      const int own = command.module - first_module(cover);
       if (own < 0 || own >= static_cast<int>(cover.design().layout.modules.size())) continue;
-      if (cover.actuator() != nullptr) cover.actuator()->press(own, taxel);
+      if (cover.actuator() == nullptr) return;
+      if (command.taxel < 0)
+        cover.actuator()->press(own);
+      else
+        cover.actuator()->press({own, command.taxel});
       return;
     }
     lift();  // The page now presses on another bus.

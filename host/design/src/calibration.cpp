@@ -169,17 +169,17 @@ SkinCalibration::SkinCalibration(const Design& design, std::span<const BoardCali
   }
 }
 
-double SkinCalibration::counts_per_kpa(int module, int taxel) const {
+double SkinCalibration::counts_per_kpa(layout::TaxelId taxel) const {
   return modules_.at(static_cast<std::size_t>(module)).counts_per_kpa.at(static_cast<std::size_t>(taxel));
 }
 
-double SkinCalibration::pressure_kpa(int module, int taxel, double change_counts) const {
-  const double sensitivity = counts_per_kpa(module, taxel);
+double SkinCalibration::pressure_kpa(layout::TaxelId taxel, double change_counts) const {
+  const double sensitivity = counts_per_kpa(taxel);
   return sensitivity > 0.0 ? change_counts / sensitivity : 0.0;
 }
 
-double SkinCalibration::force_n(int module, int taxel, double change_counts) const {
-  return kNewtonPerKpaMm2 * pressure_kpa(module, taxel, change_counts) * taxel_area_mm2(module);
+double SkinCalibration::force_n(layout::TaxelId taxel, double change_counts) const {
+  return kNewtonPerKpaMm2 * pressure_kpa(taxel, change_counts) * taxel_area_mm2(taxel.module);
 }
 
 }  // namespace triskin::design

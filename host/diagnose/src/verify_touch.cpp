@@ -90,7 +90,7 @@ int TouchTest::turned(TouchActuator& actuator, int module, const PatchState& pat
   const int rotation = wiring_[static_cast<std::size_t>(module)].routed.rotation;
   const TurnProbe probe = turn_probe(design_.layout.modules[static_cast<std::size_t>(module)], rotation);
   if (probe.taxel[0] < 0) return 0;
-  actuator.press(module, probe.taxel[0]);
+  actuator.press({module, probe.taxel[0]});
   bus_.listen(bus_.now_us() + kSettle_us);
   const wire::LiveTaxels now = patch.controller(bus_).taxels();
   for (std::size_t row = 0; row < std::min(now.count, patch.image.module_count); ++row) {

@@ -154,7 +154,7 @@ void Skin::calibrate(device::LiveBus& bus, const device::LiveCover& cover, std::
       module.taxel_area_mm2 = skin.taxel_area_mm2(routed.node);
       module.known = module.taxel_area_mm2 > 0.0;
       for (std::size_t t = 0; t < module.counts_per_kpa.size(); ++t)
-        module.counts_per_kpa[t] = skin.counts_per_kpa(routed.node, static_cast<int>(t));
+        module.counts_per_kpa[t] = skin.counts_per_kpa({routed.node, static_cast<int>(t)});
     }
   }
 }

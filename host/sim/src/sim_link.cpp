@@ -9,9 +9,14 @@ std::uint64_t InProcessLink::answer_us() const {
   return 2 * wire::kP2_us;
 }
 
-void InProcessLink::press(int module, int taxel) {
+void InProcessLink::press(int module) {
   lift();
-  touch_ = skin_.press_module(module, taxel);
+  touch_ = skin_.press_module(module);
+}
+
+void InProcessLink::press(layout::TaxelId taxel) {
+  lift();
+  touch_ = skin_.press_taxel(taxel);
 }
 
 void InProcessLink::lift() {

@@ -112,7 +112,8 @@ void SimServer::handle(Client& client, const record::Record& r) {
       (!whole && taxel >= layout::kTaxelsPerModule)) {
     throw DeviceError("no such module or taxel");
   }
-  client.touch = skin_.press_module(static_cast<int>(module), whole ? -1 : taxel);
+  const int id = static_cast<int>(module);
+  client.touch = whole ? skin_.press_module(id) : skin_.press_taxel({id, taxel});
 }
 
 // The pressure remains when the client disconnects, because it stands for a bag around the skin and not for the

@@ -193,11 +193,19 @@ void TcpLink::send(const wire::CanFrame& frame) {
   write_all(bytes);
 }
 
-void TcpLink::press(int module, int taxel) {
+void TcpLink::press(int module) {
+  send_press(module, record::kWholeModule);
+}
+
+void TcpLink::press(layout::TaxelId taxel) {
+  send_press(taxel.module, static_cast<std::uint8_t>(taxel.taxel));
+}
+
+void TcpLink::send_press(int module, std::uint8_t pad) {
   std::array<std::uint8_t, 5> contents{};
   ByteWriter w(contents);
   w.le32(static_cast<std::uint32_t>(module));
-  w.u8(static_cast<std::uint8_t>(taxel < 0 ? record::kWholeModule : taxel));
+  w.u8(pad);
   std::vector<std::uint8_t> bytes;
   record::put(bytes, record::kPress, contents);
   write_all(bytes);

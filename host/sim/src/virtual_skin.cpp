@@ -296,32 +296,36 @@ bool VirtualSkin::run(std::uint64_t until_us, bool stop_at_frame) {
   return frame_came_;
 }
 
-int VirtualSkin::press_module(int module, int taxel) {
+int VirtualSkin::touched_instead_of(int module) const {
   int touched = module;
   for (const Fault& f : scene_.faults) {
     if (f.kind == FaultKind::kFingerElsewhere && f.module == module && is_present(f, now_us_)) touched = f.other;
   }
-  if (taxel >= 0) {
-    const auto k = static_cast<std::size_t>(touched);
-    const int rotation = design::wiring_of(scene_.design)[k].routed.rotation;
-    const auto at =
-        design::taxels_of(scene_.design.layout.modules[k], rotation)[static_cast<std::size_t>(taxel)].position_mm;
-    // Pads are at least 3.7 mm apart, so the tip touches only this one.
-    constexpr double kTipRadius_mm = 3.0;
-    constexpr double kTipForce_n = 1.0;
-    Contact tip;
-    tip.from_us = now_us_;
-    tip.position_mm = at;
-    tip.radius_mm = kTipRadius_mm;
-    tip.force_n = kTipForce_n;
-    return skin_.press(tip);
-  }
+  return touched;
+}
+
+int VirtualSkin::press_taxel(layout::TaxelId taxel) {
+  const auto k = static_cast<std::size_t>(touched_instead_of(taxel.module));
+  const int rotation = design::wiring_of(scene_.design)[k].routed.rotation;
+  const auto taxels = design::taxels_of(scene_.design.layout.modules[k], rotation);
+  // Pads are at least 3.7 mm apart, so the tip touches only this one.
+  constexpr double kTipRadius_mm = 3.0;
+  constexpr double kTipForce_n = 1.0;
+  Contact tip;
+  tip.from_us = now_us_;
+  tip.position_mm = taxels[static_cast<std::size_t>(taxel.taxel)].position_mm;
+  tip.radius_mm = kTipRadius_mm;
+  tip.force_n = kTipForce_n;
+  return skin_.press(tip);
+}
+
+int VirtualSkin::press_module(int module) {
   // The finger reaches all pads of a module (the farthest is 11.4 mm from the centre) and little beyond.
   constexpr double kRadius_mm = 12.0;
   constexpr double kForce_n = 20.0;
   Contact finger;
   finger.from_us = now_us_;
-  finger.position_mm = center_of(scene_.design, touched);
+  finger.position_mm = center_of(scene_.design, touched_instead_of(module));
   finger.radius_mm = kRadius_mm;
   finger.force_n = kForce_n;
   return skin_.press(finger);

@@ -46,7 +46,7 @@ LiveSample LiveCover::take(const ModuleSample& sample, int cover, std::uint64_t 
   if (!calibration().complete()) return live;
   auto& pressure_kpa = live.pressure_kpa.emplace();
   for (std::size_t t = 0; t < pressure_kpa.size(); ++t)
-    pressure_kpa[t] = calibration().pressure_kpa(sample.module, static_cast<int>(t), live.change_counts[t]);
+    pressure_kpa[t] = calibration().pressure_kpa({sample.module, static_cast<int>(t)}, live.change_counts[t]);
   return live;
 }
 

@@ -132,7 +132,7 @@ std::vector<SkinContact> LiveMonitor::contacts() const {
 double LiveMonitor::force_n() const {
   double sum_n = 0.0;
   if (!calibration_.complete()) return sum_n;
-  for (const PressedTaxel& t : touches_.pressed()) sum_n += calibration_.force_n(t.module, t.taxel, t.change_counts);
+  for (const PressedTaxel& t : touches_.pressed()) sum_n += calibration_.force_n({t.module, t.taxel}, t.change_counts);
   return sum_n;
 }
 
@@ -203,7 +203,7 @@ std::string LiveMonitor::cell(int module, PressureUnit unit, bool colour, CellFo
   const double counts = std::max(0.0, *std::ranges::max_element(change));
   double kpa = 0.0;
   for (std::size_t t = 0; t < change.size() && calibration_.complete(); ++t)
-    kpa = std::max(kpa, calibration_.pressure_kpa(module, static_cast<int>(t), change[t]));
+    kpa = std::max(kpa, calibration_.pressure_kpa({module, static_cast<int>(t)}, change[t]));
   const std::string_view trouble = m.heard ? trouble_of(m.state) : "  --";
   std::string text = design_.layout.modules[static_cast<std::size_t>(module)].tile.up ? "▲" : "▼";
   if (unit == PressureUnit::kModule && form != CellForm::kDigit)

@@ -155,7 +155,7 @@ std::vector<SkinContact> contacts_of(const TouchMap& touches, const design::Desi
       frame.normal.push_back(poses[t].normal);
       frame.change_counts.push_back(change[t]);
       if (calibration.complete())
-        frame.counts_per_kpa.push_back(calibration.counts_per_kpa(static_cast<int>(m), static_cast<int>(t)));
+        frame.counts_per_kpa.push_back(calibration.counts_per_kpa({static_cast<int>(m), static_cast<int>(t)}));
     }
     const double area = calibration.complete() ? calibration.taxel_area_mm2(static_cast<int>(m)) : equal_share;
     frame.taxel_area_mm2.push_back(area > 0.0 ? area : equal_share);

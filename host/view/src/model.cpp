@@ -106,7 +106,7 @@ json newton_per_count(const design::Design& design, const design::SkinCalibratio
   json modules = json::array();
   for (int m = 0; m < static_cast<int>(design.layout.modules.size()); ++m) {
     json taxels = json::array();
-    for (int t = 0; t < layout::kTaxelsPerModule; ++t) taxels.push_back(calibration.force_n(m, t, 1.0));
+    for (int t = 0; t < layout::kTaxelsPerModule; ++t) taxels.push_back(calibration.force_n({m, t}, 1.0));
     modules.push_back(std::move(taxels));
   }
   return modules;

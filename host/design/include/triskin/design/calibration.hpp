@@ -11,6 +11,7 @@
 #include "triskin/base/names.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/layout/module.hpp"
+#include "triskin/layout/taxel_id.hpp"
 #include "triskin/wire/calibration.hpp"
 
 /// Converts the counts of taxels into kPa and N (docs/calibration.md).
@@ -98,9 +99,8 @@ class SkinCalibration {
   [[nodiscard]] std::size_t modules() const { return modules_.size(); }
   /// Returns the number of modules without a calibration, or 0 if nothing is calibrated.
   [[nodiscard]] std::size_t missing() const { return missing_; }
-  /// Returns the sensitivity of taxel 0 … 11 of a module in counts/kPa; 0 if it is not calibrated. Throws
-  /// std::out_of_range.
-  [[nodiscard]] double counts_per_kpa(int module, int taxel) const;
+  /// Returns the sensitivity in counts/kPa; 0 if the taxel is not calibrated. Throws std::out_of_range.
+  [[nodiscard]] double counts_per_kpa(layout::TaxelId taxel) const;
   /// Returns the area of skin in mm² that a taxel of the module represents; 0 if it is not calibrated. Throws
   /// std::out_of_range.
   [[nodiscard]] double taxel_area_mm2(int module) const {
@@ -108,9 +108,9 @@ class SkinCalibration {
   }
   /// Returns the pressure in kPa of a taxel that reads `change_counts` below rest; 0 if it is not calibrated. Throws
   /// std::out_of_range.
-  [[nodiscard]] double pressure_kpa(int module, int taxel, double change_counts) const;
+  [[nodiscard]] double pressure_kpa(layout::TaxelId taxel, double change_counts) const;
   /// Returns the force in N on the skin that this taxel represents, against its normal. Throws std::out_of_range.
-  [[nodiscard]] double force_n(int module, int taxel, double change_counts) const;
+  [[nodiscard]] double force_n(layout::TaxelId taxel, double change_counts) const;
   /// Returns those of the given boards that the design uses.
   [[nodiscard]] const std::vector<BoardCalibration>& boards() const { return boards_; }
 

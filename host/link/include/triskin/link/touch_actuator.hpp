@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "triskin/layout/taxel_id.hpp"
 
 namespace triskin::device {
 
@@ -10,10 +11,11 @@ class Link;
 class TouchActuator {
  public:
   virtual ~TouchActuator() = default;
-  /// Presses module `module` (id in the design) at its centre, wide enough for all of its taxels, or with a tip on one
-  /// taxel (0..11; −1: the whole module). The tip is lifted from its former place. Takes effect at the link's time of
-  /// the call. Throws as Link::send does.
-  virtual void press(int module, int taxel = -1) = 0;
+  /// Presses a module (id in the design) at its centre, wide enough for all of its taxels. The tip is lifted from its
+  /// former place. Takes effect at the link's time of the call. Throws as Link::send does.
+  virtual void press(int module) = 0;
+  /// Presses one taxel with a tip, otherwise as above.
+  virtual void press(layout::TaxelId taxel) = 0;
   /// Lifts the tip; it has no effect when the tip is up. Throws as Link::send does.
   virtual void lift() = 0;
   /// Puts every taxel of a module (−1: of all) under the same pressure, kPa ≥ 0, as a bag or a foot of the module's
@@ -32,7 +34,8 @@ class CoverTouchActuator final : public TouchActuator {
  public:
   /// `first_module` is the number of the cover's module 0 on the bus. `whole` must outlive this object.
   CoverTouchActuator(TouchActuator& whole, int first_module) : whole_(whole), first_module_(first_module) {}
-  void press(int module, int taxel) override { whole_.press(first_module_ + module, taxel); }
+  void press(int module) override { whole_.press(first_module_ + module); }
+  void press(layout::TaxelId taxel) override { whole_.press({first_module_ + taxel.module, taxel.taxel}); }
   void lift() override { whole_.lift(); }
   void pressurize(int module, double kpa) override {
     whole_.pressurize(module < 0 ? module : first_module_ + module, kpa);

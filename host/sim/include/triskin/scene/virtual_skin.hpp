@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "triskin/layout/taxel_id.hpp"
 #include "triskin/scene/board_clock.hpp"
 #include "triskin/scene/flash_memory.hpp"
 #include "triskin/scene/scene.hpp"
@@ -50,9 +51,11 @@ class VirtualSkin {
   /// Runs until a frame for the host has left the bus (true), at the latest until `until_us`.
   bool run_until_frame(std::uint64_t until_us) { return run(until_us, true); }
 
-  /// Puts a finger on the module for which it is meant (the fault finger_elsewhere moves it). It covers all of its
-  /// taxels, or with a finger tip one taxel (0..11; -1: the whole module). Returns an id for release.
-  int press_module(int module, int taxel = -1);
+  /// Puts a finger on the module for which it is meant (the fault finger_elsewhere moves it); it covers all of its
+  /// taxels. Returns an id for release.
+  int press_module(int module);
+  /// Puts a finger tip on one taxel, otherwise as above.
+  int press_taxel(layout::TaxelId taxel);
   /// Lifts the finger with this id; it has no effect when the finger is gone.
   void release(int id) { skin_.release(id, now_us_); }
 
@@ -121,6 +124,8 @@ class VirtualSkin {
   };
   static constexpr std::size_t kHost = ~std::size_t{0};
 
+  /// Returns the module that the finger meets when it is meant for `module`.
+  [[nodiscard]] int touched_instead_of(int module) const;
   bool run(std::uint64_t until_us, bool stop_at_frame);
   void build(std::size_t patch, const std::filesystem::path& state_folder, bool other_hardware);
   void plug_in(Node& node, int patch);
