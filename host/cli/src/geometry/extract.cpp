@@ -88,7 +88,7 @@ int run(Options options, Output& output) {
                    {"boundary_loops", surface.border_loops().size()},
                    {"flipped_faces", e.report.flipped_faces},
                    {"components", e.report.components},
-                   {"crowded_edges", e.report.non_manifold_edges},
+                   {"non_manifold_edges", e.report.non_manifold_edges},
                    {"outer", e.report.outer},
                    {"wrapped", e.report.wrapped},
                    {"kept_out_cm2", e.report.kept_out_mm2 / 100.0},
