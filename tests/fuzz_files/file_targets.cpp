@@ -5,10 +5,12 @@
 #include <unistd.h>
 
 #include <array>
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 
 #include "../fuzz/targets.hpp"
+#include "support/strip_design.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/check/design_rules.hpp"
@@ -26,24 +28,38 @@
 namespace triskin::fuzz {
 namespace {
 
-/// Holds the input in memory under a path, because a disk would decide how many inputs a second are tried.
-class FileInMemory {
+/// Gives inputs a path, one after the other. They stay in memory, because a disk would decide how many a second are
+/// tried. Beside the file lies strip.json, a design of four modules for scenes and robots that name one.
+class InputFile {
  public:
-  explicit FileInMemory(Bytes content) : descriptor_(memfd_create("input", MFD_CLOEXEC)) {
-    require(descriptor_ >= 0 && ::write(descriptor_, content.data(), content.size()) == std::ssize(content));
+  InputFile() : descriptor_(memfd_create("input", 0)) {
+    std::string name = (std::filesystem::temp_directory_path() / "fuzz_files.XXXXXX").string();
+    require(descriptor_ >= 0 && mkdtemp(name.data()) != nullptr);
+    folder_ = name;
+    std::filesystem::create_symlink("/proc/self/fd/" + std::to_string(descriptor_), path());
+    design::write_design(folder_ / "strip.json", test::strip(4));
   }
-  ~FileInMemory() { ::close(descriptor_); }
-  FileInMemory(const FileInMemory&) = delete;
-  FileInMemory& operator=(const FileInMemory&) = delete;
-  [[nodiscard]] std::filesystem::path path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
+  ~InputFile() {
+    std::filesystem::remove_all(folder_);
+    ::close(descriptor_);
+  }
+  InputFile(const InputFile&) = delete;
+  InputFile& operator=(const InputFile&) = delete;
+  void write(Bytes content) const {
+    require(::ftruncate(descriptor_, 0) == 0 &&
+            ::pwrite(descriptor_, content.data(), content.size(), 0) == std::ssize(content));
+  }
+  [[nodiscard]] std::filesystem::path path() const { return folder_ / "input"; }
 
  private:
   int descriptor_;
+  std::filesystem::path folder_;
 };
 
 template <auto kRead>
 void file(Bytes input) {
-  const FileInMemory in(input);
+  static const InputFile in;
+  in.write(input);
   try {
     kRead(in.path());
   } catch (const Error&) {
