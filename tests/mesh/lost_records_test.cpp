@@ -122,5 +122,16 @@ TEST_F(LostRecords, triangles_without_area_and_doubled_ones_are_said) {
   EXPECT_THAT(twice.report.notes, ElementsAre("1 of 3 triangles are there more than once and count once"));
 }
 
+TEST_F(LostRecords, a_mesh_without_a_triangle_is_refused_with_what_was_left_out) {
+  const std::string vertices = "v 0 0 0\nv 100 0 0\nv 100 100 5\nv 0 100 0\n";
+  const auto path = file("surface.obj", vertices + "cstype bezier\ndeg 1 1\nsurf 0 1 0 1 1 2 3 4\nend\n");
+  try {
+    (void)read_mesh(path);
+    FAIL() << "a file without a triangle was read";
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), HasSubstr("no triangle with an area in it; 1 free-form curves and surfaces were left out"));
+  }
+}
+
 }  // namespace
 }  // namespace triskin::geometry

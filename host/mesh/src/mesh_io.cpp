@@ -148,6 +148,14 @@ cad::FaceSelection with_body(cad::FaceSelection faces, const std::string& object
   return faces;
 }
 
+// What was left out is often the reason, so the message has the notes.
+void require_triangles(const std::string& name, const MeshFile& file) {
+  if (!file.mesh.faces.empty()) return;
+  std::string text = fmt::format("{}: no triangle with an area in it", name);
+  for (const std::string& note : file.report.notes) text.append("; ").append(note);
+  throw InputError(text);
+}
+
 MeshFile read_part_mesh(const std::filesystem::path& path, const std::string& bytes, std::optional<LengthUnit> unit,
                         const cad::FaceSelection& faces) {
   cad::ReadOptions options;
@@ -165,7 +173,7 @@ MeshFile read_part_mesh(const std::filesystem::path& path, const std::string& by
   file.report.unit_from_file = !part.unit.empty();
   file.report.part = std::move(report);
   clean(file.mesh, file.report, Corners::kKept);
-  if (file.mesh.faces.empty()) throw InputError(fmt::format("{}: no triangle with an area in it", path.string()));
+  require_triangles(path.string(), file);
   return file;
 }
 
@@ -227,7 +235,7 @@ MeshFile read_any_size(const std::filesystem::path& path, std::optional<LengthUn
   const std::size_t held = file.mesh.faces.size();
   clean(file.mesh, file.report);
   say_dropped(file.report, held);
-  if (file.mesh.faces.empty()) throw InputError(fmt::format("{}: no triangle with an area in it", name));
+  require_triangles(name, file);
   return file;
 }
 

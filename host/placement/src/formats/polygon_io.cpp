@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -69,13 +70,19 @@ Polygon from_coordinates(const json& rings, const std::string& name) {
 Polygon from_geojson(const json& j, const std::string& name) {
   const std::string type =
       j.is_object() && j.contains("type") && j["type"].is_string() ? j["type"].get<std::string>() : "";
-  if (type == "Feature" && j.contains("geometry")) return from_geojson(j["geometry"], name);
+  if (type == "Feature" && j.contains("geometry")) {
+    if (j["geometry"].is_null()) fail(name, "the feature has no geometry (null)");
+    return from_geojson(j["geometry"], name);
+  }
   const char* list = type == "FeatureCollection" ? "features" : type == "GeometryCollection" ? "geometries" : nullptr;
   if (list != nullptr) {
     if (!j.contains(list) || !j[list].is_array() || j[list].size() != 1)
       fail(name, fmt::format("\"{}\" must hold exactly one polygon", list));
     return from_geojson(j[list][0], name);
   }
+  constexpr std::array<std::string_view, 4> kOthers{"Point", "MultiPoint", "LineString", "MultiLineString"};
+  if (std::ranges::find(kOthers, type) != kOthers.end())
+    fail(name, fmt::format("holds a {}; a Polygon is needed", type));
   if (type != "Polygon" && type != "MultiPolygon") fail(name, "not a GeoJSON Polygon (\"type\")");
   if (!j.contains("coordinates")) fail(name, "\"coordinates\" is missing");
   const json& coordinates = j["coordinates"];
