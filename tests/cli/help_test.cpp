@@ -105,6 +105,9 @@ TEST_F(Help, help_is_a_command_and_has_a_topic_for_links) {
 
 TEST_F(Help, a_slip_is_answered_in_the_first_line) {
   EXPECT_THAT(lines_of(run("recrod").messages).at(0), HasSubstr("did you mean record?"));
+  const Outcome help = run("recrod --help");
+  EXPECT_EQ(help.status, 2);
+  EXPECT_THAT(lines_of(help.messages).at(0), HasSubstr("did you mean record?"));
   EXPECT_THAT(lines_of(run("record s.json -o r.csv --secnods 1").messages).at(0), HasSubstr("did you mean --seconds?"));
   EXPECT_THAT(run("").messages, StartsWith("triskin: no command is given"));
 }

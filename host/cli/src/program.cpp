@@ -122,9 +122,13 @@ std::vector<std::unique_ptr<Entry>> add_commands(CLI::App& program) {
   return entries;
 }
 
+bool names_unknown_command(const CLI::App& program, int argc, const char* const* argv) {
+  return argc > 1 && argv[1][0] != '-' && find_command(program, argv[1]) == nullptr;
+}
+
 // Prints one line with the error, a suggestion, and where to read more.
 int refuse(const CLI::App& program, const CLI::ParseError& error, int argc, const char* const* argv) {
-  const bool unknown = argc > 1 && argv[1][0] != '-' && find_command(program, argv[1]) == nullptr;
+  const bool unknown = names_unknown_command(program, argc, argv);
   std::string what = plain_words(error.what());
   if (unknown) what = fmt::format("there is no command {}", argv[1]);
   if (argc == 1) what = "no command is given";
@@ -149,7 +153,8 @@ int run_program(const std::string& description, int argc, char** argv) {
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) return when_written(program.exit(e));
+    // The --help behind a command that does not exist would show the commands and hide the mistake.
+    if (e.get_exit_code() == 0 && !names_unknown_command(program, argc, argv)) return when_written(program.exit(e));
     return refuse(program, e, argc, argv);
   }
   for (const auto& entry : entries) {
