@@ -23,7 +23,7 @@ namespace triskin::machine {
 /// Returns the file of the built image; absent without the cross compiler.
 [[nodiscard]] std::filesystem::path firmware(const char* name);
 
-/// Describes a board of firmware/board/stm32g474/boards: its images, and its pins.
+/// Describes a board of firmware/board: its images, and its pins.
 struct BenchBoard {
   std::filesystem::path (*file)(const char* name);
   BoardPins pins;
