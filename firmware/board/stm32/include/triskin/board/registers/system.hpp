@@ -16,7 +16,7 @@ inline constexpr std::uint32_t kKey1 = 0x45670123, kKey2 = 0xCDEF89AB;
 // §3.7.4 defines the keys that unlock the option bytes.
 inline constexpr std::uint32_t kOptionKey1 = 0x08192A3B, kOptionKey2 = 0x4C5D6E7F;
 // The access control register ACR has the wait states and the caches of the flash.
-inline constexpr std::uint32_t kLatencyMask = 0xF, kLatency4 = 4, kPrefetch = bit(8), kInstructionCache = bit(9),
+inline constexpr std::uint32_t kLatency4 = 4, kPrefetch = bit(8), kInstructionCache = bit(9),
                                kDataCache = bit(10), kDataCacheReset = bit(12);
 // The status register SR tells when an operation has ended.
 inline constexpr std::uint32_t kEndOfOperation = bit(0), kBusy = bit(16);

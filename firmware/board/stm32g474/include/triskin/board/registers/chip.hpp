@@ -8,7 +8,8 @@ namespace triskin::board {
 
 /// RM0440 §3.7 describes the embedded flash (category 3 device) with two banks.
 namespace flash_reg {
-inline constexpr std::uint32_t kBank2 = bit(11);  // The bit belongs to CR.
+inline constexpr std::uint32_t kLatencyMask = 0xF;  // The field belongs to ACR.
+inline constexpr std::uint32_t kBank2 = bit(11);    // The bit belongs to CR.
 // These bits of ECCR are for the upper half with DBANK = 0.
 inline constexpr std::uint32_t kEccDetectedHigh = bit(29), kEccCorrectedHigh = bit(28);
 inline constexpr std::uint32_t kDualBank = bit(22);                                 // The bit belongs to OPTR.

@@ -27,9 +27,9 @@ namespace config {
 inline constexpr bool kLightOnWhenHigh = true;
 inline constexpr bool kUsb = false;     // PA11 and PA12 are those of CAN.
 inline constexpr bool kOneScl = false;  // Each line has its own clock wire.
-/// The board has a crystal of this many MHz at HSE. A Nucleo board has none as it is delivered, so the clock comes from
-/// the internal oscillator (± 1 %); fit X3 for CAN over the whole range of temperature, and state it here.
-inline constexpr std::uint32_t kCrystal_mhz = 0;
+/// The board has a crystal of this many MHz at HSE; 0 means none. A Nucleo board is delivered without X3, and the image
+/// then runs from the internal oscillator (± 1 %). CAN over the whole range of temperature needs the crystal.
+inline constexpr std::uint32_t kCrystal_mhz = 8;
 inline constexpr bool kClockInput = false;  ///< True means that an oscillator drives OSC_IN instead of a crystal.
 }  // namespace config
 

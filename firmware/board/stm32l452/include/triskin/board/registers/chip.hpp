@@ -9,6 +9,7 @@ namespace triskin::board {
 
 /// RM0394 describes the embedded flash in its chapter of that name: one bank of pages of 2 KB.
 namespace flash_reg {
+inline constexpr std::uint32_t kLatencyMask = 7;  // The field belongs to ACR.
 inline constexpr std::uint32_t kBank2 = 0, kEccDetectedHigh = 0, kEccCorrectedHigh = 0, kDualBank = 0;
 inline constexpr std::uint32_t kProtectedPageMask = 0xFF, kProtectsNothing = 0xFF;  // The fields belong to WRP1AR.
 }  // namespace flash_reg
