@@ -124,7 +124,7 @@ void Bench::store_table(const layout::PatchImage& image, std::uint32_t sequence)
 
 std::vector<std::uint8_t> Bench::request(const std::vector<std::uint8_t>& bytes, std::uint64_t patience_us) {
   wire::IsoTp tester(wire::physical_id(1, wire::kTesterAddress), wire::physical_id(wire::kTesterAddress, 1),
-                    board.fd ? 64 : 8);
+                     board.fd ? 64 : 8);
   EXPECT_EQ(tester.send(bytes, now_us()), Status::kOk);
   const std::uint64_t until = now_us() + patience_us;
   std::size_t seen = frames.size();

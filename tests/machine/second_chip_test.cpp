@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Tests the board with the other chip, an STM32L452 (firmware/board/stm32l452): bxCAN, one bank of flash, clocks from MSI
-// and HSI, DMA without a multiplexer. I²C lines, tables, loader and crash record are the code of the first chip.
+// Tests the board with the other chip, an STM32L452 (firmware/board/stm32l452): bxCAN, one bank of flash, clocks from
+// MSI and HSI, DMA without a multiplexer. I²C lines, tables, loader and crash record are the code of the first chip.
 #include <algorithm>
 #include <map>
 #include <random>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Compares the constants of the firmware for the STM32L452 and of its modelled machine with facts.txt, whose numbers have
-// no common source with them.
+// Compares the constants of the firmware for the STM32L452 and of its modelled machine with facts.txt, whose numbers
+// have no common source with them.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -71,7 +71,7 @@ TEST(FactsL452, TheMachineComesOutOfResetWithTheRegistersOfTheFacts) {
 }
 
 // By hand: 160 MHz are twenty times 8 MHz; 16 MHz may go to the PLL as they are, 24 MHz only by a third; 20 MHz need a
-// divisor of 2, because 16 MHz is the fastest input; 25 MHz have no divisor up to 8 that 160 MHz is a multiple of, but 5.
+// divisor of 2, because 16 MHz is the fastest input; 25 MHz by 5 is the only part of it that divides 160 MHz.
 TEST(ClockPlanL452, WorkedByHand) {
   EXPECT_EQ(pll_setting(8'000'000), (PllSetting{1, 20}));
   EXPECT_EQ(pll_setting(16'000'000), (PllSetting{1, 10}));

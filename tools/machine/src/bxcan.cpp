@@ -236,10 +236,10 @@ void Bxcan::write_filter(std::uint32_t offset, std::uint32_t value) {
   }
   if (filter_init_ == 0 && offset != kFa1r)
     return around_.violation(fmt::format("bxCAN: register {:#x} written without FINIT", offset));
-  (offset == kFm1r     ? filter_mode_
-   : offset == kFs1r   ? filter_scale_
-   : offset == kFfa1r  ? filter_fifo_
-                       : filter_active_) = value & ((1U << kBanks) - 1);
+  (offset == kFm1r    ? filter_mode_
+   : offset == kFs1r  ? filter_scale_
+   : offset == kFfa1r ? filter_fifo_
+                      : filter_active_) = value & ((1U << kBanks) - 1);
 }
 
 void Bxcan::clear_requests(std::uint32_t value) {

@@ -134,8 +134,10 @@ Machine::Core::Core(const MachineSetup& setup)
       usart_(*this, setup.chip == Chip::kStm32g474, [this] { return gpio_.log_ready(); }),
       dma_(*this, [this](std::uint32_t address) { return dma_memory(address); }),
       dma_mux_(*this, dma_),
-      l4_dma1_(*this, [this](std::uint32_t address) { return dma_memory(address); }, 1),
-      l4_dma2_(*this, [this](std::uint32_t address) { return dma_memory(address); }, 2),
+      l4_dma1_(
+          *this, [this](std::uint32_t address) { return dma_memory(address); }, 1),
+      l4_dma2_(
+          *this, [this](std::uint32_t address) { return dma_memory(address); }, 2),
       usb_(*this, [this] { return rcc_->clock_48_ready(); }),
       usb_memory_(*this, usb_),
       crs_(*this),

@@ -73,8 +73,8 @@ bool in_flash(std::uint32_t address) {
   return address >= flash_map::kBase && address < flash_map::kEnd;
 }
 
-// A chip that has two banks may be set to one; its pages then have 4 KB and other numbers, so an erase would also delete
-// a neighbour.
+// A chip that has two banks may be set to one; its pages then have 4 KB and other numbers, so an erase would also
+// delete a neighbour.
 bool pages_as_mapped() {
   return (flash_reg::kOptr.read() & flash_reg::kDualBank) == flash_reg::kDualBank;
 }

@@ -31,8 +31,8 @@ struct Filter {
   bool extended;
   std::uint32_t id, mask;
 };
-// A patch receives these frames: polling class 2 and management class 7 in 11 bits; diagnostics in 29 bits (physical and
-// functional), updates, and 18E0 … 18E3 with discovery, assignment and leases.
+// A patch receives these frames: polling class 2 and management class 7 in 11 bits; diagnostics in 29 bits (physical
+// and functional), updates, and 18E0 … 18E3 with discovery, assignment and leases.
 constexpr Filter kFilters[]{{false, 0x200, 0x700},
                             {false, 0x700, 0x700},
                             {true, 0x18DA0000, 0x1FFE0000},
@@ -44,9 +44,9 @@ void write_filters(std::size_t count) {
   kFmr.set(kFilterInit);
   const std::uint32_t used = (1U << count) - 1;
   kFa1r.write(0);
-  kFm1r.write(0);  // Each bank has an identifier and a mask …
+  kFm1r.write(0);     // Each bank has an identifier and a mask …
   kFs1r.write(used);  // … of 32 bits …
-  kFfa1r.write(0);  // … and stores into FIFO 0.
+  kFfa1r.write(0);    // … and stores into FIFO 0.
   for (std::uint32_t k = 0; k < count; ++k) {
     const Filter& f = kFilters[k];
     const std::uint32_t bank = kFilterBanks + kFilterBytes * k;
@@ -68,8 +68,8 @@ bool can_block::fd() {
   return false;
 }
 
-// Nobody waits until the block has left initialization: it needs eleven recessive bits, which a broken bus may not have.
-// A transmission that is requested meanwhile waits in its mailbox.
+// Nobody waits until the block has left initialization: it needs eleven recessive bits, which a broken bus may not
+// have. A transmission that is requested meanwhile waits in its mailbox.
 void can_block::open(CanFilters filters) {
   rcc_reg::kApb1Enr1.set(rcc_reg::kCan);
   (void)rcc_reg::kApb1Enr1.read();

@@ -8,8 +8,8 @@
 namespace triskin::board {
 namespace {
 
-// These limits count polls of about five cycles at the 4 MHz of MSI, which the core has after a reset. A clock that does
-// not start must not keep the loader from a host that could help.
+// These limits count polls of about five cycles at the 4 MHz of MSI, which the core has after a reset. A clock that
+// does not start must not keep the loader from a host that could help.
 constexpr std::uint32_t kCrystalLooks = 50'000;  // The limit is 60 ms; crystals start within 10 ms.
 constexpr std::uint32_t kInternalLooks = 1'000;  // The limit is 1 ms; HSI starts within 4 µs (DS11912).
 constexpr std::uint32_t kPllLooks = 2'500;       // The limit is 3 ms; the PLL locks within 40 µs (DS11912).

@@ -8,8 +8,8 @@
 
 namespace triskin::machine {
 
-/// Models a DMA controller (RM0440 §12): eight channels that move bytes between a peripheral's data register and RAM. A
-/// peripheral asks with its request number; the multiplexer (§13) finds the channel. Transfers take no time of their
+/// Models a DMA controller (RM0440 §12): eight channels that move bytes between a peripheral's data register and RAM.
+/// A peripheral asks with its request number; the multiplexer (§13) finds the channel. Transfers take no time of their
 /// own.
 class Dma : public Peripheral {
  public:

@@ -56,8 +56,8 @@ struct BoardPins {
   bool one_scl = false;
 };
 
-/// The STM32L452 has FDCAN replaced by bxCAN, one bank of flash, other clocks, and DMA without a multiplexer. Its USB and
-/// its crystal's timer are not modelled.
+/// The STM32L452 has bxCAN instead of FDCAN, one bank of flash, other clocks, and DMA without a multiplexer. Its USB is
+/// not modelled.
 enum class Chip : std::uint8_t { kStm32g474, kStm32l452 };
 
 /// Connects the hardware around the microcontroller. Everything must outlive the machine.
@@ -96,8 +96,8 @@ struct MachineCounts {
   std::uint64_t bus_offs = 0;         ///< The CAN block went bus-off this often.
 };
 
-/// Runs an unmodified image on a model of an STM32G474 or STM32L452 (docs/machine.md). Deterministic. Not thread-safe; one
-/// instruction counts one cycle.
+/// Runs an unmodified image on a model of an STM32G474 or STM32L452 (docs/machine.md). Deterministic. Not thread-safe;
+/// one instruction counts one cycle.
 class Machine {
  public:
   class Core;

@@ -16,8 +16,8 @@ inline constexpr std::uint32_t kKey1 = 0x45670123, kKey2 = 0xCDEF89AB;
 // §3.7.4 defines the keys that unlock the option bytes.
 inline constexpr std::uint32_t kOptionKey1 = 0x08192A3B, kOptionKey2 = 0x4C5D6E7F;
 // The access control register ACR has the wait states and the caches of the flash.
-inline constexpr std::uint32_t kLatency4 = 4, kPrefetch = bit(8), kInstructionCache = bit(9),
-                               kDataCache = bit(10), kDataCacheReset = bit(12);
+inline constexpr std::uint32_t kLatency4 = 4, kPrefetch = bit(8), kInstructionCache = bit(9), kDataCache = bit(10),
+                               kDataCacheReset = bit(12);
 // The status register SR tells when an operation has ended.
 inline constexpr std::uint32_t kEndOfOperation = bit(0), kBusy = bit(16);
 inline constexpr std::uint32_t kErrors = bit(1) | bit(3) | bit(4) | bit(5) | bit(6) | bit(7) | bit(8) | bit(9);
@@ -48,8 +48,7 @@ inline constexpr std::uint32_t kSwitchMask = 3, kSwitchHsi = 1, kSwitchHse = 2, 
                                kAhbMask = 0xF0;
 inline constexpr std::uint32_t kPllFromHse = 3, kPllFromHsi = 2, kPllMShift = 4, kPllNShift = 8, kPllREnable = bit(24),
                                kPllSourceMask = 3, kPllNMask = 0x7F;
-inline constexpr std::uint32_t kDma1 = bit(0), kFlashClock = bit(8), kGpioA = bit(0), kGpioB = bit(1),
-                               kGpioC = bit(2);
+inline constexpr std::uint32_t kDma1 = bit(0), kFlashClock = bit(8), kGpioA = bit(0), kGpioB = bit(1), kGpioC = bit(2);
 inline constexpr std::uint32_t kTim2 = bit(0), kSpi2 = bit(14), kUsart2 = bit(17), kI2c1 = bit(21), kI2c2 = bit(22),
                                kCan = bit(25), kPwr = bit(28);  // These clocks are enabled in APB1ENR1.
 inline constexpr std::uint32_t kI2c4 = bit(1);                  // This clock is enabled in APB1ENR2.

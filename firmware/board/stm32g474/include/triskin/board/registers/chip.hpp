@@ -26,9 +26,9 @@ inline constexpr std::uint32_t kNoBoost = bit(8);  // R1MODE must be 0 above 150
 /// RM0440 §7.4 describes the reset and clock control.
 namespace rcc_reg {
 inline constexpr std::uint32_t kAhbHalf = 0x80, kPllMMask = 0xF;
-inline constexpr std::uint32_t kDmaMux = bit(2);  // This clock is enabled in AHB1ENR.
+inline constexpr std::uint32_t kDmaMux = bit(2);                                // This clock is enabled in AHB1ENR.
 inline constexpr std::uint32_t kCrs = bit(8), kUsb = bit(23), kI2c3 = bit(30);  // These are enabled in APB1ENR1.
-inline constexpr std::uint32_t kTim16 = bit(17);            // This clock is enabled in APB2ENR.
+inline constexpr std::uint32_t kTim16 = bit(17);                                // This clock is enabled in APB2ENR.
 inline constexpr std::uint32_t kFdcanFromPclk1 = 2U << 24;  // CCIPR.FDCANSEL selects PCLK1 as the clock of FDCAN.
 }  // namespace rcc_reg
 

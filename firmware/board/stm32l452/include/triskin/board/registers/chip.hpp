@@ -17,7 +17,7 @@ inline constexpr std::uint32_t kProtectedPageMask = 0xFF, kProtectsNothing = 0xF
 /// RM0394 describes the reset and clock control in its chapter of that name.
 namespace rcc_reg {
 inline constexpr std::uint32_t kHsiOn = bit(8), kHsiReady = bit(10), kHseBypass = bit(18);  // The bits belong to CR.
-inline constexpr std::uint32_t kDma2 = bit(1);  // This clock is enabled in AHB1ENR.
+inline constexpr std::uint32_t kDma2 = bit(1);                                   // This clock is enabled in AHB1ENR.
 inline constexpr std::uint32_t kCrs = bit(24), kUsb = bit(26), kI2c3 = bit(23);  // These are enabled in APB1ENR1.
 }  // namespace rcc_reg
 
