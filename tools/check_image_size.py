@@ -25,7 +25,7 @@ def main(size_program: str, elf: str, flash_ceiling: int, ram_ceiling: int) -> i
     print(f"{name}: flash {flash} of {flash_ceiling} bytes, RAM with stack {ram} of {ram_ceiling} bytes"
           + (f", code in RAM {code} of 32768" if code else ""))
     if flash > flash_ceiling or ram > ram_ceiling:
-        print(f"{name}: above its ceiling; make it smaller or raise the ceiling in firmware/board/stm32g474/image.cmake with a reason",
+        print(f"{name}: above its ceiling; make it smaller or raise the ceiling in firmware/board/stm32/image.cmake with a reason",
               file=sys.stderr)
         pathlib.Path(elf).unlink()
         return 1

@@ -34,7 +34,7 @@ POINTERS = {
 # Handlers by the name of their priority in PRIORITY_HEADER. The NMI is above all; a hard fault ends in a reset.
 HANDLERS = {
     r"^i2c\d_(event|error)_handler$": "kLines",
-    r"^fdcan_handler$": "kCan",
+    r"^can_handler$": "kCan",
     r"^usb_handler$": "kUsb",
     r"^tim2_handler$": "kTimer",
     r"^nmi_handler$": None,

@@ -30,6 +30,16 @@ BenchBoard icub_patch_board() {
   return {[](const char* name) { return std::filesystem::path(TRISKIN_ICUB_PATCH) / name; }, pins};
 }
 
+BenchBoard nucleo_l452re_board() {
+  BoardPins pins;
+  pins.lines = {{{{1, 8}, {1, 9}}, {{1, 10}, {1, 11}}, {{2, 0}, {2, 1}}, {{1, 6}, {1, 7}}}};
+  pins.line_functions = {4, 4, 4, 5};
+  pins.can_receive = {0, 11};
+  pins.can_send = {0, 12};
+  return {[](const char* name) { return std::filesystem::path(TRISKIN_NUCLEO_L452RE) / name; }, pins, Chip::kStm32l452,
+          false};
+}
+
 std::vector<std::uint8_t> whole_blocks(const ElfImage& image) {
   const std::vector<std::uint8_t> flat = image.flat();
   std::vector<std::uint8_t> out((flat.size() + 255) / 256 * 256, 0xFF);
@@ -68,6 +78,7 @@ void Bench::power_up(bool will_be_cut) {
   MachineSetup setup;
   for (std::size_t k = 0; k < layout::kLines; ++k) setup.lines[k] = &lines[k];
   setup.flash = &flash;
+  setup.chip = board.chip;
   setup.unique_id = id;
   setup.on_can = [this](const wire::CanFrame& f, std::uint64_t) { frames.push_back(f); };
   setup.trace = trace;
@@ -112,7 +123,8 @@ void Bench::store_table(const layout::PatchImage& image, std::uint32_t sequence)
 }
 
 std::vector<std::uint8_t> Bench::request(const std::vector<std::uint8_t>& bytes, std::uint64_t patience_us) {
-  wire::IsoTp tester(wire::physical_id(1, wire::kTesterAddress), wire::physical_id(wire::kTesterAddress, 1), 64);
+  wire::IsoTp tester(wire::physical_id(1, wire::kTesterAddress), wire::physical_id(wire::kTesterAddress, 1),
+                     board.fd ? 64 : 8);
   EXPECT_EQ(tester.send(bytes, now_us()), Status::kOk);
   const std::uint64_t until = now_us() + patience_us;
   std::size_t seen = frames.size();

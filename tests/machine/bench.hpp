@@ -23,15 +23,19 @@ namespace triskin::machine {
 /// Returns the file of the built image; absent without the cross compiler.
 [[nodiscard]] std::filesystem::path firmware(const char* name);
 
-/// Describes a board of firmware/board/stm32g474/boards: its images, and its pins.
+/// Describes a board of firmware/board: its images, and its pins.
 struct BenchBoard {
   std::filesystem::path (*file)(const char* name);
   BoardPins pins;
+  Chip chip = Chip::kStm32g474;
+  bool fd = true;  ///< False means that its CAN block knows classic frames only.
 };
 /// Tests use this board unless they name another one.
 [[nodiscard]] BenchBoard nucleo_board();
 /// The board for installed iCub patches has one SCL and no USB.
 [[nodiscard]] BenchBoard icub_patch_board();
+/// The board with the other chip, an STM32L452, has four lines and no USB.
+[[nodiscard]] BenchBoard nucleo_l452re_board();
 
 /// Pads the image to blocks of 32 frames with eight bytes, as the loader acknowledges them.
 [[nodiscard]] std::vector<std::uint8_t> whole_blocks(const ElfImage& image);

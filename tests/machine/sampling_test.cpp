@@ -108,17 +108,23 @@ INSTANTIATE_TEST_SUITE_P(RiseTimes, FullRead, ::testing::Values(0U, 150U, 300U))
 
 TEST_F(Sampling, StaysInsideItsBudgetsAtTheShortSequence) {
   start(16, {Decimation::k64, 1});
+  const std::uint64_t instructions_before = machine->counts().instructions;
   run_for(3'000'000);
+  const double per_sequence = static_cast<double>(machine->counts().instructions - instructions_before) * 9.2e-3 / 3;
   EXPECT_LE(budget(offsetof(board::Budget, worst_interrupt_us)), 25U);  // An I²C byte takes 22.5 µs.
   EXPECT_LE(budget(offsetof(board::Budget, worst_loop_us)), 400U);      // The window of a burst allows for this delay.
   EXPECT_GE(budget(offsetof(board::Budget, stack_free_bytes)), 2'048U);
   EXPECT_EQ(budget(offsetof(board::Budget, can_lost)), 0U);
   const double idle = static_cast<double>(machine->counts().idle_us) / static_cast<double>(machine->now_us());
   EXPECT_GE(idle, 0.5);
+  const double cycles = 9.2e-3 * static_cast<double>(machine->sysclk_hz());
+  EXPECT_LE(per_sequence, 0.5 * cycles);
   std::printf(
-      "worst interrupt %u us (machine: %.1f us), worst loop %u us, free stack %u bytes, idle %.1f %%\n",
+      "worst interrupt %u us (machine: %.1f us), worst loop %u us, free stack %u bytes, idle %.1f %%, "
+      "%.0f instructions in a sequence of 9.2 ms\n",
       budget(offsetof(board::Budget, worst_interrupt_us)), static_cast<double>(machine->counts().worst_interrupt) / 1e6,
-      budget(offsetof(board::Budget, worst_loop_us)), budget(offsetof(board::Budget, stack_free_bytes)), 100 * idle);
+      budget(offsetof(board::Budget, worst_loop_us)), budget(offsetof(board::Budget, stack_free_bytes)), 100 * idle,
+      per_sequence);
 }
 
 TEST_F(Sampling, TraceShowsTheBytesOfAReading) {

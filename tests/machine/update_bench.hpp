@@ -20,7 +20,7 @@ class Update : public Bench {
     running_slot = 0;  // With slot 0 running, the update is written to B.
     Bench::SetUp();
     if (IsSkipped()) return;
-    next = whole_blocks(read_elf(firmware("triskin_app_b.elf")));
+    next = whole_blocks(read_elf(board.file("triskin_app_b.elf")));
   }
   // Returns the loader's answer to a command, or an empty one.
   [[gnu::noinline]] std::vector<std::uint8_t> command(Bytes bytes, std::uint64_t wait_us) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "around.hpp"
 #include "quiet_line.hpp"
 #include "triskin/machine/fdcan.hpp"
 #include "triskin/machine/flash_controller.hpp"
@@ -15,29 +16,6 @@
 
 namespace triskin::machine {
 namespace {
-
-class Around final : public Surroundings {
- public:
-  Scheduler& time() override { return time_; }
-  void set_irq(int, bool) override {}
-  void violation(std::string what) override { violations.push_back(std::move(what)); }
-  [[nodiscard]] std::uint64_t sysclk_hz() const override { return 170'000'000; }
-  void request_reset(std::uint32_t) override {}
-  void raise_nmi() override {}
-  void pass(Time by) {
-    time_.advance(by);
-    time_.run_due();
-  }
-  /// Expects exactly one violation with this text.
-  void expect(const char* part) const {
-    ASSERT_EQ(violations.size(), 1U) << part;
-    EXPECT_NE(violations[0].find(part), std::string::npos) << violations[0];
-  }
-  std::vector<std::string> violations;
-
- private:
-  Scheduler time_;
-};
 
 class FlashMisuse : public ::testing::Test {
  protected:

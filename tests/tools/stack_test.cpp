@@ -52,7 +52,7 @@ TEST_F(Stack, holds_a_handler_of_each_priority_and_no_two_of_one) {
   const Ran ran = bound(code.replace(code.find("%s"), 2,
                                      "[[gnu::used]] void i2c1_event_handler() { asm volatile(\"\"); }\n"
                                      "[[gnu::used]] void i2c2_event_handler() { asm volatile(\"\"); }\n"
-                                     "[[gnu::used]] void fdcan_handler() { asm volatile(\"\"); }\n"));
+                                     "[[gnu::used]] void can_handler() { asm volatile(\"\"); }\n"));
   EXPECT_EQ(ran.exit_status, 1) << "80 and twice 108 are more than 256";
   EXPECT_NE(ran.output.find("stack at most 296 of 256 bytes"), std::string::npos) << ran.output;
   EXPECT_NE(ran.output.find("the stack may overflow"), std::string::npos) << ran.output;

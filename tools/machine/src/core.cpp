@@ -8,6 +8,7 @@
 
 #include "triskin/base/error.hpp"
 #include "triskin/machine/map.hpp"
+#include "triskin/machine/map_l452.hpp"
 #include "triskin/sim/flash_model.hpp"
 
 namespace triskin::machine {
@@ -20,6 +21,13 @@ constexpr std::uint32_t kPeripherals = 0x40000000, kPeripheralBytes = 0x80000, k
 
 void check(uc_err error, const char* what) {
   if (error != UC_ERR_OK) throw DeviceError(fmt::format("modelled machine: {}: {}", what, uc_strerror(error)));
+}
+
+std::unique_ptr<ClockControl> clock_of(Surroundings& around, const MachineSetup& setup) {
+  const bool fails = setup.crystal_fails_at_us != ~std::uint64_t{0};
+  const CrystalSetup crystal{setup.crystal_hz, fails ? setup.crystal_fails_at_us * kMicrosecond : kNever};
+  if (setup.chip == Chip::kStm32l452) return std::make_unique<RccL4>(around, crystal);
+  return std::make_unique<Rcc>(around, crystal);
 }
 
 }  // namespace
@@ -105,16 +113,17 @@ struct Hooks {
 Machine::Core::Core(const MachineSetup& setup)
     : setup_(setup),
       nvic_(*this),
-      rcc_(*this, {setup.crystal_hz,
-                   setup.crystal_fails_at_us == ~std::uint64_t{0} ? kNever : setup.crystal_fails_at_us * kMicrosecond}),
-      pwr_(*this, rcc_),
+      rcc_(clock_of(*this, setup)),
+      pwr_(*this, *rcc_),
       tim2_(*this),
-      tim16_(*this, rcc_),
+      tim16_(*this, *rcc_),
       iwdg_(*this),
-      flash_(*this, *setup.flash, rcc_,
-             [this](std::uint32_t address, std::uint32_t size) { cells_changed(address, size); }),
+      flash_(
+          *this, *setup.flash, *rcc_,
+          [this](std::uint32_t address, std::uint32_t size) { cells_changed(address, size); },
+          setup.chip == Chip::kStm32l452),
       chain_(setup.chain),
-      gpio_(*this, rcc_, setup.lines, chain_, setup.pins),
+      gpio_(*this, *rcc_, setup.lines, chain_, setup.pins),
       spi_(
           *this, [this](std::uint8_t byte) { return chain_.exchange(byte); },
           [this] {
@@ -122,35 +131,45 @@ Machine::Core::Core(const MachineSetup& setup)
             return gpio_.alternate(1, 13, kFunction) && gpio_.alternate(1, 14, kFunction) &&
                    gpio_.alternate(1, 15, kFunction);
           }),
-      usart_(*this, [this] { return gpio_.log_ready(); }),
-      dma_(*this,
-           [this](std::uint32_t address) {
-             return address >= kRamBase && address < kRamBase + kRamBytes ? &ram_[address - kRamBase] : nullptr;
-           }),
+      usart_(*this, setup.chip == Chip::kStm32g474, [this] { return gpio_.log_ready(); }),
+      dma_(*this, [this](std::uint32_t address) { return dma_memory(address); }),
       dma_mux_(*this, dma_),
-      usb_(*this, [this] { return rcc_.clock_48_ready(); }),
+      l4_dma1_(
+          *this, [this](std::uint32_t address) { return dma_memory(address); }, 1),
+      l4_dma2_(
+          *this, [this](std::uint32_t address) { return dma_memory(address); }, 2),
+      usb_(*this, [this] { return rcc_->clock_48_ready(); }),
       usb_memory_(*this, usb_),
       crs_(*this),
-      can_(*this, setup.on_can, setup.trace, [this] { return gpio_.can_ready(); }),
-      can_ram_(*this, can_),
       ram_(kRamBytes, 0xA5),
       code_ram_(map::kCodeRamBytes, 0xA5),
       blocks_(FlashChip::kBytes / 2),
       code_ram_blocks_(map::kCodeRamBytes / 2) {
+  setup.chip == Chip::kStm32l452 ? open_l452() : open_g474();
+  open_lines();
+  check(uc_open(UC_ARCH_ARM, static_cast<uc_mode>(UC_MODE_THUMB | UC_MODE_MCLASS), &uc_), "open");
+  check(uc_ctl_set_cpu_model(uc_, UC_CPU_ARM_CORTEX_M4), "Cortex-M4");
+  map_memory();
+  add_hooks();
+  reset_core();
+}
+
+std::uint8_t* Machine::Core::dma_memory(std::uint32_t address) {
+  return address >= kRamBase && address < kRamBase + kRamBytes ? &ram_[address - kRamBase] : nullptr;
+}
+
+void Machine::Core::open_g474() {
   constexpr std::array<std::array<int, 2>, 4> kIrqs{{{map::kI2c1Event, map::kI2c1Error},
                                                      {map::kI2c2Event, map::kI2c2Error},
                                                      {map::kI2c3Event, map::kI2c3Error},
                                                      {map::kI2c4Event, map::kI2c4Error}}};
   for (std::size_t k = 0; k < 4; ++k) {
-    i2c_[k] = std::make_unique<I2cController>(*this, static_cast<int>(k), *setup.lines[k], kIrqs[k][0], kIrqs[k][1],
-                                              dma_, setup.trace, [this, k] { return gpio_.line_ready(k); });
-    i2c_[k]->set_rise(setup.scl_rise_ns);
+    i2c_[k] = std::make_unique<I2cController>(*this, static_cast<int>(k), *setup_.lines[k], kIrqs[k][0], kIrqs[k][1],
+                                              dma_, setup_.trace, [this, k] { return gpio_.line_ready(k); });
   }
-  for (std::size_t k = 0; setup.pins.one_scl && k < 4; ++k) {
-    i2c_[k]->share_scl([this, k] {
-      return std::ranges::any_of(i2c_, [&](const auto& other) { return other != i2c_[k] && other->on_bus(); });
-    });
-  }
+  auto can = std::make_unique<Fdcan>(*this, setup_.on_can, setup_.trace, [this] { return gpio_.can_ready(); });
+  can_ram_ = std::make_unique<FdcanRam>(*this, *can);
+  can_ = std::move(can);
   windows_ = {{&tim2_, map::kTim2, 0x400, map::kApb1, map::kTim2Bit, "TIM2"},
               {&iwdg_, map::kIwdg, 0x400, 0, 0, "IWDG"},
               {&spi_, map::kSpi2, 0x400, map::kApb1, map::kSpi2Bit, "SPI2"},
@@ -160,21 +179,53 @@ Machine::Core::Core(const MachineSetup& setup)
               {&crs_, map::kCrs, 0x400, map::kApb1, map::kCrsBit, "CRS"},
               {&usb_, map::kUsb, 0x400, map::kApb1, map::kUsbBit, "USB"},
               {&usb_memory_, map::kUsbMemory, 0x400, map::kApb1, map::kUsbBit, "USB packet memory"},
-              {&can_, map::kFdcan, 0x400, map::kApb1, map::kFdcanBit, "FDCAN"},
+              {can_.get(), map::kFdcan, 0x400, map::kApb1, map::kFdcanBit, "FDCAN"},
               {&pwr_, map::kPwr, 0x400, map::kApb1, map::kPwrBit, "PWR"},
               {i2c_[2].get(), map::kI2c3, 0x400, map::kApb1, map::kI2c3Bit, "I2C3"},
               {i2c_[3].get(), map::kI2c4, 0x400, map::kApb1Second, map::kI2c4Bit, "I2C4"},
-              {&can_ram_, map::kFdcanRam, 0x400, map::kApb1, map::kFdcanBit, "FDCAN RAM"},
+              {can_ram_.get(), map::kFdcanRam, 0x400, map::kApb1, map::kFdcanBit, "FDCAN RAM"},
               {&tim16_, map::kTim16, 0x400, map::kApb2, map::kTim16Bit, "TIM16"},
-              {&rcc_, map::kRcc, 0x400, 0, 0, "RCC"},
+              {rcc_.get(), map::kRcc, 0x400, 0, 0, "RCC"},
               {&flash_, map::kFlash, 0x400, map::kAhb1, map::kFlashBit, "FLASH"},
               {&dma_, map::kDma1, 0x400, map::kAhb1, map::kDma1Bit, "DMA1"},
               {&dma_mux_, map::kDmaMux, 0x400, map::kAhb1, map::kDmaMuxBit, "DMAMUX"}};
-  check(uc_open(UC_ARCH_ARM, static_cast<uc_mode>(UC_MODE_THUMB | UC_MODE_MCLASS), &uc_), "open");
-  check(uc_ctl_set_cpu_model(uc_, UC_CPU_ARM_CORTEX_M4), "Cortex-M4");
-  map_memory();
-  add_hooks();
-  reset_core();
+}
+
+void Machine::Core::open_l452() {
+  using namespace map::l452;
+  constexpr std::array<std::array<int, 2>, 4> kIrqs{{{map::kI2c1Event, map::kI2c1Error},
+                                                     {map::kI2c2Event, map::kI2c2Error},
+                                                     {kI2c3Event, kI2c3Error},
+                                                     {kI2c4Event, kI2c4Error}}};
+  for (std::size_t k = 0; k < 4; ++k) {
+    i2c_[k] = std::make_unique<I2cController>(*this, static_cast<int>(k), *setup_.lines[k], kIrqs[k][0], kIrqs[k][1],
+                                              k < 3 ? l4_dma1_ : l4_dma2_, setup_.trace,
+                                              [this, k] { return gpio_.line_ready(k); });
+  }
+  can_ = std::make_unique<Bxcan>(*this, setup_.on_can, setup_.trace, [this] { return gpio_.can_ready(); });
+  windows_ = {{&tim2_, map::kTim2, 0x400, map::kApb1, map::kTim2Bit, "TIM2"},
+              {&iwdg_, map::kIwdg, 0x400, 0, 0, "IWDG"},
+              {&spi_, map::kSpi2, 0x400, map::kApb1, map::kSpi2Bit, "SPI2"},
+              {&usart_, map::kUsart2, 0x400, map::kApb1, map::kUsart2Bit, "USART2"},
+              {i2c_[0].get(), map::kI2c1, 0x400, map::kApb1, map::kI2c1Bit, "I2C1"},
+              {i2c_[1].get(), map::kI2c2, 0x400, map::kApb1, map::kI2c2Bit, "I2C2"},
+              {i2c_[2].get(), kI2c3, 0x400, map::kApb1, kI2c3Bit, "I2C3"},
+              {can_.get(), kCan, 0x400, map::kApb1, kCanBit, "CAN1"},
+              {&pwr_, map::kPwr, 0x400, map::kApb1, map::kPwrBit, "PWR"},
+              {i2c_[3].get(), map::kI2c4, 0x400, map::kApb1Second, map::kI2c4Bit, "I2C4"},
+              {rcc_.get(), map::kRcc, 0x400, 0, 0, "RCC"},
+              {&flash_, map::kFlash, 0x400, map::kAhb1, map::kFlashBit, "FLASH"},
+              {&l4_dma1_, map::kDma1, 0x400, map::kAhb1, map::kDma1Bit, "DMA1"},
+              {&l4_dma2_, kDma2, 0x400, map::kAhb1, kDma2Bit, "DMA2"}};
+}
+
+void Machine::Core::open_lines() {
+  for (const auto& line : i2c_) line->set_rise(setup_.scl_rise_ns);
+  for (std::size_t k = 0; setup_.pins.one_scl && k < 4; ++k) {
+    i2c_[k]->share_scl([this, k] {
+      return std::ranges::any_of(i2c_, [&](const auto& other) { return other != i2c_[k] && other->on_bus(); });
+    });
+  }
 }
 
 Machine::Core::~Core() {
@@ -256,7 +307,7 @@ void Machine::Core::power_cycle(const FlashChip& cells) {
   std::ranges::fill(ram_, std::uint8_t{0xA5});
   const std::vector<std::uint8_t> lost(code_ram_.size(), 0xA5);
   check(uc_mem_write(uc_, map::kCodeRam, lost.data(), lost.size()), "CCM RAM");
-  rcc_.note_reset(3U << 26);
+  rcc_->note_reset(3U << 26);
   reset_core();
 }
 
@@ -338,7 +389,7 @@ void Machine::Core::violation(std::string what) {
 
 void Machine::Core::request_reset(std::uint32_t cause) {
   // The chip pulls its own reset pin low.
-  rcc_.note_reset(cause | 1U << 26);
+  rcc_->note_reset(cause | 1U << 26);
   reset_wanted_ = true;
 }
 
@@ -355,7 +406,7 @@ Machine::Core::Window* Machine::Core::window_of(std::uint32_t address) {
 }
 
 bool Machine::Core::gate_open(const Window& w) {
-  if (w.enable_offset == 0 || rcc_.enabled(w.enable_offset, w.enable_bit)) return true;
+  if (w.enable_offset == 0 || rcc_->enabled(w.enable_offset, w.enable_bit)) return true;
   violation(fmt::format("{} used without its clock", w.name));
   return false;
 }
@@ -376,8 +427,8 @@ void Machine::Core::bus_write(std::uint32_t address, std::uint32_t value, unsign
   Window* w = window_of(address);
   if (w == nullptr || !gate_open(*w)) return;
   w->block->write(address - w->base, value, size);
-  if (w->block == &rcc_) cycle_ = kSecond / rcc_.sysclk_hz();
-  if (w->block == &rcc_ && address - w->base == map::kApb1Reset) {
+  if (w->block == rcc_.get()) cycle_ = kSecond / rcc_->sysclk_hz();
+  if (w->block == rcc_.get() && address - w->base == map::kApb1Reset) {
     for (Window& o : windows_) {
       if (o.enable_offset == map::kApb1 && (value >> o.enable_bit & 1) != 0) o.block->reset();
     }
@@ -424,7 +475,7 @@ void Machine::Core::run_until(Time until) {
       ++counts_.resets;
       reset_core();
     }
-    if (rcc_.stopped()) {
+    if (rcc_->stopped()) {
       time_.advance_to(std::min(time_.next(), until));
       continue;
     }
@@ -512,8 +563,8 @@ bool Machine::Core::disturb(std::size_t line, Trouble trouble, Time stretch) {
 }
 
 bool Machine::Core::spoil_frame() {
-  const bool spoilt = can_.spoil_frame();
-  counts_.bus_offs = can_.bus_offs();
+  const bool spoilt = can_->spoil_frame();
+  counts_.bus_offs = can_->bus_offs();
   if (!spoilt) return false;
   ++counts_.can_errors;
   incidents_.push_back({time_.now_us(), Trouble::kCanError, 0});
@@ -546,7 +597,7 @@ void Machine::Core::finish_it_block() {
 
 void Machine::Core::execute(Time until) {
   slice_end_ = until;
-  cycle_ = kSecond / rcc_.sysclk_hz();
+  cycle_ = kSecond / rcc_->sysclk_hz();
   stopped_before_block_ = false;
   interrupt_code_ = ~0U;
   wait_end_ = 0;

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "spi_controller.hpp"
+#include "triskin/machine/bxcan.hpp"
 #include "triskin/machine/dma.hpp"
 #include "triskin/machine/fdcan.hpp"
 #include "triskin/machine/flash_controller.hpp"
@@ -29,8 +30,8 @@ class Machine::Core final : public Surroundings {
   void press_reset();
   [[nodiscard]] Gpio& gpio() { return gpio_; }
   [[nodiscard]] const std::string& serial_text() const { return usart_.text(); }
-  void receive(const wire::CanFrame& frame) { can_.from_bus(frame); }
-  [[nodiscard]] std::size_t frames_waiting() const { return can_.waiting(); }
+  void receive(const wire::CanFrame& frame) { can_->from_bus(frame); }
+  [[nodiscard]] std::size_t frames_waiting() const { return can_->waiting(); }
   bool disturb(std::size_t line, Trouble trouble, Time stretch);
   [[nodiscard]] UsbWire& usb() { return usb_; }
   [[nodiscard]] std::uint32_t load(std::uint32_t address);
@@ -40,7 +41,7 @@ class Machine::Core final : public Surroundings {
   Scheduler& time() override { return time_; }
   void set_irq(int irq, bool level) override { nvic_.set_level(irq, level); }
   void violation(std::string what) override;
-  [[nodiscard]] std::uint64_t sysclk_hz() const override { return rcc_.sysclk_hz(); }
+  [[nodiscard]] std::uint64_t sysclk_hz() const override { return rcc_->sysclk_hz(); }
   void request_reset(std::uint32_t cause) override;
   void raise_nmi() override;
 
@@ -71,6 +72,10 @@ class Machine::Core final : public Surroundings {
     unsigned size;
   };
 
+  void open_lines();
+  void open_g474();
+  void open_l452();
+  [[nodiscard]] std::uint8_t* dma_memory(std::uint32_t address);
   void map_memory();
   void add_hooks();
   void watch_torn_units();
@@ -111,7 +116,7 @@ class Machine::Core final : public Surroundings {
   std::vector<uc_hook> torn_hooks_;
   Scheduler time_;
   Nvic nvic_;
-  Rcc rcc_;
+  std::unique_ptr<ClockControl> rcc_;
   Pwr pwr_;
   Tim2 tim2_;
   Tim16 tim16_;
@@ -123,12 +128,13 @@ class Machine::Core final : public Surroundings {
   Usart usart_;
   Dma dma_;
   DmaMux dma_mux_;
+  SelectingDma l4_dma1_, l4_dma2_;
   std::array<std::unique_ptr<I2cController>, 4> i2c_;
   UsbController usb_;
   UsbMemory usb_memory_;
   Crs crs_;
-  Fdcan can_;
-  FdcanRam can_ram_;
+  std::unique_ptr<CanNode> can_;
+  std::unique_ptr<FdcanRam> can_ram_;  ///< Null on a chip whose CAN block has no memory of its own.
   std::vector<Window> windows_;
   std::vector<std::uint8_t> ram_, code_ram_;
   std::vector<Block> blocks_, code_ram_blocks_;  ///< The index is a half-word; code elsewhere is not remembered.

@@ -107,4 +107,47 @@ void DmaMux::write(std::uint32_t offset, std::uint32_t value, unsigned) {
   dma_.channels_[offset / 4].request = value & 0x7F;
 }
 
+namespace {
+
+// RM0394, tables of requests of DMA1 and DMA2: controller, channel, value in CSELR, and the request.
+struct Fixed {
+  int controller;
+  unsigned channel;
+  std::uint32_t selection, request;
+};
+constexpr Fixed kFixed[]{{1, 7, 3, 16}, {1, 6, 3, 17}, {1, 5, 3, 18}, {1, 4, 3, 19},
+                         {1, 3, 3, 20}, {1, 2, 3, 21}, {2, 1, 0, 22}, {2, 2, 0, 23}};
+constexpr std::uint32_t kSelection = 0xA8, kChannelEight = 0x94, kOther = ~0U;
+
+}  // namespace
+
+void SelectingDma::reset() {
+  Dma::reset();
+  select(0);
+}
+
+void SelectingDma::select(std::uint32_t value) {
+  for (unsigned channel = 1; channel <= 7; ++channel) {
+    const std::uint32_t now = value >> (4 * (channel - 1)) & 15, before = selection_ >> (4 * (channel - 1)) & 15;
+    Channel& c = channels_[channel - 1];
+    if (now != before && (c.control & kEnable) != 0)
+      around_.violation(fmt::format("DMA{}: request of channel {} changed while it is on", controller_, channel));
+    c.request = kOther;
+    for (const Fixed& f : kFixed) {
+      if (f.controller == controller_ && f.channel == channel && f.selection == now) c.request = f.request;
+    }
+  }
+  selection_ = value;
+}
+
+std::uint32_t SelectingDma::read(std::uint32_t offset, unsigned size) {
+  return offset == kSelection ? selection_ : Dma::read(offset, size);
+}
+
+void SelectingDma::write(std::uint32_t offset, std::uint32_t value, unsigned size) {
+  if (offset == kSelection) return select(value);
+  if (offset >= kChannelEight) return around_.violation(fmt::format("DMA{}: there is no channel 8", controller_));
+  Dma::write(offset, value, size);
+}
+
 }  // namespace triskin::machine

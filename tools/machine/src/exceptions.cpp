@@ -89,7 +89,7 @@ void Machine::Core::enter_exception(int exception) {
   reg(UC_ARM_REG_IPSR, static_cast<std::uint32_t>(exception));
   reg(UC_ARM_REG_LR, 0xFFFFFFE1U | (extended ? 0U : 0x10U) | (thread ? 8U : 0U) | (process_stack ? 4U : 0U));
   reg(UC_ARM_REG_PC, load(nvic_.vtor() + 4 * static_cast<std::uint32_t>(exception)) | 1);
-  time_.advance(kEntryCycles * kSecond / rcc_.sysclk_hz());
+  time_.advance(kEntryCycles * kSecond / rcc_->sysclk_hz());
 }
 
 void Machine::Core::leave_exception(std::uint32_t code) {
@@ -112,7 +112,7 @@ void Machine::Core::leave_exception(std::uint32_t code) {
   reg(UC_ARM_REG_APSR_NZCVQ, flags & 0xF8000000);  // Writing the whole XPSR would clear IPSR.
   reg(UC_ARM_REG_PC, pc | 1);
   if (setup_.trace != nullptr) setup_.trace->exception(nvic_.running(), time_.now());
-  time_.advance(kReturnCycles * kSecond / rcc_.sysclk_hz());
+  time_.advance(kReturnCycles * kSecond / rcc_->sysclk_hz());
 }
 
 }  // namespace triskin::machine

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 
-#include "triskin/machine/can_bits.hpp"
 #include "triskin/machine/map.hpp"
 
 namespace triskin::machine {
@@ -17,23 +16,17 @@ constexpr std::uint32_t kFifo0 = 0x0B0, kTx = 0x278, kElement = 72, kExtFilters 
 constexpr std::array<std::uint8_t, 16> kSizes{0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64};
 constexpr std::uint32_t kNewMessage = 1, kFull = 2, kLost = 4, kTxDone = 1U << 7, kPassiveChanged = 1U << 17,
                         kWarningChanged = 1U << 18, kOffChanged = 1U << 19;
-// ISO 11898-1 defines these limits of the error counters.
-constexpr std::uint32_t kWarning = 96, kPassive = 128, kOff = 256;
 
 }  // namespace
 
 void Fdcan::reset() {
-  ++generation_;
+  reset_bus();
   regs_ = {};
   regs_[kCccr / 4] = 1;
   regs_[kNbtp / 4] = 0x06000A03;
   regs_[kDbtp / 4] = 0x00000A33;
-  incoming_.clear();
   to_send_.clear();
   fill_ = get_ = put_ = tx_put_ = 0;
-  bus_busy_ = bus_off_ = false;
-  send_errors_ = receive_errors_ = 0;
-  joins_at_ = 0;
   update_irqs();
 }
 
@@ -41,75 +34,29 @@ void Fdcan::update_irqs() {
   around_.set_irq(map::kFdcanIrq, (regs_[kIr / 4] & regs_[kIe / 4]) != 0 && (regs_[kIle / 4] & 1) != 0);
 }
 
-Time Fdcan::nominal_bit() const {
-  const std::uint32_t n = regs_[kNbtp / 4];
-  return ((n >> 16 & 511) + 1) * ((n >> 8 & 255) + 1 + (n & 127) + 1 + 1) * (kSecond / around_.sysclk_hz());
+Time Fdcan::bit_time(bool data_phase) const {
+  const std::uint32_t n = regs_[kNbtp / 4], d = regs_[kDbtp / 4];
+  const Time clock = kSecond / around_.sysclk_hz();
+  if (data_phase) return ((d >> 16 & 31) + 1) * ((d >> 8 & 31) + 1 + (d >> 4 & 15) + 1 + 1) * clock;
+  return ((n >> 16 & 511) + 1) * ((n >> 8 & 255) + 1 + (n & 127) + 1 + 1) * clock;
 }
 
-Time Fdcan::frame_time(const wire::CanFrame& frame) const {
-  const std::uint32_t d = regs_[kDbtp / 4];
-  const Time data =
-      ((d >> 16 & 31) + 1) * ((d >> 8 & 31) + 1 + (d >> 4 & 15) + 1 + 1) * (kSecond / around_.sysclk_hz());
-  const CanBits bits = can_bits(frame);
-  return nominal_bit() * bits.nominal + data * bits.data;
-}
-
-// A node that sees an error counts eight while it sends and one while it receives; each frame without error subtracts
-// one.
-void Fdcan::count_error() {
-  const auto state = [&] { return protocol_status() & 0xE0U; };
-  const std::uint32_t before = state();
-  if (own_frame_)
-    send_errors_ += 8;
-  else
-    receive_errors_ = std::min(receive_errors_ + 1, kPassive);
-  if (send_errors_ >= kOff) return leave_bus();
-  const std::uint32_t changed = before ^ state();
-  if ((changed & 1U << 5) != 0) regs_[kIr / 4] |= kPassiveChanged;
-  if ((changed & 1U << 6) != 0) regs_[kIr / 4] |= kWarningChanged;
-}
-
-void Fdcan::count_success(bool mine) {
-  std::uint32_t& count = mine ? send_errors_ : receive_errors_;
-  count -= std::min(count, 1U);
-}
-
-// At bus-off the block stops by itself, and may return after 129 times eleven recessive bits once INIT is cleared.
-void Fdcan::leave_bus() {
-  bus_off_ = true;
-  ++bus_offs_;
-  regs_[kCccr / 4] |= 1;
-  regs_[kIr / 4] |= kOffChanged;
+// At bus-off the block sets INIT by itself, and may return once INIT is cleared.
+void Fdcan::note_state(const State& before) {
+  const State now = state();
+  if (now.off) {
+    regs_[kCccr / 4] |= 1;
+    regs_[kIr / 4] |= kOffChanged;
+    return;
+  }
+  if (now.passive != before.passive) regs_[kIr / 4] |= kPassiveChanged;
+  if (now.warning != before.warning) regs_[kIr / 4] |= kWarningChanged;
 }
 
 // PSR reports error passive, warning and bus-off.
 std::uint32_t Fdcan::protocol_status() const {
-  const std::uint32_t most = std::max(send_errors_, receive_errors_);
-  return (most >= kPassive ? 1U << 5 : 0U) | (most >= kWarning ? 1U << 6 : 0U) | (bus_off_ ? 1U << 7 : 0U);
-}
-
-void Fdcan::rejoin() {
-  const Time wait = nominal_bit() * (129 * 11);
-  bus_off_ = false;
-  send_errors_ = receive_errors_ = 0;
-  joins_at_ = around_.time().now() + wait;
-  around_.time().after(wait, [this, g = generation_] {
-    if (g == generation_) next_on_bus();
-  });
-}
-
-bool Fdcan::spoil_frame() {
-  if (!bus_busy_ || !running()) return false;
-  ++generation_;  // The new generation cancels the end of the frame.
-  count_error();
-  around_.time().after(nominal_bit() * kErrorFrameBits, [this, g = generation_] {
-    if (g != generation_) return;
-    bus_busy_ = false;
-    if (trace_ != nullptr) trace_->can_busy(false, around_.time().now());
-    next_on_bus();
-  });
-  update_irqs();
-  return true;
+  const State s = state();
+  return (s.passive ? 1U << 5 : 0U) | (s.warning ? 1U << 6 : 0U) | (s.off ? 1U << 7 : 0U);
 }
 
 wire::CanFrame Fdcan::read_element(std::uint32_t offset) const {
@@ -167,51 +114,17 @@ void Fdcan::deliver(const wire::CanFrame& frame) {
   update_irqs();
 }
 
-void Fdcan::from_bus(const wire::CanFrame& frame) {
-  incoming_.push_back(frame);
-  next_on_bus();
+std::optional<wire::CanFrame> Fdcan::next_to_send() const {
+  if (to_send_.empty()) return std::nullopt;
+  return read_element(kTx + to_send_.front() * kElement);
 }
 
-// Sends one frame at a time; the lower identifier wins (11-bit before 29-bit with equal leading bits).
-void Fdcan::next_on_bus() {
-  if (bus_busy_ || (incoming_.empty() && (to_send_.empty() || !running()))) return;
-  if (around_.time().now() < joins_at_) return;
-  const auto rank = [](const wire::CanFrame& f) {
-    return f.extended ? static_cast<std::uint64_t>(f.id) << 1 | 1 : static_cast<std::uint64_t>(f.id) << 19;
-  };
-  const bool can_send = !to_send_.empty() && running();
-  const wire::CanFrame own = can_send ? read_element(kTx + to_send_.front() * kElement) : wire::CanFrame{};
-  const bool mine = can_send && (incoming_.empty() || rank(own) < rank(incoming_.front()));
-  const wire::CanFrame frame = mine ? own : incoming_.front();
-  bus_busy_ = true;
-  own_frame_ = mine;
-  if (trace_ != nullptr) trace_->can_busy(mine, around_.time().now());
-  around_.time().after(frame_time(frame), [this, mine, frame, g = generation_] {
-    if (g == generation_) end_frame(mine, frame);
-  });
-}
-
-void Fdcan::end_frame(bool mine, const wire::CanFrame& frame) {
-  bus_busy_ = false;
-  if (trace_ != nullptr) trace_->can_busy(false, around_.time().now());
-  count_success(mine);
-  if (mine) {
-    const std::uint32_t index = to_send_.front();
-    to_send_.pop_front();
-    sent(index, frame);
-  } else {
-    incoming_.pop_front();
-    deliver(frame);
-  }
-  next_on_bus();
-}
-
-void Fdcan::sent(std::uint32_t index, const wire::CanFrame& frame) {
+void Fdcan::note_sent() {
+  const std::uint32_t index = to_send_.front();
+  to_send_.pop_front();
   regs_[0xC8 / 4] &= ~(1U << index);
   regs_[0xD4 / 4] |= 1U << index;
   if ((regs_[0xDC / 4] >> index & 1) != 0) regs_[kIr / 4] |= kTxDone;
-  update_irqs();
-  if (sink_) sink_(frame, around_.time().now_us());
 }
 
 void Fdcan::request(std::uint32_t mask) {
@@ -242,7 +155,7 @@ std::uint32_t Fdcan::read(std::uint32_t offset, unsigned) {
   if (offset == 0x00) return 0x32141218;  // The register is CREL.
   if (offset == 0x04) return 0x87654321;  // The register is ENDN.
   if (offset == 0x40)
-    return send_errors_ | std::min(receive_errors_, 127U) << 8 | (receive_errors_ > 127 ? 1U << 15 : 0U);
+    return send_errors() | std::min(receive_errors(), 127U) << 8 | (receive_errors() > 127 ? 1U << 15 : 0U);
   if (offset == 0x44) return protocol_status();
   if (offset == 0x90) return fill_ | get_ << 8 | put_ << 16 | (fill_ == 3 ? 1U << 24 : 0U);
   if (offset == 0xC4) {
@@ -266,7 +179,7 @@ void Fdcan::write(std::uint32_t offset, std::uint32_t value, unsigned) {
       if ((value & 0x300) != (cccr & 0x300) && (cccr & 3) != 3)
         around_.violation("FDCAN: FDOE or BRSE changed without INIT and CCE");
       if ((value & 1) == 0 && (cccr & 1) != 0) check_start();
-      if ((value & 1) == 0 && bus_off_) rejoin();
+      if ((value & 1) == 0 && bus_off()) rejoin();
       cccr = (value & 1) == 0 ? value & ~2U : value;
       break;
     }

@@ -5,6 +5,8 @@
 
 #include <utility>
 
+#include "triskin/machine/map_l452.hpp"
+
 namespace triskin::machine {
 namespace {
 
@@ -19,7 +21,7 @@ constexpr std::uint32_t kProgError = 1U << 3, kProtectionError = 1U << 4, kAlign
 
 void FlashController::reset() {
   ++generation_;
-  acr_ = map::kAcrReset;
+  acr_ = one_bank_ ? map::l452::kAcrReset : map::kAcrReset;
   rcc_.set_wait_states(acr_ & 15);
   sr_ = eccr_ = 0;
   cr_ = map::kFlashCrReset;
@@ -201,14 +203,17 @@ void FlashController::begin(Time duration, const FlashOperation& operation) {
 
 // Covers area A of bank 1 (§3.7.11); the protected pages follow the option bytes as they were last loaded.
 bool FlashController::is_protected(std::uint32_t page) const {
-  return page >= (protected_now_ & 127) && page <= (protected_now_ >> 16 & 127);
+  return page >= (protected_now_ & page_mask()) && page <= (protected_now_ >> 16 & page_mask());
 }
 
 void FlashController::start_erase() {
-  if (!two_banks()) around_.violation("page erase with DBANK = 0: pages have 4 KB, a neighbour is erased along");
-  if ((cr_ >> 11 & 1) == 0 && is_protected(cr_ >> 3 & 127))
-    return error(kProtectionError, "erase of a write-protected page");
-  begin(kEraseTime, {true, (cr_ >> 3 & 127) + ((cr_ >> 11 & 1) != 0 ? 128 : 0), 0});
+  if (!one_bank_ && !two_banks())
+    around_.violation("page erase with DBANK = 0: pages have 4 KB, a neighbour is erased along");
+  const bool second = (cr_ >> 11 & 1) != 0;
+  if (one_bank_ && second) around_.violation("FLASH_CR bit 11 set on a chip with one bank");
+  const std::uint32_t page = cr_ >> 3 & page_mask();
+  if (!second && is_protected(page)) return error(kProtectionError, "erase of a write-protected page");
+  begin(kEraseTime, {true, page + (second ? 128 : 0), 0});
 }
 
 void FlashController::cell_write(std::uint32_t address, std::uint32_t value, unsigned size) {
@@ -259,7 +264,9 @@ void FlashController::torn_read(std::uint32_t unit) {
   if (!chip_.torn.contains(unit)) return;
   // The register has the address in the bank, and the bank (§3.7.7), until the flag is cleared.
   constexpr std::uint32_t kUnitsOfBank = FlashChip::kBytes / FlashChip::kUnit / 2;
-  if ((eccr_ & kEcc) == 0) eccr_ = kEcc | (unit / kUnitsOfBank) << 21 | (unit % kUnitsOfBank) * FlashChip::kUnit;
+  if ((eccr_ & kEcc) == 0)
+    eccr_ = one_bank_ ? kEcc | unit * FlashChip::kUnit
+                      : kEcc | (unit / kUnitsOfBank) << 21 | (unit % kUnitsOfBank) * FlashChip::kUnit;
   around_.raise_nmi();
 }
 

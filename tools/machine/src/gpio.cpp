@@ -38,7 +38,7 @@ bool Gpio::log_ready() const {
 
 bool Gpio::line_ready(std::size_t line) const {
   const LinePins l = pins_of(line);
-  const unsigned function = line < 2 ? map::kFunctionI2cFirst : map::kFunctionI2cSecond;
+  const unsigned function = pins_.line_functions[line];
   const bool open_drain =
       (ports_[l.scl_port].otyper >> l.scl & 1) != 0 && (ports_[l.sda_port].otyper >> l.sda & 1) != 0;
   return open_drain && alternate(l.scl_port, l.scl, function) && alternate(l.sda_port, l.sda, function);

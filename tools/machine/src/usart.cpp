@@ -60,6 +60,7 @@ void Usart::write(std::uint32_t offset, std::uint32_t value, unsigned) {
 }
 
 void Usart::write_control(std::uint32_t value) {
+  if ((value & kFifo) != 0 && !has_fifo_) around_.violation("USART_CR1 bit 29 set: this USART has no FIFO");
   if ((value & kOthers) != 0) around_.violation("USART: only a sender of eight bits without interrupts is modelled");
   if ((control_ & kEnable) != 0 && ((value ^ control_) & kFifo) != 0)
     around_.violation("USART_CR1.FIFOEN changed while the USART is on");

@@ -12,8 +12,9 @@ namespace triskin::machine {
 /// rate that is off by more than 2 % from 115,200 loses its text, as at a receiver that expects that rate.
 class Usart final : public Peripheral {
  public:
-  /// `pin_ready` tells that the sender's pin is at its alternate function.
-  Usart(Surroundings& around, std::function<bool()> pin_ready) : Peripheral(around), pin_ready_(std::move(pin_ready)) {}
+  /// `pin_ready` tells that the sender's pin is at its alternate function; without a FIFO its bit is reserved.
+  Usart(Surroundings& around, bool has_fifo, std::function<bool()> pin_ready)
+      : Peripheral(around), has_fifo_(has_fifo), pin_ready_(std::move(pin_ready)) {}
   std::uint32_t read(std::uint32_t offset, unsigned size) override;
   void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
   void reset() override;
@@ -28,6 +29,7 @@ class Usart final : public Peripheral {
   void end_byte();
   [[nodiscard]] std::uint32_t status() const;
 
+  bool has_fifo_;
   std::function<bool()> pin_ready_;
   std::uint32_t control_ = 0, divider_ = 0;
   std::deque<std::uint8_t> fifo_;

@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "can.hpp"
 
-#include <algorithm>
-
-#include "interrupt_timer.hpp"
-#include "triskin/board/board.hpp"
 #include "triskin/board/board_config.hpp"
-#include "triskin/board/budget.hpp"
 #include "triskin/board/clock_plan.hpp"
 #include "triskin/board/priorities.hpp"
 #include "triskin/board/registers/fdcan.hpp"
@@ -16,20 +11,7 @@ namespace triskin::board {
 
 using namespace fdcan_reg;
 
-Stm32CanPort can;
-
 namespace {
-
-template <std::size_t N>
-struct Queue {
-  std::array<wire::CanFrame, N> frames;
-  volatile std::size_t head = 0, tail = 0;
-  [[nodiscard]] bool full() const { return (head + 1) % N == tail; }
-};
-// The queue is not a member of the port: with its table of functions the port has initial values, which are stored in
-// the flash.
-constinit Queue<32> received;
-constinit Queue<16> waiting;
 
 constexpr std::array<std::uint8_t, 16> kSizes{0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64};
 // Both phases have the same time quantum, as CiA's "Generic bit-timing settings for CAN FD" recommends, so that a node
@@ -72,9 +54,8 @@ std::uint32_t code_of(std::uint8_t size) {
   return code;
 }
 
-wire::CanFrame read_element(std::uint32_t offset) {
+void read_element(std::uint32_t offset, wire::CanFrame& f) {
   const std::uint32_t w0 = word(offset), w1 = word(offset + 4);
-  wire::CanFrame f;
   f.extended = (w0 & kExtendedId) != 0;
   f.id = f.extended ? w0 & 0x1FFFFFFFU : w0 >> kStandardIdShift & 0x7FFU;
   f.fd = (w1 & kFdFrame) != 0;
@@ -85,7 +66,6 @@ wire::CanFrame read_element(std::uint32_t offset) {
     const std::uint32_t w = word(offset + 8 + k);
     for (std::uint32_t b = 0; b < 4 && k + b < f.size; ++b) f.data[k + b] = static_cast<std::uint8_t>(w >> (8 * b));
   }
-  return f;
 }
 
 void write_element(std::uint32_t offset, const wire::CanFrame& f) {
@@ -117,24 +97,15 @@ void write_filters(CanFilters filters) {
                kRefuseOther << kOtherExtendedShift | kRefuseRemote);
 }
 
-// Off the bus no transmission may be requested, so frames wait.
-void fill_transmit_buffers() {
-  if (kCccr.any(kInit)) return;
-  while (waiting.head != waiting.tail) {
-    const std::uint32_t state = kTxfqs.read();
-    if ((state & kTxFull) != 0) return;
-    const std::uint32_t index = state >> kTxPutShift & kFifoIndexMask;
-    write_element(kTxBuffers + index * kElementBytes, waiting.frames[waiting.tail]);
-    waiting.tail = (waiting.tail + 1) % waiting.frames.size();
-    kTxbar.write(bit(index));
-  }
-}
-
 }  // namespace
 
-void Stm32CanPort::open(CanFilters filters) {
+bool can_block::fd() {
+  return true;
+}
+
+void can_block::open(CanFilters filters) {
   rcc_reg::kCcipr.set(rcc_reg::kFdcanFromPclk1);
-  rcc_reg::kApb1Enr1.set(rcc_reg::kFdcan);
+  rcc_reg::kApb1Enr1.set(rcc_reg::kCan);
   (void)rcc_reg::kApb1Enr1.read();
   for (const Pin pin : {pins::kCanReceive, pins::kCanSend}) {
     open_port(pin);
@@ -159,57 +130,29 @@ void Stm32CanPort::open(CanFilters filters) {
   kCccr.clear(kInit);
   while (kCccr.any(kInit)) {
   }
-  core_reg::set_priority(kIrq0, priority::kCan);
-  core_reg::enable_interrupt(kIrq0);
+  core_reg::set_priority(can_irq::kFirst, priority::kCan);
+  core_reg::enable_interrupt(can_irq::kFirst);
 }
 
-bool Stm32CanPort::send(const wire::CanFrame& frame) {
-  const InterruptLock lock;
-  if (waiting.full()) return false;
-  waiting.frames[waiting.head] = frame;
-  waiting.head = (waiting.head + 1) % waiting.frames.size();
-  fill_transmit_buffers();
+// Off the bus no transmission may be requested.
+bool can_block::transmit(const wire::CanFrame& frame) {
+  if (kCccr.any(kInit)) return false;
+  const std::uint32_t state = kTxfqs.read();
+  if ((state & kTxFull) != 0) return false;
+  const std::uint32_t index = state >> kTxPutShift & kFifoIndexMask;
+  write_element(kTxBuffers + index * kElementBytes, frame);
+  kTxbar.write(bit(index));
   return true;
 }
 
-bool Stm32CanPort::has_room() const {
-  return !waiting.full();
-}
-
-bool Stm32CanPort::frame_waits() const {
-  return received.head != received.tail;
-}
-
-std::optional<wire::CanFrame> Stm32CanPort::receive() {
-  const InterruptLock lock;
-  if (received.head == received.tail) return std::nullopt;
-  const wire::CanFrame frame = received.frames[received.tail];
-  received.tail = (received.tail + 1) % received.frames.size();
-  return frame;
-}
-
-void Stm32CanPort::note_bus_off() {
-  constexpr std::uint64_t kFirstPause_us = 10'000, kMaxPause_us = 1'000'000, kCalm_us = 5'000'000;
-  const std::uint64_t now_us = microseconds();
-  bus_offs_ = bus_offs_ + 1;
-  const bool calm = pause_us_ == 0 || now_us > joined_at_us_ + kCalm_us;
-  pause_us_ = calm ? kFirstPause_us : std::min(2 * pause_us_, kMaxPause_us);
-  rejoin_at_us_ = now_us + pause_us_;
-}
-
 // The block sends again after it has seen eleven recessive bits 129 times (§44.3.3).
-void Stm32CanPort::step(std::uint64_t now_us) {
-  const InterruptLock lock;
-  if (now_us < rejoin_at_us_) return;
-  rejoin_at_us_ = UINT64_MAX;
-  joined_at_us_ = now_us;
+void can_block::rejoin() {
   kCccr.clear(kInit);
   while (kCccr.any(kInit)) {  // The block needs some of its own clocks to follow.
   }
-  fill_transmit_buffers();
 }
 
-void Stm32CanPort::describe(wire::BoardHealth& h) const {
+void can_block::describe(wire::BoardHealth& h) {
   const std::uint32_t counters = kEcr.read(), status = kPsr.read();
   h.can_send_errors = static_cast<std::uint8_t>(counters & kSendErrorsMask);
   h.can_receive_errors = static_cast<std::uint8_t>(counters >> kReceiveErrorsShift & kReceiveErrorsMask);
@@ -217,37 +160,24 @@ void Stm32CanPort::describe(wire::BoardHealth& h) const {
   h.can_state = static_cast<std::uint8_t>(((status & kPsrWarning) != 0 ? wire::can_state::kWarning : 0) |
                                           ((status & kPsrPassive) != 0 ? wire::can_state::kErrorPassive : 0) |
                                           ((status & kPsrBusOff) != 0 ? wire::can_state::kBusOff : 0));
-  h.bus_offs = bus_offs_;
-  h.can_ram_failures = ram_failures_;
-  h.can_lost = triskin_budget.can_lost;
 }
 
-void Stm32CanPort::on_interrupt() {
+can_block::Events can_block::take_events() {
   const std::uint32_t flags = kIr.read();
   kIr.write(flags);
-  if ((flags & kRxLost) != 0) ++triskin_budget.can_lost;
-  if ((flags & kRamFailed) != 0) {
-    ram_failures_ = static_cast<std::uint16_t>(ram_failures_ + 1);
-    // The block sets this bit itself, and would then neither acknowledge nor send for ever (§44.3.3).
-    kCccr.clear(kRestricted);
-  }
-  if ((flags & kBusOff) != 0 && kPsr.any(kPsrBusOff)) note_bus_off();
-  for (std::uint32_t state = kRxf0s.read(); (state & kFifoLevelMask) != 0; state = kRxf0s.read()) {
-    const std::uint32_t index = state >> kFifoGetShift & kFifoIndexMask;
-    if (received.full()) {
-      ++triskin_budget.can_lost;
-    } else {
-      received.frames[received.head] = read_element(kRxFifo0 + index * kElementBytes);
-      received.head = (received.head + 1) % received.frames.size();
-    }
-    kRxf0a.write(index);
-  }
-  fill_transmit_buffers();
+  // The block sets this bit itself when its message RAM fails, and would then neither acknowledge nor send for ever
+  // (§44.3.3).
+  if ((flags & kRamFailed) != 0) kCccr.clear(kRestricted);
+  return {(flags & kRxLost) != 0, (flags & kRamFailed) != 0, (flags & kBusOff) != 0 && kPsr.any(kPsrBusOff)};
+}
+
+bool can_block::take_frame(wire::CanFrame& frame) {
+  const std::uint32_t state = kRxf0s.read();
+  if ((state & kFifoLevelMask) == 0) return false;
+  const std::uint32_t index = state >> kFifoGetShift & kFifoIndexMask;
+  read_element(kRxFifo0 + index * kElementBytes, frame);
+  kRxf0a.write(index);
+  return true;
 }
 
 }  // namespace triskin::board
-
-extern "C" void fdcan_handler() {
-  const triskin::board::InterruptTimer timer;
-  triskin::board::can.on_interrupt();
-}

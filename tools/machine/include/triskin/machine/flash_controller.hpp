@@ -16,8 +16,9 @@ class FlashController final : public Peripheral {
   /// Receives cells that changed and from which the core may have read code.
   using Changed = std::function<void(std::uint32_t address, std::uint32_t size)>;
 
-  FlashController(Surroundings& around, FlashChip& chip, Rcc& rcc, Changed changed)
-      : Peripheral(around), chip_(chip), rcc_(rcc), changed_(std::move(changed)) {
+  /// `one_bank` is the flash of the STM32L4 (RM0394): the same registers, but one bank and none of the debugger's bit.
+  FlashController(Surroundings& around, FlashChip& chip, ClockControl& rcc, Changed changed, bool one_bank = false)
+      : Peripheral(around), chip_(chip), rcc_(rcc), one_bank_(one_bank), changed_(std::move(changed)) {
     reset();
   }
   std::uint32_t read(std::uint32_t offset, unsigned size) override;
@@ -39,7 +40,8 @@ class FlashController final : public Peripheral {
   [[nodiscard]] bool power_lost() const { return power_lost_; }
 
  private:
-  [[nodiscard]] bool two_banks() const { return (chip_.options >> 22 & 1) != 0; }
+  [[nodiscard]] bool two_banks() const { return !one_bank_ && (chip_.options >> 22 & 1) != 0; }
+  [[nodiscard]] std::uint32_t page_mask() const { return one_bank_ ? 255 : 127; }
   void write_access(std::uint32_t value);
   void write_option_key(std::uint32_t value);
   void check_data_cache();
@@ -53,7 +55,8 @@ class FlashController final : public Peripheral {
   void error(std::uint32_t flag, const char* what);
 
   FlashChip& chip_;
-  Rcc& rcc_;
+  ClockControl& rcc_;
+  bool one_bank_;
   Changed changed_;
   std::uint32_t acr_ = 0, sr_ = 0, cr_ = 0, eccr_ = 0;
   std::uint32_t options_ = 0, protection_ = 0, protected_now_ = 0;

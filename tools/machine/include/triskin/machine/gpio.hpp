@@ -14,7 +14,7 @@ namespace triskin::machine {
 /// their buses, so that pulses made by hand reach the chips; PB12, PB10 and PB11 are EN and latch of the route chain.
 class Gpio final : public Peripheral {
  public:
-  Gpio(Surroundings& around, Rcc& rcc, const std::array<sim::I2cBus*, 4>& buses, RouteChainPins& chain,
+  Gpio(Surroundings& around, ClockControl& rcc, const std::array<sim::I2cBus*, 4>& buses, RouteChainPins& chain,
        const BoardPins& pins = {})
       : Peripheral(around), rcc_(rcc), buses_(buses), chain_(chain), pins_(pins) {}
   std::uint32_t read(std::uint32_t offset, unsigned size) override;
@@ -47,7 +47,7 @@ class Gpio final : public Peripheral {
   void follow_chain();
   void follow_pulls();
 
-  Rcc& rcc_;
+  ClockControl& rcc_;
   std::array<sim::I2cBus*, 4> buses_;
   RouteChainPins& chain_;
   BoardPins pins_;

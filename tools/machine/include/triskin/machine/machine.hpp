@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "triskin/machine/flash_chip.hpp"
+#include "triskin/machine/map.hpp"
 #include "triskin/machine/peripheral.hpp"
 #include "triskin/machine/usb_wire.hpp"
 #include "triskin/machine/vcd.hpp"
@@ -47,15 +48,23 @@ struct BoardPins {
     MachinePin scl, sda;
   };
   std::array<Line, 4> lines{{{{0, 15}, {1, 7}}, {{0, 9}, {0, 8}}, {{2, 8}, {2, 9}}, {{2, 6}, {2, 7}}}};
+  /// The alternate functions of the pins of I2C1 … I2C4.
+  std::array<unsigned, 4> line_functions{map::kFunctionI2cFirst, map::kFunctionI2cFirst, map::kFunctionI2cSecond,
+                                         map::kFunctionI2cSecond};
   MachinePin can_receive{1, 8}, can_send{1, 9}, log{0, 2};
   /// True means that the SCL pins of all lines are one wire, so two masters at once are a violation.
   bool one_scl = false;
 };
 
+/// The STM32L452 has bxCAN instead of FDCAN, one bank of flash, other clocks, and DMA without a multiplexer. Its USB is
+/// not modelled.
+enum class Chip : std::uint8_t { kStm32g474, kStm32l452 };
+
 /// Connects the hardware around the microcontroller. Everything must outlive the machine.
 struct MachineSetup {
   std::array<sim::I2cBus*, 4> lines{};  ///< No pointer may be null.
   FlashChip* flash = nullptr;
+  Chip chip = Chip::kStm32g474;
   std::array<std::uint8_t, 12> unique_id{};
   /// The machine calls this when a frame has left the controller.
   std::function<void(const wire::CanFrame&, std::uint64_t now_us)> on_can;
@@ -87,8 +96,8 @@ struct MachineCounts {
   std::uint64_t bus_offs = 0;         ///< The CAN block went bus-off this often.
 };
 
-/// Runs an unmodified image on a model of an STM32G474 (docs/machine.md). Deterministic. Not thread-safe; one
-/// instruction counts one cycle.
+/// Runs an unmodified image on a model of an STM32G474 or STM32L452 (docs/machine.md). Deterministic. Not thread-safe;
+/// one instruction counts one cycle.
 class Machine {
  public:
   class Core;

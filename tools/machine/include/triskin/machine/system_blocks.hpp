@@ -13,15 +13,14 @@ struct CrystalSetup {
   Time fails_at = kNever;        ///< At this time after power-up it stops permanently.
 };
 
-/// Models reset and clock control with power control's boost bit (RM0440 §7.4, §6.4). Oscillators need their start-up
-/// times. A crystal that stops also stops the core, unless clock security is on: then the core continues with the
-/// internal oscillator and gets an NMI (§7.2.10).
-class Rcc final : public Peripheral {
+/// Models what reset and clock control of all chips have in common. Oscillators need their start-up times. A crystal
+/// that stops also stops the core, unless clock security is on: then the core continues with the internal oscillator
+/// and gets an NMI (RM0440 §7.2.10).
+class ClockControl : public Peripheral {
  public:
-  Rcc(Surroundings& around, const CrystalSetup& crystal) : Peripheral(around), crystal_(crystal) { reset(); }
+  ClockControl(Surroundings& around, const CrystalSetup& crystal) : Peripheral(around), crystal_(crystal) {}
   std::uint32_t read(std::uint32_t offset, unsigned size) override;
   void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
-  void reset() override;
   [[nodiscard]] std::uint64_t sysclk_hz() const { return sysclk_hz_; }
   /// Tells whether the clock of a peripheral is on; `offset` is that of its enable register.
   [[nodiscard]] bool enabled(std::uint32_t offset, unsigned bit) const { return (regs_[offset / 4] >> bit & 1) != 0; }
@@ -36,6 +35,34 @@ class Rcc final : public Peripheral {
   void set_wait_states(std::uint32_t states) { wait_states_ = states; }
   void set_boost(bool boost) { boost_ = boost; }
 
+ protected:
+  /// What the data sheet says about the PLL, and the bits of CR and PLLCFGR that say ready and divide.
+  struct Pll {
+    std::uint64_t min_input_hz, max_input_hz, min_vco_hz, max_vco_hz;
+    const char* input;       ///< The limits of the input, as text.
+    const char* oscillator;  ///< The limits of the oscillator, as text.
+    std::uint32_t divider_mask;
+  };
+  /// Sets registers and clock to their values after a reset, with CR and the clock that the core then has.
+  void reset_clocks(std::uint32_t control, std::uint64_t sysclk_hz);
+  /// Checks the rules of the chip for a core clock of `hz`; `was_pll` tells that it came from the PLL before.
+  virtual void check_clock(std::uint64_t hz, bool was_pll) = 0;
+  [[nodiscard]] virtual const Pll& pll() const = 0;
+  /// Switches the core to the internal oscillator that runs after a failure of the crystal.
+  virtual void use_internal() = 0;
+  /// Returns the frequency of the source 0 … 3 of CFGR.SW, or of the PLL's source; 0 if it is not ready.
+  [[nodiscard]] virtual std::uint64_t source_hz(std::uint32_t source) const = 0;
+  [[nodiscard]] virtual std::uint64_t pll_source_hz(std::uint32_t source) const = 0;
+  /// Starts and stops the oscillators of CR beside crystal and PLL.
+  virtual void write_oscillators(std::uint32_t) {}
+  [[nodiscard]] std::uint32_t& reg(std::uint32_t offset) { return regs_[offset / 4 & 63]; }
+  [[nodiscard]] std::uint32_t reg(std::uint32_t offset) const { return regs_[offset / 4 & 63]; }
+  /// Sets bit `ready` of CR after the start-up time, or clears it, when bit `on` has changed.
+  void start_oscillator(std::uint32_t before, unsigned on, unsigned ready, Time delay);
+  void set_sysclk(std::uint64_t hz) { sysclk_hz_ = hz; }
+  [[nodiscard]] bool boost() const { return boost_; }
+  [[nodiscard]] std::uint32_t wait_states() const { return wait_states_; }
+
  private:
   void switch_clock();
   void write_control(std::uint32_t value);
@@ -48,16 +75,46 @@ class Rcc final : public Peripheral {
   std::uint64_t sysclk_hz_ = 16'000'000, generation_ = 0;
 };
 
+/// Models reset and clock control of the STM32G474 with power control's boost bit (RM0440 §7.4, §6.4).
+class Rcc final : public ClockControl {
+ public:
+  Rcc(Surroundings& around, const CrystalSetup& crystal) : ClockControl(around, crystal) { reset(); }
+  void reset() override;
+
+ private:
+  void check_clock(std::uint64_t hz, bool was_pll) override;
+  [[nodiscard]] const Pll& pll() const override;
+  void use_internal() override;
+  [[nodiscard]] std::uint64_t source_hz(std::uint32_t source) const override;
+  [[nodiscard]] std::uint64_t pll_source_hz(std::uint32_t source) const override;
+};
+
+/// Models reset and clock control of the STM32L452 (RM0394, chapter on RCC): the core starts with MSI at 4 MHz; HSI has
+/// to be switched on. Only the range of MSI after a reset and voltage range 1 are modelled.
+class RccL4 final : public ClockControl {
+ public:
+  RccL4(Surroundings& around, const CrystalSetup& crystal) : ClockControl(around, crystal) { reset(); }
+  void reset() override;
+
+ private:
+  void check_clock(std::uint64_t hz, bool was_pll) override;
+  [[nodiscard]] const Pll& pll() const override;
+  void use_internal() override;
+  [[nodiscard]] std::uint64_t source_hz(std::uint32_t source) const override;
+  [[nodiscard]] std::uint64_t pll_source_hz(std::uint32_t source) const override;
+  void write_oscillators(std::uint32_t before) override;
+};
+
 /// Models PWR_CR5.R1MODE and stores the other registers.
 class Pwr final : public Peripheral {
  public:
-  Pwr(Surroundings& around, Rcc& rcc) : Peripheral(around), rcc_(rcc) { reset(); }
+  Pwr(Surroundings& around, ClockControl& rcc) : Peripheral(around), rcc_(rcc) { reset(); }
   std::uint32_t read(std::uint32_t offset, unsigned) override { return regs_[offset / 4 & 63]; }
   void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
   void reset() override;
 
  private:
-  Rcc& rcc_;
+  ClockControl& rcc_;
   std::array<std::uint32_t, 64> regs_{};
 };
 
@@ -65,7 +122,7 @@ class Pwr final : public Peripheral {
 /// chapter 31).
 class Tim16 final : public Peripheral {
  public:
-  Tim16(Surroundings& around, const Rcc& rcc) : Peripheral(around), rcc_(rcc) { reset(); }
+  Tim16(Surroundings& around, const ClockControl& rcc) : Peripheral(around), rcc_(rcc) { reset(); }
   std::uint32_t read(std::uint32_t offset, unsigned size) override;
   void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
   void reset() override;
@@ -73,7 +130,7 @@ class Tim16 final : public Peripheral {
  private:
   void catch_up();
   [[nodiscard]] bool captures() const;
-  const Rcc& rcc_;
+  const ClockControl& rcc_;
   std::array<std::uint32_t, 64> regs_{};
   Time started_ = 0;
   std::uint64_t captured_ = 0;  // Edges are counted from the start.

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "triskin/board/pll_setting.hpp"
+
 /// Computes how the PLL makes the core's clock from the crystal that was found. This is pure arithmetic, which the host
 /// tests.
 namespace triskin::board {
@@ -14,30 +16,17 @@ inline constexpr std::uint32_t kSysclk_hz = 160'000'000;
 inline constexpr std::uint32_t kVco_hz = 2 * kSysclk_hz;
 
 /// The limits of the PLL are from the data sheet DS12288, PLL characteristics.
-namespace pll_limits {
-inline constexpr std::uint32_t kMinInput_hz = 2'660'000, kMaxInput_hz = 16'000'000, kMinVco_hz = 96'000'000,
-                               kMaxVco_hz = 344'000'000, kMaxDivider = 16, kMinFactor = 8, kMaxFactor = 127;
-}  // namespace pll_limits
-static_assert(kVco_hz >= pll_limits::kMinVco_hz && kVco_hz <= pll_limits::kMaxVco_hz);
+inline constexpr PllLimits kPllLimits{.min_input_hz = 2'660'000,
+                                      .max_input_hz = 16'000'000,
+                                      .min_vco_hz = 96'000'000,
+                                      .max_vco_hz = 344'000'000,
+                                      .max_divider = 16,
+                                      .min_factor = 8,
+                                      .max_factor = 127};
 
-/// The PLL multiplies its input by `factor` after dividing it by `divider`.
-struct PllSetting {
-  std::uint32_t divider = 0, factor = 0;
-  bool operator==(const PllSetting&) const = default;
-};
-
-/// Returns the setting that makes exactly kVco_hz from `source_hz`, with the fastest input that the PLL's limits allow
-/// (the least jitter); empty if there is none.
+/// Returns the setting that makes kVco_hz from `source_hz`; empty if there is none.
 [[nodiscard]] constexpr std::optional<PllSetting> pll_setting(std::uint32_t source_hz) {
-  using namespace pll_limits;
-  for (std::uint32_t divider = 1; divider <= kMaxDivider; ++divider) {
-    if (source_hz % divider != 0) continue;
-    const std::uint32_t input_hz = source_hz / divider;
-    if (input_hz < kMinInput_hz || input_hz > kMaxInput_hz || kVco_hz % input_hz != 0) continue;
-    const std::uint32_t factor = kVco_hz / input_hz;
-    if (factor >= kMinFactor && factor <= kMaxFactor) return PllSetting{divider, factor};
-  }
-  return std::nullopt;
+  return pll_setting(source_hz, kVco_hz, kPllLimits);
 }
 
 /// Boards may carry one of these crystals. The closest two, 24 and 25 MHz, are 4 % apart.

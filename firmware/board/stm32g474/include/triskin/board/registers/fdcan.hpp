@@ -40,6 +40,5 @@ inline constexpr std::uint32_t kMaskFilter = 2U << 30, kFilterIdShift = 16, kSta
 // These bits belong to the first and second word of an element.
 inline constexpr std::uint32_t kExtendedId = bit(30), kFdFrame = bit(21), kRateSwitched = bit(20), kSizeShift = 16,
                                kStandardIdShift = 18;
-inline constexpr int kIrq0 = 21;
 
 }  // namespace triskin::board::fdcan_reg

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <cstdint>
 
 #include "triskin/board/registers/dma.hpp"
@@ -8,14 +9,19 @@
 
 namespace triskin::board {
 
-/// The pins and the block of a line on the chip are from the data sheet DS12288, table 13.
+/// Where a line is on the chip: its I²C block, the block's pins with their alternate function and interrupts, and the
+/// channels of the DMA that serve it.
 struct LinePlace {
-  unsigned index;
-  std::uint32_t base;
+  std::uint32_t base = 0;
   Pin scl, sda;
-  std::uint32_t alternate;
-  int event_irq, error_irq;
+  std::uint32_t alternate = 0;
+  int event_irq = 0, error_irq = 0;
+  dma_reg::Channel receiver, sender;
 };
+/// Each chip has its table and connects the requests of the blocks to these channels; both need clocks that
+/// connect_lines() enables.
+extern const std::array<LinePlace, layout::kLines> line_places;
+void connect_lines();
 
 /// I2C1 … I2C4 are masters at 400 kHz. DMA moves the bytes; one interrupt switches from writing to reading, another
 /// ends the transfer. Every transfer has a deadline that depends on its bytes, so that a line that hangs without an
@@ -41,8 +47,8 @@ class Stm32I2cLine final : public fw::I2cLine {
 
  private:
   enum class Outcome : std::uint8_t { kRunning, kDone, kNack, kStuck, kLost };
-  [[nodiscard]] dma_reg::Channel sender() const { return dma_reg::Channel(4 + place_.index); }
-  [[nodiscard]] dma_reg::Channel receiver() const { return dma_reg::Channel(place_.index); }
+  [[nodiscard]] dma_reg::Channel sender() const { return place_.sender; }
+  [[nodiscard]] dma_reg::Channel receiver() const { return place_.receiver; }
   void begin_transfer();
   void begin_reading();
   [[nodiscard]] bool moves();
@@ -54,7 +60,7 @@ class Stm32I2cLine final : public fw::I2cLine {
   void end(Outcome outcome);
   void pins_to_bus() const;
 
-  LinePlace place_{};
+  LinePlace place_;
   Bytes write_;
   std::span<std::uint8_t> read_;
   std::uint8_t address_ = 0;

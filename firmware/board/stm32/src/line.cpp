@@ -3,7 +3,6 @@
 
 #include "interrupt_timer.hpp"
 #include "triskin/board/board.hpp"
-#include "triskin/board/board_config.hpp"
 #include "triskin/board/budget.hpp"
 #include "triskin/board/i2c_timing.hpp"
 #include "triskin/board/priorities.hpp"
@@ -18,12 +17,6 @@ Stm32I2cLine lines[4];
 
 namespace {
 
-constexpr LinePlace kPlaces[4] = {
-    {0, kI2c1, pins::kScl1, pins::kSda1, pins::kFunctionI2c1, kI2c1Event, kI2c1Error},
-    {1, kI2c2, pins::kScl2, pins::kSda2, pins::kFunctionI2c2, kI2c2Event, kI2c2Error},
-    {2, kI2c3, pins::kScl3, pins::kSda3, pins::kFunctionI2c3, kI2c3Event, kI2c3Error},
-    {3, kI2c4, pins::kScl4, pins::kSda4, pins::kFunctionI2c4, kI2c4Event, kI2c4Error},
-};
 constexpr std::uint32_t kInterrupts = kNackInterrupt | kStopInterrupt | kCompleteInterrupt | kErrorInterrupt;
 constexpr auto kTiming = compute_i2c_timing({});
 static_assert(kTiming.has_value());
@@ -56,21 +49,18 @@ void wait_us(std::uint64_t us) {
 }  // namespace
 
 void open_lines() {
-  rcc_reg::kAhb1Enr.set(rcc_reg::kDma1 | rcc_reg::kDmaMux);
-  for (const LinePlace& place : kPlaces) {
+  for (const LinePlace& place : line_places) {
     open_port(place.scl);
     open_port(place.sda);
   }
-  rcc_reg::kApb1Enr1.set(rcc_reg::kI2c1 | rcc_reg::kI2c2 | rcc_reg::kI2c3);
-  rcc_reg::kApb1Enr2.set(rcc_reg::kI2c4);
-  (void)rcc_reg::kApb1Enr2.read();
-  for (int k = 0; k < layout::kLines; ++k) lines[k].open(kPlaces[k]);
+  connect_lines();
+  for (std::size_t k = 0; k < line_places.size(); ++k) lines[k].open(line_places[k]);
 }
 
 void Stm32I2cLine::open(const LinePlace& place) {
   place_ = place;
-  receiver().connect(dma_reg::i2c_receive_request(place.index), place.base + kRxdr);
-  sender().connect(dma_reg::i2c_send_request(place.index), place.base + kTxdr);
+  receiver().connect(place.base + kRxdr);
+  sender().connect(place.base + kTxdr);
   pins_to_bus();
   enable();
   for (const int irq : {place.event_irq, place.error_irq}) {

@@ -16,7 +16,7 @@ inline constexpr std::uint32_t kResetShift = 16;
 }  // namespace gpio_reg
 
 struct Pin {
-  char port;        ///< Ports are named 'A', 'B' or 'C'.
+  char port;        ///< Ports are named 'A' to 'H'.
   unsigned number;  ///< Valid values are 0 to 15.
 };
 

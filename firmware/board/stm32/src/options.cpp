@@ -16,8 +16,13 @@ namespace {
 constexpr std::uint32_t kLoaderPages = (flash_map::kLoaderBytes / flash_map::kPageBytes - 1) << kLastProtectedShift;
 static_assert(flash_map::kLoader == flash_map::kBase);
 
+// kDualBank has no bit on a chip with one bank.
+bool pages_as_mapped(std::uint32_t options) {
+  return (options & kDualBank) == kDualBank;
+}
+
 bool options_can_be_set(std::uint32_t options) {
-  return (options & kReadProtectionMask) == kNotProtected && (options & kDualBank) != 0;
+  return (options & kReadProtectionMask) == kNotProtected && pages_as_mapped(options);
 }
 
 }  // namespace
@@ -30,7 +35,7 @@ std::uint32_t inspect_board() {
   const std::uint32_t options = kOptr.read();
   triskin_budget.options = options;
   std::uint32_t found = 0;
-  if ((options & kDualBank) == 0) found |= finding::kSingleBank;
+  if (!pages_as_mapped(options)) found |= finding::kSingleBank;
   if ((options & kBootByPin) != 0) found |= finding::kBootByPin;
   if (boot_pin.level()) found |= finding::kBootPinHigh;
   if ((options & kBrownOutMask) < kBrownOut28) found |= finding::kLowBrownOut;

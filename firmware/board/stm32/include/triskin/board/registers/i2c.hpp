@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "triskin/board/registers/chip.hpp"
 #include "triskin/board/registers/register.hpp"
 
 /// RM0440 §39.9 describes the registers of the I²C interface.
 namespace triskin::board::i2c_reg {
 
-inline constexpr std::uint32_t kI2c1 = 0x40005400, kI2c2 = 0x40005800, kI2c3 = 0x40007800, kI2c4 = 0x40008400;
-inline constexpr int kI2c1Event = 31, kI2c1Error = 32, kI2c2Event = 33, kI2c2Error = 34, kI2c3Event = 92,
-                     kI2c3Error = 93, kI2c4Event = 82, kI2c4Error = 83;
+// The address of I2C3 and the interrupts of I2C3 and I2C4 are those of the chip.
+inline constexpr std::uint32_t kI2c1 = 0x40005400, kI2c2 = 0x40005800, kI2c4 = 0x40008400;
+inline constexpr int kI2c1Event = 31, kI2c1Error = 32, kI2c2Event = 33, kI2c2Error = 34;
 
 inline constexpr std::uint32_t kCr1 = 0x00, kCr2 = 0x04, kTimingr = 0x10, kTimeoutr = 0x14, kIsr = 0x18, kIcr = 0x1C,
                                kRxdr = 0x24, kTxdr = 0x28;

@@ -73,9 +73,10 @@ bool in_flash(std::uint32_t address) {
   return address >= flash_map::kBase && address < flash_map::kEnd;
 }
 
-// With DBANK = 0 pages have 4 KB and other numbers, so an erase would also delete a neighbour.
-bool two_banks() {
-  return flash_reg::kOptr.any(flash_reg::kDualBank);
+// A chip that has two banks may be set to one; its pages then have 4 KB and other numbers, so an erase would also
+// delete a neighbour.
+bool pages_as_mapped() {
+  return (flash_reg::kOptr.read() & flash_reg::kDualBank) == flash_reg::kDualBank;
 }
 
 // RM0440 §3.4.2 has the procedure. The chip uses the new bytes after its next power-up.
@@ -99,7 +100,7 @@ void do_while_erasing(const BusyWork* work) {
 }
 
 bool erase_flash_page(std::uint32_t address) {
-  if (!in_flash(address) || address % flash_map::kPageBytes != 0 || !two_banks()) return false;
+  if (!in_flash(address) || address % flash_map::kPageBytes != 0 || !pages_as_mapped()) return false;
   const bool second = address >= flash_map::kBank2;
   const std::uint32_t page = (address - (second ? flash_map::kBank2 : flash_map::kBase)) / flash_map::kPageBytes;
   wait_ready();

@@ -1,10 +1,12 @@
-# The images: the loader, and the application linked for each of the two slots. Ceilings fail the build.
-set(triskin_board ${CMAKE_CURRENT_SOURCE_DIR}/board/stm32g474)
+# The images: the loader, and the application linked for each of the two slots. Ceilings fail the build. ${triskin_chip} is
+# the folder of the chip, which has the rest of the drivers.
+set(triskin_board ${CMAKE_CURRENT_SOURCE_DIR}/board/stm32)
 
-add_library(triskin_fw_board STATIC ${triskin_board}/src/clock.cpp ${triskin_board}/src/flash.cpp ${triskin_board}/src/flash_area.cpp
-            ${triskin_board}/src/can.cpp ${triskin_board}/src/usb.cpp ${triskin_board}/src/line.cpp ${triskin_board}/src/options.cpp ${triskin_board}/src/chain.cpp
-            ${triskin_board}/src/crash.cpp ${triskin_board}/src/health.cpp ${triskin_board}/src/serial.cpp)
-target_include_directories(triskin_fw_board PUBLIC ${triskin_board}/include ${triskin_board}/src ${triskin_board_folder})
+add_library(triskin_fw_board STATIC ${triskin_board}/src/flash.cpp ${triskin_board}/src/flash_area.cpp ${triskin_board}/src/can_port.cpp
+            ${triskin_board}/src/usb.cpp ${triskin_board}/src/line.cpp ${triskin_board}/src/options.cpp ${triskin_board}/src/chain.cpp
+            ${triskin_board}/src/crash.cpp ${triskin_board}/src/health.cpp ${triskin_board}/src/serial.cpp ${triskin_board}/src/time.cpp
+            ${triskin_chip}/src/clock.cpp ${triskin_chip}/src/can.cpp ${triskin_chip}/src/line_places.cpp)
+target_include_directories(triskin_fw_board PUBLIC ${triskin_board}/include ${triskin_board}/src ${triskin_chip}/include ${triskin_board_folder})
 target_link_libraries(triskin_fw_board PUBLIC triskin_fw_boot)
 add_dependencies(triskin_fw_board triskin_layering)
 set_target_properties(triskin_fw_board PROPERTIES UNITY_BUILD OFF)  # blocks have registers and bits of the same names

@@ -1,4 +1,4 @@
-# Debian's gcc-arm-none-eabi for the Cortex-M4F of the STM32G474; newlib headers, no start files, no heap.
+# Debian's gcc-arm-none-eabi for the Cortex-M4F of the STM32G474 and STM32L452; newlib headers, no start files, no heap.
 set(CMAKE_SYSTEM_NAME Generic)
 set(CMAKE_SYSTEM_PROCESSOR cortex-m4)
 set(CMAKE_C_COMPILER arm-none-eabi-gcc)

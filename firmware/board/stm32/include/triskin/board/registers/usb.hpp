@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "triskin/board/registers/chip.hpp"
 #include "triskin/board/registers/register.hpp"
 
 namespace triskin::board {
 
 /// RM0440 §45.6 describes the USB full-speed device; its packet memory of 1 KB is accessed in half-words (§45.5.3).
+/// Its addresses are those of the chip.
 namespace usb_reg {
-inline constexpr std::uint32_t kBase = 0x40005C00, kMemory = 0x40006000;
 inline constexpr Register kCntr{kBase + 0x40}, kIstr{kBase + 0x44}, kDaddr{kBase + 0x4C}, kBtable{kBase + 0x50},
     kBcdr{kBase + 0x58};
 /// Returns the register EPnR of endpoint register n, 0..7.
@@ -27,12 +28,10 @@ inline constexpr std::uint32_t kEnableFunction = bit(7);  // The device answers 
 inline constexpr std::uint32_t kPullUp = bit(15);         // The pull-up on D+ is switched by BCDR.
 inline constexpr std::uint32_t kBlocksOf64 = bit(15) | 1U << 10,
                                kCountMask = 0x3FF;  // COUNTn_RX is set to two blocks of 32 bytes.
-inline constexpr int kIrq = 20;
 }  // namespace usb_reg
 
 /// The clock recovery system (§8.7) keeps the 48 MHz oscillator synchronized with the host's frames.
 namespace crs_reg {
-inline constexpr Register kCr{0x40002000};
 inline constexpr std::uint32_t kEnable = bit(5), kAutomatic = bit(6);
 }  // namespace crs_reg
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "triskin/board/registers/chip.hpp"
 #include "triskin/board/registers/gpio.hpp"
 #include "triskin/board/registers/register.hpp"
 
 namespace triskin::board {
 
-/// RM0440 §3.7 describes the embedded flash (category 3 device).
+/// RM0440 §3.7 describes the embedded flash. The chip adds its banks.
 namespace flash_reg {
 inline constexpr std::uint32_t kBase = 0x40022000;
 inline constexpr Register kAcr{kBase + 0x00}, kKeyr{kBase + 0x08}, kOptKeyr{kBase + 0x0C}, kSr{kBase + 0x10},
@@ -15,34 +16,25 @@ inline constexpr std::uint32_t kKey1 = 0x45670123, kKey2 = 0xCDEF89AB;
 // §3.7.4 defines the keys that unlock the option bytes.
 inline constexpr std::uint32_t kOptionKey1 = 0x08192A3B, kOptionKey2 = 0x4C5D6E7F;
 // The access control register ACR has the wait states and the caches of the flash.
-inline constexpr std::uint32_t kLatencyMask = 0xF, kLatency4 = 4, kPrefetch = bit(8), kInstructionCache = bit(9),
-                               kDataCache = bit(10), kDataCacheReset = bit(12);
+inline constexpr std::uint32_t kLatency4 = 4, kPrefetch = bit(8), kInstructionCache = bit(9), kDataCache = bit(10),
+                               kDataCacheReset = bit(12);
 // The status register SR tells when an operation has ended.
 inline constexpr std::uint32_t kEndOfOperation = bit(0), kBusy = bit(16);
 inline constexpr std::uint32_t kErrors = bit(1) | bit(3) | bit(4) | bit(5) | bit(6) | bit(7) | bit(8) | bit(9);
 // The control register CR selects the operation of the flash and its page.
-inline constexpr std::uint32_t kProgram = bit(0), kPageErase = bit(1), kPageShift = 3, kBank2 = bit(11),
-                               kStart = bit(16), kOptionStart = bit(17), kOptionLock = bit(30), kLock = bit(31);
-// ECCR reports two wrong bits with an NMI and one wrong bit as corrected. The second bit of each kind is for the upper
-// half with DBANK = 0.
-inline constexpr std::uint32_t kEccDetected = bit(31), kEccCorrected = bit(30), kEccDetectedHigh = bit(29),
-                               kEccCorrectedHigh = bit(28);
-// OPTR has the read protection, the two banks, BOOT0 from the pin, and BOOT0 of the option (inverted).
-inline constexpr std::uint32_t kReadProtectionMask = 0xFF, kNotProtected = 0xAA, kDualBank = bit(22),
-                               kBootByPin = bit(26), kBootOptionFlash = bit(27), kBrownOutMask = 7U << 8,
+inline constexpr std::uint32_t kProgram = bit(0), kPageErase = bit(1), kPageShift = 3, kStart = bit(16),
+                               kOptionStart = bit(17), kOptionLock = bit(30), kLock = bit(31);
+// ECCR reports two wrong bits with an NMI and one wrong bit as corrected.
+inline constexpr std::uint32_t kEccDetected = bit(31), kEccCorrected = bit(30);
+// OPTR has the read protection, BOOT0 from the pin, and BOOT0 of the option (inverted).
+inline constexpr std::uint32_t kReadProtectionMask = 0xFF, kNotProtected = 0xAA, kBootByPin = bit(26),
+                               kBootOptionFlash = bit(27), kBrownOutMask = 7U << 8,
                                kBrownOut28 = 4U << 8;  // Level 4 is about 2.8 V.
 // WRP1AR has the first and last protected page of bank 1; a first page after the last one protects nothing.
-inline constexpr std::uint32_t kProtectedPageMask = 0x7F, kLastProtectedShift = 16, kProtectsNothing = 0x7F;
+inline constexpr std::uint32_t kLastProtectedShift = 16;
 }  // namespace flash_reg
 
-/// RM0440 §6.4 describes the power control.
-namespace pwr_reg {
-inline constexpr std::uint32_t kBase = 0x40007000;
-inline constexpr Register kCr1{kBase + 0x00}, kCr5{kBase + 0x80};
-inline constexpr std::uint32_t kNoBoost = bit(8);  // R1MODE must be 0 above 150 MHz (§6.1.5).
-}  // namespace pwr_reg
-
-/// RM0440 §7.4 describes the reset and clock control.
+/// RM0440 §7.4 describes the reset and clock control. The chip adds the bits that others do not have in this place.
 namespace rcc_reg {
 inline constexpr std::uint32_t kBase = 0x40021000;
 inline constexpr Register kCr{kBase + 0x00}, kCfgr{kBase + 0x08}, kPllCfgr{kBase + 0x0C}, kAhb1Enr{kBase + 0x48},
@@ -53,17 +45,13 @@ inline constexpr std::uint32_t kHseOn = bit(16), kHseReady = bit(17), kClockSecu
                                kPllReady = bit(25);
 inline constexpr std::uint32_t kCrystalFailed = bit(8);  // The bit belongs to CIFR and CICR.
 inline constexpr std::uint32_t kSwitchMask = 3, kSwitchHsi = 1, kSwitchHse = 2, kSwitchPll = 3, kStatusShift = 2,
-                               kAhbMask = 0xF0, kAhbHalf = 0x80;
+                               kAhbMask = 0xF0;
 inline constexpr std::uint32_t kPllFromHse = 3, kPllFromHsi = 2, kPllMShift = 4, kPllNShift = 8, kPllREnable = bit(24),
-                               kPllSourceMask = 3, kPllMMask = 0xF, kPllNMask = 0x7F;
-inline constexpr std::uint32_t kDma1 = bit(0), kDmaMux = bit(2), kFlashClock = bit(8), kGpioA = bit(0), kGpioB = bit(1),
-                               kGpioC = bit(2);
-inline constexpr std::uint32_t kTim2 = bit(0), kCrs = bit(8), kSpi2 = bit(14), kUsart2 = bit(17), kI2c1 = bit(21),
-                               kI2c2 = bit(22), kUsb = bit(23), kFdcan = bit(25), kPwr = bit(28),
-                               kI2c3 = bit(30);             // This clock is enabled in APB1ENR1.
-inline constexpr std::uint32_t kI2c4 = bit(1);              // This clock is enabled in APB1ENR2.
-inline constexpr std::uint32_t kTim16 = bit(17);            // This clock is enabled in APB2ENR.
-inline constexpr std::uint32_t kFdcanFromPclk1 = 2U << 24;  // CCIPR.FDCANSEL selects PCLK1 as the clock of FDCAN.
+                               kPllSourceMask = 3, kPllNMask = 0x7F;
+inline constexpr std::uint32_t kDma1 = bit(0), kFlashClock = bit(8), kGpioA = bit(0), kGpioB = bit(1), kGpioC = bit(2);
+inline constexpr std::uint32_t kTim2 = bit(0), kSpi2 = bit(14), kUsart2 = bit(17), kI2c1 = bit(21), kI2c2 = bit(22),
+                               kCan = bit(25), kPwr = bit(28);  // These clocks are enabled in APB1ENR1.
+inline constexpr std::uint32_t kI2c4 = bit(1);                  // This clock is enabled in APB1ENR2.
 inline constexpr std::uint32_t kHsi48On = bit(0), kHsi48Ready = bit(1);
 inline constexpr std::uint32_t kRemoveResetFlags = bit(23), kOptionReset = bit(25), kPinReset = bit(26),
                                kPowerReset = bit(27), kSoftwareReset = bit(28), kWatchdogReset = bit(29);
@@ -120,7 +108,7 @@ inline void reset_peripherals() {
   for (std::uint32_t k = 0; k < 4; ++k) Register(kDisableFirst.address() + 4 * k).write(0xFFFFFFFF);
   for (std::uint32_t k = 0; k < 4; ++k) Register(kUnpendFirst.address() + 4 * k).write(0xFFFFFFFF);
   using namespace rcc_reg;  // A block has the same bit in the reset register as in the enable register.
-  kApb1Rstr1.write(kTim2 | kSpi2 | kUsart2 | kUsb | kFdcan);
+  kApb1Rstr1.write(kTim2 | kSpi2 | kUsart2 | kUsb | kCan);
   kApb1Rstr1.write(0);
 }
 /// Resets the system after all stores have reached memory.

@@ -7,7 +7,6 @@
 
 #include "triskin/board/board.hpp"
 #include "triskin/board/budget.hpp"
-#include "triskin/board/registers/fdcan.hpp"
 #include "triskin/board/registers/i2c.hpp"
 #include "triskin/board/registers/system.hpp"
 #include "triskin/board/registers/usb.hpp"
@@ -34,7 +33,7 @@ void default_handler();
 #define TRISKIN_HANDLER(name) void name() __attribute__((weak, alias("default_handler")))
 TRISKIN_HANDLER(sys_tick_handler);
 TRISKIN_HANDLER(tim2_handler);
-TRISKIN_HANDLER(fdcan_handler);
+TRISKIN_HANDLER(can_handler);
 TRISKIN_HANDLER(usb_handler);
 TRISKIN_HANDLER(i2c1_event_handler);
 TRISKIN_HANDLER(i2c1_error_handler);
@@ -75,7 +74,8 @@ namespace triskin::board {
 namespace {
 
 using Handler = void (*)();
-constexpr int kInterrupts = 102;  // The number is from RM0440 table 97.
+// The number is from RM0440 table 97; other chips have fewer, but the label of an image stays at its place.
+constexpr int kInterrupts = 102;
 constexpr std::uint32_t kStackPaint = 0x5AFE5AFE;
 
 struct Vectors {
@@ -94,7 +94,7 @@ consteval Vectors make_vectors() {
   for (int k = 3; k <= 6; ++k) exception(k, hard_fault_handler);
   exception(15, sys_tick_handler);
   exception(16 + usb_reg::kIrq, usb_handler);
-  exception(16 + fdcan_reg::kIrq0, fdcan_handler);
+  for (int k = can_irq::kFirst; k <= can_irq::kLast; ++k) exception(16 + k, can_handler);
   exception(16 + tim2_reg::kIrq, tim2_handler);
   exception(16 + i2c_reg::kI2c1Event, i2c1_event_handler);
   exception(16 + i2c_reg::kI2c1Error, i2c1_error_handler);
@@ -137,7 +137,7 @@ namespace {
 }  // namespace
 
 // The first access to each RAM after a reset may be treated as a read (errata ES0430, 2.2.7), so SRAM1, SRAM2 and CCM
-// RAM are read once before anything is pushed.
+// RAM of the STM32G4 are read once before anything is pushed; every chip has memory at these addresses.
 [[gnu::naked]] void reset_handler() {
   asm volatile(
       "ldr r0, =0x20000000\n ldr r1, [r0]\n"
