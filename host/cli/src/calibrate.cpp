@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/cli/site_options.hpp"
@@ -94,15 +95,15 @@ device::CalibrationOutcome measure(const Options& options, device::LiveBus& live
 
 void print_report(const device::CalibrationOutcome& outcome, Output& output) {
   const design::CalibrationQuality& q = outcome.quality;
-  output.say(
-      fmt::format("{} of {} taxels calibrated up to {:g} kPa; error of a sensitivity {:.2g} % (median), {:.2g} % "
-                  "(worst), 95 % bound; farthest from the line {:.2g} kPa",
-                  q.taxels, q.taxels + q.missing, q.max_kpa, q.median_percent, q.worst_percent, q.residual_kpa));
+  output.say(fmt::format(
+      "{} of {} calibrated up to {:g} kPa; error of a sensitivity {:.2g} % (median), {:.2g} % (worst), 95 % bound; "
+      "farthest from the line {:.2g} kPa",
+      q.taxels, counted(q.taxels + q.missing, "taxel"), q.max_kpa, q.median_percent, q.worst_percent, q.residual_kpa));
   for (std::size_t k = 0; k < std::min(kMaxNamed, outcome.without.size()); ++k)
     output.say(fmt::format("module {} taxel {}: not calibrated: it does not follow the pressure; run triskin verify",
                            outcome.without[k].first, outcome.without[k].second));
   if (outcome.without.size() > kMaxNamed)
-    output.say(fmt::format("… and {} taxels more", outcome.without.size() - kMaxNamed));
+    output.say(fmt::format("… and {} more", counted(outcome.without.size() - kMaxNamed, "taxel")));
   nlohmann::json without = nlohmann::json::array();
   for (const auto& [module, taxel] : outcome.without) without.push_back({{"module", module}, {"taxel", taxel}});
   output.result = {{"taxels", q.taxels},

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "terminal.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/base/pace.hpp"
 #include "triskin/base/terminal_text.hpp"
 #include "triskin/skin/taxel_trace.hpp"
@@ -64,38 +65,27 @@ class Lines final : public LiveDisplay {
   explicit Lines(const Output& output) : output_(output) {}
   Wish show(LiveMonitor& monitor, const LiveState& state) override {
     const auto pressed = monitor.touches().pressed();
-    say_off_rest(monitor, state.time_s);
-    if (pressed.empty() && state.time_s < spoke_s_ + kHeartbeat_s) return Wish::kNothing;
+    if (const std::string remark = off_rest_.due(monitor, state.time_s); !remark.empty())
+      output_.say(fmt::format("{:7.2f} s  {}", state.time_s, remark));
+    if (pressed.empty() && state.time_s < spoke_s_ + OffRestNotice::kHeartbeat_s) return Wish::kNothing;
     spoke_s_ = state.time_s;
     if (pressed.empty()) {
-      output_.say(
-          fmt::format("{:7.2f} s  nothing is pressed; {} samples, {} lost", state.time_s, state.frames, state.lost));
+      output_.say(fmt::format("{:7.2f} s  nothing is pressed; {}, {} lost", state.time_s,
+                              counted(state.frames, "sample"), state.lost));
       return Wish::kNothing;
     }
     const auto& first = pressed.front();
     const auto bar = std::string(static_cast<std::size_t>(std::clamp(first.change_counts / 500.0, 1.0, 24.0)), '#');
-    output_.say(fmt::format("{:7.2f} s  {} {:<24} +{} taxels{}", state.time_s, place_text(monitor, first), bar,
-                            pressed.size() - 1, force_of(monitor)));
+    output_.say(fmt::format("{:7.2f} s  {} {:<24} +{}{}", state.time_s, place_text(monitor, first), bar,
+                            counted(pressed.size() - 1, "taxel"), force_of(monitor)));
     for (const device::SkinContact& c : monitor.contacts()) output_.say(fmt::format("{:>11}{}", "", contact_text(c)));
     return Wish::kNothing;
   }
 
  private:
-  // The message appears when the state begins and is repeated in every heartbeat period while it lasts.
-  void say_off_rest(const LiveMonitor& monitor, double time_s) {
-    const std::string remark = device::sentence(monitor.off_rest());
-    const bool is_due = !is_off_rest_ || time_s >= off_rest_s_ + kHeartbeat_s;
-    is_off_rest_ = !remark.empty();
-    if (!is_off_rest_ || !is_due) return;
-    off_rest_s_ = time_s;
-    output_.say(fmt::format("{:7.2f} s  {}", time_s, remark));
-  }
-
-  // Whoever reads a pipe sees that the skin is alive while nobody touches it.
-  static constexpr double kHeartbeat_s = 5.0;
   const Output& output_;
-  double spoke_s_ = 0.0, off_rest_s_ = 0.0;
-  bool is_off_rest_ = false;
+  double spoke_s_ = 0.0;
+  OffRestNotice off_rest_;
 };
 
 class Objects final : public LiveDisplay {
@@ -175,8 +165,8 @@ class Screen final : public LiveDisplay {
   [[nodiscard]] std::vector<std::string> page(const LiveMonitor& monitor, const LiveState& state) const {
     const Terminal::Size size = Terminal::size();
     std::vector<std::string> lines;
-    lines.push_back(fmt::format("{}  {:.1f} s  {} samples, {} lost{}", for_terminal(design_.name), state.time_s,
-                                state.frames, state.lost, force_of(monitor)));
+    lines.push_back(fmt::format("{}  {:.1f} s  {}, {} lost{}", for_terminal(design_.name), state.time_s,
+                                counted(state.frames, "sample"), state.lost, force_of(monitor)));
     std::vector<std::string> below = monitor.picture(patch_, unit(monitor), Terminal::has_colour(), size.columns);
     below.emplace_back();
     const auto pressed = monitor.touches().pressed();
@@ -185,10 +175,10 @@ class Screen final : public LiveDisplay {
     const auto contacts = monitor.contacts();
     for (std::size_t k = 0; k < std::min(kMaxContacts, contacts.size()); ++k)
       below.push_back(contact_text(contacts[k]));
-    if (pressed.size() > kMaxTaxels) below.push_back(fmt::format("+{} taxels", pressed.size() - kMaxTaxels));
+    if (pressed.size() > kMaxTaxels) below.push_back(fmt::format("+{}", counted(pressed.size() - kMaxTaxels, "taxel")));
     for (std::string& line : trace_.lines(static_cast<std::size_t>(std::max(1, size.columns - 1)), kStep_s))
       below.push_back(std::move(line));
-    if (const std::string remark = device::sentence(monitor.off_rest()); !remark.empty()) below.push_back(remark);
+    if (const std::string remark = design::sentence(monitor.off_rest()); !remark.empty()) below.push_back(remark);
     for (const device::AdoptedCounts& a : state.adopted)
       below.push_back(fmt::format("module {} is read by the controller of patch {}", a.module, a.patch));
     if (!state.note.empty()) below.push_back(for_terminal(state.note));
@@ -225,7 +215,7 @@ class Screen final : public LiveDisplay {
     }
     std::vector<std::string> texts;
     for (const int p : shown) texts.push_back(all[static_cast<std::size_t>(p)]);
-    if (patches > room) texts.push_back(fmt::format("  +{} patches", patches - room + 1));
+    if (patches > room) texts.push_back(fmt::format("  +{}", counted(patches - room + 1, "patch")));
     return in_columns(texts, wide, static_cast<std::size_t>(beside));
   }
 
@@ -236,10 +226,10 @@ class Screen final : public LiveDisplay {
   }
 
   [[nodiscard]] std::string line_of(const LiveMonitor& monitor, int patch) const {
-    std::string text =
-        fmt::format("{} patch {:3}  {:2} modules  {:5.1f}/s", patch == patch_ ? ">" : " ", patch,
-                    design_.patches[static_cast<std::size_t>(patch)].modules.size(), monitor.rate_hz(patch));
-    if (monitor.faults(patch) > 0) text += fmt::format("  {} faults", monitor.faults(patch));
+    std::string text = fmt::format("{} patch {:3}  {:>10}  {:5.1f}/s", patch == patch_ ? ">" : " ", patch,
+                                   counted(design_.patches[static_cast<std::size_t>(patch)].modules.size(), "module"),
+                                   monitor.rate_hz(patch));
+    if (monitor.faults(patch) > 0) text += fmt::format("  {}", counted(monitor.faults(patch), "fault"));
     if (monitor.unheard(patch) > 0) text += fmt::format("  {} never heard", monitor.unheard(patch));
     return text;
   }
@@ -259,6 +249,15 @@ class Screen final : public LiveDisplay {
 
 }  // namespace
 
+std::string OffRestNotice::due(const LiveMonitor& monitor, double time_s) {
+  const std::string remark = design::sentence(monitor.off_rest());
+  const bool is_due = !is_off_rest_ || time_s >= said_s_ + kHeartbeat_s;
+  is_off_rest_ = !remark.empty();
+  if (!is_off_rest_ || !is_due) return {};
+  said_s_ = time_s;
+  return remark;
+}
+
 std::string place_text(const LiveMonitor& monitor, const PressedTaxel& t) {
   const std::string place = fmt::format("module {:4} taxel {:2}  at ({:8.2f}, {:8.2f}, {:8.2f}) mm", t.module, t.taxel,
                                         t.position_mm.x(), t.position_mm.y(), t.position_mm.z());
@@ -271,6 +270,10 @@ std::string contact_text(const device::SkinContact& c) {
                                  c.position_mm.y(), c.position_mm.z(), c.position_sd_mm);
   if (std::isfinite(c.force_n)) text += fmt::format("  {:.2f} N ± {:.2f}", c.force_n, c.force_sd_n);
   return text + fmt::format("  {:.0f} mm²  module {}", c.area_mm2, c.taxels.front().module);
+}
+
+nlohmann::json to_json(const design::OffRest& off) {
+  return {{"taxels", off.taxels}, {"modules", off.modules}};
 }
 
 nlohmann::json to_json(const LiveMonitor& monitor, const LiveState& state) {
@@ -288,6 +291,7 @@ nlohmann::json to_json(const LiveMonitor& monitor, const LiveState& state) {
   nlohmann::json line = {
       {"time_s", state.time_s}, {"frames", state.frames}, {"lost", state.lost}, {"pressed", std::move(pressed)}};
   line["unit"] = name_of(best_unit(monitor));
+  line["off_rest"] = to_json(monitor.off_rest());
   const auto contacts = monitor.contacts();
   line["contacts"] = contacts_json(contacts);
   if (calibrated) {

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "triskin/base/counted.hpp"
+
 namespace triskin::device {
 
 UsbLink::UsbLink(std::unique_ptr<UsbDriver> driver, const std::string& serial)
@@ -99,7 +101,8 @@ void UsbLink::send(const wire::CanFrame& frame) {
   remove_gone();
   if (devices_.empty()) fail(trouble());
   const auto packet = wire::to_usb(frame);
-  if (!packet) throw DeviceError(fmt::format("{}: a frame of {} bytes does not fit a USB packet", name_, frame.size));
+  if (!packet)
+    throw DeviceError(fmt::format("{}: a frame of {} does not fit a USB packet", name_, counted(frame.size, "byte")));
   const auto target = NodeMap::target_of(frame);
   std::optional<int> only;
   {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pages.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/design/module_side.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/layout/module.hpp"
@@ -92,7 +93,8 @@ int total(const std::vector<PieceCount>& pieces) {
 std::string text_of_kind(const design::Design& design, int kind, const std::string& shape) {
   if (design.kinds.empty()) return shape;
   const design::ModuleKind k = design::kind_of(design.kinds, kind);
-  return fmt::format("{}: {} taxels{}; {}", k.name, k.taxels, k.dielectric.empty() ? "" : ", " + k.dielectric, shape);
+  return fmt::format("{}: {}{}; {}", k.name, counted(k.taxels, "taxel"),
+                     k.dielectric.empty() ? "" : ", " + k.dielectric, shape);
 }
 
 void add_parts(Lines& lines, const design::Design& design, const Bill& bill) {
@@ -119,8 +121,9 @@ void add_parts(Lines& lines, const design::Design& design, const Bill& bill) {
   add_pieces(lines, "jumper cables", "", bill.jumpers, columns);
   const int straps = std::accumulate(bill.line_straps.begin(), bill.line_straps.end(), 0) +
                      std::accumulate(bill.address_straps.begin(), bill.address_straps.end(), 0);
-  add_text(lines, fmt::format("In all: {} modules, {} straps to close, {} controllers, {} cables, {} jumpers.",
-                              bill.modules, straps, bill.controllers, total(bill.cables), total(bill.jumpers)));
+  add_text(lines, fmt::format("In all: {}, {} to close, {}, {}, {}.", counted(bill.modules, "module"),
+                              counted(straps, "strap"), counted(bill.controllers, "controller"),
+                              counted(total(bill.cables), "cable"), counted(total(bill.jumpers), "jumper")));
   add_text(lines,
            fmt::format("Joints: {} to keep, {} whose traces are cut inside a patch, {} whose traces are cut between "
                        "controllers; {} slits.",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/scene/sim_link.hpp"
 
 namespace triskin::device {
@@ -47,7 +48,8 @@ void SimUsbLink::wait_for_hub() {
 
 void SimUsbLink::send(const wire::CanFrame& frame) {
   const auto packet = wire::to_usb(frame);
-  if (!packet) throw DeviceError(fmt::format("{}: a frame of {} bytes does not fit a USB packet", name(), frame.size));
+  if (!packet)
+    throw DeviceError(fmt::format("{}: a frame of {} does not fit a USB packet", name(), counted(frame.size, "byte")));
   const auto target = NodeMap::target_of(frame);
   const auto only = target ? nodes_.wire_of(*target) : std::nullopt;
   nodes_.sent(frame);

@@ -8,6 +8,7 @@
 #include <array>
 #include <sstream>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/pipeline/edit_design.hpp"
 
@@ -114,9 +115,10 @@ void report_changes(const pipeline::EditedDesign& e, Output& output) {
   output.result["renumbered"] = renumbered;
   std::string added;
   for (const int id : e.added) added += fmt::format(" {}", id);
-  output.say(fmt::format("{} modules stand where they stood, {} of them with a new number; {} gone; {} new{}{}",
-                         static_cast<std::ptrdiff_t>(e.new_id.size()) - removed, renumbered, removed, e.added.size(),
-                         e.added.empty() ? "" : ":", added));
+  output.say(fmt::format("{} {} where they stood, {} of them with a new number; {} gone; {} new{}{}",
+                         counted(static_cast<std::ptrdiff_t>(e.new_id.size()) - removed, "module"),
+                         agreeing(static_cast<std::ptrdiff_t>(e.new_id.size()) - removed, "stands", "stand"),
+                         renumbered, removed, e.added.size(), e.added.empty() ? "" : ":", added));
 }
 
 int report_design(const design::Design& d, Output& output) {
@@ -128,9 +130,9 @@ int report_design(const design::Design& d, Output& output) {
                         {"jumpers_lower_bound", d.report.jumpers_lower_bound},
                         {"coverage", d.report.coverage},
                         {"seconds", d.report.seconds}});
-  output.say(fmt::format("{} modules in {} islands, {} controllers, {} jumpers, coverage {:.1f} %",
-                         d.layout.modules.size(), d.layout.islands, d.patches.size(), d.layout.jumpers.size(),
-                         100.0 * d.report.coverage));
+  output.say(fmt::format("{} in {}, {}, {}, coverage {:.1f} %", counted(d.layout.modules.size(), "module"),
+                         counted(d.layout.islands, "island"), counted(d.patches.size(), "controller"),
+                         counted(d.layout.jumpers.size(), "jumper"), 100.0 * d.report.coverage));
   report_kinds(d, output);
   const bool is_covered = report_regions(d, output);
   report_alternatives(d, output);
@@ -210,7 +212,8 @@ bool report_regions(const design::Design& d, Output& output) {
   if (d.regions.empty()) return true;
   output.result["worth"] = d.report.module_value;
   output.result["uncovered"] = nlohmann::json::array();
-  output.say(fmt::format("{} regions: the modules are worth {:.2f}", d.regions.list.size(), d.report.module_value));
+  output.say(
+      fmt::format("{}: the modules are worth {:.2f}", counted(d.regions.list.size(), "region"), d.report.module_value));
   for (const design::Uncovered& u : d.report.uncovered) {
     const auto& p = u.place_mm;
     const std::string why = u.why == "room" ? "a module fits there, but not beside the others" : u.why + " refuses any";

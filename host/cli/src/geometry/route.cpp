@@ -4,6 +4,7 @@
 #include <chrono>
 #include <memory>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/text_file.hpp"
@@ -171,8 +172,8 @@ int run(const Options& options, Output& output) {
   if (!options.checked.empty()) {
     const nlohmann::json routes = design::parse_json(read_text(options.checked), options.checked);
     const int status = report_check(check::check_routes(design::module_list_json(list), routes), output);
-    output.say(
-        fmt::format("{} rules, {} violations", output.result["rules"].get<int>(), output.result["violations"].size()));
+    output.say(fmt::format("{}, {}", counted(output.result["rules"].get<int>(), "rule"),
+                           counted(output.result["violations"].size(), "violation")));
     return status;
   }
   geometry::RoutingOptions routing = options.routing;
@@ -188,11 +189,10 @@ int run(const Options& options, Output& output) {
     count_only.failure_analysis = false;
     count_only.recombinations = 0;
     const geometry::RoutingResult apart = geometry::route(list.graph, count_only);
-    output.say(
-        fmt::format("{} jumpers (at least {}) of {} places up to {:g} mm: {} controllers instead of {}, lower "
-                    "bound {} instead of {}",
-                    r.jumpers.size(), r.jumpers_lower_bound, places.size(), options.jumpers_mm, r.patches.size(),
-                    apart.patches.size(), r.lower_bound, apart.lower_bound));
+    output.say(fmt::format("{} (at least {}) of {} up to {:g} mm: {} instead of {}, lower bound {} instead of {}",
+                           counted(r.jumpers.size(), "jumper"), r.jumpers_lower_bound, counted(places.size(), "place"),
+                           options.jumpers_mm, counted(r.patches.size(), "controller"), apart.patches.size(),
+                           r.lower_bound, apart.lower_bound));
     output.result["patches_without_jumpers"] = apart.patches.size();
     output.result["lower_bound_without_jumpers"] = apart.lower_bound;
     output.result["jumpers"] = jumpers_json(r.jumpers);
@@ -207,21 +207,22 @@ int run(const Options& options, Output& output) {
   if (!options.picture.empty()) write_output(options.picture, design::route_svg(list, r.patches));
   if (!options.output.empty()) write_output(options.output, output.result.dump() + "\n");
   if (options.skingui)
-    output.say(fmt::format("today {} boards, {} of them with triangles that do not hang together", layout.boards,
-                           layout.boards_apart));
+    output.say(fmt::format("today {}, {} of them with triangles that do not hang together",
+                           counted(layout.boards, "board"), layout.boards_apart));
   output.say(
-      fmt::format("{} modules on {} controllers, lower bound {}{}; {} line hops, depth {}; {:.3f} s", list.ids.size(),
-                  r.patches.size(), r.lower_bound,
+      fmt::format("{} on {}, lower bound {}{}; {}, depth {}; {:.3f} s", counted(list.ids.size(), "module"),
+                  counted(r.patches.size(), "controller"), r.lower_bound,
                   r.proved ? fmt::format(" (proved fewest by {})", geometry::kPartitionProofNames.name(r.proof)) : "",
-                  r.line_hops, r.max_depth, r.seconds));
+                  counted(r.line_hops, "line hop"), r.max_depth, r.seconds));
   output.say(fmt::format("mean extra loss of a single failure: {:.2f} modules; one entry {:.2f}; strapped {:.2f}",
                          r.mean_loss, r.mean_loss_one_entry, r.mean_loss_strapped));
   if (r.patches_without_border > 0)
-    output.say(
-        fmt::format("{} patches have no border side: their cables pass through the skin", r.patches_without_border));
+    output.say(fmt::format("{} {} no border side: their cables pass through the skin",
+                           counted(r.patches_without_border, "patch"),
+                           agreeing(r.patches_without_border, "has", "have")));
   if (r.electrical_violations > 0)
-    output.say(
-        fmt::format("{} lines are too heavy for {:g} kHz", r.electrical_violations, routing.electrical.bus_hz / 1e3));
+    output.say(fmt::format("{} {} too heavy for {:g} kHz", counted(r.electrical_violations, "line"),
+                           agreeing(r.electrical_violations, "is", "are"), routing.electrical.bus_hz / 1e3));
   return r.electrical_violations > 0 ? 1 : 0;
 }
 

@@ -11,6 +11,7 @@
 #include <numeric>
 
 #include "polygon_rules.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/design/json_value.hpp"
@@ -374,7 +375,8 @@ std::vector<Polygon> parse_polygons(const std::string& text, const std::string& 
 
 Polygon parse_polygon(const std::string& text, const std::string& name) {
   std::vector<Polygon> polygons = parse_polygons(text, name);
-  if (polygons.size() != 1) fail(name, fmt::format("is a net of {} pieces; choose one with --piece", polygons.size()));
+  if (polygons.size() != 1)
+    fail(name, fmt::format("is a net of {}; choose one with --piece", counted(polygons.size(), "piece")));
   return std::move(polygons.front());
 }
 
