@@ -191,7 +191,7 @@ DoctorCheck discovery_check(const Machine& machine) {
     return good("ROS discovery", words.empty() ? "by default" : words);
   } catch (const InputError& e) {
     return {"ROS discovery", false, e.what(),
-            "unset ROS_LOCALHOST_ONLY ROS_AUTOMATIC_DISCOVERY_RANGE ROS_STATIC_PEERS, or give them a value of those"};
+            "unset ROS_LOCALHOST_ONLY ROS_AUTOMATIC_DISCOVERY_RANGE ROS_STATIC_PEERS"};
   }
 }
 
