@@ -23,6 +23,8 @@ using device::LiveMonitor;
 using device::PressedTaxel;
 using device::PressureUnit;
 
+constexpr const char* kAboveRange = " (above the calibrated range)";
+
 std::string_view name_of(PressureUnit unit) {
   return unit == PressureUnit::kKpa       ? "kPa"
          : unit == PressureUnit::kPercent ? "% of range"
@@ -42,7 +44,14 @@ nlohmann::json numbers_of(const design::Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-nlohmann::json contacts_json(const std::vector<device::SkinContact>& contacts) {
+bool is_above_range(const device::SkinContact& c, const design::SkinCalibration& calibration) {
+  return calibration.complete() && std::ranges::any_of(c.taxels, [&](const PressedTaxel& t) {
+           return calibration.is_above_range(t.module, t.taxel, t.change_counts);
+         });
+}
+
+nlohmann::json contacts_json(const std::vector<device::SkinContact>& contacts,
+                             const design::SkinCalibration& calibration) {
   nlohmann::json list = nlohmann::json::array();
   for (const device::SkinContact& c : contacts) {
     list.push_back({{"position_mm", numbers_of(c.position_mm)},
@@ -56,6 +65,7 @@ nlohmann::json contacts_json(const std::vector<device::SkinContact>& contacts) {
     if (!std::isfinite(c.force_n)) continue;
     list.back()["force_n"] = c.force_n;
     list.back()["force_sd_n"] = c.force_sd_n;
+    if (is_above_range(c, calibration)) list.back()["above_calibration"] = true;
   }
   return list;
 }
@@ -78,7 +88,8 @@ class Lines final : public LiveDisplay {
     const auto bar = std::string(static_cast<std::size_t>(std::clamp(first.change_counts / 500.0, 1.0, 24.0)), '#');
     output_.say(fmt::format("{:7.2f} s  {} {:<24} +{}{}", state.time_s, place_text(monitor, first), bar,
                             counted(pressed.size() - 1, "taxel"), force_of(monitor)));
-    for (const device::SkinContact& c : monitor.contacts()) output_.say(fmt::format("{:>11}{}", "", contact_text(c)));
+    for (const device::SkinContact& c : monitor.contacts())
+      output_.say(fmt::format("{:>11}{}", "", contact_text(c, monitor.calibration())));
     return Wish::kNothing;
   }
 
@@ -174,7 +185,7 @@ class Screen final : public LiveDisplay {
       below.push_back(place_text(monitor, pressed[k]));
     const auto contacts = monitor.contacts();
     for (std::size_t k = 0; k < std::min(kMaxContacts, contacts.size()); ++k)
-      below.push_back(contact_text(contacts[k]));
+      below.push_back(contact_text(contacts[k], monitor.calibration()));
     if (pressed.size() > kMaxTaxels) below.push_back(fmt::format("+{}", counted(pressed.size() - kMaxTaxels, "taxel")));
     for (std::string& line : trace_.lines(static_cast<std::size_t>(std::max(1, size.columns - 1)), kStep_s))
       below.push_back(std::move(line));
@@ -262,14 +273,17 @@ std::string place_text(const LiveMonitor& monitor, const PressedTaxel& t) {
   const std::string place = fmt::format("module {:4} taxel {:2}  at ({:8.2f}, {:8.2f}, {:8.2f}) mm", t.module, t.taxel,
                                         t.position_mm.x(), t.position_mm.y(), t.position_mm.z());
   if (best_unit(monitor) == PressureUnit::kCounts) return fmt::format("{}  {:6.0f} counts", place, t.change_counts);
-  return fmt::format("{}  {:6.2f} kPa", place, monitor.calibration().pressure_kpa(t.module, t.taxel, t.change_counts));
+  const design::SkinCalibration& calibration = monitor.calibration();
+  return fmt::format("{}  {:6.2f} kPa{}", place, calibration.pressure_kpa(t.module, t.taxel, t.change_counts),
+                     calibration.is_above_range(t.module, t.taxel, t.change_counts) ? kAboveRange : "");
 }
 
-std::string contact_text(const device::SkinContact& c) {
+std::string contact_text(const device::SkinContact& c, const design::SkinCalibration& calibration) {
   std::string text = fmt::format("contact at ({:8.2f}, {:8.2f}, {:8.2f}) mm ± {:.1f}", c.position_mm.x(),
                                  c.position_mm.y(), c.position_mm.z(), c.position_sd_mm);
   if (std::isfinite(c.force_n)) text += fmt::format("  {:.2f} N ± {:.2f}", c.force_n, c.force_sd_n);
-  return text + fmt::format("  {:.0f} mm²  module {}", c.area_mm2, c.taxels.front().module);
+  return text + fmt::format("  {:.0f} mm²  module {}{}", c.area_mm2, c.taxels.front().module,
+                            is_above_range(c, calibration) ? kAboveRange : "");
 }
 
 nlohmann::json to_json(const design::OffRest& off) {
@@ -285,15 +299,17 @@ nlohmann::json to_json(const LiveMonitor& monitor, const LiveState& state) {
                        {"change_counts", t.change_counts},
                        {"position_mm", {t.position_mm.x(), t.position_mm.y(), t.position_mm.z()}},
                        {"normal", {t.normal.x(), t.normal.y(), t.normal.z()}}});
-    if (calibrated)
-      pressed.back()["pressure_kpa"] = monitor.calibration().pressure_kpa(t.module, t.taxel, t.change_counts);
+    if (!calibrated) continue;
+    pressed.back()["pressure_kpa"] = monitor.calibration().pressure_kpa(t.module, t.taxel, t.change_counts);
+    if (monitor.calibration().is_above_range(t.module, t.taxel, t.change_counts))
+      pressed.back()["above_calibration"] = true;
   }
   nlohmann::json line = {
       {"time_s", state.time_s}, {"frames", state.frames}, {"lost", state.lost}, {"pressed", std::move(pressed)}};
   line["unit"] = name_of(best_unit(monitor));
   line["off_rest"] = to_json(monitor.off_rest());
   const auto contacts = monitor.contacts();
-  line["contacts"] = contacts_json(contacts);
+  line["contacts"] = contacts_json(contacts, monitor.calibration());
   if (calibrated) {
     line["force_n"] = monitor.force_n();
     const device::NetForce net = device::net_force(contacts);

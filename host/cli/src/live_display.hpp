@@ -49,8 +49,9 @@ class LiveDisplay {
 [[nodiscard]] std::unique_ptr<LiveDisplay> make_display(const design::Design& design, const Output& output);
 /// Describes the place of a taxel and the pressure on it, in kPa if the monitor is calibrated, otherwise in counts.
 [[nodiscard]] std::string place_text(const device::LiveMonitor& monitor, const device::PressedTaxel& taxel);
-/// Describes a contact's place, force and area with deviations; without a calibration the force is left out.
-[[nodiscard]] std::string contact_text(const device::SkinContact& contact);
+/// Describes a contact's place, force and area with deviations; without a calibration the force is left out. Says
+/// when a taxel of it is pressed more than the calibration covers.
+[[nodiscard]] std::string contact_text(const device::SkinContact& contact, const design::SkinCalibration& calibration);
 /// Writes the keys "taxels" (the number) and "modules".
 [[nodiscard]] nlohmann::json to_json(const design::OffRest& off);
 /// Writes the keys "time_s", "frames", "lost", "pressed", "contacts", "unit", "off_rest", with a calibration "force_n",

@@ -38,7 +38,7 @@ std::string trimmed(const std::string& text) {
   return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(kSpaces) - first + 1);
 }
 
-void take(const std::string& line, const std::string& place) {
+void take_line(const std::string& line, const std::string& place) {
   const std::size_t equals = line.find('=');
   const std::string name = trimmed(line.substr(0, equals));
   const auto* const setting = std::ranges::find_if(kSettings, [&](const Setting& s) { return name == s.name; });
@@ -62,7 +62,7 @@ void read_settings() {
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
     line = trimmed(line.substr(0, line.find('#')));
-    if (!line.empty()) take(line, fmt::format("{}: line {}", file.string(), number));
+    if (!line.empty()) take_line(line, fmt::format("{}: line {}", file.string(), number));
   }
 }
 

@@ -5,8 +5,8 @@
 namespace triskin::cli {
 
 /// What a person sets once instead of in each command: an environment variable TRISKIN_NAME for some options, and a
-/// file of lines "name = value" that stands for variables which are not set. The file is $XDG_CONFIG_HOME/triskin/config
-/// or ~/.config/triskin/config. Options of the command line go before both.
+/// file of lines "name = value" that stands for variables which are not set. The file is
+/// $XDG_CONFIG_HOME/triskin/config or ~/.config/triskin/config. Options of the command line go before both.
 
 /// Sets the variables that only the file gives. Throws InputError with file, line and remedy for a line that is not
 /// understood.

@@ -164,6 +164,7 @@ SkinCalibration::SkinCalibration(const Design& design, std::span<const BoardCali
       }
       Module& module = modules_.at(static_cast<std::size_t>(routed.node));
       module.area_mm2 = board->taxel_area_mm2;
+      module.max_kpa = board->max_kpa;
       for (std::size_t t = 0; t < place->taxels.size(); ++t) module.counts_per_kpa[t] = place->taxels[t].counts_per_kpa;
     }
   }
@@ -176,6 +177,12 @@ double SkinCalibration::counts_per_kpa(int module, int taxel) const {
 double SkinCalibration::pressure_kpa(int module, int taxel, double change_counts) const {
   const double sensitivity = counts_per_kpa(module, taxel);
   return sensitivity > 0.0 ? change_counts / sensitivity : 0.0;
+}
+
+bool SkinCalibration::is_above_range(int module, int taxel, double change_counts) const {
+  constexpr double kMargin = 0.02;  // A pressure that is exactly that of the last step reads a little more or less.
+  return pressure_kpa(module, taxel, change_counts) >
+         (1.0 + kMargin) * modules_.at(static_cast<std::size_t>(module)).max_kpa;
 }
 
 double SkinCalibration::force_n(int module, int taxel, double change_counts) const {

@@ -10,6 +10,7 @@
 
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/cli/module_ids.hpp"
 #include "triskin/pipeline/edit_design.hpp"
 
 namespace triskin::cli {
@@ -33,21 +34,6 @@ bool read_whole(const std::string& text, int low, int high, int& value) {
   std::istringstream in(text);
   return !text.empty() && text.find_first_not_of("-0123456789") == std::string::npos && (in >> value) && in.eof() &&
          value >= low && value <= high;
-}
-
-// Parses "3,7-9" as 3, 7, 8, 9.
-std::vector<int> ids_of(const std::string& option, const std::string& text) {
-  std::vector<int> ids;
-  for (const std::string& part : parts_of(text, ',')) {
-    const std::size_t dash = part.find('-');
-    int first = 0, last = 0;
-    const bool is_read = dash == std::string::npos ? read_whole(part, 0, kMaxId, first)
-                                                   : read_whole(part.substr(0, dash), 0, kMaxId, first) &&
-                                                         read_whole(part.substr(dash + 1), first, kMaxId, last);
-    if (!is_read) refuse(option, part, "give module ids and ranges of them, as 3,7-9");
-    for (int id = first; id <= std::max(first, last); ++id) ids.push_back(id);
-  }
-  return ids;
 }
 
 // Parses "MODULE.SIDE" or "ISLAND:I/J/up".
@@ -94,12 +80,12 @@ pipeline::EditedDesign edited(const design::Design& design, const EditOptions& o
   if (options.take >= 0) return {pipeline::take_alternative(design, options.take, progress), {}, {}};
   if (!options.mirror.empty()) return pipeline::mirror_design(design, plane_of(options.mirror), progress);
   if (!options.keep.empty())
-    return pipeline::grow_around(design, ids_of("--keep", options.keep),
+    return pipeline::grow_around(design, module_ids("--keep", options.keep),
                                  {effort.time_limit_s, effort.iterations, effort.threads}, progress);
   // Without removed or added modules, only kinds change.
   if (options.remove.empty() && options.add.empty()) return {design, {}, {}};
   pipeline::LayoutEdit edit;
-  edit.remove = ids_of("--remove", options.remove);
+  edit.remove = module_ids("--remove", options.remove);
   for (const std::string& part : parts_of(options.add, ',')) edit.add.push_back(place_of(part));
   return pipeline::edit_design(design, edit, progress);
 }
