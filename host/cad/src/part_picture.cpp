@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "triskin/base/counted.hpp"
 #include "triskin/base/markup.hpp"
 
 namespace triskin::cad {
@@ -113,10 +112,11 @@ std::string part_svg(const Part& part, const std::vector<int>& selected) {
   }
   const Vec3 size = size_of(part);
   out += fmt::format(
-      "<text x='{}' y='{}' font-size='13'>{}: {}, {:.1f} × {:.1f} × {:.1f} mm; numbers: index of the face; left from "
-      "(1, −1, 1), right from (−1, 1, −1)</text>\n</svg>\n",
+      "<text x='{}' y='{}' font-size='13'>{}: {} faces, {:.1f} × {:.1f} × {:.1f} mm; "
+      "numbers: index of the face; left "
+      "from (1, −1, 1), right from (−1, 1, −1)</text>\n</svg>\n",
       kGap, height - kText, part.bodies.empty() ? std::string() : escape_markup(part.bodies.front().name),
-      counted(part.faces.size(), "face"), size.x(), size.y(), size.z());
+      part.faces.size(), size.x(), size.y(), size.z());
   return out;
 }
 

@@ -9,7 +9,6 @@
 #include <cstring>
 
 #include "reader_process.hpp"
-#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/cad/part_stream.hpp"
@@ -87,9 +86,8 @@ class PartReading {
                                           step_.external_files.size(), step_.external_files.front()));
     }
     if (!is_iges_file && part.faces.size() < static_cast<std::size_t>(step_.faces)) {
-      part.warnings.push_back(fmt::format("the file holds {}, of which {} belong to no body that could be read",
-                                          counted(step_.faces, "face"),
-                                          static_cast<std::size_t>(step_.faces) - part.faces.size()));
+      part.warnings.push_back(fmt::format("the file holds {} faces, of which {} belong to no body that could be read",
+                                          step_.faces, static_cast<std::size_t>(step_.faces) - part.faces.size()));
     }
     if (part.mesh.faces.empty())
       fail(is_iges_file ? "has no faces; export the part as surfaces or solids" : nothing_left(part));

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 
-#include "triskin/base/counted.hpp"
 #include "triskin/check/checked_design.hpp"
 #include "triskin/check/module_outline.hpp"
 
@@ -59,8 +58,8 @@ void check_kinds(const CheckedDesign& d, Findings& f) {
   constexpr std::size_t kMaxKinds = 7, kMaxModules = 8192;
   if (d.kinds.size() > kMaxKinds || d.modules.size() > kMaxModules) {
     f.broken("kinds", "design",
-             fmt::format("{} and {}; a table holds {} and {}", counted(d.kinds.size(), "kind"),
-                         counted(d.modules.size(), "module"), kMaxKinds, kMaxModules));
+             fmt::format("{} kinds and {} modules; a table holds {} and {}", d.kinds.size(), d.modules.size(),
+                         kMaxKinds, kMaxModules));
   }
   for (std::size_t k = 0; k < d.kinds.size(); ++k) {
     const auto& kind = d.kinds[k];
@@ -68,7 +67,7 @@ void check_kinds(const CheckedDesign& d, Findings& f) {
     if (kind.name.empty() || kind_number(d, kind.name) != static_cast<int>(k) + 1)
       f.broken("kinds", where, "its name is empty, taken or that of the standard kind");
     if (kind.taxels < 1 || kind.taxels > 12)
-      f.broken("kinds", where, fmt::format("{}; a converter has 1 … 12", counted(kind.taxels, "taxel")));
+      f.broken("kinds", where, fmt::format("{} taxels; a converter has 1 … 12", kind.taxels));
     if (!(std::isfinite(kind.sensitivity) && kind.sensitivity >= 0.0))
       f.broken("kinds", where, fmt::format("a sensitivity of {:.6g} counts per kPa", kind.sensitivity));
   }
@@ -159,7 +158,7 @@ void check_report(const CheckedDesign& d, Findings& f) {
   }
   if (static_cast<int>(d.modules.size()) > d.upper_bound) {
     f.broken("report-bound", "design",
-             fmt::format("{} above the stated upper bound {}", counted(d.modules.size(), "module"), d.upper_bound));
+             fmt::format("{} modules above the stated upper bound {}", d.modules.size(), d.upper_bound));
   }
 }
 

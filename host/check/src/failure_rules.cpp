@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "routed_patch.hpp"
-#include "triskin/base/counted.hpp"
 
 namespace triskin::check {
 namespace {
@@ -141,8 +140,7 @@ class FailureRules {
     for (const auto& [patch, count] : taken) {
       const int places = limits_.lines * limits_.addresses - static_cast<int>(routes_.patches[patch].rows.size());
       if (count > places)
-        broken("adoption", x,
-               fmt::format("patch {} takes {}, has {} free addresses", patch, counted(count, "module"), places));
+        broken("adoption", x, fmt::format("patch {} takes {} modules, has {} free addresses", patch, count, places));
     }
   }
 

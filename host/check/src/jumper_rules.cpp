@@ -5,7 +5,6 @@
 #include <map>
 #include <set>
 
-#include "triskin/base/counted.hpp"
 #include "triskin/check/surface_index.hpp"
 
 namespace triskin::check {
@@ -176,9 +175,9 @@ void check_jumpers(const CheckedDesign& design, Findings& findings) {
   }
   JumperRules(design, findings).run();
   if (static_cast<int>(design.jumpers.size()) < design.jumpers_lower_bound) {
-    findings.broken("jumpers-bound", "design",
-                    fmt::format("{} under the stated lower bound {}", counted(design.jumpers.size(), "jumper"),
-                                design.jumpers_lower_bound));
+    findings.broken(
+        "jumpers-bound", "design",
+        fmt::format("{} jumpers under the stated lower bound {}", design.jumpers.size(), design.jumpers_lower_bound));
   }
 }
 

@@ -5,7 +5,6 @@
 #include <map>
 #include <tuple>
 
-#include "triskin/base/counted.hpp"
 #include "triskin/check/checked_design.hpp"
 #include "triskin/check/module_outline.hpp"
 
@@ -83,12 +82,10 @@ void check_islands(const CheckedDesign& d, Findings& f) {
     if (island < 0 || island >= d.islands)
       f.broken("island-connected", fmt::format("island {}", island), "its number is outside the stated islands");
     if (count != 1)
-      f.broken("island-connected", fmt::format("island {}", island),
-               fmt::format("falls apart into {}", counted(count, "part")));
+      f.broken("island-connected", fmt::format("island {}", island), fmt::format("falls apart into {} parts", count));
   }
   if (static_cast<int>(components.size()) != d.islands) {
-    f.broken("island-connected", "design",
-             fmt::format("states {}, has {}", counted(d.islands, "island"), components.size()));
+    f.broken("island-connected", "design", fmt::format("states {} islands, has {}", d.islands, components.size()));
   }
 }
 

@@ -4,7 +4,6 @@
 #include <map>
 #include <set>
 
-#include "triskin/base/counted.hpp"
 #include "triskin/check/checked_design.hpp"
 
 namespace triskin::check {
@@ -36,7 +35,7 @@ class PatchChecker {
 
   void sizes() {
     if (p_.modules.empty() || p_.modules.size() > 16)
-      broken("patch-size", fmt::format("has {}, 1 … 16 are possible", counted(p_.modules.size(), "module")));
+      broken("patch-size", fmt::format("has {} modules, 1 … 16 are possible", p_.modules.size()));
     if (members_.size() != p_.modules.size()) broken("patch-members", "lists a module twice");
     if (p_.node_address != static_cast<int>(index_) + 1)
       broken("patch-node", fmt::format("has node address {}, must be {}", p_.node_address, index_ + 1));
@@ -55,8 +54,7 @@ class PatchChecker {
       return members_.contains(j.module[0]) && members_.contains(j.module[1]);
     });
     if (static_cast<int>(islands.size()) > 1 + static_cast<int>(jumpers))
-      broken("patch-island", fmt::format("spans {}, {} {} them", counted(islands.size(), "island"),
-                                         counted(jumpers, "jumper"), agreeing(jumpers, "joins", "join")));
+      broken("patch-island", fmt::format("spans {} islands, {} jumpers join them", islands.size(), jumpers));
   }
 
   void addresses() {
@@ -198,12 +196,12 @@ void check_patches(const CheckedDesign& design, Findings& findings) {
   }
   for (std::size_t k = 0; k < owners.size(); ++k) {
     if (owners[k] != 1)
-      findings.broken("every-module-wired", module_name(k), fmt::format("belongs to {}", counted(owners[k], "patch")));
+      findings.broken("every-module-wired", module_name(k), fmt::format("belongs to {} patches", owners[k]));
   }
   if (static_cast<int>(design.patches.size()) < design.patches_lower_bound) {
-    findings.broken("patches-bound", "design",
-                    fmt::format("{} under the stated lower bound {}", counted(design.patches.size(), "patch"),
-                                design.patches_lower_bound));
+    findings.broken(
+        "patches-bound", "design",
+        fmt::format("{} patches under the stated lower bound {}", design.patches.size(), design.patches_lower_bound));
   }
 }
 

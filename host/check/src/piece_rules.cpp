@@ -5,7 +5,6 @@
 #include <cmath>
 #include <set>
 
-#include "triskin/base/counted.hpp"
 #include "triskin/check/checked_design.hpp"
 
 namespace triskin::check {
@@ -192,12 +191,11 @@ void check_pieces(const CheckedDesign& design, Findings& findings) {
     const int tiles = p.modules > 0 ? tiles_inside(p, design.corner_cut) : 0;
     if (tiles < p.modules) {
       findings.broken("piece-placement", piece_name(k),
-                      fmt::format("states {}, {} {} inside", counted(p.modules, "module"), counted(tiles, "tile"),
-                                  agreeing(tiles, "lies", "lie")));
+                      fmt::format("states {} modules, {} tiles lie inside", p.modules, tiles));
     }
     if (p.modules > p.upper_bound || (p.proved && p.modules != p.upper_bound)) {
       findings.broken("piece-placement", piece_name(k),
-                      fmt::format("{} against the bound {}", counted(p.modules, "module"), p.upper_bound));
+                      fmt::format("{} modules against the bound {}", p.modules, p.upper_bound));
     }
   }
 }

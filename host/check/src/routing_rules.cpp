@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "routed_patch.hpp"
-#include "triskin/base/counted.hpp"
 
 namespace triskin::check {
 namespace {
@@ -21,7 +20,7 @@ class TreeRules {
   void run() {
     const int n = static_cast<int>(p_.rows.size());
     if (n < 1 || n > limits_.capacity)
-      broken("patch-size", fmt::format("has {}, 1 … {} are possible", counted(n, "module"), limits_.capacity));
+      broken("patch-size", fmt::format("has {} modules, 1 … {} are possible", n, limits_.capacity));
     addresses();
     connected();
     for (const RouteRow& r : p_.rows) row(r);
@@ -186,17 +185,15 @@ void check_report(const ModuleMap& modules, const RouteDocument& d, const Routin
     }
   }
   const auto wrong = [&](const char* rule, const std::string& text) { f.broken(rule, "routes", text); };
-  if (d.stated_patches != k)
-    wrong("patch-count", fmt::format("states {}, holds {}", counted(d.stated_patches, "patch"), k));
+  if (d.stated_patches != k) wrong("patch-count", fmt::format("states {} patches, holds {}", d.stated_patches, k));
   if (d.lower_bound > k)
-    wrong("lower-bound", fmt::format("{} under the stated lower bound {}", counted(k, "patch"), d.lower_bound));
+    wrong("lower-bound", fmt::format("{} patches under the stated lower bound {}", k, d.lower_bound));
   if (d.lower_bound < (n + limits.capacity - 1) / limits.capacity)
     wrong("lower-bound", fmt::format("{} is under the size bound", d.lower_bound));
   if (d.proved != (d.lower_bound == k))
-    wrong("proved", fmt::format("states {}, bound {} and {}", d.proved, d.lower_bound, counted(k, "patch")));
+    wrong("proved", fmt::format("states {}, bound {} and {} patches", d.proved, d.lower_bound, k));
   if (hops != d.line_hops || depth != d.max_depth)
-    wrong("report-totals",
-          fmt::format("states {}, depth {}; are {}, {}", counted(d.line_hops, "hop"), d.max_depth, hops, depth));
+    wrong("report-totals", fmt::format("states {} hops, depth {}; are {}, {}", d.line_hops, d.max_depth, hops, depth));
   const double mean = failures == 0 ? 0.0 : static_cast<double>(lost) / failures;
   if (!(std::abs(mean - d.mean_loss) <= 1e-9))
     wrong("mean-loss", fmt::format("states {:.6f}, is {:.6f}", d.mean_loss, mean));

@@ -269,21 +269,24 @@ std::string OffRestNotice::due(const LiveMonitor& monitor, double time_s) {
   return remark;
 }
 
+// The value stands before the place, because a narrow terminal cuts what is at the right.
 std::string place_text(const LiveMonitor& monitor, const PressedTaxel& t) {
-  const std::string place = fmt::format("module {:4} taxel {:2}  at ({:8.2f}, {:8.2f}, {:8.2f}) mm", t.module, t.taxel,
-                                        t.position_mm.x(), t.position_mm.y(), t.position_mm.z());
-  if (best_unit(monitor) == PressureUnit::kCounts) return fmt::format("{}  {:6.0f} counts", place, t.change_counts);
   const design::SkinCalibration& calibration = monitor.calibration();
-  return fmt::format("{}  {:6.2f} kPa{}", place, calibration.pressure_kpa(t.module, t.taxel, t.change_counts),
-                     calibration.is_above_range(t.module, t.taxel, t.change_counts) ? kAboveRange : "");
+  const bool is_kpa = best_unit(monitor) == PressureUnit::kKpa;
+  const std::string value =
+      is_kpa ? fmt::format("{:6.2f} kPa", calibration.pressure_kpa(t.module, t.taxel, t.change_counts))
+             : fmt::format("{:6.0f} counts", t.change_counts);
+  const bool is_above = is_kpa && calibration.is_above_range(t.module, t.taxel, t.change_counts);
+  return fmt::format("module {:4} taxel {:2}  {}{}  at ({:8.2f}, {:8.2f}, {:8.2f}) mm", t.module, t.taxel, value,
+                     is_above ? kAboveRange : "", t.position_mm.x(), t.position_mm.y(), t.position_mm.z());
 }
 
 std::string contact_text(const device::SkinContact& c, const design::SkinCalibration& calibration) {
-  std::string text = fmt::format("contact at ({:8.2f}, {:8.2f}, {:8.2f}) mm ± {:.1f}", c.position_mm.x(),
-                                 c.position_mm.y(), c.position_mm.z(), c.position_sd_mm);
-  if (std::isfinite(c.force_n)) text += fmt::format("  {:.2f} N ± {:.2f}", c.force_n, c.force_sd_n);
-  return text + fmt::format("  {:.0f} mm²  module {}{}", c.area_mm2, c.taxels.front().module,
-                            is_above_range(c, calibration) ? kAboveRange : "");
+  std::string text = fmt::format("contact  module {}  ", c.taxels.front().module);
+  if (std::isfinite(c.force_n)) text += fmt::format("{:.2f} N ± {:.2f}  ", c.force_n, c.force_sd_n);
+  if (is_above_range(c, calibration)) text += fmt::format("{}  ", kAboveRange + 1);
+  return text + fmt::format("at ({:8.2f}, {:8.2f}, {:8.2f}) mm ± {:.1f}  {:.0f} mm²", c.position_mm.x(),
+                            c.position_mm.y(), c.position_mm.z(), c.position_sd_mm, c.area_mm2);
 }
 
 nlohmann::json to_json(const design::OffRest& off) {

@@ -7,7 +7,6 @@
 #include <algorithm>
 
 #include "design_view.hpp"
-#include "triskin/base/counted.hpp"
 #include "triskin/base/csv_field.hpp"
 #include "triskin/base/markup.hpp"
 #include "triskin/design/outline.hpp"
@@ -112,10 +111,10 @@ std::string picture_svg(const Design& design) {
   std::string svg = svg_head(low, size);
   for (const Shape& s : shapes) svg += s.svg;
   svg += fmt::format(
-      "<text x=\"{:.1f}\" y=\"{:.1f}\" font-family=\"sans-serif\" font-size=\"{:.1f}\">{}: {}, {}, {}</text>\n</svg>\n",
-      low.x() + 10, low.y() + size.y() - 10, size.x() / 32, escape_markup(design.name),
-      counted(design.layout.modules.size(), "module"), counted(design.patches.size(), "controller"),
-      coverage_text(design));
+      "<text x=\"{:.1f}\" y=\"{:.1f}\" font-family=\"sans-serif\" font-size=\"{:.1f}\">{}: {} modules, {} controllers, "
+      "{}</text>\n</svg>\n",
+      low.x() + 10, low.y() + size.y() - 10, size.x() / 32, escape_markup(design.name), design.layout.modules.size(),
+      design.patches.size(), coverage_text(design));
   return svg;
 }
 

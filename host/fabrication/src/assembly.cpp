@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include "triskin/base/counted.hpp"
 #include "triskin/cad/write_step.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/fabrication/flat_island.hpp"
@@ -43,9 +42,9 @@ std::string assembly_step(const design::Design& design, double corner_cut_mm, st
     bodies.push_back(cover_body(design.surface));
   } else {
     left_out.push_back(
-        fmt::format("the cover is not in the STEP assembly: it has {}, and {} are what a CAD program bears; use the "
-                    "STEP file of the part itself",
-                    counted(design.surface.faces.size(), "face"), kMaxCoverFaces));
+        fmt::format("the cover is not in the STEP assembly: it has {} faces, and {} are what a CAD program "
+                    "bears; use the STEP file of the part itself",
+                    design.surface.faces.size(), kMaxCoverFaces));
   }
   for (const Solid& solid : module_solids(design, corner_cut_mm)) bodies.push_back(module_body(solid));
   return cad::write_step(plain_name(design.name), bodies);

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include "triskin/base/counted.hpp"
 #include "triskin/fabrication/module_board.hpp"
 #include "triskin/sheet/bill.hpp"
 
@@ -42,9 +41,9 @@ std::vector<PartLine> parts_of(const design::Design& design, const sheet::Sides&
   const sheet::Bill bill = sheet::bill_of(design, sides);
   std::vector<PartLine> parts;
   for (const FlatIsland& island : islands) {
-    parts.push_back({"flexible board, 4 layers", 1, "", island.part_number,
-                     fmt::format("island {}, {}, {}", island.island, counted(island.modules.size(), "module"),
-                                 counted(island.folds.size(), "fold"))});
+    parts.push_back(
+        {"flexible board, 4 layers", 1, "", island.part_number,
+         fmt::format("island {}, {} modules, {} folds", island.island, island.modules.size(), island.folds.size())});
   }
   for (PartLine& line : module_parts(bill.modules)) parts.push_back(std::move(line));
   parts.push_back({"patch controller with microcontroller", bill.controllers, "STMicroelectronics", "STM32G474RET6",

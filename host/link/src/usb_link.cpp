@@ -6,8 +6,6 @@
 
 #include <algorithm>
 
-#include "triskin/base/counted.hpp"
-
 namespace triskin::device {
 
 UsbLink::UsbLink(std::unique_ptr<UsbDriver> driver, const std::string& serial)
@@ -101,8 +99,7 @@ void UsbLink::send(const wire::CanFrame& frame) {
   remove_gone();
   if (devices_.empty()) fail(trouble());
   const auto packet = wire::to_usb(frame);
-  if (!packet)
-    throw DeviceError(fmt::format("{}: a frame of {} does not fit a USB packet", name_, counted(frame.size, "byte")));
+  if (!packet) throw DeviceError(fmt::format("{}: a frame of {} bytes does not fit a USB packet", name_, frame.size));
   const auto target = NodeMap::target_of(frame);
   std::optional<int> only;
   {

@@ -20,7 +20,6 @@
 #include "formats/ply_reader.hpp"
 #include "formats/stl_reader.hpp"
 #include "formats/three_mf_reader.hpp"
-#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/text_file.hpp"
@@ -172,11 +171,11 @@ MeshFile read_part_mesh(const std::filesystem::path& path, const std::string& by
 
 void say_dropped(MeshReadReport& report, std::size_t held) {
   if (report.degenerate_faces > 0)
-    report.notes.push_back(fmt::format("{} of {} {} no area and were left out", report.degenerate_faces,
-                                       counted(held, "triangle"), agreeing(report.degenerate_faces, "has", "have")));
+    report.notes.push_back(
+        fmt::format("{} of {} triangles have no area and were left out", report.degenerate_faces, held));
   if (report.duplicate_faces > 0)
-    report.notes.push_back(fmt::format("{} of {} {} there more than once and count once", report.duplicate_faces,
-                                       counted(held, "triangle"), agreeing(report.duplicate_faces, "is", "are")));
+    report.notes.push_back(
+        fmt::format("{} of {} triangles are there more than once and count once", report.duplicate_faces, held));
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 #include <span>
 
 #include "edge_sides.hpp"
-#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/base/parallel.hpp"
@@ -34,11 +33,10 @@ void require_manifold(const Mesh& mesh, const std::string& name) {
     faces = edge.size();
   });
   if (!first) return;
-  throw InputError(
-      fmt::format("{}: not a manifold: the edge from {} to {} has {} ({} such edges); run `triskin extract` first and "
-                  "design its surface",
-                  name, place(mesh.vertices[at(first->low)]), place(mesh.vertices[at(first->high)]),
-                  counted(faces, "face"), total));
+  throw InputError(fmt::format(
+      "{}: not a manifold: the edge from {} to {} has {} faces ({} such edges); run `triskin extract` first and "
+      "design its surface",
+      name, place(mesh.vertices[at(first->low)]), place(mesh.vertices[at(first->high)]), faces, total));
 }
 
 std::vector<std::pair<int, int>> crossing_faces(const Mesh& surface, int threads) {

@@ -10,7 +10,6 @@
 
 #include "choose_layout.hpp"
 #include "seconds_since.hpp"
-#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/lattice/add_module.hpp"
 #include "triskin/lattice/grow_lattice.hpp"
@@ -136,7 +135,7 @@ std::vector<WiredLayout> choices_around(const design::Design& d, const geometry:
   constexpr double kWiring = 3.0;  // Layouts and wiring take this many times the pricing after the growth.
   lattice.time_limit_s = std::max(0.5 * options.time_limit_s, options.time_limit_s - kWiring * pricing_s);
   std::vector<design::ModuleLayout> grown = geometry::grow_front(surface, d.limits, lattice, progress);
-  report(progress, "pricing", -1.0, counted(grown.size(), "layout"));
+  report(progress, "pricing", -1.0, fmt::format("{} layouts", grown.size()));
   routing.give_up = give_up_at(start, options.time_limit_s - 2 * pricing_s, options.iterations);
   std::ranges::move(priced(surface, std::move(grown), d.limits, routing, regions, options.threads),
                     std::back_inserter(choices));

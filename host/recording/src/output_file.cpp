@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "positioned_read.hpp"
-#include "triskin/base/counted.hpp"
 #include "triskin/base/output_target.hpp"
 #include "triskin/base/writer_lock.hpp"
 
@@ -70,8 +69,8 @@ OutputFile::~OutputFile() {
 }
 
 void OutputFile::fail(int cause) const {
-  throw WriteFailed(fmt::format("{}: cannot write ({}) after {}, which are there; check the disk", name_,
-                                std::strerror(cause), counted(size_, "byte")));
+  throw WriteFailed(fmt::format("{}: cannot write ({}) after {} bytes, which are there; check the disk", name_,
+                                std::strerror(cause), size_));
 }
 
 void OutputFile::start() {

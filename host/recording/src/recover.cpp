@@ -5,7 +5,6 @@
 #include <set>
 
 #include "salvage.hpp"
-#include "triskin/base/counted.hpp"
 #include "triskin/recording/recording.hpp"
 
 namespace triskin::recording {
@@ -220,8 +219,7 @@ Recovery recover(const std::filesystem::path& path, const std::filesystem::path&
   r.messages -= unreachable_modules;
   if (unreachable_modules > 0) {
     r.losses.push_back(
-        {0, 0, fmt::format("{} whose channel has lost its definition", counted(unreachable_modules, "message")),
-         false});
+        {0, 0, fmt::format("{} messages whose channel has lost its definition", unreachable_modules), false});
   }
   return r;
 }

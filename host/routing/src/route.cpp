@@ -9,7 +9,6 @@
 #include "jumper_partition.hpp"
 #include "partition.hpp"
 #include "recombination.hpp"
-#include "triskin/base/counted.hpp"
 #include "triskin/base/disjoint_sets.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/parallel.hpp"
@@ -44,8 +43,8 @@ void require_options(const RoutingOptions& o) {
   if (o.threads < 1) throw InputError("routing: at least one thread is needed");
   if (!sizes) throw InputError("routing: capacity 1 … 16, lines 1 … 4, addresses 1 … 16 are possible");
   if (o.lines * o.addresses < o.capacity) {
-    throw InputError(fmt::format("routing: {} of {} carry fewer than {} modules; lower the capacity",
-                                 counted(o.lines, "line"), counted(o.addresses, "address"), o.capacity));
+    throw InputError(fmt::format("routing: {} lines of {} addresses carry fewer than {} modules; lower the capacity",
+                                 o.lines, o.addresses, o.capacity));
   }
 }
 

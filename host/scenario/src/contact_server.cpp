@@ -9,7 +9,6 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
-#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/scenario/contact_stream.hpp"
 #include "triskin/scene/listener.hpp"
@@ -61,8 +60,8 @@ bool answer_lines(ContactStream& stream, int socket, std::string& text) {
       if (!send_line(socket, stream.take(line))) return false;
     }
     if (text.size() > ContactStream::kMaxLine_bytes)
-      throw InputError(fmt::format("contacts: the line is longer than {}; send fewer contacts in a step",
-                                   counted(ContactStream::kMaxLine_bytes, "byte")));
+      throw InputError(fmt::format("contacts: the line is longer than {} bytes; send fewer contacts in a step",
+                                   ContactStream::kMaxLine_bytes));
     return true;
   } catch (const InputError& e) {
     (void)send_line(socket,

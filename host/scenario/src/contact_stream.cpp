@@ -9,7 +9,6 @@
 #include <numbers>
 #include <optional>
 
-#include "triskin/base/counted.hpp"
 #include "triskin/design/json_fields.hpp"
 #include "triskin/mechanics/layer.hpp"
 #include "triskin/scene/skin_place.hpp"
@@ -130,8 +129,7 @@ Step read_step(const design::Design& design, const std::string& line, std::uint6
   step.until_us = static_cast<std::uint64_t>(std::llround(time_s * 1e6));
   const JsonValue list = v["contacts"];
   if (list.size() > ContactStream::kMaxContacts)
-    list.fail(
-        fmt::format("has {}, at most {} are taken", counted(list.size(), "contact"), ContactStream::kMaxContacts));
+    list.fail(fmt::format("has {} contacts, at most {} are taken", list.size(), ContactStream::kMaxContacts));
   for (std::size_t k = 0; k < list.size(); ++k) read_contact(design, list.at(k), step);
   return step;
 }

@@ -9,7 +9,6 @@
 #include <limits>
 #include <set>
 
-#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/scenario/running_skin.hpp"
 #include "triskin/skin/touch_map.hpp"
@@ -114,9 +113,8 @@ class Watch {
 
   [[nodiscard]] std::string seen(bool held) const {
     if (samples_ == 0)
-      return awaited_.empty() ? "no sample came"
-                              : fmt::format("no sample came of {}", counted(awaited_.size(), "module"));
-    const std::string number = counted(samples_, "sample");
+      return awaited_.empty() ? "no sample came" : fmt::format("no sample came of {} modules", awaited_.size());
+    const std::string number = samples_ == 1 ? "1 sample" : fmt::format("{} samples", samples_);
     if (expectation_.kind == Kind::kSilent) return number + " came";
     const std::string when =
         held ? "" : fmt::format(", not as expected from {:g} s on", static_cast<double>(first_failure_us_) * 1e-6);

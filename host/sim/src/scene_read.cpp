@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "scene_reader.hpp"
-#include "triskin/base/counted.hpp"
 #include "triskin/base/text_file.hpp"
 
 namespace triskin::scene {
@@ -85,8 +84,8 @@ void read_head(const JsonValue& v) {
 
 void require_clocks(const JsonValue& v, const Scene& scene) {
   if (scene.effects.clock_ppm.size() > scene.design.patches.size())
-    v["clock_ppm"].fail(fmt::format("has {}, the design has {}", counted(scene.effects.clock_ppm.size(), "clock"),
-                                    counted(scene.design.patches.size(), "controller")));
+    v["clock_ppm"].fail(fmt::format("has {} clocks, the design has {} controllers", scene.effects.clock_ppm.size(),
+                                    scene.design.patches.size()));
 }
 
 void read_hardware(const JsonValue& v, Scene& scene) {

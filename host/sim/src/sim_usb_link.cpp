@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include "triskin/base/counted.hpp"
 #include "triskin/scene/sim_link.hpp"
 
 namespace triskin::device {
@@ -48,8 +47,7 @@ void SimUsbLink::wait_for_hub() {
 
 void SimUsbLink::send(const wire::CanFrame& frame) {
   const auto packet = wire::to_usb(frame);
-  if (!packet)
-    throw DeviceError(fmt::format("{}: a frame of {} does not fit a USB packet", name(), counted(frame.size, "byte")));
+  if (!packet) throw DeviceError(fmt::format("{}: a frame of {} bytes does not fit a USB packet", name(), frame.size));
   const auto target = NodeMap::target_of(frame);
   const auto only = target ? nodes_.wire_of(*target) : std::nullopt;
   nodes_.sent(frame);

@@ -13,7 +13,6 @@
 #include "dart.hpp"
 #include "flatten.hpp"
 #include "merge_pieces.hpp"
-#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/placement/polygon_io.hpp"
@@ -184,9 +183,10 @@ class Unfolder {
   [[noreturn]] void refuse(const std::vector<int>& faces) const {
     const Vec3& p = middle_[at(faces.front())];
     throw InputError(
-        fmt::format("uncut lines: {} near ({:.1f}, {:.1f}, {:.1f}) must stay joined and cannot be laid flat within an "
-                    "edge error of {} mm; shorten the lines there or allow a larger edge error",
-                    counted(faces.size(), "face"), p.x(), p.y(), p.z(), options_.edge_error_mm));
+        fmt::format("uncut lines: {} faces near ({:.1f}, {:.1f}, {:.1f}) must stay joined and cannot be laid flat "
+                    "within an edge error of {} mm; shorten the "
+                    "lines there or allow a larger edge error",
+                    faces.size(), p.x(), p.y(), p.z(), options_.edge_error_mm));
   }
 
   // Distances follow the dual graph; the index is the face of the surface, and faces outside have infinity.

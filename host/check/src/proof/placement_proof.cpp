@@ -11,7 +11,6 @@
 #include "joint_bound.hpp"
 #include "motion_region.hpp"
 #include "ring_rules.hpp"
-#include "triskin/base/counted.hpp"
 #include "triskin/base/text_file.hpp"
 
 namespace triskin::check {
@@ -184,8 +183,7 @@ ProofModule require_header(const ProofLog& log, const std::vector<std::array<Pla
   if (!(log.pitch_mm >= module.min_pitch_mm && log.pitch_mm <= 1000.0)) throw Rejected{"pitch_mm is out of range"};
   if (!(log.tolerance_mm > 0.0 && log.tolerance_mm <= 1.0)) throw Rejected{"tolerance_mm is out of range"};
   if (log.upper_bound < log.modules)
-    throw Rejected{
-        fmt::format("the bound {} is below the {} that are claimed", log.upper_bound, counted(log.modules, "module"))};
+    throw Rejected{fmt::format("the bound {} is below the {} modules that are claimed", log.upper_bound, log.modules)};
   for (const ProofBox& c : log.cells) {
     for (std::size_t k = 0; k < 3; ++k) {
       if (c.low[k] > c.high[k] || std::abs(c.low[k]) > 1e6 || std::abs(c.high[k]) > 1e6)
@@ -271,7 +269,7 @@ void require_expected(const ProofReport& report, const ProofExpectation& expecte
     throw Rejected{
         fmt::format("the proof is about the outline {}, not {}", report.outline_hash, *expected.outline_hash)};
   if (expected.modules && (*expected.modules != report.modules || *expected.modules != report.upper_bound))
-    throw Rejected{fmt::format("the proof is about {} and a bound of {}, not {}", counted(report.modules, "module"),
+    throw Rejected{fmt::format("the proof is about {} modules and a bound of {}, not {}", report.modules,
                                report.upper_bound, *expected.modules)};
 }
 

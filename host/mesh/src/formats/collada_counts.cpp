@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "text_numbers.hpp"
-#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "xml_reader.hpp"
 
@@ -117,7 +116,7 @@ class ColladaCounts {
     if (held % (3 * stride_) != 0) fail(fmt::format("{} indices are no whole number of triangles", held));
     const long triangles = held / (3 * stride_);
     if (polygons_ && *polygons_ != triangles)
-      fail(fmt::format("a list of {} holds {}", counted(*polygons_, "triangle"), triangles));
+      fail(fmt::format("a list of {} triangles holds {}", *polygons_, triangles));
   }
 
   const MeshSource& source_;

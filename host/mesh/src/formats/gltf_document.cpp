@@ -9,7 +9,6 @@
 #include <cstring>
 
 #include "percent.hpp"
-#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/json_cause.hpp"
@@ -136,9 +135,9 @@ void GltfDocument::read_glb() {
   const std::string& bytes = source_.bytes;
   if (word_at(bytes, 4) != 2) fail(fmt::format("it is GLB {}, not 2", word_at(bytes, 4)));
   const std::size_t length = word_at(bytes, 8);
-  if (length > bytes.size()) fail(fmt::format("it was cut: {} of {}", counted(bytes.size(), "byte"), length));
+  if (length > bytes.size()) fail(fmt::format("it was cut: {} bytes of {}", bytes.size(), length));
   if (length < bytes.size())
-    source_.notes.push_back(fmt::format("{} behind its end were left out", counted(bytes.size() - length, "byte")));
+    source_.notes.push_back(fmt::format("{} bytes behind its end were left out", bytes.size() - length));
   for (std::size_t at = kHead; at + kChunkHead <= length;) {
     const std::size_t size = word_at(bytes, at);
     const std::uint32_t type = word_at(bytes, at + 4);
@@ -231,7 +230,7 @@ const std::string& GltfDocument::buffer(std::size_t index) {
     is_loaded_[index] = true;
     const std::size_t length = whole(j, "byteLength");
     if (buffers_[index].size() < length)
-      fail(fmt::format("buffers[{}] was cut: {} of {}", index, counted(buffers_[index].size(), "byte"), length));
+      fail(fmt::format("buffers[{}] was cut: {} bytes of {}", index, buffers_[index].size(), length));
   }
   return buffers_[index];
 }

@@ -10,7 +10,6 @@
 
 #include "polygon_faces.hpp"
 #include "text_numbers.hpp"
-#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
@@ -123,15 +122,14 @@ class ObjReader {
     }
     const auto unused = std::ranges::count(is_used_, false);
     if (unused > 0 && !mesh_.faces.empty()) {
-      source_.notes.push_back(fmt::format("{} of {} {} to no face; if the file was cut, faces are missing", unused,
-                                          counted(mesh_.vertices.size(), "vertex"),
-                                          agreeing(unused, "belongs", "belong")));
+      source_.notes.push_back(fmt::format("{} of {} vertices belong to no face; if the file was cut, faces are missing",
+                                          unused, mesh_.vertices.size()));
     }
     if (free_forms_ > 0)
       source_.notes.push_back(fmt::format("{} free-form curves and surfaces were left out", free_forms_));
     if (unknown_ > 0) {
       source_.notes.push_back(
-          fmt::format("{} that are not OBJ were left out, the first is {}", counted(unknown_, "line"), first_unknown_));
+          fmt::format("{} lines that are not OBJ were left out, the first is {}", unknown_, first_unknown_));
     }
   }
 

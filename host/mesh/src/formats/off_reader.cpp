@@ -9,7 +9,6 @@
 
 #include "polygon_faces.hpp"
 #include "text_numbers.hpp"
-#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
@@ -152,8 +151,7 @@ class OffReader {
     }
     if (at < lines_.size()) fail(lines_[at].front().line, "more follows than its counts say");
     if (lines_and_points > 0)
-      source_.notes.push_back(
-          fmt::format("{} of fewer than three corners were left out", counted(lines_and_points, "face")));
+      source_.notes.push_back(fmt::format("{} faces of fewer than three corners were left out", lines_and_points));
     note_cut();
     return mesh;
   }

@@ -13,7 +13,6 @@
 #include "lower_case.hpp"
 #include "polygon_faces.hpp"
 #include "text_numbers.hpp"
-#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
@@ -38,13 +37,12 @@ std::size_t facets_of(const MeshSource& source) {
     return held;
   }
   if (held < count) {
-    throw InputError(fmt::format("{}: it was cut: it holds {} of {}; copy or export it again", source.name, held,
-                                 counted(count, "triangle")));
+    throw InputError(
+        fmt::format("{}: it was cut: it holds {} of {} triangles; copy or export it again", source.name, held, count));
   }
   const std::size_t behind = source.bytes.size() - kHeaderBytes - kFacetBytes * std::size_t{count};
   if (behind > 0) {
-    source.notes.push_back(fmt::format("{} behind the last of its {} {} left out", counted(behind, "byte"),
-                                       counted(count, "triangle"), agreeing(count, "was", "were")));
+    source.notes.push_back(fmt::format("{} bytes behind the last of its {} triangles were left out", behind, count));
   }
   return count;
 }

@@ -8,7 +8,6 @@
 
 #include "covers.hpp"
 #include "defects.hpp"
-#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
@@ -46,8 +45,7 @@ void require_range(const GenerateOptions& options) {
     throw InputError(
         fmt::format("generate: size {} mm is not in {} … {} mm", options.size_mm, kSmallest_mm, kLargest_mm));
   if (options.faces != 0 && !(options.faces >= kMinFaces && options.faces <= kMaxFaces))
-    throw InputError(fmt::format("generate: {} {} not in {} … {}", counted(options.faces, "face"),
-                                 agreeing(options.faces, "is", "are"), kMinFaces, kMaxFaces));
+    throw InputError(fmt::format("generate: {} faces are not in {} … {}", options.faces, kMinFaces, kMaxFaces));
 }
 
 int share(int faces, double of_one) {

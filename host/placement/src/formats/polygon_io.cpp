@@ -11,7 +11,6 @@
 #include <numeric>
 
 #include "polygon_rules.hpp"
-#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/design/json_value.hpp"
@@ -375,8 +374,7 @@ std::vector<Polygon> parse_polygons(const std::string& text, const std::string& 
 
 Polygon parse_polygon(const std::string& text, const std::string& name) {
   std::vector<Polygon> polygons = parse_polygons(text, name);
-  if (polygons.size() != 1)
-    fail(name, fmt::format("is a net of {}; choose one with --piece", counted(polygons.size(), "piece")));
+  if (polygons.size() != 1) fail(name, fmt::format("is a net of {} pieces; choose one with --piece", polygons.size()));
   return std::move(polygons.front());
 }
 

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/json_cause.hpp"
 #include "triskin/base/text_file.hpp"
@@ -103,7 +102,7 @@ WeightMap::WeightMap(const Vec2& origin_mm, double step_mm, const std::vector<st
   for (std::size_t r = 0; r < values.size(); ++r) {
     if (values[r].size() != values[0].size())
       throw InputError(
-          fmt::format("weights: row {} has {}, row 0 has {}", r, counted(values[r].size(), "value"), values[0].size()));
+          fmt::format("weights: row {} has {} values, row 0 has {}", r, values[r].size(), values[0].size()));
     for (std::size_t c = 0; c < values[r].size(); ++c) {
       if (!(values[r][c] >= 0.0 && values[r][c] <= 1e12))
         throw InputError(fmt::format("weights: row {}, column {}: {} must be in 0 … 1e12", r, c, values[r][c]));
