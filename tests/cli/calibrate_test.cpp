@@ -82,6 +82,38 @@ TEST_F(Calibrated, a_backup_carries_it_and_a_restore_keeps_it_again) {
   EXPECT_EQ(last_of("live strip.json --link sim --scene scene.json --seconds 1")["unit"], "kPa");
 }
 
+TEST_F(Calibrated, a_module_is_calibrated_alone_and_the_others_keep_theirs) {
+  const std::string how = "calibrate strip.json --link sim --scene scene.json ",
+                    live = "live strip.json --link sim --seconds 1";
+  const json alone = last_of(how + "--weights 200,500,1000,2000 --modules 2");
+  EXPECT_EQ(alone["taxels"], 10);
+  EXPECT_EQ(last_of(live)["unit"], "counts") << "three modules have none";
+  ASSERT_EQ(run(how + "--steps 5,10,20,30,40").status, 0);
+  const json again = last_of(how + "--weights 200,500,1000,2000 --modules 1-2");
+  EXPECT_EQ(again["taxels"], 20);
+  EXPECT_EQ(again["boards"][0]["revision"], 3);
+  EXPECT_EQ(again["left"], "");
+  EXPECT_EQ(last_of(live)["unit"], "kPa") << "modules 0 and 3 keep what they had";
+  const auto refused = run(how + "--weights 200,500,1000 --modules 3,4");
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.messages, HasSubstr("there is no module 4 here; there are 0-3"));
+}
+
+// The bag presses with 30 kPa and the calibration ends at 20.
+TEST_F(Calibrated, what_lies_above_the_calibrated_range_is_marked) {
+  ASSERT_EQ(run("calibrate strip.json --link sim --scene scene.json --steps 5,10,20").status, 0);
+  for (const int kpa : {15, 30}) {
+    write_scene(R"(,"pressure":[{"at_s":0.5,"kpa":0},{"at_s":0.6,"kpa":)" + std::to_string(kpa) + "}]");
+    const json live = last_of("live strip.json --link sim --scene scene.json --seconds 2");
+    ASSERT_EQ(live["pressed"].size(), 40U);
+    for (const json& taxel : live["pressed"]) EXPECT_EQ(taxel.contains("above_calibration"), kpa == 30);
+    ASSERT_FALSE(live["contacts"].empty());
+    for (const json& contact : live["contacts"]) EXPECT_EQ(contact.contains("above_calibration"), kpa == 30);
+    const std::string text = run("live strip.json --link sim --scene scene.json --seconds 2").out;
+    EXPECT_EQ(text.find("above the calibrated range") != std::string::npos, kpa == 30) << text;
+  }
+}
+
 TEST_F(Calibrated, what_presses_has_to_be_said_once) {
   EXPECT_EQ(run("calibrate strip.json --link sim").status, 2);
   EXPECT_EQ(run("calibrate strip.json --link sim --steps 5,10 --weights 100,200").status, 2);

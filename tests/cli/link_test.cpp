@@ -58,6 +58,30 @@ TEST_F(Links, the_environment_names_the_link_of_a_design_and_a_robot_file_names_
   EXPECT_THAT(o.out, StartsWith("simulated: "));
 }
 
+// The file stands for variables that are not set; an option goes before both.
+TEST_F(Links, the_settings_file_names_a_link_and_a_paper) {
+  const auto settings = [&](const std::string& text) {
+    std::filesystem::create_directories(folder_ / "config/triskin");
+    write_file_atomically(folder_ / "config/triskin/config", text);
+  };
+  ::setenv("XDG_CONFIG_HOME", (folder_ / "config").c_str(), 1);
+  settings("# the bench\nlink = can:nowhere  # one bus\n\npaper=roll\n");
+  EXPECT_THAT(run("flash strip.json").messages, HasSubstr("can:nowhere"));
+  EXPECT_EQ(run("flash strip.json --link sim").status, 0);
+  ::setenv("TRISKIN_LINK", "sim", 1);
+  EXPECT_EQ(run("flash strip.json").status, 0);
+  ASSERT_EQ(run("export strip.json --format sheet-svg -o roll.svg").status, 0);
+  ASSERT_EQ(run("export strip.json --format sheet-svg --paper A4 -o a4.svg").status, 0);
+  // The roll is 610 mm wide and A4 upright 210.
+  EXPECT_THAT(read_file(folder_ / "roll.svg").substr(0, 400), HasSubstr("width=\"610"));
+  EXPECT_THAT(read_file(folder_ / "a4.svg").substr(0, 400), HasSubstr("width=\"210"));
+  settings("link = sim\nlnk = can:can0\n");
+  const Outcome o = run("flash strip.json");
+  EXPECT_EQ(o.status, 2);
+  EXPECT_THAT(o.messages, AllOf(HasSubstr("config: line 2: \"lnk = can:can0\""), HasSubstr("one of link, paper")));
+  ::unsetenv("XDG_CONFIG_HOME");
+}
+
 TEST_F(Links, a_simulated_link_says_so_in_the_first_line_and_in_json) {
   for (const char* command :
        {"flash strip.json", "verify strip.json", "discover --design strip.json", "live strip.json --seconds 0.2",

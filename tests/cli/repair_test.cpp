@@ -52,7 +52,7 @@ TEST_F(Bench, repair_says_when_a_finding_is_still_there_and_can_skip_it) {
   const Outcome o = run(std::string("repair strip.json") + kScene + " <answers");
   EXPECT_EQ(o.status, 1);
   EXPECT_THAT(o.out, AllOf(HasSubstr("finding 1 of 1:"), HasSubstr("still there"),
-                           HasSubstr("0 mended, 1 skipped; 1 findings left"), Not(HasSubstr("tared"))));
+                           HasSubstr("0 mended, 1 skipped; 1 finding left"), Not(HasSubstr("tared"))));
 }
 
 // Fresh boards are flashed, the chip is back when the link is opened anew, and the tare is last.

@@ -10,6 +10,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <numeric>
 #include <random>
 
 #include "fixture.hpp"
@@ -89,8 +90,8 @@ TEST(PressureSteps, begin_with_rest_and_go_module_by_module) {
     for (const PressureStep& s : steps) all += fmt::format("{:g}@{} ", s.pressure_kpa, s.module);
     return all;
   };
-  EXPECT_EQ(text(pressure_steps(kpa, false, 2)), "0@-1 5@-1 10@-1 ");
-  EXPECT_EQ(text(pressure_steps(kpa, true, 2)), "0@-1 5@0 10@0 5@1 10@1 ");
+  EXPECT_EQ(text(pressure_steps(kpa, {})), "0@-1 5@-1 10@-1 ");
+  EXPECT_EQ(text(pressure_steps(kpa, std::array{0, 1})), "0@-1 5@0 10@0 5@1 10@1 ");
 }
 
 TEST_F(CalibrationFolder, a_ramp_is_read_and_interpolated) {
@@ -298,8 +299,9 @@ class SpreadSkin {
       if (last != step.module) actuator().pressurize(last, 0.0);
       actuator().pressurize(last = step.module, step.pressure_kpa);
     };
-    auto outcome =
-        calibrate_by_steps(bus(), design(), pressure_steps(kpa, by_module, design().layout.modules.size()), options);
+    std::vector<int> each(by_module ? design().layout.modules.size() : 0);
+    std::iota(each.begin(), each.end(), 0);
+    auto outcome = calibrate_by_steps(bus(), design(), pressure_steps(kpa, each), options);
     actuator().pressurize(last, 0.0);
     return outcome;
   }
@@ -370,6 +372,26 @@ TEST(Calibrate, weights_on_each_module_give_what_steps_on_all_give) {
   SpreadSkin skin(4);
   const auto calibration = skin.calibration(skin.by_steps(kSteps, true));
   EXPECT_LE(skin.worst_error(calibration), 0.002);
+}
+
+// A person ends it while the third of four modules is pressed: two are measured, and nothing is said of the others.
+TEST(Calibrate, modules_that_were_done_count_when_a_person_ends_it) {
+  SpreadSkin skin(4);
+  CalibrateOptions options;
+  options.settle_s = 0.2;
+  options.hold_s = 0.3;
+  options.apply = [&](const PressureStep& step) {
+    if (step.module == 2 && step.pressure_kpa == 20.0) throw Cancelled("Ctrl-C");
+    skin.actuator().pressurize(step.module, step.pressure_kpa);
+  };
+  const auto steps = pressure_steps(std::array{10.0, 20.0, 40.0}, std::array{0, 1, 2, 3});
+  const CalibrationOutcome outcome = calibrate_by_steps(skin.bus(), skin.design(), steps, options);
+  EXPECT_THAT(outcome.measured, testing::ElementsAre(0, 1));
+  ASSERT_EQ(outcome.boards.size(), 1U);
+  EXPECT_EQ(outcome.boards[0].places.size(), 2U);
+  EXPECT_TRUE(outcome.without.empty());
+  options.apply = [](const PressureStep&) { throw Cancelled("Ctrl-C"); };
+  EXPECT_THROW((void)calibrate_by_steps(skin.bus(), skin.design(), steps, options), Cancelled);
 }
 
 TEST_F(CalibrationFolder, a_ramp_that_rises_and_falls_finds_the_same) {

@@ -151,12 +151,12 @@ TEST(LiveMonitor, says_which_taxels_do_not_rest) {
   EXPECT_EQ(monitor.off_rest().taxels, 0) << "a touch is none";
   monitor.add(frame(1, 20'050, -250));
   EXPECT_THAT(monitor.off_rest().modules, ElementsAre(1));
-  EXPECT_EQ(sentence(monitor.off_rest()), "1 taxels do not rest: tare; their modules: 1");
+  EXPECT_EQ(sentence(monitor.off_rest()), "1 taxel does not rest: tare; its module: 1");
   ModuleSample saturated = frame(2, 20'000, -30'000);
   saturated.sample.state = wire::ModuleState::kSaturated;
   monitor.add(saturated);
   EXPECT_EQ(monitor.off_rest().taxels, 1) << "a module with a fault has another cause";
-  OffRest many{24, {}};
+  design::OffRest many{24, {}};
   for (int k = 0; k < 14; ++k) many.modules.push_back(k);
   EXPECT_EQ(sentence(many),
             "24 taxels do not rest: tare; their modules: 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11 and 2 more");

@@ -93,6 +93,32 @@ TEST_F(RobotCommands, two_buses_by_one_file) {
   EXPECT_EQ(run("export robot.json --format gltf -o robot.gltf").status, 0);
 }
 
+// Rest values are kept in a file; there, six taxels of a module rest 300 counts lower than they do.
+TEST_F(RobotCommands, live_says_which_taxels_of_which_cover_do_not_rest) {
+  make_robot(2, 2, 6, 3);
+  ASSERT_EQ(run("flash robot.json").status, 0);
+  for (const char* cover : {"cover0", "cover1"})
+    ASSERT_EQ(run(fmt::format("live robot.json --cover {} --tare --press -1 --seconds 0.3", cover)).status, 0);
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
+    if (entry.path().parent_path().filename() == "rest") files.push_back(entry.path());
+  }
+  ASSERT_EQ(files.size(), 2U) << "one for each cover";
+  for (const fs::path& file : files) {
+    json rest = json::parse(read_file(file));
+    if (rest["rest_counts"].size() != 7) continue;  // Cover 1 has 7 modules.
+    for (std::size_t taxel = 0; taxel < 6; ++taxel)
+      rest["rest_counts"][4][taxel] = rest["rest_counts"][4][taxel].get<double>() - 300.0;
+    write_file_atomically(file, rest.dump());
+  }
+  const Outcome said = run("live robot.json --seconds 1");
+  EXPECT_THAT(said.out, HasSubstr("cover1: 6 taxels do not rest: tare; their module: 4\n"));
+  EXPECT_THAT(said.out, testing::Not(HasSubstr("cover0: ")));
+  const json result = asked("live robot.json --seconds 1");
+  EXPECT_EQ(result["covers"][0]["off_rest"]["taxels"], 0);
+  EXPECT_EQ(result["covers"][1]["off_rest"], (json{{"taxels", 6}, {"modules", {4}}}));
+}
+
 // Nobody serves the second bus.
 TEST_F(RobotCommands, a_bus_that_is_away_leaves_the_others_their_tables) {
   make_robot(2, 2, 6, 3);

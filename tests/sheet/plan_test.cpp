@@ -149,7 +149,7 @@ TEST(Bill, counts_modules_by_kind_and_controllers_say_which) {
   EXPECT_THAT(text, HasSubstr("modules|standard: 12 taxels; whole triangles, side 30 mm|1|"));
   EXPECT_THAT(text, HasSubstr("modules|soft: 10 taxels, foam; whole triangles, side 30 mm|3|"));
   EXPECT_THAT(text, Not(HasSubstr("hard")));
-  EXPECT_THAT(text, HasSubstr("Kind standard: modules 0.|Kind soft: modules 1.|"));
+  EXPECT_THAT(text, HasSubstr("Kind standard: module 0.|Kind soft: module 1.|"));
   EXPECT_THAT(text, HasSubstr("Kind soft: modules 2, 3.|"));
 }
 

@@ -127,7 +127,7 @@ TEST_F(LiveSkins, give_kpa_by_a_calibration) {
   const LiveSkin skin = opened();
   LiveBus& bus = *skin.buses().front();
   LiveCover& cover = bus.covers().front();
-  const auto steps = pressure_steps(std::array{10.0, 20.0, 40.0}, false, kModules);
+  const auto steps = pressure_steps(std::array{10.0, 20.0, 40.0}, {});
   CalibrateOptions options;
   options.settle_s = 0.2;
   options.hold_s = 0.3;

@@ -49,7 +49,7 @@ async function open(browser, url, mayAsk) {
   page.on("request", (r) => mayAsk(r.url()) || wrong.push(`request: ${r.url().slice(0, 80)}`));
   await page.goto(url);
   await page.waitForFunction(() => document.documentElement.dataset.ready === "yes", null, {timeout: 60000});
-  return {page, wrong};
+  return {page, wrong, opened_ms: await page.evaluate(() => performance.now())};
 }
 
 /** Colour that is drawn where a taxel (or, −1, the centre) of a module lies: [r, g, b], 0 … 255. */
@@ -319,7 +319,7 @@ async function robot() {
   server.stdout.on("data", (text) => { printed += text; });
   while (!printed.includes("\n")) await new Promise((resolve) => setTimeout(resolve, 20));
   const browser = await launch(), origin = new URL(printed.trim()).origin;
-  const {page, wrong} = await open(browser, printed.trim(), (url) => url.startsWith(origin));
+  const {page, wrong, opened_ms} = await open(browser, printed.trim(), (url) => url.startsWith(origin));
   await page.waitForFunction((n) => window.triskin.live.heard.every((h) => h) && window.triskin.health?.frames > 10 * n, covers * modules, {timeout: 60000});
   assert.equal(await page.evaluate(() => window.triskin.model.count), covers * modules);
   await page.evaluate(() => { window.triskin.setMode(1); window.triskin.shown.numbers = false; });
@@ -338,7 +338,7 @@ async function robot() {
     return live && frames > 10 * n && window.triskin.health;
   }, covers * modules);
   const health = await told.jsonValue();
-  console.log(`${covers} covers, ${covers * modules} modules, ${health.frames} samples, ${health.lost} lost; frame time by software: ` +
+  console.log(`${covers} covers, ${covers * modules} modules, first picture after ${(opened_ms / 1000).toFixed(2)} s; ${health.frames} samples, ${health.lost} lost; frame time by software: ` +
               `median ${times[30].toFixed(1)} ms, 90 of 100 below ${times[54].toFixed(1)} ms; ` +
               `of it the page's own: median ${own[30].toFixed(1)} ms`);
   assert.equal(health.lost, 0, "no sample is lost");

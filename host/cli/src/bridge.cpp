@@ -15,6 +15,7 @@
 
 #include "bridge_services.hpp"
 #include "contacts.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/base/pace.hpp"
 #include "triskin/bridge/ros_discovery.hpp"
 #include "triskin/cli/calibration_options.hpp"
@@ -76,7 +77,8 @@ std::vector<bridge::Diagnosis> diagnose(const device::StreamReport& report, cons
     const bool silent = std::ranges::find(report.silent, c.patch) != report.silent.end();
     d.level = silent ? Level::kError : n.lost() > 0 ? Level::kWarn : Level::kOk;
     d.message = silent         ? "its controller is silent; check power and cable"
-                : n.lost() > 0 ? fmt::format("{} of {} samples were lost", n.lost(), n.expected)
+                : n.lost() > 0 ? fmt::format("{} of {} {} lost", n.lost(), counted(n.expected, "sample"),
+                                             agreeing(n.lost(), "was", "were"))
                                : "ok";
     d.values = {{"expected", std::to_string(n.expected)},
                 {"received", std::to_string(n.received)},
@@ -141,8 +143,9 @@ class CoverFeed {
                         {"points", p.points},
                         {"contacts", p.contacts},
                         {"diagnostics", p.diagnostics}};
-    output.say(fmt::format("/skin/{}: {} raw messages with {} samples, {} point clouds, {} lists of contacts", part_,
-                           p.raw, p.samples, p.points, p.contacts));
+    output.say(fmt::format("/skin/{}: {} with {}, {}, {} of contacts", part_, counted(p.raw, "raw message"),
+                           counted(p.samples, "sample"), counted(p.points, "point cloud"),
+                           counted(p.contacts, "list")));
     rows.push_back(std::move(row));
     return report_.complete() ? 0 : 1;
   }

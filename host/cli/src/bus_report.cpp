@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/session/bus_budget.hpp"
 #include "triskin/wire/bus_load.hpp"
 #include "triskin/wire/sampling.hpp"
@@ -34,9 +35,8 @@ void report_bus(std::size_t modules, Output& output) {
   const int every = device::min_every(load);
   if (every == 1) return;
   output.say(fmt::format(
-      "every sample of all {} modules is {:.0f} % of one bus with 1 and 2 Mbit/s: one sample in {} fits, or "
-      "{} buses carry all",
-      modules, 100.0 * load, every, every));
+      "every sample of all {} is {:.0f} % of one bus with 1 and 2 Mbit/s: one sample in {} fits, or {} carry all",
+      counted(modules, "module"), 100.0 * load, every, counted(every, "bus")));
 }
 
 }  // namespace triskin::cli

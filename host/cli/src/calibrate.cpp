@@ -11,8 +11,10 @@
 #include <utility>
 #include <vector>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/interrupt.hpp"
+#include "triskin/cli/module_ids.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/design/outline.hpp"
@@ -27,6 +29,7 @@ struct Options {
   std::string ramp, from, output;
   double foot_mm2 = 0.0;  // Zero stands for the area of a module.
   device::CalibrateOptions calibrate;
+  std::string modules;  // An empty text stands for all.
   bool by_hand = false, forget = false;
 };
 
@@ -39,6 +42,16 @@ double kpa_per_gram(const Options& options, const design::Design& design) {
   const double foot_mm2 =
       options.foot_mm2 > 0.0 ? options.foot_mm2 : design::module_area_mm2(design.layout.corner_cut_mm);
   return kKpaPerNewtonPerMm2 * kNewtonPerGram / foot_mm2;
+}
+
+// Returns the modules of the patches on this bus, in ascending order.
+std::vector<int> modules_here(const design::Design& design) {
+  std::vector<int> modules;
+  for (const int patch : design::patches_here(design)) {
+    for (const auto& m : design.patches[static_cast<std::size_t>(patch)].modules) modules.push_back(m.node);
+  }
+  std::ranges::sort(modules);
+  return modules;
 }
 
 std::string request_of(const device::PressureStep& step, double kpa_of_gram) {
@@ -54,7 +67,21 @@ void ask_person(const std::string& request) {
   std::string line;
   if (!std::getline(std::cin, line))
     throw InputError("calibrate waits for Enter after each step, and standard input has ended; run it in a terminal");
-  if (interrupt_request()) throw Cancelled("ended before the calibration was complete; nothing was kept");
+  if (interrupt_request()) throw Cancelled("ended by a person");
+}
+
+// Returns the modules of --modules in ascending order; none stands for all.
+std::vector<int> chosen_modules(const Options& options, const design::Design& design) {
+  std::vector<int> chosen = module_ids("--modules", options.modules);
+  std::ranges::sort(chosen);
+  chosen.erase(std::ranges::unique(chosen).begin(), chosen.end());
+  std::vector<int> here = modules_here(design);
+  for (const int module : chosen) {
+    if (!std::ranges::binary_search(here, module))
+      throw InputError(
+          fmt::format("--modules: there is no module {} here; there are {}", module, module_ids_text(here)));
+  }
+  return chosen;
 }
 
 device::CalibrationOutcome measure(const Options& options, device::LiveBus& live, device::LiveCover& cover,
@@ -64,6 +91,8 @@ device::CalibrationOutcome measure(const Options& options, device::LiveBus& live
   device::CalibrateOptions calibrate = options.calibrate;
   calibrate.stream = speaking(calibrate.stream);
   calibrate.unix_minus_link_ns = live.unix_ns(0);
+  calibrate.modules = chosen_modules(options, design);
+  calibrate.progress = output.progress();
   if (!options.ramp.empty()) {
     const device::PressureRamp ramp(options.ramp);
     if (!ramp.note().empty()) output.say(ramp.note());
@@ -78,11 +107,14 @@ device::CalibrationOutcome measure(const Options& options, device::LiveBus& live
   const double of_gram = kpa_per_gram(options, design);
   std::vector<double> pressures = options.steps_kpa;
   for (const double g : options.weights_g) pressures.push_back(g * of_gram);
-  const auto steps = device::pressure_steps(pressures, by_module, design.layout.modules.size());
+  std::vector<int> in_turn = calibrate.modules;
+  if (in_turn.empty()) in_turn = modules_here(design);
+  if (!by_module) in_turn.clear();
+  const auto steps = device::pressure_steps(pressures, in_turn);
   device::TouchActuator* actuator = options.by_hand ? nullptr : cover.actuator();
   int pressed = -1;
   calibrate.apply = [&](const device::PressureStep& step) {
-    if (interrupt_request()) throw Cancelled("ended before the calibration was complete; nothing was kept");
+    if (interrupt_request()) throw Cancelled("ended by a person");
     if (actuator == nullptr) return ask_person(request_of(step, of_gram));
     if (pressed != step.module) actuator->pressurize(pressed, 0.0);
     actuator->pressurize(pressed = step.module, step.pressure_kpa);
@@ -92,17 +124,25 @@ device::CalibrationOutcome measure(const Options& options, device::LiveBus& live
   return outcome;
 }
 
+// Returns the modules that were wanted and not measured, as --modules takes them.
+std::string rest_of(const Options& options, const design::Design& design, std::span<const int> measured) {
+  std::vector<int> wanted = chosen_modules(options, design);
+  if (wanted.empty()) wanted = modules_here(design);
+  std::erase_if(wanted, [&](int module) { return std::ranges::binary_search(measured, module); });
+  return module_ids_text(wanted);
+}
+
 void print_report(const device::CalibrationOutcome& outcome, Output& output) {
   const design::CalibrationQuality& q = outcome.quality;
-  output.say(
-      fmt::format("{} of {} taxels calibrated up to {:g} kPa; error of a sensitivity {:.2g} % (median), {:.2g} % "
-                  "(worst), 95 % bound; farthest from the line {:.2g} kPa",
-                  q.taxels, q.taxels + q.missing, q.max_kpa, q.median_percent, q.worst_percent, q.residual_kpa));
+  output.say(fmt::format(
+      "{} of {} calibrated up to {:g} kPa; error of a sensitivity {:.2g} % (median), {:.2g} % (worst), 95 % bound; "
+      "farthest from the line {:.2g} kPa",
+      q.taxels, counted(q.taxels + q.missing, "taxel"), q.max_kpa, q.median_percent, q.worst_percent, q.residual_kpa));
   for (std::size_t k = 0; k < std::min(kMaxNamed, outcome.without.size()); ++k)
     output.say(fmt::format("module {} taxel {}: not calibrated: it does not follow the pressure; run triskin verify",
                            outcome.without[k].first, outcome.without[k].second));
   if (outcome.without.size() > kMaxNamed)
-    output.say(fmt::format("… and {} taxels more", outcome.without.size() - kMaxNamed));
+    output.say(fmt::format("… and {} more", counted(outcome.without.size() - kMaxNamed, "taxel")));
   nlohmann::json without = nlohmann::json::array();
   for (const auto& [module, taxel] : outcome.without) without.push_back({{"module", module}, {"taxel", taxel}});
   output.result = {{"taxels", q.taxels},
@@ -147,7 +187,8 @@ int forget(device::LiveBus& bus, const device::LiveCover& cover, Output& output)
   const std::vector<std::string> forgotten = device::forget_calibration(bus, cover);
   for (const std::string& serial : forgotten)
     output.say(fmt::format("controller {}  its calibration is forgotten", serial));
-  output.say(fmt::format("{} calibrations were forgotten", forgotten.size()));
+  output.say(fmt::format("{} {} forgotten", counted(forgotten.size(), "calibration"),
+                         agreeing(forgotten.size(), "was", "were")));
   output.result = {{"forgotten", forgotten}};
   return 0;
 }
@@ -182,8 +223,12 @@ int run(const Options& options, Output& output) {
     return 1;
   }
   const bool complete = outcome.without.empty();
+  const std::string rest = rest_of(own, cover.design(), outcome.measured);
   keep(own, bus, cover, std::move(outcome), output);
-  return complete ? 0 : 1;
+  if (!rest.empty())
+    output.say(fmt::format("ended before its end; what was measured is kept, --modules {} does the rest", rest));
+  output.result["left"] = rest;
+  return complete && rest.empty() ? 0 : 1;
 }
 
 const Registration kCalibrate{{
@@ -206,6 +251,8 @@ const Registration kCalibrate{{
                      "file of a gauge with lines \"unix_s,kpa\" while the pressure on the whole skin rises and falls");
       app.add_option("--from", options->from,
                      "measure nothing: write the calibration of this file into the controllers that it is of");
+      app.add_option("--modules", options->modules,
+                     "calibrate these modules alone, as 3,7-9; the others keep the calibration that they have");
       app.add_option("-o,--output", options->output, "also writes the calibration into this file");
       app.add_option("--settle-s", options->calibrate.settle_s, "a step is left alone for so long")
           ->check(CLI::Range(0.0, 600.0))

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/skin/calibrate.hpp"
 
 namespace triskin::cli {
@@ -27,8 +28,8 @@ std::string version_of(const device::FoundCalibration& found, const std::string&
   if (!file.empty()) return fmt::format("{} of {}", revision, file);
   if (found.in_controllers == 0) return revision + ", kept by this computer";
   if (found.in_controllers == boards.size()) return revision + ", kept in the controllers";
-  return fmt::format("{}, kept in {} of {} controllers, the others' by this computer", revision, found.in_controllers,
-                     boards.size());
+  return fmt::format("{}, kept in {} of {}, the others' by this computer", revision, found.in_controllers,
+                     counted(boards.size(), "controller"));
 }
 
 }  // namespace
@@ -44,16 +45,15 @@ void calibrate_cover(const CalibrationOptions& options, device::LiveBus& bus, de
   design::SkinCalibration& calibration = found.skin;
   if (calibration.complete()) {
     const design::CalibrationQuality q = design::quality_of(calibration.boards());
-    output.say(
-        fmt::format("{}calibrated: {} taxels, error of a pressure {:.2g} % (median), {:.2g} % (worst), up to "
-                    "{:g} kPa; {}",
-                    prefix, q.taxels, q.median_percent, q.worst_percent, q.max_kpa, version_of(found, options.file)));
+    output.say(fmt::format(
+        "{}calibrated: {}, error of a pressure {:.2g} % (median), {:.2g} % (worst), up to {:g} kPa; {}", prefix,
+        counted(q.taxels, "taxel"), q.median_percent, q.worst_percent, q.max_kpa, version_of(found, options.file)));
     cover.set_calibration(std::move(calibration));
     return;
   }
   if (calibration.missing() > 0) {
-    output.say(fmt::format("{}{} modules have no calibration, so numbers stay counts: run triskin calibrate", prefix,
-                           calibration.missing()));
+    output.say(fmt::format("{}{} {} no calibration, so numbers stay counts: run triskin calibrate", prefix,
+                           counted(calibration.missing(), "module"), agreeing(calibration.missing(), "has", "have")));
   } else if (!options.file.empty()) {
     throw InputError(
         fmt::format("--calibration {}: has none of the controllers of {}; calibrate them with triskin "

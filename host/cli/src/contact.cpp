@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/mechanics/comparison.hpp"
@@ -102,7 +103,7 @@ int run_inverse(const Options& options, Output& output) {
   nlohmann::json list = nlohmann::json::array();
   for (std::size_t k = 0; k < cases.size(); ++k) {
     const mechanics::InverseResult& result = results[k];
-    output.say(fmt::format("case {}: {} contacts, noise {:.2g}", cases[k].id.dump(), result.contacts.size(),
+    output.say(fmt::format("case {}: {}, noise {:.2g}", cases[k].id.dump(), counted(result.contacts.size(), "contact"),
                            result.noise_dc_over_c));
     nlohmann::json contacts = nlohmann::json::array();
     for (const mechanics::ContactEstimate& c : result.contacts) {

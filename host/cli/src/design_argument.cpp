@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/design/design.hpp"
@@ -42,9 +43,9 @@ DesignArgument find_design(const std::string& argument) {
     if (is_design(file, code->design_id)) return {file.string(), code};
   }
   throw InputError(
-      fmt::format("{}: none of the {} files *.json in this folder is the design {:016x}; go to the folder that holds "
-                  "it, or name the file",
-                  argument, files.size(), code->design_id));
+      fmt::format("{}: none of the {} *.json in this folder is the design {:016x}; go to the folder that holds it, or "
+                  "name the file",
+                  argument, counted(files.size(), "file"), code->design_id));
 }
 
 }  // namespace triskin::cli

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "topology_report.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/writer_lock.hpp"
 #include "triskin/cli/site_options.hpp"
@@ -98,7 +99,7 @@ std::string line_of(const nlohmann::json& j, const std::string& place) {
   return fmt::format("controller {}  node address {}{}  {}{}{}{}", j["serial"].get<std::string>(),
                      j["node_address"].get<int>(), unique ? "" : " (shared)",
                      j["flashed"].get<bool>() ? "flashed" : "not flashed",
-                     unique ? fmt::format("  {} chips", j["chips"].size()) : std::string(),
+                     unique ? fmt::format("  {}", counted(j["chips"].size(), "chip")) : std::string(),
                      j.contains("clock") ? "  " + j["clock"].get<std::string>() : std::string(), place);
 }
 

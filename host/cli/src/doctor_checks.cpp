@@ -9,6 +9,7 @@
 #include <map>
 #include <sstream>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/bridge/ros_discovery.hpp"
 
@@ -141,9 +142,9 @@ std::vector<DoctorCheck> interface_checks(const nlohmann::json& link) {
     checks.push_back({"FD of " + name, false, "off: the full stream needs it", command});
   const int queue = number_at(link, "/txqlen", kMinQueue);
   if (is_virtual || queue >= kMinQueue)
-    checks.push_back(good("queue of " + name, fmt::format("{} frames", queue)));
+    checks.push_back(good("queue of " + name, counted(queue, "frame")));
   else
-    checks.push_back({"queue of " + name, false, fmt::format("{} frames: updates stall", queue),
+    checks.push_back({"queue of " + name, false, fmt::format("{}: updates stall", counted(queue, "frame")),
                       fmt::format("sudo ip link set {} txqueuelen 128", name)});
   if (!is_virtual) checks.push_back(state_check(link, name));
   return checks;
@@ -190,7 +191,7 @@ DoctorCheck discovery_check(const Machine& machine) {
     return good("ROS discovery", words.empty() ? "by default" : words);
   } catch (const InputError& e) {
     return {"ROS discovery", false, e.what(),
-            "unset ROS_LOCALHOST_ONLY ROS_AUTOMATIC_DISCOVERY_RANGE ROS_STATIC_PEERS, or give them a value of those"};
+            "unset ROS_LOCALHOST_ONLY ROS_AUTOMATIC_DISCOVERY_RANGE ROS_STATIC_PEERS"};
   }
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/base/pace.hpp"
 #include "triskin/cli/link_options.hpp"
@@ -44,9 +45,9 @@ class Dump {
       if (const auto frame = link_.receive(link_.now_us() + kLook_us)) print(*frame);
     }
     output_.result = {{"frames", count_}, {"thrown_away", link_.thrown_away()}};
-    output_.say(fmt::format("{} frames", count_));
+    output_.say(counted(count_, "frame"));
     if (link_.thrown_away() > 0)
-      output_.say(fmt::format("{} frames came faster than they were read", link_.thrown_away()));
+      output_.say(fmt::format("{} came faster than they were read", counted(link_.thrown_away(), "frame")));
     if (const std::string trouble = link_.trouble(); !trouble.empty()) output_.say(trouble);
   }
 

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/cad/part_picture.hpp"
 #include "triskin/cad/read_part.hpp"
@@ -113,21 +114,21 @@ void say_face(const cad::Part& part, int index, const Output& output) {
 void say_part(const cad::Part& part, const std::vector<int>& chosen, const json& totals, const Output& output) {
   for (int b = 0; b < static_cast<int>(part.bodies.size()); ++b) {
     const cad::Body& body = part.bodies[static_cast<std::size_t>(b)];
-    output.say(fmt::format("body {} \"{}\": {}, {} faces, {:.3f} cm²{}", b, body.path,
-                           body.is_solid ? "solid" : "surface", body.face_count, body.area_mm2 / 100.0,
+    output.say(fmt::format("body {} \"{}\": {}, {}, {:.3f} cm²{}", b, body.path, body.is_solid ? "solid" : "surface",
+                           counted(body.face_count, "face"), body.area_mm2 / 100.0,
                            body.colour.empty() ? "" : ", " + body.colour));
     for (const int f : chosen) {
       if (part.faces[static_cast<std::size_t>(f)].body == b) say_face(part, f, output);
     }
   }
   const design::Vec3 size = cad::size_of(part);
-  output.say(fmt::format(
-      "{}, unit {}: {:.1f} × {:.1f} × {:.1f} mm, {} bodies, {} faces of {:.3f} cm²; {} chosen, "
-      "{:.3f} cm²",
-      part.format, part.unit.empty() ? "not named" : part.unit, size.x(), size.y(), size.z(), part.bodies.size(),
-      part.faces.size(), totals["area_cm2"].get<double>(), chosen.size(), totals["chosen_cm2"].get<double>()));
-  output.say(fmt::format("{} triangles within {:.3f} mm of the exact surface; {:.2f} s", part.mesh.faces.size(),
-                         part.deviation_mm, totals["seconds"].get<double>()));
+  output.say(fmt::format("{}, unit {}: {:.1f} × {:.1f} × {:.1f} mm, {}, {} of {:.3f} cm²; {} chosen, {:.3f} cm²",
+                         part.format, part.unit.empty() ? "not named" : part.unit, size.x(), size.y(), size.z(),
+                         counted(part.bodies.size(), "body"), counted(part.faces.size(), "face"),
+                         totals["area_cm2"].get<double>(), chosen.size(), totals["chosen_cm2"].get<double>()));
+  output.say(fmt::format("{} within {:.3f} mm of the exact surface; {:.2f} s",
+                         counted(part.mesh.faces.size(), "triangle"), part.deviation_mm,
+                         totals["seconds"].get<double>()));
   for (const std::string& warning : part.warnings) output.say("warning: " + warning);
   for (const std::string& fault : part.faults) output.say("fault: " + fault);
 }

@@ -13,6 +13,7 @@
 
 #include "flash_backup.hpp"
 #include "flash_firmware.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/cli/bus_report.hpp"
 #include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/site_options.hpp"
@@ -50,9 +51,10 @@ std::string what_happened(const device::FlashResult::Patch& p, bool dry_run) {
   if (!p.why.empty()) return "has not got its table: " + p.why;
   if (p.equal && !p.written) return "equal, skipped";
   if (dry_run && p.by == device::FoundBy::kNothing)
-    return fmt::format("would write {} bytes; which of the fresh controllers gets them shows when flashing", p.bytes);
-  if (dry_run) return fmt::format("would write {} bytes{}", p.bytes, address);
-  return fmt::format("{} bytes written and read back{}", p.bytes, address);
+    return fmt::format("would write {}; which of the fresh controllers gets them shows when flashing",
+                       counted(p.bytes, "byte"));
+  if (dry_run) return fmt::format("would write {}{}", counted(p.bytes, "byte"), address);
+  return fmt::format("{} written and read back{}", counted(p.bytes, "byte"), address);
 }
 
 bool settled(const device::PatchOffsets& patch) {
@@ -165,8 +167,8 @@ void say_all(const std::vector<BusOutcome>& buses, const nlohmann::json& firmwar
     output.result["patches"] = std::move(covers[0]["patches"]);
     report_bus(modules, output);
   }
-  output.say(fmt::format("{} controllers, {} bytes written, {} skipped as equal; {:.2f} s", controllers, sum.bytes,
-                         sum.skipped, seconds));
+  output.say(fmt::format("{}, {} written, {} skipped as equal; {:.2f} s", counted(controllers, "controller"),
+                         counted(sum.bytes, "byte"), sum.skipped, seconds));
 }
 
 // Numbers of patches and modules refer to one cover.

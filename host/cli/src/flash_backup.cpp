@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/deploy/board_backup.hpp"
 #include "triskin/deploy/board_file.hpp"
@@ -32,9 +33,9 @@ std::map<std::string, std::string> read_onto(const std::vector<std::string>& tex
 std::string outcome_of(const device::RestoredBoard& b, bool dry_run) {
   if (b.bytes == 0) return "had no table: what it holds stays";
   if (b.equal) return "equal, skipped";
-  if (dry_run) return fmt::format("would write {} bytes for node address {}", b.bytes, b.node_address);
+  if (dry_run) return fmt::format("would write {} for node address {}", counted(b.bytes, "byte"), b.node_address);
   if (!b.written) return fmt::format("node address {} again", b.node_address);
-  return fmt::format("{} bytes written and read back, node address {}", b.bytes, b.node_address);
+  return fmt::format("{} written and read back, node address {}", counted(b.bytes, "byte"), b.node_address);
 }
 
 // A calibration belongs to the modules, which stay in place when a new board replaces the old one.
@@ -71,7 +72,8 @@ void save_backup(device::LiveSkin& skin, const BackupOptions& options, Output& o
   const device::CalibrationStore calibrations;
   for (device::BoardBackup& b : all) b.calibration = calibrations.read(b.serial);
   write_output(options.save, device::backup_text(all));
-  output.say(fmt::format("what {} controllers hold -> {}", all.size(), options.save));
+  output.say(fmt::format("what {} {} -> {}", counted(all.size(), "controller"), agreeing(all.size(), "holds", "hold"),
+                         options.save));
 }
 
 void restore_backup(device::LiveSkin& skin, const BackupOptions& options, const device::FlashOptions& flash,

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/deploy/board_file.hpp"
@@ -76,13 +77,14 @@ int conclude(const std::vector<device::IdentifiedBoard>& boards, const Options& 
   }
   output.result = {{"boards", std::move(rows)}, {"missing", missing}};
   if (!options.output.empty()) output.result["file"] = options.output;
-  output.say(fmt::format("{} of {} patches have their controller{}", boards.size() - missing.size(), boards.size(),
+  output.say(fmt::format("{} of {} have their controller{}", boards.size() - missing.size(),
+                         counted(boards.size(), "patch"),
                          options.output.empty() || options.output == "-" ? "" : "; written to " + options.output));
   if (!missing.empty())
     output.say(
-        fmt::format("nobody felt a touch of patch{} {} within {:g} s: the patch is dead, its controller is not "
+        fmt::format("nobody felt a touch of {} {} within {:g} s: the patch is dead, its controller is not "
                     "connected, or another patch was touched",
-                    missing.size() == 1 ? "" : "es", fmt::join(missing, ", "), options.identify.limit_s));
+                    noun_after(missing.size() == 1, "patch"), fmt::join(missing, ", "), options.identify.limit_s));
   return missing.empty() ? 0 : 1;
 }
 

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "terminal.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/base/pace.hpp"
 #include "triskin/base/terminal_text.hpp"
 #include "triskin/skin/taxel_trace.hpp"
@@ -21,6 +22,8 @@ namespace {
 using device::LiveMonitor;
 using device::PressedTaxel;
 using device::PressureUnit;
+
+constexpr const char* kAboveRange = " (above the calibrated range)";
 
 std::string_view name_of(PressureUnit unit) {
   return unit == PressureUnit::kKpa       ? "kPa"
@@ -41,7 +44,14 @@ nlohmann::json numbers_of(const design::Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-nlohmann::json contacts_json(const std::vector<device::SkinContact>& contacts) {
+bool is_above_range(const device::SkinContact& c, const design::SkinCalibration& calibration) {
+  return calibration.complete() && std::ranges::any_of(c.taxels, [&](const PressedTaxel& t) {
+           return calibration.is_above_range({t.module, t.taxel}, t.change_counts);
+         });
+}
+
+nlohmann::json contacts_json(const std::vector<device::SkinContact>& contacts,
+                             const design::SkinCalibration& calibration) {
   nlohmann::json list = nlohmann::json::array();
   for (const device::SkinContact& c : contacts) {
     list.push_back({{"position_mm", numbers_of(c.position_mm)},
@@ -55,6 +65,7 @@ nlohmann::json contacts_json(const std::vector<device::SkinContact>& contacts) {
     if (!std::isfinite(c.force_n)) continue;
     list.back()["force_n"] = c.force_n;
     list.back()["force_sd_n"] = c.force_sd_n;
+    if (is_above_range(c, calibration)) list.back()["above_calibration"] = true;
   }
   return list;
 }
@@ -64,38 +75,28 @@ class Lines final : public LiveDisplay {
   explicit Lines(const Output& output) : output_(output) {}
   Wish show(LiveMonitor& monitor, const LiveState& state) override {
     const auto pressed = monitor.touches().pressed();
-    say_off_rest(monitor, state.time_s);
-    if (pressed.empty() && state.time_s < spoke_s_ + kHeartbeat_s) return Wish::kNothing;
+    if (const std::string remark = off_rest_.due(monitor, state.time_s); !remark.empty())
+      output_.say(fmt::format("{:7.2f} s  {}", state.time_s, remark));
+    if (pressed.empty() && state.time_s < spoke_s_ + OffRestNotice::kHeartbeat_s) return Wish::kNothing;
     spoke_s_ = state.time_s;
     if (pressed.empty()) {
-      output_.say(
-          fmt::format("{:7.2f} s  nothing is pressed; {} samples, {} lost", state.time_s, state.frames, state.lost));
+      output_.say(fmt::format("{:7.2f} s  nothing is pressed; {}, {} lost", state.time_s,
+                              counted(state.frames, "sample"), state.lost));
       return Wish::kNothing;
     }
     const auto& first = pressed.front();
     const auto bar = std::string(static_cast<std::size_t>(std::clamp(first.change_counts / 500.0, 1.0, 24.0)), '#');
-    output_.say(fmt::format("{:7.2f} s  {} {:<24} +{} taxels{}", state.time_s, place_text(monitor, first), bar,
-                            pressed.size() - 1, force_of(monitor)));
-    for (const device::SkinContact& c : monitor.contacts()) output_.say(fmt::format("{:>11}{}", "", contact_text(c)));
+    output_.say(fmt::format("{:7.2f} s  {} {:<24} +{}{}", state.time_s, place_text(monitor, first), bar,
+                            counted(pressed.size() - 1, "taxel"), force_of(monitor)));
+    for (const device::SkinContact& c : monitor.contacts())
+      output_.say(fmt::format("{:>11}{}", "", contact_text(c, monitor.calibration())));
     return Wish::kNothing;
   }
 
  private:
-  // The message appears when the state begins and is repeated in every heartbeat period while it lasts.
-  void say_off_rest(const LiveMonitor& monitor, double time_s) {
-    const std::string remark = device::sentence(monitor.off_rest());
-    const bool is_due = !is_off_rest_ || time_s >= off_rest_s_ + kHeartbeat_s;
-    is_off_rest_ = !remark.empty();
-    if (!is_off_rest_ || !is_due) return;
-    off_rest_s_ = time_s;
-    output_.say(fmt::format("{:7.2f} s  {}", time_s, remark));
-  }
-
-  // Whoever reads a pipe sees that the skin is alive while nobody touches it.
-  static constexpr double kHeartbeat_s = 5.0;
   const Output& output_;
-  double spoke_s_ = 0.0, off_rest_s_ = 0.0;
-  bool is_off_rest_ = false;
+  double spoke_s_ = 0.0;
+  OffRestNotice off_rest_;
 };
 
 class Objects final : public LiveDisplay {
@@ -175,8 +176,8 @@ class Screen final : public LiveDisplay {
   [[nodiscard]] std::vector<std::string> page(const LiveMonitor& monitor, const LiveState& state) const {
     const Terminal::Size size = Terminal::size();
     std::vector<std::string> lines;
-    lines.push_back(fmt::format("{}  {:.1f} s  {} samples, {} lost{}", for_terminal(design_.name), state.time_s,
-                                state.frames, state.lost, force_of(monitor)));
+    lines.push_back(fmt::format("{}  {:.1f} s  {}, {} lost{}", for_terminal(design_.name), state.time_s,
+                                counted(state.frames, "sample"), state.lost, force_of(monitor)));
     std::vector<std::string> below = monitor.picture(patch_, unit(monitor), Terminal::has_colour(), size.columns);
     below.emplace_back();
     const auto pressed = monitor.touches().pressed();
@@ -184,11 +185,11 @@ class Screen final : public LiveDisplay {
       below.push_back(place_text(monitor, pressed[k]));
     const auto contacts = monitor.contacts();
     for (std::size_t k = 0; k < std::min(kMaxContacts, contacts.size()); ++k)
-      below.push_back(contact_text(contacts[k]));
-    if (pressed.size() > kMaxTaxels) below.push_back(fmt::format("+{} taxels", pressed.size() - kMaxTaxels));
+      below.push_back(contact_text(contacts[k], monitor.calibration()));
+    if (pressed.size() > kMaxTaxels) below.push_back(fmt::format("+{}", counted(pressed.size() - kMaxTaxels, "taxel")));
     for (std::string& line : trace_.lines(static_cast<std::size_t>(std::max(1, size.columns - 1)), kStep_s))
       below.push_back(std::move(line));
-    if (const std::string remark = device::sentence(monitor.off_rest()); !remark.empty()) below.push_back(remark);
+    if (const std::string remark = design::sentence(monitor.off_rest()); !remark.empty()) below.push_back(remark);
     for (const device::AdoptedCounts& a : state.adopted)
       below.push_back(fmt::format("module {} is read by the controller of patch {}", a.module, a.patch));
     if (!state.note.empty()) below.push_back(for_terminal(state.note));
@@ -225,7 +226,7 @@ class Screen final : public LiveDisplay {
     }
     std::vector<std::string> texts;
     for (const int p : shown) texts.push_back(all[static_cast<std::size_t>(p)]);
-    if (patches > room) texts.push_back(fmt::format("  +{} patches", patches - room + 1));
+    if (patches > room) texts.push_back(fmt::format("  +{}", counted(patches - room + 1, "patch")));
     return in_columns(texts, wide, static_cast<std::size_t>(beside));
   }
 
@@ -236,10 +237,10 @@ class Screen final : public LiveDisplay {
   }
 
   [[nodiscard]] std::string line_of(const LiveMonitor& monitor, int patch) const {
-    std::string text =
-        fmt::format("{} patch {:3}  {:2} modules  {:5.1f}/s", patch == patch_ ? ">" : " ", patch,
-                    design_.patches[static_cast<std::size_t>(patch)].modules.size(), monitor.rate_hz(patch));
-    if (monitor.faults(patch) > 0) text += fmt::format("  {} faults", monitor.faults(patch));
+    std::string text = fmt::format("{} patch {:3}  {:>10}  {:5.1f}/s", patch == patch_ ? ">" : " ", patch,
+                                   counted(design_.patches[static_cast<std::size_t>(patch)].modules.size(), "module"),
+                                   monitor.rate_hz(patch));
+    if (monitor.faults(patch) > 0) text += fmt::format("  {}", counted(monitor.faults(patch), "fault"));
     if (monitor.unheard(patch) > 0) text += fmt::format("  {} never heard", monitor.unheard(patch));
     return text;
   }
@@ -259,19 +260,37 @@ class Screen final : public LiveDisplay {
 
 }  // namespace
 
-std::string place_text(const LiveMonitor& monitor, const PressedTaxel& t) {
-  const std::string place = fmt::format("module {:4} taxel {:2}  at ({:8.2f}, {:8.2f}, {:8.2f}) mm", t.module, t.taxel,
-                                        t.position_mm.x(), t.position_mm.y(), t.position_mm.z());
-  if (best_unit(monitor) == PressureUnit::kCounts) return fmt::format("{}  {:6.0f} counts", place, t.change_counts);
-  return fmt::format("{}  {:6.2f} kPa", place,
-                     monitor.calibration().pressure_kpa({t.module, t.taxel}, t.change_counts));
+std::string OffRestNotice::due(const LiveMonitor& monitor, double time_s) {
+  const std::string remark = design::sentence(monitor.off_rest());
+  const bool is_due = !is_off_rest_ || time_s >= said_s_ + kHeartbeat_s;
+  is_off_rest_ = !remark.empty();
+  if (!is_off_rest_ || !is_due) return {};
+  said_s_ = time_s;
+  return remark;
 }
 
-std::string contact_text(const device::SkinContact& c) {
-  std::string text = fmt::format("contact at ({:8.2f}, {:8.2f}, {:8.2f}) mm ± {:.1f}", c.position_mm.x(),
-                                 c.position_mm.y(), c.position_mm.z(), c.position_sd_mm);
-  if (std::isfinite(c.force_n)) text += fmt::format("  {:.2f} N ± {:.2f}", c.force_n, c.force_sd_n);
-  return text + fmt::format("  {:.0f} mm²  module {}", c.area_mm2, c.taxels.front().module);
+// The value stands before the place, because a narrow terminal cuts what is at the right.
+std::string place_text(const LiveMonitor& monitor, const PressedTaxel& t) {
+  const design::SkinCalibration& calibration = monitor.calibration();
+  const bool is_kpa = best_unit(monitor) == PressureUnit::kKpa;
+  const std::string value =
+      is_kpa ? fmt::format("{:6.2f} kPa", calibration.pressure_kpa({t.module, t.taxel}, t.change_counts))
+             : fmt::format("{:6.0f} counts", t.change_counts);
+  const bool is_above = is_kpa && calibration.is_above_range({t.module, t.taxel}, t.change_counts);
+  return fmt::format("module {:4} taxel {:2}  {}{}  at ({:8.2f}, {:8.2f}, {:8.2f}) mm", t.module, t.taxel, value,
+                     is_above ? kAboveRange : "", t.position_mm.x(), t.position_mm.y(), t.position_mm.z());
+}
+
+std::string contact_text(const device::SkinContact& c, const design::SkinCalibration& calibration) {
+  std::string text = fmt::format("contact  module {}  ", c.taxels.front().module);
+  if (std::isfinite(c.force_n)) text += fmt::format("{:.2f} N ± {:.2f}  ", c.force_n, c.force_sd_n);
+  if (is_above_range(c, calibration)) text += fmt::format("{}  ", kAboveRange + 1);
+  return text + fmt::format("at ({:8.2f}, {:8.2f}, {:8.2f}) mm ± {:.1f}  {:.0f} mm²", c.position_mm.x(),
+                            c.position_mm.y(), c.position_mm.z(), c.position_sd_mm, c.area_mm2);
+}
+
+nlohmann::json to_json(const design::OffRest& off) {
+  return {{"taxels", off.taxels}, {"modules", off.modules}};
 }
 
 nlohmann::json to_json(const LiveMonitor& monitor, const LiveState& state) {
@@ -283,14 +302,17 @@ nlohmann::json to_json(const LiveMonitor& monitor, const LiveState& state) {
                        {"change_counts", t.change_counts},
                        {"position_mm", {t.position_mm.x(), t.position_mm.y(), t.position_mm.z()}},
                        {"normal", {t.normal.x(), t.normal.y(), t.normal.z()}}});
-    if (calibrated)
-      pressed.back()["pressure_kpa"] = monitor.calibration().pressure_kpa({t.module, t.taxel}, t.change_counts);
+    if (!calibrated) continue;
+    pressed.back()["pressure_kpa"] = monitor.calibration().pressure_kpa({t.module, t.taxel}, t.change_counts);
+    if (monitor.calibration().is_above_range({t.module, t.taxel}, t.change_counts))
+      pressed.back()["above_calibration"] = true;
   }
   nlohmann::json line = {
       {"time_s", state.time_s}, {"frames", state.frames}, {"lost", state.lost}, {"pressed", std::move(pressed)}};
   line["unit"] = name_of(best_unit(monitor));
+  line["off_rest"] = to_json(monitor.off_rest());
   const auto contacts = monitor.contacts();
-  line["contacts"] = contacts_json(contacts);
+  line["contacts"] = contacts_json(contacts, monitor.calibration());
   if (calibrated) {
     line["force_n"] = monitor.force_n();
     const device::NetForce net = device::net_force(contacts);

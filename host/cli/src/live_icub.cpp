@@ -6,6 +6,7 @@
 
 #include <optional>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/pace.hpp"
 #include "triskin/cli/link_options.hpp"
 #include "triskin/skin/icub_skin.hpp"
@@ -54,7 +55,8 @@ int live_icub(const device::LinkOptions& link_options, const design::Design* des
         {{"board", t.board}, {"triangle", t.module}, {"values", t.value}, {"no_acknowledge", t.no_acknowledge}});
   }
   if (!not_connected.empty())
-    output.say(fmt::format("{} triangles are not connected: no module there, or a dead one", not_connected.size()));
+    output.say(fmt::format("{} {} not connected: no module there, or a dead one",
+                           counted(not_connected.size(), "triangle"), agreeing(not_connected.size(), "is", "are")));
   output.result = {{"boards", std::move(boards)},
                    {"frames", skin.stream().frames()},
                    {"lost", skin.stream().lost()},

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "live_display.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/base/pace.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
@@ -23,6 +24,7 @@ class BusShow {
   BusShow(device::LiveBus& bus, const CalibrationOptions& calibration, const Output& output) : bus_(bus) {
     bus.find_controllers();
     for (device::LiveCover& cover : bus.covers()) calibrate_cover(calibration, bus, cover, output);
+    off_rest_.resize(bus.covers().size());
   }
 
   // `mutex` protects `output`.
@@ -52,6 +54,7 @@ class BusShow {
       const device::StreamReport report = bus_.report(c);
       nlohmann::json row = keys_of(bus_.config(), cover);
       add_stream_keys(report, row);
+      row["off_rest"] = to_json(bus_.covers()[c].monitor().off_rest());
       rows.push_back(std::move(row));
       sum += report.total;
       complete = complete && report.complete();
@@ -67,22 +70,42 @@ class BusShow {
                           {"frames", bus_.totals().frames},
                           {"lost", bus_.totals().lost}};
     object["pressed"] = nlohmann::json::array();
+    object["off_rest"] = nlohmann::json::object();
     for (const device::LiveCover& cover : bus_.covers()) {
       nlohmann::json of_cover = to_json(cover.monitor(), {});
       for (nlohmann::json& taxel : of_cover["pressed"]) {
         taxel["cover"] = cover.config().name;
         object["pressed"].push_back(std::move(taxel));
       }
-      const auto pressed = cover.touches().pressed();
-      if (pressed.empty() || output.json()) continue;
-      const auto& first = pressed.front();
-      output.say(fmt::format("{:7.2f} s  {}: {} +{} taxels", time_s, cover.config().name,
-                             place_text(cover.monitor(), first), pressed.size() - 1));
+      object["off_rest"][cover.config().name] = std::move(of_cover["off_rest"]);
     }
     output.each(object);
+    if (!output.json()) say(time_s, output);
+  }
+
+  void say(double time_s, Output& output) {
+    const auto line = [&](const std::string& text) { output.say(fmt::format("{:7.2f} s  {}", time_s, text)); };
+    bool is_pressed = false;
+    for (std::size_t c = 0; c < bus_.covers().size(); ++c) {
+      const device::LiveCover& cover = bus_.covers()[c];
+      if (const std::string remark = off_rest_[c].due(cover.monitor(), time_s); !remark.empty())
+        line(fmt::format("{}: {}", cover.config().name, remark));
+      const auto pressed = cover.touches().pressed();
+      if (pressed.empty()) continue;
+      is_pressed = true;
+      line(fmt::format("{}: {} +{}", cover.config().name, place_text(cover.monitor(), pressed.front()),
+                       counted(pressed.size() - 1, "taxel")));
+    }
+    if (!is_pressed && time_s < spoke_s_ + OffRestNotice::kHeartbeat_s) return;
+    spoke_s_ = time_s;
+    if (!is_pressed)
+      line(fmt::format("{}: nothing is pressed; {}, {} lost", bus_.config().name,
+                       counted(bus_.totals().frames, "sample"), bus_.totals().lost));
   }
 
   device::LiveBus& bus_;
+  std::vector<OffRestNotice> off_rest_;  // There is one for each cover.
+  double spoke_s_ = 0.0;
 };
 
 }  // namespace
@@ -98,8 +121,8 @@ int live_robot(device::LiveSkin& skin, const device::StreamOptions& options, con
   bool complete = true;
   for (const BusShow& show : shows) complete = show.print_report(covers, sum, output) && complete;
   output.result = {{"samples", sum.received}, {"expected", sum.expected}, {"lost", sum.lost()}, {"covers", covers}};
-  output.say(
-      fmt::format("{} of {} samples of {} covers, {} lost", sum.received, sum.expected, covers.size(), sum.lost()));
+  output.say(fmt::format("{} of {} of {}, {} lost", sum.received, counted(sum.expected, "sample"),
+                         counted(covers.size(), "cover"), sum.lost()));
   return complete ? 0 : 1;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/base/names.hpp"
 #include "triskin/cli/command.hpp"
@@ -90,7 +91,8 @@ int run(const Options& options, Output& output) {
   });
   follow(reader, bus, options.seconds);
   reader.finish();
-  if (reader.lost() > 0) output.say(fmt::format("{} lines were lost", reader.lost()));
+  if (reader.lost() > 0)
+    output.say(fmt::format("{} {} lost", counted(reader.lost(), "line"), agreeing(reader.lost(), "was", "were")));
   output.result["lines"] = std::move(lines);
   output.result["lost"] = reader.lost();
   return reader.lost() > 0 ? 1 : 0;

@@ -23,6 +23,7 @@
 #include "generate_docs.hpp"
 #include "help_command.hpp"
 #include "help_format.hpp"
+#include "settings.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/interrupt.hpp"
 
@@ -148,14 +149,18 @@ int run_program(const std::string& description, int argc, char** argv) {
   program.require_subcommand(1);
   program.footer("triskin help COMMAND shows its options and an example; triskin help links,\nwhat --link takes.");
   const auto entries = add_commands(program);
+  add_settings(program);
   if (const auto status = answer_help(program, argc, argv)) return when_written(*status);
   if (const auto status = answer_generate_docs(program, argc, argv)) return when_written(*status);
   try {
+    read_settings();
     program.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     // The --help behind a command that does not exist would show the commands and hide the mistake.
     if (e.get_exit_code() == 0 && !names_unknown_command(program, argc, argv)) return when_written(program.exit(e));
     return refuse(program, e, argc, argv);
+  } catch (const Error& e) {
+    return fail(e.what(), e.exit_status());
   }
   for (const auto& entry : entries) {
     if (entry->app->parsed()) return run_entry(*entry);

@@ -20,13 +20,39 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-std::string bar_line(const Progress& p, int columns) {
+// Part of the work as it is shown: when its stage began, and with which fraction.
+struct Shown {
+  Progress progress{};
+  Clock::time_point since = Clock::now();
+  double from = 0.0;
+
+  void take(const Progress& p) {
+    if (p.stage != progress.stage) {
+      since = Clock::now();
+      from = std::max(0.0, p.fraction);
+    }
+    progress = p;
+  }
+  // Says how long the stage will still take if it goes on as fast as so far; empty while that is not known.
+  [[nodiscard]] std::string time_left() const {
+    constexpr double kLeastFraction = 0.02, kLeastTime_s = 1.0, kMinute_s = 60.0;
+    const double done = progress.fraction - from;
+    const double passed_s = std::chrono::duration<double>(Clock::now() - since).count();
+    if (done < kLeastFraction || passed_s < kLeastTime_s || progress.fraction >= 1.0) return {};
+    const double left_s = passed_s * (1.0 - progress.fraction) / done;
+    return left_s < 2.0 * kMinute_s ? fmt::format(" {:.0f} s left,", left_s)
+                                    : fmt::format(" {:.0f} min left,", left_s / kMinute_s);
+  }
+};
+
+std::string bar_line(const Shown& shown, int columns) {
+  const Progress& p = shown.progress;
   constexpr int kWidth = 30, kNarrowWidth = 8, kNarrowTerminal = 60;
   const int width = columns < kNarrowTerminal ? kNarrowWidth : kWidth;
   std::string bar(static_cast<std::size_t>(width), '.');
   if (p.fraction >= 0.0) std::fill_n(bar.begin(), static_cast<int>(width * std::min(1.0, p.fraction)), '#');
   // The last column stays free because some terminals wrap as soon as it is written.
-  return cut_to(fmt::format("[{}] {} {}", bar, p.stage, for_terminal(p.detail)), columns - 1);
+  return cut_to(fmt::format("[{}]{} {} {}", bar, shown.time_left(), p.stage, for_terminal(p.detail)), columns - 1);
 }
 
 class Bar {
@@ -43,9 +69,9 @@ class Bar {
   void show(const Progress& p) {
     const std::lock_guard lock(mutex);
     const auto now = Clock::now();
-    Progress& part = parts_[p.part];
-    const bool new_stage = p.stage != part.stage;
-    part = p;
+    Shown& part = parts_[p.part];
+    const bool new_stage = p.stage != part.progress.stage;
+    part.take(p);
     if (now - start_ < std::chrono::seconds(1)) return;
     if (!terminal_) {
       if (new_stage) std::fputs(fmt::format("… {} {}\n", p.stage, for_terminal(p.detail)).c_str(), stderr);
@@ -76,11 +102,11 @@ class Bar {
     const int parts = static_cast<int>(parts_.size() - parts_.count(-1));
     std::string text = lines_ > 0 ? back() : "\r";
     int lines = 0;
-    for (const auto& [part, p] : parts_) {
-      const bool shown = part < 0 ? parts == 0 : lines < room && (parts <= room || p.fraction < 1.0);
-      if (!shown) continue;
+    for (const auto& [part, shown] : parts_) {
+      const bool is_drawn = part < 0 ? parts == 0 : lines < room && (parts <= room || shown.progress.fraction < 1.0);
+      if (!is_drawn) continue;
       if (lines++ > 0) text += '\n';
-      text += bar_line(p, size.columns);
+      text += bar_line(shown, size.columns);
     }
     std::fputs(text.c_str(), stderr);
     std::fflush(stderr);
@@ -93,7 +119,7 @@ class Bar {
   const bool terminal_;
   const Clock::time_point start_ = Clock::now();
   Clock::time_point last_;
-  std::map<int, Progress> parts_;
+  std::map<int, Shown> parts_;
   int lines_ = 0;
 };
 

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "contacts.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/base/text_file.hpp"
@@ -235,7 +236,8 @@ class BusRecording {
       row["seconds"] = seconds_;
       row["file"] = name_of(file);
       if (trouble_) row["ended_by"] = *trouble_;
-      output.say(fmt::format("{} module samples in {:.2f} s -> {}", file.samples(), seconds_, name_of(file)));
+      output.say(
+          fmt::format("{} in {:.2f} s -> {}", counted(file.samples(), "module sample"), seconds_, name_of(file)));
       if (file.samples() == 0) {
         output.say(prefix_of(file.cover()) + "nothing was recorded: no module sent a sample; run triskin verify");
         status = std::max(status, 1);
@@ -249,7 +251,7 @@ class BusRecording {
     if (!trouble_) return std::nullopt;
     std::uint64_t samples = 0;
     for (const auto& file : files_) samples += file->samples();
-    return fmt::format("{}; the recording ends here, with {} samples in {}{}", *trouble_, samples,
+    return fmt::format("{}; the recording ends here, with {} in {}{}", *trouble_, counted(samples, "sample"),
                        name_of(*files_.front()), files_.size() > 1 && joint_.empty() ? " and the files beside it" : "");
   }
   // Adds the recordings of this bus's covers to the parts of the joint file.
@@ -363,7 +365,8 @@ int conclude_all(const std::vector<std::unique_ptr<BusRecording>>& buses, bool i
       lost += row["lost"].get<std::uint64_t>();
     }
     output.result = {{"samples", samples}, {"lost", lost}, {"covers", std::move(covers)}};
-    output.say(fmt::format("{} module samples of {} covers, {} lost", samples, output.result["covers"].size(), lost));
+    output.say(fmt::format("{} of {}, {} lost", counted(samples, "module sample"),
+                           counted(output.result["covers"].size(), "cover"), lost));
   } else {
     output.result = std::move(covers[0]);
   }

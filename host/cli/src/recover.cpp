@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/recording/recording.hpp"
 
@@ -44,11 +45,12 @@ int run(const Options& options, Output& output) {
                    {"kept_bytes", r.kept_bytes},     {"dropped_bytes", r.was_complete ? 0 : r.dropped_bytes},
                    {"losses", losses_json(r.losses)}};
   if (r.was_complete) {
-    output.say(fmt::format("{}: is whole, {} module samples in {:.2f} s", options.file, s.samples, seconds));
+    output.say(fmt::format("{}: is whole, {} in {:.2f} s", options.file, counted(s.samples, "module sample"), seconds));
     return 0;
   }
-  output.say(fmt::format("{}: {}; {} module samples in {:.2f} s are kept, {} bytes are dropped", options.file,
-                         r.problem, s.samples, seconds, r.dropped_bytes));
+  output.say(fmt::format("{}: {}; {} in {:.2f} s are kept, {} {} dropped", options.file, r.problem,
+                         counted(s.samples, "module sample"), seconds, counted(r.dropped_bytes, "byte"),
+                         agreeing(r.dropped_bytes, "is", "are")));
   for (const recording::Loss& loss : r.losses) say_loss(loss, output);
   return 0;
 }

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "finding_lines.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/deploy/flash.hpp"
@@ -49,7 +50,7 @@ class Repair {
   int run() {
     auto findings = check();
     const std::size_t at_first = findings.size();
-    output_.say(fmt::format("{} findings", at_first));
+    output_.say(counted(at_first, "finding"));
     while (const device::Finding* next = next_of(findings)) {
       const Answer answer = show(*next, findings.size());
       if (answer == Answer::kQuit) break;
@@ -67,7 +68,8 @@ class Repair {
                       {"skipped", skipped_.size()},
                       {"tared", tared_},
                       {"findings", json_}};
-    output_.say(fmt::format("{} mended, {} skipped; {} findings left", mended_, skipped_.size(), findings.size()));
+    output_.say(
+        fmt::format("{} mended, {} skipped; {} left", mended_, skipped_.size(), counted(findings.size(), "finding")));
     return findings.empty() ? 0 : 1;
   }
 

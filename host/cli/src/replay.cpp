@@ -9,6 +9,7 @@
 #include "expose_option.hpp"
 #include "live_display.hpp"
 #include "replay_link.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/base/pace.hpp"
 #include "triskin/cli/command.hpp"
@@ -123,7 +124,7 @@ int run(const Options& options, Output& output) {
   output.result["seconds"] = player.state().time_s;
   output.result["complete"] = summary.file.complete;
   tell_readers(summary, player, output);
-  output.say(fmt::format("{} module samples in {:.2f} s", player.state().frames, player.state().time_s));
+  output.say(fmt::format("{} in {:.2f} s", counted(player.state().frames, "module sample"), player.state().time_s));
   if (!summary.file.complete)
     output.say(fmt::format("the recording {}; triskin recover makes it whole", summary.file.problem));
   return player.state().frames == 0 ? 1 : 0;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "expose_option.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/cli/recorded_track.hpp"
 #include "triskin/deploy/board_file.hpp"
@@ -148,7 +149,8 @@ int replay_into_link(const ReplayLinkOptions& options, Output& output) {
     // Ctrl-C is the usual way to end a loop.
   }
   output.result = {{"samples", player.samples()}, {"link", player.link_name()}};
-  output.say(fmt::format("{} module samples were played", player.samples()));
+  output.say(fmt::format("{} {} played", counted(player.samples(), "module sample"),
+                         agreeing(player.samples(), "was", "were")));
   return 0;
 }
 

@@ -11,6 +11,7 @@
 #include <numbers>
 #include <set>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/text_file.hpp"
@@ -86,7 +87,7 @@ int run_new(const Options& options, Output& output) {
   for (const std::string& bus : options.buses) define_bus(made, bus);
   write_file_atomically(options.robot, robot::robot_text(made));
   output.result = {{"name", made.name}, {"buses", made.buses.size()}, {"covers", 0}};
-  output.say(fmt::format("{}: robot {} with {} buses", options.robot, made.name, made.buses.size()));
+  output.say(fmt::format("{}: robot {} with {}", options.robot, made.name, counted(made.buses.size(), "bus")));
   return 0;
 }
 
@@ -173,7 +174,7 @@ int run_add(const Options& options, Output& output) {
   if (options.file.empty() && options.name.empty()) {
     require(bus, options, "a design file with --name and --bus, or a bus as --bus NAME=LINK");
     write_checked(options, robot, output);
-    output.say(fmt::format("{}: {} buses", options.robot, robot.buses.size()));
+    output.say(fmt::format("{}: {}", options.robot, counted(robot.buses.size(), "bus")));
     return 0;
   }
   require(options.name, options, "the name of the cover with --name");
@@ -193,8 +194,8 @@ int run_add(const Options& options, Output& output) {
   for (const auto& e : added.controllers) nodes.push_back(e.node);
   output.result["cover"] = added.name;
   output.result["nodes"] = nodes;
-  output.say(fmt::format("cover {}: {} controllers on bus {}, node addresses {}", added.name, nodes.size(), added.bus,
-                         fmt::join(nodes, ", ")));
+  output.say(fmt::format("cover {}: {} on bus {}, node addresses {}", added.name, counted(nodes.size(), "controller"),
+                         added.bus, fmt::join(nodes, ", ")));
   return 0;
 }
 
@@ -246,8 +247,9 @@ std::vector<std::string> missing_of(const robot::Robot& robot, const std::string
 }
 
 void show_cover(const robot::CoverEntry& cover, const design::Design& design, Output& output) {
-  output.say(fmt::format("cover {}: {} modules on {} controllers; {}, design {:016x}{}; {}", cover.name,
-                         design.layout.modules.size(), cover.controllers.size(), cover.design, cover.design_id,
+  output.say(fmt::format("cover {}: {} on {}; {}, design {:016x}{}; {}", cover.name,
+                         counted(design.layout.modules.size(), "module"),
+                         counted(cover.controllers.size(), "controller"), cover.design, cover.design_id,
                          cover.rate_hz > 0.0 ? fmt::format("; wants {} Hz", cover.rate_hz) : "", place_text(cover)));
   nlohmann::json controllers = nlohmann::json::array();
   for (const auto& e : cover.controllers) {
@@ -273,13 +275,14 @@ int run_show(const Options& options, Output& output) {
                    {"covers", nlohmann::json::array()},
                    {"missing", missing_of(a.robot, options.robot)},
                    {"problems", nlohmann::json::array()}};
-  output.say(fmt::format("robot {}: {} covers on {} buses", a.robot.name, a.robot.covers.size(), a.robot.buses.size()));
+  output.say(fmt::format("robot {}: {} on {}", a.robot.name, counted(a.robot.covers.size(), "cover"),
+                         counted(a.robot.buses.size(), "bus")));
   const auto loads = robot::bus_loads(a);
   for (std::size_t b = 0; b < a.robot.buses.size(); ++b) {
     const robot::BusEntry& bus = a.robot.buses[b];
     const robot::BusLoad& load = loads[b];
-    output.say(fmt::format("bus {}: {}, {} controllers, {} modules; every sample is {:.0f} % of it, so {} ({:.1f} Hz)",
-                           bus.name, bus.link, load.controllers, load.modules, 100.0 * load.full,
+    output.say(fmt::format("bus {}: {}, {}, {}; every sample is {:.0f} % of it, so {} ({:.1f} Hz)", bus.name, bus.link,
+                           counted(load.controllers, "controller"), counted(load.modules, "module"), 100.0 * load.full,
                            load.every == 1 ? std::string("all fit") : fmt::format("one in {} fits", load.every),
                            load.rate_hz));
     output.result["buses"].push_back({{"name", bus.name},
@@ -297,7 +300,7 @@ int run_show(const Options& options, Output& output) {
     output.result["problems"].push_back({{"place", p.place}, {"text", p.text}, {"remedy", p.remedy}});
   }
   for (const std::string& what : missing_of(a.robot, options.robot)) output.say("not said: " + what);
-  output.say(fmt::format("{} problems", problems.size()));
+  output.say(counted(problems.size(), "problem"));
   return problems.empty() ? 0 : 1;
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "expose_option.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/connect/open_bus.hpp"
@@ -120,11 +121,11 @@ void serve(std::vector<SimulatedBus>& buses, const Options& options, std::size_t
     names.push_back(bus.name);
     controllers += bus.skin->controllers();
     if (!bus.name.empty())
-      output.say(
-          fmt::format("bus {}: {} controllers on {}", bus.name, bus.skin->controllers(), bus.server->link_name()));
+      output.say(fmt::format("bus {}: {} on {}", bus.name, counted(bus.skin->controllers(), "controller"),
+                             bus.server->link_name()));
   }
-  output.say(fmt::format("{} controllers, {} modules on {}; end with Ctrl-C", controllers, modules,
-                         buses[0].server->link_name()));
+  output.say(fmt::format("{}, {} on {}; end with Ctrl-C", counted(controllers, "controller"),
+                         counted(modules, "module"), buses[0].server->link_name()));
   tell_boards(buses, output);
   robot::on_each_bus(names,
                      [&](std::size_t k) { buses[k].server->run(interrupt_request(), std::max(0.0, options.seconds)); });
@@ -207,8 +208,8 @@ int run(const Options& options, Output& output) {
                         {"bus_frames", bus_frames},
                         {"buses", buses.size()},
                         {"switched", buses[0].skin->scene().switched}});
-  output.say(fmt::format("{} controllers, {} modules: {:.3f} s of virtual time in {:.3f} s, {:.1f} times real time",
-                         controllers, modules, virtual_s, wall_s, factor));
+  output.say(fmt::format("{}, {}: {:.3f} s of virtual time in {:.3f} s, {:.1f} times real time",
+                         counted(controllers, "controller"), counted(modules, "module"), virtual_s, wall_s, factor));
   return 0;
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/diagnose/topology.hpp"
 
 namespace triskin::cli {
@@ -78,8 +79,9 @@ std::vector<std::pair<std::size_t, device::TopologyMatch>> recognize(const wire:
 }
 
 void say_found(const wire::FoundTopology& found, const wire::ActiveRoute& route, const Output& output) {
-  output.say(fmt::format("  {} modules, {} joints, {} at port {}, {:.1f} ms{}", found.count, joints_in(found),
-                         found.second_cable ? "second cable" : "cable", "ABC"[found.cable_port], route.last_us * 1e-3,
+  output.say(fmt::format("  {}, {}, {} at port {}, {:.1f} ms{}", counted(found.count, "module"),
+                         counted(joints_in(found), "joint"), found.second_cable ? "second cable" : "cable",
+                         "ABC"[found.cable_port], route.last_us * 1e-3,
                          found.complete ? "" : "; the chain would not settle, there may be more"));
   for (std::size_t m = 0; m < found.count; ++m) {
     std::string line = fmt::format("    {:2}", m);

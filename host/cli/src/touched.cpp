@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/cli/recorded_track.hpp"
@@ -27,8 +28,9 @@ int run(const Options& options, Output& output) {
                    {"modules", density.touched_s.size()},
                    {"seconds", density.duration_s},
                    {"touched_s", density.touched_s}};
-  output.say(fmt::format("{}: {} of {} modules were touched in {:.3g} s; give it to triskin design --regions",
-                         options.output, density.touched_modules(), density.touched_s.size(), density.duration_s));
+  output.say(fmt::format("{}: {} of {} {} touched in {:.3g} s; give it to triskin design --regions", options.output,
+                         density.touched_modules(), counted(density.touched_s.size(), "module"),
+                         agreeing(density.touched_modules(), "was", "were"), density.duration_s));
   return 0;
 }
 

@@ -14,6 +14,7 @@
 
 #include "finding_lines.hpp"
 #include "offset_lines.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/cli/design_argument.hpp"
@@ -193,7 +194,8 @@ int say_all(const std::vector<std::vector<Told>>& buses, bool is_robot, Output& 
                      {"covers", covers}};
   else
     output.result = covers[0];
-  output.say(fmt::format("{} of {} modules ok, {} touched; {} findings", modules_ok, modules, touched, findings));
+  output.say(fmt::format("{} of {} ok, {} touched; {}", modules_ok, counted(modules, "module"), touched,
+                         counted(findings, "finding")));
   return findings == 0 ? 0 : 1;
 }
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/link/link_kind.hpp"
 #include "triskin/scene/tcp_link.hpp"
@@ -17,10 +18,9 @@ std::string link_of(const robot::Site& site, std::size_t bus, const LinkOptions&
   if (!options.link.starts_with("sim:")) {
     if (options.link == kSimulatedBus) return is_usb(site.buses[bus].link) ? kSimulatedHub : kSimulatedBus;
     if (options.link == kSimulatedHub || site.buses.size() == 1) return options.link;
-    throw InputError(
-        fmt::format("--link {}: {} has {} buses; its file names their links, only sim or sim:HOST:PORT can "
-                    "stand for all of them",
-                    options.link, site.file.string(), site.buses.size()));
+    throw InputError(fmt::format(
+        "--link {}: {} has {}; its file names their links, only sim or sim:HOST:PORT can stand for all of them",
+        options.link, site.file.string(), counted(site.buses.size(), "bus")));
   }
   const HostPort at = parse_host_port(options.link.substr(4));
   return "sim:" + host_port_text({at.host, static_cast<std::uint16_t>(at.port + site.buses[bus].number)});

@@ -9,6 +9,7 @@
 
 #include "address_moves.hpp"
 #include "table_writer.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/deploy/board_file.hpp"
 #include "triskin/design/json_fields.hpp"
@@ -204,8 +205,9 @@ class Restoration {
       }
     }
     if (failed.empty()) return;
-    throw DeviceError(fmt::format("{}; {} of {} boards have what was kept, the others what they held",
-                                  fmt::join(failed, "\n  "), pairs_.size() - failed.size(), pairs_.size()));
+    throw DeviceError(fmt::format("{}; {} of {} {} what was kept, the others what they held", fmt::join(failed, "\n  "),
+                                  pairs_.size() - failed.size(), counted(pairs_.size(), "board"),
+                                  agreeing(pairs_.size() - failed.size(), "has", "have")));
   }
 
   void pair() {

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "touch_finder.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/session/address_users.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
@@ -262,9 +263,8 @@ class Matcher {
   void touch(const std::vector<int>& open, const Undecided& alike) {
     if (options_.say)
       options_.say(
-          fmt::format("the shapes of patch{} {} do not tell their controllers apart: the finger of the "
-                      "simulation does",
-                      open.size() == 1 ? "" : "es", fmt::join(open, ", ")));
+          fmt::format("the shapes of {} {} do not tell their controllers apart: the finger of the simulation does",
+                      noun_after(open.size() == 1, "patch"), fmt::join(open, ", ")));
     IdentifyOptions how;
     how.say = options_.say;
     how.actuator = options_.actuator;
@@ -289,10 +289,10 @@ class Matcher {
     // If several covers share the bus, the user has to name the cover in the options.
     const bool alone = options_.neighbours.empty();
     throw DeviceError(fmt::format(
-        "{}: it is ambiguous which controller serves patch{} {}{}: {}. Let triskin identify find it out by touch, name "
+        "{}: it is ambiguous which controller serves {} {}{}: {}. Let triskin identify find it out by touch, name "
         "them ({}--assign {}=SERIAL), or plug them in one after the other ({}--patch); --by-serial takes them in the "
         "order of their serial numbers; no table of the design was written",
-        bus_.name(), open.size() == 1 ? "" : "es", fmt::join(open, ", "), alone ? "" : " of " + design_.name,
+        bus_.name(), noun_after(open.size() == 1, "patch"), fmt::join(open, ", "), alone ? "" : " of " + design_.name,
         fmt::join(names, ", "), alone ? "" : fmt::format("--cover {} ", design_.name), open.front(),
         alone ? "" : fmt::format("--cover {} ", design_.name)));
   }
@@ -324,9 +324,8 @@ class Matcher {
     }
     if (options_.patch >= 0 && !taken_.contains(options_.patch) && free.size() > 1)
       throw DeviceError(
-          fmt::format("{}: {} controllers could be that of patch {}: {}; connect one of them, or name it: "
-                      "--assign {}=SERIAL",
-                      bus_.name(), free.size(), options_.patch, serials(free), options_.patch));
+          fmt::format("{}: {} could be that of patch {}: {}; connect one of them, or name it: --assign {}=SERIAL",
+                      bus_.name(), counted(free.size(), "controller"), options_.patch, serials(free), options_.patch));
     auto next = free.begin();
     const auto patches = seats(free.size());
     const bool only = patches.size() == 1 && free.size() == 1;
@@ -375,16 +374,17 @@ class Matcher {
     const std::vector<std::string> others = takeable();
     if (!others.empty())
       throw DeviceError(fmt::format(
-          "{}: no controller is free for patch{} {}; these hold a table that is not of this design and are left alone: "
+          "{}: no controller is free for {} {}; these hold a table that is not of this design and are left alone: "
           "{}. Name one (--assign PATCH=SERIAL) or take all of them (--take-over); nothing was written",
-          bus_.name(), open.size() == 1 ? "" : "es", fmt::join(open, ", "), fmt::join(others, ", ")));
+          bus_.name(), noun_after(open.size() == 1, "patch"), fmt::join(open, ", "), fmt::join(others, ", ")));
     const auto n_answer = std::ranges::count_if(candidates_, [](const Candidate& c) {
       return c.owner != Owner::kNeighbour && (c.owner != Owner::kSilent || c.board.patch >= 0);
     });
     const std::string too_few = fmt::format(
-        "{}: the design has {} patches here, {} controllers answer that may serve them{}; connect the others, or flash "
-        "one patch at a time (--patch)",
-        bus_.name(), here_.size(), n_answer,
+        "{}: the design has {} here, {} {} that may serve them{}; connect the others, or flash one patch at a time "
+        "(--patch)",
+        bus_.name(), counted(here_.size(), "patch"), counted(n_answer, "controller"),
+        agreeing(n_answer, "answers", "answer"),
         silent_.empty() ? "" : fmt::format(" ({} fell silent)", fmt::join(silent_, ", ")));
     const bool any_certain = std::ranges::any_of(candidates_, is_certain);
     if (!any_certain || options_.patch >= 0)

@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/deploy/flash.hpp"
 #include "triskin/diagnose/offset_report.hpp"
@@ -127,7 +128,7 @@ class Session {
       found += found.empty() ? "" : "; ";
       good = good && (count == 1 || static_cast<int>(users.size()) + count - 1 <= patches());
       if (count > 1) {
-        found += fmt::format("{} controllers at address {}", count, node);
+        found += fmt::format("{} at address {}", counted(count, "controller"), node);
         continue;
       }
       const wire::Hello h = Controller(*bus_, static_cast<std::uint8_t>(node)).hello();
@@ -169,16 +170,16 @@ class Session {
       }
     }
     const auto wanted = static_cast<int>(design_.layout.modules.size());
-    std::string found =
-        fmt::format("{} converters answer, {} more with another id; the design has {} modules", right, wrong, wanted);
+    std::string found = fmt::format("{} {}, {} more with another id; the design has {}", counted(right, "converter"),
+                                    agreeing(right, "answers", "answer"), wrong, counted(wanted, "module"));
     return right == wanted && wrong == 0 ? passed(found) : failed(found);
   }
 
   StepAnswer write_and_verify() {
     const FlashResult written = flash(*bus_, design_, {}, options_.progress);
     const VerifyResult r = verify(*bus_, design_, {}, options_.progress);
-    std::string found =
-        fmt::format("{} bytes written; {} of {} modules in order", written.bytes, r.modules_ok, r.modules);
+    std::string found = fmt::format("{} written; {} of {} in order", counted(written.bytes, "byte"), r.modules_ok,
+                                    counted(r.modules, "module"));
     for (const Finding& f : r.findings)
       found += fmt::format("; {}: {} ({})", kFindingKindNames.name(f.kind), f.text, f.remedy);
     return r.findings.empty() ? passed(found) : failed(found);
@@ -207,9 +208,8 @@ class Session {
       }
     }
     std::string found = fmt::format(
-        "{} of {} modules stream, at least {:.1f} samples/s each, {} lost, noise at most {:.2f} "
-        "counts RMS{}",
-        rest.size(), design_.layout.modules.size(), min_rate, lost_, worst_noise, outside);
+        "{} of {} stream, at least {:.1f} samples/s each, {} lost, noise at most {:.2f} counts RMS{}", rest.size(),
+        counted(design_.layout.modules.size(), "module"), min_rate, lost_, worst_noise, outside);
     for (const PatchOffsets& p : read_offsets(*bus_, design_)) {
       for (const std::string& line : describe(p)) found += "; " + line;
     }

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <optional>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/wire/loader_protocol.hpp"
@@ -154,8 +155,8 @@ FirmwarePackage read_firmware(const std::filesystem::path& file) {
                                  describe(head.error())));
   p.head = *head;
   if (p.bytes.size() < p.head.total()) {
-    throw InputError(fmt::format("{}: is cut off: {} bytes, its head says {}; copy it again", file.string(),
-                                 p.bytes.size(), p.head.total()));
+    throw InputError(fmt::format("{}: is cut off: {}, its head says {}; copy it again", file.string(),
+                                 counted(p.bytes.size(), "byte"), p.head.total()));
   }
   for (int slot = 0; slot < 2; ++slot) {
     if (crc32(p.image(slot)) != p.head.crc[static_cast<std::size_t>(slot)]) {

@@ -164,13 +164,14 @@ SkinCalibration::SkinCalibration(const Design& design, std::span<const BoardCali
       }
       Module& module = modules_.at(static_cast<std::size_t>(routed.node));
       module.area_mm2 = board->taxel_area_mm2;
+      module.max_kpa = board->max_kpa;
       for (std::size_t t = 0; t < place->taxels.size(); ++t) module.counts_per_kpa[t] = place->taxels[t].counts_per_kpa;
     }
   }
 }
 
 double SkinCalibration::counts_per_kpa(layout::TaxelId taxel) const {
-  return modules_.at(static_cast<std::size_t>(module)).counts_per_kpa.at(static_cast<std::size_t>(taxel));
+  return modules_.at(static_cast<std::size_t>(taxel.module)).counts_per_kpa.at(static_cast<std::size_t>(taxel.taxel));
 }
 
 double SkinCalibration::pressure_kpa(layout::TaxelId taxel, double change_counts) const {
@@ -180,6 +181,12 @@ double SkinCalibration::pressure_kpa(layout::TaxelId taxel, double change_counts
 
 double SkinCalibration::force_n(layout::TaxelId taxel, double change_counts) const {
   return kNewtonPerKpaMm2 * pressure_kpa(taxel, change_counts) * taxel_area_mm2(taxel.module);
+}
+
+bool SkinCalibration::is_above_range(layout::TaxelId taxel, double change_counts) const {
+  constexpr double kMargin = 0.02;  // A pressure that is exactly that of the last step reads a little more or less.
+  return pressure_kpa(taxel, change_counts) >
+         (1.0 + kMargin) * modules_.at(static_cast<std::size_t>(taxel.module)).max_kpa;
 }
 
 }  // namespace triskin::design

@@ -10,6 +10,7 @@
 #include <regex>
 #include <string_view>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/session/firmware_version.hpp"
 
@@ -72,7 +73,8 @@ std::string_view cause_text(wire::CrashCause cause) {
 
 void add_can_remarks(const wire::BoardHealth& h, std::vector<std::string>& out) {
   if (h.bus_offs > 0)
-    out.push_back(fmt::format("left the CAN bus {} times (bus-off): check termination, H and L, bit rate", h.bus_offs));
+    out.push_back(fmt::format("left the CAN bus {} (bus-off): check termination, H and L, bit rate",
+                              counted(h.bus_offs, "time")));
   if ((h.can_state & wire::can_state::kErrorPassive) != 0)
     out.push_back(fmt::format("CAN error passive, counters {} and {}", h.can_send_errors, h.can_receive_errors));
   if (h.can_lost > 0) out.push_back(fmt::format("{} received CAN frames found no room", h.can_lost));
@@ -89,7 +91,8 @@ void add_remarks(const wire::BoardHealth& h, std::vector<std::string>& out) {
     out.push_back(fmt::format("flash units with wrong bits: {} corrected, {} not", h.ecc_corrected, h.ecc_detected));
   if (h.flash_errors > 0) out.push_back(fmt::format("{} writes to the flash were refused", h.flash_errors));
   if (h.stack_bytes > 0 && h.stack_free_bytes < kMinStackBytes)
-    out.push_back(fmt::format("only {} of {} bytes of the stack were never used", h.stack_free_bytes, h.stack_bytes));
+    out.push_back(
+        fmt::format("only {} of {} of the stack were never used", h.stack_free_bytes, counted(h.stack_bytes, "byte")));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/session/controller.hpp"
 
 namespace triskin::device {
@@ -104,11 +105,12 @@ bool ControllerCheck::runs_on_backup(PatchState& p, std::uint32_t crc, std::vect
     const std::string what = choice.other < 0
                                  ? fmt::format("module {}", choice.module)
                                  : fmt::format("the joint of modules {} and {}", choice.other, choice.module);
-    findings.push_back(controller_finding(
-        FindingKind::kBackupRoute, p.patch,
-        fmt::format("patch {}: runs on the route prepared for the failure of {}; {} of {} modules are read", p.patch,
-                    what, image.module_count, p.image.module_count),
-        "repair it, then run triskin flash without --route"));
+    findings.push_back(
+        controller_finding(FindingKind::kBackupRoute, p.patch,
+                           fmt::format("patch {}: runs on the route prepared for the failure of {}; {} of {} {} read",
+                                       p.patch, what, image.module_count, counted(p.image.module_count, "module"),
+                                       agreeing(image.module_count, "is", "are")),
+                           "repair it, then run triskin flash without --route"));
     p.image = image;
     p.on_backup = true;
     return true;
@@ -135,8 +137,8 @@ void ControllerCheck::note_missing(int patch, int node) {
 Finding ControllerCheck::duplicate_finding(int patch, const std::vector<int>& without) const {
   const int node = design::node_address_of(design_, patch);
   const std::vector<std::string> serials = serials_at(node);
-  std::string text = fmt::format("patch {}: {} controllers share node address {}: {}", patch, serials.size(), node,
-                                 fmt::join(serials, " and "));
+  std::string text = fmt::format("patch {}: {} {} node address {}: {}", patch, counted(serials.size(), "controller"),
+                                 agreeing(serials.size(), "shares", "share"), node, fmt::join(serials, " and "));
   if (!without.empty())
     text += fmt::format("; {} {} none", patches_text(without), without.size() == 1 ? "has" : "have");
   return controller_finding(
@@ -150,13 +152,12 @@ Finding ControllerCheck::unflashed_finding() const {
   const std::string silent = unflashed_.size() <= without_table_
                                  ? ""
                                  : fmt::format(", and {} do not answer", unflashed_.size() - without_table_);
-  return controller_finding(
-      FindingKind::kNotFlashed, unflashed_.front(),
-      fmt::format("{}: no controller has {}; {} of {} controllers on the link were never flashed{}",
-                  patches_text(unflashed_), unflashed_.size() == 1 ? "its table" : "their tables", without_table_,
-                  claims_.size(), silent),
-      silent.empty() ? "run triskin flash with this design and link"
-                     : "check power and cables of all controllers, then run triskin flash");
+  return controller_finding(FindingKind::kNotFlashed, unflashed_.front(),
+                            fmt::format("{}: no controller has {}; {} of {} on the link were never flashed{}",
+                                        patches_text(unflashed_), unflashed_.size() == 1 ? "its table" : "their tables",
+                                        without_table_, counted(claims_.size(), "controller"), silent),
+                            silent.empty() ? "run triskin flash with this design and link"
+                                           : "check power and cables of all controllers, then run triskin flash");
 }
 
 // A wrong file is more likely than a wrongly flashed skin, and trying another file costs nothing.

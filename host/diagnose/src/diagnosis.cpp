@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "cover_place.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/diagnose/topology.hpp"
 #include "triskin/session/adopted_modules.hpp"
 #include "verification.hpp"
@@ -136,7 +137,7 @@ void Diagnosis::examine_topology(const PatchState& p) {
     add(FindingKind::kWrongPatch, -1, p.patch,
         other && !best.another_patch()
             ? fmt::format("patch {}: its controller hangs on the modules of patch {}", p.patch, best.patch)
-            : fmt::format("patch {}: the {} modules found are not this patch", p.patch, p.topology.count),
+            : fmt::format("patch {}: the {} found are not this patch", p.patch, counted(p.topology.count, "module")),
         "exchange the cables of the controllers, or compare the patch with the assembly sheet");
     for (const auto& m : design_.patches[static_cast<std::size_t>(p.patch)].modules) {
       explained_.insert(m.node);
@@ -173,9 +174,9 @@ void Diagnosis::examine_lines(const PatchState& p) {
       held = held || p.states.state[row] == ModuleState::kLineStuck;
     }
     if (!held && p.line_states.lines[k].recoveries == 0) continue;
-    const std::string what =
-        held ? "is held low"
-             : fmt::format("was held low and freed by clock pulses {} times", p.line_states.lines[k].recoveries);
+    const std::string what = held ? "is held low"
+                                  : fmt::format("was held low and freed by clock pulses {}",
+                                                counted(p.line_states.lines[k].recoveries, "time"));
     Finding& f = add(
         FindingKind::kStuckLine, -1, p.patch,
         fmt::format("patch {}, line L{}: SDA or SCL {}; modules on it: {}", p.patch, l, what, fmt::join(modules, ", ")),
@@ -275,7 +276,8 @@ void Diagnosis::examine_taxels(const PatchState& p, std::size_t row) {
   if (at_end >= kManyTaxels) {
     explained_.insert(module);
     add(FindingKind::kSaturatedTaxel, module, p.patch,
-        fmt::format("{}: {} taxels are at the end of their range", where(module), at_end),
+        fmt::format("{}: {} {} at the end of their range", where(module), counted(at_end, "taxel"),
+                    agreeing(at_end, "is", "are")),
         "look for a short of the shield or of the converter's reference; else replace the module");
     return;
   }

@@ -9,6 +9,8 @@
 
 #include "cover_place.hpp"
 #include "missing_modules.hpp"
+#include "triskin/base/counted.hpp"
+#include "triskin/design/off_rest.hpp"
 #include "verification.hpp"
 
 namespace triskin::device {
@@ -55,7 +57,8 @@ void Diagnosis::examine_missing(const PatchState& p, const std::set<int>& missin
     std::string text = joint ? fmt::format("nothing passes {}", joint_text(design_, c.module, c.other))
                              : fmt::format("module {} was not found: it or all of its joints are broken", c.module);
     if (joint && !concerned.empty())
-      text += fmt::format("; behind it {} modules are out of reach: {}", concerned.size(), fmt::join(concerned, ", "));
+      text += fmt::format("; behind it {} {} out of reach: {}", counted(concerned.size(), "module"),
+                          agreeing(concerned.size(), "is", "are"), fmt::join(concerned, ", "));
     if (!joint && !c.behind.empty()) text += fmt::format("; behind it are out of reach: {}", fmt::join(c.behind, ", "));
     if (!alive.empty())
       text += fmt::format("; the controller of patch {} reads {} meanwhile", adopter_.at(*alive.begin()),
@@ -73,27 +76,25 @@ void Diagnosis::examine_missing(const PatchState& p, const std::set<int>& missin
 // A module with its own fault is repaired first and has other rest values afterwards.
 void Diagnosis::examine_rest() {
   if (rest_.empty()) return;
-  std::vector<int> modules;
-  int taxels = 0;
+  design::OffRest all;
   for (const PatchState& p : patches_) {
     for (std::size_t row = 0; p.usable && row < std::min(p.now.count, p.image.module_count); ++row) {
       const int module = p.module(row);
       if (bad_.contains(module)) continue;
       const int off = taxels_off_rest(p.now.modules[row], rest_.at(static_cast<std::size_t>(module)));
-      if (off > 0) modules.push_back(module);
-      taxels += off;
+      if (off > 0) all.modules.push_back(module);
+      all.taxels += off;
     }
   }
-  if (modules.empty()) return;
-  std::ranges::sort(modules);
+  if (all.modules.empty()) return;
+  std::ranges::sort(all.modules);
   // The modules themselves work, so modules_ok includes them.
-  Finding& f = add(FindingKind::kStaleRest, -1, -1,
-                   fmt::format("{} taxels do not rest: tare; their modules: {}", taxels, fmt::join(modules, ", ")),
+  Finding& f = add(FindingKind::kStaleRest, -1, -1, sentence(all),
                    "take everything off the skin and tare; what was exchanged or taken away since the last tare rests "
                    "elsewhere");
-  f.module = modules.front();
+  f.module = all.modules.front();
   f.place = place_on_cover(design_, f.module);
-  f.behind.assign(modules.begin() + 1, modules.end());
+  f.behind.assign(all.modules.begin() + 1, all.modules.end());
 }
 
 }  // namespace triskin::device

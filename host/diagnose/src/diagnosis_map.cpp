@@ -9,6 +9,7 @@
 
 #include "cable_map.hpp"
 #include "cover_place.hpp"
+#include "triskin/base/counted.hpp"
 #include "verification.hpp"
 
 namespace triskin::device {
@@ -80,7 +81,7 @@ std::vector<Diagnosis::Branch> Diagnosis::branches(const PatchState& p, const st
 std::string Diagnosis::behind(const Branch& b) const {
   const std::string from =
       b.parent < 0 ? std::string("the cable of the patch") : joint_text(design_, b.parent, b.module);
-  return fmt::format("the {} modules behind {} ({})", b.members.size(), from, fmt::join(b.members, ", "));
+  return fmt::format("the {} behind {} ({})", counted(b.members.size(), "module"), from, fmt::join(b.members, ", "));
 }
 
 void Diagnosis::add_branch(FindingKind kind, const PatchState& p, const Branch& b, const std::string& text,
@@ -117,8 +118,8 @@ void Diagnosis::examine_mirrored(const PatchState& p) {
     }
   }
   add(FindingKind::kMirroredPatch, -1, p.patch,
-      fmt::format("patch {}: it is mounted as its mirror image, or turned: {} of {} modules answer for others", p.patch,
-                  moved, whole.size()),
+      fmt::format("patch {}: it is mounted as its mirror image, or turned: {} of {} {} for others", p.patch, moved,
+                  counted(whole.size(), "module"), agreeing(moved, "answers", "answer")),
       "compare the patch with the assembly sheet; it may belong to the other side of the robot");
   for (const TouchOutcome* t : whole) {
     bad_.insert(t->module);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/session/address_users.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
@@ -51,11 +52,12 @@ std::vector<std::string> describe(const PatchOffsets& patch) {
     return std::ranges::count(patch.offsets.rows(), s, &wire::ModuleOffsets::state);
   };
   const auto searching = count(OffsetState::kSearching);
-  std::vector<std::string> lines{fmt::format(
-      "patch {}: offsets of {} modules: {} kept, {} found since power-up{}; electrodes at the {} input", patch.patch,
-      patch.offsets.count, count(OffsetState::kKept), count(OffsetState::kFound) + count(OffsetState::kOutside),
-      searching > 0 ? fmt::format(", {} being searched", searching) : "",
-      patch.offsets.positive_input ? "positive" : "negative")};
+  std::vector<std::string> lines{
+      fmt::format("patch {}: offsets of {}: {} kept, {} found since power-up{}; electrodes at the {} input",
+                  patch.patch, counted(patch.offsets.count, "module"), count(OffsetState::kKept),
+                  count(OffsetState::kFound) + count(OffsetState::kOutside),
+                  searching > 0 ? fmt::format(", {} being searched", searching) : "",
+                  patch.offsets.positive_input ? "positive" : "negative")};
   for (std::size_t row = 0; row < patch.modules.size(); ++row) {
     const wire::ModuleOffsets& m = patch.offsets.modules[row];
     if (m.state == OffsetState::kOutside) {

@@ -8,6 +8,7 @@
 
 #include "controller_check.hpp"
 #include "cover_place.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/diagnose/board_report.hpp"
 #include "triskin/session/scheduler.hpp"
 #include "triskin/session/stream.hpp"
@@ -141,13 +142,12 @@ void watch_stream(Bus& bus, const design::Design& design, const VerifyOptions& o
   for (const auto& [patch, c] : patches) {
     const std::uint64_t lost = c.dropped + c.on_the_way + c.silent;  // Unread samples have their own findings.
     if (lost == 0) continue;
-    result.findings.push_back(controller_finding(
-        FindingKind::kLostSamples, patch,
-        fmt::format(
-            "patch {}: {} of {} samples did not arrive: {} found no room on the bus, {} were lost on the way, {} "
-            "while the controller was silent",
-            patch, lost, c.expected, c.dropped, c.on_the_way, c.silent),
-        fmt::format("check cable and termination; {}", describe(result.stream->budget))));
+    result.findings.push_back(
+        controller_finding(FindingKind::kLostSamples, patch,
+                           fmt::format("patch {}: {} of {} did not arrive: {} found no room on the bus, {} were lost "
+                                       "on the way, {} while the controller was silent",
+                                       patch, lost, counted(c.expected, "sample"), c.dropped, c.on_the_way, c.silent),
+                           fmt::format("check cable and termination; {}", describe(result.stream->budget))));
   }
 }
 

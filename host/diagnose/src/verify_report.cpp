@@ -7,6 +7,7 @@
 #include <map>
 #include <vector>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/markup.hpp"
 #include "triskin/design/tile.hpp"
 #include "triskin/diagnose/repair.hpp"
@@ -15,8 +16,8 @@ namespace triskin::device {
 namespace {
 
 std::string summary(const VerifyResult& r) {
-  return fmt::format("{} of {} modules ok, {} touched; {} findings", r.modules_ok, r.modules, r.touched,
-                     r.findings.size());
+  return fmt::format("{} of {} ok, {} touched; {}", r.modules_ok, counted(r.modules, "module"), r.touched,
+                     counted(r.findings.size(), "finding"));
 }
 
 /// Maps each module to the number of its first finding, from 1.

@@ -8,6 +8,7 @@
 
 #include "guarded.hpp"
 #include "skin.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 
 // The C interface declares this handle without its contents.
@@ -170,7 +171,8 @@ triskin_status triskin_calibration(triskin_skin* skin, double* counts_per_kpa, d
       unknown += module.known ? 0 : 1;
     }
     if (unknown == 0) return TRISKIN_OK;
-    const std::string text = std::to_string(unknown) + " modules have no calibration; run triskin calibrate";
+    const std::string text = fmt::format("{} {} no calibration; run triskin calibrate", counted(unknown, "module"),
+                                         agreeing(unknown, "has", "have"));
     return triskin::library::failed(TRISKIN_BAD_ANSWER, text.c_str());
   });
 }

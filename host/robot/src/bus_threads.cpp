@@ -6,6 +6,7 @@
 #include <exception>
 #include <thread>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/interrupt.hpp"
 
@@ -29,7 +30,7 @@ std::string rest_of(const std::vector<std::string>& names, const std::vector<std
       text += fmt::format("\n  bus {}: {}", names[k], e.what());
     }
   }
-  return text + fmt::format("\n  {} of {} buses did what was asked", good, names.size());
+  return text + fmt::format("\n  {} of {} did what was asked", good, counted(names.size(), "bus"));
 }
 
 [[noreturn]] void rethrow(const std::vector<std::string>& names, const std::vector<std::exception_ptr>& failures,

@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/link/link_kind.hpp"
 #include "triskin/robot/assembly.hpp"
 
@@ -86,7 +87,8 @@ class Checker {
         add(fmt::format("{}, patch {}", place, patch), fmt::format("the design has patches 0 … {}", patches - 1),
             "remove the controller, or add the cover again with --replace");
       else if (count > 1)
-        add(fmt::format("{}, patch {}", place, patch), fmt::format("has {} controllers", count), "keep one of them");
+        add(fmt::format("{}, patch {}", place, patch), fmt::format("has {}", counted(count, "controller")),
+            "keep one of them");
     }
     for (int patch = 0; patch < patches; ++patch) {
       if (!served.contains(patch))
@@ -136,8 +138,9 @@ class Checker {
     for (std::size_t b = 0; b < robot_.buses.size(); ++b) {
       if (loads_[b].every > kMaxEvery)
         add("bus " + robot_.buses[b].name,
-            fmt::format("{} modules on {} controllers are {:.0f} % of it by every sample: not even each {}th fits",
-                        loads_[b].modules, loads_[b].controllers, 100.0 * loads_[b].full, kMaxEvery),
+            fmt::format("{} on {} {} {:.0f} % of it by every sample: not even each {}th fits",
+                        counted(loads_[b].modules, "module"), counted(loads_[b].controllers, "controller"),
+                        agreeing(loads_[b].controllers, "is", "are"), 100.0 * loads_[b].full, kMaxEvery),
             "divide the bus, or raise its data bit rate");
     }
     for (const CoverEntry& cover : robot_.covers) {
@@ -146,10 +149,10 @@ class Checker {
         if (b < 0 || cover.rate_hz <= loads_[static_cast<std::size_t>(b)].rate_hz) continue;
         const BusLoad& load = loads_[static_cast<std::size_t>(b)];
         add("cover " + cover.name,
-            fmt::format("wants {:.1f} samples a second; bus {} carries {:.1f} of each of its {} modules ({:.0f} % by "
-                        "every sample)",
-                        cover.rate_hz, robot_.buses[static_cast<std::size_t>(b)].name, load.rate_hz, load.modules,
-                        100.0 * load.full),
+            fmt::format(
+                "wants {:.1f} samples a second; bus {} carries {:.1f} of each of its {} ({:.0f} % by every sample)",
+                cover.rate_hz, robot_.buses[static_cast<std::size_t>(b)].name, load.rate_hz,
+                counted(load.modules, "module"), 100.0 * load.full),
             "move controllers to another bus, raise the data bit rate, or lower rate_hz");
         break;
       }

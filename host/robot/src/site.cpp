@@ -8,6 +8,7 @@
 #include <cmath>
 #include <set>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/wire/sampling.hpp"
 
@@ -27,7 +28,7 @@ void require_sound(const Assembly& a) {
   constexpr std::size_t kMaxShown = 5;
   const std::vector<Problem> problems = check(a);
   if (problems.empty()) return;
-  std::string text = fmt::format("{}: {} problem{}", a.file.string(), problems.size(), problems.size() == 1 ? "" : "s");
+  std::string text = fmt::format("{}: {}", a.file.string(), counted(problems.size(), "problem"));
   for (std::size_t k = 0; k < std::min(kMaxShown, problems.size()); ++k)
     text += fmt::format("\n  {}: {}; {}", problems[k].place, problems[k].text, problems[k].remedy);
   if (problems.size() > kMaxShown) text += fmt::format("\n  … triskin robot show {} lists all", a.file.string());

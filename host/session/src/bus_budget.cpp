@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/wire/bus_load.hpp"
 
 namespace triskin::device {
@@ -55,8 +56,8 @@ std::string describe(const BusBudget& b) {
   const auto fullest = std::ranges::max_element(b.wires, {}, &WireLoad::full);
   if (fullest == b.wires.end() || b.full <= 0.0) return "the load of the bus is not known";
   const std::string what = b.every == 1 ? std::string("every sample") : fmt::format("one sample in {}", b.every);
-  std::string text = fmt::format("{} of {} modules on {} controllers is {:.0f} % of the bus", what, fullest->modules,
-                                 fullest->nodes.size(), 100.0 * b.load);
+  std::string text = fmt::format("{} of {} on {} is {:.0f} % of the bus", what, counted(fullest->modules, "module"),
+                                 counted(fullest->nodes.size(), "controller"), 100.0 * b.load);
   if (!b.fits) {
     text += fmt::format(", {:.0f} % fit; use --every {} or more, a higher data bit rate, or a second bus",
                         100.0 * wire::kStreamShare, min_every(b.full));

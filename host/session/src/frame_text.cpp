@@ -8,6 +8,7 @@
 #include <array>
 #include <span>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/wire/adoption.hpp"
 #include "triskin/wire/image_update.hpp"
 #include "triskin/wire/loader_protocol.hpp"
@@ -71,7 +72,7 @@ std::string about(unsigned service, Span rest) {
 std::string message_text(Span bytes) {
   if (bytes.empty()) return "empty message";
   const unsigned first = bytes[0];
-  const std::string size = bytes.size() > 8 ? fmt::format(", {} bytes", bytes.size()) : "";
+  const std::string size = bytes.size() > 8 ? fmt::format(", {}", counted(bytes.size(), "byte")) : "";
   if (first == wire::service::kNegative && bytes.size() >= 3)
     return fmt::format("{} refused: {}", name_in(kServices, bytes[1]), name_in(kRefusals, bytes[2]));
   const unsigned service = first & ~unsigned{wire::service::kPositive};
@@ -179,7 +180,7 @@ std::string FrameReader::first_segment(const wire::CanFrame& f) {
     head = 6;
   }
   messages_[f.id] = {{bytes.begin() + static_cast<std::ptrdiff_t>(head), bytes.end()}, size};
-  return fmt::format("first part of {} bytes, {}", size, message_text(bytes.subspan(head)));
+  return fmt::format("first part of {}, {}", counted(size, "byte"), message_text(bytes.subspan(head)));
 }
 
 std::string FrameReader::next_segment(const wire::CanFrame& f) {
@@ -187,7 +188,8 @@ std::string FrameReader::next_segment(const wire::CanFrame& f) {
   if (found == messages_.end()) return "part of a message whose beginning was not seen";
   Message& m = found->second;
   m.bytes.insert(m.bytes.end(), f.data.begin() + 1, f.data.begin() + f.size);
-  if (m.bytes.size() < m.size) return fmt::format("part {}, {} of {} bytes", f.data[0] & 0xF, m.bytes.size(), m.size);
+  if (m.bytes.size() < m.size)
+    return fmt::format("part {}, {} of {}", f.data[0] & 0xF, m.bytes.size(), counted(m.size, "byte"));
   m.bytes.resize(m.size);
   const std::string text = message_text(m.bytes);
   messages_.erase(found);

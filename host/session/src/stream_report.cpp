@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <map>
 
+#include "triskin/base/counted.hpp"
+
 namespace triskin::device {
 namespace {
 
@@ -24,8 +26,9 @@ std::string ranges(std::vector<int> numbers) {
   return text;
 }
 
-const char* plural(std::size_t n) {
-  return n == 1 ? "" : "s";
+// Returns "module 3" or "modules 0–2, 7".
+std::string named(std::string_view noun, const std::vector<int>& numbers) {
+  return fmt::format("{} {}", noun_after(numbers.size() == 1, noun), ranges(numbers));
 }
 
 double percent(std::uint64_t part, std::uint64_t whole) {
@@ -81,8 +84,8 @@ void sum_up(StreamReport& r, std::uint64_t thrown_away) {
 
 std::vector<std::string> sentences(const StreamReport& r) {
   std::vector<std::string> lines;
-  std::string first =
-      fmt::format("{} of {} samples of {} modules", r.total.received, r.total.expected, r.modules.size());
+  std::string first = fmt::format("{} of {} of {}", r.total.received, counted(r.total.expected, "sample"),
+                                  counted(r.modules.size(), "module"));
   if (r.total.lost() == 0)
     first += ", 0 lost";
   else
@@ -90,24 +93,22 @@ std::vector<std::string> sentences(const StreamReport& r) {
         fmt::format("; {} lost ({:.1f} %): {}", r.total.lost(), percent(r.total.lost(), r.total.expected), places(r));
   lines.push_back(std::move(first));
   if (!r.starved.empty())
-    lines.push_back(fmt::format("the bus is too slow for the controller{} of patch{} {}: {}", plural(r.starved.size()),
-                                r.starved.size() == 1 ? "" : "es", ranges(r.starved), describe(r.budget)));
+    lines.push_back(fmt::format("the bus is too slow for the {} of {}: {}",
+                                noun_after(r.starved.size() == 1, "controller"), named("patch", r.starved),
+                                describe(r.budget)));
   if (!r.silent.empty())
-    lines.push_back(fmt::format("silent: the controller{} of patch{} {}; check power and cable",
-                                plural(r.silent.size()), r.silent.size() == 1 ? "" : "es", ranges(r.silent)));
+    lines.push_back(fmt::format("silent: the {} of {}; check power and cable",
+                                noun_after(r.silent.size() == 1, "controller"), named("patch", r.silent)));
   if (!r.never_heard.empty())
-    lines.push_back(fmt::format("never heard: module{} {}; run triskin verify", plural(r.never_heard.size()),
-                                ranges(r.never_heard)));
+    lines.push_back(fmt::format("never heard: {}; run triskin verify", named("module", r.never_heard)));
   for (const auto& [patch, modules] : adopters(r))
-    lines.push_back(
-        fmt::format("read by the controller of patch {}, because their own does not reach them: module{} {}", patch,
-                    plural(modules.size()), ranges(modules)));
+    lines.push_back(fmt::format("read by the controller of patch {}, because their own does not reach them: {}", patch,
+                                named("module", modules)));
   if (!r.slow.empty())
-    lines.push_back(fmt::format("fewer samples than the rate says: module{} {}; run triskin verify",
-                                plural(r.slow.size()), ranges(r.slow)));
+    lines.push_back(fmt::format("fewer samples than the rate says: {}; run triskin verify", named("module", r.slow)));
   if (r.lapses > 0)
-    lines.push_back(fmt::format("this computer was too busy to renew its lease, {} time{}; close other programs",
-                                r.lapses, plural(static_cast<std::size_t>(r.lapses))));
+    lines.push_back(fmt::format("this computer was too busy to renew its lease, {}; close other programs",
+                                counted(r.lapses, "time")));
   return lines;
 }
 

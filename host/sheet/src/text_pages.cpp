@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +9,7 @@
 #include <utility>
 
 #include "pages.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/design/module_side.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/layout/module.hpp"
@@ -92,7 +94,8 @@ int total(const std::vector<PieceCount>& pieces) {
 std::string text_of_kind(const design::Design& design, int kind, const std::string& shape) {
   if (design.kinds.empty()) return shape;
   const design::ModuleKind k = design::kind_of(design.kinds, kind);
-  return fmt::format("{}: {} taxels{}; {}", k.name, k.taxels, k.dielectric.empty() ? "" : ", " + k.dielectric, shape);
+  return fmt::format("{}: {}{}; {}", k.name, counted(k.taxels, "taxel"),
+                     k.dielectric.empty() ? "" : ", " + k.dielectric, shape);
 }
 
 void add_parts(Lines& lines, const design::Design& design, const Bill& bill) {
@@ -119,12 +122,13 @@ void add_parts(Lines& lines, const design::Design& design, const Bill& bill) {
   add_pieces(lines, "jumper cables", "", bill.jumpers, columns);
   const int straps = std::accumulate(bill.line_straps.begin(), bill.line_straps.end(), 0) +
                      std::accumulate(bill.address_straps.begin(), bill.address_straps.end(), 0);
-  add_text(lines, fmt::format("In all: {} modules, {} straps to close, {} controllers, {} cables, {} jumpers.",
-                              bill.modules, straps, bill.controllers, total(bill.cables), total(bill.jumpers)));
+  add_text(lines, fmt::format("In all: {}, {} to close, {}, {}, {}.", counted(bill.modules, "module"),
+                              counted(straps, "strap"), counted(bill.controllers, "controller"),
+                              counted(total(bill.cables), "cable"), counted(total(bill.jumpers), "jumper")));
   add_text(lines,
            fmt::format("Joints: {} to keep, {} whose traces are cut inside a patch, {} whose traces are cut between "
-                       "controllers; {} slits.",
-                       bill.kept_joints, bill.cut_joints, bill.apart_joints, bill.slits));
+                       "controllers; {}.",
+                       bill.kept_joints, bill.cut_joints, bill.apart_joints, counted(bill.slits, "slit")));
   add_text(
       lines,
       "The length of a cable is the straight way from the entry to the nearest point of a rim; add what lies between "
@@ -268,7 +272,7 @@ void add_connecting(Lines& lines, const design::Design& design, const Plan& plan
       lines,
       "Any controller may take any of these places: flash finds out which modules hang on which one, and says what to "
       "do where patches are alike. Connect all to power and to the computer. LINK is can:IFACE for a CAN interface, "
-      "usb or hid for USB; without --link the program speaks to a simulation.");
+      "usb or hid for USB; triskin list names what is attached.");
   add_tick(lines, "See whether all answer: triskin discover --link LINK");
   add_tick(lines, "Write the tables into the controllers: triskin flash DESIGN --link LINK");
   add_tick(lines,
@@ -321,14 +325,13 @@ void add_entry(Lines& lines, const design::Design& design, const Plan& plan, int
 // Lists the modules of each kind, if there are several.
 void add_kinds(Lines& lines, const design::Design& design, const design::Patch& patch) {
   for (std::size_t k = 0; !design.kinds.empty() && k <= design.kinds.kinds.size(); ++k) {
-    std::string ids;
+    std::vector<int> ids;
     for (const auto& m : patch.modules) {
-      if (design.layout.modules[static_cast<std::size_t>(m.node)].kind != static_cast<int>(k)) continue;
-      ids += fmt::format("{}{}", ids.empty() ? "" : ", ", m.node);
+      if (design.layout.modules[static_cast<std::size_t>(m.node)].kind == static_cast<int>(k)) ids.push_back(m.node);
     }
     if (!ids.empty())
-      add_text(lines,
-               fmt::format("Kind {}: modules {}.", design::kind_of(design.kinds, static_cast<int>(k)).name, ids));
+      add_text(lines, fmt::format("Kind {}: {} {}.", design::kind_of(design.kinds, static_cast<int>(k)).name,
+                                  noun_after(ids.size() == 1, "module"), fmt::join(ids, ", ")));
   }
 }
 

@@ -8,6 +8,7 @@
 #include <ctime>
 
 #include "triskin/base/files.hpp"
+#include "triskin/base/interrupt.hpp"
 #include "triskin/base/wall_clock.hpp"
 #include "triskin/base/writer_lock.hpp"
 #include "triskin/design/outline.hpp"
@@ -82,7 +83,9 @@ class Fit {
 
   [[nodiscard]] TaxelMeans& means() { return means_; }
 
-  CalibrationOutcome finish(double max_kpa) {
+  // `measured` is in ascending order.
+  CalibrationOutcome finish(double max_kpa, std::vector<int> measured) {
+    outcome_.measured = std::move(measured);
     outcome_.rest.resize(design_.layout.modules.size());
     for (auto& module : outcome_.rest) module.fill(layout::kRestCounts);
     const auto claims = bus_.discover();
@@ -97,22 +100,26 @@ class Fit {
       board.method = options_.method;
       board.max_kpa = max_kpa;
       board.taxel_area_mm2 = design::module_area_mm2(design_.layout.corner_cut_mm) / layout::kPressureTaxelsPerModule;
-      for (const design::RoutedModule& routed : design_.patches[static_cast<std::size_t>(patch)].modules)
-        board.places.push_back(fit(routed));
-      outcome_.boards.push_back(std::move(board));
+      for (const design::RoutedModule& routed : design_.patches[static_cast<std::size_t>(patch)].modules) {
+        design::PlaceCalibration place = fit(routed);
+        if (is_measured(routed.node)) board.places.push_back(place);
+      }
+      if (!board.places.empty()) outcome_.boards.push_back(std::move(board));
     }
     outcome_.quality = design::quality_of(outcome_.boards);
     return std::move(outcome_);
   }
 
  private:
+  [[nodiscard]] bool is_measured(int module) const { return std::ranges::binary_search(outcome_.measured, module); }
+  // Modules that were not measured give their rest values alone.
   design::PlaceCalibration fit(const design::RoutedModule& routed) {
     design::PlaceCalibration place{routed.line, routed.address, {}};
     for (std::size_t t = 0; t < place.taxels.size(); ++t) {
       const auto points = means_.points(routed.node, t);
       double& rest = outcome_.rest[static_cast<std::size_t>(routed.node)][t];
       if (!points.empty()) rest = points.front().value_counts;
-      if (!layout::measures_pressure(t)) continue;
+      if (!layout::measures_pressure(t) || !is_measured(routed.node)) continue;
       auto line = fit_sensitivity(points);
       if (line) line->sensitivity.error_percent += options_.gauge_percent;
       if (!line || line->sensitivity.error_percent > options_.max_error_percent) {
@@ -132,6 +139,41 @@ class Fit {
   CalibrationOutcome outcome_;
 };
 
+// Returns the modules that a calibration of everything measures.
+std::vector<int> wanted_modules(const design::Design& design, const CalibrateOptions& options) {
+  if (!options.modules.empty()) return options.modules;
+  std::vector<int> all;
+  for (const int patch : design::patches_here(design)) {
+    for (const design::RoutedModule& m : design.patches[static_cast<std::size_t>(patch)].modules) all.push_back(m.node);
+  }
+  std::ranges::sort(all);
+  return all;
+}
+
+// Returns the modules of which all steps are among the first `held`. A step of the whole skin belongs to all modules.
+std::vector<int> measured_modules(std::vector<int> wanted, std::span<const PressureStep> steps, std::size_t held) {
+  const auto left = steps.subspan(held);
+  std::erase_if(wanted, [&](int module) {
+    return std::ranges::any_of(left, [&](const PressureStep& s) { return s.module < 0 || s.module == module; });
+  });
+  return wanted;
+}
+
+// Holds one pressure and takes its samples.
+void hold(Bus& bus, const design::Design& design, const PressureStep& step, std::size_t bin,
+          const CalibrateOptions& options, Fit& fit) {
+  std::uint64_t from_us = ~std::uint64_t{0};
+  const auto take = [&](const ModuleSample& f) {
+    if (step.module >= 0 && f.module != step.module) return;
+    if (f.sampled.link_us >= from_us) fit.means().add(f, bin, step.pressure_kpa);
+  };
+  Stream stream(bus, design, take, options.stream);
+  from_us = bus.now_us() + us_of(options.settle_s);
+  const std::uint64_t until_us = from_us + us_of(options.hold_s);
+  while (bus.now_us() < until_us) stream.run_until(std::min(until_us, bus.now_us() + kUsPerS / 2));
+  stream.finish();
+}
+
 }  // namespace
 
 CalibrationOutcome calibrate_by_steps(Bus& bus, const design::Design& design, std::span<const PressureStep> steps,
@@ -145,21 +187,20 @@ CalibrationOutcome calibrate_by_steps(Bus& bus, const design::Design& design, st
     throw InputError(
         "a calibration needs rest and two different pressures at least; five show how straight the line is");
   Fit fit(bus, design, options);
-  for (std::size_t bin = 0; bin < steps.size(); ++bin) {
-    const PressureStep& step = steps[bin];
-    if (options.apply) options.apply(step);
-    std::uint64_t from_us = ~std::uint64_t{0};
-    const auto take = [&](const ModuleSample& f) {
-      if (step.module >= 0 && f.module != step.module) return;
-      if (f.sampled.link_us >= from_us) fit.means().add(f, bin, step.pressure_kpa);
-    };
-    Stream stream(bus, design, take, options.stream);
-    from_us = bus.now_us() + us_of(options.settle_s);
-    const std::uint64_t until_us = from_us + us_of(options.hold_s);
-    while (bus.now_us() < until_us) stream.run_until(std::min(until_us, bus.now_us() + kUsPerS / 2));
-    stream.finish();
+  std::size_t held = 0;
+  try {
+    for (; held < steps.size(); ++held) {
+      report(options.progress, "calibrating", static_cast<double>(held) / static_cast<double>(steps.size()),
+             fmt::format("step {} of {}", held + 1, steps.size()));
+      if (options.apply) options.apply(steps[held]);
+      hold(bus, design, steps[held], held, options, fit);
+    }
+  } catch (const Cancelled&) {
+    if (measured_modules(wanted_modules(design, options), steps, held).empty())
+      throw Cancelled("ended before the calibration was complete; nothing was kept");
   }
-  return fit.finish(pressures.back());
+  const Bus::Uninterrupted guard(bus);  // What was measured must still be asked for its serial numbers.
+  return fit.finish(pressures.back(), measured_modules(wanted_modules(design, options), steps, held));
 }
 
 CalibrationOutcome calibrate_by_ramp(Bus& bus, const design::Design& design, const PressureRamp& ramp,
@@ -185,7 +226,7 @@ CalibrationOutcome calibrate_by_ramp(Bus& bus, const design::Design& design, con
       stream.run_until(bus.now_us() + std::min(kUsPerS / 2, us_of(ramp.last_s() - time_s(bus.now_us())) + 1));
     stream.finish();
   }
-  return fit.finish(max_kpa);
+  return fit.finish(max_kpa, wanted_modules(design, options));
 }
 
 namespace {

@@ -16,15 +16,29 @@ const wire::NodeClaim* claim_of(std::span<const wire::NodeClaim> claims, const s
   return claim == claims.end() ? nullptr : &*claim;
 }
 
+// Modules that were not measured keep the calibration that they have with this patch. What both are calibrated for is
+// the smaller pressure.
+void add_earlier_places(design::BoardCalibration& board, const design::BoardCalibration& earlier) {
+  if (earlier.design_id != board.design_id || earlier.patch != board.patch) return;
+  for (const design::PlaceCalibration& place : earlier.places) {
+    if (board.at(place.line, place.address) != nullptr) continue;
+    board.places.push_back(place);
+    board.max_kpa = std::min(board.max_kpa, earlier.max_kpa);
+  }
+}
+
 }  // namespace
 
 std::vector<KeptCalibration> keep_calibration(LiveBus& bus, LiveCover& cover, CalibrationOutcome outcome) {
   const CalibrationStore store;
+  const Bus::Uninterrupted guard(bus.bus());  // A person who ends a calibration keeps what was measured.
   bus.find_controllers(RestSource::kPresent);
   const auto kept = kept_in_controllers(bus.bus(), cover.design(), bus.claims());
   std::vector<KeptCalibration> all;
   for (design::BoardCalibration& board : outcome.boards) {
     const auto before = std::ranges::find(kept, board.serial, &design::BoardCalibration::serial);
+    if (const auto here = store.read(board.serial)) add_earlier_places(board, *here);
+    if (before != kept.end()) add_earlier_places(board, *before);
     board = store.renew(std::move(board), before == kept.end() ? 0 : before->revision);
     const wire::NodeClaim* claim = claim_of(bus.claims(), board.serial);
     all.push_back({board, claim != nullptr && keep_in_controller(bus.bus(), *claim, board)});

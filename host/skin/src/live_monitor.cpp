@@ -2,7 +2,6 @@
 #include "triskin/skin/live_monitor.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -136,8 +135,8 @@ double LiveMonitor::force_n() const {
   return sum_n;
 }
 
-OffRest LiveMonitor::off_rest() const {
-  OffRest off;
+design::OffRest LiveMonitor::off_rest() const {
+  design::OffRest off;
   for (std::size_t k = 0; k < modules_.size(); ++k) {
     if (!modules_[k].heard || !trouble_of(modules_[k].state).empty()) continue;
     const auto change = touches_.change(static_cast<int>(k));
@@ -147,17 +146,6 @@ OffRest LiveMonitor::off_rest() const {
         std::ranges::count_if(change, [](double c) { return std::abs(c) >= TouchMap::kPressed_counts; }));
   }
   return off;
-}
-
-std::string sentence(const OffRest& off) {
-  constexpr std::size_t kMaxNamed = 12;
-  if (off.taxels == 0) return {};
-  const std::size_t named = std::min(kMaxNamed, off.modules.size());
-  std::string text =
-      fmt::format("{} taxels do not rest: tare; their modules: {}", off.taxels,
-                  fmt::join(off.modules.begin(), off.modules.begin() + static_cast<std::ptrdiff_t>(named), ", "));
-  if (named < off.modules.size()) text += fmt::format(" and {} more", off.modules.size() - named);
-  return text;
 }
 
 const std::vector<design::RoutedModule>& LiveMonitor::modules_of(int patch) const {

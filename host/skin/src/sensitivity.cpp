@@ -73,10 +73,11 @@ std::optional<SensitivityLine> fit_sensitivity(std::span<const CalibrationPoint>
   return line;
 }
 
-std::vector<PressureStep> pressure_steps(std::span<const double> pressures_kpa, bool by_module, std::size_t modules) {
+std::vector<PressureStep> pressure_steps(std::span<const double> pressures_kpa, std::span<const int> modules) {
+  constexpr std::array kWhole{-1};
   std::vector<PressureStep> steps{{}};
-  for (std::size_t m = 0; m < (by_module ? modules : 1U); ++m) {
-    for (const double kpa : pressures_kpa) steps.push_back({kpa, by_module ? static_cast<int>(m) : -1});
+  for (const int module : modules.empty() ? std::span<const int>(kWhole) : modules) {
+    for (const double kpa : pressures_kpa) steps.push_back({kpa, module});
   }
   return steps;
 }

@@ -8,6 +8,9 @@ import {TAXELS} from "./model.js";
 /** So many modules are named in a sentence. */
 const MAX_NAMED = 12;
 
+/** A number with its noun. @param {number} n @param {string} noun the singular; its plural ends in s */
+const counted = (n, noun) => `${n} ${noun}${n === 1 ? "" : "s"}`;
+
 /** @param {string} id @returns {any} */
 export const byId = (id) => document.getElementById(id);
 
@@ -29,7 +32,7 @@ export function fillDesign(model) {
   const isCompared = model.data.changes?.length > 0; // sums of two designs would mean nothing
   fillList(byId("design"), [...(isCompared ? [] : sumRows(model)),
     ...(d.side ? /** @type {[string, string][]} */ ([["side of the part", d.side.taken], ["wall", `${d.side.mean_mm} mm`]]) : []),
-    ...(d.covers ?? []).map((c) => /** @type {[string, string]} */ ([c.name, `${c.modules} modules, ${Math.round(100 * c.coverage)} % of ${Math.round(c.area_cm2)} cm²`])),
+    ...(d.covers ?? []).map((c) => /** @type {[string, string]} */ ([c.name, `${counted(c.modules, "module")}, ${Math.round(100 * c.coverage)} % of ${Math.round(c.area_cm2)} cm²`])),
     ...(isCompared ? changeRows(model.data.changes, d.before.modules) : /** @type {[string, string][]} */ ([["design", d.design_id]]))]);
 }
 
@@ -100,7 +103,7 @@ export function restRemark(model, live) {
   }
   if (taxels === 0) return "";
   const named = modules.slice(0, MAX_NAMED).join(", ");
-  return `${taxels} taxels do not rest: tare; their modules: ${named}${modules.length > MAX_NAMED ? ` and ${modules.length - MAX_NAMED} more` : ""}`;
+  return `${counted(taxels, "taxel")} ${taxels === 1 ? "does not rest: tare; its" : "do not rest: tare; their"} module${modules.length === 1 ? "" : "s"}: ${named}${modules.length > MAX_NAMED ? ` and ${modules.length - MAX_NAMED} more` : ""}`;
 }
 
 /** Taxels of a module that are under pressure. */
@@ -124,7 +127,7 @@ function rowOf(text, act) {
 /** @param {import("./contacts.js").Contact[]} contacts @param {(module: number) => void} choose */
 export function fillContacts(contacts, choose) {
   const rows = contacts.slice(0, 8).map((c) => rowOf(
-    `module ${c.module}: ${c.taxels.length} taxel${c.taxels.length === 1 ? "" : "s"}, ${c.force === null ? `${Math.round(c.sum)} counts` : `${c.force.toFixed(2)} N`} at ${c.centre.map((v) => v.toFixed(1)).join(", ")} mm`, () => choose(c.module)));
+    `module ${c.module}: ${counted(c.taxels.length, "taxel")}, ${c.force === null ? `${Math.round(c.sum)} counts` : `${c.force.toFixed(2)} N`} at ${c.centre.map((v) => v.toFixed(1)).join(", ")} mm`, () => choose(c.module)));
   if (rows.length === 0) { rows.push(document.createElement("li")); rows[0].textContent = "none"; }
   byId("contacts").replaceChildren(...rows);
 }

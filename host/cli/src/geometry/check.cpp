@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/check/design_rules.hpp"
 #include "triskin/cli/bus_report.hpp"
 #include "triskin/cli/command.hpp"
@@ -29,7 +30,8 @@ int run(const std::string& path, Output& output) {
     output.say(fmt::format("modules measured with corners cut by {:g} mm", report.corner_cut_mm));
   }
   if (report.violations.empty()) add_bus_keys(report.modules, output);
-  output.say(fmt::format("{} rules checked, {} violations", report.rules.size(), report.violations.size()));
+  output.say(fmt::format("{} checked, {}", counted(report.rules.size(), "rule"),
+                         counted(report.violations.size(), "violation")));
   if (report.modules == 0)
     output.say("the design has no modules: no rule can be broken, and there is nothing to deploy");
   return report.violations.empty() && report.modules > 0 ? 0 : 1;

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/check/placement_proof.hpp"
 #include "triskin/cli/command.hpp"
 
@@ -31,10 +32,10 @@ int run(const Options& options, Output& output) {
                    {"seconds", r.seconds}};
   if (r.accepted) {
     output.say(
-        fmt::format("accepted: {} modules lie inside, none standing over by more than {:g} mm, and no placement holds "
-                    "more than {} that "
-                    "do not stand over; {} cells, {:.3f} s",
-                    r.modules, r.tolerance_mm, r.upper_bound, r.cells, r.seconds));
+        fmt::format("accepted: {} {} inside, none standing over by more than {:g} mm, and no placement holds more than "
+                    "{} that do not stand over; {} cells, {:.3f} s",
+                    counted(r.modules, "module"), agreeing(r.modules, "lies", "lie"), r.tolerance_mm, r.upper_bound,
+                    r.cells, r.seconds));
     output.say(
         fmt::format("modules: {}, gap {:g} mm, corner cut {:g} mm, counted without weights; outline: {:.6g} cm², {}",
                     r.shape, r.gap_mm, r.corner_cut_mm, 0.01 * r.outline_area_mm2, r.outline_hash));

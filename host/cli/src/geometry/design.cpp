@@ -15,6 +15,7 @@
 #include "read_text.hpp"
 #include "repair_text.hpp"
 #include "side_option.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/interrupt.hpp"
@@ -96,8 +97,8 @@ void say_warnings(const design::Design& d, const pipeline::DesignNotes& notes, O
   if (const std::string side = side_text(notes.side); !side.empty()) output.say(side);
   if (const std::string holes = bridge_text(notes.bridges); !holes.empty()) output.say(holes);
   if (notes.pieces_left_out > 0) {
-    output.say(fmt::format("no time was left for {} pieces; a longer --time-limit-s may give more modules",
-                           notes.pieces_left_out));
+    output.say(fmt::format("no time was left for {}; a longer --time-limit-s may give more modules",
+                           counted(notes.pieces_left_out, "piece")));
   }
   if (d.layout.corner_cut_mm > 0.0) say_cut_pads(d.layout.corner_cut_mm, output);
 }
@@ -107,10 +108,11 @@ void say_layout(const design::Design& d, Output& output) {
   const std::string cut = d.layout.corner_cut_mm > 0.0 ? fmt::format(", {:.1f} % with corners cut by {:g} mm",
                                                                      100.0 * r.coverage_cut, d.layout.corner_cut_mm)
                                                        : "";
-  output.say(fmt::format("{}: {:.0f} cm², {} modules placed (at most {} by area), coverage {:.1f} %{}", d.name,
-                         r.area_cm2, d.layout.modules.size(), r.upper_bound, 100.0 * r.coverage, cut));
-  output.say(fmt::format("{} controllers (lower bound {}), {} jumpers (lower bound {}), {} islands", d.patches.size(),
-                         r.patches_lower_bound, d.layout.jumpers.size(), r.jumpers_lower_bound, d.layout.islands));
+  output.say(fmt::format("{}: {:.0f} cm², {} placed (at most {} by area), coverage {:.1f} %{}", d.name, r.area_cm2,
+                         counted(d.layout.modules.size(), "module"), r.upper_bound, 100.0 * r.coverage, cut));
+  output.say(fmt::format("{} (lower bound {}), {} (lower bound {}), {}", counted(d.patches.size(), "controller"),
+                         r.patches_lower_bound, counted(d.layout.jumpers.size(), "jumper"), r.jumpers_lower_bound,
+                         counted(d.layout.islands, "island")));
 }
 
 // With -v, explains how the result was found.
@@ -119,24 +121,25 @@ void say_details(const design::Design& d, const pipeline::DesignNotes& notes, Ou
   const std::string open_side = notes.side.choice.has_wall ? "" : side_text_of(geometry::open_side_of(d.surface));
   if (!open_side.empty()) output.say(open_side);
   if (notes.solver_deviation_mm > 0.0) {
-    output.say(fmt::format("searched on {} of {} faces, which deviate by at most {:.3f} mm; measured on all",
-                           notes.solver_faces, d.surface.faces.size(), notes.solver_deviation_mm));
+    output.say(fmt::format("searched on {} of {}, which deviate by at most {:.3f} mm; measured on all",
+                           notes.solver_faces, counted(d.surface.faces.size(), "face"), notes.solver_deviation_mm));
   }
   output.say(fmt::format(
       "edge error ≤ {:.2f} mm, hinge gap ≤ {:.2f} mm, centre gap ≤ {:.2f} mm, sides lift ≤ {:.2f} mm, "
       "depth ≤ {:.2f} mm",
       r.max_edge_error_mm, r.max_hinge_gap_mm, r.max_center_gap_mm, r.max_edge_lift_mm, r.max_edge_depth_mm));
   const bool pieces_tried = std::ranges::find(notes.steps, "pieces", &pipeline::StepTime::name) != notes.steps.end();
-  output.say(pieces_tried ? fmt::format("pieces give {} modules, growth on the surface {}: {} taken", notes.pieces,
-                                        notes.surface, design::kLayoutMethodNames.name(d.layout.method))
-                          : fmt::format("grown on the surface; flat pieces were not tried (curvature under a module: "
-                                        "{:.2f} rad; --method pieces tries them)",
-                                        notes.curvature_rad));
+  output.say(pieces_tried
+                 ? fmt::format("pieces give {}, growth on the surface {}: {} taken", counted(notes.pieces, "module"),
+                               notes.surface, design::kLayoutMethodNames.name(d.layout.method))
+                 : fmt::format("grown on the surface; flat pieces were not tried (curvature under a module: "
+                               "{:.2f} rad; --method pieces tries them)",
+                               notes.curvature_rad));
   std::vector<std::string> steps;
   for (const pipeline::StepTime& s : notes.steps) steps.push_back(fmt::format("{} {:.1f} s", s.name, s.used_s));
   output.say(fmt::format("time: {}", fmt::join(steps, ", ")));
   for (const auto& [limit, count] : d.layout.refused)
-    output.say(fmt::format("{} refused {} further modules", limit, count));
+    output.say(fmt::format("{} refused {}", limit, counted(count, "further module")));
 }
 
 // Reports the modules that stayed, and draws the changes as a picture beside the design.
@@ -152,9 +155,9 @@ void report_revision(const design::Design& old, const design::Design& d, const p
                                {"gone", gone},           {"patches", revision.new_patch},
                                {"kept", stay},           {"picture", picture}};
   output.say(fmt::format(
-      "{} of {} modules stand where they stood, {} gone, {} new; {} of {} controllers are wired as they "
-      "were; {} shows what changed",
-      stay, revision.new_id.size(), gone, revision.added.size(), tables, revision.new_patch.size(), picture));
+      "{} of {} {} where they stood, {} gone, {} new; {} of {} {} wired as they were; {} shows what changed", stay,
+      counted(revision.new_id.size(), "module"), agreeing(stay, "stands", "stand"), gone, revision.added.size(), tables,
+      counted(revision.new_patch.size(), "controller"), agreeing(tables, "is", "are"), picture));
 }
 
 int run(Options options, Output& output) {
@@ -192,8 +195,8 @@ int run(Options options, Output& output) {
   }
   say_layout(d, output);
   if (interrupt_signal() > 0)
-    output.say(fmt::format("ended before its time: the best layout so far, with {} modules, is kept",
-                           d.layout.modules.size()));
+    output.say(fmt::format("ended before its time: the best layout so far, with {}, is kept",
+                           counted(d.layout.modules.size(), "module")));
   if (notes.revision) report_revision(*options.design.like, d, *notes.revision, options.output, output);
   report_kinds(d, output);
   const bool is_covered = report_regions(d, output);

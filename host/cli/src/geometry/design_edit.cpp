@@ -8,7 +8,9 @@
 #include <array>
 #include <sstream>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/cli/module_ids.hpp"
 #include "triskin/pipeline/edit_design.hpp"
 
 namespace triskin::cli {
@@ -32,21 +34,6 @@ bool read_whole(const std::string& text, int low, int high, int& value) {
   std::istringstream in(text);
   return !text.empty() && text.find_first_not_of("-0123456789") == std::string::npos && (in >> value) && in.eof() &&
          value >= low && value <= high;
-}
-
-// Parses "3,7-9" as 3, 7, 8, 9.
-std::vector<int> ids_of(const std::string& option, const std::string& text) {
-  std::vector<int> ids;
-  for (const std::string& part : parts_of(text, ',')) {
-    const std::size_t dash = part.find('-');
-    int first = 0, last = 0;
-    const bool is_read = dash == std::string::npos ? read_whole(part, 0, kMaxId, first)
-                                                   : read_whole(part.substr(0, dash), 0, kMaxId, first) &&
-                                                         read_whole(part.substr(dash + 1), first, kMaxId, last);
-    if (!is_read) refuse(option, part, "give module ids and ranges of them, as 3,7-9");
-    for (int id = first; id <= std::max(first, last); ++id) ids.push_back(id);
-  }
-  return ids;
 }
 
 // Parses "MODULE.SIDE" or "ISLAND:I/J/up".
@@ -93,12 +80,12 @@ pipeline::EditedDesign edited(const design::Design& design, const EditOptions& o
   if (options.take >= 0) return {pipeline::take_alternative(design, options.take, progress), {}, {}};
   if (!options.mirror.empty()) return pipeline::mirror_design(design, plane_of(options.mirror), progress);
   if (!options.keep.empty())
-    return pipeline::grow_around(design, ids_of("--keep", options.keep),
+    return pipeline::grow_around(design, module_ids("--keep", options.keep),
                                  {effort.time_limit_s, effort.iterations, effort.threads}, progress);
   // Without removed or added modules, only kinds change.
   if (options.remove.empty() && options.add.empty()) return {design, {}, {}};
   pipeline::LayoutEdit edit;
-  edit.remove = ids_of("--remove", options.remove);
+  edit.remove = module_ids("--remove", options.remove);
   for (const std::string& part : parts_of(options.add, ',')) edit.add.push_back(place_of(part));
   return pipeline::edit_design(design, edit, progress);
 }
@@ -114,9 +101,10 @@ void report_changes(const pipeline::EditedDesign& e, Output& output) {
   output.result["renumbered"] = renumbered;
   std::string added;
   for (const int id : e.added) added += fmt::format(" {}", id);
-  output.say(fmt::format("{} modules stand where they stood, {} of them with a new number; {} gone; {} new{}{}",
-                         static_cast<std::ptrdiff_t>(e.new_id.size()) - removed, renumbered, removed, e.added.size(),
-                         e.added.empty() ? "" : ":", added));
+  output.say(fmt::format("{} {} where they stood, {} of them with a new number; {} gone; {} new{}{}",
+                         counted(static_cast<std::ptrdiff_t>(e.new_id.size()) - removed, "module"),
+                         agreeing(static_cast<std::ptrdiff_t>(e.new_id.size()) - removed, "stands", "stand"),
+                         renumbered, removed, e.added.size(), e.added.empty() ? "" : ":", added));
 }
 
 int report_design(const design::Design& d, Output& output) {
@@ -128,9 +116,9 @@ int report_design(const design::Design& d, Output& output) {
                         {"jumpers_lower_bound", d.report.jumpers_lower_bound},
                         {"coverage", d.report.coverage},
                         {"seconds", d.report.seconds}});
-  output.say(fmt::format("{} modules in {} islands, {} controllers, {} jumpers, coverage {:.1f} %",
-                         d.layout.modules.size(), d.layout.islands, d.patches.size(), d.layout.jumpers.size(),
-                         100.0 * d.report.coverage));
+  output.say(fmt::format("{} in {}, {}, {}, coverage {:.1f} %", counted(d.layout.modules.size(), "module"),
+                         counted(d.layout.islands, "island"), counted(d.patches.size(), "controller"),
+                         counted(d.layout.jumpers.size(), "jumper"), 100.0 * d.report.coverage));
   report_kinds(d, output);
   const bool is_covered = report_regions(d, output);
   report_alternatives(d, output);
@@ -210,7 +198,8 @@ bool report_regions(const design::Design& d, Output& output) {
   if (d.regions.empty()) return true;
   output.result["worth"] = d.report.module_value;
   output.result["uncovered"] = nlohmann::json::array();
-  output.say(fmt::format("{} regions: the modules are worth {:.2f}", d.regions.list.size(), d.report.module_value));
+  output.say(
+      fmt::format("{}: the modules are worth {:.2f}", counted(d.regions.list.size(), "region"), d.report.module_value));
   for (const design::Uncovered& u : d.report.uncovered) {
     const auto& p = u.place_mm;
     const std::string why = u.why == "room" ? "a module fits there, but not beside the others" : u.why + " refuses any";

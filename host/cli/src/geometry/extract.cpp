@@ -16,6 +16,7 @@
 #include "repair_text.hpp"
 #include "side_option.hpp"
 #include "side_picture.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/cli/command.hpp"
@@ -112,9 +113,10 @@ int run(Options options, Output& output) {
   if (const std::string change = repair_text(e.report, "outer"); !change.empty()) output.say(change);
   if (const std::string side = side_text(taken); !side.empty()) output.say(side);
   if (const std::string holes = bridge_text(bridges); !holes.empty()) output.say(holes);
-  output.say(fmt::format("{} faces, {:.1f} cm², {} border loops; {} parts removed, {} faces turned; {:.2f} s",
-                         taken.surface.faces.size(), area_cm2, surface.border_loops().size(),
-                         e.report.removed_components, e.report.flipped_faces, seconds));
+  output.say(
+      fmt::format("{}, {:.1f} cm², {}; {} removed, {} turned; {:.2f} s", counted(taken.surface.faces.size(), "face"),
+                  area_cm2, counted(surface.border_loops().size(), "border loop"),
+                  counted(e.report.removed_components, "part"), counted(e.report.flipped_faces, "face"), seconds));
   return status;
 }
 

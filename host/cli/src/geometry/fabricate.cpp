@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "number_list.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/cli/command.hpp"
 
@@ -22,9 +23,9 @@ void say_layer(const char* name, double error_mm, int folded_faces, Output& outp
   output.say(fmt::format("{}: keeps its distance from the surface within {:.2f} mm", name, error_mm));
   if (folded_faces > 0)
     output.say(
-        fmt::format("{}: folds over itself at {} faces, where the surface is bent more tightly than the layer is "
-                    "thick; mend it in a CAD program, or make the layer thinner",
-                    name, folded_faces));
+        fmt::format("{}: folds over itself at {}, where the surface is bent more tightly than the layer is thick; mend "
+                    "it in a CAD program, or make the layer thinner",
+                    name, counted(folded_faces, "face")));
 }
 
 void say_sheets(const std::vector<double>& fill, Output& output) {
@@ -54,7 +55,8 @@ int run(Options options, Output& output) {
                    {"mould_folded_faces", report.mould_folded_faces},
                    {"sheet_fill", report.sheet_fill},
                    {"left_out", report.left_out}};
-  output.say(fmt::format("{}: {} files for {} islands", options.folder, report.files.size(), report.islands));
+  output.say(fmt::format("{}: {} for {}", options.folder, counted(report.files.size(), "file"),
+                         counted(report.islands, "island")));
   const auto& products = options.fabrication.products;
   if (products.empty() || products.contains(fabrication::Product::kSolids)) {
     say_layer("carrier", report.carrier_error_mm, report.carrier_folded_faces, output);

@@ -5,6 +5,7 @@
 
 #include <memory>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/mesh/mesh_io.hpp"
@@ -21,8 +22,8 @@ struct Options {
 std::string shape_lines() {
   std::string text;
   for (const geometry::ShapeInfo& s : geometry::generated_shapes())
-    text += fmt::format("{}  {:<16} {} ({:.0f} mm, {} faces)", text.empty() ? "" : "\n", s.name, s.summary, s.size_mm,
-                        s.faces);
+    text += fmt::format("{}  {:<16} {} ({:.0f} mm, {})", text.empty() ? "" : "\n", s.name, s.summary, s.size_mm,
+                        counted(s.faces, "face"));
   return text;
 }
 
@@ -43,7 +44,7 @@ int run(const Options& options, Output& output) {
   const geometry::Mesh mesh = geometry::generate(*shape, options.mesh);
   geometry::write_mesh(options.output, mesh);
   output.result = {{"faces", mesh.faces.size()}};
-  output.say(fmt::format("{}: {} faces", options.output, mesh.faces.size()));
+  output.say(fmt::format("{}: {}", options.output, counted(mesh.faces.size(), "face")));
   return 0;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <fmt/format.h>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/mesh/mesh_io.hpp"
 
@@ -17,8 +18,8 @@ inline int report_part(const geometry::MeshReadReport& report, Output& output) {
                            {"deviation_mm", part.deviation_mm},
                            {"warnings", part.warnings},
                            {"faults", part.faults}};
-  output.say(fmt::format("{} of {} faces of the part, meshed within {:.3f} mm", part.faces.size(), part.face_count,
-                         part.deviation_mm));
+  output.say(fmt::format("{} of {} of the part, meshed within {:.3f} mm", part.faces.size(),
+                         counted(part.face_count, "face"), part.deviation_mm));
   for (const std::string& warning : part.warnings) output.say("warning: " + warning);
   for (const std::string& fault : part.faults) output.say("fault: " + fault);
   return part.faults.empty() ? 0 : 1;

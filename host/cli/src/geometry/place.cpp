@@ -8,6 +8,7 @@
 #include <set>
 
 #include "corner_cut_option.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/cli/command.hpp"
@@ -92,7 +93,7 @@ nlohmann::json result_of(const geometry::Polygon& polygon, const geometry::Place
 
 void say_result(const geometry::PlacementResult& r, const Options& options, const Output& output) {
   const bool exact = options.placement.method == PlacementMethod::kBranchAndBound;
-  output.say(fmt::format("{} modules, upper bound {}{}; clearance {:.4f} mm at tolerance {:g} mm", r.modules,
+  output.say(fmt::format("{}, upper bound {}{}; clearance {:.4f} mm at tolerance {:g} mm", counted(r.modules, "module"),
                          r.upper_bound, r.proved ? " (proved optimal)" : "", without_sign_of_zero(r.clearance_mm, 5e-5),
                          r.tolerance_mm));
   if (exact && !options.placement.connected && !options.placement.weights && r.modules_within_bound < r.modules)
@@ -136,8 +137,8 @@ std::vector<geometry::Polygon> polygons_of(const Options& options) {
     throw InputError(fmt::format("--piece {}: {} has pieces 0 … {}", options.piece, options.polygon, pieces - 1));
   if (options.piece >= 0) return {polygons[static_cast<std::size_t>(options.piece)]};
   if (pieces > 1 && (!options.proof.empty() || options.placement.weights))
-    throw InputError(
-        fmt::format("{}: has {} pieces; choose one with --piece for --proof or --weights", options.polygon, pieces));
+    throw InputError(fmt::format("{}: has {}; choose one with --piece for --proof or --weights", options.polygon,
+                                 counted(pieces, "piece")));
   return polygons;
 }
 
@@ -190,7 +191,7 @@ int run(const Options& options, Output& output) {
   }
   output.result = pieces.size() == 1 ? pieces[0] : total_of(pieces);
   if (pieces.size() > 1)
-    output.say(fmt::format("{} modules on {} pieces, upper bound {}", modules, pieces.size(),
+    output.say(fmt::format("{} on {}, upper bound {}", counted(modules, "module"), counted(pieces.size(), "piece"),
                            output.result["upper_bound"].get<int>()));
   if (modules == 0) {
     const bool open = std::ranges::any_of(results, [](const auto& r) { return r.upper_bound > 0; });

@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/mesh/extract.hpp"
 
 namespace triskin::cli {
@@ -35,9 +36,8 @@ namespace triskin::cli {
   std::string text;
   if (r.enclosed_components > 0) {
     text = fmt::format(
-        "{} parts of the mesh lie in a closed part, where no module can be brought, and were dropped (--{} never keeps "
-        "them)",
-        r.enclosed_components, option);
+        "{} of the mesh lie in a closed part, where no module can be brought, and were dropped (--{} never keeps them)",
+        counted(r.enclosed_components, "part"), option);
   }
   if (r.repair == geometry::Repair::kNone) return text;
   const geometry::Deviation& d = r.deviation;

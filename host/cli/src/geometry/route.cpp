@@ -4,6 +4,7 @@
 #include <chrono>
 #include <memory>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/text_file.hpp"
@@ -177,8 +178,8 @@ Task read_task(const Options& options) {
 int check_file(const Options& options, const design::ModuleList& list, Output& output) {
   const nlohmann::json routes = design::parse_json(read_text(options.checked), options.checked);
   const int status = report_check(check::check_routes(design::module_list_json(list), routes), output);
-  output.say(
-      fmt::format("{} rules, {} violations", output.result["rules"].get<int>(), output.result["violations"].size()));
+  output.say(fmt::format("{}, {}", counted(output.result["rules"].get<int>(), "rule"),
+                         counted(output.result["violations"].size(), "violation")));
   return status;
 }
 
@@ -198,11 +199,11 @@ void report_jumpers(const Options& options, const Task& task, const geometry::Ro
   count_only.failure_analysis = false;
   count_only.recombinations = 0;
   const geometry::RoutingResult apart = geometry::route(task.layout.list.graph, count_only);
-  output.say(
-      fmt::format("{} jumpers (at least {}) of {} places up to {:g} mm: {} controllers instead of {}, lower "
-                  "bound {} instead of {}",
-                  with.jumpers.size(), with.jumpers_lower_bound, task.places.size(), options.jumpers_mm,
-                  with.patches.size(), apart.patches.size(), with.lower_bound, apart.lower_bound));
+  output.say(fmt::format("{} (at least {}) of {} up to {:g} mm: {} instead of {}, lower bound {} instead of {}",
+                         counted(with.jumpers.size(), "jumper"), with.jumpers_lower_bound,
+                         counted(task.places.size(), "place"), options.jumpers_mm,
+                         counted(with.patches.size(), "controller"), apart.patches.size(), with.lower_bound,
+                         apart.lower_bound));
   output.result["patches_without_jumpers"] = apart.patches.size();
   output.result["lower_bound_without_jumpers"] = apart.lower_bound;
   output.result["jumpers"] = jumpers_json(with.jumpers);
@@ -214,17 +215,19 @@ void report_jumpers(const Options& options, const Task& task, const geometry::Ro
 /// Says what was found. Returns the exit status: 1 if a line is too heavy.
 int report_routes(const geometry::RoutingResult& r, std::size_t modules, double bus_hz, Output& output) {
   output.say(
-      fmt::format("{} modules on {} controllers, lower bound {}{}; {} line hops, depth {}; {:.3f} s", modules,
-                  r.patches.size(), r.lower_bound,
+      fmt::format("{} on {}, lower bound {}{}; {}, depth {}; {:.3f} s", counted(modules, "module"),
+                  counted(r.patches.size(), "controller"), r.lower_bound,
                   r.proved ? fmt::format(" (proved fewest by {})", geometry::kPartitionProofNames.name(r.proof)) : "",
-                  r.line_hops, r.max_depth, r.seconds));
+                  counted(r.line_hops, "line hop"), r.max_depth, r.seconds));
   output.say(fmt::format("mean extra loss of a single failure: {:.2f} modules; one entry {:.2f}; strapped {:.2f}",
                          r.mean_loss, r.mean_loss_one_entry, r.mean_loss_strapped));
   if (r.patches_without_border > 0)
-    output.say(
-        fmt::format("{} patches have no border side: their cables pass through the skin", r.patches_without_border));
+    output.say(fmt::format("{} {} no border side: their cables pass through the skin",
+                           counted(r.patches_without_border, "patch"),
+                           agreeing(r.patches_without_border, "has", "have")));
   if (r.electrical_violations == 0) return 0;
-  output.say(fmt::format("{} lines are too heavy for {:g} kHz", r.electrical_violations, bus_hz / 1e3));
+  output.say(fmt::format("{} {} too heavy for {:g} kHz", counted(r.electrical_violations, "line"),
+                         agreeing(r.electrical_violations, "is", "are"), bus_hz / 1e3));
   return 1;
 }
 
@@ -244,8 +247,8 @@ int run(const Options& options, Output& output) {
   if (!options.picture.empty()) write_output(options.picture, design::route_svg(list, r.patches));
   if (!options.output.empty()) write_output(options.output, output.result.dump() + "\n");
   if (options.skingui)
-    output.say(fmt::format("today {} boards, {} of them with triangles that do not hang together", task.layout.boards,
-                           task.layout.boards_apart));
+    output.say(fmt::format("today {}, {} of them with triangles that do not hang together",
+                           counted(task.layout.boards, "board"), task.layout.boards_apart));
   return report_routes(r, list.ids.size(), routing.electrical.bus_hz, output);
 }
 

@@ -5,6 +5,7 @@
 
 #include "number_list.hpp"
 #include "side_picture.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 
@@ -77,10 +78,9 @@ std::string side_text(const geometry::TakenSide& taken) {
 std::string bridge_text(const geometry::BridgeReport& report) {
   if (report.bridged + report.kept_out + report.left_open == 0) return {};
   return fmt::format(
-      "{} holes bridged, {:.1f} cm²; {} left open because something stands out of them, {} because their lid would "
-      "cross "
-      "the surface",
-      report.bridged, report.area_mm2 / 100.0, report.kept_out, report.left_open);
+      "{} bridged, {:.1f} cm²; {} left open because something stands out of them, {} because their lid would "
+      "cross the surface",
+      counted(report.bridged, "hole"), report.area_mm2 / 100.0, report.kept_out, report.left_open);
 }
 
 int report_undecided(const geometry::Mesh& part, const geometry::TakenSide& taken, const std::string& picture,

@@ -9,6 +9,7 @@
 #include "net_picture.hpp"
 #include "part_text.hpp"
 #include "read_text.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/cli/face_options.hpp"
@@ -88,9 +89,9 @@ int run(Options options, Output& output) {
   output.result = {{"pieces", net.pieces.size()}, {"area_cm2", surface.area_mm2() / 100.0},
                    {"max_edge_error_mm", max_mm}, {"rms_edge_error_mm", std::sqrt(squares / faces)},
                    {"overlaps", net.overlaps},    {"seconds", seconds}};
-  output.say(fmt::format(
-      "{} pieces, {:.1f} cm², edge error at most {:.3f} mm (rms {:.3f} mm) on 30 mm, {} overlaps; {:.2f} s",
-      net.pieces.size(), surface.area_mm2() / 100.0, max_mm, std::sqrt(squares / faces), net.overlaps, seconds));
+  output.say(fmt::format("{}, {:.1f} cm², edge error at most {:.3f} mm (rms {:.3f} mm) on 30 mm, {}; {:.2f} s",
+                         counted(net.pieces.size(), "piece"), surface.area_mm2() / 100.0, max_mm,
+                         std::sqrt(squares / faces), counted(net.overlaps, "overlap"), seconds));
   return report_part(file.report, output);
 }
 

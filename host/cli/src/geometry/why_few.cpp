@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/lattice/what_refuses.hpp"
 #include "triskin/mesh/open_side.hpp"
@@ -37,7 +38,7 @@ std::string obstacle_text(const geometry::Obstacle& o) {
                        o.radius_mm, at, std::ceil(o.needed_radius_mm), option_of(o.limit),
                        std::ceil(10.0 * o.needed_limit_mm) / 10.0);
   if (o.limit == "outward") return fmt::format("; a module would stand on its edge: the surface is folded at {}", at);
-  return fmt::format("; {} refuses it at {} of {} places, first at {}", o.limit, o.places, o.tried, at);
+  return fmt::format("; {} refuses it at {} of {}, first at {}", o.limit, o.places, counted(o.tried, "place"), at);
 }
 
 // If the solvers refuse a surface, there is no obstacle to name.
@@ -85,12 +86,14 @@ std::string low_coverage_text(const design::Design& d) {
   if (d.report.coverage >= kLowCoverage) return {};
   std::string text = "much stays bare";
   const auto most = std::ranges::max_element(d.layout.refused, {}, [](const auto& entry) { return entry.second; });
-  if (most != d.layout.refused.end()) text += fmt::format(": {} refused {} further modules", most->first, most->second);
+  if (most != d.layout.refused.end())
+    text += fmt::format(": {} refused {}", most->first, counted(most->second, "further module"));
   if (const int holes = holes_of(d); holes > 0)
     text += fmt::format("; the surface has {} holes or further borders", holes);
   if (d.layout.islands >= kManyIslands && d.limits.jumper_mm < 2 * design::LayoutLimits{}.jumper_mm)
-    text += fmt::format("; {} modules lie on {} islands: try --jumper-mm {:.0f}", d.layout.modules.size(),
-                        d.layout.islands, 2 * design::LayoutLimits{}.jumper_mm);
+    text += fmt::format("; {} {} on {}: try --jumper-mm {:.0f}", counted(d.layout.modules.size(), "module"),
+                        agreeing(d.layout.modules.size(), "lies", "lie"), counted(d.layout.islands, "island"),
+                        2 * design::LayoutLimits{}.jumper_mm);
   return text;
 }
 

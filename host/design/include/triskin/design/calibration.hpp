@@ -111,12 +111,16 @@ class SkinCalibration {
   [[nodiscard]] double pressure_kpa(layout::TaxelId taxel, double change_counts) const;
   /// Returns the force in N on the skin that this taxel represents, against its normal. Throws std::out_of_range.
   [[nodiscard]] double force_n(layout::TaxelId taxel, double change_counts) const;
+  /// Returns true if a taxel that reads `change_counts` below rest is pressed more than anything with which its module
+  /// was calibrated, so that nobody knows whether the line still holds. Throws std::out_of_range.
+  [[nodiscard]] bool is_above_range(layout::TaxelId taxel, double change_counts) const;
   /// Returns those of the given boards that the design uses.
   [[nodiscard]] const std::vector<BoardCalibration>& boards() const { return boards_; }
 
  private:
   struct Module {
     double area_mm2 = 0.0;  // Zero means that no taxel is calibrated.
+    double max_kpa = 0.0;
     std::array<double, layout::kTaxelsPerModule> counts_per_kpa{};
   };
   std::vector<Module> modules_;

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "triskin/base/progress.hpp"
 #include "triskin/design/calibration.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/stream_options.hpp"
@@ -38,10 +39,10 @@ struct PressureStep {
   double pressure_kpa = 0.0;  ///< Pressures are not negative.
   int module = -1;            ///< The pressure acts on this module; −1 means on all modules.
 };
-/// Returns the steps of a calibration: first rest, then each pressure on all modules or, with `by_module`, on each
-/// module in turn.
-[[nodiscard]] std::vector<PressureStep> pressure_steps(std::span<const double> pressures_kpa, bool by_module,
-                                                       std::size_t modules);
+/// Returns the steps of a calibration: first rest, then each pressure on each of `modules` in turn, or on all modules
+/// at once if `modules` is empty.
+[[nodiscard]] std::vector<PressureStep> pressure_steps(std::span<const double> pressures_kpa,
+                                                       std::span<const int> modules);
 
 /// A gauge recorded this varying pressure on the whole skin.
 class PressureRamp {
@@ -76,11 +77,16 @@ struct CalibrateOptions {
   StreamOptions stream;                  ///< These options decide how samples are read.
   /// The calibration states by which method it was made.
   wire::CalibrationMethod method = wire::CalibrationMethod::kSteps;
-  /// The function applies a step and returns when the pressure is steady.
+  std::vector<int> modules;  ///< Only these modules are calibrated, in ascending order; empty means all.
+  /// The function applies a step and returns when the pressure is steady. It may throw Cancelled.
   std::function<void(const PressureStep&)> apply;
+  ProgressSink progress;
 };
 
 struct CalibrationOutcome {
+  /// These modules were measured, in ascending order. Boards without one of them are left out, and so are the places of
+  /// all other modules.
+  std::vector<int> measured;
   /// Revision is 1 and `made` is empty, because the store sets both.
   std::vector<design::BoardCalibration> boards;
   design::RestValues rest;  ///< Rest values are those of the taxels without pressure.
@@ -88,8 +94,9 @@ struct CalibrationOutcome {
   std::vector<std::pair<int, int>> without;
   design::CalibrationQuality quality;
 };
-/// Takes samples at each step and fits every taxel. Throws as Stream does, and InputError for fewer than three
-/// different pressures. Cost: settle_s + hold_s of the link's time per step.
+/// Takes samples at each step and fits every taxel. If a person ends it (Cancelled), modules whose steps are all done
+/// count as measured; if there are none, Cancelled is thrown. Throws as Stream does, and InputError for fewer than
+/// three different pressures. Cost: settle_s + hold_s of the link's time per step.
 [[nodiscard]] CalibrationOutcome calibrate_by_steps(Bus& bus, const design::Design& design,
                                                     std::span<const PressureStep> steps,
                                                     const CalibrateOptions& options);

@@ -17,7 +17,8 @@ struct KeptCalibration {
 };
 
 /// Stores a new calibration of a cover of `bus`, both in the controllers and on this computer, with the rest values
-/// that belong to it. Boards get their revision and date. Throws Unreachable, and InputError when a file cannot be
+/// that belong to it. Boards get their revision and date; their modules that were not measured keep the calibration
+/// that they have. Interrupts wait. Throws Unreachable, and InputError when a file cannot be
 /// written.
 [[nodiscard]] std::vector<KeptCalibration> keep_calibration(LiveBus& bus, LiveCover& cover, CalibrationOutcome outcome);
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "triskin/design/calibration.hpp"
+#include "triskin/design/off_rest.hpp"
 #include "triskin/skin/skin_contacts.hpp"
 #include "triskin/skin/touch_map.hpp"
 #include "triskin/wire/module_state.hpp"
@@ -21,14 +22,6 @@ enum class PressureUnit {
   kKpa,      ///< The calibration gives kPa, and 0 where there is none.
   kModule,   ///< Each cell shows the number of its module; its colour shows the pressure.
 };
-
-/// Taxels are off rest if they read something that no touch explains.
-struct OffRest {
-  int taxels = 0;
-  std::vector<int> modules;  ///< The modules with such taxels are in ascending order.
-};
-/// Returns "n taxels do not rest: tare; their modules: …" with at most twelve modules, or nothing if all rest.
-[[nodiscard]] std::string sentence(const OffRest& off);
 
 /// What is known of a skin while its samples come: pressure, states, rates; and its picture as text. Not thread-safe.
 class LiveMonitor {
@@ -52,7 +45,7 @@ class LiveMonitor {
   /// Finds the modules with a taxel that reads TouchMap::kPressed_counts or more above rest, which no touch causes: a
   /// part that was exchanged or removed since the last tare has another rest value. Taxels of these modules that read
   /// equally far below rest count as well. The modules are in ascending order. Cost: O(modules).
-  [[nodiscard]] OffRest off_rest() const;
+  [[nodiscard]] design::OffRest off_rest() const;
 
   /// Closes a period of `seconds` (> 0): rates are those of the last closed period.
   void close_period(double seconds);
