@@ -171,8 +171,9 @@ triskin_status triskin_calibration(triskin_skin* skin, double* counts_per_kpa, d
       unknown += module.known ? 0 : 1;
     }
     if (unknown == 0) return TRISKIN_OK;
-    const std::string text = fmt::format("{} {} no calibration; run triskin calibrate", counted(unknown, "module"),
-                                         agreeing(unknown, "has", "have"));
+    const std::string text =
+        fmt::format("{} {} no calibration; run triskin calibrate", triskin::counted(unknown, "module"),
+                    triskin::agreeing(unknown, "has", "have"));
     return triskin::library::failed(TRISKIN_BAD_ANSWER, text.c_str());
   });
 }
