@@ -36,6 +36,11 @@ class BxcanRules : public ::testing::Test {
     write(kMailbox + 16 * mailbox + 4, 8);
     write(kMailbox + 16 * mailbox, id << 3 | 4 | 1);
   }
+  /// Passes time in small steps, because a frame begins when the one before has ended.
+  void pass(Time by) {
+    constexpr Time kStep = 5 * kMicrosecond;
+    for (Time gone = 0; gone < by; gone += kStep) around.pass(kStep);
+  }
   static wire::CanFrame frame(std::uint32_t id, bool fd = false) {
     wire::CanFrame f;
     f.extended = true;
@@ -58,7 +63,7 @@ TEST_F(BxcanRules, TheRightOrderIsNone) {
   EXPECT_EQ(read(kMsr) & 3, 0U);
   can.from_bus(frame(0x123));
   can.from_bus(frame(0x223));
-  around.pass(1'000 * kMicrosecond);
+  pass(1'000 * kMicrosecond);
   EXPECT_EQ(read(kRf0r) & 3, 1U) << "one identifier passes, the other does not";
   EXPECT_EQ(read(kFifo), 0x123U << 3 | 4);
   EXPECT_EQ(read(kFifo + 4) & 15, 3U);
@@ -75,7 +80,7 @@ TEST_F(BxcanRules, FramesAreSentInTheOrderOfTheirRequests) {
     send(k, 0x300 - k);
   }
   EXPECT_EQ(read(kTsr) >> 26 & 7, 0U) << "none is free";
-  around.pass(2'000 * kMicrosecond);
+  pass(2'000 * kMicrosecond);
   ASSERT_EQ(sent.size(), 3U);
   EXPECT_EQ(sent[0].id, 0x300U);
   EXPECT_EQ(sent[2].id, 0x2FEU);
@@ -88,7 +93,7 @@ TEST_F(BxcanRules, FramesAreSentInTheOrderOfTheirRequests) {
 TEST_F(BxcanRules, FourthFrameInARowOverwritesTheThird) {
   start();
   for (std::uint32_t k = 0; k < 4; ++k) can.from_bus(frame(0x100 + k));
-  around.pass(2'000 * kMicrosecond);
+  pass(2'000 * kMicrosecond);
   EXPECT_EQ(read(kRf0r) & 0x1B, 3U | 8U | 16U) << "three, full, overrun";
   write(kRf0r, 32);
   write(kRf0r, 32);
@@ -144,7 +149,7 @@ TEST_F(BxcanRules, EmptyFifo) {
 TEST_F(BxcanRules, FdFrameOnAClassicBus) {
   start();
   can.from_bus(frame(0x123, true));
-  around.pass(1'000 * kMicrosecond);
+  pass(1'000 * kMicrosecond);
   around.expect("FD frame");
 }
 
@@ -155,19 +160,19 @@ TEST_F(BxcanRules, BusOffEndsByAVisitToInitialization) {
   write(kIer, 1U << 10 | 1U << 15);
   send(0, 0x300);
   for (int k = 0; k < 32; ++k) {
-    around.pass(30 * kMicrosecond);
+    pass(30 * kMicrosecond);
     ASSERT_TRUE(can.spoil_frame()) << k;
   }
   EXPECT_EQ(read(kEsr) & 7, 7U) << "warning, passive, off";
   EXPECT_EQ(read(kMsr) & 4, 4U);
-  around.pass(50'000 * kMicrosecond);
+  pass(50'000 * kMicrosecond);
   EXPECT_TRUE(sent.empty()) << "it does not return by itself";
   write(kMcr, 1 | 4);
   EXPECT_EQ(read(kMsr) & 1, 1U);
   write(kMcr, 4);
-  around.pass(1'000 * kMicrosecond);
+  pass(1'000 * kMicrosecond);
   EXPECT_TRUE(sent.empty());
-  around.pass(1'000 * kMicrosecond);
+  pass(1'000 * kMicrosecond);
   EXPECT_EQ(sent.size(), 1U);
   EXPECT_EQ(read(kEsr) & 7, 0U);
   EXPECT_TRUE(around.violations.empty());
