@@ -217,24 +217,20 @@ void add_two_part_shell(WalledPart& p, Dice& d) {
   if (d.chance(0.5)) other.pierce(d, 3);
   other.solid.append_to(p, lowered(c.size.z() + 0.3, c.size), other.rule());
 }
-// The corners of the tray are rounded in all directions: the section is a superellipse, and the sheet one piece.
+// The tray is rounded everywhere: half of a superellipsoid, from a dome to nearly a box with fillets.
 void add_filleted_tray(WalledPart& p, Dice& d) {
-  const double a = d.number(50, 100), b = d.number(40, 75), depth = d.number(12, 45), power = d.number(0.35, 0.6);
+  const Vec3 half(d.number(50, 100), d.number(40, 75), d.number(25, 60));
+  const double power = d.number(2.5, 6), end_rad = d.number(1.2, 1.45), wall = d.number(1, 2.5);
   ShellSolid s;
-  s.columns = s.rows = 70;
+  s.columns = s.rows = 80;
   s.rim_facets = d.chance(0.5) ? 1 : 6;
-  const double wall = d.number(1, 2.5);
   s.wall_mm = [wall](double, double) { return wall; };
   s.sheet = [=](double u, double v) {
-    const auto bent = [&](double t, double half) {  // Flat in the middle and turned down at the ends.
-      const double x = 2 * t - 1, r = std::min(half, depth) * power;
-      const double flat = half - r, arc = pi / 2 * r, total = 2 * (flat + arc), w = x * total / 2,
-                   over = std::abs(w) - flat;
-      if (over <= 0) return std::array{w, 0.0};
-      return std::array{std::copysign(flat + r * std::sin(over / r), w), -(r - r * std::cos(over / r))};
-    };
-    const auto x = bent(u, a), y = bent(v, b);
-    return Vec3(x[0], y[0], 0.9 * (x[1] + y[1]));
+    const Vec3 way(std::tan((2 * u - 1) * end_rad), std::tan((2 * v - 1) * end_rad), 1);
+    const Vec3 scaled = way.cwiseQuotient(half).cwiseAbs();
+    const double size =
+        std::pow(std::pow(scaled.x(), power) + std::pow(scaled.y(), power) + std::pow(scaled.z(), power), 1 / power);
+    return Vec3(way / size);
   };
   s.append_to(p);
 }
