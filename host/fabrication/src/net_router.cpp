@@ -234,6 +234,10 @@ class Router {
         if ((dx == 0 && dy == 0) || nx < 0 || ny < 0 || nx >= grid_.width() || ny >= grid_.height()) continue;
         const int next = grid_.index({layer, nx, ny});
         if (!grid_.may_track(next, net)) continue;
+        // The middle of a diagonal step may be nearer to a corner of other copper than both its ends.
+        if (dx != 0 && dy != 0 &&
+            !(grid_.may_track(grid_.index({layer, nx, y}), net) && grid_.may_track(grid_.index({layer, x, ny}), net)))
+          continue;
         const float length = dx != 0 && dy != 0 ? kDiagonal : 1.0F;
         const float turn = is_straight(node, next) ? 0.0F : kTurnCost;
         reach(queue, next, node, cost_[at(node)] + length * node_cost(next) + turn);
