@@ -20,6 +20,7 @@
 #include "triskin/fabrication/fabricate.hpp"
 #include "triskin/fabrication/kicad.hpp"
 #include "triskin/fabrication/module_board.hpp"
+#include "triskin/fabrication/module_tracks.hpp"
 #include "triskin/fabrication/parts_list.hpp"
 #include "triskin/fabrication/solids.hpp"
 #include "triskin/mesh/mesh_io.hpp"
@@ -131,6 +132,18 @@ TEST(ModuleBoard, HasThePadsOfTheSoftware) {
   }
 }
 
+// The pins as another board with this chip has them (opendous AD7147-1 Capacitive Touch Sensor, its net list of 2010).
+TEST(ModuleBoard, ChipHasThePinsOfAnotherBoard) {
+  const std::map<int, std::string_view> wanted{{7, "CIN12"}, {8, "ACSHIELD"}, {9, "BIAS"}, {10, "GND"},
+                                               {11, "VCC"},  {12, "VDRIVE"},  {13, "SDA"}, {14, "ADD0"},
+                                               {15, "SCLK"}, {16, "ADD1"},    {17, "INT"}, {18, "GPIO"}};
+  for (const auto& [pin, name] : wanted) EXPECT_EQ(chip_pins().at(static_cast<std::size_t>(pin - 1)), name) << pin;
+  for (int k = 0; k < 13; ++k) {
+    const int pin = k < 6 ? 19 + k : k - 5;  // CIN0 … CIN5 are pins 19 … 24, CIN6 … CIN12 pins 1 … 7.
+    EXPECT_EQ(chip_pins().at(static_cast<std::size_t>(pin - 1)), fmt::format("CIN{}", k));
+  }
+}
+
 TEST(ModuleBoard, PlatedHolesStayClearOfTheTaxels) {
   for (const ModulePad& hole : module_pads()) {
     if (hole.layer != PadLayer::kThrough) continue;
@@ -138,6 +151,76 @@ TEST(ModuleBoard, PlatedHolesStayClearOfTheTaxels) {
       if (taxel.layer != PadLayer::kTouch) continue;
       EXPECT_GT((hole.at_mm - taxel.at_mm).norm(), (hole.size_mm.x() + taxel.size_mm.x()) / 2.0 + kClearance_mm)
           << hole.name << ' ' << taxel.name;
+    }
+  }
+}
+
+double to_segment_mm(const Vec2& p, const Vec2& a, const Vec2& b) {
+  const double square = (b - a).squaredNorm();
+  const double t = square > 0.0 ? std::clamp((p - a).dot(b - a) / square, 0.0, 1.0) : 0.0;
+  return (p - a - t * (b - a)).norm();
+}
+// The tracks are short, so places 0.02 mm apart represent them.
+std::vector<Vec2> places_on(const ModuleTrack& t) {
+  const int parts = static_cast<int>((t.to_mm - t.from_mm).norm() / 0.02) + 1;
+  std::vector<Vec2> places;
+  for (int k = 0; k <= parts; ++k)
+    places.emplace_back(t.from_mm + static_cast<double>(k) / parts * (t.to_mm - t.from_mm));
+  return places;
+}
+
+// Whatever the corner cut, tracks and holes keep off the rings of the bus and off the edge.
+TEST(ModuleBoard, InnerTracksKeepOffRingsAndEdge) {
+  constexpr double kHalf_mm = kNarrowTrack_mm / 2.0, kVia_mm = kContactPad_mm / 2.0, kSlack_mm = 1e-3;
+  ASSERT_FALSE(module_routing().tracks.empty());
+  ASSERT_FALSE(module_routing().vias.empty());
+  for (const double cut_mm : {0.1, 1.0, 3.4, kMaxBoardCornerCut_mm}) {
+    const auto ring_gap_mm = [cut_mm](const Vec2& p) {
+      double least = 1e9;
+      for (std::size_t net = 0; net < kBusNets; ++net) {
+        const auto ring = ring_of(net, cut_mm);
+        for (std::size_t k = 0; k < ring.size(); ++k)
+          least = std::min(least, to_segment_mm(p, ring[k], ring[(k + 1) % ring.size()]) - kTrack_mm / 2.0);
+      }
+      return least;
+    };
+    for (const ModuleVia& via : module_routing().vias)
+      EXPECT_GE(ring_gap_mm(via.at_mm), kVia_mm + kClearance_mm - kSlack_mm) << via.pad;
+    for (const ModuleTrack& t : module_routing().tracks) {
+      for (const Vec2& p : places_on(t)) {
+        if (t.layer == CopperLayer::kInner2) {
+          ASSERT_GE(ring_gap_mm(p), kHalf_mm + kClearance_mm - kSlack_mm) << t.pad;
+        }
+        const double to_short_side_mm = design::short_side_offset_mm(cut_mm) - p.norm();
+        ASSERT_GE(to_short_side_mm, kHalf_mm + kEdgeClearance_mm - kSlack_mm) << t.pad;
+      }
+    }
+  }
+}
+
+// On each layer, tracks and holes of two nets keep the clearance from each other.
+TEST(ModuleBoard, InnerTracksKeepOffEachOther) {
+  struct Piece {
+    std::string net;
+    int layer;  // −1 for all of them.
+    Vec2 from_mm, to_mm;
+    double radius_mm;
+  };
+  std::vector<Piece> pieces;
+  std::map<std::string, std::string> net_of_pad;
+  for (const ModulePad& pad : module_pads()) net_of_pad[pad.name] = net_of(pad, {});
+  for (const ModuleTrack& t : module_routing().tracks)
+    pieces.push_back({net_of_pad.at(t.pad), static_cast<int>(t.layer), t.from_mm, t.to_mm, kNarrowTrack_mm / 2.0});
+  for (const ModuleVia& v : module_routing().vias)
+    pieces.push_back({net_of_pad.at(v.pad), -1, v.at_mm, v.at_mm, kContactPad_mm / 2.0});
+  for (const Piece& p : pieces) {
+    const std::vector<Vec2> places = places_on({"", CopperLayer::kBack, p.from_mm, p.to_mm});
+    for (const Piece& q : pieces) {
+      if (p.net == q.net || (p.layer >= 0 && q.layer >= 0 && p.layer != q.layer)) continue;
+      for (const Vec2& place : places) {
+        const double gap_mm = to_segment_mm(place, q.from_mm, q.to_mm) - p.radius_mm - q.radius_mm;
+        ASSERT_GE(gap_mm, kClearance_mm - 1e-3) << p.net << ' ' << q.net;
+      }
     }
   }
 }

@@ -179,6 +179,38 @@ TEST(Side, AHeadOfAScrewKeepsItsHoleOpen) {
   EXPECT_EQ(report.kept_out, 1);
 }
 
+class RandomWalledParts : public ::testing::TestWithParam<int> {};
+
+// Of every kind some parts by formula: hardly any of the inside is taken, and a part without a wall stays whole. The
+// seeds are others than those by which the rules were set.
+TEST_P(RandomWalledParts, InnerSideIsNotTaken) {
+  int asked = 0;
+  for (unsigned seed = 101; seed <= 103; ++seed) {
+    const WalledPart part = testing::random_walled_part(GetParam(), seed);
+    const geometry::SideChoice choice = geometry::find_sides(part.mesh);
+    EXPECT_EQ(choice.has_wall, part.truth != SideTruth::kNoWall) << part.name;
+    if (!choice.has_wall || !choice.is_certain) {
+      asked += choice.has_wall ? 1 : 0;
+      continue;
+    }
+    Areas areas = areas_of(part, choice);
+    EXPECT_LE(areas[-1][FaceSide::kOuter], 0.01 * sum_of(areas[1])) << part.name;
+    EXPECT_GE(areas[1][FaceSide::kOuter], 0.8 * sum_of(areas[1])) << part.name;
+  }
+  EXPECT_LE(asked, 1);
+}
+INSTANTIATE_TEST_SUITE_P(Kinds, RandomWalledParts, ::testing::Range(0, testing::kRandomKinds));
+
+// The floor of a recess sees less than the wall's other side, but the outer side goes on all around it.
+TEST(Side, FloorOfARecessIsOuter) {
+  const WalledPart part = testing::random_walled_part(4, 3);
+  const geometry::SideChoice choice = geometry::find_sides(part.mesh);
+  EXPECT_TRUE(choice.is_certain);
+  Areas areas = areas_of(part, choice);
+  EXPECT_LE(areas[1][FaceSide::kUndecided], 0.01 * sum_of(areas[1]));
+  EXPECT_GE(areas[1][FaceSide::kOuter], 0.9 * sum_of(areas[1]));
+}
+
 TEST(Side, WallsOutOfRangeAreRefused) {
   geometry::SideOptions options;
   options.max_wall_mm = 0.1;

@@ -28,4 +28,10 @@ struct WalledPart {
 /// says otherwise. The result is always the same.
 [[nodiscard]] std::vector<WalledPart> walled_parts();
 
+/// The kinds of random_walled_part(), 0 … kRandomKinds − 1.
+inline constexpr int kRandomKinds = 16;
+/// Makes a part of one kind with random sizes, walls of 1 … 3.5 mm, ribs, bosses, holes and letters. Its name is the
+/// kind with the seed. The result is always the same for equal arguments. Errors: std::out_of_range for another kind.
+[[nodiscard]] WalledPart random_walled_part(int kind, unsigned seed);
+
 }  // namespace triskin::testing

@@ -24,6 +24,9 @@ class CheckedBody {
   using Triangles = std::vector<Kernel::Triangle_3>;
   using Primitive = CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>;
 
+  class NearSegment;
+  // Returns the distance of a segment from the triangles; 0 if it meets one.
+  [[nodiscard]] double distance(const P3& from, const P3& to) const;
   [[nodiscard]] bool contains(const P3& p) const;
   [[nodiscard]] bool is_inside(const P3& p, const Kernel::Vector_3& ray) const;
 

@@ -109,6 +109,8 @@ class Fabrication {
     write("kicad/Triskin.pretty/Module.kicad_mod", module_footprint());
     write("kicad/Triskin.kicad_sym", module_symbol());
     write("kicad/Module.net", module_netlist());
+    write("kicad/Module.kicad_pcb", module_alone());
+    write("kicad/Module.kicad_pro", board_project("Module.kicad_pro"));
     write("kicad/controller.csv", controller_csv());
   }
 

@@ -11,6 +11,7 @@
 #include "kicad_text.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/fabrication/kicad.hpp"
+#include "triskin/fabrication/module_tracks.hpp"
 
 namespace triskin::fabrication {
 namespace {
@@ -142,7 +143,18 @@ class Board {
       if (is_closed(strap, setting))
         track(pose * strap.at_mm[0], pose * strap.at_mm[1], kStrapTrack_mm, "B.Cu", strap_net(strap, setting));
     }
+    add_inner_tracks(setting, pose);
     add_joints(id, setting, pose);
+  }
+
+  void add_inner_tracks(const ModuleSetting& setting, const Pose& pose) {
+    std::map<std::string, std::string> net_of_pad;
+    for (const ModulePad& pad : module_pads()) net_of_pad.emplace(pad.name, net_of(pad, setting));
+    for (const ModuleTrack& t : module_routing().tracks)
+      track(pose * t.from_mm, pose * t.to_mm, kNarrowTrack_mm, copper_layer_name(t.layer), net_of_pad.at(t.pad));
+    for (const ModuleVia& via : module_routing().vias)
+      items_ += fmt::format("  (via (at {}) (size {:g}) (drill {:g}) (layers \"F.Cu\" \"B.Cu\") (net {}))\n",
+                            at(pose * via.at_mm), kContactPad_mm, kContactHole_mm, net(net_of_pad.at(via.pad)));
   }
 
   static std::string strap_net(const Strap& strap, const ModuleSetting& setting) {
@@ -270,6 +282,23 @@ std::string island_netlist(const design::Design& design, const sheet::Sides& sid
     text += ")\n";
   }
   return text + "  )\n)\n";
+}
+
+std::string module_alone() {
+  design::Design design;
+  design.name = kModuleName;
+  PlacedModule module;
+  for (int k = 0; k < 3; ++k) {
+    const double angle_rad = std::numbers::pi * (-5.0 / 6.0 + 2.0 / 3.0 * k),
+                 from_middle_mm = 2.0 * design::kHeight_mm / 3.0;
+    module.corner_mm[static_cast<std::size_t>(k)] = {from_middle_mm * std::cos(angle_rad),
+                                                     from_middle_mm * std::sin(angle_rad), 0.0};
+  }
+  design.layout.modules.push_back(module);
+  const sheet::Sides sides = sheet::sides_of(design);
+  FlatIsland island = flat_islands(design, sides).front();
+  island.part_number = kModuleName;
+  return Board(design, sides, island).text();
 }
 
 std::string board_project(const std::string& file_name) {

@@ -63,7 +63,7 @@ int run(Options options, Output& output) {
     say_layer("mould", report.mould_error_mm, report.mould_folded_faces, output);
   }
   if (products.empty() || products.contains(fabrication::Product::kKicad))
-    output.say("the boards are a proposal: none was built, and the tracks inside a module are still to be drawn");
+    output.say("the boards are a proposal: none was built");
   say_sheets(report.sheet_fill, output);
   for (const std::string& sentence : report.left_out) output.say(sentence);
   const bool is_whole = report.left_out.empty() && report.carrier_folded_faces == 0 && report.mould_folded_faces == 0;

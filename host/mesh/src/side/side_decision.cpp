@@ -26,6 +26,7 @@ constexpr double kMaxRibFraction = 0.3;  // A larger share of the outer area is 
 // A region has this share of another outer region right behind it when the two lie back to back.
 constexpr double kBackToBack = 0.3;
 constexpr double kModuleInradius_mm = 8.66;
+constexpr double kRecessBorder = 0.85;    // This share of a recess's border lies on outer regions; holes take the rest.
 constexpr double kRimSurroundings = 0.9;  // This share of a rim strip's border lies on outer regions.
 constexpr double kMinUndecided_mm2 = 400.0, kMaxUndecidedFraction = 0.15, kLargeRegion = 0.05;
 constexpr double kMinWalledFraction = 0.25, kMinInnerFraction = 0.05;
@@ -165,11 +166,7 @@ class Decision {
 
   // A chamfer between two outer faces is no rim, and a strip beside anything else is one.
   void label_strips() {
-    std::vector<double> outer_mm(evidence_.regions.size(), 0.0);
-    for (const auto& [pair, length] : evidence_.beside_mm) {
-      if (out_.side[at(pair.first)] == FaceSide::kOuter) outer_mm[at(pair.second)] += length;
-      if (out_.side[at(pair.second)] == FaceSide::kOuter) outer_mm[at(pair.first)] += length;
-    }
+    const std::vector<double> outer_mm = outer_borders_mm();
     for (int r = 0; r < count(); ++r) {
       FaceSide& side = out_.side[at(r)];
       if (!is_strip(r) || (side != FaceSide::kRim && side != FaceSide::kOuter)) continue;
@@ -201,11 +198,24 @@ class Decision {
     }
   }
 
+  // Returns the length of each region's border that lies on outer regions.
+  [[nodiscard]] std::vector<double> outer_borders_mm() const {
+    std::vector<double> outer_mm(evidence_.regions.size(), 0.0);
+    for (const auto& [pair, length] : evidence_.beside_mm) {
+      if (out_.side[at(pair.first)] == FaceSide::kOuter) outer_mm[at(pair.second)] += length;
+      if (out_.side[at(pair.second)] == FaceSide::kOuter) outer_mm[at(pair.first)] += length;
+    }
+    return outer_mm;
+  }
+
   // Doubts regions that are outer only through their neighbours, against their own evidence, and pairs of which both
-  // are outer.
+  // are outer. The floor of a recess in the outer side sees less than its back, but all around it the outer side goes
+  // on; the brim of a hat ends at a rim.
   void doubt() {
+    const std::vector<double> outer_mm = outer_borders_mm();
     for (int r = 0; r < count(); ++r) {
       if (out_.side[at(r)] != FaceSide::kOuter || !has_wall(r) || region(r).outwardness > -kDecided) continue;
+      if (out_.outwardness[at(r)] >= kWeak && outer_mm[at(r)] >= kRecessBorder * region(r).border_mm) continue;
       out_.side[at(r)] = is_narrow(r) ? FaceSide::kRim : FaceSide::kUndecided;
       const int partner = partner_[at(r)];
       if (partner >= 0 && partner_[at(partner)] == r && out_.side[at(r)] == FaceSide::kUndecided)

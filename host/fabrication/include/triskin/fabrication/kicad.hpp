@@ -10,9 +10,8 @@
 namespace triskin::fabrication {
 
 /// Returns the board of an island: its edge, a footprint "Triskin:Module" per module with nets, rings and joints as
-/// tracks, closed straps, pads for the cables of entries and jumpers, folds on User.1, slits on User.2, marks on
-/// User.3. Tracks between chip, taxels, straps and capacitors inside a module are not drawn. Errors: InputError for a
-/// corner cut above kMaxBoardCornerCut_mm. Cost: linear.
+/// tracks, the tracks inside each module, closed straps, pads for the cables of entries and jumpers, folds on User.1,
+/// slits on User.2, marks on User.3. Errors: InputError for a corner cut above kMaxBoardCornerCut_mm. Cost: linear.
 [[nodiscard]] std::string island_board(const design::Design& design, const sheet::Sides& sides,
                                        const FlatIsland& island);
 
@@ -29,5 +28,7 @@ namespace triskin::fabrication {
 [[nodiscard]] std::string module_footprint();
 [[nodiscard]] std::string module_symbol();
 [[nodiscard]] std::string module_netlist();
+/// Returns the board of one module that belongs to no patch: all straps are open. Cost: that of island_board().
+[[nodiscard]] std::string module_alone();
 
 }  // namespace triskin::fabrication

@@ -70,7 +70,7 @@ struct ModulePad {
 [[nodiscard]] const std::vector<ModulePad>& module_pads();
 
 /// Returns the names of pins 1 … 24 of the AD7147-1 in its LFCSP of 24 pins; [0] is pin 1. Source: its data sheet,
-/// functional block diagram.
+/// functional block diagram; the net list of a public board with this chip agrees (opendous).
 [[nodiscard]] const std::array<std::string_view, 24>& chip_pins();
 
 /// A strap has two pads on the back, NAME.1 and NAME.2, which copper joins when it is closed.
