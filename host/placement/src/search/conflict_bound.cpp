@@ -133,7 +133,7 @@ void ConflictBound::add_side(const CellFrame& frame, const OpenTile& tile, const
     const Vec2 p(frame.x[end], frame.y[end]);
     keep({pair.tile, pair.edge, true, -normal,
           normal.dot(p - from) - grid_.offset_mm[side] - frame.inset_mm + polygon_.rounding_mm,
-          normal.dot(quarter_turn(p - pivot_)), std::max(0.0, -normal.dot(p + pivot_)) * curve_});
+          normal.dot(quarter_turn(p - pivot_)), std::max(0.0, -normal.dot(p - pivot_)) * curve_});
   }
 }
 
