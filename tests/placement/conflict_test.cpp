@@ -109,6 +109,17 @@ TEST(Conflicts, a_trapezoid_of_modules_moved_in_by_a_hair_holds_nothing) {
   }
 }
 
+// In a long strip that is a hair less than two rows wide, many tiles of either row exclude each other.
+TEST(Conflicts, two_rows_of_a_long_strip_exclude_each_other) {
+  for (const double less_mm : {1e-2, 1e-5}) {
+    const Answer a = place_and_check(test::moved(rectangle(600.0, 2.0 * kHeight_mm - less_mm), 1.1, {7, -3}), 1e-8);
+    EXPECT_TRUE(a.placement.proved);
+    EXPECT_GE(a.placement.modules, 39);  // One row holds as many; other angles may hold more.
+    EXPECT_LT(a.placement.cells, kMaxCells);
+    EXPECT_TRUE(a.proof.accepted) << a.proof.reason;
+  }
+}
+
 // In a tooth slightly less than two rows wide, the lower row needs one side and the upper row the other.
 TEST(Conflicts, two_rows_of_a_tooth_exclude_each_other) {
   for (const double less_mm : {1e-2, 1e-5}) {

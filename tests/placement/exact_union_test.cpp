@@ -99,5 +99,18 @@ TEST(ExactUnion, the_clearance_never_falls_below_the_tolerance) {
   EXPECT_GE(r.clearance_mm, -1e-8);
 }
 
+// At the smallest tolerance the motions that hold both are a box of some nanometres, 3 m from the origin.
+TEST(ExactUnion, is_found_at_the_smallest_tolerance) {
+  Polygon p;
+  p.outer = {{1461.9661338143164, -2929.0034944407007},
+             {1482.2840933812636, -2872.548374929394},
+             {1423.2335459273122, -2883.180065547006}};
+  PlacementOptions options;
+  options.tolerance_mm = 1.0062979374699537e-08;
+  const PlacementResult r = place(p, options);
+  EXPECT_EQ(r.modules, 4);  // It is an equilateral triangle with sides of 60 mm.
+  EXPECT_TRUE(r.proved);
+}
+
 }  // namespace
 }  // namespace triskin::geometry

@@ -109,6 +109,22 @@ TEST(Radius, what_doubles_cannot_resolve_is_refused_with_a_reason) {
   EXPECT_EQ(refusal(away, 1e-6), "");
 }
 
+// At most angles the raster of the needle would take more than a gigabyte; those stay open, and the others give a
+// value.
+TEST(Radius, a_needle_of_100_m_ends_with_an_open_bound_that_its_log_proves) {
+  Polygon needle;
+  needle.outer = {{0, 0}, {1e5, 0}, {1e5, 40}, {0, 40}};
+  PlacementOptions options = limited(2000.0, 300.0);
+  options.tolerance_mm = 1e-4;
+  options.time_limit_s = 4.0;
+  const Logged r = place_with_log(needle, options);
+  EXPECT_NE(r.result.stopped, SearchStop::kNone);
+  EXPECT_GT(r.result.modules, 3000);
+  EXPECT_GT(r.result.upper_bound, r.result.modules);
+  const auto report = check::check_placement_proof_text(r.log, wkt(needle));
+  EXPECT_TRUE(report.accepted) << report.reason;
+}
+
 TEST(Radius, an_outline_far_from_the_origin_holds_as_many_as_at_it) {
   Polygon near;
   near.outer = {{0, 0}, {100, 0}, {100, 100}, {0, 100}};

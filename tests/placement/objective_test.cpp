@@ -163,6 +163,15 @@ TEST(Weights, found_where_the_hill_is_and_not_beaten) {
                          test::uniform(random, 0, M_PI / 3)};
       EXPECT_LE(weight_at(p, map, at, 0.0), r.weight_bound);
     }
+    // Near the best placement a bound that is a little too small would show.
+    for (int n = 0; n < 3000; ++n) {
+      const double far = std::pow(10.0, test::uniform(random, -6, 0.5));
+      Placement at = r.placement;
+      at.x_mm += test::uniform(random, -far, far);
+      at.y_mm += test::uniform(random, -far, far);
+      at.theta_rad += test::uniform(random, -far, far) / 100.0;
+      EXPECT_LE(weight_at(p, map, at, 0.0), r.weight_bound);
+    }
   }
 }
 

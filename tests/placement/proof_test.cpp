@@ -187,5 +187,50 @@ TEST(Proof, holds_when_nothing_fits_and_for_an_exact_union_of_tiles) {
   }
 }
 
+// Makes a log with the whole period as its only cell, and no module placed.
+json log_of_one_cell(const Polygon& p, int upper_bound) {
+  json ring = json::array();
+  for (const Vec2& v : p.outer) ring.push_back({v.x(), v.y()});
+  ring.push_back(ring[0]);
+  return {{"format", "triskin-placement-proof"},
+          {"version", 1},
+          {"rings", {ring}},
+          {"pivot", {0.5 * p.outer[2].x(), 0.5 * p.outer[2].y()}},
+          {"pitch_mm", kSide_mm},
+          {"tolerance_mm", 1e-6},
+          {"modules", 0},
+          {"upper_bound", upper_bound},
+          {"motion", {0.0, 0.0, 0.0}},
+          {"tiles", json::array()},
+          {"cells", {{0.0, kSide_mm, 0.0, 26.0, 0.0, 1.05}}}};
+}
+
+Polygon strip(double length_mm) {
+  Polygon p;
+  p.outer = {{0, 0}, {length_mm, 0}, {length_mm, 40}, {0, 40}};
+  return p;
+}
+
+// A module has 389.7 mm², so 8 m² have room for 20,528 at most; lists of the modules near the outline would be long.
+TEST(Proof, a_bound_by_area_needs_no_list_of_modules) {
+  const Polygon p = strip(200'000.0);
+  const auto report = check::check_placement_proof_text(log_of_one_cell(p, 20'528).dump(), geojson(p));
+  EXPECT_TRUE(report.accepted) << report.reason;
+  EXPECT_EQ(report.regions, 0);
+}
+
+// 12,000 mm² have room for 30 modules. A smaller bound takes regions, and every bound takes cells that cover the
+// period.
+TEST(Proof, the_area_proves_no_smaller_bound_and_no_gap_between_cells) {
+  const Polygon p = strip(300.0);
+  const auto report = [&](const json& log) { return check::check_placement_proof_text(log.dump(), geojson(p)); };
+  EXPECT_EQ(report(log_of_one_cell(p, 30)).regions, 0);
+  EXPECT_TRUE(report(log_of_one_cell(p, 29)).accepted);
+  EXPECT_GT(report(log_of_one_cell(p, 29)).regions, 0);
+  json log = log_of_one_cell(p, 30);
+  log["cells"][0][5] = 1.0;
+  EXPECT_FALSE(report(log).accepted);
+}
+
 }  // namespace
 }  // namespace triskin::geometry

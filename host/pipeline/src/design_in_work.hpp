@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 
+#include "later_steps.hpp"
 #include "triskin/base/progress.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/pipeline/make_design.hpp"
@@ -20,11 +21,9 @@ struct DesignInWork {
   design::Design design;
   DesignNotes notes;
 
-  /// Returns a deadline at `end_s` of the budget. It is empty with a fixed number of iterations, because the result
-  /// must not depend on the time then.
-  [[nodiscard]] std::function<bool()> give_up_at(double end_s) const {
-    if (options.iterations > 0) return {};
-    return budget.is_over(end_s);
+  /// Returns the deadline of a step that should end at `end_s` of the budget.
+  [[nodiscard]] std::function<bool()> deadline(double end_s) const {
+    return give_up_at(budget, end_s, options.iterations);
   }
 };
 

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "choose_layout.hpp"
+#include "later_steps.hpp"
 #include "seconds_since.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/lattice/add_module.hpp"
@@ -22,6 +23,8 @@
 namespace triskin::pipeline {
 namespace {
 
+// A growth that begins late still gets this share of the limit.
+constexpr double kMinGrowthShare = 0.1;
 constexpr std::string_view kMirroredSuffix = "_mirrored";
 
 void require_module(const design::Design& d, int id) {
@@ -113,15 +116,12 @@ EditedDesign unchanged(const design::Design& design) {
   return result;
 }
 
-// Returns the layouts of the search and that of the design, best first.
-std::vector<WiredLayout> choices_around(const design::Design& d, const geometry::Surface& surface,
-                                        const geometry::SurfaceRegions* regions,
-                                        const std::vector<design::PlacedModule>& kept, const GrowAroundOptions& options,
-                                        Clock::time_point start, const ProgressSink& progress) {
-  geometry::RoutingOptions routing = routing_options(d);
-  routing.threads = options.threads;
-  std::vector<WiredLayout> choices{priced(surface, d.layout, d.limits, routing, regions)};
-  const double pricing_s = seconds_since(start);
+// Grows layouts around the kept modules until `end_s` of the budget.
+std::vector<design::ModuleLayout> grown_around(const design::Design& d, const geometry::Surface& surface,
+                                               const geometry::SurfaceRegions* regions,
+                                               const std::vector<design::PlacedModule>& kept,
+                                               const GrowAroundOptions& options, const TimeBudget& budget, double end_s,
+                                               const ProgressSink& progress) {
   geometry::SurfaceLatticeOptions lattice;
   lattice.seed = d.seed;
   lattice.iterations = options.iterations;
@@ -132,13 +132,31 @@ std::vector<WiredLayout> choices_around(const design::Design& d, const geometry:
   lattice.regions = regions;
   const auto solver = geometry::solver_mesh_of(surface, d.limits, geometry::kSolverDeviation_mm, options.threads);
   lattice.solver = solver ? &*solver : nullptr;
-  constexpr double kWiring = 3.0;  // Layouts and wiring take this many times the pricing after the growth.
-  lattice.time_limit_s = std::max(0.5 * options.time_limit_s, options.time_limit_s - kWiring * pricing_s);
-  std::vector<design::ModuleLayout> grown = geometry::grow_front(surface, d.limits, lattice, progress);
-  report(progress, "pricing", -1.0, fmt::format("{} layouts", grown.size()));
-  routing.give_up = give_up_at(start, options.time_limit_s - 2 * pricing_s, options.iterations);
-  std::ranges::move(priced(surface, std::move(grown), d.limits, routing, regions, options.threads),
-                    std::back_inserter(choices));
+  lattice.time_limit_s =
+      std::max(kMinGrowthShare * options.time_limit_s, (end_s - budget.used_s()) / (1.0 + geometry::kFrontTimeShare));
+  return geometry::grow_front(surface, d.limits, lattice, progress);
+}
+
+// Returns the layout of the design and those of the search. Pricing the first one tells how long the steps after the
+// growth will take.
+std::vector<WiredLayout> choices_around(const design::Design& d, const geometry::Surface& surface,
+                                        const geometry::SurfaceRegions* regions,
+                                        const std::vector<design::PlacedModule>& kept, const GrowAroundOptions& options,
+                                        TimeBudget& budget, const ProgressSink& progress) {
+  geometry::RoutingOptions routing = routing_options(d);
+  routing.threads = options.threads;
+  const double begin_s = budget.used_s();
+  std::vector<WiredLayout> choices{priced(surface, d.layout, d.limits, routing, regions)};
+  reserve_later_steps(budget, budget.used_s() - begin_s, options.threads);
+  std::vector<design::ModuleLayout> grown = budget.run("growth", 1.0, [&](double end_s) {
+    return grown_around(d, surface, regions, kept, options, budget, end_s, progress);
+  });
+  report(progress, kPricingStep, -1.0, fmt::format("{} layouts", grown.size()));
+  budget.run(kPricingStep, 1.0, [&](double end_s) {
+    routing.give_up = give_up_at(budget, end_s, options.iterations);
+    std::ranges::move(priced(surface, std::move(grown), d.limits, routing, regions, options.threads),
+                      std::back_inserter(choices));
+  });
   return choices;
 }
 
@@ -186,7 +204,7 @@ EditedDesign edit_design(const design::Design& design, const LayoutEdit& edit, c
 EditedDesign grow_around(const design::Design& design, const std::vector<int>& kept, const GrowAroundOptions& options,
                          const ProgressSink& progress) {
   const auto start = Clock::now();
-  if (!(options.time_limit_s > 0.0)) throw InputError("the time limit must be positive");
+  TimeBudget budget(options.time_limit_s);
   const std::vector<bool> searched = marked(design, kept, true);
   EditedDesign result{design, {}, {}};
   design::Design& d = result.design;
@@ -195,7 +213,8 @@ EditedDesign grow_around(const design::Design& design, const std::vector<int>& k
   design::ModuleLayout fixed = d.layout;
   result.new_id = geometry::remove_modules(fixed, searched);
   d.layout.jumpers.clear();
-  std::vector<WiredLayout> choices = choices_around(d, surface, regions.get(), fixed.modules, options, start, progress);
+  std::vector<WiredLayout> choices =
+      choices_around(d, surface, regions.get(), fixed.modules, options, budget, progress);
   const auto best = std::ranges::max_element(choices, std::less{}, &WiredLayout::value);
   const std::size_t count = best->layout.modules.size();
   d.alternatives = front_of(choices);

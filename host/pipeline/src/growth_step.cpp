@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "choose_layout.hpp"
+#include "later_steps.hpp"
 #include "triskin/lattice/grow_lattice.hpp"
 #include "wire_design.hpp"
 
@@ -14,10 +15,6 @@ namespace {
 constexpr double kMinShare = 0.1;
 // With a shorter limit all time goes into one layout: alternatives would cost modules.
 constexpr double kAlternativesFrom_s = 3.0;
-// The most valuable layouts are priced first, so what a larger share would buy is rarely taken.
-constexpr double kMaxPricingShare = 0.1;
-// Wiring divides the modules once more and analyses failures; it took up to twice as long as pricing the same layout.
-constexpr double kWiringInPricings = 2.0;
 
 // Prices a layout once, and reserves what pricing and wiring the final ones will take.
 void measure_later_steps(DesignInWork& work, const SearchedSurface& searched, const geometry::SurfaceRegions* regions,
@@ -26,11 +23,7 @@ void measure_later_steps(DesignInWork& work, const SearchedSurface& searched, co
   routing.threads = work.options.threads;
   const double begin_s = work.budget.used_s();
   (void)priced(searched.original(), first, work.options.limits, routing, regions);
-  const double pricing_s = work.budget.used_s() - begin_s;
-  const double all_layouts_s = pricing_s * std::max(1.0, geometry::kMaxFront / static_cast<double>(routing.threads));
-  work.budget.reserve(kPricingStep,
-                      std::max(pricing_s, std::min(all_layouts_s, kMaxPricingShare * work.budget.limit_s())));
-  work.budget.reserve(kWiringStep, kWiringInPricings * pricing_s);
+  reserve_later_steps(work.budget, work.budget.used_s() - begin_s, routing.threads);
 }
 
 }  // namespace

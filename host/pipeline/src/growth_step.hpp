@@ -8,10 +8,6 @@
 
 namespace triskin::pipeline {
 
-/// The growth reserves time for these steps as soon as it has a layout on which they can be measured.
-inline constexpr const char* kPricingStep = "pricing";
-inline constexpr const char* kWiringStep = "wiring";
-
 /// Grows layouts on the surface until `end_s` of the budget, or less if the steps that follow turn out to take longer,
 /// and returns them, the best first. `regions` belong to the original and may be null.
 [[nodiscard]] std::vector<design::ModuleLayout> grown_layouts(DesignInWork& work, const SearchedSurface& searched,

@@ -11,6 +11,7 @@
 #include "choose_layout.hpp"
 #include "design_in_work.hpp"
 #include "growth_step.hpp"
+#include "later_steps.hpp"
 #include "pieces_step.hpp"
 #include "searched_surface.hpp"
 #include "surface_step.hpp"
@@ -88,7 +89,7 @@ std::vector<WiredLayout> search_layouts(DesignInWork& work, const geometry::Surf
   work.budget.run(kPricingStep, 1.0, [&](double end_s) {
     geometry::RoutingOptions routing = routing_options(work.design);
     routing.threads = work.options.threads;
-    routing.give_up = work.give_up_at(end_s);
+    routing.give_up = work.deadline(end_s);
     std::ranges::move(priced(surface, std::move(grown), work.options.limits, routing, regions, work.options.threads),
                       std::back_inserter(choices));
   });

@@ -31,7 +31,7 @@ geometry::Net pieces_of(const DesignInWork& work, const geometry::Surface& surfa
   unfolding.edge_error_mm = work.options.limits.edge_error_mm;
   if (work.options.bend_radius_mm > 0.0)
     unfolding.seams = geometry::seams_along_bends(surface, work.options.bend_radius_mm);
-  unfolding.give_up = work.give_up_at(end_s);
+  unfolding.give_up = work.deadline(end_s);
   return geometry::unfold(surface, unfolding, work.progress);
 }
 
@@ -53,7 +53,7 @@ std::vector<geometry::TiledPiece> place_pieces(DesignInWork& work, const geometr
   std::vector<geometry::TiledPiece> placed;
   double area_left_mm2 = 0.0;
   for (const auto& piece : net.pieces) area_left_mm2 += geometry::polygon_area(piece.outline);
-  const auto is_late = work.give_up_at(end_s);
+  const auto is_late = work.deadline(end_s);
   for (const design::Piece& piece : net.pieces) {
     if (!placed.empty() && is_late && is_late()) break;
     const double area_mm2 = geometry::polygon_area(piece.outline);
@@ -77,7 +77,7 @@ design::ModuleLayout mapped_layout(const DesignInWork& work, const SearchedSurfa
   const geometry::DecimatedMesh* const solver = searched.solver();
   design::ModuleLayout layout = geometry::map_modules(searched.surface(), placed,
                                                       solver == nullptr ? limits : geometry::limits_on(*solver, limits),
-                                                      work.options.corner_cut_mm, regions, work.give_up_at(end_s));
+                                                      work.options.corner_cut_mm, regions, work.deadline(end_s));
   if (solver != nullptr) geometry::keep_limits(searched.original(), limits, layout, regions);
   return layout;
 }
@@ -104,7 +104,7 @@ WiredLayout layout_on_pieces(DesignInWork& work, const SearchedSurface& searched
   work.notes.pieces = static_cast<int>(mapped.modules.size());
   geometry::RoutingOptions routing = routing_options(work.design);
   routing.threads = work.options.threads;
-  routing.give_up = work.give_up_at(end_s);
+  routing.give_up = work.deadline(end_s);
   return priced(searched.original(), std::move(mapped), work.options.limits, routing, regions);
 }
 

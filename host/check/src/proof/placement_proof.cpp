@@ -21,8 +21,10 @@ constexpr double kListReach_mm = 40.0;
 constexpr int kDeepest = 26;     // One cell of the log is halved at most this often.
 constexpr int kJointEvery = 3;   // This many halvings separate two searches for contradictions.
 constexpr int kJointCredit = 6;  // After a search that helped, this many regions are searched.
-// The spare covers the rounding of the placement itself, beside its tolerance, and grows with the distance.
+// The placement itself is rounded by this much beside its tolerance, or more if it is far away.
 constexpr double kSpare_mm = 1e-9;
+// The pitch of hexagons is an irrational number, so that a gap of 0 is known to this length only.
+constexpr double kNoGap_mm = 1e-12;
 
 struct Rejected {
   std::string reason;
@@ -48,7 +50,9 @@ class Checker {
     limit_ = 200'000 + 100 * static_cast<std::int64_t>(log.cells.size());
   }
 
-  void run() {
+  // Where the bound is `proved` already, the cells only have to cover the period.
+  void run(bool proved) {
+    proved_ = proved;
     const ProofBox period{{0.0, 0.0, 0.0},
                           {polygon_.pitch_mm(), polygon_.pitch_mm() * polygon_.module().row_height.high,
                            polygon_.module().period_high_rad}};
@@ -193,33 +197,49 @@ ProofModule require_header(const ProofLog& log, const std::vector<std::array<Pla
   return module;
 }
 
-void require_placement(const ProofLog& log, const ProofPolygon& polygon) {
+// Returns the rounding of the motion, which grows with the distance.
+double rounding_of(const ProofLog& log, const ProofPolygon& polygon) {
+  const double far_mm = polygon.radius_mm() + std::hypot(log.pivot[0], log.pivot[1]);
+  return std::max(kSpare_mm, 4.0 * 0x1p-52 * far_mm);
+}
+
+void require_placement(const ProofLog& log, const ProofPolygon& polygon, double rounding_mm) {
   if (static_cast<int>(log.tiles.size()) != log.modules)
     throw Rejected{"the placement does not list as many modules as it claims"};
   if (std::set<ProofTile>(log.tiles.begin(), log.tiles.end()).size() != log.tiles.size())
     throw Rejected{"the placement lists a module twice"};
   const MotionRegion here(polygon, {log.motion, log.motion});
-  const double far_mm = polygon.radius_mm() + std::hypot(log.pivot[0], log.pivot[1]);
-  const double spare_mm = std::max(kSpare_mm, 4.0 * 0x1p-52 * far_mm);
   for (const ProofTile& t : log.tiles) {
     if (!t.up && !polygon.module().has_down) throw Rejected{"modules of this shape are never down"};
-    if (!here.holds(t, log.tolerance_mm + spare_mm))
+    if (!here.holds(t, log.tolerance_mm + rounding_mm))
       throw Rejected{fmt::format("module ({}, {}, {}) does not lie inside", t.i, t.j, t.up ? "up" : "down")};
   }
 }
 
 // Uses the shoelace formula about the first point; holes are the rings after the first.
-double area_of(const std::vector<Ring>& rings) {
-  double area = 0.0;
+Interval area_of(const std::vector<Ring>& rings) {
+  Interval area;
   for (std::size_t r = 0; r < rings.size(); ++r) {
-    double twice = 0.0;
+    Interval twice;
     for (std::size_t k = 0; k < rings[r].size(); ++k) {
       const PlanePoint &o = rings[r][0], &a = rings[r][k], &b = rings[r][(k + 1) % rings[r].size()];
-      twice += (a[0] - o[0]) * (b[1] - o[1]) - (b[0] - o[0]) * (a[1] - o[1]);
+      const auto from_first = [&o](const PlanePoint& p) {
+        return IntervalPoint{Interval(p[0]) - Interval(o[0]), Interval(p[1]) - Interval(o[1])};
+      };
+      const IntervalPoint u = from_first(a), v = from_first(b);
+      twice = twice + (u.x * v.y - v.x * u.y);
     }
-    area += (r == 0 ? 0.5 : -0.5) * std::abs(twice);
+    const bool is_clockwise = middle(twice) < 0.0;
+    const Interval size = Interval(0.5) * (is_clockwise ? -twice : twice);
+    area = r == 0 ? size : area - size;
   }
   return area;
+}
+
+// Modules of one placement do not overlap, so their areas add up to no more than the outline's.
+bool proved_by_area(const ProofLog& log, const std::vector<Ring>& rings, const ProofModule& module) {
+  const Interval one_more = Interval(log.upper_bound + 1.0) * module.area_mm2();
+  return one_more.low > area_of(rings).high;
 }
 
 std::string hash_of(const std::vector<std::array<PlanePoint, 2>>& edges) {
@@ -243,14 +263,14 @@ ProofReport said_by(const ProofLog& log, const std::vector<Ring>& rings) {
   report.cells = static_cast<std::int64_t>(log.cells.size());
   report.tolerance_mm = log.tolerance_mm;
   report.corner_cut_mm = log.corner_cut_mm;
-  report.outline_area_mm2 = area_of(rings);
+  report.outline_area_mm2 = middle(area_of(rings));
   report.outline_hash = hash_of(edge_set(rings));
   if (!log.shape) return report;
   report.shape = kProofShapeNames.name(*log.shape);
   // Facing sides of triangles move apart by 1/√3 of the growth of the pitch.
   const double wider_mm = log.pitch_mm - proof_module(*log.shape, 0.0).min_pitch_mm;
   report.gap_mm = std::max(0.0, *log.shape == ProofShape::kTriangle ? wider_mm / std::sqrt(3.0) : wider_mm);
-  if (report.gap_mm < 1e-9) report.gap_mm = 0.0;
+  if (report.gap_mm < kNoGap_mm) report.gap_mm = 0.0;
   return report;
 }
 
@@ -282,8 +302,9 @@ ProofReport evaluate(const ProofLog& log, const std::vector<Ring>& rings, const 
     require_expected(report, expected);
     const ProofPolygon polygon(edges, log.pivot, module, log.pitch_mm);
     if (polygon.radius_mm() > 1e6) throw Rejected{"the pivot lies too far from the polygon"};
-    require_placement(log, polygon);
-    Checker(log, polygon, report.regions).run();
+    report.rounding_mm = rounding_of(log, polygon);
+    require_placement(log, polygon, report.rounding_mm);
+    Checker(log, polygon, report.regions).run(proved_by_area(log, rings, module));
     report.accepted = true;
   } catch (const Rejected& r) {
     report.reason = r.reason;

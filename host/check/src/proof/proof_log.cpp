@@ -40,6 +40,11 @@ int count(const json& value, const char* what, const std::string& name) {
   return value.get<int>();
 }
 
+bool is_tile_index(const json& value) {
+  constexpr std::int64_t kMax = 100'000'000;
+  return value.is_number_integer() && value >= -kMax && value <= kMax;
+}
+
 const json& list(const json& value, const char* what, const std::string& name) {
   if (!value.is_array()) fail(name, fmt::format("{}: must be a list", what));
   return value;
@@ -214,9 +219,8 @@ ProofLog read_proof_log(const std::string& text, const std::string& name) {
   log.modules = count(member(j, "modules", name), "modules", name);
   log.upper_bound = count(member(j, "upper_bound", name), "upper_bound", name);
   for (const json& t : list(member(j, "tiles", name), "tiles", name)) {
-    if (!t.is_array() || t.size() != 3 || !t[0].is_number_integer() || !t[1].is_number_integer() ||
-        !t[2].is_number_integer())
-      fail(name, "a tile must be [i, j, up]");
+    if (!t.is_array() || t.size() != 3 || !std::ranges::all_of(t, is_tile_index))
+      fail(name, "a tile must be [i, j, up], whole numbers within ±1e8");
     log.tiles.push_back({t[0].get<int>(), t[1].get<int>(), t[2].get<int>() != 0});
   }
   (void)list(member(j, "cells", name), "cells", name);

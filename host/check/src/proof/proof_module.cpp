@@ -83,6 +83,15 @@ ProofModule hexagon() {
 
 }  // namespace
 
+Interval ProofModule::area_mm2() const {
+  Interval twice;
+  for (std::size_t k = 0; k < corner.size(); ++k) {
+    const IntervalPoint &a = corner[k], &b = corner[(k + 1) % corner.size()];
+    twice = twice + (a.x * b.y - a.y * b.x);
+  }
+  return Interval(0.5) * twice;
+}
+
 IntervalPoint ProofModule::center(const ProofTile& t, double pitch_mm) const {
   const Interval pitch(pitch_mm);
   if (!has_down) return {pitch * Interval(t.i + row_shift * t.j + 0.5), pitch * row_height * Interval(t.j + 0.5)};

@@ -23,6 +23,7 @@ struct ProofModule {
   double row_shift = 0.0;        ///< Each row is shifted by this many pitches.
   double period_high_rad = 0.0;  ///< The grid is its own image after a turn by slightly less than this.
 
+  [[nodiscard]] Interval area_mm2() const;
   [[nodiscard]] IntervalPoint center(const ProofTile& tile, double pitch_mm) const;
 };
 

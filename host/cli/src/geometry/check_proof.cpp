@@ -22,6 +22,7 @@ int run(const Options& options, Output& output) {
                    {"modules", r.modules},
                    {"upper_bound", r.upper_bound},
                    {"tolerance_mm", r.tolerance_mm},
+                   {"rounding_mm", r.rounding_mm},
                    {"shape", r.shape},
                    {"gap_mm", r.gap_mm},
                    {"corner_cut_mm", r.corner_cut_mm},
@@ -32,12 +33,13 @@ int run(const Options& options, Output& output) {
                    {"seconds", r.seconds}};
   if (r.accepted) {
     output.say(
-        fmt::format("accepted: {} {} inside, none standing over by more than {:g} mm, and no placement holds more than "
-                    "{} that do not stand over; {} cells, {:.3f} s",
-                    counted(r.modules, "module"), agreeing(r.modules, "lies", "lie"), r.tolerance_mm, r.upper_bound,
-                    r.cells, r.seconds));
+        fmt::format("accepted: {} {} inside, none standing over by more than {} mm (and {:.2g} mm for the "
+                    "rounding of the placement), and no placement holds more than {} that do not stand over; {} cells, "
+                    "{:.3f} s",
+                    counted(r.modules, "module"), agreeing(r.modules, "lies", "lie"), r.tolerance_mm, r.rounding_mm,
+                    r.upper_bound, r.cells, r.seconds));
     output.say(
-        fmt::format("modules: {}, gap {:g} mm, corner cut {:g} mm, counted without weights; outline: {:.6g} cm², {}",
+        fmt::format("modules: {}, gap {:.12g} mm, corner cut {} mm, counted without weights; outline: {:.6g} cm², {}",
                     r.shape, r.gap_mm, r.corner_cut_mm, 0.01 * r.outline_area_mm2, r.outline_hash));
   } else {
     output.say("rejected: " + r.reason);

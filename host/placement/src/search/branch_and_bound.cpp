@@ -61,6 +61,8 @@ class BranchAndBound {
     }
     const int open_bound = open_.empty() ? 0 : open_.begin()->first;
     result_.upper_bound = std::max({result_.best, open_bound, unresolved_bound_});
+    if (too_large_ && result_.stopped == SearchStop::kNone && result_.upper_bound > result_.best)
+      result_.stopped = SearchStop::kMemory;
     for (const auto& [bound, box] : tied_slices_) {
       if (bound >= result_.best) result_.tied_slices.push_back(box);
     }
@@ -195,6 +197,7 @@ class BranchAndBound {
     result_.cells += e.passes;
     result_.evaluations += e.passes;
     unresolved_bound_ = std::max(unresolved_bound_, e.unresolved_bound);
+    too_large_ = too_large_ || e.too_large;
     for (const auto& [value, motion] : e.better) take(value, motion);
     for (const Motion& m : e.as_good) {
       if (e.best == result_.best && result_.as_good.size() < kMaxAsGood) result_.as_good.push_back(m);
@@ -226,6 +229,7 @@ class BranchAndBound {
   int area_bound_ = 0;
   bool started_ = false;
   int unresolved_bound_ = 0;
+  bool too_large_ = false;
   std::int64_t closed_ = 0, open_cells_ = 0;
   double open_bytes_ = 0.0;
   SearchResult result_;

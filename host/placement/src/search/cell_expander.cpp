@@ -7,6 +7,8 @@
 namespace triskin::geometry {
 namespace {
 
+// An outline of a million modules fits into a raster of 100 MB; the raster of a needle of 100 m takes 1.2 GB.
+constexpr double kMaxRaster_bytes = 128e6;
 constexpr int kMaxPasses = 4;
 constexpr double kWorthAnotherPass = 0.7;
 constexpr int kMaxPartsOfSlice = 8, kMaxPartsOfCube = 8;  // Both values limit the parts of one child.
@@ -96,6 +98,7 @@ void CellExpander::expand(Cell cell, const Demand& demand, int best, bool keep_c
 void CellExpander::bound_slice(Cell& cell) {
   ++result_->passes;
   set_frame(cell.box);
+  if (raster_.bytes_for(frame_) > kMaxRaster_bytes) return leave_open(cell);
   raster_.scan(frame_);
   parts_ = {SliceRaster::kSteps, SliceRaster::kSteps, 1};
   Index best{};
@@ -108,6 +111,13 @@ void CellExpander::bound_slice(Cell& cell) {
   cell.promising = Motion{part.center(0), part.center(1), part.center(2)};
   cell.bound = std::min(cell.bound, raster_.count(best[0], best[1]));
   result_->children.push_back(std::move(cell));
+}
+
+void CellExpander::leave_open(const Cell& cell) {
+  result_->too_large = true;
+  result_->unresolved_bound = std::max(result_->unresolved_bound, cell.bound);
+  result_->tied_slices.emplace_back(cell.bound, cell.box);
+  close(cell.box);
 }
 
 void CellExpander::refine_slice(Cell& cell) {

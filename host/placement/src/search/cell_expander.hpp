@@ -45,6 +45,7 @@ struct Expansion {
   std::vector<std::pair<int, MotionBox>> tied_slices;
   int best = 0;              ///< as_good refers to this value.
   int unresolved_bound = 0;  ///< The parts that are too small to be split have this bound.
+  bool too_large = false;    ///< A slice was left open because its raster would take too much memory.
   int passes = 0;
 };
 
@@ -71,6 +72,7 @@ class CellExpander {
   void close(const MotionBox& box);
   void close_clipped(MotionBox whole, const MotionBox& clipped);
   void bound_slice(Cell& cell);
+  void leave_open(const Cell& cell);
   void refine_slice(Cell& cell);
   [[nodiscard]] bool closed_by_conflicts(Cell& cell, CellList& list);
   void drop_dead(CellList& list);

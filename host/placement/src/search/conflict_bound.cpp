@@ -4,14 +4,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 
 namespace triskin::geometry {
 namespace {
 
-constexpr double kOpposed = -0.999;      // Two normals with a smaller cosine count as opposed.
 constexpr double kFacing = 0.1;          // A side that faces an edge has a normal with at least this against it.
 constexpr double kMinMultiplier = 0.05;  // Smaller multipliers of three constraints magnify rounding.
 constexpr std::size_t kMaxRowsOfTile = 24;
+constexpr std::ptrdiff_t kNearest = 4;  // A tile is compared with this many tiles to either side at an opposed edge.
 
 Vec2 quarter_turn(const Vec2& v) {
   return {-v.y(), v.x()};
@@ -132,16 +133,12 @@ void ConflictBound::add_side(const CellFrame& frame, const OpenTile& tile, const
     const Vec2 p(frame.x[end], frame.y[end]);
     keep({pair.tile, pair.edge, true, -normal,
           normal.dot(p - from) - grid_.offset_mm[side] - frame.inset_mm + polygon_.rounding_mm,
-          normal.dot(quarter_turn(p - pivot_)), std::max(0.0, -normal.dot(p + pivot_)) * curve_});
+          normal.dot(quarter_turn(p - pivot_)), std::max(0.0, -normal.dot(p - pivot_)) * curve_});
   }
 }
 
 void ConflictBound::keep(const Row& row) {
   if (row.level < shift_ + std::abs(row.slope) * sigma_) rows_.push_back(row);
-}
-
-bool ConflictBound::opposed(const Row& a, const Row& b) {
-  return a.by_side == b.by_side && a.edge != b.edge && a.normal.dot(b.normal) <= kOpposed;
 }
 
 // Returns an upper bound of the tiles that can hold together by the constraints; stops below `need`.
@@ -155,7 +152,7 @@ int ConflictBound::survivors(const CellList& list, double softness, int need) {
     if (--alive < need && softness == 0.0) return alive;
   }
   if (alive < need) return alive;
-  find_conflicts(softness);
+  find_conflicts(list, softness);
   return alive - matching(list.tiles.size());
 }
 
@@ -226,37 +223,66 @@ bool ConflictBound::angles_covered() {
 }
 
 // Finds tiles that cannot hold together, at edges with opposed normals.
-void ConflictBound::find_conflicts(double softness) {
+void ConflictBound::find_conflicts(const CellList& list, double softness) {
   conflicts_.resize(dead_.size());
-  for (auto& list : conflicts_) list.clear();
-  by_edge_.clear();  // For each edge, the first rows of each tile.
-  for (std::uint32_t k = 0; k < rows_.size(); ++k) {
-    const bool continued = k > 0 && rows_[k - 1].tile == rows_[k].tile && rows_[k - 1].edge == rows_[k].edge;
-    if (!continued && dead_[rows_[k].tile] == 0) by_edge_.push_back(k);
+  for (auto& of_tile : conflicts_) of_tile.clear();
+  collect_needs(list, softness);
+  std::ranges::sort(needs_, {}, [](const Needs& n) {
+    return std::tuple(n.by_side, n.edge, n.normal.x(), n.normal.y(), n.along, n.tile);
+  });
+  std::vector<std::span<const Needs>> edges;
+  for (std::size_t first = 0, last = 0; first < needs_.size(); first = last) {
+    while (last < needs_.size() && needs_[last].at_same_edge(needs_[first])) ++last;
+    edges.emplace_back(needs_.data() + first, last - first);
   }
-  const auto end_of = [&](std::size_t k) {
-    const Row& row = rows_[k];
-    while (k < rows_.size() && rows_[k].tile == row.tile && rows_[k].edge == row.edge) ++k;
-    return k;
-  };
-  for (std::size_t m = 0; m < by_edge_.size(); ++m) {
-    for (std::size_t n = m + 1; n < by_edge_.size(); ++n) {
-      const std::uint32_t a = by_edge_[m], b = by_edge_[n];
-      if (rows_[a].tile == rows_[b].tile || !opposed(rows_[a], rows_[b])) continue;
-      if (!exclude_each_other(a, end_of(a), b, end_of(b), softness)) continue;
-      conflicts_[rows_[a].tile].push_back(rows_[b].tile);
-      conflicts_[rows_[b].tile].push_back(rows_[a].tile);
+  for (std::size_t m = 0; m < edges.size(); ++m) {
+    for (std::size_t n = m + 1; n < edges.size(); ++n) {
+      if (opposed(edges[m].front(), edges[n].front())) compare_edges(edges[m], edges[n], softness);
     }
   }
 }
 
-bool ConflictBound::exclude_each_other(std::size_t a, std::size_t a_end, std::size_t b, std::size_t b_end,
-                                       double softness) {
+// Sorts the rows of the tiles that are alive by edge and normal.
+void ConflictBound::collect_needs(const CellList& list, double softness) {
+  needs_.clear();
+  for (std::uint32_t k = 0; k < rows_.size(); ++k) {
+    const Row& row = rows_[k];
+    if (dead_[row.tile] != 0) continue;
+    const double level = row.level + softness * row.soft;
+    const bool continued = !needs_.empty() && needs_.back().last == k && needs_.back().tile == row.tile &&
+                           needs_.back().by_side == row.by_side && needs_.back().edge == row.edge &&
+                           needs_.back().normal == row.normal;
+    if (!continued) {
+      const double along = quarter_turn(row.normal).dot(list.tiles[row.tile].center);
+      needs_.push_back({row.by_side, row.edge, row.normal, along, row.tile, k, k, level});
+    }
+    needs_.back().last = k + 1;
+    needs_.back().least = std::min(needs_.back().least, level);
+  }
+}
+
+// The sum over two tiles that are far apart along the edges changes fast with the angle and rarely excludes them, so a
+// tile is compared with the nearest ones at the other edge only.
+void ConflictBound::compare_edges(std::span<const Needs> at_one, std::span<const Needs> at_other, double softness) {
+  for (const Needs& a : at_one) {
+    const auto here = std::ranges::lower_bound(at_other, -a.along, {}, &Needs::along);
+    const auto first = here - std::min<std::ptrdiff_t>(kNearest, here - at_other.begin()),
+               last = here + std::min<std::ptrdiff_t>(kNearest, at_other.end() - here);
+    for (auto b = first; b != last; ++b) {
+      if (a.tile == b->tile || !exclude_each_other(a, *b, softness)) continue;
+      conflicts_[a.tile].push_back(b->tile);
+      conflicts_[b->tile].push_back(a.tile);
+    }
+  }
+}
+
+bool ConflictBound::exclude_each_other(const Needs& a, const Needs& b, double softness) {
+  if (a.least + b.least >= 0.0) return false;  // They can hold together at the middle of the angles.
+  const double rest = (a.normal + b.normal).norm() * shift_;
   excluded_.clear();
-  for (std::size_t p = a; p < a_end; ++p) {
-    for (std::size_t q = b; q < b_end; ++q) {
-      add_sum(rows_[p].level + rows_[q].level + softness * (rows_[p].soft + rows_[q].soft) +
-                  (rows_[p].normal + rows_[q].normal).norm() * shift_,
+  for (std::size_t p = a.first; p < a.last; ++p) {
+    for (std::size_t q = b.first; q < b.last; ++q) {
+      add_sum(rows_[p].level + rows_[q].level + softness * (rows_[p].soft + rows_[q].soft) + rest,
               rows_[p].slope + rows_[q].slope);
     }
   }

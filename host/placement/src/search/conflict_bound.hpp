@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "triskin/placement/kernels/pair_kernel.hpp"
@@ -24,8 +25,8 @@ class ConflictBound {
     kNarrower,  ///< They would contradict each other in a cell with a smaller range of angles.
     kClosed     ///< Fewer than `need` tiles hold anywhere in the cell.
   };
-  /// Tells whether `need` of the tiles of `list` can hold at one motion of the cell. Cost: O(pairs + pairs of tiles at
-  /// opposed edges).
+  /// Tells whether `need` of the tiles of `list` can hold at one motion of the cell. Cost: O(n log n) for n pairs of
+  /// tile and edge, and the square of the number of edges that have opposed ones.
   Verdict judge(const CellFrame& frame, const CellList& list, int need);
   /// Returns one entry per tile of the last list: not 0 if the tile holds nowhere in the cell.
   [[nodiscard]] const std::vector<std::uint8_t>& dead() const { return dead_; }
@@ -41,6 +42,18 @@ class ConflictBound {
   struct Interval {
     double low = 0.0, high = 0.0;
   };
+  /// The rows [first, last) of one tile at one edge, all with the same normal.
+  struct Needs {
+    bool by_side = false;
+    std::uint32_t edge = 0;
+    Vec2 normal;
+    double along = 0.0;  // The place of the tile's centre along the edge, to the left of the normal.
+    std::uint32_t tile = 0, first = 0, last = 0;
+    double least = 0.0;  // No row has a lower level.
+    [[nodiscard]] bool at_same_edge(const Needs& other) const {
+      return by_side == other.by_side && edge == other.edge && normal == other.normal;
+    }
+  };
   void set_cell(const CellFrame& frame, const CellList& list);
   void collect(const CellFrame& frame, const CellList& list);
   void collect_pair(const CellFrame& frame, const OpenTile& tile, const Pair& pair, std::size_t lane);
@@ -48,18 +61,23 @@ class ConflictBound {
   void add_side(const CellFrame& frame, const OpenTile& tile, const Pair& pair, std::size_t side);
   void add_points_over_edge(const CellFrame& frame, const OpenTile& tile, const Pair& pair, double min_mm);
   void keep(const Row& row);
-  [[nodiscard]] static bool opposed(const Row& a, const Row& b);
+  [[nodiscard]] static bool opposed(const auto& a, const auto& b) {
+    return a.by_side == b.by_side && a.edge != b.edge && a.normal.dot(b.normal) <= kOpposed;
+  }
   int survivors(const CellList& list, double softness, int need);
   [[nodiscard]] bool holds_nowhere(std::size_t first, std::size_t last, double softness);
   void add_pairs_of(std::size_t first, std::size_t last, double softness);
   void add_triples_of(std::size_t first, std::size_t last, double softness);
   void add_sum(double level, double slope);
   [[nodiscard]] bool angles_covered();
-  void find_conflicts(double softness);
-  [[nodiscard]] bool exclude_each_other(std::size_t a, std::size_t a_end, std::size_t b, std::size_t b_end,
-                                        double softness);
+  void find_conflicts(const CellList& list, double softness);
+  void collect_needs(const CellList& list, double softness);
+  void compare_edges(std::span<const Needs> at_one, std::span<const Needs> at_other, double softness);
+  [[nodiscard]] bool exclude_each_other(const Needs& a, const Needs& b, double softness);
   [[nodiscard]] int matching(std::size_t tiles);
   bool augment(std::uint32_t tile);
+
+  static constexpr double kOpposed = -0.999;  // Two normals with a smaller cosine count as opposed.
 
   const PreparedPolygon& polygon_;
   const TileGrid& grid_;
@@ -71,7 +89,7 @@ class ConflictBound {
   std::vector<Row> rows_;  // Rows of one tile are consecutive.
   std::vector<std::uint8_t> dead_;
   std::vector<Interval> excluded_;  // These intervals of sigma are excluded.
-  std::vector<std::uint32_t> by_edge_;
+  std::vector<Needs> needs_;
   std::vector<std::vector<std::uint32_t>> conflicts_;  // Each tile lists the tiles with which it cannot hold.
   std::vector<std::int32_t> side_, mate_;
   std::vector<std::uint8_t> seen_;

@@ -21,6 +21,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr double kMaxCellText_bytes = 150.0;  // A cell is six numbers of up to 24 characters.
+// Where all modules of an exact fit hold within half the tolerance, the middle of a cell of this size, as a share of
+// the tolerance, holds them within the tolerance, pads included.
+constexpr double kResolution = 1.0 / 32.0;
 constexpr double kMaxRadius_mm = 1e6;
 constexpr double kMaxTiles = 1e6;
 // Beyond this fraction of the inradius, the rest of a module is not worth the search.
@@ -115,6 +118,7 @@ struct Placing {
   void certify_count() {
     const SearchGoal goal{.inset_mm = 0.0,
                           .tolerance_mm = options.tolerance_mm,
+                          .resolution_mm = std::min(SearchGoal{}.resolution_mm, kResolution * options.tolerance_mm),
                           .known = 0,
                           .closed = proof_sink(),
                           .raise = {},

@@ -27,6 +27,12 @@ class SliceRaster {
 
   SliceRaster(const PreparedPolygon& polygon, const TileGrid& grid) : polygon_(polygon), grid_(grid), edges_(polygon) {}
 
+  /// Returns the memory that scan() and collect() of this frame take. It grows with the box around the moved polygon,
+  /// so a needle on the slant takes most.
+  [[nodiscard]] double bytes_for(const CellFrame& frame) {
+    set_window(frame);
+    return static_cast<double>(sizeof(std::uint32_t)) * words_ * rows_ * static_cast<double>(kLayers) * grid_.kinds;
+  }
   /// `frame` belongs to the slice, which has all translations of one lattice period. Counts the tiles that may hold in
   /// each part; a bound needs no more.
   void scan(const CellFrame& frame);
