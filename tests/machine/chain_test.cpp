@@ -95,6 +95,32 @@ TEST_F(SwitchedBench, the_image_finds_every_joint_and_reads_every_module) {
   expect_no_violation();
 }
 
+// Checking the chain and keeping the route costs the core little beside reading sixteen modules, which both patches do
+// at the same rate.
+TEST_F(SwitchedBench, route_keeping_costs_few_cycles) {
+  const auto instructions_per_second = [this] {
+    constexpr std::uint64_t kRun_us = 3'000'000;
+    run_for(500'000);
+    const std::uint64_t before = machine->counts().instructions;
+    run_for(kRun_us);
+    return static_cast<double>(machine->counts().instructions - before) * 1e6 / static_cast<double>(kRun_us);
+  };
+  std::mt19937_64 random(31);
+  const design::Design design = test::random_design(16, random);
+  power_up_on(design);
+  const double switched = instructions_per_second();
+  EXPECT_EQ(read_rows(), all_of(design));
+  store_table(patch(16));
+  power_up();
+  run_for(kSetUp_us);
+  const double strapped = instructions_per_second();
+  std::printf(
+      "16 modules at 36.9 ms: %.2f million instructions a second with switched modules, %.2f with strapped ones\n",
+      switched / 1e6, strapped / 1e6);
+  EXPECT_GT(switched, strapped);
+  EXPECT_LT(switched - strapped, 0.05 * static_cast<double>(machine->sysclk_hz())) << "a twentieth of the core";
+}
+
 TEST_F(SwitchedBench, forty_random_patches_are_found_within_50_ms) {
   std::mt19937_64 random(33);
   std::uint32_t slowest_us = 0;
