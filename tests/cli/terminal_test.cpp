@@ -156,7 +156,9 @@ TEST_F(Bars, stay_in_one_line_and_vanish) {
     const std::vector<std::string> bars = bars_of(text);
     ASSERT_FALSE(bars.empty());
     for (const std::string& bar : bars) EXPECT_LT(letters_of(bar), static_cast<std::size_t>(columns)) << bar;
-    if (columns > 60) EXPECT_THAT(bars, testing::Contains(testing::ContainsRegex("\\] [0-9]+ s left, "))) << text;
+    if (columns > 60) {
+      EXPECT_THAT(bars, testing::Contains(testing::ContainsRegex("\\] [0-9]+ s left, "))) << text;
+    }
     Screen screen(static_cast<std::size_t>(columns), 50);
     screen.write(text);
     EXPECT_THAT(screen.lines(), Each(Not(HasSubstr("[#")))) << text;

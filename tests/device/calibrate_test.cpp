@@ -15,6 +15,7 @@
 
 #include "fixture.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/base/interrupt.hpp"
 #include "triskin/design/tile.hpp"
 #include "triskin/session/controller_calibration.hpp"
 #include "triskin/session/stream.hpp"

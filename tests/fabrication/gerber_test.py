@@ -68,7 +68,8 @@ class Raster:
 def rectangle(x, y, width, height, turn=0.0):
     c, s = math.cos(turn), math.sin(turn)
     return [(x + c * u - s * v, y + s * u + c * v)
-            for u, v in ((width / 2, height / 2), (-width / 2, height / 2), (-width / 2, -height / 2), (width / 2, -height / 2))]
+            for u, v in ((width / 2, height / 2), (-width / 2, height / 2), (-width / 2, -height / 2),
+                         (width / 2, -height / 2))]
 
 
 def draw_board(root, layer, raster):
@@ -102,7 +103,8 @@ def draw_shape(shape, raster):
     if kind == "circle":
         raster.line((shape["cx"], shape["cy"]), (shape["cx"], shape["cy"]), shape["r"])
     elif kind == "rectangle":
-        raster.polygon(rectangle(shape["x"] + shape["xSize"] / 2, shape["y"] + shape["ySize"] / 2, shape["xSize"], shape["ySize"]))
+        width, height = shape["xSize"], shape["ySize"]
+        raster.polygon(rectangle(shape["x"] + width / 2, shape["y"] + height / 2, width, height))
     elif kind == "polygon":
         raster.polygon([tuple(p) for p in shape["points"]])
     elif kind == "layeredShape":
