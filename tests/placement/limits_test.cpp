@@ -109,7 +109,8 @@ TEST(Radius, what_doubles_cannot_resolve_is_refused_with_a_reason) {
   EXPECT_EQ(refusal(away, 1e-6), "");
 }
 
-// At most angles the raster of the needle would take more than a gigabyte; those stay open, and the others give a value.
+// At most angles the raster of the needle would take more than a gigabyte; those stay open, and the others give a
+// value.
 TEST(Radius, a_needle_of_100_m_ends_with_an_open_bound_that_its_log_proves) {
   Polygon needle;
   needle.outer = {{0, 0}, {1e5, 0}, {1e5, 40}, {0, 40}};

@@ -219,7 +219,8 @@ TEST(Proof, a_bound_by_area_needs_no_list_of_modules) {
   EXPECT_EQ(report.regions, 0);
 }
 
-// 12,000 mm² have room for 30 modules. A smaller bound takes regions, and every bound takes cells that cover the period.
+// 12,000 mm² have room for 30 modules. A smaller bound takes regions, and every bound takes cells that cover the
+// period.
 TEST(Proof, the_area_proves_no_smaller_bound_and_no_gap_between_cells) {
   const Polygon p = strip(300.0);
   const auto report = [&](const json& log) { return check::check_placement_proof_text(log.dump(), geojson(p)); };

@@ -120,8 +120,8 @@ EditedDesign unchanged(const design::Design& design) {
 std::vector<design::ModuleLayout> grown_around(const design::Design& d, const geometry::Surface& surface,
                                                const geometry::SurfaceRegions* regions,
                                                const std::vector<design::PlacedModule>& kept,
-                                               const GrowAroundOptions& options, const TimeBudget& budget,
-                                               double end_s, const ProgressSink& progress) {
+                                               const GrowAroundOptions& options, const TimeBudget& budget, double end_s,
+                                               const ProgressSink& progress) {
   geometry::SurfaceLatticeOptions lattice;
   lattice.seed = d.seed;
   lattice.iterations = options.iterations;

@@ -25,8 +25,8 @@ class ConflictBound {
     kNarrower,  ///< They would contradict each other in a cell with a smaller range of angles.
     kClosed     ///< Fewer than `need` tiles hold anywhere in the cell.
   };
-  /// Tells whether `need` of the tiles of `list` can hold at one motion of the cell. Cost: O(n log n) for n pairs of tile
-  /// and edge, and the square of the number of edges that have opposed ones.
+  /// Tells whether `need` of the tiles of `list` can hold at one motion of the cell. Cost: O(n log n) for n pairs of
+  /// tile and edge, and the square of the number of edges that have opposed ones.
   Verdict judge(const CellFrame& frame, const CellList& list, int need);
   /// Returns one entry per tile of the last list: not 0 if the tile holds nowhere in the cell.
   [[nodiscard]] const std::vector<std::uint8_t>& dead() const { return dead_; }

@@ -21,8 +21,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr double kMaxCellText_bytes = 150.0;  // A cell is six numbers of up to 24 characters.
-// Where all modules of an exact fit hold within half the tolerance, the middle of a cell of this size, as a share of the
-// tolerance, holds them within the tolerance, pads included.
+// Where all modules of an exact fit hold within half the tolerance, the middle of a cell of this size, as a share of
+// the tolerance, holds them within the tolerance, pads included.
 constexpr double kResolution = 1.0 / 32.0;
 constexpr double kMaxRadius_mm = 1e6;
 constexpr double kMaxTiles = 1e6;

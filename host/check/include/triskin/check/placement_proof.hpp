@@ -16,9 +16,9 @@ struct ProofReport {
   // The claims refer to these values, as the log states them.
   /// The modules of the placement may overhang by this much and by `rounding_mm`; those of the bound may not at all.
   double tolerance_mm = 0.0;
-  double rounding_mm = 0.0;  ///< The motion of the placement is written down this exactly.
-  std::string shape;    ///< The shape is triangle, square or hexagon.
-  double gap_mm = 0.0;  ///< Facing sides of modules keep this free space.
+  double rounding_mm = 0.0;       ///< The motion of the placement is written down this exactly.
+  std::string shape;              ///< The shape is triangle, square or hexagon.
+  double gap_mm = 0.0;            ///< Facing sides of modules keep this free space.
   double corner_cut_mm = 0.0;     ///< This length is cut off along each side from every corner.
   std::string weights = "none";   ///< A proof is always about the number of modules.
   double outline_area_mm2 = 0.0;  ///< The area is that of the polygon in the file, less its holes.
