@@ -225,8 +225,9 @@ TEST(Proof, the_area_proves_no_smaller_bound_and_no_gap_between_cells) {
   const Polygon p = strip(300.0);
   const auto report = [&](const json& log) { return check::check_placement_proof_text(log.dump(), geojson(p)); };
   EXPECT_EQ(report(log_of_one_cell(p, 30)).regions, 0);
-  EXPECT_TRUE(report(log_of_one_cell(p, 29)).accepted);
-  EXPECT_GT(report(log_of_one_cell(p, 29)).regions, 0);
+  const auto below = report(log_of_one_cell(p, 29));
+  EXPECT_TRUE(below.accepted) << below.reason;
+  EXPECT_GT(below.regions, 0);
   json log = log_of_one_cell(p, 30);
   log["cells"][0][5] = 1.0;
   EXPECT_FALSE(report(log).accepted);
