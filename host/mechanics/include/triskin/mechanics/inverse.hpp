@@ -45,8 +45,8 @@ struct InverseResult {
 /// 1. Starts: the strongest taxel, and forces on a grid about the pressed taxels, none negative, that explain the
 ///    displacements (non-negative least squares on the influence of a small punch), joined if they are neighbours.
 /// 2. Gauss-Newton with damping on position, force and tip radius of all contacts, with the forward model of the table:
-///    displacements of the contacts add up, and a taxel is the mean of h / (h − u) over its disc. The lowest minimum
-///    of all starts wins.
+///    displacements of the contacts add up, and a taxel is the mean of h / (h − u) over its disc. Of the minima that
+///    the starts lead to, the one that holds most probability wins; without a stated noise, the lowest.
 /// 3. A likelihood-ratio test adds contacts one by one; noise passes for one more with a probability of 0.001 at most.
 ///
 /// Estimates and deviations are those of the posterior: of the Gauss-Newton matrix where the objective is a parabola,
