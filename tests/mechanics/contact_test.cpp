@@ -193,18 +193,6 @@ TEST_P(Range, TableIsWithinHalfAPercent) {
   }
 }
 
-// A punch of 50 mm is the widest that is asked of a layer of 1 mm.
-TEST_P(Range, TableReachesFiftyThicknesses) {
-  const Layer layer{1.0, GetParam(), 100.0};
-  const Indenter punch{Shape::kFlatPunch, 50.0};
-  const Contact exact = press_bonded(layer, punch, 20.0), looked_up = ContactTable(layer).press(punch, 20.0);
-  EXPECT_NEAR(looked_up.indentation_mm / exact.indentation_mm, 1.0, 5e-3);
-  EXPECT_NEAR(looked_up.peak_pressure_kpa / exact.peak_pressure_kpa, 1.0, 5e-3);
-  const double peak = taxel_dc_over_c(layer, exact, 0.0);
-  for (const double r : {0.0, 40.0, 49.0, 51.0, 53.0})
-    EXPECT_NEAR(taxel_dc_over_c(layer, looked_up, r), taxel_dc_over_c(layer, exact, r), 5e-3 * peak) << r;
-}
-
 INSTANTIATE_TEST_SUITE_P(Poisson, Range, testing::Values(0.0, 0.3, 0.49));
 
 void expect_refused(Level level, const Layer& layer, const Indenter& indenter, double force, const char* words) {

@@ -201,41 +201,6 @@ TEST_F(Inverse, CountsTwoContactsAndNone) {
   EXPECT_TRUE(find_contacts(table, {}, {}).contacts.empty());
 }
 
-// A wide contact looks much like two smaller ones that overlap, which rigid tips cannot do.
-TEST_F(Inverse, TwoContactsDoNotOverlap) {
-  const auto taxels = lattice();
-  const std::vector<ContactEstimate> wide = {tip(26.0, 21.0, 1.0, 40.0)};
-  const auto values = predict_taxels(table, taxels, wide);
-  const InverseResult two = find_contacts(table, observed(taxels, values), {.noise_dc_over_c = 0.01, .contacts = 2});
-  ASSERT_EQ(two.contacts.size(), 2U);
-  const ContactEstimate &a = two.contacts[0], &b = two.contacts[1];
-  const double apart = (a.position_mm - b.position_mm).norm() - a.contact_radius_mm - b.contact_radius_mm;
-  EXPECT_GT(apart, -1.0);
-}
-
-// Samples of one contact that a single taxel feels must not spoil another one that many taxels feel.
-TEST_F(Inverse, AWideContactBesideASmallOneKeepsItsAccuracy) {
-  const auto taxels = lattice();
-  const std::vector<ContactEstimate> contacts = {tip(26.0, 21.0, 1.4, 43.0), tip(39.5, 29.0, 0.12, 5.0)};
-  const auto exact = predict_taxels(table, taxels, contacts);
-  std::mt19937_64 engine(11);
-  std::normal_distribution<double> noise(0.0, 0.01);
-  int within = 0;
-  constexpr int kDraws = 8;
-  for (int draw = 0; draw < kDraws; ++draw) {
-    auto values = exact;
-    for (double& v : values) v += noise(engine);
-    const InverseResult result = find_contacts(table, observed(taxels, values), {.noise_dc_over_c = 0.01});
-    ASSERT_EQ(result.contacts.size(), 2U);
-    EXPECT_LT((result.contacts[0].position_mm - contacts[0].position_mm).norm(), 0.5);
-    EXPECT_NEAR(result.contacts[0].force_n, 1.4, 0.14);
-    const ContactEstimate& small = result.contacts[1];
-    const Eigen::Array2d offset = small.position_mm - contacts[1].position_mm;
-    within += static_cast<int>((offset.abs() < 1.96 * small.position_sd_mm.array()).count());
-  }
-  EXPECT_GT(within, 0.8 * 2 * kDraws);
-}
-
 // One pressed taxel cannot separate place, force and radius, so the deviations must be wide.
 TEST_F(Inverse, SinglePressedTaxelHasWideDeviations) {
   const std::vector<Eigen::Vector2d> taxels = {{0, 0}, {12, 0}, {-12, 0}, {0, 12}, {0, -12}};

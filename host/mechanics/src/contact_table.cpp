@@ -157,9 +157,7 @@ Contact ContactTable::press(const Indenter& indenter, double force) const {
   if (indenter.shape == Shape::kFlatPunch) {
     const double radius = indenter.radius_mm / impl_->layer.thickness_mm;
     if (radius < kMinTableRadius || radius > kMaxTableRadius)
-      throw InputError(
-          fmt::format("contact: the punch is outside of the table ({} … {} thicknesses); use the level fft",
-                      kMinTableRadius, kMaxTableRadius));
+      throw InputError("contact: the punch is outside of the table (0.03 … 40 thicknesses); use the level fft");
     const TableRow row = impl_->row(indenter, radius, true);
     return impl_->contact(indenter, radius, row.scaled(scaled / row.force), force);
   }
@@ -168,9 +166,9 @@ Contact ContactTable::press(const Indenter& indenter, double force) const {
   };
   const double low = std::log(kMinTableRadius), high = std::log(impl_->max_radius(indenter));
   if (excess(low) > 0.0 || excess(high) < 0.0)
-    throw InputError(fmt::format(
-        "contact: its radius is outside of the table ({} … {} thicknesses, {} of a sphere); use the level fft",
-        kMinTableRadius, kMaxTableRadius, kMaxSphereRatio));
+    throw InputError(
+        "contact: its radius is outside of the table (0.03 … 40 thicknesses, 0.95 of a sphere); "
+        "use the level fft");
   const double radius = std::exp(root_between(low, high, excess, 1e-9));
   return impl_->contact(indenter, radius, impl_->row(indenter, radius, true), force);
 }

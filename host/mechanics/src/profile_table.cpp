@@ -11,7 +11,7 @@
 namespace triskin::mechanics {
 namespace {
 
-constexpr int kRadii = 46;
+constexpr int kRadii = 44;
 constexpr int kOutsideIntervals = 56;
 constexpr int kInsideIntervals = 40;
 

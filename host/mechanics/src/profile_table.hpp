@@ -8,7 +8,7 @@ namespace triskin::mechanics {
 
 /// The tables cover these contact radii, and profiles reach this far from the edge, in thicknesses of the layer.
 inline constexpr double kMinTableRadius = 0.03;
-inline constexpr double kMaxTableRadius = 60.0;
+inline constexpr double kMaxTableRadius = 40.0;
 inline constexpr double kProfileReach = 16.0;
 
 /// Stores the effect of one gap at one contact radius. Profiles are sampled at the points of profile_points().

@@ -10,7 +10,7 @@ namespace triskin::mechanics {
 /// a sum of r², r⁴ and r⁶, and the solution at a fixed radius is linear in the gap; so one table serves all radii,
 /// forces and moduli. Contacts that are 0.7 h or more apart may be superposed by adding their displacements.
 ///
-/// The error against press_bonded() is below 0.5 % for contact radii of 0.03 … 60 thicknesses and a sphere that is
+/// The error against press_bonded() is below 0.5 % for contact radii of 0.03 … 40 thicknesses and a sphere that is
 /// pressed in to no more than 0.8 of its radius (tests/mechanics). Cost: the table takes 0.3 … 1 s to make, when a
 /// round contact or a line is first asked for; a look-up some 20 µs. Thread-safe.
 class ContactTable {
