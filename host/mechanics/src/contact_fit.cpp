@@ -7,10 +7,14 @@
 #include <limits>
 #include <utility>
 
+#include "contact_overlap.hpp"
+
 namespace triskin::mechanics {
 namespace {
 
 constexpr double kMaxDamping = 1e8;
+// Around a single taxel the matrix does not bound the place.
+constexpr double kWidestPlace_mm = 2.0;
 constexpr double kMaxMove_mm = 3.0, kMaxLogMove = 0.7;
 
 Eigen::VectorXd limited(Eigen::VectorXd step) {
@@ -18,6 +22,11 @@ Eigen::VectorXd limited(Eigen::VectorXd step) {
   for (Eigen::Index i = 0; i < step.size(); ++i)
     longest = std::max(longest, std::abs(step[i]) / (i % kParametersPerContact < 2 ? kMaxMove_mm : kMaxLogMove));
   return longest > 1.0 ? Eigen::VectorXd(step / longest) : step;
+}
+
+double prior_of(const FitProblem& problem, std::span<const FitContact> contacts, const TaxelResponse& response) {
+  return prior_objective(problem.priors, problem.model.positions_mm(), contacts) +
+         overlap_objective(problem.priors, contacts, response);
 }
 
 class Search {
@@ -30,13 +39,12 @@ class Search {
     auto response = problem_.model.respond(contacts, true);
     if (!response) return false;
     const Eigen::VectorXd residual = response->values - problem_.observed;
-    const double objective =
-        residual.squaredNorm() * weight() + prior_objective(problem_.priors, problem_.model.positions_mm(), contacts);
+    const double objective = residual.squaredNorm() * weight() + prior_of(problem_, contacts, *response);
     if (!(objective < objective_)) return false;
     at_ = place;
     objective_ = objective;
     residual_ = residual;
-    derivatives_ = std::move(response->derivatives);
+    response_ = *std::move(response);
     return true;
   }
   // Makes one accepted step; returns false when there is no better place.
@@ -62,9 +70,12 @@ class Search {
  private:
   [[nodiscard]] double weight() const { return 1.0 / (problem_.noise * problem_.noise); }
   [[nodiscard]] std::pair<Eigen::MatrixXd, Eigen::VectorXd> normal_equations() const {
-    Eigen::MatrixXd matrix = derivatives_.transpose() * derivatives_ * weight();
-    Eigen::VectorXd half_gradient = derivatives_.transpose() * residual_ * weight();
-    add_prior(problem_.priors, problem_.model.positions_mm(), contacts_from(at_), matrix, half_gradient);
+    const Eigen::MatrixXd& slopes = response_.derivatives;
+    Eigen::MatrixXd matrix = slopes.transpose() * slopes * weight();
+    Eigen::VectorXd half_gradient = slopes.transpose() * residual_ * weight();
+    const std::vector<FitContact> contacts = contacts_from(at_);
+    add_prior(problem_.priors, problem_.model.positions_mm(), contacts, matrix, half_gradient);
+    add_overlap(problem_.priors, contacts, response_, matrix, half_gradient);
     for (const Eigen::Index k : frozen_) {
       matrix.row(k).setZero();
       matrix.col(k).setZero();
@@ -79,7 +90,7 @@ class Search {
   double damping_ = 1e-3;
   double objective_ = std::numeric_limits<double>::infinity();
   Eigen::VectorXd at_, residual_;
-  Eigen::MatrixXd derivatives_;
+  TaxelResponse response_;
 };
 
 }  // namespace
@@ -110,11 +121,23 @@ std::optional<Fit> fit_contacts(const FitProblem& problem, const std::vector<Fit
   return search.result();
 }
 
-double posterior_objective(const FitProblem& problem, std::span<const FitContact> contacts) {
+double evidence_objective(const Fit& fit) {
+  Eigen::MatrixXd precision = fit.precision;
+  for (Eigen::Index k = 0; k < precision.rows(); k += kParametersPerContact)
+    precision.diagonal().segment<2>(k).array() += 1.0 / (kWidestPlace_mm * kWidestPlace_mm);
+  const Eigen::VectorXd squares = precision.ldlt().vectorD();
+  return fit.objective + squares.array().max(std::numeric_limits<double>::min()).log().sum();
+}
+
+Objective objective_of(const FitProblem& problem, std::span<const FitContact> contacts) {
   const auto response = problem.model.respond(contacts, false);
-  if (!response) return std::numeric_limits<double>::infinity();
-  return (response->values - problem.observed).squaredNorm() / (problem.noise * problem.noise) +
-         prior_objective(problem.priors, problem.model.positions_mm(), contacts);
+  if (!response) return {};
+  const double misfit = (response->values - problem.observed).squaredNorm() / (problem.noise * problem.noise);
+  return {misfit, prior_of(problem, contacts, *response)};
+}
+
+double posterior_objective(const FitProblem& problem, std::span<const FitContact> contacts) {
+  return objective_of(problem, contacts).total();
 }
 
 }  // namespace triskin::mechanics

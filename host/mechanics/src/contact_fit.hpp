@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <Eigen/Core>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -18,6 +19,10 @@ struct Fit {
   double objective = 0.0;     // The objective sums (residual / noise)² and the priors.
 };
 
+/// Returns twice the negative logarithm of the probability about an optimum (Laplace's approximation), up to a constant
+/// that is equal for equal numbers of contacts: a broad optimum holds more than a narrow one that is a little lower.
+[[nodiscard]] double evidence_objective(const Fit& fit);
+
 /// A fit needs this model, the observations and the priors.
 struct FitProblem {
   const TaxelModel& model;
@@ -30,6 +35,14 @@ struct FitProblem {
 /// nothing if the start itself is impossible.
 [[nodiscard]] std::optional<Fit> fit_contacts(const FitProblem& problem, const std::vector<FitContact>& start,
                                               int max_steps = 60, std::span<const Eigen::Index> frozen = {});
+
+/// Twice the negative logarithm of the posterior, up to a constant, is the sum of two parts: how far the taxels are
+/// from their values, and how unlikely the contacts are by themselves. Impossible contacts have an infinite misfit.
+struct Objective {
+  double misfit = std::numeric_limits<double>::infinity(), prior = 0.0;
+  [[nodiscard]] double total() const { return misfit + prior; }
+};
+[[nodiscard]] Objective objective_of(const FitProblem& problem, std::span<const FitContact> contacts);
 
 /// Returns twice the negative logarithm of the posterior of `contacts`, up to a constant; infinite if they are
 /// impossible.

@@ -11,6 +11,8 @@
 namespace triskin::mechanics {
 namespace {
 
+// The deviation of an overlap is this share of the thickness.
+constexpr double kOverlapShare = 0.2;
 // Keeps the matrix regular if a contact moves no taxel; the gradient does not include it.
 constexpr double kRidgePerMm2 = 1.0 / (20.0 * 20.0);
 
@@ -34,6 +36,7 @@ double square(double x) {
 
 FitPriors priors_for(const Layer& layer) {
   FitPriors priors;
+  priors.overlap_sd_mm = kOverlapShare * layer.thickness_mm;
   const double depth = layer.thickness_mm / 4.0;
   const double stiffness = confined_modulus_kpa(layer) / layer.thickness_mm / kKpaMm2PerN;
   priors.log_force = std::log(std::numbers::pi * std::exp(priors.log_radius) * depth * depth * stiffness);

@@ -17,6 +17,7 @@ struct FitPriors {
   // Contacts lie near taxels: there is no preference up to the first distance from the nearest one, and a normal
   // distribution beyond.
   double free_distance_mm = 2.0, distance_sd_mm = 4.0;
+  double overlap_sd_mm = 0.4;  // Contacts do not overlap; their radii err by this much where the layer is superposed.
 };
 
 /// Returns the priors of a layer: the expected force presses a tip of 12 mm by a quarter of the thickness into columns.

@@ -25,7 +25,9 @@ constexpr double kSignalShare = 0.02, kSignalDeviations = 3.5;
 constexpr double kKnownRadiusSd = 1e-3;
 // Each start gets this many steps; only the best fits then continue to their minimum.
 constexpr int kFirstSteps = 8;
-constexpr std::size_t kFinalists = 3;
+constexpr std::size_t kFinalists = 4;
+// Starts that have come this close to each other lead to the same minimum.
+constexpr double kSameMinimum_mm = 0.5;
 // If one more contact gains less than this fraction of what it should, no further one is tried, because that would have
 // to gain the rest.
 constexpr double kHopelessShare = 0.5;
@@ -62,6 +64,25 @@ std::vector<ForceGuess> merged(std::vector<ForceGuess> guesses, std::size_t coun
   return guesses;
 }
 
+bool is_same_minimum(const Fit& a, const Fit& b) {
+  for (std::size_t c = 0; c < a.contacts.size(); ++c) {
+    if ((a.contacts[c].position_mm - b.contacts[c].position_mm).norm() > kSameMinimum_mm) return false;
+  }
+  return true;
+}
+
+// Returns the most promising fits, each on its way to another minimum.
+std::vector<Fit> finalists(std::vector<Fit> fits) {
+  std::sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) { return a.objective < b.objective; });
+  std::vector<Fit> chosen;
+  for (Fit& fit : fits) {
+    if (chosen.size() == kFinalists) break;
+    if (std::none_of(chosen.begin(), chosen.end(), [&](const Fit& other) { return is_same_minimum(fit, other); }))
+      chosen.push_back(std::move(fit));
+  }
+  return chosen;
+}
+
 class ContactSearch {
  public:
   ContactSearch(const TaxelModel& model, const Eigen::VectorXd& observed, const InverseOptions& options, Effort effort)
@@ -93,7 +114,7 @@ class ContactSearch {
   [[nodiscard]] std::optional<Fit> best_fit(const Starts& starts) const;
   [[nodiscard]] Fit search() const;
   [[nodiscard]] Fit with_found_noise(Fit fit) const;
-  [[nodiscard]] InverseResult report(const Fit& fit) const;
+  [[nodiscard]] InverseResult report(Fit fit) const;
   [[nodiscard]] double found_noise(const Fit& fit) const;
 
   const TaxelModel& model_;
@@ -192,13 +213,14 @@ std::optional<Fit> ContactSearch::best_fit(const Starts& starts) const {
   for (const std::vector<FitContact>& start : starts) {
     if (auto fit = first_fit(start)) fits.push_back(*std::move(fit));
   }
-  const auto by_objective = [](const Fit& a, const Fit& b) { return a.objective < b.objective; };
-  std::sort(fits.begin(), fits.end(), by_objective);
-  if (fits.size() > kFinalists) fits.resize(kFinalists);
+  fits = finalists(std::move(fits));
   for (Fit& fit : fits) {
     if (auto further = fit_contacts(problem(noise_), fit.contacts)) fit = *std::move(further);
   }
-  const auto best = std::min_element(fits.begin(), fits.end(), by_objective);
+  // The width of a minimum means something if the noise is known.
+  const auto rank = [&](const Fit& fit) { return options_.noise_dc_over_c ? evidence_objective(fit) : fit.objective; };
+  const auto best =
+      std::min_element(fits.begin(), fits.end(), [&](const Fit& a, const Fit& b) { return rank(a) < rank(b); });
   return best == fits.end() ? std::nullopt : std::optional<Fit>(*best);
 }
 
@@ -209,13 +231,13 @@ double ContactSearch::found_noise(const Fit& fit) const {
   return std::sqrt(fit.residual_sum / std::max(1.0, freedom));
 }
 
-InverseResult ContactSearch::report(const Fit& fit) const {
+InverseResult ContactSearch::report(Fit fit) const {
+  const std::vector<ContactMoments> moments =
+      effort_ == Effort::kFull ? posterior_moments(problem(fit.noise), fit) : ridge_moments(problem(fit.noise), fit);
   InverseResult result;
   result.noise_dc_over_c = found_noise(fit);
   result.residual_dc_over_c =
       std::sqrt(fit.residual_sum / static_cast<double>(std::max<Eigen::Index>(1, observed_.size())));
-  const std::vector<ContactMoments> moments =
-      effort_ == Effort::kFull ? posterior_moments(problem(fit.noise), fit) : ridge_moments(problem(fit.noise), fit);
   for (std::size_t c = 0; c < fit.contacts.size(); ++c) {
     const ContactMoments& m = moments[c];
     const FitContact& k = fit.contacts[c];

@@ -9,7 +9,7 @@
 #include <memory>
 #include <optional>
 
-#include "contact_ridge.hpp"
+#include "contact_chain.hpp"
 #include "triskin/base/dice.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/mechanics/inverse.hpp"

@@ -19,7 +19,8 @@ constexpr double kMinShare = 1e-5;
 // At this distance from its edge, in thicknesses, a contact bends the surface only gently.
 constexpr double kSmoothThicknesses = 0.3;
 constexpr double kLogStep = 1e-3;
-constexpr std::size_t kRemembered = 16;
+// The copies of a tempered chain return to the profiles of their contacts after every refused step.
+constexpr std::size_t kRemembered = 64;
 // This near to the axis the displacement has no slope.
 constexpr double kCentre_mm = 1e-9;
 constexpr double kMaxIndentationShare = 0.999;
@@ -50,6 +51,7 @@ struct TaxelModel::Profiles {
   bool has_derivatives;
   SampledProfile displacement, more_force, less_force, more_radius, less_radius;
   double contact_radius_mm = 0.0, reach_mm = 0.0;
+  Eigen::RowVector2d radius_slope_mm = Eigen::RowVector2d::Zero();
 };
 
 TaxelModel::TaxelModel(const ContactTable& table, std::vector<Eigen::Vector2d> positions_mm, double disc_radius_mm)
@@ -63,16 +65,19 @@ TaxelModel::SharedProfiles TaxelModel::profiles_of(const FitContact& contact, bo
   const Contact pressed = press_tip(table_, f, r);
   const double reach = pressed.contact_radius_mm + kReachThicknesses * table_.layer().thickness_mm;
   const auto sample = [&](const Contact& c) { return SampledProfile(*c.field, reach); };
-  const auto pressed_by = [&](double force, double radius) { return sample(press_tip(table_, force, radius)); };
-  auto profiles =
-      std::make_shared<Profiles>(Profiles{f, r, with_derivatives, sample(pressed), {}, {}, {}, {}, 0.0, 0.0});
+  auto profiles = std::make_shared<Profiles>(Profiles{f, r, with_derivatives, sample(pressed), {}, {}, {}, {}});
   profiles->contact_radius_mm = pressed.contact_radius_mm;
   profiles->reach_mm = profiles->displacement.reach_mm();
   if (with_derivatives) {
-    profiles->more_force = pressed_by(f + kLogStep, r);
-    profiles->less_force = pressed_by(f - kLogStep, r);
-    profiles->more_radius = pressed_by(f, r + kLogStep);
-    profiles->less_radius = pressed_by(f, r - kLogStep);
+    const Contact more_force = press_tip(table_, f + kLogStep, r), less_force = press_tip(table_, f - kLogStep, r);
+    const Contact more_radius = press_tip(table_, f, r + kLogStep), less_radius = press_tip(table_, f, r - kLogStep);
+    profiles->more_force = sample(more_force);
+    profiles->less_force = sample(less_force);
+    profiles->more_radius = sample(more_radius);
+    profiles->less_radius = sample(less_radius);
+    profiles->radius_slope_mm << more_force.contact_radius_mm - less_force.contact_radius_mm,
+        more_radius.contact_radius_mm - less_radius.contact_radius_mm;
+    profiles->radius_slope_mm /= 2.0 * kLogStep;
   }
   recent_.push_front(profiles);
   if (recent_.size() > kRemembered) recent_.pop_back();
@@ -141,7 +146,13 @@ std::optional<TaxelResponse> TaxelModel::respond(std::span<const FitContact> con
   }
   const auto taxels = static_cast<Eigen::Index>(positions_mm_.size());
   const auto columns = static_cast<Eigen::Index>(kParametersPerContact * contacts.size());
-  TaxelResponse response{Eigen::VectorXd::Zero(taxels), Eigen::MatrixXd::Zero(taxels, with_derivatives ? columns : 0)};
+  const auto count = static_cast<Eigen::Index>(contacts.size());
+  TaxelResponse response{Eigen::VectorXd::Zero(taxels), Eigen::MatrixXd::Zero(taxels, with_derivatives ? columns : 0),
+                         Eigen::VectorXd(count), Eigen::MatrixX2d(count, 2)};
+  for (Eigen::Index c = 0; c < count; ++c) {
+    response.contact_radii_mm[c] = profiles[static_cast<std::size_t>(c)]->contact_radius_mm;
+    response.radius_slopes_mm.row(c) = profiles[static_cast<std::size_t>(c)]->radius_slope_mm;
+  }
   DiscSum sum(table_.layer().thickness_mm, contacts, profiles, response);
   for (Eigen::Index t = 0; t < taxels; ++t) {
     if (!sum.add_taxel(t, positions_mm_[static_cast<std::size_t>(t)], disc_radius_mm_)) return std::nullopt;

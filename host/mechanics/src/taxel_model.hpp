@@ -19,10 +19,13 @@ struct FitContact {
 
 inline constexpr int kParametersPerContact = 4;
 
-/// Gives the values of the taxels and their derivatives: four columns per contact, by x, y, ln F and ln R.
+/// Gives the values of the taxels and their derivatives: four columns per contact, by x, y, ln F and ln R. The contact
+/// radii have derivatives by ln F and ln R, which are zero if none were wanted.
 struct TaxelResponse {
   Eigen::VectorXd values;
   Eigen::MatrixXd derivatives;
+  Eigen::VectorXd contact_radii_mm;
+  Eigen::MatrixX2d radius_slopes_mm;
 };
 
 /// Samples the profile of a displacement evenly over the distance from the axis, for quick look-up.

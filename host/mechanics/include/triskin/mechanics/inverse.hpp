@@ -45,20 +45,21 @@ struct InverseResult {
 /// 1. Starts: the strongest taxel, and forces on a grid about the pressed taxels, none negative, that explain the
 ///    displacements (non-negative least squares on the influence of a small punch), joined if they are neighbours.
 /// 2. Gauss-Newton with damping on position, force and tip radius of all contacts, with the forward model of the table:
-///    displacements of the contacts add up, and a taxel is the mean of h / (h − u) over its disc. The lowest minimum
-///    of all starts wins.
+///    displacements of the contacts add up, and a taxel is the mean of h / (h − u) over its disc. Of the minima that
+///    the starts lead to, the one that holds most probability wins; without a stated noise, the lowest.
 /// 3. A likelihood-ratio test adds contacts one by one; noise passes for one more with a probability of 0.001 at most.
 ///
 /// Estimates and deviations are those of the posterior: of the Gauss-Newton matrix where the objective is a parabola,
-/// elsewhere (few pressed taxels) of samples of it, about the optimum where that is known to 0.5 mm and 10 %.
+/// elsewhere (few pressed taxels) of samples of it, about the optimum where that is known to 0.5 mm and 10 %. If the
+/// samples lead to a lower minimum, that one counts.
 /// Weak priors keep it regular: a factor of e² about the force that presses a tip of 12 mm by a quarter of the
-/// thickness, of e about that radius, and some 6 mm about the taxels. A single pressed taxel cannot tell place, force
-/// and radius apart; then the deviations are as wide as the priors.
+/// thickness, of e about that radius, and some 6 mm about the taxels; contacts do not overlap. A single pressed taxel
+/// cannot tell place, force and radius apart; then the deviations are as wide as the priors.
 ///
 /// `observations` are taxels that feel pressure, any number; those that are not finite are left out. Throws InputError
-/// when an option is out of range. Cost: 0.1 … 1 s for 120 taxels beside the table, which is made once; for a stream
+/// when an option is out of range. Cost: 0.1 … 3 s for 120 taxels beside the table, which is made once; for a stream
 /// see surface_contacts.hpp. Thread-safe. Source: Lawson and Hanson, Solving Least Squares Problems (1974), chapter 23;
-/// Hastings, Biometrika 57 (1970) 97.
+/// Geyer, Computing Science and Statistics 23 (1991) 156.
 [[nodiscard]] InverseResult find_contacts(const ContactTable& table, std::span<const TaxelObservation> observations,
                                           const InverseOptions& options);
 
