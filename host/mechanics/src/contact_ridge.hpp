@@ -17,8 +17,8 @@ struct ContactMoments {
 
 /// Returns the moments of the posterior of one contact, with the others as fitted. A blunt tip far away and a sharp one
 /// near by explain few taxels alike, so the posterior is a long, bent ridge: for each tip radius there is a best place
-/// and force, with their normal distribution about it. Each cell of equal width in ln R counts with exp(−objective / 2)
-/// times the volume of that distribution. Cost: some hundred forward models.
+/// and force, with their normal distribution about it. Each cell of equal width in ln R counts with
+/// exp(-objective / 2) times the volume of that distribution. Cost: some hundred forward models.
 [[nodiscard]] ContactMoments moments_along_ridge(const FitProblem& problem, const Fit& fit, std::size_t contact);
 
 }  // namespace triskin::mechanics
