@@ -148,19 +148,24 @@ int run_program(const std::string& description, int argc, char** argv) {
   program.set_version_flag("-V,--version", TRISKIN_VERSION);
   program.require_subcommand(1);
   program.footer("triskin help COMMAND shows its options and an example; triskin help links,\nwhat --link takes.");
+  // Commands take the variables while they are added. Help is given whatever the file says.
+  std::string mistake_in_settings;
+  try {
+    read_settings();
+  } catch (const Error& e) {
+    mistake_in_settings = e.what();
+  }
   const auto entries = add_commands(program);
   add_settings(program);
   if (const auto status = answer_help(program, argc, argv)) return when_written(*status);
   if (const auto status = answer_generate_docs(program, argc, argv)) return when_written(*status);
+  if (!mistake_in_settings.empty()) return fail(mistake_in_settings, 2);
   try {
-    read_settings();
     program.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     // The --help behind a command that does not exist would show the commands and hide the mistake.
     if (e.get_exit_code() == 0 && !names_unknown_command(program, argc, argv)) return when_written(program.exit(e));
     return refuse(program, e, argc, argv);
-  } catch (const Error& e) {
-    return fail(e.what(), e.exit_status());
   }
   for (const auto& entry : entries) {
     if (entry->app->parsed()) return run_entry(*entry);

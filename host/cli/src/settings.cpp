@@ -48,8 +48,10 @@ void take_line(const std::string& line, const std::string& place) {
     throw InputError(fmt::format("{}: \"{}\" is not understood; give NAME = VALUE with one of {}", place, line,
                                  fmt::join(names, ", ")));
   }
-  constexpr int kKeepVariable = 0;
-  ::setenv(setting->variable, trimmed(line.substr(equals + 1)).c_str(), kKeepVariable);
+  const char* const given = std::getenv(setting->variable);
+  constexpr int kReplace = 1;  // An empty variable counts as none, as in a shell's ${NAME:-default}.
+  if (given == nullptr || *given == '\0')
+    ::setenv(setting->variable, trimmed(line.substr(equals + 1)).c_str(), kReplace);
 }
 
 }  // namespace
