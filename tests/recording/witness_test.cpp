@@ -86,7 +86,8 @@ TEST(Witness, every_message_is_decoded_by_the_definition_in_the_file) {
   for (std::string line; std::getline(lines, line);) {
     nlohmann::json fact = nlohmann::json::parse(line, nullptr, false);
     ASSERT_FALSE(fact.is_discarded()) << said;
-    topics[fact["topic"].get<std::string>()] = std::move(fact);
+    const auto topic = fact["topic"].get<std::string>();
+    topics[topic] = std::move(fact);
   }
   double counts = 0.0;
   for (std::uint64_t k = 0; k < kSamples; ++k) {
