@@ -194,8 +194,12 @@ TEST_F(Inverse, CountsTwoContactsAndNone) {
   const InverseOptions options{.noise_dc_over_c = 0.005};
   const InverseResult two = find_contacts(table, observed(taxels, values), options);
   ASSERT_EQ(two.contacts.size(), 2U);
-  EXPECT_LT((two.contacts[0].position_mm - contacts[0].position_mm).norm(), 1.0);
-  EXPECT_LT((two.contacts[1].position_mm - contacts[1].position_mm).norm(), 1.0);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const ContactEstimate& c = two.contacts[k];
+    // The noise of one draw may move a contact by what the estimate itself states, and that must be little.
+    EXPECT_LT((c.position_mm - contacts[k].position_mm).cwiseQuotient(c.position_sd_mm).norm(), 3.0) << k;
+    EXPECT_LT(c.position_sd_mm.norm(), 1.5) << k;
+  }
   for (double& v : values) v = noise(engine);
   EXPECT_TRUE(find_contacts(table, observed(taxels, values), options).contacts.empty());
   EXPECT_TRUE(find_contacts(table, {}, {}).contacts.empty());
