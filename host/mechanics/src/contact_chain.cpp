@@ -13,8 +13,6 @@ constexpr int kWarmUpSweeps = 100, kSweeps = 800;
 // The misfit counts fully in the first copy, and in each further one this much less than in the one before.
 constexpr int kCopies = 3;
 constexpr double kWeightRatio = 0.25;
-// Around a single taxel the matrix does not bound the place.
-constexpr double kMaxStep_mm = 2.0;
 constexpr std::uint64_t kSeed = 20190814;
 // A place is kept for later differences after this many sweeps; the first ones are too alike.
 constexpr int kKeepSweeps = 4;
@@ -31,8 +29,7 @@ struct ChainState {
 };
 
 Matrix root_of(const Matrix& precision) {
-  const Matrix covariance = precision.ldlt().solve(Matrix::Identity(precision.rows(), precision.cols()));
-  return covariance.llt().matrixL();
+  return covariance_of(precision).llt().matrixL();
 }
 
 // Samples the prior times the likelihood to the power of `weight`.
@@ -40,9 +37,7 @@ class ChainCopy {
  public:
   ChainCopy(const FitProblem& problem, const Fit& fit, double weight)
       : problem_(problem), weight_(weight), state_(evaluated(parameters_of(fit.contacts))), best_(state_) {
-    Matrix precision = fit.precision * weight;
-    for (Eigen::Index k = 0; k < precision.rows(); k += kParametersPerContact)
-      precision.diagonal().segment<2>(k).array() += 1.0 / (kMaxStep_mm * kMaxStep_mm);
+    const Matrix precision = with_bounded_places(fit.precision * weight);
     for (Eigen::Index k = 0; k < precision.rows(); k += kParametersPerContact)
       roots_.push_back(root_of(precision.block<kParametersPerContact, kParametersPerContact>(k, k)));
     joint_root_ = root_of(precision);

@@ -13,8 +13,7 @@ namespace triskin::mechanics {
 namespace {
 
 constexpr double kMaxDamping = 1e8;
-// Around a single taxel the matrix does not bound the place.
-constexpr double kWidestPlace_mm = 2.0;
+constexpr double kMaxPlaceDeviation_mm = 2.0;
 constexpr double kMaxMove_mm = 3.0, kMaxLogMove = 0.7;
 
 Eigen::VectorXd limited(Eigen::VectorXd step) {
@@ -121,11 +120,18 @@ std::optional<Fit> fit_contacts(const FitProblem& problem, const std::vector<Fit
   return search.result();
 }
 
-double evidence_objective(const Fit& fit) {
-  Eigen::MatrixXd precision = fit.precision;
+Eigen::MatrixXd with_bounded_places(Eigen::MatrixXd precision) {
   for (Eigen::Index k = 0; k < precision.rows(); k += kParametersPerContact)
-    precision.diagonal().segment<2>(k).array() += 1.0 / (kWidestPlace_mm * kWidestPlace_mm);
-  const Eigen::VectorXd squares = precision.ldlt().vectorD();
+    precision.diagonal().segment<2>(k).array() += 1.0 / (kMaxPlaceDeviation_mm * kMaxPlaceDeviation_mm);
+  return precision;
+}
+
+Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& precision) {
+  return precision.ldlt().solve(Eigen::MatrixXd::Identity(precision.rows(), precision.cols()));
+}
+
+double evidence_objective(const Fit& fit) {
+  const Eigen::VectorXd squares = with_bounded_places(fit.precision).ldlt().vectorD();
   return fit.objective + squares.array().max(std::numeric_limits<double>::min()).log().sum();
 }
 

@@ -19,6 +19,13 @@ struct Fit {
   double objective = 0.0;     // The objective sums (residual / noise)² and the priors.
 };
 
+/// Returns a precision whose places have deviations of at most 2 mm. Around a single taxel the Gauss-Newton matrix does
+/// not bound the place: the circle about the taxel bends away from it.
+[[nodiscard]] Eigen::MatrixXd with_bounded_places(Eigen::MatrixXd precision);
+
+/// Returns the inverse of a positive definite matrix.
+[[nodiscard]] Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& precision);
+
 /// Returns twice the negative logarithm of the probability about an optimum (Laplace's approximation), up to a constant
 /// that is equal for equal numbers of contacts: a broad optimum holds more than a narrow one that is a little lower.
 [[nodiscard]] double evidence_objective(const Fit& fit);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact_posterior.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <optional>
@@ -27,10 +26,6 @@ constexpr int kMaxRounds = 3;
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
-Matrix inverse_of(const Matrix& precision) {
-  return precision.ldlt().solve(Matrix::Identity(precision.rows(), precision.cols()));
-}
-
 bool is_normal(const FitProblem& problem, const Fit& fit) {
   const Eigen::SelfAdjointEigenSolver<Matrix> axes(fit.precision);
   const Vector centre = parameters_of(fit.contacts);
@@ -46,19 +41,9 @@ bool is_normal(const FitProblem& problem, const Fit& fit) {
   return true;
 }
 
-}  // namespace
-
-std::vector<ContactMoments> ridge_moments(const FitProblem& problem, const Fit& fit) {
-  std::vector<ContactMoments> moments;
-  for (std::size_t c = 0; c < fit.contacts.size(); ++c) moments.push_back(moments_along_ridge(problem, fit, c));
-  return moments;
-}
-
-namespace {
-
 // Returns the optimum with the deviations from the Gauss-Newton matrix.
 std::vector<ContactMoments> optimum_moments(const Fit& fit) {
-  const Vector deviation = inverse_of(fit.precision).diagonal().cwiseSqrt();
+  const Vector deviation = covariance_of(fit.precision).diagonal().cwiseSqrt();
   std::vector<ContactMoments> moments;
   Eigen::Index at = 0;
   for (const FitContact& c : fit.contacts) {
@@ -80,7 +65,7 @@ bool is_resolved(const ContactMoments& optimum) {
 // contact the optimum is the efficient estimate; the tails then only widen its deviation.
 ContactMoments about_optimum(const ContactMoments& sampled, const ContactMoments& optimum) {
   if (!is_resolved(optimum)) return sampled;
-  const ContactVector shift = sampled.mean - optimum.mean;
+  const Eigen::Vector4d shift = sampled.mean - optimum.mean;
   return {optimum.mean, (sampled.deviation.cwiseAbs2() + shift.cwiseAbs2()).cwiseSqrt()};
 }
 

@@ -16,8 +16,4 @@ namespace triskin::mechanics {
 /// thousand.
 [[nodiscard]] std::vector<ContactMoments> posterior_moments(const FitProblem& problem, Fit& fit);
 
-/// Computes the same from the ridges alone, one contact at a time with the others as fitted: each cell of a ridge is a
-/// normal distribution of known weight. Cost: some hundred forward models per contact.
-[[nodiscard]] std::vector<ContactMoments> ridge_moments(const FitProblem& problem, const Fit& fit);
-
 }  // namespace triskin::mechanics

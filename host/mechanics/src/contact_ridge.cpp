@@ -17,8 +17,6 @@ constexpr double kWidthShare = 0.6, kMaxWidth = 0.3, kMinWidth = 1e-5;
 constexpr int kMaxCells = 20, kFollowSteps = 5;
 // A ridge ends where the density has fallen to exp(−8).
 constexpr double kMaxRise = 16.0;
-// Along the circle about a single taxel the Gauss-Newton matrix has no bound, and the circle bends away from it.
-constexpr double kMaxDeviation_mm = 2.0;
 
 Eigen::Index first_parameter(std::size_t contact) {
   return static_cast<Eigen::Index>(kParametersPerContact * contact);
@@ -26,8 +24,8 @@ Eigen::Index first_parameter(std::size_t contact) {
 
 // Returns the root of the covariance of place and force at a given radius.
 Eigen::Matrix3d place_root(const Fit& fit, std::size_t contact) {
-  Eigen::Matrix3d precision = fit.precision.block<3, 3>(first_parameter(contact), first_parameter(contact));
-  precision.diagonal().head<2>().array() += 1.0 / (kMaxDeviation_mm * kMaxDeviation_mm);
+  const Eigen::Matrix3d precision =
+      with_bounded_places(fit.precision).block<3, 3>(first_parameter(contact), first_parameter(contact));
   return precision.inverse().llt().matrixL();
 }
 
@@ -89,8 +87,6 @@ ContactMoments moments_of(const std::vector<RidgeCell>& cells, double width) {
   return {mean, (square / sum - mean.cwiseAbs2()).cwiseMax(0.0).cwiseSqrt()};
 }
 
-}  // namespace
-
 ContactMoments moments_along_ridge(const FitProblem& problem, const Fit& fit, std::size_t contact) {
   const Eigen::Index at = first_parameter(contact);
   const double radius_variance = fit.precision.block<4, 4>(at, at).inverse()(3, 3);
@@ -100,6 +96,14 @@ ContactMoments moments_along_ridge(const FitProblem& problem, const Fit& fit, st
   cells.push_back({c.log_radius, fit.objective, place_of(c), place_root(fit, contact)});
   for (RidgeCell& cell : followed(problem, fit, contact, width)) cells.push_back(std::move(cell));
   return moments_of(cells, width);
+}
+
+}  // namespace
+
+std::vector<ContactMoments> ridge_moments(const FitProblem& problem, const Fit& fit) {
+  std::vector<ContactMoments> moments;
+  for (std::size_t c = 0; c < fit.contacts.size(); ++c) moments.push_back(moments_along_ridge(problem, fit, c));
+  return moments;
 }
 
 }  // namespace triskin::mechanics

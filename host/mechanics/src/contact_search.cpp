@@ -10,6 +10,7 @@
 #include "contact_fit.hpp"
 #include "contact_guess.hpp"
 #include "contact_posterior.hpp"
+#include "contact_ridge.hpp"
 
 namespace triskin::mechanics {
 namespace {
