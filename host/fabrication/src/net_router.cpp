@@ -21,6 +21,14 @@ constexpr float kTurnCost = 0.1F;  // Of two paths of one length, the one with f
 // tracks, 0.35 mm between a track and a hole, 0.5 mm between two holes.
 constexpr int kTrackTrack = 3, kTrackHole = 10, kHoleHole = 20;
 
+// Calls use(node, is_hole) for the nodes of a path; from the node before, a hole leads to another layer of the same
+// place.
+template <typename Use>
+void for_nodes(const RouteGrid& grid, const NetPath& path, Use use) {
+  const auto place = [&](std::size_t k) { return path.nodes[k] % grid.nodes_per_layer(); };
+  for (std::size_t k = 0; k < path.nodes.size(); ++k) use(path.nodes[k], k > 0 && place(k - 1) == place(k));
+}
+
 // Counts, for each node, the nets whose copper forbids it to others.
 class Congestion {
  public:
@@ -33,17 +41,16 @@ class Congestion {
   void change(const std::vector<NetPath>& paths, int by) {
     ++now_;
     for (const NetPath& path : paths) {
-      for (std::size_t k = 0; k < path.nodes.size(); ++k) {
-        const int node = path.nodes[k], layer = node / grid_.nodes_per_layer(), place = node % grid_.nodes_per_layer();
+      for_nodes(grid_, path, [&](int node, bool is_hole) {
+        const int layer = node / grid_.nodes_per_layer(), place = node % grid_.nodes_per_layer();
         around(place, kTrackTrack, [&](int p) { mark(layer, p, by); });
         around(place, kTrackHole, [&](int p) { mark_hole(p, by); });
-        const bool is_hole = k > 0 && path.nodes[k - 1] % grid_.nodes_per_layer() == place;
-        if (!is_hole) continue;
+        if (!is_hole) return;
         around(place, kTrackHole, [&](int p) {
           for (int l = 0; l < kCopperLayers; ++l) mark(l, p, by);
         });
         around(place, kHoleHole, [&](int p) { mark_hole(p, by); });
-      }
+      });
     }
   }
 
@@ -93,7 +100,9 @@ class Router {
         hole_history_(at(grid.nodes_per_layer()), 0.0F),
         cost_(history_.size()),
         from_(history_.size()),
-        seen_(history_.size(), 0) {}
+        seen_(history_.size(), 0),
+        done_(history_.size(), 0),
+        target_(history_.size(), 0) {}
 
   std::vector<NetPath> run() {
     for (int round = 0; round < kRounds; ++round) {
@@ -120,25 +129,24 @@ class Router {
 
   template <typename Use>
   void for_uses(std::size_t net, Use use) const {
-    for (const NetPath& path : paths_[net]) {
-      for (std::size_t k = 0; k < path.nodes.size(); ++k)
-        use(path.nodes[k], k > 0 && place_of(path.nodes[k - 1]) == place_of(path.nodes[k]));
-    }
+    for (const NetPath& path : paths_[net]) for_nodes(grid_, path, use);
+  }
+  [[nodiscard]] bool has_rival(int node) const { return congestion_.tracks(node) > 1; }
+  [[nodiscard]] bool hole_has_rival(int node, bool is_hole) const {
+    return is_hole && congestion_.holes(place_of(node)) > 1;
   }
   [[nodiscard]] bool is_crossed(std::size_t net) const {
     bool crossed = false;
-    for_uses(net, [&](int node, bool is_hole) {
-      crossed |= congestion_.tracks(node) > 1 || (is_hole && congestion_.holes(place_of(node)) > 1);
-    });
+    for_uses(net, [&](int node, bool is_hole) { crossed |= has_rival(node) || hole_has_rival(node, is_hole); });
     return crossed;
   }
   bool raise_prices() {
     bool any = false;
     for (std::size_t k = 0; k < nets_.size(); ++k) {
       for_uses(k, [&](int node, bool is_hole) {
-        if (congestion_.tracks(node) > 1) history_[at(node)] += kHistory;
-        if (is_hole && congestion_.holes(place_of(node)) > 1) hole_history_[at(place_of(node))] += kHistory * kHoleCost;
-        any |= congestion_.tracks(node) > 1 || (is_hole && congestion_.holes(place_of(node)) > 1);
+        if (has_rival(node)) history_[at(node)] += kHistory;
+        if (hole_has_rival(node, is_hole)) hole_history_[at(place_of(node))] += kHistory * kHoleCost;
+        any |= has_rival(node) || hole_has_rival(node, is_hole);
       });
     }
     return any;
@@ -158,9 +166,9 @@ class Router {
     if (tree.empty()) tree = net.pads[first++];
     for (std::size_t pad = first; pad < net.pads.size(); ++pad) {
       NetPath path{net.net, static_cast<int>(pad), search(tree, net.pads[pad], net.net)};
-      for (std::size_t k = 1; k < path.nodes.size(); ++k) {
-        if (place_of(path.nodes[k]) == place_of(path.nodes[k - 1])) holes_.push_back(place_of(path.nodes[k]));
-      }
+      for_nodes(grid_, path, [&](int node, bool is_hole) {
+        if (is_hole) holes_.push_back(place_of(node));
+      });
       tree.insert(tree.end(), path.nodes.begin(), path.nodes.end());
       paths.push_back(std::move(path));
     }
@@ -200,8 +208,6 @@ class Router {
 
   void begin(const std::vector<int>& pad) {
     ++now_;
-    done_.resize(history_.size(), 0);
-    target_.resize(history_.size(), 0);
     low_x_ = low_y_ = std::numeric_limits<int>::max();
     high_x_ = high_y_ = 0;
     for (const int node : pad) {
