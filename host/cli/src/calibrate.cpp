@@ -44,16 +44,6 @@ double kpa_per_gram(const Options& options, const design::Design& design) {
   return kKpaPerNewtonPerMm2 * kNewtonPerGram / foot_mm2;
 }
 
-// Returns the modules of the patches on this bus, in ascending order.
-std::vector<int> modules_here(const design::Design& design) {
-  std::vector<int> modules;
-  for (const int patch : design::patches_here(design)) {
-    for (const auto& m : design.patches[static_cast<std::size_t>(patch)].modules) modules.push_back(m.node);
-  }
-  std::ranges::sort(modules);
-  return modules;
-}
-
 std::string request_of(const device::PressureStep& step, double kpa_of_gram) {
   if (step.pressure_kpa == 0.0) return "leave the skin untouched";
   if (step.module < 0) return fmt::format("bring the whole skin under {:g} kPa", step.pressure_kpa);
@@ -75,7 +65,7 @@ std::vector<int> chosen_modules(const Options& options, const design::Design& de
   std::vector<int> chosen = module_ids("--modules", options.modules);
   std::ranges::sort(chosen);
   chosen.erase(std::ranges::unique(chosen).begin(), chosen.end());
-  std::vector<int> here = modules_here(design);
+  const std::vector<int> here = device::wanted_modules(design, {});
   for (const int module : chosen) {
     if (!std::ranges::binary_search(here, module))
       throw InputError(
@@ -91,7 +81,6 @@ device::CalibrationOutcome measure(const Options& options, device::LiveBus& live
   device::CalibrateOptions calibrate = options.calibrate;
   calibrate.stream = speaking(calibrate.stream);
   calibrate.unix_minus_link_ns = live.unix_ns(0);
-  calibrate.modules = chosen_modules(options, design);
   calibrate.progress = output.progress();
   if (!options.ramp.empty()) {
     const device::PressureRamp ramp(options.ramp);
@@ -107,9 +96,7 @@ device::CalibrationOutcome measure(const Options& options, device::LiveBus& live
   const double of_gram = kpa_per_gram(options, design);
   std::vector<double> pressures = options.steps_kpa;
   for (const double g : options.weights_g) pressures.push_back(g * of_gram);
-  std::vector<int> in_turn = calibrate.modules;
-  if (in_turn.empty()) in_turn = modules_here(design);
-  if (!by_module) in_turn.clear();
+  const auto in_turn = by_module ? device::wanted_modules(design, calibrate) : std::vector<int>{};
   const auto steps = device::pressure_steps(pressures, in_turn);
   device::TouchActuator* actuator = options.by_hand ? nullptr : cover.actuator();
   int pressed = -1;
@@ -125,9 +112,9 @@ device::CalibrationOutcome measure(const Options& options, device::LiveBus& live
 }
 
 // Returns the modules that were wanted and not measured, as --modules takes them.
-std::string rest_of(const Options& options, const design::Design& design, std::span<const int> measured) {
-  std::vector<int> wanted = chosen_modules(options, design);
-  if (wanted.empty()) wanted = modules_here(design);
+std::string rest_of(const device::CalibrateOptions& options, const design::Design& design,
+                    std::span<const int> measured) {
+  std::vector<int> wanted = device::wanted_modules(design, options);
   std::erase_if(wanted, [&](int module) { return std::ranges::binary_search(measured, module); });
   return module_ids_text(wanted);
 }
@@ -216,6 +203,7 @@ int run(const Options& options, Output& output) {
   Options own = options;
   const std::array streamed{&cover.design()};
   own.calibrate.stream = robot::stream_options(bus.config(), streamed, own.calibrate.stream);
+  own.calibrate.modules = chosen_modules(own, cover.design());
   device::CalibrationOutcome outcome = measure(own, bus, cover, output);
   print_report(outcome, output);
   if (outcome.quality.taxels == 0) {
@@ -223,7 +211,7 @@ int run(const Options& options, Output& output) {
     return 1;
   }
   const bool complete = outcome.without.empty();
-  const std::string rest = rest_of(own, cover.design(), outcome.measured);
+  const std::string rest = rest_of(own.calibrate, cover.design(), outcome.measured);
   keep(own, bus, cover, std::move(outcome), output);
   if (!rest.empty())
     output.say(fmt::format("ended before its end; what was measured is kept, --modules {} does the rest", rest));

@@ -139,17 +139,6 @@ class Fit {
   CalibrationOutcome outcome_;
 };
 
-// Returns the modules that a calibration of everything measures.
-std::vector<int> wanted_modules(const design::Design& design, const CalibrateOptions& options) {
-  if (!options.modules.empty()) return options.modules;
-  std::vector<int> all;
-  for (const int patch : design::patches_here(design)) {
-    for (const design::RoutedModule& m : design.patches[static_cast<std::size_t>(patch)].modules) all.push_back(m.node);
-  }
-  std::ranges::sort(all);
-  return all;
-}
-
 // Returns the modules of which all steps are among the first `held`. A step of the whole skin belongs to all modules.
 std::vector<int> measured_modules(std::vector<int> wanted, std::span<const PressureStep> steps, std::size_t held) {
   const auto left = steps.subspan(held);
@@ -175,6 +164,16 @@ void hold(Bus& bus, const design::Design& design, const PressureStep& step, std:
 }
 
 }  // namespace
+
+std::vector<int> wanted_modules(const design::Design& design, const CalibrateOptions& options) {
+  if (!options.modules.empty()) return options.modules;
+  std::vector<int> all;
+  for (const int patch : design::patches_here(design)) {
+    for (const design::RoutedModule& m : design.patches[static_cast<std::size_t>(patch)].modules) all.push_back(m.node);
+  }
+  std::ranges::sort(all);
+  return all;
+}
 
 CalibrationOutcome calibrate_by_steps(Bus& bus, const design::Design& design, std::span<const PressureStep> steps,
                                       const CalibrateOptions& options) {

@@ -83,6 +83,10 @@ struct CalibrateOptions {
   ProgressSink progress;
 };
 
+/// Returns the modules that these options calibrate, in ascending order: the given ones, or all of the patches on this
+/// bus.
+[[nodiscard]] std::vector<int> wanted_modules(const design::Design& design, const CalibrateOptions& options);
+
 struct CalibrationOutcome {
   /// These modules were measured, in ascending order. Boards without one of them are left out, and so are the places of
   /// all other modules.
