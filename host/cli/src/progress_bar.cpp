@@ -35,10 +35,10 @@ struct Shown {
   }
   // Says how long the stage will still take if it goes on as fast as so far; empty while that is not known.
   [[nodiscard]] std::string time_left() const {
-    constexpr double kLeastFraction = 0.02, kLeastTime_s = 1.0, kMinute_s = 60.0;
+    constexpr double kMinFraction = 0.02, kMinTime_s = 1.0, kMinute_s = 60.0;
     const double done = progress.fraction - from;
     const double passed_s = std::chrono::duration<double>(Clock::now() - since).count();
-    if (done < kLeastFraction || passed_s < kLeastTime_s || progress.fraction >= 1.0) return {};
+    if (done < kMinFraction || passed_s < kMinTime_s || progress.fraction >= 1.0) return {};
     const double left_s = passed_s * (1.0 - progress.fraction) / done;
     return left_s < 2.0 * kMinute_s ? fmt::format(" {:.0f} s left,", left_s)
                                     : fmt::format(" {:.0f} min left,", left_s / kMinute_s);
