@@ -2,7 +2,7 @@
 # the folder of the chip, which has the rest of the drivers.
 set(triskin_board ${CMAKE_CURRENT_SOURCE_DIR}/board/stm32)
 
-add_library(triskin_fw_board STATIC ${triskin_board}/src/flash.cpp ${triskin_board}/src/flash_area.cpp ${triskin_board}/src/can_port.cpp
+add_library(triskin_fw_board STATIC ${triskin_board}/src/flash.cpp ${triskin_board}/src/flash_area.cpp ${triskin_board}/src/can_port.cpp ${triskin_board}/src/pll.cpp
             ${triskin_board}/src/usb.cpp ${triskin_board}/src/line.cpp ${triskin_board}/src/options.cpp ${triskin_board}/src/chain.cpp
             ${triskin_board}/src/crash.cpp ${triskin_board}/src/health.cpp ${triskin_board}/src/serial.cpp ${triskin_board}/src/time.cpp
             ${triskin_chip}/src/clock.cpp ${triskin_chip}/src/can.cpp ${triskin_chip}/src/line_places.cpp)

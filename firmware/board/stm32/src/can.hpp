@@ -40,6 +40,9 @@ class Stm32CanPort final : public fw::CanPort {
 
 extern Stm32CanPort can;
 
+/// Gives the pins of the CAN port to the block.
+void open_can_pins();
+
 /// Each chip implements the rest for its CAN block. The port calls these functions with interrupts disabled, or from
 /// the interrupt of the block.
 namespace can_block {

@@ -4,6 +4,7 @@
 #include "can.hpp"
 #include "interrupt_timer.hpp"
 #include "triskin/board/board.hpp"
+#include "triskin/board/board_config.hpp"
 #include "triskin/board/budget.hpp"
 #include "triskin/board/registers/system.hpp"
 
@@ -44,6 +45,15 @@ void empty_receive_buffers() {
 }
 
 }  // namespace
+
+void open_can_pins() {
+  for (const Pin pin : {pins::kCanReceive, pins::kCanSend}) {
+    open_port(pin);
+    Gpio(pin).very_high_speed();
+    Gpio(pin).alternate(pins::kFunctionCan);
+    Gpio(pin).mode(PinMode::kAlternate);
+  }
+}
 
 void Stm32CanPort::open(CanFilters filters) {
   can_block::open(filters);

@@ -107,12 +107,7 @@ void can_block::open(CanFilters filters) {
   rcc_reg::kCcipr.set(rcc_reg::kFdcanFromPclk1);
   rcc_reg::kApb1Enr1.set(rcc_reg::kCan);
   (void)rcc_reg::kApb1Enr1.read();
-  for (const Pin pin : {pins::kCanReceive, pins::kCanSend}) {
-    open_port(pin);
-    Gpio(pin).very_high_speed();
-    Gpio(pin).alternate(pins::kFunctionCan);
-    Gpio(pin).mode(PinMode::kAlternate);
-  }
+  open_can_pins();
   kCccr.set(kInit);
   while (!kCccr.any(kInit)) {
   }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "pll.hpp"
 #include "triskin/board/board.hpp"
 #include "triskin/board/clock_plan.hpp"
 #include "triskin/board/registers/system.hpp"
@@ -22,13 +23,6 @@ void raise_core_voltage() {
   rcc_reg::kApb1Enr1.set(rcc_reg::kPwr);
   (void)rcc_reg::kApb1Enr1.read();  // The clock needs two cycles (§7.2.16).
   pwr_reg::kCr5.clear(pwr_reg::kNoBoost);
-}
-
-bool wait_for(Register reg, std::uint32_t mask, std::uint32_t looks) {
-  for (std::uint32_t k = 0; k < looks; ++k) {
-    if (reg.any(mask)) return true;
-  }
-  return false;
 }
 
 bool start_crystal() {
@@ -69,18 +63,6 @@ std::optional<std::uint32_t> measure_crystal_hz() {
   return counts == 0 ? std::nullopt : std::optional(static_cast<std::uint32_t>(kCycles * kInternal_hz / counts));
 }
 
-bool start_pll(std::uint32_t source, PllSetting setting) {
-  rcc_reg::kPllCfgr.write(source | (setting.divider - 1) << rcc_reg::kPllMShift |
-                          setting.factor << rcc_reg::kPllNShift |
-                          rcc_reg::kPllREnable);  // R = 2 is coded as 0 in bits 25 and 26.
-  rcc_reg::kCr.set(rcc_reg::kPllOn);
-  if (wait_for(rcc_reg::kCr, rcc_reg::kPllReady, kPllLooks)) return true;
-  rcc_reg::kCr.clear(rcc_reg::kPllOn);
-  for (std::uint32_t k = 0; k < kPllLooks && rcc_reg::kCr.any(rcc_reg::kPllReady); ++k) {
-  }
-  return false;
-}
-
 // Uses the crystal if it works; otherwise the result has the reason.
 wire::ClockState choose_pll() {
   constexpr PllSetting kInternal = pll_setting(16'000'000).value();
@@ -93,7 +75,7 @@ wire::ClockState choose_pll() {
     state.measured_khz = static_cast<std::uint16_t>(std::min<std::uint32_t>(*measured / 1000, 0xFFFF));
     const auto crystal_hz = crystal_near(*measured);
     state.crystal = crystal_hz ? wire::Crystal::kUsed : wire::Crystal::kUnknown;
-    if (crystal_hz && start_pll(rcc_reg::kPllFromHse, *pll_setting(*crystal_hz))) {
+    if (crystal_hz && start_pll(rcc_reg::kPllFromHse, *pll_setting(*crystal_hz), kPllLooks)) {
       state.crystal_mhz = static_cast<std::uint8_t>(*crystal_hz / 1'000'000);
       rcc_reg::kCr.set(rcc_reg::kClockSecurity);  // A crystal that stops then causes an NMI instead of silence.
       return state;
@@ -101,7 +83,7 @@ wire::ClockState choose_pll() {
     if (crystal_hz) state.crystal = wire::Crystal::kNoLock;
   }
   rcc_reg::kCr.clear(rcc_reg::kHseOn);
-  if (!start_pll(rcc_reg::kPllFromHsi, kInternal)) state.crystal = wire::Crystal::kNoPll;
+  if (!start_pll(rcc_reg::kPllFromHsi, kInternal, kPllLooks)) state.crystal = wire::Crystal::kNoPll;
   return state;
 }
 

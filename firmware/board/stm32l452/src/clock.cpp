@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "pll.hpp"
 #include "triskin/board/board.hpp"
 #include "triskin/board/board_config.hpp"
 #include "triskin/board/clock_plan.hpp"
@@ -14,29 +15,10 @@ constexpr std::uint32_t kCrystalLooks = 50'000;  // The limit is 60 ms; crystals
 constexpr std::uint32_t kInternalLooks = 1'000;  // The limit is 1 ms; HSI starts within 4 µs (DS11912).
 constexpr std::uint32_t kPllLooks = 2'500;       // The limit is 3 ms; the PLL locks within 40 µs (DS11912).
 
-bool wait_for(Register reg, std::uint32_t mask, std::uint32_t looks) {
-  for (std::uint32_t k = 0; k < looks; ++k) {
-    if (reg.any(mask)) return true;
-  }
-  return false;
-}
-
 bool start_crystal() {
   if constexpr (config::kClockInput) rcc_reg::kCr.set(rcc_reg::kHseBypass);
   rcc_reg::kCr.set(rcc_reg::kHseOn);
   return wait_for(rcc_reg::kCr, rcc_reg::kHseReady, kCrystalLooks);
-}
-
-bool start_pll(std::uint32_t source, PllSetting setting) {
-  rcc_reg::kPllCfgr.write(source | (setting.divider - 1) << rcc_reg::kPllMShift |
-                          setting.factor << rcc_reg::kPllNShift |
-                          rcc_reg::kPllREnable);  // R = 2 is coded as 0 in bits 25 and 26.
-  rcc_reg::kCr.set(rcc_reg::kPllOn);
-  if (wait_for(rcc_reg::kCr, rcc_reg::kPllReady, kPllLooks)) return true;
-  rcc_reg::kCr.clear(rcc_reg::kPllOn);
-  for (std::uint32_t k = 0; k < kPllLooks && rcc_reg::kCr.any(rcc_reg::kPllReady); ++k) {
-  }
-  return false;
 }
 
 // Tries the crystal that the header of the board states. Returns the reason if its clock cannot be used.
@@ -44,7 +26,7 @@ wire::Crystal use_crystal() {
   constexpr auto kSetting = pll_setting(config::kCrystal_mhz * 1'000'000);
   static_assert(config::kCrystal_mhz == 0 || kSetting.has_value(), "the PLL cannot make 80 MHz of this crystal");
   if (!kSetting || !start_crystal()) return wire::Crystal::kSilent;
-  if (!start_pll(rcc_reg::kPllFromHse, *kSetting)) return wire::Crystal::kNoLock;
+  if (!start_pll(rcc_reg::kPllFromHse, *kSetting, kPllLooks)) return wire::Crystal::kNoLock;
   rcc_reg::kCr.set(rcc_reg::kClockSecurity);  // A crystal that stops then causes an NMI instead of silence.
   return wire::Crystal::kUsed;
 }
@@ -60,7 +42,7 @@ wire::ClockState choose_pll() {
     return state;
   }
   rcc_reg::kCr.clear(rcc_reg::kHseOn);
-  if (!internal || !start_pll(rcc_reg::kPllFromHsi, kInternal)) state.crystal = wire::Crystal::kNoPll;
+  if (!internal || !start_pll(rcc_reg::kPllFromHsi, kInternal, kPllLooks)) state.crystal = wire::Crystal::kNoPll;
   return state;
 }
 

@@ -8,9 +8,9 @@
 /// The loader and the application share these low-level parts.
 namespace triskin::board {
 
-/// Measures the crystal against the internal oscillator and runs the PLL at 320 MHz from it; SYSCLK = HCLK = PCLK = 160
-/// MHz, range 1 boost, four wait states (RM0440 §6.1.5, §7.2.4, §3.3.3). If the crystal is missing, unknown or
-/// fails, it uses the internal oscillator, whose ± 1 % suffice for I²C and, as a rule, for classic CAN.
+/// Runs the PLL from the crystal, so that the core and the buses have the clock of `clock_plan.hpp` (STM32G474: RM0440
+/// §6.1.5, §7.2.4, §3.3.3). If the crystal is missing, unknown or fails, it uses the internal oscillator, whose
+/// ± 1 % suffice for I²C and, as a rule, for classic CAN.
 /// survivor().clock then says what was chosen and why. Takes at most 70 ms; does nothing when the loader has done it.
 void start_clocks();
 
