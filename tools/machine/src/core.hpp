@@ -73,6 +73,7 @@ class Machine::Core final : public Surroundings {
   };
 
   void open_lines();
+  [[nodiscard]] static std::unique_ptr<ClockControl> clock_of(Surroundings& around, const MachineSetup& setup);
   void open_g474();
   void open_l452();
   [[nodiscard]] std::uint8_t* dma_memory(std::uint32_t address);
