@@ -182,7 +182,7 @@ TEST(Side, AHeadOfAScrewKeepsItsHoleOpen) {
 class RandomWalledParts : public ::testing::TestWithParam<int> {};
 
 // Of every kind some parts by formula: hardly any of the inside is taken, and a part without a wall stays whole. The
-// rules were set with these seeds; docs/side.md has the figure of others, of which one is still wrong.
+// rules were set with these seeds; docs/measurements/side.md has the figure of others, of which one is still wrong.
 TEST_P(RandomWalledParts, InnerSideIsNotTaken) {
   int asked = 0;
   for (unsigned seed = 1; seed <= 3; ++seed) {
