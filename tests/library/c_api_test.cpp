@@ -5,6 +5,7 @@
 #include <map>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "flashed_sim.hpp"
@@ -115,6 +116,25 @@ TEST(Library, verifies_and_names_what_is_missing) {
   EXPECT_EQ(triskin_verify(skin, &report), TRISKIN_BAD_ANSWER);
   ASSERT_NE(report, nullptr);
   EXPECT_NE(std::string(report).find("module 6"), std::string::npos) << report;
+}
+
+// The serial numbers of simulated boards follow from the design, so that they are in the order of the patches for about
+// one design in two, and boards that are taken in this order would pass for those only.
+TEST(Library, flashes_each_simulated_board_with_the_tables_of_its_patch) {
+  const FlashedSim sim;
+  for (const auto& [modules, per_patch] :
+       {std::pair{5, 3}, {7, 4}, {8, 4}, {9, 5}, {10, 5}, {11, 6}, {12, 4}, {14, 7}}) {
+    const std::string file = sim.folder() / "two.json";
+    design::write_design(file, test::strip(modules, per_patch));
+    ASSERT_EQ(triskin_flash_simulation(file.c_str()), TRISKIN_OK) << triskin_error();
+    triskin_options options = TRISKIN_OPTIONS_INIT;
+    options.link = "sim";
+    triskin_skin* skin = nullptr;
+    ASSERT_EQ(triskin_open(file.c_str(), &options, &skin), TRISKIN_OK) << triskin_error();
+    const char* report = nullptr;
+    EXPECT_EQ(triskin_verify(skin, &report), TRISKIN_OK) << modules << " modules\n" << report;
+    triskin_close(skin);
+  }
 }
 
 }  // namespace

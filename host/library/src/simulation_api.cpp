@@ -14,7 +14,12 @@ triskin_status triskin_flash_simulation(const char* file) {
     const design::Design design = design::read_intact_design(file);
     const auto link = device::open_link({.link = "sim", .scene = "", .own_interrupts = false}, &design);
     device::Bus bus(*link);
-    (void)device::flash(bus, design);
+    // New boards have no tables: which of them is plugged into which patch is seen from its modules and, if these are
+    // alike, from a touch.
+    device::FlashOptions options;
+    options.recognise = true;
+    options.actuator = device::touch_actuator_of(*link);
+    (void)device::flash(bus, design, options);
     return TRISKIN_OK;
   });
 }
