@@ -121,7 +121,7 @@ SideChoice find_sides(const Mesh& mesh, const SideOptions& options) {
   const auto neighbours = neighbours_of(mesh);
   if (has_border(neighbours) && walled_fraction_of_few(part, options) < kMinWalledOpen) return one_side(mesh);
   const std::vector<WallSample> samples = wall_samples(part, options);
-  SmoothRegions regions = smooth_regions(part, neighbours, walled_fractions(samples, mesh.faces.size()));
+  SmoothRegions regions = smooth_regions(part, neighbours, samples);
   const SideEvidence evidence = side_evidence(part, neighbours, regions, samples, options);
   const SideDecision decision = decide_sides(evidence, options);
   SideChoice choice;

@@ -25,7 +25,6 @@ constexpr double kRibFoot = 0.2;         // This share of a rib's border is its 
 constexpr double kMaxRibFraction = 0.3;  // A larger share of the outer area is no rib.
 // A region has this share of another outer region right behind it when the two lie back to back.
 constexpr double kBackToBack = 0.3;
-constexpr double kModuleInradius_mm = 8.66;
 constexpr double kRecessBorder = 0.85;    // This share of a recess's border lies on outer regions; holes take the rest.
 constexpr double kRimSurroundings = 0.9;  // This share of a rim strip's border lies on outer regions.
 constexpr double kMinUndecided_mm2 = 400.0, kMaxUndecidedFraction = 0.15, kLargeRegion = 0.05;
@@ -76,10 +75,7 @@ class Decision {
   [[nodiscard]] bool is_strip(int r) const {
     return !has_wall(r) && 2.0 * region(r).area_mm2 < options_.max_wall_mm * region(r).border_mm;
   }
-  // No module fits on it, whatever side it is on.
-  [[nodiscard]] bool is_narrow(int r) const {
-    return 2.0 * region(r).area_mm2 < kModuleInradius_mm * region(r).border_mm;
-  }
+  [[nodiscard]] bool is_too_narrow(int r) const { return is_narrow(region(r).area_mm2, region(r).border_mm); }
   [[nodiscard]] bool is_enclosed(int r) const { return evidence_.is_component_enclosed[at(region(r).component)]; }
   [[nodiscard]] int count() const { return static_cast<int>(evidence_.regions.size()); }
 
@@ -191,7 +187,7 @@ class Decision {
     for (int r = 0; r < count(); ++r) {
       const bool stands = inner_mm[at(r)] >= kRibFoot * region(r).border_mm && outer_mm[at(r)] < inner_mm[at(r)];
       FaceSide& side = out_.side[at(r)];
-      if (side == FaceSide::kUndecided && is_narrow(r)) side = FaceSide::kRim;
+      if (side == FaceSide::kUndecided && is_too_narrow(r)) side = FaceSide::kRim;
       const bool may_be_rib = has_wall(r) || outer_mm[at(r)] == 0.0;  // The walls of a honeycomb's cell have no wall.
       if (side == FaceSide::kUndecided || (side == FaceSide::kOuter && may_be_rib && region(r).area_mm2 < most))
         side = stands ? FaceSide::kInner : side;
@@ -216,7 +212,7 @@ class Decision {
     for (int r = 0; r < count(); ++r) {
       if (out_.side[at(r)] != FaceSide::kOuter || !has_wall(r) || region(r).outwardness > -kDecided) continue;
       if (out_.outwardness[at(r)] >= kWeak && outer_mm[at(r)] >= kRecessBorder * region(r).border_mm) continue;
-      out_.side[at(r)] = is_narrow(r) ? FaceSide::kRim : FaceSide::kUndecided;
+      out_.side[at(r)] = is_too_narrow(r) ? FaceSide::kRim : FaceSide::kUndecided;
       const int partner = partner_[at(r)];
       if (partner >= 0 && partner_[at(partner)] == r && out_.side[at(r)] == FaceSide::kUndecided)
         out_.side[at(partner)] = FaceSide::kUndecided;
@@ -241,7 +237,7 @@ class Decision {
     std::vector<int> reached;
     std::vector<bool> is_reached(evidence_.regions.size(), false);
     for (int r = 0; r < count(); ++r) {
-      if (is_outer(r) && !is_narrow(r)) reached.push_back(r);
+      if (is_outer(r) && !is_too_narrow(r)) reached.push_back(r);
     }
     if (reached.empty()) return;
     for (const int r : reached) is_reached[at(r)] = true;

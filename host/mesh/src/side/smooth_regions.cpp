@@ -16,6 +16,8 @@ namespace {
 // A cylinder of 11 facets turns by 33° from facet to facet, and the chamfer of an edge by 45°. The limit is the
 // cosine of 35°, the sharpest turn of an edge that counts as smooth.
 constexpr double kSmoothCosine = 0.82;
+// At the cosine of 20° a rim of few facets separates the sides, and most rounded surfaces still hang together.
+constexpr double kStrictCosine = 0.94;
 constexpr double kMaxTurnCosine = 0.766;  // The cosine of 40°, which is less than half of a rounded rim.
 // At the cosine of 50°, regions that meet above a rib are joined, and those across a rim are not.
 constexpr double kJoinedTurnCosine = 0.64;
@@ -25,8 +27,13 @@ constexpr int kNeedlePasses = 4;
 
 class Division {
  public:
-  Division(const RayCaster& part, const std::vector<std::array<int, 3>>& neighbours, const std::vector<double>& walled)
-      : neighbours_(neighbours), walled_(walled), sets_(neighbours.size()), source_(neighbours.size(), Vec3::Zero()) {
+  Division(const RayCaster& part, const std::vector<std::array<int, 3>>& neighbours, const std::vector<double>& walled,
+           double smooth_cosine)
+      : neighbours_(neighbours),
+        walled_(walled),
+        smooth_cosine_(smooth_cosine),
+        sets_(neighbours.size()),
+        source_(neighbours.size(), Vec3::Zero()) {
     for (std::size_t f = 0; f < neighbours.size(); ++f) normals_.push_back(part.normal(static_cast<int>(f)));
     smooth_needles(part);
   }
@@ -45,7 +52,7 @@ class Division {
   [[nodiscard]] static double turn(const std::vector<Vec3>& normals, int a, int b) {
     return normals[at(a)].dot(normals[at(b)]);
   }
-  [[nodiscard]] bool is_smooth(int a, int b) const { return turn(normals_, a, b) > kSmoothCosine; }
+  [[nodiscard]] bool is_smooth(int a, int b) const { return turn(normals_, a, b) > smooth_cosine_; }
 
   // A needle takes the normal of the face across its longest side, so that it separates nothing.
   void smooth_needles(const RayCaster& part) {
@@ -116,15 +123,54 @@ class Division {
 
   const std::vector<std::array<int, 3>>& neighbours_;
   const std::vector<double>& walled_;
+  double smooth_cosine_;
   DisjointSets sets_;
   std::vector<Vec3> source_, normals_;  // The source is the normal of the walled face from which a face was reached.
 };
 
+bool is_mostly_its_own_partner(const SmoothRegions& regions, const std::vector<WallSample>& samples) {
+  double own = 0.0, all = 0.0;
+  for (const WallSample& s : samples) {
+    if (s.partner < 0) continue;
+    all += s.area_mm2;
+    if (regions.of_face[at(s.face)] == regions.of_face[at(s.partner)]) own += s.area_mm2;
+  }
+  return own > 0.5 * all;
+}
+
+// Tells whether most of the area lies in regions that are wide for their border.
+bool is_mostly_wide(const RayCaster& part, const std::vector<std::array<int, 3>>& neighbours,
+                    const SmoothRegions& regions) {
+  const Mesh& mesh = part.mesh();
+  std::vector<double> area(at(regions.count), 0.0), border = area;
+  for (std::size_t f = 0; f < neighbours.size(); ++f) {
+    const std::size_t region = at(regions.of_face[f]);
+    area[region] += part.area_mm2(static_cast<int>(f));
+    for (std::size_t s = 0; s < 3; ++s) {
+      const int n = neighbours[f][s];
+      if (n >= 0 && at(regions.of_face[at(n)]) == region) continue;
+      const auto& c = mesh.faces[f];
+      border[region] += (mesh.vertices[at(c[(s + 1) % 3])] - mesh.vertices[at(c[s])]).norm();
+    }
+  }
+  double wide = 0.0, all = 0.0;
+  for (std::size_t r = 0; r < area.size(); ++r) {
+    all += area[r];
+    if (!is_narrow(area[r], border[r])) wide += area[r];
+  }
+  return wide > 0.5 * all;
+}
+
 }  // namespace
 
 SmoothRegions smooth_regions(const RayCaster& part, const std::vector<std::array<int, 3>>& neighbours,
-                             const std::vector<double>& walled_fractions) {
-  return Division(part, neighbours, walled_fractions).run();
+                             const std::vector<WallSample>& samples) {
+  const std::vector<double> walled = walled_fractions(samples, neighbours.size());
+  SmoothRegions regions = Division(part, neighbours, walled, kSmoothCosine).run();
+  if (!is_mostly_its_own_partner(regions, samples)) return regions;
+  SmoothRegions strict = Division(part, neighbours, walled, kStrictCosine).run();
+  const bool is_better = !is_mostly_its_own_partner(strict, samples) && is_mostly_wide(part, neighbours, strict);
+  return is_better ? strict : regions;
 }
 
 }  // namespace triskin::geometry
