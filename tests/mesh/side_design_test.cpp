@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
@@ -36,7 +37,10 @@ class SideDesign : public ::testing::Test {
 
   design::Design design_of(const std::string& part, geometry::SideWanted wanted = geometry::SideWanted::kAuto) {
     const std::vector<WalledPart> parts = testing::walled_parts();
-    geometry::write_obj(folder_ / "part.obj", std::ranges::find(parts, part, &WalledPart::name)->mesh);
+    return design_of(*std::ranges::find(parts, part, &WalledPart::name), wanted);
+  }
+  design::Design design_of(const WalledPart& part, geometry::SideWanted wanted = geometry::SideWanted::kAuto) {
+    geometry::write_obj(folder_ / "part.obj", part.mesh);
     pipeline::DesignOptions options;
     options.iterations = 20;
     options.time_limit_s = 60.0;
@@ -68,6 +72,14 @@ TEST_F(SideDesign, ModulesLieOnTheOuterSide) {
     EXPECT_TRUE(d.side->is_certain) << part;
     EXPECT_FALSE(d.layout.modules.empty()) << part;
     EXPECT_THAT(broken(json_of(d)), IsEmpty()) << part;
+  }
+}
+
+// Some modules lie in a recess and see less than their back, which sees out of a shallow tray.
+TEST_F(SideDesign, FloorOfARecessIsNoInnerSide) {
+  for (const auto& [kind, seed] : {std::pair{4, 302U}, {15, 301U}, {15, 302U}}) {
+    const WalledPart part = testing::random_walled_part(kind, seed);
+    EXPECT_THAT(broken(json_of(design_of(part))), IsEmpty()) << part.name;
   }
 }
 

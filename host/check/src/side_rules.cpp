@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <utility>
@@ -29,9 +31,10 @@ constexpr double kOff_mm = 0.02;
 constexpr int kRays = 96;
 // Two means of seven views of 96 rays each differ by chance by 0.03; both sides of a lid by less than 0.1.
 constexpr double kSeesMore = 0.1;
-constexpr int kMinPlaces = 3;       // This many of the seven places must have a wall behind them.
-constexpr double kReach_mm = 40.0;  // If two modules overlap, even across a wall, their middles are nearer than this.
-constexpr int kMinBehind = 2;       // This many of ten places of a module must lie over the other one.
+constexpr double kRecessShare = 0.1;  // At most this share of the modules on a piece of surface lies in recesses.
+constexpr int kMinPlaces = 3;         // This many of the seven places must have a wall behind them.
+constexpr double kReach_mm = 40.0;    // If two modules overlap, even across a wall, their middles are nearer than this.
+constexpr int kMinBehind = 2;         // This many of ten places of a module must lie over the other one.
 
 RayKernel::Point_3 point(const P3& p) {
   return {p.x(), p.y(), p.z()};
@@ -122,25 +125,107 @@ std::vector<P3> places_of(const Triangle3& t) {
   return places;
 }
 
+// Both sides of the wall under a module.
+struct Views {
+  double here = 0.0, there = 0.0;  // The mean fractions of the half spheres that are seen.
+  bool is_walled = false;
+  [[nodiscard]] bool looks_inner() const { return is_walled && there - here > kSeesMore; }
+  [[nodiscard]] bool looks_outer() const { return is_walled && here - there > kSeesMore; }
+};
+
+Views views_of(const Triangle3& corners, const Part& part) {
+  Views views;
+  int walled = 0;
+  for (const P3& p : places_of(corners)) {
+    const auto place = part.below(p);
+    if (!place || place->normal.dot(unit_normal(corners)) < 0.5) continue;
+    const auto other = part.across(*place);
+    if (!other) continue;
+    ++walled;
+    views.here += part.openness(*place);
+    views.there += part.openness(*other);
+  }
+  views.is_walled = walled >= kMinPlaces;
+  if (walled > 0) {
+    views.here /= walled;
+    views.there /= walled;
+  }
+  return views;
+}
+
+// Returns for each vertex of the covered surface the lowest vertex of its component.
+std::vector<int> components_of(const CheckedDesign& d) {
+  std::vector<int> lowest(d.vertices.size());
+  std::iota(lowest.begin(), lowest.end(), 0);
+  const auto root = [&](int v) {
+    while (lowest[static_cast<std::size_t>(v)] != v) {
+      const auto at = static_cast<std::size_t>(v);
+      lowest[at] = lowest[static_cast<std::size_t>(lowest[at])];
+      v = lowest[at];
+    }
+    return v;
+  };
+  for (const auto& f : d.faces) {
+    for (std::size_t k = 1; k < 3; ++k) {
+      const int a = root(static_cast<int>(f[0])), b = root(static_cast<int>(f[k]));
+      lowest[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    }
+  }
+  for (std::size_t v = 0; v < lowest.size(); ++v) lowest[v] = root(static_cast<int>(v));
+  return lowest;
+}
+
+// Returns the component of the covered surface that lies under a module; −1 if it looks another way at all of its
+// places.
+int component_under(const Triangle3& corners, const CheckedDesign& d, const std::vector<int>& component) {
+  for (const P3& p : places_of(corners)) {
+    double nearest = std::numeric_limits<double>::infinity(), facing = 0.0;
+    int found = -1;
+    for (const auto& f : d.faces) {
+      const auto corner = [&](std::size_t k) { return d.vertices[static_cast<std::size_t>(f[k])]; };
+      const Triangle3 face{corner(0), corner(1), corner(2)};
+      const double distance =
+          CGAL::squared_distance(point(p), RayKernel::Triangle_3(point(face[0]), point(face[1]), point(face[2])));
+      if (!(distance < nearest)) continue;
+      nearest = distance;
+      facing = unit_normal(face).dot(unit_normal(corners));
+      found = component[static_cast<std::size_t>(f[0])];
+    }
+    if (facing > 0.5) return found;
+  }
+  return -1;
+}
+
+// The floor of a recess sees less than its back although it is outside. It is known by what the rest of the same piece
+// of surface sees: most modules there see more than the other side, and few see less.
+bool is_in_recess(int component, const std::vector<int>& under, const std::vector<Views>& views) {
+  if (component < 0) return false;
+  std::size_t inner = 0, outer = 0, all = 0;
+  for (std::size_t k = 0; k < under.size(); ++k) {
+    if (under[k] != component) continue;
+    ++all;
+    inner += views[k].looks_inner() ? 1 : 0;
+    outer += views[k].looks_outer() ? 1 : 0;
+  }
+  return kRecessShare * static_cast<double>(all) >= static_cast<double>(inner) && 2 * outer > all;
+}
+
 void check_inner(const CheckedDesign& d, const Part& part, Findings& f) {
   f.rule("inner-side");
-  for (std::size_t k = 0; k < d.modules.size(); ++k) {
-    const Triangle3& corners = d.modules[k].corner;
-    double here = 0.0, there = 0.0;
-    int walled = 0;
-    for (const P3& p : places_of(corners)) {
-      const auto place = part.below(p);
-      if (!place || place->normal.dot(unit_normal(corners)) < 0.5) continue;
-      const auto other = part.across(*place);
-      if (!other) continue;
-      ++walled;
-      here += part.openness(*place);
-      there += part.openness(*other);
-    }
-    if (walled < kMinPlaces || there - here <= kSeesMore * walled) continue;
+  std::vector<Views> views;
+  for (const auto& m : d.modules) views.push_back(views_of(m.corner, part));
+  const auto inner = static_cast<double>(std::ranges::count_if(views, &Views::looks_inner));
+  if (inner == 0.0) return;
+  std::vector<int> under(views.size(), -1);
+  if (inner <= kRecessShare * static_cast<double>(views.size())) {
+    const std::vector<int> component = components_of(d);
+    for (std::size_t k = 0; k < views.size(); ++k) under[k] = component_under(d.modules[k].corner, d, component);
+  }
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    if (!views[k].looks_inner() || is_in_recess(under[k], under, views)) continue;
     f.broken("inner-side", module_name(k),
              fmt::format("sees {:.0f} % of its half sphere, the other side of the same wall {:.0f} %",
-                         100.0 * here / walled, 100.0 * there / walled));
+                         100.0 * views[k].here, 100.0 * views[k].there));
   }
 }
 
