@@ -44,9 +44,9 @@ export class CanvasDrawing {
     for (let k = 0; k < this.model.count; ++k) {
       if (!this.model.shows(k)) continue;
       const points = [0, 3, 6].map((c) => camera.project(shape.corners, 9 * k + c));
-      items.push({depth: Math.max(points[0][2], points[1][2], points[2][2]), k, points});
+      items.push({depth: Math.max(points[0][2], points[1][2], points[2][2]), k, points, name: "module"});
     }
-    if (name === "cover" && shown.surface !== false) this.addSurface(items, camera);
+    if (name === "cover" && shown.surface !== false) this.addSurfaces(items, camera);
     items.sort((a, b) => b.depth - a.depth);
     for (const item of items) this.drawItem(item, camera, shape, shown);
     for (const [part, marks] of Object.entries(this.marks[name])) {
@@ -55,20 +55,22 @@ export class CanvasDrawing {
   }
 
   // All of the cover lies behind all modules: a flat module on a round cover is partly under it.
-  addSurface(items, camera) {
-    const {vertices, faces} = this.model.data.surface;
-    for (let f = 0; f < faces.length; f += 3) {
-      const points = [0, 1, 2].map((c) => camera.project(vertices, 3 * faces[f + c]));
-      items.push({depth: Math.max(points[0][2], points[1][2], points[2][2]) + 10, k: -1, points});
+  addSurfaces(items, camera) {
+    const {surface, side} = this.model.data;
+    for (const [name, mesh] of Object.entries({cover: surface, leftOut: side?.left_out})) {
+      for (let f = 0; f < (mesh?.faces.length || 0); f += 3) {
+        const points = [0, 1, 2].map((c) => camera.project(mesh.vertices, 3 * mesh.faces[f + c]));
+        items.push({depth: Math.max(points[0][2], points[1][2], points[2][2]) + 10, k: -1, points, name});
+      }
     }
   }
 
-  drawItem({k, points}, camera, shape, shown) {
+  drawItem({k, points, name}, camera, shape, shown) {
     const front = (points[1][0] - points[0][0]) * (points[2][1] - points[0][1]) < (points[2][0] - points[0][0]) * (points[1][1] - points[0][1]);
     if (!front) return;
     const n = shape.normals, light = k < 0 ? 0.9 : 0.5 + 0.5 * Math.abs(n[3 * k] * camera.light[0] + n[3 * k + 1] * camera.light[1] + n[3 * k + 2] * camera.light[2]);
     const outline = k < 0 || this.model.corners === 3 ? points : this.model.outline(shape, k).map((p) => camera.project(p));
-    this.triangle(outline, k < 0 ? "rgb(190,190,190)" : css([0, 1, 2].map((c) => light * this.colors[3 * k + c])));
+    this.triangle(outline, k < 0 ? css(colorOf(name)) : css([0, 1, 2].map((c) => light * this.colors[3 * k + c])));
     if (k < 0 || shown.taxels === false) return;
     const radius = 1.2 / camera.mm_per_pixel;
     for (let t = TAXELS * k; t < TAXELS * (k + 1); ++t) {

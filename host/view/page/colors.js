@@ -22,6 +22,8 @@ export const PALETTE = /** @type {Record<string, {color: Rgb, what: string}>} */
   cut: {color: [0.66, 0.96, 0.16], what: "cut joint"},
   jumper: {color: [0.42, 0.12, 0.78], what: "jumper"},
   finding: {color: [0.0, 0.45, 0.70], what: "finding of verify"},
+  cover: {color: [0.72, 0.72, 0.72], what: "side that is covered"},
+  leftOut: {color: [0.80, 0.52, 0.42], what: "inner side and rims of the part"},
   back: {color: [0.37, 0.30, 0.23], what: "back of a module"},
   kept: {color: [0.50, 0.56, 0.78], what: "stays where it is"},
   added: {color: [0.16, 0.66, 0.22], what: "added"},

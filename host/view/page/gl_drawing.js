@@ -88,14 +88,15 @@ function taxelGeometry(shape, heat, rim) {
   return geometry;
 }
 
-function surfaceGeometry(surface) {
+/** @param {{vertices: number[], faces: number[]}} surface @param {import("./colors.js").Rgb} color */
+function surfaceGeometry(surface, color) {
   const points = new Float32Array(3 * surface.faces.length), normals = new Float32Array(points.length);
   surface.faces.forEach((v, k) => points.set(surface.vertices.slice(3 * v, 3 * v + 3), 3 * k));
   for (let k = 0; k < surface.faces.length / 3; ++k) {
     const n = normalOf(points, 9 * k);
     for (let c = 0; c < 3; ++c) normals.set(n, 9 * k + 3 * c);
   }
-  return trianglesOf(points, normals, new Float32Array(points.length).fill(0.72));
+  return trianglesOf(points, normals, points.map((_, k) => color[k % 3]));
 }
 
 // A flat module on a round cover lies partly under it. The cover is therefore tested as if it were that much farther away.
@@ -146,8 +147,13 @@ export class GlDrawing {
       scene.add(parts[name]);
     };
     if (surface) {
-      add("surface", surfaceGeometry(surface), material(SHADED, PLAIN), 0, 1);
+      add("surface", surfaceGeometry(surface, colorOf("cover")), material(SHADED, PLAIN), 0, 1);
       parts.surface.material.uniforms.sink.value = sink;
+      const leftOut = this.model.data.side?.left_out;
+      if (leftOut?.faces.length) {
+        add("leftOut", surfaceGeometry(leftOut, colorOf("leftOut")), material(SHADED, PLAIN), 0, 1);
+        parts.leftOut.material.uniforms.sink.value = sink;
+      }
     }
     add("modules", moduleGeometry(this.model, shape), material(SHADED, TWO_SIDED), 0.4, surface ? 1 : 0);
     add("taxels", taxelGeometry(shape, this.heat, this.rim), material(TAXEL, RIMMED), 1.0, 0);
@@ -195,7 +201,7 @@ export class GlDrawing {
     for (const {name, camera, left, top} of views) {
       const {scene, parts} = this.scenes[name];
       for (const [part, mesh] of Object.entries(parts)) {
-        mesh.visible = shown[part] !== false;
+        mesh.visible = shown[part === "leftOut" ? "surface" : part] !== false;
         mesh.material.uniforms.viewProjection.value.fromArray(camera.matrix);
         mesh.material.uniforms.light.value.fromArray(camera.light);
         mesh.material.uniforms.back.value.fromArray(camera.back);

@@ -38,6 +38,7 @@ export function fillLegend(mode, model, shown, has) {
   const names = MARKS.filter(([part]) => shown[/** @type {string} */ (part)]).flatMap(([, entries]) => entries).filter((name) => name !== "jumper" || model.data.jumpers.length > 0);
   if (has.faults) names.unshift("fault");
   if (has.findings) names.push("finding");
+  if (shown.surface && model.data.side?.left_out.faces.length) names.push("cover", "leftOut");
   names.push("back");
   const marks = document.createElement("div");
   marks.append(...names.map((name) => swatch(PALETTE[name], "swatch")));

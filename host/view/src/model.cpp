@@ -112,13 +112,16 @@ json newton_per_count(const design::Design& design, const design::SkinCalibratio
   return modules;
 }
 
-// Describes the side of the wall that was taken and the thickness of the wall under each module; null if the design
-// contains no part.
+// Describes the side of the wall that was taken, the thickness of the wall under each module and the rest of the part;
+// null if the design contains no part.
 json side_of(const design::Design& design) {
   if (!design.side) return nullptr;
   json wall = json::array();
   for (const double mm : wall_under_modules(design)) wall.push_back(rounded(mm));
-  return {{"taken", design.side->taken}, {"mean_mm", rounded(design.side->wall_mm)}, {"wall_mm", std::move(wall)}};
+  return {{"taken", design.side->taken},
+          {"mean_mm", rounded(design.side->wall_mm)},
+          {"wall_mm", std::move(wall)},
+          {"left_out", surface_of(left_out_of_part(design))}};
 }
 
 json covers_of(const Notes& notes) {

@@ -110,7 +110,41 @@ double wall_under(const design::PlacedModule& m, const FaceGrid& part) {
   return 0.0;
 }
 
+// A face of the part belongs to the covered surface if a face of that lies on it. Repairs and bridges move a surface by
+// less than this.
+constexpr double kOnSurface_mm = 0.1;
+
+bool is_covered(const design::Mesh& part, const std::array<int, 3>& face, const FaceGrid& surface) {
+  const auto at = [&](std::size_t k) { return part.vertices[static_cast<std::size_t>(face[k])]; };
+  const Vec3 normal = (at(1) - at(0)).cross(at(2) - at(0)).normalized();
+  const Vec3 from = (at(0) + at(1) + at(2)) / 3.0 + kOnSurface_mm * normal;
+  const auto hits = surface.crossings(from, -normal, 2.0 * kOnSurface_mm);
+  return std::ranges::any_of(hits, [](const auto& hit) { return hit.facing > 0.0; });
+}
+
 }  // namespace
+
+design::Mesh left_out_of_part(const design::Design& design) {
+  design::Mesh rest;
+  if (!design.side) return rest;
+  const design::Mesh& part = design.side->part;
+  const FaceGrid surface(design.surface);
+  std::vector<int> number(part.vertices.size(), -1);
+  for (const auto& face : part.faces) {
+    if (is_covered(part, face, surface)) continue;
+    std::array<int, 3> corners{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      int& n = number[static_cast<std::size_t>(face[k])];
+      if (n < 0) {
+        n = static_cast<int>(rest.vertices.size());
+        rest.vertices.push_back(part.vertices[static_cast<std::size_t>(face[k])]);
+      }
+      corners[k] = n;
+    }
+    rest.faces.push_back(corners);
+  }
+  return rest;
+}
 
 std::vector<double> wall_under_modules(const design::Design& design) {
   if (!design.side || design.side->part.faces.empty()) return {};

@@ -52,6 +52,10 @@ struct Notes {
 [[nodiscard]] std::vector<Finding> findings_in(std::string_view report, const std::string& name,
                                                const design::Design& design, std::span<const CoverNote> covers);
 
+/// Returns the faces of the whole part that are not covered: the inner side of its wall, and its rims. Empty if the
+/// design contains no part. Cost: O(faces) for faces of similar size.
+[[nodiscard]] design::Mesh left_out_of_part(const design::Design& design);
+
 /// Returns the thickness of the part's wall under each module in mm; 0 where no second side lies within 8 mm behind the
 /// first. Empty for a design that does not contain its whole part. The thickness is measured along the normal at the
 /// module's centre. Cost: O(modules + faces) for faces that are small compared to the part.
