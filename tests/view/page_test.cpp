@@ -150,6 +150,21 @@ TEST(ViewModel, knows_the_wall_under_each_module) {
   EXPECT_NEAR(wall[2], 0.0, 1e-9);
 }
 
+// The surface of the strip is the upper side of a plate; its lower side is the rest.
+TEST(ViewModel, has_the_faces_of_the_part_that_are_not_covered) {
+  design::Design d = strip(3);
+  EXPECT_TRUE(view::left_out_of_part(d).faces.empty()) << "no part, no rest";
+  design::Mesh part;
+  part.vertices = {{-1, -1, 0},  {1000, -1, 0},  {1000, 30, 0},  {-1, 30, 0},
+                   {-1, -1, -2}, {1000, -1, -2}, {1000, 30, -2}, {-1, 30, -2}};
+  part.faces = {{0, 1, 2}, {0, 2, 3}, {4, 6, 5}, {4, 7, 6}};
+  d.side = design::PartSide{"outer", true, 2.0, part};
+  const json rest = json::parse(view::model_json(d))["side"]["left_out"];
+  EXPECT_EQ(rest["faces"], json({0, 1, 2, 0, 3, 1}));
+  EXPECT_EQ(rest["vertices"].size(), 12U);
+  EXPECT_EQ(rest["vertices"][2], -2.0);
+}
+
 TEST(ViewPage, keeps_a_name_from_a_file_out_of_the_script) {
   design::Design d = strip(1);
   d.name = "</script><script>alert(1)</script>";
