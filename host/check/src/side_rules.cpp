@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -45,13 +44,21 @@ P3 vector(const RayKernel::Point_3& p) {
 
 struct Place {
   P3 point, normal;
+  std::size_t face = 0;
 };
 
-/// Represents the whole part, or the surface if the file has no part.
+/// Represents the whole part, or the surface that is covered.
 class Part {
  public:
-  explicit Part(const CheckedDesign& d)
-      : Part(d.part_faces.empty() ? d.vertices : d.part_vertices, d.part_faces.empty() ? d.faces : d.part_faces) {}
+  Part(const std::vector<P3>& vertices, const std::vector<std::array<int, 3>>& faces) {
+    for (const auto& f : faces) {
+      const auto corner = [&](std::size_t k) { return point(vertices[static_cast<std::size_t>(f[k])]); };
+      triangles_.emplace_back(corner(0), corner(1), corner(2));
+    }
+    tree_.insert(triangles_.cbegin(), triangles_.cend());
+    tree_.build();
+    tree_.accelerate_distance_queries();
+  }
 
   [[nodiscard]] std::optional<Place> below(const P3& p) const {
     const auto [q, primitive] = tree_.closest_point_and_primitive(point(p));
@@ -93,21 +100,11 @@ class Part {
   }
 
  private:
-  Part(const std::vector<P3>& vertices, const std::vector<std::array<int, 3>>& faces) {
-    for (const auto& f : faces) {
-      const auto corner = [&](std::size_t k) { return point(vertices[static_cast<std::size_t>(f[k])]); };
-      triangles_.emplace_back(corner(0), corner(1), corner(2));
-    }
-    tree_.insert(triangles_.cbegin(), triangles_.cend());
-    tree_.build();
-    tree_.accelerate_distance_queries();
-  }
-
-  static std::optional<Place> place(const P3& p, Triangles::const_iterator triangle) {
+  [[nodiscard]] std::optional<Place> place(const P3& p, Triangles::const_iterator triangle) const {
     const P3 a = vector(triangle->vertex(0));
     const P3 normal = (vector(triangle->vertex(1)) - a).cross(vector(triangle->vertex(2)) - a);
     if (!(normal.norm() > 0.0)) return {};
-    return Place{p, normal.normalized()};
+    return Place{p, normal.normalized(), static_cast<std::size_t>(triangle - triangles_.cbegin())};
   }
 
   Triangles triangles_;
@@ -177,21 +174,12 @@ std::vector<int> components_of(const CheckedDesign& d) {
 
 // Returns the component of the covered surface that lies under a module; −1 if it looks another way at all of its
 // places.
-int component_under(const Triangle3& corners, const CheckedDesign& d, const std::vector<int>& component) {
+int component_under(const Triangle3& corners, const CheckedDesign& d, const Part& surface,
+                    const std::vector<int>& component) {
   for (const P3& p : places_of(corners)) {
-    double nearest = std::numeric_limits<double>::infinity(), facing = 0.0;
-    int found = -1;
-    for (const auto& f : d.faces) {
-      const auto corner = [&](std::size_t k) { return d.vertices[static_cast<std::size_t>(f[k])]; };
-      const Triangle3 face{corner(0), corner(1), corner(2)};
-      const double distance =
-          CGAL::squared_distance(point(p), RayKernel::Triangle_3(point(face[0]), point(face[1]), point(face[2])));
-      if (!(distance < nearest)) continue;
-      nearest = distance;
-      facing = unit_normal(face).dot(unit_normal(corners));
-      found = component[static_cast<std::size_t>(f[0])];
-    }
-    if (facing > 0.5) return found;
+    const auto place = surface.below(p);
+    if (place && place->normal.dot(unit_normal(corners)) > 0.5)
+      return component[static_cast<std::size_t>(d.faces[place->face][0])];
   }
   return -1;
 }
@@ -219,7 +207,9 @@ void check_inner(const CheckedDesign& d, const Part& part, Findings& f) {
   std::vector<int> under(views.size(), -1);
   if (inner <= kRecessShare * static_cast<double>(views.size())) {
     const std::vector<int> component = components_of(d);
-    for (std::size_t k = 0; k < views.size(); ++k) under[k] = component_under(d.modules[k].corner, d, component);
+    const Part surface(d.vertices, d.faces);
+    for (std::size_t k = 0; k < views.size(); ++k)
+      under[k] = component_under(d.modules[k].corner, d, surface, component);
   }
   for (std::size_t k = 0; k < views.size(); ++k) {
     if (!views[k].looks_inner() || is_in_recess(under[k], under, views)) continue;
@@ -276,7 +266,8 @@ bool is_closed(const CheckedDesign& d) {
 void check_side(const CheckedDesign& d, Findings& f) {
   if (d.side == "both") return;  // The user asked for both sides.
   if (d.side.empty() && !is_closed(d)) return;
-  const Part part(d);
+  const bool has_part = !d.part_faces.empty();
+  const Part part(has_part ? d.part_vertices : d.vertices, has_part ? d.part_faces : d.faces);
   if (d.side.empty() || (d.side == "outer" && d.is_side_certain)) check_inner(d, part, f);
   check_backs(d, part, f);
 }
