@@ -23,6 +23,12 @@ class RayCaster {
   [[nodiscard]] const Mesh& mesh() const { return mesh_; }
   /// Returns the unit normal of a face; zero for one without area.
   [[nodiscard]] const Vec3& normal(int face) const { return normals_[static_cast<std::size_t>(face)]; }
+  /// Returns the length of the edge from corner `side` (0 … 2) of a face to the next one.
+  [[nodiscard]] double edge_mm(std::size_t face, std::size_t side) const {
+    const auto& f = mesh_.faces[face];
+    const auto corner = [&](std::size_t k) { return mesh_.vertices[static_cast<std::size_t>(f[k])]; };
+    return (corner((side + 1) % 3) - corner(side)).norm();
+  }
   [[nodiscard]] double area_mm2(int face) const { return areas_mm2_[static_cast<std::size_t>(face)]; }
 
   /// Returns the first face between two distances along a unit direction, ignoring `but_face`. Cost: O(log n) typical.

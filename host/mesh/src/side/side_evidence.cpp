@@ -154,13 +154,11 @@ class Evidence {
   }
 
   void measure_borders() {
-    const Mesh& mesh = part_.mesh();
     for (std::size_t f = 0; f < neighbours_.size(); ++f) {
       for (std::size_t s = 0; s < 3; ++s) {
         const int n = neighbours_[f][s], r = regions_.of_face[f];
         if (n >= 0 && region(n) == r) continue;
-        const double length =
-            (mesh.vertices[at(mesh.faces[f][(s + 1) % 3])] - mesh.vertices[at(mesh.faces[f][s])]).norm();
+        const double length = part_.edge_mm(f, s);
         found_.regions[at(r)].border_mm += length;
         if (n > static_cast<int>(f)) found_.beside_mm[std::minmax(r, region(n))] += length;
       }

@@ -56,14 +56,12 @@ class Division {
 
   // A needle takes the normal of the face across its longest side, so that it separates nothing.
   void smooth_needles(const RayCaster& part) {
-    const Mesh& mesh = part.mesh();
     for (int pass = 0; pass < kNeedlePasses; ++pass) {
       for (std::size_t f = 0; f < normals_.size(); ++f) {
         std::size_t longest = 0;
         double length = 0.0;
         for (std::size_t s = 0; s < 3; ++s) {
-          const auto& c = mesh.faces[f];
-          const double l = (mesh.vertices[at(c[(s + 1) % 3])] - mesh.vertices[at(c[s])]).norm();
+          const double l = part.edge_mm(f, s);
           if (l > length) std::tie(length, longest) = std::tuple(l, s);
         }
         const int beyond = neighbours_[f][longest];
@@ -141,7 +139,6 @@ bool is_mostly_its_own_partner(const SmoothRegions& regions, const std::vector<W
 // Tells whether most of the area lies in regions that are wide for their border.
 bool is_mostly_wide(const RayCaster& part, const std::vector<std::array<int, 3>>& neighbours,
                     const SmoothRegions& regions) {
-  const Mesh& mesh = part.mesh();
   std::vector<double> area(at(regions.count), 0.0), border = area;
   for (std::size_t f = 0; f < neighbours.size(); ++f) {
     const std::size_t region = at(regions.of_face[f]);
@@ -149,8 +146,7 @@ bool is_mostly_wide(const RayCaster& part, const std::vector<std::array<int, 3>>
     for (std::size_t s = 0; s < 3; ++s) {
       const int n = neighbours[f][s];
       if (n >= 0 && at(regions.of_face[at(n)]) == region) continue;
-      const auto& c = mesh.faces[f];
-      border[region] += (mesh.vertices[at(c[(s + 1) % 3])] - mesh.vertices[at(c[s])]).norm();
+      border[region] += part.edge_mm(f, s);
     }
   }
   double wide = 0.0, all = 0.0;
