@@ -3,6 +3,7 @@
 // Its area, its number of faces and the side to which its faces point are known, so that a reader cannot be wrong
 // silently.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -366,6 +367,39 @@ TEST_F(Inputs, quantized_positions_are_read) {
   const MeshFile read = read_mesh(file("q.gltf", json));
   EXPECT_EQ(read.mesh.faces.size(), kFaces);
   EXPECT_NEAR(Surface(read.mesh).area_mm2(), Surface(pipe_).area_mm2(), 1.0);
+}
+
+TEST_F(Inputs, what_is_read_in_part_or_flattened_is_said) {
+  const auto notes_of = [](const fs::path& path) {
+    return fmt::format("{}", fmt::join(read_mesh(path).report.notes, "; "));
+  };
+  (void)file("pipe.bin", buffer_of(quarter_pipe(1e-3)));
+  const auto gltf = gltf_of(quarter_pipe(1e-3), "pipe.bin", R"(,"scale":[1,1,0])");
+  EXPECT_THAT(notes_of(file("flat.gltf", gltf)), HasSubstr("1 of its shown meshes are flattened by a scale of 0"));
+  const std::string item = R"(<item objectid="1" transform="1 0 0 0 1 0 0 0 0 0 0 0"/>)";
+  EXPECT_THAT(notes_of(package("flat.3mf", model_of(pipe_, "", item))), HasSubstr("flattened by a scale of 0"));
+  std::string weighted, plain, coloured;
+  for (const Vec3& v : pipe_.vertices) {
+    weighted += fmt::format("v {} {} {} 2\n", v.x(), v.y(), v.z());
+    plain += fmt::format("v {} {} {} 1.0\n", v.x(), v.y(), v.z());
+    coloured += fmt::format("v {} {} {} 0.5 0.5 0.2\n", v.x(), v.y(), v.z());
+  }
+  std::string faces;
+  for (const auto& f : pipe_.faces) faces += fmt::format("f {} {} {}\n", f[0] + 1, f[1] + 1, f[2] + 1);
+  EXPECT_THAT(notes_of(file("weighted.obj", weighted + faces)), HasSubstr("63 vertices have a weight other than 1"));
+  EXPECT_EQ(notes_of(file("plain.obj", plain + faces)), "");
+  EXPECT_EQ(notes_of(file("coloured.obj", coloured + faces)), "");
+}
+
+TEST_F(Inputs, collada_that_the_library_cannot_follow_is_refused_by_name) {
+  EXPECT_THAT(error_of(file("skew.dae", dae_of(pipe_, "Z_UP", "<skew>30 1 0 0 0 1 0</skew>"))), HasSubstr("skew"));
+  const std::string self = R"(<instance_node url="#n"/>)";
+  EXPECT_THAT(error_of(file("self.dae", dae_of(pipe_, "Z_UP", self))), HasSubstr("\"n\" is an instance of itself"));
+  for (const char* unit : {"0", "-0.001", "abc", "inf", ""}) {
+    std::string text = dae_of(pipe_, "Z_UP");
+    text.replace(text.find("0.001"), 5, unit);
+    EXPECT_THAT(error_of(file("unit.dae", text)), HasSubstr(fmt::format("its unit is \"{}\" metres", unit)));
+  }
 }
 
 TEST_F(Inputs, inches_are_offered_where_they_fit_and_read) {

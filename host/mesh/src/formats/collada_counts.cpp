@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -38,8 +40,16 @@ class ColladaCounts {
         fmt::format("{}, line {}: {}: the file was cut or changed; export it again", source_.name, line_, what));
   }
 
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw InputError(fmt::format("{}, line {}: {}", source_.name, line_, what));
+  }
+
   void start(const XmlTag& tag) {
+    line_ = tag.line;
     if (tag.name == "unit" && unit_mm_ == 0.0) take_unit(tag);
+    if (tag.name == "node") nodes_.emplace_back(tag.attribute("id"));
+    if (tag.name == "instance_node") take_instance(tag);
+    if (tag.name == "skew") refuse("a node has a skew, which is not read; apply the transforms when you export it");
     is_list_ = tag.name == "float_array" || tag.name == "p" || tag.name == "vcount";
     if (tag.name == "triangles" || tag.name == "polylist") {
       polygons_ = whole_number(tag.attribute("count"));
@@ -50,12 +60,12 @@ class ColladaCounts {
     }
     if (tag.name == "input") stride_ = std::max(stride_, 1 + whole_number(tag.attribute("offset")).value_or(0));
     if (!is_list_) return;
-    line_ = tag.line;
     text_.clear();
     stated_ = whole_number(tag.attribute("count"));
   }
 
   void end(std::string_view name) {
+    if (name == "node" && !nodes_.empty()) nodes_.pop_back();
     if (name == "float_array") end_of_array();
     if (name == "vcount") end_of_corner_counts();
     if (name == "p" && is_triangles_) end_of_triangles();
@@ -65,8 +75,30 @@ class ColladaCounts {
   }
 
   void take_unit(const XmlTag& tag) {
-    const auto metres = decimal_number(tag.attribute("meter"));
-    if (metres && std::isfinite(*metres) && *metres > 0.0) unit_mm_ = 1000.0 * *metres;
+    const std::string_view text = tag.attribute("meter");
+    if (text.data() == nullptr) return;
+    const auto metres = decimal_number(text);
+    if (!metres || !std::isfinite(*metres) || !(*metres > 0.0))
+      refuse(fmt::format("its unit is \"{}\" metres; state a length above 0", text.substr(0, 20)));
+    unit_mm_ = 1000.0 * *metres;
+  }
+
+  // The library follows such instances until its stack ends.
+  void take_instance(const XmlTag& tag) {
+    std::string_view url = tag.attribute("url");
+    if (!url.starts_with('#')) return;
+    url.remove_prefix(1);
+    for (const std::string& node : nodes_) instances_[node].emplace(url);
+    std::set<std::string> seen;
+    if (std::ranges::any_of(nodes_, [&](const std::string& node) { return reaches(std::string(url), node, seen); }))
+      refuse(fmt::format("the node \"{}\" is an instance of itself", url.substr(0, 40)));
+  }
+
+  bool reaches(const std::string& from, const std::string& wanted, std::set<std::string>& seen) const {
+    if (from == wanted) return true;
+    const auto found = instances_.find(from);
+    if (found == instances_.end() || !seen.insert(from).second) return false;
+    return std::ranges::any_of(found->second, [&](const std::string& next) { return reaches(next, wanted, seen); });
   }
 
   void end_of_array() {
@@ -125,6 +157,8 @@ class ColladaCounts {
   std::optional<long> polygons_, stated_, corners_;
   bool is_list_ = false, is_triangles_ = false, is_polylist_ = false;
   std::string text_;
+  std::vector<std::string> nodes_;  // These are the identifiers of the open nodes, outermost first.
+  std::map<std::string, std::set<std::string>> instances_;
 };
 
 }  // namespace

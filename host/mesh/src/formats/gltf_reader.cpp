@@ -31,6 +31,7 @@ class GltfReader {
     if (skinned_ > 0)
       source_.notes.push_back(
           fmt::format("{} meshes of a skeleton are in the pose in which they are stored", skinned_));
+    if (flattened_ > 0) source_.notes.push_back(flattened_note(flattened_));
     if (instanced_ > 0) {
       source_.notes.push_back(
           fmt::format("{} nodes are shown more than once by EXT_mesh_gpu_instancing; each was read once", instanced_));
@@ -97,6 +98,7 @@ class GltfReader {
       instanced_ += node.contains("extensions") && node["extensions"].contains("EXT_mesh_gpu_instancing") ? 1 : 0;
       const bool is_named = source_.objects.meets(name_of(mesh));
       if (is_in || is_named) append(mesh, place);
+      flattened_ += place.linear().determinant() == 0.0 ? 1 : 0;
     }
     for (const std::size_t child : indices(node, "children"))
       has_faces = take(child, place, is_in, depth + 1) || has_faces;
@@ -153,7 +155,7 @@ class GltfReader {
   const MeshSource& source_;
   GltfDocument document_;
   Mesh mesh_;
-  std::size_t shown_ = 0, skinned_ = 0, instanced_ = 0;
+  std::size_t shown_ = 0, skinned_ = 0, instanced_ = 0, flattened_ = 0;
 };
 
 }  // namespace

@@ -21,6 +21,11 @@ struct MeshSource {
   std::vector<std::string>& notes;
 };
 
+/// Returns the note about nodes or items of a file whose transform has a determinant of 0.
+[[nodiscard]] inline std::string flattened_note(std::size_t count) {
+  return std::to_string(count) + " of its shown meshes are flattened by a scale of 0 in the file";
+}
+
 /// Faces in the unit of their file, and that unit.
 struct MeshInUnit {
   Mesh mesh;

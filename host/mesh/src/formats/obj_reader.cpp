@@ -75,6 +75,9 @@ class ObjReader {
       if (!value) fail(has_decimal_comma(word) ? kCommas : "a vertex must be three numbers");
       c = *value;
     }
+    // Exporters write a fourth number 1, or three for a colour.
+    const auto weight = decimal_number(next_word(line));
+    if (weight && *weight != 1.0 && next_word(line).empty()) ++weighted_;
     mesh_.vertices.push_back(p);
     is_used_.push_back(false);
   }
@@ -125,6 +128,10 @@ class ObjReader {
       source_.notes.push_back(fmt::format("{} of {} vertices belong to no face; if the file was cut, faces are missing",
                                           unused, mesh_.vertices.size()));
     }
+    if (weighted_ > 0) {
+      source_.notes.push_back(fmt::format(
+          "{} vertices have a weight other than 1, which counts for curves only and was not applied", weighted_));
+    }
     if (free_forms_ > 0)
       source_.notes.push_back(fmt::format("{} free-form curves and surfaces were left out", free_forms_));
     if (unknown_ > 0) {
@@ -142,7 +149,7 @@ class ObjReader {
   // The first flag tells whether we are in the wanted object, the second whether in a wanted group.
   std::array<bool, 2> is_in_{};
   std::string_view last_;
-  int free_forms_ = 0, unknown_ = 0;
+  int free_forms_ = 0, unknown_ = 0, weighted_ = 0;
   std::string first_unknown_;
 };
 

@@ -161,6 +161,7 @@ class ThreeMf {
       source_.notes.push_back(
           fmt::format("{} objects of the type \"{}\" are no part of the body and were left out", count, type));
     }
+    if (flattened_ > 0) source_.notes.push_back(flattened_note(flattened_));
     return std::move(result_);
   }
 
@@ -210,6 +211,7 @@ class ThreeMf {
   void append(const Mesh& mesh, const Eigen::Affine3d& place, double scale) {
     const int first = static_cast<int>(result_.mesh.vertices.size());
     if (result_.mesh.faces.size() + mesh.faces.size() > kMaxFaces) fail("it is too large");
+    flattened_ += !mesh.faces.empty() && place.linear().determinant() == 0.0 ? 1 : 0;
     const bool is_mirrored = place.linear().determinant() < 0.0;
     for (const Vec3& v : mesh.vertices) result_.mesh.vertices.push_back(place * (scale * v));
     for (const auto& f : mesh.faces) {
@@ -226,6 +228,7 @@ class ThreeMf {
   std::map<std::string, Model> models_;
   std::map<std::string, int> left_out_;  // The key is the type of an object, the value the number of objects left out.
   int shown_ = 0;
+  std::size_t flattened_ = 0;
   MeshInUnit result_;
 };
 
