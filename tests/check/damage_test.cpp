@@ -196,12 +196,19 @@ TEST_F(Damage, what_flashing_relies_on) {
 
 TEST_F(Damage, limits_are_the_users_choice_but_must_be_limits) {
   for (const char* limit : {"edge_error_mm", "hinge_gap_mm", "center_gap_mm", "fold_rad", "penetration_mm",
-                            "overrun_mm", "lift_mm", "depth_mm"}) {
+                            "overrun_mm", "lift_mm", "depth_mm", "fold_away_rad", "fold_towards_rad"}) {
     EXPECT_THAT(broken_by([&](json& j) { j["limits"][limit] = 50.0; }), testing::IsEmpty()) << limit;
     expect("limits", [&](json& j) { j["limits"][limit] = -1.0; });
     EXPECT_THROW((void)broken_by([&](json& j) { j["limits"][limit] = std::nan(""); }), InputError)
         << limit;  // The value is written as null.
   }
+}
+
+TEST_F(Damage, a_fold_is_limited_in_its_own_direction_only) {
+  // The faces of the pipe look away from its axis, so that every joint that folds does so over a ridge.
+  const auto limited = [](const char* limit) { return broken_by([&](json& j) { j["limits"][limit] = 0.1; }); };
+  EXPECT_THAT(limited("fold_away_rad"), testing::Contains("fold"));
+  EXPECT_THAT(limited("fold_towards_rad"), testing::IsEmpty());
 }
 
 TEST_F(Damage, lattice) {

@@ -26,6 +26,9 @@ void check_limits(const CheckedDesign::Limits& l, bool with_jumpers, DesignRepor
   std::vector<std::pair<const char*, double>> limits{{"edge_error_mm", l.edge_error},   {"hinge_gap_mm", l.hinge_gap},
                                                      {"center_gap_mm", l.center_gap},   {"fold_rad", l.fold},
                                                      {"penetration_mm", l.penetration}, {"overrun_mm", l.overrun}};
+  if (l.fold_away != std::numeric_limits<double>::infinity()) limits.emplace_back("fold_away_rad", l.fold_away);
+  if (l.fold_towards != std::numeric_limits<double>::infinity())
+    limits.emplace_back("fold_towards_rad", l.fold_towards);
   if (with_jumpers) limits.emplace_back("jumper_mm", l.jumper);
   if (l.lift != std::numeric_limits<double>::infinity()) {
     limits.emplace_back("lift_mm", l.lift);

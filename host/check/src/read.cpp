@@ -291,7 +291,9 @@ CheckedDesign read_all(const json& j) {
               number(l.at("overrun_mm")),
               with_lift ? number(l.at("lift_mm")) : std::numeric_limits<double>::infinity(),
               with_lift ? number(l.at("depth_mm")) : std::numeric_limits<double>::infinity(),
-              with_jumpers ? number(l.at("jumper_mm")) : 0.0};
+              with_jumpers ? number(l.at("jumper_mm")) : 0.0,
+              l.contains("fold_away_rad") ? number(l["fold_away_rad"]) : std::numeric_limits<double>::infinity(),
+              l.contains("fold_towards_rad") ? number(l["fold_towards_rad"]) : std::numeric_limits<double>::infinity()};
   if (j.contains("corner_cut_mm")) d.corner_cut = corner_cut(number(j["corner_cut_mm"]));
   d.islands = integer(j.at("islands"));
   d.method = j.at("method").get<std::string>();
@@ -346,7 +348,7 @@ void require_bounded(const json& j, const std::string& key, double bound) {
 }
 
 // A key that no reader knows would change nothing, whatever its author meant by it.
-constexpr std::array<std::string_view, 132> kKnownKeys{"above_mm",
+constexpr std::array<std::string_view, 134> kKnownKeys{"above_mm",
                                                        "address",
                                                        "alternatives",
                                                        "area_cm2",
@@ -382,7 +384,9 @@ constexpr std::array<std::string_view, 132> kKnownKeys{"above_mm",
                                                        "failures",
                                                        "file",
                                                        "flat",
+                                                       "fold_away_rad",
                                                        "fold_rad",
+                                                       "fold_towards_rad",
                                                        "format",
                                                        "free",
                                                        "high_mm",

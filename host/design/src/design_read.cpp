@@ -56,7 +56,7 @@ auto index_or_none(std::size_t n) {
 void read_limits(const JsonValue& v, LayoutLimits& l) {
   only_keys(v,
             {"edge_error_mm", "hinge_gap_mm", "center_gap_mm", "fold_rad", "penetration_mm", "overrun_mm", "jumper_mm",
-             "lift_mm", "depth_mm"},
+             "lift_mm", "depth_mm", "fold_away_rad", "fold_towards_rad"},
             kDesignPage);
   l.edge_error_mm = magnitude(v["edge_error_mm"]);
   l.hinge_gap_mm = magnitude(v["hinge_gap_mm"]);
@@ -64,6 +64,8 @@ void read_limits(const JsonValue& v, LayoutLimits& l) {
   l.fold_rad = magnitude(v["fold_rad"]);
   l.penetration_mm = magnitude(v["penetration_mm"]);
   l.overrun_mm = magnitude(v["overrun_mm"]);
+  if (has(v, "fold_away_rad")) l.fold_away_rad = magnitude(v["fold_away_rad"]);
+  if (has(v, "fold_towards_rad")) l.fold_towards_rad = magnitude(v["fold_towards_rad"]);
   if (has(v, "jumper_mm")) l.jumper_mm = magnitude(v["jumper_mm"]);
   // Files of version 0.1 have no limits for lift and depth.
   l.lift_mm = has(v, "lift_mm") ? magnitude(v["lift_mm"]) : std::numeric_limits<double>::infinity();

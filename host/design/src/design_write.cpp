@@ -44,6 +44,8 @@ json limits_json(const LayoutLimits& l, bool with_jumpers) {
   json limits = {{"edge_error_mm", l.edge_error_mm},   {"hinge_gap_mm", l.hinge_gap_mm},
                  {"center_gap_mm", l.center_gap_mm},   {"fold_rad", l.fold_rad},
                  {"penetration_mm", l.penetration_mm}, {"overrun_mm", l.overrun_mm}};
+  if (std::isfinite(l.fold_away_rad)) limits["fold_away_rad"] = l.fold_away_rad;
+  if (std::isfinite(l.fold_towards_rad)) limits["fold_towards_rad"] = l.fold_towards_rad;
   if (with_jumpers) limits["jumper_mm"] = l.jumper_mm;
   if (limits_sides(l)) {
     limits["lift_mm"] = l.lift_mm;

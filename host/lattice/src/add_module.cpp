@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 
+#include "fold_limit.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/lattice/map_modules.hpp"
 #include "triskin/lattice/net.hpp"
@@ -30,10 +31,6 @@ constexpr double kHopeless = 10.0, kFar = 1e4;
 Vec3 center_of(const Triangle& t) {
   return (t[0] + t[1] + t[2]) / 3.0;
 }
-Vec3 normal_of(const Triangle& t) {
-  return (t[1] - t[0]).cross(t[2] - t[0]).normalized();
-}
-
 // A place for the module, and how it keeps the limits; 1 means exactly at a limit.
 struct Judged {
   PlacedModule module;
@@ -223,7 +220,8 @@ class ModulePlacer {
                &d = o.corner_mm[at(t)];
     const Vec3 n = normal_of(m.corner_mm), q = normal_of(o.corner_mm);
     j.add("hinge_gap_mm", std::max((a - c).norm(), (b - d).norm()), kFinalMargin * limits_.hinge_gap_mm, other);
-    j.add("fold_rad", std::atan2(n.cross(q).norm(), n.dot(q)), kFinalMargin * limits_.fold_rad, other);
+    j.add("fold_rad", std::atan2(n.cross(q).norm(), n.dot(q)), kFinalMargin * fold_limit_between(limits_, n, q, b - a),
+          other);
     j.add("edge_error_mm", std::abs((0.5 * (b + d) - 0.5 * (a + c)).norm() - kSide_mm),
           kFinalMargin * limits_.edge_error_mm, other);
   }

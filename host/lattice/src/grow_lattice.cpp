@@ -53,7 +53,7 @@ void check_options(const LayoutLimits& l, const SurfaceLatticeOptions& o) {
     throw InputError(fmt::format("lattice: the corner cut must be 0 … {} mm", design::kMaxCornerCut_mm));
   if (!(o.corner_lift_mm >= 0.0)) throw InputError("lattice: the corner lift must not be negative");
   for (const double v : {l.edge_error_mm, l.hinge_gap_mm, l.center_gap_mm, l.fold_rad, l.penetration_mm, l.overrun_mm,
-                         l.lift_mm, l.depth_mm}) {
+                         l.lift_mm, l.depth_mm, l.fold_away_rad, l.fold_towards_rad}) {
     if (!(v > 0.0)) throw InputError("lattice: every limit must be positive");
   }
 }

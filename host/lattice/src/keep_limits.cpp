@@ -8,6 +8,7 @@
 #include <map>
 #include <string>
 
+#include "fold_limit.hpp"
 #include "overlapping_pairs.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/lattice/map_modules.hpp"
@@ -70,7 +71,8 @@ class Keeper {
     for (PlacedModule& m : layout_.modules) {
       for (int s = 0; s < 3; ++s) {
         if (m.neighbour[at(s)] < 0) continue;
-        if (m.hinge_gap_mm[at(s)] <= 0.98 * limits_.hinge_gap_mm && m.fold_rad[at(s)] <= 0.98 * limits_.fold_rad)
+        if (m.hinge_gap_mm[at(s)] <= 0.98 * limits_.hinge_gap_mm &&
+            m.fold_rad[at(s)] <= 0.98 * fold_limit_of(limits_, layout_.modules, m, s))
           continue;
         layout_.modules[at(m.neighbour[at(s)])].neighbour[at(across(m.tile, s).side)] = -1;
         m.neighbour[at(s)] = -1;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "fold_limit.hpp"
 #include "overlapping_pairs.hpp"
 #include "rigid.hpp"
 #include "triskin/base/index.hpp"
@@ -20,9 +21,6 @@ constexpr double kNear_mm = 45.0;
 constexpr double kLayer_mm = 10.0;    // Modules this far apart along the normal lie on different sheets.
 constexpr double kSideStep_mm = 0.5;  // docs/design_file.md defines the metrics with this step.
 
-Vec3 normal_of(const std::array<Vec3, 3>& t) {
-  return (t[1] - t[0]).cross(t[2] - t[0]).normalized();
-}
 Vec3 centroid_of(const std::array<Vec3, 3>& t) {
   return (t[0] + t[1] + t[2]) / 3.0;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fold_limit.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/lattice/overlap.hpp"
 #include "triskin/lattice/overrun.hpp"
@@ -29,7 +30,8 @@ constexpr double kProbeHeight_mm = 8.0;
 constexpr double kSafeMove = 0.7;
 
 LayoutLimits with_margin(LayoutLimits l) {
-  for (double* v : {&l.edge_error_mm, &l.hinge_gap_mm, &l.center_gap_mm, &l.fold_rad, &l.penetration_mm, &l.overrun_mm})
+  for (double* v : {&l.edge_error_mm, &l.hinge_gap_mm, &l.center_gap_mm, &l.fold_rad, &l.penetration_mm, &l.overrun_mm,
+                    &l.fold_away_rad, &l.fold_towards_rad})
     *v *= kMargin;
   for (double* v : {&l.lift_mm, &l.depth_mm}) *v *= kSidesMargin;
   return l;
@@ -67,6 +69,7 @@ const char* name_of(Refusal refusal) {
 Rules::Rules(const Surface& surface, const LayoutLimits& limits, const std::vector<Vec3>& free_points)
     : limits_(with_margin(limits)),
       fold_cosine_(std::cos(limits_.fold_rad)),
+      has_directed_folds_(std::min(limits_.fold_away_rad, limits_.fold_towards_rad) < limits_.fold_rad),
       probe_grid_(surface.mesh().vertices, kModuleReach_mm),
       free_points_(free_points),
       free_grid_(free_points, kModuleReach_mm) {
@@ -129,6 +132,8 @@ Refusal Rules::evaluate_joints(const LatticeMesh& net, int triangle) const {
     if (std::abs(0.5 * (b + d - a - c).norm() - kSide_mm) > limits_.edge_error_mm) return Refusal::kEdgeError;
     const Vec3& n = net.triangles()[at(other)].normal;
     if (n.dot(t.normal) < fold_cosine_) return Refusal::kFold;
+    if (has_directed_folds_ && n.dot(t.normal) < std::cos(fold_limit_between(limits_, t.normal, n, d - c)))
+      return Refusal::kFold;
     int axis = 0;
     if (overlap_of(t, net.triangles()[at(other)], axis).depth_mm > limits_.penetration_mm) return Refusal::kPenetration;
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "fold_limit.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/lattice/overlap.hpp"
 #include "triskin/lattice/point_grid.hpp"
@@ -29,24 +30,28 @@ Vec3 center_of(const PlacedModule& m) {
 }
 
 // Returns how far a module is over its limits (1 means at the limit), and the limit that is broken most.
-std::pair<double, const char*> worst_limit(const PlacedModule& m, const LayoutLimits& l) {
-  return std::max({std::pair{m.edge_error_mm / l.edge_error_mm, "edge_error_mm"},
-                   std::pair{m.center_gap_mm / l.center_gap_mm, "center_gap_mm"},
-                   std::pair{m.penetration_mm / l.penetration_mm, "penetration_mm"},
-                   std::pair{m.overrun_mm / l.overrun_mm, "overrun_mm"},
-                   std::pair{kSidesShare * m.edge_lift_mm / l.lift_mm, "lift_mm"},
-                   std::pair{kSidesShare * m.edge_depth_mm / l.depth_mm, "depth_mm"},
-                   std::pair{m.keep_out_mm / l.overrun_mm, "keep_out"},
-                   std::pair{std::ranges::max(m.hinge_gap_mm) / l.hinge_gap_mm, "hinge_gap_mm"},
-                   std::pair{std::ranges::max(m.fold_rad) / l.fold_rad, "fold_rad"}},
-                  [](const auto& a, const auto& b) { return a.first < b.first; });
+std::pair<double, const char*> worst_limit(const ModuleLayout& layout, const PlacedModule& m, const LayoutLimits& l) {
+  double fold = 0.0;
+  for (int s = 0; s < 3; ++s) {
+    if (m.neighbour[at(s)] >= 0) fold = std::max(fold, m.fold_rad[at(s)] / fold_limit_of(l, layout.modules, m, s));
+  }
+  return std::max(
+      {std::pair{m.edge_error_mm / l.edge_error_mm, "edge_error_mm"},
+       std::pair{m.center_gap_mm / l.center_gap_mm, "center_gap_mm"},
+       std::pair{m.penetration_mm / l.penetration_mm, "penetration_mm"},
+       std::pair{m.overrun_mm / l.overrun_mm, "overrun_mm"},
+       std::pair{kSidesShare * m.edge_lift_mm / l.lift_mm, "lift_mm"},
+       std::pair{kSidesShare * m.edge_depth_mm / l.depth_mm, "depth_mm"},
+       std::pair{m.keep_out_mm / l.overrun_mm, "keep_out"},
+       std::pair{std::ranges::max(m.hinge_gap_mm) / l.hinge_gap_mm, "hinge_gap_mm"}, std::pair{fold, "fold_rad"}},
+      [](const auto& a, const auto& b) { return a.first < b.first; });
 }
 
 std::vector<WorstModule> broken_most(const ModuleLayout& layout, const LayoutLimits& limits, std::size_t kept) {
   std::vector<BrokenModule> broken;
   for (std::size_t k = kept; k < layout.modules.size(); ++k) {
     const PlacedModule& m = layout.modules[k];
-    const auto [ratio, limit] = worst_limit(m, limits);
+    const auto [ratio, limit] = worst_limit(layout, m, limits);
     if (ratio > kFinalMargin) broken.push_back({{static_cast<int>(k), limit}, ratio, center_of(m)});
   }
   std::vector<WorstModule> worst;

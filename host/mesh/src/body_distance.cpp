@@ -58,8 +58,8 @@ int passage(const Vec3& from, const Vec3& ray, const Vec3& a, const Vec3& b, con
 BodyDistance::BodyDistance(Mesh mesh)
     : mesh_(std::move(mesh)), is_closed_(has_even_edges(mesh_)), tree_(extents_of(mesh_)) {}
 
-double BodyDistance::distance_mm(const Vec3& p) const {
-  double best = std::numeric_limits<double>::infinity();
+double BodyDistance::distance_mm(const Vec3& p, double at_most_mm) const {
+  double best = at_most_mm * at_most_mm;
   tree_.nearest(p, best, [&](int face) {
     const auto& f = mesh_.faces[at(face)];
     const Vec3 &a = mesh_.vertices[at(f[0])], &b = mesh_.vertices[at(f[1])], &c = mesh_.vertices[at(f[2])];
@@ -84,22 +84,44 @@ bool BodyDistance::contains(const Vec3& p) const {
 }
 
 double BodyDistance::signed_mm(const Vec3& p) const {
-  const double distance = distance_mm(p);
+  const double distance = distance_mm(p, std::numeric_limits<double>::infinity());
   return contains(p) ? -distance : distance;
 }
 
-// The distance changes no faster than the position, so a step may be as long as the excess over the least value.
-double BodyDistance::least_along_mm(const Vec3& from, const Vec3& direction, double length_mm, double enough_mm) const {
-  double least = std::numeric_limits<double>::infinity();
-  if (const double middle = distance_mm(from + 0.5 * length_mm * direction);
-      middle - 0.5 * length_mm > enough_mm && !contains(from))
-    return middle - 0.5 * length_mm;
-  for (double t = 0.0;;) {
-    const double here = signed_mm(from + t * direction);
-    least = std::min(least, here);
-    if (t >= length_mm) return least;
-    t = std::min(length_mm, t + std::max(kAlong_mm, here - least));
+// A neighbour on the line bounds the distance here, and tells the side unless the surface may lie between the two.
+BodyDistance::Probe BodyDistance::probe_beside(const Line& line, double t, const Probe& known) const {
+  const double apart_mm = std::abs(t - known.t), known_mm = std::abs(known.signed_mm);
+  const Vec3 p = line.from + t * line.direction;
+  const double distance = distance_mm(p, known_mm + apart_mm);
+  const bool is_inside = known_mm > apart_mm ? known.signed_mm < 0.0 : contains(p);
+  return {t, is_inside ? -distance : distance};
+}
+
+// The signed distance changes no faster than the position, so between two probes it stays above the place where the
+// steepest slopes from both meet; the next probe goes there (Piyavskii 1972, Shubert 1972).
+void BodyDistance::search_between(const Line& line, const Probe& a, const Probe& b, double& least_mm) const {
+  const double bound_mm = 0.5 * (a.signed_mm + b.signed_mm - (b.t - a.t));
+  if (bound_mm >= least_mm - kAlong_mm) return;
+  if (bound_mm > line.enough_mm) {
+    least_mm = bound_mm;
+    return;
   }
+  const double t = std::clamp(0.5 * (a.t + b.t + a.signed_mm - b.signed_mm), a.t, b.t);
+  const Probe middle = probe_beside(line, t, t - a.t < b.t - t ? a : b);
+  least_mm = std::min(least_mm, middle.signed_mm);
+  search_between(line, a, middle, least_mm);
+  search_between(line, middle, b, least_mm);
+}
+
+double BodyDistance::least_along_mm(const Vec3& from, const Vec3& direction, double length_mm, double enough_mm) const {
+  const Line line{from, direction, enough_mm};
+  const Probe middle{0.5 * length_mm, signed_mm(from + 0.5 * length_mm * direction)};
+  if (middle.signed_mm - 0.5 * length_mm > enough_mm) return middle.signed_mm - 0.5 * length_mm;
+  const Probe first = probe_beside(line, 0.0, middle), last = probe_beside(line, length_mm, middle);
+  double least_mm = std::min({first.signed_mm, middle.signed_mm, last.signed_mm});
+  search_between(line, first, middle, least_mm);
+  search_between(line, middle, last, least_mm);
+  return least_mm;
 }
 
 }  // namespace triskin::geometry

@@ -225,6 +225,10 @@ void add_limits(CLI::App& app, design::LayoutLimits& l) {
   app.add_option("--fold-rad", l.fold_rad, "limit of the angle at a joint")
       ->check(CLI::Range(0.01, 3.0))
       ->capture_default_str();
+  app.add_option("--fold-away-rad", l.fold_away_rad, "limit at a joint over a ridge (none: as --fold-rad)")
+      ->check(CLI::Range(0.01, 3.0));
+  app.add_option("--fold-towards-rad", l.fold_towards_rad, "limit at a joint in a valley (none: as --fold-rad)")
+      ->check(CLI::Range(0.01, 3.0));
   app.add_option("--penetration-mm", l.penetration_mm, "limit of two modules' overlap")
       ->check(CLI::Range(0.01, 10.0))
       ->capture_default_str();

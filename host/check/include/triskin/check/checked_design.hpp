@@ -70,8 +70,9 @@ struct CheckedDesign {
   };
   struct Limits {
     double edge_error, hinge_gap, center_gap, fold, penetration, overrun;
-    double lift, depth;  ///< Files that do not limit the sides have infinite values.
-    double jumper;       ///< A file without jumpers has 0.
+    double lift, depth;              ///< Files that do not limit the sides have infinite values.
+    double jumper;                   ///< A file without jumpers has 0.
+    double fold_away, fold_towards;  ///< Files that do not tell the directions apart have infinite values.
   };
   std::vector<P3> vertices;
   std::vector<std::array<int, 3>> faces;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <algorithm>
 #include <array>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -26,7 +28,16 @@ struct LayoutLimits {
   double depth_mm = 4.5;
   /// A jumper is at most this long along the surface; 0 allows none. The file has this limit only beside jumpers.
   double jumper_mm = 15.0;
+  /// A joint that folds away from the touch side, as over a ridge, has at most this angle and at most fold_rad.
+  double fold_away_rad = std::numeric_limits<double>::infinity();
+  /// A joint that folds towards the touch side, as in a valley, has at most this angle and at most fold_rad.
+  double fold_towards_rad = std::numeric_limits<double>::infinity();
 };
+
+/// Returns the largest angle of a joint that folds away from the touch side, or towards it.
+[[nodiscard]] inline double fold_limit_rad(const LayoutLimits& limits, bool is_away) {
+  return std::min(limits.fold_rad, is_away ? limits.fold_away_rad : limits.fold_towards_rad);
+}
 
 /// Modules on the surface are rigid. The id of a module is its index in ModuleLayout::modules. Its corners are in the
 /// order of its tile (tile.hpp), so that side s runs from corner s to corner (s+1) % 3, counter-clockwise seen from

@@ -66,6 +66,7 @@ class Rules {
 
   LayoutLimits limits_;  // The margin is already subtracted.
   double fold_cosine_;
+  bool has_directed_folds_;
   std::vector<Vec3> probes_;  // These points lie just outside the border, and no module may cover them.
   PointGrid probe_grid_;
   std::vector<Vec3> free_points_;
