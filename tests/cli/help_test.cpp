@@ -113,6 +113,14 @@ TEST_F(Help, a_slip_is_answered_in_the_first_line) {
   EXPECT_THAT(lines_of(help.messages).at(0), HasSubstr("did you mean record?"));
   EXPECT_THAT(lines_of(run("record s.json -o r.csv --secnods 1").messages).at(0), HasSubstr("did you mean --seconds?"));
   EXPECT_THAT(run("").messages, StartsWith("triskin: no command is given"));
+  EXPECT_THAT(run("verify s.json -link sim").messages,
+              StartsWith("triskin: -link is not known here; did you mean --link?\n"));
+  EXPECT_THAT(run("discover --link simm").messages, HasSubstr("did you mean sim?"));
+  EXPECT_THAT(run("discover --link can7").messages, HasSubstr("did you mean can:can7?"));
+  EXPECT_THAT(run("live s.json --link sim --seconds 1m").messages, HasSubstr("--seconds: 1m is no number (seconds)\n"));
+  write_file_atomically(folder_ / "strip.json", "no json");
+  EXPECT_THAT(run("verify stirp.json --link sim").messages, HasSubstr("did you mean strip.json?"));
+  EXPECT_THAT(run("verify strip.json --link sim").messages, HasSubstr("is no design file (JSON)"));
 }
 
 TEST_F(Help, a_range_is_said_in_short_numbers_with_its_unit) {
