@@ -19,6 +19,41 @@ using testing::HasSubstr;
 
 constexpr const char* kSerial = "00112233445566778899AABB";
 
+// Does to ip.json what ip does to the kernel, with its refusals: the bit rate of an interface that is up cannot be
+// changed, and a chip without FD knows no words for it.
+constexpr const char* kIp = R"(
+import json, sys
+links = json.load(open("root/ip.json"))
+words = sys.argv[1:]
+assert words[:2] == ["link", "set"], words
+link = next(l for l in links if l["ifname"] == words[2])
+info = link["linkinfo"]["info_data"]
+words = iter(words[3:])
+up = "UP" in link["flags"]
+for word in words:
+    if word in ("up", "down"):
+        link["flags"] = [f for f in link["flags"] if f != "UP"] + (["UP"] if word == "up" else [])
+    elif word == "txqueuelen":
+        link["txqlen"] = int(next(words))
+    elif word == "type":
+        assert next(words) == "can"
+    elif word == "bitrate":
+        assert not up, "Device or resource busy"
+        info["bittiming"] = {"bitrate": int(next(words))}
+    elif word in ("dbitrate", "fd"):
+        assert "data_bittiming_const" in info, "Operation not supported"
+        value = next(words)
+        link["mtu"] = 72 if value == "on" else link["mtu"]
+    elif word == "restart-ms":
+        next(words)
+    elif word == "restart":
+        assert up, "Invalid argument"
+        info["state"] = "ERROR-ACTIVE"
+    else:
+        raise SystemExit("what is " + word)
+json.dump(links, open("root/ip.json", "w"))
+)";
+
 class Doctor : public ShellCase {
  protected:
   void SetUp() override {
@@ -47,6 +82,7 @@ class Doctor : public ShellCase {
                  {{"info_kind", "can"},
                   {"info_data",
                    {{"state", "ERROR-ACTIVE"},
+                    {"data_bittiming_const", {{"name", "mcp251xfd"}}},
                     {"berr_counter", {{"tx", 0}, {"rx", 0}}},
                     {"bittiming", {{"bitrate", 1000000}}}}}}}};
     can.merge_patch(changes);
@@ -106,8 +142,10 @@ class Doctor : public ShellCase {
     std::string command = troubles(1).begin()->second;
     for (std::size_t at = 0; (at = command.find(" /etc/", at)) != std::string::npos; at += 6)
       command.replace(at, 1, " root");
+    std::ofstream(folder_ / "ip.py") << kIp;
     std::ofstream(folder_ / "mend.sh") << "sudo() { \"$@\"; }\nudevadm() { :; }\napt-get() { :; }\n"
                                        << "modprobe() { mkdir -p root/sys/module/$1; }\n"
+                                       << "ip() { python3 ip.py \"$@\"; }\n"
                                        << command << " >/dev/null\nexec " << program_file() << " doctor --root root\n";
     const std::string run = fmt::format("cd '{}' && bash -e mend.sh >mended 2>&1", folder_.string());
     EXPECT_EQ(WEXITSTATUS(std::system(run.c_str())), 0) << command << "\n" << read_file(folder_ / "mended");
@@ -154,21 +192,21 @@ TEST_F(Doctor, twelve_troubles_are_named_each_with_its_command) {
   EXPECT_TRUE(troubles(0).empty());  // The kernel loads the module when it is needed.
 
   write_interface({{"flags", {"NOARP"}}});
-  expect_trouble("interface can0", "sudo ip link set can0 up txqueuelen 128 type can bitrate 1000000");
+  expect_mended_by_its_command("interface can0", "up txqueuelen 128 type can bitrate 1000000 dbitrate 2000000 fd on");
   write_interface({{"linkinfo", {{"info_data", {{"bittiming", {{"bitrate", 500000}}}}}}}});
-  expect_trouble("bit rate of can0", "bitrate 1000000");
+  expect_mended_by_its_command("bit rate of can0", "bitrate 1000000");
   write_interface({{"mtu", 16}});
-  expect_trouble("FD of can0", "fd on");
+  expect_mended_by_its_command("FD of can0", "fd on");
   write_interface({{"txqlen", 10}});
-  expect_trouble("queue of can0", "sudo ip link set can0 txqueuelen 128");
+  expect_mended_by_its_command("queue of can0", "sudo ip link set can0 txqueuelen 128");
   write_interface({{"linkinfo", {{"info_data", {{"state", "BUS-OFF"}}}}}});
-  expect_trouble("errors of can0", "type can restart");
+  expect_mended_by_its_command("errors of can0", "type can restart");
   write_interface({{"linkinfo", {{"info_data", {{"state", "ERROR-PASSIVE"}}}}}});
   expect_trouble("errors of can0", "60 ohm");
   write_interface(json::object());
 
   write_boards("0.1.0");
-  expect_trouble(std::string("firmware of ") + kSerial, "triskin flash DESIGN --link usb:");
+  expect_trouble(std::string("firmware of ") + kSerial, std::string("dfu-util -d 1209:0001,1209:0002 -S ") + kSerial);
   write_boards(version());
   ::setenv("ROS_DOMAIN_ID", "300", 1);
   expect_mended_by_its_command("DDS domain", "export ROS_DOMAIN_ID=");
@@ -180,6 +218,29 @@ TEST_F(Doctor, twelve_troubles_are_named_each_with_its_command) {
   expect_mended_by_its_command("DDS configuration", "unset CYCLONEDDS_URI");
   ::unsetenv("CYCLONEDDS_URI");
   EXPECT_TRUE(troubles(0).empty());
+}
+
+// The chip of such an adapter refuses "fd on", so the command that brings it up must not have these words.
+TEST_F(Doctor, an_adapter_without_FD_is_no_trouble_and_is_brought_up_without_it) {
+  const json without = {{"mtu", 16}, {"linkinfo", {{"info_data", {{"data_bittiming_const", nullptr}}}}}};
+  write_interface(without);
+  EXPECT_TRUE(troubles(0).empty());
+  EXPECT_THAT(run("doctor --root root").out, HasSubstr("without FD of can0: this adapter has classic frames only"));
+  json down = without;
+  down["flags"] = {"NOARP"};
+  write_interface(down);
+  expect_mended_by_its_command("interface can0", "type can bitrate 1000000 restart-ms 100");
+}
+
+TEST_F(Doctor, old_firmware_on_CAN_is_mended_with_the_image_of_the_packages) {
+  write("usr/share/triskin/firmware/triskin_firmware.tsf", "");
+  write("boards.json",
+        json::array({{{"link", "can:can0"}, {"serial", "A0"}, {"firmware", "0.1.0"}},
+                     {{"link", std::string("usb:") + kSerial}, {"serial", kSerial}, {"firmware", version()}}})
+            .dump());
+  expect_trouble("firmware of A0",
+                 "triskin flash DESIGN --link can:can0 --firmware "
+                 "/usr/share/triskin/firmware/triskin_firmware.tsf");
 }
 
 TEST_F(Doctor, a_silent_bus_and_a_computer_without_hardware_are_troubles) {

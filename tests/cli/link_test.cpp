@@ -5,7 +5,10 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
 
 #include "cli/shell_case.hpp"
 #include "support/strip_design.hpp"
@@ -82,16 +85,51 @@ TEST_F(Links, the_settings_file_names_a_link_and_a_paper) {
   ::unsetenv("XDG_CONFIG_HOME");
 }
 
-TEST_F(Links, a_simulated_link_says_so_in_the_first_line_and_in_json) {
-  for (const char* command :
-       {"flash strip.json", "verify strip.json", "discover --design strip.json", "live strip.json --seconds 0.2",
-        "record strip.json -o r.mcap --seconds 0.2", "identify strip.json --patch 0 --limit-s 1 -o b.json"}) {
-    const Outcome text = run(std::string(command) + " --link sim");
-    EXPECT_THAT(text.out, StartsWith("simulated: sim is no hardware\n")) << command << text.messages;
-    const std::string lines = run(std::string(command) + " --link sim --json").out;
-    const auto last = lines.rfind('\n', lines.size() - 2);
-    const auto object = nlohmann::json::parse(lines.substr(last == std::string::npos ? 0 : last + 1));
-    EXPECT_EQ(object.value("simulated", false), true) << command << lines;
+// Every command with --link, and arguments with which it ends soon.
+const std::map<std::string, std::string>& device_commands() {
+  static const std::map<std::string, std::string> commands{
+      {"bridge", "bridge strip.json --seconds 0.2"},
+      {"bring-up", "bring-up strip.json --no-questions --seconds 0.2"},
+      {"calibrate", "calibrate strip.json --steps 5,10 --modules 1"},
+      {"discover", "discover --design strip.json"},
+      {"dump", "dump strip.json --ask --frames 2"},
+      {"flash", "flash strip.json"},
+      {"identify", "identify strip.json --patch 0 --limit-s 1 -o b.json"},
+      {"live", "live strip.json --seconds 0.2"},
+      {"log", "log strip.json --seconds 0.2"},
+      {"protect", "protect --scene strip.json"},
+      {"record", "record strip.json -o r.mcap --seconds 0.2"},
+      {"repair", "repair strip.json </dev/null"},
+      {"verify", "verify strip.json"},
+      {"view", "view strip.json --no-open"},
+  };
+  return commands;
+}
+
+TEST_F(Links, no_device_command_is_left_out_below) {
+  static const std::regex row(R"(\n  ([a-z][a-z-]*) {2,})");
+  const std::string help = run("--help").out;
+  std::set<std::string> with_link, listed;
+  for (std::sregex_iterator at(help.begin(), help.end(), row), end; at != end; ++at)
+    if (run((*at)[1].str() + " --help").out.find("\n  --link ") != std::string::npos) with_link.insert((*at)[1]);
+  for (const auto& [name, arguments] : device_commands()) listed.insert(name);
+  EXPECT_EQ(with_link, listed);
+}
+
+std::string last_line(const std::string& text) {
+  const auto before = text.size() < 2 ? std::string::npos : text.rfind('\n', text.size() - 2);
+  return text.substr(before == std::string::npos ? 0 : before + 1);
+}
+
+TEST_F(Links, every_device_command_says_in_the_first_line_and_in_json_that_its_link_is_simulated) {
+  ASSERT_EQ(run("flash strip.json --link sim").status, 0);
+  for (const auto& [name, arguments] : device_commands()) {
+    if (name == "view") continue;  // It runs until Ctrl-C: see below.
+    const Outcome text = run(arguments + " --link sim");
+    EXPECT_THAT(text.out, StartsWith("simulated: sim is no hardware\n")) << arguments << text.messages;
+    if (text.status >= 2) continue;  // It writes no object then.
+    const auto object = nlohmann::json::parse(last_line(run(arguments + " --link sim --json").out), nullptr, false);
+    EXPECT_TRUE(object.is_object() && object.value("simulated", false)) << arguments << object;
   }
 }
 
@@ -120,6 +158,15 @@ TEST_F(Links, ctrl_c_is_the_usual_end_of_live_and_view) {
   ASSERT_EQ(run("flash strip.json --link sim").status, 0);
   EXPECT_EQ(status_after_interrupt(line("live strip.json --link sim --json"), folder_ / "live", "frames"), 0);
   EXPECT_EQ(status_after_interrupt(line("view strip.json --link sim --no-open"), folder_ / "view", "http://"), 0);
+}
+
+// Standard output is for the address alone, so view says it on standard error.
+TEST_F(Links, view_says_first_that_its_link_is_simulated) {
+  ASSERT_EQ(run("flash strip.json --link sim").status, 0);
+  const std::filesystem::path log = folder_ / "view";
+  EXPECT_EQ(status_after_interrupt(line("view strip.json --link sim --no-open --json"), log, "http://"), 0);
+  EXPECT_THAT(read_file(log), StartsWith("simulated: sim is no hardware\n"));
+  EXPECT_TRUE(nlohmann::json::parse(last_line(read_file(log))).value("simulated", false));
 }
 
 TEST_F(Links, view_shows_a_design_alone_or_beside_another_one_without_a_link) {

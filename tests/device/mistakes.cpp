@@ -181,6 +181,31 @@ std::optional<Expected> behind_joint(Hardware& h, Random& random, FaultKind kind
   return Expected{finding, {m}};
 }
 
+/// Concerns the modules of one line behind a joint, or behind the cable, while other lines pass there.
+std::optional<Expected> open_line(Hardware& h, Random& random, bool loose) {
+  for (int k = 0; k < kTries; ++k) {
+    const int top = any(h.intended.layout.modules.size(), random), line = any(layout::kLines, random);
+    const std::vector<int> below = h.subtree(top);
+    std::vector<int> on_line;
+    for (const int m : below) {
+      if (h.routed(m).line == line) on_line.push_back(m);
+    }
+    // A subtree that has all of these modules and no others looks like a broken joint.
+    const bool is_subtree = std::ranges::any_of(
+        on_line, [&](int m) { return h.subtree(m).size() == on_line.size() && h.subtree(m).back() == on_line.back(); });
+    const bool is_used = std::ranges::any_of(on_line, [&](int m) { return h.used.contains(m); });
+    if (on_line.size() < 3 || is_subtree || is_used || h.used_patches.contains(h.patch_of(top))) continue;
+    for (const int m : on_line) {
+      scene::Fault& f = fault(h, FaultKind::kRemovedChip, m);
+      if (!loose) continue;
+      f.from_us = h.verify_at_us + kHappens_us;
+      f.until_us = f.from_us + kAway_us;
+    }
+    return Expected{loose ? FindingKind::kLooseJoint : FindingKind::kMissingJoint, {}, h.patch_of(top), line};
+  }
+  return std::nullopt;
+}
+
 std::optional<Expected> for_a_while(Hardware& h, Random& random, FaultKind kind, FindingKind finding) {
   const int m = pick(h, random);
   if (m < 0) return std::nullopt;
@@ -306,6 +331,10 @@ const std::vector<Mistake>& mistakes() {
        [](H& h, R& r) { return behind_joint(h, r, F::kRemovedChip, K::kMissingJoint); }},
       {"loose_joint", "all behind a joint goes and comes together", false,
        [](H& h, R& r) { return behind_joint(h, r, F::kRemovedChip, K::kLooseJoint); }},
+      {"open_line", "a line is open at a joint: its modules behind it are silent", false,
+       [](H& h, R& r) { return open_line(h, r, false); }},
+      {"loose_line", "the modules of a line behind a joint go and come together", false,
+       [](H& h, R& r) { return open_line(h, r, true); }},
       {"loose_module", "one module goes and comes", false,
        [](H& h, R& r) { return for_a_while(h, r, F::kRemovedChip, K::kIntermittentModule); }},
       {"sagging_supply", "the supply behind a joint dips", false,

@@ -14,8 +14,10 @@
 #include <iostream>
 #include <iterator>
 #include <utility>
+#include <vector>
 
 #include "triskin/base/error.hpp"
+#include "triskin/base/nearest_name.hpp"
 #include "triskin/base/output_target.hpp"
 
 namespace triskin {
@@ -59,6 +61,20 @@ void write_into(int fd, const std::filesystem::path& path, std::string_view byte
         fmt::format("{}: cannot write ({}); not all of it has arrived there", path.string(), std::strerror(cause)));
 }
 
+// Returns what to say beside the cause: a file of the folder with nearly this name was probably meant.
+std::string similar_file(const std::filesystem::path& path) {
+  constexpr std::size_t kMaxFiles = 2'000;  // A larger folder would cost a person more time than the hint saves.
+  const std::string name = path.filename().string();
+  std::vector<std::string> names;
+  std::error_code none;
+  const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+  for (std::filesystem::directory_iterator at(folder, none), end; !none && at != end && names.size() < kMaxFiles;
+       at.increment(none))
+    names.push_back(at->path().filename().string());
+  const std::string nearest = nearest_name(name, names, path.stem().string().size());
+  return nearest.empty() ? "" : fmt::format("; did you mean {}?", (path.parent_path() / nearest).string());
+}
+
 }  // namespace
 
 std::string read_file(const std::filesystem::path& path) {
@@ -68,7 +84,11 @@ std::string read_file(const std::filesystem::path& path) {
     throw InputError(fmt::format("{}: is a folder; give a file", path.string()));
   }
   std::ifstream in(path, std::ios::binary);
-  if (!in) throw InputError(fmt::format("{}: cannot read ({})", path.string(), std::strerror(errno)));
+  if (!in) {
+    const int cause = errno;
+    throw InputError(fmt::format("{}: cannot read ({}){}", path.string(), std::strerror(cause),
+                                 cause == ENOENT ? similar_file(path) : ""));
+  }
   std::string bytes;  // The size is known except for a pipe; the buffer is then filled in one piece.
   if (const auto size = std::filesystem::file_size(path, ec); !ec) {
     bytes.resize(static_cast<std::size_t>(size));

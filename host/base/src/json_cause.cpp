@@ -50,6 +50,11 @@ std::string words_of_cause(std::string_view what) {
 
 }  // namespace
 
+bool begins_as_json_object(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  return first != std::string_view::npos && text[first] == '{';
+}
+
 std::string json_cause(std::string_view what) {
   const auto place = between(what, "parse error at ", ": ");
   return place ? fmt::format("{}: {}", *place, words_of_cause(what)) : words_of_cause(what);

@@ -523,6 +523,8 @@ json parse_once(const std::string& text) {
 
 CheckedDesign read_checked_design(const std::filesystem::path& path) {
   const std::string text = read_text(path);
+  if (!begins_as_json_object(text))
+    throw InputError(fmt::format("{}: is no design file (JSON); triskin design makes one of a mesh", path.string()));
   require_shallow(text, path.string());
   try {
     const json document = parse_once(text);

@@ -35,6 +35,7 @@ struct Options {
 
 constexpr double kNewtonPerGram = 9.80665e-3;
 constexpr double kKpaPerNewtonPerMm2 = 1000.0;
+constexpr double kMinError_percent = 0.01, kMinError_kpa = 0.001;
 constexpr std::size_t kMaxNamed = 12;  // More taxels are not listed one by one.
 
 // Returns the pressure that a weight of 1 g causes on the foot.
@@ -119,12 +120,18 @@ std::string rest_of(const device::CalibrateOptions& options, const design::Desig
   return module_ids_text(wanted);
 }
 
+// A simulation without noise has errors far below what anybody can measure.
+std::string at_least(double value, double smallest, const char* unit) {
+  return value < smallest ? fmt::format("below {:g} {}", smallest, unit) : fmt::format("{:.2g} {}", value, unit);
+}
+
 void print_report(const device::CalibrationOutcome& outcome, Output& output) {
   const design::CalibrationQuality& q = outcome.quality;
   output.say(fmt::format(
-      "{} of {} calibrated up to {:g} kPa; error of a sensitivity {:.2g} % (median), {:.2g} % (worst), 95 % bound; "
-      "farthest from the line {:.2g} kPa",
-      q.taxels, counted(q.taxels + q.missing, "taxel"), q.max_kpa, q.median_percent, q.worst_percent, q.residual_kpa));
+      "{} of {} calibrated up to {:g} kPa; error of a sensitivity {} (median), {} (worst), 95 % bound; "
+      "farthest from the line {}",
+      q.taxels, counted(q.taxels + q.missing, "taxel"), q.max_kpa, at_least(q.median_percent, kMinError_percent, "%"),
+      at_least(q.worst_percent, kMinError_percent, "%"), at_least(q.residual_kpa, kMinError_kpa, "kPa")));
   for (std::size_t k = 0; k < std::min(kMaxNamed, outcome.without.size()); ++k)
     output.say(fmt::format("module {} taxel {}: not calibrated: it does not follow the pressure; run triskin verify",
                            outcome.without[k].first, outcome.without[k].second));

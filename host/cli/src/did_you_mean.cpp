@@ -2,34 +2,13 @@
 #include "did_you_mean.hpp"
 
 #include <algorithm>
-#include <numeric>
+#include <cctype>
 #include <vector>
+
+#include "triskin/base/nearest_name.hpp"
 
 namespace triskin::cli {
 namespace {
-
-// Counts the letters to insert, delete, replace, or swap with the next (optimal string alignment).
-std::size_t distance(const std::string& a, const std::string& b) {
-  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
-  for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = i;
-  std::iota(d[0].begin(), d[0].end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0U : 1U)});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
-    }
-  }
-  return d[a.size()][b.size()];
-}
-
-// Returns an empty text if no name is similar enough to be a typing error.
-std::string nearest(const std::string& word, const std::vector<std::string>& names) {
-  const auto closer = [&](const std::string& a, const std::string& b) { return distance(word, a) < distance(word, b); };
-  const auto best = std::ranges::min_element(names, closer);
-  const std::size_t most = std::max<std::size_t>(1, word.size() / 3);
-  return best != names.end() && distance(word, *best) <= most ? *best : std::string{};
-}
 
 std::vector<std::string> options_of(const CLI::App& app) {
   std::vector<std::string> names;
@@ -41,7 +20,7 @@ std::vector<std::string> options_of(const CLI::App& app) {
 
 std::string question(const std::string& word, const std::vector<std::string>& names) {
   if (std::ranges::find(names, word) != names.end()) return {};
-  const std::string name = nearest(word, names);
+  const std::string name = nearest_name(word, names, word.size());
   return name.empty() ? std::string{} : "did you mean " + name + "?";
 }
 
@@ -58,9 +37,15 @@ std::string did_you_mean(const CLI::App& program, int argc, const char* const* a
   }
   if (app == nullptr) return question(command, names);
   for (int k = 2; k < argc; ++k) {
-    const std::string word = argv[k];
+    std::string word = argv[k];
+    // A long name with one dash, as "-link", is a usual slip.
+    if (word.size() > 2 && word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1])) != 0) word = "-" + word;
     if (!word.starts_with("--")) continue;
-    const std::string asked = question(word.substr(0, word.find('=')), options_of(*app));
+    const std::vector<std::string> options = options_of(*app);
+    word = word.substr(0, word.find('='));
+    const bool one_dash = word != std::string(argv[k]).substr(0, word.size());
+    if (one_dash && std::ranges::find(options, word) != options.end()) return "did you mean " + word + "?";
+    const std::string asked = question(word, options);
     if (!asked.empty()) return asked;
   }
   return {};

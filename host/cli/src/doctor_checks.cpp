@@ -12,6 +12,7 @@
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/bridge/ros_discovery.hpp"
+#include "triskin/link/link_kind.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -114,21 +115,38 @@ DoctorCheck state_check(const nlohmann::json& link, const std::string& name) {
   return good(title, counters);
 }
 
-// Returns the command that brings an interface up for the controllers.
-std::string up_command(const std::string& name, bool is_virtual) {
+// Returns whether the controller chip of an interface can send FD frames: the kernel lists its limits for their data.
+bool can_do_fd(const nlohmann::json& link) {
+  constexpr int kFdBytes = 72;
+  const nlohmann::json::json_pointer info("/linkinfo/info_data");
+  if (number_at(link, "/mtu", 0) >= kFdBytes || word_at(link, "/linkinfo/info_kind") == "vcan") return true;
+  if (!link.contains(info)) return false;
+  const nlohmann::json& data = link.at(info);
+  return data.contains("data_bittiming_const") || data.contains("data_bitrate_const");
+}
+
+// Returns the command that brings an interface up for the controllers. A chip without FD refuses the words for FD.
+std::string up_command(const std::string& name, bool is_virtual, bool fd) {
   if (is_virtual) return fmt::format("sudo ip link set {} mtu 72 up", name);
   return fmt::format(
-      "sudo ip link set {0} down && sudo ip link set {0} up txqueuelen 128 type can bitrate 1000000 dbitrate 2000000 "
-      "fd on "
-      "restart-ms 100",
-      name);
+      "sudo ip link set {0} down && sudo ip link set {0} up txqueuelen 128 type can bitrate 1000000{1} restart-ms 100",
+      name, fd ? " dbitrate 2000000 fd on" : "");
+}
+
+DoctorCheck fd_check(const nlohmann::json& link, const std::string& name, const std::string& command) {
+  constexpr int kFdBytes = 72;
+  const std::string title = "FD of " + name;
+  if (number_at(link, "/mtu", 0) >= kFdBytes) return good(title, "on");
+  if (can_do_fd(link)) return {title, false, "off: the full stream needs it", command};
+  return {title, false, "this adapter has classic frames only: flash and verify work, the full stream does not",
+          "use an adapter with CAN FD", false};
 }
 
 std::vector<DoctorCheck> interface_checks(const nlohmann::json& link) {
-  constexpr int kFdBytes = 72, kMinQueue = 32, kBitRate = 1'000'000;
+  constexpr int kMinQueue = 32, kBitRate = 1'000'000;
   const std::string name = word_at(link, "/ifname");
   const bool is_virtual = word_at(link, "/linkinfo/info_kind") == "vcan";
-  const std::string command = up_command(name, is_virtual);
+  const std::string command = up_command(name, is_virtual, can_do_fd(link));
   if (!link.contains("flags") || !holds(link["flags"], "UP")) return {{"interface " + name, false, "is down", command}};
   std::vector<DoctorCheck> checks{good("interface " + name, is_virtual ? "is up, virtual" : "is up")};
   const int rate = number_at(link, "/linkinfo/info_data/bittiming/bitrate", is_virtual ? kBitRate : 0);
@@ -136,10 +154,7 @@ std::vector<DoctorCheck> interface_checks(const nlohmann::json& link) {
     checks.push_back(good("bit rate of " + name, is_virtual ? "none: virtual" : "1 Mbit/s"));
   else
     checks.push_back({"bit rate of " + name, false, fmt::format("{} bit/s, controllers have 1000000", rate), command});
-  if (number_at(link, "/mtu", 0) >= kFdBytes)
-    checks.push_back(good("FD of " + name, "on"));
-  else
-    checks.push_back({"FD of " + name, false, "off: the full stream needs it", command});
+  checks.push_back(fd_check(link, name, command));
   const int queue = number_at(link, "/txqlen", kMinQueue);
   if (is_virtual || queue >= kMinQueue)
     checks.push_back(good("queue of " + name, counted(queue, "frame")));
@@ -150,19 +165,25 @@ std::vector<DoctorCheck> interface_checks(const nlohmann::json& link) {
   return checks;
 }
 
-DoctorCheck firmware_check(const AnsweringBoard& board, const std::string& program) {
+// Firmware goes over CAN by triskin, and over USB by dfu-util. The packages bring the image.
+DoctorCheck firmware_check(const AnsweringBoard& board, const Machine& machine) {
+  constexpr const char* kPackaged = "/usr/share/triskin/firmware/triskin_firmware.tsf";
   const std::string name = "firmware of " + board.serial;
-  if (board.firmware == program) return good(name, board.firmware);
-  return {name, false, fmt::format("{}, the program is {}", board.firmware, program),
-          fmt::format("triskin flash DESIGN --link {} --firmware FILE", board.link)};
+  if (board.firmware == machine.program_version) return good(name, board.firmware);
+  const bool packaged = fs::exists(machine.root / fs::path(kPackaged).relative_path());
+  const std::string file = packaged ? kPackaged : "triskin_firmware.tsf";
+  return {name, false, fmt::format("{}, the program is {}", board.firmware, machine.program_version),
+          device::is_usb(board.link) ? fmt::format("dfu-util -d 1209:0001,1209:0002 -S {} -D {} -R", board.serial, file)
+                                     : fmt::format("triskin flash DESIGN --link {} --firmware {}", board.link, file)};
 }
 
 std::vector<DoctorCheck> attached_checks(const device::AttachedDevice& device,
                                          const std::vector<AnsweringBoard>& boards) {
   if (!device.usable) {
     if (device.link.starts_with("can:")) return {};  // check_interfaces() reports CAN interfaces.
-    return {{"permission for " + device.link, false, "the device node may not be opened",
-             "sudo usermod -aG plugdev \"$USER\" && sudo udevadm trigger; then log in again"}};
+    return {{"permission for " + device.link, false,
+             "the device node may not be opened; a new group counts when you log in again",
+             "sudo usermod -aG plugdev \"$USER\" && sudo udevadm trigger"}};
   }
   const bool answers = std::ranges::any_of(boards, [&](const AnsweringBoard& b) { return b.link == device.link; });
   if (answers) return {good("boards on " + device.link, "answer")};
@@ -235,7 +256,7 @@ std::vector<DoctorCheck> check_boards(const Machine& machine) {
                       "plug it in; lsusb and ip -br link show whether the computer sees it"});
   for (const device::AttachedDevice& device : devices)
     for (DoctorCheck& check : attached_checks(device, machine.boards)) checks.push_back(std::move(check));
-  for (const AnsweringBoard& board : machine.boards) checks.push_back(firmware_check(board, machine.program_version));
+  for (const AnsweringBoard& board : machine.boards) checks.push_back(firmware_check(board, machine));
   return checks;
 }
 

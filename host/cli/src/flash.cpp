@@ -203,7 +203,8 @@ int run(Options options, Output& output) {
   std::optional<device::FirmwarePackage> firmware;
   if (!options.firmware.file.empty()) {
     if (device::is_usb(options.site.link.link)) {
-      throw InputError("--firmware goes over CAN; over USB: dfu-util -D FILE (docs/wires.md)");
+      throw InputError(
+          "--firmware goes over CAN; over USB: dfu-util -d 1209:0001,1209:0002 -D FILE -R (docs/wires.md)");
     }
     firmware = device::read_firmware(options.firmware.file);
   }

@@ -144,7 +144,9 @@ int run_program(const std::string& description, int argc, char** argv) {
   hold_standard_descriptors();
   CLI::App program{description};
   program.name(std::filesystem::path(argv[0]).filename().string());
-  program.formatter(std::make_shared<HelpFormat>(help_columns()));
+  const auto format = std::make_shared<HelpFormat>(help_columns());
+  format->label("SUBCOMMAND", "COMMAND");
+  program.formatter(format);
   program.set_version_flag("-V,--version", TRISKIN_VERSION);
   program.require_subcommand(1);
   program.footer("triskin help COMMAND shows its options and an example; triskin help links,\nwhat --link takes.");

@@ -17,6 +17,7 @@
 #include "triskin/base/text_file.hpp"
 #include "triskin/base/writer_lock.hpp"
 #include "triskin/cli/command.hpp"
+#include "triskin/connect/open_link.hpp"
 #include "triskin/robot/assembly.hpp"
 #include "triskin/robot/edit.hpp"
 #include "triskin/robot/registration.hpp"
@@ -67,6 +68,7 @@ std::string seen_from(const std::string& robot, const std::string& file) {
 
 void define_bus(robot::Robot& robot, const std::string& text) {
   robot::BusEntry bus = robot::parse_bus(text);
+  device::require_known_link(bus.link);
   if (std::ranges::find(robot.buses, bus.name, &robot::BusEntry::name) != robot.buses.end())
     throw InputError(fmt::format("--bus {}: the robot has a bus {} already; change it in the file", text, bus.name));
   robot.buses.push_back(std::move(bus));

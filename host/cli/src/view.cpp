@@ -203,7 +203,9 @@ const Registration kView{{
       app.add_option("--compare", options->compare,
                      "an earlier design of the part: both are shown side by side, and which modules stay, are added or "
                      "removed");
-      app.add_option("--port", options->port, "of the page on 127.0.0.1; 0 takes a free one")->capture_default_str();
+      app.add_option("--port", options->port, "of the page on 127.0.0.1; 0 takes a free one")
+          ->check(CLI::Range(0, 65'535))
+          ->capture_default_str();
       app.add_flag("--no-open", options->no_open, "do not start a browser");
       return [options](Output& output) { return run(*options, output); };
     },

@@ -4,13 +4,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <ranges>
 
 #include "triskin/base/interrupt.hpp"
+#include "triskin/base/nearest_name.hpp"
 #include "triskin/connect/attached.hpp"
 #include "triskin/link/can_link.hpp"
 #include "triskin/link/combined_link.hpp"
+#include "triskin/link/link_kind.hpp"
 #include "triskin/link/usb_link.hpp"
 #include "triskin/scene/sim_link.hpp"
 #include "triskin/scene/tcp_link.hpp"
@@ -72,6 +75,22 @@ std::optional<std::uint64_t> board_seed_of(std::optional<std::uint64_t> asked, s
 
 namespace {
 
+// Returns a question for a link that was probably mistyped: the name of an interface without "can:", or a slip.
+std::string meant_link(const std::string& link) {
+  for (const AttachedDevice& device : attached_devices())
+    if (device.link == "can:" + link) return fmt::format("; did you mean {}?", device.link);
+  std::string small = link;
+  std::ranges::transform(small, small.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string nearest = nearest_name(small, {"sim", "sim-usb", "usb", "hid"}, small.size());
+  if (!nearest.empty()) return fmt::format("; did you mean {}?", nearest);
+  const bool interface = link.find(':') == std::string::npos && small.find("can") != std::string::npos;
+  return interface ? fmt::format("; did you mean can:{}?", link) : "";
+}
+
+[[noreturn]] void refuse_unknown(const std::string& link) {
+  throw InputError(fmt::format("link \"{}\" is unknown{}; use {}", link, meant_link(link), kKnown));
+}
+
 // Returns null if the link is not a real wire.
 std::unique_ptr<Link> open_wire(const std::string& link) {
   if (link.starts_with("can:")) return std::make_unique<CanLink>(link.substr(4));
@@ -102,6 +121,14 @@ void require_link(const LinkOptions& options) {
   if (options.link.empty()) throw InputError(unnamed_link_text(attached_devices()));
 }
 
+void require_known_link(const std::string& link) {
+  if (is_in_process(link) || link.starts_with("sim:")) return;
+  for (const auto part : std::views::split(link, ',')) {
+    const std::string one(part.begin(), part.end());
+    if (!one.starts_with("can:") && !is_usb(one)) refuse_unknown(one);
+  }
+}
+
 std::unique_ptr<Link> open_link(const LinkOptions& options, const design::Design* design) {
   require_link(options);
   if (options.own_interrupts) catch_interrupts();
@@ -111,7 +138,7 @@ std::unique_ptr<Link> open_link(const LinkOptions& options, const design::Design
   if (options.link.starts_with("sim:")) return std::make_unique<TcpLink>(parse_host_port(options.link.substr(4)));
   if (options.link.find(',') != std::string::npos) return open_several(options.link);
   if (auto wire = open_wire(options.link)) return wire;
-  throw InputError(fmt::format("link \"{}\" is unknown; use {}", options.link, kKnown));
+  refuse_unknown(options.link);
 }
 
 }  // namespace triskin::device

@@ -6,6 +6,7 @@
 #include "alternatives_json.hpp"
 #include "mesh_json.hpp"
 #include "regions_json.hpp"
+#include "triskin/base/json_cause.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/design_text.hpp"
@@ -317,7 +318,7 @@ void require_derived(const JsonValue& v, const PlacedModule& module, const Modul
 }
 
 void check_head(const JsonValue& v) {
-  if (v["format"].text() != "triskin-design") v["format"].fail("must be \"triskin-design\"");
+  require_format(v, "triskin-design");
   const int version = v["version"].integer(0, kMaxCount);
   if (version != Design::kVersion && version != Design::kJumperVersion) {
     v["version"].fail(
@@ -348,6 +349,8 @@ std::optional<Design::PartSource> read_part_source(const JsonValue& source) {
 }  // namespace
 
 Design parse_design(const std::string& text, const std::string& file) {
+  if (!begins_as_json_object(text))
+    throw InputError(fmt::format("{}: is no design file (JSON); triskin design makes one of a mesh", file));
   const nlohmann::json document = parse_json(text, file);
   const JsonValue v(document, file, "");
   check_head(v);

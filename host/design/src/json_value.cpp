@@ -203,4 +203,9 @@ nlohmann::json parse_json(const std::string& text, const std::string& file) {
   }
 }
 
+void require_format(const JsonValue& v, std::string_view wanted) {
+  const std::string format = v["format"].text();
+  if (format != wanted) v["format"].fail(fmt::format("is \"{}\", and this file must be \"{}\"", format, wanted));
+}
+
 }  // namespace triskin::design

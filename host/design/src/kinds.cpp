@@ -84,7 +84,7 @@ KindPlan read_kind_plan(const std::filesystem::path& path) {
   const nlohmann::json document = parse_json(read_text(path), path.string());
   const JsonValue v(document, path.string(), "");
   only_keys(v, {"format", "version", "kinds", "regions"}, kKindsPage);
-  if (v["format"].text() != "triskin-kinds") v["format"].fail("must be \"triskin-kinds\"");
+  require_format(v, "triskin-kinds");
   if (v["version"].integer(0, kMaxCount) != 1) v["version"].fail("must be 1; use the matching release");
   return kind_plan_of(v);
 }

@@ -126,7 +126,7 @@ RegionFile read_region_file(const std::filesystem::path& path) {
   const json document = parse_json(read_text(path), path.string());
   const JsonValue v(document, path.string(), "");
   only_keys(v, {"format", "version", "elsewhere", "regions"}, kRegionsPage);
-  if (v["format"].text() != "triskin-regions") v["format"].fail("must be \"triskin-regions\"");
+  require_format(v, "triskin-regions");
   if (v["version"].integer(0, 1000) != 1) v["version"].fail("must be 1");
   RegionFile file;
   if (has(v, "elsewhere")) file.elsewhere = number_in(v["elsewhere"], -kMaxWeight, kMaxWeight);

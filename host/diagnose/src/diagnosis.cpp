@@ -376,6 +376,7 @@ void Diagnosis::examine_absent(const PatchState& p, const std::vector<std::size_
     examine_missing(p, silent);
     silent.clear();
   }
+  add_open_lines(FindingKind::kMissingJoint, p, silent, "no chip answers of");
   for (const Branch& b : branches(p, silent)) {
     if (b.members.size() > 1) {
       add_branch(FindingKind::kMissingJoint, p, b, "no chip answers of " + behind(b),
@@ -437,7 +438,9 @@ void Diagnosis::examine_history(const PatchState& p) {
 }
 
 void Diagnosis::examine_dips(const PatchState& p, const std::set<int>& away, const std::set<int>& dipped) {
-  for (const Branch& b : branches(p, away)) {
+  std::set<int> went = away;
+  add_open_lines(FindingKind::kLooseJoint, p, went, "went and came back together:");
+  for (const Branch& b : branches(p, went)) {
     if (b.members.size() > 1)
       add_branch(FindingKind::kLooseJoint, p, b, "went and came back together: " + behind(b),
                  "look for a loose contact there");

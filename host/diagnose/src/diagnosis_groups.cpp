@@ -40,7 +40,70 @@ int taxels_off_rest(const wire::ModuleTaxels& now, const Counts& rest) {
   return off;
 }
 
+// Returns the module and those above it, up to the entry.
+std::vector<int> way_to_entry(const std::vector<design::RoutedModule>& tree, int module) {
+  std::vector<int> way;
+  while (module >= 0) {
+    way.push_back(module);
+    module = std::ranges::find(tree, module, &design::RoutedModule::node)->parent;
+  }
+  return way;
+}
+
 }  // namespace
+
+std::optional<Diagnosis::Branch> Diagnosis::open_line(const PatchState& p, int line,
+                                                      const std::set<int>& modules) const {
+  constexpr std::size_t kMinModules = 3;  // Two of a line may just as well be dead.
+  const auto& tree = design_.patches[static_cast<std::size_t>(p.patch)].modules;
+  Branch found;
+  std::vector<int> common;  // The modules through which all of them are reached, the farthest from the entry first.
+  for (const auto& m : tree) {
+    if (m.line != line || !modules.contains(m.node)) continue;
+    const std::vector<int> way = way_to_entry(tree, m.node);
+    if (found.members.empty()) common = way;
+    std::erase_if(common, [&](int k) { return std::ranges::find(way, k) == way.end(); });
+    found.members.push_back(m.node);
+  }
+  if (found.members.size() < kMinModules) return std::nullopt;
+  found.module = common.front();
+  found.parent = common.size() > 1 ? common[1] : -1;
+  for (const auto& m : tree) {
+    const std::vector<int> way = way_to_entry(tree, m.node);
+    const bool is_behind = std::ranges::find(way, found.module) != way.end();
+    if (m.line == line && is_behind && !modules.contains(m.node)) return std::nullopt;
+  }
+  return found;
+}
+
+// A line is the cause if that needs fewer causes than joints and modules do. The module at the joint may be alive.
+void Diagnosis::add_open_lines(FindingKind kind, const PatchState& p, std::set<int>& modules, const std::string& what) {
+  for (int line = 0; line < layout::kLines; ++line) {
+    const auto open = open_line(p, line, modules);
+    if (!open) continue;
+    std::set<int> others = modules;
+    for (const int m : open->members) others.erase(m);
+    if (branches(p, others).size() + 1 >= branches(p, modules).size()) continue;
+    const std::string at =
+        open->parent < 0 ? "the cable of the patch" : joint_text(design_, open->parent, open->module);
+    Finding& f =
+        add(kind, -1, p.patch,
+            fmt::format("patch {}: {} the {} of line L{} behind {} ({}); its other lines pass there", p.patch, what,
+                        counted(open->members.size(), "module"), line, at, fmt::join(open->members, ", ")),
+            fmt::format("measure SDA and SCL of line L{} along the way from the cable to this place: one of the two is "
+                        "open, at this joint or before it",
+                        line));
+    f.module = open->module;
+    f.other = open->parent;
+    f.line = line;
+    f.place = place_on_cover(design_, open->module);
+    f.behind = open->members;
+    std::erase(f.behind, f.module);
+    bad_.insert(open->members.begin(), open->members.end());
+    explained_.insert(open->members.begin(), open->members.end());
+    modules = std::move(others);
+  }
+}
 
 // Modules that a backup table leaves out already have their finding.
 void Diagnosis::examine_missing(const PatchState& p, const std::set<int>& missing) {

@@ -214,6 +214,11 @@ class Guide {
     if (!known(module)) return;
     const auto& wiring = wiring_[static_cast<std::size_t>(module)];
     const int other = finding_.other >= 0 ? finding_.other : wiring.routed.parent;
+    if (finding_.line >= 0)
+      steps_.push_back(
+          fmt::format("measure SDA and SCL of line L{} from the cable of patch {} to module {}: find where "
+                      "one of the two is open",
+                      finding_.line, wiring.patch, module));
     if (other < 0) {
       steps_.push_back(fmt::format("look at the cable of patch {} and its plug at module {}; solder or plug it anew",
                                    wiring.patch, module));

@@ -115,6 +115,9 @@ class Diagnosis {
     std::vector<int> members;
   };
   [[nodiscard]] std::vector<Branch> branches(const PatchState& p, const std::set<int>& modules) const;
+  /// Modules of one line that are the only ones of it behind a joint: its wires are open there, and others pass.
+  [[nodiscard]] std::optional<Branch> open_line(const PatchState& p, int line, const std::set<int>& modules) const;
+  void add_open_lines(FindingKind kind, const PatchState& p, std::set<int>& modules, const std::string& what);
   [[nodiscard]] std::string behind(const Branch& branch) const;
   void add_branch(FindingKind kind, const PatchState& p, const Branch& branch, const std::string& text,
                   const std::string& remedy);

@@ -64,7 +64,9 @@ CanSocket::CanSocket(const std::string& interface) : interface_(interface) {
   }
   socket_ = ::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW);
   if (socket_ < 0)
-    fail("the kernel has no CAN; load can-raw and the driver of the interface; run: triskin doctor", errno);
+    throw DeviceError(fmt::format(
+        "can:{}: the kernel has no CAN ({}); load can-raw and the driver of the interface; run: triskin doctor",
+        interface, std::strerror(errno)));
   try {
     ifreq request{};
     std::copy(interface.begin(), interface.end(), request.ifr_name);

@@ -12,7 +12,7 @@ UsbLink::UsbLink(std::unique_ptr<UsbDriver> driver, const std::string& serial)
     : driver_(std::move(driver)), serial_(serial), name_(driver_->name() + (serial.empty() ? "" : ":" + serial)) {
   open_new_devices();
   if (devices_.empty()) {
-    fail(fmt::format("no Triskin controller{} on USB; check cable and power, and the udev rule of docs/wires.md",
+    fail(fmt::format("no Triskin controller{} on USB; check cable and power; run: triskin doctor",
                      serial.empty() ? "" : " with this serial number"));
   }
 }

@@ -11,6 +11,7 @@
 #include "choose_layout.hpp"
 #include "later_steps.hpp"
 #include "seconds_since.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/lattice/add_module.hpp"
 #include "triskin/lattice/grow_lattice.hpp"
@@ -151,7 +152,7 @@ std::vector<WiredLayout> choices_around(const design::Design& d, const geometry:
   std::vector<design::ModuleLayout> grown = budget.run("growth", 1.0, [&](double end_s) {
     return grown_around(d, surface, regions, kept, options, budget, end_s, progress);
   });
-  report(progress, kPricingStep, -1.0, fmt::format("{} layouts", grown.size()));
+  report(progress, kPricingStep, -1.0, counted(grown.size(), "layout"));
   budget.run(kPricingStep, 1.0, [&](double end_s) {
     routing.give_up = give_up_at(budget, end_s, options.iterations);
     std::ranges::move(priced(surface, std::move(grown), d.limits, routing, regions, options.threads),

@@ -15,6 +15,7 @@
 #include "pieces_step.hpp"
 #include "searched_surface.hpp"
 #include "surface_step.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/mesh/extract_steps.hpp"
 #include "wire_design.hpp"
@@ -85,7 +86,7 @@ std::vector<WiredLayout> search_layouts(DesignInWork& work, const geometry::Surf
   std::vector<design::ModuleLayout> grown =
       work.budget.run("growth", 1.0, [&](double end_s) { return grown_layouts(work, searched, regions, end_s); });
   work.notes.surface = static_cast<int>(grown[0].modules.size());
-  report(work.progress, kPricingStep, -1.0, fmt::format("{} layouts", grown.size()));
+  report(work.progress, kPricingStep, -1.0, counted(grown.size(), "layout"));
   work.budget.run(kPricingStep, 1.0, [&](double end_s) {
     geometry::RoutingOptions routing = routing_options(work.design);
     routing.threads = work.options.threads;

@@ -216,7 +216,7 @@ bool is_robot_file(const std::filesystem::path& path) {
 Robot parse_robot(const std::string& text, const std::string& file) {
   const nlohmann::json document = design::parse_json(text, file);
   const JsonValue v(document, file, "");
-  if (v["format"].text() != kFormat) v["format"].fail(fmt::format("must be \"{}\"", kFormat));
+  design::require_format(v, kFormat);
   if (const int version = v["version"].integer(0, design::kMaxCount); version != Robot::kVersion)
     v["version"].fail(fmt::format("is {}, this program reads {}; use the matching release", version, Robot::kVersion));
   only_keys(v, {"format", "version", "name", "urdf", "buses", "covers"}, kPage);

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <map>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -133,8 +134,8 @@ void say_details(const design::Design& d, const pipeline::DesignNotes& notes, Ou
                  ? fmt::format("pieces give {}, growth on the surface {}: {} taken", counted(notes.pieces, "module"),
                                notes.surface, design::kLayoutMethodNames.name(d.layout.method))
                  : fmt::format("grown on the surface; flat pieces were not tried (curvature under a module: "
-                               "{:.2f} rad; --method pieces tries them)",
-                               notes.curvature_rad));
+                               "{:.1f}°; --method pieces tries them)",
+                               notes.curvature_rad * 180.0 / std::numbers::pi));
   std::vector<std::string> steps;
   for (const pipeline::StepTime& s : notes.steps) steps.push_back(fmt::format("{} {:.1f} s", s.name, s.used_s));
   output.say(fmt::format("time: {}", fmt::join(steps, ", ")));

@@ -9,4 +9,7 @@ namespace triskin {
 /// with "line 1, column 5: …". It quotes neither the library's words nor bytes of the file.
 [[nodiscard]] std::string json_cause(std::string_view what);
 
+/// Returns true if a text can be a JSON object: its first byte that is no blank is a brace. An empty text cannot.
+[[nodiscard]] bool begins_as_json_object(std::string_view text);
+
 }  // namespace triskin

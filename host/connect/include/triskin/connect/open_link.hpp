@@ -39,6 +39,9 @@ void settle_link(LinkOptions& options, bool simulates);
 /// Throws InputError if no link is named; the message lists the devices attached to this computer.
 void require_link(const LinkOptions& options);
 
+/// Throws InputError if `link` has no form that open_link() knows. It opens nothing.
+void require_known_link(const std::string& link);
+
 /// Opens `sim`, `sim-usb`, `sim:HOST:PORT`, `can:IFACE`, `hid[:SERIAL]` or `usb[:SERIAL]`, or several of the last
 /// three, joined by commas. `sim` simulates `design` when there is no scene; null for commands without a design; the
 /// pointer is not kept. From now on Ctrl-C only sets interrupt_request(), unless the options leave signals to the

@@ -102,6 +102,9 @@ class JsonValue {
 /// deep (the parser is recursive). Cost: linear.
 [[nodiscard]] nlohmann::json parse_json(const std::string& text, const std::string& file);
 
+/// Requires that the key "format" of a file is `wanted`. Errors: InputError that names both, at this key.
+void require_format(const JsonValue& v, std::string_view wanted);
+
 /// Returns true if `v` is an object with `key`. Constant cost.
 [[nodiscard]] inline bool has(const JsonValue& v, const char* key) {
   return v.raw().is_object() && v.raw().contains(key);
