@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <tuple>
 
 namespace triskin::check {
 namespace {
@@ -11,6 +12,8 @@ constexpr double kOpposed = -0.998;      // Two normals with a smaller cosine co
 constexpr double kMinMultiplier = 0.04;  // Needs of a triple with a smaller multiplier are ignored.
 constexpr int kMaxHalvings = 16;         // Bounds the halvings of a region's angles.
 constexpr std::size_t kMaxNeeds = 30;    // More needs of a module would give too many triples.
+constexpr std::ptrdiff_t kNearest = 4;   // A module is compared with this many to either side at an opposed edge.
+constexpr std::size_t kSamples = kSampledAngles;
 
 double turn_between(const Need& a, const Need& b) {
   return middle(a.normal.x) * middle(b.normal.y) - middle(a.normal.y) * middle(b.normal.x);
@@ -19,58 +22,103 @@ bool opposed(const Need& a, const Need& b) {
   return a.by_side == b.by_side && a.edge != b.edge &&
          middle(a.normal.x) * middle(b.normal.x) + middle(a.normal.y) * middle(b.normal.y) < kOpposed;
 }
+bool opposed(const NeedGroup& a, const NeedGroup& b) {
+  return a.by_side == b.by_side && a.edge != b.edge &&
+         a.least.normal_x * b.least.normal_x + a.least.normal_y * b.least.normal_y < kOpposed;
+}
 IntervalPoint times(const Interval& factor, const IntervalPoint& p) {
   return {factor * p.x, factor * p.y};
+}
+double sum_at(std::size_t k, std::span<const SampledNeed* const> needs, std::span<const double> multipliers) {
+  double sum = 0.0;
+  for (std::size_t n = 0; n < needs.size(); ++n) sum += multipliers[n] * needs[n]->at.excess_mm[k];
+  return sum;
 }
 
 }  // namespace
 
 JointBound::JointBound(const MotionRegion& region, const CandidateList& list) : region_(region) {
+  std::vector<Need> needs;
   for (const Candidate& module : list.tiles) {
-    std::vector<Need> needs;
+    needs.clear();
     for (std::uint32_t k = module.first; k < module.first + module.count; ++k)
       region.add_needs(module, list.edges[k], needs);
-    needs_.push_back(std::move(needs));
+    Needs& sampled = needs_.emplace_back();
+    for (const Need& need : needs) sampled.push_back({need, region.samples(need)});
+    centers_.push_back(module.center);
   }
   dead_.assign(list.tiles.size(), false);
 }
 
-int JointBound::bound(CandidateList& list) {
-  for (std::size_t k = 0; k < needs_.size(); ++k) dead_[k] = never_inside(needs_[k]);
-  const int conflicts = disjoint_conflicts();
+bool JointBound::holds(CandidateList& list, int allowed) {
+  int alive = 0;
+  for (std::size_t k = 0; k < needs_.size(); ++k) {
+    dead_[k] = never_inside(k);
+    alive += dead_[k] ? 0 : 1;
+    // Pairs leave at least half of the modules.
+    if (list.certain + alive - alive / 2 > allowed) break;
+  }
   drop_dead(list);
-  return list.bound() - conflicts;
+  const int wanted = list.bound() - allowed;
+  if (wanted <= 0) return true;
+  if (wanted > static_cast<int>(list.tiles.size() / 2)) return false;
+  find_candidates();
+  const auto with_any = std::ranges::count_if(candidates_, [](const auto& c) { return !c.empty(); });
+  return with_any >= wanted && (greedy_pairs(wanted) >= wanted || most_pairs() >= wanted);
 }
 
-bool JointBound::never_inside(std::span<const Need> needs) {
-  if (std::ranges::any_of(needs, [&](const Need& need) { return region_.never_met(need); })) return true;
+bool JointBound::never_inside(std::size_t module) {
+  const Needs& needs = needs_[module];
+  if (std::ranges::any_of(needs, [&](const SampledNeed& n) { return region_.never_met(n.need); })) return true;
   if (needs.size() < 2 || needs.size() > kMaxNeeds) return false;
   sums_.clear();
-  for (std::size_t a = 0; a < needs.size(); ++a) {
-    for (std::size_t b = a + 1; b < needs.size(); ++b) {
-      if (opposed(needs[a], needs[b])) add_pair(needs[a], needs[b]);
+  add_worst_pairs(needs, needs);
+  if (excluded_everywhere()) return true;
+  sums_.clear();
+  add_pairs(needs, needs);
+  add_triples(needs);
+  return excluded_everywhere();
+}
+
+void JointBound::add_pairs(const Needs& a, const Needs& b) {
+  for (const SampledNeed& p : a) {
+    for (const SampledNeed& q : b) {
+      if (opposed(p.need, q.need)) add_sum(std::array{&p, &q}, std::array{1.0, 1.0});
     }
   }
-  const auto& [low, high] = region_.angles();
-  if (!sums_.empty() && excluded(low, high, kMaxHalvings)) return true;
-  add_triples(needs);
-  return !sums_.empty() && excluded(low, high, kMaxHalvings);
 }
 
-void JointBound::add_pair(const Need& a, const Need& b) {
-  add_sum(std::array{&a, &b}, std::array{1.0, 1.0});
+// Adds the pair with the least sum at each of the sampled angles.
+void JointBound::add_worst_pairs(const Needs& a, const Needs& b) {
+  std::array<std::array<const SampledNeed*, 2>, kSamples> worst{};
+  std::array<double, kSamples> least{};
+  for (const SampledNeed& p : a) {
+    for (const SampledNeed& q : b) {
+      if (!opposed(p.need, q.need)) continue;
+      for (std::size_t k = 0; k < kSamples; ++k) {
+        const double sum = p.at.excess_mm[k] + q.at.excess_mm[k];
+        if (!(sum < least[k])) continue;
+        least[k] = sum;
+        worst[k] = {&p, &q};
+      }
+    }
+  }
+  for (std::size_t k = 0; k < kSamples; ++k) {
+    if (worst[k][0] != nullptr && std::ranges::find(worst.begin(), worst.begin() + k, worst[k]) == worst.begin() + k)
+      add_sum(worst[k], std::array{1.0, 1.0});
+  }
 }
 
-void JointBound::add_triples(std::span<const Need> needs) {
+void JointBound::add_triples(const Needs& needs) {
   for (std::size_t a = 0; a < needs.size(); ++a) {
     for (std::size_t b = a + 1; b < needs.size(); ++b) {
-      const double third = turn_between(needs[a], needs[b]);
-      if (needs[a].edge == needs[b].edge || std::abs(third) < kMinMultiplier) continue;
+      const Need &p = needs[a].need, &q = needs[b].need;
+      const double third = turn_between(p, q);
+      if (p.edge == q.edge || p.by_side != q.by_side || std::abs(third) < kMinMultiplier) continue;
       for (std::size_t c = b + 1; c < needs.size(); ++c) {
-        if (needs[c].edge == needs[a].edge || needs[c].edge == needs[b].edge) continue;
-        if (needs[a].by_side != needs[b].by_side || needs[a].by_side != needs[c].by_side) continue;
-        const double first = turn_between(needs[b], needs[c]) / third,
-                     second = turn_between(needs[c], needs[a]) / third;
+        const Need& r = needs[c].need;
+        if (r.edge == p.edge || r.edge == q.edge || r.by_side != p.by_side) continue;
+        const double first = turn_between(q, r) / third, second = turn_between(r, p) / third;
         if (first < kMinMultiplier || second < kMinMultiplier) continue;
         add_sum(std::array{&needs[a], &needs[b], &needs[c]}, std::array{first, second, 1.0});
       }
@@ -78,23 +126,32 @@ void JointBound::add_triples(std::span<const Need> needs) {
   }
 }
 
-// Adds the sum of multiplier * need. Points are relative to the last one's: the rest of the normals leaves a part of
-// the translation, bounded by the farthest point of the region.
-void JointBound::add_sum(std::span<const Need* const> needs, std::span<const double> multipliers) {
+// Adds the sum of multiplier * need, unless it excludes none of the sampled angles. Points are relative to the last
+// one's: the rest of the normals leaves a part of the translation, bounded by the farthest point of the region.
+void JointBound::add_sum(std::span<const SampledNeed* const> needs, std::span<const double> multipliers) {
+  bool excludes_any = false;
+  for (std::size_t k = 0; k < kSamples && !excludes_any; ++k) excludes_any = sum_at(k, needs, multipliers) < 0.0;
+  if (!excludes_any) return;
   AngleNeed sum;
   IntervalPoint rest{0.0, 0.0};
-  const Need& last = *needs.back();
+  const Need& last = needs.back()->need;
   const Interval way(last.by_side ? -1.0 : 1.0);  // A side turns the edge's end, a line turns the module back.
   for (std::size_t k = 0; k < needs.size(); ++k) {
-    const IntervalPoint normal = times(multipliers[k], needs[k]->normal), from_last = needs[k]->point - last.point;
+    const Need& need = needs[k]->need;
+    const IntervalPoint normal = times(multipliers[k], need.normal), from_last = need.point - last.point;
     sum.cosine = sum.cosine + dot(normal, from_last);
     sum.sine = sum.sine + way * (normal.x * from_last.y - normal.y * from_last.x);
-    sum.constant = sum.constant + Interval(multipliers[k]) * needs[k]->constant;
+    sum.constant = sum.constant + Interval(multipliers[k]) * need.constant;
     rest = rest + normal;
   }
-  const double left = std::hypot(rest.x.magnitude(), rest.y.magnitude()) * (1.0 + 1e-12) * last.farthest_mm;
+  const double left = length_of(rest.x.magnitude(), rest.y.magnitude()) * last.farthest_mm * (1.0 + 1e-15);
   sum.constant = sum.constant + Interval(-left, left);
   sums_.push_back(sum);
+}
+
+bool JointBound::excluded_everywhere() const {
+  const auto& [low, high] = region_.angles();
+  return !sums_.empty() && excluded(low, high, kMaxHalvings);
 }
 
 // Uses the mean value form over the angles, and if no sum stays below its constant, tries either half.
@@ -122,30 +179,101 @@ void JointBound::drop_dead(CandidateList& list) const {
   list.tiles.resize(kept);
 }
 
-bool JointBound::contradictory(std::span<const Need> a, std::span<const Need> b) {
+bool JointBound::contradictory(std::size_t a, std::size_t b) {
   sums_.clear();
-  for (const Need& p : a) {
-    for (const Need& q : b) {
-      if (opposed(p, q)) add_pair(p, q);
-    }
-  }
-  const auto& [low, high] = region_.angles();
-  return !sums_.empty() && excluded(low, high, kMaxHalvings);
+  add_worst_pairs(needs_[a], needs_[b]);
+  if (excluded_everywhere()) return true;
+  sums_.clear();
+  add_pairs(needs_[a], needs_[b]);
+  return excluded_everywhere();
 }
 
-// Each pair holds at most one module. Finds them by augmenting paths between the two colours of the rivals.
-int JointBound::disjoint_conflicts() {
-  const std::size_t n = needs_.size();
-  rivals_.assign(n, {});
-  for (std::size_t a = 0; a < n; ++a) {
-    for (std::size_t b = a + 1; b < n && !dead_[a]; ++b) {
-      if (dead_[b] || !contradictory(needs_[a], needs_[b])) continue;
+// Finds the pairs of modules that may contradict each other. The sum of two needs changes with the angle by the
+// distance between the modules along the edges, so that modules far apart rarely contradict each other and only the
+// nearest ones at the opposed edge are compared.
+void JointBound::find_candidates() {
+  candidates_.assign(needs_.size(), {});
+  std::vector<NeedGroup> sorted = groups();
+  std::ranges::sort(sorted, {}, [](const NeedGroup& g) {
+    return std::tuple(g.by_side, g.edge, g.least.normal_x, g.least.normal_y, g.along_mm, g.module);
+  });
+  std::vector<std::span<const NeedGroup>> edges;
+  for (std::size_t first = 0, last = 0; first < sorted.size(); first = last) {
+    while (last < sorted.size() && sorted[last].at_same_edge(sorted[first])) ++last;
+    edges.emplace_back(sorted.data() + first, last - first);
+  }
+  for (std::size_t a = 0; a < edges.size(); ++a) {
+    for (std::size_t b = a + 1; b < edges.size(); ++b) {
+      if (opposed(edges[a].front(), edges[b].front())) compare(edges[a], edges[b]);
+    }
+  }
+}
+
+std::vector<NeedGroup> JointBound::groups() const {
+  std::vector<NeedGroup> groups;
+  for (std::size_t module = 0; module < needs_.size(); ++module) {
+    if (dead_[module]) continue;
+    const std::size_t first = groups.size();
+    for (const auto& [need, at] : needs_[module]) {
+      const NeedGroup group{module, need.by_side, need.edge,
+                            region_.along_mm(-at.normal_y, at.normal_x, centers_[module]), at};
+      if (groups.size() == first || !groups.back().at_same_edge(group)) {
+        groups.push_back(group);
+        continue;
+      }
+      for (std::size_t k = 0; k < kSamples; ++k)
+        groups.back().least.excess_mm[k] = std::min(groups.back().least.excess_mm[k], at.excess_mm[k]);
+    }
+  }
+  return groups;
+}
+
+void JointBound::compare(std::span<const NeedGroup> here, std::span<const NeedGroup> there) {
+  for (const NeedGroup& a : here) {
+    const auto facing = std::ranges::lower_bound(there, -a.along_mm, {}, &NeedGroup::along_mm);
+    const auto first = facing - std::min<std::ptrdiff_t>(kNearest, facing - there.begin()),
+               last = facing + std::min<std::ptrdiff_t>(kNearest, there.end() - facing);
+    pairs_compared_ += last - first;
+    for (auto b = first; b != last; ++b) {
+      // Modules that may both lie inside at the middle angle do not contradict each other.
+      constexpr std::size_t kMiddle = kSamples / 2;
+      if (a.module == b->module || a.least.excess_mm[kMiddle] + b->least.excess_mm[kMiddle] >= 0.0) continue;
+      candidates_[a.module].push_back(b->module);
+      candidates_[b->module].push_back(a.module);
+    }
+  }
+}
+
+// Takes disjoint contradictory pairs as they come, until there are as many as wanted.
+int JointBound::greedy_pairs(int wanted) {
+  partner_.assign(needs_.size(), -1);
+  int pairs = 0;
+  for (std::size_t a = 0; a < needs_.size() && pairs < wanted; ++a) {
+    for (const std::size_t b : candidates_[a]) {
+      if (partner_[a] >= 0) break;
+      if (partner_[b] >= 0 || !contradictory(a, b)) continue;
+      partner_[a] = static_cast<int>(b);
+      partner_[b] = static_cast<int>(a);
+      ++pairs;
+    }
+  }
+  return pairs;
+}
+
+void JointBound::find_rivals() {
+  rivals_.assign(needs_.size(), {});
+  for (std::size_t a = 0; a < needs_.size(); ++a) {
+    for (const std::size_t b : candidates_[a]) {
+      if (b < a || !contradictory(a, b)) continue;
       rivals_[a].push_back(b);
       rivals_[b].push_back(a);
     }
   }
-  colour_.assign(n, 0);
-  for (std::size_t root = 0; root < n; ++root) {
+}
+
+void JointBound::colour_rivals() {
+  colour_.assign(needs_.size(), 0);
+  for (std::size_t root = 0; root < needs_.size(); ++root) {
     if (colour_[root] != 0) continue;
     colour_[root] = 1;
     std::vector<std::size_t> stack{root};
@@ -159,20 +287,26 @@ int JointBound::disjoint_conflicts() {
       }
     }
   }
-  partner_.assign(n, -1);
+}
+
+// Each pair holds at most one module. Finds them by augmenting paths between the two colours of the rivals.
+int JointBound::most_pairs() {
+  find_rivals();
+  colour_rivals();
+  partner_.assign(needs_.size(), -1);
+  asked_for_.assign(needs_.size(), 0);
   int pairs = 0;
-  for (std::size_t k = 0; k < n; ++k) {
-    std::vector<bool> asked(n, false);
-    if (colour_[k] == 1 && rematch(k, asked)) ++pairs;
+  for (std::size_t k = 0; k < needs_.size(); ++k) {
+    if (colour_[k] == 1 && !rivals_[k].empty() && rematch(k, k)) ++pairs;
   }
   return pairs;
 }
 
-bool JointBound::rematch(std::size_t module, std::vector<bool>& asked) {
+bool JointBound::rematch(std::size_t module, std::size_t root) {
   for (const std::size_t rival : rivals_[module]) {
-    if (colour_[rival] == colour_[module] || asked[rival]) continue;
-    asked[rival] = true;
-    if (partner_[rival] >= 0 && !rematch(static_cast<std::size_t>(partner_[rival]), asked)) continue;
+    if (colour_[rival] == colour_[module] || asked_for_[rival] == root + 1) continue;
+    asked_for_[rival] = root + 1;
+    if (partner_[rival] >= 0 && !rematch(static_cast<std::size_t>(partner_[rival]), root)) continue;
     partner_[rival] = static_cast<int>(module);
     return true;
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -13,33 +14,67 @@ struct AngleNeed {
   Interval cosine, sine, constant;
 };
 
+/// A need with by how much it is met at three angles, in rounded numbers that are never part of a bound.
+struct SampledNeed {
+  Need need;
+  NeedSamples at;
+};
+
+/// The needs of one module that one edge causes by one normal.
+struct NeedGroup {
+  std::size_t module = 0;
+  bool by_side = false;
+  std::uint32_t edge = 0;
+  double along_mm = 0.0;  ///< Where the module's centre lies along the edge, to the left of the normal.
+  NeedSamples least;      ///< The least of all needs at each angle.
+  [[nodiscard]] bool at_same_edge(const NeedGroup& other) const {
+    return by_side == other.by_side && edge == other.edge && least.normal_x == other.least.normal_x &&
+           least.normal_y == other.least.normal_y;
+  }
+};
+
 /// Bounds the modules that lie inside at one motion of a region by needs that contradict each other: modules that lie
 /// inside nowhere, and disjoint pairs of modules that never lie inside together. Angles are halved until one
-/// contradiction holds over each part, so that the sums are not linearized. Each thread needs its own object.
+/// contradiction holds over each part, so that the sums are not linearized. Pairs are looked for among modules that
+/// face each other across two opposed edges, so the cost is O(n log n) for n modules. Each thread needs its own object.
 class JointBound {
  public:
   JointBound(const MotionRegion& region, const CandidateList& list);
 
-  /// Drops the modules of the list that lie inside nowhere, then returns the bound.
-  [[nodiscard]] int bound(CandidateList& list);
+  /// Tells whether no more than `allowed` modules lie inside, and drops modules of the list that lie inside nowhere.
+  [[nodiscard]] bool holds(CandidateList& list, int allowed);
+  /// Returns how many pairs of modules were compared.
+  [[nodiscard]] std::int64_t pairs_compared() const { return pairs_compared_; }
 
  private:
-  [[nodiscard]] bool contradictory(std::span<const Need> a, std::span<const Need> b);
-  void add_pair(const Need& a, const Need& b);
-  void add_triples(std::span<const Need> needs);
-  void add_sum(std::span<const Need* const> needs, std::span<const double> multipliers);
+  using Needs = std::vector<SampledNeed>;
+  [[nodiscard]] bool contradictory(std::size_t a, std::size_t b);
+  void add_pairs(const Needs& a, const Needs& b);
+  void add_worst_pairs(const Needs& a, const Needs& b);
+  void add_triples(const Needs& needs);
+  void add_sum(std::span<const SampledNeed* const> needs, std::span<const double> multipliers);
+  [[nodiscard]] bool excluded_everywhere() const;
   [[nodiscard]] bool excluded(double low, double high, int halvings) const;
-  [[nodiscard]] bool never_inside(std::span<const Need> needs);
+  [[nodiscard]] bool never_inside(std::size_t module);
   void drop_dead(CandidateList& list) const;
-  [[nodiscard]] int disjoint_conflicts();
-  bool rematch(std::size_t module, std::vector<bool>& asked);
+  void find_candidates();
+  [[nodiscard]] std::vector<NeedGroup> groups() const;
+  void compare(std::span<const NeedGroup> here, std::span<const NeedGroup> there);
+  [[nodiscard]] int greedy_pairs(int wanted);
+  [[nodiscard]] int most_pairs();
+  void find_rivals();
+  void colour_rivals();
+  bool rematch(std::size_t module, std::size_t root);
 
   const MotionRegion& region_;
-  std::vector<std::vector<Need>> needs_;  // The index is a module of the list.
+  std::vector<Needs> needs_;  // The index is a module of the list.
+  std::vector<IntervalPoint> centers_;
   std::vector<bool> dead_;
   std::vector<AngleNeed> sums_;
-  std::vector<std::vector<std::size_t>> rivals_;
+  std::vector<std::vector<std::size_t>> candidates_, rivals_;
   std::vector<int> partner_, colour_;
+  std::vector<std::size_t> asked_for_;  // The last root that asked for the module, plus one.
+  std::int64_t pairs_compared_ = 0;
 };
 
 }  // namespace triskin::check

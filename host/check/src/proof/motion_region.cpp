@@ -58,12 +58,6 @@ bool ProofPolygon::contains(double x, double y) const {
   return inside;
 }
 
-struct MotionRegion::Moved {
-  // Values are taken at the middle, the derivative by the angle over the region.
-  std::array<IntervalPoint, 2> end, end_turn;
-  IntervalPoint normal, normal_range, normal_turn;
-};
-
 MotionRegion::MotionRegion(const ProofPolygon& polygon, const ProofBox& box)
     : polygon_(polygon),
       x_(0.5 * (box.low[0] + box.high[0])),
@@ -81,13 +75,25 @@ MotionRegion::MotionRegion(const ProofPolygon& polygon, const ProofBox& box)
   sine_ = sine(Interval(theta));
   plain_cosine_ = std::cos(theta);
   plain_sine_ = std::sin(theta);
+  sampled_ = {{{std::cos(theta - half_theta_), std::sin(theta - half_theta_)},
+               {plain_cosine_, plain_sine_},
+               {std::cos(theta + half_theta_), std::sin(theta + half_theta_)}}};
   const Interval angles(theta - half_theta_ - 1e-15, theta + half_theta_ + 1e-15);
   cosine_range_ = cosine(angles);
   sine_range_ = sine(angles);
   reach_ = (std::hypot(half_x_, half_y_) + polygon.radius_mm() * half_theta_) * (1.0 + 1e-14);
 }
 
-MotionRegion::Moved MotionRegion::moved(const ProofEdge& edge) const {
+const MotionRegion::Moved& MotionRegion::moved(std::uint32_t index) const {
+  if (place_of_.empty()) place_of_.assign(polygon_.edges().size(), kNotMoved);
+  if (place_of_[index] == kNotMoved) {
+    place_of_[index] = static_cast<std::uint32_t>(moved_.size());
+    moved_.push_back(newly_moved(polygon_.edges()[index]));
+  }
+  return moved_[place_of_[index]];
+}
+
+MotionRegion::Moved MotionRegion::newly_moved(const ProofEdge& edge) const {
   Moved m;
   for (std::size_t e = 0; e < 2; ++e) {
     m.end[e] = turned(edge.end[e], cosine_, sine_) + IntervalPoint{x_, y_};
@@ -160,16 +166,16 @@ Need MotionRegion::line_need(std::uint32_t edge, double turn, const IntervalPoin
           {scale * normal.x, scale * normal.y},
           point,
           scale * e.offset,
-          std::hypot(from.x.magnitude() + half_x_, from.y.magnitude() + half_y_) * (1.0 + 1e-12)};
+          length_of(from.x.magnitude() + half_x_, from.y.magnitude() + half_y_)};
 }
 
 void MotionRegion::add_side_needs(const Candidate& module, std::uint32_t edge, std::size_t side,
                                   std::vector<Need>& needs) const {
   const IntervalPoint normal = scaled(polygon_.module().normal[side], module.tile.up ? 1.0 : -1.0);
-  const double shift = std::hypot(std::abs(x_) + half_x_, std::abs(y_) + half_y_) * (1.0 + 1e-12);
+  const double shift = length_of(std::abs(x_) + half_x_, std::abs(y_) + half_y_);
   for (const IntervalPoint& end : polygon_.edges()[edge].end) {
     needs.push_back({true, edge, normal, end, dot(normal, module.center) + polygon_.module().offset[side],
-                     shift + std::hypot(end.x.magnitude(), end.y.magnitude()) * (1.0 + 1e-12)});
+                     shift + length_of(end.x.magnitude(), end.y.magnitude())});
   }
 }
 
@@ -208,7 +214,7 @@ void MotionRegion::add_needs_over(const Candidate& module, std::uint32_t edge, d
 void MotionRegion::add_needs(const Candidate& module, std::uint32_t edge, std::vector<Need>& needs) const {
   const ProofEdge& e = polygon_.edges()[edge];
   if (!(e.length_mm > 0.0)) return;
-  const Moved m = moved(e);
+  const Moved& m = moved(edge);
   const double sign = module.tile.up ? 1.0 : -1.0;
   Ways ways = line_ways(module.center, sign, e, m, 0.0);
   Interval against(-1.0, -1.0);  // The least and largest component of the sides' normals along that of the edge.
@@ -251,13 +257,31 @@ bool MotionRegion::never_met(const Need& need) const {
   return (value - need.constant).high + spread < 0.0;
 }
 
-MotionRegion::Verdict MotionRegion::cuts(const IntervalPoint& center, bool up, const ProofEdge& edge,
+NeedSamples MotionRegion::samples(const Need& need) const {
+  const double nx = middle(need.normal.x), ny = middle(need.normal.y), px = middle(need.point.x),
+               py = middle(need.point.y), constant = middle(need.constant);
+  NeedSamples samples{nx, ny, {}};
+  if (!need.by_side) {
+    samples.normal_x = plain_cosine_ * nx - plain_sine_ * ny;
+    samples.normal_y = plain_sine_ * nx + plain_cosine_ * ny;
+  }
+  for (std::size_t k = 0; k < kSampledAngles; ++k) {
+    const auto& [c, s] = sampled_[k];
+    if (need.by_side)
+      samples.excess_mm[k] = nx * (c * px - s * py + x_) + ny * (s * px + c * py + y_) - constant;
+    else
+      samples.excess_mm[k] = (c * nx - s * ny) * (px - x_) + (s * nx + c * ny) * (py - y_) - constant;
+  }
+  return samples;
+}
+
+MotionRegion::Verdict MotionRegion::cuts(const IntervalPoint& center, bool up, std::uint32_t edge,
                                          double allowance_mm) const {
-  const Moved m = moved(edge);
+  const Moved& m = moved(edge);
   const double sign = up ? 1.0 : -1.0;
   const Verdict side = side_frees(center, sign, m, allowance_mm);
   if (side == Verdict::kAlways) return Verdict::kNever;
-  const Ways line = line_ways(center, sign, edge, m, allowance_mm);
+  const Ways line = line_ways(center, sign, polygon_.edges()[edge], m, allowance_mm);
   if (line.always) return Verdict::kNever;
   return side == Verdict::kNever && !line.left && !line.right ? Verdict::kAlways : Verdict::kMay;
 }
@@ -269,7 +293,8 @@ double MotionRegion::distance_mm(const IntervalPoint& center, const ProofEdge& e
   const double dx = middle(edge.end[1].x) - ax, dy = middle(edge.end[1].y) - ay;
   const double square = dx * dx + dy * dy;
   const double t = square > 0.0 ? std::clamp(((px - ax) * dx + (py - ay) * dy) / square, 0.0, 1.0) : 0.0;
-  return std::hypot(px - ax - t * dx, py - ay - t * dy);
+  const double x = px - ax - t * dx, y = py - ay - t * dy;
+  return std::sqrt(x * x + y * y);
 }
 
 bool MotionRegion::center_inside(const IntervalPoint& center) const {
@@ -351,7 +376,7 @@ CandidateList MotionRegion::filtered(const CandidateList& list) const {
       const double distance = distance_mm(tile.center, edge);
       nearest = std::min(nearest, distance);
       if (distance > outer) continue;
-      const Verdict verdict = distance < inner ? Verdict::kAlways : cuts(tile.center, tile.tile.up, edge, 0.0);
+      const Verdict verdict = distance < inner ? Verdict::kAlways : cuts(tile.center, tile.tile.up, list.edges[k], 0.0);
       if (verdict == Verdict::kMay) kept.edges.push_back(list.edges[k]);
       possible = verdict != Verdict::kAlways;
     }
@@ -374,8 +399,8 @@ CandidateList MotionRegion::filtered(const CandidateList& list) const {
 
 bool MotionRegion::holds(const ProofTile& tile, double tolerance_mm) const {
   const IntervalPoint center = polygon_.center_of(tile);
-  for (const ProofEdge& edge : polygon_.edges()) {
-    const double distance = distance_mm(center, edge);
+  for (std::uint32_t edge = 0; edge < polygon_.edges().size(); ++edge) {
+    const double distance = distance_mm(center, polygon_.edges()[edge]);
     if (distance > polygon_.module().circumradius_high_mm + kSlack_mm) continue;
     if (distance < polygon_.module().inradius_low_mm - tolerance_mm - 0.01 ||
         cuts(center, tile.up, edge, tolerance_mm) != Verdict::kNever)

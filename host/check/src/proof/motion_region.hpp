@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <array>
+#include <cmath>
+#include <deque>
 #include <vector>
 
 #include "proof_module.hpp"
@@ -38,6 +41,19 @@ struct Need {
   double farthest_mm = 0.0;  ///< The normal is multiplied with vectors of at most this length.
 };
 
+/// By how much a need is met at the least, middle and largest angle of its region, with the translation at the middle,
+/// in rounded numbers: a reason to look for a contradiction, never part of a bound.
+inline constexpr std::size_t kSampledAngles = 3;
+struct NeedSamples {
+  double normal_x = 0.0, normal_y = 0.0;  ///< The normal at the middle angle, in the frame of the grid.
+  std::array<double, kSampledAngles> excess_mm{};
+};
+
+/// Returns a length, rounded up.
+inline double length_of(double x, double y) {
+  return std::sqrt(x * x + y * y) * (1.0 + 1e-12);
+}
+
 /// Holds the polygon and the claims in the checker's own terms.
 class ProofPolygon {
  public:
@@ -62,7 +78,8 @@ class ProofPolygon {
   double radius_ = 0.0;
 };
 
-/// Covers all motions of a box and decides for modules and edges what holds for every one of them.
+/// Covers all motions of a box and decides for modules and edges what holds for every one of them. Remembers the edges
+/// that it moved, so each thread needs its own object.
 class MotionRegion {
  public:
   MotionRegion(const ProofPolygon& polygon, const ProofBox& box);
@@ -77,6 +94,11 @@ class MotionRegion {
   [[nodiscard]] std::array<double, 2> angles() const { return {theta_ - half_theta_, theta_ + half_theta_}; }
   /// Adds the needs of the module that one edge causes.
   void add_needs(const Candidate& module, std::uint32_t edge, std::vector<Need>& needs) const;
+  [[nodiscard]] NeedSamples samples(const Need& need) const;
+  /// Returns how far a point of the grid lies along a direction of the grid, from the middle of the region.
+  [[nodiscard]] double along_mm(double x, double y, const IntervalPoint& point) const {
+    return x * (middle(point.x) - x_) + y * (middle(point.y) - y_);
+  }
   /// Returns true if no motion of the region meets the need.
   [[nodiscard]] bool never_met(const Need& need) const;
   /// Returns true if the module lies inside and overhangs by no more than `tolerance_mm`. The region must be one
@@ -85,14 +107,19 @@ class MotionRegion {
 
  private:
   enum class Verdict { kNever, kMay, kAlways };
-  struct Moved;
+  struct Moved {
+    // Values are taken at the middle, the derivative by the angle over the region.
+    std::array<IntervalPoint, 2> end, end_turn;
+    IntervalPoint normal, normal_range, normal_turn;
+  };
   /// Lists the ways in which a module can keep clear of an edge somewhere in the region.
   struct Ways {
     bool left = true, right = true, always = false;
     std::vector<std::size_t> sides;
   };
-  [[nodiscard]] Moved moved(const ProofEdge& edge) const;
-  [[nodiscard]] Verdict cuts(const IntervalPoint& center, bool up, const ProofEdge& edge, double allowance_mm) const;
+  [[nodiscard]] const Moved& moved(std::uint32_t edge) const;
+  [[nodiscard]] Moved newly_moved(const ProofEdge& edge) const;
+  [[nodiscard]] Verdict cuts(const IntervalPoint& center, bool up, std::uint32_t edge, double allowance_mm) const;
   [[nodiscard]] Verdict side_frees(const IntervalPoint& center, double sign, const Moved& m, double allowance_mm) const;
   [[nodiscard]] Verdict one_side_frees(std::size_t side, const IntervalPoint& center, double sign, const Moved& m,
                                        double allowance_mm) const;
@@ -111,7 +138,11 @@ class MotionRegion {
   const ProofPolygon& polygon_;
   double x_, y_, theta_, half_x_, half_y_, half_theta_, reach_;
   double plain_cosine_, plain_sine_;
+  std::array<std::array<double, 2>, kSampledAngles> sampled_;  // Cosine and sine of the sampled angles.
   Interval cosine_, sine_, cosine_range_, sine_range_;
+  static constexpr std::uint32_t kNotMoved = 0xffffffff;
+  mutable std::vector<std::uint32_t> place_of_;  // Where `moved_` has each edge.
+  mutable std::deque<Moved> moved_;              // References to its elements stay valid while it grows.
 };
 
 }  // namespace triskin::check

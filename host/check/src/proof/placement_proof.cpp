@@ -45,8 +45,8 @@ bool overlaps(const ProofBox& a, const ProofBox& b) {
 
 class Checker {
  public:
-  Checker(const ProofLog& log, const ProofPolygon& polygon, std::int64_t& regions)
-      : log_(log), polygon_(polygon), regions_(regions) {
+  Checker(const ProofLog& log, const ProofPolygon& polygon, std::int64_t& regions, std::int64_t& pairs)
+      : log_(log), polygon_(polygon), regions_(regions), pairs_(pairs) {
     limit_ = 200'000 + 100 * static_cast<std::int64_t>(log.cells.size());
   }
 
@@ -164,14 +164,16 @@ class Checker {
   bool closed_jointly(const ProofBox& box, CandidateList& list, int deepest) {
     if (joint_credit_ == 0 && (kDeepest - deepest) % kJointEvery != kJointEvery - 1) return false;
     const MotionRegion region(polygon_, box);
-    const bool closed = JointBound(region, list).bound(list) <= log_.upper_bound;
+    JointBound joint(region, list);
+    const bool closed = joint.holds(list, log_.upper_bound);
+    pairs_ += joint.pairs_compared();
     joint_credit_ = closed ? kJointCredit : std::max(0, joint_credit_ - 1);
     return closed;
   }
 
   const ProofLog& log_;
   const ProofPolygon& polygon_;
-  std::int64_t& regions_;
+  std::int64_t &regions_, &pairs_;
   std::int64_t limit_ = 0;
   int joint_credit_ = 0;
   bool proved_ = false;
@@ -304,7 +306,7 @@ ProofReport evaluate(const ProofLog& log, const std::vector<Ring>& rings, const 
     if (polygon.radius_mm() > 1e6) throw Rejected{"the pivot lies too far from the polygon"};
     report.rounding_mm = rounding_of(log, polygon);
     require_placement(log, polygon, report.rounding_mm);
-    Checker(log, polygon, report.regions).run(proved_by_area(log, rings, module));
+    Checker(log, polygon, report.regions, report.pairs).run(proved_by_area(log, rings, module));
     report.accepted = true;
   } catch (const Rejected& r) {
     report.reason = r.reason;

@@ -26,6 +26,7 @@ struct ProofReport {
   std::string outline_hash;
   std::int64_t cells = 0;
   std::int64_t regions = 0;  ///< The checker computed a bound for each of these boxes of motions.
+  std::int64_t pairs = 0;    ///< The checker compared the needs of this many pairs of modules.
   double seconds = 0.0;
 };
 
