@@ -120,18 +120,6 @@ TEST(Conflicts, two_rows_of_a_strip_exclude_each_other) {
   }
 }
 
-// The modules of a strip that is three times as long are compared three times as often, not nine times.
-TEST(Conflicts, the_checker_compares_as_many_pairs_as_the_strip_is_long) {
-  const auto pairs_of_a_region = [](double length_mm) {
-    const Answer a = place_and_check(test::moved(rectangle(length_mm, 2.0 * kHeight_mm - 1e-3), 0.7, {0, 0}), 1e-8);
-    EXPECT_TRUE(a.proof.accepted) << a.proof.reason;
-    return static_cast<double>(a.proof.pairs) / static_cast<double>(a.proof.regions);
-  };
-  const double shorter = pairs_of_a_region(150.0);
-  EXPECT_GT(shorter, 0.0);
-  EXPECT_LT(pairs_of_a_region(450.0), 4.5 * shorter);
-}
-
 // In a tooth slightly less than two rows wide, the lower row needs one side and the upper row the other.
 TEST(Conflicts, two_rows_of_a_tooth_exclude_each_other) {
   for (const double less_mm : {1e-2, 1e-5}) {
