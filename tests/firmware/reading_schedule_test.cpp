@@ -280,13 +280,14 @@ TEST(ReadingSchedule, ARestartThatFailedIsNotTriedAgainForTheSakeOfOthers) {
   EXPECT_EQ(schedule.due(kT + 10'973), kNothing);
 }
 
-// Simulates a chip whose sequences last exactly 9,200, and a line that serves it alone: 180 for the status (sampled 120
-// after its start), 640 for a reading, 110 for a restart.
+// Simulates a chip whose sequences last exactly 9,200, and a line that serves it alone: 145 for the status (sampled 25
+// before its end), 640 for a reading, 110 for a restart.
 struct Line {
   ReadingSchedule schedule;
   std::uint64_t now_us = kT, started_us = kT, status_us = kT;
   std::vector<std::uint64_t> sampled{};
-  int restarts = 0;
+  int restarts = 0, statuses = 0;
+  std::uint32_t status_length_us = 145, after_status_us = 25;
 
   // Stage s ends (s + 1) · 9,200 / 12 after the start, and every 9,200 after that.
   [[nodiscard]] std::uint16_t status_at(std::uint64_t at_us) const {
@@ -304,10 +305,12 @@ struct Line {
         if (const auto end_us = schedule.read(0, now_us)) sampled.push_back(*end_us);
         return;
       case Action::kStatus: {
-        const std::uint16_t status = status_at(now_us + 120);
-        status_us = now_us + 120;
-        now_us += 145;
-        return schedule.status_read(0, status, now_us);
+        const std::uint64_t sampled_us = now_us + status_length_us - after_status_us;
+        const std::uint16_t status = status_at(sampled_us);
+        status_us = sampled_us;
+        now_us += status_length_us;
+        ++statuses;
+        return schedule.status_read(0, status, now_us, status_length_us);
       }
       case Action::kRestart:
         now_us += 110;
@@ -339,6 +342,26 @@ TEST(ReadingSchedule, SamplesEachSequenceOfAChipThatIsAlone) {
     EXPECT_NEAR(static_cast<double>(line.sampled[k]), static_cast<double>(kT + 9'200 + 9'200 * k), 150.0) << k;
   EXPECT_EQ(line.schedule.take_missed(0), 0U);
   EXPECT_EQ(line.restarts, 0);
+}
+
+// SCL that rises in 300 ns makes each bit 17 % longer, so the chip samples the status later. The schedule begins
+// earlier, hence learns as much from each status and needs no more of them.
+TEST(ReadingSchedule, SlowEdgesNeedNoMoreStatuses) {
+  constexpr std::size_t kSequences = 1'000;
+  const auto statuses = [](std::uint32_t length_us, std::uint32_t after_us) {
+    Line line{schedule_of(1)};
+    line.status_length_us = length_us;
+    line.after_status_us = after_us;
+    line.schedule.start(0, kT);
+    while (line.sampled.size() < kSequences) line.serve();
+    EXPECT_EQ(line.schedule.take_missed(0), 0U);
+    EXPECT_EQ(line.restarts, 0);
+    return line.statuses;
+  };
+  const int fast = statuses(145, 25), slow = statuses(170, 29);
+  std::printf("%d readings of the status with fast edges, %d with slow ones, in %zu sequences\n", fast, slow,
+              kSequences);
+  EXPECT_LE(slow, fast + fast / 10);
 }
 
 // A burst of 640 µs may begin until the window closes, but one that was slowed down ends later.

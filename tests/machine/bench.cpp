@@ -82,6 +82,7 @@ void Bench::power_up(bool will_be_cut) {
   setup.unique_id = id;
   setup.on_can = [this](const wire::CanFrame& f, std::uint64_t) { frames.push_back(f); };
   setup.trace = trace;
+  setup.profile = profile;
   setup.crystal_hz = crystal_hz;
   setup.crystal_fails_at_us = crystal_fails_at_us;
   setup.will_be_cut = will_be_cut;

@@ -116,6 +116,7 @@ class Bench : public ::testing::Test {
   ElfImage application;
   std::vector<wire::CanFrame> frames;  ///< The controller sent these frames.
   VcdTrace* trace = nullptr;
+  Profile* profile = nullptr;
   std::uint64_t crystal_hz = 8'000'000;
   std::uint64_t crystal_fails_at_us = ~std::uint64_t{0};
   bool boot_pin_high = true;

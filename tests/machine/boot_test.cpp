@@ -104,6 +104,39 @@ TEST_F(Bench, ReadProtectedChipKeepsItsOptionsAndSaysSo) {
 }
 
 // Pages have 4 KB, so an erase would also take the neighbour; it is refused.
+// The units are of the page of tables that is not in use, which the application reads at each start.
+constexpr std::uint32_t kSpareTable = 0x0807C800;
+constexpr std::uint32_t kSpareUnit = (kSpareTable - FlashChip::kBase) / FlashChip::kUnit;
+
+TEST_F(Bench, UnitWithOneWrongBitIsCorrectedAndCounted) {
+  store_table(patch(2));
+  for (std::uint32_t k = 0; k < FlashChip::kPage / FlashChip::kUnit; ++k) flash.weak.insert(kSpareUnit + k);
+  power_up();
+  run_for(300'000);
+  const auto state = health();
+  ASSERT_TRUE(state.has_value());
+  EXPECT_GE(state->ecc_corrected, 1U);
+  EXPECT_EQ(state->ecc_detected, 0U);
+  EXPECT_EQ(machine->counts().resets, 0);
+  expect_no_violation();
+}
+
+// With DBANK = 0 the upper one of two units has a flag of its own, which raises the NMI for ever until it is cleared.
+TEST_F(Bench, UnitsWithTwoWrongBitsAreCountedAndTheBoardWorks) {
+  for (const bool two_banks : {true, false}) {
+    if (!two_banks) flash.options &= ~(1U << 22);
+    store_table(patch(2));
+    for (std::uint32_t k = 0; k < FlashChip::kPage / FlashChip::kUnit; ++k) flash.torn.insert(kSpareUnit + k);
+    power_up();
+    run_for(300'000);
+    const auto state = health();
+    ASSERT_TRUE(state.has_value()) << two_banks;
+    EXPECT_GE(state->ecc_detected, 1U) << two_banks;
+    EXPECT_EQ(machine->counts().resets, 0) << two_banks;
+    expect_no_violation();
+  }
+}
+
 TEST_F(Bench, ChipWithOneBankErasesNothing) {
   flash.options &= ~kTwoBanks;
   std::vector<FlashOperation> operations;

@@ -147,7 +147,10 @@ TEST_F(FirstStart, RandomResetsAndPowerCutsEndInTheApplication) {
   EXPECT_GT(cuts, kBoards);
 }
 
-TEST_F(FirstStart, CrystalThatStopsLeavesTheBoardWithItsInternalOscillator) {
+class CrystalThatStops : public FirstStart, public ::testing::WithParamInterface<const char*> {};
+
+TEST_P(CrystalThatStops, LeavesTheBoardWithItsInternalOscillator) {
+  behave(behaviour_named(GetParam()));
   crystal_fails_at_us = 500'000;
   power_up();
   run_for(400'000);
@@ -159,8 +162,15 @@ TEST_F(FirstStart, CrystalThatStopsLeavesTheBoardWithItsInternalOscillator) {
   EXPECT_EQ(state->clock.crystal, wire::Crystal::kSilent);
   EXPECT_EQ(crash().value().cause, wire::CrashCause::kClock);
   EXPECT_EQ(machine->counts().resets, 1);
+  ASSERT_TRUE(flash_table(patch(4)));
+  ASSERT_EQ(request({0x2E, 0xFD, 0x05, 0x02}).at(0), 0x6E);
+  run_for(500'000);
+  EXPECT_EQ(samples().size(), 4U);
   expect_no_violation();
 }
+
+INSTANTIATE_TEST_SUITE_P(Restarts, CrystalThatStops, ::testing::Values("ConvReset", "PowerRestarts"),
+                         [](const auto& tested) { return std::string(tested.param); });
 
 // An unused line without resistors floats; it used to be "found held low" for ever.
 TEST_F(FirstStart, LineWithoutPullUpsIsNoFault) {

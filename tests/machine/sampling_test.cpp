@@ -70,6 +70,33 @@ TEST_F(Sampling, ComesBackFromBusOff) {
   expect_no_violation();
 }
 
+// It pauses for 10, 20, 40 … 1,000 ms, so in five seconds it leaves the bus seven times and then once a second.
+TEST_F(Sampling, StaysAwayLongerAfterEachBusOff) {
+  start(16);
+  const std::uint64_t until_us = now_us() + 5'000'000;
+  while (now_us() < until_us) {
+    (void)machine->disturb(0, Trouble::kCanError);  // No frame gets through.
+    run_for(50);
+  }
+  EXPECT_GE(machine->counts().bus_offs, 9U);
+  EXPECT_LE(machine->counts().bus_offs, 12U);
+  std::printf("%d times off the bus in five seconds\n", static_cast<int>(machine->counts().bus_offs));
+  run_for(1'100'000);
+  EXPECT_FALSE(request({0x22, 0xF1, 0x90}).empty());
+  expect_no_violation();
+}
+
+// The block then sends nothing until its driver leaves the mode that it has entered by itself.
+TEST_F(Sampling, MessageRamThatFailsStopsNoFrames) {
+  start(4);
+  machine->fail_can_ram();
+  frames.clear();
+  run_for(500'000);
+  EXPECT_EQ(samples().size(), 4U);
+  EXPECT_EQ(health().value().can_ram_failures, 1);
+  expect_no_violation();
+}
+
 TEST_F(Sampling, EachThirdSequenceOnly) {
   start(16, {Decimation::k64, 3});
   run_for(2'000'000);
@@ -125,6 +152,28 @@ TEST_F(Sampling, StaysInsideItsBudgetsAtTheShortSequence) {
       budget(offsetof(board::Budget, worst_interrupt_us)), static_cast<double>(machine->counts().worst_interrupt) / 1e6,
       budget(offsetof(board::Budget, worst_loop_us)), budget(offsetof(board::Budget, stack_free_bytes)), 100 * idle,
       per_sequence);
+}
+
+// TRISKIN_IMAGE and TRISKIN_SLOT choose the image, so that two of them can be compared function by function.
+TEST_F(Sampling, ProfileTellsWhichFunctionsNeedTheCore) {
+  Profile functions;
+  profile = &functions;
+  start(16, {Decimation::k64, 1});
+  functions.clear();
+  const std::uint64_t before = machine->counts().instructions, exceptions_before = machine->counts().exceptions;
+  constexpr double kRun_s = 3, kSequence_s = 9.2e-3;
+  run_for(static_cast<std::uint64_t>(kRun_s * 1e6));
+  const std::uint64_t executed = machine->counts().instructions - before;
+  std::uint64_t sum = 0;
+  for (const Profile::Function& f : functions.by_function(application)) {
+    sum += f.instructions;
+    const double per_sequence = static_cast<double>(f.instructions) * kSequence_s / kRun_s;
+    if (f.instructions >= executed / 200) std::printf("%8.0f  %s\n", per_sequence, f.name.c_str());
+  }
+  std::printf("%8.0f instructions in a sequence of 9.2 ms, and %.0f exceptions\n",
+              static_cast<double>(executed) * kSequence_s / kRun_s,
+              static_cast<double>(machine->counts().exceptions - exceptions_before) * kSequence_s / kRun_s);
+  EXPECT_EQ(sum, executed);
 }
 
 TEST_F(Sampling, TraceShowsTheBytesOfAReading) {

@@ -128,7 +128,7 @@ void Application::step() {
   take_samples();
   if (read_a_module_) prove();  // The call is not inside publish(), where the flash may be busy.
   note_start();
-  offset_store_.step(offsets_);
+  offsets_wait_ = offset_store_.step(offsets_);
   send_pending();
   route_.send_status(*ports_.can, tables_.node_address(), now_us());
   if (ports_.update != nullptr) ports_.update->step(*ports_.can, now_us());
@@ -205,7 +205,7 @@ std::uint64_t Application::next_event_us() const {
   for (const Channel& c : channels()) next = std::min(next, c.log.next_us(log_));
   if (serial_log_.waits(log_)) next = std::min(next, now + kSerialRoom_us);
   if (ports_.update != nullptr) next = std::min(next, ports_.update->next_event_us(now));
-  return offset_store_.busy(offsets_) ? now : next;
+  return offsets_wait_ ? now : next;
 }
 
 void Application::handle_frame(Channel& c, const wire::CanFrame& frame) {
@@ -346,7 +346,8 @@ std::uint64_t Application::next_during_flash_us() const {
 // Each reading is sent as soon as it is available, because the converters have their own clocks.
 void Application::take_samples() {
   const bool any = std::ranges::any_of(samples_, &ModuleSample::fresh);
-  if (any && route_.switched() && !route_.check(now_us())) return invalidate_samples();
+  if (!any) return;
+  if (route_.switched() && !route_.check(now_us())) return invalidate_samples();
   for (std::size_t k = 0; k < modules(); ++k) {
     ModuleSample& s = samples_[k];
     if (!s.fresh) continue;
@@ -356,7 +357,7 @@ void Application::take_samples() {
     // that.
     faults_.note(table_row(k), s.state, {static_cast<std::uint32_t>(now_us() / 1000), s.number});
   }
-  if (!any || !tables_.has_table()) return;
+  if (!tables_.has_table()) return;
   const bool silent = std::ranges::all_of(std::span(samples_).first(tables_.table().module_count),
                                           [](const ModuleSample& s) { return s.state == ModuleState::kAbsent; });
   if (silent) route_.nothing_answers(now_us());

@@ -49,6 +49,7 @@ struct Hooks {
       c.fp_active_ = true;
     }
     c.counts_.instructions += b.instructions;
+    if (c.setup_.profile != nullptr) c.setup_.profile->add(static_cast<std::uint32_t>(address), b.instructions);
     c.time_.advance(b.instructions * c.cycle_);
     c.last_block_pc_ = static_cast<std::uint32_t>(address);
     c.wait_end_ = b.ends_in_wait ? c.last_block_pc_ + size : 0;
@@ -79,8 +80,8 @@ struct Hooks {
     core(user).fault_address_ = static_cast<std::uint32_t>(address);
     return false;
   }
-  static void torn_read(uc_engine*, uc_mem_type, std::uint64_t address, int, std::int64_t, void* user) {
-    core(user).flash_.torn_read(static_cast<std::uint32_t>((address - FlashChip::kBase) / FlashChip::kUnit));
+  static void flawed_read(uc_engine*, uc_mem_type, std::uint64_t address, int, std::int64_t, void* user) {
+    core(user).flash_.flawed_read(static_cast<std::uint32_t>((address - FlashChip::kBase) / FlashChip::kUnit));
   }
   static std::uint64_t read(uc_engine*, std::uint64_t offset, unsigned size, void* user) {
     return core(user).bus_read(kPeripherals + static_cast<std::uint32_t>(offset), size);
@@ -117,19 +118,12 @@ Machine::Core::Core(const MachineSetup& setup)
       chain_(setup.chain),
       gpio_(*this, *rcc_, setup.lines, chain_, setup.pins),
       spi_(
-          *this, [this](std::uint8_t byte) { return chain_.exchange(byte); },
-          [this] {
-            constexpr unsigned kFunction = map::kFunctionSpi2;
-            return gpio_.alternate(1, 13, kFunction) && gpio_.alternate(1, 14, kFunction) &&
-                   gpio_.alternate(1, 15, kFunction);
-          }),
+          *this, [this](std::uint8_t byte) { return chain_.exchange(byte); }, [this] { return gpio_.chain_ready(); }),
       usart_(*this, setup.chip == Chip::kStm32g474, [this] { return gpio_.log_ready(); }),
-      dma_(*this, [this](std::uint32_t address) { return dma_memory(address); }),
+      dma_(*this, dma_memory()),
       dma_mux_(*this, dma_),
-      l4_dma1_(
-          *this, [this](std::uint32_t address) { return dma_memory(address); }, 1),
-      l4_dma2_(
-          *this, [this](std::uint32_t address) { return dma_memory(address); }, 2),
+      l4_dma1_(*this, dma_memory(), 1),
+      l4_dma2_(*this, dma_memory(), 2),
       usb_(*this, [this] { return rcc_->clock_48_ready(); }),
       usb_memory_(*this, usb_),
       crs_(*this),
@@ -187,19 +181,21 @@ void Machine::Core::add_hooks() {
           "read hook");
   check(uc_hook_add(uc_, &h, UC_HOOK_MEM_UNMAPPED, reinterpret_cast<void*>(&Hooks::unmapped), this, 1, 0),
         "unmapped hook");
-  watch_torn_units();
+  watch_flawed_units();
 }
 
-void Machine::Core::watch_torn_units() {
-  for (const uc_hook h : torn_hooks_) check(uc_hook_del(uc_, h), "ECC hook");
-  torn_hooks_.clear();
-  for (const std::uint32_t unit : setup_.flash->torn) {
+void Machine::Core::watch_flawed_units() {
+  for (const uc_hook h : ecc_hooks_) check(uc_hook_del(uc_, h), "ECC hook");
+  ecc_hooks_.clear();
+  std::set<std::uint32_t> flawed = setup_.flash->torn;
+  flawed.insert(setup_.flash->weak.begin(), setup_.flash->weak.end());
+  for (const std::uint32_t unit : flawed) {
     const std::uint64_t first = FlashChip::kBase + unit * FlashChip::kUnit;
     uc_hook h = 0;
-    check(uc_hook_add(uc_, &h, UC_HOOK_MEM_READ, reinterpret_cast<void*>(&Hooks::torn_read), this, first,
+    check(uc_hook_add(uc_, &h, UC_HOOK_MEM_READ, reinterpret_cast<void*>(&Hooks::flawed_read), this, first,
                       first + FlashChip::kUnit - 1),
           "ECC hook");
-    torn_hooks_.push_back(h);
+    ecc_hooks_.push_back(h);
   }
 }
 
@@ -221,7 +217,7 @@ void Machine::Core::power_cycle(const FlashChip& cells) {
   }
   chip.used = cells.used;
   chip.torn = cells.torn;
-  watch_torn_units();
+  watch_flawed_units();
   std::ranges::fill(ram_, std::uint8_t{0xA5});
   const std::vector<std::uint8_t> lost(code_ram_.size(), 0xA5);
   check(uc_mem_write(uc_, map::kCodeRam, lost.data(), lost.size()), "CCM RAM");
@@ -458,6 +454,7 @@ bool Machine::Core::disturb_any(Trouble trouble) {
 }
 
 bool Machine::Core::disturb(std::size_t line, Trouble trouble, Time stretch) {
+  if (trouble == Trouble::kCanError) return spoil_frame();
   I2cController& i2c = *i2c_.at(line);
   const auto count = [](bool done, std::uint64_t& of) { return done && ++of > 0; };
   const auto happens = [&] {
@@ -478,6 +475,10 @@ bool Machine::Core::disturb(std::size_t line, Trouble trouble, Time stretch) {
   if (!happens()) return false;
   incidents_.push_back({time_.now_us(), trouble, line});
   return true;
+}
+
+void Machine::Core::fail_can_ram() {
+  can_->fail_ram();
 }
 
 bool Machine::Core::spoil_frame() {

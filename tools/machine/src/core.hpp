@@ -3,6 +3,7 @@
 #include <unicorn/unicorn.h>
 
 #include <random>
+#include <set>
 
 #include "spi_controller.hpp"
 #include "triskin/machine/bxcan.hpp"
@@ -33,6 +34,7 @@ class Machine::Core final : public Surroundings {
   void receive(const wire::CanFrame& frame) { can_->from_bus(frame); }
   [[nodiscard]] std::size_t frames_waiting() const { return can_->waiting(); }
   bool disturb(std::size_t line, Trouble trouble, Time stretch);
+  void fail_can_ram();
   [[nodiscard]] UsbWire& usb() { return usb_; }
   [[nodiscard]] std::uint32_t load(std::uint32_t address);
   void overwrite(std::uint32_t address, std::uint32_t value);
@@ -72,14 +74,21 @@ class Machine::Core final : public Surroundings {
     unsigned size;
   };
 
+  /// The interrupts of an I²C block.
+  struct I2cIrqs {
+    int event = 0, error = 0;
+  };
+  using LineIrqs = std::array<I2cIrqs, 4>;
+  void open_i2c(const LineIrqs& irqs, const std::array<Dma*, 4>& channels);
+  void open_shared_windows();
   void open_lines();
   [[nodiscard]] static std::unique_ptr<ClockControl> clock_of(Surroundings& around, const MachineSetup& setup);
   void open_g474();
   void open_l452();
-  [[nodiscard]] std::uint8_t* dma_memory(std::uint32_t address);
+  [[nodiscard]] Dma::Memory dma_memory();
   void map_memory();
   void add_hooks();
-  void watch_torn_units();
+  void watch_flawed_units();
   void cells_changed(std::uint32_t address, std::uint32_t size);
   void reset_core();
   [[nodiscard]] bool boots_from_rom() const;
@@ -114,7 +123,7 @@ class Machine::Core final : public Surroundings {
   [[nodiscard]] std::uint8_t* memory_at(std::uint32_t address);
 
   uc_engine* uc_ = nullptr;
-  std::vector<uc_hook> torn_hooks_;
+  std::vector<uc_hook> ecc_hooks_;
   Scheduler time_;
   Nvic nvic_;
   std::unique_ptr<ClockControl> rcc_;

@@ -94,7 +94,9 @@ void Machine::Core::enter_exception(int exception) {
 
 void Machine::Core::leave_exception(std::uint32_t code) {
   const bool extended = (code & 0x10) == 0, process_stack = (code & 4) != 0;
+  const int left = nvic_.running();
   nvic_.leave();
+  if (left == Nvic::kNmi && flash_.nmi_pending()) nvic_.pend(Nvic::kNmi);
   counts_.worst_interrupt = std::max(counts_.worst_interrupt, time_.now() - exception_entry_.back());
   exception_entry_.pop_back();
   const std::uint32_t frame = process_stack ? reg(UC_ARM_REG_PSP) : reg(UC_ARM_REG_SP);

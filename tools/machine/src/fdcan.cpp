@@ -15,7 +15,8 @@ constexpr std::uint32_t kDbtp = 0x0C, kCccr = 0x18, kNbtp = 0x1C, kTdcr = 0x48, 
 constexpr std::uint32_t kFifo0 = 0x0B0, kTx = 0x278, kElement = 72, kExtFilters = 0x070;
 constexpr std::array<std::uint8_t, 16> kSizes{0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64};
 constexpr std::uint32_t kNewMessage = 1, kFull = 2, kLost = 4, kTxDone = 1U << 7, kPassiveChanged = 1U << 17,
-                        kWarningChanged = 1U << 18, kOffChanged = 1U << 19;
+                        kWarningChanged = 1U << 18, kOffChanged = 1U << 19, kRamFailed = 1U << 14;
+constexpr std::uint32_t kRestricted = 1U << 2;  // CCCR.ASM
 
 }  // namespace
 
@@ -57,6 +58,13 @@ void Fdcan::note_state(const State& before) {
 std::uint32_t Fdcan::protocol_status() const {
   const State s = state();
   return (s.passive ? 1U << 5 : 0U) | (s.warning ? 1U << 6 : 0U) | (s.off ? 1U << 7 : 0U);
+}
+
+// In restricted operation mode the block receives and acknowledges, but sends nothing until the mode is left (§44.3.3).
+void Fdcan::fail_ram() {
+  regs_[kCccr / 4] |= kRestricted;
+  regs_[kIr / 4] |= kRamFailed;
+  update_irqs();
 }
 
 wire::CanFrame Fdcan::read_element(std::uint32_t offset) const {
@@ -115,7 +123,7 @@ void Fdcan::deliver(const wire::CanFrame& frame) {
 }
 
 std::optional<wire::CanFrame> Fdcan::next_to_send() const {
-  if (to_send_.empty()) return std::nullopt;
+  if (to_send_.empty() || (regs_[kCccr / 4] & kRestricted) != 0) return std::nullopt;
   return read_element(kTx + to_send_.front() * kElement);
 }
 
@@ -178,6 +186,8 @@ void Fdcan::write(std::uint32_t offset, std::uint32_t value, unsigned) {
       std::uint32_t& cccr = regs_[kCccr / 4];
       if ((value & 0x300) != (cccr & 0x300) && (cccr & 3) != 3)
         around_.violation("FDCAN: FDOE or BRSE changed without INIT and CCE");
+      if ((value & ~cccr & kRestricted) != 0 && (cccr & 3) != 3)
+        around_.violation("FDCAN: restricted operation mode set without INIT and CCE");
       if ((value & 1) == 0 && (cccr & 1) != 0) check_start();
       if ((value & 1) == 0 && bus_off()) rejoin();
       cccr = (value & 1) == 0 ? value & ~2U : value;

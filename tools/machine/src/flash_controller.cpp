@@ -13,7 +13,8 @@ namespace {
 constexpr std::uint32_t kOptionLock = 1U << 30, kOptionStart = 1U << 17, kDataCache = 1U << 10,
                         kDataCacheReset = 1U << 12, kInstructionCache = 1U << 9, kInstructionCacheReset = 1U << 11,
                         kDebugger = 1U << 18, kErrorInterrupt = 1U << 25;
-constexpr std::uint32_t kLock = 1U << 31, kBusy = 1U << 16, kStart = 1U << 16, kEcc = 1U << 31;
+constexpr std::uint32_t kLock = 1U << 31, kBusy = 1U << 16, kStart = 1U << 16, kEccDetected = 1U << 31,
+                        kEccCorrected = 1U << 30, kEccFlags = 0xF0000000, kDualBank = 1U << 22;
 constexpr std::uint32_t kProgError = 1U << 3, kProtectionError = 1U << 4, kAlignError = 1U << 5, kSizeError = 1U << 6,
                         kSequenceError = 1U << 7;
 
@@ -148,7 +149,7 @@ void FlashController::write(std::uint32_t offset, std::uint32_t value, unsigned)
       write_control(value);
       break;
     case 0x18:
-      eccr_ &= ~(value & 0xC0000000);
+      eccr_ &= ~(value & kEccFlags);
       break;
     default:
       around_.violation(fmt::format("FLASH register {:#x} is not modelled", offset));
@@ -260,14 +261,28 @@ void FlashController::program_unit() {
   begin(kProgramTime, {false, unit, words_[0] | static_cast<std::uint64_t>(words_[1]) << 32});
 }
 
-void FlashController::torn_read(std::uint32_t unit) {
-  if (!chip_.torn.contains(unit)) return;
-  // The register has the address in the bank, and the bank (§3.7.7), until the flag is cleared.
+// With DBANK = 0 the flash is read by two units at once, and the upper one has flags of its own (§3.7.7).
+std::uint32_t FlashController::ecc_flag(std::uint32_t unit, std::uint32_t flag) const {
+  const bool upper = !one_bank_ && (options_ & kDualBank) == 0 && unit % 2 != 0;
+  return upper ? flag >> 2 : flag;
+}
+
+// One wrong bit is corrected, two raise the NMI. The register keeps the place of the first error until its flag is
+// cleared.
+void FlashController::flawed_read(std::uint32_t unit) {
+  const bool torn = chip_.torn.contains(unit);
+  if (!torn && !chip_.weak.contains(unit)) return;
   constexpr std::uint32_t kUnitsOfBank = FlashChip::kBytes / FlashChip::kUnit / 2;
-  if ((eccr_ & kEcc) == 0)
-    eccr_ = one_bank_ ? kEcc | unit * FlashChip::kUnit
-                      : kEcc | (unit / kUnitsOfBank) << 21 | (unit % kUnitsOfBank) * FlashChip::kUnit;
-  around_.raise_nmi();
+  const std::uint32_t flag = ecc_flag(unit, torn ? kEccDetected : kEccCorrected);
+  if ((eccr_ & kEccFlags) == 0)
+    eccr_ = one_bank_ ? unit * FlashChip::kUnit
+                      : (unit / kUnitsOfBank) << 21 | (unit % kUnitsOfBank) * FlashChip::kUnit;
+  eccr_ |= flag;
+  if (torn) around_.raise_nmi();
+}
+
+bool FlashController::nmi_pending() const {
+  return (eccr_ & (kEccDetected | kEccDetected >> 2)) != 0;
 }
 
 }  // namespace triskin::machine

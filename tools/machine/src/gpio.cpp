@@ -36,6 +36,12 @@ bool Gpio::log_ready() const {
   return alternate(pins_.log.port, pins_.log.number, map::kFunctionUsart2);
 }
 
+bool Gpio::chain_ready() const {
+  constexpr unsigned kPortB = 1;
+  return alternate(kPortB, 13, map::kFunctionSpi2) && alternate(kPortB, 14, map::kFunctionSpi2) &&
+         alternate(kPortB, 15, map::kFunctionSpi2);
+}
+
 bool Gpio::line_ready(std::size_t line) const {
   const LinePins l = pins_of(line);
   const unsigned function = pins_.line_functions[line];

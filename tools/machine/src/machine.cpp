@@ -34,6 +34,9 @@ std::size_t Machine::frames_waiting() const {
 bool Machine::disturb(std::size_t line, Trouble trouble, std::uint64_t stretch_us) {
   return core_->disturb(line, trouble, stretch_us * kMicrosecond);
 }
+void Machine::fail_can_ram() {
+  core_->fail_can_ram();
+}
 const std::vector<Incident>& Machine::incidents() const {
   return core_->incidents_;
 }

@@ -27,6 +27,8 @@ namespace {
 
 // The watchdog is fed at least this often, and no step of the light's pattern (100 ms) is missed.
 constexpr std::uint64_t kLongestSleep_us = 50'000;
+// The light, the uptime and the milestones need divisions and a look at every module, so not each pass does them.
+constexpr std::uint64_t kSlowWork_us = 10'000;
 constexpr std::uint64_t kSupplyStands_us = 2'000'000;  // The supply counts as stable this long after power-up.
 constexpr std::uint64_t kWorksWell_us = 60'000'000;    // Crashes within this time after a start count as consecutive.
 
@@ -163,6 +165,7 @@ Light light_of(fw::Application::Condition condition) {
 
 [[noreturn]] void run(fw::Application& application, fw::UsbDevice& device) {
   Milestones milestones;
+  std::uint64_t slow_work_us = 0;
   for (;;) {
     const std::uint64_t start = microseconds();
     if constexpr (config::kUsb) usb.serve();
@@ -173,8 +176,11 @@ Light light_of(fw::Application::Condition condition) {
       if (device.wants_to_reconnect() && usb.idle()) enter_dfu();
     }
     feed_watchdog();
-    milestones.look(start);
-    show(light_of(application.condition()), start);
+    if (start >= slow_work_us) {
+      slow_work_us = start + kSlowWork_us;
+      milestones.look(start);
+      show(light_of(application.condition()), start);
+    }
     std::uint64_t next = std::min({application.next_event_us(), start + kLongestSleep_us, can.next_event_us()});
     for (const Stm32I2cLine& line : lines) next = std::min(next, line.deadline_us());
     ++triskin_budget.loops;

@@ -160,8 +160,7 @@ void can_block::describe(wire::BoardHealth& h) {
 can_block::Events can_block::take_events() {
   const std::uint32_t flags = kIr.read();
   kIr.write(flags);
-  // The block sets this bit itself when its message RAM fails, and would then neither acknowledge nor send for ever
-  // (§44.3.3).
+  // The block sets this bit itself when its message RAM fails, and would then never send again (§44.3.3).
   if ((flags & kRamFailed) != 0) kCccr.clear(kRestricted);
   return {(flags & kRxLost) != 0, (flags & kRamFailed) != 0, (flags & kBusOff) != 0 && kPsr.any(kPsrBusOff)};
 }

@@ -9,12 +9,6 @@ namespace triskin::fw {
 
 namespace {
 
-// A transfer of the status has two address bytes and a repeated start, then two bytes. The chip samples the status when
-// the high byte is sent.
-// The chip samples the status this long after the start of the transfer.
-constexpr std::uint64_t kBeforeStatus_us = 120;
-constexpr std::uint64_t kAfterStatus_us = 25;  // The transfer ends this long after that moment.
-
 // At this percentage, the first sequence of the slowest converter is over.
 constexpr std::uint32_t kSurelyOver_percent = 105;
 
@@ -106,7 +100,7 @@ std::uint64_t ReadingSchedule::reading_us(const Plan& plan) {
 }
 
 // Returns the time for other transfers between readings.
-std::uint64_t ReadingSchedule::other_us(const Plan& plan) {
+std::uint64_t ReadingSchedule::other_us(const Plan& plan) const {
   if (plan.transaction_us != kNever_us) return plan.transaction_us;
   if (plan.restart_wanted) return plan.restart_us;
   if (plan.clear_wanted) return plan.clock.began_us();
@@ -122,12 +116,20 @@ ReadingSchedule::Action ReadingSchedule::other_action(const Plan& plan) {
   return plan.restart_wanted ? Action::kRestart : Action::kStatus;
 }
 
-std::uint64_t ReadingSchedule::refine_start_us(const Plan& plan) {
-  return plan.clock.stage_end_us(plan.refine_stage) - kBeforeStatus_us;
+// A transfer of the status has 58 bits: two bytes for the register's address, a repeated start, then two bytes. The
+// chip samples the status when the high byte is sent, ten bits before the end. Slow edges of SCL lengthen all bits.
+std::uint32_t ReadingSchedule::after_status_us() const {
+  constexpr std::uint32_t kBits = 58, kBitsAfter = 10;
+  return (status_us_ == 0 ? kFastestStatus_us : status_us_) * kBitsAfter / kBits;
+}
+
+std::uint64_t ReadingSchedule::refine_start_us(const Plan& plan) const {
+  const std::uint32_t length_us = status_us_ == 0 ? kFastestStatus_us : status_us_;
+  return plan.clock.stage_end_us(plan.refine_stage) - (length_us - after_status_us());
 }
 
 // A later status would say little; the end of the next stage serves as well.
-std::uint64_t ReadingSchedule::last_refine_us(const Plan& plan) {
+std::uint64_t ReadingSchedule::last_refine_us(const Plan& plan) const {
   constexpr std::uint64_t kLate_us = 30;
   return refine_start_us(plan) + kLate_us + plan.clock.doubt_us() / 8;
 }
@@ -264,10 +266,12 @@ void ReadingSchedule::failed(std::size_t station) {
 }
 
 // The first reading clears the status of earlier sequences; each one after it may refine the clock.
-void ReadingSchedule::status_read(std::size_t station, std::uint16_t status, std::uint64_t ended_us) {
+void ReadingSchedule::status_read(std::size_t station, std::uint16_t status, std::uint64_t ended_us,
+                                  std::uint32_t length_us) {
   Plan& plan = plans_[station];
   if (!plan.running) return;  // The chip was stopped in the meantime.
-  const std::uint64_t sampled_us = ended_us - kAfterStatus_us;
+  status_us_ = status_us_ == 0 ? length_us : std::min(status_us_, length_us);
+  const std::uint64_t sampled_us = ended_us - after_status_us();
   if (plan.clear_wanted) {
     plan.clear_wanted = false;
     plan.refine_stage = 0;

@@ -281,7 +281,8 @@ void LineSampler::finish_job(Job job, std::uint64_t now_us) {
       return finish_verify(job, now_us);
     case Job::kStatus:
       if (lasted_us() > kStatus_us) return schedule_.failed(current_);
-      return schedule_.status_read(current_, chip_.status(), line_->ended_us());
+      return schedule_.status_read(current_, chip_.status(), line_->ended_us(),
+                                   static_cast<std::uint32_t>(lasted_us()));
     case Job::kRestart:
       if (must_repeat_start()) return start(Job::kRestart);
       return schedule_.restarted(current_, line_->ended_us());

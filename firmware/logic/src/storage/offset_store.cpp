@@ -2,6 +2,7 @@
 #include "triskin/logic/storage/offset_store.hpp"
 
 #include <algorithm>
+#include <bit>
 
 namespace triskin::fw {
 namespace {
@@ -63,26 +64,27 @@ void OffsetStore::find_end() {
   }
 }
 
-bool OffsetStore::busy(const OffsetBook& book) const {
-  return writing_ != kNoPlace || (!failed_ && stored() && next_place(book) != kNoPlace);
-}
-
 // New offsets are written first, then those that would be lost with the other page.
 std::size_t OffsetStore::next_place(const OffsetBook& book) const {
   for (std::size_t p = 0; p < book.size(); ++p) {
     if (book[p].to_store) return p;
   }
-  for (std::size_t p = 0; p < book.size(); ++p) {
-    if ((elsewhere_ >> p & 1) != 0) return p;
-  }
-  return kNoPlace;
+  return elsewhere_ == 0 ? kNoPlace : static_cast<std::size_t>(std::countr_zero(elsewhere_));
 }
 
-void OffsetStore::step(OffsetBook& book) {
-  if (!busy(book)) return;
-  if (writing_ != kNoPlace) return write_unit(book);
-  if (used_ == slots()) return start_page();
-  begin_record(book, next_place(book));
+bool OffsetStore::step(OffsetBook& book) {
+  if (writing_ != kNoPlace) {
+    write_unit(book);
+    return true;
+  }
+  if (failed_ || !stored()) return false;
+  const std::size_t place = next_place(book);
+  if (place == kNoPlace) return false;
+  if (used_ == slots())
+    start_page();
+  else
+    begin_record(book, place);
+  return true;
 }
 
 // All valid records are on the page that is full.

@@ -132,6 +132,7 @@ class Application final : private UdsHost, private PatchControl {
   UdsServer server_;
   FaultMemory faults_;
   OffsetStore offset_store_;
+  bool offsets_wait_ = false;  // The store has more to write.
   OffsetBook offsets_{};
   std::array<Channel, 2> channels_;  // One channel is for CAN and one for USB.
   CanPort* asking_;                  // The request that is being answered came from this port.

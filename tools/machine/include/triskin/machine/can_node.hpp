@@ -26,6 +26,8 @@ class CanNode : public Peripheral {
   /// Spoils the frame that is under way: an error frame follows, and its sender begins again. Returns false if the bus
   /// is idle.
   bool spoil_frame();
+  /// The block could not read its message RAM in time; a block without such a RAM ignores this.
+  virtual void fail_ram() {}
   /// Returns how often it left the bus.
   [[nodiscard]] std::uint64_t bus_offs() const { return bus_offs_; }
 

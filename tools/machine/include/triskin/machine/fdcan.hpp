@@ -20,6 +20,7 @@ class Fdcan final : public CanNode {
   std::uint32_t read(std::uint32_t offset, unsigned size) override;
   void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
   void reset() override;
+  void fail_ram() override;
   std::uint32_t read_ram(std::uint32_t offset) { return ram_[offset / 4]; }
   void write_ram(std::uint32_t offset, std::uint32_t value) { ram_[offset / 4] = value; }
 

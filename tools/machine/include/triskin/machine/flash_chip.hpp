@@ -55,6 +55,7 @@ class FlashChip {
   std::uint32_t write_protection = 0x7F;
   std::vector<bool> used;        ///< A true flag marks a unit that was programmed since its erase.
   std::set<std::uint32_t> torn;  ///< The ECC of these units (by index) has two wrong bits.
+  std::set<std::uint32_t> weak;  ///< One bit of these units (by index) is wrong, which the ECC corrects.
   std::uint64_t operations = 0;
   std::uint64_t cut_at = ~std::uint64_t{0};
   /// Each operation is noted there when it begins; the pointer may be null.

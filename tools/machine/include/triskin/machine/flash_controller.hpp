@@ -26,8 +26,10 @@ class FlashController final : public Peripheral {
   void reset() override;
   /// Takes a write of the CPU to the flash's address space.
   void cell_write(std::uint32_t address, std::uint32_t value, unsigned size);
-  /// Takes a read of the CPU from a unit whose ECC is broken.
-  void torn_read(std::uint32_t unit);
+  /// Takes a read of the CPU from a unit that has one wrong bit, which is corrected, or two.
+  void flawed_read(std::uint32_t unit);
+  /// Returns true while a flag of two wrong bits is set: the NMI comes again and again.
+  [[nodiscard]] bool nmi_pending() const;
   /// Returns true while an operation is under way.
   [[nodiscard]] bool busy() const { return busy_; }
   /// Returns true if the address lies in the bank that is being written.
@@ -40,6 +42,7 @@ class FlashController final : public Peripheral {
   [[nodiscard]] bool power_lost() const { return power_lost_; }
 
  private:
+  [[nodiscard]] std::uint32_t ecc_flag(std::uint32_t unit, std::uint32_t flag) const;
   [[nodiscard]] bool two_banks() const { return !one_bank_ && (chip_.options >> 22 & 1) != 0; }
   [[nodiscard]] std::uint32_t page_mask() const { return one_bank_ ? 255 : 127; }
   void write_access(std::uint32_t value);

@@ -26,6 +26,8 @@ class Gpio final : public Peripheral {
   [[nodiscard]] bool line_ready(std::size_t line) const;
   [[nodiscard]] bool can_ready() const;
   [[nodiscard]] bool log_ready() const;
+  /// Returns true if clock and data of the route chain belong to SPI2.
+  [[nodiscard]] bool chain_ready() const;
   void hold_button(bool pressed) { button_ = pressed; }
   void set_boot_pin(bool high) { boot_pin_high_ = high; }
 

@@ -10,6 +10,7 @@
 #include "triskin/machine/flash_chip.hpp"
 #include "triskin/machine/map.hpp"
 #include "triskin/machine/peripheral.hpp"
+#include "triskin/machine/profile.hpp"
 #include "triskin/machine/usb_wire.hpp"
 #include "triskin/machine/vcd.hpp"
 #include "triskin/sim/chain_model.hpp"
@@ -69,6 +70,7 @@ struct MachineSetup {
   /// The machine calls this when a frame has left the controller.
   std::function<void(const wire::CanFrame&, std::uint64_t now_us)> on_can;
   VcdTrace* trace = nullptr;             ///< The pointer may be null.
+  Profile* profile = nullptr;            ///< The pointer may be null; code takes longer to run with a profile.
   std::uint64_t crystal_hz = 8'000'000;  ///< Zero stands for a missing crystal, or one that does not start.
   /// At this time after power-up the crystal stops permanently.
   std::uint64_t crystal_fails_at_us = ~std::uint64_t{0};
@@ -124,9 +126,12 @@ class Machine {
   /// Returns how many frames given to receive() have not been on the bus yet.
   [[nodiscard]] std::size_t frames_waiting() const;
   /// Disturbs `line` (0..3) now: a spurious bus error, a lost arbitration, the next acknowledge spoilt, or SCL held low
-  /// for `stretch_us` after the next byte. Returns false if no transfer is under way there, or the last such event is
-  /// still pending. Not for CAN errors.
+  /// for `stretch_us` after the next byte; or the frame that is under way on CAN, whatever the line. Returns false if
+  /// nothing is under way there, or the last such event is still pending.
   bool disturb(std::size_t line, Trouble trouble, std::uint64_t stretch_us = 0);
+  /// Makes the CAN block fail to read its message RAM in time, so it enters restricted operation mode. Only FDCAN has
+  /// such a RAM.
+  void fail_can_ram();
   /// Lists the disturbances of the buses since power-up, random or not, in order of time.
   [[nodiscard]] const std::vector<Incident>& incidents() const;
   /// Returns the device's end of the USB cable, which lives as long as the machine.

@@ -93,9 +93,13 @@ class ReadingSchedule {
   /// Notes that the results of the present sequence are available at `now_us`. Returns when it ended in µs (by a
   /// timer: now), or nothing if it is not one that is sampled.
   [[nodiscard]] std::optional<std::uint64_t> read(std::size_t station, std::uint64_t now_us);
-  /// Notes that the transfer of the status ended on the line at `ended_us`; bit s of `status` says that stage s was
-  /// converted since the last one.
-  void status_read(std::size_t station, std::uint16_t status, std::uint64_t ended_us);
+  /// An undisturbed transfer of the status lasts this long when SCL has no rise time.
+  static constexpr std::uint32_t kFastestStatus_us = 145;
+  /// Notes that the transfer of the status ended on the line at `ended_us`, `length_us` after its start; bit s of
+  /// `status` says that stage s was converted since the last one. The shortest transfer so far tells how slow the edges
+  /// of this line are.
+  void status_read(std::size_t station, std::uint16_t status, std::uint64_t ended_us,
+                   std::uint32_t length_us = kFastestStatus_us);
   /// Notes that the transfer that restarts the sequence ended on the line at `ended_us`.
   void restarted(std::size_t station, std::uint64_t ended_us);
   /// Notes that a restart or a reading of the status was not acknowledged; the next reading will tell more.
@@ -125,11 +129,12 @@ class ReadingSchedule {
   };
 
   [[nodiscard]] static std::uint64_t reading_us(const Plan& plan);
-  [[nodiscard]] static std::uint64_t other_us(const Plan& plan);
+  [[nodiscard]] std::uint64_t other_us(const Plan& plan) const;
   [[nodiscard]] static std::uint64_t other_length_us(const Plan& plan);
   [[nodiscard]] static Action other_action(const Plan& plan);
-  [[nodiscard]] static std::uint64_t refine_start_us(const Plan& plan);
-  [[nodiscard]] static std::uint64_t last_refine_us(const Plan& plan);
+  [[nodiscard]] std::uint64_t refine_start_us(const Plan& plan) const;
+  [[nodiscard]] std::uint64_t last_refine_us(const Plan& plan) const;
+  [[nodiscard]] std::uint32_t after_status_us() const;
   [[nodiscard]] std::uint64_t next_reading_us() const;
   [[nodiscard]] Due due_reading(std::uint64_t now_us) const;
   [[nodiscard]] Due due_other(std::uint64_t now_us) const;
@@ -145,6 +150,7 @@ class ReadingSchedule {
   std::array<Plan, kStations> plans_{};
   std::size_t count_ = 0;
   std::uint32_t nominal_us_ = 0;
+  std::uint32_t status_us_ = 0;  // The shortest transfer of a status so far took this long; 0 means none.
   std::uint8_t every_ = 1;
   bool by_timer_ = false;
 };

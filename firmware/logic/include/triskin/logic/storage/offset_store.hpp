@@ -41,10 +41,9 @@ class OffsetStore {
   explicit OffsetStore(FlashArea& flash) : flash_(flash) {}
   /// Fills `book` with the contents of the flash. Call it once after power-up.
   void load(OffsetBook& book);
-  /// Writes a unit of offsets that are newer in `book` than in the flash, or erases a page.
-  void step(OffsetBook& book);
-  /// Returns true if step() has something to write.
-  [[nodiscard]] bool busy(const OffsetBook& book) const;
+  /// Writes a unit of offsets that are newer in `book` than in the flash, or erases a page. Returns true if it did so,
+  /// and more may have to be written.
+  bool step(OffsetBook& book);
 
  private:
   using Record = std::array<std::uint8_t, kRecordBytes>;
