@@ -62,7 +62,9 @@ TEST_P(DirectedFolds, only_the_direction_that_is_limited_has_no_fold) {
 }
 INSTANTIATE_TEST_SUITE_P(Methods, DirectedFolds,
                          testing::Values(pipeline::SearchMethod::kLattice, pipeline::SearchMethod::kPieces),
-                         [](const auto& of) { return of.param == pipeline::SearchMethod::kPieces ? "Pieces" : "Lattice"; });
+                         [](const auto& of) {
+                           return of.param == pipeline::SearchMethod::kPieces ? "Pieces" : "Lattice";
+                         });
 
 }  // namespace
 }  // namespace triskin::check

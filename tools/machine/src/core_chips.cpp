@@ -23,9 +23,9 @@ Dma::Memory Machine::Core::dma_memory() {
 
 void Machine::Core::open_i2c(const LineIrqs& irqs, const std::array<Dma*, 4>& channels) {
   for (std::size_t k = 0; k < i2c_.size(); ++k) {
-    i2c_[k] = std::make_unique<I2cController>(*this, static_cast<int>(k), *setup_.lines[k], irqs[k].event,
-                                              irqs[k].error, *channels[k], setup_.trace,
-                                              [this, k] { return gpio_.line_ready(k); });
+    i2c_[k] =
+        std::make_unique<I2cController>(*this, static_cast<int>(k), *setup_.lines[k], irqs[k].event, irqs[k].error,
+                                        *channels[k], setup_.trace, [this, k] { return gpio_.line_ready(k); });
   }
 }
 

@@ -60,7 +60,8 @@ std::uint32_t Fdcan::protocol_status() const {
   return (s.passive ? 1U << 5 : 0U) | (s.warning ? 1U << 6 : 0U) | (s.off ? 1U << 7 : 0U);
 }
 
-// In restricted operation mode the block receives and acknowledges, but sends nothing until the mode is left (§44.3.3).
+// In restricted operation mode the block receives and acknowledges, but sends nothing until the program leaves the
+// mode (§44.3.3).
 void Fdcan::fail_ram() {
   regs_[kCccr / 4] |= kRestricted;
   regs_[kIr / 4] |= kRamFailed;

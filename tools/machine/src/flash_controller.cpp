@@ -275,8 +275,8 @@ void FlashController::flawed_read(std::uint32_t unit) {
   constexpr std::uint32_t kUnitsOfBank = FlashChip::kBytes / FlashChip::kUnit / 2;
   const std::uint32_t flag = ecc_flag(unit, torn ? kEccDetected : kEccCorrected);
   if ((eccr_ & kEccFlags) == 0)
-    eccr_ = one_bank_ ? unit * FlashChip::kUnit
-                      : (unit / kUnitsOfBank) << 21 | (unit % kUnitsOfBank) * FlashChip::kUnit;
+    eccr_ =
+        one_bank_ ? unit * FlashChip::kUnit : (unit / kUnitsOfBank) << 21 | (unit % kUnitsOfBank) * FlashChip::kUnit;
   eccr_ |= flag;
   if (torn) around_.raise_nmi();
 }
