@@ -65,7 +65,8 @@ std::optional<Diagnosis::Branch> Diagnosis::open_line(const PatchState& p, int l
     std::erase_if(common, [&](int k) { return std::ranges::find(way, k) == way.end(); });
     found.members.push_back(m.node);
   }
-  if (found.members.size() < kMinModules) return std::nullopt;
+  // Modules behind different entries of a patch have no place in common.
+  if (found.members.size() < kMinModules || common.empty()) return std::nullopt;
   found.module = common.front();
   found.parent = common.size() > 1 ? common[1] : -1;
   for (const auto& m : tree) {
