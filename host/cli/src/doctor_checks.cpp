@@ -115,11 +115,16 @@ DoctorCheck state_check(const nlohmann::json& link, const std::string& name) {
   return good(title, counters);
 }
 
+// Returns whether FD frames are switched on: the kernel then passes frames of 72 bytes.
+bool sends_fd(const nlohmann::json& link) {
+  constexpr int kFdBytes = 72;
+  return number_at(link, "/mtu", 0) >= kFdBytes;
+}
+
 // Returns whether the controller chip of an interface can send FD frames: the kernel lists its limits for their data.
 bool can_do_fd(const nlohmann::json& link) {
-  constexpr int kFdBytes = 72;
   const nlohmann::json::json_pointer info("/linkinfo/info_data");
-  if (number_at(link, "/mtu", 0) >= kFdBytes || word_at(link, "/linkinfo/info_kind") == "vcan") return true;
+  if (sends_fd(link) || word_at(link, "/linkinfo/info_kind") == "vcan") return true;
   if (!link.contains(info)) return false;
   const nlohmann::json& data = link.at(info);
   return data.contains("data_bittiming_const") || data.contains("data_bitrate_const");
@@ -134,9 +139,8 @@ std::string up_command(const std::string& name, bool is_virtual, bool fd) {
 }
 
 DoctorCheck fd_check(const nlohmann::json& link, const std::string& name, const std::string& command) {
-  constexpr int kFdBytes = 72;
   const std::string title = "FD of " + name;
-  if (number_at(link, "/mtu", 0) >= kFdBytes) return good(title, "on");
+  if (sends_fd(link)) return good(title, "on");
   if (can_do_fd(link)) return {title, false, "off: the full stream needs it", command};
   return {title, false, "this adapter has classic frames only: flash and verify work, the full stream does not",
           "use an adapter with CAN FD", false};
