@@ -63,10 +63,15 @@ TEST_F(Steps, a_design_is_changed_by_hand) {
   EXPECT_EQ(result["removed"], 3);
   EXPECT_EQ(result["map"][0], 0);
   EXPECT_EQ(result["map"][1], -1);
-  EXPECT_EQ(result["map"][2], 1);
-  EXPECT_EQ(result["map"][5], 2);
+  EXPECT_EQ(result["map"][2], 2);
+  EXPECT_LE(result["renumbered"], 3);
   EXPECT_EQ(run("check b.json").status, 0);
   EXPECT_THAT(run("edit a.json --keep 0-2 --mirror x -o c.json").messages, HasSubstr("excludes"));
+  // A design under the name of another format would be taken for a mesh.
+  const Outcome misnamed = run("edit a.json --remove 1 -o c.OBJ");
+  EXPECT_EQ(misnamed.status, 2);
+  EXPECT_THAT(misnamed.messages, HasSubstr("c.OBJ: a design is a JSON file; name it c.json"));
+  EXPECT_FALSE(fs::exists(folder_ / "c.OBJ"));
   const Outcome nothing = run("edit a.json -o c.json");
   EXPECT_EQ(nothing.status, 2);
   EXPECT_THAT(nothing.messages, HasSubstr("say what to change"));

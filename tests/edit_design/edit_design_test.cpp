@@ -92,6 +92,21 @@ TEST(EditDesign, removes_modules_and_parts_islands) {
   EXPECT_NE(e.design.design_id, before.design_id);
 }
 
+// Labels and printed sheets name the modules that stay: only the last module takes the number that became free, and with
+// a new module none does.
+TEST(EditDesign, NumbersOfModulesThatStayHold) {
+  const Design before = ring();
+  const EditedDesign removed = edit_design(before, {{1}, {}});
+  EXPECT_EQ(removed.new_id, (std::vector{0, -1, 2, 3, 1}));
+  expect_where_they_stood(before, removed);
+  EXPECT_EQ(broken_by(removed.design), Nothing{});
+  const EditedDesign replaced = edit_design(before, {{1}, {TileOfIsland{0, kRing[kMissing]}}});
+  EXPECT_EQ(replaced.new_id, (std::vector{0, -1, 2, 3, 4}));
+  EXPECT_EQ(replaced.added, std::vector{1});
+  expect_where_they_stood(before, replaced);
+  EXPECT_EQ(broken_by(replaced.design), Nothing{});
+}
+
 TEST(EditDesign, adds_the_module_that_closes_a_ring) {
   const Design before = ring();
   // Module 3 is the down tile (0, 0): its side 0 leads to the up tile (1, 0), whose side 1 leads to module 4.
@@ -158,10 +173,10 @@ TEST(EditDesign, kinds_go_with_their_modules_and_are_checked) {
   const Design image = mirror_design(d, {Vec3::UnitY(), 0.0}).design;
   EXPECT_EQ(kinds(image), kinds(d));
   EXPECT_EQ(broken_by(image), Nothing{});
-  // Module 1 is removed and added again, 4 gets the kind of its former number; the missing one below gets the standard
-  // kind.
+  // Module 1 is removed and added again with its number and, above the lattice point, its kind; 4 keeps the kind that it
+  // has by number; the missing one below gets the standard kind.
   const EditedDesign e = edit_design(d, {{1}, {TileOfIsland{0, kRing[1]}, TileOfIsland{0, kRing[kMissing]}}});
-  EXPECT_EQ(kinds(e.design), (std::vector{1, 1, 0, 1, 1, 0}));
+  EXPECT_EQ(kinds(e.design), (std::vector{1, 1, 1, 0, 1, 0}));
   EXPECT_EQ(e.design.kinds.regions.size(), 1U);
   EXPECT_EQ(broken_by(e.design), Nothing{});
   Design damaged = d;

@@ -134,7 +134,7 @@ Told print_report(const robot::CoverConfig& cover, device::VerifyResult r, devic
                {"calibrations", std::move(calibrations)}};
   if (r.stream) {
     add_stream_keys(*r.stream, told.keys);
-    for (std::string& line : sentences(*r.stream)) rest.push_back(std::move(line));
+    for (std::string& line : sentences(*r.stream, "see the findings")) rest.push_back(std::move(line));
   }
   for (const std::string& line : rest) told.lines.push_back(name + line);
   if (!r.findings.empty()) told.lines.push_back(name + "mend one finding after the other: triskin repair " + arguments);

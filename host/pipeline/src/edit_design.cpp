@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "choose_layout.hpp"
+#include "keep_numbers.hpp"
 #include "later_steps.hpp"
 #include "seconds_since.hpp"
 #include "triskin/base/counted.hpp"
@@ -197,6 +198,7 @@ EditedDesign edit_design(const design::Design& design, const LayoutEdit& edit, c
   for (const NewPlace& place : edit.add) add_one(place, surface, regions.get(), result);
   if (d.layout.modules.empty()) throw InputError("no module would be left; a design needs one");
   give_kinds(d, d.layout.modules.size() - result.added.size());
+  keep_numbers(d.layout, result.new_id, result.added);
   geometry::number_islands(d.layout);
   finish(d, surface, regions.get(), start, progress);
   return result;

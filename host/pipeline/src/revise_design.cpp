@@ -5,6 +5,7 @@
 #include <numeric>
 #include <optional>
 
+#include "keep_numbers.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/lattice/map_modules.hpp"
 #include "triskin/routing/jumpers.hpp"
@@ -30,7 +31,8 @@ std::vector<int> take_over(const design::Design& old, design::Design& d) {
     geometry::measure_on_surface(surface, m, d.layout.corner_cut_mm, regions.get());
     gone.push_back(!keeps_limits(m, d.limits));
   }
-  std::vector<int> new_id = geometry::remove_modules(d.layout, gone);
+  std::vector<int> new_id = geometry::remove_modules(d.layout, gone), none_added;
+  keep_numbers(d.layout, new_id, none_added);
   geometry::number_islands(d.layout);
   return new_id;
 }

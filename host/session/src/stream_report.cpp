@@ -82,7 +82,7 @@ void sum_up(StreamReport& r, std::uint64_t thrown_away) {
   r.lost_bus = r.total.on_the_way - r.lost_host;
 }
 
-std::vector<std::string> sentences(const StreamReport& r) {
+std::vector<std::string> sentences(const StreamReport& r, std::string_view diagnosis) {
   std::vector<std::string> lines;
   std::string first = fmt::format("{} of {} of {}", r.total.received, counted(r.total.expected, "sample"),
                                   counted(r.modules.size(), "module"));
@@ -100,12 +100,12 @@ std::vector<std::string> sentences(const StreamReport& r) {
     lines.push_back(fmt::format("silent: the {} of {}; check power and cable",
                                 noun_after(r.silent.size() == 1, "controller"), named("patch", r.silent)));
   if (!r.never_heard.empty())
-    lines.push_back(fmt::format("never heard: {}; run triskin verify", named("module", r.never_heard)));
+    lines.push_back(fmt::format("never heard: {}; {}", named("module", r.never_heard), diagnosis));
   for (const auto& [patch, modules] : adopters(r))
     lines.push_back(fmt::format("read by the controller of patch {}, because their own does not reach them: {}", patch,
                                 named("module", modules)));
   if (!r.slow.empty())
-    lines.push_back(fmt::format("fewer samples than the rate says: {}; run triskin verify", named("module", r.slow)));
+    lines.push_back(fmt::format("fewer samples than the rate says: {}; {}", named("module", r.slow), diagnosis));
   if (r.lapses > 0)
     lines.push_back(fmt::format("this computer was too busy to renew its lease, {}; close other programs",
                                 counted(r.lapses, "time")));

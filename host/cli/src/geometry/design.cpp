@@ -163,7 +163,7 @@ void report_revision(const design::Design& old, const design::Design& d, const p
 
 int run(Options options, Output& output) {
   catch_interrupts();
-  require_writable(options.output);
+  require_design_output(options.output);
   options.verbosity.apply(output);
   if (options.edit.wanted(options.mesh)) {
     std::fputs("triskin: a design is changed by triskin edit, with the same options; design loses them with 0.4\n",

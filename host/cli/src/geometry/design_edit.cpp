@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <sstream>
 
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/cli/module_ids.hpp"
 #include "triskin/pipeline/edit_design.hpp"
 
@@ -93,8 +95,11 @@ pipeline::EditedDesign edited(const design::Design& design, const EditOptions& o
 void report_changes(const pipeline::EditedDesign& e, Output& output) {
   const auto removed = std::ranges::count(e.new_id, -1);
   int renumbered = 0;
-  for (std::size_t id = 0; id < e.new_id.size(); ++id)
-    renumbered += e.new_id[id] >= 0 && e.new_id[id] != static_cast<int>(id) ? 1 : 0;
+  std::string labels;
+  for (std::size_t id = 0; id < e.new_id.size(); ++id) {
+    if (e.new_id[id] < 0 || e.new_id[id] == static_cast<int>(id)) continue;
+    labels += fmt::format("{} {} → {}", renumbered++ > 0 ? "," : "", id, e.new_id[id]);
+  }
   output.result["map"] = e.new_id;
   output.result["added"] = e.added;
   output.result["removed"] = removed;
@@ -105,6 +110,7 @@ void report_changes(const pipeline::EditedDesign& e, Output& output) {
                          counted(static_cast<std::ptrdiff_t>(e.new_id.size()) - removed, "module"),
                          agreeing(static_cast<std::ptrdiff_t>(e.new_id.size()) - removed, "stands", "stand"),
                          renumbered, removed, e.added.size(), e.added.empty() ? "" : ":", added));
+  if (renumbered > 0) output.say(fmt::format("new labels for:{}; all other labels and printed sheets hold", labels));
 }
 
 int report_design(const design::Design& d, Output& output) {
@@ -257,6 +263,19 @@ void report_alternatives(const design::Design& d, Output& output) {
                                              {"worth", a.module_value}});
   }
   say_alternatives(d, output);
+}
+
+void require_design_output(const std::string& path) {
+  static constexpr std::array kOtherFormats{".obj", ".stl",  ".ply", ".off",  ".dae", ".gltf", ".glb", ".3mf", ".step",
+                                            ".stp", ".iges", ".igs", ".html", ".svg", ".pdf",  ".csv", ".dxf"};
+  const std::filesystem::path name(path);
+  std::string extension = name.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  if (std::ranges::find(kOtherFormats, extension) != kOtherFormats.end())
+    throw InputError(fmt::format("{}: a design is a JSON file; name it {}", path,
+                                 std::filesystem::path(name).replace_extension(".json").string()));
+  require_writable(path);
 }
 
 int edit(const std::string& from, const std::string& to, const EditOptions& options,

@@ -25,6 +25,10 @@ struct EditOptions {
   void require_fitting(const CLI::App& app, const std::string& from) const;
 };
 
+/// Throws InputError, before any work, if a design cannot be written there, or if the name would make another program
+/// take the file for a mesh, a CAD part, a picture or a table.
+void require_design_output(const std::string& path);
+
 /// Makes the design `to` from the design `from`. `effort` is for --keep. Returns the exit status.
 int edit(const std::string& from, const std::string& to, const EditOptions& options,
          const pipeline::DesignOptions& effort, Output& output);

@@ -19,6 +19,7 @@ int run(const Options& options, Output& output) {
   if (!options.edit.any())
     throw InputError("edit: say what to change: --take, --keep, --add, --remove, --mirror or --kinds");
   catch_interrupts();
+  require_design_output(options.output);
   return edit(options.design, options.output, options.edit, options.effort, output);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "triskin/session/bus_budget.hpp"
@@ -64,6 +65,8 @@ struct StreamReport {
 void sum_up(StreamReport& report, std::uint64_t thrown_away);
 
 /// Returns text for a person: the counts in one sentence, then one for each kind of missing samples, with the remedy.
-[[nodiscard]] std::vector<std::string> sentences(const StreamReport& report);
+/// `diagnosis` says where the cause is found when samples of single modules are missing.
+[[nodiscard]] std::vector<std::string> sentences(const StreamReport& report,
+                                                 std::string_view diagnosis = "run triskin verify");
 
 }  // namespace triskin::device
