@@ -99,6 +99,79 @@ TEST(Effects, TheLayerSpreadsAContact) {
   EXPECT_DOUBLE_EQ(change(soft, 0, 6), 0.0) << "a temperature pad feels no finger";
 }
 
+// The cable feeds module 0, 0 feeds 1, and 1 feeds 2 and 3; each module draws 10 mA, the cable has 1 Ω, a joint 2 Ω.
+design::Patch forked_patch() {
+  design::Patch patch;
+  for (const auto& [node, parent] : {std::pair(0, -1), std::pair(1, 0), std::pair(2, 1), std::pair(3, 1)})
+    patch.modules.push_back({.node = node, .parent = parent});
+  return patch;
+}
+
+TEST(Effects, SupplyDropsAlongTheTree) {
+  const SupplyEffect supply{.cable_ohm = 1.0, .joint_ohm = 2.0, .module_ma = 10.0};
+  const std::vector<double> drops_v = supply_drops_v(supply, forked_patch());
+  const double expected_v[] = {0.04, 0.04 + 0.06, 0.10 + 0.02, 0.10 + 0.02};  // 4 modules · 10 mA · 1 Ω, and so on.
+  ASSERT_EQ(drops_v.size(), std::size(expected_v));
+  for (std::size_t k = 0; k < drops_v.size(); ++k) EXPECT_NEAR(drops_v[k], expected_v[k], 1e-12) << k;
+}
+
+TEST(Effects, AModuleIsOutWhileItsVoltageIsTooLow) {
+  SupplyEffect supply;  // The chips need 2.6 V.
+  supply.volts = {{0, 3.3}, {kSecond_us, 2.3}, {2 * kSecond_us, 3.3}};
+  const auto outages = outages_of(supply, 0.1);  // The line reaches 2.7 V after 0.6 s, and again after 1.4 s.
+  ASSERT_EQ(outages.size(), 1U);
+  EXPECT_EQ(outages[0].from_us, 600'000U);
+  EXPECT_EQ(outages[0].until_us, 1'400'000U);
+  EXPECT_TRUE(outages_of({.volts = {{0, 3.3}}}, 0.69).empty());
+  const auto always = outages_of({.volts = {{0, 3.3}}}, 0.71);
+  ASSERT_EQ(always.size(), 1U);
+  EXPECT_EQ(always[0].from_us, 0U);
+  EXPECT_EQ(always[0].until_us, Ad7147::kNever);
+}
+
+void write_register(I2cLineModel& line, int address, std::uint16_t at, std::uint16_t value, std::uint64_t now_us) {
+  ASSERT_TRUE(line.start(static_cast<std::uint8_t>(address << 1), now_us));
+  for (const int byte : {at >> 8, at & 0xFF, value >> 8, value & 0xFF})
+    line.write(static_cast<std::uint8_t>(byte), now_us);
+  line.stop(now_us);
+}
+
+std::uint16_t read_register(I2cLineModel& line, int address, std::uint16_t at, std::uint64_t now_us) {
+  line.start(static_cast<std::uint8_t>(address << 1), now_us);
+  for (const int byte : {at >> 8, at & 0xFF}) line.write(static_cast<std::uint8_t>(byte), now_us);
+  line.start(static_cast<std::uint8_t>(address << 1 | 1), now_us);
+  const int high = line.read(true, now_us), low = line.read(false, now_us);
+  line.stop(now_us);
+  return static_cast<std::uint16_t>(high << 8 | low);
+}
+
+// The far module of a strip of two browns out at 2.6 V + 0.3 V: it is silent and comes back without its configuration.
+TEST(Effects, OnlyTheFarModuleBrownsOut) {
+  Scene scene = scene_of_strip();
+  SupplyEffect supply{.cable_ohm = 0.0, .joint_ohm = 100.0, .module_ma = 3.0};
+  supply.volts = {{0, 3.3}, {kSecond_us, 3.3}, {kSecond_us, 2.8}, {2 * kSecond_us, 2.8}, {2 * kSecond_us, 3.3}};
+  scene.effects.pads.supply = supply;
+  Skin skin(scene);
+  const design::Patch& patch = scene.design.patches.front();
+  constexpr std::uint16_t kCalibrationEnable = 0x001;
+  for (const design::RoutedModule& m : patch.modules) {
+    const bool is_far = m.parent >= 0;
+    I2cLineModel& line = skin.line(0, m.line);
+    const int address = layout::cdc_address(m.address);
+    const auto acknowledges = [&](std::uint64_t at_us) {
+      const bool is_there = line.start(static_cast<std::uint8_t>(address << 1), at_us);
+      line.stop(at_us);
+      return is_there;
+    };
+    write_register(line, address, kCalibrationEnable, 0x0FFF, 0);
+    EXPECT_TRUE(acknowledges(kSecond_us - 1));
+    EXPECT_EQ(acknowledges(kSecond_us), !is_far);
+    EXPECT_EQ(acknowledges(2 * kSecond_us - 1), !is_far);
+    EXPECT_TRUE(acknowledges(2 * kSecond_us));
+    EXPECT_EQ(read_register(line, address, kCalibrationEnable, 2 * kSecond_us), is_far ? 0 : 0x0FFF);
+  }
+}
+
 class EffectFile : public SceneCase {
  protected:
   [[nodiscard]] std::string with(const std::string& effects) const {
@@ -109,6 +182,7 @@ class EffectFile : public SceneCase {
 TEST_F(EffectFile, ReadsThem) {
   EXPECT_EQ(with(R"("layer":{},"temperature":{"points":[{"at_s":0,"celsius":20},{"at_s":9,"celsius":35}]},
                     "humidity":{"points":[{"at_s":0,"percent":40}],"spread":0.1},"crosstalk":0.02,
+                    "supply":{"points":[{"at_s":0,"volts":3.3}],"joint_ohm":0.5},
                     "emi":[{"at_s":1,"for_s":0.1,"every_s":1,"counts":50}])"),
             "no error");
   const Scene scene = read_scene(folder_ / "s.json");
@@ -117,6 +191,7 @@ TEST_F(EffectFile, ReadsThem) {
   EXPECT_DOUBLE_EQ(scene.effects.pads.temperature->celsius[1].value, 35.0);
   EXPECT_DOUBLE_EQ(scene.effects.pads.humidity->spread, 0.1);
   EXPECT_DOUBLE_EQ(scene.effects.pads.crosstalk->share, 0.02);
+  EXPECT_DOUBLE_EQ(scene.effects.pads.supply->joint_ohm, 0.5);
   EXPECT_EQ(scene.effects.pads.emi.at(0).every_us, kSecond_us);
 }
 
@@ -128,6 +203,9 @@ TEST_F(EffectFile, NamesWhatIsWrong) {
       {R"("temperature":{"points":[{"at_s":2,"celsius":20},{"at_s":1,"celsius":20}]})", "is earlier than"},
       {R"("humidity":{"points":[{"at_s":0,"percent":120}]})", "effects.humidity.points[0].percent"},
       {R"("crosstalk":2)", "effects.crosstalk"},
+      {R"("supply":{"joint_ohm":1})", "points"},
+      {R"("supply":{"points":[{"at_s":0,"volts":33}]})", "effects.supply.points[0].volts"},
+      {R"("supply":{"points":[{"at_s":0,"volts":3.3}],"cable_ohm":-1})", "effects.supply.cable_ohm"},
       {R"("emi":[{"for_s":2,"every_s":1,"counts":5}])", "would never end"},
       {R"("emi":[{"counts":5}])", "for_s"},
   };

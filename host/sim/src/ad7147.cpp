@@ -48,6 +48,15 @@ void Ad7147::schedule_power_dip(std::uint64_t at_us, std::uint64_t every_us, std
   if (at_us < until_us) dips_.push_back({at_us, every_us, until_us});
 }
 
+void Ad7147::schedule_outage(std::uint64_t at_us, std::uint64_t until_us) {
+  outages_.push_back({at_us, until_us});
+  if (until_us != kNever) schedule_power_dip(until_us, 0);
+}
+
+bool Ad7147::is_powered(std::uint64_t now_us) const {
+  return std::ranges::none_of(outages_, [&](const Outage& o) { return now_us >= o.at_us && now_us < o.until_us; });
+}
+
 void Ad7147::show_device_id(std::uint16_t device_id, std::uint64_t at_us, std::uint64_t until_us) {
   shown_ids_.push_back({device_id, at_us, until_us});
 }

@@ -48,6 +48,18 @@ HumidityEffect read_humidity(const JsonValue& v) {
   return e;
 }
 
+SupplyEffect read_supply(const JsonValue& v) {
+  only_scene_keys(v, {"points", "cable_ohm", "joint_ohm", "module_ma", "brown_out_v"});
+  constexpr double kMaxVolts = 6.0, kMaxOhm = 1e3, kMaxMilliampere = 100.0;
+  SupplyEffect e;
+  e.volts = read_points(v["points"], "volts", 0.0, kMaxVolts);
+  if (has(v, "cable_ohm")) e.cable_ohm = number_in(v["cable_ohm"], 0.0, kMaxOhm);
+  if (has(v, "joint_ohm")) e.joint_ohm = number_in(v["joint_ohm"], 0.0, kMaxOhm);
+  if (has(v, "module_ma")) e.module_ma = number_in(v["module_ma"], 0.0, kMaxMilliampere);
+  if (has(v, "brown_out_v")) e.brown_out_v = number_in(v["brown_out_v"], 0.0, kMaxVolts);
+  return e;
+}
+
 EmiBurst read_burst(const JsonValue& v) {
   only_scene_keys(v, {"at_s", "for_s", "every_s", "counts"});
   EmiBurst b;
@@ -69,6 +81,7 @@ PadEffects read_pad_effects(const JsonValue& v) {
   if (has(v, "temperature")) e.temperature = read_temperature(v["temperature"]);
   if (has(v, "humidity")) e.humidity = read_humidity(v["humidity"]);
   if (has(v, "crosstalk")) e.crosstalk = CrosstalkEffect{number_in(v["crosstalk"], 0.0, 0.5)};
+  if (has(v, "supply")) e.supply = read_supply(v["supply"]);
   if (has(v, "emi")) {
     const JsonValue list = v["emi"];
     for (std::size_t k = 0; k < list.size(); ++k) e.emi.push_back(read_burst(list.at(k)));

@@ -20,7 +20,7 @@ bool I2cLineModel::start(std::uint8_t address_byte, std::uint64_t now_us) {
   ++bytes_;
   for (const Chip& c : chips_) {
     const int address = c.address_at ? c.address_at(now_us) : c.address;
-    if (address != address_byte >> 1) continue;
+    if (address != address_byte >> 1 || !c.chip->is_powered(now_us)) continue;
     c.chip->select((address_byte & 1) != 0, now_us);
     selected_.push_back(c.chip);
   }

@@ -170,6 +170,7 @@ Skin::Skin(const Scene& scene, SwitchedHardware* switched) : lines_(scene.design
   }
   turn_modules(scene);
   place_chips(scene, switched);
+  if (scene.effects.pads.supply) brown_out(*scene.effects.pads.supply, scene.design);
   for (const Fault& fault : scene.faults) apply(fault);
   for (const Contact& contact : scene.contacts) press(contact);
 }
@@ -256,6 +257,16 @@ void Skin::place_chips(const Scene& scene, SwitchedHardware* switched) {
       attach_switched(*this, chip, static_cast<int>(m), places[m], lines_.size(), *switched);
     else
       attach_strapped(*this, chip, places[m]);
+  }
+}
+
+void Skin::brown_out(const SupplyEffect& supply, const design::Design& design) {
+  for (const design::Patch& patch : design.patches) {
+    const std::vector<double> drops_v = supply_drops_v(supply, patch);
+    for (std::size_t row = 0; row < drops_v.size(); ++row) {
+      Ad7147& chip = *chips_[static_cast<std::size_t>(patch.modules[row].node)];
+      for (const Outage& o : outages_of(supply, drops_v[row])) chip.schedule_outage(o.from_us, o.until_us);
+    }
   }
 }
 

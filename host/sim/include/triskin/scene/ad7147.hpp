@@ -39,7 +39,7 @@ struct Ad7147Behaviour {
 /// address increment,
 /// 12 stages converted one after another. Not thread-safe. Modelled: power modes, stage count, decimation, software
 /// reset, restart of the sequence by CONV_RESET, input connections, AFE offsets, stage-complete status, device id, loss
-/// of the configuration in a power dip. Not modelled: interrupts, environmental calibration.
+/// of the configuration in a power dip, outages. Not modelled: interrupts, environmental calibration.
 class Ad7147 {
  public:
   static constexpr std::uint64_t kNever = ~std::uint64_t{0};
@@ -53,6 +53,10 @@ class Ad7147 {
   /// Makes the power fail for a moment at `at_us`, and again every `every_us` after that if it is not 0, before
   /// `until_us`. Afterwards all registers have their reset values.
   void schedule_power_dip(std::uint64_t at_us, std::uint64_t every_us, std::uint64_t until_us = kNever);
+  /// Makes the chip silent from `at_us` until `until_us`, exclusive, when all registers have their reset values.
+  void schedule_outage(std::uint64_t at_us, std::uint64_t until_us);
+  /// Returns false during an outage: the chip does not acknowledge its address.
+  [[nodiscard]] bool is_powered(std::uint64_t now_us) const;
   /// Makes the chip report the device id `device_id` from `at_us` until `until_us`, exclusive, as another chip would.
   void show_device_id(std::uint16_t device_id, std::uint64_t at_us, std::uint64_t until_us);
 
@@ -90,6 +94,9 @@ class Ad7147 {
 
   struct PowerDips {
     std::uint64_t next_us, every_us, until_us;
+  };
+  struct Outage {
+    std::uint64_t at_us, until_us;
   };
   struct ShownId {
     std::uint16_t device_id;
@@ -135,6 +142,7 @@ class Ad7147 {
   std::uint64_t restart_us_ = 0;
   std::uint64_t status_read_us_ = 0;
   std::vector<PowerDips> dips_;
+  std::vector<Outage> outages_;
   std::vector<ShownId> shown_ids_;
   // Two address bytes precede pairs of data bytes on the bus.
   std::uint16_t pointer_ = 0;

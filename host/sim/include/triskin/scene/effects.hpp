@@ -4,8 +4,10 @@
 #include <optional>
 #include <vector>
 
-/// These effects of the surroundings act on the pads; each has its own source file (docs/effects.md). An effect that
-/// the scene does not name costs no time.
+#include "triskin/design/patch.hpp"
+
+/// These effects of the surroundings act on the pads and chips; each has its own source file (docs/effects.md). An effect
+/// that the scene does not name costs no time.
 namespace triskin::scene {
 
 /// Describes a quantity over virtual time: linear between points, constant before the first and after the last.
@@ -55,6 +57,28 @@ struct EmiBurst {
 /// Returns the standard deviation in counts of the combined noise of all bursts at a time.
 [[nodiscard]] double emi_deviation_counts(const std::vector<EmiBurst>& bursts, std::uint64_t at_us);
 
+/// Every joint and the cable of a patch drop some of the supply, so the modules at the ends of the tree brown out first.
+struct SupplyEffect {
+  std::vector<TimedValue> volts;  ///< The supply is given where the cable begins.
+  double cable_ohm = 0.1;         ///< Supply and ground of the cable together.
+  double joint_ohm = 0.05;        ///< Supply and ground of one joint together.
+  double module_ma = 1.0;         ///< Every module draws this current.
+  /// Below this voltage a chip does not answer, and forgets its configuration. The AD7147 is specified from 2.6 V on
+  /// (data sheet rev. E, table 1).
+  double brown_out_v = 2.6;
+};
+/// Returns the voltage that is lost between the cable's beginning and each module of the patch, in the order of
+/// patch.modules. Each conductor carries the current of all modules behind it. Cost: modules times depth of the tree.
+[[nodiscard]] std::vector<double> supply_drops_v(const SupplyEffect& effect, const design::Patch& patch);
+
+/// A chip has no sufficient supply from `from_us` until `until_us`, exclusive.
+struct Outage {
+  std::uint64_t from_us = 0, until_us = 0;
+};
+/// Returns when a module that loses `drop_v` browns out, in order. An outage that does not end lasts until the largest
+/// time. Cost: linear in the points.
+[[nodiscard]] std::vector<Outage> outages_of(const SupplyEffect& effect, double drop_v);
+
 /// An effect is empty unless the scene names it.
 struct PadEffects {
   std::optional<LayerEffect> layer;
@@ -62,7 +86,9 @@ struct PadEffects {
   std::optional<HumidityEffect> humidity;
   std::optional<CrosstalkEffect> crosstalk;
   std::vector<EmiBurst> emi;
-  /// Returns true if sampling must compute an effect; the layer acts on contacts only.
+  std::optional<SupplyEffect> supply;
+  /// Returns true if sampling must compute an effect; the layer acts on contacts and the supply on
+  /// chips only.
   [[nodiscard]] bool act_on_samples() const { return temperature || humidity || crosstalk || !emi.empty(); }
 };
 

@@ -125,6 +125,7 @@ class Skin {
  private:
   void turn_modules(const Scene& scene);
   void place_chips(const Scene& scene, SwitchedHardware* switched);
+  void brown_out(const SupplyEffect& supply, const design::Design& design);
   void apply(const Fault& fault);
   void forget(std::uint64_t before_us);
 
