@@ -92,8 +92,8 @@ TEST(EditDesign, removes_modules_and_parts_islands) {
   EXPECT_NE(e.design.design_id, before.design_id);
 }
 
-// Labels and printed sheets name the modules that stay: only the last module takes the number that became free, and with
-// a new module none does.
+// Labels and printed sheets name the modules that stay: only the last module takes the number that became free, and
+// with a new module none does.
 TEST(EditDesign, NumbersOfModulesThatStayHold) {
   const Design before = ring();
   const EditedDesign removed = edit_design(before, {{1}, {}});
@@ -173,8 +173,8 @@ TEST(EditDesign, kinds_go_with_their_modules_and_are_checked) {
   const Design image = mirror_design(d, {Vec3::UnitY(), 0.0}).design;
   EXPECT_EQ(kinds(image), kinds(d));
   EXPECT_EQ(broken_by(image), Nothing{});
-  // Module 1 is removed and added again with its number and, above the lattice point, its kind; 4 keeps the kind that it
-  // has by number; the missing one below gets the standard kind.
+  // Module 1 is removed and added again with its number and, above the lattice point, its kind; 4 keeps the kind that
+  // it has by number; the missing one below gets the standard kind.
   const EditedDesign e = edit_design(d, {{1}, {TileOfIsland{0, kRing[1]}, TileOfIsland{0, kRing[kMissing]}}});
   EXPECT_EQ(kinds(e.design), (std::vector{1, 1, 1, 0, 1, 0}));
   EXPECT_EQ(e.design.kinds.regions.size(), 1U);

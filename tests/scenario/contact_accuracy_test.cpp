@@ -4,9 +4,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
+#include <utility>
+#include <vector>
 
 #include "support/strip_design.hpp"
 #include "triskin/base/dice.hpp"
+#include "triskin/layout/rest.hpp"
+#include "triskin/mechanics/contact_table.hpp"
+#include "triskin/mechanics/pressure_contacts.hpp"
+#include "triskin/mechanics/taxel.hpp"
 #include "triskin/scene/skin.hpp"
 #include "triskin/skin/skin_contacts.hpp"
 
@@ -39,6 +46,24 @@ device::ContactFrame pressed_frame(const scene::Scene& scene) {
     frame.taxel_area_mm2.push_back(39.0);
   }
   return frame;
+}
+
+struct PressureTaxels {
+  std::vector<design::Vec3> position_mm, normal;
+};
+
+PressureTaxels pressure_taxels(const design::Design& design) {
+  PressureTaxels all;
+  const auto wiring = design::wiring_of(design);
+  for (std::size_t m = 0; m < design.layout.modules.size(); ++m) {
+    const auto poses = design::taxels_of(design.layout.modules[m], wiring[m].routed.rotation);
+    for (std::size_t t = 0; t < poses.size(); ++t) {
+      if (!layout::measures_pressure(t)) continue;
+      all.position_mm.push_back(poses[t].position_mm);
+      all.normal.push_back(poses[t].normal);
+    }
+  }
+  return all;
 }
 
 Accuracy accuracy_of(double radius_mm, int draws) {
@@ -76,6 +101,60 @@ TEST(ContactAccuracy, a_finger_is_found_to_1_mm_and_5_percent_where_three_taxels
   RecordProperty("place_rms_mm", std::to_string(place_mm));
   EXPECT_LT(force, 0.05);
   EXPECT_LT(place_mm, 1.0);
+}
+
+struct Scatter {
+  double mean = 0.0, deviation = 0.0, place_mm = 0.0, within = 0.0;
+};
+
+// Presses a sphere on 150 places of a strip; the truth is the exact contact on the layer, not the footprint of the fit.
+Scatter scatter_of(double radius_mm) {
+  constexpr double kForce_n = 2.0, kNoise_kpa = 0.02, kPressed_kpa = 1.3;
+  constexpr int kDraws = 150;
+  const mechanics::Layer layer{2.0, 0.3, 30.0};
+  static const mechanics::ContactTable table{layer};
+  static const mechanics::Footprint footprint{layer};
+  const mechanics::Contact contact = table.press_to_radius({mechanics::Shape::kSphere, 60.0}, radius_mm);
+  const double kpa_per_mm = kForce_n / contact.force * mechanics::confined_modulus_kpa(layer) / layer.thickness_mm;
+  const auto [position_mm, normal] = pressure_taxels(test::strip(12));
+  Dice dice(20261125);
+  std::vector<double> forces;
+  Scatter scatter;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const design::Vec3 at(30.0 + 120.0 * dice.unit(), 7.0 + 12.0 * dice.unit(), 0.0);
+    std::vector<double> kpa;
+    std::vector<std::size_t> pressed;
+    for (const design::Vec3& p : position_mm) {
+      // The sum of twelve uniform numbers has a variance of 1.
+      double noise = -6.0;
+      for (int k = 0; k < 12; ++k) noise += dice.unit();
+      kpa.push_back(kpa_per_mm * mechanics::taxel_displacement_mm(contact, (p - at).norm()) + kNoise_kpa * noise);
+      if (kpa.back() > kPressed_kpa) pressed.push_back(kpa.size() - 1);
+    }
+    const auto found = mechanics::contacts_from_pressure(footprint, position_mm, normal, kpa, pressed, {});
+    EXPECT_EQ(found.size(), 1U) << at.transpose();
+    if (found.empty()) continue;
+    const auto& c = found[0].contact;
+    forces.push_back(c.force_n / kForce_n);
+    scatter.place_mm += (c.position_mm - at).squaredNorm() / kDraws;
+    scatter.within += std::abs(c.force_n - kForce_n) < 1.96 * c.force_sd_n ? 1.0 / kDraws : 0.0;
+  }
+  for (const double f : forces) scatter.mean += f / static_cast<double>(forces.size());
+  for (const double f : forces) scatter.deviation += std::pow(f - scatter.mean, 2) / static_cast<double>(forces.size());
+  scatter.deviation = std::sqrt(scatter.deviation);
+  scatter.place_mm = std::sqrt(scatter.place_mm);
+  return scatter;
+}
+
+TEST(ContactAccuracy, TheForceOfASmallFingerScattersLittleOverItsPlaces) {
+  for (const auto& [radius_mm, limit] : {std::pair(4.0, 0.10), std::pair(6.0, 0.05), std::pair(8.0, 0.01)}) {
+    const Scatter s = scatter_of(radius_mm);
+    std::printf("[ %2.0f mm ] mean %.3f, scatter %.1f %%, place %.2f mm RMS, within 1.96 deviations %.0f %%\n",
+                radius_mm, s.mean, 100.0 * s.deviation, s.place_mm, 100.0 * s.within);
+    EXPECT_LT(s.deviation, limit) << radius_mm;
+    EXPECT_GE(s.within, 0.9) << radius_mm;
+    EXPECT_LT(s.place_mm, 1.0) << radius_mm;
+  }
 }
 
 }  // namespace

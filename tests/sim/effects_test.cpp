@@ -108,7 +108,7 @@ design::Patch forked_patch() {
 }
 
 TEST(Effects, SupplyDropsAlongTheTree) {
-  const SupplyEffect supply{.cable_ohm = 1.0, .joint_ohm = 2.0, .module_ma = 10.0};
+  const SupplyEffect supply{.volts = {}, .cable_ohm = 1.0, .joint_ohm = 2.0, .module_ma = 10.0};
   const std::vector<double> drops_v = supply_drops_v(supply, forked_patch());
   const double expected_v[] = {0.04, 0.04 + 0.06, 0.10 + 0.02, 0.10 + 0.02};  // 4 modules · 10 mA · 1 Ω, and so on.
   ASSERT_EQ(drops_v.size(), std::size(expected_v));
@@ -148,7 +148,7 @@ std::uint16_t read_register(I2cLineModel& line, int address, std::uint16_t at, s
 // The far module of a strip of two browns out at 2.6 V + 0.3 V: it is silent and comes back without its configuration.
 TEST(Effects, OnlyTheFarModuleBrownsOut) {
   Scene scene = scene_of_strip();
-  SupplyEffect supply{.cable_ohm = 0.0, .joint_ohm = 100.0, .module_ma = 3.0};
+  SupplyEffect supply{.volts = {}, .cable_ohm = 0.0, .joint_ohm = 100.0, .module_ma = 3.0};
   supply.volts = {{0, 3.3}, {kSecond_us, 3.3}, {kSecond_us, 2.8}, {2 * kSecond_us, 2.8}, {2 * kSecond_us, 3.3}};
   scene.effects.pads.supply = supply;
   Skin skin(scene);

@@ -6,8 +6,8 @@
 
 #include "triskin/design/patch.hpp"
 
-/// These effects of the surroundings act on the pads and chips; each has its own source file (docs/effects.md). An effect
-/// that the scene does not name costs no time.
+/// These effects of the surroundings act on the pads and chips; each has its own source file (docs/effects.md). An
+/// effect that the scene does not name costs no time.
 namespace triskin::scene {
 
 /// Describes a quantity over virtual time: linear between points, constant before the first and after the last.
@@ -57,7 +57,8 @@ struct EmiBurst {
 /// Returns the standard deviation in counts of the combined noise of all bursts at a time.
 [[nodiscard]] double emi_deviation_counts(const std::vector<EmiBurst>& bursts, std::uint64_t at_us);
 
-/// Every joint and the cable of a patch drop some of the supply, so the modules at the ends of the tree brown out first.
+/// Every joint and the cable of a patch drop some of the supply, so the modules at the ends of the tree brown out
+/// first.
 struct SupplyEffect {
   std::vector<TimedValue> volts;  ///< The supply is given where the cable begins.
   double cable_ohm = 0.1;         ///< Supply and ground of the cable together.
