@@ -159,7 +159,12 @@ async function live() {
     assert(isHot(await colorAt(page, view, 7, 3)), `the pressed taxel is lit: ${view}`);
     assert(!isHot(await colorAt(page, view, 11, 3)), `a taxel elsewhere is not: ${view}`);
   }
-  const contacts = await page.evaluate(() => { window.triskin.contactsAt = 0; window.triskin.showContacts(); return window.triskin.contacts; });
+  // The server fits the contact; the page shows it as it is told.
+  await page.waitForFunction(() => { window.triskin.contactsAt = 0; window.triskin.showContacts(); return window.triskin.told?.length === 1; });
+  const contacts = await page.evaluate(() => window.triskin.contacts);
+  const regions = await page.evaluate(() => import("./contacts.js").then(({contactsOf}) => contactsOf(window.triskin.model, window.triskin.live)));
+  assert.equal(regions.length, 1, "the page finds the same contact by itself");
+  assert(Math.hypot(...regions[0].centre.map((v, x) => v - contacts[0].centre[x])) < 7, "and within a taxel's pitch of it");
   const place = await page.evaluate(() => Array.from(window.triskin.model.cover.taxels.slice(36 * 7 + 9, 36 * 7 + 12)));
   assert.equal(contacts.length, 1, "one finger is one contact");
   assert.equal(contacts[0].module, 7);

@@ -10,6 +10,8 @@
 #include <ctime>
 #include <fstream>
 #include <future>
+#include <limits>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "triskin/base/error.hpp"
@@ -183,6 +185,33 @@ TEST_F(ViewServer, sends_the_state_of_the_link_and_then_what_changed) {
   EXPECT_EQ(frame[2], 1);                                                  // The frame has one module.
   EXPECT_EQ(frame[16], 5);                                                 // The module is this one.
   EXPECT_EQ(static_cast<unsigned char>(frame[24]) | frame[25] << 8, 300);  // The value is its change.
+}
+
+TEST_F(ViewServer, SendsNewContactsOfAllCoversTheStrongestFirst) {
+  live_.set_health({"sim", true, "", 0, 0});
+  live_.set_contacts(0, {});  // Nothing in place of nothing is not told.
+  const auto page = open_live();
+  (void)next_message(*page);
+  LatestSamples::Contact weak, strong;
+  weak.taxels = {91, 92};
+  weak.change_counts = 500.0;
+  weak.force_n = weak.force_sd_n = std::numeric_limits<double>::quiet_NaN();
+  strong.taxels = {3};
+  strong.position_mm = {1.0, 2.0, 3.0};
+  strong.change_counts = 900.0;
+  strong.force_n = 2.0;
+  live_.set_contacts(0, {weak});
+  live_.set_contacts(1, {strong});
+  const auto told = nlohmann::json::parse(next_message(*page)).at("contacts");
+  ASSERT_EQ(told.size(), 2U);
+  EXPECT_EQ(told[0].at("taxels"), nlohmann::json({3}));
+  EXPECT_EQ(told[0].at("position_mm"), nlohmann::json({1.0, 2.0, 3.0}));
+  EXPECT_EQ(told[0].at("force_n"), 2.0);
+  EXPECT_EQ(told[1].at("taxels"), nlohmann::json({91, 92}));
+  EXPECT_TRUE(told[1].at("force_n").is_null());
+  live_.set_contacts(0, {});
+  live_.set_contacts(1, {});
+  EXPECT_TRUE(nlohmann::json::parse(next_message(*page)).at("contacts").empty());
 }
 
 TEST_F(ViewServer, hands_over_commands_of_the_page) {

@@ -166,16 +166,17 @@ int run(const Options& options, Output& output) {
   live.set_health({has_link ? options.link.link : "none", false, "", 0, 0});
   CommandQueue commands(skin ? skin->buses().size() : 1);
   catch_interrupts();
-  const view::Server server(view::site_of(shown.design, {}, calibration_now(options, skin, output), shown.notes), live,
-                            options.port, [&](const view::Command& c) { commands.push(c); }, {});
+  const design::SkinCalibration calibration = calibration_now(options, skin, output);
+  const view::Server server(view::site_of(shown.design, {}, calibration, shown.notes), live, options.port,
+                            [&](const view::Command& c) { commands.push(c); }, {});
   const std::string address = server.address() + place_of(argument, shown.design);
   output.say(address);
   const auto browser = open_browser(options, address);
   device::LiveTotals totals;
   if (skin) {
     const bool by_file = skin->site().is_robot && !options.link.chosen;
-    totals =
-        feed(*skin, by_file ? skin->site().name : options.link.link, options.stream, shown.offsets, live, commands);
+    totals = feed(*skin, by_file ? skin->site().name : options.link.link, options.stream,
+                  {shown.design, shown.offsets, calibration}, live, commands);
   } else {
     wait_for_interrupt();
   }

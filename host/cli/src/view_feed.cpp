@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "triskin/base/pace.hpp"
+#include "triskin/skin/skin_contacts.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -15,7 +16,20 @@ using std::chrono::microseconds;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::uint64_t kSlice_us = 10'000;
-constexpr microseconds kHealthEvery{250'000};
+constexpr microseconds kHealthEvery{250'000}, kContactsEvery{100'000};
+
+// Returns where a point of a cover lies on the page. The module may be any of the cover, because covers are rigid.
+design::Vec3 moved(const design::Vec3& point_mm, const design::PlacedModule& on_cover,
+                   const design::PlacedModule& on_page) {
+  const auto axes = [](const design::PlacedModule& m) {
+    Eigen::Matrix3d basis;
+    basis.col(0) = (m.corner_mm[1] - m.corner_mm[0]).normalized();
+    basis.col(2) = (m.corner_mm[1] - m.corner_mm[0]).cross(m.corner_mm[2] - m.corner_mm[0]).normalized();
+    basis.col(1) = basis.col(2).cross(basis.col(0));
+    return basis;
+  };
+  return on_page.corner_mm[0] + axes(on_page) * axes(on_cover).transpose() * (point_mm - on_cover.corner_mm[0]);
+}
 
 // Combines the health of all links for the page, because trouble on one bus affects the whole page.
 class Health {
@@ -49,9 +63,8 @@ class Health {
 // Feeds one bus; if there are several, each runs in its own thread.
 class Feed {
  public:
-  Feed(device::LiveBus& bus, const std::vector<design::CoverOffset>& offsets, view::LatestSamples& live, Health& health,
-       CommandQueue& commands)
-      : bus_(bus), offsets_(offsets), live_(live), health_(health), commands_(commands) {}
+  Feed(device::LiveBus& bus, const ShownSkin& shown, view::LatestSamples& live, Health& health, CommandQueue& commands)
+      : bus_(bus), shown_(shown), live_(live), health_(health), commands_(commands) {}
 
   // Streams until the process is asked to end; a failed link is opened again.
   void run(const device::StreamOptions& options) {
@@ -69,7 +82,7 @@ class Feed {
  private:
   // Returns the number of a cover's first module on the page.
   [[nodiscard]] int first_module(const device::LiveCover& cover) const {
-    return offsets_[static_cast<std::size_t>(cover.config().cover)].module;
+    return shown_.offsets[static_cast<std::size_t>(cover.config().cover)].module;
   }
   Pace& pace() {
     if (!pace_) pace_.emplace(bus_.now_us());
@@ -82,9 +95,31 @@ class Feed {
     const int module = first_module(bus_.covers()[static_cast<std::size_t>(s.cover)]) + s.module;
     live_.add(module, {s.raw.sample.state, s.valid, s.change_counts}, pace().unix_us(s.raw.link_time_us));
   }
+  void show_contacts(const device::LiveCover& cover) {
+    const int first = first_module(cover);
+    std::vector<view::LatestSamples::Contact> contacts;
+    for (const device::SkinContact& c : device::contacts_of(cover.touches(), cover.design(), shown_.calibration)) {
+      view::LatestSamples::Contact& out = contacts.emplace_back();
+      for (const device::PressedTaxel& t : c.taxels)
+        out.taxels.push_back(layout::kTaxelsPerModule * (first + t.module) + t.taxel);
+      const auto module = static_cast<std::size_t>(c.taxels.front().module);
+      out.position_mm = moved(c.position_mm, cover.design().layout.modules[module],
+                              shown_.design.layout.modules[static_cast<std::size_t>(first) + module]);
+      out.position_sd_mm = c.position_sd_mm;
+      out.force_n = c.force_n;
+      out.force_sd_n = c.force_sd_n;
+      out.area_mm2 = c.area_mm2;
+      out.change_counts = c.change_counts;
+    }
+    live_.set_contacts(cover.config().cover, std::move(contacts));
+  }
   bool slice() {
     std::erase_if(taring_, keep_rest);
     pace().hold(bus_.now_us());
+    if (Clock::now() >= next_contacts_) {
+      next_contacts_ = Clock::now() + kContactsEvery;
+      for (const device::LiveCover& cover : bus_.covers()) show_contacts(cover);
+    }
     if (Clock::now() < next_health_) return true;
     next_health_ = Clock::now() + kHealthEvery;
     state(true, bus_.link().trouble());
@@ -129,12 +164,12 @@ class Feed {
   }
 
   device::LiveBus& bus_;
-  const std::vector<design::CoverOffset>& offsets_;
+  const ShownSkin& shown_;
   view::LatestSamples& live_;
   Health& health_;
   CommandQueue& commands_;
   std::optional<Pace> pace_;  // The pace is set while samples arrive.
-  Clock::time_point next_health_{};
+  Clock::time_point next_health_{}, next_contacts_{};
   std::vector<device::LiveCover*> taring_;  // New rest values of these covers will be stored.
 };
 
@@ -158,10 +193,9 @@ std::optional<view::Command> CommandQueue::pop(int reader) {
 }
 
 device::LiveTotals feed(device::LiveSkin& skin, const std::string& link, const device::StreamOptions& stream,
-                        const std::vector<design::CoverOffset>& offsets, view::LatestSamples& live,
-                        CommandQueue& commands) {
+                        const ShownSkin& shown, view::LatestSamples& live, CommandQueue& commands) {
   Health health(link, skin.buses().size(), live);
-  skin.on_each_bus([&](device::LiveBus& bus) { Feed(bus, offsets, live, health, commands).run(stream); });
+  skin.on_each_bus([&](device::LiveBus& bus) { Feed(bus, shown, live, health, commands).run(stream); });
   device::LiveTotals sum;
   for (const auto& bus : skin.buses()) sum += bus->totals();
   return sum;

@@ -28,12 +28,17 @@ class CommandQueue {
   std::vector<std::deque<view::Command>> commands_;
 };
 
+/// The page shows these things beside the samples.
+struct ShownSkin {
+  const design::Design& design;                     ///< All covers as the page shows them.
+  const std::vector<design::CoverOffset>& offsets;  ///< The ids of the modules of each cover of the robot file.
+  const design::SkinCalibration& calibration;       ///< It gives forces if there is one cover and it is complete.
+};
+
 /// Reads the streams of all buses of a skin into `live` until the process is asked to end, all buses in parallel.
-/// `link` is the skin's name on the page; `offsets` has, for each cover of the robot file, the ids of its modules on
-/// the page. The page shows when a link fails, and the link is opened again every second. Virtual time follows the wall
-/// clock. Throws InputError when a link cannot be used at all.
+/// `link` is the skin's name on the page. The page shows when a link fails, and the link is opened again every second.
+/// Virtual time follows the wall clock. Throws InputError when a link cannot be used at all.
 device::LiveTotals feed(device::LiveSkin& skin, const std::string& link, const device::StreamOptions& stream,
-                        const std::vector<design::CoverOffset>& offsets, view::LatestSamples& live,
-                        CommandQueue& commands);
+                        const ShownSkin& shown, view::LatestSamples& live, CommandQueue& commands);
 
 }  // namespace triskin::cli

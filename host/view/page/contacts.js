@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // @ts-check
-// Contact regions: taxels under pressure that lie near each other, with their centre weighted by change.
+// Contacts that the server has fitted, and for recordings regions: taxels under pressure that lie near each other, with their centre weighted by change.
 import {PRESSED_COUNTS} from "./colors.js";
 import {TAXELS} from "./model.js";
 
 const NEAR_MM = 12; // taxels of a module are 7 mm apart, those of neighbours up to 10 mm
 
-/** @typedef {{taxels: number[], strongest: number, sum: number, force: number | null, centre: number[], module: number}} Contact */
+/** @typedef {{taxels: number[], strongest: number, sum: number, force: number | null, forceSd: number | null, centre: number[], module: number}} Contact */
+
+/** A contact that triskin view has fitted to the taxels. @param {any} c @returns {Contact} */
+export function contactTold(c) {
+  return {taxels: c.taxels, strongest: c.taxels[0], sum: c.change_counts, force: c.force_n, forceSd: c.force_sd_n, centre: c.position_mm, module: Math.floor(c.taxels[0] / TAXELS)};
+}
 
 /** All contact regions, strongest first; at most `most` taxels are looked at. @param {import("./model.js").Model} model
  * @param {import("./live.js").LiveSkin} live @returns {Contact[]} */
@@ -47,5 +52,5 @@ function regionOf(model, taxels, strength) {
   }
   const worth = model.newtonPerCount;
   const force = worth && taxels.reduce((all, n) => all + strength(n) * worth[n], 0);
-  return {taxels, strongest, sum, force, centre: centre.map((v) => v / sum), module: Math.floor(strongest / TAXELS)};
+  return {taxels, strongest, sum, force, forceSd: null, centre: centre.map((v) => v / sum), module: Math.floor(strongest / TAXELS)};
 }

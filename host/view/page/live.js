@@ -44,9 +44,11 @@ export class LiveSkin {
 
 /** Keeps a connection to the server and opens it again when it breaks. */
 export class LiveLink {
-  /** @param {(frame: ArrayBuffer) => void} onFrame @param {(health: any) => void} onHealth */
-  constructor(onFrame, onHealth) {
+  /** @param {(frame: ArrayBuffer) => void} onFrame @param {(health: any) => void} onHealth
+   * @param {(contacts: any[] | null) => void} onContacts null: the server is away */
+  constructor(onFrame, onHealth, onContacts) {
     this.onFrame = onFrame;
+    this.onContacts = onContacts;
     this.onHealth = onHealth;
     this.socket = this.open();
   }
@@ -56,12 +58,17 @@ export class LiveLink {
     address.protocol = "ws:";
     const socket = new WebSocket(address);
     socket.binaryType = "arraybuffer";
-    socket.onmessage = ({data}) => typeof data === "string" ? this.onHealth(JSON.parse(data)) : this.onFrame(data);
+    socket.onmessage = ({data}) => typeof data === "string" ? this.takeText(JSON.parse(data)) : this.onFrame(data);
     socket.onclose = () => {
+      this.onContacts(null);
       this.onHealth({link: "", live: false, trouble: "no connection to triskin view, tried again each second; start it again if it has ended", frames: 0, lost: 0});
       setTimeout(() => { this.socket = this.open(); }, 1000);
     };
     return socket;
+  }
+  takeText(message) {
+    if (message.contacts) this.onContacts(message.contacts);
+    else this.onHealth(message);
   }
   /** @param {object} command */
   send(command) {

@@ -3,7 +3,7 @@
 // Puts the page together: model, cameras, drawing, live skin, keys.
 import {CanvasDrawing} from "./canvas_drawing.js";
 import {bestDirection, hitOf, OrbitCamera, PlaneCamera, boxOf} from "./camera.js";
-import {contactsOf} from "./contacts.js";
+import {contactsOf, contactTold} from "./contacts.js";
 import {CHANGES, colorOf, heatOf, modesOf} from "./colors.js";
 import {GlDrawing} from "./gl_drawing.js";
 import {History} from "./history.js";
@@ -25,6 +25,7 @@ class Page {
   healthAt = 0;
   contactsAt = 0;
   contacts = /** @type {import("./contacts.js").Contact[]} */ ([]);
+  told = /** @type {import("./contacts.js").Contact[] | null} */ (null); // the contacts that the server has fitted
   lastFrame = 0;
   fresh = false;         // a frame of the skin came since the last drawing
   faultsChanged = false;
@@ -305,7 +306,7 @@ class Page {
   }
 
   goOnline() {
-    const link = new LiveLink((bytes) => this.takeFrame(bytes), (health) => this.takeHealth(health));
+    const link = new LiveLink((bytes) => this.takeFrame(bytes), (health) => this.takeHealth(health), (contacts) => { this.told = contacts && contacts.map(contactTold); });
     this.link = link;
     byId("rest").onclick = () => link.send({do: "rest"});
     byId("finger").onchange = () => { if (!byId("finger").checked) link.send({do: "lift"}); };
@@ -355,7 +356,7 @@ class Page {
     const now = performance.now();
     if (now - this.contactsAt < 100) return;
     this.contactsAt = now;
-    this.contacts = contactsOf(this.model, this.live);
+    this.contacts = this.told ?? contactsOf(this.model, this.live); // a recording's contacts are found here
     this.restTold = restRemark(this.model, this.live);
     this.showTrouble();
     fillContacts(this.contacts, (k) => this.select(k, true));

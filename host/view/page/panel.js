@@ -127,7 +127,7 @@ function rowOf(text, act) {
 /** @param {import("./contacts.js").Contact[]} contacts @param {(module: number) => void} choose */
 export function fillContacts(contacts, choose) {
   const rows = contacts.slice(0, 8).map((c) => rowOf(
-    `module ${c.module}: ${counted(c.taxels.length, "taxel")}, ${c.force === null ? `${Math.round(c.sum)} counts` : `${c.force.toFixed(2)} N`} at ${c.centre.map((v) => v.toFixed(1)).join(", ")} mm`, () => choose(c.module)));
+    `module ${c.module}: ${counted(c.taxels.length, "taxel")}, ${c.force === null ? `${Math.round(c.sum)} counts` : `${c.force.toFixed(2)}${c.forceSd === null ? "" : ` ± ${c.forceSd.toFixed(2)}`} N`} at ${c.centre.map((v) => v.toFixed(1)).join(", ")} mm`, () => choose(c.module)));
   if (rows.length === 0) { rows.push(document.createElement("li")); rows[0].textContent = "none"; }
   byId("contacts").replaceChildren(...rows);
 }

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <utility>
 
 #include "triskin/core/bytes.hpp"
 
@@ -42,6 +44,25 @@ void LatestSamples::set_health(Health health) {
 LatestSamples::Health LatestSamples::health() const {
   const std::lock_guard lock(mutex_);
   return health_;
+}
+
+void LatestSamples::set_contacts(int group, std::vector<Contact> contacts) {
+  const std::lock_guard lock(mutex_);
+  std::vector<Contact>& before = contacts_[group];
+  if (!before.empty() || !contacts.empty()) ++contacts_number_;
+  before = std::move(contacts);
+}
+
+std::optional<std::vector<LatestSamples::Contact>> LatestSamples::contacts_since(std::uint64_t& seen) const {
+  std::vector<Contact> all;
+  {
+    const std::lock_guard lock(mutex_);
+    if (contacts_number_ == seen) return std::nullopt;
+    seen = contacts_number_;
+    for (const auto& [group, contacts] : contacts_) all.insert(all.end(), contacts.begin(), contacts.end());
+  }
+  std::ranges::stable_sort(all, std::ranges::greater{}, &Contact::change_counts);
+  return all;
 }
 
 std::string LatestSamples::frame_since(std::uint64_t& seen) const {

@@ -16,6 +16,8 @@ namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 using Clock = std::chrono::steady_clock;
 
+constexpr std::chrono::milliseconds kContactsEvery{100};  // A person reads no faster.
+
 // Sends one message at a time to the page. Meanwhile newer samples replace older ones in LatestSamples, so a slow page
 // only gets fewer frames. A page that accepts nothing for `write_time` is disconnected.
 class LiveConnection : public std::enable_shared_from_this<LiveConnection> {
@@ -74,6 +76,11 @@ class LiveConnection : public std::enable_shared_from_this<LiveConnection> {
       next_health_ = Clock::now() + shared_.limits.health_interval;
       return write(health_json(shared_.live.health()), true);
     }
+    if (Clock::now() >= next_contacts_) {
+      next_contacts_ = Clock::now() + kContactsEvery;
+      if (const auto contacts = shared_.live.contacts_since(seen_contacts_))
+        return write(contacts_json(*contacts), true);
+    }
     std::string frame = shared_.live.frame_since(seen_);
     if (!frame.empty()) write(std::move(frame), false);
   }
@@ -108,8 +115,8 @@ class LiveConnection : public std::enable_shared_from_this<LiveConnection> {
   beast::http::request<beast::http::empty_body> request_;
   beast::flat_buffer buffer_;
   std::string message_;
-  std::uint64_t seen_ = 0;
-  Clock::time_point next_health_{};
+  std::uint64_t seen_ = 0, seen_contacts_ = 0;
+  Clock::time_point next_health_{}, next_contacts_{};
   bool writing_ = false, closed_ = false;
 };
 

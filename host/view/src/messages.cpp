@@ -48,6 +48,21 @@ std::string health_json(const LatestSamples::Health& health) {
       .dump(-1, ' ', true, json::error_handler_t::replace);
 }
 
+std::string contacts_json(const std::vector<LatestSamples::Contact>& contacts) {
+  json list = json::array();
+  for (const LatestSamples::Contact& c : contacts) {
+    // JSON has no NaN: the library writes null for it.
+    list.push_back({{"taxels", c.taxels},
+                    {"position_mm", {c.position_mm.x(), c.position_mm.y(), c.position_mm.z()}},
+                    {"position_sd_mm", c.position_sd_mm},
+                    {"force_n", c.force_n},
+                    {"force_sd_n", c.force_sd_n},
+                    {"area_mm2", c.area_mm2},
+                    {"change_counts", c.change_counts}});
+  }
+  return json{{"contacts", std::move(list)}}.dump();
+}
+
 std::string random_token() {
   std::array<unsigned char, 16> bytes{};
   if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "triskin/view/server.hpp"
 
@@ -13,6 +14,9 @@ namespace triskin::view {
 
 /// Formats the status message for the page.
 [[nodiscard]] std::string health_json(const LatestSamples::Health& health);
+
+/// Formats the contacts for the page; a force that is not calibrated is null.
+[[nodiscard]] std::string contacts_json(const std::vector<LatestSamples::Contact>& contacts);
 
 /// Makes a random token of 32 hexadecimal digits. Throws DeviceError when the operating system has no random numbers.
 [[nodiscard]] std::string random_token();

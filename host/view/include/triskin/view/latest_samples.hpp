@@ -3,10 +3,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "triskin/design/mesh.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/wire/module_state.hpp"
 
@@ -37,6 +40,16 @@ class LatestSamples {
     std::uint64_t frames = 0, lost = 0;
   };
 
+  /// A place where something presses the skin, in the frame of the displayed design.
+  struct Contact {
+    std::vector<int> taxels;  ///< The numbers are 12 · module + taxel; the strongest comes first.
+    design::Vec3 position_mm{0, 0, 0};
+    double position_sd_mm = 0.0;
+    double force_n = 0.0, force_sd_n = 0.0;  ///< NaN means not calibrated.
+    double area_mm2 = 0.0;
+    double change_counts = 0.0;  ///< The changes of its taxels add up to this value.
+  };
+
   /// `modules` is the number of modules of the design.
   explicit LatestSamples(std::size_t modules) : modules_(modules) {}
 
@@ -46,6 +59,13 @@ class LatestSamples {
   /// Sets the state of the link.
   void set_health(Health health);
   [[nodiscard]] Health health() const;
+
+  /// Replaces the contacts of one group of modules, for example of one cover. Nothing in place of nothing counts as no
+  /// change.
+  void set_contacts(int group, std::vector<Contact> contacts);
+  /// Returns the contacts of all groups, the strongest first, if they were set after number `seen`, which becomes the
+  /// newest number.
+  [[nodiscard]] std::optional<std::vector<Contact>> contacts_since(std::uint64_t& seen) const;
 
   /// Returns the modules that changed after sample number `seen` as one binary frame of the page; `seen` becomes the
   /// number of the newest sample. Empty if none changed. Cost: O(modules).
@@ -64,6 +84,8 @@ class LatestSamples {
   std::vector<Module> modules_;
   std::uint64_t newest_ = 0;
   Health health_;
+  std::map<int, std::vector<Contact>> contacts_;  // The key is the group.
+  std::uint64_t contacts_number_ = 0;
 };
 
 }  // namespace triskin::view
