@@ -172,16 +172,26 @@ TEST_P(CrystalThatStops, LeavesTheBoardWithItsInternalOscillator) {
 INSTANTIATE_TEST_SUITE_P(Restarts, CrystalThatStops, ::testing::Values("ConvReset", "PowerRestarts"),
                          [](const auto& tested) { return std::string(tested.param); });
 
-// An unused line without resistors floats; it used to be "found held low" for ever.
+// An unused line without resistors floats; it used to be "found held low" for ever. No module of the table is there,
+// so it is looked at only when a host asks which addresses answer.
 TEST_F(FirstStart, LineWithoutPullUpsIsNoFault) {
   lines[3].pull_ups = false;
   lines[3].modules.clear();
   store_table(patch(3));
   power_up();
   run_for(1'000'000);
+  ASSERT_EQ(request({0x31, 0x01, 0x02, 0x01}).at(0), 0x71);
+  run_for(500'000);
+  EXPECT_GT(lines[3].first_start_us, 0U) << "nobody has looked at line 4";
+  const auto answers = request({0x31, 0x03, 0x02, 0x01});
+  ASSERT_EQ(answers.size(), 4U + 13U);
+  EXPECT_EQ(answers[4], 1) << "done";
+  EXPECT_EQ(answers[5 + 9], 0) << "line 4 is held low";
+  EXPECT_EQ(answers[5 + 10], 0) << "addresses at line 4";
   const auto states = request({0x22, 0xFD, 0x06});
   ASSERT_EQ(states.size(), 23U);
   EXPECT_EQ(states[3 + 15], 0) << "line 4 is held low";
+  EXPECT_EQ(ByteReader(Bytes(states).subspan(3 + 16)).be32(), 0U) << "recoveries of line 4";
   expect_no_violation();
 }
 

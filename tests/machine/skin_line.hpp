@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <random>
 #include <vector>
 
 #include "triskin/layout/module.hpp"
@@ -45,7 +46,7 @@ class SkinLine final : public sim::I2cBus {
  public:
   std::vector<std::unique_ptr<SkinModule>> modules;
   bool sda_held = false, scl_held = false;
-  bool pull_ups = true;        ///< These resistors pull the line up; without any it floats, which reads low here.
+  bool pull_ups = true;        ///< These resistors pull the line up; without any it floats and reads as anything.
   int frees_after_pulses = 0;  ///< Zero means that the line never becomes free.
   int pulses = 0, stops = 0;
   std::uint64_t bytes = 0;
@@ -65,13 +66,16 @@ class SkinLine final : public sim::I2cBus {
   bool write(std::uint8_t byte, std::uint64_t now_us) override;
   std::uint8_t read(bool acknowledge, std::uint64_t now_us) override;
   void stop(std::uint64_t now_us) override;
-  [[nodiscard]] bool scl() const override { return !scl_held && !floats(); }
-  [[nodiscard]] bool sda() const override { return !sda_held && !floats(); }
+  [[nodiscard]] bool scl() const override { return !scl_held && (!floats() || floating_level()); }
+  [[nodiscard]] bool sda() const override { return !sda_held && (!floats() || floating_level()); }
   void controller_pulls_up(bool on) override { weak_pull_ups_ = on; }
   void pulse_scl(std::uint64_t now_us) override;
 
  private:
   [[nodiscard]] bool floats() const { return !pull_ups && !weak_pull_ups_; }
+  // A wire that nothing pulls picks up whatever is near it, so each look at it may find another level.
+  [[nodiscard]] bool floating_level() const { return (floating_() & 1) != 0; }
+  mutable std::mt19937 floating_{20261127};
   bool weak_pull_ups_ = false;
   std::vector<SkinModule*> selected_;
   std::uint8_t address_ = 0;

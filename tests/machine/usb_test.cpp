@@ -80,6 +80,7 @@ TEST_F(Usb, EnumeratesAsHidBulkAndDfu) {
   ASSERT_GT(configuration.size(), 64U) << "longer than one packet";
   EXPECT_EQ(configuration.size(), configuration[2] | configuration[3] << 8);
   EXPECT_EQ(configuration[4], 3) << "interfaces";
+  EXPECT_EQ(configuration[7], 0xC0) << "self-powered: the board takes nothing from the bus";
   EXPECT_EQ(descriptor(kReport, 0, 255, 0x81).size(), 34U);
   const auto bos = descriptor(kBos, 0, 255);
   EXPECT_EQ(bos.size(), 33U);
@@ -203,9 +204,11 @@ class Dfu : public Usb {
   bool download(Bytes file) {
     for (std::size_t at = 0, block = 0; at < file.size(); at += 1024, ++block) {
       const Bytes part = file.subspan(at, std::min<std::size_t>(1024, file.size() - at));
+      const std::uint64_t begin_us = now_us();
       if (!host->control({0x21, 1, static_cast<std::uint16_t>(block), 0, static_cast<std::uint16_t>(part.size())},
                          part))
         return false;
+      blocks_us.push_back(now_us() - begin_us);
       if (status() != std::array<int, 2>{0, kDownloadIdle}) return false;
     }
     return host->control({0x21, 1, 0, 0, 0}).has_value();
@@ -218,12 +221,32 @@ class Dfu : public Usb {
     ASSERT_TRUE(host->control({0x21, 0, 1000, 0, 0}));
     run_for(100'000);
   }
+  // Checks that the host waited for no block much longer than the device lets it wait between two of them. Only the
+  // block that the image begins in may erase two pages, its first one and that of the slot's records.
+  void expect_short_answers() {
+    const auto s = host->control({0xA1, 3, 0, 0, 6});
+    ASSERT_TRUE(s && s->size() == 6);
+    const std::uint64_t poll_us = 1000ULL * s->at(1);
+    EXPECT_GE(poll_us, 1'000U) << "bwPollTimeout";
+    ASSERT_GT(blocks_us.size(), 100U);
+    std::ranges::sort(blocks_us, std::greater{});
+    EXPECT_LE(blocks_us[0], poll_us + kPageErase_us) << "us for the block that took longest";
+    EXPECT_LE(blocks_us[1], poll_us) << "us for the block that took second longest";
+    // Every second block of the image begins a page, so that their erases cannot have been hidden elsewhere.
+    const std::size_t image_pages = application.flat().size() / FlashChip::kPage;
+    EXPECT_GE(
+        static_cast<std::size_t>(std::ranges::count_if(blocks_us, [](std::uint64_t us) { return us > kPageErase_us; })),
+        image_pages);
+  }
+  static constexpr std::uint64_t kPageErase_us = 22'000;
+  std::vector<std::uint64_t> blocks_us;  // Each download transfer took this long, from its set-up to its handshake.
 };
 
 TEST_F(Dfu, NewApplicationIsDownloadedAndStarted) {
   enter_dfu();
   ASSERT_TRUE(download(package()));
   EXPECT_EQ(status(), (std::array<int, 2>{0, kIdle}));
+  expect_short_answers();
   leave_dfu();
   EXPECT_EQ(machine->vector_table(), kSlotB);
   ASSERT_TRUE(host->connect(12));
@@ -259,6 +282,7 @@ TEST_F(Dfu, ControllerWithoutApplicationWaitsAsDfuDevice) {
   configure();
   ASSERT_TRUE(download(package()));
   EXPECT_EQ(status(), (std::array<int, 2>{0, kIdle}));
+  expect_short_answers();
   leave_dfu();
   EXPECT_NE(machine->vector_table(), 0x08000000U);
   finish();

@@ -66,8 +66,34 @@ bool Gpio::drives_low(unsigned port, unsigned pin) const {
   return (p.moder >> (2 * pin) & 3) == 1 && (p.odr >> pin & 1) == 0;
 }
 
-std::uint32_t Gpio::levels(unsigned port) const {
+// The pins that nothing pulls or drives: inputs and open-drain outputs that are released, without a pull of the chip.
+// Lines, button, boot pin and CAN receiver are tied to something outside; an output of a block counts as driven.
+std::uint32_t Gpio::floating(unsigned port) const {
+  const Port& p = ports_[port];
+  std::uint32_t pins = 0;
+  for (unsigned pin = 0; pin < 16; ++pin) {
+    const unsigned mode = p.moder >> (2 * pin) & 3;
+    const bool released = mode == 0 || (mode == 1 && (p.otyper >> pin & 1) != 0 && (p.odr >> pin & 1) != 0);
+    if (released && (p.pupdr >> (2 * pin) & 3) == 0) pins |= 1U << pin;
+  }
+  const auto tie = [&](unsigned tied_port, unsigned pin) {
+    if (tied_port == port) pins &= ~(1U << pin);
+  };
+  tie(2, 13);
+  tie(1, 8);
+  tie(pins_.can_receive.port, pins_.can_receive.number);
+  for (std::size_t k = 0; k < buses_.size(); ++k) {
+    const LinePins l = pins_of(k);
+    tie(l.scl_port, l.scl);
+    tie(l.sda_port, l.sda);
+  }
+  return pins;
+}
+
+std::uint32_t Gpio::levels(unsigned port) {
+  const std::uint32_t open = floating(port);
   std::uint32_t v = 0xFFFF;
+  if (open != 0) v &= ~(open & static_cast<std::uint32_t>(noise_()));
   if (port == 2 && !button_) v &= ~(1U << 13);
   for (unsigned pin = 0; pin < 16; ++pin) {
     if (drives_low(port, pin)) v &= ~(1U << pin);

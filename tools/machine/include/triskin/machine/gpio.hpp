@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <array>
+#include <random>
 
 #include "triskin/machine/machine.hpp"
 #include "triskin/machine/peripheral.hpp"
@@ -43,7 +44,8 @@ class Gpio final : public Peripheral {
     return {l.scl.port, l.scl.number, l.sda.port, l.sda.number};
   }
   [[nodiscard]] bool drives_low(unsigned port, unsigned pin) const;
-  [[nodiscard]] std::uint32_t levels(unsigned port) const;
+  [[nodiscard]] std::uint32_t levels(unsigned port);
+  [[nodiscard]] std::uint32_t floating(unsigned port) const;
   [[nodiscard]] bool drives_high(unsigned port, unsigned pin) const;
   void follow_lines(const std::array<Port, 3>& before);
   void follow_chain();
@@ -56,6 +58,7 @@ class Gpio final : public Peripheral {
   std::uint8_t cables_ = 0;
   bool latch_high_ = false, boot_pin_high_ = true, button_ = false;
   std::array<Port, 3> ports_;
+  std::mt19937 noise_{20261127};  // Inputs that nothing pulls or drives read as these bits.
 };
 
 }  // namespace triskin::machine
