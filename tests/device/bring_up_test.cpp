@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/deploy/bring_up.hpp"
 
+#include <fmt/format.h>
+
 #include "fixture.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::device {
 namespace {
@@ -73,6 +76,49 @@ TEST(BringUp, ATaxelOutOfReachFailsTheLastStep) {
   const auto reports = bring_up(scene.design, over(scene));
   EXPECT_EQ(outcome(reports, 12), StepOutcome::kFailed);
   EXPECT_NE(reports[11].found.find("module 1 taxel 5 rests outside"), std::string::npos) << reports[11].found;
+}
+
+TEST(BringUp, EachBoardIsProgrammedWithTheNamesOfItsChip) {
+  ASSERT_EQ(bring_up_boards().size(), 3U);
+  for (const BringUpBoard& board : bring_up_boards()) {
+    const auto lines = programmer_lines(board);
+    ASSERT_EQ(lines.size(), 5U);
+    const auto& commands = bring_up_steps(board)[4].commands;
+    ASSERT_EQ(commands.size(), lines.size());
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+      EXPECT_NE(lines[k].command.find(fmt::format("build/{}/bin/triskin_factory", board.build)), std::string::npos);
+      EXPECT_EQ(commands[k].command, lines[k].command);
+    }
+  }
+  const BringUpBoard& second = bring_up_board("nucleo_l452re");
+  const auto lines = programmer_lines(second);
+  EXPECT_NE(lines[0].command.find("firmware/board/stm32l452/openocd.cfg"), std::string::npos) << lines[0].command;
+  EXPECT_NE(lines[1].command.find("--chip STM32L452RETx "), std::string::npos) << lines[1].command;
+  EXPECT_NE(lines[2].command.find("--target stm32l452retx "), std::string::npos) << lines[2].command;
+  for (const BringUpStep& step : bring_up_steps(second)) {
+    for (const std::string* text : {&step.does, &step.measures, &step.expects, &step.otherwise}) {
+      for (const char* other : {"g474", "G474", "0x469", "DBANK", "PB8", "data phase"})
+        EXPECT_EQ(text->find(other), std::string::npos) << "step " << step.number << ": " << *text;
+    }
+  }
+  try {
+    (void)bring_up_board("nucleo_h7");
+    FAIL() << "a board that has no image";
+  } catch (const InputError& e) {
+    EXPECT_STREQ(e.what(), "no board is called 'nucleo_h7'; choose one of nucleo_g474re, icub_patch, nucleo_l452re");
+  }
+}
+
+TEST(BringUp, ABoardWithoutFdFramesIsNotAskedForTheFullStream) {
+  const scene::Scene scene = scene_of(2);
+  BringUpOptions options = over(scene);
+  options.board = &bring_up_board("nucleo_l452re");
+  const auto reports = bring_up(scene.design, options);
+  EXPECT_EQ(outcome(reports, 8), StepOutcome::kSkipped);
+  EXPECT_EQ(reports[7].found, "the board has no USB");
+  EXPECT_EQ(outcome(reports, 11), StepOutcome::kPassed) << reports[10].found;
+  EXPECT_EQ(outcome(reports, 12), StepOutcome::kSkipped);
+  EXPECT_NE(to_markdown(reports, "sim", *options.board).find("Board: nucleo_l452re. Link: sim"), std::string::npos);
 }
 
 TEST(BringUp, WithoutALinkTheStepsThatNeedItAreSkipped) {

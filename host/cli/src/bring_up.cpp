@@ -15,7 +15,7 @@ namespace triskin::cli::bring_up_command {
 namespace {
 
 struct Options {
-  std::string design, report;
+  std::string design, report, board{device::bring_up_boards().front().name};
   device::LinkOptions link;
   bool no_questions = false;
   double seconds = 2.0;
@@ -24,11 +24,13 @@ struct Options {
 // Enter means "as expected"; a text beginning with "!" means "not as expected"; "s" means "skipped"; anything else is a
 // measured value.
 device::StepAnswer ask_person(const device::BringUpStep& step) {
+  std::cerr << fmt::format("\nStep {}. {}\n", step.number, step.does);
+  for (const device::ProgrammerLine& line : step.commands)
+    std::cerr << fmt::format("  {}: {}\n", line.programmer, line.command);
   std::cerr << fmt::format(
-                   "\nStep {}. {}\n  Measure: {}\n  Should be: {}\n  Otherwise: {}\n  Enter: as it should be; VALUE: "
-                   "measured "
-                   "and right; ! VALUE: measured and wrong; s: skip > ",
-                   step.number, step.does, step.measures, step.expects, step.otherwise)
+                   "  Measure: {}\n  Should be: {}\n  Otherwise: {}\n  Enter: as it should be; VALUE: measured and "
+                   "right; ! VALUE: measured and wrong; s: skip > ",
+                   step.measures, step.expects, step.otherwise)
             << std::flush;
   std::string line;
   if (!std::getline(std::cin, line) || line == "s") return {device::StepOutcome::kSkipped, "not done"};
@@ -40,6 +42,7 @@ int run(const Options& options, Output& output) {
   const design::Design design = design::read_intact_design(options.design);
   device::require_link(options.link);
   device::BringUpOptions steps;
+  steps.board = &device::bring_up_board(options.board);
   if (!options.no_questions) steps.ask = ask_person;
   steps.open = [&] { return device::open_link(options.link, &design); };
   steps.stream_s = options.seconds;
@@ -54,7 +57,7 @@ int run(const Options& options, Output& output) {
     output.say(fmt::format("step {:2}  {:7}  {}", r.number, outcome, r.found));
   }
   const std::string link = options.link.link + (simulated ? " (simulated)" : "");
-  if (!options.report.empty()) write_output(options.report, device::to_markdown(reports, link));
+  if (!options.report.empty()) write_output(options.report, device::to_markdown(reports, link, *steps.board));
   output.result = {{"steps", std::move(list)}};
   const bool bad = std::ranges::count(reports, device::StepOutcome::kFailed, &device::StepReport::outcome) > 0;
   return bad ? 1 : 0;
@@ -69,6 +72,11 @@ const Registration kBringUp{{
       app.add_option("DESIGN", options->design, "design file")->required();
       add_link_options(app, options->link);
       app.add_option("-o,--output", options->report, "report (Markdown)");
+      std::vector<std::string> boards;
+      for (const device::BringUpBoard& board : device::bring_up_boards()) boards.emplace_back(board.name);
+      app.add_option("--board", options->board, "board that the steps are for (docs/program_board.md)")
+          ->check(CLI::IsMember(boards))
+          ->capture_default_str();
       app.add_flag("--no-questions", options->no_questions, "only what the link shows; nobody is asked");
       app.add_option("--seconds", options->seconds, "how long the samples of the last step are watched")
           ->check(CLI::Range(0.2, 3600.0))

@@ -107,7 +107,7 @@ class Session {
       case 7:
         return usb ? skipped("the link is USB") : find_controllers();
       case 8:
-        return usb ? find_controllers() : skipped("the link is not USB");
+        return usb ? find_controllers() : skipped(options_.board->usb ? "the link is not USB" : "the board has no USB");
       case 9:
         return look_at_lines();
       case 10:
@@ -151,7 +151,7 @@ class Session {
         found += fmt::format("controller {}: line L{} is held low; ", node, l);
       }
     }
-    const StepAnswer person = ask(bring_up_steps()[8]);
+    const StepAnswer person = ask(bring_up_steps(*options_.board)[8]);
     if (person.outcome == StepOutcome::kFailed) good = false;
     found += good ? "no used line is held low; " : "";
     found += "rise times: " + person.found;
@@ -186,6 +186,8 @@ class Session {
   }
 
   StepAnswer watch_samples() {
+    if (!options_.board->can_fd)
+      return skipped("the board sends no full stream, which needs CAN FD; look with triskin live --protocol icub");
     bus_->listen(bus_->now_us() + kOffsets_us);
     std::map<int, Rest> rest;
     {
@@ -243,10 +245,11 @@ class Session {
 
 std::vector<StepReport> bring_up(const design::Design& design, const BringUpOptions& options) {
   Session session(design, options);
+  const std::array<BringUpStep, 12> steps = bring_up_steps(*options.board);
   std::vector<StepReport> reports;
-  for (const BringUpStep& step : bring_up_steps()) {
-    report(options.progress, "bring-up",
-           static_cast<double>(reports.size()) / static_cast<double>(bring_up_steps().size()), std::string(step.does));
+  for (const BringUpStep& step : steps) {
+    report(options.progress, "bring-up", static_cast<double>(reports.size()) / static_cast<double>(steps.size()),
+           step.does);
     StepAnswer answer = session.run(step);
     reports.push_back({step.number, answer.outcome, std::move(answer.found)});
   }

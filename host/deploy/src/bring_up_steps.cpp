@@ -4,36 +4,73 @@
 #include "triskin/deploy/bring_up.hpp"
 
 namespace triskin::device {
+namespace {
 
-const std::array<BringUpStep, 12>& bring_up_steps() {
-  static constexpr std::array<BringUpStep, 12> kSteps{{
+BringUpStep option_bytes(const BringUpBoard& board) {
+  if (board.two_banks)
+    return {3, "Read the option bytes (FLASH_OPTR, 0x40022020).", "bits 22, 26, 27 and 7…0",
+            "DBANK (22) = 1, RDP (7…0) = AA",
+            "DBANK = 0: set it, which needs a mass erase; RDP not AA: the firmware cannot set the options"};
+  return {3, "Read the option bytes (FLASH_OPTR, 0x40022020).", "bits 26, 27 and 7…0", "RDP (7…0) = AA",
+          "RDP not AA: the firmware cannot set the options"};
+}
+
+BringUpStep boot_options(const BringUpBoard& board) {
+  const bool idle_bus = board.boot_pin.find("CAN") != std::string_view::npos;
+  return {4, "Set nSWBOOT0 = 0, nBOOT0 = 1 and BOR_LEV = 4, cycle the power, read again.", "FLASH_OPTR",
+          "0xFBEFFCAA on a new chip",
+          fmt::format("otherwise {} starts the ROM's loader and the board looks dead",
+                      idle_bus ? "an idle CAN bus" : fmt::format("{} that is high", board.boot_pin))};
+}
+
+BringUpStep programming(const BringUpBoard& board) {
+  const std::string_view crystal = board.measures_crystal ? "16: the crystal" : "16: the crystal, if X3 is fitted";
+  return {5,
+          "Erase the chip and program the factory file.",
+          "triskin_budget by the debugger",
+          fmt::format("loops counts up, findings is 0 or 4{}", board.measures_crystal ? "" : " (16 without X3)"),
+          fmt::format("{}2 or 32: cycle the power; 8: read protected; {}; loops stands: triskin_survivor has the "
+                      "crash record",
+                      board.two_banks ? "1: DBANK; " : "", crystal),
+          programmer_lines(board)};
+}
+
+BringUpStep crystal(const BringUpBoard& board) {
+  constexpr std::string_view kLook = "what triskin discover says of it, or OSC_OUT with a 1:10 probe";
+  if (board.measures_crystal)
+    return {6, "Look at the crystal.", std::string(kLook), "its frequency, within 2 %",
+            "silent: missing, broken or badly loaded; unknown: an overtone; the firmware runs from the RC oscillator "
+            "then, do not ship"};
+  return {6, "Look at the crystal X3 (8 MHz); the board is delivered without it.", std::string(kLook),
+          "8 MHz is used, within 2 %",
+          "silent: missing, broken or badly loaded; the firmware runs from the RC oscillator then, do not ship; a chip "
+          "that does not measure its crystal runs too fast or too slow with another one"};
+}
+
+BringUpStep can_bus(const BringUpBoard& board) {
+  return {7, fmt::format("Connect CAN{}, 120 Ω at both ends.", board.can_fd ? "" : " (classic frames, 1 Mbit/s)"),
+          "controllers that answer, versions, frames of a second",
+          "every controller answers, with an address of its own",
+          fmt::format("nothing is sent: step 5; never acknowledged: H and L swapped, termination, bit rate{}",
+                      board.can_fd ? "; errors in the data phase only: the transceiver is too slow" : "")};
+}
+
+}  // namespace
+
+std::array<BringUpStep, 12> bring_up_steps(const BringUpBoard& board) {
+  return {{
       {1, "Power the board, nothing flashed.", "3.3 V at the chip, supply current", "3.3 V ± 3 %, below 30 mA",
        "0 V: the supply; above 100 mA: a short, find it before going on"},
-      {2, "Attach a debugger (SWD).", "id of the chip, size of its flash", "id 0x469, 512 KB of flash",
+      {2, "Attach a debugger (SWD).", "id of the chip, size of its flash",
+       fmt::format("id {} ({}), 512 KB of flash", board.chip_id, board.chip),
        "no answer: SWDIO, SWCLK, NRST; a part of 128 or 256 KB cannot be used"},
-      {3, "Read the option bytes (FLASH_OPTR, 0x40022020).", "bits 22, 26, 27 and 7…0",
-       "DBANK (22) = 1, RDP (7…0) = AA",
-       "DBANK = 0: set it, which needs a mass erase; RDP not AA: the firmware cannot set the options"},
-      {4, "Set nSWBOOT0 = 0, nBOOT0 = 1 and BOR_LEV = 4, cycle the power, read again.", "FLASH_OPTR",
-       "0xFBEFFCAA on a new chip", "otherwise an idle CAN bus starts the ROM's loader and the board looks dead"},
-      {5,
-       "Erase the chip and program triskin_factory.hex: openocd -f firmware/board/stm32g474/openocd.cfg -c "
-       "\"triskin_program build/firmware/bin/triskin_factory.hex\"; docs/program_board.md has the lines for probe-rs, "
-       "pyOCD, "
-       "st-flash and STM32CubeProgrammer.",
-       "triskin_budget by the debugger", "loops counts up, findings is 0 or 4",
-       "1: DBANK; 2 or 32: cycle the power; 8: read protected; 16: the crystal; loops stands: triskin_survivor has the "
-       "crash record"},
-      {6, "Look at the crystal.", "what triskin discover says of it, or OSC_OUT with a 1:10 probe",
-       "its frequency, within 2 %",
-       "silent: missing, broken or badly loaded; unknown: an overtone; the firmware runs from the RC oscillator then, "
-       "do "
-       "not ship"},
-      {7, "Connect CAN, 120 Ω at both ends.", "controllers that answer, versions, frames of a second",
-       "every controller answers, with an address of its own",
-       "nothing is sent: step 5; never acknowledged: H and L swapped, termination, bit rate; errors in the data phase "
-       "only: the transceiver is too slow"},
-      {8, "Plug in USB.", "controllers that answer over it", "enumerates and answers",
+      option_bytes(board),
+      boot_options(board),
+      programming(board),
+      crystal(board),
+      can_bus(board),
+      {8, board.usb ? "Plug in USB." : "This board has no USB.", "controllers that answer over it",
+       "enumerates and answers",
        "no pull-up at D+: the firmware does not run; resets again and again: D+ and D− swapped"},
       {9, "Look at SCL and SDA of each line.", "rise time from 30 to 70 % (scope); lines held low, recoveries",
        "high, at most 300 ns; no line held low that is used",
@@ -48,21 +85,24 @@ const std::array<BringUpStep, 12>& bring_up_steps() {
        "outside the middle third: the electrode has less than 2 or more than 18 pF, is open or shorted; noise: supply "
        "or ground of the module"},
   }};
-  return kSteps;
 }
 
-std::string to_markdown(const std::vector<StepReport>& reports, std::string_view link_name) {
+std::string to_markdown(const std::vector<StepReport>& reports, std::string_view link_name, const BringUpBoard& board) {
+  const std::array<BringUpStep, 12> steps = bring_up_steps(board);
   std::string text =
-      fmt::format("# Bring-up report\n\nLink: {}\n\n| step | do | outcome | found |\n|---|---|---|---|\n", link_name);
+      fmt::format("# Bring-up report\n\nBoard: {}. Link: {}\n\n| step | do | outcome | found |\n|---|---|---|---|\n",
+                  board.name, link_name);
   for (const StepReport& r : reports) {
-    const BringUpStep& step = bring_up_steps().at(static_cast<std::size_t>(r.number - 1));
+    const BringUpStep& step = steps.at(static_cast<std::size_t>(r.number - 1));
     text += fmt::format("| {} | {} | {} | {} |\n", r.number, step.does, kStepOutcomeNames.name(r.outcome), r.found);
   }
   for (const StepReport& r : reports) {
     if (r.outcome != StepOutcome::kFailed) continue;
-    const BringUpStep& step = bring_up_steps().at(static_cast<std::size_t>(r.number - 1));
+    const BringUpStep& step = steps.at(static_cast<std::size_t>(r.number - 1));
     text += fmt::format("\n## Step {}\n\nMeasured: {}. Should be: {}. Otherwise: {}.\n", r.number, step.measures,
                         step.expects, step.otherwise);
+    for (const ProgrammerLine& line : step.commands) text += fmt::format("\n- {}: `{}`", line.programmer, line.command);
+    if (!step.commands.empty()) text += "\n";
   }
   return text;
 }
