@@ -3,8 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+
 #include "fixture.hpp"
+#include "support/places.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::device {
 namespace {
@@ -106,6 +110,22 @@ TEST(BringUp, EachBoardIsProgrammedWithTheNamesOfItsChip) {
     FAIL() << "a board that has no image";
   } catch (const InputError& e) {
     EXPECT_STREQ(e.what(), "no board is called 'nucleo_h7'; choose one of nucleo_g474re, icub_patch, nucleo_l452re");
+  }
+}
+
+// The page is read beside the board, and its lines are copied into a terminal.
+TEST(BringUp, LinesOfThePageAreThoseOfTheCommand) {
+  const std::string page = read_file(std::filesystem::path(test::source_folder()) / "docs/program_board.md");
+  for (const char* name : {"nucleo_g474re", "nucleo_l452re"}) {
+    for (const ProgrammerLine& line : programmer_lines(bring_up_board(name)))
+      EXPECT_NE(page.find(fmt::format("\n| {} | `{}` |\n", line.programmer, line.command)), std::string::npos)
+          << name << ", " << line.programmer << ": " << line.command;
+  }
+  for (const BringUpBoard& board : bring_up_boards()) {
+    const auto folder = std::filesystem::path(test::source_folder()) / "firmware/board" /
+                        (board.chip == "STM32G474" ? "stm32g474" : "stm32l452");
+    EXPECT_TRUE(std::filesystem::exists(folder / "boards" / board.name / "board.cmake")) << board.name;
+    EXPECT_TRUE(std::filesystem::exists(folder / "openocd.cfg")) << board.name;
   }
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <cctype>
+
 #include "triskin/base/error.hpp"
 #include "triskin/deploy/bring_up.hpp"
 
