@@ -42,12 +42,12 @@ const BringUpBoard& bring_up_board(std::string_view name) {
 }
 
 std::vector<ProgrammerLine> programmer_lines(const BringUpBoard& board) {
-  std::string folder, target;
+  std::string folder = "firmware/board/", target;
   for (const char c : board.chip) folder += static_cast<char>(std::tolower(c));
   for (const char c : board.part) target += static_cast<char>(std::tolower(c));
   const std::string file = fmt::format("build/{}/bin/triskin_factory", board.build);
   return {
-      {"OpenOCD", fmt::format("openocd -f firmware/board/{}/openocd.cfg -c \"triskin_program {}.hex\"", folder, file)},
+      {"OpenOCD", fmt::format("openocd -f {}/openocd.cfg -c \"triskin_program {}.hex\"", folder, file)},
       {"probe-rs",
        fmt::format("probe-rs download --chip {} --chip-erase --binary-format hex {}.hex", board.part, file)},
       {"pyOCD", fmt::format("pyocd flash --target {} --erase chip {}.hex", target, file)},
