@@ -87,7 +87,7 @@ TEST(BringUp, EachBoardIsProgrammedWithTheNamesOfItsChip) {
   for (const BringUpBoard& board : bring_up_boards()) {
     const auto lines = programmer_lines(board);
     ASSERT_EQ(lines.size(), 5U);
-    const auto& commands = bring_up_steps(board)[4].commands;
+    const std::vector<ProgrammerLine> commands = bring_up_steps(board)[4].commands;
     ASSERT_EQ(commands.size(), lines.size());
     for (std::size_t k = 0; k < lines.size(); ++k) {
       EXPECT_NE(lines[k].command.find(fmt::format("build/{}/bin/triskin_factory", board.build)), std::string::npos);

@@ -104,9 +104,9 @@ TEST_F(Bench, ReadProtectedChipKeepsItsOptionsAndSaysSo) {
   expect_no_violation();
 }
 
-// A store that clears a flag may reach the block after the handler has returned, and the handler then runs once more (RM0440
-// 3.3.9 for the NMI, erratum 838869 of the Cortex-M4 for all). The model has no such delay, so the instructions of the
-// running image are looked at.
+// A store that clears a flag may reach the block after the handler has returned, and the handler then runs once more
+// (RM0440 3.3.9 for the NMI, erratum 838869 of the Cortex-M4 for all). The model has no such delay, so the instructions
+// of the running image are looked at.
 TEST_F(Bench, EachHandlerWaitsForItsStoresBeforeItReturns) {
   power_up();
   run_for(200'000);

@@ -52,8 +52,7 @@ std::vector<ProgrammerLine> programmer_lines(const BringUpBoard& board) {
        fmt::format("probe-rs download --chip {} --chip-erase --binary-format hex {}.hex", board.part, file)},
       {"pyOCD", fmt::format("pyocd flash --target {} --erase chip {}.hex", target, file)},
       {"st-flash", fmt::format("st-flash erase && st-flash --reset write {}.bin 0x08000000", file)},
-      {"STM32CubeProgrammer",
-       fmt::format("STM32_Programmer_CLI -c port=SWD mode=UR -e all -w {}.hex -v -rst", file)},
+      {"STM32CubeProgrammer", fmt::format("STM32_Programmer_CLI -c port=SWD mode=UR -e all -w {}.hex -v -rst", file)},
   };
 }
 
