@@ -189,6 +189,7 @@ void Machine::Core::watch_flawed_units() {
   ecc_hooks_.clear();
   std::set<std::uint32_t> flawed = setup_.flash->torn;
   flawed.insert(setup_.flash->weak.begin(), setup_.flash->weak.end());
+  for (const std::uint32_t unit : std::set(flawed)) flawed.insert(unit ^ 1U);  // Both are read at once with one bank.
   for (const std::uint32_t unit : flawed) {
     const std::uint64_t first = FlashChip::kBase + unit * FlashChip::kUnit;
     uc_hook h = 0;

@@ -262,22 +262,22 @@ void FlashController::program_unit() {
 }
 
 // With DBANK = 0 the flash is read by two units at once, and the upper one has flags of its own (§3.7.7).
-std::uint32_t FlashController::ecc_flag(std::uint32_t unit, std::uint32_t flag) const {
-  const bool upper = !one_bank_ && (options_ & kDualBank) == 0 && unit % 2 != 0;
-  return upper ? flag >> 2 : flag;
+void FlashController::flawed_read(std::uint32_t unit) {
+  if (one_bank_ || two_banks()) return note_flaw(unit, false);
+  note_flaw(unit & ~1U, false);
+  note_flaw(unit | 1U, true);
 }
 
 // One wrong bit is corrected, two raise the NMI. The register keeps the place of the first error until its flag is
 // cleared.
-void FlashController::flawed_read(std::uint32_t unit) {
+void FlashController::note_flaw(std::uint32_t unit, bool upper) {
   const bool torn = chip_.torn.contains(unit);
   if (!torn && !chip_.weak.contains(unit)) return;
   constexpr std::uint32_t kUnitsOfBank = FlashChip::kBytes / FlashChip::kUnit / 2;
-  const std::uint32_t flag = ecc_flag(unit, torn ? kEccDetected : kEccCorrected);
   if ((eccr_ & kEccFlags) == 0)
     eccr_ =
         one_bank_ ? unit * FlashChip::kUnit : (unit / kUnitsOfBank) << 21 | (unit % kUnitsOfBank) * FlashChip::kUnit;
-  eccr_ |= flag;
+  eccr_ |= (torn ? kEccDetected : kEccCorrected) >> (upper ? 2 : 0);
   if (torn) around_.raise_nmi();
 }
 

@@ -26,7 +26,7 @@ class FlashController final : public Peripheral {
   void reset() override;
   /// Takes a write of the CPU to the flash's address space.
   void cell_write(std::uint32_t address, std::uint32_t value, unsigned size);
-  /// Takes a read of the CPU from a unit that has one wrong bit, which is corrected, or two.
+  /// Takes a read of the CPU from a unit that has one wrong bit, which is corrected, or two, or whose neighbour has.
   void flawed_read(std::uint32_t unit);
   /// Returns true while a flag of two wrong bits is set: the NMI comes again and again.
   [[nodiscard]] bool nmi_pending() const;
@@ -42,7 +42,7 @@ class FlashController final : public Peripheral {
   [[nodiscard]] bool power_lost() const { return power_lost_; }
 
  private:
-  [[nodiscard]] std::uint32_t ecc_flag(std::uint32_t unit, std::uint32_t flag) const;
+  void note_flaw(std::uint32_t unit, bool upper);
   [[nodiscard]] bool two_banks() const { return !one_bank_ && (chip_.options >> 22 & 1) != 0; }
   [[nodiscard]] std::uint32_t page_mask() const { return one_bank_ ? 255 : 127; }
   void write_access(std::uint32_t value);
