@@ -20,7 +20,7 @@ namespace {
 using design::Vec2;
 
 // A try is this much work for each island, about 10 ms; more islands than these share it.
-constexpr std::int64_t kTryWork = 10'000'000;
+constexpr std::int64_t kTryWork = 16'000'000;
 constexpr std::size_t kMaxWorkIslands = 14;
 // Two points closer than this always share a pixel's middle within half of it around them.
 const double kHalfDiagonal_mm = kPixel_mm * std::numbers::sqrt2 / 2.0;

@@ -240,11 +240,12 @@ void OverlapSearch::add_candidates(std::size_t island, const PixelPlace& turned,
   work_left_ -= std::int64_t{1} * coarse.run_count() * columns * rows / 4;
 }
 
-// Goes down to the nearest minimum in steps of 4, 2 and 1 pixels.
+// Goes down to the nearest minimum in steps of 4, 2 and 1 pixels. Large steps look at as many rows less.
 OverlapSearch::Candidate OverlapSearch::refined(std::size_t island, const PixelPlace& from) {
   const Silhouette& s = silhouette(island, from);
-  Candidate best{field_.overlap(s, from.x, from.y), from};
+  Candidate best{0, from};
   for (int step = 4; step > 0; step /= 2) {
+    best.overlap = field_.overlap(s, best.place.x, best.place.y, step);
     for (bool moved = true; moved && best.overlap > 0;) {
       moved = false;
       const PixelPlace middle = best.place;
@@ -253,8 +254,8 @@ OverlapSearch::Candidate OverlapSearch::refined(std::size_t island, const PixelP
         p.x = std::clamp(middle.x + (k % 3 - 1) * step, 0, width_ - s.width());
         p.y = std::clamp(middle.y + (k / 3 - 1) * step, 0, field_.height() - s.height());
         if (p.x == middle.x && p.y == middle.y) continue;
-        work_left_ -= std::int64_t{2} * s.run_count();
-        const std::int64_t overlap = field_.overlap(s, p.x, p.y);
+        work_left_ -= std::int64_t{2} * s.run_count() / step;
+        const std::int64_t overlap = field_.overlap(s, p.x, p.y, step);
         if (overlap >= best.overlap) continue;
         best = {overlap, p};
         moved = true;
