@@ -112,8 +112,8 @@ TEST(Nesting, IslandsKeepTheirGapAndTheSheet) {
   }
 }
 
-// Four rectangles of 60 mm by 40 mm around a square of 20 mm fill 100 mm by 100 mm, but only as a pinwheel, which laying
-// one after the other as low as it goes does not find: it needs a second sheet.
+// Four rectangles of 60 mm by 40 mm around a square of 20 mm fill 100 mm by 100 mm, but only as a pinwheel, which
+// laying one after the other as low as it goes does not find: it needs a second sheet.
 TEST(Nesting, FindsTheOnlyLayoutThatFitsOneSheet) {
   std::vector<FlatIsland> islands(4, rectangle(60, 40));
   islands.push_back(rectangle(20, 20));
@@ -158,7 +158,8 @@ TEST(Nesting, HolesTakeOtherIslands) {
   const FlatIsland outer = on_sheet(frame, nesting.places[0]), inner = on_sheet(islands[1], nesting.places[1]);
   for (const Vec2& p : inner.outline_mm) EXPECT_TRUE(is_inside(p, outer.holes_mm[0]));
   for (const Vec2& p : inner.outline_mm) {
-    for (std::size_t k = 0; k < 4; ++k) EXPECT_GE(to_side(p, outer.holes_mm[0][k], outer.holes_mm[0][(k + 1) % 4]), 1.0);
+    for (std::size_t k = 0; k < 4; ++k)
+      EXPECT_GE(to_side(p, outer.holes_mm[0][k], outer.holes_mm[0][(k + 1) % 4]), 1.0);
   }
 }
 

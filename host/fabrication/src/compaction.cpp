@@ -56,7 +56,9 @@ Vec2 away_from_side(const Vec2& p, const Vec2& a, const Vec2& b, double& distanc
   return distance > 1e-9 ? Vec2(from_end / distance) : normal;
 }
 
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
+double cross(const Vec2& a, const Vec2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
 
 bool sides_cross(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
   return (cross(b - a, c - a) > 0.0) != (cross(b - a, d - a) > 0.0) &&
@@ -133,7 +135,8 @@ class Compaction {
   bool push_inside(std::size_t k, double length_mm) {
     const Body& body = bodies_[k];
     const Vec2 end(room_.width_mm, body.sheet == last_sheet_ ? length_mm : room_.length_mm);
-    const Vec2 low = Vec2::Constant(room_.gap_mm) - boxes_[k].low, high = end - Vec2::Constant(room_.gap_mm) - boxes_[k].high;
+    const Vec2 low = Vec2::Constant(room_.gap_mm) - boxes_[k].low,
+               high = end - Vec2::Constant(room_.gap_mm) - boxes_[k].high;
     if ((high.array() < low.array()).any()) return false;
     bodies_[k].shift_mm = body.shift_mm.cwiseMax(low).cwiseMin(high);
     return true;

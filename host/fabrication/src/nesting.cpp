@@ -59,7 +59,8 @@ class Nester {
     // Pixels that cover all of an island and half the gap guarantee the gap.
     const std::vector<PixelPlace> start = first_layout(silhouettes(options_.gap_mm / 2.0 + kHalfDiagonal_mm));
     // The search counts a pixel by its middle, which loses no room. A gap can become too small by a pixel's diagonal
-    // then, so we cover as much more as is needed to keep the islands from overlapping; the compaction restores the gap.
+    // then, so we cover as much more as is needed to keep the islands from overlapping; the compaction restores the
+    // gap.
     const Silhouettes exact = silhouettes(std::max(options_.gap_mm / 2.0, kHalfDiagonal_mm));
     OverlapSearch search(exact, width_, height_, options_.seed);
     const std::int64_t work =
@@ -79,8 +80,7 @@ class Nester {
     Silhouettes all;
     for (const auto& rings : rings_) {
       all.emplace_back();
-      for (int turn = 0; turn < kTurns; ++turn)
-        all.back().emplace_back(rings, turn, options_.gap_mm / 2.0, reach_mm);
+      for (int turn = 0; turn < kTurns; ++turn) all.back().emplace_back(rings, turn, options_.gap_mm / 2.0, reach_mm);
       require_fit(islands_[all.size() - 1], all.back());
     }
     return all;

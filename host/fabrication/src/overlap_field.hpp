@@ -24,8 +24,8 @@ class OverlapField {
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
 
-  /// Returns the weighted overlap in pixels, counted on every row_step-th row of the silhouette only. Cost: linear in the
-  /// runs of these rows.
+  /// Returns the weighted overlap in pixels, counted on every row_step-th row of the silhouette only. Cost: linear in
+  /// the runs of these rows.
   [[nodiscard]] std::int64_t overlap(const Silhouette& s, int x, int y, int row_step = 1) const;
 
   /// Estimates the weighted overlap at the places x = 0, kCoarse, 2 · kCoarse, … of the row y = kCoarse · coarse_row.

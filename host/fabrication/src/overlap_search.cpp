@@ -96,7 +96,9 @@ int OverlapSearch::target_below(int length, bool in_large_steps) const {
   return rest < lowest ? target - rest : target;
 }
 
-int OverlapSearch::rows_of(int sheet) const { return std::min(height_, length_ - sheet * height_); }
+int OverlapSearch::rows_of(int sheet) const {
+  return std::min(height_, length_ - sheet * height_);
+}
 
 bool OverlapSearch::fits(std::size_t island, const PixelPlace& p) const {
   const Silhouette& s = silhouette(island, p);
@@ -229,8 +231,7 @@ void OverlapSearch::add_candidates(std::size_t island, const PixelPlace& turned,
     field_.estimate(coarse, row, estimates_);
     const auto least = std::ranges::min_element(estimates_);
     const int column = static_cast<int>(least - estimates_.begin());
-    if (row % kBandRows == 0)
-      found.push_back({std::numeric_limits<std::int64_t>::max(), turned});
+    if (row % kBandRows == 0) found.push_back({std::numeric_limits<std::int64_t>::max(), turned});
     const auto overlap = static_cast<std::int64_t>(*least);
     if (overlap >= found.back().overlap) continue;
     found.back().overlap = overlap;

@@ -14,7 +14,9 @@ Vec2 rotated(const Vec2& p, double angle_rad) {
   return {c * p.x() - s * p.y(), s * p.x() + c * p.y()};
 }
 
-double angle_of_turn(int turn) { return turn * 2.0 * std::numbers::pi / kTurns; }
+double angle_of_turn(int turn) {
+  return turn * 2.0 * std::numbers::pi / kTurns;
+}
 
 double distance_to_side(const Vec2& p, const Vec2& a, const Vec2& b) {
   const Vec2 d = b - a;
