@@ -28,7 +28,7 @@ class OverlapField {
   /// the runs of these rows.
   [[nodiscard]] std::int64_t overlap(const Silhouette& s, int x, int y, int row_step = 1) const;
 
-  /// Estimates the weighted overlap at the places x = 0, kCoarse, 2 · kCoarse, … of the row y = kCoarse · coarse_row.
+  /// Estimates the weighted overlap at the places x = 0, kCoarse, 2 · kCoarse, … of row y = kCoarse · coarse_row.
   /// `sums` says by its size for how many of them. Cost: linear in runs times places.
   void estimate(const Silhouette& coarse, int coarse_row, std::vector<float>& sums) const;
 

@@ -11,14 +11,13 @@
 namespace triskin::fabrication {
 
 /// Shortens a layout by guided local search on its overlap (Egeblad, Nielsen and Odgaard, European Journal of
-/// Operational Research 183, 2007; the order of moves and the weights follow "sparrow" by
-/// Gardeyn, Vanden Berghe and Wauters, 2025).
-/// The room is shortened, islands may overlap, and one after the other moves to where it overlaps least. Pairs that
-/// still overlap gain weight, until no pair does or the search gives up and exchanges two islands.
+/// Operational Research 183, 2007); the order of the moves and the weights follow "sparrow" (Gardeyn, Vanden Berghe and
+/// Wauters, 2025). The room is shortened, islands may overlap, and one after the other moves to where it overlaps
+/// least. Pairs that still overlap gain weight, until no pair does or the search gives up and exchanges two islands.
 class OverlapSearch {
  public:
-  /// A sheet has `width` × `height` pixels. The silhouettes must outlive the search, and every island must fit an empty
-  /// sheet in one of its turns.
+  /// A sheet has `width` × `height` pixels. The silhouettes must outlive the search, and every island must fit an
+  /// empty sheet in one of its turns.
   OverlapSearch(const Silhouettes& silhouettes, int width, int height, std::uint64_t seed);
 
   /// Returns a layout without overlap that is at most as long as `start`, which must not overlap. `work` counts

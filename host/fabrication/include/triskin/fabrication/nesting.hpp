@@ -37,8 +37,8 @@ struct Nesting {
 /// then a guided local search shortens it (overlap_search.hpp), and exact distances close what its pixels of 0.5 mm
 /// left open (compaction.hpp). The gap is guaranteed. Deterministic for the seed; the effort is counted work, not time.
 /// Errors: InputError for options out of range and, naming its part number, for an island that does not fit a sheet.
-/// Cost: at most about 0.15 s a try for 14 or more islands, less for fewer, thus 8 s by default; a sheet so large that
-/// a step takes longer than a try adds that step.
+/// Cost: about 0.15 s a try for 14 or more islands, less for fewer, thus about 9 s by default; a sheet so large
+/// that a step takes longer than a try adds that step.
 [[nodiscard]] Nesting nest(const std::vector<FlatIsland>& islands, const SheetOptions& options);
 
 /// Moves an island to its place on the sheet. Cost: linear.
