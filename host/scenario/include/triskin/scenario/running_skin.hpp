@@ -43,8 +43,8 @@ class RunningSkin {
   std::unique_ptr<Bench> bench_;
 };
 
-/// Returns by how many counts each taxel of a sample reads below rest; 0 for taxels that are above it, invalid, or
-/// measure temperature.
+/// Returns by how many counts each taxel of a sample reads below rest, less what the temperature pads of its module do;
+/// 0 for taxels that are above it, invalid, or measure temperature.
 [[nodiscard]] std::array<double, layout::kTaxelsPerModule> changes_of(const device::ModuleSample& sample,
                                                                       const design::RestValues& rest);
 
