@@ -35,9 +35,10 @@ struct Nesting {
 /// Lays the islands on as few sheets as the search finds and keeps the last sheet short, in twelve orientations and
 /// also inside the holes of others. The first layout lays one island after the other, largest first, as low as it goes;
 /// then a guided local search shortens it (overlap_search.hpp), and exact distances close what its pixels of 0.5 mm
-/// left open (compaction.hpp). The gap is guaranteed. Deterministic for the seed; the effort is counted work, not time.
-/// Errors: InputError for options out of range and, naming its part number, for an island that does not fit a sheet.
-/// Cost: about 0.15 s a try for 14 or more islands, less for fewer, thus about 9 s by default; a sheet so large
+/// left open (compaction.hpp). Two searches, with the seed and the next one, run at the same time, and the better
+/// layout counts. The gap is guaranteed. Deterministic for the seed; the effort is counted work, not time. Errors:
+/// InputError for options out of range and, naming its part number, for an island that does not fit a sheet. Cost:
+/// about 0.15 s a try for 14 or more islands, less for fewer, thus about 9 s on two cores by default; a sheet so large
 /// that a step takes longer than a try adds that step.
 [[nodiscard]] Nesting nest(const std::vector<FlatIsland>& islands, const SheetOptions& options);
 
