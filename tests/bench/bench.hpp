@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <unistd.h>
+
 #include <ctime>
+#include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <system_error>
 
 #include "triskin/cli/command.hpp"
 
@@ -19,6 +23,24 @@ struct BenchOptions {
 [[nodiscard]] inline double processor_s() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
+
+/// A temporary folder, deleted with its content at the end.
+class Scratch {
+ public:
+  Scratch() : path_(std::filesystem::temp_directory_path() / ("triskin_bench_" + std::to_string(::getpid()))) {
+    std::filesystem::create_directories(path_);
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
 
 /// Measures one subject and returns an array of rows, one per measured point, with the subject's keys beside "seconds".
 using BenchRows = std::function<nlohmann::json(const BenchOptions&, Output&)>;

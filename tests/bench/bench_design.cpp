@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Compares the time limit of `design` with the time that it takes: reading, repair, pieces, growth, wiring and writing.
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <filesystem>
 #include <string>
-#include <system_error>
 
 #include "bench.hpp"
 #include "triskin/design/design.hpp"
@@ -25,24 +22,6 @@ struct Case {
   bool quick;  // True includes the case in a run with --quick.
 };
 constexpr std::array kCases{Case{{0.0, 0}, true}, Case{{500.0, 20'000}, false}, Case{{2000.0, 100'000}, false}};
-
-// Deletes the folder with its content at the end.
-class Scratch {
- public:
-  Scratch() : path_(fs::temp_directory_path() / ("triskin_bench_" + std::to_string(::getpid()))) {
-    fs::create_directories(path_);
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 nlohmann::json row_of(const geometry::ShapeInfo& shape, const fs::path& folder, const fs::path& mesh, double limit_s) {
   pipeline::DesignOptions options;

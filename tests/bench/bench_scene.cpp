@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Measures what each effect of a scene costs: the virtual time that passes in a second of processor time.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <array>
 #include <filesystem>
@@ -18,7 +17,6 @@
 namespace triskin::cli {
 namespace {
 
-namespace fs = std::filesystem;
 using scene::Scene;
 
 constexpr std::uint64_t kSecond_us = 1'000'000;
@@ -49,14 +47,13 @@ std::vector<Case> cases() {
 }
 
 design::Design forearm() {
-  const fs::path file = fs::temp_directory_path() / fmt::format("triskin_bench_scene_{}.obj", ::getpid());
+  const Scratch scratch;
+  const std::filesystem::path file = scratch.path() / "forearm.obj";
   geometry::write_mesh(file, geometry::generate(*geometry::shape_named("forearm"), {}));
   pipeline::DesignOptions options;
   options.iterations = 20;
   options.time_limit_s = 300.0;
-  design::Design design = pipeline::make_design(file, options);
-  fs::remove(file);
-  return design;
+  return pipeline::make_design(file, options);
 }
 
 // A finger of 6 mm slides along the cover all the time.

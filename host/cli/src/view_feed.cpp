@@ -16,7 +16,7 @@ using std::chrono::microseconds;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::uint64_t kSlice_us = 10'000;
-constexpr microseconds kHealthEvery{250'000}, kContactsEvery{100'000};
+constexpr microseconds kHealthEvery{250'000};
 
 // Returns where a point of a cover lies on the page. The module may be any of the cover, because covers are rigid.
 design::Vec3 moved(const design::Vec3& point_mm, const design::PlacedModule& on_cover,
@@ -111,13 +111,15 @@ class Feed {
       out.area_mm2 = c.area_mm2;
       out.change_counts = c.change_counts;
     }
-    live_.set_contacts(cover.config().cover, std::move(contacts));
+    // A cover may have parts on several buses, and each bus knows only its own contacts.
+    const int group = static_cast<int>(bus_.index() * shown_.offsets.size()) + cover.config().cover;
+    live_.set_contacts(group, std::move(contacts));
   }
   bool slice() {
     std::erase_if(taring_, keep_rest);
     pace().hold(bus_.now_us());
     if (Clock::now() >= next_contacts_) {
-      next_contacts_ = Clock::now() + kContactsEvery;
+      next_contacts_ = Clock::now() + view::LatestSamples::kContactsEvery;
       for (const device::LiveCover& cover : bus_.covers()) show_contacts(cover);
     }
     if (Clock::now() < next_health_) return true;

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <cctype>
-
 #include "triskin/base/error.hpp"
+#include "triskin/base/lower_case.hpp"
 #include "triskin/deploy/bring_up.hpp"
 
 namespace triskin::device {
@@ -42,9 +41,7 @@ const BringUpBoard& bring_up_board(std::string_view name) {
 }
 
 std::vector<ProgrammerLine> programmer_lines(const BringUpBoard& board) {
-  std::string folder = "firmware/board/", target;
-  for (const char c : board.chip) folder += static_cast<char>(std::tolower(c));
-  for (const char c : board.part) target += static_cast<char>(std::tolower(c));
+  const std::string folder = "firmware/board/" + lower_case(board.chip), target = lower_case(board.part);
   const std::string file = fmt::format("build/{}/bin/triskin_factory", board.build);
   return {
       {"OpenOCD", fmt::format("openocd -f {}/openocd.cfg -c \"triskin_program {}.hex\"", folder, file)},

@@ -30,6 +30,10 @@ struct Box {
   }
 };
 
+Box box_of_side(const Vec2& a, const Vec2& b) {
+  return {a.cwiseMin(b), a.cwiseMax(b)};
+}
+
 Box box_of(const Body& body) {
   Box box;
   for (const Ring& ring : body.rings_mm) {
@@ -159,9 +163,8 @@ class Compaction {
     const Box box = box_of(bodies_[b]);
     const Vec2 offset = bodies_[a].shift_mm - bodies_[b].shift_mm;
     for_each_corner(bodies_[a], [&](const Vec2& corner, const Vec2&) {
-      Box at;
-      at.add(corner + bodies_[a].shift_mm);
-      if (!at.is_within(box, reach)) return;
+      const Vec2 at = corner + bodies_[a].shift_mm;
+      if (!box_of_side(at, at).is_within(box, reach)) return;
       for_each_corner(bodies_[b], [&](const Vec2& from, const Vec2& to) {
         if (distance_to_side(corner + offset, from, to) < reach) touches_.push_back({a, b, corner, from, to});
       });
@@ -206,16 +209,11 @@ class Compaction {
     bool is_kept = !contains(one, other) && !contains(other, one);
     for_each_corner(one, [&](const Vec2& a, const Vec2& b) {
       const Vec2 p = a + one.shift_mm, q = b + one.shift_mm;
-      Box side;
-      side.add(p);
-      side.add(q);
+      const Box side = box_of_side(p, q);
       if (!is_kept || !side.is_within(box, gap)) return;
       for_each_corner(other, [&](const Vec2& c, const Vec2& d) {
         const Vec2 r = c + other.shift_mm, s = d + other.shift_mm;
-        Box other_side;
-        other_side.add(r);
-        other_side.add(s);
-        if (!is_kept || !side.is_within(other_side, gap)) return;
+        if (!is_kept || !side.is_within(box_of_side(r, s), gap)) return;
         is_kept = !sides_cross(p, q, r, s) && distance_to_side(p, r, s) >= gap && distance_to_side(r, p, q) >= gap &&
                   distance_to_side(q, r, s) >= gap && distance_to_side(s, p, q) >= gap;
       });

@@ -9,6 +9,7 @@
 #include <map>
 #include <numbers>
 
+#include "ring.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/design/outline.hpp"
@@ -46,15 +47,6 @@ std::map<CutEnd, CutEnd> contour_edges(const design::Design& design, const sheet
   return next;
 }
 
-double doubled_area_mm2(const std::vector<Vec2>& ring) {
-  double sum = 0.0;
-  for (std::size_t k = 0; k < ring.size(); ++k) {
-    const Vec2 &a = ring[k], &b = ring[(k + 1) % ring.size()];
-    sum += a.x() * b.y() - a.y() * b.x();
-  }
-  return sum;
-}
-
 void trace_contour(std::map<CutEnd, CutEnd> next, FlatIsland& island) {
   while (!next.empty()) {
     const CutEnd start = next.begin()->first;
@@ -66,7 +58,7 @@ void trace_contour(std::map<CutEnd, CutEnd> next, FlatIsland& island) {
       at = edge->second;
       next.erase(edge);
     } while (at != start);
-    if (doubled_area_mm2(ring) > 0.0) {
+    if (area_within(ring) > 0.0) {
       island.outline_mm = std::move(ring);
     } else {
       island.holes_mm.push_back(std::move(ring));

@@ -24,7 +24,7 @@ using design::Vec2;
 // A try is this much work for each island, about 10 ms; more islands than these share it.
 constexpr std::int64_t kTryWork = 16'000'000;
 constexpr std::size_t kMaxWorkIslands = 14;
-// Two points closer than this always share a pixel's middle within half of it around them.
+// No point of a pixel is farther from its middle than this.
 const double kHalfDiagonal_mm = kPixel_mm * std::numbers::sqrt2 / 2.0;
 
 double area_of(const FlatIsland& island) {
@@ -55,24 +55,25 @@ class Nester {
         rings_(rings_of(islands)),
         // The silhouettes include half the gap at the edges; the sheet is reduced by the other half.
         width_(static_cast<int>(std::floor((options.width_mm - options.gap_mm) / kPixel_mm))),
-        height_(static_cast<int>(std::floor((options.length_mm - options.gap_mm) / kPixel_mm))) {}
+        height_(static_cast<int>(std::floor((options.length_mm - options.gap_mm) / kPixel_mm))),
+        // Pixels that cover all of an island and half the gap guarantee the gap.
+        start_(first_layout(silhouettes(options.gap_mm / 2.0 + kHalfDiagonal_mm))),
+        // The search counts a pixel by its middle, which loses no room. A gap can become too small by a pixel's
+        // diagonal then, so we cover as much more as is needed to keep the islands from overlapping; the compaction
+        // restores the gap.
+        exact_(silhouettes(std::max(options.gap_mm / 2.0, kHalfDiagonal_mm))) {}
 
-  [[nodiscard]] std::vector<NestedIsland> places() const {
-    // Pixels that cover all of an island and half the gap guarantee the gap.
-    const std::vector<PixelPlace> start = first_layout(silhouettes(options_.gap_mm / 2.0 + kHalfDiagonal_mm));
-    // The search counts a pixel by its middle, which loses no room. A gap can become too small by a pixel's diagonal
-    // then, so we cover as much more as is needed to keep the islands from overlapping; the compaction restores the
-    // gap.
-    const Silhouettes exact = silhouettes(std::max(options_.gap_mm / 2.0, kHalfDiagonal_mm));
-    OverlapSearch search(exact, width_, height_, options_.seed);
+  // Returns the layout that the search with this seed finds. Thread-safe.
+  [[nodiscard]] std::vector<NestedIsland> places(std::uint64_t seed) const {
+    OverlapSearch search(exact_, width_, height_, seed);
     const std::int64_t work =
         (options_.tries - 1) * kTryWork * static_cast<std::int64_t>(std::min(kMaxWorkIslands, islands_.size()));
-    const std::vector<PixelPlace> found = search.shorten(start, work);
-    if (const auto shifts = compacted(bodies(exact, found), room())) return nested(found, *shifts);
-    if (const auto shifts = compacted(bodies(exact, start), room())) return nested(start, *shifts);
+    const std::vector<PixelPlace> found = search.shorten(start_, work);
+    if (const auto shifts = compacted(bodies(found), room())) return nested(found, *shifts);
+    if (const auto shifts = compacted(bodies(start_), room())) return nested(start_, *shifts);
     std::vector<Vec2> shifts;
-    for (const Body& body : bodies(exact, start)) shifts.push_back(body.shift_mm);
-    return nested(start, shifts);
+    for (const Body& body : bodies(start_)) shifts.push_back(body.shift_mm);
+    return nested(start_, shifts);
   }
 
  private:
@@ -105,7 +106,7 @@ class Nester {
     return bottom_left(covering, order, width_, height_);
   }
 
-  [[nodiscard]] std::vector<Body> bodies(const Silhouettes& silhouettes, const std::vector<PixelPlace>& places) const {
+  [[nodiscard]] std::vector<Body> bodies(const std::vector<PixelPlace>& places) const {
     std::vector<Body> bodies;
     for (std::size_t k = 0; k < places.size(); ++k) {
       const PixelPlace& p = places[k];
@@ -114,7 +115,7 @@ class Nester {
         for (Vec2& point : ring) point = rotated(point, angle_of_turn(p.turn));
       }
       const double edge_mm = options_.gap_mm / 2.0;
-      body.shift_mm = silhouettes[k][static_cast<std::size_t>(p.turn)].shift_mm() +
+      body.shift_mm = exact_[k][static_cast<std::size_t>(p.turn)].shift_mm() +
                       Vec2(p.x * kPixel_mm + edge_mm, p.y * kPixel_mm + edge_mm);
     }
     return bodies;
@@ -132,6 +133,8 @@ class Nester {
   const SheetOptions& options_;
   std::vector<std::vector<Ring>> rings_;
   int width_, height_;
+  std::vector<PixelPlace> start_;
+  Silhouettes exact_;
 };
 
 void require_options(const SheetOptions& o) {
@@ -145,9 +148,10 @@ void require_options(const SheetOptions& o) {
   require(o.tries, 1, 1000, "a number of orders");
 }
 
-Nesting searched(const std::vector<FlatIsland>& islands, const SheetOptions& options) {
+Nesting measured(const std::vector<FlatIsland>& islands, const SheetOptions& options,
+                 std::vector<NestedIsland> places) {
   Nesting nesting;
-  nesting.places = Nester(islands, options).places();
+  nesting.places = std::move(places);
   for (const NestedIsland& p : nesting.places) {
     const auto sheet = static_cast<std::size_t>(p.sheet);
     if (nesting.used_mm.size() <= sheet) nesting.used_mm.resize(sheet + 1, 0.0);
@@ -169,11 +173,11 @@ Nesting searched(const std::vector<FlatIsland>& islands, const SheetOptions& opt
 Nesting nest(const std::vector<FlatIsland>& islands, const SheetOptions& options) {
   require_options(options);
   if (islands.empty()) return {};
+  const Nester nester(islands, options);
   // Searches with different seeds end up to two percent apart, and a second one costs no time where a core is idle.
-  SheetOptions other_options = options;
-  ++other_options.seed;
-  std::future<Nesting> beside = std::async(std::launch::async, [&] { return searched(islands, other_options); });
-  Nesting one = searched(islands, options), other = beside.get();
+  auto beside = std::async(std::launch::async, [&] { return nester.places(options.seed + 1); });
+  Nesting one = measured(islands, options, nester.places(options.seed));
+  Nesting other = measured(islands, options, beside.get());
   const auto length = [](const Nesting& n) { return std::pair(n.used_mm.size(), n.used_mm.back()); };
   return length(other) < length(one) ? other : one;
 }

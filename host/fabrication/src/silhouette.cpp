@@ -9,28 +9,8 @@ namespace triskin::fabrication {
 
 using design::Vec2;
 
-Vec2 rotated(const Vec2& p, double angle_rad) {
-  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
-  return {c * p.x() - s * p.y(), s * p.x() + c * p.y()};
-}
-
 double angle_of_turn(int turn) {
   return turn * 2.0 * std::numbers::pi / kTurns;
-}
-
-double distance_to_side(const Vec2& p, const Vec2& a, const Vec2& b) {
-  const Vec2 d = b - a;
-  const double t = std::clamp((p - a).dot(d) / std::max(d.squaredNorm(), 1e-12), 0.0, 1.0);
-  return (p - a - t * d).norm();
-}
-
-double area_within(const Ring& ring) {
-  double twice = 0.0;
-  for (std::size_t k = 0; k < ring.size(); ++k) {
-    const Vec2 &a = ring[k], &b = ring[(k + 1) % ring.size()];
-    twice += a.x() * b.y() - a.y() * b.x();
-  }
-  return 0.5 * twice;
 }
 
 Silhouette::Silhouette(const std::vector<Ring>& rings, int turn, double half_gap_mm, double reach_mm) {

@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "triskin/fabrication/flat_island.hpp"
+#include "ring.hpp"
 
 namespace triskin::fabrication {
 
@@ -10,19 +10,8 @@ inline constexpr double kPixel_mm = 0.5;
 /// Islands consist of triangles: turned by 60° they fit each other, turned by 30° the edges of the sheet.
 inline constexpr int kTurns = 12;
 
-using Ring = std::vector<design::Vec2>;
-
-/// Turns a point counter-clockwise around (0, 0). Constant cost.
-[[nodiscard]] design::Vec2 rotated(const design::Vec2& p, double angle_rad);
-
 /// Returns the angle of a turn, 0 … kTurns − 1, in rad. Constant cost.
 [[nodiscard]] double angle_of_turn(int turn);
-
-/// Returns the distance of a point from a segment, mm. Constant cost.
-[[nodiscard]] double distance_to_side(const design::Vec2& p, const design::Vec2& a, const design::Vec2& b);
-
-/// Returns the area within a ring, negative if it runs clockwise. Cost: linear.
-[[nodiscard]] double area_within(const Ring& ring);
 
 /// The run covers the pixels first … end − 1 of a row.
 struct Run {

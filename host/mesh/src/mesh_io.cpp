@@ -13,7 +13,6 @@
 #include "formats/content_kind.hpp"
 #include "formats/gltf_reader.hpp"
 #include "formats/library_reader.hpp"
-#include "formats/lower_case.hpp"
 #include "formats/mesh_source.hpp"
 #include "formats/obj_reader.hpp"
 #include "formats/off_reader.hpp"
@@ -22,6 +21,7 @@
 #include "formats/three_mf_reader.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/base/lower_case.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/cad/read_part.hpp"
 

@@ -7,7 +7,7 @@
 
 namespace triskin::pipeline {
 
-void keep_numbers(design::ModuleLayout& layout, std::vector<int>& new_id, std::vector<int>& added) {
+void keep_numbers(design::ModuleLayout& layout, std::vector<int>& new_id, std::span<int> added) {
   const std::size_t count = layout.modules.size();
   std::vector<int> number(count, -1);  // The index is the present id.
   std::vector<bool> is_taken(count, false);

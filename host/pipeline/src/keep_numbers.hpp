@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <span>
 #include <vector>
 
 #include "triskin/design/module.hpp"
@@ -10,6 +11,6 @@ namespace triskin::pipeline {
 /// if the layout is still long enough for it. The numbers that became free go to the added modules and then to those
 /// that had the highest numbers. `new_id` has the present id by old id (−1: gone) and `added` the present ids of the
 /// new modules; both are brought up to date. The layout must have no jumpers yet. Cost: O(n).
-void keep_numbers(design::ModuleLayout& layout, std::vector<int>& new_id, std::vector<int>& added);
+void keep_numbers(design::ModuleLayout& layout, std::vector<int>& new_id, std::span<int> added = {});
 
 }  // namespace triskin::pipeline

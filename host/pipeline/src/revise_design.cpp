@@ -31,8 +31,8 @@ std::vector<int> take_over(const design::Design& old, design::Design& d) {
     geometry::measure_on_surface(surface, m, d.layout.corner_cut_mm, regions.get());
     gone.push_back(!keeps_limits(m, d.limits));
   }
-  std::vector<int> new_id = geometry::remove_modules(d.layout, gone), none_added;
-  keep_numbers(d.layout, new_id, none_added);
+  std::vector<int> new_id = geometry::remove_modules(d.layout, gone);
+  keep_numbers(d.layout, new_id);
   geometry::number_islands(d.layout);
   return new_id;
 }

@@ -105,28 +105,11 @@ scene::VirtualSkin& RunningSkin::hardware() {
   return bench_->link->skin();
 }
 
-namespace {
-
-// The temperature pads feel no finger, so what they read below rest is not pressure on the other taxels either
-// (device::TouchMap does the same).
-double warming_counts(const wire::TaxelFrame& sample, const std::array<double, layout::kTaxelsPerModule>& rests) {
-  double sum = 0.0;
-  int known = 0;
-  for (const std::size_t t : layout::kTemperaturePads) {
-    if ((sample.valid >> t & 1U) == 0) continue;
-    sum += rests[t] - sample.value[t];
-    ++known;
-  }
-  return known > 0 ? sum / known : 0.0;
-}
-
-}  // namespace
-
 std::array<double, layout::kTaxelsPerModule> changes_of(const device::ModuleSample& sample,
                                                         const design::RestValues& rest) {
   std::array<double, layout::kTaxelsPerModule> changes{};
   const auto& rests = rest.at(static_cast<std::size_t>(sample.module));
-  const double warming = warming_counts(sample.sample, rests);
+  const double warming = device::warming_counts(sample.sample, rests).value_or(0.0);
   for (std::size_t t = 0; t < changes.size(); ++t) {
     if ((sample.sample.valid >> t & 1U) != 0 && layout::measures_pressure(t))
       changes[t] = std::max(0.0, rests[t] - sample.sample.value[t] - warming);

@@ -2,8 +2,23 @@
 #include "triskin/skin/touch_map.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace triskin::device {
+
+std::optional<double> warming_counts(const wire::TaxelFrame& sample,
+                                     const std::array<double, layout::kTaxelsPerModule>& rest) {
+  double sum = 0.0;
+  int known = 0;
+  for (const std::size_t t : layout::kTemperaturePads) {
+    if ((sample.valid >> t & 1) == 0 || std::isnan(rest[t])) continue;
+    sum += rest[t] - sample.value[t];
+    ++known;
+  }
+  if (known == 0) return std::nullopt;
+  return sum / known;
+}
 
 TouchMap::TouchMap(const design::Design& design, const design::RestValues& rest)
     : design_(design), wiring_(design::wiring_of(design)), modules_(design.layout.modules.size()) {
@@ -55,22 +70,22 @@ void TouchMap::take(const Module& module, Taxel& taxel, double value) {
 
 // A finger does not affect the temperature pads, so their first reading is their rest value.
 void TouchMap::take_pads(Module& module, const wire::TaxelFrame& sample) {
-  double sum = 0.0;
-  int known = 0;
+  std::array<double, layout::kTaxelsPerModule> rest{};
   for (const std::size_t t : layout::kTemperaturePads) {
-    if ((sample.valid >> t & 1) == 0) continue;
     Taxel& pad = module.taxels[t];
-    pad.now = sample.value[t];
-    if (pad.seen < kRestSamples) {
-      pad.first[pad.seen++] = pad.now;
-      if (pad.seen < kRestSamples) continue;
-      std::ranges::sort(pad.first);
-      pad.rest = pad.first[kRestSamples / 2];
+    if ((sample.valid >> t & 1) != 0) {
+      pad.now = sample.value[t];
+      if (pad.seen < kRestSamples) {
+        pad.first[pad.seen++] = pad.now;
+        if (pad.seen == kRestSamples) {
+          std::ranges::sort(pad.first);
+          pad.rest = pad.first[kRestSamples / 2];
+        }
+      }
     }
-    sum += pad.rest - pad.now;
-    ++known;
+    rest[t] = pad.seen == kRestSamples ? pad.rest : std::numeric_limits<double>::quiet_NaN();
   }
-  if (known > 0) module.warming_counts = sum / known;
+  if (const auto warming = warming_counts(sample, rest)) module.warming_counts = *warming;
 }
 
 void TouchMap::add(const ModuleSample& frame) {

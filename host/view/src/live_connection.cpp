@@ -16,8 +16,6 @@ namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kContactsEvery{100};  // A person reads no faster.
-
 // Sends one message at a time to the page. Meanwhile newer samples replace older ones in LatestSamples, so a slow page
 // only gets fewer frames. A page that accepts nothing for `write_time` is disconnected.
 class LiveConnection : public std::enable_shared_from_this<LiveConnection> {
@@ -77,7 +75,7 @@ class LiveConnection : public std::enable_shared_from_this<LiveConnection> {
       return write(health_json(shared_.live.health()), true);
     }
     if (Clock::now() >= next_contacts_) {
-      next_contacts_ = Clock::now() + kContactsEvery;
+      next_contacts_ = Clock::now() + LatestSamples::kContactsEvery;
       if (const auto contacts = shared_.live.contacts_since(seen_contacts_))
         return write(contacts_json(*contacts), true);
     }

@@ -12,6 +12,7 @@
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/base/lower_case.hpp"
 #include "triskin/cli/module_ids.hpp"
 #include "triskin/pipeline/edit_design.hpp"
 
@@ -268,13 +269,9 @@ void report_alternatives(const design::Design& d, Output& output) {
 void require_design_output(const std::string& path) {
   static constexpr std::array kOtherFormats{".obj", ".stl",  ".ply", ".off",  ".dae", ".gltf", ".glb", ".3mf", ".step",
                                             ".stp", ".iges", ".igs", ".html", ".svg", ".pdf",  ".csv", ".dxf"};
-  const std::filesystem::path name(path);
-  std::string extension = name.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  if (std::ranges::find(kOtherFormats, extension) != kOtherFormats.end())
+  if (std::ranges::find(kOtherFormats, extension_of(path)) != kOtherFormats.end())
     throw InputError(fmt::format("{}: a design is a JSON file; name it {}", path,
-                                 std::filesystem::path(name).replace_extension(".json").string()));
+                                 std::filesystem::path(path).replace_extension(".json").string()));
   require_writable(path);
 }
 

@@ -5,10 +5,10 @@
 #include <array>
 #include <cctype>
 
-#include "lower_case.hpp"
 #include "off_reader.hpp"
 #include "stl_reader.hpp"
 #include "text_numbers.hpp"
+#include "triskin/base/lower_case.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "lower_case.hpp"
 #include "polygon_faces.hpp"
 #include "text_numbers.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/base/lower_case.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -10,8 +10,8 @@
 #include <tuple>
 #include <type_traits>
 
-#include "lower_case.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/base/lower_case.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "triskin/design/design.hpp"
@@ -18,6 +19,11 @@ struct PressedTaxel {
   /// The centre of the taxel and its outward unit normal are given.
   design::Vec3 position_mm{0, 0, 0}, normal{0, 0, 0};
 };
+
+/// Returns how far the valid temperature pads of a module read below their rest values, on average; nothing if there is
+/// none. The pads feel no finger, so this is warmth, and taken off every taxel. A rest value that is not known is NaN.
+[[nodiscard]] std::optional<double> warming_counts(const wire::TaxelFrame& sample,
+                                                   const std::array<double, layout::kTaxelsPerModule>& rest);
 
 /// Keeps the rest value of every taxel and lists the pressed taxels. Rest values are given, or taken by tare(). Without
 /// them, a taxel is expected to rest where the design says (layout::kRestCounts). If its first valid values are at most

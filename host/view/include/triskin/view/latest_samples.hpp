@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -60,8 +61,10 @@ class LatestSamples {
   void set_health(Health health);
   [[nodiscard]] Health health() const;
 
-  /// Replaces the contacts of one group of modules, for example of one cover. Nothing in place of nothing counts as no
-  /// change.
+  /// Contacts are found and sent at this interval, because a person reads no faster.
+  static constexpr std::chrono::milliseconds kContactsEvery{100};
+  /// Replaces the contacts of one group of modules, for example of a cover's part on one bus. Nothing in place of
+  /// nothing counts as no change.
   void set_contacts(int group, std::vector<Contact> contacts);
   /// Returns the contacts of all groups, the strongest first, if they were set after number `seen`, which becomes the
   /// newest number.

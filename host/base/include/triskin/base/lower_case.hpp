@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace triskin::geometry {
+namespace triskin {
 
 /// Converts ASCII letters to lower case and leaves other bytes unchanged.
 [[nodiscard]] inline std::string lower_case(std::string_view text) {
@@ -19,4 +19,4 @@ namespace triskin::geometry {
   return lower_case(path.extension().string());
 }
 
-}  // namespace triskin::geometry
+}  // namespace triskin
