@@ -37,6 +37,7 @@ std::vector<Case> cases() {
       {"temperature", [=](Scene& s) { s.effects.pads.temperature = scene::TemperatureEffect{day(20.0, 30.0)}; }},
       {"humidity", [=](Scene& s) { s.effects.pads.humidity = scene::HumidityEffect{day(40.0, 60.0)}; }},
       {"crosstalk", [](Scene& s) { s.effects.pads.crosstalk = scene::CrosstalkEffect{}; }},
+      {"edges", [=](Scene& s) { s.effects.pads.edges = scene::EdgeEffect{}; }},
       {"supply", [=](Scene& s) { s.effects.pads.supply = scene::SupplyEffect{day(3.3, 3.0)}; }},
       {"emi", [](Scene& s) { s.effects.pads.emi = {{0, kSecond_us / 5, kSecond_us, 50.0}}; }},
   };

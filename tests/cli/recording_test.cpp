@@ -164,7 +164,7 @@ TEST_F(Recordings, a_view_keeps_its_counts_when_the_link_fails) {
 }
 
 TEST_F(Recordings, a_replay_shows_what_live_showed) {
-  write_scene(R"("contacts":[{"module":4,"taxel":3,"force_n":1,"radius_mm":3}])");
+  write_scene(R"("contacts":[{"module":4,"taxel":3,"force_n":6,"radius_mm":3}])");
   ASSERT_EQ(run("record strip.json --link sim --scene scene.json --seconds 1 -o r.mcap").status, 0);
   const Outcome o = run("replay r.mcap --speed 0 --json");
   EXPECT_EQ(o.status, 0);
@@ -178,7 +178,7 @@ TEST_F(Recordings, a_replay_shows_what_live_showed) {
 }
 
 TEST_F(Recordings, a_recording_is_played_into_a_link_that_live_reads) {
-  write_scene(R"("contacts":[{"module":4,"taxel":3,"force_n":1,"radius_mm":3}])");
+  write_scene(R"("contacts":[{"module":4,"taxel":3,"force_n":6,"radius_mm":3}])");
   ASSERT_EQ(run("record strip.json --link sim --scene scene.json --seconds 2 -o r.mcap").status, 0);
   const pid_t server = start("replay r.mcap --listen 127.0.0.1:0 --loop", "served");
   wait_for_text("served", "end with Ctrl-C");
@@ -196,7 +196,7 @@ TEST_F(Recordings, a_recording_is_played_into_a_link_that_live_reads) {
 }
 
 TEST_F(Recordings, live_shows_contacts_that_are_there_at_the_start_and_adds_no_finger_to_a_served_scene) {
-  write_scene(R"("contacts":[{"module":4,"taxel":3,"force_n":1,"radius_mm":3}])");
+  write_scene(R"("contacts":[{"module":4,"taxel":3,"force_n":6,"radius_mm":3}])");
   pid_t server = 0;
   const std::string link = serve(server);
   const Outcome o = run("live strip.json --link " + link + " --seconds 3 --json");
@@ -218,7 +218,7 @@ TEST_F(Recordings, live_shows_contacts_that_are_there_at_the_start_and_adds_no_f
 }
 
 TEST_F(Recordings, a_tare_makes_the_present_rest_and_is_kept) {
-  write_scene(R"("contacts":[{"module":4,"taxel":3,"force_n":1,"radius_mm":3}])");
+  write_scene(R"("contacts":[{"module":4,"taxel":3,"force_n":6,"radius_mm":3}])");
   const auto pressed = [&](const std::string& options) {
     const Outcome o = run("live strip.json --link sim --scene scene.json --seconds 0.5 --json " + options);
     return nlohmann::json::parse(o.out.substr(o.out.rfind('\n', o.out.size() - 2) + 1))["pressed"].size();

@@ -340,7 +340,9 @@ class SpreadSkin {
 
 constexpr std::array kSteps{5.0, 10.0, 20.0, 30.0, 40.0};
 
-// Expects that every taxel is calibrated within the stated error, which is at most 1 %.
+// Expects that every taxel is calibrated within the stated error. A mean of 27 samples scatters by 3/√27 = 0.58 counts,
+// so the slope of five steps to 40 kPa, with Σ(p − 21 kPa)² = 820 kPa², by 0.02 counts/kPa: 0.3 % of 7 counts/kPa.
+// Student's t for three degrees of freedom is 3.2, and among eighty taxels the worst scatter seems twice as large.
 void expect_errors_as_stated(SpreadSkin& skin, const CalibrationOutcome& outcome, const char* what) {
   EXPECT_TRUE(outcome.without.empty());
   const auto calibration = skin.calibration(outcome);
@@ -348,14 +350,14 @@ void expect_errors_as_stated(SpreadSkin& skin, const CalibrationOutcome& outcome
   const double worst = skin.worst_error(calibration);
   std::printf("%s: worst error %.3f %%, stated %.3f %%\n", what, 100.0 * worst, outcome.quality.worst_percent);
   EXPECT_LE(100.0 * worst, outcome.quality.worst_percent);
-  EXPECT_LE(outcome.quality.worst_percent, 1.0);
+  EXPECT_LE(outcome.quality.worst_percent, 1.9);
 }
 
 TEST(Calibrate, steps_find_the_sensitivity_of_every_taxel_within_the_error_that_is_stated) {
   SpreadSkin skin(8, 3.0);
   const CalibrationOutcome outcome = skin.by_steps(kSteps);
   EXPECT_EQ(outcome.quality.taxels, 80U);
-  expect_errors_as_stated(skin, outcome, "80 taxels of 105 … 195 counts/kPa by steps");
+  expect_errors_as_stated(skin, outcome, "80 taxels of 7 … 13 counts/kPa by steps");
 }
 
 TEST(Calibrate, a_taxel_that_does_not_follow_is_named_and_has_none) {
@@ -372,7 +374,8 @@ TEST(Calibrate, a_taxel_that_does_not_follow_is_named_and_has_none) {
 TEST(Calibrate, weights_on_each_module_give_what_steps_on_all_give) {
   SpreadSkin skin(4);
   const auto calibration = skin.calibration(skin.by_steps(kSteps, true));
-  EXPECT_LE(skin.worst_error(calibration), 0.002);
+  // Samples are whole counts, so the slope errs by up to 0.5·Σ|p − 21 kPa| / 820 kPa² = 0.034 of 7 counts/kPa.
+  EXPECT_LE(skin.worst_error(calibration), 0.005);
 }
 
 // A person ends it while the third of four modules is pressed: two are measured, and nothing is said of the others.

@@ -2,6 +2,7 @@
 // Tests what live tracks and shows: rest values, contacts that are there from the start, the picture of a patch.
 #include "triskin/skin/live_monitor.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -129,7 +130,17 @@ TEST(LiveMonitor, draws_the_patch_in_its_shape) {
   }
   EXPECT_THAT(monitor.picture(0, PressureUnit::kCounts, false), ElementsAre("▲   0 ▼4000 ▲8000 ▼  -- "));
   EXPECT_THAT(monitor.picture(0, PressureUnit::kPercent, false), ElementsAre("▲  0% ▼ 12% ▲ 24% ▼  -- "));
-  EXPECT_THAT(monitor.picture(0, PressureUnit::kCounts, true)[0], HasSubstr("\033[48;5;172m▼4000\033[0m"));
+  EXPECT_THAT(monitor.picture(0, PressureUnit::kCounts, true)[0], HasSubstr("\033[48;5;160m▼4000\033[0m"));
+}
+
+// The colours begin at 2, 7, 20 and 50 kPa.
+TEST(LiveMonitor, has_a_colour_for_each_strength) {
+  const design::Design design = strip(1);
+  for (const auto& [counts, colour] : {std::pair(15, 236), {25, 22}, {100, 34}, {300, 172}, {600, 160}}) {
+    LiveMonitor monitor(design);
+    for (const int change : {0, 0, 0, counts}) monitor.add(frame(0, layout::kRestCounts, change));
+    EXPECT_THAT(monitor.picture(0, PressureUnit::kCounts, true)[0], HasSubstr(fmt::format("48;5;{}m", colour)));
+  }
 }
 
 TEST(LiveMonitor, shows_numbers_of_modules_in_their_cells) {

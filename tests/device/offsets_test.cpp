@@ -48,7 +48,7 @@ TEST_P(Offsets, EveryTaxelRestsInTheMiddleThirdAndPressureLowersIt) {
   stream.run_until(f.bus().now_us() + 200'000);
   int pressed = 0;
   for (const ModuleSample& frame : frames) pressed = frame.module == 7 ? frame.sample.value[3] : pressed;
-  EXPECT_LT(pressed, at_rest - 1000);
+  EXPECT_LT(pressed, at_rest - 200);
 }
 INSTANTIATE_TEST_SUITE_P(Inputs, Offsets, testing::Bool(),
                          [](const auto& tested) { return std::string(tested.param ? "positive" : "negative"); });

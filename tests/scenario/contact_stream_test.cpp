@@ -58,13 +58,13 @@ TEST(ContactStream, a_contact_reaches_the_samples_and_the_frames) {
   EXPECT_EQ(head["modules"], 6);
   const double begin_s = stream.time_s();
   const json quiet = json::parse(stream.take(step_to(begin_s + 0.2, "")));
-  EXPECT_LT(largest_change(quiet, 2), 100.0);
+  EXPECT_LT(largest_change(quiet, 2), 10.0);
   // The centre of module 2 of the strip is given 3 mm above the skin in metres.
   const design::Vec3 at = scene::center_of(test::strip(6), 2) * 1e-3;
   const std::string contact =
       fmt::format(R"({{"body":"cover","point_m":[{},{},0.003],"normal":[0,0,1],"force_n":5}})", at.x(), at.y());
   const json pressed = json::parse(stream.take(step_to(begin_s + 0.4, contact)));
-  EXPECT_GT(largest_change(pressed, 2), 1000.0);
+  EXPECT_GT(largest_change(pressed, 2), 500.0);
   EXPECT_EQ(pressed["contacts"], 1);
   EXPECT_EQ(pressed["unfelt"], 0);
   EXPECT_NEAR(pressed["time_s"].get<double>(), begin_s + 0.4, 1e-6);
@@ -79,7 +79,7 @@ TEST(ContactStream, a_contact_reaches_the_samples_and_the_frames) {
   EXPECT_GE(samples, 6U * 4U);
   const json lifted = json::parse(stream.take(step_to(begin_s + 0.6, "")));
   const json rest = json::parse(stream.take(step_to(begin_s + 0.8, "")));
-  EXPECT_LT(largest_change(rest, 2), 100.0);
+  EXPECT_LT(largest_change(rest, 2), 10.0);
 }
 
 TEST(ContactStream, a_depth_becomes_a_force) {
@@ -91,7 +91,7 @@ TEST(ContactStream, a_depth_becomes_a_force) {
     return largest_change(json::parse(stream.take(step_to(stream.time_s() + 0.3, contact))), 2);
   };
   const double shallow = press(0.2), deep = press(0.4);
-  EXPECT_GT(shallow, 200.0);
+  EXPECT_GT(shallow, 50.0);
   // The pressure in the centre of an elastic foundation is proportional to the depth.
   EXPECT_NEAR(deep / shallow, 2.0, 0.2);
 }

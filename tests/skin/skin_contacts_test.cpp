@@ -13,7 +13,7 @@
 namespace triskin::device {
 namespace {
 
-constexpr double kCountsPerKpa = 150.0;
+using layout::kCountsPerKpa;
 
 // Returns the frame of a strip of four modules under a Gaussian pressure in kPa about a point.
 ContactFrame frame_of(const design::Vec3& at, double peak_kpa, double width_mm) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "shared_skin.hpp"
 #include "triskin/scene/sim_link.hpp"
@@ -55,12 +56,13 @@ TEST_P(LongPress, stays_within_two_percent_of_its_value_at_ten_seconds) {
     constexpr int kLooks = 10;
     for (int k = 0; k < kLooks; ++k) {
       stream.run_until(begin_us + second * kSecond_us + static_cast<std::uint64_t>(k) * kSecond_us / kLooks);
-      for (const PressedTaxel& t : monitor.touches().pressed()) sum += t.change_counts / kLooks;
+      for (const double change : monitor.touches().change(0)) sum += change / kLooks;
     }
     return sum;
   };
   const double at_start = sum_at(10);
-  ASSERT_GT(at_start, 500.0);
+  ASSERT_GT(at_start, 100.0);
+  EXPECT_FALSE(monitor.touches().pressed().empty());
   double least = at_start, most = at_start;
   for (std::uint64_t second = 20; second <= 600; second += 10) {
     const double sum = sum_at(second);
@@ -69,8 +71,10 @@ TEST_P(LongPress, stays_within_two_percent_of_its_value_at_ten_seconds) {
   }
   std::printf("%s: %.0f counts at 10 s, %.2f … %.2f %% of it until 600 s\n", GetParam().name, at_start,
               100.0 * least / at_start, 100.0 * most / at_start);
-  EXPECT_GE(least, 0.98 * at_start);
-  EXPECT_LE(most, 1.02 * at_start);
+  // The mean of ten looks at the sum over ten taxels scatters by 3 counts, and so does the value it is compared with.
+  constexpr double kScatter_counts = 4.0 * 3.0 * std::numbers::sqrt2;
+  EXPECT_GE(least, 0.98 * at_start - kScatter_counts);
+  EXPECT_LE(most, 1.02 * at_start + kScatter_counts);
   link.skin().release(id);
   stream.run_until(bus.now_us() + kSecond_us);
   EXPECT_TRUE(monitor.touches().pressed().empty()) << "no ghost is left behind";

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "triskin/layout/module.hpp"
+#include "triskin/layout/taxel_signal.hpp"
 #include "triskin/session/patch_table.hpp"
 
 namespace triskin::device {
@@ -14,8 +15,8 @@ namespace {
 constexpr std::uint64_t kLook_us = 50'000;
 constexpr std::uint64_t kSample_us = 85'000;  // A conversion and a reading fit into this time.
 constexpr std::uint64_t kMaxOffsets_us = 1'500'000;
-// The limit applies to the sum over the taxels of a module; noise is a few counts per taxel.
-constexpr double kFelt_counts = 400.0;
+// The limit applies to the sum over the taxels of a module: three of them are pressed, or one more firmly.
+constexpr double kFelt_counts = 3.0 * layout::kPressed_counts;
 constexpr double kClearly = 3.0;  // The touched board must respond this many times more strongly than any other.
 constexpr int kLooks = 2;         // One reading may be a glitch, so two in a row must agree.
 

@@ -8,6 +8,7 @@
 
 #include "drawing.hpp"
 #include "module_geometry.hpp"
+#include "triskin/design/fold.hpp"
 #include "triskin/design/module_side.hpp"
 #include "triskin/design/outline.hpp"
 
@@ -41,9 +42,7 @@ struct Shape {
   Color color;
 };
 
-Vec3 normal_of(const std::array<Vec3, 3>& p) {
-  return (p[1] - p[0]).cross(p[2] - p[0]).normalized();
-}
+using design::normal_of;
 
 // A mesh with more faces is drawn as a picture: the generated forearm, six times 3,840 faces, was 4.5 MB of SVG, 0.2 kB
 // per face. At six dots per mm the eye sees no dots at arm's length.

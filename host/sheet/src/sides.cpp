@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "module_geometry.hpp"
+#include "triskin/design/fold.hpp"
 #include "triskin/design/module_side.hpp"
 
 namespace triskin::sheet {
@@ -16,15 +17,12 @@ namespace {
 using design::PlacedModule;
 using design::Vec3;
 
-Vec3 normal_of(const PlacedModule& m) {
-  return (m.corner_mm[1] - m.corner_mm[0]).cross(m.corner_mm[2] - m.corner_mm[0]).normalized();
-}
-
-double signed_fold_rad(const PlacedModule& a, const PlacedModule& b) {
-  const Vec3 na = normal_of(a), nb = normal_of(b);
+// Returns the angle at side `s` of `a`, across which `b` is joined; it is negative towards the touch side.
+double signed_fold_rad(const PlacedModule& a, int s, const PlacedModule& b) {
+  const Vec3 na = design::normal_of(a.corner_mm), nb = design::normal_of(b.corner_mm);
+  const Vec3 along = a.corner_mm[index((s + 1) % 3)] - a.corner_mm[index(s)];
   const double angle_rad = std::atan2(na.cross(nb).norm(), na.dot(nb));
-  const bool away = (center_of(b) - center_of(a)).dot(na) <= 0.0;
-  return away ? angle_rad : -angle_rad;
+  return design::folds_away(na, nb, along) ? angle_rad : -angle_rad;
 }
 
 void classify(const design::Design& design, Sides& sides) {
@@ -49,7 +47,7 @@ void classify(const design::Design& design, Sides& sides) {
       const bool is_cut = cut.contains({std::min(id, joined), std::max(id, joined)});
       side.kind = apart ? SideKind::kApart : is_cut ? SideKind::kCut : SideKind::kKept;
       side.other = joined;
-      side.fold_rad = signed_fold_rad(modules[k], modules.at(index(joined)));
+      side.fold_rad = signed_fold_rad(modules[k], s, modules.at(index(joined)));
     }
   }
 }

@@ -60,6 +60,15 @@ SupplyEffect read_supply(const JsonValue& v) {
   return e;
 }
 
+EdgeEffect read_edges(const JsonValue& v) {
+  only_scene_keys(v, {"pull_up_ohm", "extra_pf", "settling_us"});
+  EdgeEffect e;
+  if (has(v, "pull_up_ohm")) e.pull_up_ohm = number_in(v["pull_up_ohm"], 100.0, 1e6);
+  if (has(v, "extra_pf")) e.extra_pf = number_in(v["extra_pf"], 0.0, 1e6);
+  if (has(v, "settling_us")) e.settling_us = number_in(v["settling_us"], 0.01, 100.0);
+  return e;
+}
+
 EmiBurst read_burst(const JsonValue& v) {
   only_scene_keys(v, {"at_s", "for_s", "every_s", "counts"});
   EmiBurst b;
@@ -82,6 +91,7 @@ PadEffects read_pad_effects(const JsonValue& v) {
   if (has(v, "humidity")) e.humidity = read_humidity(v["humidity"]);
   if (has(v, "crosstalk")) e.crosstalk = CrosstalkEffect{number_in(v["crosstalk"], 0.0, 0.5)};
   if (has(v, "supply")) e.supply = read_supply(v["supply"]);
+  if (has(v, "edges")) e.edges = read_edges(v["edges"]);
   if (has(v, "emi")) {
     const JsonValue list = v["emi"];
     for (std::size_t k = 0; k < list.size(); ++k) e.emi.push_back(read_burst(list.at(k)));

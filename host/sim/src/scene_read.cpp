@@ -41,7 +41,7 @@ void read_electrodes(const JsonValue& v, Effects& e) {
 Effects read_effects(const JsonValue& v) {
   only_scene_keys(v, {"noise_counts", "drift_counts_per_s", "taxel_spread_counts", "sensitivity_spread", "electrode_pf",
                       "bus_bit_rate", "bus_data_bit_rate", "chain_bit_error_rate", "clock_ppm", "layer", "temperature",
-                      "humidity", "crosstalk", "supply", "emi"});
+                      "humidity", "crosstalk", "supply", "edges", "emi"});
   Effects e;
   e.pads = read_pad_effects(v);
   if (has(v, "chain_bit_error_rate")) e.chain_bit_error_rate = number_in(v["chain_bit_error_rate"], 0.0, 0.5);

@@ -171,6 +171,7 @@ Skin::Skin(const Scene& scene, SwitchedHardware* switched) : lines_(scene.design
   turn_modules(scene);
   place_chips(scene, switched);
   if (scene.effects.pads.supply) brown_out(*scene.effects.pads.supply, scene.design);
+  if (scene.effects.pads.edges) silence_slow_lines(*scene.effects.pads.edges, scene.design);
   for (const Fault& fault : scene.faults) apply(fault);
   for (const Contact& contact : scene.contacts) press(contact);
 }
@@ -266,6 +267,17 @@ void Skin::brown_out(const SupplyEffect& supply, const design::Design& design) {
     for (std::size_t row = 0; row < drops_v.size(); ++row) {
       Ad7147& chip = *chips_[static_cast<std::size_t>(patch.modules[row].node)];
       for (const Outage& o : outages_of(supply, drops_v[row])) chip.schedule_outage(o.from_us, o.until_us);
+    }
+  }
+}
+
+void Skin::silence_slow_lines(const EdgeEffect& edges, const design::Design& design) {
+  for (const design::Patch& patch : design.patches) {
+    for (const design::RoutedModule& m : patch.modules) {
+      const auto line = static_cast<std::size_t>(m.line);
+      const double capacitance_pf = line < patch.lines.size() ? patch.lines[line].capacitance_pf : 0.0;
+      if (rise_to_high_us(edges, capacitance_pf) <= edges.settling_us) continue;
+      chips_[static_cast<std::size_t>(m.node)]->schedule_outage(0, Ad7147::kNever);
     }
   }
 }

@@ -106,8 +106,10 @@ int colour_of(double counts, bool trouble) {
     int colour;
   };
   constexpr int kTrouble = 90, kRest = 236;  // In the palette of terminals these are purple and dark grey.
-  constexpr std::array<Step, 4> kSteps{
-      {{8'000.0, 160}, {3'000.0, 172}, {1'000.0, 34}, {TouchMap::kPressed_counts, 22}}};
+  constexpr std::array<Step, 4> kSteps{{{50.0 * layout::kCountsPerKpa, 160},
+                                        {20.0 * layout::kCountsPerKpa, 172},
+                                        {7.0 * layout::kCountsPerKpa, 34},
+                                        {TouchMap::kPressed_counts, 22}}};
   if (trouble) return kTrouble;
   for (const Step& step : kSteps) {
     if (counts >= step.from_counts) return step.colour;

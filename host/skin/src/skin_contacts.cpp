@@ -10,14 +10,15 @@
 #include "triskin/base/error.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/layout/module.hpp"
+#include "triskin/layout/taxel_signal.hpp"
 #include "triskin/mechanics/pressure_contacts.hpp"
 
 namespace triskin::device {
 namespace {
 
 constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
-// The noise of a sample at the converter's default rate and the error of a rest value add up to this.
-constexpr double kNoise_counts = 4.0;
+// The noise of a sample and the error of a rest value, which is the median of three samples, add up to this.
+constexpr double kNoise_counts = 1.3 * layout::kNoise_counts;
 // Modules whose middle is farther than this from every pressed taxel tell nothing about a contact.
 constexpr double kSurroundings_mm = 45.0;
 

@@ -64,8 +64,19 @@ void TouchMap::take(const Module& module, Taxel& taxel, double value) {
     taxel.follows = true;
     taxel.rest = value;
   }
-  // A light touch at the start can lie within the band; when it ends, the value rises to the true rest.
-  if (taxel.follows) taxel.rest = std::max(taxel.rest, value);
+  if (taxel.follows) follow(taxel, value);
+}
+
+// A light touch at the start can lie within the band; when it ends, the value rises to the true rest. The greatest
+// value of all would be rest plus several deviations of the noise, so the rest value is a running mean.
+void TouchMap::follow(Taxel& taxel, double value) {
+  constexpr double kUntouched_counts = kPressed_counts / 2.0;
+  constexpr double kRise = 1.0 / 4.0, kDrift = 1.0 / 64.0;
+  const double above = value - taxel.rest;
+  if (above > kUntouched_counts)
+    taxel.rest += kRise * above;
+  else if (above > -kUntouched_counts)
+    taxel.rest += kDrift * above;
 }
 
 // A finger does not affect the temperature pads, so their first reading is their rest value.
@@ -85,7 +96,12 @@ void TouchMap::take_pads(Module& module, const wire::TaxelFrame& sample) {
     }
     rest[t] = pad.seen == kRestSamples ? pad.rest : std::numeric_limits<double>::quiet_NaN();
   }
-  if (const auto warming = warming_counts(sample, rest)) module.warming_counts = *warming;
+  // Temperature changes slowly, so a mean over about eight samples keeps the noise of the two pads out of ten taxels.
+  constexpr double kShare = 1.0 / 8.0;
+  const auto warming = warming_counts(sample, rest);
+  if (!warming) return;
+  const double before = module.warming_counts.value_or(*warming);
+  module.warming_counts = before + kShare * (*warming - before);
 }
 
 void TouchMap::add(const ModuleSample& frame) {
@@ -95,7 +111,7 @@ void TouchMap::add(const ModuleSample& frame) {
     if (!layout::measures_pressure(t)) continue;
     Taxel& taxel = module.taxels[t];
     if ((frame.sample.valid >> t & 1) != 0)
-      take(module, taxel, frame.sample.value[t] + module.warming_counts);
+      take(module, taxel, frame.sample.value[t] + module.warming_counts.value_or(0.0));
     else
       taxel.now = taxel.rest;  // An invalid taxel must not count as pressed.
   }

@@ -65,9 +65,9 @@ export const CURVES = /** @type {Rgb[]} */ ([[0.90, 0.62, 0.0], ...LINES.slice(1
 export const css = (c) => `rgb(${c.map((v) => Math.round(255 * v)).join(",")})`;
 
 /** Change in counts at which a taxel has its full colour. */
-export const FULL_COUNTS = 6000;
+export const FULL_COUNTS = 400;
 /** Change in counts from which a taxel counts as pressed. */
-export const PRESSED_COUNTS = 200;
+export const PRESSED_COUNTS = 20;
 /** Colour strength of a pressure: the square root shows light touches. @param {number} counts below rest */
 export const heatOf = (counts) => counts < PRESSED_COUNTS / 2 ? 0 : Math.min(1, Math.sqrt(counts / FULL_COUNTS));
 

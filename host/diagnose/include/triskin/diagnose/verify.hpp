@@ -11,6 +11,7 @@
 #include "triskin/design/design.hpp"
 #include "triskin/design/rest_values.hpp"
 #include "triskin/diagnose/finding_kind.hpp"
+#include "triskin/layout/taxel_signal.hpp"
 #include "triskin/link/touch_actuator.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/stream_report.hpp"
@@ -64,7 +65,7 @@ struct VerifyResult {
 };
 
 /// An untouched taxel may differ from its rest value by this many counts; beyond that, `live` shows it as pressed.
-inline constexpr double kMaxRestError_counts = 200.0;
+inline constexpr double kMaxRestError_counts = layout::kPressed_counts;
 
 /// Compares the hardware with the design: controllers, tables, modules, taxels, joints. With `options.rest` it also
 /// compares the rest values, so nobody may touch the skin at the end. It clears the fault memories of the controllers.

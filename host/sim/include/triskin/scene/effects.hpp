@@ -80,6 +80,18 @@ struct Outage {
 /// time. Cost: linear in the points.
 [[nodiscard]] std::vector<Outage> outages_of(const SupplyEffect& effect, double drop_v);
 
+/// The pull-up charges a line that is longer or wetter than its design too slowly. Where a 1 does not reach the high
+/// level while the clock is low it arrives as 0, so no chip of the line recognises its address.
+struct EdgeEffect {
+  double pull_up_ohm = 1000.0;
+  double extra_pf = 0.0;  ///< Every line has this much more than its design computes (LineElectrical::capacitance_pf).
+  /// A data bit has this long to reach its level: the clock is low for 1.3 µs at 400 kHz, less 0.1 µs of set-up time
+  /// (I2C-bus specification UM10204, table 10: t_LOW, t_SU;DAT).
+  double settling_us = 1.2;
+};
+/// Returns how long a line takes from 0 to 70 % of the supply.
+[[nodiscard]] double rise_to_high_us(const EdgeEffect& effect, double capacitance_pf);
+
 /// An effect is empty unless the scene names it.
 struct PadEffects {
   std::optional<LayerEffect> layer;
@@ -88,8 +100,9 @@ struct PadEffects {
   std::optional<CrosstalkEffect> crosstalk;
   std::vector<EmiBurst> emi;
   std::optional<SupplyEffect> supply;
-  /// Returns true if sampling must compute an effect; the layer acts on contacts and the supply on
-  /// chips only.
+  std::optional<EdgeEffect> edges;
+  /// Returns true if sampling must compute an effect; the layer acts on contacts, supply and
+  /// edges on chips only.
   [[nodiscard]] bool act_on_samples() const { return temperature || humidity || crosstalk || !emi.empty(); }
 };
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "triskin/layout/module.hpp"
+#include "triskin/layout/taxel_signal.hpp"
 #include "triskin/mechanics/footprint.hpp"
 #include "triskin/scene/ad7147.hpp"
 #include "triskin/scene/i2c_line.hpp"
@@ -20,7 +21,7 @@ namespace triskin::scene {
 /// Pressure of 1 kPa adds this many converter counts to a taxel, within Effects::sensitivity_spread. The capacitance of
 /// its electrode lies in the range that the scene's effects allow (Effects::electrode_least_pf) and differs for each
 /// taxel.
-inline constexpr double kCountsPerKpa = 150.0;
+using layout::kCountsPerKpa;
 
 /// A touch is a contact together with the taxels that it can press, by module.
 struct Touch {
@@ -126,6 +127,7 @@ class Skin {
   void turn_modules(const Scene& scene);
   void place_chips(const Scene& scene, SwitchedHardware* switched);
   void brown_out(const SupplyEffect& supply, const design::Design& design);
+  void silence_slow_lines(const EdgeEffect& edges, const design::Design& design);
   void apply(const Fault& fault);
   void forget(std::uint64_t before_us);
 

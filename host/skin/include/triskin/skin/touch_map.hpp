@@ -8,6 +8,7 @@
 #include "triskin/design/design.hpp"
 #include "triskin/design/rest_values.hpp"
 #include "triskin/layout/rest.hpp"
+#include "triskin/layout/taxel_signal.hpp"
 #include "triskin/session/module_sample.hpp"
 
 namespace triskin::device {
@@ -27,14 +28,14 @@ struct PressedTaxel {
 
 /// Keeps the rest value of every taxel and lists the pressed taxels. Rest values are given, or taken by tare(). Without
 /// them, a taxel is expected to rest where the design says (layout::kRestCounts). If its first valid values are at most
-/// kRestBand_counts below that, their median becomes its rest value, which then follows the readings upwards. Otherwise
-/// the taxel counts as pressed from the start, against the design's value, until a reading enters the band and is used
-/// like the first ones. The temperature pads do not feel a finger, so the change that they show since rest is
-/// subtracted from every taxel of their module; warming therefore never counts as pressure, however long a contact
-/// lasts. Not thread-safe.
+/// kRestBand_counts below that, their median becomes its rest value, which then follows the readings upwards and slow
+/// drift both ways. Otherwise the taxel counts as pressed from the start, against the design's value, until a reading
+/// enters the band and is used like the first ones. The temperature pads do not feel a finger, so the change that they
+/// show since rest is subtracted, as a running mean, from every taxel of their module; warming therefore never counts
+/// as pressure, however long a contact lasts. Not thread-safe.
 class TouchMap {
  public:
-  static constexpr double kPressed_counts = 200.0;
+  static constexpr double kPressed_counts = layout::kPressed_counts;
   static constexpr double kRestBand_counts = layout::kRestBand_counts;
   static constexpr std::size_t kRestSamples = 3;
   /// `design` must outlive the map. `rest` has one entry per module, or is empty.
@@ -58,17 +59,18 @@ class TouchMap {
     std::array<double, kRestSamples> first{};  // The array collects valid samples for the tare.
     std::size_t seen = 0;  // This many samples are in `first`; kRestSamples means that `rest` is known.
     double rest = 0.0, now = 0.0;
-    bool follows = false;  // The rest value follows only upwards, away from pressure.
+    bool follows = false;  // The rest value follows the readings.
     // True means that the taxel was pressed from the start; its rest value is known once a reading enters the band.
     bool awaited = false;
   };
   struct Module {
     std::array<Taxel, layout::kTaxelsPerModule> taxels{};
-    double warming_counts = 0.0;  // The temperature pads read this much below their rest values.
-    bool by_design = true;        // True means that the design's value is the reference for rest values.
+    std::optional<double> warming_counts;  // The temperature pads read this much below their rest values.
+    bool by_design = true;                 // True means that the design's value is the reference for rest values.
   };
   static void take_pads(Module& module, const wire::TaxelFrame& sample);
   static void take(const Module& module, Taxel& taxel, double value);
+  static void follow(Taxel& taxel, double value);
   [[nodiscard]] static bool may_rest(double value);
   static void settle(const Module& module, Taxel& taxel);
 

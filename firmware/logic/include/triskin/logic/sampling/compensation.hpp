@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "triskin/layout/module.hpp"
+#include "triskin/layout/taxel_signal.hpp"
 
 namespace triskin::fw {
 
@@ -20,7 +21,8 @@ class Compensation {
   static constexpr unsigned kFraction = 16;  ///< A baseline has this many fractional bits.
   static constexpr unsigned kGainBits = 14;  ///< A gain has this many fractional bits: 1 << 14 is 1.
   static constexpr unsigned kFollow = 10;
-  static constexpr std::int32_t kTouch = 100;  ///< Changes below this many counts are drift and not a touch.
+  /// Changes below this many counts are drift and not a touch.
+  static constexpr std::int32_t kTouch = layout::kPressed_counts;
   static constexpr std::int32_t kRest = 0x8000;
 
   /// Makes the next reading the baseline.
