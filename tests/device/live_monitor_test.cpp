@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <random>
 #include <string>
 
 #include "support/strip_design.hpp"
@@ -60,6 +62,18 @@ TEST(TouchMap, a_contact_that_is_there_at_the_start_ends_without_a_ghost) {
   feed(map, frame(0, layout::kRestCounts - 700, 4'000));
   ASSERT_EQ(map.pressed().size(), 1U);
   EXPECT_DOUBLE_EQ(map.pressed()[0].change_counts, 4'000);
+}
+
+// Half an hour of samples with the noise of a taxel must not lift its rest value by half of what counts as pressed.
+TEST(TouchMap, noise_hardly_moves_a_rest_value_that_follows) {
+  const design::Design design = strip(1);
+  TouchMap map(design);
+  std::mt19937 random(20261127);
+  std::normal_distribution<double> noise(0.0, layout::kNoise_counts);
+  for (int k = 0; k < 27 * 1800; ++k) map.add(frame(0, layout::kRestCounts + std::round(noise(random)), 0));
+  map.add(frame(0, layout::kRestCounts, 0));
+  EXPECT_LT(map.change(0)[kPad], 0.5 * TouchMap::kPressed_counts);
+  EXPECT_TRUE(map.pressed().empty());
 }
 
 TEST(TouchMap, modules_that_rest_beside_the_design_are_not_pressed) {

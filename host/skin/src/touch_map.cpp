@@ -68,15 +68,15 @@ void TouchMap::take(const Module& module, Taxel& taxel, double value) {
 }
 
 // A light touch at the start can lie within the band; when it ends, the value rises to the true rest. The greatest
-// value of all would be rest plus several deviations of the noise, so the rest value is a running mean.
+// value of all would be the rest value plus five deviations of the noise, so a small excess counts in part only.
 void TouchMap::follow(Taxel& taxel, double value) {
-  constexpr double kUntouched_counts = kPressed_counts / 2.0;
-  constexpr double kRise = 1.0 / 4.0, kDrift = 1.0 / 64.0;
+  constexpr double kNoise_counts = kPressed_counts / 2.0, kLifted_counts = 2.0 * kPressed_counts;
+  constexpr double kShare = 1.0 / 4.0;
   const double above = value - taxel.rest;
-  if (above > kUntouched_counts)
-    taxel.rest += kRise * above;
-  else if (above > -kUntouched_counts)
-    taxel.rest += kDrift * above;
+  if (above > kLifted_counts)
+    taxel.rest = value;
+  else if (above > kNoise_counts)
+    taxel.rest += kShare * above;
 }
 
 // A finger does not affect the temperature pads, so their first reading is their rest value.
@@ -96,12 +96,14 @@ void TouchMap::take_pads(Module& module, const wire::TaxelFrame& sample) {
     }
     rest[t] = pad.seen == kRestSamples ? pad.rest : std::numeric_limits<double>::quiet_NaN();
   }
-  // Temperature changes slowly, so a mean over about eight samples keeps the noise of the two pads out of ten taxels.
-  constexpr double kShare = 1.0 / 8.0;
+  // Temperature changes slowly, so a mean over about eight samples keeps the noise of the two pads out of ten taxels. A
+  // leap is no temperature: the controller has found other offsets.
+  constexpr double kShare = 1.0 / 8.0, kLeap_counts = 2.0 * kPressed_counts;
   const auto warming = warming_counts(sample, rest);
   if (!warming) return;
-  const double before = module.warming_counts.value_or(*warming);
-  module.warming_counts = before + kShare * (*warming - before);
+  const double change = *warming - module.warming_counts.value_or(*warming);
+  const bool is_leap = !module.warming_counts || std::abs(change) > kLeap_counts;
+  module.warming_counts = is_leap ? *warming : *module.warming_counts + kShare * change;
 }
 
 void TouchMap::add(const ModuleSample& frame) {

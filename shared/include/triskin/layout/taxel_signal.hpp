@@ -11,7 +11,8 @@ inline constexpr double kCountsPerKpa = 10.0;
 /// al. 2023 published.
 inline constexpr double kNoise_counts = 3.0;
 /// A taxel counts as pressed from this change on. At six deviations of the noise one sample in 10⁹ of an untouched
-/// taxel is wrong, which is one in twenty minutes on a robot of 2,500 modules; the limit lies a little higher, at 2 kPa.
+/// taxel is wrong, which is one in twenty minutes on a robot of 2,500 modules; the limit lies a little higher, at 2
+/// kPa.
 inline constexpr int kPressed_counts = 20;
 static_assert(kPressed_counts > 6.0 * kNoise_counts);
 

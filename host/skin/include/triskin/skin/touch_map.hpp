@@ -28,11 +28,11 @@ struct PressedTaxel {
 
 /// Keeps the rest value of every taxel and lists the pressed taxels. Rest values are given, or taken by tare(). Without
 /// them, a taxel is expected to rest where the design says (layout::kRestCounts). If its first valid values are at most
-/// kRestBand_counts below that, their median becomes its rest value, which then follows the readings upwards and slow
-/// drift both ways. Otherwise the taxel counts as pressed from the start, against the design's value, until a reading
-/// enters the band and is used like the first ones. The temperature pads do not feel a finger, so the change that they
-/// show since rest is subtracted, as a running mean, from every taxel of their module; warming therefore never counts
-/// as pressure, however long a contact lasts. Not thread-safe.
+/// kRestBand_counts below that, their median becomes its rest value, which then follows the readings upwards. Otherwise
+/// the taxel counts as pressed from the start, against the design's value, until a reading enters the band and is used
+/// like the first ones. The temperature pads do not feel a finger, so the change that they show since rest is
+/// subtracted, as a running mean, from every taxel of their module; warming therefore never counts as pressure, however
+/// long a contact lasts. Not thread-safe.
 class TouchMap {
  public:
   static constexpr double kPressed_counts = layout::kPressed_counts;
@@ -59,7 +59,7 @@ class TouchMap {
     std::array<double, kRestSamples> first{};  // The array collects valid samples for the tare.
     std::size_t seen = 0;  // This many samples are in `first`; kRestSamples means that `rest` is known.
     double rest = 0.0, now = 0.0;
-    bool follows = false;  // The rest value follows the readings.
+    bool follows = false;  // The rest value follows only upwards, away from pressure.
     // True means that the taxel was pressed from the start; its rest value is known once a reading enters the band.
     bool awaited = false;
   };
