@@ -130,7 +130,7 @@ async function live() {
   // An object lies on taxel 3 of module 20 from before the start.
   const scene = path.join(folder, "scene.json");
   fs.writeFileSync(scene, JSON.stringify({format: "triskin-scene", version: 1, design: "strip.json", seed: 1,
-    contacts: [{module: 20, taxel: 3}]}));
+    contacts: [{module: 20, taxel: 3, force_n: 6, radius_mm: 3}]}));
   const server = spawn(triskin, ["view", design, "--scene", scene, "--no-open", "--port", "0"], {env: environment});
   let printed = "";
   server.stdout.on("data", (text) => { printed += text; });
@@ -220,7 +220,7 @@ async function look() {
 async function recorded() {
   const scene = path.join(folder, "scene.json"), recording = path.join(folder, "touch.mcap"), file = path.join(folder, "touch.html");
   fs.writeFileSync(scene, JSON.stringify({format: "triskin-scene", version: 1, design: "strip.json", seed: 1,
-    contacts: [{module: 20, taxel: 3, until_s: 1.5}, {module: 7, taxel: 3, at_s: 2, until_s: 3}]}));
+    contacts: [{module: 20, taxel: 3, force_n: 6, radius_mm: 3, until_s: 1.5}, {module: 7, taxel: 3, at_s: 2, until_s: 3}]}));
   execFileSync(triskin, ["flash", design, "--link", "sim"], {env: environment, stdio: "ignore"});
   execFileSync(triskin, ["record", design, "--link", "sim", "--scene", scene, "-o", recording, "--seconds", "4"], {env: environment, stdio: "ignore"});
   execFileSync(triskin, ["export", recording, "--format", "html", "-o", file], {env: environment, stdio: "ignore"});
