@@ -14,6 +14,7 @@
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/base/short_list.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/base/writer_lock.hpp"
 #include "triskin/cli/command.hpp"
@@ -197,7 +198,7 @@ int run_add(const Options& options, Output& output) {
   output.result["cover"] = added.name;
   output.result["nodes"] = nodes;
   output.say(fmt::format("cover {}: {} on bus {}, node addresses {}", added.name, counted(nodes.size(), "controller"),
-                         added.bus, fmt::join(nodes, ", ")));
+                         added.bus, short_list(nodes)));
   return 0;
 }
 

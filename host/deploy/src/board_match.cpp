@@ -11,6 +11,7 @@
 
 #include "touch_finder.hpp"
 #include "triskin/base/counted.hpp"
+#include "triskin/base/short_list.hpp"
 #include "triskin/session/address_users.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
@@ -264,7 +265,7 @@ class Matcher {
     if (options_.say)
       options_.say(
           fmt::format("the shapes of {} {} do not tell their controllers apart: the finger of the simulation does",
-                      noun_after(open.size() == 1, "patch"), fmt::join(open, ", ")));
+                      noun_after(open.size() == 1, "patch"), short_list(open)));
     IdentifyOptions how;
     how.say = options_.say;
     how.actuator = options_.actuator;
@@ -284,7 +285,7 @@ class Matcher {
       names.push_back(fmt::format("{} ({})", to_text(b.claim.unique_id),
                                   b.likely.empty()       ? "like no patch that is left"
                                   : b.likely.size() == 1 ? fmt::format("like patch {}", b.likely[0])
-                                                         : fmt::format("like patches {}", fmt::join(b.likely, ", "))));
+                                                         : fmt::format("like patches {}", short_list(b.likely, 4))));
     }
     // If several covers share the bus, the user has to name the cover in the options.
     const bool alone = options_.neighbours.empty();
@@ -292,8 +293,8 @@ class Matcher {
         "{}: it is ambiguous which controller serves {} {}{}: {}. Let triskin identify find it out by touch, name "
         "them ({}--assign {}=SERIAL), or plug them in one after the other ({}--patch); --by-serial takes them in the "
         "order of their serial numbers; no table of the design was written",
-        bus_.name(), noun_after(open.size() == 1, "patch"), fmt::join(open, ", "), alone ? "" : " of " + design_.name,
-        fmt::join(names, ", "), alone ? "" : fmt::format("--cover {} ", design_.name), open.front(),
+        bus_.name(), noun_after(open.size() == 1, "patch"), short_list(open), alone ? "" : " of " + design_.name,
+        short_list(names, 6), alone ? "" : fmt::format("--cover {} ", design_.name), open.front(),
         alone ? "" : fmt::format("--cover {} ", design_.name)));
   }
   static bool share_addresses(const std::vector<Candidate*>& list) {
@@ -376,7 +377,7 @@ class Matcher {
       throw DeviceError(fmt::format(
           "{}: no controller is free for {} {}; these hold a table that is not of this design and are left alone: "
           "{}. Name one (--assign PATCH=SERIAL) or take all of them (--take-over); nothing was written",
-          bus_.name(), noun_after(open.size() == 1, "patch"), fmt::join(open, ", "), fmt::join(others, ", ")));
+          bus_.name(), noun_after(open.size() == 1, "patch"), short_list(open), short_list(others)));
     const auto n_answer = std::ranges::count_if(candidates_, [](const Candidate& c) {
       return c.owner != Owner::kNeighbour && (c.owner != Owner::kSilent || c.board.patch >= 0);
     });

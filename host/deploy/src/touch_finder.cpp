@@ -144,7 +144,8 @@ std::optional<std::size_t> TouchFinder::felt(bool& doubtful) {
 std::optional<std::size_t> TouchFinder::wait(std::uint64_t until_us) {
   std::optional<std::size_t> last;
   bool told = false;
-  for (int looks = 0; bus_.now_us() < until_us;) {
+  // A look at eighty boards takes longer than a press is waited for, so there are always enough looks.
+  for (int looks = 0, looked = 0; bus_.now_us() < until_us || looked < 2 * kLooks; ++looked) {
     bus_.listen(bus_.now_us() + kLook_us);
     bool doubtful = false;
     const auto now = felt(doubtful);

@@ -2,24 +2,17 @@
 #include "triskin/design/off_rest.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include <algorithm>
-#include <span>
 
 #include "triskin/base/counted.hpp"
+#include "triskin/base/short_list.hpp"
 
 namespace triskin::design {
 
 std::string sentence(const OffRest& off) {
-  constexpr std::size_t kMaxNamed = 12;
   if (off.taxels == 0) return {};
-  const std::span modules(off.modules);
-  const std::size_t named = std::min(kMaxNamed, modules.size());
-  const std::string more = named < modules.size() ? fmt::format(" and {} more", modules.size() - named) : "";
-  return fmt::format("{} {} not rest: tare; {} {}: {}{}", counted(off.taxels, "taxel"),
+  return fmt::format("{} {} not rest: tare; {} {}: {}", counted(off.taxels, "taxel"),
                      agreeing(off.taxels, "does", "do"), agreeing(off.taxels, "its", "their"),
-                     noun_after(modules.size() == 1, "module"), fmt::join(modules.first(named), ", "), more);
+                     noun_after(off.modules.size() == 1, "module"), short_list(off.modules));
 }
 
 }  // namespace triskin::design

@@ -7,13 +7,14 @@
 #include <algorithm>
 
 #include "triskin/base/counted.hpp"
+#include "triskin/base/short_list.hpp"
 #include "triskin/session/controller.hpp"
 
 namespace triskin::device {
 namespace {
 
 std::string patches_text(const std::vector<int>& patches) {
-  return fmt::format("{} {}", patches.size() == 1 ? "patch" : "patches", fmt::join(patches, ", "));
+  return fmt::format("{} {}", patches.size() == 1 ? "patch" : "patches", short_list(patches));
 }
 
 }  // namespace
