@@ -65,20 +65,20 @@ Polygon trapezoid(int n, double inset_mm) {
   return p;
 }
 
-// Makes teeth `width_mm` wide on a back of 20 mm, in which no module fits.
-Polygon comb(int teeth, double width_mm, double length_mm) {
-  constexpr double kBack_mm = 20.0, kBetween_mm = 17.0;
+// Makes teeth `width_mm` wide on a back; none fits in one of 20 mm.
+Polygon comb(int teeth, double width_mm, double length_mm, double back_mm = 20.0) {
+  constexpr double kBetween_mm = 17.0;
   double x = teeth * width_mm + (teeth - 1) * kBetween_mm;
   Polygon p;
   p.outer = {{0.0, 0.0}, {x, 0.0}};
   for (int k = 0; k < teeth; ++k) {
-    p.outer.emplace_back(x, kBack_mm + length_mm);
+    p.outer.emplace_back(x, back_mm + length_mm);
     x -= width_mm;
-    p.outer.emplace_back(x, kBack_mm + length_mm);
+    p.outer.emplace_back(x, back_mm + length_mm);
     if (k + 1 == teeth) break;
-    p.outer.emplace_back(x, kBack_mm);
+    p.outer.emplace_back(x, back_mm);
     x -= kBetween_mm;
-    p.outer.emplace_back(x, kBack_mm);
+    p.outer.emplace_back(x, back_mm);
   }
   return p;
 }
@@ -117,6 +117,21 @@ TEST(Conflicts, two_rows_of_a_strip_exclude_each_other) {
     EXPECT_GE(a.placement.modules, 9);  // One row holds as many; other angles may hold more.
     EXPECT_LT(a.placement.cells, kMaxCells);
     EXPECT_TRUE(a.proof.accepted) << a.proof.reason;
+  }
+}
+
+// A module of the narrow back may have its top in the mouths of the teeth and turn by a hair. Then it holds alone: of all
+// such modules each excludes every other, which no pairing of them shows.
+TEST(Conflicts, of_modules_that_exclude_each_other_all_together_one_holds) {
+  for (const int teeth : {6, 10}) {
+    for (const double less_mm : {2e-7, 1e-4}) {
+      SCOPED_TRACE(fmt::format("{} teeth, h - {}", teeth, less_mm));
+      const double width_mm = kHeight_mm - less_mm;
+      const Answer a = place_and_check(test::moved(comb(teeth, width_mm, 166.0, width_mm), 2.1, {-9, 4}), 2e-8);
+      EXPECT_TRUE(a.placement.proved);
+      EXPECT_LT(a.placement.cells, kMaxCells / 4);
+      EXPECT_TRUE(a.proof.accepted) << a.proof.reason;
+    }
   }
 }
 
