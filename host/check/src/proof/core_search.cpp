@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kMaxSearches = 90, kMaxExchanges = 60;
 constexpr std::size_t kFaces = 6;  // Before the needs come the faces of the region: 1 − u[k] and 1 + u[k].
-constexpr double kLower = 1e-9, kFlat = 1e-11, kLeastWeight = -1e-9;
+constexpr double kLower = 1e-9, kFlat = 1e-11, kLeastWeight = -1e-6;
 
 using Square = std::array<std::array<double, 5>, 4>;  // Four equations, each with its right side.
 
@@ -132,9 +132,9 @@ std::optional<CoreSearch::Corner> CoreSearch::next_corner(const Corner& corner) 
     std::array<std::size_t, 4> exchanged = corner.row;
     exchanged[k] = lowest;
     const auto next = corner_of(exchanged);
-    if (next && (!best || next->lowest[3] < best->lowest[3])) best = next;
+    if (next && (!best || std::ranges::min(next->weight) > std::ranges::min(best->weight))) best = next;
   }
-  return best && best->lowest[3] <= corner.lowest[3] ? best : std::nullopt;
+  return best && best->lowest[3] <= corner.lowest[3] + kLower ? best : std::nullopt;
 }
 
 std::optional<std::vector<std::size_t>> CoreSearch::core() const {

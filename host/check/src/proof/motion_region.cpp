@@ -6,9 +6,9 @@
 namespace triskin::check {
 namespace {
 
-constexpr double kFacing = 0.05;    // An edge faces a side when the cosine between their normals is at least this.
-constexpr double kSlack_mm = 1e-6;  // This is far above the rounding of plain doubles at 1e6 mm.
-constexpr double kFootRounding = 1e-13;   // The foot of a point on an edge is rounded by less than this share.
+constexpr double kFacing = 0.05;         // An edge faces a side when the cosine between their normals is at least this.
+constexpr double kSlack_mm = 1e-6;       // This is far above the rounding of plain doubles at 1e6 mm.
+constexpr double kFootRounding = 1e-13;  // The foot of a point on an edge is rounded by less than this share.
 constexpr int kMaxHalvingsOfAngles = 8;
 
 IntervalPoint scaled(const IntervalPoint& p, double sign) {
@@ -320,8 +320,7 @@ bool MotionRegion::negative(const NeedSum& sum, double low, double high, int hal
     const IntervalPoint rest = sum.side_normal - turned(sum.line_normal, c, s);
     const Interval value = sum.cosine * cosine(Interval(at)) + sum.sine * sine(Interval(at)) - sum.constant;
     const double slope = (sum.sine * c - sum.cosine * s).magnitude();
-    return value.high +
-           (slope * reach + rest.x.magnitude() * half_x_ + rest.y.magnitude() * half_y_) * (1.0 + 1e-12);
+    return value.high + (slope * reach + rest.x.magnitude() * half_x_ + rest.y.magnitude() * half_y_) * (1.0 + 1e-12);
   };
   if (highest(half) < 0.0) return true;
   if (halvings == 0 || !(highest(0.0) < 0.0)) return false;

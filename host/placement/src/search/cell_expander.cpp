@@ -211,9 +211,8 @@ void CellExpander::add_slice_child(const Cell& cell, const MotionBox& box, const
     // holds.
     list->tiles.push_back({grid_.center(border.tile), border.tile, may_not == 0, 0, 0});
   }
-  result_->children.push_back(
-      {box, cell.certain + certain, std::min(cell.bound, cell.certain + open.most), std::move(list), reach,
-       std::nullopt, kGenerationsWithout});
+  result_->children.push_back({box, cell.certain + certain, std::min(cell.bound, cell.certain + open.most),
+                               std::move(list), reach, std::nullopt, kGenerationsWithout});
 }
 
 void CellExpander::list_with_edges(const Cell& cell, CellList& to) const {
@@ -387,9 +386,8 @@ void CellExpander::divide(const Cell& cell, const CellList& list, const Index& l
   const std::size_t last_chosen = chosen_.size();
   certain += choose(open.low, open.high, first_chosen, last_chosen);
   if (open.well_filled(kMaxPartsOfCube)) {
-    result_->children.push_back(
-        {box, cell.certain + certain, std::min(cell.bound, cell.certain + open.most), chosen_list(list, last_chosen),
-         0.0, std::nullopt, cell.without_conflicts});
+    result_->children.push_back({box, cell.certain + certain, std::min(cell.bound, cell.certain + open.most),
+                                 chosen_list(list, last_chosen), 0.0, std::nullopt, cell.without_conflicts});
   } else {
     const std::size_t axis = longest_axis(box, open.size());
     Index first_high = open.high, second_low = open.low;

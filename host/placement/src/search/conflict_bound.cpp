@@ -17,7 +17,7 @@ constexpr std::size_t kMaxRowsOfTile = 24;
 constexpr std::size_t kMaxBetween = 12;  // Contested tiles are compared with the next 12 along their edges.
 // A cell is promising if contradictions leave out one in so many of the tiles that must be left out.
 constexpr int kPromising = 4;
-constexpr int kMaxDrops = 3;  // Programs whose number grows as 4^drops are solved for at most this many.
+constexpr int kMaxDrops = 3;            // Programs whose number grows as 4^drops are solved for at most this many.
 constexpr std::ptrdiff_t kNearest = 4;  // A tile is compared with this many tiles to either side at an opposed edge.
 
 Vec2 quarter_turn(const Vec2& v) {
@@ -101,8 +101,8 @@ void ConflictBound::add_points_over_edge(const CellFrame& frame, const OpenTile&
   const Vec2 centre(frame.center[0], frame.center[1]), start(frame.x[pair.edge], frame.y[pair.edge]),
       along(frame.normal_y[pair.edge], -frame.normal_x[pair.edge]);
   const double length = along.dot(Vec2(frame.x[next], frame.y[next]) - start);
-  const double moved = slide_ + ((tile.center - centre).norm() + grid_.circumradius_mm) * frame.half[2] +
-                       2.0 * polygon_.rounding_mm;
+  const double moved =
+      slide_ + ((tile.center - centre).norm() + grid_.circumradius_mm) * frame.half[2] + 2.0 * polygon_.rounding_mm;
   const auto corners = static_cast<std::size_t>(grid_.corners);
   const double sign = tile.tile.up ? 1.0 : -1.0;
   for (std::size_t k = 0; k < corners; ++k) {
@@ -250,8 +250,8 @@ std::array<ConflictBound::BoxRow, 4> ConflictBound::box_rows(double softness) co
   std::array<BoxRow, 4> rows;
   for (std::size_t k = 0; k < 4; ++k) {
     const double sign = k % 2 == 0 ? 1.0 : -1.0;
-    const std::array<double, 3> gradient = k < 2 ? std::array{shift_, 0.0, pivot_.y() * sigma_}
-                                                 : std::array{0.0, shift_, -pivot_.x() * sigma_};
+    const std::array<double, 3> gradient =
+        k < 2 ? std::array{shift_, 0.0, pivot_.y() * sigma_} : std::array{0.0, shift_, -pivot_.x() * sigma_};
     rows[k] = {{sign * gradient[0], sign * gradient[1], sign * gradient[2]},
                half_[k / 2] + polygon_.rounding_mm + softness * soft};
   }

@@ -116,7 +116,7 @@ class ConflictBound {
   std::vector<std::int32_t> side_, mate_;
   std::vector<std::uint32_t> asked_for_;  // The last root that asked for the tile, plus one.
   std::vector<Contested> contested_;
-  std::vector<std::int32_t> contested_at_;           // Where `contested_` has each tile, or −1.
+  std::vector<std::int32_t> contested_at_;         // Where `contested_` has each tile, or −1.
   std::vector<std::vector<std::size_t>> cliques_;  // Indices into `contested_`.
   JointProgram program_;
 };

@@ -18,9 +18,9 @@ constexpr double kRounding = 1e-13;
 // The dual program: multipliers >= 0 whose sum is 1, with the least sum of levels, where the gradients must cancel but
 // for multipliers of the faces of the box. It has four equations, so a basis has four columns.
 struct JointProgram::Basis {
-  static constexpr std::size_t kFaces = 6;                // Before the rows come the faces of the box, ±u[k] <= 1.
+  static constexpr std::size_t kFaces = 6;  // Before the rows come the faces of the box, ±u[k] <= 1.
   std::array<std::size_t, 4> column{};
-  std::array<Column, 4> inverse{};                        // The rows of the inverse of the matrix of the columns.
+  std::array<Column, 4> inverse{};  // The rows of the inverse of the matrix of the columns.
   std::array<double, 4> multiplier{}, cost{};
 
   [[nodiscard]] Column prices() const {

@@ -12,8 +12,8 @@ namespace triskin::geometry {
 /// By Helly's theorem, half spaces of three variables that have no common point contain four that have none, so the
 /// tiles of these four are a core of which at least one is left out. Leaving out each of them in turn, as often as
 /// allowed, answers whether enough tiles hold together. The contradiction of a core is verified by the sum of its
-/// constraints, whose multipliers the program gives, and never follows from the program alone. Keeps its memory, so each
-/// thread needs its own object.
+/// constraints, whose multipliers the program gives, and never follows from the program alone. Keeps its memory, so
+/// each thread needs its own object.
 class JointProgram {
  public:
   static constexpr std::uint32_t kNoTile = 0xffffffff;
@@ -24,8 +24,8 @@ class JointProgram {
   void add(std::uint32_t tile, const std::array<double, 3>& gradient, double level);
   /// Leaves a tile's constraints out.
   void leave_out(std::uint32_t tile) { left_out_[tile] = 1; }
-  /// Returns true if the tiles contradict each other whichever `drops` of them are left out as well. False may also mean
-  /// that too many programs would have to be solved. Cost: up to 90 programs, each O(constraints) per step.
+  /// Returns true if the tiles contradict each other whichever `drops` of them are left out as well. False may also
+  /// mean that too many programs would have to be solved. Cost: up to 90 programs, each O(constraints) per step.
   [[nodiscard]] bool contradictory(int drops);
 
  private:
