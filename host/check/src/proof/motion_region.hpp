@@ -49,7 +49,7 @@ struct NeedSamples {
   std::array<double, kSampledAngles> excess_mm{};
 };
 
-/// The excess of a need over a region, in rounded numbers and without curvature: excess + Σ by_u[k]·u[k], where u runs
+/// The excess of a need over a region, in rounded numbers, without curvature: excess + Σ by_u[k]·u[k], where u runs
 /// from −1 to 1 along x, y and the angle.
 struct NeedChange {
   double excess_mm = 0.0;
