@@ -65,20 +65,20 @@ Polygon trapezoid(int n, double inset_mm) {
   return p;
 }
 
-// Makes teeth `width_mm` wide on a back of 20 mm, in which no module fits.
-Polygon comb(int teeth, double width_mm, double length_mm) {
-  constexpr double kBack_mm = 20.0, kBetween_mm = 17.0;
+// Makes teeth `width_mm` wide on a back; none fits in one of 20 mm.
+Polygon comb(int teeth, double width_mm, double length_mm, double back_mm = 20.0) {
+  constexpr double kBetween_mm = 17.0;
   double x = teeth * width_mm + (teeth - 1) * kBetween_mm;
   Polygon p;
   p.outer = {{0.0, 0.0}, {x, 0.0}};
   for (int k = 0; k < teeth; ++k) {
-    p.outer.emplace_back(x, kBack_mm + length_mm);
+    p.outer.emplace_back(x, back_mm + length_mm);
     x -= width_mm;
-    p.outer.emplace_back(x, kBack_mm + length_mm);
+    p.outer.emplace_back(x, back_mm + length_mm);
     if (k + 1 == teeth) break;
-    p.outer.emplace_back(x, kBack_mm);
+    p.outer.emplace_back(x, back_mm);
     x -= kBetween_mm;
-    p.outer.emplace_back(x, kBack_mm);
+    p.outer.emplace_back(x, back_mm);
   }
   return p;
 }
@@ -118,6 +118,29 @@ TEST(Conflicts, two_rows_of_a_strip_exclude_each_other) {
     EXPECT_LT(a.placement.cells, kMaxCells);
     EXPECT_TRUE(a.proof.accepted) << a.proof.reason;
   }
+}
+
+// A module of the narrow back may have its top in the mouths of the teeth and turn by a hair. Then it holds alone: of
+// all such modules each excludes every other, which no pairing of them shows.
+TEST(Conflicts, of_modules_that_exclude_each_other_all_together_one_holds) {
+  for (const auto& [teeth, less_mm] : {std::pair{6, 1e-4}, std::pair{10, 2e-7}}) {
+    SCOPED_TRACE(fmt::format("{} teeth, h - {}", teeth, less_mm));
+    const double width_mm = kHeight_mm - less_mm;
+    const Answer a = place_and_check(test::moved(comb(teeth, width_mm, 166.0, width_mm), 2.1, {-9, 4}), 2e-8);
+    EXPECT_TRUE(a.placement.proved);
+    EXPECT_LT(a.placement.cells, kMaxCells / 4);
+    EXPECT_TRUE(a.proof.accepted) << a.proof.reason;
+  }
+}
+
+// Here one of such modules leaves no room for another one at the far end of the back, so that four are needed to show
+// it.
+TEST(Conflicts, in_a_narrow_back_with_wide_teeth_four_modules_contradict_each_other) {
+  const Polygon p = comb(5, 2.0 * kHeight_mm - 2.1e-7, 84.0, kHeight_mm - 2.1e-7);
+  const Answer a = place_and_check(test::moved(p, 5.3, {12, 30}), 8.5e-8);
+  EXPECT_TRUE(a.placement.proved);
+  EXPECT_LT(a.placement.cells, kMaxCells / 4);
+  EXPECT_TRUE(a.proof.accepted) << a.proof.reason;
 }
 
 // In a tooth slightly less than two rows wide, the lower row needs one side and the upper row the other.

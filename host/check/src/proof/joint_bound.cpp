@@ -5,6 +5,8 @@
 #include <array>
 #include <tuple>
 
+#include "core_search.hpp"
+
 namespace triskin::check {
 namespace {
 
@@ -12,6 +14,8 @@ constexpr double kOpposed = -0.998;      // Two normals with a smaller cosine co
 constexpr double kMinMultiplier = 0.04;  // Needs of a triple with a smaller multiplier are ignored.
 constexpr int kMaxHalvings = 16;         // Bounds the halvings of a region's angles.
 constexpr std::size_t kMaxNeeds = 30;    // More needs of a module would give too many triples.
+constexpr int kMaxDrops = 3;             // The searches for cores are as many as 4^drops.
+constexpr std::size_t kMaxInGroup = 16;  // A member of a group is compared with all others.
 constexpr std::ptrdiff_t kNearest = 4;   // A module is compared with this many to either side at an opposed edge.
 constexpr std::size_t kSamples = kSampledAngles;
 
@@ -25,6 +29,9 @@ bool opposed(const Need& a, const Need& b) {
 bool opposed(const NeedGroup& a, const NeedGroup& b) {
   return a.by_side == b.by_side && a.edge != b.edge &&
          a.least.normal_x * b.least.normal_x + a.least.normal_y * b.least.normal_y < kOpposed;
+}
+bool faces(const SampledNeed& a, const SampledNeed& b) {
+  return a.at.normal_x * b.at.normal_x + a.at.normal_y * b.at.normal_y < kOpposed;
 }
 IntervalPoint times(const Interval& factor, const IntervalPoint& p) {
   return {factor * p.x, factor * p.y};
@@ -61,10 +68,72 @@ bool JointBound::holds(CandidateList& list, int allowed) {
   drop_dead(list);
   const int wanted = list.bound() - allowed;
   if (wanted <= 0) return true;
-  if (wanted > static_cast<int>(list.tiles.size() / 2)) return false;
+  partner_.assign(needs_.size(), -1);
+  if (wanted <= kMaxDrops + 1 && no_set_without(wanted - 1, false)) return true;
   find_candidates();
   const auto with_any = std::ranges::count_if(candidates_, [](const auto& c) { return !c.empty(); });
-  return with_any >= wanted && (greedy_pairs(wanted) >= wanted || most_pairs() >= wanted);
+  if (with_any >= wanted && 2 * wanted <= static_cast<int>(list.tiles.size()) && greedy_pairs(wanted) >= wanted)
+    return true;
+  const int pairs = with_any > 0 ? most_pairs() : 0;
+  if (pairs >= wanted || excluded_in_groups() >= wanted) return true;
+  return pairs > 0 && wanted - pairs <= kMaxDrops + 1 && no_set_without(wanted - pairs - 1, true);
+}
+
+// Returns how many modules are left out because of groups in which each module excludes each other, so that one of a
+// group lies inside at most: groups of modules with needs at two opposed edges, and the pairs of other modules.
+int JointBound::excluded_in_groups() const {
+  struct Member {
+    double along_mm;
+    std::size_t module;
+  };
+  std::vector<Member> members;
+  std::vector<bool> is_member(needs_.size(), false);
+  for (std::size_t k = 0; k < needs_.size(); ++k) {
+    if (dead_[k] || needs_[k].empty()) continue;
+    const SampledNeed& first = needs_[k].front();
+    if (std::ranges::none_of(needs_[k], [&](const SampledNeed& n) { return faces(first, n); })) continue;
+    const double sign = first.at.normal_y < 0.0 || (first.at.normal_y == 0.0 && first.at.normal_x > 0.0) ? 1.0 : -1.0;
+    members.push_back({region_.along_mm(-sign * first.at.normal_y, sign * first.at.normal_x, centers_[k]), k});
+    is_member[k] = true;
+  }
+  std::ranges::sort(members, {}, [](const Member& m) { return std::pair(m.along_mm, m.module); });
+  std::vector<std::vector<std::size_t>> groups;
+  for (const Member& member : members) {
+    const auto fitting = std::ranges::find_if(groups, [&](const std::vector<std::size_t>& group) {
+      return group.size() < kMaxInGroup &&
+             std::ranges::all_of(group, [&](std::size_t other) { return exclude_each_other(other, member.module); });
+    });
+    if (fitting == groups.end())
+      groups.push_back({member.module});
+    else
+      fitting->push_back(member.module);
+  }
+  int excluded = static_cast<int>(members.size() - groups.size());
+  for (std::size_t k = 0; k < partner_.size(); ++k) {
+    if (partner_[k] < 0 || is_member[k]) continue;
+    const auto other = static_cast<std::size_t>(partner_[k]);
+    if (other > k && !is_member[other]) ++excluded;
+  }
+  return excluded;
+}
+
+bool JointBound::exclude_each_other(std::size_t a, std::size_t b) const {
+  CoreSearch search(region_, needs_.size());
+  for (const std::size_t module : {a, b}) {
+    for (const SampledNeed& n : needs_[module]) search.add(module, n.need);
+  }
+  return search.contradictory(0);
+}
+
+// Tells whether the modules that are alive, or of them those without a partner, never lie inside together whichever
+// `drops` of them are left out.
+bool JointBound::no_set_without(int drops, bool only_single) const {
+  CoreSearch search(region_, needs_.size());
+  for (std::size_t k = 0; k < needs_.size(); ++k) {
+    if (dead_[k] || (only_single && partner_[k] >= 0)) continue;
+    for (const SampledNeed& n : needs_[k]) search.add(k, n.need);
+  }
+  return search.contradictory(drops);
 }
 
 bool JointBound::never_inside(std::size_t module) {
@@ -308,6 +377,7 @@ bool JointBound::rematch(std::size_t module, std::size_t root) {
     asked_for_[rival] = root + 1;
     if (partner_[rival] >= 0 && !rematch(static_cast<std::size_t>(partner_[rival]), root)) continue;
     partner_[rival] = static_cast<int>(module);
+    partner_[module] = static_cast<int>(rival);
     return true;
   }
   return false;

@@ -34,7 +34,8 @@ struct NeedGroup {
 };
 
 /// Bounds the modules that lie inside at one motion of a region by needs that contradict each other: modules that lie
-/// inside nowhere, and disjoint pairs of modules that never lie inside together. Angles are halved until one
+/// inside nowhere, disjoint pairs and larger groups of modules of which one lies inside at most, and sets of up to four
+/// modules that never lie inside together. Angles are halved until one
 /// contradiction holds over each part, so that the sums are not linearized. Pairs are looked for among modules that
 /// face each other across two opposed edges, so the cost is O(n log n) for n modules. Each thread needs its own object.
 class JointBound {
@@ -62,6 +63,9 @@ class JointBound {
   void compare(std::span<const NeedGroup> here, std::span<const NeedGroup> there);
   [[nodiscard]] int greedy_pairs(int wanted);
   [[nodiscard]] int most_pairs();
+  [[nodiscard]] int excluded_in_groups() const;
+  [[nodiscard]] bool exclude_each_other(std::size_t a, std::size_t b) const;
+  [[nodiscard]] bool no_set_without(int drops, bool only_single) const;
   void find_rivals();
   void colour_rivals();
   bool rematch(std::size_t module, std::size_t root);

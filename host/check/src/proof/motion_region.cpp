@@ -6,8 +6,10 @@
 namespace triskin::check {
 namespace {
 
-constexpr double kFacing = 0.05;    // An edge faces a side when the cosine between their normals is at least this.
-constexpr double kSlack_mm = 1e-6;  // This is far above the rounding of plain doubles at 1e6 mm.
+constexpr double kFacing = 0.05;         // An edge faces a side when the cosine between their normals is at least this.
+constexpr double kSlack_mm = 1e-6;       // This is far above the rounding of plain doubles at 1e6 mm.
+constexpr double kFootRounding = 1e-13;  // The foot of a point on an edge is rounded by less than this share.
+constexpr int kMaxHalvingsOfAngles = 8;
 
 IntervalPoint scaled(const IntervalPoint& p, double sign) {
   return sign > 0.0 ? p : IntervalPoint{-p.x, -p.y};
@@ -194,7 +196,8 @@ void MotionRegion::add_needs_over(const Candidate& module, std::uint32_t edge, d
   };
   const double arm =
       std::hypot(middle(module.center.x) - x_, middle(module.center.y) - y_) + polygon_.module().circumradius_high_mm;
-  const double spread = std::hypot(half_x_, half_y_) + arm * half_theta_ + kSlack_mm;
+  const double spread = std::hypot(half_x_, half_y_) + arm * half_theta_ +
+                        kFootRounding * (1.0 + arm + length + polygon_.radius_mm() + std::hypot(x_, y_));
   const auto& corners = polygon_.module().corner;
   const double sign = module.tile.up ? 1.0 : -1.0;
   for (std::size_t k = 0; k < corners.size(); ++k) {
@@ -273,6 +276,55 @@ NeedSamples MotionRegion::samples(const Need& need) const {
       samples.excess_mm[k] = (c * nx - s * ny) * (px - x_) + (s * nx + c * ny) * (py - y_) - constant;
   }
   return samples;
+}
+
+NeedChange MotionRegion::change(const Need& need) const {
+  const double nx = middle(need.normal.x), ny = middle(need.normal.y), px = middle(need.point.x),
+               py = middle(need.point.y), c = plain_cosine_, s = plain_sine_;
+  if (need.by_side) {
+    const double x = c * px - s * py, y = s * px + c * py;
+    return {nx * (x + x_) + ny * (y + y_) - middle(need.constant),
+            {nx * half_x_, ny * half_y_, (ny * x - nx * y) * half_theta_}};
+  }
+  const double x = c * nx - s * ny, y = s * nx + c * ny;
+  return {x * (px - x_) + y * (py - y_) - middle(need.constant),
+          {-x * half_x_, -y * half_y_, (x * (py - y_) - y * (px - x_)) * half_theta_}};
+}
+
+bool MotionRegion::never_met_together(const std::vector<WeightedNeed>& needs) const {
+  NeedSum sum{};
+  for (const auto& [need, weight] : needs) {
+    const Interval w(weight);
+    const IntervalPoint normal{w * need->normal.x, w * need->normal.y};
+    const IntervalPoint arm = need->by_side ? need->point : need->point - IntervalPoint{x_, y_};
+    const Interval across = normal.x * arm.y - normal.y * arm.x;
+    sum.cosine = sum.cosine + dot(normal, arm);
+    sum.constant = sum.constant + w * need->constant;
+    if (need->by_side) {
+      sum.sine = sum.sine - across;
+      sum.constant = sum.constant - dot(normal, IntervalPoint{x_, y_});
+      sum.side_normal = sum.side_normal + normal;
+    } else {
+      sum.sine = sum.sine + across;
+      sum.line_normal = sum.line_normal + normal;
+    }
+  }
+  return !needs.empty() && negative(sum, theta_ - half_theta_, theta_ + half_theta_, kMaxHalvingsOfAngles);
+}
+
+// Uses the mean value form over the angles, and if the sum is negative in the middle only, tries either half.
+bool MotionRegion::negative(const NeedSum& sum, double low, double high, int halvings) const {
+  const double at = 0.5 * (low + high), half = std::max(high - at, at - low) * (1.0 + 1e-12) + 1e-16;
+  const auto highest = [&](double reach) {
+    const Interval angles(at - reach, at + reach), c = cosine(angles), s = sine(angles);
+    const IntervalPoint rest = sum.side_normal - turned(sum.line_normal, c, s);
+    const Interval value = sum.cosine * cosine(Interval(at)) + sum.sine * sine(Interval(at)) - sum.constant;
+    const double slope = (sum.sine * c - sum.cosine * s).magnitude();
+    return value.high + (slope * reach + rest.x.magnitude() * half_x_ + rest.y.magnitude() * half_y_) * (1.0 + 1e-12);
+  };
+  if (highest(half) < 0.0) return true;
+  if (halvings == 0 || !(highest(0.0) < 0.0)) return false;
+  return negative(sum, low, at, halvings - 1) && negative(sum, at, high, halvings - 1);
 }
 
 MotionRegion::Verdict MotionRegion::cuts(const IntervalPoint& center, bool up, std::uint32_t edge,

@@ -49,6 +49,17 @@ struct NeedSamples {
   std::array<double, kSampledAngles> excess_mm{};
 };
 
+/// The excess of a need over a region, in rounded numbers, without curvature: excess + Σ by_u[k]·u[k], where u runs
+/// from −1 to 1 along x, y and the angle.
+struct NeedChange {
+  double excess_mm = 0.0;
+  std::array<double, 3> by_u_mm{};
+};
+struct WeightedNeed {
+  const Need* need = nullptr;
+  double weight = 0.0;
+};
+
 /// Returns a length, rounded up.
 inline double length_of(double x, double y) {
   return std::sqrt(x * x + y * y) * (1.0 + 1e-12);
@@ -95,12 +106,16 @@ class MotionRegion {
   /// Adds the needs of the module that one edge causes.
   void add_needs(const Candidate& module, std::uint32_t edge, std::vector<Need>& needs) const;
   [[nodiscard]] NeedSamples samples(const Need& need) const;
+  [[nodiscard]] NeedChange change(const Need& need) const;
   /// Returns how far a point of the grid lies along a direction of the grid, from the middle of the region.
   [[nodiscard]] double along_mm(double x, double y, const IntervalPoint& point) const {
     return x * (middle(point.x) - x_) + y * (middle(point.y) - y_);
   }
   /// Returns true if no motion of the region meets the need.
   [[nodiscard]] bool never_met(const Need& need) const;
+  /// Returns true if at every motion of the region the weighted sum of the needs' excesses is negative, so that one of
+  /// them at least is not met. Weights must not be negative.
+  [[nodiscard]] bool never_met_together(const std::vector<WeightedNeed>& needs) const;
   /// Returns true if the module lies inside and overhangs by no more than `tolerance_mm`. The region must be one
   /// motion.
   [[nodiscard]] bool holds(const ProofTile& tile, double tolerance_mm) const;
@@ -125,6 +140,12 @@ class MotionRegion {
                                        double allowance_mm) const;
   [[nodiscard]] Ways line_ways(const IntervalPoint& center, double sign, const ProofEdge& edge, const Moved& m,
                                double allowance_mm) const;
+  // The sum of needs as a function of the angle, with the normals by which the translation counts.
+  struct NeedSum {
+    Interval cosine, sine, constant;
+    IntervalPoint line_normal, side_normal;
+  };
+  [[nodiscard]] bool negative(const NeedSum& sum, double low, double high, int halvings) const;
   [[nodiscard]] Need line_need(std::uint32_t edge, double turn, const IntervalPoint& point) const;
   void add_side_needs(const Candidate& module, std::uint32_t edge, std::size_t side, std::vector<Need>& needs) const;
   void add_needs_over(const Candidate& module, std::uint32_t edge, double turn, std::vector<Need>& needs) const;

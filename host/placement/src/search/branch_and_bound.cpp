@@ -22,7 +22,7 @@ constexpr double kSlice_mm = 2.5;  // The farthest vertex moves this far from on
 constexpr std::size_t kBatch = 16;
 constexpr double kLogged_s = 1.5e-6;  // Writing a cell to the log takes 0.7e-6 s (measured); we reserve twice that.
 // After this many cells a search looks for constraints that contradict each other.
-constexpr std::int64_t kLong = 2000;
+constexpr std::int64_t kLong = 200;
 constexpr std::size_t kTried = 16;  // This many slices have their most promising motion tried before any is divided.
 
 class BranchAndBound {

@@ -10,6 +10,7 @@ namespace {
 // An outline of a million modules fits into a raster of 100 MB; the raster of a needle of 100 m takes 1.2 GB.
 constexpr double kMaxRaster_bytes = 128e6;
 constexpr int kMaxPasses = 4;
+constexpr int kGenerationsWithout = 1;
 constexpr double kWorthAnotherPass = 0.7;
 constexpr int kMaxPartsOfSlice = 8, kMaxPartsOfCube = 8;  // Both values limit the parts of one child.
 constexpr int kWellFilled = 2;  // A box is not divided further if one out of this many parts is open.
@@ -210,8 +211,8 @@ void CellExpander::add_slice_child(const Cell& cell, const MotionBox& box, const
     // holds.
     list->tiles.push_back({grid_.center(border.tile), border.tile, may_not == 0, 0, 0});
   }
-  result_->children.push_back(
-      {box, cell.certain + certain, std::min(cell.bound, cell.certain + open.most), std::move(list), reach});
+  result_->children.push_back({box, cell.certain + certain, std::min(cell.bound, cell.certain + open.most),
+                               std::move(list), reach, std::nullopt, kGenerationsWithout});
 }
 
 void CellExpander::list_with_edges(const Cell& cell, CellList& to) const {
@@ -272,7 +273,10 @@ void CellExpander::refine(Cell& cell) {
     if (std::ranges::max(weighted_half(cell.box)) > kWorthAnotherPass * before) break;
   }
   CellList& list = source == &lists_[0] ? lists_[0] : lists_[1];
-  if (demand_.conflicts && closed_by_conflicts(cell, list)) return;
+  if (cell.without_conflicts > 0)
+    --cell.without_conflicts;
+  else if (demand_.conflicts && closed_by_conflicts(cell, list))
+    return;
   look_ahead(cell, list);
 }
 
@@ -289,6 +293,7 @@ bool CellExpander::closed_by_conflicts(Cell& cell, CellList& list) {
     close(cell.box);
     return true;
   }
+  if (!conflicts_.is_promising()) cell.without_conflicts = kGenerationsWithout;
   if (verdict == ConflictBound::Verdict::kOpen) return false;
   halve_angles(cell, list);
   return true;
@@ -381,8 +386,8 @@ void CellExpander::divide(const Cell& cell, const CellList& list, const Index& l
   const std::size_t last_chosen = chosen_.size();
   certain += choose(open.low, open.high, first_chosen, last_chosen);
   if (open.well_filled(kMaxPartsOfCube)) {
-    result_->children.push_back(
-        {box, cell.certain + certain, std::min(cell.bound, cell.certain + open.most), chosen_list(list, last_chosen)});
+    result_->children.push_back({box, cell.certain + certain, std::min(cell.bound, cell.certain + open.most),
+                                 chosen_list(list, last_chosen), 0.0, std::nullopt, cell.without_conflicts});
   } else {
     const std::size_t axis = longest_axis(box, open.size());
     Index first_high = open.high, second_low = open.low;

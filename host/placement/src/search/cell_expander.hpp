@@ -24,6 +24,8 @@ struct Cell {
   double reach_mm = 0.0;
   /// The middle of the part that gives a slice its bound. Empty until the slice is bounded.
   std::optional<Motion> promising = std::nullopt;
+  /// In this many generations no contradictions are looked for, because there were few in a cell around this one.
+  int without_conflicts = 0;
 };
 
 /// States the separation that a tile must keep. It counts for a value from inset − tolerance on; for the bound from

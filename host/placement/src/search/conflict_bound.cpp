@@ -6,12 +6,18 @@
 #include <cmath>
 #include <tuple>
 
+#include "triskin/base/index.hpp"
+
 namespace triskin::geometry {
 namespace {
 
 constexpr double kFacing = 0.1;          // A side that faces an edge has a normal with at least this against it.
 constexpr double kMinMultiplier = 0.05;  // Smaller multipliers of three constraints magnify rounding.
 constexpr std::size_t kMaxRowsOfTile = 24;
+constexpr std::size_t kMaxBetween = 12;  // Contested tiles are compared with the next 12 along their edges.
+// A cell is promising if contradictions leave out one in so many of the tiles that must be left out.
+constexpr int kPromising = 4;
+constexpr int kMaxDrops = 3;            // Programs whose number grows as 4^drops are solved for at most this many.
 constexpr std::ptrdiff_t kNearest = 4;  // A tile is compared with this many tiles to either side at an opposed edge.
 
 Vec2 quarter_turn(const Vec2& v) {
@@ -25,6 +31,7 @@ double cross(const Vec2& a, const Vec2& b) {
 
 ConflictBound::Verdict ConflictBound::judge(const CellFrame& frame, const CellList& list, int need) {
   dead_.assign(list.tiles.size(), 0);
+  is_promising_ = true;
   if (static_cast<int>(list.tiles.size()) < need) return Verdict::kClosed;
   set_cell(frame, list);
   collect(frame, list);
@@ -43,6 +50,7 @@ void ConflictBound::set_cell(const CellFrame& frame, const CellList& list) {
   const double sine = std::sin(0.5 * frame.half[2]);
   sigma_ = std::sin(frame.half[2]) * (1.0 + 1e-12);
   curve_ = 2.0 * sine * sine * (1.0 + 1e-12);
+  half_ = {frame.half[0], frame.half[1]};
   slide_ = std::hypot(frame.half[0], frame.half[1]) * (1.0 + 1e-12);
   shift_ = slide_ + pivot_.norm() * (sigma_ + curve_);
 }
@@ -93,7 +101,8 @@ void ConflictBound::add_points_over_edge(const CellFrame& frame, const OpenTile&
   const Vec2 centre(frame.center[0], frame.center[1]), start(frame.x[pair.edge], frame.y[pair.edge]),
       along(frame.normal_y[pair.edge], -frame.normal_x[pair.edge]);
   const double length = along.dot(Vec2(frame.x[next], frame.y[next]) - start);
-  const double moved = slide_ + ((tile.center - centre).norm() + grid_.circumradius_mm) * frame.half[2] + 1e-6;
+  const double moved =
+      slide_ + ((tile.center - centre).norm() + grid_.circumradius_mm) * frame.half[2] + 2.0 * polygon_.rounding_mm;
   const auto corners = static_cast<std::size_t>(grid_.corners);
   const double sign = tile.tile.up ? 1.0 : -1.0;
   for (std::size_t k = 0; k < corners; ++k) {
@@ -153,7 +162,100 @@ int ConflictBound::survivors(const CellList& list, double softness, int need) {
   }
   if (alive < need) return alive;
   find_conflicts(list, softness);
-  return alive - matching(list.tiles.size());
+  const int pairs = matching(list.tiles.size()), bound = alive - pairs;
+  if (bound < need || rows_.empty()) return bound;
+  const int saved = saved_by_cliques(list, softness);
+  const int all = static_cast<int>(list.tiles.size());
+  is_promising_ = kPromising * (all - alive + std::max(pairs, saved)) > all - need;
+  if (alive - saved < need) return need - 1;
+  return contradict_each_other(softness, alive - need, pairs) ? need - 1 : bound;
+}
+
+// Of tiles that exclude each other pairwise, one at most holds. Divides the tiles that need two opposed edges into such
+// cliques, and returns how many tiles the cliques, and the pairs of other tiles, leave out.
+int ConflictBound::saved_by_cliques(const CellList& list, double softness) {
+  find_contested(list);
+  cliques_.clear();
+  contested_at_.assign(dead_.size(), -1);
+  for (std::size_t k = 0; k < contested_.size(); ++k) contested_at_[contested_[k].tile] = static_cast<std::int32_t>(k);
+  for (std::size_t k = 0; k < contested_.size(); ++k) {
+    const auto excludes_all = [&](const std::vector<std::size_t>& clique) {
+      return std::ranges::all_of(clique, [&](std::size_t other) {
+        return k - other <= kMaxBetween && exclude_jointly(contested_[other], contested_[k], softness);
+      });
+    };
+    const auto clique = std::ranges::find_if(cliques_, excludes_all);
+    if (clique != cliques_.end())
+      clique->push_back(k);
+    else
+      cliques_.push_back({k});
+  }
+  int saved = static_cast<int>(contested_.size() - cliques_.size());
+  for (std::uint32_t t = 0; t < mate_.size(); ++t) {
+    if (mate_[t] > static_cast<std::int32_t>(t) && contested_at_[t] < 0 && contested_at_[at(mate_[t])] < 0) ++saved;
+  }
+  return saved;
+}
+
+// Lists the tiles with rows at two opposed edges in the order of their places along these edges.
+void ConflictBound::find_contested(const CellList& list) {
+  contested_.clear();
+  for (std::uint32_t first = 0, last = 0; first < rows_.size(); first = last) {
+    while (last < rows_.size() && rows_[last].tile == rows_[first].tile) ++last;
+    if (dead_[rows_[first].tile] != 0) continue;
+    const Row* opposed_row = nullptr;
+    for (std::uint32_t k = first + 1; k < last && opposed_row == nullptr; ++k) {
+      if (rows_[first].normal.dot(rows_[k].normal) <= kOpposed) opposed_row = &rows_[k];
+    }
+    if (opposed_row == nullptr) continue;
+    Vec2 along = quarter_turn(opposed_row->normal);
+    if (along.x() < 0.0) along = -along;
+    contested_.push_back({rows_[first].tile, first, last, along.dot(list.tiles[rows_[first].tile].center)});
+  }
+  std::ranges::sort(contested_, {}, [](const Contested& c) { return std::pair(c.along, c.tile); });
+}
+
+bool ConflictBound::exclude_jointly(const Contested& a, const Contested& b, double softness) {
+  program_.begin(dead_.size());
+  for (std::uint32_t k = a.first; k < a.last; ++k) add_to_program(rows_[k], softness);
+  for (std::uint32_t k = b.first; k < b.last; ++k) add_to_program(rows_[k], softness);
+  for (const auto& [gradient, level] : box_rows(softness)) program_.add(JointProgram::kNoTile, gradient, level);
+  return program_.contradictory(0);
+}
+
+void ConflictBound::add_to_program(const Row& row, double softness) {
+  // The translation that a side sees is w turned by phi.
+  const double level = row.level + softness * (row.soft + (row.by_side ? (sigma_ + curve_) * shift_ : 0.0));
+  program_.add(row.tile, {-row.normal.x() * shift_, -row.normal.y() * shift_, row.slope * sigma_}, level);
+}
+
+// Tells whether fewer tiles hold together than `drops` less than all that are alive. With many more alive than needed,
+// only the tiles that have no partner among the pairs are looked at.
+bool ConflictBound::contradict_each_other(double softness, int drops, int pairs) {
+  const bool without_pairs = drops > kMaxDrops;
+  if (without_pairs) drops -= pairs;
+  if (drops > kMaxDrops) return false;
+  program_.begin(dead_.size());
+  for (const Row& row : rows_) {
+    if (dead_[row.tile] != 0 || (without_pairs && mate_[row.tile] >= 0)) continue;
+    add_to_program(row, softness);
+  }
+  for (const auto& [gradient, level] : box_rows(softness)) program_.add(JointProgram::kNoTile, gradient, level);
+  return program_.contradictory(drops);
+}
+
+// The box of the translations t - centre = w + sigma * J (w - pivot) - (1 - cos(phi)) (w - pivot), J a quarter turn.
+std::array<ConflictBound::BoxRow, 4> ConflictBound::box_rows(double softness) const {
+  const double soft = sigma_ * shift_ + curve_ * (shift_ + pivot_.norm());
+  std::array<BoxRow, 4> rows;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double sign = k % 2 == 0 ? 1.0 : -1.0;
+    const std::array<double, 3> gradient =
+        k < 2 ? std::array{shift_, 0.0, pivot_.y() * sigma_} : std::array{0.0, shift_, -pivot_.x() * sigma_};
+    rows[k] = {{sign * gradient[0], sign * gradient[1], sign * gradient[2]},
+               half_[k / 2] + polygon_.rounding_mm + softness * soft};
+  }
+  return rows;
 }
 
 bool ConflictBound::holds_nowhere(std::size_t first, std::size_t last, double softness) {
@@ -308,23 +410,29 @@ int ConflictBound::matching(std::size_t tiles) {
     }
   }
   int pairs = 0;
+  asked_for_.assign(tiles, 0);
   for (std::uint32_t t = 0; t < tiles; ++t) {
-    if (side_[t] != 0) continue;
-    seen_.assign(tiles, 0);
-    pairs += augment(t) ? 1 : 0;
+    if (side_[t] == 0 && augment(t, t + 1)) ++pairs;
   }
   return pairs;
 }
 
-bool ConflictBound::augment(std::uint32_t tile) {
+bool ConflictBound::augment(std::uint32_t tile, std::uint32_t root) {
   for (const std::uint32_t other : conflicts_[tile]) {
-    if (side_[other] == side_[tile] || seen_[other] != 0) continue;
-    seen_[other] = 1;
-    if (mate_[other] >= 0 && !augment(static_cast<std::uint32_t>(mate_[other]))) continue;
-    mate_[other] = static_cast<std::int32_t>(tile);
-    return true;
+    if (side_[other] != side_[tile] && mate_[other] < 0) return pair_up(tile, other);
+  }
+  for (const std::uint32_t other : conflicts_[tile]) {
+    if (side_[other] == side_[tile] || asked_for_[other] == root) continue;
+    asked_for_[other] = root;
+    if (augment(static_cast<std::uint32_t>(mate_[other]), root)) return pair_up(tile, other);
   }
   return false;
+}
+
+bool ConflictBound::pair_up(std::uint32_t tile, std::uint32_t other) {
+  mate_[other] = static_cast<std::int32_t>(tile);
+  mate_[tile] = static_cast<std::int32_t>(other);
+  return true;
 }
 
 }  // namespace triskin::geometry

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "search/joint_program.hpp"
 #include "triskin/placement/kernels/pair_kernel.hpp"
 #include "triskin/placement/search/cell_list.hpp"
 
@@ -30,6 +32,8 @@ class ConflictBound {
   Verdict judge(const CellFrame& frame, const CellList& list, int need);
   /// Returns one entry per tile of the last list: not 0 if the tile holds nowhere in the cell.
   [[nodiscard]] const std::vector<std::uint8_t>& dead() const { return dead_; }
+  /// Returns false if the last cell had so few contradictions that its children are unlikely to be closed by them.
+  [[nodiscard]] bool is_promising() const { return is_promising_; }
 
  private:
   /// The constraint level - normal.w + slope * sigma >= 0, up to `soft`, which vanishes with the range of angles.
@@ -75,7 +79,23 @@ class ConflictBound {
   void compare_edges(std::span<const Needs> at_one, std::span<const Needs> at_other, double softness);
   [[nodiscard]] bool exclude_each_other(const Needs& a, const Needs& b, double softness);
   [[nodiscard]] int matching(std::size_t tiles);
-  bool augment(std::uint32_t tile);
+  bool augment(std::uint32_t tile, std::uint32_t root);
+  bool pair_up(std::uint32_t tile, std::uint32_t other);
+  struct BoxRow {
+    std::array<double, 3> gradient{};
+    double level = 0.0;
+  };
+  /// A tile with rows [first, last) at two opposed edges, and its place along them.
+  struct Contested {
+    std::uint32_t tile = 0, first = 0, last = 0;
+    double along = 0.0;
+  };
+  [[nodiscard]] int saved_by_cliques(const CellList& list, double softness);
+  void find_contested(const CellList& list);
+  [[nodiscard]] bool exclude_jointly(const Contested& a, const Contested& b, double softness);
+  void add_to_program(const Row& row, double softness);
+  [[nodiscard]] bool contradict_each_other(double softness, int drops, int pairs);
+  [[nodiscard]] std::array<BoxRow, 4> box_rows(double softness) const;
 
   static constexpr double kOpposed = -0.999;  // Two normals with a smaller cosine count as opposed.
 
@@ -86,13 +106,19 @@ class ConflictBound {
   Vec2 pivot_;
   // These bound sin φ, 1 − cos φ, the translation and w.
   double sigma_ = 0.0, curve_ = 0.0, slide_ = 0.0, shift_ = 0.0;
+  std::array<double, 2> half_{};
   std::vector<Row> rows_;  // Rows of one tile are consecutive.
   std::vector<std::uint8_t> dead_;
+  bool is_promising_ = true;
   std::vector<Interval> excluded_;  // These intervals of sigma are excluded.
   std::vector<Needs> needs_;
   std::vector<std::vector<std::uint32_t>> conflicts_;  // Each tile lists the tiles with which it cannot hold.
   std::vector<std::int32_t> side_, mate_;
-  std::vector<std::uint8_t> seen_;
+  std::vector<std::uint32_t> asked_for_;  // The last root that asked for the tile, plus one.
+  std::vector<Contested> contested_;
+  std::vector<std::int32_t> contested_at_;         // Where `contested_` has each tile, or −1.
+  std::vector<std::vector<std::size_t>> cliques_;  // Indices into `contested_`.
+  JointProgram program_;
 };
 
 }  // namespace triskin::geometry
