@@ -138,7 +138,8 @@ class BusDay {
  public:
   BusDay(device::LiveBus& bus, const fs::path& folder, view::LatestSamples& page) : bus_(bus), page_(page) {
     for (std::size_t c = 0; c < bus.covers().size(); ++c) {
-      (void)device::flash(bus.bus(), bus.covers()[c].design(), robot::flash_options(bus.config(), bus.config().covers[c], {}));
+      (void)device::flash(bus.bus(), bus.covers()[c].design(),
+                          robot::flash_options(bus.config(), bus.config().covers[c], {}));
       files_.emplace_back(bus, bus.covers()[c], folder);
     }
     bus.find_controllers();
@@ -268,6 +269,7 @@ TEST_F(Day, a_robot_of_twelve_covers_streams_is_recorded_and_viewed) {
     wait_until_alone(server);
     const Memory now = memory_now();
     std::printf("hour %2d: heap %zu bytes, resident %zu KiB\n", hour + 1, now.heap_bytes, now.resident_bytes / 1024);
+    std::fflush(stdout);  // Whoever runs a day wants to see its hours.
     if (hour == 0) first = now;
     // A byte kept of each sample would be 2 MB an hour.
     EXPECT_LT(now.heap_bytes, first.heap_bytes + 256 * 1024);
