@@ -63,6 +63,7 @@ class Pipe final : public UsbPipe {
 
 struct Plugs {
   std::deque<Board> boards;
+  bool refuses = false;  // Devices are listed, but none can be opened.
   std::atomic<bool> changed = false;
   Board& add(std::string serial, std::uint8_t node) {
     Board& b = boards.emplace_back();
@@ -89,6 +90,7 @@ class Driver final : public UsbDriver {
   std::vector<std::unique_ptr<UsbPipe>> open(const std::string& serial,
                                              const std::vector<std::string>& places) override {
     std::vector<std::unique_ptr<UsbPipe>> pipes;
+    if (plugs_.refuses && places.empty()) throw DeviceError("usb: the controller at 7-5 may not be opened");
     for (Board& b : plugs_.boards) {
       const std::lock_guard lock(b.mutex);
       if (b.plugged && (serial.empty() || serial == b.serial) && std::ranges::find(places, b.place) == places.end())
@@ -167,6 +169,29 @@ TEST(UsbLink, the_last_one_gone_is_the_end_until_it_is_back) {
   EXPECT_TRUE(link.trouble().empty());
   link.send(request_to(1));
   EXPECT_EQ(heard(link).size(), 1U);
+}
+
+// A flash waits for a link that is Unreachable, and ends for any other error.
+TEST(UsbLink, a_device_that_leaves_or_returns_and_cannot_be_opened_is_away) {
+  Plugs plugs;
+  Board& one = plugs.add("AA", 1);
+  UsbLink link(std::make_unique<Driver>(plugs), "");
+  plugs.refuses = true;
+  Plugs::pull(one);
+  try {
+    (void)link.receive(link.now_us() + 2'000'000);
+    FAIL() << "the device is gone";
+  } catch (const Unreachable& e) {
+    EXPECT_NE(std::string(e.what()).find("AA was unplugged"), std::string::npos) << e.what();
+  }
+  EXPECT_THROW(link.reconnect(), Unreachable);
+  plugs.refuses = false;
+  plugs.plug(one);
+  link.reconnect();
+  link.send(wire::who_is_there());
+  EXPECT_EQ(heard(link).size(), 2U);
+  plugs.refuses = true;
+  EXPECT_THROW(UsbLink(std::make_unique<Driver>(plugs), ""), DeviceError);  // Nobody had it open: permissions matter.
 }
 
 TEST(UsbLink, a_device_that_is_plugged_in_joins) {

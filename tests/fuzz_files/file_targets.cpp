@@ -12,12 +12,12 @@
 #include "../fuzz/targets.hpp"
 #include "support/strip_design.hpp"
 #include "triskin/base/error.hpp"
-#include "triskin/base/files.hpp"
 #include "triskin/check/design_rules.hpp"
 #include "triskin/check/placement_proof.hpp"
 #include "triskin/deploy/board_backup.hpp"
 #include "triskin/design/calibration.hpp"
 #include "triskin/design/design.hpp"
+#include "triskin/design/design_text.hpp"
 #include "triskin/design/kinds.hpp"
 #include "triskin/design/region_file.hpp"
 #include "triskin/robot/frames.hpp"
@@ -67,13 +67,23 @@ void file(Bytes input) {
   }
 }
 
-constexpr auto kDesign = [](const auto& path) { (void)design::read_design(path); };
+/// Runs a reader that takes the text of a file.
+template <auto kParse>
+void text(Bytes input) {
+  try {
+    kParse(std::string(input.begin(), input.end()));
+  } catch (const Error&) {
+    return;  // The text was refused.
+  }
+}
+
+constexpr auto kDesign = [](const std::string& t) { (void)design::parse_design(t, "design.json"); };
+constexpr auto kRobot = [](const std::string& t) { (void)robot::parse_robot(t, "robot.json"); };
+constexpr auto kUrdf = [](const std::string& t) { (void)robot::Frames::parse_urdf(t, "robot.urdf"); };
+constexpr auto kTouches = [](const std::string& t) { (void)robot::read_touches(t, "touches.csv"); };
+constexpr auto kCalibration = [](const std::string& t) { (void)design::parse_calibration(t, "calibration.json"); };
 constexpr auto kCheck = [](const auto& path) { (void)check::check_design(path); };
 constexpr auto kScene = [](const auto& path) { (void)scene::read_scene(path); };
-constexpr auto kRobot = [](const auto& path) { (void)robot::read_robot(path); };
-constexpr auto kUrdf = [](const auto& path) { (void)robot::Frames::read_urdf(path); };
-constexpr auto kTouches = [](const auto& path) { (void)robot::read_touches(read_file(path), "touches"); };
-constexpr auto kCalibration = [](const auto& path) { (void)design::read_calibration(path); };
 constexpr auto kBackup = [](const auto& path) { (void)device::read_backup(path); };
 constexpr auto kKinds = [](const auto& path) { (void)design::read_kind_plan(path); };
 constexpr auto kRegions = [](const auto& path) { (void)design::read_region_file(path); };
@@ -88,13 +98,13 @@ void proof(Bytes input) {
   }
 }
 
-constexpr std::array kTargets{Target{"design", file<kDesign>, 1000},
+constexpr std::array kTargets{Target{"design", text<kDesign>, 1000},
                               Target{"check", file<kCheck>, 500},
                               Target{"scene", file<kScene>, 1000},
-                              Target{"robot", file<kRobot>, 1000},
-                              Target{"urdf", file<kUrdf>, 1000},
-                              Target{"touches", file<kTouches>, 1000},
-                              Target{"calibration", file<kCalibration>, 1000},
+                              Target{"robot", text<kRobot>, 1000},
+                              Target{"urdf", text<kUrdf>, 1000},
+                              Target{"touches", text<kTouches>, 1000},
+                              Target{"calibration", text<kCalibration>, 1000},
                               Target{"backup", file<kBackup>, 1000},
                               Target{"kinds", file<kKinds>, 1000},
                               Target{"regions", file<kRegions>, 1000},

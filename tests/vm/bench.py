@@ -44,7 +44,7 @@ def verify_all(link, watch_s=0):
     assert answer["samples"] + answer["lost"] == answer["expected"] and not answer["never_heard"], answer
 
 
-def start(*command, wait_for=None, timeout=30):
+def start(*command, wait_for=None, timeout=120):
     """Starts a program in the background; waits until its output holds `wait_for`."""
     out = open(f"/tmp/output{len(_running)}_{time.monotonic_ns()}", "w+")
     process = subprocess.Popen([str(c) for c in command], stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.STDOUT)

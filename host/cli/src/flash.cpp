@@ -96,16 +96,26 @@ void flash_covers(device::LiveBus& live, const Options& options, const ProgressS
   take();
 }
 
+// The tables are complete by then, so a link that fails now has another message.
+void wait_for_all_offsets(device::Bus& all, const BusOutcome& outcome) {
+  try {
+    for (const auto& [cover, r] : outcome.covers) {
+      if (std::ranges::any_of(r.patches, &device::FlashResult::Patch::written)) wait_for_offsets(all, cover->design);
+    }
+  } catch (const device::Unreachable& e) {
+    throw device::Unreachable(fmt::format(
+        "{}; all tables are written and active; run triskin verify to see whether every converter has its offsets",
+        e.what()));
+  }
+}
+
 void flash_bus(device::LiveBus& live, const Options& options, const ProgressSink& progress, BusOutcome& outcome) {
   outcome.bus = &live.config();
   device::Bus& all = live.bus();
   const std::map<std::string, int> before =
       options.flash.dry_run ? std::map<std::string, int>{} : device::kept_revisions(all);
   flash_covers(live, options, progress, outcome);
-  for (const auto& [cover, r] : outcome.covers) {
-    if (!options.flash.dry_run && std::ranges::any_of(r.patches, &device::FlashResult::Patch::written))
-      wait_for_offsets(all, cover->design);
-  }
+  if (!options.flash.dry_run) wait_for_all_offsets(all, outcome);
   if (before.empty()) return;
   outcome.ended = before;
   for (const auto& [serial, revision] : device::kept_revisions(all)) outcome.ended.erase(serial);

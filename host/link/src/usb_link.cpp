@@ -30,11 +30,22 @@ std::uint64_t UsbLink::now_us() const {
       std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start_).count());
 }
 
-void UsbLink::open_new_devices() {
-  last_scan_ = std::chrono::steady_clock::now();
+std::vector<std::unique_ptr<UsbPipe>> UsbLink::new_pipes() {
   std::vector<std::string> places;
   for (const auto& d : devices_) places.push_back(d->pipe->place());
-  for (auto& pipe : driver_->open(serial_, places)) {
+  try {
+    return driver_->open(serial_, places);
+  } catch (const DeviceError&) {
+    // A device that was open before is still listed a moment after it was unplugged, and is listed before its
+    // permissions are set when it returns. It is away then, which trouble() says.
+    if (wires_ == 0) throw;
+    return {};
+  }
+}
+
+void UsbLink::open_new_devices() {
+  last_scan_ = std::chrono::steady_clock::now();
+  for (auto& pipe : new_pipes()) {
     auto device = std::make_unique<Device>();
     device->pipe = std::move(pipe);
     device->wire = ++wires_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // libFuzzer enters one target here.
-#include "targets.hpp"
+#include "fuzz/targets.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const triskin::fuzz::Target target = triskin::fuzz::find_target(TRISKIN_TARGET);

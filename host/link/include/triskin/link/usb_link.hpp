@@ -89,6 +89,7 @@ class UsbLink final : public Link {
   static constexpr std::chrono::milliseconds kScanEvery{2000};
   static constexpr std::chrono::milliseconds kSlice{50};  // UsbDriver::changed is called this often.
 
+  [[nodiscard]] std::vector<std::unique_ptr<UsbPipe>> new_pipes();
   void open_new_devices();
   void read_all(Device& device, const std::stop_token& stop);
   void remove_gone();
