@@ -34,7 +34,7 @@ class JointProgram {
     std::array<double, 3> gradient;
     double level;
   };
-  // The rows of a core with their multipliers.
+  // Tiles that cannot all hold.
   struct Core {
     std::array<std::uint32_t, 4> tile{};
     std::size_t tiles = 0;
