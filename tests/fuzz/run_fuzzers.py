@@ -53,8 +53,10 @@ class Campaign:
         self.findings = []
         self.found = program.parents[1] / "found" / target
         self.found.mkdir(parents=True, exist_ok=True)
-        self.dictionary = self.found.with_suffix(".dict")
-        self.dictionary.write_text(dictionary(target))
+        words, self.dictionary = dictionary(target), []  # libFuzzer refuses an empty dictionary.
+        if words:
+            self.found.with_suffix(".dict").write_text(words)
+            self.dictionary = [f"-dict={self.found.with_suffix('.dict')}"]
         self.log = self.found.with_suffix(".log")
 
     def run(self) -> None:
@@ -70,7 +72,7 @@ class Campaign:
                 self.findings.append(f"status {status}: {artifact}")
 
     def run_once(self) -> int:
-        command = [self.program, f"-runs={self.runs - self.done}", f"-seed={self.seed}", *LIMITS, f"-dict={self.dictionary}",
+        command = [self.program, f"-runs={self.runs - self.done}", f"-seed={self.seed}", *LIMITS, *self.dictionary,
                    f"-artifact_prefix={self.found}.", "-print_final_stats=1", "-verbosity=1", self.found, SOURCE / "tests/fuzz/corpus" / self.target]
         with open(self.log, "w") as log:
             status = subprocess.run([str(c) for c in command], stdout=log, stderr=subprocess.STDOUT, check=False).returncode
@@ -92,7 +94,7 @@ def main() -> int:
     parser.add_argument("--share", type=float, default=1.0)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("targets", nargs="*")
-    arguments = parser.parse_args()
+    arguments = parser.parse_intermixed_args()
     programs = sorted(arguments.build.resolve().glob("bin/fuzz_*"))
     total, bad = 0, False
     print("| target | executions | edges | features | memory, MB | findings |\n|---|---:|---:|---:|---:|---|", flush=True)

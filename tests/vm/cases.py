@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs in the test machine: every function test_… of case_*.py. Usage: cases.py TRISKIN DESIGN RESULTS [CASE,CASE…]"""
+"""Runs in the test machine: every function test_… of case_*.py, and of long_*.py where it is named. Usage: cases.py TRISKIN DESIGN RESULTS [CASE,CASE…]"""
 import importlib
 import pathlib
 import sys
@@ -35,8 +35,10 @@ def main() -> int:
     bench.prepare(sys.argv[2])
     all_passed = True
     wanted = sys.argv[4].split(",") if len(sys.argv) > 4 else []
-    for path in sorted(pathlib.Path(__file__).parent.glob("case_*.py")):
-        if wanted and path.stem.removeprefix("case_") not in wanted:
+    folder = pathlib.Path(__file__).parent
+    for path in sorted([*folder.glob("case_*.py"), *folder.glob("long_*.py")]):
+        kind, _, name = path.stem.partition("_")
+        if name not in wanted and (wanted or kind == "long"):  # Those that take long run only when they are named.
             continue
         module = importlib.import_module(path.stem)
         for name, function in list(vars(module).items()):
