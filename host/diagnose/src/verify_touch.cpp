@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "triskin/layout/module.hpp"
+#include "triskin/layout/taxel_signal.hpp"
 #include "verification.hpp"
 
 namespace triskin::device {
@@ -14,8 +15,9 @@ namespace {
 constexpr std::uint64_t kSettle_us = 85'000;
 constexpr std::uint64_t kPersonLimit_us = 15'000'000;
 constexpr std::uint64_t kPersonPoll_us = 50'000;
-constexpr double kTaxelChange = 60.0;    // The limit is in counts; the noise of the converter is a few counts.
-constexpr double kModuleChange = 400.0;  // The limit applies to the sum over the taxels of a module.
+// The limit of a module applies to the sum of its taxels' changes, to which noise alone adds some 30 counts; a finger
+// of half a newton adds 130.
+constexpr double kTaxelChange_counts = layout::kPressed_counts, kModuleChange_counts = 6.0 * layout::kPressed_counts;
 constexpr int kMaxTaxels = 7;    // If this many of the ten pressure taxels change, the whole module was pressed.
 constexpr double kTip_mm = 2.5;  // A finger tip reaches this far from its centre.
 
@@ -66,7 +68,7 @@ TouchTest::Response TouchTest::response_of(const PatchState& patch, std::size_t 
     const double change = std::abs(static_cast<double>(now.modules[row].value[t]) -
                                    static_cast<double>(patch.rest.modules[row].value[t]));
     r.strength += change;
-    if (change >= kTaxelChange) r.changed |= 1U << t;
+    if (change >= kTaxelChange_counts) r.changed |= 1U << t;
     if (change <= r.taxel_counts) continue;
     r.taxel_counts = change;
     r.taxel = static_cast<int>(t);
@@ -96,7 +98,7 @@ int TouchTest::turned(TouchActuator& actuator, int module, const PatchState& pat
   for (std::size_t row = 0; row < std::min(now.count, patch.image.module_count); ++row) {
     if (patch.module(row) != module) continue;
     const Response r = response_of(patch, row, now);
-    const auto found = std::ranges::find(probe.taxel, r.taxel_counts >= kTaxelChange ? r.taxel : -1);
+    const auto found = std::ranges::find(probe.taxel, r.taxel_counts >= kTaxelChange_counts ? r.taxel : -1);
     return found == probe.taxel.end() ? 0 : static_cast<int>(found - probe.taxel.begin());
   }
   return 0;
@@ -123,7 +125,7 @@ std::optional<TouchOutcome> TouchTest::press(int module, const PatchState& patch
   } else {
     if (!options.ask || !options.ask(module)) return std::nullopt;
     const std::uint64_t limit_us = bus_.now_us() + kPersonLimit_us;
-    while (best.strength < kModuleChange && bus_.now_us() < limit_us) {
+    while (best.strength < kModuleChange_counts && bus_.now_us() < limit_us) {
       bus_.listen(bus_.now_us() + kPersonPoll_us);
       best = strongest_anywhere(patch);
     }
@@ -132,7 +134,7 @@ std::optional<TouchOutcome> TouchTest::press(int module, const PatchState& patch
     if (settled.strength > best.strength) best = settled;
   }
   const bool whole = std::popcount(best.changed) >= kMaxTaxels;
-  TouchOutcome outcome{module, best.strength >= kModuleChange ? best.module : -1, whole, 0, 0};
+  TouchOutcome outcome{module, best.strength >= kModuleChange_counts ? best.module : -1, whole, 0, 0};
   if (outcome.answered == module && whole) {
     for (unsigned t = 0; t < layout::kTaxelsPerModule; ++t) {
       if (layout::measures_pressure(t) && (best.changed >> t & 1) == 0) outcome.silent_taxels |= 1U << t;
