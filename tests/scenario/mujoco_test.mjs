@@ -82,16 +82,26 @@ put("ball.xml", `<mujoco><include file="tactile.xml"/><worldbody>${ball(middle[2
 // A ball of 2 kg drops 5 mm. Its momentum tells the impulse of the skin, the samples of the controllers tell the force. Taxels take
 // samples of the pressure, so the force depends on the place by some percent (docs/force.md): the ball drops at seven places of a pitch
 // of the strip. It slides up and down only, so that it does not roll off.
-const server = spawn(triskin, ["simulate", design, "--contacts", "127.0.0.1:0"], {env: {...process.env, XDG_STATE_HOME: folder}});
-process.on("exit", () => server.kill());
-const port = await new Promise(resolve => readline.createInterface({input: server.stdout}).on("line", line => {
-  const found = /127\.0\.0\.1:(\d+)/.exec(line);
-  if (found) resolve(Number(found[1]));
-}));
-const socket = net.connect(port, "127.0.0.1");
-const answers = readline.createInterface({input: socket})[Symbol.asyncIterator]();
-const answer = async () => JSON.parse((await answers.next()).value);
-const head = await answer();
+/** Simulates a skin that is touched over a socket. @param {string} scene @returns {Promise<any>} its first line, and how to step and end it */
+const touched = async scene => {
+  const server = spawn(triskin, ["simulate", scene, "--contacts", "127.0.0.1:0"], {env: {...process.env, XDG_STATE_HOME: folder}});
+  process.on("exit", () => server.kill());
+  const port = await new Promise(resolve => readline.createInterface({input: server.stdout}).on("line", line => {
+    const found = /127\.0\.0\.1:(\d+)/.exec(line);
+    if (found) resolve(Number(found[1]));
+  }));
+  const socket = net.connect(port, "127.0.0.1");
+  const answers = readline.createInterface({input: socket})[Symbol.asyncIterator]();
+  const answer = async () => JSON.parse((await answers.next()).value);
+  const step = async (time_s, contacts) => {
+    socket.write(JSON.stringify({time_s, contacts}) + "\n");
+    const told = await answer();
+    assert.equal(told.error, undefined, told.error);
+    return told;
+  };
+  return {head: await answer(), step, end: () => { socket.end(); server.kill("SIGINT"); }};
+};
+const {head, step: step_skin, end} = await touched(design);
 
 // Returns the radius of the contact of the ball with an elastic foundation of 2 mm with a confined modulus of 134.6 kPa (docs/mechanics.md).
 const contact_radius_m = force_n => {
@@ -103,9 +113,7 @@ const latest = new Map();
 let time_s = head.time_s;
 const step = async contacts => {
   time_s += step_s;
-  socket.write(JSON.stringify({time_s, contacts}) + "\n");
-  const told = await answer();
-  assert.equal(told.error, undefined, told.error);
+  const told = await step_skin(time_s, contacts);
   for (const s of told.samples)
     latest.set(s.module, s.change_counts.reduce((a, b) => a + b, 0) / head.counts_per_kpa * head.taxel_area_mm2 * 1e-3);
   return told;
@@ -132,9 +140,37 @@ const drop = async aside => {
 };
 const drops = [];
 for (const aside of [-15, -10, -5, 0, 5, 10, 15]) drops.push(await drop(aside * 1e-3));
-socket.end();
-server.kill("SIGINT");
+end();
 const ratios = drops.map(d => d.felt / d.momentum), mean = ratios.reduce((a, b) => a + b, 0) / ratios.length;
 console.log(`force of the taxels over impulse of the ball: ${ratios.map(r => r.toFixed(3)).join(" ")}; mean ${mean.toFixed(3)}`);
 assert.ok(Math.abs(mean - 1) < 0.1);
+
+// The pattern of the taxels under a resting ball: MuJoCo's tactile sensor knows how deep each taxel lies in the ball, the simulated skin
+// has a layer that the ball sinks into.
+const correlation = (a, b) => {
+  const mean = list => list.reduce((sum, v) => sum + v, 0) / list.length, ma = mean(a), mb = mean(b);
+  const sum = of => a.reduce((total, _, k) => total + of(a[k] - ma, b[k] - mb), 0);
+  return sum((x, y) => x * y) / Math.sqrt(sum(x => x * x) * sum((_, y) => y * y));
+};
+const soft = path.join(folder, "soft.json");
+fs.writeFileSync(soft, JSON.stringify({format: "triskin-scene", version: 1, design: "strip.json", seed: 1, effects: {noise_counts: 3, layer: {}}}));
+const skin = await touched(soft);
+const sunk_m = 0.0015, alike = [];
+let at_s = skin.head.time_s;
+for (const [x, y] of [[0, 0], [7, 3], [-9, -2], [13, 4], [-4, -5]]) {
+  const centre = [middle[0] + x * 1e-3, middle[1] + y * 1e-3, middle[2] + radius - sunk_m];
+  put("pose.xml", `<mujoco><include file="tactile.xml"/><worldbody><body name="ball" pos="${centre.join(" ")}"><joint type="slide" axis="0 0 1"/>
+    <geom name="ball" type="sphere" size="${radius}" mass="${mass}"/></body></worldbody></mujoco>`);
+  const model = load("pose.xml"), data = new mujoco.MjData(model);
+  mujoco.mj_forward(model, data);
+  const tactile = Array.from(data.sensordata).slice(0, taxels.length).map(Math.abs);
+  data.delete(), model.delete();
+  const felt = new Map(), ball_touches = [{point_m: [centre[0], centre[1], middle[2]], normal: [0, 0, 1], depth_m: sunk_m, tip_radius_m: radius}];
+  for (let k = 0; k < 10; ++k) for (const s of (await skin.step(at_s += 0.02, ball_touches)).samples) felt.set(s.module, s.change_counts);
+  alike.push(correlation(tactile, taxels.map(t => felt.get(t.module)[t.taxel])));
+  await skin.step(at_s += 0.2, []);
+}
+skin.end();
+console.log(`pattern of MuJoCo's tactile sensor and of the samples, correlation at five poses: ${alike.map(c => c.toFixed(3)).join(" ")}`);
+assert.ok(Math.min(...alike) >= 0.95);
 process.exit(0);
