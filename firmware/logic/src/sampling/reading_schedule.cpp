@@ -120,11 +120,12 @@ ReadingSchedule::Action ReadingSchedule::other_action(const Plan& plan) {
 // chip samples the status when the high byte is sent, ten bits before the end. Slow edges of SCL lengthen all bits.
 std::uint32_t ReadingSchedule::after_status_us() const {
   constexpr std::uint32_t kBits = 58, kBitsAfter = 10;
-  return status_length_us() * kBitsAfter / kBits;
+  return (status_us_ == 0 ? kFastestStatus_us : status_us_) * kBitsAfter / kBits;
 }
 
 std::uint64_t ReadingSchedule::refine_start_us(const Plan& plan) const {
-  return plan.clock.stage_end_us(plan.refine_stage) - (status_length_us() - after_status_us());
+  const std::uint32_t length_us = status_us_ == 0 ? kFastestStatus_us : status_us_;
+  return plan.clock.stage_end_us(plan.refine_stage) - (length_us - after_status_us());
 }
 
 // A later status would say little; the end of the next stage serves as well.
@@ -269,7 +270,7 @@ void ReadingSchedule::status_read(std::size_t station, std::uint16_t status, std
                                   std::uint32_t length_us) {
   Plan& plan = plans_[station];
   if (!plan.running) return;  // The chip was stopped in the meantime.
-  shortest_status_us_ = std::min(shortest_status_us_, length_us);
+  status_us_ = status_us_ == 0 ? length_us : std::min(status_us_, length_us);
   const std::uint64_t sampled_us = ended_us - after_status_us();
   if (plan.clear_wanted) {
     plan.clear_wanted = false;

@@ -134,9 +134,6 @@ class ReadingSchedule {
   [[nodiscard]] static Action other_action(const Plan& plan);
   [[nodiscard]] std::uint64_t refine_start_us(const Plan& plan) const;
   [[nodiscard]] std::uint64_t last_refine_us(const Plan& plan) const;
-  [[nodiscard]] std::uint32_t status_length_us() const {
-    return shortest_status_us_ == kNotMeasured_us ? kFastestStatus_us : shortest_status_us_;
-  }
   [[nodiscard]] std::uint32_t after_status_us() const;
   [[nodiscard]] std::uint64_t next_reading_us() const;
   [[nodiscard]] Due due_reading(std::uint64_t now_us) const;
@@ -153,8 +150,7 @@ class ReadingSchedule {
   std::array<Plan, kStations> plans_{};
   std::size_t count_ = 0;
   std::uint32_t nominal_us_ = 0;
-  static constexpr std::uint32_t kNotMeasured_us = 0xFFFFFFFF;
-  std::uint32_t shortest_status_us_ = kNotMeasured_us;  // Of the transfers of a status so far.
+  std::uint32_t status_us_ = 0;  // The shortest transfer of a status so far took this long; 0 means none.
   std::uint8_t every_ = 1;
   bool by_timer_ = false;
 };
