@@ -122,6 +122,15 @@ TEST(FreshBoards, the_finger_of_a_simulation_tells_equal_shapes_apart) {
   }
 }
 
+// A look at eighty boards takes longer than a press is waited for, and a message that named every patch for every board
+// would have 30,000 characters.
+TEST(FreshBoards, the_finger_of_a_simulation_tells_eighty_boards_apart) {
+  const design::Design design = strip(80 * 16);
+  EXPECT_LT(FreshSkin(design, false, 3).refusal().size(), 2000U);
+  FreshSkin skin(design, false, 3);
+  EXPECT_TRUE(skin.right(skin.flash(true)));
+}
+
 // Strapped modules show no joints, but only where chips answer. Questions are needed only for equal patches.
 TEST(FreshBoards, strapped_patches_are_recognised_by_their_places) {
   FreshSkin skin(strip(10, 4), false, 5);  // The patches have 4, 4 and 2 modules.
