@@ -341,7 +341,7 @@ class SpreadSkin {
 constexpr std::array kSteps{5.0, 10.0, 20.0, 30.0, 40.0};
 
 // Expects that every taxel is calibrated within the stated error. A mean of 27 samples scatters by 3/√27 = 0.58
-// counts, so the slope of five steps to 40 kPa, with Σ(p − 21)² = 820 by 0.02 counts/kPa, 0.3 % of the least slope.
+// counts, so the slope of five steps to 40 kPa, whose Σ(p − 21)² is 820, scatters by 0.02 counts/kPa, 0.3 % of 7.
 // Student's t for three degrees of freedom is 3.2, and of eighty taxels the worst scatter seems twice as large.
 void expect_errors_as_stated(SpreadSkin& skin, const CalibrationOutcome& outcome, const char* what) {
   EXPECT_TRUE(outcome.without.empty());

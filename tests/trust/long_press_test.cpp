@@ -72,7 +72,7 @@ TEST_P(LongPress, stays_within_two_percent_of_its_value_at_ten_seconds) {
   std::printf("%s: %.0f counts at 10 s, %.2f … %.2f %% of it until 600 s\n", GetParam().name, at_start,
               100.0 * least / at_start, 100.0 * most / at_start);
   // The mean of ten looks at the sum over ten taxels scatters by 3 counts, and so does the value it is compared with.
-  constexpr double kScatter_counts = 4.0 * 3.0 * std::numbers::sqrt2;
+  constexpr double kScatter_counts = 4.0 * layout::kNoise_counts * std::numbers::sqrt2;
   EXPECT_GE(least, 0.98 * at_start - kScatter_counts);
   EXPECT_LE(most, 1.02 * at_start + kScatter_counts);
   link.skin().release(id);

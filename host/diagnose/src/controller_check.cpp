@@ -14,7 +14,7 @@ namespace triskin::device {
 namespace {
 
 std::string patches_text(const std::vector<int>& patches) {
-  return fmt::format("{} {}", patches.size() == 1 ? "patch" : "patches", short_list(patches));
+  return fmt::format("{} {}", noun_after(patches.size() == 1, "patch"), short_list(patches));
 }
 
 }  // namespace

@@ -10,6 +10,11 @@ using design::number_in;
 
 constexpr double kMaxCounts = 1e4;
 
+// Reads a number that has a default.
+void take(const JsonValue& v, const char* key, double low, double high, double& value) {
+  if (has(v, key)) value = number_in(v[key], low, high);
+}
+
 std::vector<TimedValue> read_points(const JsonValue& list, const char* key, double low, double high) {
   std::vector<TimedValue> points;
   for (std::size_t k = 0; k < list.size(); ++k) {
@@ -25,9 +30,9 @@ std::vector<TimedValue> read_points(const JsonValue& list, const char* key, doub
 LayerEffect read_layer(const JsonValue& v) {
   only_scene_keys(v, {"thickness_mm", "poisson", "electrode_mm"});
   LayerEffect e;
-  if (has(v, "thickness_mm")) e.thickness_mm = number_in(v["thickness_mm"], 0.2, 10.0);
-  if (has(v, "poisson")) e.poisson = number_in(v["poisson"], 0.0, 0.495);
-  if (has(v, "electrode_mm")) e.electrode_mm = number_in(v["electrode_mm"], 0.5, 10.0);
+  take(v, "thickness_mm", 0.2, 10.0, e.thickness_mm);
+  take(v, "poisson", 0.0, 0.495, e.poisson);
+  take(v, "electrode_mm", 0.5, 10.0, e.electrode_mm);
   return e;
 }
 
@@ -35,7 +40,7 @@ TemperatureEffect read_temperature(const JsonValue& v) {
   only_scene_keys(v, {"points", "counts_per_degree"});
   TemperatureEffect e;
   e.celsius = read_points(v["points"], "celsius", -40.0, 125.0);
-  if (has(v, "counts_per_degree")) e.counts_per_degree = number_in(v["counts_per_degree"], -kMaxCounts, kMaxCounts);
+  take(v, "counts_per_degree", -kMaxCounts, kMaxCounts, e.counts_per_degree);
   return e;
 }
 
@@ -43,8 +48,8 @@ HumidityEffect read_humidity(const JsonValue& v) {
   only_scene_keys(v, {"points", "counts_per_percent", "spread"});
   HumidityEffect e;
   e.percent = read_points(v["points"], "percent", 0.0, 100.0);
-  if (has(v, "counts_per_percent")) e.counts_per_percent = number_in(v["counts_per_percent"], -kMaxCounts, kMaxCounts);
-  if (has(v, "spread")) e.spread = number_in(v["spread"], 0.0, 1.0);
+  take(v, "counts_per_percent", -kMaxCounts, kMaxCounts, e.counts_per_percent);
+  take(v, "spread", 0.0, 1.0, e.spread);
   return e;
 }
 
@@ -53,19 +58,19 @@ SupplyEffect read_supply(const JsonValue& v) {
   constexpr double kMaxVolts = 6.0, kMaxOhm = 1e3, kMaxMilliampere = 100.0;
   SupplyEffect e;
   e.volts = read_points(v["points"], "volts", 0.0, kMaxVolts);
-  if (has(v, "cable_ohm")) e.cable_ohm = number_in(v["cable_ohm"], 0.0, kMaxOhm);
-  if (has(v, "joint_ohm")) e.joint_ohm = number_in(v["joint_ohm"], 0.0, kMaxOhm);
-  if (has(v, "module_ma")) e.module_ma = number_in(v["module_ma"], 0.0, kMaxMilliampere);
-  if (has(v, "brown_out_v")) e.brown_out_v = number_in(v["brown_out_v"], 0.0, kMaxVolts);
+  take(v, "cable_ohm", 0.0, kMaxOhm, e.cable_ohm);
+  take(v, "joint_ohm", 0.0, kMaxOhm, e.joint_ohm);
+  take(v, "module_ma", 0.0, kMaxMilliampere, e.module_ma);
+  take(v, "brown_out_v", 0.0, kMaxVolts, e.brown_out_v);
   return e;
 }
 
 EdgeEffect read_edges(const JsonValue& v) {
   only_scene_keys(v, {"pull_up_ohm", "extra_pf", "settling_us"});
   EdgeEffect e;
-  if (has(v, "pull_up_ohm")) e.pull_up_ohm = number_in(v["pull_up_ohm"], 100.0, 1e6);
-  if (has(v, "extra_pf")) e.extra_pf = number_in(v["extra_pf"], 0.0, 1e6);
-  if (has(v, "settling_us")) e.settling_us = number_in(v["settling_us"], 0.01, 100.0);
+  take(v, "pull_up_ohm", 100.0, 1e6, e.pull_up_ohm);
+  take(v, "extra_pf", 0.0, 1e6, e.extra_pf);
+  take(v, "settling_us", 0.01, 100.0, e.settling_us);
   return e;
 }
 

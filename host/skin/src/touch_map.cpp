@@ -42,10 +42,16 @@ bool TouchMap::may_rest(double value) {
   return value >= layout::kRestCounts - kRestBand_counts;
 }
 
-// The median tolerates one sample from a finger that was lifted just before.
-void TouchMap::settle(const Module& module, Taxel& taxel) {
+// Adds a value to the first ones; returns their median when there are enough of them. The median tolerates one sample
+// from a finger that was lifted just before.
+std::optional<double> TouchMap::collected(Taxel& taxel, double value) {
+  taxel.first[taxel.seen++] = value;
+  if (taxel.seen < kRestSamples) return std::nullopt;
   std::ranges::sort(taxel.first);
-  const double median = taxel.first[kRestSamples / 2];
+  return taxel.first[kRestSamples / 2];
+}
+
+void TouchMap::settle(const Module& module, Taxel& taxel, double median) {
   const bool at_rest = !module.by_design || may_rest(median);
   taxel.rest = at_rest ? median : layout::kRestCounts;
   taxel.follows = module.by_design && at_rest;
@@ -54,9 +60,9 @@ void TouchMap::settle(const Module& module, Taxel& taxel) {
 
 void TouchMap::take(const Module& module, Taxel& taxel, double value) {
   if (taxel.seen < kRestSamples) {
-    taxel.first[taxel.seen++] = value;
-    if (taxel.seen < kRestSamples) return;
-    settle(module, taxel);
+    const auto median = collected(taxel, value);
+    if (!median) return;
+    settle(module, taxel, *median);
   }
   taxel.now = value;
   if (taxel.awaited && may_rest(value)) {
@@ -70,12 +76,12 @@ void TouchMap::take(const Module& module, Taxel& taxel, double value) {
 // A light touch at the start can lie within the band; when it ends, the value rises to the true rest. The greatest
 // value of all would be the rest value plus five deviations of the noise, so a small excess counts in part only.
 void TouchMap::follow(Taxel& taxel, double value) {
-  constexpr double kNoise_counts = kPressed_counts / 2.0, kLifted_counts = 2.0 * kPressed_counts;
+  constexpr double kExcess_counts = kPressed_counts / 2.0, kLifted_counts = 2.0 * kPressed_counts;
   constexpr double kShare = 1.0 / 4.0;
   const double above = value - taxel.rest;
   if (above > kLifted_counts)
     taxel.rest = value;
-  else if (above > kNoise_counts)
+  else if (above > kExcess_counts)
     taxel.rest += kShare * above;
 }
 
@@ -86,13 +92,7 @@ void TouchMap::take_pads(Module& module, const wire::TaxelFrame& sample) {
     Taxel& pad = module.taxels[t];
     if ((sample.valid >> t & 1) != 0) {
       pad.now = sample.value[t];
-      if (pad.seen < kRestSamples) {
-        pad.first[pad.seen++] = pad.now;
-        if (pad.seen == kRestSamples) {
-          std::ranges::sort(pad.first);
-          pad.rest = pad.first[kRestSamples / 2];
-        }
-      }
+      if (pad.seen < kRestSamples) pad.rest = collected(pad, pad.now).value_or(pad.rest);
     }
     rest[t] = pad.seen == kRestSamples ? pad.rest : std::numeric_limits<double>::quiet_NaN();
   }

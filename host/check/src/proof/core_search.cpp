@@ -2,13 +2,14 @@
 #include "core_search.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace triskin::check {
 namespace {
 
 constexpr int kMaxSearches = 90, kMaxExchanges = 60;
 constexpr std::size_t kFaces = 6;  // Before the needs come the faces of the region: 1 − u[k] and 1 + u[k].
-constexpr double kLower = 1e-9, kFlat = 1e-11, kLeastWeight = -1e-6;
+constexpr double kLower = 1e-9, kFlat = 1e-11, kMinWeight = -1e-6;
 
 using Square = std::array<std::array<double, 5>, 4>;  // Four equations, each with its right side.
 
@@ -98,7 +99,7 @@ std::optional<CoreSearch::Corner> CoreSearch::corner_of(const std::array<std::si
   for_weights[3][4] = 1.0;
   const auto weight = solved(for_weights), place = solved(for_place);
   if (!weight || !place) return std::nullopt;
-  if (std::ranges::any_of(*weight, [](double w) { return w < kLeastWeight; })) return std::nullopt;
+  if (std::ranges::any_of(*weight, [](double w) { return w < kMinWeight; })) return std::nullopt;
   return Corner{rows, *weight, *place};
 }
 

@@ -22,9 +22,7 @@ class JointProgram {
   void begin(std::size_t tiles);
   /// Requires level + gradient·u >= 0, in mm, of a tile, or of the box itself (kNoTile).
   void add(std::uint32_t tile, const std::array<double, 3>& gradient, double level);
-  /// Leaves a tile's constraints out.
-  void leave_out(std::uint32_t tile) { left_out_[tile] = 1; }
-  /// Returns true if the tiles contradict each other whichever `drops` of them are left out as well. False may also
+  /// Returns true if the tiles contradict each other whichever `drops` of them are left out. False may also
   /// mean that too many programs would have to be solved. Cost: up to 90 programs, each O(constraints) per step.
   [[nodiscard]] bool contradictory(int drops);
 

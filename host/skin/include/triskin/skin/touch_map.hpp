@@ -72,7 +72,8 @@ class TouchMap {
   static void take(const Module& module, Taxel& taxel, double value);
   static void follow(Taxel& taxel, double value);
   [[nodiscard]] static bool may_rest(double value);
-  static void settle(const Module& module, Taxel& taxel);
+  static std::optional<double> collected(Taxel& taxel, double value);
+  static void settle(const Module& module, Taxel& taxel, double median);
 
   const design::Design& design_;
   std::vector<design::ModuleWiring> wiring_;
