@@ -245,24 +245,71 @@ TEST(Broadcast, a_foreign_tester_in_the_middle_changes_nothing) {
   EXPECT_EQ(count(again, UpdateOutcome::kUpdated), 4) << again.boards[0].why;
 }
 
-TEST(Broadcast, two_testers_do_not_mix) {
-  Boards boards(2, false, old_firmware());
-  // Somebody has begun an update: the boards belong to that update until it ends or is silent for ten seconds.
-  const auto& id = boards.claims[0].unique_id;
-  const FirmwarePackage next = make_firmware({.size_bytes = 2048, .fill = 2});
+/// Lets a board join session 77, as another tester does. Before, its firmware has run long enough to be confirmed.
+void join_another(Boards& boards, std::size_t board) {
+  boards.bus().listen(boards.bus().now_us() + 3'000'000);
   const wire::update::Offer offer{.slot = 1,
                                   .size_bytes = 2048,
                                   .firmware_version = 0x00020000,
                                   .hardware_crc = crc32(wire::kPartNumber),
                                   .image_crc = 1};
   for (const auto& o : wire::update::encode_offer(offer, 77)) boards.link().send(wire::update::encode_order(o));
-  boards.link().send(wire::update::encode_order(wire::update::order_to(wire::update::Command::kJoin, 77, crc32(id))));
+  const std::uint32_t id_crc = crc32(boards.claims[board].unique_id);
+  boards.link().send(wire::update::encode_order(wire::update::order_to(wire::update::Command::kJoin, 77, id_crc)));
+}
+
+TEST(Broadcast, two_testers_do_not_mix) {
+  Boards boards(2, false, old_firmware());
+  const FirmwarePackage next = make_firmware({.size_bytes = 2048, .fill = 2});
+  join_another(boards, 0);
+  // The other tester is at work: it sends something every second.
+  std::uint64_t sent_us = boards.bus().now_us();
+  boards.link().after_send = [&] {
+    if (boards.bus().now_us() < sent_us + 1'000'000) return;
+    sent_us = boards.bus().now_us();
+    const std::uint32_t id_crc = crc32(boards.claims[0].unique_id);
+    boards.link().send(wire::update::encode_order(wire::update::order_to(wire::update::Command::kAsk, 77, id_crc)));
+  };
   const BroadcastResult r = boards.update(next);
   EXPECT_EQ(r.boards[0].outcome, UpdateOutcome::kRefused);
   EXPECT_NE(r.boards[0].why.find("another tester"), std::string::npos) << r.boards[0].why;
   EXPECT_EQ(r.boards[1].outcome, UpdateOutcome::kHeldBack);
-  boards.bus().listen(boards.bus().now_us() + wire::update::kPatience_us + 100'000);
-  EXPECT_EQ(count(boards.update(next), UpdateOutcome::kUpdated), 2);
+}
+
+TEST(Broadcast, the_session_of_a_command_that_was_cut_off_is_waited_for) {
+  Boards boards(2, false, old_firmware());
+  join_another(boards, 0);
+  const std::uint64_t begin_us = boards.bus().now_us();
+  const FirmwarePackage next = make_firmware({.size_bytes = 2048, .fill = 2});
+  const BroadcastResult r = boards.update(next);
+  EXPECT_EQ(count(r, UpdateOutcome::kUpdated), 2) << r.boards[0].why << "; " << r.boards[1].why;
+  EXPECT_GE(boards.bus().now_us() - begin_us, wire::update::kPatience_us) << "the boards keep a session so long";
+}
+
+// The wire breaks at every seventh frame: whoever reads the message knows whether new firmware may run.
+TEST(Broadcast, a_broken_wire_says_what_the_update_left_behind) {
+  const FirmwarePackage next = make_firmware({.size_bytes = 2048, .fill = 2});
+  int nothing_started = 0, perhaps_started = 0;
+  for (std::uint64_t cut = 1;; cut += 7) {
+    Boards boards(2, false, old_firmware());
+    std::uint64_t sent = 0;
+    boards.link().after_send = [&] {
+      if (++sent == cut) throw Unreachable("faulty: cut");
+    };
+    try {
+      (void)boards.update(next);
+      break;  // The update was over before the cut.
+    } catch (const Unreachable& e) {
+      const std::string text = e.what();
+      const bool nothing = text.find("no controller has started the new firmware") != std::string::npos;
+      const bool perhaps = text.find("some controllers may run the new firmware") != std::string::npos;
+      ASSERT_NE(nothing, perhaps) << text;
+      (nothing ? nothing_started : perhaps_started) += 1;
+      EXPECT_TRUE(perhaps || perhaps_started == 0) << "cut " << cut << " came after one that may have started it";
+    }
+  }
+  EXPECT_GT(nothing_started, 10);
+  EXPECT_GT(perhaps_started, 0);
 }
 
 // Power fails in each operation of one board: it returns with the old or the new image, and the others are updated.

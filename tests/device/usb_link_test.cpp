@@ -156,6 +156,26 @@ TEST(UsbLink, an_unplugged_device_is_named_and_the_others_go_on) {
   EXPECT_EQ(heard(link).size(), 1U);
 }
 
+// Reading and sending both find out, in either order, and a device that is pulled at once may not have told its number.
+TEST(UsbLink, unplugged_devices_are_named_once_each) {
+  Plugs plugs;
+  Board *one = &plugs.add("BB", 1), *two = &plugs.add("AA", 2), *unread = &plugs.add("", 3);
+  UsbLink link(std::make_unique<Driver>(plugs), "");
+  link.send(wire::who_is_there());
+  (void)heard(link);
+  for (Board* b : {one, two, unread}) Plugs::pull(*b);
+  // Each device has a thread of its own that finds out when the computer lets it run.
+  for (int k = 0; k < 100 && link.trouble().find("AA, BB") == std::string::npos; ++k) {
+    try {
+      link.send(request_to(1));
+      (void)heard(link);
+    } catch (const Unreachable&) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+  }
+  EXPECT_EQ(link.trouble(), "controllers AA, BB were unplugged; plug them in and run the command again");
+}
+
 TEST(UsbLink, the_last_one_gone_is_the_end_until_it_is_back) {
   Plugs plugs;
   Board& one = plugs.add("AA", 1);

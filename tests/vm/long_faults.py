@@ -88,13 +88,15 @@ def wait_for_frames(process, count):
     seen.wait()
 
 
-def ends_well_or_names(process, message, left_behind=""):
-    """A command that was not yet, or no longer, using the wire ends well; any other names the fault and goes on, or ends with a status
-    above 0 and says what it left behind. Returns true if it met the fault."""
+def ends_well_or_names(process, message, left_behind="", not_begun=None):
+    """A command that was not yet, or no longer, using the wire ends well, or says `not_begun`; any other names the fault and goes on, or
+    ends with a status above 0 and says what it left behind. Returns true if it met the fault."""
     process.wait(150)
     text = process.output_path.read_text()
     bench.log.append(f"status {process.returncode}: {text[-600:]}")
     assert process.returncode in (0, 1, 3) and "terminate" not in text, (process.returncode, text)
+    if not_begun and not_begun in text:
+        return False
     assert process.returncode == 0 or (message in text and left_behind in text), (process.returncode, message, text)
     return message in text
 
@@ -207,7 +209,7 @@ def pull_in_states(states, skin, command, after):
         time.sleep(state * duration_s)
         with cable_pulled(skin):
             time.sleep(AWAY_S)
-        met += ends_well_or_names(process, "unplugged", WRITTEN)
+        met += ends_well_or_names(process, "unplugged", WRITTEN, not_begun="no Triskin controller on USB")
         after()
     assert met > 0, f"no cable was pulled while {command[1]} used it"
 

@@ -36,10 +36,19 @@ void check_label(const FirmwarePackage& package, int slot) {
         fmt::format("firmware package: the image for slot {} is of another version than its head says", slot));
 }
 
+// Passes the exception on; that of a broken wire says what the update has left behind.
+[[noreturn]] void rethrow_with(const std::exception_ptr& failure, std::string_view left_behind) {
+  try {
+    std::rethrow_exception(failure);
+  } catch (const Unreachable& e) {
+    throw Unreachable(fmt::format("{}; {}", e.what(), left_behind));
+  }
+}
+
 // Runs each bus in its own thread, or a single bus in the present one. The first exception is thrown when all have
 // ended.
 template <class Work>
-void side_by_side(std::vector<std::unique_ptr<UpdateSession>>& sessions, Work work) {
+void side_by_side(std::vector<std::unique_ptr<UpdateSession>>& sessions, std::string_view left_behind, Work work) {
   std::vector<std::exception_ptr> failures(sessions.size());
   const auto run = [&](std::size_t k) {
     try {
@@ -56,7 +65,7 @@ void side_by_side(std::vector<std::unique_ptr<UpdateSession>>& sessions, Work wo
   for (const auto& failure : failures) {
     if (!failure) continue;
     for (const auto& s : sessions) s->abandon();
-    std::rethrow_exception(failure);
+    rethrow_with(failure, left_behind);
   }
 }
 
@@ -104,12 +113,16 @@ BroadcastResult broadcast_firmware(std::span<const UpdateBus> buses, const Firmw
     return !options.each && std::ranges::any_of(sessions, [](const auto& s) { return s->any_refused(); });
   };
   constexpr const char* kTogether = "another controller refused; give --each to start it where it is ready";
-  side_by_side(sessions, [](UpdateSession& s) { s.begin(); });
-  if (!any_refused()) side_by_side(sessions, [](UpdateSession& s) { s.transfer(); });
+  constexpr std::string_view kNothingStarted =
+      "no controller has started the new firmware, all run what they ran; run the command again";
+  constexpr std::string_view kPerhapsStarted =
+      "some controllers may run the new firmware; run triskin discover, then the command again";
+  side_by_side(sessions, kNothingStarted, [](UpdateSession& s) { s.begin(); });
+  if (!any_refused()) side_by_side(sessions, kNothingStarted, [](UpdateSession& s) { s.transfer(); });
   if (any_refused())
     for (const auto& s : sessions) s->hold_back(kTogether);
   else
-    side_by_side(sessions, [](UpdateSession& s) { s.activate(); });
+    side_by_side(sessions, kPerhapsStarted, [](UpdateSession& s) { s.activate(); });
 
   BroadcastResult result;
   for (std::size_t k = 0; k < sessions.size(); ++k) {

@@ -135,6 +135,9 @@ int write_free_slot(LoaderSession& loader, const std::optional<wire::ImageState>
   } catch (const Cancelled& e) {
     loader.boot();
     throw Cancelled(std::string(e.what()) + "; the old firmware stays and starts again");
+  } catch (const Unreachable& e) {
+    throw Unreachable(std::string(e.what()) +
+                      "; the old firmware stays and starts again by itself; run the command again");
   }
 }
 

@@ -26,6 +26,7 @@ constexpr std::uint64_t kBetweenPolls_us = 25'000;
 constexpr std::uint64_t kErasePatience_us = 2'000'000, kCheckPatience_us = 1'500'000, kStartPatience_us = 2'000'000;
 constexpr std::uint64_t kStarts_us = 40'000;  // Covers the queue, the loader's window and the check of both slots.
 constexpr std::uint64_t kConfirmed_us = 2'500'000;  // An application has proved itself by this time.
+constexpr std::uint64_t kBusyPause_us = 500'000;    // Boards of another tester are asked again after this time.
 constexpr int kTries = 3, kMaxRounds = 25;
 // A slow board, or one whose answers were lost, has this many rounds to report its missing units.
 constexpr int kSilentRounds = 3;
@@ -153,6 +154,27 @@ void UpdateSession::look_for_silent() {
   listen(bus_.now_us() + kClaims_us);
 }
 
+bool UpdateSession::of_another(const Board& b) {
+  return b.state && b.state->session != 0 && b.state->phase != Phase::kRefused;
+}
+
+// A command that was cut off has left its session on the boards, which end it when it was silent for kPatience_us. The
+// session of a tester at work lasts longer.
+void UpdateSession::wait_for_another() {
+  const std::uint64_t until_us = bus_.now_us() + wire::update::kPatience_us + 2 * kBusyPause_us;
+  while (std::ranges::any_of(boards_, of_another) && bus_.now_us() < until_us) {
+    listen(bus_.now_us() + kBusyPause_us);
+    for (std::size_t k = 0; k < boards_.size(); ++k) {
+      if (!of_another(boards_[k])) continue;
+      progress_(k, "waiting for another update to end", 0.0);
+      boards_[k].who.reset();
+      boards_[k].image.reset();
+      boards_[k].state.reset();
+    }
+    ask_all();
+  }
+}
+
 void UpdateSession::decide(Board& b) {
   if (!b.who && !b.claims) return give_up(b, UpdateOutcome::kGivenUp, "does not answer; check its power and its cable");
   if (!b.who || !b.image || !b.state)
@@ -160,8 +182,7 @@ void UpdateSession::decide(Board& b) {
   b.result.slot = b.who->running_slot;
   if (b.who->protocol != wire::update::kProtocol)
     return give_up(b, UpdateOutcome::kRefused, "speaks another update protocol; use the tool of its release");
-  if (b.state->session != 0 && b.state->phase != Phase::kRefused)
-    return give_up(b, UpdateOutcome::kRefused, "another tester updates it; wait until it has ended, or 10 s");
+  if (of_another(b)) return give_up(b, UpdateOutcome::kRefused, "another tester updates it; wait until it has ended");
   if (equal(b) && !options_.force) return give_up(b, UpdateOutcome::kEqual, "");
   const std::uint32_t offered = package_.head.firmware_version;
   if (offered < b.who->firmware_version && !options_.allow_older) {
@@ -213,7 +234,9 @@ void UpdateSession::join() {
     bool again = false;
     for (Board& b : boards_) {
       if (!b.under_way || joined(b)) continue;
-      again = !b.state || b.state->status == Status::kEmpty || b.state->status == Status::kUnproven || again;
+      // Without a session, the answer is older than the question.
+      again = again || !b.state || b.state->session == 0 || b.state->status == Status::kEmpty ||
+              b.state->status == Status::kUnproven;
     }
     if (!again) break;
     const bool unproven = std::ranges::any_of(
@@ -232,7 +255,7 @@ void UpdateSession::join() {
 void UpdateSession::refused_at_join(Board& b) {
   if (!b.state) return give_up(b, UpdateOutcome::kGivenUp, "does not answer any more; nothing was written");
   if (b.state->session != session_ || b.state->phase != Phase::kRefused)
-    return give_up(b, UpdateOutcome::kRefused, "another tester updates it; wait until it has ended, or 10 s");
+    return give_up(b, UpdateOutcome::kRefused, "another tester updates it; wait until it has ended");
   give_up(b, UpdateOutcome::kRefused, why_refused(b.state->status));
 }
 
@@ -424,6 +447,7 @@ void UpdateSession::check() {
 
 void UpdateSession::begin() {
   ask_all();
+  wait_for_another();
   look_for_silent();
   for (Board& b : boards_) decide(b);
   if (any_under_way()) join();

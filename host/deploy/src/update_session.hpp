@@ -68,6 +68,9 @@ class UpdateSession {
   /// Sends `command` to each board that `wanted` selects until `done`; returns false if one did not answer in time.
   void ask(wire::update::Command command, const Done& wanted, const Done& done, int tries);
   void ask_all();
+  /// Returns true when the board has last answered that it takes part in another session.
+  [[nodiscard]] static bool of_another(const Board& board);
+  void wait_for_another();
   void look_for_silent();
   void decide(Board& board);
   void join();

@@ -2,9 +2,13 @@
 #include "triskin/link/usb_link.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <string>
+#include <vector>
+
+#include "triskin/base/counted.hpp"
+#include "triskin/base/short_list.hpp"
 
 namespace triskin::device {
 
@@ -51,7 +55,7 @@ void UsbLink::open_new_devices() {
     device->wire = ++wires_;
     {
       const std::lock_guard lock(mutex_);
-      std::erase(lost_, device->pipe->serial());
+      lost_.erase(device->pipe->serial());
     }
     Device& d = *device;
     devices_.push_back(std::move(device));
@@ -78,7 +82,7 @@ void UsbLink::read_all(Device& device, const std::stop_token& stop) {
   } catch (const DeviceError&) {  // The device was unplugged; the owner of the link learns this in its own thread.
     const std::lock_guard lock(mutex_);
     device.gone = true;
-    lost_.push_back(device.pipe->serial());
+    lost_.insert(device.pipe->serial());
     came_.notify_one();
   }
 }
@@ -125,7 +129,7 @@ void UsbLink::send(const wire::CanFrame& frame) {
       d->pipe->write(*packet);
     } catch (const DeviceError&) {
       const std::lock_guard lock(mutex_);
-      if (!d->gone) lost_.push_back(d->pipe->serial());
+      lost_.insert(d->pipe->serial());
       d->gone = true;
     }
   }
@@ -160,7 +164,13 @@ std::optional<wire::CanFrame> UsbLink::receive(std::uint64_t until_us) {
 std::string UsbLink::trouble() const {
   const std::lock_guard lock(mutex_);
   if (lost_.empty()) return {};
-  return fmt::format("controller {} was unplugged; plug it in and run the command again", fmt::join(lost_, ", "));
+  // A device that was pulled while it was being opened may not have told its serial number.
+  std::vector<std::string> named(lost_.begin(), lost_.end());
+  std::erase(named, "");
+  if (named.empty()) return "a controller was unplugged; plug it in and run the command again";
+  const bool one = named.size() == 1;
+  return fmt::format("{} {} {} unplugged; plug {} in and run the command again", noun_after(one, "controller"),
+                     short_list(named), one ? "was" : "were", one ? "it" : "them");
 }
 
 }  // namespace triskin::device

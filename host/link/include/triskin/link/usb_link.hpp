@@ -5,6 +5,7 @@
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -102,7 +103,7 @@ class UsbLink final : public Link {
   mutable std::mutex mutex_;  // The mutex guards frames_, gone, lost_ and nodes_.
   std::condition_variable came_;
   std::deque<wire::CanFrame> frames_;
-  std::vector<std::string> lost_;  // The serial numbers belong to devices that were unplugged.
+  std::set<std::string> lost_;  // The serial numbers belong to devices that were unplugged.
   NodeMap nodes_;
   int wires_ = 0;
   // The devices are declared last, because their threads use the members above.
