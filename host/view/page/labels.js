@@ -33,6 +33,7 @@ class Occupied {
   }
 }
 
+const CAPTION_PX = 20;
 const NAME_FONT = "600 12px system-ui, sans-serif", JUMPER_FONT = "600 11px system-ui, sans-serif";
 /** @typedef {[number, number, number, number]} Box x and y of the middle, width, height */
 /** @typedef {{text: string, x: number, y: number, box: Box}} Label */
@@ -111,7 +112,7 @@ export class Labels {
     return placed;
   }
 
-  // A label does not lie on a module: where it would, the name of the jumper alone is tried.
+  // A label does not lie on a module or reach out of the pane: where it would, the name of the jumper alone is tried.
   placeJumpers(camera, occupied) {
     const {paint, model} = this, placed = /** @type {Label[]} */ ([]);
     if (camera.mm_per_pixel > 1.4) return placed;
@@ -127,7 +128,7 @@ export class Labels {
       for (const text of [`J${j} → ${model.numberOf(jumper.modules[1 - end])}`, `J${j}`]) {
         const wide = paint.measureText(text).width, left = x + (out[0] > 0.3 ? 3 : out[0] < -0.3 ? -wide - 3 : -wide / 2);
         const middle = y - 8 * Math.sign(out[1]) * (Math.abs(out[1]) > 0.3 ? 1 : 0), box = /** @type {Box} */ ([left + wide / 2, middle, wide, 10]);
-        if (!occupied.take(...box)) continue;
+        if (!isInPane(box, camera) || !occupied.take(...box)) continue;
         placed.push({text, x: left, y: middle, box});
         break;
       }
@@ -246,6 +247,11 @@ export const distanceOf = ([a, b]) => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] 
 export function area(camera, shape, k) {
   const p = [0, 3, 6].map((c) => camera.project(shape.corners, 9 * k + c));
   return ((p[2][0] - p[0][0]) * (p[1][1] - p[0][1]) - (p[1][0] - p[0][0]) * (p[2][1] - p[0][1])) / 2;
+}
+
+// True when a label is seen whole: inside the pane and above what is written at its lower end.
+function isInPane([x, y, wide, high], camera) {
+  return x >= wide / 2 && x + wide / 2 <= camera.width && y >= high / 2 && y + high / 2 <= camera.height - CAPTION_PX;
 }
 
 // True when a label fits into the triangle of a module that shows its front.

@@ -10,7 +10,7 @@ import {History} from "./history.js";
 import {Labels} from "./labels.js";
 import {fillLegend} from "./legend.js";
 import {FIRST_FAULT, LiveLink, LiveSkin} from "./live.js";
-import {faultMarks, findingMarks, jumperMarks, seamMarks, selectionMarks, treeMarks} from "./marks.js";
+import {faultMarks, findingMarks, islandPoints, jumperMarks, seamMarks, selectionMarks, treeMarks} from "./marks.js";
 import {Model, TAXELS} from "./model.js";
 import {Player} from "./player.js";
 import {byId, fillButtons, fillContacts, fillDesign, fillFaults, fillFindings, fillList, fillModule, foldParts, openPart, pressedOf, restRemark} from "./panel.js";
@@ -70,11 +70,11 @@ class Page {
   }
 
   makeViews() {
-    const {cover, flat, data} = this.model, points = new Float32Array(cover.corners.length + data.surface.vertices.length);
+    const {cover, data} = this.model, points = new Float32Array(cover.corners.length + data.surface.vertices.length);
     points.set(cover.corners);
     points.set(data.surface.vertices, cover.corners.length);
     return [{name: "cover", camera: new OrbitCamera(points, bestDirection(cover.normals)), left: 0, top: 0},
-            {name: "flat", camera: new PlaneCamera(boxOf(flat.corners)), left: 0, top: 0}];
+            {name: "flat", camera: new PlaneCamera(boxOf(islandPoints(this.model))), left: 0, top: 0}];
   }
 
   makeDrawing(canvas) {

@@ -94,6 +94,12 @@ export function stubOf(model, jumper, end) {
   return {from, to: from.map((v, c) => v + STUB_MM * out[c] / length), out: out.map((v) => v / length)};
 }
 
+/** All points of the islands that are drawn: corners of modules and ends of stubs. @param {Model} model */
+export function islandPoints(model) {
+  const ends = model.data.jumpers.flatMap((jumper) => [0, 1].flatMap((end) => stubOf(model, jumper, end).to));
+  return [...model.flat.corners, ...ends];
+}
+
 /** Jumpers: on the body from the middle of one side to that of the other, on the islands a stub at either side. @param {Model} model */
 export function jumperMarks(model, shape) {
   const marks = new Marks(1.2), color = colorOf("jumper");
