@@ -206,14 +206,14 @@ void attach_strapped(Skin& skin, Ad7147& chip, const ChipPlaces& places) {
     if (first.patch >= 0) skin.line(first.patch, first.line).attach(chip, layout::cdc_address(first.address));
     return;
   }
-  std::set<std::pair<int, int>> lines;
+  std::set<std::pair<int, int>> lines;  // A patch and its line.
   for (const PlaceFrom& p : places) {
     if (p.place.patch >= 0) lines.insert({p.place.patch, p.place.line});
   }
-  for (const auto& [patch, line] : lines) {
-    skin.line(patch, line).attach(chip, [places, patch = patch, line = line](std::uint64_t now_us) -> int {
+  for (const auto& at : lines) {
+    skin.line(at.first, at.second).attach(chip, [places, at](std::uint64_t now_us) -> int {
       const ChipPlace now = place_at(places, now_us);
-      return now.patch == patch && now.line == line ? layout::cdc_address(now.address) : -1;
+      return std::pair(now.patch, now.line) == at ? layout::cdc_address(now.address) : -1;
     });
   }
 }
