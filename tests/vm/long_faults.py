@@ -66,7 +66,9 @@ def full_queue():
         run("tc", "qdisc", "del", "dev", HOST, "root")
 
 
-CAN_FAULTS = {interface_down: "interface is down", bus_off: "bus-off", full_queue: "frames do not leave"}
+# What a command says of each. A question that still found room in the queue has no answer.
+CAN_FAULTS = {interface_down: ("interface is down",), bus_off: ("bus-off",), full_queue: ("frames do not leave", "does not answer")}
+UNPLUGGED = ("unplugged",)
 
 
 def frames_of(command, timeout=120):
@@ -88,31 +90,30 @@ def wait_for_frames(process, count):
     seen.wait()
 
 
-def ends_well_or_names(process, message, left_behind="", not_begun=None):
-    """A command that was not yet, or no longer, using the wire ends well, or says `not_begun`; any other names the fault and goes on, or
-    ends with a status above 0 and says what it left behind. Returns true if it met the fault."""
+def ends_well_or_names(process, messages, left_behind=""):
+    """A command that was not yet, or no longer, using the wire ends well; any other names the fault and goes on, or ends with a status
+    above 0 and says what it left behind. Returns true if it met the fault."""
     process.wait(150)
     text = process.output_path.read_text()
     bench.log.append(f"status {process.returncode}: {text[-600:]}")
     assert process.returncode in (0, 1, 3) and "terminate" not in text, (process.returncode, text)
-    if not_begun and not_begun in text:
-        return False
-    assert process.returncode == 0 or (message in text and left_behind in text), (process.returncode, message, text)
-    return message in text
+    named = any(m in text for m in messages)
+    assert process.returncode == 0 or (named and left_behind in text), (process.returncode, messages, text)
+    return named
 
 
 def break_can(command, after, left_behind=""):
     """Breaks the bus in every state of a command by every fault. `after` runs when the wire is whole again. Each fault must have met
     the command at least once, or the test shows nothing."""
     frames = frames_of(command)
-    for k, (fault, message) in enumerate(CAN_FAULTS.items()):
+    for k, (fault, messages) in enumerate(CAN_FAULTS.items()):
         met = 0
         for state in STATES[k % 2]:
             process = start(*command)
             wait_for_frames(process, int(state * frames))
             with fault():
                 time.sleep(AWAY_S)
-            met += ends_well_or_names(process, message, left_behind)
+            met += ends_well_or_names(process, messages, left_behind)
             after()
         assert met > 0, f"{fault.__name__} met no {command[1]}"
 
@@ -168,14 +169,14 @@ def test_a_can_bus_breaks_while_it_is_recorded():
     link, path = f"can:{HOST}", pathlib.Path("/tmp/broken.mcap")
     with two_ended_bus(), controllers(f"can:{BOARDS}"):
         run(*flash_command(link))
-        for fault, message in CAN_FAULTS.items():
+        for fault, messages in CAN_FAULTS.items():
             for kib in (1, 100):
                 path.unlink(missing_ok=True)
                 process = start(bench.TRISKIN, "record", DESIGN, "--link", link, "--seconds", "60", "-o", path)
                 recording_grows(process, path, kib)
                 with fault():
                     time.sleep(AWAY_S)
-                assert ends_well_or_names(process, message), f"{fault.__name__} after {kib} KiB"
+                assert ends_well_or_names(process, messages), f"{fault.__name__} after {kib} KiB"
                 expect_whole_recording(path, link)
 
 
@@ -187,7 +188,7 @@ def cable_pulled(skin):
         # Each of the kernel's virtual host controllers has a file with a line for each port; 006 is a port in use.
         rows = [line.split() for file in VHCI.glob("status*") for line in file.read_text().splitlines()[1:]]
         in_use = [row[1] for row in rows if row[2] == "006"]
-        assert len(in_use) == bench.PATCHES, rows
+        assert in_use, rows  # A board that starts new firmware is not plugged in for a moment.
         for port in in_use:
             (VHCI / "detach").write_text(port)
         wait_for_devices(0)
@@ -198,24 +199,28 @@ def cable_pulled(skin):
     time.sleep(1)  # hidraw nodes
 
 
+def wait_for_text(process, text):
+    """Waits until a command has written this, or has ended."""
+    while process.poll() is None and text not in process.output_path.read_text():
+        time.sleep(0.005)
+
+
 def pull_in_states(states, skin, command, after):
-    before = time.monotonic()
-    run(*command, timeout=120)
-    duration_s = time.monotonic() - before
+    """Pulls the cables at the first word of each state. How long a command takes to start differs from run to run."""
     met = 0
     for state in states:
         wait_for_devices(bench.PATCHES, timeout=40)
         process = start(*command)
-        time.sleep(state * duration_s)
+        wait_for_text(process, state)
         with cable_pulled(skin):
             time.sleep(AWAY_S)
-        met += ends_well_or_names(process, "unplugged", WRITTEN, not_begun="no Triskin controller on USB")
+        met += ends_well_or_names(process, UNPLUGGED, WRITTEN)
         after()
     assert met > 0, f"no cable was pulled while {command[1]} used it"
 
 
 def test_a_usb_cable_is_pulled_in_every_state_of_a_flash():
-    for link, states in zip(("usb", "hid"), STATES):
+    for link, states in (("usb", ("…", "writing patch")), ("hid", ("writing patch", "done patch"))):
         with controllers("usb") as skin:
             wait_for_devices(bench.PATCHES)
             time.sleep(1)
@@ -272,5 +277,5 @@ def test_a_usb_cable_is_pulled_while_it_is_recorded():
                 recording_grows(process, path, kib)
                 with cable_pulled(skin):
                     time.sleep(AWAY_S)
-                assert ends_well_or_names(process, "unplugged"), f"after {kib} KiB over {link}"
+                assert ends_well_or_names(process, UNPLUGGED), f"after {kib} KiB over {link}"
                 expect_whole_recording(path, link)
