@@ -10,6 +10,7 @@ import path from "node:path";
 import {pathToFileURL} from "node:url";
 
 import {checkLegend, checkModeColors, checkSizes, checkTools, drawn} from "./page_look.mjs";
+import {comparePictures} from "./page_pictures.mjs";
 
 const [name, triskin, writeStrip, chromiumPath, nodeModules] = process.argv.slice(2);
 const MODULES = 40;
@@ -216,6 +217,12 @@ async function look() {
   await browser.close();
 }
 
+async function pictures() {
+  const browser = await launch();
+  await comparePictures(browser, folder, (...words) => execFileSync(triskin, words, {env: environment, stdio: "ignore"}));
+  await browser.close();
+}
+
 // Something lies on module 20 until 1.5 s; a finger on taxel 3 of module 7 from 2 s to 3 s of the link's time; recorded, then played by the page.
 async function recorded() {
   const scene = path.join(folder, "scene.json"), recording = path.join(folder, "touch.mcap"), file = path.join(folder, "touch.html");
@@ -354,7 +361,7 @@ async function robot() {
 }
 
 try {
-  await {live, offline, look, compared, recorded, robot}[name]();
+  await {live, offline, look, pictures, compared, recorded, robot}[name]();
   console.log("1 passed, 0 failed");
 } catch (e) {
   console.error(e);
