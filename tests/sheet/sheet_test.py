@@ -15,6 +15,7 @@ import xml.etree.ElementTree as tree
 MM = 25.4 / 72
 SIDE = 30.0
 TOLERANCE = 0.01
+MARGIN = 8.0
 failures = 0
 
 
@@ -199,6 +200,14 @@ def check_points(pages):
             expect(not near, f"page {number}: {text} is written over {near}")
 
 
+def check_cable_names(pages):
+    """The name of a cable stands inside the drawing, which ends at the margins."""
+    for number, page in enumerate(pages, 1):
+        names = [(text, at) for text, at, size in page.texts if "cable C" in text and abs(size - 2.6) < 0.1]
+        for text, (x, y) in names:
+            expect(x >= MARGIN and y >= MARGIN, f"page {number}: {text} begins at {x:.1f}, {y:.1f} mm")
+
+
 def check_rulers(pages):
     for k, page in enumerate(pages):
         lengths = [math.dist(p[0], p[1]) for p, _ in page.lines if len(p) == 2]
@@ -236,6 +245,7 @@ def check(program, file, paper, folder):
     modules = check_modules(design, pages)
     check_tables(design, pages)
     check_points(pages)
+    check_cable_names(pages)
     check_rulers(pages)
     if paper == "A4":  # they are the same on each paper
         check_codes(design, folder, pdf, len(pages))

@@ -101,10 +101,9 @@ void draw_cable(const Drawing& d, const PageSide& at, const Side& side, int modu
                 {.size_mm = 1.8, .bold = true, .color = kBlue});
     return;
   }
-  const double align = at.outward.x() > 0.1 ? 0.0 : at.outward.x() < -0.1 ? 1.0 : 0.5;
-  d.canvas.text(at.middle() + (from_mm + 1.0) * at.outward + Vec2(0, at.outward.y() > 0.9 ? 2.2 : 0.8),
-                fmt::format("{}cable C{}", side.cable ? "" : "2nd ", patch),
-                {.size_mm = 2.6, .bold = true, .align = align, .color = kBlue});
+  // Along the side, the name stays within the room that is kept free around an island.
+  write_along(d, at, 0.5, from_mm + 0.8, fmt::format("{}cable C{}", side.cable ? "" : "2nd ", patch),
+              {.size_mm = 2.6, .bold = true, .color = kBlue});
 }
 
 // Draws a module of another page pale, so that the pages can be laid together.
