@@ -58,6 +58,24 @@ void take_keep_outs(Options& o) {
   if (!o.keep_out.empty()) o.steps.keep_out = geometry::read_mesh(o.keep_out, o.unit.unit).mesh;
 }
 
+nlohmann::json keys_of(const geometry::ExtractReport& report) {
+  return {{"removed_components", report.removed_components},
+          {"enclosed_components", report.enclosed_components},
+          {"flipped_faces", report.flipped_faces},
+          {"components", report.components},
+          {"non_manifold_edges", report.non_manifold_edges},
+          {"outer", report.outer},
+          {"wrapped", report.wrapped},
+          {"kept_out_cm2", report.kept_out_mm2 / 100.0},
+          {"repair", geometry::kRepairNames.name(report.repair)},
+          {"crossings", report.crossings},
+          {"deviation_mm", report.deviation.largest_mm},
+          {"deviation_found_mm", report.deviation.found_mm},
+          {"mean_deviation_mm", report.deviation.mean_mm},
+          {"reduced_mm", report.reduced_mm},
+          {"crossing_tested", report.tested}};
+}
+
 int run(Options options, Output& output) {
   geometry::require_mesh_output(options.output);
   require_writable(options.output);
@@ -82,28 +100,14 @@ int run(Options options, Output& output) {
   const geometry::Surface surface(taken.surface);
   const double area_cm2 = surface.area_mm2() / 100.0;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  output.result = {{"faces", taken.surface.faces.size()},
-                   {"area_cm2", area_cm2},
-                   {"removed_components", e.report.removed_components},
-                   {"enclosed_components", e.report.enclosed_components},
-                   {"boundary_loops", surface.border_loops().size()},
-                   {"flipped_faces", e.report.flipped_faces},
-                   {"components", e.report.components},
-                   {"non_manifold_edges", e.report.non_manifold_edges},
-                   {"outer", e.report.outer},
-                   {"wrapped", e.report.wrapped},
-                   {"kept_out_cm2", e.report.kept_out_mm2 / 100.0},
-                   {"repair", geometry::kRepairNames.name(e.report.repair)},
-                   {"crossings", e.report.crossings},
-                   {"deviation_mm", e.report.deviation.largest_mm},
-                   {"deviation_found_mm", e.report.deviation.found_mm},
-                   {"mean_deviation_mm", e.report.deviation.mean_mm},
-                   {"reduced_mm", e.report.reduced_mm},
-                   {"crossing_tested", e.report.tested},
-                   {"notes", file.report.notes},
-                   {"open", open_side.is_open},
-                   {"toward_middle", open_side.toward_middle},
-                   {"seconds", seconds}};
+  output.result = keys_of(e.report);
+  output.result.update({{"faces", taken.surface.faces.size()},
+                        {"area_cm2", area_cm2},
+                        {"boundary_loops", surface.border_loops().size()},
+                        {"notes", file.report.notes},
+                        {"open", open_side.is_open},
+                        {"toward_middle", open_side.toward_middle},
+                        {"seconds", seconds}});
   add_side_keys(taken, output);
   output.result["bridged_holes"] = bridges.bridged;
   const std::string open_text = taken.choice.has_wall ? "" : side_text_of(open_side);
