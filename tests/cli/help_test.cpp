@@ -115,6 +115,9 @@ TEST_F(Help, a_slip_is_answered_in_the_first_line) {
   EXPECT_THAT(run("").messages, StartsWith("triskin: no command is given"));
   EXPECT_THAT(run("verify s.json -link sim").messages,
               StartsWith("triskin: -link is not known here; did you mean --link?\n"));
+  EXPECT_THAT(run("view s.json --every 3").messages,
+              StartsWith("triskin: --every is not known here; it is an option of "));
+  EXPECT_THAT(run("view s.json --nonsense 3").messages, StartsWith("triskin: --nonsense is not known here\n"));
   EXPECT_THAT(run("discover --link simm").messages, HasSubstr("did you mean sim?"));
   EXPECT_THAT(run("discover --link can7").messages, HasSubstr("did you mean can:can7?"));
   EXPECT_THAT(run("live s.json --link sim --seconds 1m").messages, HasSubstr("--seconds: 1m is no number (seconds)\n"));

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "triskin/base/nearest_name.hpp"
+#include "triskin/base/short_list.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -22,6 +23,16 @@ std::string question(const std::string& word, const std::vector<std::string>& na
   if (std::ranges::find(names, word) != names.end()) return {};
   const std::string name = nearest_name(word, names, word.size());
   return name.empty() ? std::string{} : "did you mean " + name + "?";
+}
+
+// Says which commands know an option that another command was given.
+std::string belongs_elsewhere(const CLI::App& program, const std::string& option) {
+  std::vector<std::string> commands;
+  for (const CLI::App* sub : program.get_subcommands([](const CLI::App*) { return true; })) {
+    const std::vector<std::string> options = options_of(*sub);
+    if (std::ranges::find(options, option) != options.end()) commands.push_back(sub->get_name());
+  }
+  return commands.empty() ? std::string{} : "it is an option of " + short_list(commands, 4);
 }
 
 }  // namespace
@@ -47,6 +58,7 @@ std::string did_you_mean(const CLI::App& program, int argc, const char* const* a
     if (one_dash && std::ranges::find(options, word) != options.end()) return "did you mean " + word + "?";
     const std::string asked = question(word, options);
     if (!asked.empty()) return asked;
+    if (std::ranges::find(options, word) == options.end()) return belongs_elsewhere(program, word);
   }
   return {};
 }

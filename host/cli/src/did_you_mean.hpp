@@ -5,8 +5,9 @@
 
 namespace triskin::cli {
 
-/// Suggests the nearest command or option of `program` for an unknown word of the command line: "did you mean record?".
-/// Empty when all words are known or none is similar.
+/// Suggests the nearest command or option of `program` for an unknown word of the command line, "did you mean record?",
+/// or names the commands that know an option which this one does not. Empty when all words are known, or nobody knows
+/// it.
 [[nodiscard]] std::string did_you_mean(const CLI::App& program, int argc, const char* const* argv);
 
 }  // namespace triskin::cli
