@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Measures what each effect of a scene costs: the virtual time that passes in a second of processor time.
+// Measures what each effect of a scene, and the level of its controllers, costs: the virtual time that passes in a
+// second of processor time.
 #include <fmt/format.h>
 
 #include <array>
@@ -44,6 +45,8 @@ std::vector<Case> cases() {
   list.push_back({"all", [all = list](Scene& s) {
                     for (const Case& c : all) c.add(s);
                   }});
+  list.push_back(
+      {"level table", [](Scene& s) { s.levels.assign(s.design.patches.size(), scene::ControllerLevel::kTable); }});
   return list;
 }
 

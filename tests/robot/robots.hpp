@@ -40,7 +40,7 @@ class SimulatedBus {
  public:
   explicit SimulatedBus(const robot::BusConfig& site, const std::filesystem::path& folder = {},
                         std::uint64_t board_seed = 0)
-      : site_(site), link_(device::scene_of(site, false, board_seed), folder), bus_(link_) {}
+      : site_(site), link_(device::scene_of(site, nullptr, false, board_seed).scene, folder), bus_(link_) {}
 
   [[nodiscard]] device::Bus& bus() { return bus_; }
   [[nodiscard]] device::SimLink& link() { return link_; }

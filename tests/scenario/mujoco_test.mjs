@@ -80,8 +80,9 @@ put("ball.xml", `<mujoco><include file="tactile.xml"/><worldbody>${ball(middle[2
 }
 
 // A ball of 2 kg drops 5 mm. Its momentum tells the impulse of the skin, the samples of the controllers tell the force. Taxels take
-// samples of the pressure, so the force depends on the place by some percent (docs/force.md): the ball drops at seven places of a pitch
-// of the strip. It slides up and down only, so that it does not roll off.
+// samples of the pressure, so the force depends on the place by some percent: the ball drops at seven places of a pitch of the strip. The
+// skin has a layer, which spreads the pressure as a real one does; taxels that felt it at points would be wrong by up to 11 %
+// (docs/contact_stream.md). The ball slides up and down only, so that it does not roll off.
 /** Simulates a skin that is touched over a socket. @param {string} scene @returns {Promise<any>} its first line, and how to step and end it */
 const touched = async scene => {
   const server = spawn(triskin, ["simulate", scene, "--contacts", "127.0.0.1:0"], {env: {...process.env, XDG_STATE_HOME: folder}});
@@ -101,7 +102,9 @@ const touched = async scene => {
   };
   return {head: await answer(), step, end: () => { socket.end(); server.kill("SIGINT"); }};
 };
-const {head, step: step_skin, end} = await touched(design);
+const soft = path.join(folder, "soft.json");
+fs.writeFileSync(soft, JSON.stringify({format: "triskin-scene", version: 1, design: "strip.json", seed: 1, effects: {noise_counts: 3, layer: {}}}));
+const {head, step: step_skin, end} = await touched(soft);
 
 // Returns the radius of the contact of the ball with an elastic foundation of 2 mm with a confined modulus of 134.6 kPa (docs/mechanics.md).
 const contact_radius_m = force_n => {
@@ -143,7 +146,8 @@ for (const aside of [-15, -10, -5, 0, 5, 10, 15]) drops.push(await drop(aside * 
 end();
 const ratios = drops.map(d => d.felt / d.momentum), mean = ratios.reduce((a, b) => a + b, 0) / ratios.length;
 console.log(`force of the taxels over impulse of the ball: ${ratios.map(r => r.toFixed(3)).join(" ")}; mean ${mean.toFixed(3)}`);
-assert.ok(Math.abs(mean - 1) < 0.1);
+assert.ok(Math.abs(mean - 1) < 0.05);
+assert.ok(ratios.every(r => Math.abs(r - 1) < 0.1));
 
 // The pattern of the taxels under a resting ball: MuJoCo's tactile sensor knows how deep each taxel lies in the ball, the simulated skin
 // has a layer that the ball sinks into.
@@ -152,8 +156,6 @@ const correlation = (a, b) => {
   const sum = of => a.reduce((total, _, k) => total + of(a[k] - ma, b[k] - mb), 0);
   return sum((x, y) => x * y) / Math.sqrt(sum(x => x * x) * sum((_, y) => y * y));
 };
-const soft = path.join(folder, "soft.json");
-fs.writeFileSync(soft, JSON.stringify({format: "triskin-scene", version: 1, design: "strip.json", seed: 1, effects: {noise_counts: 3, layer: {}}}));
 const skin = await touched(soft);
 const sunk_m = 0.0015, alike = [];
 let at_s = skin.head.time_s;

@@ -110,6 +110,16 @@ constexpr BadScene kFaults[] = {
 };
 INSTANTIATE_TEST_SUITE_P(Faults, BadScenes, testing::ValuesIn(kFaults));
 
+constexpr BadScene kControllers[] = {
+    {R"("controllers":[{"patch":0}])", "\"level\" is missing"},
+    {R"("controllers":[{"level":"fast"}])", "give firmware, table"},
+    {R"("controllers":[{"patch":1,"level":"table"}])", "patch: must be in 0 … 0"},
+    {R"("controllers":[{"part":"arm","level":"table"}])", "belongs to the scene of a robot"},
+    {R"("hardware":"switched","controllers":[{"level":"table"}])", "must be \"firmware\", which routes them"},
+    {R"("controllers":[{"level":"table"}],"effects":{"clock_ppm":[20]})", "controller 0 is simulated by its table"},
+};
+INSTANTIATE_TEST_SUITE_P(Controllers, BadScenes, testing::ValuesIn(kControllers));
+
 constexpr BadScene kExpectations[] = {
     {R"("expect":[{"module":1,"pressed":true}])", "\"at_s\" is missing"},
     {R"("expect":[{"at_s":1,"module":1}])", "must say one thing"},

@@ -2,6 +2,7 @@
 // Tests the model that the page gets, and the page in one file.
 #include "triskin/view/page.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,6 +11,7 @@
 
 #include "support/strip_design.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/layout/taxel_signal.hpp"
 #include "triskin/view/comparison.hpp"
 #include "triskin/view/notes.hpp"
 
@@ -187,6 +189,12 @@ TEST(ViewPage, embeds_every_file_whole) {
   EXPECT_TRUE(view::assets().at("index.html").bytes.ends_with("</html>\n"));
   EXPECT_TRUE(view::assets().at("main.js").bytes.starts_with("// SPDX"));
   EXPECT_EQ(view::assets().at("main.js").type, "text/javascript; charset=utf-8");
+}
+
+// The page must call the same taxels pressed as the program.
+TEST(ViewPage, has_the_threshold_of_the_program) {
+  EXPECT_THAT(view::assets().at("colors.js").bytes,
+              HasSubstr(fmt::format("export const PRESSED_COUNTS = {};\n", layout::kPressed_counts)));
 }
 
 }  // namespace

@@ -52,19 +52,34 @@ SimulatedBus one_bus(const Options& options) {
   return {"", std::make_unique<scene::VirtualSkin>(std::move(scene), folder), nullptr};
 }
 
+bool is_of_robot(const Options& options) {
+  return robot::is_robot_file(options.scene) || scene::is_robot_scene(options.scene);
+}
+
+// Reads a robot file or a scene of a robot.
+struct SimulatedRobot {
+  explicit SimulatedRobot(const Options& options) {
+    if (scene::is_robot_scene(options.scene)) scene = device::read_robot_scene(options.scene);
+    site = robot::read_site(scene ? scene->robot : std::filesystem::path(options.scene));
+    for (const robot::BusConfig& bus : site.buses)
+      buses.push_back(device::scene_of(bus, scene ? &*scene : nullptr, options.switched, options.board_seed));
+  }
+  std::optional<scene::RobotScene> scene;
+  robot::Site site;
+  std::vector<scene::JointScene> buses;
+};
+
 std::vector<SimulatedBus> buses_of(const Options& options) {
   std::vector<SimulatedBus> buses;
-  if (!robot::is_robot_file(options.scene)) {
+  if (!is_of_robot(options)) {
     buses.push_back(one_bus(options));
     return buses;
   }
-  const robot::Site site = robot::read_site(options.scene);
-  for (const robot::BusConfig& bus : site.buses) {
-    const auto folder = options.fresh ? std::filesystem::path{} : device::state_folder_of(site, bus);
-    buses.push_back(
-        {bus.name,
-         std::make_unique<scene::VirtualSkin>(device::scene_of(bus, options.switched, options.board_seed), folder),
-         nullptr});
+  SimulatedRobot robot(options);
+  for (std::size_t b = 0; b < robot.buses.size(); ++b) {
+    const robot::BusConfig& bus = robot.site.buses[b];
+    const auto folder = options.fresh ? std::filesystem::path{} : device::state_folder_of(robot.site, bus);
+    buses.push_back({bus.name, std::make_unique<scene::VirtualSkin>(std::move(robot.buses[b].scene), folder), nullptr});
   }
   return buses;
 }
@@ -131,12 +146,21 @@ void serve(std::vector<SimulatedBus>& buses, const Options& options, std::size_t
                      [&](std::size_t k) { buses[k].server->run(interrupt_request(), std::max(0.0, options.seconds)); });
 }
 
-int run_check(const Options& options, Output& output) {
+scenario::SceneCheck check_of(const Options& options, Output& output) {
   if (robot::is_robot_file(options.scene))
-    throw InputError(fmt::format("{}: --check takes a scene file, not a robot file", options.scene));
+    throw InputError(
+        fmt::format("{}: is a robot file; --check takes a scene, which may name it as its \"robot\"", options.scene));
+  if (scene::is_robot_scene(options.scene)) {
+    SimulatedRobot robot(options);
+    return scenario::check_buses(std::move(robot.buses), robot.scene->expectations, output.progress());
+  }
   scene::Scene scene = scene::read_scene(options.scene);
   scene.switched = scene.switched || options.switched;
-  const scenario::SceneCheck check = scenario::check_scene(std::move(scene), output.progress());
+  return scenario::check_scene(std::move(scene), output.progress());
+}
+
+int run_check(const Options& options, Output& output) {
+  const scenario::SceneCheck check = check_of(options, output);
   nlohmann::json list = nlohmann::json::array();
   for (const scenario::ExpectationResult& r : check.results) {
     const std::string expected = scene::text_of(r.expectation);
@@ -155,8 +179,9 @@ int run_check(const Options& options, Output& output) {
 }
 
 int run_contacts(const Options& options, Output& output) {
-  if (robot::is_robot_file(options.scene))
-    throw InputError(fmt::format("{}: --contacts takes a scene or a design, not a robot file", options.scene));
+  if (is_of_robot(options))
+    throw InputError(
+        fmt::format("{}: is of a robot; --contacts takes a design, or a scene of one design", options.scene));
   const device::HostPort at = device::parse_host_port(options.contacts);
   scene::Scene scene = scene::read_scene(options.scene);
   scene.switched = scene.switched || options.switched;
@@ -219,7 +244,9 @@ const Registration kSimulate{{
     "triskin simulate scene.json --listen 127.0.0.1:7000",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      app.add_option("SCENE", options->scene, "scene file (docs/scene.md), design file, or robot file")->required();
+      app.add_option("SCENE", options->scene,
+                     "scene file (docs/scene.md) of a design or a robot, design file, or robot file")
+          ->required();
       app.add_option("--listen", options->listen,
                      "serve in real time: HOST:PORT (port 0 takes a free one and prints it), can:IFACE, or usb "
                      "(devices in vhci-hcd)");

@@ -3,9 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "triskin/base/counted.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/link/link_kind.hpp"
+#include "triskin/robot/assembly.hpp"
 #include "triskin/scene/tcp_link.hpp"
 #include "triskin/scene/virtual_skin.hpp"
 #include "triskin/session/controller.hpp"
@@ -14,7 +17,7 @@ namespace triskin::device {
 namespace {
 
 std::string link_of(const robot::Site& site, std::size_t bus, const LinkOptions& options) {
-  if (!options.chosen) return site.buses[bus].link;
+  if (!options.chosen && options.scene.empty()) return site.buses[bus].link;
   if (!options.link.starts_with("sim:")) {
     if (options.link == kSimulatedBus) return is_usb(site.buses[bus].link) ? kSimulatedHub : kSimulatedBus;
     if (options.link == kSimulatedHub || site.buses.size() == 1) return options.link;
@@ -26,18 +29,45 @@ std::string link_of(const robot::Site& site, std::size_t bus, const LinkOptions&
   return "sim:" + host_port_text({at.host, static_cast<std::uint16_t>(at.port + site.buses[bus].number)});
 }
 
+// Returns what the scene has for a cover.
+const scene::Scene& part_of(const scene::RobotScene& scene, const robot::CoverConfig& cover) {
+  const auto named = std::ranges::find(scene.names, cover.name);
+  if (named == scene.names.end())
+    throw InputError(fmt::format("{}: its robot {} has no cover {}; use a scene of this robot", scene.file.string(),
+                                 scene.robot.string(), cover.name));
+  const scene::Scene& part = scene.parts[static_cast<std::size_t>(named - scene.names.begin())];
+  if (part.design.design_id != cover.design.design_id)
+    throw InputError(fmt::format(
+        "{}: in its robot {} cover {} has design {:016x}, in the one given {:016x}; use a "
+        "scene of this robot",
+        scene.file.string(), scene.robot.string(), cover.name, part.design.design_id, cover.design.design_id));
+  return part;
+}
+
 }  // namespace
 
-scene::Scene scene_of(const robot::BusConfig& bus, bool switched, std::optional<std::uint64_t> board_seed) {
+scene::RobotScene read_robot_scene(const std::filesystem::path& path) {
+  return scene::read_robot_scene(path, [](const std::filesystem::path& file) {
+    const robot::Assembly assembly = robot::read_assembly(file);
+    std::vector<scene::RobotPart> parts;
+    for (std::size_t c = 0; c < assembly.designs.size(); ++c)
+      parts.push_back({assembly.robot.covers[c].name, assembly.designs[c]});
+    return parts;
+  });
+}
+
+scene::JointScene scene_of(const robot::BusConfig& bus, const scene::RobotScene* scene, bool switched,
+                           std::optional<std::uint64_t> board_seed) {
   std::vector<scene::SimulatedCover> covers;
   for (const robot::CoverConfig& c : bus.covers) {
-    scene::SimulatedCover cover{c.name, &c.design, {}};
+    scene::SimulatedCover cover{c.name, &c.design, {}, scene == nullptr ? nullptr : &part_of(*scene, c)};
     for (const std::string& serial : c.serials) cover.boards.push_back(to_unique_id(serial));
     covers.push_back(std::move(cover));
   }
-  scene::Scene scene = scene::join_covers(covers, bus.rates, board_seed_of(board_seed, scene::Scene{}.seed)).scene;
-  scene.switched = switched;
-  return scene;
+  const std::uint64_t seed = scene == nullptr ? scene::Scene{}.seed : scene->parts.front().seed;
+  scene::JointScene joint = scene::join_covers(covers, bus.rates, board_seed_of(board_seed, seed));
+  joint.scene.switched = joint.scene.switched || switched;
+  return joint;
 }
 
 std::filesystem::path state_folder_of(const robot::Site& site, const robot::BusConfig& bus) {
@@ -47,12 +77,14 @@ std::filesystem::path state_folder_of(const robot::Site& site, const robot::BusC
 std::unique_ptr<Link> open_bus(const robot::Site& site, std::size_t bus, const LinkOptions& options) {
   const robot::BusConfig& entry = site.buses.at(bus);
   if (!site.is_robot) return open_link(options, &entry.covers.front().design);
-  if (!options.scene.empty()) throw InputError("--scene is for a design file; a robot is simulated untouched");
   LinkOptions own = options;
   own.link = link_of(site, bus, options);
   if (!is_in_process(own.link)) return open_link(own, nullptr);
   if (own.own_interrupts) catch_interrupts();
-  return simulate_here(own.link, scene_of(entry, options.switched, options.board_seed), state_folder_of(site, entry));
+  std::optional<scene::RobotScene> scene;
+  if (!options.scene.empty()) scene = read_robot_scene(options.scene);
+  scene::JointScene joint = scene_of(entry, scene ? &*scene : nullptr, options.switched, options.board_seed);
+  return simulate_here(own.link, std::move(joint.scene), state_folder_of(site, entry));
 }
 
 }  // namespace triskin::device

@@ -9,6 +9,7 @@
 #include "triskin/design/calibration.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/layout/rest.hpp"
+#include "triskin/session/controller.hpp"
 #include "triskin/skin/touch_map.hpp"
 
 namespace triskin::scenario {
@@ -55,11 +56,19 @@ class RestMeans {
   std::vector<std::array<int, layout::kTaxelsPerModule>> counts_;
 };
 
+// Boards of a robot have given serial numbers, in any order.
+device::FlashOptions assignments_of(const scene::Scene& scene) {
+  device::FlashOptions options;
+  for (std::size_t p = 0; p < scene.boards.size(); ++p)
+    options.assign.push_back({static_cast<int>(p), device::to_text(scene.boards[p])});
+  return options;
+}
+
 // Flashes the boards in `folder` and takes the rest values.
 design::RestValues prepare(const scene::Scene& scene, const std::filesystem::path& folder) {
   device::SimLink link(untouched(scene), folder);
   device::Bus bus(link);
-  (void)device::flash(bus, scene.design);
+  (void)device::flash(bus, scene.design, assignments_of(scene));
   RestMeans rest(scene.design.layout.modules.size());
   std::uint64_t from_us = scene::kForever;
   device::Stream stream(bus, scene.design, [&](const device::ModuleSample& s) {

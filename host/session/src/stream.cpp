@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "triskin/base/interrupt.hpp"
+#include "triskin/link/link_kind.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
 #include "triskin/wire/stream_lease.hpp"
@@ -27,7 +28,10 @@ constexpr std::uint64_t kSettle_us = 2'000;  // A lease reaches the controllers 
 constexpr int kAttempts = 5;
 constexpr std::size_t kMaxEarly = 512;  // 16 modules produce this many samples in 0.3 s; an answer takes far less.
 
-std::uint32_t draw_reader() {
+// Other readers may share a bus, so the number is random. A simulation in this process has one reader at a time, and
+// equal scenes must give equal frames, some of which repeat the number.
+std::uint32_t draw_reader(const Link& link) {
+  if (is_in_process(link.name())) return static_cast<std::uint32_t>(link.now_us()) | 1U;
   std::random_device random;
   std::uint32_t number = 0;
   while (number == 0) number = static_cast<std::uint32_t>(random());
@@ -51,7 +55,7 @@ Stream::Stream(Bus& bus, const design::Design& design, OnFrame handler, StreamOp
     : Stream(bus, std::array{&design}, std::move(handler), std::move(options)) {}
 
 Stream::Stream(Bus& bus, std::span<const design::Design* const> covers, OnFrame handler, StreamOptions options)
-    : bus_(bus), handler_(std::move(handler)), say_(std::move(options.say)), reader_(draw_reader()) {
+    : bus_(bus), handler_(std::move(handler)), say_(std::move(options.say)), reader_(draw_reader(bus.link())) {
   if (!bus.link().fd())
     throw InputError(fmt::format(
         "{}: carries classic frames only, and the full stream needs CAN FD; bring the interface up with fd on",

@@ -203,6 +203,18 @@ Ad7147::Conversion Ad7147::last_conversion(int stage, std::uint64_t now_us) cons
   return {restart_us_ + (first_ns + number * period_ns()) / 1000, number};
 }
 
+std::optional<sim::ChipReading> Ad7147::look(std::uint64_t now_us) const {
+  const bool loses_power = std::ranges::any_of(dips_, [&](const PowerDips& d) { return now_us >= d.next_us; });
+  const bool full_power = power_mode(setup_[kPwrControl]) == 0;
+  const bool is_shown =
+      std::ranges::any_of(shown_ids_, [&](const ShownId& id) { return now_us >= id.at_us && now_us < id.until_us; });
+  if (!is_powered(now_us) || loses_power || is_shown || !full_power || stages_on() != kStages) return std::nullopt;
+  sim::ChipReading reading;
+  for (int s = 0; s < kStages; ++s) reading.results[static_cast<std::size_t>(s)] = result(s, now_us);
+  reading.sequence_ns = period_ns();
+  return reading;
+}
+
 // Peak to peak is taken as 6.6 standard deviations. The sum of four uniform numbers is close enough to a normal
 // distribution.
 double Ad7147::noise(int stage, std::uint64_t number) const {

@@ -177,8 +177,9 @@ void require_felt(const SceneNames& names, const JsonValue& v, const Contact& c)
 }  // namespace
 
 Contact read_contact(const SceneNames& names, const JsonValue& v) {
-  only_scene_keys(v, {"at_s", "until_s", "position_mm", "to_mm", "to", "module", "taxel", "nearest_to_mm", "ray",
-                      "radius_mm", "force_n", "rise_s", "fall_s", "keyframes", "every_s", "passes", "on_skin"});
+  only_scene_keys(v, {"at_s", "until_s", "part", "position_mm", "to_mm", "to", "module", "taxel", "nearest_to_mm",
+                      "ray", "radius_mm", "force_n", "rise_s", "fall_s", "keyframes", "every_s", "passes", "on_skin"});
+  require_part_of_robot(names, v);
   Contact c;
   c.radius_mm = read_radius_mm(v, c.radius_mm);
   c.force_n = read_force_n(v, c.force_n);

@@ -18,9 +18,10 @@ std::string times_of(const Expectation& e) {
 }
 
 std::string subject_of(const Expectation& e) {
-  if (e.module < 0) return "the skin";
-  if (e.taxel < 0) return fmt::format("module {}", e.module);
-  return fmt::format("taxel {} of module {}", e.taxel, e.module);
+  const std::string of_part = e.part.empty() ? "" : " of " + e.part;
+  if (e.module < 0) return "the skin" + of_part;
+  if (e.taxel < 0) return fmt::format("module {}{}", e.module, of_part);
+  return fmt::format("taxel {} of module {}{}", e.taxel, e.module, of_part);
 }
 
 std::string claim_of(const Expectation& e) {

@@ -65,9 +65,11 @@ void require_sense(const JsonValue& v, const Expectation& e) {
 }  // namespace
 
 Expectation read_expectation(const SceneNames& names, const JsonValue& v) {
-  only_scene_keys(v, {"at_s", "until_s", "once", "module", "taxel", "more_than_n", "less_than_n", "more_than_counts",
-                      "less_than_counts", "pressed", "state", "silent"});
+  only_scene_keys(v, {"at_s", "until_s", "once", "part", "module", "taxel", "more_than_n", "less_than_n",
+                      "more_than_counts", "less_than_counts", "pressed", "state", "silent"});
+  require_part_of_robot(names, v);
   Expectation e;
+  e.part = names.part;
   e.place = v.place();
   e.from_us = scene_time_us(v["at_s"]);
   if (has(v, "until_s")) e.until_us = scene_time_us(v["until_s"]);

@@ -55,11 +55,12 @@ std::vector<std::string_view> keys_of(FaultKind kind) {
   return {"module"};
 }
 
-void require_keys(const JsonValue& v, FaultKind kind) {
+void require_keys(const SceneNames& names, const JsonValue& v, FaultKind kind) {
+  require_part_of_robot(names, v);
   const auto allowed = keys_of(kind);
   for (const auto& [key, value] : v.raw().items()) {
-    if (key == "kind" || key == "at_s" || key == "until_s" || std::ranges::count(allowed, std::string_view(key)) > 0)
-      continue;
+    const bool always = key == "kind" || key == "at_s" || key == "until_s" || key == "part";
+    if (always || std::ranges::count(allowed, std::string_view(key)) > 0) continue;
     v.fail_at_key(key, fmt::format("key \"{}\" is unknown for a {}; see docs/faults_in_scenes.md", key,
                                    kFaultKindNames.name(kind)));
   }
@@ -158,7 +159,7 @@ void read_numbers(const JsonValue& v, Fault& f) {
 Fault read_fault(const SceneNames& names, const JsonValue& v) {
   Fault f;
   f.kind = read_kind(names, v["kind"]);
-  require_keys(v, f.kind);
+  require_keys(names, v, f.kind);
   if (f.kind == FaultKind::kStuckLine) {
     read_stuck_line(names, v, f);
   } else if (f.kind == FaultKind::kSwappedPatches) {

@@ -9,8 +9,19 @@ void I2cLineModel::hold_low(Signal signal, std::uint64_t at_us, int frees_after_
   (signal == Signal::kSda ? sda_ : scl_).push_back({at_us, until_us, frees_after_pulses});
 }
 
-bool I2cLineModel::is_held(const std::vector<Hold>& holds) const {
-  return std::ranges::any_of(holds, [&](const Hold& h) { return now_us_ >= h.at_us && now_us_ < h.until_us; });
+bool I2cLineModel::is_held(const std::vector<Hold>& holds, std::uint64_t at_us) {
+  return std::ranges::any_of(holds, [&](const Hold& h) { return at_us >= h.at_us && at_us < h.until_us; });
+}
+
+std::optional<sim::ChipReading> I2cLineModel::look(std::uint8_t address, std::uint64_t at_us) const {
+  if (is_held(sda_, at_us) || is_held(scl_, at_us)) return std::nullopt;
+  const Ad7147* only = nullptr;
+  for (const Chip& c : chips_) {
+    if ((c.address_at ? c.address_at(at_us) : c.address) != address) continue;
+    if (only != nullptr) return std::nullopt;
+    only = c.chip;
+  }
+  return only == nullptr ? std::nullopt : only->look(at_us);
 }
 
 bool I2cLineModel::start(std::uint8_t address_byte, std::uint64_t now_us) {
@@ -50,10 +61,10 @@ void I2cLineModel::stop(std::uint64_t now_us) {
 }
 
 bool I2cLineModel::scl() const {
-  return !(held_ && held_()) && !is_held(scl_);
+  return !(held_ && held_()) && !is_held(scl_, now_us_);
 }
 bool I2cLineModel::sda() const {
-  return !(held_ && held_()) && !is_held(sda_);
+  return !(held_ && held_()) && !is_held(sda_, now_us_);
 }
 
 void I2cLineModel::pulse_scl(std::uint64_t now_us) {

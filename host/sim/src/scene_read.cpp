@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -11,6 +12,7 @@
 
 #include "scene_reader.hpp"
 #include "triskin/base/text_file.hpp"
+#include "triskin/scene/robot_scene.hpp"
 
 namespace triskin::scene {
 namespace {
@@ -45,10 +47,6 @@ Effects read_effects(const JsonValue& v) {
   Effects e;
   e.pads = read_pad_effects(v);
   if (has(v, "chain_bit_error_rate")) e.chain_bit_error_rate = number_in(v["chain_bit_error_rate"], 0.0, 0.5);
-  if (has(v, "clock_ppm")) {
-    const JsonValue list = v["clock_ppm"];
-    for (std::size_t k = 0; k < list.size(); ++k) e.clock_ppm.push_back(number_in(list.at(k), -5e4, 5e4));
-  }
   if (has(v, "noise_counts")) e.noise_counts = number_in(v["noise_counts"], 0.0, 1e4);
   if (has(v, "drift_counts_per_s")) e.drift_counts_per_s = number_in(v["drift_counts_per_s"], -1e4, 1e4);
   if (has(v, "taxel_spread_counts")) e.taxel_spread_counts = number_in(v["taxel_spread_counts"], 0.0, 1e4);
@@ -78,14 +76,17 @@ void read_head(const JsonValue& v) {
   if (v["format"].text() != "triskin-scene") v["format"].fail("must be \"triskin-scene\" (or give a design file)");
   const int version = v["version"].integer(0, 1'000'000);
   if (version != kVersion) v["version"].fail(fmt::format("is {}, this program reads {}", version, kVersion));
-  only_scene_keys(v, {"format", "version", "design", "hardware", "border_joints", "seed", "contacts", "pressure",
-                      "faults", "effects", "expect"});
+  only_scene_keys(v, {"format", "version", "design", "robot", "hardware", "border_joints", "seed", "contacts",
+                      "controllers", "pressure", "faults", "effects", "expect"});
+  if (has(v, "design") == has(v, "robot")) v.fail("needs either \"design\" or \"robot\": the file that it simulates");
 }
 
-void require_clocks(const JsonValue& v, const Scene& scene) {
-  if (scene.effects.clock_ppm.size() > scene.design.patches.size())
-    v["clock_ppm"].fail(fmt::format("has {} clocks, the design has {} controllers", scene.effects.clock_ppm.size(),
-                                    scene.design.patches.size()));
+void read_clocks(const JsonValue& list, Scene& scene) {
+  std::vector<double>& clock_ppm = scene.effects.clock_ppm;
+  for (std::size_t k = 0; k < list.size(); ++k) clock_ppm.push_back(number_in(list.at(k), -5e4, 5e4));
+  if (clock_ppm.size() > scene.design.patches.size())
+    list.fail(
+        fmt::format("has {} clocks, the design has {} controllers", clock_ppm.size(), scene.design.patches.size()));
 }
 
 void read_hardware(const JsonValue& v, Scene& scene) {
@@ -100,11 +101,93 @@ void read_hardware(const JsonValue& v, Scene& scene) {
   }
 }
 
-template <class Item>
-void read_list(const JsonValue& v, const char* key, std::vector<Item>& items, const auto& read) {
+void each_item(const JsonValue& v, const char* key, const auto& read) {
   if (!has(v, key)) return;
   const JsonValue list = v[key];
-  for (std::size_t k = 0; k < list.size(); ++k) items.push_back(read(list.at(k)));
+  for (std::size_t k = 0; k < list.size(); ++k) read(list.at(k));
+}
+
+// Reads what does not depend on the design.
+Scene read_surroundings(const JsonValue& v) {
+  Scene scene;
+  if (has(v, "seed")) scene.seed = v["seed"].unsigned_integer();
+  scene.board_seed = scene.seed;
+  read_hardware(v, scene);
+  if (has(v, "pressure")) scene.pressure = read_pressure(v["pressure"]);
+  if (has(v, "effects")) scene.effects = read_effects(v["effects"]);
+  return scene;
+}
+
+// Reads the level of one controller, or of all of them.
+void read_controller(const SceneNames& names, const JsonValue& v, Scene& scene) {
+  only_scene_keys(v, {"part", "patch", "level"});
+  require_part_of_robot(names, v);
+  const auto level = kControllerLevelNames.value(v["level"].text());
+  if (!level) v["level"].fail("is no level of a controller; give " + kControllerLevelNames.list());
+  if (*level == ControllerLevel::kTable && names.switched)
+    v["level"].fail("of switched modules must be \"firmware\", which routes them; the table does not know their chain");
+  scene.levels.resize(scene.design.patches.size(), ControllerLevel::kFirmware);
+  const std::size_t first = has(v, "patch") ? static_cast<std::size_t>(names.patch(v["patch"])) : 0;
+  const std::size_t end = has(v, "patch") ? first + 1 : scene.levels.size();
+  for (std::size_t p = first; p < end; ++p) scene.levels[p] = *level;
+}
+
+// The table continues the sequences of the chips in virtual time.
+void require_common_time(const JsonValue& v, const Scene& scene) {
+  const std::size_t clocks = std::min(scene.effects.clock_ppm.size(), scene.levels.size());
+  for (std::size_t p = 0; p < clocks; ++p) {
+    if (scene.levels[p] == ControllerLevel::kTable)
+      v["clock_ppm"].fail(
+          fmt::format("controller {} is simulated by its table, which has virtual time; a clock of its "
+                      "own needs level \"firmware\"",
+                      p));
+  }
+}
+
+std::filesystem::path beside(const std::filesystem::path& scene, const JsonValue& v) {
+  const std::filesystem::path file = v.text();
+  return file.is_absolute() ? file : scene.parent_path() / file;
+}
+
+bool is_of_robot(const JsonValue& v) {
+  return has(v, "format") && v["format"].raw() == "triskin-scene" && has(v, "robot");
+}
+
+// Finds the parts of a robot by their names.
+class PartNames {
+ public:
+  PartNames(const std::vector<std::string>& names, const std::vector<Scene>& parts) : names_(names) {
+    for (std::size_t p = 0; p < parts.size(); ++p) of_.emplace_back(parts[p], names[p]);
+  }
+  [[nodiscard]] std::size_t index(const JsonValue& v) const {
+    if (!v.raw().is_object()) v.fail("must be an object");
+    if (!has(v, "part")) v.fail(fmt::format("needs \"part\": {}", fmt::join(names_, ", ")));
+    return index_of(v["part"], v["part"].text());
+  }
+  [[nodiscard]] std::size_t index_of(const JsonValue& v, const std::string& name) const {
+    const auto found = std::ranges::find(names_, name);
+    if (found == names_.end())
+      v.fail(fmt::format("\"{}\" is no part of the robot; it has {}", name, fmt::join(names_, ", ")));
+    return static_cast<std::size_t>(found - names_.begin());
+  }
+  [[nodiscard]] const SceneNames& operator[](std::size_t part) const { return of_[part]; }
+
+ private:
+  const std::vector<std::string>& names_;
+  std::vector<SceneNames> of_;
+};
+
+// An expectation without a part and without a module is one of the whole robot.
+Expectation read_expectation_of(const PartNames& parts, const JsonValue& v) {
+  if (v.raw().is_object() && (has(v, "part") || has(v, "module"))) return read_expectation(parts[parts.index(v)], v);
+  Expectation e = read_expectation(parts[0], v);
+  e.part.clear();
+  return e;
+}
+
+void read_clocks_of(const JsonValue& v, const PartNames& names, RobotScene& scene) {
+  if (!v.raw().is_object()) v.fail("must be an object with a list for each part, such as {\"torso\": [20, -30]}");
+  for (const auto& [name, list] : v.raw().items()) read_clocks(v[name.c_str()], scene.parts[names.index_of(v, name)]);
 }
 
 }  // namespace
@@ -121,6 +204,11 @@ int SceneNames::patch(const JsonValue& v) const {
 
 void only_scene_keys(const JsonValue& v, std::initializer_list<std::string_view> allowed) {
   design::only_keys(v, allowed, "docs/scene.md");
+}
+
+void require_part_of_robot(const SceneNames& names, const JsonValue& v) {
+  if (names.part.empty() && has(v, "part"))
+    v["part"].fail("belongs to the scene of a robot, which names \"robot\" in place of \"design\"; leave it out");
 }
 
 std::uint64_t scene_time_us(const JsonValue& v) {
@@ -184,27 +272,69 @@ Scene read_scene(const std::filesystem::path& path) {
   const std::string file = path.string(), text = read_text(path);
   const nlohmann::json document = design::parse_json(text, file);
   const JsonValue v(document, file, "", &text);
-  Scene scene;
   if (has(v, "format") && v["format"].raw() == "triskin-design") {
+    Scene scene;
     scene.design = design::read_design(path);
     scene.board_seed = scene.seed;
     return scene;
   }
   read_head(v);
-  const std::filesystem::path design = v["design"].text();
-  scene.design = design::read_design(design.is_absolute() ? design : path.parent_path() / design);
-  if (has(v, "seed")) scene.seed = v["seed"].unsigned_integer();
-  scene.board_seed = scene.seed;
-  read_hardware(v, scene);
+  if (has(v, "robot")) v["robot"].fail("is a scene of a robot; give its robot file in place of the design");
+  Scene scene = read_surroundings(v);
+  scene.design = design::read_design(beside(path, v["design"]));
   const SceneNames names(scene);
-  read_list(v, "contacts", scene.contacts, [&](const JsonValue& c) { return read_contact(names, c); });
-  if (has(v, "pressure")) scene.pressure = read_pressure(v["pressure"]);
-  read_list(v, "faults", scene.faults, [&](const JsonValue& f) { return read_fault(names, f); });
-  read_list(v, "expect", scene.expectations, [&](const JsonValue& e) { return read_expectation(names, e); });
-  if (has(v, "effects")) {
-    scene.effects = read_effects(v["effects"]);
-    require_clocks(v["effects"], scene);
+  each_item(v, "contacts", [&](const JsonValue& c) { scene.contacts.push_back(read_contact(names, c)); });
+  each_item(v, "faults", [&](const JsonValue& f) { scene.faults.push_back(read_fault(names, f)); });
+  each_item(v, "expect", [&](const JsonValue& e) { scene.expectations.push_back(read_expectation(names, e)); });
+  each_item(v, "controllers", [&](const JsonValue& c) { read_controller(names, c, scene); });
+  if (!has(v, "effects") || !has(v["effects"], "clock_ppm")) return scene;
+  read_clocks(v["effects"]["clock_ppm"], scene);
+  require_common_time(v["effects"], scene);
+  return scene;
+}
+
+bool is_robot_scene(const std::filesystem::path& path) {
+  const std::string file = path.string(), text = read_text(path);
+  const nlohmann::json document = design::parse_json(text, file);
+  return document.is_object() && is_of_robot(JsonValue(document, file, "", &text));
+}
+
+RobotScene read_robot_scene(const std::filesystem::path& path,
+                            const std::function<std::vector<RobotPart>(const std::filesystem::path&)>& parts_of) {
+  const std::string file = path.string(), text = read_text(path);
+  const nlohmann::json document = design::parse_json(text, file);
+  const JsonValue v(document, file, "", &text);
+  read_head(v);
+  if (!has(v, "robot")) v["design"].fail("is a scene of one design; a robot needs \"robot\" with its robot file here");
+  RobotScene scene;
+  scene.file = path;
+  scene.robot = beside(path, v["robot"]);
+  const Scene surroundings = read_surroundings(v);
+  for (RobotPart& part : parts_of(scene.robot)) {
+    scene.names.push_back(std::move(part.name));
+    scene.parts.push_back(surroundings);
+    scene.parts.back().design = std::move(part.design);
   }
+  if (scene.parts.empty()) v["robot"].fail("has no parts; add one with triskin robot add");
+  const PartNames names(scene.names, scene.parts);
+  each_item(v, "contacts", [&](const JsonValue& c) {
+    const std::size_t p = names.index(c);
+    scene.parts[p].contacts.push_back(read_contact(names[p], c));
+  });
+  each_item(v, "faults", [&](const JsonValue& f) {
+    const std::size_t p = names.index(f);
+    scene.parts[p].faults.push_back(read_fault(names[p], f));
+  });
+  each_item(v, "expect", [&](const JsonValue& e) { scene.expectations.push_back(read_expectation_of(names, e)); });
+  each_item(v, "controllers", [&](const JsonValue& c) {
+    const std::size_t p = names.index(c);
+    read_controller(names[p], c, scene.parts[p]);
+  });
+  if (!has(v, "effects")) return scene;
+  for (const char* key : {"bus_bit_rate", "bus_data_bit_rate"})
+    if (has(v["effects"], key)) v["effects"][key].fail("stands in the robot file, at each bus; leave it out");
+  if (has(v["effects"], "clock_ppm")) read_clocks_of(v["effects"]["clock_ppm"], names, scene);
+  for (const Scene& part : scene.parts) require_common_time(v["effects"], part);
   return scene;
 }
 

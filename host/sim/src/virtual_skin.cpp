@@ -135,12 +135,21 @@ void VirtualSkin::exchange_cables() {
 
 VirtualSkin::~VirtualSkin() = default;
 
+std::unique_ptr<sim::VirtualController> VirtualSkin::make_controller(std::size_t patch) {
+  Node& node = nodes_[patch];
+  const bool by_table = patch < scene_.levels.size() && scene_.levels[patch] == ControllerLevel::kTable;
+  if (!by_table) return sim::make_virtual_controller(node.board);
+  return sim::make_table_controller(node.board, [this, &node](int line, std::uint8_t address, std::uint64_t at_us) {
+    return skin_.line(node.plugged, line).look(address, node.clock.time_us(at_us));
+  });
+}
+
 void VirtualSkin::power_up(std::size_t patch) {
   Node& node = nodes_[patch];
   node.run_again_us = now_us_;
   node.clock.power(now_us_);
   try {
-    node.controller = sim::make_virtual_controller(node.board);
+    node.controller = make_controller(patch);
     node.controller->run_until(node.clock.shown_us(now_us_));
   } catch (const sim::PowerLost&) {
     node.controller.reset();

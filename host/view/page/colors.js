@@ -66,7 +66,7 @@ export const css = (c) => `rgb(${c.map((v) => Math.round(255 * v)).join(",")})`;
 
 /** Change in counts at which a taxel has its full colour. */
 export const FULL_COUNTS = 400;
-/** Change in counts from which a taxel counts as pressed. */
+/** Change in counts from which a taxel counts as pressed: layout::kPressed_counts, as tests/view/page_test.cpp checks. */
 export const PRESSED_COUNTS = 20;
 /** Colour strength of a pressure: the square root shows light touches. @param {number} counts below rest */
 export const heatOf = (counts) => counts < PRESSED_COUNTS / 2 ? 0 : Math.min(1, Math.sqrt(counts / FULL_COUNTS));

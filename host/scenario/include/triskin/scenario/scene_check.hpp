@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "triskin/base/progress.hpp"
+#include "triskin/scene/joint_scene.hpp"
 #include "triskin/scene/scene.hpp"
 
 namespace triskin::scenario {
@@ -28,5 +29,12 @@ struct SceneCheck {
 /// sample arrived does not hold, unless it expects none. Throws InputError for a scene without expectations; otherwise
 /// as RunningSkin. Cost: virtual time until the last expectation.
 [[nodiscard]] SceneCheck check_scene(scene::Scene scene, const ProgressSink& progress = {});
+
+/// Runs the buses of a robot side by side, in the same virtual time, and does the same with `expectations`, whose parts
+/// are covers of the buses. A cover may be on several buses. Throws InputError for an expectation on a part that no bus
+/// has, and as above.
+[[nodiscard]] SceneCheck check_buses(std::vector<scene::JointScene> buses,
+                                     const std::vector<scene::Expectation>& expectations,
+                                     const ProgressSink& progress = {});
 
 }  // namespace triskin::scenario

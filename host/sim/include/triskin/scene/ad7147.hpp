@@ -2,9 +2,11 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "triskin/layout/module.hpp"
+#include "triskin/sim/table_controller.hpp"
 
 namespace triskin::scene {
 
@@ -84,6 +86,10 @@ class Ad7147 {
   [[nodiscard]] std::uint16_t read_register(std::uint16_t address, std::uint64_t now_us);
   /// Writes a register; writes to read-only and missing ones are ignored.
   void write_register(std::uint16_t address, std::uint16_t value, std::uint64_t now_us);
+
+  /// Returns what a reading of the results would give, without a transfer and without an effect on the chip. Empty if
+  /// the chip is silent, is about to lose its configuration, or converts fewer than 12 stages.
+  [[nodiscard]] std::optional<sim::ChipReading> look(std::uint64_t now_us) const;
 
   /// Returns the time of one pass over the enabled stages: 9.2, 18.4 or 36.9 ms for 12 of them.
   [[nodiscard]] std::uint64_t sequence_us() const;

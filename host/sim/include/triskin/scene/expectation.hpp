@@ -38,8 +38,9 @@ struct Expectation {
     kSilent,       ///< No sample may arrive.
   };
   Kind kind = Kind::kPressed;
-  int module = -1;  ///< The module is an id of the design; −1 means the whole skin.
-  int taxel = -1;   ///< −1 means all taxels of the module.
+  std::string part{};  ///< In a scene of a robot, a part of it; if it is empty, the whole robot.
+  int module = -1;     ///< The module is an id of the design; −1 means the whole skin of the part or robot.
+  int taxel = -1;      ///< −1 means all taxels of the module.
   std::uint64_t from_us = 0;
   /// Every sample until then counts; if it is empty, only the first of each module from `from_us` on.
   std::optional<std::uint64_t> until_us{};
@@ -49,7 +50,7 @@ struct Expectation {
   std::string place{};  ///< Messages name this place in the file: "scene.json:12: expect[3]".
 };
 
-/// Formats the expectation as a sentence: "at 2 s module 4 reports more than 1 N".
+/// Formats the expectation as a sentence: "at 2 s module 4 of torso reports more than 1 N".
 [[nodiscard]] std::string text_of(const Expectation& expectation);
 
 }  // namespace triskin::scene

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -37,6 +38,10 @@ class I2cLineModel final : public sim::I2cBus {
   [[nodiscard]] bool sda() const override;
   void pulse_scl(std::uint64_t now_us) override;
 
+  /// Returns what a reading of the chip with this 7-bit address would give, without a transfer. Empty if the line is
+  /// stuck, or if not exactly one chip with results is there.
+  [[nodiscard]] std::optional<sim::ChipReading> look(std::uint8_t address, std::uint64_t at_us) const;
+
   /// Counts the bytes transferred since construction, including address bytes.
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
 
@@ -50,7 +55,7 @@ class I2cLineModel final : public sim::I2cBus {
     std::uint64_t at_us = 0, until_us = 0;
     int pulses_left = 0;
   };
-  [[nodiscard]] bool is_held(const std::vector<Hold>& holds) const;
+  [[nodiscard]] static bool is_held(const std::vector<Hold>& holds, std::uint64_t at_us);
   [[nodiscard]] bool usable() const { return scl() && sda(); }
 
   std::vector<Chip> chips_;

@@ -118,6 +118,17 @@ struct Effects {
   std::vector<double> clock_ppm{};      ///< Each controller's clock runs faster by this; it is indexed by patch.
 };
 
+/// A controller can be simulated at these levels (docs/controller_levels.md).
+enum class ControllerLevel {
+  kFirmware,  ///< The firmware runs and reaches the chips by I²C transfers.
+  kTable,     ///< While nothing happens but streaming, the controller's table and its chips give the samples.
+};
+/// Scene files use these names.
+inline constexpr NameTable kControllerLevelNames{std::array<std::pair<ControllerLevel, std::string_view>, 2>{{
+    {ControllerLevel::kFirmware, "firmware"},
+    {ControllerLevel::kTable, "table"},
+}}};
+
 struct Scene {
   design::Design design;
   /// The controller routes the modules (docs/switched_module.md); if false, they are strapped.
@@ -128,6 +139,8 @@ struct Scene {
   PressureCurve pressure;  ///< The pressure acts on every taxel in addition to the contacts.
   std::vector<Fault> faults;
   Effects effects;
+  /// Levels are indexed by patch; controllers beyond the list run their firmware.
+  std::vector<ControllerLevel> levels{};
   std::vector<Expectation> expectations{};  ///< `simulate --check` compares the reports of the skin with these.
   /// The controller of each patch has its unique id here; if the list is empty, ids are derived from the design's id.
   /// With given ids, the flash of a controller is stored under its id. Scene files cannot set this.

@@ -130,6 +130,7 @@ class VirtualSkin {
   void build(std::size_t patch, const std::filesystem::path& state_folder, bool other_hardware);
   void plug_in(Node& node, int patch);
   void exchange_cables();
+  [[nodiscard]] std::unique_ptr<sim::VirtualController> make_controller(std::size_t patch);
   void power_up(std::size_t patch);
   void run_controllers();
   void run_controller(Node& node);
