@@ -211,9 +211,9 @@ void attach_strapped(Skin& skin, Ad7147& chip, const ChipPlaces& places) {
     if (p.place.patch >= 0) lines.insert({p.place.patch, p.place.line});
   }
   for (const auto& [patch, line] : lines) {
-    skin.line(patch, line).attach(chip, [places, patch = patch, line = line](std::uint64_t now_us) -> int {
+    skin.line(patch, line).attach(chip, [places, of_patch = patch, of_line = line](std::uint64_t now_us) -> int {
       const ChipPlace now = place_at(places, now_us);
-      return now.patch == patch && now.line == line ? layout::cdc_address(now.address) : -1;
+      return now.patch == of_patch && now.line == of_line ? layout::cdc_address(now.address) : -1;
     });
   }
 }
