@@ -112,7 +112,7 @@ INSTANTIATE_TEST_SUITE_P(Faults, BadScenes, testing::ValuesIn(kFaults));
 
 constexpr BadScene kControllers[] = {
     {R"("controllers":[{"patch":0}])", "\"level\" is missing"},
-    {R"("controllers":[{"level":"fast"}])", "give firmware, table"},
+    {R"("controllers":[{"level":"fast"}])", "give firmware or table"},
     {R"("controllers":[{"patch":1,"level":"table"}])", "patch: must be in 0 … 0"},
     {R"("controllers":[{"part":"arm","level":"table"}])", "belongs to the scene of a robot"},
     {R"("hardware":"switched","controllers":[{"level":"table"}])", "must be \"firmware\", which routes them"},
