@@ -73,8 +73,8 @@ TEST_P(Levels, send_equal_frames) {
   EXPECT_GT(found.samples, 5000U);
   // The firmware refines its estimates of the chips' clocks to 34 us, the table continues the last one.
   EXPECT_LE(found.most_device_us, 40U);
-  // The firmware sees at the beginning of a reading that a chip has fallen silent, the table at its end. Chips that come
-  // back together then end their sequences within microseconds of each other, and their frames may change places.
+  // The firmware sees at the beginning of a reading that a chip has fallen silent, the table at its end. Chips that
+  // come back together then end their sequences within microseconds of each other, and their frames may change places.
   const bool loses_chips = scene.effects.pads.supply.has_value();
   EXPECT_LE(found.most_arrival_us, loses_chips ? 300U : 100U);
   EXPECT_LE(found.exchanged, loses_chips ? found.samples / 20 : 0U);

@@ -22,8 +22,8 @@ std::vector<RobotPart> parts() {
 class RobotSceneCase : public SceneCase {
  protected:
   [[nodiscard]] RobotScene read(const std::string& rest) const {
-    write_file_atomically(folder_ / "r.json", "{\"format\":\"triskin-scene\",\"version\":1,\n\"robot\":\"bot.json\",\n" +
-                                                  rest + "\n}\n");
+    write_file_atomically(folder_ / "r.json",
+                          "{\"format\":\"triskin-scene\",\"version\":1,\n\"robot\":\"bot.json\",\n" + rest + "\n}\n");
     return read_robot_scene(folder_ / "r.json", [this](const std::filesystem::path& robot) {
       EXPECT_EQ(robot, folder_ / "bot.json");
       return parts();
@@ -100,7 +100,8 @@ TEST_F(RobotSceneCase, a_fault_between_two_buses_is_refused) {
       (void)join_covers(covers, {1'000'000, 2'000'000});
       ADD_FAILURE() << "accepted " << fault;
     } catch (const InputError& e) {
-      EXPECT_THAT(e.what(), AllOf(HasSubstr("part torso: fault swapped_chips of "), HasSubstr("choose two on one bus")));
+      EXPECT_THAT(e.what(),
+                  AllOf(HasSubstr("part torso: fault swapped_chips of "), HasSubstr("choose two on one bus")));
     }
   }
 }

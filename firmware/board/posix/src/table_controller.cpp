@@ -95,7 +95,8 @@ class TableController final : public VirtualController {
 
   [[nodiscard]] bool has_room() const { return !board_.room || board_.room(); }
 
-  // The following functions observe the firmware. While it catches up, only samples that the table has not sent are new.
+  // The following functions observe the firmware. While it catches up, only samples that the table has not sent are
+  // new.
   void take_from_firmware(const wire::CanFrame& frame) {
     const auto sample = wire::decode_full(frame);
     if (sample && sample->starts != starts_) read_table(sample->starts);

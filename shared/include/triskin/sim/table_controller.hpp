@@ -26,9 +26,9 @@ using LookAtChip = std::function<std::optional<ChipReading>(int line, std::uint8
 /// make_virtual_controller does. Once every module of its flashed table has been sampled steadily for a lease, its
 /// samples come from `look` at the times that continue the sequences of the chips, without firmware and I²C transfers,
 /// and it answers leases and requests for the stream's account. Anything else (another request, a chip that does not
-/// answer, USB) wakes the firmware, which first runs through the time that it has missed, so that its state is that of a
-/// controller without the table. Frames are equal in bytes and order; device times differ by the microseconds by which
-/// the firmware refines its estimates of the chips' clocks meanwhile.
+/// answer, USB) wakes the firmware, which first runs through the time that it has missed, so that its state is that of
+/// a controller without the table. Frames are equal in bytes and order; device times differ by the microseconds by
+/// which the firmware refines its estimates of the chips' clocks meanwhile.
 [[nodiscard]] std::unique_ptr<VirtualController> make_table_controller(const VirtualBoard& board, LookAtChip look);
 
 }  // namespace triskin::sim

@@ -30,8 +30,8 @@ struct RobotScene {
 /// or is not JSON.
 [[nodiscard]] bool is_robot_scene(const std::filesystem::path& path);
 
-/// Reads a scene of a robot. `parts_of` gets the path of the robot file and returns its covers in their order. Throws as
-/// read_scene does, also for a part that the robot lacks or that a contact, fault or module does not name, and as
+/// Reads a scene of a robot. `parts_of` gets the path of the robot file and returns its covers in their order. Throws
+/// as read_scene does, also for a part that the robot lacks or that a contact, fault or module does not name, and as
 /// `parts_of` does.
 [[nodiscard]] RobotScene read_robot_scene(
     const std::filesystem::path& path,
