@@ -315,7 +315,7 @@ async function compared() {
 }
 
 // Covers on two buses and more, all in one page. ROBOT=COVERSxMODULES measures another size, BUSES=NUMBERxLINK on other
-// buses (8xsim-usb), DECIMATION=128 at twice the rate.
+// buses (8xsim-usb), DECIMATION=128 at twice the rate, FRAMES=10 with fewer pictures, for a computer that draws them by software.
 async function robot() {
   const [covers, modules] = (process.env.ROBOT ?? "4x32").split("x").map(Number), file = path.join(folder, "robot.json");
   const run = (...words) => execFileSync(triskin, words, {env: environment, stdio: "ignore"});
@@ -343,7 +343,7 @@ async function robot() {
   for (const view of ["cover", "flat"]) assert(isHot(await colorAt(page, view, pressed, 3)), `the pressed taxel is lit: ${view}`);
   assert.equal((await page.evaluate(() => window.triskin.pressed(2))).length, 0, "the same module of the first cover is not");
   await page.evaluate(() => { for (const {camera} of window.triskin.views) camera.reset(); window.triskin.dirty = true; });
-  const [times, own] = await frameTimes(page, 60);
+  const pictures = Number(process.env.FRAMES ?? 60), [times, own] = await frameTimes(page, pictures), at = (share) => Math.floor(share * pictures);
   // A page that drew too slowly for its connection was cut and connects again; what the program counted stays.
   const told = await page.waitForFunction((n) => {
     const {live, frames} = window.triskin.health;
@@ -351,8 +351,8 @@ async function robot() {
   }, covers * modules);
   const health = await told.jsonValue();
   console.log(`${covers} covers, ${covers * modules} modules, first picture after ${(opened_ms / 1000).toFixed(2)} s; ${health.frames} samples, ${health.lost} lost; frame time by software: ` +
-              `median ${times[30].toFixed(1)} ms, 90 of 100 below ${times[54].toFixed(1)} ms; ` +
-              `of it the page's own: median ${own[30].toFixed(1)} ms`);
+              `median ${times[at(0.5)].toFixed(1)} ms, 90 of 100 below ${times[at(0.9)].toFixed(1)} ms; ` +
+              `of it the page's own: median ${own[at(0.5) - 1].toFixed(1)} ms`);
   assert.equal(health.lost, 0, "no sample is lost");
   assert.deepEqual(wrong, []);
   await page.screenshot({path: path.join(process.cwd(), "page_robot.png")});
