@@ -12,15 +12,6 @@ namespace {
 
 using testing::HasSubstr;
 
-struct BadScene {
-  const char* line;    // The text is in line 3 of the file.
-  const char* remedy;  // The message must contain this statement of the fault or the remedy.
-};
-
-void PrintTo(const BadScene& bad, std::ostream* out) {
-  *out << bad.line;
-}
-
 class BadScenes : public SceneCase, public testing::WithParamInterface<BadScene> {};
 
 TEST_P(BadScenes, are_refused_with_file_line_and_remedy) {

@@ -106,22 +106,13 @@ TEST_F(RobotSceneCase, a_fault_between_two_buses_is_refused) {
   }
 }
 
-struct BadRobotScene {
-  const char* line;    // The text is in line 3 of the file.
-  const char* remedy;  // The message must contain this statement of the fault or the remedy.
-};
-
-void PrintTo(const BadRobotScene& bad, std::ostream* out) {
-  *out << bad.line;
-}
-
-class BadRobotScenes : public RobotSceneCase, public testing::WithParamInterface<BadRobotScene> {};
+class BadRobotScenes : public RobotSceneCase, public testing::WithParamInterface<BadScene> {};
 
 TEST_P(BadRobotScenes, are_refused_with_file_line_and_remedy) {
   EXPECT_THAT(robot_error_of(GetParam().line), AllOf(HasSubstr("r.json:3: "), HasSubstr(GetParam().remedy)));
 }
 
-constexpr BadRobotScene kBad[] = {
+constexpr BadScene kBad[] = {
     {R"("contacts":[{"module":1}])", "contacts[0]: needs \"part\": forearm, torso"},
     {R"("contacts":[7])", "must be an object"},
     {R"("contacts":[{"part":"leg","module":1}])", "part: \"leg\" is no part of the robot; it has forearm, torso"},

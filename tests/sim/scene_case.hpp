@@ -35,4 +35,14 @@ class SceneCase : public testing::Test {
   std::filesystem::path folder_;
 };
 
+/// A fault in a scene, in line 3 of its file.
+struct BadScene {
+  const char* line;
+  const char* remedy;  ///< The message must contain this statement of the fault or the remedy.
+};
+
+inline void PrintTo(const BadScene& bad, std::ostream* out) {
+  *out << bad.line;
+}
+
 }  // namespace triskin::scene

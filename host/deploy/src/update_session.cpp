@@ -27,6 +27,7 @@ constexpr std::uint64_t kErasePatience_us = 2'000'000, kCheckPatience_us = 1'500
 constexpr std::uint64_t kStarts_us = 40'000;  // Covers the queue, the loader's window and the check of both slots.
 constexpr std::uint64_t kConfirmed_us = 2'500'000;  // An application has proved itself by this time.
 constexpr std::uint64_t kBusyPause_us = 500'000;    // Boards of another tester are asked again after this time.
+constexpr const char* kAnotherTester = "another tester updates it; wait until it has ended";
 constexpr int kTries = 3, kMaxRounds = 25;
 // A slow board, or one whose answers were lost, has this many rounds to report its missing units.
 constexpr int kSilentRounds = 3;
@@ -182,7 +183,7 @@ void UpdateSession::decide(Board& b) {
   b.result.slot = b.who->running_slot;
   if (b.who->protocol != wire::update::kProtocol)
     return give_up(b, UpdateOutcome::kRefused, "speaks another update protocol; use the tool of its release");
-  if (of_another(b)) return give_up(b, UpdateOutcome::kRefused, "another tester updates it; wait until it has ended");
+  if (of_another(b)) return give_up(b, UpdateOutcome::kRefused, kAnotherTester);
   if (equal(b) && !options_.force) return give_up(b, UpdateOutcome::kEqual, "");
   const std::uint32_t offered = package_.head.firmware_version;
   if (offered < b.who->firmware_version && !options_.allow_older) {
@@ -255,7 +256,7 @@ void UpdateSession::join() {
 void UpdateSession::refused_at_join(Board& b) {
   if (!b.state) return give_up(b, UpdateOutcome::kGivenUp, "does not answer any more; nothing was written");
   if (b.state->session != session_ || b.state->phase != Phase::kRefused)
-    return give_up(b, UpdateOutcome::kRefused, "another tester updates it; wait until it has ended");
+    return give_up(b, UpdateOutcome::kRefused, kAnotherTester);
   give_up(b, UpdateOutcome::kRefused, why_refused(b.state->status));
 }
 

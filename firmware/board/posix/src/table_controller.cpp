@@ -245,14 +245,14 @@ class TableController final : public VirtualController {
     return answer_account(link_.message());
   }
   [[nodiscard]] bool answer_account(Bytes request) {
-    constexpr std::uint8_t kRead = 0x22, kPositive = 0x40;
-    const std::array<std::uint8_t, 3> asked{kRead, wire::did::kStreamAccount >> 8, wire::did::kStreamAccount & 0xFF};
+    const std::array<std::uint8_t, 3> asked{wire::service::kRead, wire::did::kStreamAccount >> 8,
+                                            wire::did::kStreamAccount & 0xFF};
     if (!std::ranges::equal(request, asked)) return false;
     wire::StreamAccount account = stream_.account(rows_.size(), now_us_);
     for (std::size_t k = 0; k < rows_.size(); ++k) account.modules[k].sent += rows_[k].sent;
     std::array<std::uint8_t, 3 + wire::StreamAccount::kMaxBytes> bytes{};
     ByteWriter out(bytes);
-    out.u8(kRead + kPositive);
+    out.u8(wire::service::kRead + wire::service::kPositive);
     out.u8(asked[1]);
     out.u8(asked[2]);
     account.encode(out);

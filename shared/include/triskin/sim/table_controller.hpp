@@ -23,12 +23,12 @@ struct ChipReading {
 using LookAtChip = std::function<std::optional<ChipReading>(int line, std::uint8_t address, std::uint64_t at_us)>;
 
 /// Makes a controller that is simulated by its table while nothing happens but streaming. It starts as
-/// make_virtual_controller does. Once every module of its flashed table has been sampled steadily for a lease, its
+/// make_virtual_controller does. Once eight samples of every module of its flashed table have followed one another, its
 /// samples come from `look` at the times that continue the sequences of the chips, without firmware and I²C transfers,
 /// and it answers leases and requests for the stream's account. Anything else (another request, a chip that does not
 /// answer, USB) wakes the firmware, which first runs through the time that it has missed, so that its state is that of
-/// a controller without the table. Frames are equal in bytes and order; device times differ by the microseconds by
-/// which the firmware refines its estimates of the chips' clocks meanwhile.
+/// a controller without the table. Samples are equal but for their times, which differ by the microseconds by which the
+/// firmware refines its estimates of the chips' clocks meanwhile (docs/controller_levels.md).
 [[nodiscard]] std::unique_ptr<VirtualController> make_table_controller(const VirtualBoard& board, LookAtChip look);
 
 }  // namespace triskin::sim
