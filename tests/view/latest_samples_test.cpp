@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "triskin/view/frame_track.hpp"
@@ -92,6 +95,39 @@ TEST(ViewFrameTrack, gathers_the_samples_of_33_ms_into_a_frame) {
   EXPECT_EQ(times_ms, (std::vector<double>{20, 60, 100}));
   EXPECT_EQ(change(bytes.substr(at - LatestSamples::kHeaderBytes - 2 * LatestSamples::kRecordBytes), 1, 3), -105);
   EXPECT_FALSE(track.is_cut());
+}
+
+// One module sends every 20 ms for 300 ms and is touched from 100 ms until 220 ms. Frames end at 20, 60, 100 … ms.
+// Contacts are asked behind the first frame and then behind each that is at least 100 ms later, and once at the end;
+// they are written where there are any or were any before.
+TEST(ViewFrameTrack, has_the_contacts_at_the_time_of_their_frame) {
+  std::int64_t taken_us = 0;
+  view::FrameTrack track(1, 10'000, [&] {
+    std::vector<LatestSamples::Contact> contacts;
+    if (taken_us >= 100'000 && taken_us < 220'000)
+      contacts.push_back({.taxels = {3}, .position_mm = {1, 2, 3}, .change_counts = static_cast<double>(taken_us)});
+    return contacts;
+  });
+  for (std::int64_t time_us = 0; time_us <= 300'000; time_us += 20'000) {
+    track.advance_to(time_us);
+    taken_us = time_us;
+    track.add(0, sample_of(100.0), time_us);
+  }
+  const std::string bytes = track.finish();
+  std::vector<std::pair<double, std::string>> told;
+  double frame_ms = -1.0;
+  for (std::size_t at = 0; at < bytes.size();) {
+    const std::size_t size = le(bytes, at, 4);
+    const double time_ms = std::bit_cast<double>(le(bytes, at + 4 + 8, 8));
+    if (le(bytes, at + 4, 1) == LatestSamples::kContactsKind) {
+      EXPECT_EQ(time_ms, frame_ms) << "contacts stand behind their frame";
+      const auto entry = nlohmann::json::parse(bytes.substr(at + 4 + LatestSamples::kHeaderBytes, size - 16));
+      told.emplace_back(time_ms, entry["contacts"].empty() ? "" : entry["contacts"][0]["change_counts"].dump());
+    }
+    frame_ms = time_ms;
+    at += 4 + size;
+  }
+  EXPECT_EQ(told, (std::vector<std::pair<double, std::string>>{{140, "140000.0"}, {260, ""}}));
 }
 
 TEST(ViewFrameTrack, drops_what_exceeds_its_limit) {

@@ -64,7 +64,7 @@ TEST(ViewModel, has_findings_at_their_modules_and_covers_by_name) {
   view::Notes notes;
   notes.findings = findings;
   notes.covers = {{"arm", 0, 0, 0, 20, 120.0, 0.75}};
-  const json model = json::parse(view::model_json(d, false, {}, notes));
+  const json model = json::parse(view::model_json(d, false, notes));
   EXPECT_EQ(model["findings"][0]["remedy"], "solder it");
   EXPECT_EQ(model["covers"][0]["name"], "arm");
   EXPECT_EQ(model["covers"][0]["coverage"], 0.75);
@@ -98,7 +98,7 @@ TEST(ViewComparison, tells_kept_added_and_removed_modules_apart) {
   EXPECT_EQ(c.notes.changes.modules[5].kind, Kind::kRemoved);
   EXPECT_EQ(c.notes.changes.modules[11].kind, Kind::kAdded);
   EXPECT_EQ(c.notes.changes.modules[11].other, -1);
-  const json model = json::parse(view::model_json(c.design, false, {}, c.notes));
+  const json model = json::parse(view::model_json(c.design, false, c.notes));
   EXPECT_EQ(model["changes"][11]["what"], "added");
   EXPECT_EQ(model["before"]["modules"], 6);
   EXPECT_EQ(model["before"]["vertices"], before.surface.vertices.size());

@@ -163,9 +163,6 @@ async function live() {
   // The server fits the contact; the page shows it as it is told.
   await page.waitForFunction(() => { window.triskin.contactsAt = 0; window.triskin.showContacts(); return window.triskin.told?.length === 1; });
   const contacts = await page.evaluate(() => window.triskin.contacts);
-  const regions = await page.evaluate(() => import("./contacts.js").then(({contactsOf}) => contactsOf(window.triskin.model, window.triskin.live)));
-  assert.equal(regions.length, 1, "the page finds the same contact by itself");
-  assert(Math.hypot(...regions[0].centre.map((v, x) => v - contacts[0].centre[x])) < 7, "and within a taxel's pitch of it");
   const place = await page.evaluate(() => Array.from(window.triskin.model.cover.taxels.slice(36 * 7 + 9, 36 * 7 + 12)));
   assert.equal(contacts.length, 1, "one finger is one contact");
   assert.equal(contacts[0].module, 7);
@@ -251,6 +248,12 @@ async function recorded() {
   assert.equal(touched.length, Math.round((last - first) / 50) + 1, "without a gap");
   assert.deepEqual(await at(first - 200), [], "back in time it is not there yet");
   assert((await at((first + last) / 2)).includes(3), "and forward it is there again");
+  const [told, taxel] = await page.evaluate(() => [window.triskin.told, Array.from(window.triskin.model.cover.taxels.slice(36 * 7 + 9, 36 * 7 + 12))]);
+  assert.deepEqual(told.map((c) => c.module), [7], "one finger is one contact of the recording");
+  assert(Math.hypot(...taxel.map((v, x) => v - told[0].centre[x])) < 4, "fitted within a taxel's pitch of the finger");
+  await at(length);
+  assert.deepEqual(await page.evaluate(() => window.triskin.told), [], "and none is left at the end");
+  await at((first + last) / 2);
   await page.evaluate(() => { window.triskin.shown.numbers = false; });
   await bringNear(page, 7);
   assert(isHot(await colorAt(page, "flat", 7, 3)), "the pressed taxel is lit");

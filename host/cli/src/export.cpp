@@ -105,7 +105,7 @@ std::string recorded_page(const Options& options, Output& output) {
         "{}: a recording is exported as a page only: --format html; other formats take a design", options.design));
   const RecordedTrack track = read_track(options.design, view::FrameTrack::kMaxInFile_bytes);
   if (!track.remark.empty()) output.say(track.remark);
-  return view::page_html(track.skin.design, track.frames, track.skin.calibration);
+  return view::page_html(track.skin.design, track.frames);
 }
 
 int run(const Options& options, Output& output) {

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <vector>
 
+#include "shown_contact.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/recording/recording.hpp"
 #include "triskin/skin/touch_map.hpp"
@@ -20,12 +22,19 @@ RecordedTrack read_track(const std::string& file, std::size_t max_bytes) {
   RecordedTrack recorded{recorded_skin(file), {}, {}};
   const std::size_t modules = recorded.skin.design.layout.modules.size();
   device::TouchMap touches(recorded.skin.design, recorded.skin.rest);
-  view::FrameTrack track(modules, max_bytes);
+  const auto contacts = [&] {
+    std::vector<view::LatestSamples::Contact> shown;
+    for (const device::SkinContact& c : device::contacts_of(touches, recorded.skin.design, recorded.skin.calibration))
+      shown.push_back(shown_contact(c, 0));
+    return shown;
+  };
+  view::FrameTrack track(modules, max_bytes, contacts);
   const recording::Summary summary = recording::read_recording(file, [&](const recording::ModuleSample& s) {
     if (static_cast<std::size_t>(s.module) >= modules) return;
+    const auto time_us = static_cast<std::int64_t>(s.link_time_us);
+    track.advance_to(time_us);
     touches.add({s.module, s.link_time_us, s.sample});
-    track.add(s.module, {s.sample.state, s.sample.valid, touches.change(s.module)},
-              static_cast<std::int64_t>(s.link_time_us));
+    track.add(s.module, {s.sample.state, s.sample.valid, touches.change(s.module)}, time_us);
   });
   recorded.frames = track.finish();
   if (recorded.frames.empty()) throw InputError(fmt::format("{}: holds no sample, so there is nothing to play", file));

@@ -140,8 +140,8 @@ int play(const Options& options, Output& output) {
   const std::size_t bytes = track.frames.size();
   const view::LatestSamples live(track.skin.design.layout.modules.size());
   catch_interrupts();
-  const view::Server server(view::site_of(track.skin.design, std::move(track.frames), track.skin.calibration), live,
-                            options.port, [](const view::Command&) {}, {});
+  const view::Server server(view::site_of(track.skin.design, std::move(track.frames)), live, options.port,
+                            [](const view::Command&) {}, {});
   output.say(server.address());
   const auto browser = open_browser(options, server.address());
   wait_for_interrupt();
@@ -167,7 +167,7 @@ int run(const Options& options, Output& output) {
   CommandQueue commands(skin ? skin->buses().size() : 1);
   catch_interrupts();
   const design::SkinCalibration calibration = calibration_now(options, skin, output);
-  const view::Server server(view::site_of(shown.design, {}, calibration, shown.notes), live, options.port,
+  const view::Server server(view::site_of(shown.design, {}, shown.notes), live, options.port,
                             [&](const view::Command& c) { commands.push(c); }, {});
   const std::string address = server.address() + place_of(argument, shown.design);
   output.say(address);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "shown_contact.hpp"
 #include "triskin/base/pace.hpp"
 #include "triskin/skin/skin_contacts.hpp"
 
@@ -99,17 +100,10 @@ class Feed {
     const int first = first_module(cover);
     std::vector<view::LatestSamples::Contact> contacts;
     for (const device::SkinContact& c : device::contacts_of(cover.touches(), cover.design(), shown_.calibration)) {
-      view::LatestSamples::Contact& out = contacts.emplace_back();
-      for (const device::PressedTaxel& t : c.taxels)
-        out.taxels.push_back(layout::kTaxelsPerModule * (first + t.module) + t.taxel);
       const auto module = static_cast<std::size_t>(c.taxels.front().module);
-      out.position_mm = moved(c.position_mm, cover.design().layout.modules[module],
-                              shown_.design.layout.modules[static_cast<std::size_t>(first) + module]);
-      out.position_sd_mm = c.position_sd_mm;
-      out.force_n = c.force_n;
-      out.force_sd_n = c.force_sd_n;
-      out.area_mm2 = c.area_mm2;
-      out.change_counts = c.change_counts;
+      contacts.push_back(shown_contact(c, first));
+      contacts.back().position_mm = moved(c.position_mm, cover.design().layout.modules[module],
+                                          shown_.design.layout.modules[static_cast<std::size_t>(first) + module]);
     }
     // A cover may have parts on several buses, and each bus knows only its own contacts.
     const int group = static_cast<int>(bus_.index() * shown_.offsets.size()) + cover.config().cover;

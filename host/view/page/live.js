@@ -45,7 +45,7 @@ export class LiveSkin {
 /** Keeps a connection to the server and opens it again when it breaks. */
 export class LiveLink {
   /** @param {(frame: ArrayBuffer) => void} onFrame @param {(health: any) => void} onHealth
-   * @param {(contacts: any[] | null) => void} onContacts null: the server is away */
+   * @param {(contacts: any[]) => void} onContacts none while the server is away */
   constructor(onFrame, onHealth, onContacts) {
     this.onFrame = onFrame;
     this.onContacts = onContacts;
@@ -60,7 +60,7 @@ export class LiveLink {
     socket.binaryType = "arraybuffer";
     socket.onmessage = ({data}) => typeof data === "string" ? this.takeText(JSON.parse(data)) : this.onFrame(data);
     socket.onclose = () => {
-      this.onContacts(null);
+      this.onContacts([]);
       this.onHealth({link: "", live: false, trouble: "no connection to triskin view, tried again each second; start it again if it has ended", frames: 0, lost: 0});
       setTimeout(() => { this.socket = this.open(); }, 1000);
     };

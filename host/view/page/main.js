@@ -3,7 +3,7 @@
 // Puts the page together: model, cameras, drawing, live skin, keys.
 import {CanvasDrawing} from "./canvas_drawing.js";
 import {bestDirection, hitOf, OrbitCamera, PlaneCamera, boxOf} from "./camera.js";
-import {contactsOf, contactTold} from "./contacts.js";
+import {contactsIn, contactTold} from "./contacts.js";
 import {CHANGES, colorOf, heatOf, modesOf} from "./colors.js";
 import {GlDrawing} from "./gl_drawing.js";
 import {History} from "./history.js";
@@ -25,7 +25,7 @@ class Page {
   healthAt = 0;
   contactsAt = 0;
   contacts = /** @type {import("./contacts.js").Contact[]} */ ([]);
-  told = /** @type {import("./contacts.js").Contact[] | null} */ (null); // the contacts that the server has fitted
+  told = /** @type {import("./contacts.js").Contact[]} */ ([]); // the newest of the server or the recording; `contacts` are those that are shown
   lastFrame = 0;
   fresh = false;         // a frame of the skin came since the last drawing
   faultsChanged = false;
@@ -297,19 +297,26 @@ class Page {
   openRecording(track) {
     byId("recording-part").hidden = false;
     this.setMode(PRESSURE);
-    this.player = new Player(track, (frame) => this.takeFrame(frame), () => {
+    this.player = new Player(track, (entry) => this.takeEntry(entry), () => {
       this.live = new LiveSkin(this.model.count);
-      this.contacts = [];
+      this.contacts = this.told = [];
       this.resetHeat();
       this.paintColors();
     });
   }
 
   goOnline() {
-    const link = new LiveLink((bytes) => this.takeFrame(bytes), (health) => this.takeHealth(health), (contacts) => { this.told = contacts && contacts.map(contactTold); });
+    const link = new LiveLink((bytes) => this.takeFrame(bytes), (health) => this.takeHealth(health), (contacts) => { this.told = contacts.map(contactTold); });
     this.link = link;
     byId("rest").onclick = () => link.send({do: "rest"});
     byId("finger").onchange = () => { if (!byId("finger").checked) link.send({do: "lift"}); };
+  }
+
+  takeEntry(bytes) {
+    const contacts = contactsIn(bytes);
+    if (!contacts) return this.takeFrame(bytes);
+    this.told = contacts;
+    this.fresh = this.dirty = true;
   }
 
   takeFrame(bytes) {
@@ -356,7 +363,7 @@ class Page {
     const now = performance.now();
     if (now - this.contactsAt < 100) return;
     this.contactsAt = now;
-    this.contacts = this.told ?? contactsOf(this.model, this.live); // a recording's contacts are found here
+    this.contacts = this.told;
     this.restTold = restRemark(this.model, this.live);
     this.showTrouble();
     fillContacts(this.contacts, (k) => this.select(k, true));

@@ -65,8 +65,6 @@ export class Model {
     this.modules.forEach((m, k) => { if (m.parent >= 0) this.children[m.parent].push(k); });
     /** Corners of what is left of a module whose corners may be cut off. */
     this.corners = data.corner_cut_mm > 0 ? 6 : 3;
-    /** N for a count of each taxel; null: numbers are counts. @type {Float64Array | null} */
-    this.newtonPerCount = data.newton_per_count ? Float64Array.from(data.newton_per_count.flat()) : null;
     this.pressure = Array.from({length: TAXELS}, (_, t) => !data.temperature_pads.includes(t));
     /** 1: the module is shown. */
     this.shown = new Uint8Array(this.count).fill(1);

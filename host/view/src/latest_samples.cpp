@@ -8,14 +8,10 @@
 #include <limits>
 #include <utility>
 
-#include "triskin/core/bytes.hpp"
+#include "little_endian.hpp"
 
 namespace triskin::view {
 namespace {
-
-void put_le(std::string& out, std::uint64_t value, int bytes) {
-  for (int k = 0; k < bytes; ++k) out += static_cast<char>(value >> 8 * k & 0xFF);
-}
 
 // A frame contains the change from the rest value, so pressure gives negative numbers.
 std::int16_t change_of(double below_rest_counts) {

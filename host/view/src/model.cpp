@@ -100,18 +100,6 @@ json jumpers_of(const design::ModuleLayout& layout) {
   return list;
 }
 
-// Returns the force of one count for each taxel in N, indexed by module; null if the page shows counts.
-json newton_per_count(const design::Design& design, const design::SkinCalibration& calibration) {
-  if (!calibration.complete()) return nullptr;
-  json modules = json::array();
-  for (int m = 0; m < static_cast<int>(design.layout.modules.size()); ++m) {
-    json taxels = json::array();
-    for (int t = 0; t < layout::kTaxelsPerModule; ++t) taxels.push_back(calibration.force_n({m, t}, 1.0));
-    modules.push_back(std::move(taxels));
-  }
-  return modules;
-}
-
 // Describes the side of the wall that was taken, the thickness of the wall under each module and the rest of the part;
 // null if the design contains no part.
 json side_of(const design::Design& design) {
@@ -155,8 +143,7 @@ json findings_of(const Notes& notes) {
 
 }  // namespace
 
-std::string model_json(const design::Design& design, bool recording, const design::SkinCalibration& calibration,
-                       const Notes& notes) {
+std::string model_json(const design::Design& design, bool recording, const Notes& notes) {
   const auto wiring = design::wiring_of(design);
   json modules = json::array(), patches = json::array();
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
@@ -172,7 +159,6 @@ std::string model_json(const design::Design& design, bool recording, const desig
       {"corner_cut_mm", design.layout.corner_cut_mm},
       {"jumpers", jumpers_of(design.layout)},
       {"recording", recording},
-      {"newton_per_count", newton_per_count(design, calibration)},
       {"islands", design.layout.islands},
       {"area_cm2", rounded(design.report.area_cm2)},
       {"coverage", rounded(design.report.coverage)},

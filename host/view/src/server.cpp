@@ -93,13 +93,12 @@ std::size_t Server::connections() const {
   return state_->shared.connections;
 }
 
-Site site_of(const design::Design& design, std::string track, const design::SkinCalibration& calibration,
-             const Notes& notes) {
+Site site_of(const design::Design& design, std::string track, const Notes& notes) {
   require_page();
   Site site;
   for (const auto& [name, asset] : assets())
     site[name == "index.html" ? "" : std::string(name)] = {std::string(asset.type), std::string(asset.bytes)};
-  site["model.json"] = {"application/json", model_json(design, !track.empty(), calibration, notes)};
+  site["model.json"] = {"application/json", model_json(design, !track.empty(), notes)};
   if (!track.empty()) site["recording.bin"] = {"application/octet-stream", std::move(track)};
   return site;
 }

@@ -30,8 +30,8 @@ class LatestSamples {
  public:
   /// A frame has this many bytes before its records, and each record this many (docs/view_server.md).
   static constexpr std::size_t kHeaderBytes = 16, kRecordBytes = 32;
-  /// The first two bytes of a frame are its kind and the version of its layout.
-  static constexpr std::uint8_t kFrameKind = 1, kFrameVersion = 1;
+  /// The first two bytes of a frame are its kind and the version of its layout. A track has contacts as a second kind.
+  static constexpr std::uint8_t kFrameKind = 1, kContactsKind = 2, kFrameVersion = 1;
 
   /// The status line of the page shows the state of the link.
   struct Health {

@@ -4,7 +4,6 @@
 #include <string>
 #include <string_view>
 
-#include "triskin/design/calibration.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/view/notes.hpp"
 
@@ -24,15 +23,12 @@ void require_page();
 
 /// Returns the facts of a design that the page needs as JSON: surface, modules with corners and taxels (mm, mesh frame,
 /// rounded to 10 µm), wiring, metrics with their limits, failures. docs/view.md has the keys. `recording` says that
-/// the page has a recording to play. `calibration` gives forces in N; if it is incomplete, the page shows counts.
-/// `notes` has covers of a robot and findings. Cost: O(faces + modules).
-[[nodiscard]] std::string model_json(const design::Design& design, bool recording = false,
-                                     const design::SkinCalibration& calibration = {}, const Notes& notes = {});
+/// the page has a recording to play. `notes` has covers of a robot and findings. Cost: O(faces + modules).
+[[nodiscard]] std::string model_json(const design::Design& design, bool recording = false, const Notes& notes = {});
 
 /// Makes the page of a design as one self-contained HTML file, which loads nothing and works from a disk or an e-mail.
-/// `track` has frames of a recording (FrameTrack) that the page plays; empty means none. `calibration` and `notes` as
-/// model_json. Throws InputError when the program has no page. Cost: O(faces + modules + track).
-[[nodiscard]] std::string page_html(const design::Design& design, std::string_view track = {},
-                                    const design::SkinCalibration& calibration = {}, const Notes& notes = {});
+/// `track` has frames of a recording (FrameTrack) that the page plays; empty means none. Throws InputError when the
+/// program has no page. Cost: O(faces + modules + track).
+[[nodiscard]] std::string page_html(const design::Design& design, std::string_view track = {});
 
 }  // namespace triskin::view

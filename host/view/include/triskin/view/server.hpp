@@ -8,7 +8,6 @@
 #include <memory>
 #include <string>
 
-#include "triskin/design/calibration.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/view/latest_samples.hpp"
 #include "triskin/view/notes.hpp"
@@ -79,7 +78,6 @@ class Server {
 
 /// Returns the page's files, the model of a design and, if `track` is not empty, a recording (FrameTrack) that the page
 /// plays instead of a live skin. Throws InputError when the program has no page.
-[[nodiscard]] Site site_of(const design::Design& design, std::string track = {},
-                           const design::SkinCalibration& calibration = {}, const Notes& notes = {});
+[[nodiscard]] Site site_of(const design::Design& design, std::string track = {}, const Notes& notes = {});
 
 }  // namespace triskin::view
