@@ -17,42 +17,8 @@ namespace triskin::test {
 namespace {
 
 using testing::HasSubstr;
-using testing::StartsWith;
 
 constexpr std::int64_t kHour_s = 3600;
-
-// Reads the live skin like a page in a browser.
-class Page {
- public:
-  // `address` is "http://127.0.0.1:PORT/TOKEN/".
-  explicit Page(const std::string& address)
-      : host_(address.substr(7, address.find('/', 7) - 7)),
-        client_(static_cast<std::uint16_t>(std::stoi(host_.substr(host_.find(':') + 1)))) {
-    client_.send(
-        fmt::format("GET {}live HTTP/1.1\r\nHost: {}\r\nOrigin: http://{}\r\nUpgrade: websocket\r\nConnection: "
-                    "Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n",
-                    address.substr(address.find('/', 7)), host_, host_));
-    EXPECT_THAT(client_.read_to("\r\n\r\n"), StartsWith("HTTP/1.1 101"));
-  }
-  // Reads messages until `count` frames with samples have arrived; returns false if five seconds passed without a byte.
-  bool gets_frames(int count) {
-    while (count > 0) {
-      const std::string head = client_.read(2);
-      if (head.size() < 2) return false;
-      std::size_t size = static_cast<unsigned char>(head[1]);
-      const std::size_t more = size == 126 ? 2 : size == 127 ? 8 : 0;
-      if (more > 0) size = 0;
-      for (const char c : client_.read(more)) size = size << 8 | static_cast<unsigned char>(c);
-      if (client_.read(size).size() < size) return false;
-      if ((static_cast<unsigned char>(head[0]) & 0xF) == 2) --count;  // A binary message is a frame.
-    }
-    return true;
-  }
-
- private:
-  std::string host_;
-  RawClient client_;
-};
 
 class Time : public ShellCase {
  protected:
@@ -70,11 +36,6 @@ class Time : public ShellCase {
   [[nodiscard]] bool has_begun(const char* name) const {
     const auto file = folder_ / name;
     return wait_until([&] { return std::filesystem::exists(file) && std::filesystem::file_size(file) > 100; });
-  }
-  // Finds the address that view prints.
-  static std::string address_in(const std::string& text) {
-    const std::size_t at = text.find("http://");
-    return at == std::string::npos ? "" : text.substr(at, text.find_first_of("\r\n", at) - at);
   }
 };
 
@@ -96,7 +57,7 @@ TEST_F(Time, view_goes_on_when_the_wall_clock_steps_back_and_forth) {
   SteppedClock clock(folder_ / "clock");
   Running view(stepped(clock, "view " + file("strip.json") + " --link sim --no-open"), folder_ / "log");
   ASSERT_TRUE(view.says("/\n")) << view.text();
-  Page page(address_in(view.text()));
+  LivePage page(page_address(view.text()));
   ASSERT_TRUE(page.gets_frames(5)) << view.text();
   for (const std::int64_t step_s : {-kHour_s, kHour_s, std::int64_t{0}}) {
     clock.shift(step_s);
@@ -141,7 +102,7 @@ TEST_F(Time, a_page_gets_frames_again_after_the_process_was_stopped) {
   SteppedClock clock(folder_ / "clock");
   Running view(stepped(clock, "view " + file("strip.json") + " --link sim --no-open"), folder_ / "log");
   ASSERT_TRUE(view.says("/\n")) << view.text();
-  Page page(address_in(view.text()));
+  LivePage page(page_address(view.text()));
   ASSERT_TRUE(page.gets_frames(5));
   view.signal(SIGSTOP);
   ::sleep(3);

@@ -2,10 +2,13 @@
 // A scene of a robot at the command line: two covers on two buses, one pressed and one with a fault.
 #include <gmock/gmock.h>
 
+#include <csignal>
 #include <nlohmann/json.hpp>
 
 #include "cli/shell_case.hpp"
+#include "guarantees/faulty_program.hpp"
 #include "support/strip_design.hpp"
+#include "view/browser.hpp"
 
 namespace triskin::test {
 namespace {
@@ -81,6 +84,30 @@ TEST_F(RobotScenes, device_commands_take_the_scene) {
   EXPECT_EQ(run("live bot.json --cover forearm --seconds 1 --link sim" + simulated).status, 0);
   EXPECT_EQ(run("verify bot.json --cover forearm" + simulated).status, 0);
   EXPECT_EQ(run("simulate s.json --seconds 1").status, 0);
+}
+
+// A finger lies on module 4 of the torso from the start, so both commands see a contact in every run.
+TEST_F(RobotScenes, the_page_and_the_bridge_have_the_contacts_of_their_part) {
+  scene(R"("contacts":[{"part":"torso","module":4,"at_s":0.5,"radius_mm":12,"force_n":6}])");
+  const std::string simulated = " --scene s.json --board-seed 0";
+  ASSERT_EQ(run("flash bot.json --by-serial" + simulated).status, 0);
+  Running view(line("view bot.json --no-open" + simulated), folder_ / "log");
+  ASSERT_TRUE(view.says("/\n")) << view.text();
+  LivePage page(page_address(view.text()));
+  const json told = json::parse(page.text_with(R"("contacts":[{)"));
+  const std::size_t first_of_torso = 6;
+  ASSERT_EQ(told["contacts"].size(), 1U) << told;
+  EXPECT_EQ(told["contacts"][0]["taxels"][0].get<std::size_t>() / 12, first_of_torso + 4) << told;
+  view.signal(SIGINT);
+  EXPECT_TRUE(view.ends());
+  EXPECT_EQ(view.status(), 0) << view.text();
+  const Outcome published = run("bridge bot.json --seconds 2 --domain 47 --json" + simulated);
+  if (published.messages.find("built without DDS") != std::string::npos)
+    GTEST_SKIP() << "left out: the bridge, since this program was built without DDS";
+  ASSERT_EQ(published.status, 0) << published.messages;
+  const json covers = json::parse(published.out)["covers"];
+  EXPECT_EQ(covers[0]["published"]["contacts"], 0);
+  EXPECT_GE(covers[1]["published"]["contacts"].get<int>(), 10);
 }
 
 TEST_F(RobotScenes, a_scene_of_another_robot_or_of_a_design_is_refused) {

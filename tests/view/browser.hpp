@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Acts as a client that is free to break every rule: it writes bytes and reads bytes.
+// Acts as a browser: a client that is free to break every rule, and a page that reads the live skin.
 #pragma once
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -84,5 +85,68 @@ inline std::string masked_frame(int opcode, const std::string& payload) {
   }
   return frame + std::string(4, '\0') + payload;
 }
+
+/// Finds the address that `triskin view` printed; empty if there is none.
+inline std::string page_address(const std::string& printed) {
+  const std::size_t at = printed.find("http://");
+  return at == std::string::npos ? "" : printed.substr(at, printed.find_first_of("\r\n", at) - at);
+}
+
+/// Reads the live skin like a page in a browser.
+class LivePage {
+ public:
+  static constexpr int kText = 1, kBinary = 2;
+  struct Message {
+    int opcode = 0;
+    std::string payload;
+  };
+
+  /// `address` is "http://127.0.0.1:PORT/TOKEN/". Throws if the server opens no WebSocket.
+  explicit LivePage(const std::string& address)
+      : host_(address.substr(7, address.find('/', 7) - 7)),
+        client_(static_cast<std::uint16_t>(std::stoi(host_.substr(host_.find(':') + 1)))) {
+    client_.send("GET " + address.substr(address.find('/', 7)) + "live HTTP/1.1\r\nHost: " + host_ +
+                 "\r\nOrigin: http://" + host_ +
+                 "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+                 "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n");
+    if (!client_.read_to("\r\n\r\n").starts_with("HTTP/1.1 101")) throw std::runtime_error("no WebSocket");
+  }
+
+  /// Reads one message; nothing if five seconds pass without a byte.
+  std::optional<Message> next() {
+    const std::string head = client_.read(2);
+    if (head.size() < 2) return std::nullopt;
+    std::size_t size = static_cast<unsigned char>(head[1]);
+    const std::size_t more = size == 126 ? 2 : size == 127 ? 8 : 0;
+    if (more > 0) size = 0;
+    for (const char c : client_.read(more)) size = size << 8 | static_cast<unsigned char>(c);
+    Message message{static_cast<unsigned char>(head[0]) & 0xF, client_.read(size)};
+    if (message.payload.size() < size) return std::nullopt;
+    return message;
+  }
+  /// Reads messages until `count` frames with samples have arrived; returns false if five seconds pass without a byte.
+  bool gets_frames(int count) {
+    while (count > 0) {
+      const auto message = next();
+      if (!message) return false;
+      if (message->opcode == kBinary) --count;
+    }
+    return true;
+  }
+  /// Reads messages until a text contains `part`; returns it, or empty if five seconds pass without a byte or `most`
+  /// messages had no such text.
+  std::string text_with(const std::string& part, int most = 2000) {
+    for (; most > 0; --most) {
+      const auto message = next();
+      if (!message) return {};
+      if (message->opcode == kText && message->payload.find(part) != std::string::npos) return message->payload;
+    }
+    return {};
+  }
+
+ private:
+  std::string host_;
+  RawClient client_;
+};
 
 }  // namespace triskin::test
