@@ -4,16 +4,20 @@
 
 #include <gtest/gtest.h>
 
+#include <barrier>
 #include <cstring>
 #include <filesystem>
 #include <map>
 #include <set>
+#include <thread>
+#include <vector>
 
 #include "overloaded_stream.hpp"
 #include "reader.hpp"
 #include "skin.h"
 #include "support/places.hpp"
 #include "support/strip_design.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/deploy/flash.hpp"
 #include "triskin/scene/sim_link.hpp"
@@ -203,6 +207,32 @@ TEST_F(BridgeTest, a_second_publisher_of_the_part_is_noticed_and_its_end_too) {
     EXPECT_EQ(other_part.other_publishers(), 0);
   }
   EXPECT_TRUE(wait_until([&] { return first.other_publishers() == 0; }));
+}
+
+// Each bus of a robot has a thread, and all of them look for other publishers in the same moment at the start.
+TEST_F(BridgeTest, buses_use_the_domain_at_the_same_time) {
+  constexpr int kBuses = 8, kStarts = 20;
+  for (int start = 0; start < kStarts; ++start) {
+    const auto domain = join_domain(domain_id_);
+    std::barrier begin(kBuses);
+    std::vector<std::string> failures(kBuses);
+    {
+      std::vector<std::jthread> buses;
+      for (int b = 0; b < kBuses; ++b) {
+        buses.emplace_back([&, b] {
+          begin.arrive_and_wait();
+          try {
+            for (int look = 0; look < 5; ++look) {
+              if (domain->other_writers("/skin/nobody") != 0) failures[static_cast<std::size_t>(b)] = "a writer";
+            }
+          } catch (const DeviceError& e) {
+            failures[static_cast<std::size_t>(b)] = e.what();
+          }
+        });
+      }
+    }
+    EXPECT_EQ(failures, std::vector<std::string>(kBuses)) << "start " << start;
+  }
 }
 
 // A simulation in the process could run a hundred times as fast as the skin that it simulates, but two seconds of it

@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 #include <cstring>
+#include <mutex>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -171,6 +172,7 @@ class CycloneDomain final : public Domain {
       : domain_(configured_domain(id, discovery)),
         participant_(checked(dds_create_participant(id, nullptr, nullptr), fmt::format("domain {}", id))) {}
   ~CycloneDomain() override {
+    writers_.reset();  // With the last participant the library ends, and after that it must not be called.
     (void)dds_delete(participant_);
     if (domain_ > 0) (void)dds_delete(domain_);
   }
@@ -187,6 +189,7 @@ class CycloneDomain final : public Domain {
   }
 
   int other_writers(const std::string& name) override {
+    const std::lock_guard lock(mutex_);
     if (!writers_) writers_.emplace(participant_);
     dds_guid_t own{};
     (void)checked(dds_get_guid(participant_, &own), "identifier of the participant");
@@ -199,11 +202,13 @@ class CycloneDomain final : public Domain {
   std::string next_service_id() {
     dds_guid_t guid{};
     (void)checked(dds_get_guid(participant_, &guid), "identifier of the participant");
+    const std::lock_guard lock(mutex_);
     ++services_;
     for (std::size_t k = 0; k < 4; ++k) guid.v[12 + k] = static_cast<std::uint8_t>(services_ >> (24 - 8 * k));
     return fmt::format("serviceid={:x};", fmt::join(guid.v, "."));
   }
 
+  std::mutex mutex_;  // It protects services_ and writers_.
   std::uint32_t services_ = 0;
   std::optional<CycloneWriters> writers_;
   dds_entity_t domain_;  // The handle is 0 if the library created the domain by itself.

@@ -46,6 +46,7 @@ class Server {
 };
 
 /// A domain object is a participant of a DDS domain. It discovers others by itself; CYCLONEDDS_URI can configure how.
+/// Thread-safe: each bus of a robot has a thread.
 class Domain {
  public:
   virtual ~Domain() = default;
