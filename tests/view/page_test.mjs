@@ -41,9 +41,10 @@ execFileSync(writeStrip, [design, String(MODULES)]);
 const launch = () => chromium.launch({executablePath: chromiumPath,
   args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]});
 
-/** Opens the page and collects what must not happen: errors, and requests to anywhere else. */
-async function open(browser, url, mayAsk) {
+/** Opens the page and collects what must not happen: errors, and requests to anywhere else. `before` runs in the page before its own code. */
+async function open(browser, url, mayAsk, before = () => {}) {
   const page = await browser.newPage({viewport: {width: 1200, height: 700}, colorScheme: "light"});
+  await page.addInitScript(before);
   const wrong = [];
   page.on("pageerror", (e) => wrong.push(`error: ${e}`));
   page.on("console", (m) => m.type() === "error" && wrong.push(`console: ${m.text()}`));
@@ -194,6 +195,18 @@ async function offline() {
   await checkSelection(page);
   assert.deepEqual(wrong, []);
   await page.screenshot({path: path.join(process.cwd(), "page_offline.png")});
+  const isSmooth = (of) => of.evaluate(() => document.getElementById("drawing").getContext("webgl2").getContextAttributes().antialias);
+  assert.equal(await isSmooth(page), false, "software draws without smooth edges");
+  // Software whose name is hidden is taken for a GPU, which draws on a second canvas.
+  const hideName = () => {
+    const {getExtension} = WebGL2RenderingContext.prototype;
+    WebGL2RenderingContext.prototype.getExtension = function(name) { return name === "WEBGL_debug_renderer_info" ? null : getExtension.call(this, name); };
+  };
+  const gpu = await open(browser, pathToFileURL(file).href, (url) => url.startsWith("file:") || url.startsWith("data:"), hideName);
+  assert.equal(await isSmooth(gpu.page), true, "a GPU draws smooth edges");
+  await gpu.page.evaluate(() => { window.triskin.shown.numbers = false; });
+  await checkSelection(gpu.page);
+  assert.deepEqual(gpu.wrong, []);
   await browser.close();
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // @ts-check
-// Draws both views with WebGL: one draw call for all modules, one for all taxels (instanced), a few for the rest.
+// Draws both views with WebGL: one draw call for all modules, one for all taxels, a few for the rest.
 import * as THREE from "./three.js";
 import {colorOf, HEAT} from "./colors.js";
 import {Model, normalOf, TAXELS} from "./model.js";
@@ -22,24 +22,24 @@ void main() { gl_FragColor = vec4(gl_FrontFacing ? vColor : ${glsl(colorOf("back
 // A taxel at rest is a small dot that is left out where modules are small; a pressed one is never smaller than three pixels and has a dark rim, so that it
 // shows on modules of any colour. Heat below −1: the module is hidden.
 const TAXEL = `
-attribute vec3 position; attribute vec3 centre; attribute vec3 normal; attribute float heat;
+attribute vec3 position; attribute vec2 corner; attribute vec3 normal; attribute float heat;
 uniform mat4 viewProjection; uniform float lift; uniform float pixel;
-varying vec3 vColor; varying float vOut; varying float vRim;
+varying vec3 vColor; varying vec2 vCorner; varying float vRim;
 void main() {
   vec3 far = abs(normal.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0);
   vec3 u = normalize(cross(far, normal)), v = cross(normal, u);
   float x = clamp(heat, 0.0, 1.0), radius = heat > 0.0 ? max(1.7 + 1.1 * x, 1.5 * pixel) : pixel < 0.8 ? 1.15 : 0.0;
   if (heat < -1.5) radius = 0.0;
-  gl_Position = viewProjection * vec4(centre + (lift + x) * normal + radius * (position.x * u + position.y * v), 1.0);
+  gl_Position = viewProjection * vec4(position + (lift + x) * normal + radius * (corner.x * u + corner.y * v), 1.0);
   float at = 3.0 * x;
   vec3 hot = at < 1.0 ? mix(${glsl(HEAT[0])}, ${glsl(HEAT[1])}, at)
            : at < 2.0 ? mix(${glsl(HEAT[1])}, ${glsl(HEAT[2])}, at - 1.0) : mix(${glsl(HEAT[2])}, ${glsl(HEAT[3])}, at - 2.0);
   vColor = heat > 0.0 ? hot : heat < 0.0 ? ${glsl(colorOf("noValue"))} : ${glsl(colorOf("rest"))};
-  vOut = length(position.xy);
+  vCorner = corner;
   vRim = heat > 0.0 ? 0.86 : 2.0;
 }`;
-const RIMMED = `precision mediump float; varying vec3 vColor; varying float vOut; varying float vRim;
-void main() { gl_FragColor = vec4(vOut > vRim ? vec3(0.1) : vColor, 1.0); }`;
+const RIMMED = `precision mediump float; varying vec3 vColor; varying vec2 vCorner; varying float vRim;
+void main() { gl_FragColor = vec4(length(vCorner) > vRim ? vec3(0.1) : vColor, 1.0); }`;
 
 const uniforms = () => ({viewProjection: {value: new THREE.Matrix4()}, light: {value: new THREE.Vector3(0, 0, 1)},
                          back: {value: new THREE.Vector3(0, 0, 1)}, lift: {value: 0}, shade: {value: 1}, sink: {value: 0},
@@ -72,20 +72,48 @@ function moduleGeometry(model, shape) {
   return trianglesOf(points, normals, new Float32Array(points.length));
 }
 
-function taxelGeometry(shape, heat, rim) {
-  const geometry = new THREE.InstancedBufferGeometry(), disc = [];
-  for (let k = 0; k < rim; ++k) {
-    const a = 2 * Math.PI * k / rim, b = 2 * Math.PI * (k + 1) / rim;
-    disc.push(0, 0, 0, Math.cos(a), Math.sin(a), 0, Math.cos(b), Math.sin(b), 0);
+// Each taxel is a polygon of its own: software that stands for a GPU takes twenty times longer to draw instances of one polygon. These attributes have a
+// value for each corner of each taxel, and both views share them.
+class TaxelPolygons {
+  /** @param {number} count taxels @param {number} corners */
+  constructor(count, corners) {
+    this.corners = corners;
+    const index = new Uint32Array(3 * (corners - 2) * count), around = new Float32Array(2 * corners * count);
+    for (let n = 0, at = 0; n < count; ++n)
+      for (let c = 2; c < corners; ++c) { index[at++] = corners * n; index[at++] = corners * n + c - 1; index[at++] = corners * n + c; }
+    for (let c = 0; c < corners; ++c) {
+      around[2 * c] = Math.cos(2 * Math.PI * c / corners);
+      around[2 * c + 1] = Math.sin(2 * Math.PI * c / corners);
+    }
+    for (let size = 2 * corners; size < around.length; size *= 2) around.copyWithin(size, 0, Math.min(size, around.length - size));
+    this.index = new THREE.BufferAttribute(index, 1);
+    this.corner = new THREE.BufferAttribute(around, 2);
+    this.heat = new THREE.BufferAttribute(new Float32Array(corners * count), 1);
   }
-  const normals = new Float32Array(shape.taxels.length);
-  for (let k = 0; k < normals.length; ++k) normals[k] = shape.normals[3 * Math.floor(k / (3 * TAXELS)) + k % 3];
-  geometry.setAttribute("position", triple(disc));
-  geometry.setAttribute("centre", new THREE.InstancedBufferAttribute(shape.taxels, 3));
-  geometry.setAttribute("normal", new THREE.InstancedBufferAttribute(normals, 3));
-  geometry.setAttribute("heat", heat);
-  geometry.maxInstancedCount = shape.taxels.length / 3;
-  return geometry;
+
+  geometryOf(shape) {
+    const geometry = new THREE.BufferGeometry(), {corners} = this, places = new Float32Array(corners * shape.taxels.length), normals = new Float32Array(places.length);
+    for (let at = 0; at < places.length; at += 3) {
+      const taxel = Math.floor(at / (3 * corners)), module = Math.floor(taxel / TAXELS);
+      for (let x = 0; x < 3; ++x) {
+        places[at + x] = shape.taxels[3 * taxel + x];
+        normals[at + x] = shape.normals[3 * module + x];
+      }
+    }
+    geometry.setIndex(this.index);
+    geometry.setAttribute("position", triple(places));
+    geometry.setAttribute("normal", triple(normals));
+    geometry.setAttribute("corner", this.corner);
+    geometry.setAttribute("heat", this.heat);
+    return geometry;
+  }
+
+  /** @param {Float32Array} heat a value a taxel */
+  setHeat(heat) {
+    const to = /** @type {Float32Array} */ (this.heat.array);
+    for (let n = 0; n < heat.length; ++n) to.fill(heat[n], this.corners * n, this.corners * (n + 1));
+    this.heat.needsUpdate = true;
+  }
 }
 
 /** @param {{vertices: number[], faces: number[]}} surface @param {import("./colors.js").Rgb} color */
@@ -105,32 +133,36 @@ const sinkOf = (model) => {
   return 2.5 + Math.max(0, ...model.modules.map((m) => m.metrics[row] || 0));
 };
 
-// Without a GPU each pixel and corner costs processor time: smooth edges and round taxels are left out there.
-function isSoftware() {
-  const probe = /** @type {any} */ (document.createElement("canvas").getContext("webgl"));
-  const names = probe && probe.getExtension("WEBGL_debug_renderer_info");
-  const renderer = names ? String(probe.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "";
-  if (probe) probe.getExtension("WEBGL_lose_context")?.loseContext();
-  return /swiftshader|llvmpipe|software/i.test(renderer);
+/** @param {any} context */
+function isSoftware(context) {
+  const names = context.getExtension("WEBGL_debug_renderer_info");
+  return /swiftshader|llvmpipe|software/i.test(names ? String(context.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "");
 }
 
-/** @param {HTMLCanvasElement} canvas @param {boolean} antialias @returns {any} context; null: the browser has no WebGL */
-function contextOf(canvas, antialias) {
-  const wish = {antialias, alpha: true};
-  return canvas.getContext("webgl2", wish) || canvas.getContext("webgl", wish);
+// Without a GPU each pixel and corner costs processor time: smooth edges and round taxels are left out there. To be smooth is decided when a context is made, and
+// software takes half a second to make one; so the first is one for software, and a GPU gets a second one on a canvas in its place.
+/** @param {HTMLCanvasElement} canvas @returns {{canvas: HTMLCanvasElement, context: any, software: boolean}} context null: the browser has no WebGL */
+function contextFor(canvas) {
+  const contextOf = (on, antialias) => on.getContext("webgl2", {antialias, alpha: true}) || on.getContext("webgl", {antialias, alpha: true});
+  const plain = contextOf(canvas, false);
+  if (!plain || isSoftware(plain)) return {canvas, context: plain, software: true};
+  plain.getExtension("WEBGL_lose_context")?.loseContext();
+  const smooth = /** @type {HTMLCanvasElement} */ (canvas.cloneNode());
+  canvas.replaceWith(smooth);
+  return {canvas: smooth, context: contextOf(smooth, true), software: false};
 }
 
 export class GlDrawing {
   /** Throws where the browser has no WebGL. @param {HTMLCanvasElement} canvas */
   constructor(canvas, model) {
-    const software = isSoftware(), context = contextOf(canvas, !software);
+    const made = contextFor(canvas), {context, software} = made;
     if (!context) throw new Error("no WebGL");
-    this.renderer = new THREE.WebGLRenderer({canvas, context, alpha: true});
+    this.renderer = new THREE.WebGLRenderer({canvas: made.canvas, context, alpha: true});
     this.renderer.autoClear = false;
-    this.renderer.setPixelRatio(window.devicePixelRatio || 1);
+    this.renderer.debug.checkShaderErrors = false; // to ask for them waits for each program
     this.renderer.setScissorTest(true);
-    this.rim = software ? 4 : 10;
-    this.heat = new THREE.InstancedBufferAttribute(new Float32Array(TAXELS * model.count), 1);
+    this.size = ""; // of the drawing and its pixels
+    this.taxels = new TaxelPolygons(TAXELS * model.count, software ? 4 : 10);
     this.model = model;
     this.scenes = {cover: this.sceneOf(model.cover, model.data.surface, sinkOf(model)), flat: this.sceneOf(model.flat, null, 0)};
     this.camera = new THREE.Camera();
@@ -156,7 +188,7 @@ export class GlDrawing {
       }
     }
     add("modules", moduleGeometry(this.model, shape), material(SHADED, TWO_SIDED), 0.4, surface ? 1 : 0);
-    add("taxels", taxelGeometry(shape, this.heat, this.rim), material(TAXEL, RIMMED), 1.0, 0);
+    add("taxels", this.taxels.geometryOf(shape), material(TAXEL, RIMMED), 1.0, 0);
     return {scene, parts};
   }
 
@@ -191,9 +223,15 @@ export class GlDrawing {
   }
 
   /** @param {Float32Array} heat 0 … 1 a taxel, negative: it has no valid value */
-  setHeat(heat) { this.heat.array.set(heat); this.heat.needsUpdate = true; }
+  setHeat(heat) { this.taxels.setHeat(heat); }
 
-  resize(width, height) { this.renderer.setSize(width, height, false); }
+  resize(width, height) {
+    const ratio = window.devicePixelRatio || 1, size = `${width} ${height} ${ratio}`;
+    if (size === this.size) return; // each setting makes the drawing's memory anew
+    this.size = size;
+    if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(width, height, false);
+  }
 
   /** @param {{name: string, camera: any, left: number, top: number}[]} views @param {Record<string, boolean>} shown */
   draw(views, shown) {

@@ -2,14 +2,13 @@
 // Declares the parts of three.js that the page uses, for the type check of its code.
 export class Matrix4 { fromArray(values: ArrayLike<number>): this; }
 export class Vector3 { constructor(x: number, y: number, z: number); fromArray(values: ArrayLike<number>): this; }
-export class BufferAttribute { constructor(array: Float32Array, size: number); array: Float32Array; needsUpdate: boolean; }
-export class InstancedBufferAttribute extends BufferAttribute {}
+export class BufferAttribute { constructor(array: Float32Array | Uint32Array, size: number); array: Float32Array | Uint32Array; needsUpdate: boolean; }
 export class BufferGeometry {
   attributes: Record<string, BufferAttribute>;
+  setIndex(index: BufferAttribute): void;
   setAttribute(name: string, attribute: BufferAttribute): this;
   dispose(): void;
 }
-export class InstancedBufferGeometry extends BufferGeometry { maxInstancedCount: number; }
 export class RawShaderMaterial {
   constructor(parameters: object);
   uniforms: Record<string, {value: any}>;
@@ -22,7 +21,9 @@ export class Camera extends Object3D {}
 export class WebGLRenderer {
   constructor(parameters: object);
   autoClear: boolean;
+  debug: {checkShaderErrors: boolean};
   domElement: HTMLCanvasElement;
+  getPixelRatio(): number;
   setPixelRatio(ratio: number): void;
   setScissorTest(on: boolean): void;
   setSize(width: number, height: number, style: boolean): void;
