@@ -111,7 +111,8 @@ class TaxelPolygons {
   /** @param {Float32Array} heat a value a taxel */
   setHeat(heat) {
     const to = /** @type {Float32Array} */ (this.heat.array);
-    for (let n = 0; n < heat.length; ++n) to.fill(heat[n], this.corners * n, this.corners * (n + 1));
+    for (let n = 0, at = 0; n < heat.length; ++n)
+      for (let c = 0; c < this.corners; ++c) to[at++] = heat[n];
     this.heat.needsUpdate = true;
   }
 }
