@@ -39,7 +39,11 @@ void main() {
   vRim = heat > 0.0 ? 0.86 : 2.0;
 }`;
 const RIMMED = `precision mediump float; varying vec3 vColor; varying vec2 vCorner; varying float vRim;
-void main() { gl_FragColor = vec4(length(vCorner) > vRim ? vec3(0.1) : vColor, 1.0); }`;
+void main() {
+  float away = length(vCorner);
+  if (away > 1.0) discard;
+  gl_FragColor = vec4(away > vRim ? vec3(0.1) : vColor, 1.0);
+}`;
 
 const uniforms = () => ({viewProjection: {value: new THREE.Matrix4()}, light: {value: new THREE.Vector3(0, 0, 1)},
                          back: {value: new THREE.Vector3(0, 0, 1)}, lift: {value: 0}, shade: {value: 1}, sink: {value: 0},
@@ -72,8 +76,9 @@ function moduleGeometry(model, shape) {
   return trianglesOf(points, normals, new Float32Array(points.length));
 }
 
-// Each taxel is a polygon of its own: software that stands for a GPU takes twenty times longer to draw instances of one polygon. These attributes have a
-// value for each corner of each taxel, and both views share them.
+// Each taxel is a polygon of its own: software that stands for a GPU takes twenty times longer to draw instances of one polygon. It draws a square, of which
+// it leaves out what is outside the disc; a GPU, which smooths the edges of polygons only, draws a polygon in the disc. These attributes have a value for
+// each corner of each taxel, and both views share them.
 class TaxelPolygons {
   /** @param {number} count taxels @param {number} corners */
   constructor(count, corners) {
@@ -81,9 +86,10 @@ class TaxelPolygons {
     const index = new Uint32Array(3 * (corners - 2) * count), around = new Float32Array(2 * corners * count);
     for (let n = 0, at = 0; n < count; ++n)
       for (let c = 2; c < corners; ++c) { index[at++] = corners * n; index[at++] = corners * n + c - 1; index[at++] = corners * n + c; }
+    const reach = corners === 4 ? Math.SQRT2 : 1;
     for (let c = 0; c < corners; ++c) {
-      around[2 * c] = Math.cos(2 * Math.PI * c / corners);
-      around[2 * c + 1] = Math.sin(2 * Math.PI * c / corners);
+      around[2 * c] = reach * Math.cos(2 * Math.PI * c / corners);
+      around[2 * c + 1] = reach * Math.sin(2 * Math.PI * c / corners);
     }
     for (let size = 2 * corners; size < around.length; size *= 2) around.copyWithin(size, 0, Math.min(size, around.length - size));
     this.index = new THREE.BufferAttribute(index, 1);
@@ -140,7 +146,7 @@ function isSoftware(context) {
   return /swiftshader|llvmpipe|software/i.test(names ? String(context.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "");
 }
 
-// Without a GPU each pixel and corner costs processor time: smooth edges and round taxels are left out there. To be smooth is decided when a context is made, and
+// Without a GPU each pixel and corner costs processor time: smooth edges are left out there. To be smooth is decided when a context is made, and
 // software takes half a second to make one; so the first is one for software, and a GPU gets a second one on a canvas in its place.
 /** @param {HTMLCanvasElement} canvas @returns {{canvas: HTMLCanvasElement, context: any, software: boolean}} context null: the browser has no WebGL */
 function contextFor(canvas) {
