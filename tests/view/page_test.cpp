@@ -14,6 +14,7 @@
 #include "triskin/layout/taxel_signal.hpp"
 #include "triskin/view/comparison.hpp"
 #include "triskin/view/notes.hpp"
+#include "triskin/view/server.hpp"
 
 namespace triskin::test {
 namespace {
@@ -172,6 +173,22 @@ TEST(ViewPage, keeps_a_name_from_a_file_out_of_the_script) {
   d.name = "</script><script>alert(1)</script>";
   EXPECT_THAT(view::model_json(d), Not(HasSubstr("<")));
   EXPECT_EQ(json::parse(view::model_json(d))["name"], d.name);
+}
+
+// A browser learns of most files only when it has read those that import them.
+TEST(ViewPage, a_server_names_all_scripts_and_the_model_at_once) {
+  if (!view::has_page()) GTEST_SKIP() << "left out: libjs-three is not installed";
+  const view::Site site = view::site_of(strip(4));
+  const std::string& document = site.at("").bytes;
+  std::size_t scripts = 0;
+  for (const auto& [name, file] : site) {
+    if (!name.ends_with(".js")) continue;
+    EXPECT_THAT(document, HasSubstr("<link rel=\"modulepreload\" href=\"" + name + "\">"));
+    ++scripts;
+  }
+  EXPECT_GT(scripts, 10U);
+  EXPECT_THAT(document, HasSubstr("<link rel=\"preload\" href=\"model.json\""));
+  EXPECT_LT(document.find("modulepreload"), document.find("</head>"));
 }
 
 TEST(ViewPage, is_one_file_that_asks_for_nothing) {

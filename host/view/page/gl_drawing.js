@@ -99,11 +99,13 @@ class TaxelPolygons {
 
   geometryOf(shape) {
     const geometry = new THREE.BufferGeometry(), {corners} = this, places = new Float32Array(corners * shape.taxels.length), normals = new Float32Array(places.length);
-    for (let at = 0; at < places.length; at += 3) {
-      const taxel = Math.floor(at / (3 * corners)), module = Math.floor(taxel / TAXELS);
-      for (let x = 0; x < 3; ++x) {
-        places[at + x] = shape.taxels[3 * taxel + x];
-        normals[at + x] = shape.normals[3 * module + x];
+    for (let from = 0, at = 0; from < shape.taxels.length; from += 3) {
+      const module = 3 * Math.floor(from / (3 * TAXELS));
+      for (let c = 0; c < corners; ++c) {
+        for (let x = 0; x < 3; ++x, ++at) {
+          places[at] = shape.taxels[from + x];
+          normals[at] = shape.normals[module + x];
+        }
       }
     }
     geometry.setIndex(this.index);

@@ -3,25 +3,42 @@
 // What is drawn on the modules: trees, entries, seams, faults, the outline of the selection. All of it is coloured triangles in the plane of a module, so that it
 // lies right on the body and on the flat islands. Marks of hidden modules are left out.
 import {colorOf} from "./colors.js";
-import {Model} from "./model.js";
+import {Model, pointAt} from "./model.js";
 
-/** Triangles with a colour a corner; `lift` is their height over the module, mm. */
+/** Triangles with a colour a corner; `lift` is their height over the module, mm. A large skin has ten thousand bands, so corners go into typed arrays. */
 export class Marks {
   /** @param {number} lift */
-  constructor(lift) { this.lift = lift; this.points = /** @type {number[]} */ ([]); this.colors = /** @type {number[]} */ ([]); }
-  triangle(a, b, c, n, color) {
-    for (const p of [a, b, c]) {
-      this.points.push(p[0] + this.lift * n[0], p[1] + this.lift * n[1], p[2] + this.lift * n[2]);
-      this.colors.push(color[0], color[1], color[2]);
-    }
+  constructor(lift) {
+    this.lift = lift;
+    this.used = 0; // numbers in each of the arrays
+    this.places = new Float32Array(3000);
+    this.shades = new Float32Array(3000);
   }
+  /** Coordinates of the corners, mm, three corners a triangle. */
+  get points() { return this.places.subarray(0, this.used); }
+  /** Their colours. */
+  get colors() { return this.shades.subarray(0, this.used); }
+
+  // A corner that lies `far` mm from o towards s.
+  corner(o, far, s, n, color) {
+    if (this.used === this.places.length) [this.places, this.shades] = [this.places, this.shades].map((old) => { const longer = new Float32Array(2 * old.length); longer.set(old); return longer; });
+    for (let x = 0; x < 3; ++x) {
+      this.places[this.used + x] = o[x] + far * s[x] + this.lift * n[x];
+      this.shades[this.used + x] = color[x];
+    }
+    this.used += 3;
+  }
+  triangle(a, b, c, n, color) { for (const p of [a, b, c]) this.corner(p, 0, n, n, color); }
   /** Band from p to q, `left` and `right` mm wide to either side of the line. */
   band(p, q, n, left, right, color) {
     const d = [q[0] - p[0], q[1] - p[1], q[2] - p[2]], l = Math.hypot(d[0], d[1], d[2]) || 1;
     const s = [(n[1] * d[2] - n[2] * d[1]) / l, (n[2] * d[0] - n[0] * d[2]) / l, (n[0] * d[1] - n[1] * d[0]) / l];
-    const at = (o, f) => [o[0] + f * s[0], o[1] + f * s[1], o[2] + f * s[2]];
-    this.triangle(at(p, -right), at(q, -right), at(q, left), n, color);
-    this.triangle(at(p, -right), at(q, left), at(p, left), n, color);
+    this.corner(p, -right, s, n, color);
+    this.corner(q, -right, s, n, color);
+    this.corner(q, left, s, n, color);
+    this.corner(p, -right, s, n, color);
+    this.corner(q, left, s, n, color);
+    this.corner(p, left, s, n, color);
   }
   disc(p, n, radius, color) {
     const far = Math.abs(n[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0];
@@ -37,9 +54,10 @@ const PAPER = [0.97, 0.97, 0.97]; // the inside of a ring
 /** Length of the stub by which the flat view shows a jumper, mm. */
 export const STUB_MM = 9;
 
-const corner = (shape, k, c) => Array.from(shape.corners.subarray(9 * k + 3 * c, 9 * k + 3 * c + 3));
-const normal = (shape, k) => Array.from(shape.normals.subarray(3 * k, 3 * k + 3));
-const middle = (shape, k, side) => corner(shape, k, side).map((v, c) => (v + corner(shape, k, (side + 1) % 3)[c]) / 2);
+const corner = (shape, k, c) => pointAt(shape.corners, 9 * k + 3 * c);
+const normal = (shape, k) => pointAt(shape.normals, 3 * k);
+const middle = (shape, k, side) => middleOf(corner(shape, k, side), corner(shape, k, (side + 1) % 3));
+const middleOf = (p, q) => [(p[0] + q[0]) / 2, (p[1] + q[1]) / 2, (p[2] + q[2]) / 2];
 
 // From a module over the side that it shares with another to the other's centre.
 function addJoint(marks, shape, model, child, parent, color, width) {

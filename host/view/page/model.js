@@ -21,6 +21,9 @@ function tileCorners([i, j, up], side) {
   return corners.map(([a, b]) => latticePoint(a, b, side));
 }
 
+/** A point of a list of coordinates. @param {ArrayLike<number>} p @param {number} at */
+export const pointAt = (p, at) => [p[at], p[at + 1], p[at + 2]];
+
 /** Unit normal of a triangle. @param {ArrayLike<number>} p @param {number} at */
 export function normalOf(p, at) {
   const ax = p[at + 3] - p[at], ay = p[at + 4] - p[at + 1], az = p[at + 5] - p[at + 2];
@@ -168,8 +171,9 @@ export class Model {
 
   /** Both ends of a side, without its cut corners, as points. @param {number} k @param {number} side */
   sideEnds(shape, k, side) {
-    const at = (c) => Array.from(shape.corners.subarray(9 * k + 3 * c, 9 * k + 3 * c + 3));
-    const from = at(side), to = at((side + 1) % 3), part = this.data.corner_cut_mm / this.data.side_mm;
+    const from = pointAt(shape.corners, 9 * k + 3 * side), to = pointAt(shape.corners, 9 * k + 3 * ((side + 1) % 3));
+    const part = this.data.corner_cut_mm / this.data.side_mm;
+    if (part === 0) return [from, to];
     return [from.map((v, x) => v + part * (to[x] - v)), to.map((v, x) => v + part * (from[x] - v))];
   }
 

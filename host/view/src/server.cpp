@@ -93,11 +93,29 @@ std::size_t Server::connections() const {
   return state_->shared.connections;
 }
 
+namespace {
+
+// Returns the document with the names of all files that its scripts will ask for, so that the browser fetches them side
+// by side instead of one after the other.
+std::string with_preloads(std::string_view html) {
+  std::string links = "<link rel=\"preload\" href=\"model.json\" as=\"fetch\" crossorigin=\"anonymous\">\n";
+  for (const auto& [name, asset] : assets()) {
+    if (name.ends_with(".js")) links += fmt::format("<link rel=\"modulepreload\" href=\"{}\">\n", name);
+  }
+  std::string document(html);
+  return document.insert(document.find("</head>"), links);
+}
+
+}  // namespace
+
 Site site_of(const design::Design& design, std::string track, const Notes& notes) {
   require_page();
   Site site;
-  for (const auto& [name, asset] : assets())
-    site[name == "index.html" ? "" : std::string(name)] = {std::string(asset.type), std::string(asset.bytes)};
+  for (const auto& [name, asset] : assets()) {
+    const bool is_document = name == "index.html";
+    site[is_document ? "" : std::string(name)] = {std::string(asset.type),
+                                                  is_document ? with_preloads(asset.bytes) : std::string(asset.bytes)};
+  }
   site["model.json"] = {"application/json", model_json(design, !track.empty(), notes)};
   if (!track.empty()) site["recording.bin"] = {"application/octet-stream", std::move(track)};
   return site;
