@@ -179,7 +179,7 @@ TEST(ViewPage, keeps_a_name_from_a_file_out_of_the_script) {
 TEST(ViewPage, a_server_names_all_scripts_and_the_model_at_once) {
   if (!view::has_page()) GTEST_SKIP() << "left out: libjs-three is not installed";
   const view::Site site = view::site_of(strip(4));
-  const std::string& document = site.at("").bytes;
+  const std::string& document = site.at("").body;
   std::size_t scripts = 0;
   for (const auto& [name, file] : site) {
     if (!name.ends_with(".js")) continue;
