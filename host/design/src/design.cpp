@@ -40,6 +40,21 @@ class Hash {
   std::uint64_t state_ = 0xCBF29CE484222325ULL;
 };
 
+void add_module(const PlacedModule& m, Hash& hash) {
+  for (const int field : {m.island, m.tile.i, m.tile.j, m.tile.up ? 1 : 0}) hash.add(field);
+  for (const Vec3& c : m.corner_mm) {
+    for (int axis = 0; axis < 3; ++axis) hash.add_length(c[axis]);
+  }
+  for (const int n : m.neighbour) hash.add(n);
+}
+
+void add_patch(const Patch& patch, Hash& hash) {
+  for (const int field : {patch.entry, patch.second_entry, patch.second_entry_side}) hash.add(field);
+  for (const RoutedModule& m : patch.modules) {
+    for (const int field : {m.node, m.parent, m.rotation, m.line, m.address}) hash.add(field);
+  }
+}
+
 void add_kinds(const Design& design, Hash& hash) {
   for (const ModuleKind& k : design.kinds.kinds) {
     for (const std::string& text : {k.name, k.dielectric}) {
@@ -99,27 +114,11 @@ std::array<TaxelPose, layout::kTaxelsPerModule> taxels_of(const PlacedModule& mo
 
 std::uint64_t design_id_of(const Design& design) {
   Hash hash;
-  for (const PlacedModule& m : design.layout.modules) {
-    hash.add(m.island);
-    hash.add(m.tile.i);
-    hash.add(m.tile.j);
-    hash.add(m.tile.up ? 1 : 0);
-    for (const Vec3& c : m.corner_mm) {
-      for (int axis = 0; axis < 3; ++axis) hash.add_length(c[axis]);
-    }
-    for (const int n : m.neighbour) hash.add(n);
-  }
+  for (const PlacedModule& m : design.layout.modules) add_module(m, hash);
   for (const Jumper& j : design.layout.jumpers) {
     for (const int field : {j.node[0], j.side[0], j.node[1], j.side[1]}) hash.add(field);
   }
-  for (const Patch& patch : design.patches) {
-    hash.add(patch.entry);
-    hash.add(patch.second_entry);
-    hash.add(patch.second_entry_side);
-    for (const RoutedModule& m : patch.modules) {
-      for (const int field : {m.node, m.parent, m.rotation, m.line, m.address}) hash.add(field);
-    }
-  }
+  for (const Patch& patch : design.patches) add_patch(patch, hash);
   if (design.layout.corner_cut_mm > 0.0) hash.add_length(design.layout.corner_cut_mm);
   if (!design.kinds.empty()) add_kinds(design, hash);
   return hash.value();
