@@ -106,16 +106,8 @@ class FaultsHere {
   const std::vector<int>& patch_numbers_;
 };
 
-// The surroundings are common to all covers. If a clock is named, those that are not have no deviation.
-void take_surroundings(Scene& joint, std::span<const SimulatedCover> covers) {
-  const Scene* common = covers.empty() ? nullptr : covers.front().scene;
-  if (common != nullptr) {
-    joint.seed = common->seed;
-    joint.switched = common->switched;
-    joint.border_joints = common->border_joints;
-    joint.pressure = common->pressure;
-    joint.effects = common->effects;
-  }
+// If a clock is named, those that are not have no deviation.
+void join_clocks(Scene& joint, std::span<const SimulatedCover> covers) {
   joint.effects.clock_ppm.clear();
   const auto has_clock = [](const SimulatedCover& c) {
     return c.scene != nullptr && !c.scene->effects.clock_ppm.empty();
@@ -128,6 +120,39 @@ void take_surroundings(Scene& joint, std::span<const SimulatedCover> covers) {
   }
 }
 
+// The surroundings are common to all covers.
+void take_surroundings(Scene& joint, std::span<const SimulatedCover> covers) {
+  const Scene* common = covers.empty() ? nullptr : covers.front().scene;
+  if (common != nullptr) {
+    joint.seed = common->seed;
+    joint.switched = common->switched;
+    joint.border_joints = common->border_joints;
+    joint.pressure = common->pressure;
+    joint.effects = common->effects;
+  }
+  join_clocks(joint, covers);
+}
+
+std::vector<design::PlacedCover> place_apart(std::span<const SimulatedCover> covers) {
+  std::vector<design::PlacedCover> placed;
+  for (const SimulatedCover& c : covers) {
+    design::PlacedCover p{c.design, Eigen::Isometry3d::Identity()};
+    p.pose.translation().x() = kApart_mm * static_cast<double>(placed.size());
+    placed.push_back(p);
+  }
+  return placed;
+}
+
+// Adds the boards, the levels of their firmware, and the seeds of the modules.
+void add_hardware(Scene& joint, const SimulatedCover& c, std::optional<std::uint64_t> board_seed) {
+  for (std::size_t patch = 0; patch < c.design->patches.size(); ++patch)
+    joint.boards.push_back(board_of(c, patch, board_seed));
+  std::vector<ControllerLevel> levels = c.scene == nullptr ? std::vector<ControllerLevel>{} : c.scene->levels;
+  levels.resize(c.design->patches.size(), ControllerLevel::kFirmware);
+  joint.levels.insert(joint.levels.end(), levels.begin(), levels.end());
+  for (std::size_t m = 0; m < c.design->layout.modules.size(); ++m) joint.module_seeds.push_back(hash_of(c.name, m));
+}
+
 }  // namespace
 
 JointScene join_covers(std::span<const SimulatedCover> covers, const wire::BitRates& rates,
@@ -135,19 +160,10 @@ JointScene join_covers(std::span<const SimulatedCover> covers, const wire::BitRa
   JointScene joint;
   take_surroundings(joint.scene, covers);
   joint.scene.board_seed = board_seed;
-  std::vector<design::PlacedCover> placed;
+  const std::vector<design::PlacedCover> placed = place_apart(covers);
   for (const SimulatedCover& c : covers) {
-    design::PlacedCover p{c.design, Eigen::Isometry3d::Identity()};
-    p.pose.translation().x() = kApart_mm * static_cast<double>(placed.size());
-    placed.push_back(p);
     joint.names.push_back(c.name);
-    for (std::size_t patch = 0; patch < c.design->patches.size(); ++patch)
-      joint.scene.boards.push_back(board_of(c, patch, board_seed));
-    std::vector<ControllerLevel> levels = c.scene == nullptr ? std::vector<ControllerLevel>{} : c.scene->levels;
-    levels.resize(c.design->patches.size(), ControllerLevel::kFirmware);
-    joint.scene.levels.insert(joint.scene.levels.end(), levels.begin(), levels.end());
-    for (std::size_t m = 0; m < c.design->layout.modules.size(); ++m)
-      joint.scene.module_seeds.push_back(hash_of(c.name, m));
+    add_hardware(joint.scene, c, board_seed);
   }
   design::SideBySide side_by_side = design::side_by_side(placed);
   joint.scene.design = std::move(side_by_side.design);

@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "change_times.hpp"
 #include "chip_places.hpp"
 #include "triskin/layout/rest.hpp"
 
@@ -178,12 +179,8 @@ Skin::Skin(const Scene& scene, SwitchedHardware* switched) : lines_(scene.design
 
 // Handles modules that are turned, or turned back, while the skin runs.
 void Skin::turn_modules(const Scene& scene) {
-  std::set<std::uint64_t> times;
-  for (const Fault& f : scene.faults) {
-    if (f.kind != FaultKind::kRotatedModule) continue;
-    times.insert(f.from_us);
-    if (f.until_us != kForever) times.insert(f.until_us);
-  }
+  std::set<std::uint64_t> times =
+      change_times_us(scene, [](const Fault& f) { return f.kind == FaultKind::kRotatedModule; });
   times.erase(0);
   for (const std::uint64_t at_us : times) {
     for (const Fault& f : scene.faults) {
@@ -232,10 +229,9 @@ void attach_switched(Skin& skin, Ad7147& chip, int module, const ChipPlaces& pla
     for (int l = 0; l < layout::kLines; ++l) {
       I2cLineModel& model = skin.line(static_cast<int>(p), l);
       model.attach(chip, [&chain, controller, row, l, stays, places](std::uint64_t now_us) -> int {
-        if (!stays && place_at(places, now_us).patch < 0) return -1;
-        return chain.controller_of(row) == controller && chain.line_of(row) == l
-                   ? layout::cdc_address(chain.address_of(row))
-                   : -1;
+        const bool is_away = !stays && place_at(places, now_us).patch < 0;
+        const bool is_here = chain.controller_of(row) == controller && chain.line_of(row) == l;
+        return !is_away && is_here ? layout::cdc_address(chain.address_of(row)) : -1;
       });
       if (row == 0) model.hold_while([&chain, controller, l] { return (chain.stuck_lines(controller) >> l & 1) != 0; });
     }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "triskin/design/joint.hpp"
+#include "triskin/design/module_side.hpp"
 
 namespace triskin::scene {
 namespace {
@@ -23,6 +24,22 @@ void add_joint(Joints& joints, int cable_port, int a, int b) {
   if (p < 0 || q < 0) return;
   joints[static_cast<std::size_t>(a)][static_cast<std::size_t>(p)] = {b, q};
   joints[static_cast<std::size_t>(b)][static_cast<std::size_t>(q)] = {a, p};
+}
+
+// Returns the joints by row, between modules that have one; a module without a row has −1 in `row_of`.
+Joints joints_among(const std::vector<int>& modules,
+                    const std::vector<std::array<design::ModuleEnd, layout::kPorts>>& ends,
+                    const std::vector<int>& row_of) {
+  Joints joints;
+  for (const int m : modules) {
+    auto& row = joints.emplace_back();
+    for (std::size_t p = 0; p < row.size(); ++p) {
+      const design::ModuleEnd& e = ends[static_cast<std::size_t>(m)][p];
+      const int other = e.module < 0 ? -1 : row_of[static_cast<std::size_t>(e.module)];
+      if (other >= 0) row[p] = {other, e.port};
+    }
+  }
+  return joints;
 }
 
 }  // namespace
@@ -54,7 +71,7 @@ void SwitchedHardware::add_patch(const Scene& scene, int patch) {
     auto& row = joints.emplace_back();
     for (std::size_t p = 0; p < static_cast<int>(layout::kPorts); ++p) row[p] = {ends[p].row, ends[p].port};
   }
-  const int cable_port = (routed[0].rotation + 3 - rotations[0]) % 3;
+  const int cable_port = design::port_at_side(routed[0].rotation, rotations[0]);
   for (const Fault& f : scene.faults) {
     if (f.kind != FaultKind::kExtraJoint || patch_[static_cast<std::size_t>(f.module)] != patch) continue;
     if (patch_[static_cast<std::size_t>(f.other)] == patch)
@@ -77,18 +94,10 @@ void SwitchedHardware::add_joined_patches(const Scene& scene) {
     }
   }
   if (modules.empty()) return;
-  const auto ends = design::module_ends(scene.design, rotations);
-  Joints joints;
-  for (const int m : modules) {
-    auto& row = joints.emplace_back();
-    for (std::size_t p = 0; p < row.size(); ++p) {
-      const design::ModuleEnd& e = ends[static_cast<std::size_t>(m)][p];
-      if (e.module >= 0 && patch_[static_cast<std::size_t>(e.module)] == 0) row[p] = {row_of(e.module), e.port};
-    }
-  }
+  Joints joints = joints_among(modules, design::module_ends(scene.design, rotations), row_);
   joints_.push_back(joints);
   const auto cable_at = [&](int module, int side) -> SwitchedPatch::End {
-    return {row_of(module), (side + 3 - rotations[static_cast<std::size_t>(module)]) % 3};
+    return {row_of(module), design::port_at_side(side, rotations[static_cast<std::size_t>(module)])};
   };
   for (const design::Patch& p : scene.design.patches) {
     const SwitchedPatch::End cable = cable_at(p.entry, p.modules[0].rotation);
@@ -106,7 +115,7 @@ void SwitchedHardware::add_joined_patches(const Scene& scene) {
 void SwitchedHardware::plug_second_cable(const design::Patch& designed, const std::vector<int>& rotations) {
   if (designed.second_entry < 0) return;
   const auto row = static_cast<std::size_t>(row_of(designed.second_entry));
-  const int port = (designed.second_entry_side + 3 - rotations[row]) % 3;
+  const int port = design::port_at_side(designed.second_entry_side, rotations[row]);
   if (joints_.back()[row][static_cast<std::size_t>(port)].row < 0)
     patches_.back().set_second_cable({static_cast<int>(row), port});
 }

@@ -7,9 +7,10 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
-#include <functional>
+#include <set>
 #include <string>
 
+#include "change_times.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/layout/flash_pages.hpp"
@@ -57,6 +58,22 @@ void forget_faults(FlashMemory& flash) {
     (void)flash.erase_page((layout::kFirstFaultPage + k) * flash.page_bytes());
 }
 
+void make_folder(const std::filesystem::path& state_folder) {
+  std::error_code error;
+  std::filesystem::create_directories(state_folder, error);
+  if (error) {
+    throw InputError(fmt::format("{}: cannot make the folder of the simulated flash: {}; set XDG_STATE_HOME",
+                                 state_folder.string(), error.message()));
+  }
+}
+
+// Without a state folder the contents are lost at the end of the simulation.
+std::unique_ptr<FlashMemory> make_flash(std::size_t bytes, const std::filesystem::path& state_folder,
+                                        const std::string& file) {
+  return state_folder.empty() ? std::make_unique<FlashMemory>(bytes)
+                              : std::make_unique<FlashMemory>(bytes, state_folder / file);
+}
+
 }  // namespace
 
 std::filesystem::path state_folder() {
@@ -69,36 +86,24 @@ std::filesystem::path state_folder_of(const design::Design& design) {
 
 VirtualSkin::VirtualSkin(Scene scene, const std::filesystem::path& state_folder)
     : scene_(std::move(scene)), switched_(scene_), skin_(scene_, &switched_), nodes_(scene_.design.patches.size()) {
-  if (!state_folder.empty()) {
-    std::error_code error;
-    std::filesystem::create_directories(state_folder, error);
-    if (error) {
-      throw InputError(fmt::format("{}: cannot make the folder of the simulated flash: {}; set XDG_STATE_HOME",
-                                   state_folder.string(), error.message()));
-    }
-  }
+  if (!state_folder.empty()) make_folder(state_folder);
   const bool other_hardware = !state_folder.empty() && !is_noted(state_folder, scene_);
   for (std::size_t p = 0; p < nodes_.size(); ++p) build(p, state_folder, other_hardware);
   if (other_hardware) note(state_folder, scene_);
-  for (const Fault& f : scene_.faults) {
-    if (f.kind != FaultKind::kSwappedPatches) continue;
-    if (f.from_us > 0) cable_changes_us_.push_back(f.from_us);
-    if (f.until_us != kForever) cable_changes_us_.push_back(f.until_us);
-  }
-  std::ranges::sort(cable_changes_us_, std::greater());
+  std::set<std::uint64_t> changes_us =
+      change_times_us(scene_, [](const Fault& f) { return f.kind == FaultKind::kSwappedPatches; });
+  changes_us.erase(0);
+  cable_changes_us_.assign(changes_us.rbegin(), changes_us.rend());
 }
 
 void VirtualSkin::build(std::size_t patch, const std::filesystem::path& state_folder, bool other_hardware) {
   Node& node = nodes_[patch];
   const std::string name = board_name(scene_, patch);
-  node.flash = state_folder.empty() ? std::make_unique<FlashMemory>(kFlashBytes)
-                                    : std::make_unique<FlashMemory>(kFlashBytes, state_folder / (name + ".flash"));
+  node.flash = make_flash(kFlashBytes, state_folder, name + ".flash");
   if (other_hardware) forget_faults(*node.flash);
   if (patch < scene_.effects.clock_ppm.size()) node.clock = BoardClock(scene_.effects.clock_ppm[patch]);
   plug_in(node, plugged_patch(scene_, static_cast<int>(patch), 0));
-  node.slots = state_folder.empty()
-                   ? std::make_unique<FlashMemory>(sim::kSlotsBytes)
-                   : std::make_unique<FlashMemory>(sim::kSlotsBytes, state_folder / (name + ".firmware"));
+  node.slots = make_flash(sim::kSlotsBytes, state_folder, name + ".firmware");
   node.board.flash = node.flash.get();
   node.board.slots = node.slots.get();
   node.board.unique_id = unique_id_of(scene_, patch);
