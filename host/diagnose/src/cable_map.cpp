@@ -2,6 +2,7 @@
 #include "cable_map.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace triskin::device {
@@ -119,11 +120,8 @@ void apply(CableMap& map, const CableExplanation& e) {
 
 }  // namespace
 
-CableMap::CableMap(std::size_t patches) {
-  for (std::size_t p = 0; p < patches; ++p) {
-    controller_.push_back(static_cast<int>(p));
-    line_.push_back({0, 1, 2, 3});
-  }
+CableMap::CableMap(std::size_t patches) : controller_(patches), line_(patches, {0, 1, 2, 3}) {
+  std::iota(controller_.begin(), controller_.end(), 0);
 }
 
 void CableMap::exchange_patches(int p, int q) {

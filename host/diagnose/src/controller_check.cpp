@@ -55,6 +55,27 @@ bool ControllerCheck::check(PatchState& p, std::vector<Finding>& findings) {
   return false;
 }
 
+namespace {
+
+bool differ_in_kinds_alone(const layout::PatchImage& table, const layout::PatchImage& meant) {
+  layout::PatchImage alike = table;
+  alike.design_id = meant.design_id;
+  alike.positive_input = meant.positive_input;
+  for (std::size_t k = 0; k < alike.module_count; ++k) alike.modules[k].module_id = meant.modules[k].module_id;
+  if (!(alike == meant)) return false;
+  const auto id_beside_kind = [](const layout::ModuleRow& row) { return row.module_id % layout::kIdsBesideKinds; };
+  return std::ranges::equal(table.rows(), meant.rows(), {}, id_beside_kind, id_beside_kind) &&
+         !std::ranges::equal(table.rows(), meant.rows(), {}, &layout::ModuleRow::module_id,
+                             &layout::ModuleRow::module_id);
+}
+
+std::string failure_text(const RouteChoice& choice) {
+  return choice.other < 0 ? fmt::format("module {}", choice.module)
+                          : fmt::format("the joint of modules {} and {}", choice.other, choice.module);
+}
+
+}  // namespace
+
 // If the table is of a design with the same modules, places and wiring but other kinds, each affected module gets a
 // finding.
 bool ControllerCheck::differs_in_kinds(const PatchState& p, Controller& c, const wire::ActiveTable& active,
@@ -63,18 +84,7 @@ bool ControllerCheck::differs_in_kinds(const PatchState& p, Controller& c, const
   const auto bytes = c.read_table(layout::kHeaderBytes + active.modules * layout::kRowBytes);
   const auto table = layout::decode(bytes);
   if (!table) return false;
-  layout::PatchImage alike = *table;
-  alike.design_id = p.image.design_id;
-  alike.positive_input = p.image.positive_input;
-  for (std::size_t k = 0; k < alike.module_count; ++k) alike.modules[k].module_id = p.image.modules[k].module_id;
-  if (!(alike == p.image)) return false;
-  std::size_t count = 0;
-  for (std::size_t k = 0; k < table->module_count; ++k) {
-    const unsigned is = table->modules[k].module_id, meant = p.image.modules[k].module_id;
-    if (is % layout::kIdsBesideKinds != meant % layout::kIdsBesideKinds) return false;
-    count += is == meant ? 0 : 1;
-  }
-  if (count == 0) return false;
+  if (!differ_in_kinds_alone(*table, p.image)) return false;
   for (std::size_t k = 0; k < table->module_count; ++k) {
     const int is = table->modules[k].module_id >> layout::kKindShift, meant = kind_of_row(design_, p.image.modules[k]);
     if (is == meant) continue;
@@ -98,20 +108,18 @@ std::string ControllerCheck::name_of_kind(int kind) const {
 
 // A table that the design prepared for a failure is valid as well; a finding says what it leaves out.
 bool ControllerCheck::runs_on_backup(PatchState& p, std::uint32_t crc, std::vector<Finding>& findings) {
-  for (const design::FailureLoss& f : design_.patches[static_cast<std::size_t>(p.patch)].failures) {
+  const design::Patch& patch = design_.patches[static_cast<std::size_t>(p.patch)];
+  for (const design::FailureLoss& f : patch.failures) {
     const RouteChoice choice{f.node, f.other_node};
-    if (f.node == design_.patches[static_cast<std::size_t>(p.patch)].entry && f.other_node < 0) continue;
+    if (f.node == patch.entry && f.other_node < 0) continue;
     const layout::PatchImage image = image_of(design_, p.patch, choice);
     if (crc32(bytes_of(image)) != crc) continue;
-    const std::string what = choice.other < 0
-                                 ? fmt::format("module {}", choice.module)
-                                 : fmt::format("the joint of modules {} and {}", choice.other, choice.module);
-    findings.push_back(
-        controller_finding(FindingKind::kBackupRoute, p.patch,
-                           fmt::format("patch {}: runs on the route prepared for the failure of {}; {} of {} {} read",
-                                       p.patch, what, image.module_count, counted(p.image.module_count, "module"),
-                                       agreeing(image.module_count, "is", "are")),
-                           "repair it, then run triskin flash without --route"));
+    findings.push_back(controller_finding(
+        FindingKind::kBackupRoute, p.patch,
+        fmt::format("patch {}: runs on the route prepared for the failure of {}; {} of {} {} read", p.patch,
+                    failure_text(choice), image.module_count, counted(p.image.module_count, "module"),
+                    agreeing(image.module_count, "is", "are")),
+        "repair it, then run triskin flash without --route"));
     p.image = image;
     p.on_backup = true;
     return true;

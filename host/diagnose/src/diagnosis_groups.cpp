@@ -87,26 +87,42 @@ void Diagnosis::add_open_lines(FindingKind kind, const PatchState& p, std::set<i
     if (branches(p, others).size() + 1 >= branches(p, modules).size()) continue;
     const std::string at =
         open->parent < 0 ? "the cable of the patch" : joint_text(design_, open->parent, open->module);
-    Finding& f =
-        add(kind, -1, p.patch,
-            fmt::format("patch {}: {} the {} of line L{} behind {} ({}); its other lines pass there", p.patch, what,
-                        counted(open->members.size(), "module"), line, at, fmt::join(open->members, ", ")),
-            fmt::format("measure SDA and SCL of line L{} along the way from the cable to this place: one of the two is "
-                        "open, at this joint or before it",
-                        line));
-    f.module = open->module;
-    f.other = open->parent;
-    f.line = line;
-    f.place = place_on_cover(design_, open->module);
-    f.behind = open->members;
-    std::erase(f.behind, f.module);
-    bad_.insert(open->members.begin(), open->members.end());
-    explained_.insert(open->members.begin(), open->members.end());
+    add_open_line(kind, p.patch, line, *open,
+                  fmt::format("patch {}: {} the {} of line L{} behind {} ({}); its other lines pass there", p.patch,
+                              what, counted(open->members.size(), "module"), line, at, fmt::join(open->members, ", ")));
     modules = std::move(others);
   }
 }
 
+void Diagnosis::add_open_line(FindingKind kind, int patch, int line, const Branch& open, std::string text) {
+  Finding& f = add(
+      kind, -1, patch, std::move(text),
+      fmt::format("measure SDA and SCL of line L{} along the way from the cable to this place: one of the two is open, "
+                  "at this joint or before it",
+                  line));
+  f.module = open.module;
+  f.other = open.parent;
+  f.line = line;
+  f.place = place_on_cover(design_, open.module);
+  f.behind = open.members;
+  std::erase(f.behind, f.module);
+  bad_.insert(open.members.begin(), open.members.end());
+  explained_.insert(open.members.begin(), open.members.end());
+}
+
 // Modules that a backup table leaves out already have their finding.
+std::string Diagnosis::broken_joint_text(const MissingCause& c, const std::vector<int>& concerned) const {
+  const std::string text = fmt::format("nothing passes {}", joint_text(design_, c.module, c.other));
+  if (concerned.empty()) return text;
+  return text + fmt::format("; behind it {} {} out of reach: {}", counted(concerned.size(), "module"),
+                            agreeing(concerned.size(), "is", "are"), fmt::join(concerned, ", "));
+}
+
+std::string Diagnosis::broken_module_text(const MissingCause& c) {
+  const std::string text = fmt::format("module {} was not found: it or all of its joints are broken", c.module);
+  return c.behind.empty() ? text : text + fmt::format("; behind it are out of reach: {}", fmt::join(c.behind, ", "));
+}
+
 void Diagnosis::examine_missing(const PatchState& p, const std::set<int>& missing) {
   std::set<int> alive;
   for (const int m : missing) {
@@ -118,12 +134,7 @@ void Diagnosis::examine_missing(const PatchState& p, const std::set<int>& missin
     if (std::ranges::none_of(concerned, [&](int m) { return p.reads(m); })) continue;
     std::erase(c.behind, c.module);
     const bool joint = c.kind == FindingKind::kMissingJoint;
-    std::string text = joint ? fmt::format("nothing passes {}", joint_text(design_, c.module, c.other))
-                             : fmt::format("module {} was not found: it or all of its joints are broken", c.module);
-    if (joint && !concerned.empty())
-      text += fmt::format("; behind it {} {} out of reach: {}", counted(concerned.size(), "module"),
-                          agreeing(concerned.size(), "is", "are"), fmt::join(concerned, ", "));
-    if (!joint && !c.behind.empty()) text += fmt::format("; behind it are out of reach: {}", fmt::join(c.behind, ", "));
+    std::string text = joint ? broken_joint_text(c, concerned) : broken_module_text(c);
     if (!alive.empty())
       text += fmt::format("; the controller of patch {} reads {} meanwhile", adopter_.at(*alive.begin()),
                           fmt::join(alive, ", "));
@@ -138,8 +149,8 @@ void Diagnosis::examine_missing(const PatchState& p, const std::set<int>& missin
 }
 
 // A module with its own fault is repaired first and has other rest values afterwards.
-void Diagnosis::examine_rest() {
-  if (rest_.empty()) return;
+// Bad modules have findings of their own, so they do not count.
+design::OffRest Diagnosis::off_rest() const {
   design::OffRest all;
   for (const PatchState& p : patches_) {
     for (std::size_t row = 0; p.usable && row < std::min(p.now.count, p.image.module_count); ++row) {
@@ -150,8 +161,14 @@ void Diagnosis::examine_rest() {
       all.taxels += off;
     }
   }
-  if (all.modules.empty()) return;
   std::ranges::sort(all.modules);
+  return all;
+}
+
+void Diagnosis::examine_rest() {
+  if (rest_.empty()) return;
+  const design::OffRest all = off_rest();
+  if (all.modules.empty()) return;
   // The modules themselves work, so modules_ok includes them.
   Finding& f = add(FindingKind::kStaleRest, -1, -1, sentence(all),
                    "take everything off the skin and tare; what was exchanged or taken away since the last tare rests "

@@ -19,30 +19,32 @@ constexpr double kSameDistance_mm = 2.0;  // The tolerance allows for patches th
 
 }  // namespace
 
-void Diagnosis::examine_cables() {
-  CableMap map(patches_.size());
+void Diagnosis::add_exchanged(const CableExplanation& e) {
   const auto concern = [&](int patch, int line) {
     for (const auto& m : design_.patches[static_cast<std::size_t>(patch)].modules) {
       if (line < 0 || m.line == line) bad_.insert(m.node);
     }
   };
-  for (const CableExplanation& e : explain_cables(map, design_, patches_, touches_)) {
-    if (e.other < 0) {
-      add(FindingKind::kSwappedLines, -1, e.patch,
-          fmt::format("patch {}: lines {} and {} are exchanged: modules of one answer on the other", e.patch, e.line_a,
-                      e.line_b),
-          "exchange the two lines at the patch's cable")
-          .line = e.line_a;
-      concern(e.patch, e.line_a);
-      concern(e.patch, e.line_b);
-      continue;
-    }
-    add(FindingKind::kWrongPatch, -1, e.patch,
-        fmt::format("patches {} and {}: each is plugged into the controller of the other", e.patch, e.other),
-        "exchange the cables of the two controllers");
-    concern(e.patch, -1);
-    concern(e.other, -1);
+  if (e.other < 0) {
+    add(FindingKind::kSwappedLines, -1, e.patch,
+        fmt::format("patch {}: lines {} and {} are exchanged: modules of one answer on the other", e.patch, e.line_a,
+                    e.line_b),
+        "exchange the two lines at the patch's cable")
+        .line = e.line_a;
+    concern(e.patch, e.line_a);
+    concern(e.patch, e.line_b);
+    return;
   }
+  add(FindingKind::kWrongPatch, -1, e.patch,
+      fmt::format("patches {} and {}: each is plugged into the controller of the other", e.patch, e.other),
+      "exchange the cables of the two controllers");
+  concern(e.patch, -1);
+  concern(e.other, -1);
+}
+
+void Diagnosis::examine_cables() {
+  CableMap map(patches_.size());
+  for (const CableExplanation& e : explain_cables(map, design_, patches_, touches_)) add_exchanged(e);
   Observation o = read_through(map, design_, patches_, touches_);
   patches_ = std::move(o.patches);
   touches_ = std::move(o.touches);
@@ -50,8 +52,10 @@ void Diagnosis::examine_cables() {
 
 // Returns the largest subtrees of the patch that consist of `modules` only; a module whose subtree is incomplete is
 // listed alone.
-std::vector<Diagnosis::Branch> Diagnosis::branches(const PatchState& p, const std::set<int>& modules) const {
-  const auto& tree = design_.patches[static_cast<std::size_t>(p.patch)].modules;
+namespace {
+
+// Returns for each module of the tree whether it and all modules behind it are among `modules`.
+std::map<int, bool> whole_branches(const std::vector<design::RoutedModule>& tree, const std::set<int>& modules) {
   std::map<int, bool> whole;
   // Children are listed after their parents, so walking backwards visits them first.
   for (auto m = tree.rbegin(); m != tree.rend(); ++m) {
@@ -62,6 +66,14 @@ std::vector<Diagnosis::Branch> Diagnosis::branches(const PatchState& p, const st
       parent->second = parent->second && own->second;
     }
   }
+  return whole;
+}
+
+}  // namespace
+
+std::vector<Diagnosis::Branch> Diagnosis::branches(const PatchState& p, const std::set<int>& modules) const {
+  const auto& tree = design_.patches[static_cast<std::size_t>(p.patch)].modules;
+  std::map<int, bool> whole = whole_branches(tree, modules);
   std::vector<Branch> found;
   std::map<int, std::size_t> branch_of;
   for (const auto& m : tree) {
@@ -93,30 +105,38 @@ void Diagnosis::add_branch(FindingKind kind, const PatchState& p, const Branch& 
   explained_.insert(b.members.begin(), b.members.end());
 }
 
-// Most modules answer at other places, and these form the mirrored or turned shape of the modules.
-void Diagnosis::examine_mirrored(const PatchState& p) {
+// Returns the touches of a patch that were answered within it, with the finger at the centre.
+std::vector<const TouchOutcome*> Diagnosis::whole_touches(int patch) const {
+  const auto patch_of = [&](int module) { return wiring_[static_cast<std::size_t>(module)].patch; };
   std::vector<const TouchOutcome*> whole;
-  std::size_t moved = 0;
   for (const TouchOutcome& t : touches_) {
-    const auto patch_of = [&](int module) { return wiring_[static_cast<std::size_t>(module)].patch; };
-    if (!t.whole || t.answered < 0 || patch_of(t.module) != p.patch || patch_of(t.answered) != p.patch) continue;
-    whole.push_back(&t);
-    moved += t.answered != t.module ? 1 : 0;
+    if (t.whole && t.answered >= 0 && patch_of(t.module) == patch && patch_of(t.answered) == patch) whole.push_back(&t);
   }
-  if (moved < 4 || 5 * moved < 3 * whole.size()) return;
-  const auto distance_mm = [&](int a, int b) {
-    const auto centre = [&](int m) {
-      const auto& c = design_.layout.modules[static_cast<std::size_t>(m)].corner_mm;
-      return design::Vec3((c[0] + c[1] + c[2]) / 3.0);
-    };
-    return (centre(a) - centre(b)).norm();
+  return whole;
+}
+
+// Returns true if the modules that answered are as far from each other as those that were pressed.
+bool Diagnosis::keep_distances(const std::vector<const TouchOutcome*>& touches) const {
+  const auto centre = [&](int m) {
+    const auto& c = design_.layout.modules[static_cast<std::size_t>(m)].corner_mm;
+    return design::Vec3((c[0] + c[1] + c[2]) / 3.0);
   };
-  for (const TouchOutcome* a : whole) {
-    for (const TouchOutcome* b : whole) {
+  const auto distance_mm = [&](int a, int b) { return (centre(a) - centre(b)).norm(); };
+  for (const TouchOutcome* a : touches) {
+    for (const TouchOutcome* b : touches) {
       if (std::abs(distance_mm(a->module, b->module) - distance_mm(a->answered, b->answered)) > kSameDistance_mm)
-        return;
+        return false;
     }
   }
+  return true;
+}
+
+// Most modules answer at other places, and these form the mirrored or turned shape of the modules.
+void Diagnosis::examine_mirrored(const PatchState& p) {
+  const std::vector<const TouchOutcome*> whole = whole_touches(p.patch);
+  const auto moved = static_cast<std::size_t>(
+      std::ranges::count_if(whole, [](const TouchOutcome* t) { return t->answered != t->module; }));
+  if (moved < 4 || 5 * moved < 3 * whole.size() || !keep_distances(whole)) return;
   add(FindingKind::kMirroredPatch, -1, p.patch,
       fmt::format("patch {}: it is mounted as its mirror image, or turned: {} of {} {} for others", p.patch, moved,
                   counted(whole.size(), "module"), agreeing(moved, "answers", "answer")),
@@ -169,6 +189,10 @@ void Diagnosis::examine_touch(const TouchOutcome& t) {
         "press it again; then replace the module");
     return;
   }
+  examine_other_answer(t, patch);
+}
+
+void Diagnosis::examine_other_answer(const TouchOutcome& t, int patch) {
   const std::vector<int> ring = ring_from(t.module);
   if (ring.size() > 2) {
     add(FindingKind::kWrongOrder, t.module, patch,

@@ -51,11 +51,10 @@ std::map<int, std::vector<int>> ways_into(const std::set<int>& component, const 
   return ways;
 }
 
-void explain_component(const std::set<int>& component, const Joints& joints, const std::set<int>& alive,
-                       std::vector<MissingCause>& causes) {
+std::vector<MissingCause> causes_of(const std::set<int>& component, const Joints& joints, const std::set<int>& alive) {
   const auto ways = ways_into(component, joints);
   const bool others_live = std::ranges::any_of(component, [&](int m) { return alive.contains(m); });
-  const std::size_t first = causes.size();
+  std::vector<MissingCause> causes;
   for (const auto& [module, found] : ways) {
     const bool dead = !alive.contains(module) && (others_live || component.size() == 1);
     if (found.size() == 1 && !dead) {
@@ -66,16 +65,22 @@ void explain_component(const std::set<int>& component, const Joints& joints, con
       causes.push_back({FindingKind::kMissingModule, module, -1, {}});
     }
   }
-  if (causes.size() == first) {
-    // No module of the patch was found. A module that another controller reads cannot be the dead one.
-    const auto dead = std::ranges::find_if(component, [&](int m) { return !alive.contains(m); });
-    causes.push_back({FindingKind::kMissingModule, dead == component.end() ? *component.begin() : *dead, -1, {}});
-  }
+  if (!causes.empty()) return causes;
+  // No module of the patch was found. A module that another controller reads cannot be the dead one.
+  const auto dead = std::ranges::find_if(component, [&](int m) { return !alive.contains(m); });
+  return {{FindingKind::kMissingModule, dead == component.end() ? *component.begin() : *dead, -1, {}}};
+}
+
+// The modules that no cause names are listed behind the first one.
+std::vector<MissingCause> explain_component(const std::set<int>& component, const Joints& joints,
+                                            const std::set<int>& alive) {
+  std::vector<MissingCause> causes = causes_of(component, joints, alive);
   std::set<int> rest = component;
-  for (std::size_t k = first; k < causes.size(); ++k) {
-    if (causes[k].kind == FindingKind::kMissingModule) rest.erase(causes[k].module);
+  for (const MissingCause& c : causes) {
+    if (c.kind == FindingKind::kMissingModule) rest.erase(c.module);
   }
-  causes[first].behind.assign(rest.begin(), rest.end());
+  causes.front().behind.assign(rest.begin(), rest.end());
+  return causes;
 }
 
 }  // namespace
@@ -89,7 +94,7 @@ std::vector<MissingCause> explain_missing(const design::Design& design, int patc
     if (seen.contains(m)) continue;
     const std::set<int> component = component_of(m, missing, joints);
     seen.insert(component.begin(), component.end());
-    explain_component(component, joints, alive, causes);
+    for (MissingCause& cause : explain_component(component, joints, alive)) causes.push_back(std::move(cause));
   }
   return causes;
 }

@@ -47,17 +47,24 @@ std::vector<PatchOffsets> read_offsets(Bus& bus, const design::Design& design) {
   return all;
 }
 
-std::vector<std::string> describe(const PatchOffsets& patch) {
+namespace {
+
+std::string sum_text(const PatchOffsets& patch) {
   const auto count = [&](OffsetState s) {
     return std::ranges::count(patch.offsets.rows(), s, &wire::ModuleOffsets::state);
   };
   const auto searching = count(OffsetState::kSearching);
-  std::vector<std::string> lines{
-      fmt::format("patch {}: offsets of {}: {} kept, {} found since power-up{}; electrodes at the {} input",
-                  patch.patch, counted(patch.offsets.count, "module"), count(OffsetState::kKept),
-                  count(OffsetState::kFound) + count(OffsetState::kOutside),
-                  searching > 0 ? fmt::format(", {} being searched", searching) : "",
-                  patch.offsets.positive_input ? "positive" : "negative")};
+  return fmt::format("patch {}: offsets of {}: {} kept, {} found since power-up{}; electrodes at the {} input",
+                     patch.patch, counted(patch.offsets.count, "module"), count(OffsetState::kKept),
+                     count(OffsetState::kFound) + count(OffsetState::kOutside),
+                     searching > 0 ? fmt::format(", {} being searched", searching) : "",
+                     patch.offsets.positive_input ? "positive" : "negative");
+}
+
+}  // namespace
+
+std::vector<std::string> describe(const PatchOffsets& patch) {
+  std::vector<std::string> lines{sum_text(patch)};
   for (std::size_t row = 0; row < patch.modules.size(); ++row) {
     const wire::ModuleOffsets& m = patch.offsets.modules[row];
     if (m.state == OffsetState::kOutside) {

@@ -179,6 +179,16 @@ class Guide {
                     module, m.rotation, m.line, m.address));
   }
 
+  // Names both ends of a joint; a port without one has the cable.
+  [[nodiscard]] std::string port_text(const layout::PatchImage& image, std::size_t row, std::size_t port) const {
+    const layout::ModuleRow& own = image.modules[row];
+    const std::string side = fmt::format("side {} (port {})", (port + own.rotation) % 3, "ABC"[port]);
+    const std::uint8_t far = own.joints[port];
+    if (far == 0) return side + " to the cable";
+    const layout::ModuleRow& other = image.modules[layout::joint_row(far)];
+    return fmt::format("{} to side {} of module {}", side, (layout::joint_port(far) + other.rotation) % 3,
+                       module_of(design_, other));
+  }
   // Names both ends of each joint and whether the tree uses it.
   void joints(int module, const char* before, const char* after) {
     if (!known(module)) return;
@@ -190,17 +200,9 @@ class Guide {
     const auto kept = layout::kept_ports(image);
     std::vector<std::string> carrying, cut;
     for (std::size_t port = 0; port < layout::kPorts; ++port) {
-      const std::uint8_t far = image.modules[row].joints[port];
       const bool carries = (kept[row] >> port & 1) != 0;
-      const std::string side = fmt::format("side {} (port {})", (port + image.modules[row].rotation) % 3, "ABC"[port]);
-      if (far == 0) {
-        if (carries) carrying.push_back(side + " to the cable");
-        continue;
-      }
-      const layout::ModuleRow& other = image.modules[layout::joint_row(far)];
-      const std::string joint =
-          fmt::format("{} to side {} of module {}", side, (layout::joint_port(far) + other.rotation) % 3, id_of(other));
-      (carries ? carrying : cut).push_back(joint);
+      const bool has_joint = image.modules[row].joints[port] != 0;
+      if (carries || has_joint) (carries ? carrying : cut).push_back(port_text(image, row, port));
     }
     steps_.push_back(fmt::format("{}: {}", before, fmt::join(carrying, ", ")));
     steps_.push_back(

@@ -95,21 +95,23 @@ class Overlay {
     return Side{*row, (at.port + rotation_of(at.module)) % 3};
   }
 
+  void seat(FoundNumber module, PatchRow row, int rotation) {
+    row_[index(module)] = row;
+    rotation_[index(module)] = rotation;
+  }
   void place(PatchRow entry_row, int rotation) {
     row_.assign(found_.count, std::nullopt);
     rotation_.assign(found_.count, 0);
     std::set<PatchRow> taken{entry_row};
     std::vector<FoundNumber> queue{FoundNumber{0}};
-    row_[0] = entry_row;
-    rotation_[0] = rotation;
+    seat(FoundNumber{0}, entry_row, rotation);
     for (std::size_t k = 0; k < queue.size(); ++k) {
       for (int port = 0; port < 3; ++port) {
         const End here{queue[k], port};
         const auto end = far(here);
         const auto there = across(*side_of(here));
         if (!end || !there || row_of(end->module) || !taken.insert(there->row).second) continue;
-        row_[index(end->module)] = there->row;
-        rotation_[index(end->module)] = (there->side + 3 - end->port) % 3;
+        seat(end->module, there->row, (there->side + 3 - end->port) % 3);
         queue.push_back(end->module);
       }
     }
@@ -152,19 +154,24 @@ class Overlay {
       });
       const int module = module_at(row);
       if (partner != turned.end()) {
-        const int other = module_at(*row_of(*partner));
-        add(FindingKind::kSwappedModules, module, other,
-            fmt::format("modules {} and {} are exchanged: each is turned as the other should be", module, other),
-            "exchange them, or turn both as the assembly sheet says");
+        add_exchanged(module, module_at(*row_of(*partner)));
         turned.erase(partner);
-        continue;
+      } else {
+        add_turned(module, rotation_of(a), designed_rotation(row));
       }
-      const int steps = (rotation_of(a) + 3 - designed_rotation(row)) % 3;
-      add(FindingKind::kRotatedModule, module, -1,
-          fmt::format("module {} is turned by {}°: port A lies at side {} instead of {}", module, 120 * steps,
-                      rotation_of(a), designed_rotation(row)),
-          "turn it as the assembly sheet says", steps);
     }
+  }
+  void add_exchanged(int module, int other) {
+    add(FindingKind::kSwappedModules, module, other,
+        fmt::format("modules {} and {} are exchanged: each is turned as the other should be", module, other),
+        "exchange them, or turn both as the assembly sheet says");
+  }
+  void add_turned(int module, int rotation, int designed) {
+    const int steps = (rotation + 3 - designed) % 3;
+    add(FindingKind::kRotatedModule, module, -1,
+        fmt::format("module {} is turned by {}°: port A lies at side {} instead of {}", module, 120 * steps, rotation,
+                    designed),
+        "turn it as the assembly sheet says", steps);
   }
 
   void examine_joints() {
@@ -243,43 +250,59 @@ TopologyMatch match_topology(const wire::FoundTopology& found, const design::Des
   return best;
 }
 
-wire::FoundTopology topology_across(const design::Design& design, int patch, std::span<const int> open) {
-  const design::Patch& own = design.patches.at(static_cast<std::size_t>(patch));
-  wire::FoundTopology found;
-  if (own.modules.empty()) return found;
-  const auto ends = design::module_ends(design);
-  constexpr int kStrange = -2, kFree = -1;
-  std::vector<int> number(ends.size(), kStrange);
+namespace {
+
+using ModuleEnds = std::vector<std::array<design::ModuleEnd, layout::kPorts>>;
+
+constexpr int kStrange = -2, kFree = -1;  // A module that the search does not reach, or has not reached, has no number.
+
+std::vector<int> unnumbered(const design::Design& design, std::span<const int> open) {
+  std::vector<int> number(design.layout.modules.size(), kStrange);
   for (const int p : open) {
     for (const design::RoutedModule& m : design.patches.at(static_cast<std::size_t>(p)).modules)
       number[static_cast<std::size_t>(m.node)] = kFree;
   }
-  const auto end_at = [&](int module, int port) {
-    return ends[static_cast<std::size_t>(module)][static_cast<std::size_t>(port)];
-  };
-  std::vector<int> order, way{own.modules[0].node};
-  std::vector<int> next(ends.size(), 0);  // Each module has the port that is tried next.
-  const auto enter = [&](int module) {
-    number[static_cast<std::size_t>(module)] = static_cast<int>(order.size());
-    order.push_back(module);
-  };
-  enter(way.back());
+  return number;
+}
+
+void enter(int module, std::vector<int>& order, std::vector<int>& number) {
+  number[static_cast<std::size_t>(module)] = static_cast<int>(order.size());
+  order.push_back(module);
+}
+
+// Numbers the modules as the firmware's search does, depth first and the ports in order; returns them in this order.
+std::vector<int> number_modules(const ModuleEnds& ends, int entry, std::vector<int>& number) {
+  std::vector<int> order, way{entry};
+  std::vector<std::size_t> next(ends.size(), 0);  // Each module has the port that is tried next.
+  enter(entry, order, number);
   while (!way.empty()) {
-    int& port = next[static_cast<std::size_t>(way.back())];
-    if (port == static_cast<int>(layout::kPorts)) {
+    const auto module = static_cast<std::size_t>(way.back());
+    if (next[module] == layout::kPorts) {
       way.pop_back();
       continue;
     }
-    const int other = end_at(way.back(), port++).module;
+    const int other = ends[module][next[module]++].module;
     if (other < 0 || number[static_cast<std::size_t>(other)] != kFree || order.size() == layout::kMaxModules) continue;
-    enter(other);
+    enter(other, order, number);
     way.push_back(other);
   }
+  return order;
+}
+
+}  // namespace
+
+wire::FoundTopology topology_across(const design::Design& design, int patch, std::span<const int> open) {
+  const design::Patch& own = design.patches.at(static_cast<std::size_t>(patch));
+  wire::FoundTopology found;
+  if (own.modules.empty()) return found;
+  const ModuleEnds ends = design::module_ends(design);
+  std::vector<int> number = unnumbered(design, open);
+  const std::vector<int> order = number_modules(ends, own.modules[0].node, number);
   found.switched = found.complete = true;
   found.count = static_cast<std::uint8_t>(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) {
     for (std::size_t p = 0; p < layout::kPorts; ++p) {
-      const design::ModuleEnd end = end_at(order[k], static_cast<int>(p));
+      const design::ModuleEnd& end = ends[static_cast<std::size_t>(order[k])][p];
       const int far = end.module < 0 ? kStrange : number[static_cast<std::size_t>(end.module)];
       if (far >= 0)
         found.joints[k][p] = layout::joint_to({static_cast<std::uint8_t>(far), static_cast<std::uint8_t>(end.port)});

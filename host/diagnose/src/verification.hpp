@@ -6,6 +6,7 @@
 #include <set>
 #include <vector>
 
+#include "triskin/design/off_rest.hpp"
 #include "triskin/diagnose/verify.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
@@ -84,6 +85,9 @@ class TouchTest {
     double taxel_counts = 0.0;
   };
   [[nodiscard]] Response strongest(const PatchState& patch) const;
+  [[nodiscard]] Response response_to_actuator(int module, const PatchState& patch);
+  [[nodiscard]] Response response_to_person(const PatchState& patch);
+  [[nodiscard]] static unsigned silent_taxels(const Response& response);
   Response strongest_anywhere(const PatchState& first);
   [[nodiscard]] Response response_of(const PatchState& patch, std::size_t row, const wire::LiveTaxels& now) const;
   [[nodiscard]] int turned(TouchActuator& actuator, int module, const PatchState& patch);
@@ -93,6 +97,21 @@ class TouchTest {
   const design::Design& design_;
   std::vector<PatchState>& patches_;
   std::vector<design::ModuleWiring> wiring_;
+};
+
+struct CableExplanation;
+struct MissingCause;
+struct TopologyDifference;
+
+/// What the fault memory says about modules that answer now: one cause for several modules behind a joint, another one
+/// for a single module.
+struct PastFault {
+  FindingKind together;
+  const char* seen_together;  ///< The sentence goes on with the modules.
+  const char* remedy_together;
+  FindingKind alone;
+  const char* seen_alone;
+  const char* remedy_alone;
 };
 
 /// Turns observations into findings, without using a link. It first looks for exchanged cables and then reads
@@ -117,30 +136,47 @@ class Diagnosis {
   [[nodiscard]] std::vector<Branch> branches(const PatchState& p, const std::set<int>& modules) const;
   /// Modules of one line that are the only ones of it behind a joint: its wires are open there, and others pass.
   [[nodiscard]] std::optional<Branch> open_line(const PatchState& p, int line, const std::set<int>& modules) const;
+  void add_open_line(FindingKind kind, int patch, int line, const Branch& open, std::string text);
   void add_open_lines(FindingKind kind, const PatchState& p, std::set<int>& modules, const std::string& what);
   [[nodiscard]] std::string behind(const Branch& branch) const;
   void add_branch(FindingKind kind, const PatchState& p, const Branch& branch, const std::string& text,
                   const std::string& remedy);
+  /// Adds one finding for each branch of `modules`.
+  void add_branches(const PatchState& p, const std::set<int>& modules, const PastFault& fault);
   [[nodiscard]] double cost_of_taking(const PatchState& p, const std::vector<std::size_t>& rows, std::size_t row,
                                       const Place& place) const;
   std::size_t take_likeliest(const PatchState& p, std::vector<std::size_t>& rows, const Place& place) const;
   void examine_cables();
+  void add_exchanged(const CableExplanation& e);
   void examine_mirrored(const PatchState& p);
+  [[nodiscard]] std::vector<const TouchOutcome*> whole_touches(int patch) const;
+  [[nodiscard]] bool keep_distances(const std::vector<const TouchOutcome*>& touches) const;
   void examine_touch(const TouchOutcome& t);
+  /// Examines the touch of a module that another one has answered.
+  void examine_other_answer(const TouchOutcome& t, int patch);
   [[nodiscard]] std::vector<int> ring_from(int module) const;
   void examine_silent_taxels(const TouchOutcome& t, int patch);
   void add_wrong_address(const PatchState& p, std::size_t row, const Place& place);
-  void examine_dips(const PatchState& p, const std::set<int>& away, const std::set<int>& dipped);
+  void examine_dips(const PatchState& p, std::set<int> away, const std::set<int>& dipped);
   void examine_lines(const PatchState& p);
   void examine_modules(const PatchState& p);
   void examine_doubled(const PatchState& p, std::vector<std::size_t>& absent, const std::vector<std::size_t>& doubled);
   void examine_absent(const PatchState& p, const std::vector<std::size_t>& rows);
+  void match_elsewhere(const PatchState& p, std::vector<std::size_t>& open, std::vector<Place>& elsewhere);
+  void examine_silent(const PatchState& p, std::set<int> silent);
   void examine_taxels(const PatchState& p, std::size_t row);
+  void add_bad_taxel(int module, int patch, int taxel, bool at_end);
+  void examine_patch(const PatchState& p);
   void examine_topology(const PatchState& p);
+  void add_wrong_patch(const PatchState& p, const std::string& what);
+  void add_difference(const PatchState& p, const TopologyDifference& d);
   void note_adopted();
   void examine_adoption();
   void examine_missing(const PatchState& p, const std::set<int>& missing);
+  [[nodiscard]] std::string broken_joint_text(const MissingCause& c, const std::vector<int>& concerned) const;
+  [[nodiscard]] static std::string broken_module_text(const MissingCause& c);
   void examine_rest();
+  [[nodiscard]] design::OffRest off_rest() const;
   void examine_history(const PatchState& p);
   [[nodiscard]] std::vector<Finding> examine_earlier() const;
   [[nodiscard]] std::optional<Finding> remembered(const PatchState& p, const wire::FaultRecord& fault) const;

@@ -116,29 +116,39 @@ TouchTest::Response TouchTest::strongest_anywhere(const PatchState& first) {
   return best;
 }
 
-std::optional<TouchOutcome> TouchTest::press(int module, const PatchState& patch, const VerifyOptions& options) {
+TouchTest::Response TouchTest::response_to_actuator(int module, const PatchState& patch) {
+  actuator_->press(module);
+  bus_.listen(bus_.now_us() + kSettle_us);
+  return strongest_anywhere(patch);
+}
+
+TouchTest::Response TouchTest::response_to_person(const PatchState& patch) {
   Response best;
-  if (actuator_ != nullptr) {
-    actuator_->press(module);
-    bus_.listen(bus_.now_us() + kSettle_us);
+  const std::uint64_t limit_us = bus_.now_us() + kPersonLimit_us;
+  while (best.strength < kModuleChange_counts && bus_.now_us() < limit_us) {
+    bus_.listen(bus_.now_us() + kPersonPoll_us);
     best = strongest_anywhere(patch);
-  } else {
-    if (!options.ask || !options.ask(module)) return std::nullopt;
-    const std::uint64_t limit_us = bus_.now_us() + kPersonLimit_us;
-    while (best.strength < kModuleChange_counts && bus_.now_us() < limit_us) {
-      bus_.listen(bus_.now_us() + kPersonPoll_us);
-      best = strongest_anywhere(patch);
-    }
-    bus_.listen(bus_.now_us() + kSettle_us);  // After this time the finger presses fully.
-    const Response settled = strongest_anywhere(patch);
-    if (settled.strength > best.strength) best = settled;
   }
+  bus_.listen(bus_.now_us() + kSettle_us);  // After this time the finger presses fully.
+  const Response settled = strongest_anywhere(patch);
+  return settled.strength > best.strength ? settled : best;
+}
+
+unsigned TouchTest::silent_taxels(const Response& response) {
+  unsigned silent = 0;
+  for (unsigned t = 0; t < layout::kTaxelsPerModule; ++t) {
+    if (layout::measures_pressure(t) && (response.changed >> t & 1) == 0) silent |= 1U << t;
+  }
+  return silent;
+}
+
+std::optional<TouchOutcome> TouchTest::press(int module, const PatchState& patch, const VerifyOptions& options) {
+  if (actuator_ == nullptr && (!options.ask || !options.ask(module))) return std::nullopt;
+  const Response best = actuator_ != nullptr ? response_to_actuator(module, patch) : response_to_person(patch);
   const bool whole = std::popcount(best.changed) >= kMaxTaxels;
   TouchOutcome outcome{module, best.strength >= kModuleChange_counts ? best.module : -1, whole, 0, 0};
   if (outcome.answered == module && whole) {
-    for (unsigned t = 0; t < layout::kTaxelsPerModule; ++t) {
-      if (layout::measures_pressure(t) && (best.changed >> t & 1) == 0) outcome.silent_taxels |= 1U << t;
-    }
+    outcome.silent_taxels = silent_taxels(best);
     if (actuator_ != nullptr) outcome.turned = turned(*actuator_, module, patch);
   }
   return outcome;
