@@ -51,14 +51,7 @@ class Matcher {
     assign_named();
     keep_own();
     keep_moved();
-    if (missing_.empty()) {
-      if (options_.recognise && neighbours_are_known()) recognise();
-      fill(Owner::kNobody);
-      if (options_.take_over) {
-        fill(Owner::kAnother);
-        fill(Owner::kUnknown);
-      }
-    }
+    if (missing_.empty()) assign_rest();
     require_all();
     require_addresses();
     MatchedBoards matched;
@@ -73,6 +66,14 @@ class Matcher {
     std::vector<FeelingBoard> boards;
     std::vector<Candidate*> candidates;
   };
+
+  void assign_rest() {
+    if (options_.recognise && neighbours_are_known()) recognise();
+    fill(Owner::kNobody);
+    if (!options_.take_over) return;
+    fill(Owner::kAnother);
+    fill(Owner::kUnknown);
+  }
 
   void find(const std::vector<wire::NodeClaim>& claims) {
     if (claims.empty()) throw DeviceError(bus_.nobody_answers());
@@ -133,19 +134,20 @@ class Matcher {
             fmt::format("--assign {}={}: the design has patches 0 … {}", a.patch, a.serial, n_patches_ - 1));
       const auto named = std::ranges::find_if(
           candidates_, [&](const Candidate& c) { return to_text(c.board.claim.unique_id) == a.serial; });
-      if (named == candidates_.end() && !wanted(a.patch)) continue;
-      if (named == candidates_.end()) {
+      if (named != candidates_.end())
+        assign_to(*named, a);
+      else if (wanted(a.patch))
         missing_[a.patch] =
             fmt::format("{}: no controller {} answers; triskin discover lists those that do", bus_.name(), a.serial);
-        continue;
-      }
-      if (named->board.patch >= 0 || taken_.contains(a.patch) || missing_.contains(a.patch))
-        throw InputError(fmt::format("--assign {}={}: the patch or the controller is named twice", a.patch, a.serial));
-      if (wanted(a.patch))
-        give(*named, a.patch, FoundBy::kName);
-      else
-        named->owner = Owner::kNeighbour;  // The board belongs to a patch that is not requested.
     }
+  }
+  void assign_to(Candidate& named, const FlashOptions::Assignment& a) {
+    if (named.board.patch >= 0 || taken_.contains(a.patch) || missing_.contains(a.patch))
+      throw InputError(fmt::format("--assign {}={}: the patch or the controller is named twice", a.patch, a.serial));
+    if (wanted(a.patch))
+      give(named, a.patch, FoundBy::kName);
+    else
+      named.owner = Owner::kNeighbour;  // The board belongs to a patch that is not requested.
   }
   void keep_own() {
     for (Candidate& c : candidates_) {
@@ -172,22 +174,30 @@ class Matcher {
   // Returns the free controllers that may serve patches of this design. Those of another design are included only if
   // the others do not suffice.
   [[nodiscard]] std::vector<Candidate*> free_candidates(std::size_t n_open) {
-    std::vector<Candidate*> free;
-    for (const Owner owner : {Owner::kNobody, Owner::kAnother}) {
-      if (owner == Owner::kAnother && (!options_.take_over || free.size() >= n_open)) break;
-      for (Candidate& c : candidates_) {
-        if (c.board.patch < 0 && c.owner == owner) free.push_back(&c);
-      }
+    std::vector<Candidate*> free = free_of(Owner::kNobody);
+    if (options_.take_over && free.size() < n_open) {
+      for (Candidate* c : free_of(Owner::kAnother)) free.push_back(c);
     }
     return free;
   }
-  // Assigns boards by shape even if only one patch is requested, because the other boards narrow the choice. If
-  // controllers are missing, it asks nothing, and require_all() reports that.
-  void recognise() {
+  [[nodiscard]] std::vector<Candidate*> free_of(Owner owner) {
+    std::vector<Candidate*> free;
+    for (Candidate& c : candidates_) {
+      if (c.board.patch < 0 && c.owner == owner) free.push_back(&c);
+    }
+    return free;
+  }
+  [[nodiscard]] std::vector<int> open_patches() const {
     std::vector<int> open;
     for (const int p : here_) {
       if (!taken_.contains(p)) open.push_back(p);
     }
+    return open;
+  }
+  // Assigns boards by shape even if only one patch is requested, because the other boards narrow the choice. If
+  // controllers are missing, it asks nothing, and require_all() reports that.
+  void recognise() {
+    std::vector<int> open = open_patches();
     const std::vector<Candidate*> free = free_candidates(options_.patch < 0 ? open.size() : 1);
     std::vector<Seat> seats = seats_of(design_, open);
     add_neighbours(seats);
@@ -201,9 +211,17 @@ class Matcher {
     if (options_.actuator == nullptr || options_.dry_run) refuse_alike(open, alike.boards);
     touch(open, alike);
   }
-  // `seats` begins with those of the patches in `open`; the others belong to neighbours.
-  Undecided settle_by_shape(const std::vector<Candidate*>& free, const std::vector<int>& open,
-                            const std::vector<Seat>& seats) {
+  // Returns the patches of this design among the seats; the seats of neighbours follow those of `open`.
+  static std::vector<int> patches_at(const std::vector<int>& seats, const std::vector<int>& open) {
+    std::vector<int> patches;
+    for (const int seat : seats) {
+      if (static_cast<std::size_t>(seat) < open.size()) patches.push_back(open[static_cast<std::size_t>(seat)]);
+    }
+    return patches;
+  }
+  // A search of all boards at once may find too little, so it is repeated before the shapes count as inexact.
+  std::pair<std::vector<BoardShape>, ShapeAssignment> match_shapes(const std::vector<Candidate*>& free,
+                                                                   const std::vector<Seat>& seats) const {
     std::vector<BoardShape> shapes = shapes_of(free);
     ShapeAssignment by_shape = assign_by_shape(shapes, seats);
     if (!by_shape.exact && std::ranges::any_of(shapes, &BoardShape::switched)) {
@@ -211,12 +229,15 @@ class Matcher {
       shapes = shapes_of(free);
       by_shape = assign_by_shape(shapes, seats);
     }
+    return {std::move(shapes), std::move(by_shape)};
+  }
+  // `seats` begins with those of the patches in `open`; the others belong to neighbours.
+  Undecided settle_by_shape(const std::vector<Candidate*>& free, const std::vector<int>& open,
+                            const std::vector<Seat>& seats) {
+    const auto [shapes, by_shape] = match_shapes(free, seats);
     Undecided alike;
     for (std::size_t k = 0; k < free.size(); ++k) {
-      std::vector<int> likely;  // Only patches of this design are likely here.
-      for (const int seat : by_shape.likely[k]) {
-        if (static_cast<std::size_t>(seat) < open.size()) likely.push_back(open[static_cast<std::size_t>(seat)]);
-      }
+      std::vector<int> likely = patches_at(by_shape.likely[k], open);
       const bool elsewhere = likely.empty() && !by_shape.likely[k].empty();
       const bool settled = by_shape.seat[k] >= 0;
       const bool own = settled && static_cast<std::size_t>(by_shape.seat[k]) < open.size();
@@ -235,11 +256,21 @@ class Matcher {
   // Lets all boards search their patches at the same time; boards that already searched for another cover of the pass
   // do not search again.
   [[nodiscard]] std::vector<BoardShape> shapes_of(const std::vector<Candidate*>& boards) const {
-    std::vector<BoardShape> looked(boards.size());
+    std::vector<const wire::NodeClaim*> unknown;
+    for (const Candidate* c : boards) {
+      if (!known_.shapes.contains(c->board.claim.unique_id)) unknown.push_back(&c->board.claim);
+    }
+    const std::vector<BoardShape> looked = read_shapes(unknown);
+    for (std::size_t k = 0; k < unknown.size(); ++k) known_.shapes.try_emplace(unknown[k]->unique_id, looked[k]);
+    std::vector<BoardShape> shapes;
+    for (const Candidate* c : boards) shapes.push_back(known_.shapes.at(c->board.claim.unique_id));
+    return shapes;
+  }
+  [[nodiscard]] std::vector<BoardShape> read_shapes(const std::vector<const wire::NodeClaim*>& claims) const {
+    std::vector<BoardShape> looked(claims.size());
     std::vector<Task> tasks;
-    for (std::size_t k = 0; k < boards.size(); ++k) {
-      if (known_.shapes.contains(boards[k]->board.claim.unique_id)) continue;
-      const std::uint8_t node = boards[k]->board.claim.node_address;
+    for (std::size_t k = 0; k < claims.size(); ++k) {
+      const std::uint8_t node = claims[k]->node_address;
       tasks.push_back({node, [&looked, k, node](Bus& bus) {
                          Controller controller(bus, node);
                          looked[k] = read_shape(controller);
@@ -248,10 +279,7 @@ class Matcher {
     for (const std::exception_ptr& failure : run_tasks(bus_.link(), tasks, options_.per_wire)) {
       if (failure) std::rethrow_exception(failure);
     }
-    std::vector<BoardShape> shapes;
-    for (std::size_t k = 0; k < boards.size(); ++k)
-      shapes.push_back(known_.shapes.try_emplace(boards[k]->board.claim.unique_id, looked[k]).first->second);
-    return shapes;
+    return looked;
   }
   // Lets the boards search one after the other, because boards on joined patches take modules from each other when they
   // search together.
@@ -279,14 +307,14 @@ class Matcher {
     }
     if (!silent.empty()) refuse_alike(silent, alike.boards);
   }
+  static std::string likeness_text(const std::vector<int>& likely) {
+    if (likely.empty()) return "like no patch that is left";
+    return fmt::format("like {} {}", noun_after(likely.size() == 1, "patch"), short_list(likely, 4));
+  }
   [[noreturn]] void refuse_alike(const std::vector<int>& open, const std::vector<FeelingBoard>& boards) const {
     std::vector<std::string> names;
-    for (const FeelingBoard& b : boards) {
-      names.push_back(fmt::format("{} ({})", to_text(b.claim.unique_id),
-                                  b.likely.empty()       ? "like no patch that is left"
-                                  : b.likely.size() == 1 ? fmt::format("like patch {}", b.likely[0])
-                                                         : fmt::format("like patches {}", short_list(b.likely, 4))));
-    }
+    for (const FeelingBoard& b : boards)
+      names.push_back(fmt::format("{} ({})", to_text(b.claim.unique_id), likeness_text(b.likely)));
     // If several covers share the bus, the user has to name the cover in the options.
     const bool alone = options_.neighbours.empty();
     throw DeviceError(fmt::format(
@@ -319,26 +347,24 @@ class Matcher {
   }
   // If only one patch is requested, there must be no doubt about its controller.
   void fill(Owner owner) {
-    std::vector<Candidate*> free;
-    for (Candidate& c : candidates_) {
-      if (c.board.patch < 0 && c.owner == owner) free.push_back(&c);
-    }
+    const std::vector<Candidate*> free = free_of(owner);
     if (options_.patch >= 0 && !taken_.contains(options_.patch) && free.size() > 1)
       throw DeviceError(
           fmt::format("{}: {} could be that of patch {}: {}; connect one of them, or name it: --assign {}=SERIAL",
                       bus_.name(), counted(free.size(), "controller"), options_.patch, serials(free), options_.patch));
     auto next = free.begin();
     const auto patches = seats(free.size());
-    const bool only = patches.size() == 1 && free.size() == 1;
-    // In a dry run the shapes are unknown.
-    const FoundBy by = only                                     ? FoundBy::kOnly
-                       : options_.dry_run && options_.recognise ? FoundBy::kNothing
-                                                                : FoundBy::kOrder;
+    const FoundBy by = patches.size() == 1 && free.size() == 1 ? FoundBy::kOnly : found_by_order();
     for (const int patch : patches) {
       if (next == free.end()) return;
       if (patch >= 0) give(**next, patch, by);
       ++next;
     }
+  }
+
+  // In a dry run the shapes are unknown, so the order need not be what decides.
+  [[nodiscard]] FoundBy found_by_order() const {
+    return options_.dry_run && options_.recognise ? FoundBy::kNothing : FoundBy::kOrder;
   }
 
   // Returns the patches without a controller in the order of their node addresses; −1 stands for one of a neighbour.
@@ -367,10 +393,8 @@ class Matcher {
 
   // If boards are missing, only the certain ones are served.
   void require_all() {
-    std::vector<int> open;
-    for (const int p : here_) {
-      if (wanted(p) && !taken_.contains(p)) open.push_back(p);
-    }
+    std::vector<int> open = open_patches();
+    std::erase_if(open, [&](int p) { return !wanted(p); });
     if (open.empty()) return;
     const std::vector<std::string> others = takeable();
     if (!others.empty())
@@ -378,25 +402,31 @@ class Matcher {
           "{}: no controller is free for {} {}; these hold a table that is not of this design and are left alone: "
           "{}. Name one (--assign PATCH=SERIAL) or take all of them (--take-over); nothing was written",
           bus_.name(), noun_after(open.size() == 1, "patch"), short_list(open), short_list(others)));
+    const std::string too_few = too_few_text();
+    const bool any_certain = std::ranges::any_of(candidates_, is_certain);
+    if (!any_certain || options_.patch >= 0)
+      throw DeviceError((missing_.empty() ? too_few : missing_.begin()->second) + "; nothing was written");
+    release_uncertain(open);
+    for (const int p : open) missing_.try_emplace(p, too_few);
+  }
+  [[nodiscard]] std::string too_few_text() const {
     const auto n_answer = std::ranges::count_if(candidates_, [](const Candidate& c) {
       return c.owner != Owner::kNeighbour && (c.owner != Owner::kSilent || c.board.patch >= 0);
     });
-    const std::string too_few = fmt::format(
+    return fmt::format(
         "{}: the design has {} here, {} {} that may serve them{}; connect the others, or flash one patch at a time "
         "(--patch)",
         bus_.name(), counted(here_.size(), "patch"), counted(n_answer, "controller"),
         agreeing(n_answer, "answers", "answer"),
         silent_.empty() ? "" : fmt::format(" ({} fell silent)", fmt::join(silent_, ", ")));
-    const bool any_certain = std::ranges::any_of(candidates_, is_certain);
-    if (!any_certain || options_.patch >= 0)
-      throw DeviceError((missing_.empty() ? too_few : missing_.begin()->second) + "; nothing was written");
+  }
+  void release_uncertain(std::vector<int>& open) {
     for (Candidate& c : candidates_) {
       if (c.board.patch < 0 || is_certain(c)) continue;
       open.push_back(c.board.patch);
       taken_.erase(c.board.patch);
       c.board.patch = -1;
     }
-    for (const int p : open) missing_.try_emplace(p, too_few);
   }
   static bool is_certain(const Candidate& c) {
     return c.board.patch >= 0 && (c.board.by == FoundBy::kName || c.board.by == FoundBy::kTable);

@@ -68,11 +68,7 @@ void check_identity(Controller& controller, const Bus& bus, const FlashResult::P
 }  // namespace
 
 void CoverFlash::plan(std::span<const FlashOptions::Neighbour> settled, BusBoards& known) {
-  for (FlashOptions::Neighbour& n : options_.neighbours) {
-    const auto same =
-        std::ranges::find_if(settled, [&](const auto& s) { return s.node == n.node && s.design_id == n.design_id; });
-    if (same != settled.end()) n.serial = same->serial;
-  }
+  name_neighbours(settled);
   report(progress_, "finding controllers", -1.0);
   find(known.claims);
   MatchedBoards matched = match_boards(bus_, design_, options_, known);
@@ -82,7 +78,19 @@ void CoverFlash::plan(std::span<const FlashOptions::Neighbour> settled, BusBoard
   if (std::ranges::count(boards_, FoundBy::kTouch, &Board::by) > 0) known.claims.clear();
   std::erase_if(boards_, [](const Board& b) { return b.patch < 0; });
   std::ranges::sort(boards_, {}, &Board::patch);
-  std::vector<FlashResult::Patch> before = std::move(patches_);
+  list_patches();
+}
+
+void CoverFlash::name_neighbours(std::span<const FlashOptions::Neighbour> settled) {
+  for (FlashOptions::Neighbour& n : options_.neighbours) {
+    const auto same =
+        std::ranges::find_if(settled, [&](const auto& s) { return s.node == n.node && s.design_id == n.design_id; });
+    if (same != settled.end()) n.serial = same->serial;
+  }
+}
+
+void CoverFlash::list_patches() {
+  const std::vector<FlashResult::Patch> before = std::move(patches_);
   patches_.clear();
   for (const Board& b : boards_) {
     const auto earlier = std::ranges::find(before, b.patch, &FlashResult::Patch::patch);
@@ -189,10 +197,7 @@ void CoverFlash::converse(Bus& bus, const Board& board, FlashResult::Patch& r, b
   }
   Controller controller(bus, address_of(board));
   check_identity(controller, bus, r);
-  const wire::ActiveTable active = controller.active_table();
-  // An equal CRC does not suffice to skip a table, because comparing the bytes costs little.
-  r.equal =
-      active.present() && active.crc == crc32(image) && std::ranges::equal(controller.read_table(image.size()), image);
+  r.equal = holds_table(controller, image);
   if (r.equal && began_to_write) r.written = true;
   if (!r.equal || (options_.force && !r.written)) {
     began_to_write = true;

@@ -19,6 +19,7 @@ class Identification {
 
   std::vector<IdentifiedBoard> run() {
     find_boards();
+    compare_shapes();
     std::vector<int> open = design::patches_here(design_);
     if (options_.patch >= 0) {
       open = {options_.patch};
@@ -46,6 +47,9 @@ class Identification {
                                  to_text(c.unique_id), c.node_address));
       }
     }
+  }
+
+  void compare_shapes() {
     std::vector<BoardShape> shapes;
     for (const FeelingBoard& b : boards_) shapes.push_back(b.shape);
     const std::vector<int> here = design::patches_here(design_);

@@ -4,6 +4,7 @@
 
 #include "triskin/base/text_file.hpp"
 #include "triskin/deploy/board_file.hpp"
+#include "triskin/design/file_head.hpp"
 #include "triskin/design/json_fields.hpp"
 #include "triskin/robot/robot.hpp"
 
@@ -109,6 +110,11 @@ ControllerEntry read_controller(const JsonValue& v) {
   return c;
 }
 
+Measured read_measured(const JsonValue& v) {
+  only_keys(v, {"points", "rms_mm"}, kPage);
+  return {v["points"].integer(0, design::kMaxCount), number_in(v["rms_mm"], 0.0, kMaxPlace_mm)};
+}
+
 CoverEntry read_cover(const JsonValue& v) {
   only_keys(v, {"name", "design", "design_id", "bus", "frame", "pose", "measured", "rate_hz", "controllers"}, kPage);
   CoverEntry cover;
@@ -119,11 +125,7 @@ CoverEntry read_cover(const JsonValue& v) {
   cover.frame = text_or(v, "frame", "");
   cover.has_pose = has(v, "pose");
   if (cover.has_pose) read_pose(v["pose"], cover);
-  if (has(v, "measured")) {
-    only_keys(v["measured"], {"points", "rms_mm"}, kPage);
-    cover.measured = {v["measured"]["points"].integer(0, design::kMaxCount),
-                      number_in(v["measured"]["rms_mm"], 0.0, kMaxPlace_mm)};
-  }
+  if (has(v, "measured")) cover.measured = read_measured(v["measured"]);
   if (has(v, "rate_hz")) cover.rate_hz = number_in(v["rate_hz"], 0.0, kMaxRate_hz);
   const JsonValue controllers = v["controllers"];
   for (std::size_t k = 0; k < controllers.size(); ++k) cover.controllers.push_back(read_controller(controllers.at(k)));
@@ -217,8 +219,7 @@ Robot parse_robot(const std::string& text, const std::string& file) {
   const nlohmann::json document = design::parse_json(text, file);
   const JsonValue v(document, file, "");
   design::require_format(v, kFormat);
-  if (const int version = v["version"].integer(0, design::kMaxCount); version != Robot::kVersion)
-    v["version"].fail(fmt::format("is {}, this program reads {}; use the matching release", version, Robot::kVersion));
+  design::require_version(v, Robot::kVersion);
   only_keys(v, {"format", "version", "name", "urdf", "buses", "covers"}, kPage);
   Robot robot;
   robot.name = name_in(v["name"]);

@@ -8,6 +8,7 @@
 
 #include "triskin/base/error.hpp"
 #include "triskin/design/joint.hpp"
+#include "triskin/design/module_side.hpp"
 
 namespace triskin::device {
 namespace {
@@ -72,7 +73,7 @@ Tree tree_after(const design::Patch& patch, const RouteChoice& choice) {
 std::uint8_t second_entry_of(const design::Patch& patch, const Tree& tree) {
   const auto found = std::ranges::find(tree.modules, patch.second_entry, &design::RoutedModule::node);
   if (patch.second_entry < 0 || found == tree.modules.end()) return 0;
-  const int port = (patch.second_entry_side + 3 - found->rotation) % 3;
+  const int port = design::port_at_side(patch.second_entry_side, found->rotation);
   return layout::joint_to(static_cast<std::size_t>(found - tree.modules.begin()), static_cast<std::size_t>(port));
 }
 
