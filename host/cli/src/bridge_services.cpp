@@ -45,6 +45,22 @@ void CoverServices::step(device::Bus& bus) {
 }
 
 // Clients that ask during a tare get the answer of the tare that is started again for them.
+namespace {
+
+bridge::Tare::Answer answer_of(const device::Tare& tare) {
+  using State = device::Tare::State;
+  bridge::Tare::Answer answer;
+  answer.taxels = tare.taxels();
+  answer.success = tare.state() == State::kDone;
+  if (tare.state() == State::kNoSample)
+    answer.message = "no valid sample came in 2 s, so there is nothing to tare; look at /diagnostics";
+  else if (tare.state() == State::kIncomplete)
+    answer.message = "some taxels gave fewer than three samples in 2 s; ask again, or let the stream be faster";
+  return answer;
+}
+
+}  // namespace
+
 void CoverServices::step_tare(std::uint64_t now_us) {
   bool begin = false;
   while (const auto asked = tare_.take()) {
@@ -55,13 +71,7 @@ void CoverServices::step_tare(std::uint64_t now_us) {
   using State = device::Tare::State;
   const State state = cover_.tare().state();
   if (taring_.empty() || state == State::kRunning) return;
-  bridge::Tare::Answer answer;
-  answer.taxels = cover_.tare().taxels();
-  answer.success = state == State::kDone;
-  if (state == State::kNoSample)
-    answer.message = "no valid sample came in 2 s, so there is nothing to tare; look at /diagnostics";
-  else if (state == State::kIncomplete)
-    answer.message = "some taxels gave fewer than three samples in 2 s; ask again, or let the stream be faster";
+  const bridge::Tare::Answer answer = answer_of(cover_.tare());
   for (const bridge::RequestId& id : taring_) tare_.answer(id, answer);
   taring_.clear();
 }

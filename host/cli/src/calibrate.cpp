@@ -75,23 +75,10 @@ std::vector<int> chosen_modules(const Options& options, const design::Design& de
   return chosen;
 }
 
-device::CalibrationOutcome measure(const Options& options, device::LiveBus& live, device::LiveCover& cover,
-                                   Output& output) {
+// Presses step by step with the actuator, or asks a person to.
+device::CalibrationOutcome measure_steps(const Options& options, device::Bus& bus, device::LiveCover& cover,
+                                         device::CalibrateOptions calibrate) {
   const design::Design& design = cover.design();
-  device::Bus& bus = live.bus();
-  device::CalibrateOptions calibrate = options.calibrate;
-  calibrate.stream = speaking(calibrate.stream);
-  calibrate.unix_minus_link_ns = live.unix_ns(0);
-  calibrate.progress = output.progress();
-  if (!options.ramp.empty()) {
-    const device::PressureRamp ramp(options.ramp);
-    if (!ramp.note().empty()) output.say(ramp.note());
-    if (!ramp.by_calendar() && cover.actuator() == nullptr)
-      throw InputError(
-          fmt::format("{}: times of the link are known of simulated links only; give the column unix_s", options.ramp));
-    calibrate.method = wire::CalibrationMethod::kRamp;
-    return device::calibrate_by_ramp(bus, design, ramp, calibrate);
-  }
   const bool by_module = !options.weights_g.empty();
   calibrate.method = by_module ? wire::CalibrationMethod::kWeights : wire::CalibrationMethod::kSteps;
   const double of_gram = kpa_per_gram(options, design);
@@ -112,6 +99,22 @@ device::CalibrationOutcome measure(const Options& options, device::LiveBus& live
   return outcome;
 }
 
+device::CalibrationOutcome measure(const Options& options, device::LiveBus& live, device::LiveCover& cover,
+                                   Output& output) {
+  device::CalibrateOptions calibrate = options.calibrate;
+  calibrate.stream = speaking(calibrate.stream);
+  calibrate.unix_minus_link_ns = live.unix_ns(0);
+  calibrate.progress = output.progress();
+  if (options.ramp.empty()) return measure_steps(options, live.bus(), cover, std::move(calibrate));
+  const device::PressureRamp ramp(options.ramp);
+  if (!ramp.note().empty()) output.say(ramp.note());
+  if (!ramp.by_calendar() && cover.actuator() == nullptr)
+    throw InputError(
+        fmt::format("{}: times of the link are known of simulated links only; give the column unix_s", options.ramp));
+  calibrate.method = wire::CalibrationMethod::kRamp;
+  return device::calibrate_by_ramp(live.bus(), cover.design(), ramp, calibrate);
+}
+
 // Returns the modules that were wanted and not measured, as --modules takes them.
 std::string rest_of(const device::CalibrateOptions& options, const design::Design& design,
                     std::span<const int> measured) {
@@ -125,13 +128,7 @@ std::string at_least(double value, double smallest, const char* unit) {
   return value < smallest ? fmt::format("below {:g} {}", smallest, unit) : fmt::format("{:.2g} {}", value, unit);
 }
 
-void print_report(const device::CalibrationOutcome& outcome, Output& output) {
-  const design::CalibrationQuality& q = outcome.quality;
-  output.say(fmt::format(
-      "{} of {} calibrated up to {:g} kPa; error of a sensitivity {} (median), {} (worst), 95 % bound; "
-      "farthest from the line {}",
-      q.taxels, counted(q.taxels + q.missing, "taxel"), q.max_kpa, at_least(q.median_percent, kMinError_percent, "%"),
-      at_least(q.worst_percent, kMinError_percent, "%"), at_least(q.residual_kpa, kMinError_kpa, "kPa")));
+nlohmann::json report_uncalibrated(const device::CalibrationOutcome& outcome, const Output& output) {
   for (std::size_t k = 0; k < std::min(kMaxNamed, outcome.without.size()); ++k)
     output.say(fmt::format("module {} taxel {}: not calibrated: it does not follow the pressure; run triskin verify",
                            outcome.without[k].first, outcome.without[k].second));
@@ -139,6 +136,17 @@ void print_report(const device::CalibrationOutcome& outcome, Output& output) {
     output.say(fmt::format("… and {} more", counted(outcome.without.size() - kMaxNamed, "taxel")));
   nlohmann::json without = nlohmann::json::array();
   for (const auto& [module, taxel] : outcome.without) without.push_back({{"module", module}, {"taxel", taxel}});
+  return without;
+}
+
+void print_report(const device::CalibrationOutcome& outcome, Output& output) {
+  const design::CalibrationQuality& q = outcome.quality;
+  output.say(fmt::format(
+      "{} of {} calibrated up to {:g} kPa; error of a sensitivity {} (median), {} (worst), 95 % bound; "
+      "farthest from the line {}",
+      q.taxels, counted(q.taxels + q.missing, "taxel"), q.max_kpa, at_least(q.median_percent, kMinError_percent, "%"),
+      at_least(q.worst_percent, kMinError_percent, "%"), at_least(q.residual_kpa, kMinError_kpa, "kPa")));
+  nlohmann::json without = report_uncalibrated(outcome, output);
   output.result = {{"taxels", q.taxels},
                    {"median_percent", q.median_percent},
                    {"worst_percent", q.worst_percent},
@@ -197,11 +205,15 @@ int write_again(const Options& options, device::LiveBus& bus, const device::Live
   return std::ranges::all_of(kept, &device::KeptCalibration::in_controller) ? 0 : 1;
 }
 
-int run(const Options& options, Output& output) {
+void require_one_way(const Options& options) {
   const int ways = (options.steps_kpa.empty() ? 0 : 1) + (options.weights_g.empty() ? 0 : 1) +
                    (options.ramp.empty() ? 0 : 1) + (options.from.empty() ? 0 : 1) + (options.forget ? 1 : 0);
   if (ways != 1)
     throw InputError("calibrate: say what presses, with one of --steps, --weights and --ramp; or --from, or --forget");
+}
+
+int run(const Options& options, Output& output) {
+  require_one_way(options);
   const device::LiveSkin skin = open_skin(options.site, output);
   device::LiveCover& cover = one_cover(skin, "calibrate");
   device::LiveBus& bus = *skin.buses().front();

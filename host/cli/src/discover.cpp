@@ -43,6 +43,18 @@ void add_board(nlohmann::json& j, device::Controller& c, const std::string& elf)
   j["remarks"] = device::board_remarks(report, elf);
 }
 
+void add_lines(nlohmann::json& j, std::span<const wire::LineReport> lines) {
+  j["chips"] = j["stuck_lines"] = nlohmann::json::array();
+  for (std::size_t l = 0; l < lines.size(); ++l) {
+    const wire::LineReport& line = lines[l];
+    if (line.stuck) j["stuck_lines"].push_back(l);
+    for (int a = 0; a < layout::kAddressesPerLine; ++a) {
+      if ((line.answers >> a & 1) == 0) continue;
+      j["chips"].push_back({{"line", l}, {"address", a}, {"right_id", (line.wrong_id >> a & 1) == 0}});
+    }
+  }
+}
+
 nlohmann::json ask(device::Bus& bus, const wire::NodeClaim& claim, const std::string& elf) {
   device::Controller c(bus, claim.node_address);
   const wire::Hello hello = c.hello();
@@ -54,19 +66,7 @@ nlohmann::json ask(device::Bus& bus, const wire::NodeClaim& claim, const std::st
     j["design_id"] = fmt::format("{:016x}", table.design_id);
     j["table_modules"] = table.modules;
   }
-  nlohmann::json chips = nlohmann::json::array();
-  nlohmann::json stuck = nlohmann::json::array();
-  const auto lines = c.discover();
-  for (int l = 0; l < layout::kLines; ++l) {
-    const auto& line = lines[static_cast<std::size_t>(l)];
-    if (line.stuck) stuck.push_back(l);
-    for (int a = 0; a < layout::kAddressesPerLine; ++a) {
-      if ((line.answers >> a & 1) == 0) continue;
-      chips.push_back({{"line", l}, {"address", a}, {"right_id", (line.wrong_id >> a & 1) == 0}});
-    }
-  }
-  j["chips"] = std::move(chips);
-  j["stuck_lines"] = std::move(stuck);
+  add_lines(j, c.discover());
   add_board(j, c, elf);
   return j;
 }

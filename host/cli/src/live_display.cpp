@@ -70,6 +70,10 @@ nlohmann::json contacts_json(const std::vector<device::SkinContact>& contacts,
   return list;
 }
 
+std::string bar_of(double change_counts) {
+  return std::string(static_cast<std::size_t>(std::clamp(change_counts / 500.0, 1.0, 24.0)), '#');
+}
+
 class Lines final : public LiveDisplay {
  public:
   explicit Lines(const Output& output) : output_(output) {}
@@ -80,20 +84,23 @@ class Lines final : public LiveDisplay {
     if (pressed.empty() && state.time_s < spoke_s_ + OffRestNotice::kHeartbeat_s) return Wish::kNothing;
     spoke_s_ = state.time_s;
     if (pressed.empty()) {
-      output_.say(fmt::format("{:7.2f} s  nothing is pressed; {}, {} lost", state.time_s,
-                              counted(state.frames, "sample"), state.lost));
+      say_nothing_pressed(state);
       return Wish::kNothing;
     }
     const auto& first = pressed.front();
-    const auto bar = std::string(static_cast<std::size_t>(std::clamp(first.change_counts / 500.0, 1.0, 24.0)), '#');
-    output_.say(fmt::format("{:7.2f} s  {} {:<24} +{}{}", state.time_s, place_text(monitor, first), bar,
-                            counted(pressed.size() - 1, "taxel"), force_of(monitor)));
+    output_.say(fmt::format("{:7.2f} s  {} {:<24} +{}{}", state.time_s, place_text(monitor, first),
+                            bar_of(first.change_counts), counted(pressed.size() - 1, "taxel"), force_of(monitor)));
     for (const device::SkinContact& c : monitor.contacts())
       output_.say(fmt::format("{:>11}{}", "", contact_text(c, monitor.calibration())));
     return Wish::kNothing;
   }
 
  private:
+  void say_nothing_pressed(const LiveState& state) const {
+    output_.say(fmt::format("{:7.2f} s  nothing is pressed; {}, {} lost", state.time_s, counted(state.frames, "sample"),
+                            state.lost));
+  }
+
   const Output& output_;
   double spoke_s_ = 0.0;
   OffRestNotice off_rest_;
@@ -178,7 +185,27 @@ class Screen final : public LiveDisplay {
     std::vector<std::string> lines;
     lines.push_back(fmt::format("{}  {:.1f} s  {}, {} lost{}", for_terminal(design_.name), state.time_s,
                                 counted(state.frames, "sample"), state.lost, force_of(monitor)));
-    std::vector<std::string> below = monitor.picture(patch_, unit(monitor), Terminal::has_colour(), size.columns);
+    std::vector<std::string> below = lines_below_patches(monitor, state, size.columns);
+    const int room = std::max(size.rows - static_cast<int>(lines.size() + below.size()) - 2, kMinPatchLines);
+    for (std::string& line : patch_lines(monitor, room, size.columns)) lines.push_back(std::move(line));
+    lines.emplace_back();
+    for (std::string& line : below) lines.push_back(std::move(line));
+    return lines;
+  }
+  [[nodiscard]] std::vector<std::string> lines_below_patches(const LiveMonitor& monitor, const LiveState& state,
+                                                             int columns) const {
+    std::vector<std::string> below = pressed_lines(monitor, columns);
+    if (const std::string remark = design::sentence(monitor.off_rest()); !remark.empty()) below.push_back(remark);
+    for (const device::AdoptedCounts& a : state.adopted)
+      below.push_back(fmt::format("module {} is read by the controller of patch {}", a.module, a.patch));
+    if (!state.note.empty()) below.push_back(for_terminal(state.note));
+    below.push_back(
+        fmt::format("n p f: patch ({})  u: unit ({})", has_chosen_ ? "chosen" : "pressed", name_of(unit(monitor))));
+    below.emplace_back("q: end  t: tare, nobody touches  h: hold the plotted taxel");
+    return below;
+  }
+  [[nodiscard]] std::vector<std::string> pressed_lines(const LiveMonitor& monitor, int columns) const {
+    std::vector<std::string> below = monitor.picture(patch_, unit(monitor), Terminal::has_colour(), columns);
     below.emplace_back();
     const auto pressed = monitor.touches().pressed();
     for (std::size_t k = 0; k < std::min(kMaxTaxels, pressed.size()); ++k)
@@ -187,20 +214,9 @@ class Screen final : public LiveDisplay {
     for (std::size_t k = 0; k < std::min(kMaxContacts, contacts.size()); ++k)
       below.push_back(contact_text(contacts[k], monitor.calibration()));
     if (pressed.size() > kMaxTaxels) below.push_back(fmt::format("+{}", counted(pressed.size() - kMaxTaxels, "taxel")));
-    for (std::string& line : trace_.lines(static_cast<std::size_t>(std::max(1, size.columns - 1)), kStep_s))
+    for (std::string& line : trace_.lines(static_cast<std::size_t>(std::max(1, columns - 1)), kStep_s))
       below.push_back(std::move(line));
-    if (const std::string remark = design::sentence(monitor.off_rest()); !remark.empty()) below.push_back(remark);
-    for (const device::AdoptedCounts& a : state.adopted)
-      below.push_back(fmt::format("module {} is read by the controller of patch {}", a.module, a.patch));
-    if (!state.note.empty()) below.push_back(for_terminal(state.note));
-    below.push_back(
-        fmt::format("n p f: patch ({})  u: unit ({})", has_chosen_ ? "chosen" : "pressed", name_of(unit(monitor))));
-    below.emplace_back("q: end  t: tare, nobody touches  h: hold the plotted taxel");
-    const int room = std::max(size.rows - static_cast<int>(lines.size() + below.size()) - 2, kMinPatchLines);
-    for (std::string& line : patch_lines(monitor, room, size.columns)) lines.push_back(std::move(line));
-    lines.emplace_back();
-    for (std::string& line : below) lines.push_back(std::move(line));
-    return lines;
+    return below;
   }
 
   // All patches where there is room, else the chosen one and those that are pressed or at fault before the others.
@@ -293,7 +309,9 @@ nlohmann::json to_json(const design::OffRest& off) {
   return {{"taxels", off.taxels}, {"modules", off.modules}};
 }
 
-nlohmann::json to_json(const LiveMonitor& monitor, const LiveState& state) {
+namespace {
+
+nlohmann::json pressed_json(const LiveMonitor& monitor) {
   const bool calibrated = monitor.calibration().complete();
   nlohmann::json pressed = nlohmann::json::array();
   for (const PressedTaxel& t : monitor.touches().pressed()) {
@@ -307,13 +325,19 @@ nlohmann::json to_json(const LiveMonitor& monitor, const LiveState& state) {
     if (monitor.calibration().is_above_range({t.module, t.taxel}, t.change_counts))
       pressed.back()["above_calibration"] = true;
   }
+  return pressed;
+}
+
+}  // namespace
+
+nlohmann::json to_json(const LiveMonitor& monitor, const LiveState& state) {
   nlohmann::json line = {
-      {"time_s", state.time_s}, {"frames", state.frames}, {"lost", state.lost}, {"pressed", std::move(pressed)}};
+      {"time_s", state.time_s}, {"frames", state.frames}, {"lost", state.lost}, {"pressed", pressed_json(monitor)}};
   line["unit"] = name_of(best_unit(monitor));
   line["off_rest"] = to_json(monitor.off_rest());
   const auto contacts = monitor.contacts();
   line["contacts"] = contacts_json(contacts, monitor.calibration());
-  if (calibrated) {
+  if (monitor.calibration().complete()) {
     line["force_n"] = monitor.force_n();
     const device::NetForce net = device::net_force(contacts);
     line["net_force_n"] = numbers_of(net.force_n);

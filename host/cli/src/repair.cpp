@@ -138,19 +138,22 @@ class Repair {
     return ask(output_, "Mend this now.");
   }
 
+  void flash_again() {
+    open();
+    device::FlashOptions flash;
+    flash.recognise = true;
+    flash.actuator = live_cover().actuator();
+    try {
+      (void)device::flash(bus(), cover().design, flash, output_.progress());
+    } catch (const DeviceError& e) {
+      output_.say(fmt::format("not flashed: {}", e.what()));
+    }
+  }
   std::vector<device::Finding> check_again(const device::Finding& mended) {
     if (mended.kind == device::FindingKind::kStaleRest) {
       tare();
     } else {
-      open();
-      device::FlashOptions flash;
-      flash.recognise = true;
-      flash.actuator = live_cover().actuator();
-      try {
-        (void)device::flash(bus(), cover().design, flash, output_.progress());
-      } catch (const DeviceError& e) {
-        output_.say(fmt::format("not flashed: {}", e.what()));
-      }
+      flash_again();
     }
     auto findings = check(&mended);
     if (std::ranges::any_of(findings, [&](const device::Finding& f) { return same(f, mended); })) {

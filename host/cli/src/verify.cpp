@@ -100,6 +100,19 @@ std::string arguments_of(const Options& options, const robot::CoverConfig& cover
          (link.scene.empty() ? "" : " --scene " + link.scene);
 }
 
+nlohmann::json read_calibration_lines(device::LiveBus& live, const design::Design& design,
+                                      std::vector<std::string>& lines) {
+  nlohmann::json calibrations = nlohmann::json::array();
+  live.find_controllers(device::RestSource::kPresent);
+  for (const design::BoardCalibration& b : device::kept_in_controllers(live.bus(), design, live.claims())) {
+    calibrations.push_back({{"serial", b.serial}, {"revision", b.revision}, {"made", b.made}});
+    lines.push_back(fmt::format("controller {} keeps revision {} of its calibration, made {} with {} up to {:g} kPa",
+                                b.serial, b.revision, b.made, design::kCalibrationMethodNames.name(b.method),
+                                b.max_kpa));
+  }
+  return calibrations;
+}
+
 // Prints each finding with its repair steps, for the report and --json.
 Told print_report(const robot::CoverConfig& cover, device::VerifyResult r, device::LiveBus& live,
                   const std::string& arguments) {
@@ -117,14 +130,7 @@ Told print_report(const robot::CoverConfig& cover, device::VerifyResult r, devic
     told.lines.push_back(fmt::format("{}remembered from before, not there now: {}", name, f.text));
   }
   std::vector<std::string> rest;
-  nlohmann::json calibrations = nlohmann::json::array();
-  live.find_controllers(device::RestSource::kPresent);
-  for (const design::BoardCalibration& b : device::kept_in_controllers(live.bus(), cover.design, live.claims())) {
-    calibrations.push_back({{"serial", b.serial}, {"revision", b.revision}, {"made", b.made}});
-    rest.push_back(fmt::format("controller {} keeps revision {} of its calibration, made {} with {} up to {:g} kPa",
-                               b.serial, b.revision, b.made, design::kCalibrationMethodNames.name(b.method),
-                               b.max_kpa));
-  }
+  nlohmann::json calibrations = read_calibration_lines(live, cover.design, rest);
   told.keys = {{"modules_ok", r.modules_ok},
                {"modules", r.modules},
                {"touched", r.touched},

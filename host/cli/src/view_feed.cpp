@@ -95,21 +95,27 @@ class Feed {
     const int module = first_module(bus_.covers()[static_cast<std::size_t>(s.cover)]) + s.module;
     live_.add(module, {s.raw.sample.state, s.valid, s.change_counts}, pace().unix_us(s.raw.link_time_us));
   }
+  // The place stays that on the cover; `first_module` is the number of the cover's first module on the page.
+  static view::LatestSamples::Contact contact_of(const device::SkinContact& c, int first_module) {
+    view::LatestSamples::Contact contact;
+    for (const device::PressedTaxel& t : c.taxels)
+      contact.taxels.push_back(layout::kTaxelsPerModule * (first_module + t.module) + t.taxel);
+    contact.position_mm = c.position_mm;
+    contact.position_sd_mm = c.position_sd_mm;
+    contact.force_n = c.force_n;
+    contact.force_sd_n = c.force_sd_n;
+    contact.area_mm2 = c.area_mm2;
+    contact.change_counts = c.change_counts;
+    return contact;
+  }
   void show_contacts(const device::LiveCover& cover) {
     const int first = first_module(cover);
     std::vector<view::LatestSamples::Contact> contacts;
     for (const device::SkinContact& c : device::contacts_of(cover.touches(), cover.design(), shown_.calibration)) {
-      view::LatestSamples::Contact& out = contacts.emplace_back();
-      for (const device::PressedTaxel& t : c.taxels)
-        out.taxels.push_back(layout::kTaxelsPerModule * (first + t.module) + t.taxel);
       const auto module = static_cast<std::size_t>(c.taxels.front().module);
-      out.position_mm = moved(c.position_mm, cover.design().layout.modules[module],
-                              shown_.design.layout.modules[static_cast<std::size_t>(first) + module]);
-      out.position_sd_mm = c.position_sd_mm;
-      out.force_n = c.force_n;
-      out.force_sd_n = c.force_sd_n;
-      out.area_mm2 = c.area_mm2;
-      out.change_counts = c.change_counts;
+      contacts.push_back(contact_of(c, first));
+      contacts.back().position_mm = moved(c.position_mm, cover.design().layout.modules[module],
+                                          shown_.design.layout.modules[static_cast<std::size_t>(first) + module]);
     }
     // A cover may have parts on several buses, and each bus knows only its own contacts.
     const int group = static_cast<int>(bus_.index() * shown_.offsets.size()) + cover.config().cover;
