@@ -10,6 +10,7 @@
 
 #include "kicad_text.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/design/module_side.hpp"
 #include "triskin/fabrication/kicad.hpp"
 #include "triskin/fabrication/module_tracks.hpp"
 
@@ -181,7 +182,7 @@ class Board {
 
   [[nodiscard]] std::size_t port_at(int id, int side) const {
     const auto& wired = wiring_[static_cast<std::size_t>(id)];
-    return static_cast<std::size_t>((side + 3 - (wired.patch < 0 ? 0 : wired.routed.rotation)) % 3);
+    return static_cast<std::size_t>(design::port_at_side(side, wired.patch < 0 ? 0 : wired.routed.rotation));
   }
 
   [[nodiscard]] std::vector<Cable> cables() const {

@@ -80,12 +80,17 @@ void append_right_of(std::vector<std::string>& lines, const std::vector<std::str
 }
 
 // Arranges blocks in rows, as many side by side as fit into `columns` (0: no limit).
+std::size_t columns_of(const std::vector<std::string>& lines) {
+  std::size_t wide = 0;
+  for (const std::string& line : lines) wide = std::max(wide, shown_columns(line));
+  return wide;
+}
+
 std::vector<std::string> side_by_side(const std::vector<std::vector<std::string>>& blocks, std::size_t columns) {
   std::vector<std::string> all, row;
   std::size_t used = 0;
   for (const auto& block : blocks) {
-    std::size_t wide = 0;
-    for (const std::string& line : block) wide = std::max(wide, shown_columns(line));
+    const std::size_t wide = columns_of(block);
     if (!row.empty() && columns > 0 && used + kGapColumns + wide > columns) {
       std::ranges::move(row, std::back_inserter(all));
       row.clear();
