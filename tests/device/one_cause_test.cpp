@@ -33,7 +33,7 @@ design::Design other_strip(int modules, int per_patch) {
 design::RestValues rest_now(Fixture& fixture) {
   fixture.bus().listen(fixture.bus().now_us() + 3'000'000);
   design::RestValues rest(fixture.design().layout.modules.size());
-  for (const int patch : design::patches_here(fixture.design())) {
+  for (const layout::PatchIndex patch : design::patches_here(fixture.design())) {
     const layout::PatchImage image = image_of(fixture.design(), patch);
     const wire::LiveTaxels now = Controller(fixture.bus(), image.node_address).taxels();
     for (std::size_t row = 0; row < image.module_count; ++row)

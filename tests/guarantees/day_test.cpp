@@ -151,7 +151,7 @@ class BusDay {
     // Each minute something presses another module of a cover, or all are free.
     device::LiveCover& cover = bus_.covers()[static_cast<std::size_t>(minute / 2) % bus_.covers().size()];
     if (minute % 2 == 0)
-      cover.actuator()->press({minute % kModules, 5});
+      cover.actuator()->press({layout::ModuleId{minute % kModules}, layout::TaxelIndex{5}});
     else
       cover.actuator()->lift();
     device::LiveRun run{bus_.now_us() + kMinute_us, kSlice_us, {}, {}};

@@ -63,10 +63,10 @@ class AdoptionRecording : public ShellCase {
     const auto run_us = [&](std::uint64_t us) { stream.run_until(bus.now_us() + us); };
     run_us(500'000);
     failed_us_ = bus.now_us();
-    hardware.patch(0).set_dead(hardware.row_of(unreachable_.dead), true);
+    hardware.patch(layout::PatchIndex{0}).set_dead(hardware.row_of(layout::ModuleId{unreachable_.dead}), true);
     run_us(2'000'000);
     whole_us_ = bus.now_us();
-    hardware.patch(0).set_dead(hardware.row_of(unreachable_.dead), false);
+    hardware.patch(layout::PatchIndex{0}).set_dead(hardware.row_of(layout::ModuleId{unreachable_.dead}), false);
     run_us(5'000'000);
     stream.finish();
     recorder->finish({{"status", "complete"}});

@@ -66,7 +66,7 @@ bridge::Pose pose_of(const std::vector<double>& numbers) {
 // Makes one part of the diagnostics for each controller; the first sentence names the problem.
 std::vector<bridge::Diagnosis> diagnose(const device::StreamReport& report, const std::string& part) {
   using Level = bridge::Diagnosis::Level;
-  std::map<int, device::SampleCounts> counts;
+  std::map<layout::PatchIndex, device::SampleCounts> counts;
   for (const device::ModuleCounts& m : report.modules) counts[m.patch] += m.counts;
   std::vector<bridge::Diagnosis> parts;
   for (const device::ClockState& c : report.clocks) {

@@ -62,12 +62,12 @@ void ask_person(const std::string& request) {
 }
 
 // Returns the modules of --modules in ascending order; none stands for all.
-std::vector<int> chosen_modules(const Options& options, const design::Design& design) {
-  std::vector<int> chosen = module_ids("--modules", options.modules);
+std::vector<layout::ModuleId> chosen_modules(const Options& options, const design::Design& design) {
+  std::vector<layout::ModuleId> chosen = module_ids("--modules", options.modules);
   std::ranges::sort(chosen);
   chosen.erase(std::ranges::unique(chosen).begin(), chosen.end());
-  const std::vector<int> here = device::wanted_modules(design, {});
-  for (const int module : chosen) {
+  const std::vector<layout::ModuleId> here = device::wanted_modules(design, {});
+  for (const layout::ModuleId module : chosen) {
     if (!std::ranges::binary_search(here, module))
       throw InputError(
           fmt::format("--modules: there is no module {} here; there are {}", module, module_ids_text(here)));
@@ -97,10 +97,10 @@ device::CalibrationOutcome measure(const Options& options, device::LiveBus& live
   const double of_gram = kpa_per_gram(options, design);
   std::vector<double> pressures = options.steps_kpa;
   for (const double g : options.weights_g) pressures.push_back(g * of_gram);
-  const auto in_turn = by_module ? device::wanted_modules(design, calibrate) : std::vector<int>{};
+  const auto in_turn = by_module ? device::wanted_modules(design, calibrate) : std::vector<layout::ModuleId>{};
   const auto steps = device::pressure_steps(pressures, in_turn);
   device::TouchActuator* actuator = options.by_hand ? nullptr : cover.actuator();
-  int pressed = -1;
+  layout::ModuleId pressed = layout::ModuleId::none();
   calibrate.apply = [&](const device::PressureStep& step) {
     if (interrupt_request()) throw Cancelled("ended by a person");
     if (actuator == nullptr) return ask_person(request_of(step, of_gram));
@@ -114,9 +114,9 @@ device::CalibrationOutcome measure(const Options& options, device::LiveBus& live
 
 // Returns the modules that were wanted and not measured, as --modules takes them.
 std::string rest_of(const device::CalibrateOptions& options, const design::Design& design,
-                    std::span<const int> measured) {
-  std::vector<int> wanted = device::wanted_modules(design, options);
-  std::erase_if(wanted, [&](int module) { return std::ranges::binary_search(measured, module); });
+                    std::span<const layout::ModuleId> measured) {
+  std::vector<layout::ModuleId> wanted = device::wanted_modules(design, options);
+  std::erase_if(wanted, [&](layout::ModuleId module) { return std::ranges::binary_search(measured, module); });
   return module_ids_text(wanted);
 }
 
@@ -134,7 +134,7 @@ void print_report(const device::CalibrationOutcome& outcome, Output& output) {
       at_least(q.worst_percent, kMinError_percent, "%"), at_least(q.residual_kpa, kMinError_kpa, "kPa")));
   for (std::size_t k = 0; k < std::min(kMaxNamed, outcome.without.size()); ++k)
     output.say(fmt::format("module {} taxel {}: not calibrated: it does not follow the pressure; run triskin verify",
-                           outcome.without[k].first, outcome.without[k].second));
+                           outcome.without[k].module, outcome.without[k].taxel));
   if (outcome.without.size() > kMaxNamed)
     output.say(fmt::format("… and {} more", counted(outcome.without.size() - kMaxNamed, "taxel")));
   nlohmann::json without = nlohmann::json::array();

@@ -75,7 +75,8 @@ nlohmann::json ask_topology(device::Bus& bus, const wire::NodeClaim& claim, cons
                             const Output& output) {
   device::Controller c(bus, claim.node_address);
   const wire::ActiveTable table = c.active_table();
-  return report_topology(c, designs, table.design_id, table.present() ? claim.node_address - 1 : -1, output);
+  const layout::PatchIndex expected{table.present() ? claim.node_address - 1 : -1};
+  return report_topology(c, designs, table.design_id, expected, output);
 }
 
 std::map<int, int> users_of(const std::vector<wire::NodeClaim>& claims) {
@@ -119,7 +120,7 @@ std::string place_on(const robot::BusConfig& site, nlohmann::json& j) {
   if (!j.contains("design_id")) return "";
   const std::string id = j["design_id"].get<std::string>();
   for (const robot::CoverConfig& cover : site.covers) {
-    const int patch = design::patch_at(cover.design, j["node_address"].get<int>());
+    const auto patch = design::patch_at(cover.design, layout::NodeAddress{j["node_address"].get<int>()});
     if (patch < 0 || id != fmt::format("{:016x}", cover.design.design_id)) continue;
     j["cover"] = cover.name;
     j["patch"] = patch;

@@ -68,7 +68,7 @@ class Notes {
 
 int conclude(const std::vector<device::IdentifiedBoard>& boards, const Options& options, Output& output) {
   nlohmann::json rows = nlohmann::json::array();
-  std::vector<int> missing;
+  std::vector<layout::PatchIndex> missing;
   for (const device::IdentifiedBoard& b : boards) {
     if (b.serial.empty()) missing.push_back(b.patch);
     rows.push_back({{"patch", b.patch},
@@ -96,7 +96,7 @@ int run(Options options, Output& output) {
   // Contacts in a scene act like fingers, so the program presses only without a scene.
   const bool own = device::is_in_process(options.site.link.link) && options.site.link.scene.empty();
   if (options.finger || (own && !options.by_hand)) options.identify.actuator = cover.actuator();
-  options.identify.ask = [&](int patch) {
+  options.identify.ask = [&](layout::PatchIndex patch) {
     tell_person(fmt::format("press any module of patch {} now (within {:g} s)", patch, options.identify.limit_s));
   };
   const auto boards = device::identify(

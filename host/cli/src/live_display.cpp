@@ -143,8 +143,8 @@ class Screen final : public LiveDisplay {
     const int patches = static_cast<int>(design_.patches.size());
     if (key == 'q') return Wish::kEnd;
     if (key == 't') return Wish::kTare;
-    if (key == 'n') patch_ = (patch_ + 1) % patches;
-    if (key == 'p') patch_ = (patch_ + patches - 1) % patches;
+    if (key == 'n') patch_ = layout::PatchIndex{(patch_ + 1) % patches};
+    if (key == 'p') patch_ = layout::PatchIndex{(patch_ + patches - 1) % patches};
     if (key == 'n' || key == 'p') has_chosen_ = true;
     if (key == 'f') has_chosen_ = false;
     if (key == 'h') trace_.toggle_hold();
@@ -155,14 +155,15 @@ class Screen final : public LiveDisplay {
   // The picture follows the patch with the strongest pressure.
   void follow(const LiveMonitor& monitor) {
     const auto pressed = monitor.touches().pressed();
-    if (!pressed.empty()) patch_ = std::max(0, patch_of(pressed.front().module));
+    if (!pressed.empty()) patch_ = std::max(layout::PatchIndex{}, patch_of(pressed.front().module));
   }
 
-  [[nodiscard]] int patch_of(int module) const {
+  [[nodiscard]] layout::PatchIndex patch_of(layout::ModuleId module) const {
     const auto found = std::ranges::find_if(design_.patches, [&](const design::Patch& p) {
       return std::ranges::find(p.modules, module, &design::RoutedModule::node) != p.modules.end();
     });
-    return found == design_.patches.end() ? -1 : static_cast<int>(found - design_.patches.begin());
+    return found == design_.patches.end() ? layout::PatchIndex::none()
+                                          : layout::PatchIndex{found - design_.patches.begin()};
   }
 
   // The key u goes through the units; kPa is the first where it is known.
@@ -208,17 +209,17 @@ class Screen final : public LiveDisplay {
   [[nodiscard]] std::vector<std::string> patch_lines(const LiveMonitor& monitor, int rows, int columns) const {
     std::vector<std::string> all;
     std::size_t wide = 0;
-    for (int p = 0; p < static_cast<int>(design_.patches.size()); ++p) {
+    for (layout::PatchIndex p; p < static_cast<int>(design_.patches.size()); ++p) {
       all.push_back(line_of(monitor, p));
       wide = std::max(wide, all.back().size() + 3);
     }
     const int beside = std::max(1, columns / static_cast<int>(wide)), room = rows * beside;
     const int patches = static_cast<int>(design_.patches.size());
-    std::vector<int> shown(static_cast<std::size_t>(patches));
-    std::iota(shown.begin(), shown.end(), 0);
+    std::vector<layout::PatchIndex> shown(static_cast<std::size_t>(patches));
+    std::iota(shown.begin(), shown.end(), layout::PatchIndex{});
     if (patches > room) {
-      const std::set<int> pressed = pressed_patches(monitor);
-      std::ranges::stable_sort(shown, {}, [&](int p) {
+      const std::set<layout::PatchIndex> pressed = pressed_patches(monitor);
+      std::ranges::stable_sort(shown, {}, [&](layout::PatchIndex p) {
         return p == patch_ ? 0 : pressed.contains(p) ? 1 : monitor.faults(p) + monitor.unheard(p) > 0 ? 2 : 3;
       });
       shown.resize(static_cast<std::size_t>(room - 1));
@@ -230,13 +231,13 @@ class Screen final : public LiveDisplay {
     return in_columns(texts, wide, static_cast<std::size_t>(beside));
   }
 
-  [[nodiscard]] std::set<int> pressed_patches(const LiveMonitor& monitor) const {
-    std::set<int> patches;
+  [[nodiscard]] std::set<layout::PatchIndex> pressed_patches(const LiveMonitor& monitor) const {
+    std::set<layout::PatchIndex> patches;
     for (const PressedTaxel& t : monitor.touches().pressed()) patches.insert(patch_of(t.module));
     return patches;
   }
 
-  [[nodiscard]] std::string line_of(const LiveMonitor& monitor, int patch) const {
+  [[nodiscard]] std::string line_of(const LiveMonitor& monitor, layout::PatchIndex patch) const {
     std::string text = fmt::format("{} patch {:3}  {:>10}  {:5.1f}/s", patch == patch_ ? ">" : " ", patch,
                                    counted(design_.patches[static_cast<std::size_t>(patch)].modules.size(), "module"),
                                    monitor.rate_hz(patch));
@@ -253,7 +254,7 @@ class Screen final : public LiveDisplay {
   Terminal terminal_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   device::TaxelTrace trace_;
-  int patch_ = 0;
+  layout::PatchIndex patch_;
   bool has_chosen_ = false;  // The user's choice of a patch stops the automatic choice.
   std::size_t unit_turns_ = 0;
 };

@@ -115,11 +115,11 @@ class CoverFile {
     if (device::is_simulated(bus.bus().name())) origin_.facts["simulated"] = "true";
     origin_.facts["program"] = fmt::format("triskin {}", TRISKIN_VERSION);
     if (!cover_.name.empty()) origin_.facts["cover"] = cover_.name;
-    for (const int patch : design::patches_here(cover_.design)) {
+    for (const layout::PatchIndex patch : design::patches_here(cover_.design)) {
       const auto node = static_cast<std::uint8_t>(design::node_address_of(cover_.design, patch));
       origin_.facts[fmt::format("firmware_{}", node)] = firmware_of(bus.bus(), node);
       if (std::string serial = device::serial_at(bus.claims(), node); !serial.empty())
-        origin_.facts[recording::serial_fact(node)] = std::move(serial);
+        origin_.facts[recording::serial_fact(layout::NodeAddress{node})] = std::move(serial);
     }
     calibrate_cover(options.calibration, bus, *live_, output);
     if (live_->calibration().complete())

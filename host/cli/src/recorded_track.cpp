@@ -24,7 +24,7 @@ RecordedTrack read_track(const std::string& file, std::size_t max_bytes) {
   const recording::Summary summary = recording::read_recording(file, [&](const recording::ModuleSample& s) {
     if (static_cast<std::size_t>(s.module) >= modules) return;
     touches.add({s.module, s.link_time_us, s.sample});
-    track.add(s.module, {s.sample.state, s.sample.valid, touches.change(s.module)},
+    track.add(layout::SkinModule{s.module.value()}, {s.sample.state, s.sample.valid, touches.change(s.module)},
               static_cast<std::int64_t>(s.link_time_us));
   });
   recorded.frames = track.finish();

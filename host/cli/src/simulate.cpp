@@ -115,7 +115,7 @@ void tell_boards(const std::vector<SimulatedBus>& buses, Output& output) {
   for (const SimulatedBus& bus : buses) {
     const scene::Scene& scene = bus.skin->scene();
     for (std::size_t p = 0; p < bus.skin->controllers(); ++p) {
-      boards.push_back({{"patch", p}, {"serial", device::to_text(scene::unique_id_of(scene, p))}});
+      boards.push_back({{"patch", p}, {"serial", device::to_text(scene::unique_id_of(scene, layout::PatchIndex{p}))}});
       if (!bus.name.empty()) boards.back()["bus"] = bus.name;
       if (bus.name.empty())
         output.say(fmt::format("patch {:3}  controller {}", p, boards.back()["serial"].get<std::string>()));

@@ -107,7 +107,7 @@ void say_match(const json& match, const Output& output) {
 }  // namespace
 
 json report_topology(device::Controller& controller, const std::vector<NamedDesign>& designs,
-                     std::uint64_t expected_design, int expected_patch, const Output& output) {
+                     std::uint64_t expected_design, layout::PatchIndex expected_patch, const Output& output) {
   controller.reroute();
   const wire::FoundTopology found = controller.topology();
   const wire::ActiveRoute route = controller.route();

@@ -20,7 +20,7 @@ constexpr const char* kBoardPage = "docs/which_board.md";
 FlashOptions::Assignment assignment_in(const JsonValue& v, const design::Design& design) {
   design::only_keys(v, {"patch", "serial"}, kBoardPage);
   FlashOptions::Assignment a;
-  a.patch = v["patch"].integer(0, static_cast<int>(design.patches.size()) - 1);
+  a.patch = layout::PatchIndex{v["patch"].integer(0, static_cast<int>(design.patches.size()) - 1)};
   a.serial = normal_serial(v["serial"].text());
   if (a.serial.empty()) v["serial"].fail("must have 24 hexadecimal digits, as triskin discover shows serial numbers");
   return a;

@@ -80,7 +80,7 @@ class Matcher {
     bool any_answer = false;
     std::exception_ptr silence;
     for (const auto& c : claims) {
-      Candidate candidate{{c, -1}, Owner::kNobody, {}};
+      Candidate candidate{{c, layout::PatchIndex::none()}, Owner::kNobody, {}};
       try {
         if (c.has_table) ask(candidate, users.at(c.node_address) == 1);
         any_answer = any_answer || candidate.table.present();
@@ -116,11 +116,11 @@ class Matcher {
     });
   }
 
-  [[nodiscard]] bool wanted(int patch) const {
+  [[nodiscard]] bool wanted(layout::PatchIndex patch) const {
     return std::ranges::binary_search(here_, patch) && (options_.patch < 0 || options_.patch == patch) &&
            !missing_.contains(patch);
   }
-  void give(Candidate& c, int patch, FoundBy by) {
+  void give(Candidate& c, layout::PatchIndex patch, FoundBy by) {
     c.board.patch = patch;
     c.board.by = by;
     taken_.insert(patch);
@@ -149,7 +149,7 @@ class Matcher {
   }
   void keep_own() {
     for (Candidate& c : candidates_) {
-      const int patch = design::patch_at(design_, c.board.claim.node_address);
+      const layout::PatchIndex patch = design::patch_at(design_, layout::NodeAddress{c.board.claim.node_address});
       if (c.board.patch < 0 && c.owner == Owner::kThis && wanted(patch) && !taken_.contains(patch))
         give(c, patch, FoundBy::kTable);
     }
@@ -162,7 +162,7 @@ class Matcher {
       if (c.board.patch >= 0 || c.owner != Owner::kThis) continue;
       if (then.patches.empty()) then = design_;
       then.node_addresses.assign(n_patches_, c.board.claim.node_address);
-      const auto found = std::ranges::find_if(here_, [&](int patch) {
+      const auto found = std::ranges::find_if(here_, [&](layout::PatchIndex patch) {
         return wanted(patch) && !taken_.contains(patch) && holds_image(c.table.crc, image_of(then, patch));
       });
       if (found != here_.end()) give(c, *found, FoundBy::kTable);
@@ -184,8 +184,8 @@ class Matcher {
   // Assigns boards by shape even if only one patch is requested, because the other boards narrow the choice. If
   // controllers are missing, it asks nothing, and require_all() reports that.
   void recognise() {
-    std::vector<int> open;
-    for (const int p : here_) {
+    std::vector<layout::PatchIndex> open;
+    for (const layout::PatchIndex p : here_) {
       if (!taken_.contains(p)) open.push_back(p);
     }
     const std::vector<Candidate*> free = free_candidates(options_.patch < 0 ? open.size() : 1);
@@ -196,13 +196,13 @@ class Matcher {
     if (options_.patch < 0 && free.size() < open.size()) return;
     if (options_.dry_run && share_addresses(free)) return;
     const Undecided alike = settle_by_shape(free, open, seats);
-    std::erase_if(open, [&](int p) { return !wanted(p) || taken_.contains(p); });
+    std::erase_if(open, [&](layout::PatchIndex p) { return !wanted(p) || taken_.contains(p); });
     if (open.empty() || alike.boards.empty()) return;  // No board is left that would have to be distinguished.
     if (options_.actuator == nullptr || options_.dry_run) refuse_alike(open, alike.boards);
     touch(open, alike);
   }
   // `seats` begins with those of the patches in `open`; the others belong to neighbours.
-  Undecided settle_by_shape(const std::vector<Candidate*>& free, const std::vector<int>& open,
+  Undecided settle_by_shape(const std::vector<Candidate*>& free, const std::vector<layout::PatchIndex>& open,
                             const std::vector<Seat>& seats) {
     std::vector<BoardShape> shapes = shapes_of(free);
     ShapeAssignment by_shape = assign_by_shape(shapes, seats);
@@ -213,14 +213,14 @@ class Matcher {
     }
     Undecided alike;
     for (std::size_t k = 0; k < free.size(); ++k) {
-      std::vector<int> likely;  // Only patches of this design are likely here.
+      std::vector<layout::PatchIndex> likely;  // Only patches of this design are likely here.
       for (const int seat : by_shape.likely[k]) {
         if (static_cast<std::size_t>(seat) < open.size()) likely.push_back(open[static_cast<std::size_t>(seat)]);
       }
       const bool elsewhere = likely.empty() && !by_shape.likely[k].empty();
       const bool settled = by_shape.seat[k] >= 0;
       const bool own = settled && static_cast<std::size_t>(by_shape.seat[k]) < open.size();
-      const int patch = own ? open[static_cast<std::size_t>(by_shape.seat[k])] : -1;
+      const auto patch = own ? open[static_cast<std::size_t>(by_shape.seat[k])] : layout::PatchIndex::none();
       if (own && wanted(patch)) {
         give(*free[k], patch, FoundBy::kShape);
       } else if (settled || elsewhere) {
@@ -261,7 +261,7 @@ class Matcher {
       known_.shapes.insert_or_assign(c->board.claim.unique_id, read_shape(controller));
     }
   }
-  void touch(const std::vector<int>& open, const Undecided& alike) {
+  void touch(const std::vector<layout::PatchIndex>& open, const Undecided& alike) {
     if (options_.say)
       options_.say(
           fmt::format("the shapes of {} {} do not tell their controllers apart: the finger of the simulation does",
@@ -270,8 +270,8 @@ class Matcher {
     how.say = options_.say;
     how.actuator = options_.actuator;
     TouchFinder finder(bus_, design_, alike.boards, how);
-    std::vector<int> silent;
-    for (const int patch : open) {
+    std::vector<layout::PatchIndex> silent;
+    for (const layout::PatchIndex patch : open) {
       if (const auto board = finder.find(patch))
         give(*alike.candidates[*board], patch, FoundBy::kTouch);
       else
@@ -279,7 +279,8 @@ class Matcher {
     }
     if (!silent.empty()) refuse_alike(silent, alike.boards);
   }
-  [[noreturn]] void refuse_alike(const std::vector<int>& open, const std::vector<FeelingBoard>& boards) const {
+  [[noreturn]] void refuse_alike(const std::vector<layout::PatchIndex>& open,
+                                 const std::vector<FeelingBoard>& boards) const {
     std::vector<std::string> names;
     for (const FeelingBoard& b : boards) {
       names.push_back(fmt::format("{} ({})", to_text(b.claim.unique_id),
@@ -334,7 +335,7 @@ class Matcher {
     const FoundBy by = only                                     ? FoundBy::kOnly
                        : options_.dry_run && options_.recognise ? FoundBy::kNothing
                                                                 : FoundBy::kOrder;
-    for (const int patch : patches) {
+    for (const layout::PatchIndex patch : patches) {
       if (next == free.end()) return;
       if (patch >= 0) give(**next, patch, by);
       ++next;
@@ -343,16 +344,16 @@ class Matcher {
 
   // Returns the patches without a controller in the order of their node addresses; −1 stands for one of a neighbour.
   // If the free controllers do not suffice for all covers of the bus, only patches of this design are returned.
-  [[nodiscard]] std::vector<int> seats(std::size_t n_free) const {
-    std::vector<std::pair<int, int>> own, all;  // Each pair is a node address and a patch.
-    for (const int patch : here_) {
+  [[nodiscard]] std::vector<layout::PatchIndex> seats(std::size_t n_free) const {
+    std::vector<std::pair<layout::NodeAddress, layout::PatchIndex>> own, all;
+    for (const layout::PatchIndex patch : here_) {
       if (wanted(patch) && !taken_.contains(patch)) own.emplace_back(design::node_address_of(design_, patch), patch);
     }
     all = own;
     for (const FlashOptions::Neighbour& n : options_.neighbours) {
-      if (is_vacant(n)) all.emplace_back(n.node, -1);
+      if (is_vacant(n)) all.emplace_back(n.node, layout::PatchIndex::none());
     }
-    std::vector<int> patches;
+    std::vector<layout::PatchIndex> patches;
     auto& list = n_free >= all.size() ? all : own;
     std::ranges::sort(list);
     for (const auto& [node, patch] : list) patches.push_back(patch);
@@ -367,8 +368,8 @@ class Matcher {
 
   // If boards are missing, only the certain ones are served.
   void require_all() {
-    std::vector<int> open;
-    for (const int p : here_) {
+    std::vector<layout::PatchIndex> open;
+    for (const layout::PatchIndex p : here_) {
       if (wanted(p) && !taken_.contains(p)) open.push_back(p);
     }
     if (open.empty()) return;
@@ -394,9 +395,9 @@ class Matcher {
       if (c.board.patch < 0 || is_certain(c)) continue;
       open.push_back(c.board.patch);
       taken_.erase(c.board.patch);
-      c.board.patch = -1;
+      c.board.patch = layout::PatchIndex::none();
     }
-    for (const int p : open) missing_.try_emplace(p, too_few);
+    for (const layout::PatchIndex p : open) missing_.try_emplace(p, too_few);
   }
   static bool is_certain(const Candidate& c) {
     return c.board.patch >= 0 && (c.board.by == FoundBy::kName || c.board.by == FoundBy::kTable);
@@ -418,7 +419,7 @@ class Matcher {
   void require_addresses() const {
     for (const Candidate& c : candidates_) {
       const bool theirs = c.owner == Owner::kAnother || c.owner == Owner::kUnknown;
-      const int patch = design::patch_at(design_, c.board.claim.node_address);
+      const layout::PatchIndex patch = design::patch_at(design_, layout::NodeAddress{c.board.claim.node_address});
       if (options_.take_over || !theirs || c.board.patch >= 0 || !taken_.contains(patch)) continue;
       throw DeviceError(fmt::format(
           "{}: controller {} holds a table that is not of this design and has node address {}, which patch {} needs; "
@@ -433,11 +434,11 @@ class Matcher {
   const FlashOptions& options_;
   BusBoards& known_;
   const std::size_t n_patches_;
-  const std::vector<int> here_;  // The patches are in ascending order.
+  const std::vector<layout::PatchIndex> here_;  // The patches are in ascending order.
   std::vector<Candidate> candidates_;
-  std::set<int> taken_;
+  std::set<layout::PatchIndex> taken_;
   std::vector<std::string> silent_;
-  std::map<int, std::string> missing_;  // The value is the reason why the patch has no controller.
+  std::map<layout::PatchIndex, std::string> missing_;  // The value is the reason why the patch has no controller.
 };
 
 }  // namespace

@@ -92,7 +92,7 @@ BoardShape read_shape(Controller& controller) {
   return shape;
 }
 
-int shape_difference(const BoardShape& shape, const design::Design& design, int patch) {
+int shape_difference(const BoardShape& shape, const design::Design& design, layout::PatchIndex patch) {
   const design::Patch& designed = design.patches.at(static_cast<std::size_t>(patch));
   if (!shape.switched) return strapped_difference(shape, designed);
   if (shape.found.count == 0 || designed.modules.empty()) return -1;
@@ -100,21 +100,22 @@ int shape_difference(const BoardShape& shape, const design::Design& design, int 
   return match.another_patch() ? -1 : static_cast<int>(match.differences.size());
 }
 
-bool reaches_across(const BoardShape& shape, const design::Design& design, int patch, std::span<const int> open) {
+bool reaches_across(const BoardShape& shape, const design::Design& design, layout::PatchIndex patch,
+                    std::span<const layout::PatchIndex> open) {
   if (!shape.switched || shape.found.count == 0 || shape.found.second_cable) return false;
   const wire::FoundTopology expected = topology_across(design, patch, open);
   return shape.found.count == expected.count && shape.found.cable_port == expected.cable_port &&
          shape.found.joints == expected.joints;
 }
 
-std::vector<Seat> seats_of(const design::Design& design, std::span<const int> patches) {
+std::vector<Seat> seats_of(const design::Design& design, std::span<const layout::PatchIndex> patches) {
   std::vector<Seat> seats;
-  for (const int p : patches) seats.push_back({&design, p});
+  for (const layout::PatchIndex p : patches) seats.push_back({&design, p});
   return seats;
 }
 
 ShapeAssignment assign_by_shape(std::span<const BoardShape> shapes, std::span<const Seat> seats) {
-  std::map<const design::Design*, std::vector<int>> open;
+  std::map<const design::Design*, std::vector<layout::PatchIndex>> open;
   for (const Seat& seat : seats) open[seat.design].push_back(seat.patch);
   for (auto& [design, patches] : open) std::ranges::sort(patches);
   ShapeAssignment result;

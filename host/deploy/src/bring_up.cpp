@@ -227,8 +227,8 @@ class Session {
   }
   [[nodiscard]] int patches() const { return static_cast<int>(design_.patches.size()); }
   [[nodiscard]] bool uses_line(std::uint8_t node, int line) const {
-    const int patch = node - layout::kFirstNode;
-    if (patch >= patches()) return true;
+    const layout::PatchIndex patch = design::patch_at(design_, layout::NodeAddress{node});
+    if (patch < 0) return true;
     const auto& modules = design_.patches[static_cast<std::size_t>(patch)].modules;
     return std::ranges::any_of(modules, [&](const design::RoutedModule& m) { return m.line == line; });
   }

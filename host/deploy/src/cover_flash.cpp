@@ -21,7 +21,8 @@ namespace {
 class FreeAddresses {
  public:
   FreeAddresses(const Bus& bus, const design::Design& design, const FlashOptions& options) : name_(bus.name()) {
-    for (const int patch : design::patches_here(design)) used_.insert(design::node_address_of(design, patch));
+    for (const layout::PatchIndex patch : design::patches_here(design))
+      used_.insert(design::node_address_of(design, patch));
     for (const FlashOptions::Neighbour& n : options.neighbours) promised_.insert(n.node);
   }
   void take(int address) { used_.insert(address); }
@@ -135,7 +136,8 @@ void CoverFlash::find(std::vector<wire::NodeClaim>& claims) {
 std::vector<FlashOptions::Neighbour> CoverFlash::settled() const {
   std::vector<FlashOptions::Neighbour> list;
   for (const Board& b : boards_)
-    list.push_back({address_of(b), design_.design_id, to_text(b.claim.unique_id), &design_, b.patch});
+    list.push_back(
+        {layout::NodeAddress{address_of(b)}, design_.design_id, to_text(b.claim.unique_id), &design_, b.patch});
   return list;
 }
 
@@ -150,13 +152,13 @@ void CoverFlash::begin(FlashResult::Patch& r, const Board& board) const {
   r.patch = board.patch;
   r.serial = to_text(board.claim.unique_id);
   r.by = board.by;
-  r.old_address = board.claim.node_address;
-  r.address = address_of(board);
+  r.old_address = layout::NodeAddress{board.claim.node_address};
+  r.address = layout::NodeAddress{address_of(board)};
   r.new_address = r.old_address != r.address;
   r.bytes = images_[static_cast<std::size_t>(board.patch)].size();
 }
 
-void CoverFlash::step(int patch, const char* what, double fraction) const {
+void CoverFlash::step(layout::PatchIndex patch, const char* what, double fraction) const {
   report(progress_, what, fraction, fmt::format("patch {}", patch), patch);
 }
 
@@ -223,7 +225,7 @@ std::vector<CoverFlash::Failure> CoverFlash::failures(std::span<const std::excep
 }
 
 std::string CoverFlash::what_is_done() const {
-  std::vector<int> done;
+  std::vector<layout::PatchIndex> done;
   for (const FlashResult::Patch& r : patches_) {
     if (r.equal || r.written) done.push_back(r.patch);
   }

@@ -57,7 +57,7 @@ class CoverFlash {
   void find(std::vector<wire::NodeClaim>& claims);
   [[nodiscard]] std::uint8_t address_of(const Board& board) const;
   void begin(FlashResult::Patch& r, const Board& board) const;
-  void step(int patch, const char* what, double fraction) const;
+  void step(layout::PatchIndex patch, const char* what, double fraction) const;
   void serve(Bus& bus, const Board& board, FlashResult::Patch& r) const;
   void converse(Bus& bus, const Board& board, FlashResult::Patch& r, bool& began_to_write) const;
 

@@ -161,9 +161,9 @@ std::optional<std::size_t> TouchFinder::wait(std::uint64_t until_us) {
 }
 
 // Presses several modules of the patch, because the first one may be dead.
-std::optional<std::size_t> TouchFinder::press(TouchActuator& actuator, int patch) {
+std::optional<std::size_t> TouchFinder::press(TouchActuator& actuator, layout::PatchIndex patch) {
   for (const design::RoutedModule& m : design_.patches.at(static_cast<std::size_t>(patch)).modules) {
-    actuator.press(m.node);
+    actuator.press(layout::ModuleId{m.node});
     bus_.listen(bus_.now_us() + kSample_us);
     const auto board = wait(bus_.now_us() + 4 * kLook_us);
     actuator.lift();
@@ -174,7 +174,7 @@ std::optional<std::size_t> TouchFinder::press(TouchActuator& actuator, int patch
   return std::nullopt;
 }
 
-std::optional<std::size_t> TouchFinder::find(int patch) {
+std::optional<std::size_t> TouchFinder::find(layout::PatchIndex patch) {
   take_rest();
   if (options_.ask) options_.ask(patch);
   const auto board = options_.actuator != nullptr

@@ -53,7 +53,7 @@ BoardCalibration board_in(const JsonValue& v) {
   if (board.serial.size() != 24 || board.serial.find_first_not_of("0123456789ABCDEF") != std::string::npos)
     v["serial"].fail("must have 24 hexadecimal digits, upper case, as triskin discover shows serial numbers");
   board.design_id = hex64(v["design_id"]);
-  board.patch = v["patch"].integer(0, kMaxCount);
+  board.patch = layout::PatchIndex{v["patch"].integer(0, kMaxCount)};
   board.revision = v["revision"].integer(1, kMaxCount);
   board.made = v["made"].text();
   const auto method = kCalibrationMethodNames.value(v["method"].text());
@@ -149,9 +149,9 @@ CalibrationQuality quality_of(std::span<const BoardCalibration> boards) {
 }
 
 SkinCalibration::SkinCalibration(const Design& design, std::span<const BoardCalibration> boards,
-                                 const std::function<std::string(int)>& serial_of_patch)
+                                 const std::function<std::string(layout::PatchIndex)>& serial_of_patch)
     : modules_(design.layout.modules.size()) {
-  for (const int patch : patches_here(design)) {
+  for (const layout::PatchIndex patch : patches_here(design)) {
     const std::string serial = serial_of_patch(patch);
     const auto board = std::ranges::find(boards, serial, &BoardCalibration::serial);
     const bool known = !serial.empty() && board != boards.end();

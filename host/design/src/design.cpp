@@ -58,28 +58,28 @@ std::vector<ModuleWiring> wiring_of(const Design& design) {
   std::vector<ModuleWiring> wiring(design.layout.modules.size());
   for (std::size_t p = 0; p < design.patches.size(); ++p) {
     for (const RoutedModule& m : design.patches[p].modules) {
-      wiring.at(static_cast<std::size_t>(m.node)) = {static_cast<int>(p), m};
+      wiring.at(static_cast<std::size_t>(m.node)) = {layout::PatchIndex{p}, m};
     }
   }
   return wiring;
 }
 
-int node_address_of(const Design& design, int patch) {
-  if (design.node_addresses.empty()) return patch + layout::kFirstNode;
-  return design.node_addresses.at(static_cast<std::size_t>(patch));
+layout::NodeAddress node_address_of(const Design& design, layout::PatchIndex patch) {
+  if (design.node_addresses.empty()) return layout::NodeAddress{patch + layout::kFirstNode};
+  return layout::NodeAddress{design.node_addresses.at(static_cast<std::size_t>(patch))};
 }
 
-int patch_at(const Design& design, int node) {
-  for (std::size_t p = 0; p < design.patches.size(); ++p) {
-    if (node != 0 && node_address_of(design, static_cast<int>(p)) == node) return static_cast<int>(p);
+layout::PatchIndex patch_at(const Design& design, layout::NodeAddress node) {
+  for (layout::PatchIndex p; p < static_cast<int>(design.patches.size()); ++p) {
+    if (node != 0 && node_address_of(design, p) == node) return p;
   }
-  return -1;
+  return layout::PatchIndex::none();
 }
 
-std::vector<int> patches_here(const Design& design) {
-  std::vector<int> here;
-  for (std::size_t p = 0; p < design.patches.size(); ++p) {
-    if (node_address_of(design, static_cast<int>(p)) != 0) here.push_back(static_cast<int>(p));
+std::vector<layout::PatchIndex> patches_here(const Design& design) {
+  std::vector<layout::PatchIndex> here;
+  for (layout::PatchIndex p; p < static_cast<int>(design.patches.size()); ++p) {
+    if (node_address_of(design, p) != 0) here.push_back(p);
   }
   return here;
 }

@@ -7,7 +7,7 @@
 
 namespace triskin::design {
 
-PortEnds joints_of(const Design& design, int patch_index, std::span<const int> rotations) {
+PortEnds joints_of(const Design& design, layout::PatchIndex patch_index, std::span<const int> rotations) {
   const auto& routed = design.patches.at(static_cast<std::size_t>(patch_index)).modules;
   const auto row_of = [&](int node) {
     const auto found = std::ranges::find(routed, node, &RoutedModule::node);
@@ -28,7 +28,8 @@ PortEnds joints_of(const Design& design, int patch_index, std::span<const int> r
       const auto far = std::ranges::find(back, routed[k].node);
       const int far_side = static_cast<int>(far - back.begin());
       if (far == back.end() || (other == 0 && far_side == routed[0].rotation)) continue;
-      ends[k][static_cast<std::size_t>(port_at(static_cast<int>(k), side))] = {other, port_at(other, far_side)};
+      ends[k][static_cast<std::size_t>(port_at(static_cast<int>(k), side))] = {layout::TableRow{other},
+                                                                               port_at(other, far_side)};
     }
   }
   return ends;
@@ -55,7 +56,7 @@ std::vector<std::array<ModuleEnd, layout::kPorts>> module_ends(const Design& des
       const std::array<int, 3> back = joined_to(design.layout, other);
       const int far_side = static_cast<int>(std::ranges::find(back, m) - back.begin());
       if (far_side == 3 || has_cable(other, far_side)) continue;
-      ends[at(m)][at(port_at(m, side))] = {other, port_at(other, far_side)};
+      ends[at(m)][at(port_at(m, side))] = {layout::ModuleId{other}, port_at(other, far_side)};
     }
   }
   return ends;

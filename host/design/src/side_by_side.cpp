@@ -62,7 +62,7 @@ void append(Design& all, const Design& one, const CoverOffset& offset, const Eig
   all.layout.islands += one.layout.islands;
   for (std::size_t p = 0; p < one.patches.size(); ++p) {
     all.patches.push_back(renumbered(one.patches[p], offset.module));
-    all.node_addresses.push_back(static_cast<std::uint8_t>(node_address_of(one, static_cast<int>(p))));
+    all.node_addresses.push_back(static_cast<std::uint8_t>(node_address_of(one, layout::PatchIndex{p})));
   }
   all.report.area_cm2 += one.report.area_cm2;
   all.report.upper_bound += one.report.upper_bound;
@@ -84,7 +84,7 @@ SideBySide side_by_side(std::span<const PlacedCover> covers) {
       throw InputError("cover " + c.design->name +
                        ": its modules have other corner cuts than those of the first cover; make the designs with one "
                        "--corner-cut-mm");
-    const CoverOffset offset{static_cast<int>(all.layout.modules.size()), static_cast<int>(all.patches.size()),
+    const CoverOffset offset{layout::SkinModule{all.layout.modules.size()}, static_cast<int>(all.patches.size()),
                              all.layout.islands};
     append(all, *c.design, offset, c.pose);
     joint.offsets.push_back(offset);

@@ -13,13 +13,13 @@
 namespace triskin::device {
 namespace {
 
-std::string patches_text(const std::vector<int>& patches) {
+std::string patches_text(const std::vector<layout::PatchIndex>& patches) {
   return fmt::format("{} {}", noun_after(patches.size() == 1, "patch"), short_list(patches));
 }
 
 }  // namespace
 
-Finding controller_finding(FindingKind kind, int patch, std::string text, std::string remedy) {
+Finding controller_finding(FindingKind kind, layout::PatchIndex patch, std::string text, std::string remedy) {
   Finding f;
   f.kind = kind;
   f.patch = patch;
@@ -32,7 +32,7 @@ ControllerCheck::ControllerCheck(Bus& bus, const design::Design& design)
     : bus_(bus), design_(design), claims_(bus.discover()) {
   for (const wire::NodeClaim& c : claims_) {
     if (c.has_table)
-      ++with_table_[c.node_address];
+      ++with_table_[layout::NodeAddress{c.node_address}];
     else
       ++without_table_;
   }
@@ -40,7 +40,7 @@ ControllerCheck::ControllerCheck(Bus& bus, const design::Design& design)
 }
 
 bool ControllerCheck::check(PatchState& p, std::vector<Finding>& findings) {
-  const int node = p.image.node_address;
+  const layout::NodeAddress node{p.image.node_address};
   const auto at_node = with_table_.find(node);
   if (at_node == with_table_.end() || at_node->second > 1) {
     note_missing(p.patch, node);
@@ -99,7 +99,7 @@ std::string ControllerCheck::name_of_kind(int kind) const {
 // A table that the design prepared for a failure is valid as well; a finding says what it leaves out.
 bool ControllerCheck::runs_on_backup(PatchState& p, std::uint32_t crc, std::vector<Finding>& findings) {
   for (const design::FailureLoss& f : design_.patches[static_cast<std::size_t>(p.patch)].failures) {
-    const RouteChoice choice{f.node, f.other_node};
+    const RouteChoice choice{layout::ModuleId{f.node}, layout::ModuleId{f.other_node}};
     if (f.node == design_.patches[static_cast<std::size_t>(p.patch)].entry && f.other_node < 0) continue;
     const layout::PatchImage image = image_of(design_, p.patch, choice);
     if (crc32(bytes_of(image)) != crc) continue;
@@ -119,7 +119,7 @@ bool ControllerCheck::runs_on_backup(PatchState& p, std::uint32_t crc, std::vect
   return false;
 }
 
-std::vector<std::string> ControllerCheck::serials_at(int node) const {
+std::vector<std::string> ControllerCheck::serials_at(layout::NodeAddress node) const {
   std::vector<std::string> serials;
   for (const wire::NodeClaim& c : claims_) {
     if (c.has_table && c.node_address == node) serials.push_back(to_text(c.unique_id));
@@ -127,7 +127,7 @@ std::vector<std::string> ControllerCheck::serials_at(int node) const {
   return serials;
 }
 
-void ControllerCheck::note_missing(int patch, int node) {
+void ControllerCheck::note_missing(layout::PatchIndex patch, layout::NodeAddress node) {
   if (with_table_.contains(node))
     doubled_.push_back(patch);
   else
@@ -135,8 +135,9 @@ void ControllerCheck::note_missing(int patch, int node) {
 }
 
 // The controller of each patch in `without` may be one of the two.
-Finding ControllerCheck::duplicate_finding(int patch, const std::vector<int>& without) const {
-  const int node = design::node_address_of(design_, patch);
+Finding ControllerCheck::duplicate_finding(layout::PatchIndex patch,
+                                           const std::vector<layout::PatchIndex>& without) const {
+  const layout::NodeAddress node = design::node_address_of(design_, patch);
   const std::vector<std::string> serials = serials_at(node);
   std::string text = fmt::format("patch {}: {} {} node address {}: {}", patch, counted(serials.size(), "controller"),
                                  agreeing(serials.size(), "shares", "share"), node, fmt::join(serials, " and "));
@@ -162,7 +163,8 @@ Finding ControllerCheck::unflashed_finding() const {
 }
 
 // A wrong file is more likely than a wrongly flashed skin, and trying another file costs nothing.
-Finding ControllerCheck::other_design_finding(std::uint64_t held, const std::vector<int>& patches) const {
+Finding ControllerCheck::other_design_finding(std::uint64_t held,
+                                              const std::vector<layout::PatchIndex>& patches) const {
   if (held == design_.design_id) {
     return controller_finding(
         FindingKind::kWrongTable, patches.front(),
@@ -182,8 +184,8 @@ Finding ControllerCheck::other_design_finding(std::uint64_t held, const std::vec
 }
 
 void ControllerCheck::summarise(std::vector<Finding>& findings) const {
-  std::vector<int> absent = absent_;
-  for (const int patch : doubled_) {
+  std::vector<layout::PatchIndex> absent = absent_;
+  for (const layout::PatchIndex patch : doubled_) {
     const auto surplus = with_table_.at(design::node_address_of(design_, patch)) - 1;
     const auto taken = static_cast<std::ptrdiff_t>(std::min(surplus, absent.size()));
     findings.push_back(duplicate_finding(patch, {absent.begin(), absent.begin() + taken}));
@@ -191,7 +193,7 @@ void ControllerCheck::summarise(std::vector<Finding>& findings) const {
   }
   if (!unflashed_.empty()) findings.push_back(unflashed_finding());
   for (const auto& [held, patches] : foreign_) findings.push_back(other_design_finding(held, patches));
-  for (const int patch : absent) {
+  for (const layout::PatchIndex patch : absent) {
     findings.push_back(controller_finding(FindingKind::kAbsentController, patch,
                                           fmt::format("patch {}: no controller answers at node address {}", patch,
                                                       design::node_address_of(design_, patch)),

@@ -53,7 +53,7 @@ void Diagnosis::run(VerifyResult& result) {
       continue;
     }
     for (const auto& m : design_.patches[static_cast<std::size_t>(p.patch)].modules) {
-      if (!p.reads(m.node)) bad_.insert(m.node);
+      if (!p.reads(layout::ModuleId{m.node})) bad_.emplace(m.node);
     }
     examine_topology(p);
     examine_lines(p);
@@ -74,12 +74,13 @@ std::string Diagnosis::at(int line, int address) {
   return fmt::format("L{}, address {:02X}", line, layout::kFirstCdcAddress + address);
 }
 
-std::string Diagnosis::where(int module) const {
+std::string Diagnosis::where(layout::ModuleId module) const {
   const auto& w = wiring_[static_cast<std::size_t>(module)];
   return fmt::format("module {} (patch {}, {})", module, w.patch, at(w.routed.line, w.routed.address));
 }
 
-Finding& Diagnosis::add(FindingKind kind, int module, int patch, std::string text, std::string remedy) {
+Finding& Diagnosis::add(FindingKind kind, layout::ModuleId module, layout::PatchIndex patch, std::string text,
+                        std::string remedy) {
   Finding f;
   f.kind = kind;
   f.module = module;
@@ -93,7 +94,7 @@ Finding& Diagnosis::add(FindingKind kind, int module, int patch, std::string tex
   return findings_.emplace_back(std::move(f));
 }
 
-const TouchOutcome* Diagnosis::touch_of(int module) const {
+const TouchOutcome* Diagnosis::touch_of(layout::ModuleId module) const {
   const auto found = std::ranges::find_if(touches_, [&](const TouchOutcome& t) { return t.module == module; });
   return found == touches_.end() ? nullptr : &*found;
 }
@@ -102,9 +103,9 @@ const TouchOutcome* Diagnosis::touch_of(int module) const {
 void Diagnosis::note_adopted() {
   const ModuleEnds ends = design::module_ends(design_);
   for (const PatchState& p : patches_) {
-    std::vector<int> rows;
+    std::vector<layout::ModuleId> rows;
     for (std::size_t row = 0; row < p.image.module_count; ++row) rows.push_back(p.module(row));
-    for (const int m : adopted_modules(ends, rows, p.adoption)) {
+    for (const layout::ModuleId m : adopted_modules(ends, rows, p.adoption)) {
       if (m >= 0) adopter_.emplace(m, p.patch);
     }
   }
@@ -112,7 +113,7 @@ void Diagnosis::note_adopted() {
 
 // Reports the adopted modules for which no break was found, together for each pair of patches.
 void Diagnosis::examine_adoption() {
-  std::map<std::pair<int, int>, std::vector<int>> left;
+  std::map<std::pair<layout::PatchIndex, layout::PatchIndex>, std::vector<layout::ModuleId>> left;
   for (const auto& [module, by] : adopter_) {
     if (!explained_.contains(module)) left[{wiring_[static_cast<std::size_t>(module)].patch, by}].push_back(module);
   }
@@ -134,18 +135,18 @@ void Diagnosis::examine_topology(const PatchState& p) {
   const TopologyMatch best = identify_patch(p.topology, design_).front();
   const bool other = best.patch != p.patch && best.differences.size() + 2 < match.differences.size();
   if (other || match.another_patch()) {
-    add(FindingKind::kWrongPatch, -1, p.patch,
+    add(FindingKind::kWrongPatch, layout::ModuleId::none(), p.patch,
         other && !best.another_patch()
             ? fmt::format("patch {}: its controller hangs on the modules of patch {}", p.patch, best.patch)
             : fmt::format("patch {}: the {} found are not this patch", p.patch, counted(p.topology.count, "module")),
         "exchange the cables of the controllers, or compare the patch with the assembly sheet");
     for (const auto& m : design_.patches[static_cast<std::size_t>(p.patch)].modules) {
-      explained_.insert(m.node);
-      bad_.insert(m.node);
+      explained_.emplace(m.node);
+      bad_.emplace(m.node);
     }
     return;
   }
-  std::set<int> missing;
+  std::set<layout::ModuleId> missing;
   for (const TopologyDifference& d : match.differences) {
     if (d.kind == FindingKind::kMissingModule) {
       missing.insert(d.module);
@@ -153,7 +154,8 @@ void Diagnosis::examine_topology(const PatchState& p) {
     }
     // The modules of the joint may still be readable.
     const bool joint = d.kind == FindingKind::kMissingJoint || d.kind == FindingKind::kExtraJoint;
-    Finding& f = add(d.kind, joint ? -1 : d.module, p.patch, fmt::format("patch {}: {}", p.patch, d.text), d.remedy);
+    Finding& f = add(d.kind, joint ? layout::ModuleId::none() : d.module, p.patch,
+                     fmt::format("patch {}: {}", p.patch, d.text), d.remedy);
     f.module = d.module;
     f.other = d.other;
     if (joint) continue;
@@ -166,7 +168,7 @@ void Diagnosis::examine_topology(const PatchState& p) {
 void Diagnosis::examine_lines(const PatchState& p) {
   for (int l = 0; l < layout::kLines; ++l) {
     const auto k = static_cast<std::size_t>(l);
-    std::vector<int> modules;
+    std::vector<layout::ModuleId> modules;
     bool held = p.lines[k].stuck;
     for (std::size_t row = 0; row < p.image.module_count; ++row) {
       if (p.image.modules[row].line != l) continue;
@@ -178,7 +180,7 @@ void Diagnosis::examine_lines(const PatchState& p) {
                                   : fmt::format("was held low and freed by clock pulses {}",
                                                 counted(p.line_states.lines[k].recoveries, "time"));
     Finding& f = add(
-        FindingKind::kStuckLine, -1, p.patch,
+        FindingKind::kStuckLine, layout::ModuleId::none(), p.patch,
         fmt::format("patch {}, line L{}: SDA or SCL {}; modules on it: {}", p.patch, l, what, fmt::join(modules, ", ")),
         "look for a short of this line; part the joints from the far end on until the line is free");
     f.line = l;
@@ -191,7 +193,7 @@ void Diagnosis::examine_lines(const PatchState& p) {
 void Diagnosis::examine_modules(const PatchState& p) {
   std::vector<std::size_t> absent, doubled;
   for (std::size_t row = 0; row < p.image.module_count; ++row) {
-    const int module = p.module(row);
+    const layout::ModuleId module = p.module(row);
     switch (p.states.state[row]) {
       case ModuleState::kAbsent:
         if (p.topology.switched && explained_.contains(module))
@@ -227,7 +229,7 @@ void Diagnosis::examine_doubled(const PatchState& p, std::vector<std::size_t>& a
                                 const std::vector<std::size_t>& doubled) {
   for (const std::size_t row : doubled) {
     const layout::ModuleRow& r = p.image.modules[row];
-    const int module = p.module(row);
+    const layout::ModuleId module = p.module(row);
     explained_.insert(module);
     if (absent.empty()) {
       add(FindingKind::kDuplicateAddress, module, p.patch, where(module) + ": two chips answer at once",
@@ -238,8 +240,8 @@ void Diagnosis::examine_doubled(const PatchState& p, std::vector<std::size_t>& a
   }
 }
 
-void Diagnosis::add_duplicate(const PatchState& p, std::size_t row, int other) {
-  const int module = p.module(row);
+void Diagnosis::add_duplicate(const PatchState& p, std::size_t row, layout::ModuleId other) {
+  const layout::ModuleId module = p.module(row);
   const layout::ModuleRow& r = p.image.modules[row];
   const auto& o = wiring_[static_cast<std::size_t>(other)].routed;
   Finding& f = add(FindingKind::kDuplicateAddress, module, p.patch,
@@ -260,7 +262,7 @@ int Diagnosis::strap_difference(const layout::ModuleRow& row, const Place& place
 }
 
 void Diagnosis::examine_taxels(const PatchState& p, std::size_t row) {
-  const int module = p.module(row);
+  const layout::ModuleId module = p.module(row);
   if (p.states.state[row] == ModuleState::kUnknown) {
     explained_.insert(module);
     add(FindingKind::kAbsentModule, module, p.patch, where(module) + ": the controller has read nothing from it yet",
@@ -281,7 +283,7 @@ void Diagnosis::examine_taxels(const PatchState& p, std::size_t row) {
         "look for a short of the shield or of the converter's reference; else replace the module");
     return;
   }
-  for (int t = 0; t < layout::kTaxelsPerModule; ++t) {
+  for (layout::TaxelIndex t; t < layout::kTaxelsPerModule; ++t) {
     if ((valid >> t & 1) != 0) continue;
     const std::uint16_t raw = p.now.modules[row].value[static_cast<std::size_t>(t)];
     if (raw != 0 && raw != 0xFFFF) {
@@ -317,7 +319,7 @@ std::vector<Diagnosis::Place> Diagnosis::unexpected(const PatchState& p) const {
 double Diagnosis::cost_of_taking(const PatchState& p, const std::vector<std::size_t>& rows, std::size_t row,
                                  const Place& place) const {
   constexpr double kStrap = 0.3;
-  std::set<int> left;
+  std::set<layout::ModuleId> left;
   for (const std::size_t r : rows) {
     if (r != row) left.insert(p.module(r));
   }
@@ -333,7 +335,7 @@ std::size_t Diagnosis::take_likeliest(const PatchState& p, std::vector<std::size
 }
 
 void Diagnosis::add_wrong_address(const PatchState& p, std::size_t row, const Place& place) {
-  const int module = p.module(row);
+  const layout::ModuleId module = p.module(row);
   const layout::ModuleRow& r = p.image.modules[row];
   Finding& f = add(FindingKind::kWrongAddress, module, p.patch,
                    fmt::format("{}: nothing answers there, but a chip answers at {}, where the design has none",
@@ -348,7 +350,7 @@ void Diagnosis::add_wrong_address(const PatchState& p, std::size_t row, const Pl
 void Diagnosis::examine_absent(const PatchState& p, const std::vector<std::size_t>& rows) {
   std::vector<std::size_t> open;
   for (const std::size_t row : rows) {
-    const int module = p.module(row);
+    const layout::ModuleId module = p.module(row);
     explained_.insert(module);
     const TouchOutcome* touch = touch_of(module);
     // A neighbour that only feels the rim of the finger is no answer, because all pads of the pressed module would have
@@ -369,10 +371,10 @@ void Diagnosis::examine_absent(const PatchState& p, const std::vector<std::size_
     add_wrong_address(p, take_likeliest(p, open, *place), *place);
     elsewhere.erase(place);
   }
-  std::set<int> silent;
+  std::set<layout::ModuleId> silent;
   for (const std::size_t row : open) silent.insert(p.module(row));
   // If a neighbour reads a module, it must be switched, even though the chain of this patch does not answer.
-  if (std::ranges::any_of(silent, [&](int m) { return adopter_.contains(m); })) {
+  if (std::ranges::any_of(silent, [&](layout::ModuleId m) { return adopter_.contains(m); })) {
     examine_missing(p, silent);
     silent.clear();
   }
@@ -389,7 +391,7 @@ void Diagnosis::examine_absent(const PatchState& p, const std::vector<std::size_
                          : "replace the module, or check its joint to the parent");
   }
   for (const Place& place : elsewhere) {
-    Finding& f = add(FindingKind::kUnexpectedChip, -1, p.patch,
+    Finding& f = add(FindingKind::kUnexpectedChip, layout::ModuleId::none(), p.patch,
                      fmt::format("patch {}: a chip answers at {}, where the design has no module", p.patch,
                                  at(place.line, place.address)),
                      "compare the straps with the assembly sheet");
@@ -421,7 +423,7 @@ std::optional<Finding> Diagnosis::remembered(const PatchState& p, const wire::Fa
 
 // Reports one cause for all modules behind a joint, and the other modules one by one.
 void Diagnosis::examine_history(const PatchState& p) {
-  std::set<int> away, dipped;
+  std::set<layout::ModuleId> away, dipped;
   for (const wire::FaultRecord& fault : p.faults.faults()) {
     const auto f = remembered(p, fault);
     if (!f) continue;
@@ -433,12 +435,13 @@ void Diagnosis::examine_history(const PatchState& p) {
       away.insert(f->module);
   }
   // Unplugged modules also lost their supply, so that is not reported separately.
-  for (const int m : away) dipped.erase(m);
+  for (const layout::ModuleId m : away) dipped.erase(m);
   examine_dips(p, away, dipped);
 }
 
-void Diagnosis::examine_dips(const PatchState& p, const std::set<int>& away, const std::set<int>& dipped) {
-  std::set<int> went = away;
+void Diagnosis::examine_dips(const PatchState& p, const std::set<layout::ModuleId>& away,
+                             const std::set<layout::ModuleId>& dipped) {
+  std::set<layout::ModuleId> went = away;
   add_open_lines(FindingKind::kLooseJoint, p, went, "went and came back together:");
   for (const Branch& b : branches(p, went)) {
     if (b.members.size() > 1)

@@ -31,7 +31,7 @@ std::string taxels_in(std::uint16_t mask, const wire::ModuleOffsets& m) {
 std::vector<PatchOffsets> read_offsets(Bus& bus, const design::Design& design) {
   std::vector<PatchOffsets> all;
   for (const std::uint8_t node : lone_addresses(bus.discover())) {
-    const int patch = design::patch_at(design, node);
+    const layout::PatchIndex patch = design::patch_at(design, layout::NodeAddress{node});
     if (patch < 0) continue;
     Controller c(bus, node);
     if (c.active_table().design_id != design.design_id) continue;

@@ -102,7 +102,7 @@ class Guide {
         straps(finding_.module);
         break;
       case Work::kPlace:
-        for (const int m : {finding_.module, finding_.other}) {
+        for (const layout::ModuleId m : {finding_.module, finding_.other}) {
           find(m);
           straps(m);
         }
@@ -161,16 +161,16 @@ class Guide {
                     "module or joint that was parted last, and solder the others again",
                     fmt::join(far_first, ", ")));
   }
-  [[nodiscard]] bool known(int module) const {
+  [[nodiscard]] bool known(layout::ModuleId module) const {
     return module >= 0 && module < static_cast<int>(wiring_.size()) &&
            wiring_[static_cast<std::size_t>(module)].patch >= 0;
   }
-  void find(int module) {
+  void find(layout::ModuleId module) {
     if (!known(module)) return;
     steps_.push_back(fmt::format("find module {} of patch {} ({})", module,
                                  wiring_[static_cast<std::size_t>(module)].patch, place_on_cover(design_, module)));
   }
-  void straps(int module) {
+  void straps(layout::ModuleId module) {
     if (!known(module)) return;
     const design::RoutedModule& m = wiring_[static_cast<std::size_t>(module)].routed;
     steps_.push_back(
@@ -180,9 +180,9 @@ class Guide {
   }
 
   // Names both ends of each joint and whether the tree uses it.
-  void joints(int module, const char* before, const char* after) {
+  void joints(layout::ModuleId module, const char* before, const char* after) {
     if (!known(module)) return;
-    const int patch = wiring_[static_cast<std::size_t>(module)].patch;
+    const layout::PatchIndex patch = wiring_[static_cast<std::size_t>(module)].patch;
     const layout::PatchImage image = image_of(design_, patch);
     const auto rows = image.rows();
     const auto id_of = [this](const layout::ModuleRow& r) { return module_of(design_, r); };
@@ -210,10 +210,10 @@ class Guide {
 
   // Names the joint to `other`, or the one towards the controller.
   void joint() {
-    const int module = finding_.module;
+    const layout::ModuleId module = finding_.module;
     if (!known(module)) return;
     const auto& wiring = wiring_[static_cast<std::size_t>(module)];
-    const int other = finding_.other >= 0 ? finding_.other : wiring.routed.parent;
+    const layout::ModuleId other = finding_.other >= 0 ? finding_.other : layout::ModuleId{wiring.routed.parent};
     if (finding_.line >= 0)
       steps_.push_back(
           fmt::format("measure SDA and SCL of line L{} from the cable of patch {} to module {}: find where "

@@ -17,7 +17,7 @@ namespace {
 constexpr const char* kPorts = "ABC";
 
 // A module has three numbers here: its position in the design's patch, its number in the topology that was found, and
-// its id in the design (int, in messages and results).
+// its id in the design.
 enum class PatchRow : std::size_t {};
 enum class FoundNumber : std::size_t {};
 constexpr std::size_t index(PatchRow row) {
@@ -48,7 +48,7 @@ struct End {
 // too.
 class Overlay {
  public:
-  Overlay(const wire::FoundTopology& found, const design::Design& design, int patch)
+  Overlay(const wire::FoundTopology& found, const design::Design& design, layout::PatchIndex patch)
       : found_(found), patch_(design.patches[static_cast<std::size_t>(patch)]) {
     // With rotations of zero, ports are numbered like sides, so this gives joints by tile side.
     const std::vector<int> upright(patch_.modules.size(), 0);
@@ -64,7 +64,7 @@ class Overlay {
     examine_modules();
     for (const FoundNumber m : all<FoundNumber>(found_.count)) {
       const auto row = row_of(m);
-      result_.module_of.push_back(row ? module_at(*row) : -1);
+      result_.module_of.push_back(row ? module_at(*row) : layout::ModuleId::none());
     }
     return result_;
   }
@@ -72,7 +72,9 @@ class Overlay {
  private:
   static constexpr PatchRow kEntryRow{0};
 
-  [[nodiscard]] int module_at(PatchRow row) const { return patch_.modules[index(row)].node; }
+  [[nodiscard]] layout::ModuleId module_at(PatchRow row) const {
+    return layout::ModuleId{patch_.modules[index(row)].node};
+  }
   [[nodiscard]] int designed_rotation(PatchRow row) const { return patch_.modules[index(row)].rotation; }
   [[nodiscard]] std::optional<PatchRow> row_of(FoundNumber m) const { return row_[index(m)]; }
   [[nodiscard]] int rotation_of(FoundNumber m) const { return rotation_[index(m)]; }
@@ -115,12 +117,13 @@ class Overlay {
     }
   }
 
-  void add(FindingKind kind, int module, int other, std::string text, std::string remedy, int steps = 0) {
+  void add(FindingKind kind, layout::ModuleId module, layout::ModuleId other, std::string text, std::string remedy,
+           int steps = 0) {
     result_.differences.push_back({kind, module, other, steps, std::move(text), std::move(remedy)});
   }
 
   void examine_entry(PatchRow entry_row) {
-    const int entry = module_at(entry_row), designed = module_at(kEntryRow);
+    const layout::ModuleId entry = module_at(entry_row), designed = module_at(kEntryRow);
     const int cable_side = side_of({FoundNumber{0}, found_.cable_port})->side;
     if (found_.second_cable && entry == patch_.second_entry && cable_side == patch_.second_entry_side) {
       add(FindingKind::kSecondCable, designed, entry,
@@ -150,9 +153,9 @@ class Overlay {
       const auto partner = std::ranges::find_if(turned, [&](FoundNumber b) {
         return rotation_of(a) == designed_rotation(*row_of(b)) && rotation_of(b) == designed_rotation(row);
       });
-      const int module = module_at(row);
+      const layout::ModuleId module = module_at(row);
       if (partner != turned.end()) {
-        const int other = module_at(*row_of(*partner));
+        const layout::ModuleId other = module_at(*row_of(*partner));
         add(FindingKind::kSwappedModules, module, other,
             fmt::format("modules {} and {} are exchanged: each is turned as the other should be", module, other),
             "exchange them, or turn both as the assembly sheet says");
@@ -160,7 +163,7 @@ class Overlay {
         continue;
       }
       const int steps = (rotation_of(a) + 3 - designed_rotation(row)) % 3;
-      add(FindingKind::kRotatedModule, module, -1,
+      add(FindingKind::kRotatedModule, module, layout::ModuleId::none(),
           fmt::format("module {} is turned by {}°: port A lies at side {} instead of {}", module, 120 * steps,
                       rotation_of(a), designed_rotation(row)),
           "turn it as the assembly sheet says", steps);
@@ -205,13 +208,14 @@ class Overlay {
   void examine_modules() {
     for (const PatchRow row : all<PatchRow>(patch_.modules.size())) {
       if (placed(row)) continue;
-      add(FindingKind::kMissingModule, module_at(row), -1,
+      add(FindingKind::kMissingModule, module_at(row), layout::ModuleId::none(),
           fmt::format("module {} was not found: it or all of its joints are broken", module_at(row)),
           "check its supply and its joints, then the module");
     }
     for (const FoundNumber m : all<FoundNumber>(found_.count)) {
       if (row_of(m)) continue;
-      add(FindingKind::kExtraModule, -1, -1, fmt::format("found module {} fits nowhere in the design", index(m)),
+      add(FindingKind::kExtraModule, layout::ModuleId::none(), layout::ModuleId::none(),
+          fmt::format("found module {} fits nowhere in the design", index(m)),
           "compare the patch with the assembly sheet");
     }
   }
@@ -226,7 +230,7 @@ class Overlay {
 
 }  // namespace
 
-TopologyMatch match_topology(const wire::FoundTopology& found, const design::Design& design, int patch) {
+TopologyMatch match_topology(const wire::FoundTopology& found, const design::Design& design, layout::PatchIndex patch) {
   const std::size_t rows = design.patches.at(static_cast<std::size_t>(patch)).modules.size();
   TopologyMatch best;
   best.patch = patch;
@@ -243,23 +247,24 @@ TopologyMatch match_topology(const wire::FoundTopology& found, const design::Des
   return best;
 }
 
-wire::FoundTopology topology_across(const design::Design& design, int patch, std::span<const int> open) {
+wire::FoundTopology topology_across(const design::Design& design, layout::PatchIndex patch,
+                                    std::span<const layout::PatchIndex> open) {
   const design::Patch& own = design.patches.at(static_cast<std::size_t>(patch));
   wire::FoundTopology found;
   if (own.modules.empty()) return found;
   const auto ends = design::module_ends(design);
   constexpr int kStrange = -2, kFree = -1;
   std::vector<int> number(ends.size(), kStrange);
-  for (const int p : open) {
+  for (const layout::PatchIndex p : open) {
     for (const design::RoutedModule& m : design.patches.at(static_cast<std::size_t>(p)).modules)
       number[static_cast<std::size_t>(m.node)] = kFree;
   }
-  const auto end_at = [&](int module, int port) {
+  const auto end_at = [&](layout::ModuleId module, int port) {
     return ends[static_cast<std::size_t>(module)][static_cast<std::size_t>(port)];
   };
-  std::vector<int> order, way{own.modules[0].node};
+  std::vector<layout::ModuleId> order, way{layout::ModuleId{own.modules[0].node}};
   std::vector<int> next(ends.size(), 0);  // Each module has the port that is tried next.
-  const auto enter = [&](int module) {
+  const auto enter = [&](layout::ModuleId module) {
     number[static_cast<std::size_t>(module)] = static_cast<int>(order.size());
     order.push_back(module);
   };
@@ -270,7 +275,7 @@ wire::FoundTopology topology_across(const design::Design& design, int patch, std
       way.pop_back();
       continue;
     }
-    const int other = end_at(way.back(), port++).module;
+    const layout::ModuleId other = end_at(way.back(), port++).module;
     if (other < 0 || number[static_cast<std::size_t>(other)] != kFree || order.size() == layout::kMaxModules) continue;
     enter(other);
     way.push_back(other);
@@ -291,7 +296,7 @@ wire::FoundTopology topology_across(const design::Design& design, int patch, std
 std::vector<TopologyMatch> identify_patch(const wire::FoundTopology& found, const design::Design& design) {
   std::vector<TopologyMatch> matches;
   for (std::size_t p = 0; p < design.patches.size(); ++p)
-    matches.push_back(match_topology(found, design, static_cast<int>(p)));
+    matches.push_back(match_topology(found, design, layout::PatchIndex{p}));
   std::ranges::stable_sort(matches, {}, [](const TopologyMatch& m) { return m.differences.size(); });
   if (matches.empty()) return matches;
   const std::size_t fewest = matches.front().differences.size();

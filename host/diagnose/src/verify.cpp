@@ -137,7 +137,7 @@ void watch_stream(Bus& bus, const design::Design& design, const VerifyOptions& o
   stream.run_until(std::max(until_us, bus.now_us() + kMinStream_us));
   stream.finish();
   result.stream = stream.report();
-  std::map<int, SampleCounts> patches;
+  std::map<layout::PatchIndex, SampleCounts> patches;
   for (const ModuleCounts& m : result.stream->modules) patches[m.patch] += m.counts;
   for (const auto& [patch, c] : patches) {
     const std::uint64_t lost = c.dropped + c.on_the_way + c.silent;  // Unread samples have their own findings.
@@ -155,10 +155,10 @@ void watch_stream(Bus& bus, const design::Design& design, const VerifyOptions& o
 std::vector<PatchState> patches_of(const design::Design& design) {
   std::vector<PatchState> patches(design.patches.size());
   for (std::size_t k = 0; k < patches.size(); ++k) {
-    patches[k].patch = static_cast<int>(k);
+    patches[k].patch = layout::PatchIndex{k};
     patches[k].with_kinds = !design.kinds.empty();
   }
-  for (const int patch : design::patches_here(design))
+  for (const layout::PatchIndex patch : design::patches_here(design))
     patches[static_cast<std::size_t>(patch)].image = image_of(design, patch);
   return patches;
 }
@@ -167,7 +167,7 @@ std::vector<PatchState> patches_of(const design::Design& design) {
 void add_places(const design::Design& design, std::vector<Finding>& findings) {
   for (Finding& f : findings) {
     if (!f.place.empty() || f.patch < 0) continue;
-    const int entry = design.patches[static_cast<std::size_t>(f.patch)].entry;
+    const layout::ModuleId entry{design.patches[static_cast<std::size_t>(f.patch)].entry};
     f.place = fmt::format("cable of patch {} at module {}, {}", f.patch, entry, place_on_cover(design, entry));
   }
 }
@@ -175,7 +175,7 @@ void add_places(const design::Design& design, std::vector<Finding>& findings) {
 int modules_here(const design::Design& design) {
   auto modules = design.layout.modules.size();
   for (std::size_t p = 0; p < design.patches.size(); ++p) {
-    if (design::node_address_of(design, static_cast<int>(p)) == 0) modules -= design.patches[p].modules.size();
+    if (design::node_address_of(design, layout::PatchIndex{p}) == 0) modules -= design.patches[p].modules.size();
   }
   return static_cast<int>(modules);
 }
@@ -190,7 +190,7 @@ VerifyResult verify(Bus& bus, const design::Design& design, const VerifyOptions&
   std::vector<PatchState> patches = patches_of(design);
   result.modules = modules_here(design);
   ControllerCheck controllers(bus, design);
-  for (const int patch : design::patches_here(design)) {
+  for (const layout::PatchIndex patch : design::patches_here(design)) {
     PatchState& p = patches[static_cast<std::size_t>(patch)];
     p.usable = controllers.check(p, result.findings);
   }

@@ -24,7 +24,7 @@ std::string summary(const VerifyResult& r) {
 std::map<int, std::size_t> marks_of(const VerifyResult& r) {
   std::map<int, std::size_t> marks;
   for (std::size_t k = 0; k < r.findings.size(); ++k) {
-    for (const int m : {r.findings[k].module, r.findings[k].other}) {
+    for (const layout::ModuleId m : {r.findings[k].module, r.findings[k].other}) {
       if (m >= 0) marks.try_emplace(m, k + 1);
     }
   }

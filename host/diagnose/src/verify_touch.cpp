@@ -71,7 +71,7 @@ TouchTest::Response TouchTest::response_of(const PatchState& patch, std::size_t 
     if (change >= kTaxelChange_counts) r.changed |= 1U << t;
     if (change <= r.taxel_counts) continue;
     r.taxel_counts = change;
-    r.taxel = static_cast<int>(t);
+    r.taxel = layout::TaxelIndex{t};
   }
   return r;
 }
@@ -88,17 +88,17 @@ TouchTest::Response TouchTest::strongest(const PatchState& patch) const {
 }
 
 // Presses a single taxel: if the module is turned, another taxel feels it.
-int TouchTest::turned(TouchActuator& actuator, int module, const PatchState& patch) {
+int TouchTest::turned(TouchActuator& actuator, layout::ModuleId module, const PatchState& patch) {
   const int rotation = wiring_[static_cast<std::size_t>(module)].routed.rotation;
   const TurnProbe probe = turn_probe(design_.layout.modules[static_cast<std::size_t>(module)], rotation);
   if (probe.taxel[0] < 0) return 0;
-  actuator.press({module, probe.taxel[0]});
+  actuator.press({module, layout::TaxelIndex{probe.taxel[0]}});
   bus_.listen(bus_.now_us() + kSettle_us);
   const wire::LiveTaxels now = patch.controller(bus_).taxels();
   for (std::size_t row = 0; row < std::min(now.count, patch.image.module_count); ++row) {
     if (patch.module(row) != module) continue;
     const Response r = response_of(patch, row, now);
-    const auto found = std::ranges::find(probe.taxel, r.taxel_counts >= kTaxelChange_counts ? r.taxel : -1);
+    const auto found = std::ranges::find(probe.taxel, r.taxel_counts >= kTaxelChange_counts ? r.taxel.value() : -1);
     return found == probe.taxel.end() ? 0 : static_cast<int>(found - probe.taxel.begin());
   }
   return 0;
@@ -116,7 +116,8 @@ TouchTest::Response TouchTest::strongest_anywhere(const PatchState& first) {
   return best;
 }
 
-std::optional<TouchOutcome> TouchTest::press(int module, const PatchState& patch, const VerifyOptions& options) {
+std::optional<TouchOutcome> TouchTest::press(layout::ModuleId module, const PatchState& patch,
+                                             const VerifyOptions& options) {
   Response best;
   if (actuator_ != nullptr) {
     actuator_->press(module);
@@ -134,7 +135,8 @@ std::optional<TouchOutcome> TouchTest::press(int module, const PatchState& patch
     if (settled.strength > best.strength) best = settled;
   }
   const bool whole = std::popcount(best.changed) >= kMaxTaxels;
-  TouchOutcome outcome{module, best.strength >= kModuleChange_counts ? best.module : -1, whole, 0, 0};
+  TouchOutcome outcome{module, best.strength >= kModuleChange_counts ? best.module : layout::ModuleId::none(), whole, 0,
+                       0};
   if (outcome.answered == module && whole) {
     for (unsigned t = 0; t < layout::kTaxelsPerModule; ++t) {
       if (layout::measures_pressure(t) && (best.changed >> t & 1) == 0) outcome.silent_taxels |= 1U << t;

@@ -147,7 +147,7 @@ std::string assembly_html(const Design& design) {
   for (std::size_t p = 0; p < design.patches.size(); ++p) {
     const Patch& patch = design.patches[p];
     html += fmt::format("<h2>Controller {} (node address {})</h2>\n<p>Cable to module {}. Cut joints:", p,
-                        node_address_of(design, static_cast<int>(p)), patch.entry);
+                        node_address_of(design, layout::PatchIndex{p}), patch.entry);
     for (const auto& [a, b] : patch.cut_joints) html += fmt::format(" {}–{}", a, b);
     html += patch.cut_joints.empty() ? " none.</p>\n" : ".</p>\n";
     html +=

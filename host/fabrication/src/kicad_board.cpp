@@ -129,7 +129,7 @@ class Board {
   }
 
   void add_module(int id) {
-    const ModuleSetting setting = setting_of(wiring_, id);
+    const ModuleSetting setting = setting_of(wiring_, layout::ModuleId{id});
     const Pose pose = pose_of_module(id);
     std::vector<std::pair<ModulePad, std::string>> pads;
     for (const ModulePad& pad : module_pads()) pads.emplace_back(pad, net_of(pad, setting));
@@ -198,7 +198,7 @@ class Board {
   }
 
   void add_cable(const Cable& cable) {
-    const ModuleSetting setting = setting_of(wiring_, cable.module);
+    const ModuleSetting setting = setting_of(wiring_, layout::ModuleId{cable.module});
     Pose pose = pose_of_module(cable.module);
     pose.angle_rad += 2.0 * std::numbers::pi / 3.0 * static_cast<double>(cable.port);
     std::vector<std::pair<ModulePad, std::string>> pads;

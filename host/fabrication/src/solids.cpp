@@ -118,7 +118,7 @@ std::vector<Solid> module_solids(const design::Design& design, double corner_cut
     const auto& corner = design.layout.modules[k].corner_mm;
     const Vec3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]).normalized();
     const design::Outline outline = design::outline_of(corner, corner_cut_mm);
-    const auto colour = static_cast<std::size_t>(std::max(0, wiring[k].patch)) % kPatchColours.size();
+    const auto colour = static_cast<std::size_t>(std::max(0, wiring[k].patch.value())) % kPatchColours.size();
     solids.push_back({fmt::format("M{}", k), kPatchColours[colour], prism(outline.points(), kBoard_mm * normal)});
   }
   return solids;

@@ -85,7 +85,7 @@ std::optional<std::vector<ModuleSample>> decode_raw(Bytes message) {
     ok = r.count(1) == n * per_item && ok;
     for (std::size_t k = 0; k < n && ok && r.ok(); ++k) take(samples[k]);
   };
-  for (ModuleSample& s : samples) s.module = static_cast<int>(r.u32() & 0x7FFFFFFFU);
+  for (ModuleSample& s : samples) s.module = layout::ModuleId{r.u32() & 0x7FFFFFFFU};
   each(1, [&](ModuleSample& s) { s.sample.module = r.u8(); });
   each(1, [&](ModuleSample& s) { s.sample.valid = r.u16(); });
   each(1, [&](ModuleSample& s) {

@@ -14,17 +14,16 @@ RecordedSkin recorded_skin(const std::string& file) {
   if (origin.design_text.empty())
     throw InputError(fmt::format("{}: holds no design: is it a recording of triskin?", file));
   RecordedSkin skin{design::parse_design(origin.design_text, file + ": design.json"), {}, {}, {}, origin.facts};
-  for (std::size_t patch = 0; patch < skin.design.patches.size(); ++patch) {
-    const int node = design::node_address_of(skin.design, static_cast<int>(patch));
-    const auto serial = origin.facts.find(serial_fact(node));
+  for (layout::PatchIndex patch; patch < static_cast<int>(skin.design.patches.size()); ++patch) {
+    const auto serial = origin.facts.find(serial_fact(design::node_address_of(skin.design, patch)));
     skin.serials.push_back(serial == origin.facts.end() ? "" : serial->second);
   }
   if (!origin.rest_text.empty())
     skin.rest = design::parse_rest(origin.rest_text, file + ": " + kRestName, skin.design.layout.modules.size());
   if (origin.calibration_text.empty()) return skin;
   const auto boards = design::parse_calibration(origin.calibration_text, file + ": " + kCalibrationName);
-  skin.calibration = design::SkinCalibration(skin.design, boards,
-                                             [&](int patch) { return skin.serials[static_cast<std::size_t>(patch)]; });
+  const auto serial_of = [&](layout::PatchIndex patch) { return skin.serials[static_cast<std::size_t>(patch)]; };
+  skin.calibration = design::SkinCalibration(skin.design, boards, serial_of);
   return skin;
 }
 

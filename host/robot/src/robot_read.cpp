@@ -101,8 +101,8 @@ void read_pose(const JsonValue& v, CoverEntry& cover) {
 ControllerEntry read_controller(const JsonValue& v) {
   only_keys(v, {"patch", "node", "serial", "bus", "cable_mm"}, kPage);
   ControllerEntry c;
-  c.patch = v["patch"].integer(0, design::kMaxCount);
-  c.node = v["node"].integer(layout::kFirstNode, layout::kLastNode);
+  c.patch = layout::PatchIndex{v["patch"].integer(0, design::kMaxCount)};
+  c.node = layout::NodeAddress{v["node"].integer(layout::kFirstNode, layout::kLastNode)};
   if (has(v, "serial")) c.serial = serial_in(v["serial"]);
   if (has(v, "bus")) c.bus = name_in(v["bus"]);
   c.cable_mm = length_or_none(v, "cable_mm");
@@ -191,14 +191,14 @@ Eigen::Isometry3d parse_pose(const std::string& text, const std::string& file) {
   return cover.pose;
 }
 
-std::pair<int, std::string> parse_serial(const std::string& text) {
+std::pair<layout::PatchIndex, std::string> parse_serial(const std::string& text) {
   const std::size_t at = text.find('=');
   const std::string patch = text.substr(0, at);
   const std::string serial = at == std::string::npos ? "" : device::normal_serial(text.substr(at + 1));
   if (patch.empty() || patch.size() > 6 || patch.find_first_not_of("0123456789") != std::string::npos || serial.empty())
     throw InputError(fmt::format(
         "\"{}\": give PATCH=SERIAL, where SERIAL has 24 hexadecimal digits, as triskin discover shows them", text));
-  return {std::stoi(patch), serial};
+  return {layout::PatchIndex{std::stoi(patch)}, serial};
 }
 
 int bus_of(const Robot& robot, const CoverEntry& cover, const ControllerEntry& controller) {

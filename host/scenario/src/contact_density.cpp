@@ -121,7 +121,7 @@ std::string regions_text(const ContactDensity& density, double max_weight) {
   const double radius_mm = 2.0 * design::kHeight_mm / 3.0;
   for (const std::size_t m : order) {
     if (density.touched_s[m] <= 0.0) continue;
-    const design::Vec3 at = scene::center_of(density.design, static_cast<int>(m));
+    const design::Vec3 at = scene::center_of(density.design, layout::ModuleId{m});
     const double weight = 1.0 + (max_weight - 1.0) * density.touched_s[m] / longest_s;
     regions.push_back({{"name", fmt::format("touched {}", m)},
                        {"sphere", {{"center_mm", {at.x(), at.y(), at.z()}}, {"radius_mm", radius_mm}}},

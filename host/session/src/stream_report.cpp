@@ -12,7 +12,8 @@ namespace triskin::device {
 namespace {
 
 // Formats numbers as "0–12, 15"; consecutive ones become a range.
-std::string ranges(std::vector<int> numbers) {
+template <class Number>
+std::string ranges(std::vector<Number> numbers) {
   std::ranges::sort(numbers);
   std::string text;
   for (std::size_t k = 0; k < numbers.size();) {
@@ -27,7 +28,8 @@ std::string ranges(std::vector<int> numbers) {
 }
 
 // Returns "module 3" or "modules 0–2, 7".
-std::string named(std::string_view noun, const std::vector<int>& numbers) {
+template <class Number>
+std::string named(std::string_view noun, const std::vector<Number>& numbers) {
   return fmt::format("{} {}", noun_after(numbers.size() == 1, noun), ranges(numbers));
 }
 
@@ -36,10 +38,10 @@ double percent(std::uint64_t part, std::uint64_t whole) {
 }
 
 // Returns the modules that controllers of other patches read, by that patch.
-std::map<int, std::vector<int>> adopters(const StreamReport& r) {
-  std::map<int, std::vector<int>> list;
+std::map<layout::PatchIndex, std::vector<layout::ModuleId>> adopters(const StreamReport& r) {
+  std::map<layout::PatchIndex, std::vector<layout::ModuleId>> list;
   for (const AdoptedCounts& a : r.adopted) {
-    std::vector<int>& modules = list[a.patch];
+    std::vector<layout::ModuleId>& modules = list[a.patch];
     if (a.counts.with_data > 0 && std::ranges::count(modules, a.module) == 0) modules.push_back(a.module);
   }
   std::erase_if(list, [](const auto& entry) { return entry.second.empty(); });
@@ -62,7 +64,7 @@ std::string places(const StreamReport& r) {
 }  // namespace
 
 void sum_up(StreamReport& r, std::uint64_t thrown_away) {
-  std::map<int, SampleCounts> patches;
+  std::map<layout::PatchIndex, SampleCounts> patches;
   for (const ModuleCounts& m : r.modules) {
     r.total += m.counts;
     patches[m.patch] += m.counts;

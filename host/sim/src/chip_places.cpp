@@ -12,7 +12,7 @@ namespace {
 void remove_from(std::vector<ChipPlace>& places, const Scene& scene, std::uint64_t at_us) {
   for (const Fault& f : scene.faults) {
     if (f.kind == FaultKind::kRemovedChip && is_present(f, at_us))
-      places[static_cast<std::size_t>(f.module)].patch = -1;
+      places[static_cast<std::size_t>(f.module)].patch = layout::PatchIndex::none();
   }
 }
 

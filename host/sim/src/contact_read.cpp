@@ -27,7 +27,7 @@ bool has_place(const JsonValue& v) {
 }
 
 Vec3 on_module(const SceneNames& names, const JsonValue& v) {
-  const int m = names.module(v["module"]);
+  const layout::ModuleId m = names.module(v["module"]);
   if (!has(v, "taxel")) return center_of(names.design, m);
   const int taxel = v["taxel"].integer(0, 11);
   if (!layout::measures_pressure(static_cast<std::size_t>(taxel)))

@@ -77,7 +77,7 @@ Expectation read_expectation(const SceneNames& names, const JsonValue& v) {
   if (has(v, "module")) e.module = names.module(v["module"]);
   if (has(v, "taxel")) {
     if (e.module < 0) v["taxel"].fail("needs \"module\"");
-    e.taxel = v["taxel"].integer(0, 11);
+    e.taxel = layout::TaxelIndex{v["taxel"].integer(0, 11)};
   }
   if (has(v, "once")) e.once = v["once"].boolean();
   read_claim(v, e);

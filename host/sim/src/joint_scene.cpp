@@ -33,7 +33,7 @@ wire::UniqueId board_of(const SimulatedCover& cover, std::size_t patch, std::opt
     const std::uint64_t first = hash_of(cover.name, hash);
     for (std::size_t k = 0; k < 4; ++k) id[k] = static_cast<std::uint8_t>(first >> (24 - 8 * k));
   } else {
-    id[0] = static_cast<std::uint8_t>(design::node_address_of(*cover.design, static_cast<int>(patch)));
+    id[0] = static_cast<std::uint8_t>(design::node_address_of(*cover.design, layout::PatchIndex{patch}));
   }
   for (std::size_t k = 0; k < 8; ++k) id[4 + k] = static_cast<std::uint8_t>(hash >> (56 - 8 * k));
   return id;
@@ -81,26 +81,31 @@ class FaultsHere {
   [[nodiscard]] std::optional<Fault> renumbered(const Fault& fault, const SimulatedCover& cover,
                                                 const design::CoverOffset& offset) const {
     Fault f = fault;
-    const auto patch_here = [&](int patch) {
-      return patch < 0 ? -1 : patch_numbers_.at(static_cast<std::size_t>(offset.patch + patch));
+    const auto patch_here = [&](layout::PatchIndex patch) {
+      return patch < 0 ? layout::PatchIndex::none()
+                       : layout::PatchIndex{patch_numbers_.at(static_cast<std::size_t>(offset.patch + patch))};
     };
     f.patch = patch_here(fault.patch);
-    if (f.kind == FaultKind::kSwappedPatches) f.other = patch_here(fault.other);
-    if (f.kind != FaultKind::kSwappedPatches && f.other >= 0) f.other += offset.module;
-    if (f.module >= 0) f.module += offset.module;
+    f.other_patch = patch_here(fault.other_patch);
+    if (f.other >= 0) f.other = layout::ModuleId{offset.module + f.other};
+    if (f.module >= 0) f.module = layout::ModuleId{offset.module + f.module};
     const bool here = f.kind == FaultKind::kSwappedPatches ? f.patch >= 0 : fault.patch < 0 || f.patch >= 0;
-    if (f.kind == FaultKind::kSwappedPatches && here != (f.other >= 0)) refuse(fault, cover, fault.patch);
-    if (f.kind == FaultKind::kSwappedChips && is_read(f.module) != is_read(f.other)) refuse(fault, cover, fault.module);
+    if (f.kind == FaultKind::kSwappedPatches && here != (f.other_patch >= 0))
+      refuse(fault, cover, fault.patch, fault.other_patch);
+    if (f.kind == FaultKind::kSwappedChips && is_read(f.module) != is_read(f.other))
+      refuse(fault, cover, fault.module, fault.other);
     return here ? std::optional(f) : std::nullopt;
   }
 
  private:
-  [[nodiscard]] bool is_read(int module) const { return wiring_.at(static_cast<std::size_t>(module)).patch >= 0; }
-  [[noreturn]] static void refuse(const Fault& fault, const SimulatedCover& cover, int first) {
+  [[nodiscard]] bool is_read(layout::ModuleId module) const {
+    return wiring_.at(static_cast<std::size_t>(module)).patch >= 0;
+  }
+  [[noreturn]] static void refuse(const Fault& fault, const SimulatedCover& cover, int first, int second) {
     throw InputError(
         fmt::format("part {}: fault {} of {} and {}: their controllers are on different buses, which are "
                     "simulated apart; choose two on one bus",
-                    cover.name, kFaultKindNames.name(fault.kind), first, fault.other));
+                    cover.name, kFaultKindNames.name(fault.kind), first, second));
   }
   std::vector<design::ModuleWiring> wiring_;
   const std::vector<int>& patch_numbers_;

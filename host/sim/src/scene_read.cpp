@@ -192,14 +192,14 @@ void read_clocks_of(const JsonValue& v, const PartNames& names, RobotScene& scen
 
 }  // namespace
 
-int SceneNames::module(const JsonValue& v) const {
+layout::ModuleId SceneNames::module(const JsonValue& v) const {
   if (design.layout.modules.empty()) v.fail("the design has none");
-  return v.integer(0, static_cast<int>(design.layout.modules.size()) - 1);
+  return layout::ModuleId{v.integer(0, static_cast<int>(design.layout.modules.size()) - 1)};
 }
 
-int SceneNames::patch(const JsonValue& v) const {
+layout::PatchIndex SceneNames::patch(const JsonValue& v) const {
   if (design.patches.empty()) v.fail("the design has none");
-  return v.integer(0, static_cast<int>(design.patches.size()) - 1);
+  return layout::PatchIndex{v.integer(0, static_cast<int>(design.patches.size()) - 1)};
 }
 
 void only_scene_keys(const JsonValue& v, std::initializer_list<std::string_view> allowed) {
@@ -225,15 +225,16 @@ std::uint64_t hardware_id(const Scene& scene) {
   std::uint64_t hash = 0xCBF29CE484222325ULL;  // The start value is that of FNV-1a.
   hash_in(hash, (scene.switched ? 1U : 0U) | (scene.border_joints ? 2U : 0U));
   for (const Fault& f : scene.faults) {
-    for (const int v : {static_cast<int>(f.kind), f.module, f.other, f.patch, f.line, f.address, f.taxel, f.value,
-                        f.bit, f.stuck_scl ? 1 : 0, f.frees_after_pulses})
+    const int other = f.kind == FaultKind::kSwappedPatches ? f.other_patch.value() : f.other.value();
+    for (const int v : {static_cast<int>(f.kind), f.module.value(), other, f.patch.value(), f.line, f.address,
+                        f.taxel.value(), f.value, f.bit, f.stuck_scl ? 1 : 0, f.frees_after_pulses})
       hash_in(hash, static_cast<std::uint64_t>(static_cast<std::int64_t>(v)));
     for (const std::uint64_t t : {f.from_us, f.until_us, f.every_us}) hash_in(hash, t);
   }
   return hash;
 }
 
-int real_rotation(const Scene& scene, int module, std::uint64_t at_us) {
+int real_rotation(const Scene& scene, layout::ModuleId module, std::uint64_t at_us) {
   const auto wiring = design::wiring_of(scene.design);
   const auto designed = [&](int m) { return wiring.at(static_cast<std::size_t>(m)).routed.rotation; };
   int rotation = designed(module);
@@ -247,12 +248,13 @@ int real_rotation(const Scene& scene, int module, std::uint64_t at_us) {
   return rotation;
 }
 
-design::Vec3 center_of(const design::Design& design, int module) {
+design::Vec3 center_of(const design::Design& design, layout::ModuleId module) {
   const auto& corner = design.layout.modules.at(static_cast<std::size_t>(module)).corner_mm;
   return (corner[0] + corner[1] + corner[2]) / 3.0;
 }
 
-wire::UniqueId unique_id_of(const Scene& scene, std::size_t patch) {
+wire::UniqueId unique_id_of(const Scene& scene, layout::PatchIndex patch_index) {
+  const auto patch = static_cast<std::size_t>(patch_index);
   if (!scene.boards.empty()) return scene.boards.at(patch);
   const std::uint64_t design_id = scene.design.design_id;
   std::uint64_t high = design_id;

@@ -193,7 +193,7 @@ void TcpLink::send(const wire::CanFrame& frame) {
   write_all(bytes);
 }
 
-void TcpLink::press(int module) {
+void TcpLink::press(layout::ModuleId module) {
   send_press(module, record::kWholeModule);
 }
 
@@ -201,7 +201,7 @@ void TcpLink::press(layout::TaxelId taxel) {
   send_press(taxel.module, static_cast<std::uint8_t>(taxel.taxel));
 }
 
-void TcpLink::send_press(int module, std::uint8_t pad) {
+void TcpLink::send_press(layout::ModuleId module, std::uint8_t pad) {
   std::array<std::uint8_t, 5> contents{};
   ByteWriter w(contents);
   w.le32(static_cast<std::uint32_t>(module));
@@ -217,7 +217,7 @@ void TcpLink::lift() {
   write_all(bytes);
 }
 
-void TcpLink::pressurize(int module, double kpa) {
+void TcpLink::pressurize(layout::ModuleId module, double kpa) {
   constexpr double kPaPerKpa = 1000.0;
   std::array<std::uint8_t, 8> contents{};
   ByteWriter w(contents);

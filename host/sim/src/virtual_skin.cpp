@@ -30,11 +30,11 @@ std::string board_name(const Scene& scene, std::size_t patch) {
 }
 
 // Returns the patch that a controller's cable really leads to.
-int plugged_patch(const Scene& scene, int patch, std::uint64_t at_us) {
+layout::PatchIndex plugged_patch(const Scene& scene, layout::PatchIndex patch, std::uint64_t at_us) {
   for (const Fault& f : scene.faults) {
     if (f.kind != FaultKind::kSwappedPatches || !is_present(f, at_us)) continue;
-    if (f.patch == patch) return f.other;
-    if (f.other == patch) return f.patch;
+    if (f.patch == patch) return f.other_patch;
+    if (f.other_patch == patch) return f.patch;
   }
   return patch;
 }
@@ -95,13 +95,13 @@ void VirtualSkin::build(std::size_t patch, const std::filesystem::path& state_fo
                                     : std::make_unique<FlashMemory>(kFlashBytes, state_folder / (name + ".flash"));
   if (other_hardware) forget_faults(*node.flash);
   if (patch < scene_.effects.clock_ppm.size()) node.clock = BoardClock(scene_.effects.clock_ppm[patch]);
-  plug_in(node, plugged_patch(scene_, static_cast<int>(patch), 0));
+  plug_in(node, plugged_patch(scene_, layout::PatchIndex{patch}, 0));
   node.slots = state_folder.empty()
                    ? std::make_unique<FlashMemory>(sim::kSlotsBytes)
                    : std::make_unique<FlashMemory>(sim::kSlotsBytes, state_folder / (name + ".firmware"));
   node.board.flash = node.flash.get();
   node.board.slots = node.slots.get();
-  node.board.unique_id = unique_id_of(scene_, patch);
+  node.board.unique_id = unique_id_of(scene_, layout::PatchIndex{patch});
   node.board.send = [this, patch](const wire::CanFrame& frame) {
     pending_.push_back({frame, patch});
     ++nodes_[patch].in_buffers;
@@ -112,7 +112,7 @@ void VirtualSkin::build(std::size_t patch, const std::filesystem::path& state_fo
 }
 
 // Connects the lines of a controller without power to a patch.
-void VirtualSkin::plug_in(Node& node, int patch) {
+void VirtualSkin::plug_in(Node& node, layout::PatchIndex patch) {
   node.plugged = patch;
   node.lines.clear();
   for (int l = 0; l < layout::kLines; ++l)
@@ -125,7 +125,7 @@ void VirtualSkin::exchange_cables() {
   if (cable_changes_us_.empty() || now_us_ < cable_changes_us_.back()) return;
   while (!cable_changes_us_.empty() && now_us_ >= cable_changes_us_.back()) cable_changes_us_.pop_back();
   for (std::size_t p = 0; p < nodes_.size(); ++p) {
-    const int plugged = plugged_patch(scene_, static_cast<int>(p), now_us_);
+    const layout::PatchIndex plugged = plugged_patch(scene_, layout::PatchIndex{p}, now_us_);
     if (plugged == nodes_[p].plugged) continue;
     nodes_[p].controller.reset();
     plug_in(nodes_[p], plugged);
@@ -305,8 +305,8 @@ bool VirtualSkin::run(std::uint64_t until_us, bool stop_at_frame) {
   return frame_came_;
 }
 
-int VirtualSkin::touched_instead_of(int module) const {
-  int touched = module;
+layout::ModuleId VirtualSkin::touched_instead_of(layout::ModuleId module) const {
+  layout::ModuleId touched = module;
   for (const Fault& f : scene_.faults) {
     if (f.kind == FaultKind::kFingerElsewhere && f.module == module && is_present(f, now_us_)) touched = f.other;
   }
@@ -328,7 +328,7 @@ int VirtualSkin::press_taxel(layout::TaxelId taxel) {
   return skin_.press(tip);
 }
 
-int VirtualSkin::press_module(int module) {
+int VirtualSkin::press_module(layout::ModuleId module) {
   // The finger reaches all pads of a module (the farthest is 11.4 mm from the centre) and little beyond.
   constexpr double kRadius_mm = 12.0;
   constexpr double kForce_n = 20.0;

@@ -3,7 +3,7 @@
 
 namespace triskin::view {
 
-void FrameTrack::add(int module, const PressureSample& sample, std::int64_t time_us) {
+void FrameTrack::add(layout::SkinModule module, const PressureSample& sample, std::int64_t time_us) {
   if (!started_) {
     start_us_ = time_us;
     due_us_ = time_us + kStep_us;

@@ -104,9 +104,9 @@ json jumpers_of(const design::ModuleLayout& layout) {
 json newton_per_count(const design::Design& design, const design::SkinCalibration& calibration) {
   if (!calibration.complete()) return nullptr;
   json modules = json::array();
-  for (int m = 0; m < static_cast<int>(design.layout.modules.size()); ++m) {
+  for (layout::ModuleId m; m < static_cast<int>(design.layout.modules.size()); ++m) {
     json taxels = json::array();
-    for (int t = 0; t < layout::kTaxelsPerModule; ++t) taxels.push_back(calibration.force_n({m, t}, 1.0));
+    for (layout::TaxelIndex t; t < layout::kTaxelsPerModule; ++t) taxels.push_back(calibration.force_n({m, t}, 1.0));
     modules.push_back(std::move(taxels));
   }
   return modules;

@@ -82,13 +82,16 @@ pipeline::EditedDesign edited(const design::Design& design, const EditOptions& o
                               const pipeline::DesignOptions& effort, const ProgressSink& progress) {
   if (options.take >= 0) return {pipeline::take_alternative(design, options.take, progress), {}, {}};
   if (!options.mirror.empty()) return pipeline::mirror_design(design, plane_of(options.mirror), progress);
-  if (!options.keep.empty())
-    return pipeline::grow_around(design, module_ids("--keep", options.keep),
+  if (!options.keep.empty()) {
+    const auto kept = module_ids("--keep", options.keep);
+    return pipeline::grow_around(design, {kept.begin(), kept.end()},
                                  {effort.time_limit_s, effort.iterations, effort.threads}, progress);
+  }
   // Without removed or added modules, only kinds change.
   if (options.remove.empty() && options.add.empty()) return {design, {}, {}};
   pipeline::LayoutEdit edit;
-  edit.remove = module_ids("--remove", options.remove);
+  const auto removed = module_ids("--remove", options.remove);
+  edit.remove.assign(removed.begin(), removed.end());
   for (const std::string& part : parts_of(options.add, ',')) edit.add.push_back(place_of(part));
   return pipeline::edit_design(design, edit, progress);
 }
