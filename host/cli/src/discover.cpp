@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <string>
@@ -16,6 +17,7 @@
 #include "triskin/robot/edit.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/firmware_version.hpp"
+#include "triskin/session/patch_table.hpp"
 
 namespace triskin::cli::discover_command {
 namespace {
@@ -71,12 +73,23 @@ nlohmann::json ask(device::Bus& bus, const wire::NodeClaim& claim, const std::st
   return j;
 }
 
+// Returns the patch whose table the controller has. Its node address tells the patch only if the table is a backup,
+// because a robot file gives other addresses than the design.
+layout::PatchIndex expected_patch(const std::vector<NamedDesign>& designs, const wire::NodeClaim& claim,
+                                  const wire::ActiveTable& table) {
+  const auto named =
+      std::ranges::find(designs, table.design_id, [](const NamedDesign& d) { return d.second.design_id; });
+  if (!table.present() || named == designs.end()) return layout::PatchIndex::none();
+  const layout::NodeAddress node{claim.node_address};
+  const auto patch = device::patch_of_table(named->second, node, table.crc);
+  return patch >= 0 ? patch : design::patch_at(named->second, node);
+}
+
 nlohmann::json ask_topology(device::Bus& bus, const wire::NodeClaim& claim, const std::vector<NamedDesign>& designs,
                             const Output& output) {
   device::Controller c(bus, claim.node_address);
   const wire::ActiveTable table = c.active_table();
-  const layout::PatchIndex expected{table.present() ? claim.node_address - 1 : -1};
-  return report_topology(c, designs, table.design_id, expected, output);
+  return report_topology(c, designs, table.design_id, expected_patch(designs, claim, table), output);
 }
 
 std::map<int, int> users_of(const std::vector<wire::NodeClaim>& claims) {

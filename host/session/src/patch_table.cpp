@@ -183,6 +183,15 @@ layout::PatchImage image_of(const design::Design& design, layout::PatchIndex pat
   return image;
 }
 
+layout::PatchIndex patch_of_table(const design::Design& design, layout::NodeAddress node, std::uint32_t crc) {
+  design::Design then = design;
+  then.node_addresses.assign(design.patches.size(), static_cast<std::uint8_t>(node));
+  for (layout::PatchIndex patch; patch < static_cast<int>(design.patches.size()); ++patch) {
+    if (holds_image(crc, image_of(then, patch))) return patch;
+  }
+  return layout::PatchIndex::none();
+}
+
 layout::ModuleId module_of(const design::Design& design, const layout::ModuleRow& row) {
   return layout::ModuleId{design.kinds.empty() ? row.module_id : row.module_id % layout::kIdsBesideKinds};
 }

@@ -34,6 +34,12 @@ struct RouteChoice {
 [[nodiscard]] layout::PatchImage image_of(const design::Design& design, layout::PatchIndex patch,
                                           const RouteChoice& choice = {});
 
+/// Returns the patch whose normal table for the controller at `node` has the checksum `crc`; −1 if none has. The
+/// addresses in the design do not matter, because a robot file may have given others when the table was written. Throws
+/// as image_of. Cost: one image for each patch.
+[[nodiscard]] layout::PatchIndex patch_of_table(const design::Design& design, layout::NodeAddress node,
+                                                std::uint32_t crc);
+
 /// Returns the module of a row of a table of `design`: the id without the number of the kind. Constant cost.
 [[nodiscard]] layout::ModuleId module_of(const design::Design& design, const layout::ModuleRow& row);
 /// Returns the number of the module's kind; 0 for a design without kinds. The design may lack that kind. Constant cost.
