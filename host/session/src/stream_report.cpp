@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include "triskin/base/counted.hpp"
 
@@ -48,6 +49,13 @@ std::map<layout::PatchIndex, std::vector<layout::ModuleId>> adopters(const Strea
   return list;
 }
 
+// Returns true if the controller of another patch of its cover read a module with data.
+bool is_adopted(const StreamReport& r, const ModuleCounts& module) {
+  return std::ranges::any_of(r.adopted, [&](const AdoptedCounts& a) {
+    return a.cover == module.cover && a.module == module.module && a.counts.with_data > 0;
+  });
+}
+
 std::string places(const StreamReport& r) {
   std::string text;
   const auto add = [&](std::uint64_t n, const char* where) {
@@ -64,20 +72,20 @@ std::string places(const StreamReport& r) {
 }  // namespace
 
 void sum_up(StreamReport& r, std::uint64_t thrown_away) {
-  std::map<layout::PatchIndex, SampleCounts> patches;
+  // Covers number their modules and patches alike, so neither number names one without its cover.
+  std::map<std::pair<layout::CoverIndex, layout::PatchIndex>, SampleCounts> patches;
   for (const ModuleCounts& m : r.modules) {
     r.total += m.counts;
-    patches[m.patch] += m.counts;
-    if (m.never_heard()) r.never_heard.push_back(m.module);
+    patches[{m.cover, m.patch}] += m.counts;
+    if (m.never_heard() && !is_adopted(r, m)) r.never_heard.push_back(m.module);
     if (m.slow) r.slow.push_back(m.module);
   }
   for (const AdoptedCounts& a : r.adopted) {
     r.total += a.counts;
-    patches[a.patch] += a.counts;
-    if (a.counts.with_data > 0) std::erase(r.never_heard, a.module);
+    patches[{a.cover, a.patch}] += a.counts;
   }
-  for (const auto& [patch, counts] : patches) {
-    if (percent(counts.dropped, counts.expected) > 1.0) r.starved.push_back(patch);
+  for (const auto& [key, counts] : patches) {
+    if (percent(counts.dropped, counts.expected) > 1.0) r.starved.push_back(key.second);
   }
   // After a lapse, controllers without another reader stop streaming, so those samples were never on the bus.
   r.lost_host = r.lapses > 0 ? r.total.on_the_way : std::min(r.total.on_the_way, thrown_away);
