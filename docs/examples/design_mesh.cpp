@@ -17,7 +17,7 @@ int main(int argc, char** argv) try {
     const auto& corner = design.layout.modules[m].corner_mm;
     const triskin::design::Vec3 centre_mm = (corner[0] + corner[1] + corner[2]) / 3.0;
     std::printf("module %zu at (%.1f, %.1f, %.1f) mm: controller %d, line %d, address %d\n", m, centre_mm.x(),
-                centre_mm.y(), centre_mm.z(), wiring[m].patch, wiring[m].routed.line, wiring[m].routed.address);
+                centre_mm.y(), centre_mm.z(), wiring[m].patch.value(), wiring[m].routed.line, wiring[m].routed.address);
   }
   std::printf("%zu modules, %zu controllers\n", design.layout.modules.size(), design.patches.size());
 } catch (const std::exception& e) {

@@ -37,7 +37,7 @@ constexpr std::uint64_t kStart_ns = 1'700'000'000'250'000'000;
 
 recording::ModuleSample sample_of(int module, std::uint32_t number) {
   recording::ModuleSample s;
-  s.module = module;
+  s.module = layout::ModuleId{module};
   s.link_time_us = 5'000'000 + number * 36'900ULL;
   s.sampled_ns = kStart_ns + number * 36'900'000ULL;
   s.error_us = 700;
@@ -150,8 +150,9 @@ TEST_F(BridgeTest, contacts_and_diagnostics_are_read) {
   Reader<Diagnostics> diagnostics(participant_, diagnostic_msgs_msg_dds__DiagnosticArray__desc, "rt/diagnostics", true,
                                   false);
   ASSERT_TRUE(wait_until([&] { return contacts.matched() && diagnostics.matched(); }));
-  const std::vector<recording::PressedTaxel> taxels{{5, 3, 6000.0, {10.0, 20.0, 30.0}, {0.0, 0.0, 1.0}},
-                                                    {5, 4, 2000.0, {18.0, 20.0, 30.0}, {0.0, 0.0, 1.0}}};
+  const std::vector<recording::PressedTaxel> taxels{
+      {layout::ModuleId{5}, layout::TaxelIndex{3}, 6000.0, {10.0, 20.0, 30.0}, {0.0, 0.0, 1.0}},
+      {layout::ModuleId{5}, layout::TaxelIndex{4}, 2000.0, {18.0, 20.0, 30.0}, {0.0, 0.0, 1.0}}};
   const auto pressed = recording::gather_contacts(taxels, 390.0);
   bridge.add_contacts({}, kStart_ns);  // There was no contact before.
   bridge.add_contacts(pressed, kStart_ns);

@@ -14,7 +14,7 @@ constexpr std::uint64_t kFirst_ns = 1'700'000'000'123'456'000;
 std::vector<ModuleSample> frame() {
   std::vector<ModuleSample> samples(4);
   for (std::size_t k = 0; k < samples.size(); ++k) {
-    samples[k].module = static_cast<int>(k);
+    samples[k].module = layout::ModuleId{k};
     samples[k].link_time_us = 900 + k;
     samples[k].sample.module = static_cast<std::uint8_t>(k);
     samples[k].sample.sample = 7;

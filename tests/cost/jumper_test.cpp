@@ -224,7 +224,7 @@ TEST_F(JumperedFile, is_a_joint_in_the_tables_and_shown_in_picture_and_sheet) {
   const design::Jumper& jumper = design_.layout.jumpers[0];
   bool found = false;
   for (std::size_t p = 0; p < design_.patches.size(); ++p) {
-    const design::PortEnds ends = design::joints_of(design_, static_cast<int>(p));
+    const design::PortEnds ends = design::joints_of(design_, layout::PatchIndex{p});
     const auto& modules = design_.patches[p].modules;
     for (std::size_t k = 0; k < ends.size(); ++k) {
       for (const design::PortEnd& e : ends[k]) {

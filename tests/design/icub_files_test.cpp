@@ -190,6 +190,13 @@ TEST(IcubSkinGui, is_read_by_our_own_reader_of_skingui_files_with_the_same_joint
   EXPECT_EQ(joints, 2U * 19);
 }
 
+// The covers of a robot have the node addresses of the robot file; the cards used to count from 1.
+TEST(IcubSkinGui, names_the_node_addresses_that_a_robot_gives) {
+  design::Design d = mixed();
+  d.node_addresses = {5, 9};
+  EXPECT_TRUE(design::icub_skingui(d).starts_with("cardid 5 9\n"));
+}
+
 TEST(IcubFiles, refuse_what_no_bus_has) {
   EXPECT_THROW((void)design::icub_skingui(strip(9, 1)), InputError);  // The design has 9 · 16 triangles.
   EXPECT_NO_THROW((void)design::icub_positions(strip(9, 1)));

@@ -75,7 +75,7 @@ TEST(BringUp, NamesTheStepThatAFaultStops) {
 TEST(BringUp, ATaxelOutOfReachFailsTheLastStep) {
   scene::Scene scene = scene_of(2);
   scene::Fault shorted = fault(scene::FaultKind::kSaturatedTaxel, 1);
-  shorted.taxel = 5;
+  shorted.taxel = layout::TaxelIndex{5};
   scene.faults = {shorted};
   const auto reports = bring_up(scene.design, over(scene));
   EXPECT_EQ(outcome(reports, 12), StepOutcome::kFailed);

@@ -36,7 +36,8 @@ TEST_P(Wires, unplugged_after_any_frame_of_a_flash_then_plugged_in_and_repeated)
     Fixture fixture(16);
     const design::Design old_design = other_wiring(fixture.design());
     (void)flash(fixture.bus(), old_design);
-    const auto old_image = bytes_of(image_of(old_design, 0)), new_image = bytes_of(image_of(fixture.design(), 0));
+    const auto old_image = bytes_of(image_of(old_design, layout::PatchIndex{0})),
+               new_image = bytes_of(image_of(fixture.design(), layout::PatchIndex{0}));
     FaultyLink wire(fixture.bus().link(), GetParam(), {}, 1);
     wire.frames_left = n;
     Bus bus(wire);
@@ -64,7 +65,8 @@ TEST_P(Wires, frames_lost_doubled_reordered_and_delayed) {
     Fixture fixture(16);
     const design::Design old_design = other_wiring(fixture.design());
     (void)flash(fixture.bus(), old_design);
-    const auto old_image = bytes_of(image_of(old_design, 0)), new_image = bytes_of(image_of(fixture.design(), 0));
+    const auto old_image = bytes_of(image_of(old_design, layout::PatchIndex{0})),
+               new_image = bytes_of(image_of(fixture.design(), layout::PatchIndex{0}));
     const unsigned rate = 1 + seed % 2;
     FaultyLink wire(fixture.bus().link(), GetParam(), {rate, rate, rate, rate}, seed);
     Bus bus(wire);
@@ -110,7 +112,7 @@ TEST_P(Wires, another_tester_asks_in_between) {
   }
   EXPECT_TRUE(completed);
   EXPECT_GT(asked, 0);
-  const auto image = bytes_of(image_of(fixture.design(), 0));
+  const auto image = bytes_of(image_of(fixture.design(), layout::PatchIndex{0}));
   EXPECT_EQ(active(fixture, image.size()), image);
 }
 

@@ -92,7 +92,7 @@ TEST(PressureSteps, begin_with_rest_and_go_module_by_module) {
     return all;
   };
   EXPECT_EQ(text(pressure_steps(kpa, {})), "0@-1 5@-1 10@-1 ");
-  EXPECT_EQ(text(pressure_steps(kpa, std::array{0, 1})), "0@-1 5@0 10@0 5@1 10@1 ");
+  EXPECT_EQ(text(pressure_steps(kpa, std::array{layout::ModuleId{0}, layout::ModuleId{1}})), "0@-1 5@0 10@0 5@1 10@1 ");
 }
 
 TEST_F(CalibrationFolder, a_ramp_is_read_and_interpolated) {
@@ -127,7 +127,8 @@ TEST_F(CalibrationFolder, a_ramp_that_cannot_be_used_is_named_with_its_line) {
 }
 
 design::BoardCalibration small_board(const std::string& serial) {
-  design::BoardCalibration board{serial, 0x1234, 0, 1, "", wire::CalibrationMethod::kSteps, 40.0, 39.0, {}};
+  design::BoardCalibration board{serial, 0x1234, layout::PatchIndex{0}, 1, "", wire::CalibrationMethod::kSteps, 40.0,
+                                 39.0,   {}};
   board.places.push_back({1, 2, {}});
   board.places[0].taxels[3] = {150.5, 0.25, 0.125};
   return board;
@@ -176,8 +177,15 @@ TEST_F(CalibrationFolder, one_of_another_patch_or_design_is_not_used) {
 // 195 counts/kPa · 2^8 = 49,920 is the greatest number below 65,536: the unit is 1/256. 150.5 is 38,528 of it; 0.001
 // less than 105 is 26,879.7 of it, which is rounded to 105. Errors and residuals are the module's worst, rounded up.
 TEST(ControllerCalibration, has_the_numbers_of_the_calibration_as_far_as_its_bytes_go) {
-  design::BoardCalibration board{"0102030405060708090A0B0C",     0x1234, 3,        7, "2026-11-22T17:30:00Z",
-                                 wire::CalibrationMethod::kRamp, 40.0,   38.97114, {}};
+  design::BoardCalibration board{"0102030405060708090A0B0C",
+                                 0x1234,
+                                 layout::PatchIndex{3},
+                                 7,
+                                 "2026-11-22T17:30:00Z",
+                                 wire::CalibrationMethod::kRamp,
+                                 40.0,
+                                 38.97114,
+                                 {}};
   board.places.push_back({1, 2, {}});
   board.places[0].taxels[3] = {150.5, 0.251, 0.125};
   board.places[0].taxels[4] = {195.0, 0.1, 0.0161};
@@ -219,8 +227,15 @@ design::BoardCalibration board_of(Fixture& fixture, int revision) {
 }
 
 TEST_F(CalibrationFolder, a_file_with_an_unknown_method_is_refused) {
-  const design::BoardCalibration board{"0102030405060708090A0B0C",     0x1234, 3,        7, "2026-11-22T17:30:00Z",
-                                       wire::CalibrationMethod::kRamp, 40.0,   38.97114, {}};
+  const design::BoardCalibration board{"0102030405060708090A0B0C",
+                                       0x1234,
+                                       layout::PatchIndex{3},
+                                       7,
+                                       "2026-11-22T17:30:00Z",
+                                       wire::CalibrationMethod::kRamp,
+                                       40.0,
+                                       38.97114,
+                                       {}};
   std::string text = design::calibration_text(std::span(&board, 1));
   EXPECT_EQ(design::parse_calibration(text, "a.json").at(0).method, wire::CalibrationMethod::kRamp);
   text.replace(text.find("\"ramp\""), 6, "\"rmap\"");
@@ -295,13 +310,13 @@ class SpreadSkin {
 
   CalibrationOutcome by_steps(std::span<const double> kpa, bool by_module = false) {
     CalibrateOptions options;
-    int last = -1;
+    layout::ModuleId last = layout::ModuleId::none();
     options.apply = [&, this](const PressureStep& step) {
       if (last != step.module) actuator().pressurize(last, 0.0);
       actuator().pressurize(last = step.module, step.pressure_kpa);
     };
-    std::vector<int> each(by_module ? design().layout.modules.size() : 0);
-    std::iota(each.begin(), each.end(), 0);
+    std::vector<layout::ModuleId> each(by_module ? design().layout.modules.size() : 0);
+    std::iota(each.begin(), each.end(), layout::ModuleId{});
     auto outcome = calibrate_by_steps(bus(), design(), pressure_steps(kpa, each), options);
     actuator().pressurize(last, 0.0);
     return outcome;
@@ -312,8 +327,8 @@ class SpreadSkin {
   // Returns the largest relative error of a sensitivity, comparing the calibration with the scene.
   [[nodiscard]] double worst_error(const design::SkinCalibration& calibration) const {
     double worst = 0.0;
-    for (int m = 0; m < static_cast<int>(design().layout.modules.size()); ++m) {
-      for (int t = 0; t < layout::kTaxelsPerModule; ++t) {
+    for (layout::ModuleId m; m < static_cast<int>(design().layout.modules.size()); ++m) {
+      for (layout::TaxelIndex t; t < layout::kTaxelsPerModule; ++t) {
         if (!layout::measures_pressure(static_cast<std::size_t>(t))) continue;
         const double truth = link_->skin().skin().module(m).counts_per_kpa(t);
         worst = std::max(worst, std::abs(calibration.counts_per_kpa({m, t}) / truth - 1.0));
@@ -361,13 +376,14 @@ TEST(Calibrate, steps_find_the_sensitivity_of_every_taxel_within_the_error_that_
 }
 
 TEST(Calibrate, a_taxel_that_does_not_follow_is_named_and_has_none) {
-  scene::Fault frozen = fault(scene::FaultKind::kFrozenTaxel, 2);
-  frozen.taxel = 5;
+  constexpr layout::TaxelId kFrozen{layout::ModuleId{2}, layout::TaxelIndex{5}};
+  scene::Fault frozen = fault(scene::FaultKind::kFrozenTaxel, kFrozen.module);
+  frozen.taxel = kFrozen.taxel;
   SpreadSkin skin(4, 3.0, {frozen});
   const CalibrationOutcome outcome = skin.by_steps(kSteps);
-  EXPECT_THAT(outcome.without, testing::ElementsAre(std::pair{2, 5}));
+  EXPECT_THAT(outcome.without, testing::ElementsAre(kFrozen));
   EXPECT_EQ(outcome.quality.missing, 1U);
-  EXPECT_EQ(skin.calibration(outcome).counts_per_kpa({2, 5}), 0.0);
+  EXPECT_EQ(skin.calibration(outcome).counts_per_kpa(kFrozen), 0.0);
   EXPECT_TRUE(skin.calibration(outcome).complete());
 }
 
@@ -388,7 +404,8 @@ TEST(Calibrate, modules_that_were_done_count_when_a_person_ends_it) {
     if (step.module == 2 && step.pressure_kpa == 20.0) throw Cancelled("Ctrl-C");
     skin.actuator().pressurize(step.module, step.pressure_kpa);
   };
-  const auto steps = pressure_steps(std::array{10.0, 20.0, 40.0}, std::array{0, 1, 2, 3});
+  constexpr std::array kAll{layout::ModuleId{0}, layout::ModuleId{1}, layout::ModuleId{2}, layout::ModuleId{3}};
+  const auto steps = pressure_steps(std::array{10.0, 20.0, 40.0}, kAll);
   const CalibrationOutcome outcome = calibrate_by_steps(skin.bus(), skin.design(), steps, options);
   EXPECT_THAT(outcome.measured, testing::ElementsAre(0, 1));
   ASSERT_EQ(outcome.boards.size(), 1U);
@@ -415,7 +432,7 @@ TEST(Calibrate, the_force_of_a_known_pressure_is_right_and_before_it_is_counts) 
   EXPECT_FALSE(none.complete());
   const CalibrationOutcome outcome = skin.by_steps(kSteps);
   const auto calibration = skin.calibration(outcome);
-  skin.actuator().pressurize(1, 20.0);
+  skin.actuator().pressurize(layout::ModuleId{1}, 20.0);
   const double force = skin.force_n(calibration, outcome.rest);
   const double truth = 20.0 * design::kModuleArea_mm2 * 1e-3;
   std::printf("20 kPa on a module: %.4f N, truth %.4f N\n", force, truth);

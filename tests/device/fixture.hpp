@@ -52,8 +52,8 @@ class Fixture {
 inline scene::Fault fault(scene::FaultKind kind, int module, int other = -1) {
   scene::Fault f;
   f.kind = kind;
-  f.module = module;
-  f.other = other;
+  f.module = layout::ModuleId{module};
+  f.other = layout::ModuleId{other};
   return f;
 }
 

@@ -11,7 +11,7 @@ namespace triskin::device {
 namespace {
 
 TEST(PatchTable, row_fields_follow_the_design) {
-  const layout::PatchImage image = image_of(strip(6), 0);
+  const layout::PatchImage image = image_of(strip(6), layout::PatchIndex{0});
   EXPECT_EQ(image.module_count, 6);
   EXPECT_EQ(image.node_address, 1);
   // Module 1 is connected to module 0, whose side 1 faces it; module 0 is turned by 2, so that side is its port (1 - 2)
@@ -29,12 +29,12 @@ TEST(PatchTable, row_fields_follow_the_design) {
 TEST(PatchTable, a_design_that_fits_no_table_is_refused) {
   design::Design d = strip(6);
   d.patches[0].modules[3].address = 2;
-  EXPECT_THROW((void)image_of(d, 0), InputError);
+  EXPECT_THROW((void)image_of(d, layout::PatchIndex{0}), InputError);
   d = strip(17, 17);
-  EXPECT_THROW((void)image_of(d, 0), InputError);
+  EXPECT_THROW((void)image_of(d, layout::PatchIndex{0}), InputError);
   d = strip(6);
   d.patches[0].modules[3].parent = 0;  // The module has no neighbour there.
-  EXPECT_THROW((void)image_of(d, 0), InputError);
+  EXPECT_THROW((void)image_of(d, layout::PatchIndex{0}), InputError);
 }
 
 TEST(Flash, fresh_boards_with_one_default_address_get_one_each) {
@@ -47,7 +47,8 @@ TEST(Flash, fresh_boards_with_one_default_address_get_one_each) {
   for (int p = 0; p < 3; ++p) {
     Controller c(fixture.bus(), static_cast<std::uint8_t>(p + 1));
     EXPECT_EQ(c.active_table().design_id, fixture.design().design_id);
-    EXPECT_EQ(c.read_table(bytes_of(image_of(fixture.design(), p)).size()), bytes_of(image_of(fixture.design(), p)));
+    EXPECT_EQ(c.read_table(bytes_of(image_of(fixture.design(), layout::PatchIndex{p})).size()),
+              bytes_of(image_of(fixture.design(), layout::PatchIndex{p})));
   }
 }
 

@@ -25,7 +25,7 @@ TEST(IcubStream, reads_our_controllers_as_skin_boards) {
     stream.run_until(fixture.bus().now_us() + 400'000);
     EXPECT_EQ(rest.size(), 20U);
     to = &pressed;
-    (void)fixture.skin().press_module(17);  // The module is on board 2, triangle 1.
+    (void)fixture.skin().press_module(layout::ModuleId{17});  // The module is on board 2, triangle 1.
     stream.run_until(fixture.bus().now_us() + 400'000);
     EXPECT_EQ(stream.lost(), 0U);
     EXPECT_GE(stream.frames(), 32U * 12);  // Places without a module have frames, too.

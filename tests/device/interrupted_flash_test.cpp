@@ -22,7 +22,7 @@ design::Design other_wiring(const design::Design& d) {
 std::vector<std::uint8_t> active(Fixture& fixture, int patch) {
   fixture.bus().listen(fixture.bus().now_us() + 1'500'000);  // The transfer under way has timed out by now.
   Controller c(fixture.bus(), static_cast<std::uint8_t>(patch + 1));
-  return c.read_table(bytes_of(image_of(fixture.design(), patch)).size());
+  return c.read_table(bytes_of(image_of(fixture.design(), layout::PatchIndex{patch})).size());
 }
 
 TEST(Cancelled, at_any_frame_every_controller_has_its_old_or_its_new_table_and_the_message_says_which) {
@@ -47,8 +47,8 @@ TEST(Cancelled, at_any_frame_every_controller_has_its_old_or_its_new_table_and_t
     if (too_late) break;
     int now_new = 0;
     for (int p = 0; p < 2; ++p) {
-      const auto now = active(fixture, p), fresh = bytes_of(image_of(fixture.design(), p)),
-                 old = bytes_of(image_of(old_design, p));
+      const auto now = active(fixture, p), fresh = bytes_of(image_of(fixture.design(), layout::PatchIndex{p})),
+                 old = bytes_of(image_of(old_design, layout::PatchIndex{p}));
       ASSERT_TRUE(now == fresh || now == old) << "patch " << p << " at frame " << n;
       now_new += now == fresh ? 1 : 0;
     }
@@ -61,7 +61,8 @@ TEST(Cancelled, at_any_frame_every_controller_has_its_old_or_its_new_table_and_t
       with_one_done += now_new == 1 ? 1 : 0;
     }
     EXPECT_EQ(fixture.flash().patches.size(), 2U);  // The work can be completed afterwards.
-    for (int p = 0; p < 2; ++p) ASSERT_EQ(active(fixture, p), bytes_of(image_of(fixture.design(), p))) << n;
+    for (int p = 0; p < 2; ++p)
+      ASSERT_EQ(active(fixture, p), bytes_of(image_of(fixture.design(), layout::PatchIndex{p}))) << n;
   }
   EXPECT_GT(cancelled, 30);
   EXPECT_GT(with_one_done, 5);
@@ -84,7 +85,8 @@ TEST(Unplugged, a_flash_that_waits_goes_on_by_itself) {
     Bus bus(wire);
     const FlashResult r = flash(bus, fixture.design(), options);
     ASSERT_EQ(r.patches.size(), 2U);
-    for (int p = 0; p < 2; ++p) EXPECT_EQ(active(fixture, p), bytes_of(image_of(fixture.design(), p))) << n;
+    for (int p = 0; p < 2; ++p)
+      EXPECT_EQ(active(fixture, p), bytes_of(image_of(fixture.design(), layout::PatchIndex{p}))) << n;
     EXPECT_EQ(r.bytes + static_cast<std::size_t>(r.skipped) * 104, 2U * 104)
         << n;  // Bytes written before the cut count as written.
     ASSERT_EQ(said.size(), 2U) << n;

@@ -26,7 +26,8 @@ VerifyResult verified(Fixture& fixture, const design::Design& d, bool touch = fa
 
 TEST(KindsInTables, are_the_high_bits_of_module_ids) {
   const design::Design d = with_kinds(test::strip(6), {0, 1, 2, 0, 0, 2});
-  const layout::PatchImage image = image_of(d, 0), plain = image_of(test::strip(6), 0);
+  const layout::PatchImage image = image_of(d, layout::PatchIndex{0}),
+                           plain = image_of(test::strip(6), layout::PatchIndex{0});
   // The ids are 1 · 8192 + 1 and 2 · 8192 + 2.
   EXPECT_EQ(image.modules[1].module_id, 8193);
   EXPECT_EQ(image.modules[2].module_id, 16386);
@@ -40,8 +41,8 @@ TEST(KindsInTables, are_the_high_bits_of_module_ids) {
   design::Design large = test::strip(8193);
   EXPECT_EQ(module_of(large, {.module_id = 8192}), 8192);
   large.patches.resize(1);
-  EXPECT_NO_THROW((void)image_of(large, 0));
-  EXPECT_THROW((void)image_of(with_kinds(large, {1}), 0), InputError);
+  EXPECT_NO_THROW((void)image_of(large, layout::PatchIndex{0}));
+  EXPECT_THROW((void)image_of(with_kinds(large, {1}), layout::PatchIndex{0}), InputError);
 }
 
 TEST(KindsInTables, are_flashed_verified_and_read) {

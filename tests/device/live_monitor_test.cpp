@@ -27,7 +27,7 @@ constexpr int kPad = 3;
 // Makes a sample of a module that rests at `rest`, with one taxel `pressure` counts below.
 ModuleSample frame(int module, double rest, double pressure) {
   ModuleSample f;
-  f.module = module;
+  f.module = layout::ModuleId{module};
   f.sample.valid = layout::kAllTaxels;
   f.sample.state = wire::ModuleState::kOk;
   f.sample.value.fill(static_cast<std::uint16_t>(rest));
@@ -72,7 +72,7 @@ TEST(TouchMap, noise_hardly_moves_a_rest_value_that_follows) {
   std::normal_distribution<double> noise(0.0, layout::kNoise_counts);
   for (int k = 0; k < 27 * 1800; ++k) map.add(frame(0, layout::kRestCounts + std::round(noise(random)), 0));
   map.add(frame(0, layout::kRestCounts, 0));
-  EXPECT_LT(map.change(0)[kPad], 0.5 * TouchMap::kPressed_counts);
+  EXPECT_LT(map.change(layout::ModuleId{0})[kPad], 0.5 * TouchMap::kPressed_counts);
   EXPECT_TRUE(map.pressed().empty());
 }
 
@@ -124,27 +124,31 @@ TEST(TouchMap, rest_values_of_some_modules_leave_the_others_to_the_design) {
   TouchMap map(design);
   design::RestValues tared(2);
   for (auto& module : tared) module.fill(20'000);
-  map.set_rest(tared, 1);
+  map.set_rest(tared, layout::ModuleId{1});
   for (int m = 0; m < 3; ++m) feed(map, frame(m, m == 0 ? layout::kRestCounts : 20'000, 400));
   ASSERT_EQ(map.pressed().size(), 2U);
   for (const PressedTaxel& p : map.pressed()) EXPECT_GT(p.module, 0);
   feed(map, frame(0, layout::kRestCounts, 0));
   feed(map, frame(0, layout::kRestCounts, 400));
   EXPECT_EQ(map.pressed().size(), 3U) << "a light touch at the start, which ended";
-  EXPECT_THROW(map.set_rest(tared, 2), std::out_of_range);
+  EXPECT_THROW(map.set_rest(tared, layout::ModuleId{2}), std::out_of_range);
 }
 
 TEST(LiveMonitor, draws_the_patch_in_its_shape) {
   const design::Design design = strip(4);
   LiveMonitor monitor(design);
   // A strip is one row of up, down, up, down.
-  EXPECT_THAT(monitor.picture(0, PressureUnit::kCounts, false), ElementsAre("▲  -- ▼  -- ▲  -- ▼  -- "));
+  EXPECT_THAT(monitor.picture(layout::PatchIndex{0}, PressureUnit::kCounts, false),
+              ElementsAre("▲  -- ▼  -- ▲  -- ▼  -- "));
   for (int m = 0; m < 3; ++m) {
     for (int k = 0; k < 3; ++k) monitor.add(frame(m, layout::kRestCounts, m * 4'000));
   }
-  EXPECT_THAT(monitor.picture(0, PressureUnit::kCounts, false), ElementsAre("▲   0 ▼4000 ▲8000 ▼  -- "));
-  EXPECT_THAT(monitor.picture(0, PressureUnit::kPercent, false), ElementsAre("▲  0% ▼ 12% ▲ 24% ▼  -- "));
-  EXPECT_THAT(monitor.picture(0, PressureUnit::kCounts, true)[0], HasSubstr("\033[48;5;160m▼4000\033[0m"));
+  EXPECT_THAT(monitor.picture(layout::PatchIndex{0}, PressureUnit::kCounts, false),
+              ElementsAre("▲   0 ▼4000 ▲8000 ▼  -- "));
+  EXPECT_THAT(monitor.picture(layout::PatchIndex{0}, PressureUnit::kPercent, false),
+              ElementsAre("▲  0% ▼ 12% ▲ 24% ▼  -- "));
+  EXPECT_THAT(monitor.picture(layout::PatchIndex{0}, PressureUnit::kCounts, true)[0],
+              HasSubstr("\033[48;5;160m▼4000\033[0m"));
 }
 
 // The colours begin at 2, 7, 20 and 50 kPa.
@@ -153,7 +157,8 @@ TEST(LiveMonitor, has_a_colour_for_each_strength) {
   for (const auto& [counts, colour] : {std::pair(15, 236), {25, 22}, {100, 34}, {300, 172}, {600, 160}}) {
     LiveMonitor monitor(design);
     for (const int change : {0, 0, 0, counts}) monitor.add(frame(0, layout::kRestCounts, change));
-    EXPECT_THAT(monitor.picture(0, PressureUnit::kCounts, true)[0], HasSubstr(fmt::format("48;5;{}m", colour)));
+    EXPECT_THAT(monitor.picture(layout::PatchIndex{0}, PressureUnit::kCounts, true)[0],
+                HasSubstr(fmt::format("48;5;{}m", colour)));
   }
 }
 
@@ -161,8 +166,9 @@ TEST(LiveMonitor, shows_numbers_of_modules_in_their_cells) {
   const design::Design design = strip(3);
   LiveMonitor monitor(design);
   for (int k = 0; k < 3; ++k) monitor.add(frame(2, layout::kRestCounts, 8'000));
-  EXPECT_THAT(monitor.picture(0, PressureUnit::kModule, false), ElementsAre("▲   0 ▼   1 ▲   2 "));
-  EXPECT_THAT(monitor.picture(0, PressureUnit::kModule, true)[0], HasSubstr("\033[48;5;160m▲   2\033[0m"));
+  constexpr layout::PatchIndex kPatch{0};
+  EXPECT_THAT(monitor.picture(kPatch, PressureUnit::kModule, false), ElementsAre("▲   0 ▼   1 ▲   2 "));
+  EXPECT_THAT(monitor.picture(kPatch, PressureUnit::kModule, true)[0], HasSubstr("\033[48;5;160m▲   2\033[0m"));
 }
 
 // The rest values are from a tare. Module 1 was exchanged since: one taxel reads 300 above, all others 50.
@@ -182,7 +188,7 @@ TEST(LiveMonitor, says_which_taxels_do_not_rest) {
   monitor.add(saturated);
   EXPECT_EQ(monitor.off_rest().taxels, 1) << "a module with a fault has another cause";
   design::OffRest many{24, {}};
-  for (int k = 0; k < 14; ++k) many.modules.push_back(k);
+  for (int k = 0; k < 14; ++k) many.modules.emplace_back(k);
   EXPECT_EQ(sentence(many),
             "24 taxels do not rest: tare; their modules: 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11 and 2 more");
 }
@@ -218,7 +224,8 @@ TEST(LiveMonitor, rows_of_the_lattice_stand_above_each_other) {
   design.layout.modules[1].tile = {0, 1, false};
   design.layout.modules[2].tile = {0, 0, false};
   const LiveMonitor monitor(design);
-  EXPECT_THAT(monitor.picture(0, PressureUnit::kCounts, false), ElementsAre("▲  -- ▼  -- ", "▼  -- "));
+  EXPECT_THAT(monitor.picture(layout::PatchIndex{0}, PressureUnit::kCounts, false),
+              ElementsAre("▲  -- ▼  -- ", "▼  -- "));
 }
 
 // Returns the characters on the screen: bytes that begin a code point, because no colours are requested.
@@ -232,7 +239,9 @@ TEST(LiveMonitor, a_picture_fits_the_width) {
   LiveMonitor monitor(design);
   for (int k = 0; k < 3; ++k) monitor.add(frame(2, layout::kRestCounts, 8'000));
   // Sixteen cells take 96 characters with spaces, 80 without, 32 with one digit per cell.
-  const auto line = [&](int columns) { return monitor.picture(0, PressureUnit::kCounts, false, columns).at(0); };
+  const auto line = [&](int columns) {
+    return monitor.picture(layout::PatchIndex{0}, PressureUnit::kCounts, false, columns).at(0);
+  };
   EXPECT_EQ(line(0), line(96));
   EXPECT_EQ(columns_of(line(140)), 96U);
   EXPECT_EQ(columns_of(line(80)), 80U);
@@ -253,7 +262,9 @@ TEST(LiveMonitor, islands_of_a_patch_stand_side_by_side_and_never_on_each_other)
         design.layout.modules[static_cast<std::size_t>(m % 2)].tile;
   }
   const LiveMonitor monitor(design);
-  const auto picture = [&](int columns) { return monitor.picture(0, PressureUnit::kCounts, false, columns); };
+  const auto picture = [&](int columns) {
+    return monitor.picture(layout::PatchIndex{0}, PressureUnit::kCounts, false, columns);
+  };
   EXPECT_THAT(picture(80),
               ElementsAre("island 0       island 1       island 2",  // Three islands of 12 characters fit.
                           "▲  -- ▼  --    ▲  -- ▼  --    ▲  -- ▼  -- "));
@@ -272,13 +283,13 @@ TEST(LiveMonitor, says_what_is_wrong_and_how_fast_samples_come) {
   monitor.add(absent);
   for (int k = 0; k < 10; ++k) monitor.add(frame(0, layout::kRestCounts, 0));
   monitor.close_period(0.5);
-  EXPECT_DOUBLE_EQ(monitor.rate_hz(0), 10.0);  // One module has 20 a second, the other none.
-  EXPECT_EQ(monitor.unheard(0), 1);
-  EXPECT_EQ(monitor.faults(0), 0);
-  EXPECT_EQ(monitor.faults(1), 1);
-  EXPECT_THAT(monitor.picture(1, PressureUnit::kCounts, false), ElementsAre("▲gone ▼  -- "));
+  EXPECT_DOUBLE_EQ(monitor.rate_hz(layout::PatchIndex{0}), 10.0);  // One module has 20 a second, the other none.
+  EXPECT_EQ(monitor.unheard(layout::PatchIndex{0}), 1);
+  EXPECT_EQ(monitor.faults(layout::PatchIndex{0}), 0);
+  EXPECT_EQ(monitor.faults(layout::PatchIndex{1}), 1);
+  EXPECT_THAT(monitor.picture(layout::PatchIndex{1}, PressureUnit::kCounts, false), ElementsAre("▲gone ▼  -- "));
   monitor.close_period(0.5);
-  EXPECT_DOUBLE_EQ(monitor.rate_hz(0), 0.0);
+  EXPECT_DOUBLE_EQ(monitor.rate_hz(layout::PatchIndex{0}), 0.0);
 }
 
 }  // namespace

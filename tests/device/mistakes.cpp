@@ -33,7 +33,7 @@ int pick(Hardware& h, Random& random, const std::function<bool(int)>& fits = {})
 scene::Fault& fault(Hardware& h, FaultKind kind, int module) {
   scene::Fault f;
   f.kind = kind;
-  f.module = module;
+  f.module = layout::ModuleId{module};
   h.used.insert(module);
   return h.faults.emplace_back(f);
 }
@@ -111,7 +111,7 @@ std::optional<Expected> swapped_across(Hardware& h, Random& random) {
   const int a = pick(h, random);
   const int b = a < 0 ? -1 : pick(h, random, [&](int k) { return h.patch_of(k) != h.patch_of(a); });
   if (b < 0 || h.used_patches.contains(h.patch_of(a)) || h.used_patches.contains(h.patch_of(b))) return std::nullopt;
-  fault(h, FaultKind::kSwappedChips, a).other = b;
+  fault(h, FaultKind::kSwappedChips, a).other = layout::ModuleId{b};
   h.used.insert(b);
   return Expected{FindingKind::kSwappedModules, {a, b}};
 }
@@ -142,8 +142,8 @@ std::optional<Expected> swapped_cables(Hardware& h, Random& random) {
   if (p == q || h.used_patches.contains(p) || h.used_patches.contains(q)) return std::nullopt;
   scene::Fault f;
   f.kind = FaultKind::kSwappedPatches;
-  f.patch = p;
-  f.other = q;
+  f.patch = layout::PatchIndex{p};
+  f.other_patch = layout::PatchIndex{q};
   h.faults.push_back(f);
   h.used_patches.insert(p);
   h.used_patches.insert(q);
@@ -220,7 +220,7 @@ std::optional<Expected> short_of_line(Hardware& h, Random& random, int frees_aft
   if (m < 0 || h.used_patches.contains(h.patch_of(m))) return std::nullopt;
   scene::Fault f;
   f.kind = FaultKind::kStuckLine;
-  f.patch = h.patch_of(m);
+  f.patch = layout::PatchIndex{h.patch_of(m)};
   f.line = h.routed(m).line;
   f.stuck_scl = frees_after_pulses == 0 && random() % 2 == 0;
   f.frees_after_pulses = frees_after_pulses;
@@ -239,7 +239,7 @@ std::optional<Expected> short_of_line(Hardware& h, Random& random, int frees_aft
 std::optional<Expected> all_taxels(Hardware& h, Random& random, FaultKind kind, FindingKind finding) {
   const int m = pick(h, random);
   if (m < 0) return std::nullopt;
-  for (int t = 0; t < layout::kTaxelsPerModule; ++t) fault(h, kind, m).taxel = t;
+  for (int t = 0; t < layout::kTaxelsPerModule; ++t) fault(h, kind, m).taxel = layout::TaxelIndex{t};
   return Expected{finding, {m}};
 }
 
@@ -248,14 +248,14 @@ std::optional<Expected> one_taxel(Hardware& h, Random& random, FaultKind kind, F
   do {
     taxel = any(layout::kTaxelsPerModule, random);
   } while (!layout::measures_pressure(static_cast<std::size_t>(taxel)));
-  return on_module(h, random, kind, finding, [&](scene::Fault& f) { f.taxel = taxel; });
+  return on_module(h, random, kind, finding, [&](scene::Fault& f) { f.taxel = layout::TaxelIndex{taxel}; });
 }
 
 std::optional<Expected> finger_elsewhere(Hardware& h, Random& random) {
   const int a = pick(h, random);
   const int b = a < 0 ? -1 : pick(h, random, [&](int k) { return k != a; });
   if (b < 0 || !h.used_patches.empty()) return std::nullopt;
-  fault(h, FaultKind::kFingerElsewhere, a).other = b;
+  fault(h, FaultKind::kFingerElsewhere, a).other = layout::ModuleId{b};
   h.used.insert(b);
   return Expected{FindingKind::kTouchedOtherModule, {a}};
 }

@@ -43,7 +43,7 @@ TEST_P(Offsets, EveryTaxelRestsInTheMiddleThirdAndPressureLowersIt) {
     }
     if (frame.module == 7) at_rest = frame.sample.value[3];
   }
-  touch_actuator_of(f.bus().link())->press(7);
+  touch_actuator_of(f.bus().link())->press(layout::ModuleId{7});
   frames.clear();
   stream.run_until(f.bus().now_us() + 200'000);
   int pressed = 0;
@@ -55,7 +55,7 @@ INSTANTIATE_TEST_SUITE_P(Inputs, Offsets, testing::Bool(),
 
 TEST(OffsetReport, NamesTheTaxelThatNoOffsetReaches) {
   scene::Fault shorted = fault(scene::FaultKind::kSaturatedTaxel, 2);
-  shorted.taxel = 9;
+  shorted.taxel = layout::TaxelIndex{9};
   Fixture f(3, 16, {shorted});
   (void)f.flash();
   f.bus().listen(f.bus().now_us() + 1'500'000);

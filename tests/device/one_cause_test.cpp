@@ -20,6 +20,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
+using testing::UnorderedElementsAre;
 
 design::Design other_strip(int modules, int per_patch) {
   design::Design other = strip(modules, per_patch);
@@ -33,7 +34,7 @@ design::Design other_strip(int modules, int per_patch) {
 design::RestValues rest_now(Fixture& fixture) {
   fixture.bus().listen(fixture.bus().now_us() + 3'000'000);
   design::RestValues rest(fixture.design().layout.modules.size());
-  for (const int patch : design::patches_here(fixture.design())) {
+  for (const layout::PatchIndex patch : design::patches_here(fixture.design())) {
     const layout::PatchImage image = image_of(fixture.design(), patch);
     const wire::LiveTaxels now = Controller(fixture.bus(), image.node_address).taxels();
     for (std::size_t row = 0; row < image.module_count; ++row)
@@ -108,7 +109,7 @@ TEST(OneCause, an_open_joint_of_switched_modules_is_one_broken_joint) {
   ASSERT_EQ(r.findings.size(), 1U);
   const Finding& f = r.findings[0];
   EXPECT_EQ(f.kind, FindingKind::kMissingJoint);
-  EXPECT_EQ(std::minmax(f.module, f.other), std::minmax(4, 5));
+  EXPECT_THAT((std::array{f.module, f.other}), UnorderedElementsAre(4, 5));
   EXPECT_THAT(f.behind, ElementsAre(6, 7));
   EXPECT_THAT(f.text, AllOf(HasSubstr("module 4 (side "), HasSubstr("module 5 (side "), HasSubstr("5, 6, 7")));
   EXPECT_EQ(r.modules_ok, 5);

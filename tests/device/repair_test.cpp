@@ -46,7 +46,7 @@ TEST(Repair, a_dead_module_is_replaced_joint_by_joint) {
 TEST(Repair, modules_with_kinds_have_the_same_steps) {
   Finding f;
   f.kind = FindingKind::kAbsentModule;
-  f.module = 5;
+  f.module = layout::ModuleId{5};
   design::Design d = strip(8, 8);
   const auto plain = repair_steps(d, f, "d.json");
   d.kinds.kinds = {{"soft", 12, "foam", 80.0}};
@@ -63,17 +63,17 @@ TEST(Repair, exchanged_modules_get_their_own_straps) {
 TEST(Repair, a_joint_is_named_by_both_modules) {
   Finding f;
   f.kind = FindingKind::kLooseJoint;
-  f.module = 3;
+  f.module = layout::ModuleId{3};
   const auto steps = repair_steps(strip(8, 8), f, "d.json");
   EXPECT_THAT(steps, Contains(HasSubstr("the joint of module 3 (side 2) and module 2 (side 1)")));
-  f.module = 0;
+  f.module = layout::ModuleId{0};
   EXPECT_THAT(repair_steps(strip(8, 8), f, "d.json"), Contains(HasSubstr("the cable of patch 0")));
 }
 
 TEST(Repair, wrong_tables_need_no_hand) {
   Finding f;
   f.kind = FindingKind::kWrongTable;
-  f.patch = 0;
+  f.patch = layout::PatchIndex{0};
   const auto steps = repair_steps(strip(8, 8), f, "d.json");
   ASSERT_EQ(steps.size(), 3U);
   EXPECT_EQ(steps[0], "triskin flash d.json");
@@ -83,7 +83,7 @@ TEST(Repair, wrong_tables_need_no_hand) {
 TEST(Repair, another_design_file_is_tried_before_anything_is_written) {
   Finding f;
   f.kind = FindingKind::kWrongTable;
-  f.patch = 0;
+  f.patch = layout::PatchIndex{0};
   f.held_design = 0xABC;
   f.held_file = "arm/e.json";
   const auto steps = repair_steps(strip(8, 8), f, "d.json --link can:can0");
@@ -94,7 +94,7 @@ TEST(Repair, another_design_file_is_tried_before_anything_is_written) {
 TEST(Repair, rest_values_need_a_tare_alone) {
   Finding f;
   f.kind = FindingKind::kStaleRest;
-  f.module = 3;
+  f.module = layout::ModuleId{3};
   const auto steps = repair_steps(strip(8, 8), f, "d.json");
   ASSERT_EQ(steps.size(), 2U);
   EXPECT_THAT(steps[0], HasSubstr("--tare"));
@@ -104,7 +104,7 @@ TEST(Repair, rest_values_need_a_tare_alone) {
 TEST(Repair, a_line_that_is_held_is_parted_from_the_far_end) {
   Finding f;
   f.kind = FindingKind::kStuckLine;
-  f.patch = 0;
+  f.patch = layout::PatchIndex{0};
   f.line = 1;
   EXPECT_THAT(repair_steps(strip(8, 8), f, "d.json"), Contains(AllOf(HasSubstr("7, 6, 5, 4"), HasSubstr("part"))));
 }
@@ -116,9 +116,9 @@ TEST(Repair, every_kind_of_finding_has_steps) {
     f.kind = static_cast<FindingKind>(k);
     const std::string_view name = kFindingKindNames.name(f.kind);
     ASSERT_FALSE(name.empty()) << k;
-    f.module = 3;
-    f.other = 2;
-    f.patch = 0;
+    f.module = layout::ModuleId{3};
+    f.other = layout::ModuleId{2};
+    f.patch = layout::PatchIndex{0};
     f.line = 0;
     f.remedy = "look";
     const auto steps = repair_steps(strip(8, 8), f, "d.json");

@@ -45,7 +45,7 @@ void expect_tables(Fixture& fixture) {
   for (const auto& c : fixture.bus().discover()) addresses.insert(c.node_address);
   EXPECT_EQ(addresses.size(), fixture.design().patches.size());
   for (std::size_t p = 0; p < fixture.design().patches.size(); ++p) {
-    const auto image = bytes_of(image_of(fixture.design(), static_cast<int>(p)));
+    const auto image = bytes_of(image_of(fixture.design(), layout::PatchIndex{p}));
     EXPECT_EQ(Controller(fixture.bus(), static_cast<std::uint8_t>(p + 1)).read_table(image.size()), image) << p;
   }
 }

@@ -41,7 +41,7 @@ class Boards {
     return d;
   }
   [[nodiscard]] bool holds(std::size_t patch, const design::Design& design) {
-    const auto image = bytes_of(image_of(design, static_cast<int>(patch)));
+    const auto image = bytes_of(image_of(design, layout::PatchIndex{patch}));
     Controller c(*bus_, static_cast<std::uint8_t>(patch + 1));
     return c.active_table().crc == crc32(image) && c.read_table(image.size()) == image;
   }
@@ -134,7 +134,7 @@ TEST(TablePass, losses_a_dead_board_a_cut_supply_and_an_old_firmware) {
     (void)flash(boards.bus(), old_design);
     FlashOptions options = taking_over();
     for (const wire::NodeClaim& c : boards.bus().discover())
-      options.assign.push_back({c.node_address - 1, to_text(c.unique_id)});
+      options.assign.push_back({layout::PatchIndex{c.node_address - 1}, to_text(c.unique_id)});
     const std::string dead = options.assign[kDead].serial, cut = options.assign[kCut].serial;
     boards.skin().flash(kCut).cut_power_after(std::mt19937(seed)() % 30, scene::FlashMemory::Tear::kHalf);
     boards.skin().on_delivery([dice = std::mt19937(seed)](std::size_t p, const wire::CanFrame&) mutable {
@@ -154,7 +154,7 @@ TEST(TablePass, losses_a_dead_board_a_cut_supply_and_an_old_firmware) {
     boards.skin().on_delivery({});
     ASSERT_EQ(results.at(0).patches.size(), 16U);
     for (const FlashResult::Patch& r : results[0].patches) EXPECT_EQ(r.why.empty(), r.written) << r.patch;
-    EXPECT_EQ(results[0].bytes, 14 * bytes_of(image_of(boards.design(), 0)).size());
+    EXPECT_EQ(results[0].bytes, 14 * bytes_of(image_of(boards.design(), layout::PatchIndex{0})).size());
     boards.skin().power_cycle(kCut);
     boards.bus().listen(boards.bus().now_us() + 100'000);
     for (std::size_t p = 0; p < 16; ++p) {

@@ -134,7 +134,7 @@ TEST(Verify, names_a_stuck_line_and_counts_its_modules) {
   for (const bool scl : {false, true}) {
     scene::Fault stuck;
     stuck.kind = FaultKind::kStuckLine;
-    stuck.patch = 0;
+    stuck.patch = layout::PatchIndex{0};
     stuck.line = 1;
     stuck.stuck_scl = scl;
     const VerifyResult r = verify_with({stuck});  // The line has modules 4 and 5.
@@ -147,7 +147,7 @@ TEST(Verify, names_a_stuck_line_and_counts_its_modules) {
 TEST(Verify, names_a_line_that_was_freed_by_clock_pulses) {
   scene::Fault stuck;
   stuck.kind = FaultKind::kStuckLine;
-  stuck.patch = 0;
+  stuck.patch = layout::PatchIndex{0};
   stuck.line = 0;
   stuck.from_us = 1'000'000;
   stuck.frees_after_pulses = 5;
@@ -186,12 +186,12 @@ TEST(Verify, what_is_remembered_from_before_is_told_once_and_no_finding) {
 
 TEST(Verify, names_saturated_and_frozen_taxels) {
   scene::Fault f = fault(FaultKind::kSaturatedTaxel, 1);
-  f.taxel = 7;
+  f.taxel = layout::TaxelIndex{7};
   VerifyResult r = verify_with({f});
   expect_one(r, FindingKind::kSaturatedTaxel, 1);
   EXPECT_EQ(r.findings[0].taxel, 7);
   f.kind = FaultKind::kFrozenTaxel;
-  f.taxel = 11;
+  f.taxel = layout::TaxelIndex{11};
   r = verify_with({f});
   expect_one(r, FindingKind::kFrozenTaxel, 1);
   EXPECT_EQ(r.findings[0].taxel, 11);
@@ -199,7 +199,7 @@ TEST(Verify, names_saturated_and_frozen_taxels) {
 
 TEST(Verify, tells_several_faults_apart) {
   scene::Fault saturated = fault(FaultKind::kSaturatedTaxel, 1);
-  saturated.taxel = 0;
+  saturated.taxel = layout::TaxelIndex{0};
   const VerifyResult r =
       verify_with({fault(FaultKind::kRemovedChip, 0), saturated, fault(FaultKind::kSwappedChips, 2, 4)});
   ASSERT_EQ(r.findings.size(), 3U);

@@ -184,7 +184,7 @@ TEST(LiveStream, finds_the_pressed_taxel_at_its_place_and_loses_nothing) {
   stream.run_until(fixture.bus().now_us() + 500'000);
   EXPECT_TRUE(map.pressed().empty());
   for (const auto& [module, taxel] : {std::pair{0, 3}, {13, 9}, {19, 1}}) {
-    touch_actuator_of(fixture.bus().link())->press({module, taxel});
+    touch_actuator_of(fixture.bus().link())->press({layout::ModuleId{module}, layout::TaxelIndex{taxel}});
     stream.run_until(fixture.bus().now_us() + 100'000);
     const auto pressed = map.pressed();
     ASSERT_EQ(pressed.size(), 1U);

@@ -24,7 +24,7 @@ constexpr std::uint64_t kPeriod_ns = 36'900'000;
 
 recording::ModuleSample sample_of(int module, std::uint32_t number) {
   recording::ModuleSample s;
-  s.module = module;
+  s.module = layout::ModuleId{module};
   s.link_time_us = 5'000'000 + number * 36'900ULL;
   s.sampled_ns = kStart_ns + number * kPeriod_ns;
   s.error_us = 700;
@@ -175,9 +175,10 @@ TEST(FastDds, contacts_have_place_force_area_and_taxels) {
   Participant participant(id);
   FastReader<Contacts> reader(participant, "rt/skin/arm/contacts", "triskin_msgs::msg::dds_::Contacts_", true, false);
   ASSERT_TRUE(wait_until([&] { return reader.matched() && bridge.readers() == 1; }));
-  const std::vector<recording::PressedTaxel> taxels{{5, 3, 6000.0, {10.0, 20.0, 30.0}, {0.0, 0.0, 1.0}},
-                                                    {5, 4, 2000.0, {18.0, 20.0, 30.0}, {0.0, 0.0, 1.0}},
-                                                    {1, 0, 500.0, {90.0, 0.0, 0.0}, {1.0, 0.0, 0.0}}};
+  const std::vector<recording::PressedTaxel> taxels{
+      {layout::ModuleId{5}, layout::TaxelIndex{3}, 6000.0, {10.0, 20.0, 30.0}, {0.0, 0.0, 1.0}},
+      {layout::ModuleId{5}, layout::TaxelIndex{4}, 2000.0, {18.0, 20.0, 30.0}, {0.0, 0.0, 1.0}},
+      {layout::ModuleId{1}, layout::TaxelIndex{0}, 500.0, {90.0, 0.0, 0.0}, {1.0, 0.0, 0.0}}};
   bridge.add_contacts(recording::gather_contacts(taxels, 390.0), kStart_ns + 7);
   bridge.add_contacts({}, kStart_ns + 8);
   std::vector<Contacts> came;

@@ -87,7 +87,9 @@ TEST(TableLevel, takes_over_and_wakes_the_firmware_for_a_request) {
   scene::Scene scene;
   scene.design = strip(6);
   scene.levels = {scene::ControllerLevel::kTable};
-  const auto transferred = [](scenario::RunningSkin& skin) { return skin.hardware().skin().line(0, 0).bytes(); };
+  const auto transferred = [](scenario::RunningSkin& skin) {
+    return skin.hardware().skin().line(layout::PatchIndex{0}, 0).bytes();
+  };
   scenario::RunningSkin skin(scene, {}, {});
   skin.run_until(3'000'000);
   const std::uint64_t before = transferred(skin);

@@ -151,7 +151,7 @@ class BusDay {
     // Each minute something presses another module of a cover, or all are free.
     device::LiveCover& cover = bus_.covers()[static_cast<std::size_t>(minute / 2) % bus_.covers().size()];
     if (minute % 2 == 0)
-      cover.actuator()->press({minute % kModules, 5});
+      cover.actuator()->press({layout::ModuleId{minute % kModules}, layout::TaxelIndex{5}});
     else
       cover.actuator()->lift();
     device::LiveRun run{bus_.now_us() + kMinute_us, kSlice_us, {}, {}};
@@ -189,7 +189,7 @@ class BusDay {
   void take(const device::LiveSample& s) {
     files_[static_cast<std::size_t>(s.cover)].add(s);
     const int cover = bus_.covers()[static_cast<std::size_t>(s.cover)].config().cover;
-    page_.add(kModules * cover + s.module, {s.raw.sample.state, s.valid, s.change_counts},
+    page_.add(layout::SkinModule{kModules * cover + s.module}, {s.raw.sample.state, s.valid, s.change_counts},
               static_cast<std::int64_t>(s.unix_ns / 1000));
   }
 

@@ -28,18 +28,19 @@ class SwitchedBench : public Bench {
     scene_.effects.taxel_spread_counts = 3000;
     hardware_ = std::make_unique<scene::SwitchedHardware>(scene_);
     skin_ = std::make_unique<scene::Skin>(scene_, hardware_.get());
-    layout::PatchImage table = device::image_of(design, 0);
+    layout::PatchImage table = device::image_of(design, layout::PatchIndex{0});
     table.node_address = 1;
     store_table(table);
     MachineSetup setup;
-    for (int l = 0; l < layout::kLines; ++l) setup.lines[static_cast<std::size_t>(l)] = &skin_->line(0, l);
+    for (int l = 0; l < layout::kLines; ++l)
+      setup.lines[static_cast<std::size_t>(l)] = &skin_->line(layout::PatchIndex{0}, l);
     setup.flash = &flash;
     setup.on_can = [this](const wire::CanFrame& f, std::uint64_t) { frames.push_back(f); };
     setup.chain = &chain();
     machine = std::make_unique<Machine>(setup);
     run_for(kSetUp_us);
   }
-  [[nodiscard]] scene::SwitchedPatch& chain() { return hardware_->patch(0); }
+  [[nodiscard]] scene::SwitchedPatch& chain() { return hardware_->patch(layout::PatchIndex{0}); }
   [[nodiscard]] wire::ActiveRoute route() { return wire::ActiveRoute::decode(answer(wire::did::kRoute)).value(); }
   [[nodiscard]] wire::FoundTopology topology() {
     return wire::FoundTopology::decode(answer(wire::did::kTopology)).value();
@@ -77,7 +78,7 @@ TEST_F(SwitchedBench, the_image_finds_every_joint_and_reads_every_module) {
   EXPECT_TRUE(found.switched);
   EXPECT_TRUE(found.complete);
   ASSERT_EQ(found.count, 16);
-  const design::PortEnds joints = design::joints_of(design, 0);
+  const design::PortEnds joints = design::joints_of(design, layout::PatchIndex{0});
   for (std::size_t n = 0; n < layout::kMaxModules; ++n) {
     const std::size_t row = found.row[n];
     ASSERT_LT(row, 16U);
@@ -145,11 +146,11 @@ TEST_F(SwitchedBench, every_dead_module_is_left_out_within_100_ms) {
     power_up_on(design);
     for (int dead = 0; dead < layout::kMaxModules; ++dead) {
       run_for(random() % 37'000);
-      chain().set_dead(dead, true);
+      chain().set_dead(layout::TableRow{dead}, true);
       run_for(100'000);
       const std::uint32_t rows = read_rows();
       EXPECT_EQ(rows, test::rows_that_survive(design, {{dead}, {}})) << "trial " << trial << " module " << dead;
-      chain().set_dead(dead, false);
+      chain().set_dead(layout::TableRow{dead}, false);
       EXPECT_EQ(request({0x31, 0x01, 0x02, 0x04}).at(0), 0x71);
       run_for(kSetUp_us);
       ASSERT_EQ(read_rows(), all_of(design)) << "trial " << trial << " module " << dead << " is back";
@@ -163,14 +164,14 @@ TEST_F(SwitchedBench, a_dead_module_is_left_out_and_comes_back_on_command) {
   const design::Design design = test::random_design(12, random);
   power_up_on(design);
   ASSERT_EQ(route().alive, all_of(design));
-  chain().set_dead(7, true);
+  chain().set_dead(layout::TableRow{7}, true);
   run_for(150'000);
   const wire::ActiveRoute rerouted = route();
   EXPECT_EQ(rerouted.alive >> 7 & 1, 0U);
   EXPECT_GE(std::popcount(static_cast<unsigned>(rerouted.alive)), 6);
   run_for(60'000);
   EXPECT_EQ(read_rows(), rerouted.alive);
-  chain().set_dead(7, false);
+  chain().set_dead(layout::TableRow{7}, false);
   EXPECT_EQ(request({0x31, 0x01, 0x02, 0x04}).at(0), 0x71);
   run_for(150'000);
   EXPECT_EQ(route().alive, all_of(design));

@@ -11,7 +11,7 @@ namespace {
 constexpr double kModule_mm2 = 390.0;  // A module has 39 mm² per taxel for pressure.
 
 PressedTaxel taxel(int module, int number, double change, double x_mm, double z_mm = 0.0, double normal_z = 1.0) {
-  return {module, number, change, {x_mm, 0.0, z_mm}, {0.0, 0.0, normal_z}};
+  return {layout::ModuleId{module}, layout::TaxelIndex{number}, change, {x_mm, 0.0, z_mm}, {0.0, 0.0, normal_z}};
 }
 
 TEST(Contacts, chains_of_near_taxels_are_one_and_its_middle_is_weighted) {

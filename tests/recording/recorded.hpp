@@ -37,7 +37,7 @@ inline ModuleSample sample_of(std::uint64_t k, int modules) {
   const auto n = static_cast<std::uint64_t>(modules);
   const std::uint64_t round = k / n, module = k % n;
   ModuleSample s;
-  s.module = static_cast<int>(module);
+  s.module = layout::ModuleId{module};
   s.link_time_us = 1'000'000 + round * kSamplePeriod_us + module * 150;
   s.sample.node_address = static_cast<std::uint8_t>(module / 16 + 1);
   s.sample.module = static_cast<std::uint8_t>(module % 16);

@@ -176,7 +176,8 @@ TEST(Recording, one_without_readers_is_read_as_before) {
 
 // By hand: module 1 of two is read by the controller at address 5, which serves patch 3; module 0 has no patch.
 TEST(Recording, a_message_of_readers_is_what_its_definition_says) {
-  const std::vector<Reader> readers{{-1, 0}, {3, 5}};
+  const std::vector<Reader> readers{{layout::PatchIndex::none(), layout::NodeAddress{0}},
+                                    {layout::PatchIndex{3}, layout::NodeAddress{5}}};
   const std::vector<std::uint8_t> bytes{0,    1, 0, 0,                       // The encoding is CDR, little-endian.
                                         2,    0, 0, 0, 7,    0,    0,    0,  // The time is 2.000000007 s.
                                         5,    0, 0, 0, 's',  'k',  'i',  'n',  0,  // This is the frame.

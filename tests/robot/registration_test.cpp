@@ -41,7 +41,8 @@ std::vector<Touch> touches_on(const design::Design& d, const Eigen::Isometry3d& 
   for (const int module : {0, 3, 5, 8, 11, 14, 17, 19}) {
     const auto m = static_cast<std::size_t>(module);
     const Vector3d at = design::taxels_of(d.layout.modules[m], wiring[m].routed.rotation)[3].position_mm;
-    touches.push_back({module, 3, pose * at + Vector3d(noise(random), noise(random), noise(random))});
+    touches.push_back({layout::ModuleId{module}, layout::TaxelIndex{3},
+                       pose * at + Vector3d(noise(random), noise(random), noise(random))});
   }
   return touches;
 }
@@ -117,8 +118,8 @@ TEST(Register, touches_in_a_plane_leave_the_mirror_image_open) {
   const design::Design plane = test::strip(20);
   auto touches = touches_on(plane, kPose, 0.0);
   EXPECT_TRUE(register_cover({"plane", &plane}, {}, touches).mirror_unknown || true);
-  touches[2].taxel = 9;  // The taxel is off the line.
-  touches[5].taxel = 9;
+  touches[2].taxel = layout::TaxelIndex{9};  // The taxel is off the line.
+  touches[5].taxel = layout::TaxelIndex{9};
   touches[2].in_link_mm += kPose.linear() * Vector3d(0, 11.317, 0);
   const Registration r = register_cover({"plane", &plane}, {}, touches);
   EXPECT_LT(r.thickness_mm, 1.0);
@@ -131,7 +132,7 @@ TEST(Register, too_few_touches_and_unknown_taxels_are_refused) {
   touches.resize(5);
   EXPECT_THROW((void)register_cover({"arm", &cover}, {}, touches), InputError);
   touches = touches_on(cover, kPose, 0.0);
-  touches[0].module = 20;
+  touches[0].module = layout::ModuleId{20};
   EXPECT_THROW((void)register_cover({"arm", &cover}, {}, touches), InputError);
 }
 

@@ -156,7 +156,7 @@ TEST(RobotFile, a_full_range_of_addresses_is_said) {
 
 TEST(RobotCheck, names_thing_place_and_remedy) {
   Assembly a = small_robot();
-  a.robot.covers[1].controllers[0].node = 2;
+  a.robot.covers[1].controllers[0].node = layout::NodeAddress{2};
   EXPECT_THAT(only_problem(a),
               HasSubstr("cover lower, patch 0: node address 2 of bus left is also that of cover upper, patch 1"));
   a = small_robot();
@@ -172,7 +172,7 @@ TEST(RobotCheck, names_thing_place_and_remedy) {
   a.robot.covers[0].controllers.pop_back();
   EXPECT_THAT(only_problem(a), HasSubstr("cover upper, patch 2: has no controller"));
   a = small_robot();
-  a.robot.covers[0].controllers[2].patch = 1;
+  a.robot.covers[0].controllers[2].patch = layout::PatchIndex{1};
   EXPECT_EQ(check(a).size(), 2U);  // Patch 1 has two, patch 2 has none.
   a = small_robot();
   a.robot.covers[0].controllers[0].bus = "middle";
@@ -217,7 +217,7 @@ TEST(RobotCheck, the_samples_of_all_covers_of_a_bus_are_summed) {
 TEST(Site, has_each_bus_with_its_covers_and_addresses) {
   Assembly a = small_robot();
   a.robot.covers[1].controllers[1].bus = "right";
-  a.robot.covers[1].controllers[1].node = 7;
+  a.robot.covers[1].controllers[1].node = layout::NodeAddress{7};
   a.robot.covers[2].rate_hz = 10;
   a.robot.covers[1].rate_hz = 9;
   const Site site = site_of(a);
@@ -230,7 +230,7 @@ TEST(Site, has_each_bus_with_its_covers_and_addresses) {
   EXPECT_EQ(site.buses[1].covers[1].first_module, 8);
   EXPECT_EQ(site.buses[0].every, 0);  // The cover upper leaves its rate open.
   EXPECT_EQ(site.buses[1].every, 2);  // 27.1 / 2 = 13.6 is at least 10.
-  a.robot.covers[0].controllers[0].node = 2;
+  a.robot.covers[0].controllers[0].node = layout::NodeAddress{2};
   try {
     (void)site_of(a);
     FAIL();

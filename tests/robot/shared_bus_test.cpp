@@ -68,7 +68,7 @@ TEST(SharedBus, fresh_boards_in_any_order_find_the_patch_that_they_hang_on) {
       options.actuator = &actuator;
       for (const auto& p : device::flash(bus.bus(), c.design, flash_options(site.buses[0], c, options)).patches) {
         const auto number = static_cast<std::size_t>(device_number(site, cover) + p.patch);
-        EXPECT_EQ(p.serial, device::to_text(scene::unique_id_of(bus.skin().scene(), number)))
+        EXPECT_EQ(p.serial, device::to_text(scene::unique_id_of(bus.skin().scene(), layout::PatchIndex{number})))
             << "seed " << seed << ", cover " << c.name << ", patch " << p.patch;
         EXPECT_EQ(p.by, cover == 2 ? device::FoundBy::kOnly : device::FoundBy::kTouch);
       }
@@ -97,7 +97,8 @@ TEST(SharedBus, all_covers_of_a_bus_are_written_in_one_pass) {
     for (std::size_t cover = 0; cover < 3; ++cover) {
       for (const auto& p : results[cover].patches) {
         const auto number = static_cast<std::size_t>(device_number(site, cover) + p.patch);
-        EXPECT_EQ(p.serial, device::to_text(scene::unique_id_of(bus.skin().scene(), number))) << seed << " " << cover;
+        EXPECT_EQ(p.serial, device::to_text(scene::unique_id_of(bus.skin().scene(), layout::PatchIndex{number})))
+            << seed << " " << cover;
         EXPECT_TRUE(p.written);
       }
     }
@@ -124,7 +125,7 @@ TEST(SharedBus, fresh_boards_are_asked_once_for_all_covers) {
   const double seconds = static_cast<double>(bus.bus().now_us() - start_us) * 1e-6;
   for (std::size_t cover = 0; cover < parts.size(); ++cover) {
     const auto& p = results[cover].patches.at(0);
-    EXPECT_EQ(p.serial, device::to_text(scene::unique_id_of(bus.skin().scene(), cover)));
+    EXPECT_EQ(p.serial, device::to_text(scene::unique_id_of(bus.skin().scene(), layout::PatchIndex{cover})));
     EXPECT_TRUE(p.written);
   }
   EXPECT_LT(seconds, 1.0);
@@ -177,7 +178,7 @@ TEST(SharedBus, fresh_boards_that_could_be_of_two_covers_are_refused_without_a_t
   EXPECT_THROW((void)bus.flash(1, options), DeviceError);
   const auto hand = bus.flash(2, options).patches.at(0);
   EXPECT_EQ(hand.by, device::FoundBy::kShape);
-  EXPECT_EQ(hand.serial, device::to_text(scene::unique_id_of(bus.skin().scene(), 2)));
+  EXPECT_EQ(hand.serial, device::to_text(scene::unique_id_of(bus.skin().scene(), layout::PatchIndex{2})));
   for (const auto& claim : bus.bus().discover()) EXPECT_EQ(claim.has_table, claim.node_address == 3);
 }
 
@@ -215,8 +216,8 @@ TEST(SharedBus, one_stream_reads_all_covers_and_knows_each_account) {
   EXPECT_EQ(heard.size(), 25U);
   EXPECT_TRUE(stream.report().complete());
   EXPECT_EQ(stream.report().modules.size(), 25U);
-  EXPECT_EQ(stream.report(1).modules.size(), 10U);
-  EXPECT_EQ(stream.report(2).modules.size(), 3U);
+  EXPECT_EQ(stream.report(layout::CoverIndex{1}).modules.size(), 10U);
+  EXPECT_EQ(stream.report(layout::CoverIndex{2}).modules.size(), 3U);
   // All 25 modules share one budget: 1.04 · 25 · 317.5 / 36,900.
   EXPECT_NEAR(stream.budget().full, 0.224, 0.001);
 }
@@ -330,7 +331,7 @@ TEST(SharedBus, boards_flashed_without_a_robot_file_move_to_their_addresses) {
     SimulatedBus bus(named.buses[0], folder);
     (void)device::flash(bus.bus(), test::strip(8, 4));
   }
-  for (ControllerEntry& e : a.robot.covers[0].controllers) e.node += 4;
+  for (ControllerEntry& e : a.robot.covers[0].controllers) e.node = layout::NodeAddress{e.node + 4};
   const Site moved = site_of(a);
   SimulatedBus bus(moved.buses[0], folder);
   device::FlashOptions nameless;  // The serial numbers are not given: the tables say which patch a board serves.
@@ -349,7 +350,7 @@ TEST(SharedBus, a_cover_may_hang_on_two_buses) {
   Assembly a = bare_robot(2);
   add_strip(a, "back", 0, 12, 4);
   a.robot.covers[0].controllers[2].bus = "bus1";
-  a.robot.covers[0].controllers[2].node = 1;
+  a.robot.covers[0].controllers[2].node = layout::NodeAddress{1};
   const Site site = site_of(a);
   ASSERT_EQ(site.buses.size(), 2U);
   int modules = 0;

@@ -51,9 +51,9 @@ class RobotCommands : public ShellCase {
     return json::parse(last == std::string::npos ? o.out : o.out.substr(last + 1), nullptr, false);
   }
   // Returns the link under which the buses are served.
-  std::string serve() {
+  std::string serve(const std::string& what = "robot.json") {
     write_file_atomically(folder_ / "served", "");
-    const std::string command = line("simulate robot.json --listen 127.0.0.1:0") + " >served 2>&1 & echo $! >pid";
+    const std::string command = line("simulate " + what + " --listen 127.0.0.1:0") + " >served 2>&1 & echo $! >pid";
     EXPECT_EQ(std::system(fmt::format("cd '{}' && ({})", folder_.string(), command).c_str()), 0);
     server_ = std::stoi(read_file(folder_ / "pid"));
     for (int tries = 0; tries < 600; ++tries) {
@@ -234,6 +234,27 @@ TEST_F(RobotCommands, served_buses_have_ports_that_follow_each_other) {
   status = 3;
   for (int tries = 0; status == 3 && tries < 5; ++tries) status = run("flash robot.json --cover cover1" + link).status;
   EXPECT_EQ(status, 0);
+}
+
+// The second cover has the node addresses 3, 4 and 5. discover used to take a node address less one for the patch, so
+// it held controller 3 against patch 2 of that design, which has one module.
+TEST_F(RobotCommands, discover_compares_a_controller_with_the_patch_of_its_table_whatever_its_address) {
+  make_robot(2, 1, 8, 4);
+  write_file_atomically(
+      folder_ / "scene.json",
+      json{{"format", "triskin-scene"}, {"version", 1}, {"robot", "robot.json"}, {"hardware", "switched"}}.dump());
+  const std::string link = " --link " + serve("scene.json");
+  int status = 3;
+  for (int tries = 0; status == 3 && tries < 5; ++tries) status = run("flash robot.json" + link).status;
+  ASSERT_EQ(status, 0);
+  const json found = asked("discover --topology --design cover0.json --design cover1.json" + link);
+  std::map<int, int> patch_of_node;
+  for (const json& c : found["controllers"]) {
+    const json& match = c["topology"]["match"];
+    EXPECT_TRUE(match["differences"].empty()) << c.dump(1);
+    patch_of_node[c["node_address"]] = match["patch"];
+  }
+  EXPECT_EQ(patch_of_node, (std::map<int, int>{{1, 0}, {2, 1}, {3, 0}, {4, 1}, {5, 2}}));
 }
 
 }  // namespace

@@ -35,14 +35,14 @@ device::ContactFrame pressed_frame(const scene::Scene& scene) {
   const auto wiring = design::wiring_of(scene.design);
   device::ContactFrame frame;
   for (std::size_t m = 0; m < scene.design.layout.modules.size(); ++m) {
-    const scene::ModuleSkin& module = skin.module(static_cast<int>(m));
+    const scene::ModuleSkin& module = skin.module(layout::ModuleId{m});
     const auto poses = design::taxels_of(scene.design.layout.modules[m], wiring[m].routed.rotation);
     for (int t = 0; t < layout::kTaxelsPerModule; ++t) {
       const auto& pose = poses[static_cast<std::size_t>(t)];
       frame.position_mm.push_back(pose.position_mm);
       frame.normal.push_back(pose.normal);
-      frame.change_counts.push_back(module.counts(t, kSample_us) - module.rest_counts(t));
-      frame.counts_per_kpa.push_back(module.counts_per_kpa(t));
+      frame.change_counts.push_back(module.counts(t, kSample_us) - module.rest_counts(layout::TaxelIndex{t}));
+      frame.counts_per_kpa.push_back(module.counts_per_kpa(layout::TaxelIndex{t}));
     }
     frame.taxel_area_mm2.push_back(39.0);
   }

@@ -23,7 +23,7 @@ scene::Scene two_touches() {
     scene::Contact c;
     c.from_us = 1'000'000;
     c.until_us = 1'000'000 + static_cast<std::uint64_t>(seconds) * 1'000'000;
-    c.position_mm = scene::center_of(scene.design, module);
+    c.position_mm = scene::center_of(scene.design, layout::ModuleId{module});
     c.radius_mm = 3.0;
     scene.contacts.push_back(c);
   }
@@ -51,7 +51,7 @@ TEST(ContactDensity, the_regions_are_read_by_design) {
   EXPECT_NEAR(*regions.regions[0].region.weight, 3.0, 1e-9);
   EXPECT_NEAR(*regions.regions[1].region.weight, 7.0, 1e-9);
   const auto& ball = std::get<design::Sphere>(regions.regions[1].region.shape);
-  EXPECT_NEAR((ball.center_mm - scene::center_of(test::strip(6), 1)).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((ball.center_mm - scene::center_of(test::strip(6), layout::ModuleId{1})).norm(), 0.0, 1e-9);
 }
 
 TEST(ContactDensity, nothing_to_count_is_said) {

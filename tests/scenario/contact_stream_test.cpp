@@ -60,7 +60,7 @@ TEST(ContactStream, a_contact_reaches_the_samples_and_the_frames) {
   const json quiet = json::parse(stream.take(step_to(begin_s + 0.2, "")));
   EXPECT_LT(largest_change(quiet, 2), 10.0);
   // The centre of module 2 of the strip is given 3 mm above the skin in metres.
-  const design::Vec3 at = scene::center_of(test::strip(6), 2) * 1e-3;
+  const design::Vec3 at = scene::center_of(test::strip(6), layout::ModuleId{2}) * 1e-3;
   const std::string contact =
       fmt::format(R"({{"body":"cover","point_m":[{},{},0.003],"normal":[0,0,1],"force_n":5}})", at.x(), at.y());
   const json pressed = json::parse(stream.take(step_to(begin_s + 0.4, contact)));
@@ -84,7 +84,7 @@ TEST(ContactStream, a_contact_reaches_the_samples_and_the_frames) {
 
 TEST(ContactStream, a_depth_becomes_a_force) {
   ContactStream stream(strip_scene());
-  const design::Vec3 at = scene::center_of(test::strip(6), 2);
+  const design::Vec3 at = scene::center_of(test::strip(6), layout::ModuleId{2});
   const auto press = [&](double depth_mm) {
     const std::string contact =
         fmt::format(R"({{"point_mm":[{},{},0],"depth_mm":{},"tip_radius_mm":20}})", at.x(), at.y(), depth_mm);

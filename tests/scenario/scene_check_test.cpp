@@ -18,7 +18,7 @@ constexpr std::uint64_t kSecond = 1'000'000;
 Expectation expect(Kind kind, int module, std::uint64_t from_us, double bound = 0.0) {
   Expectation e;
   e.kind = kind;
-  e.module = module;
+  e.module = layout::ModuleId{module};
   e.from_us = from_us;
   e.bound = bound;
   return e;
@@ -31,7 +31,7 @@ scene::Scene touched() {
   scene::Contact palm;
   palm.from_us = 2 * kSecond;
   palm.until_us = 3 * kSecond;
-  palm.position_mm = scene::center_of(scene.design, 4);
+  palm.position_mm = scene::center_of(scene.design, layout::ModuleId{4});
   palm.radius_mm = 20.0;
   palm.force_n = 30.0;
   scene.contacts = {palm};
@@ -61,7 +61,7 @@ TEST(SceneCheck, a_chip_that_falls_off_and_comes_back_is_reported) {
   scene::Scene scene = touched();
   scene::Fault loose;
   loose.kind = scene::FaultKind::kRemovedChip;
-  loose.module = 1;
+  loose.module = layout::ModuleId{1};
   loose.from_us = 2 * kSecond;
   loose.until_us = 3 * kSecond;
   scene.faults = {loose};

@@ -346,6 +346,21 @@ TEST(Plan, has_a_table_for_each_controller_that_names_its_page) {
   EXPECT_THAT(patches, ElementsAre(0, 1));
 }
 
+// The covers of a robot have the node addresses of the robot file; both places used to count them from 1.
+TEST(Plan, names_the_node_addresses_that_a_robot_gives) {
+  design::Design d = strip(20, 16);
+  d.node_addresses = {7, 12};
+  std::vector<std::string> titles, labels;
+  for (const auto& page : sheet::plan_of(d, sheet::Paper::kA4).pages) {
+    for (const auto& line : page.lines) {
+      if (line.patch >= 0) titles.push_back(line.cells.at(0));
+    }
+    for (const auto& label : page.labels) labels.push_back(label.first);
+  }
+  EXPECT_THAT(titles, ElementsAre("Controller 0 (node address 7)", "Controller 1 (node address 12)"));
+  EXPECT_THAT(labels, ElementsAre("node address 7", "node address 12"));
+}
+
 TEST(Plan, refuses_a_design_without_modules) {
   const design::Design empty = flat_design("empty", {0, 0}, {10, 10});
   EXPECT_THROW((void)sheet::plan_of(empty, sheet::Paper::kA4), InputError);

@@ -16,7 +16,8 @@ namespace {
 
 std::vector<wire::UniqueId> ids_of(const Scene& scene) {
   std::vector<wire::UniqueId> ids;
-  for (std::size_t p = 0; p < scene.design.patches.size(); ++p) ids.push_back(unique_id_of(scene, p));
+  for (std::size_t p = 0; p < scene.design.patches.size(); ++p)
+    ids.push_back(unique_id_of(scene, layout::PatchIndex{p}));
   return ids;
 }
 

@@ -108,13 +108,15 @@ TEST(SceneContacts, places_and_keyframes_of_a_file) {
   ASSERT_EQ(scene.contacts.size(), 4U);
   EXPECT_NEAR((scene.contacts[0].position_mm - Vec3(15, 8, 0)).norm(), 0.0, 1e-9);
   EXPECT_NEAR((scene.contacts[1].position_mm - Vec3(15, 8, 0)).norm(), 0.0, 1e-9);
-  EXPECT_NEAR((*scene.contacts[1].to_mm - center_of(scene.design, 2)).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((*scene.contacts[1].to_mm - center_of(scene.design, layout::ModuleId{2})).norm(), 0.0, 1e-9);
   EXPECT_EQ(end_of(scene.contacts[1]), 11 * kSecond);
   const auto pressing = state_of(scene.contacts[2], 2'500'000);
   ASSERT_TRUE(pressing);
   EXPECT_NEAR(pressing->force_n, 4.0, 1e-9);
-  EXPECT_NEAR((pressing->position_mm - (center_of(scene.design, 0) + center_of(scene.design, 4)) / 2.0).norm(), 0.0,
-              1e-9);
+  EXPECT_NEAR((pressing->position_mm -
+               (center_of(scene.design, layout::ModuleId{0}) + center_of(scene.design, layout::ModuleId{4})) / 2.0)
+                  .norm(),
+              0.0, 1e-9);
   EXPECT_EQ(scene.contacts[2].until_us, 3 * kSecond);
   // The path 30 mm above the skin was projected onto it.
   EXPECT_NEAR(state_of(scene.contacts[3], 1'500'000)->position_mm.z(), 0.0, 1e-9);

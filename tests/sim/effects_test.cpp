@@ -25,11 +25,11 @@ TEST(Effects, TemperatureMovesEveryPadAlike) {
   Scene scene = scene_of_strip();
   scene.effects.pads.temperature =
       TemperatureEffect{.celsius = {{0, 20.0}, {10 * kSecond_us, 30.0}}, .counts_per_degree = 20.0};
-  const ModuleSkin skin(scene, 0, 0);
+  const ModuleSkin skin(scene, layout::ModuleId{0}, 0);
   // After 5 s the pads are 5 degrees warmer: 100 counts, also on the pads 6 and 10 that measure temperature.
   for (int t = 0; t < 12; ++t) {
-    EXPECT_NEAR(skin.counts(t, 5 * kSecond_us) - skin.rest_counts(t), 100.0, 1e-9) << t;
-    EXPECT_NEAR(skin.counts(t, 60 * kSecond_us) - skin.rest_counts(t), 200.0, 1e-9) << t;
+    EXPECT_NEAR(skin.counts(t, 5 * kSecond_us) - skin.rest_counts(layout::TaxelIndex{t}), 100.0, 1e-9) << t;
+    EXPECT_NEAR(skin.counts(t, 60 * kSecond_us) - skin.rest_counts(layout::TaxelIndex{t}), 200.0, 1e-9) << t;
   }
 }
 
@@ -37,11 +37,11 @@ TEST(Effects, HumidityMovesPadsWithinItsSpread) {
   Scene scene = scene_of_strip();
   scene.effects.pads.humidity =
       HumidityEffect{.percent = {{0, 40.0}, {kSecond_us, 50.0}}, .counts_per_percent = 10.0, .spread = 0.2};
-  const ModuleSkin skin(scene, 1, 0), same(scene, 1, 0);
+  const ModuleSkin skin(scene, layout::ModuleId{1}, 0), same(scene, layout::ModuleId{1}, 0);
   double least = 1e9, most = 0.0;
   for (int t = 0; t < 12; ++t) {
-    const double change = skin.counts(t, kSecond_us) - skin.rest_counts(t);
-    EXPECT_DOUBLE_EQ(change, same.counts(t, kSecond_us) - same.rest_counts(t));
+    const double change = skin.counts(t, kSecond_us) - skin.rest_counts(layout::TaxelIndex{t});
+    EXPECT_DOUBLE_EQ(change, same.counts(t, kSecond_us) - same.rest_counts(layout::TaxelIndex{t}));
     least = std::min(least, change);
     most = std::max(most, change);
   }
@@ -54,10 +54,10 @@ TEST(Effects, CrosstalkIsAShareOfTheOthers) {
   Scene scene = scene_of_strip();
   scene.pressure = PressureCurve({{0, 2.0}});
   scene.effects.pads.crosstalk = CrosstalkEffect{0.01};
-  const ModuleSkin skin(scene, 0, 0);
+  const ModuleSkin skin(scene, layout::ModuleId{0}, 0);
   // Ten taxels gain 2 kPa · 10 = 20 counts. A taxel has 1 % of the nine others, a temperature pad of all ten.
-  EXPECT_NEAR(skin.counts(3, 0) - skin.rest_counts(3), 20.0 + 1.8, 1e-9);
-  EXPECT_NEAR(skin.counts(6, 0) - skin.rest_counts(6), 2.0, 1e-9);
+  EXPECT_NEAR(skin.counts(3, 0) - skin.rest_counts(layout::TaxelIndex{3}), 20.0 + 1.8, 1e-9);
+  EXPECT_NEAR(skin.counts(6, 0) - skin.rest_counts(layout::TaxelIndex{6}), 2.0, 1e-9);
 }
 
 TEST(Effects, BurstsBeginEndAndRepeat) {
@@ -69,12 +69,13 @@ TEST(Effects, BurstsBeginEndAndRepeat) {
   EXPECT_DOUBLE_EQ(emi_deviation_counts(bursts, 3 * kSecond_us), 30.0);
   Scene scene = scene_of_strip();
   scene.effects.pads.emi = bursts;
-  const ModuleSkin skin(scene, 0, 0);
-  EXPECT_DOUBLE_EQ(skin.counts(1, 0), skin.rest_counts(1));
+  const ModuleSkin skin(scene, layout::ModuleId{0}, 0);
+  EXPECT_DOUBLE_EQ(skin.counts(1, 0), skin.rest_counts(layout::TaxelIndex{1}));
   double square = 0.0;
   constexpr int kSamples = 20'000;
   for (int k = 1; k <= kSamples; ++k) {
-    const double x = skin.counts(1, kSecond_us + static_cast<std::uint64_t>(k)) - skin.rest_counts(1);
+    const double x =
+        skin.counts(1, kSecond_us + static_cast<std::uint64_t>(k)) - skin.rest_counts(layout::TaxelIndex{1});
     square += x * x;
   }
   EXPECT_NEAR(std::sqrt(square / kSamples), 30.0, 0.6);  // The tolerance is four standard errors.
@@ -83,14 +84,15 @@ TEST(Effects, BurstsBeginEndAndRepeat) {
 // Taxel 0 is 6.533 mm from the middle of a contact of 6 mm, so it feels the contact only through a layer.
 TEST(Effects, TheLayerSpreadsAContact) {
   Scene scene = scene_of_strip();
-  const design::Vec3 at = center_of(scene.design, 0);
+  const design::Vec3 at = center_of(scene.design, layout::ModuleId{0});
   scene.contacts = {{0, kForever, at, {}, 6.0, 2.0}};
   Skin bare(scene);
   scene.effects.pads.layer = LayerEffect{};
   Skin soft(scene);
   const mechanics::Footprint footprint({2.0, 0.3, 100.0}, 4.0);
   const auto change = [](const Skin& skin, int module, int t) {
-    return skin.module(module).counts(t, 0) - skin.module(module).rest_counts(t);
+    return skin.module(layout::ModuleId{module}).counts(t, 0) -
+           skin.module(layout::ModuleId{module}).rest_counts(layout::TaxelIndex{t});
   };
   EXPECT_DOUBLE_EQ(change(bare, 0, 0), 0.0);
   EXPECT_NEAR(change(soft, 0, 3), 2.0 * footprint.kpa_per_newton(6.0, 0.0) * kCountsPerKpa, 1e-6);
@@ -156,7 +158,7 @@ TEST(Effects, OnlyTheFarModuleBrownsOut) {
   constexpr std::uint16_t kCalibrationEnable = 0x001;
   for (const design::RoutedModule& m : patch.modules) {
     const bool is_far = m.parent >= 0;
-    I2cLineModel& line = skin.line(0, m.line);
+    I2cLineModel& line = skin.line(layout::PatchIndex{0}, m.line);
     const int address = layout::cdc_address(m.address);
     const auto acknowledges = [&](std::uint64_t at_us) {
       const bool is_there = line.start(static_cast<std::uint8_t>(address << 1), at_us);
@@ -192,7 +194,8 @@ TEST(Effects, ALineThatRisesTooSlowlyIsSilent) {
     for (const std::size_t k : {0U, 1U}) {
       const design::RoutedModule& m = patch.modules[k];
       const auto address = static_cast<std::uint8_t>(layout::cdc_address(m.address) << 1);
-      EXPECT_EQ(skin.line(0, m.line).start(address, 1000), k == 0 || ohm == 2200.0) << ohm << " ohm, module " << k;
+      EXPECT_EQ(skin.line(layout::PatchIndex{0}, m.line).start(address, 1000), k == 0 || ohm == 2200.0)
+          << ohm << " ohm, module " << k;
     }
   }
 }

@@ -59,7 +59,7 @@ TEST_F(SceneFile, reads_contacts_faults_and_effects) {
   EXPECT_EQ(s.seed, 7U);
   ASSERT_EQ(s.contacts.size(), 2U);
   EXPECT_EQ(s.contacts[0].from_us, 500'000U);
-  EXPECT_NEAR((s.contacts[0].position_mm - center_of(s.design, 2)).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((s.contacts[0].position_mm - center_of(s.design, layout::ModuleId{2})).norm(), 0.0, 1e-9);
   EXPECT_EQ(s.contacts[1].until_us, kForever);
   EXPECT_DOUBLE_EQ(s.contacts[1].radius_mm, 4.0);
   ASSERT_EQ(s.faults.size(), 3U);

@@ -22,20 +22,21 @@ Scene with(Fault fault) {
 Fault fault(FaultKind kind, int module, int other = -1) {
   Fault f;
   f.kind = kind;
-  f.module = module;
-  f.other = other;
+  f.module = layout::ModuleId{module};
+  f.other = layout::ModuleId{other};
   return f;
 }
 
 bool answers(Skin& skin, int line, int address, std::uint64_t at_us) {
-  const bool yes = skin.line(0, line).start(static_cast<std::uint8_t>((0x2C + address) << 1), at_us);
-  skin.line(0, line).stop(at_us);
+  const bool yes =
+      skin.line(layout::PatchIndex{0}, line).start(static_cast<std::uint8_t>((0x2C + address) << 1), at_us);
+  skin.line(layout::PatchIndex{0}, line).stop(at_us);
   return yes;
 }
 
 // Reads the device id register 0x017 of the chip at a place.
 int device_id(Skin& skin, int line, int address, std::uint64_t at_us) {
-  I2cLineModel& model = skin.line(0, line);
+  I2cLineModel& model = skin.line(layout::PatchIndex{0}, line);
   const auto write = static_cast<std::uint8_t>((0x2C + address) << 1);
   EXPECT_TRUE(model.start(write, at_us));
   (void)model.write(0x00, at_us);
@@ -90,7 +91,7 @@ TEST(TimedFaults, swapped_chips_sit_at_each_others_place) {
 TEST(TimedFaults, a_stuck_line_is_released) {
   Fault f;
   f.kind = FaultKind::kStuckLine;
-  f.patch = 0;
+  f.patch = layout::PatchIndex{0};
   f.line = 1;
   Skin skin(with(f));
   EXPECT_TRUE(answers(skin, 1, 1, 0));
@@ -101,23 +102,23 @@ TEST(TimedFaults, a_stuck_line_is_released) {
 
 TEST(TimedFaults, pads_are_saturated_and_frozen_for_a_time) {
   Fault f = fault(FaultKind::kSaturatedTaxel, 5);
-  f.taxel = 3;
+  f.taxel = layout::TaxelIndex{3};
   Scene scene = with(f);
   f.kind = FaultKind::kFrozenTaxel;
-  f.taxel = 4;
+  f.taxel = layout::TaxelIndex{4};
   f.from_us = kFrom;
   f.until_us = kUntil;
   scene.faults.push_back(f);
   scene.pressure = PressureCurve({{0, 10.0}});
   const Skin skin(scene);
-  const ModuleSkin& m = skin.module(5);
+  const ModuleSkin& m = skin.module(layout::ModuleId{5});
   for (const std::uint64_t healthy : {std::uint64_t{0}, kUntil}) {
-    EXPECT_DOUBLE_EQ(m.counts(3, healthy), m.rest_counts(3) + 10.0 * kCountsPerKpa);
-    EXPECT_DOUBLE_EQ(m.counts(4, healthy), m.rest_counts(4) + 10.0 * kCountsPerKpa);
+    EXPECT_DOUBLE_EQ(m.counts(3, healthy), m.rest_counts(layout::TaxelIndex{3}) + 10.0 * kCountsPerKpa);
+    EXPECT_DOUBLE_EQ(m.counts(4, healthy), m.rest_counts(layout::TaxelIndex{4}) + 10.0 * kCountsPerKpa);
   }
   EXPECT_LT(m.counts(3, kFrom), -32'768.0);
-  EXPECT_DOUBLE_EQ(m.counts(4, kFrom), m.rest_counts(4));
-  EXPECT_DOUBLE_EQ(m.counts(5, kFrom), m.rest_counts(5) + 10.0 * kCountsPerKpa);
+  EXPECT_DOUBLE_EQ(m.counts(4, kFrom), m.rest_counts(layout::TaxelIndex{4}));
+  EXPECT_DOUBLE_EQ(m.counts(5, kFrom), m.rest_counts(layout::TaxelIndex{5}) + 10.0 * kCountsPerKpa);
 }
 
 TEST(TimedFaults, a_turned_module_feels_a_tip_with_another_taxel) {
@@ -130,17 +131,17 @@ TEST(TimedFaults, a_turned_module_feels_a_tip_with_another_taxel) {
   tip.radius_mm = 1.0;
   scene.contacts = {tip};
   const Skin skin(scene);
-  const ModuleSkin& m = skin.module(0);
-  EXPECT_GT(m.counts(0, 0), m.rest_counts(0));
-  EXPECT_DOUBLE_EQ(m.counts(0, kFrom), m.rest_counts(0));
-  EXPECT_GT(m.counts(0, kUntil), m.rest_counts(0));
+  const ModuleSkin& m = skin.module(layout::ModuleId{0});
+  EXPECT_GT(m.counts(0, 0), m.rest_counts(layout::TaxelIndex{0}));
+  EXPECT_DOUBLE_EQ(m.counts(0, kFrom), m.rest_counts(layout::TaxelIndex{0}));
+  EXPECT_GT(m.counts(0, kUntil), m.rest_counts(layout::TaxelIndex{0}));
 }
 
 TEST(TimedFaults, power_dips_end) {
   Scene scene;
   scene.design = test::strip(1);
   const Skin skin(scene);
-  Ad7147 chip(skin.module(0));
+  Ad7147 chip(skin.module(layout::ModuleId{0}));
   chip.schedule_power_dip(1'000, 1'000, 2'500);
   const auto lost_at = [&](std::uint64_t at_us) {
     const bool lost = chip.read_register(0x003, at_us) == 0;

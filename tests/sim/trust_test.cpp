@@ -84,7 +84,7 @@ TEST_F(SceneTrust, faults_of_one_scene_are_not_remembered_in_another_but_tables_
   healthy.design = strip(6);
   Scene faulty = healthy;
   Fault removed;
-  removed.module = 2;
+  removed.module = layout::ModuleId{2};
   faulty.faults.push_back(removed);
   const fs::path state = folder_ / "state";
   {

@@ -87,7 +87,7 @@ TEST_F(LiveSkins, show_which_taxel_is_pressed_and_forget_it_by_a_tare) {
   bus.start({}, [&](const LiveSample& s) { last.insert_or_assign(s.module, s); });
   LiveCover& cover = bus.covers().front();
   pass(bus, 500'000);
-  cover.actuator()->press({kPressed, kTaxel});
+  cover.actuator()->press({layout::ModuleId{kPressed}, layout::TaxelIndex{kTaxel}});
   pass(bus, 500'000);
   for (const auto& [module, s] : last) {
     for (int t = 0; t < int{layout::kTaxelsPerModule}; ++t) {
@@ -131,17 +131,19 @@ TEST_F(LiveSkins, give_kpa_by_a_calibration) {
   CalibrateOptions options;
   options.settle_s = 0.2;
   options.hold_s = 0.3;
-  options.apply = [&](const PressureStep& step) { cover.actuator()->pressurize(-1, step.pressure_kpa); };
+  options.apply = [&](const PressureStep& step) {
+    cover.actuator()->pressurize(layout::ModuleId::none(), step.pressure_kpa);
+  };
   bus.find_controllers();
   const CalibrationOutcome outcome = calibrate_by_steps(bus.bus(), cover.design(), steps, options);
   ASSERT_TRUE(outcome.without.empty());
-  cover.actuator()->pressurize(-1, 0.0);
+  cover.actuator()->pressurize(layout::ModuleId::none(), 0.0);
   cover.set_calibration(bus.find_calibration(cover, outcome.boards).skin);
   ASSERT_TRUE(cover.calibration().complete());
   std::map<int, double> kpa;
   bus.start({}, [&](const LiveSample& s) { kpa[s.module] = s.pressure_kpa.value()[kTaxel]; });
   pass(bus, 500'000);
-  cover.actuator()->pressurize(-1, 30.0);
+  cover.actuator()->pressurize(layout::ModuleId::none(), 30.0);
   pass(bus, 500'000);
   // The line of the calibration bends by less than the error that docs/calibration.md allows, 10 %.
   for (const auto& [module, pressure_kpa] : kpa) EXPECT_NEAR(pressure_kpa, 30.0, 3.0) << module;
@@ -179,14 +181,14 @@ TEST_F(LiveSkins, open_a_link_again_that_was_cut) {
 
 TEST_F(LiveSkins, wait_in_a_queue_and_are_dropped_when_nobody_reads_them) {
   LiveSkin skin = opened();
-  SampleQueue queue(skin, {100}, 100 + kModules, 0.5, true);
+  SampleQueue queue(skin, {layout::SkinModule{100}}, 100 + kModules, 0.5, true);
   queue.start({});
   const auto samples = queue.read(1.0, 5);
   ASSERT_FALSE(samples.empty());
   EXPECT_LE(samples.size(), 5U);
   EXPECT_GE(samples[0].module, 100);  // Module numbers count over all covers.
   queue.tare();
-  EXPECT_DOUBLE_EQ(queue.change_counts(0)[0], 0.0);  // No cover has this module.
+  EXPECT_DOUBLE_EQ(queue.change_counts(layout::SkinModule{0})[0], 0.0);  // No cover has this module.
   EXPECT_EQ(queue.dropped(), 0U);
   // A tare takes at least 0.1 s, and five of them are longer than samples wait.
   for (int k = 0; k < 6; ++k) queue.tare();

@@ -17,7 +17,7 @@ class Tares : public testing::Test {
  protected:
   void hear(int module, std::uint16_t valid = layout::kAllTaxels) {
     ModuleSample s;
-    s.module = module;
+    s.module = layout::ModuleId{module};
     s.sample.valid = valid;
     s.sample.value.fill(static_cast<std::uint16_t>(kRest));
     touches_.add(s);

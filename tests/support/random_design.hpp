@@ -67,7 +67,7 @@ inline int second_entry_row(const design::Design& design) {
 /// Returns the rows that the controller can read over one of its cables: the first, unless it reaches nobody, or less
 /// than half of the patch and not more than the second.
 inline std::uint32_t rows_that_survive(const design::Design& design, const Broken& broken) {
-  const design::PortEnds ends = design::joints_of(design, 0);
+  const design::PortEnds ends = design::joints_of(design, layout::PatchIndex{0});
   const int second_row = second_entry_row(design);
   const std::uint32_t first = reached_from(0, ends, broken),
                       second = second_row < 0 ? 0 : reached_from(second_row, ends, broken);

@@ -63,10 +63,10 @@ class AdoptionRecording : public ShellCase {
     const auto run_us = [&](std::uint64_t us) { stream.run_until(bus.now_us() + us); };
     run_us(500'000);
     failed_us_ = bus.now_us();
-    hardware.patch(0).set_dead(hardware.row_of(unreachable_.dead), true);
+    hardware.patch(layout::PatchIndex{0}).set_dead(hardware.row_of(layout::ModuleId{unreachable_.dead}), true);
     run_us(2'000'000);
     whole_us_ = bus.now_us();
-    hardware.patch(0).set_dead(hardware.row_of(unreachable_.dead), false);
+    hardware.patch(layout::PatchIndex{0}).set_dead(hardware.row_of(layout::ModuleId{unreachable_.dead}), false);
     run_us(5'000'000);
     stream.finish();
     recorder->finish({{"status", "complete"}});
@@ -108,7 +108,8 @@ TEST_F(AdoptionRecording, says_who_read_each_module_at_each_time) {
     EXPECT_FALSE(there.own);
     EXPECT_GT(there.link_time_us, failed_us_);
     EXPECT_LT(there.link_time_us, failed_us_ + 1'500'000);
-    EXPECT_EQ(back.reader, (recording::Reader{unreachable_.patch, static_cast<std::uint8_t>(unreachable_.patch + 1)}));
+    EXPECT_EQ(back.reader,
+              (recording::Reader{layout::PatchIndex{unreachable_.patch}, layout::NodeAddress{unreachable_.patch + 1}}));
     EXPECT_TRUE(back.own);
     EXPECT_GT(back.link_time_us, whole_us_);
     // Checks by time that the reader in the changes read every sample with data of the module. Until the stream knows

@@ -39,7 +39,7 @@ class Fixture {
   void run_us(std::uint64_t us) { stream_->run_until(bus_.now_us() + us); }
   void set_dead(int module, bool dead) {
     auto& hardware = link_.skin().switched();
-    hardware.patch(0).set_dead(hardware.row_of(module), dead);
+    hardware.patch(layout::PatchIndex{0}).set_dead(hardware.row_of(layout::ModuleId{module}), dead);
   }
   scene::VirtualSkin& skin() { return link_.skin(); }
   [[nodiscard]] std::uint64_t now_us() const { return bus_.now_us(); }
@@ -247,11 +247,11 @@ TEST(Adoption, is_told_by_verify) {
   const device::Finding& finding = result.findings[0];
   EXPECT_EQ(finding.kind, device::FindingKind::kMissingModule);
   EXPECT_EQ(finding.module, o.dead);
-  EXPECT_EQ(std::set(finding.behind.begin(), finding.behind.end()),
+  EXPECT_EQ(std::set<int>(finding.behind.begin(), finding.behind.end()),
             (std::set<int>(o.modules.begin(), o.modules.end())));
   EXPECT_NE(finding.text.find("meanwhile"), std::string::npos) << finding.text;
   ASSERT_TRUE(result.stream);
-  EXPECT_EQ(result.stream->never_heard, std::vector{o.dead});
+  EXPECT_EQ(result.stream->never_heard, std::vector{layout::ModuleId{o.dead}});
 }
 
 // An owner that lost its memory finds its modules at a neighbour, and asks for them.
@@ -300,9 +300,9 @@ class ChainOf final : public fw::RouteChain {
 TEST(Adoption, a_look_that_may_not_adopt_stays_inside_the_border) {
   const design::Design design = joined_patches(4, 8);
   scene::SwitchedHardware hardware(scene_of(design));
-  ChainOf chain(hardware.patch(0).chain_of(0));
+  ChainOf chain(hardware.patch(layout::PatchIndex{0}).chain_of(0));
   fw::Topology topology(chain);
-  const auto table = fw::Topology::table_of(device::image_of(design, 0));
+  const auto table = fw::Topology::table_of(device::image_of(design, layout::PatchIndex{0}));
   const auto own = topology.reroute(table, fw::Topology::Look::kOwn);
   EXPECT_EQ(own.alive, 0xFF);
   EXPECT_EQ(topology.graph().count, 8);

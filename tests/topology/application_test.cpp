@@ -56,7 +56,7 @@ class Fixture {
     while (reached_us_ == 0 && bus_.now_us() < end) bus_.listen(std::min(end, bus_.now_us() + 1000));
     return reached_us_ == 0 ? -1 : static_cast<std::int64_t>(reached_us_ - from_us_);
   }
-  [[nodiscard]] scene::SwitchedPatch& hardware() { return link_.skin().switched().patch(0); }
+  [[nodiscard]] scene::SwitchedPatch& hardware() { return link_.skin().switched().patch(layout::PatchIndex{0}); }
   [[nodiscard]] device::Controller& controller() { return controller_; }
   [[nodiscard]] std::uint32_t all() const { return (1U << rows_) - 1; }
   int wrong = 0;
@@ -91,17 +91,17 @@ struct Failure {
   void apply(scene::SwitchedPatch& p, bool on) const {
     using Joint = scene::SwitchedPatch::JointFault;
     if (row >= 0 && line >= 0)
-      p.set_stuck_line(row, on ? line : -1);
+      p.set_stuck_line(layout::TableRow{row}, on ? line : -1);
     else if (row >= 0)
-      p.set_dead(row, on);
+      p.set_dead(layout::TableRow{row}, on);
     else
-      p.set_joint({a, port}, !on ? Joint::kNone : shorted ? Joint::kShort : Joint::kOpen);
+      p.set_joint({layout::TableRow{a}, port}, !on ? Joint::kNone : shorted ? Joint::kShort : Joint::kOpen);
   }
 };
 
 std::vector<Failure> failures_of(const design::Design& design) {
   std::vector<Failure> list;
-  const auto ends = design::joints_of(design, 0);
+  const auto ends = design::joints_of(design, layout::PatchIndex{0});
   for (int m = 0; m < static_cast<int>(ends.size()); ++m) {
     list.push_back({.row = m});
     if (m > 0) list.push_back({.row = m, .line = design.patches[0].modules[static_cast<std::size_t>(m)].line});
@@ -201,7 +201,7 @@ TEST(Application, a_module_that_resets_alone_and_a_marginal_clock_give_no_wrong_
   Fixture fixture(design);
   for (int k = 0; k < 40; ++k) {
     fixture.listen_us(random() % 60'000);
-    fixture.hardware().reset_alone(static_cast<int>(random() % 14));
+    fixture.hardware().reset_alone(layout::TableRow{random() % 14});
     fixture.mark();
     ASSERT_GE(fixture.until_exactly(fixture.all(), 400'000), 0) << k;
   }
@@ -217,9 +217,9 @@ TEST(Application, a_module_that_resets_alone_and_a_marginal_clock_give_no_wrong_
 TEST(Application, what_comes_back_is_taken_back_by_itself) {
   std::mt19937_64 random(24);
   Fixture fixture(random_design(8, random));
-  fixture.hardware().set_dead(5, true);
+  fixture.hardware().set_dead(layout::TableRow{5}, true);
   fixture.listen_us(200'000);
-  fixture.hardware().set_dead(5, false);
+  fixture.hardware().set_dead(layout::TableRow{5}, false);
   fixture.mark();
   const std::int64_t took_us = fixture.until_exactly(fixture.all(), 5'000'000);
   EXPECT_GE(took_us, 0);
@@ -240,13 +240,14 @@ TEST(Application, strapped_modules_are_read_as_before) {
 
   // There are two boards: one without a chain, one with a chain on which nobody answers.
   scene::SwitchedPatch nobody(design::PortEnds(1), 0, 1);
-  nobody.set_dead(0, true);
+  nobody.set_dead(layout::TableRow{0}, true);
   std::array<std::vector<wire::CanFrame>, 2> frames;
   for (std::size_t k = 0; k < 2; ++k) {
     scene::Skin skin(strapped);
     scene::FlashMemory flash(std::size_t{64} * 1024);
     sim::VirtualBoard board;
-    for (int l = 0; l < layout::kLines; ++l) board.lines[static_cast<std::size_t>(l)] = &skin.line(0, l);
+    for (int l = 0; l < layout::kLines; ++l)
+      board.lines[static_cast<std::size_t>(l)] = &skin.line(layout::PatchIndex{0}, l);
     board.flash = &flash;
     board.send = [&, k](const wire::CanFrame& f) { frames[k].push_back(f); };
     if (k == 1) board.chain = &nobody;

@@ -38,7 +38,8 @@ TEST(ChainLevels, bytes_and_bits_give_the_same) {
         bits.latch();
       }
       for (int m = 0; m < patch.size(); ++m)
-        ASSERT_EQ(bytes.depth_of(m), bits.depth_of(m)) << "trial " << trial << " step " << step;
+        ASSERT_EQ(bytes.depth_of(layout::TableRow{m}), bits.depth_of(layout::TableRow{m}))
+            << "trial " << trial << " step " << step;
     }
     EXPECT_DOUBLE_EQ(bytes.time_us(), bits.time_us());
   }

@@ -48,7 +48,7 @@ TEST_F(Commands, flash_verify_and_discover_agree_on_sound_hardware) {
   const json& topology = found["controllers"][0]["topology"];
   EXPECT_TRUE(topology["match"]["differences"].empty());
   std::size_t joints = 0;
-  for (const auto& ends : design::joints_of(design_, 0)) {
+  for (const auto& ends : design::joints_of(design_, layout::PatchIndex{0})) {
     for (const auto& e : ends) joints += e.row >= 0 ? 1 : 0;
   }
   EXPECT_EQ(topology["joints"], joints / 2);

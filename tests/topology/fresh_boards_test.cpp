@@ -45,7 +45,7 @@ class FreshSkin {
   }
   [[nodiscard]] const design::Design& design() { return link_.skin().scene().design; }
   [[nodiscard]] std::string serial(int patch) {
-    return device::to_text(scene::unique_id_of(link_.skin().scene(), static_cast<std::size_t>(patch)));
+    return device::to_text(scene::unique_id_of(link_.skin().scene(), layout::PatchIndex{patch}));
   }
   [[nodiscard]] bool right(const device::FlashResult& r) {
     return r.patches.size() == design().patches.size() &&
@@ -150,8 +150,8 @@ TEST(FreshBoards, a_broken_joint_does_not_hide_a_patch) {
     const design::RoutedModule& last = design.patches[0].modules.back();
     scene::Fault cut;
     cut.kind = scene::FaultKind::kOpenJoint;
-    cut.module = last.node;
-    cut.other = last.parent;
+    cut.module = layout::ModuleId{last.node};
+    cut.other = layout::ModuleId{last.parent};
     FreshSkin skin(design, true, seed, {cut});
     EXPECT_TRUE(skin.right(skin.flash())) << seed;
     ++tried;
@@ -225,16 +225,16 @@ BoardShape answers(std::uint8_t line0, std::uint8_t line1 = 0) {
 
 TEST(Shapes, differ_in_the_places_where_only_one_has_a_chip) {
   const design::Design design = strip(10, 4);  // Patches 0 and 1 have line 0, addresses 0 … 3; patch 2 has 0 and 1.
-  EXPECT_EQ(device::shape_difference(answers(0b1111), design, 0), 0);
-  EXPECT_EQ(device::shape_difference(answers(0b0111), design, 0), 1);
-  EXPECT_EQ(device::shape_difference(answers(0b1111, 1), design, 0), 1);
-  EXPECT_EQ(device::shape_difference(answers(0b0001), design, 0), -1);  // Three of four answer.
-  EXPECT_EQ(device::shape_difference(answers(0), design, 2), -1);
+  EXPECT_EQ(device::shape_difference(answers(0b1111), design, layout::PatchIndex{0}), 0);
+  EXPECT_EQ(device::shape_difference(answers(0b0111), design, layout::PatchIndex{0}), 1);
+  EXPECT_EQ(device::shape_difference(answers(0b1111, 1), design, layout::PatchIndex{0}), 1);
+  EXPECT_EQ(device::shape_difference(answers(0b0001), design, layout::PatchIndex{0}), -1);  // Three of four answer.
+  EXPECT_EQ(device::shape_difference(answers(0), design, layout::PatchIndex{2}), -1);
 }
 
 TEST(Shapes, settle_what_every_way_to_serve_all_patches_agrees_on) {
   const design::Design design = strip(10, 4);
-  const std::vector<int> all{0, 1, 2};
+  const std::vector all{layout::PatchIndex{0}, layout::PatchIndex{1}, layout::PatchIndex{2}};
   const auto settled = [&](std::vector<BoardShape> shapes) {
     return device::assign_by_shape(shapes, device::seats_of(design, all));
   };
@@ -253,7 +253,7 @@ TEST(Shapes, settle_what_every_way_to_serve_all_patches_agrees_on) {
 // Patches have 4 and 3 modules: with one dead chip both boards look like the patch of three.
 TEST(Shapes, do_not_settle_what_one_dead_chip_explains_otherwise) {
   const design::Design design = strip(7, 4);
-  const std::vector<int> all{0, 1};
+  const std::vector all{layout::PatchIndex{0}, layout::PatchIndex{1}};
   const std::vector<BoardShape> doubtful{answers(0b0111), answers(0b0111)}, sound{answers(0b0111), answers(0b1111)};
   EXPECT_EQ(device::assign_by_shape(doubtful, device::seats_of(design, all)).seat, (std::vector<int>{-1, -1}));
   EXPECT_EQ(device::assign_by_shape(sound, device::seats_of(design, all)).seat, (std::vector<int>{1, 0}));
@@ -263,7 +263,7 @@ scene::Contact touch_of(const design::Design& design, int module, double from_s,
   scene::Contact c;
   c.from_us = static_cast<std::uint64_t>(from_s * 1e6);
   c.until_us = static_cast<std::uint64_t>(until_s * 1e6);
-  c.position_mm = scene::center_of(design, module);
+  c.position_mm = scene::center_of(design, layout::ModuleId{module});
   c.radius_mm = 8.0;
   return c;
 }
@@ -313,14 +313,14 @@ TEST(Identify, asks_for_one_patch_also_where_its_table_is_there) {
   FreshSkin skin(design, false, 9);
   ASSERT_TRUE(skin.right(skin.flash(true)));
   device::IdentifyOptions options;
-  options.patch = 2;
+  options.patch = layout::PatchIndex{2};
   options.actuator = device::touch_actuator_of(skin.bus().link());
   const auto boards = device::identify(skin.bus(), design, options);
   ASSERT_EQ(boards.size(), 1U);
   EXPECT_EQ(boards[0].serial, skin.serial(2));
   EXPECT_EQ(boards[0].by, FoundBy::kTouch);
   EXPECT_TRUE(device::verify(skin.bus(), design, {}).findings.empty());  // Its tables are unchanged.
-  options.patch = 3;
+  options.patch = layout::PatchIndex{3};
   EXPECT_THROW((void)device::identify(skin.bus(), design, options), InputError);
 }
 

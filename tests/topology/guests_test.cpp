@@ -18,8 +18,8 @@ class Joints {
  public:
   explicit Joints(int modules) : ends_(static_cast<std::size_t>(modules)) {}
   Joints& join(int a, int p, int b, int q) {
-    ends_[static_cast<std::size_t>(a)][static_cast<std::size_t>(p)] = {b, q};
-    ends_[static_cast<std::size_t>(b)][static_cast<std::size_t>(q)] = {a, p};
+    ends_[static_cast<std::size_t>(a)][static_cast<std::size_t>(p)] = {layout::TableRow{b}, q};
+    ends_[static_cast<std::size_t>(b)][static_cast<std::size_t>(q)] = {layout::TableRow{a}, p};
     return *this;
   }
   operator const design::PortEnds&() const { return ends_; }  // NOLINT(google-explicit-constructor)
@@ -55,8 +55,9 @@ class Patch {
     return list;
   }
   void expect_at(int module, int place) const {
-    EXPECT_TRUE(model.reached(module)) << module;
-    EXPECT_EQ(4 * model.line_of(module) + model.address_of(module), place) << module;
+    EXPECT_TRUE(model.reached(layout::TableRow{module})) << module;
+    EXPECT_EQ(4 * model.line_of(layout::TableRow{module}) + model.address_of(layout::TableRow{module}), place)
+        << module;
   }
 
   SwitchedPatch model;
@@ -85,7 +86,7 @@ TEST(AdoptedModules, come_in_layer_by_layer) {
   Patch p(joints, 1);
   EXPECT_TRUE(p.adopt(1).more_adopted);
   EXPECT_EQ(p.adopted_modules(), (std::vector<wire::AdoptedModule>{{0, kB, kA, 1}, {0, kC, kA, 2}}));
-  EXPECT_FALSE(p.model.reached(2));
+  EXPECT_FALSE(p.model.reached(layout::TableRow{2}));
   EXPECT_TRUE(p.adopt(2).more_adopted);
   EXPECT_EQ(p.adopted_modules().size(), 3U);
   const auto all = p.adopt();
@@ -106,26 +107,26 @@ TEST(AdoptedModules, end_where_the_table_leaves_no_address) {
   EXPECT_EQ(report.alive, 0x3FFF);
   EXPECT_FALSE(report.more_adopted);
   EXPECT_EQ(p.adopted_modules(), (std::vector<wire::AdoptedModule>{{13, kB, kA, 14}, {14, kB, kA, 15}}));
-  EXPECT_FALSE(p.model.reached(16));
+  EXPECT_FALSE(p.model.reached(layout::TableRow{16}));
   p.expect_at(15, 15);
   Patch full(joints, 16);
   EXPECT_EQ(full.adopt().alive, 0xFFFF);
   EXPECT_TRUE(full.adopted_modules().empty());
-  EXPECT_FALSE(full.model.reached(16));
+  EXPECT_FALSE(full.model.reached(layout::TableRow{16}));
 }
 
 // The stranger 2 holds line 1 low: it stays outside, but 3 beside it is adopted.
 TEST(AdoptedModules, one_that_holds_a_line_stays_outside) {
   Patch p(Joints(4).join(0, kB, 1, kA).join(1, kB, 2, kC).join(1, kC, 3, kA), 2);
-  p.model.set_stuck_line(2, 1);
+  p.model.set_stuck_line(layout::TableRow{2}, 1);
   const auto report = p.adopt();
   EXPECT_EQ(report.alive, 0b11);
   EXPECT_EQ(p.adopted_modules(), (std::vector<wire::AdoptedModule>{{1, kC, kA, 2}}));
-  EXPECT_FALSE(p.model.reached(2));
-  p.model.set_stuck_line(2, -1);
+  EXPECT_FALSE(p.model.reached(layout::TableRow{2}));
+  p.model.set_stuck_line(layout::TableRow{2}, -1);
   // The port lies behind an adopted module.
   Patch q(Joints(4).join(0, kB, 1, kA).join(1, kB, 2, kC).join(0, kC, 3, kA), 1);
-  q.model.set_stuck_line(2, 1);
+  q.model.set_stuck_line(layout::TableRow{2}, 1);
   EXPECT_EQ(q.adopt().alive, 0b1);
   EXPECT_EQ(q.adopted_modules(), (std::vector<wire::AdoptedModule>{{0, kB, kA, 1}, {0, kC, kA, 2}}));
   EXPECT_EQ(q.model.stuck_lines(), 0);
@@ -136,7 +137,7 @@ TEST(AdoptedModules, one_that_holds_a_line_stays_outside) {
 TEST(AdoptedModules, shorts_and_open_ends_behind_a_adopted_cost_no_module) {
   const Joints joints = Joints(5).join(0, kB, 1, kA).join(0, kC, 2, kA).join(1, kB, 3, kA).join(3, kB, 4, kA);
   Patch p(joints, 3);  // Modules 3 and 4 are strangers, and 2 lies behind them in the chain.
-  p.model.set_joint({3, kB}, SwitchedPatch::JointFault::kShort);
+  p.model.set_joint({layout::TableRow{3}, kB}, SwitchedPatch::JointFault::kShort);
   EXPECT_EQ(p.adopt().alive, 0b111);
   EXPECT_EQ(p.adopted_modules(), (std::vector<wire::AdoptedModule>{{1, kB, kA, 3}}));
   for (int m = 0; m < 4; ++m) p.expect_at(m, m);
@@ -145,10 +146,10 @@ TEST(AdoptedModules, shorts_and_open_ends_behind_a_adopted_cost_no_module) {
 
 TEST(AdoptedModules, are_none_while_an_own_module_is_missing) {
   Patch p(Joints(4).join(0, kB, 1, kA).join(1, kB, 2, kA).join(0, kC, 3, kA), 3);
-  p.model.set_dead(2, true);
+  p.model.set_dead(layout::TableRow{2}, true);
   EXPECT_EQ(p.adopt().alive, 0b011);
   EXPECT_TRUE(p.adopted_modules().empty());
-  p.model.set_dead(2, false);
+  p.model.set_dead(layout::TableRow{2}, false);
   EXPECT_EQ(p.adopt().alive, 0b111);
   EXPECT_EQ(p.adopted_modules().size(), 1U);
 }
@@ -156,17 +157,17 @@ TEST(AdoptedModules, are_none_while_an_own_module_is_missing) {
 // Module 2 has its own cable at port B and is held by its controller, so it is refused. Once released, it is adopted.
 TEST(AdoptedModules, are_none_that_somebody_holds) {
   Patch p(Joints(3).join(0, kB, 1, kA).join(1, kC, 2, kA), 2);
-  auto& other = p.model.chain_of(p.model.add_controller({2, kB}));
+  auto& other = p.model.chain_of(p.model.add_controller({layout::TableRow{2}, kB}));
   other.enable(1);
   EXPECT_EQ(p.adopt().alive, 0b11);
   EXPECT_TRUE(p.adopted_modules().empty());
-  EXPECT_EQ(p.model.controller_of(2), 1);
+  EXPECT_EQ(p.model.controller_of(layout::TableRow{2}), 1);
   other.enable(0);
   (void)p.adopt();
   EXPECT_EQ(p.adopted_modules(), (std::vector<wire::AdoptedModule>{{1, kC, kA, 2}}));
-  EXPECT_EQ(p.model.controller_of(2), 0);
+  EXPECT_EQ(p.model.controller_of(layout::TableRow{2}), 0);
   // The module is removed while it is adopted: the check detects that, and the own modules continue without it.
-  p.model.set_dead(2, true);
+  p.model.set_dead(layout::TableRow{2}, true);
   EXPECT_FALSE(p.topology.intact());
   EXPECT_EQ(p.adopt().alive, 0b11);
   EXPECT_TRUE(p.adopted_modules().empty());
@@ -190,8 +191,10 @@ TEST(AdoptedModules, are_all_strangers_of_200_random_patches) {
     ASSERT_EQ(p.topology.adopted_count(), strangers) << trial;
     std::set<int> places;
     for (int m = 0; m < own + strangers; ++m) {
-      ASSERT_TRUE(p.model.reached(m)) << trial;
-      ASSERT_TRUE(places.insert(4 * p.model.line_of(m) + p.model.address_of(m)).second) << trial;
+      ASSERT_TRUE(p.model.reached(layout::TableRow{m})) << trial;
+      ASSERT_TRUE(
+          places.insert(4 * p.model.line_of(layout::TableRow{m}) + p.model.address_of(layout::TableRow{m})).second)
+          << trial;
       if (m < own) p.expect_at(m, m);
     }
     EXPECT_TRUE(p.topology.intact());

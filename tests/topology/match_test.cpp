@@ -21,8 +21,8 @@ using scene::FaultKind;
 scene::Fault fault(FaultKind kind, int module, int other = -1, int value = 0) {
   scene::Fault f;
   f.kind = kind;
-  f.module = module;
-  f.other = other;
+  f.module = layout::ModuleId{module};
+  f.other = layout::ModuleId{other};
   f.value = value;
   return f;
 }
@@ -76,7 +76,7 @@ TEST(Match, a_patch_as_designed_has_no_differences_and_every_module_its_place) {
   std::mt19937_64 random(31);
   for (int trial = 0; trial < 40; ++trial) {
     const design::Design design = random_design(2 + trial % 15, random);
-    const auto match = device::match_topology(found_on(design), design, 0);
+    const auto match = device::match_topology(found_on(design), design, layout::PatchIndex{0});
     EXPECT_TRUE(match.differences.empty()) << trial << ' ' << match.differences[0].text;
     EXPECT_EQ(std::set<int>(match.module_of.begin(), match.module_of.end()).size(), design.layout.modules.size());
   }
@@ -89,23 +89,25 @@ TEST(Match, names_a_missing_joint_an_absent_module_and_a_turned_one) {
     const design::Design design = random_design(10 + trial % 7, random);
     const design::Patch& patch = design.patches[0];
     if (const auto [a, b] = spare_joint(design); a >= 0) {
-      const auto match = device::match_topology(found_on(design, {fault(FaultKind::kOpenJoint, a, b)}), design, 0);
+      const auto match =
+          device::match_topology(found_on(design, {fault(FaultKind::kOpenJoint, a, b)}), design, layout::PatchIndex{0});
       const auto& d = only(match);
       EXPECT_EQ(d.kind, device::FindingKind::kMissingJoint);
-      EXPECT_EQ(std::minmax(d.module, d.other), std::minmax(a, b));
+      EXPECT_THAT((std::array{d.module, d.other}), testing::UnorderedElementsAre(a, b));
       ++joints;
     }
     const int leaf = patch.modules.back().node;
     if (std::ranges::count(patch.articulation, leaf) == 0) {
-      const auto match = device::match_topology(found_on(design, {fault(FaultKind::kDeadModule, leaf)}), design, 0);
+      const auto match = device::match_topology(found_on(design, {fault(FaultKind::kDeadModule, leaf)}), design,
+                                                layout::PatchIndex{0});
       const auto& gone = only(match);
       EXPECT_EQ(gone.kind, device::FindingKind::kMissingModule);
       EXPECT_EQ(gone.module, leaf);
     }
     const int turned = patch.modules[1 + random() % (patch.modules.size() - 1)].node;
     const int steps = 1 + static_cast<int>(random() % 2);
-    const auto match =
-        device::match_topology(found_on(design, {fault(FaultKind::kRotatedModule, turned, -1, steps)}), design, 0);
+    const auto match = device::match_topology(found_on(design, {fault(FaultKind::kRotatedModule, turned, -1, steps)}),
+                                              design, layout::PatchIndex{0});
     const auto& d = only(match);
     EXPECT_EQ(d.kind, device::FindingKind::kRotatedModule);
     EXPECT_EQ(d.module, turned);
@@ -122,11 +124,11 @@ TEST(Match, names_exchanged_modules_and_an_extra_joint) {
     const auto& modules = design.patches[0].modules;
     const auto &a = modules[1 + random() % 11], &b = modules[1 + random() % 11];
     if (a.rotation != b.rotation) {
-      const auto match =
-          device::match_topology(found_on(design, {fault(FaultKind::kSwappedChips, a.node, b.node)}), design, 0);
+      const auto match = device::match_topology(found_on(design, {fault(FaultKind::kSwappedChips, a.node, b.node)}),
+                                                design, layout::PatchIndex{0});
       const auto& d = only(match);
       EXPECT_EQ(d.kind, device::FindingKind::kSwappedModules);
-      EXPECT_EQ(std::minmax(d.module, d.other), std::minmax(a.node, b.node));
+      EXPECT_THAT((std::array{d.module, d.other}), testing::UnorderedElementsAre(a.node, b.node));
       ++exchanges;
     }
     // Two border modules that are no neighbours are joined by a wire.
@@ -136,11 +138,11 @@ TEST(Match, names_exchanged_modules_and_an_extra_joint) {
     const auto& neighbour = design.layout.modules[static_cast<std::size_t>(a.node)].neighbour;
     if (a.node != b.node && free_sides(a.node) > 0 && free_sides(b.node) > 0 &&
         std::ranges::count(neighbour, b.node) == 0) {
-      const auto match =
-          device::match_topology(found_on(design, {fault(FaultKind::kExtraJoint, a.node, b.node)}), design, 0);
+      const auto match = device::match_topology(found_on(design, {fault(FaultKind::kExtraJoint, a.node, b.node)}),
+                                                design, layout::PatchIndex{0});
       const auto& d = only(match);
       EXPECT_EQ(d.kind, device::FindingKind::kExtraJoint);
-      EXPECT_EQ(std::minmax(d.module, d.other), std::minmax(a.node, b.node));
+      EXPECT_THAT((std::array{d.module, d.other}), testing::UnorderedElementsAre(a.node, b.node));
       ++extras;
     }
   }
@@ -190,8 +192,8 @@ TEST(Verify, names_controllers_that_are_plugged_into_each_others_patch) {
   ASSERT_EQ(design.patches.size(), 2U);
   scene::Fault exchanged;
   exchanged.kind = FaultKind::kSwappedPatches;
-  exchanged.patch = 0;
-  exchanged.other = 1;
+  exchanged.patch = layout::PatchIndex{0};
+  exchanged.other_patch = layout::PatchIndex{1};
   const auto r = verified(design, {exchanged});
   ASSERT_GE(r.findings.size(), 2U);
   for (const auto& f : r.findings) EXPECT_EQ(f.kind, device::FindingKind::kWrongPatch) << f.text;
@@ -209,7 +211,7 @@ TEST(Flash, a_prepared_route_leaves_the_failed_module_out_and_is_no_wrong_table)
   device::SimLink link(assembled(design, {fault(FaultKind::kDeadModule, failed->node)}));
   device::Bus bus(link);
   device::FlashOptions options;
-  options.route = {failed->node, -1};
+  options.route = {layout::ModuleId{failed->node}, layout::ModuleId::none()};
   device::flash(bus, design, options);
   bus.listen(bus.now_us() + 500'000);
   device::Controller controller(bus, 1);
@@ -220,10 +222,10 @@ TEST(Flash, a_prepared_route_leaves_the_failed_module_out_and_is_no_wrong_table)
   ASSERT_EQ(r.findings.size(), 1U);
   EXPECT_EQ(r.findings[0].kind, device::FindingKind::kBackupRoute);
   EXPECT_EQ(r.modules_ok, 11);
-  EXPECT_EQ(device::parse_route("backup:4-7"), (device::RouteChoice{4, 7}));
+  EXPECT_EQ(device::parse_route("backup:4-7"), (device::RouteChoice{layout::ModuleId{4}, layout::ModuleId{7}}));
   EXPECT_THROW((void)device::parse_route("backup:x"), InputError);
   EXPECT_THROW((void)device::parse_route("backup:4-4"), InputError);
-  options.route = {999, -1};
+  options.route = {layout::ModuleId{999}, layout::ModuleId::none()};
   EXPECT_THROW(device::flash(bus, design, options), InputError);
 }
 

@@ -26,7 +26,7 @@ struct RandomPatch {
     std::vector<SwitchedPatch::End> list;
     for (int m = 0; m < size(); ++m) {
       for (int p = 0; p < 3; ++p) {
-        if (end(m, p).row > m) list.push_back({m, p});
+        if (end(m, p).row > m) list.push_back({layout::TableRow{m}, p});
       }
     }
     return list;
@@ -50,8 +50,8 @@ inline bool add_joint(RandomPatch& patch, int a, int b, std::mt19937_64& random)
   if (a == b || joined(patch, a, b)) return false;
   const int p = free_port(patch, a, random), q = free_port(patch, b, random);
   if (p < 0 || q < 0) return false;
-  patch.joints[static_cast<std::size_t>(a)][static_cast<std::size_t>(p)] = {b, q};
-  patch.joints[static_cast<std::size_t>(b)][static_cast<std::size_t>(q)] = {a, p};
+  patch.joints[static_cast<std::size_t>(a)][static_cast<std::size_t>(p)] = {layout::TableRow{b}, q};
+  patch.joints[static_cast<std::size_t>(b)][static_cast<std::size_t>(q)] = {layout::TableRow{a}, p};
   return true;
 }
 

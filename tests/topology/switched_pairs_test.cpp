@@ -36,8 +36,8 @@ std::set<int> subtree_of(const design::Patch& patch, int module) {
 scene::Fault fault_of(FaultKind kind, int module, int other = -1) {
   scene::Fault f;
   f.kind = kind;
-  f.module = module;
-  f.other = other;
+  f.module = layout::ModuleId{module};
+  f.other = layout::ModuleId{other};
   return f;
 }
 
@@ -63,7 +63,7 @@ std::optional<Seeded> on_leaf(const design::Patch& patch, std::mt19937_64& rando
     if (m.parent < 0 || subtree_of(patch, m.node).size() > 1) continue;
     Seeded s{fault_of(fault, m.node), kind, {m.node, m.parent}};
     s.fault.value = fault == FaultKind::kWrongId ? 0x1490 : 1;
-    s.fault.taxel = 1;
+    s.fault.taxel = layout::TaxelIndex{1};
     return s;
   }
   return std::nullopt;

@@ -30,17 +30,17 @@ struct Failure {
 
 void apply(SwitchedPatch& model, const Failure& f) {
   if (f.module >= 0 && f.line >= 0)
-    model.set_stuck_line(f.module, f.line);
+    model.set_stuck_line(layout::TableRow{f.module}, f.line);
   else if (f.module >= 0)
-    model.set_dead(f.module, true);
+    model.set_dead(layout::TableRow{f.module}, true);
   else
     model.set_joint(f.joint, f.fault);
 }
 void repair(SwitchedPatch& model, const Failure& f) {
   if (f.module >= 0 && f.line >= 0)
-    model.set_stuck_line(f.module, -1);
+    model.set_stuck_line(layout::TableRow{f.module}, -1);
   else if (f.module >= 0)
-    model.set_dead(f.module, false);
+    model.set_dead(layout::TableRow{f.module}, false);
   else
     model.set_joint(f.joint, Fault::kNone);
 }
@@ -100,11 +100,11 @@ class Fixture {
     ASSERT_TRUE(report.min_depth);
     for (int m = 0; m < patch.size(); ++m) {
       const auto k = static_cast<std::size_t>(m);
-      ASSERT_EQ(model.depth_of(m), best[k]) << "module " << m;
+      ASSERT_EQ(model.depth_of(layout::TableRow{m}), best[k]) << "module " << m;
       ASSERT_EQ((report.alive >> m & 1) != 0, best[k] >= 0) << "module " << m;
       if (best[k] < 0) continue;
-      ASSERT_EQ(model.line_of(m), table.addresses[k].line);
-      ASSERT_EQ(model.address_of(m), table.addresses[k].address);
+      ASSERT_EQ(model.line_of(layout::TableRow{m}), table.addresses[k].line);
+      ASSERT_EQ(model.address_of(layout::TableRow{m}), table.addresses[k].address);
     }
     EXPECT_TRUE(topology.intact());
   }
@@ -166,10 +166,10 @@ TEST(Discovery, of_a_patch_that_is_joined_to_others_takes_sixteen_modules_within
     ASSERT_EQ(topology.graph().count, layout::kMaxModules) << trial;
     slowest_us = std::max(slowest_us, model.time_us());
     int reached = 0;
-    for (int m = 0; m < patch.size(); ++m) reached += model.reached(m) ? 1 : 0;
+    for (int m = 0; m < patch.size(); ++m) reached += model.reached(layout::TableRow{m}) ? 1 : 0;
     ASSERT_GE(reached, 1) << trial;
     topology.let_go();
-    for (int m = 0; m < patch.size(); ++m) ASSERT_FALSE(model.reached(m)) << trial;
+    for (int m = 0; m < patch.size(); ++m) ASSERT_FALSE(model.reached(layout::TableRow{m})) << trial;
   }
   EXPECT_LE(slowest_us, 60'000.0);
   std::printf("slowest look beyond a border: %.1f ms of virtual time\n", slowest_us / 1000);
@@ -180,7 +180,7 @@ TEST(Discovery, of_nothing_and_of_one_module) {
   Fixture one(random_patch(1, 0, random), 1);
   EXPECT_TRUE(one.topology.discover().complete);
   EXPECT_EQ(one.topology.graph().count, 1);
-  one.model.set_dead(0, true);
+  one.model.set_dead(layout::TableRow{0}, true);
   EXPECT_FALSE(one.topology.discover().complete);
   EXPECT_EQ(one.topology.graph().count, 0);
 }
@@ -234,12 +234,12 @@ TEST(Healing, the_check_sees_every_loss_and_a_module_that_resets_alone) {
     Fixture fixture(random_patch(2 + trial % 15, 2, random), random());
     fixture.expect_best({});
     for (int m = 0; m < fixture.patch.size(); ++m) {
-      fixture.model.reset_alone(m);
+      fixture.model.reset_alone(layout::TableRow{m});
       EXPECT_FALSE(fixture.topology.intact());
       fixture.expect_best({});
-      fixture.model.set_dead(m, true);
+      fixture.model.set_dead(layout::TableRow{m}, true);
       EXPECT_FALSE(fixture.topology.intact());
-      fixture.model.set_dead(m, false);
+      fixture.model.set_dead(layout::TableRow{m}, false);
       fixture.expect_best({});
     }
   }
@@ -253,8 +253,8 @@ TEST(Healing, no_two_configured_modules_share_a_slot_at_any_latch) {
     fixture.chain.watch = [&] {
       std::map<int, int> users;
       for (int m = 0; m < fixture.patch.size(); ++m) {
-        const int slot = fixture.model.line_of(m) * 4 + fixture.model.address_of(m);
-        if (fixture.model.reached(m) && slot != 0) ++users[slot];
+        const int slot = fixture.model.line_of(layout::TableRow{m}) * 4 + fixture.model.address_of(layout::TableRow{m});
+        if (fixture.model.reached(layout::TableRow{m}) && slot != 0) ++users[slot];
       }
       for (const auto& [slot, count] : users) EXPECT_EQ(count, 1) << "slot " << slot;
     };
@@ -268,19 +268,21 @@ TEST(Faults, stuck_register_bits_end_in_bounded_time_without_a_wrong_map) {
     Fixture fixture(random_patch(2 + trial % 15, 3, random), random());
     for (int m = 0; m < fixture.patch.size(); ++m) {
       for (const int bit : {4, 5, 6}) {
-        fixture.model.set_stuck_bit(m, bit, 0);
+        fixture.model.set_stuck_bit(layout::TableRow{m}, bit, 0);
         const double start = fixture.model.time_us();
         const auto report = fixture.topology.reroute(fixture.table);
         EXPECT_LE(fixture.model.time_us() - start, 2'000'000.0);
         for (int k = 0; k < fixture.patch.size(); ++k) {
           if ((report.alive >> k & 1) == 0) continue;
-          ASSERT_TRUE(fixture.model.reached(k))
+          ASSERT_TRUE(fixture.model.reached(layout::TableRow{k}))
               << "trial " << trial << ": bit " << bit << " of " << m << ", module " << k << " of "
               << fixture.patch.size() << ", table " << report.alive << ", cable " << fixture.patch.cable_port;
-          ASSERT_EQ(fixture.model.line_of(k), fixture.table.addresses[static_cast<std::size_t>(k)].line);
-          ASSERT_EQ(fixture.model.address_of(k), fixture.table.addresses[static_cast<std::size_t>(k)].address);
+          ASSERT_EQ(fixture.model.line_of(layout::TableRow{k}),
+                    fixture.table.addresses[static_cast<std::size_t>(k)].line);
+          ASSERT_EQ(fixture.model.address_of(layout::TableRow{k}),
+                    fixture.table.addresses[static_cast<std::size_t>(k)].address);
         }
-        fixture.model.set_stuck_bit(m, bit, -1);
+        fixture.model.set_stuck_bit(layout::TableRow{m}, bit, -1);
       }
     }
   }

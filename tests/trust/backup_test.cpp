@@ -71,7 +71,7 @@ TEST_F(Backups, keep_every_value_that_the_protocol_reads) {
   for (int p = 0; p < 3; ++p) {
     const BoardBackup& b = boards[static_cast<std::size_t>(p)];
     EXPECT_EQ(b.node_address, p + 1);
-    EXPECT_EQ(b.table, bytes_of(image_of(hub_.design(), p)));
+    EXPECT_EQ(b.table, bytes_of(image_of(hub_.design(), layout::PatchIndex{p})));
     for (const wire::Identifier& row : wire::kIdentifiers) {
       // Simulated controllers are not started from a slot, so they report no image; none is calibrated or has crashed.
       const bool silent =
@@ -92,7 +92,7 @@ TEST_F(Backups, carry_the_calibration_that_is_kept_for_a_board) {
   EXPECT_EQ(backup_text(boards).find("calibration"), std::string::npos) << "files without one are what they were";
   design::BoardCalibration calibration{boards[1].serial,
                                        hub_.design().design_id,
-                                       1,
+                                       layout::PatchIndex{1},
                                        3,
                                        "2026-11-22T17:30:00Z",
                                        wire::CalibrationMethod::kRamp,
@@ -116,14 +116,15 @@ TEST_F(Backups, bring_the_calibration_back_that_a_controller_kept) {
   const auto claims = bus_.discover();
   design::BoardCalibration calibration{to_text(claims.at(1).unique_id),
                                        hub_.design().design_id,
-                                       1,
+                                       layout::PatchIndex{1},
                                        3,
                                        "2026-11-22T17:30:00Z",
                                        wire::CalibrationMethod::kRamp,
                                        40.0,
                                        38.97,
                                        {}};
-  const auto patch = static_cast<std::size_t>(design::patch_at(hub_.design(), claims[1].node_address));
+  const auto patch =
+      static_cast<std::size_t>(design::patch_at(hub_.design(), layout::NodeAddress{claims[1].node_address}));
   for (const auto& routed : hub_.design().patches[patch].modules) {
     calibration.places.push_back({routed.line, routed.address, {}});
     calibration.places.back().taxels[4] = {151.25, 0.125, 0.0625};
@@ -152,7 +153,7 @@ TEST_F(Backups, bring_the_calibration_back_that_a_controller_kept) {
 TEST_F(Backups, remember_faults_and_when_they_came) {
   scene::Scene scene = strip_scene(4, 4);
   scene::Fault away;
-  away.module = 2;
+  away.module = layout::ModuleId{2};
   away.from_us = 3'000'000;
   scene.faults.push_back(away);
   SharedSkin skin(std::move(scene));
@@ -207,7 +208,7 @@ TEST_F(Backups, put_a_new_board_in_the_place_of_a_broken_one) {
   EXPECT_THROW((void)restore_boards(bus, boards, {}), DeviceError);
   RestoreOptions options;
   for (std::size_t p = 0; p < 3; ++p)
-    options.onto[boards[p].serial] = to_text(scene::unique_id_of(other.skin().scene(), p));
+    options.onto[boards[p].serial] = to_text(scene::unique_id_of(other.skin().scene(), layout::PatchIndex{p}));
   options.dry_run = true;
   for (const RestoredBoard& r : restore_boards(bus, boards, options)) EXPECT_FALSE(r.written);
   for (const auto& c : bus.discover()) EXPECT_FALSE(c.has_table);

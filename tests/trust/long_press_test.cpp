@@ -44,7 +44,7 @@ TEST_P(LongPress, stays_within_two_percent_of_its_value_at_ten_seconds) {
   stream.run_until(bus.now_us() + kSecond_us);
   EXPECT_TRUE(monitor.touches().pressed().empty());
   scene::Contact finger;
-  finger.position_mm = scene::center_of(link.skin().scene().design, 0);
+  finger.position_mm = scene::center_of(link.skin().scene().design, layout::ModuleId{0});
   finger.from_us = bus.now_us();
   finger.radius_mm = 8.0;
   finger.force_n = GetParam().force_n;
@@ -56,7 +56,7 @@ TEST_P(LongPress, stays_within_two_percent_of_its_value_at_ten_seconds) {
     constexpr int kLooks = 10;
     for (int k = 0; k < kLooks; ++k) {
       stream.run_until(begin_us + second * kSecond_us + static_cast<std::uint64_t>(k) * kSecond_us / kLooks);
-      for (const double change : monitor.touches().change(0)) sum += change / kLooks;
+      for (const double change : monitor.touches().change(layout::ModuleId{0})) sum += change / kLooks;
     }
     return sum;
   };

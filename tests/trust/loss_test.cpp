@@ -144,7 +144,7 @@ TEST(Loss, a_module_that_gives_no_data_was_never_heard) {
   scene::Scene scene = strip_scene(6, 6);
   scene::Fault f;
   f.kind = scene::FaultKind::kRemovedChip;
-  f.module = 4;
+  f.module = layout::ModuleId{4};
   scene.faults.push_back(f);
   SharedSkin hub(std::move(scene));
   hub.flash();
@@ -155,7 +155,7 @@ TEST(Loss, a_module_that_gives_no_data_was_never_heard) {
   stream.run_until(bus.now_us() + 1'000'000);
   stream.finish();
   const StreamReport r = stream.report();
-  EXPECT_EQ(r.never_heard, std::vector<int>{4});
+  EXPECT_EQ(r.never_heard, std::vector{layout::ModuleId{4}});
   EXPECT_FALSE(r.complete());
   EXPECT_EQ(r.total.lost(), 0U);  // The controller reported each time that there was nothing.
 }

@@ -66,7 +66,8 @@ TEST_F(Owners, taking_over_is_said_by_the_caller) {
 
 TEST_F(Owners, a_named_controller_gets_its_patch_whatever_it_holds) {
   FlashOptions options;
-  options.assign = {{0, serial(2)}, {1, serial(0)}, {2, serial(1)}};
+  options.assign = {
+      {layout::PatchIndex{0}, serial(2)}, {layout::PatchIndex{1}, serial(0)}, {layout::PatchIndex{2}, serial(1)}};
   const FlashResult r = flash(hub_.design(), options);
   for (const auto& a : options.assign) EXPECT_EQ(r.patches.at(static_cast<std::size_t>(a.patch)).serial, a.serial);
   // The controllers keep the assignment, so a second flash finds every table equal.
@@ -75,17 +76,17 @@ TEST_F(Owners, a_named_controller_gets_its_patch_whatever_it_holds) {
 
 TEST_F(Owners, one_board_at_a_time) {
   FlashOptions options;
-  options.patch = 1;
+  options.patch = layout::PatchIndex{1};
   const std::string text = refusal(hub_.design(), options);
   EXPECT_NE(text.find("--assign 1=SERIAL"), std::string::npos) << text;
-  options.assign = {{1, serial(2)}};
+  options.assign = {{layout::PatchIndex{1}, serial(2)}};
   const FlashResult r = flash(hub_.design(), options);
   ASSERT_EQ(r.patches.size(), 1U);
   EXPECT_EQ(r.patches[0].patch, 1);
   EXPECT_EQ(Controller(bus_, 2).active_table().modules, 4);
   // With one board left for each patch, nothing has to be named.
   for (std::size_t k = 0; k < 2; ++k) {
-    options.patch = k == 0 ? 0 : 2;
+    options.patch = layout::PatchIndex{k == 0 ? 0 : 2};
     options.assign = {{options.patch, serial(k)}};
     (void)flash(hub_.design(), options);
   }
@@ -98,7 +99,7 @@ TEST_F(Owners, a_board_alone_on_the_bus_needs_no_name) {
   Bus bus(link);
   const design::Design whole = strip(12, 4);
   FlashOptions options;
-  options.patch = 2;
+  options.patch = layout::PatchIndex{2};
   const FlashResult r = device::flash(bus, whole, options);
   ASSERT_EQ(r.patches.size(), 1U);
   EXPECT_EQ(Controller(bus, 3).active_table().design_id, whole.design_id);
@@ -106,14 +107,14 @@ TEST_F(Owners, a_board_alone_on_the_bus_needs_no_name) {
 
 TEST_F(Owners, a_name_that_cannot_be_is_refused) {
   FlashOptions options;
-  options.assign = {{3, serial(0)}};
+  options.assign = {{layout::PatchIndex{3}, serial(0)}};
   EXPECT_THROW((void)flash(hub_.design(), options), InputError);
-  options.assign = {{0, serial(0)}, {1, serial(0)}};
+  options.assign = {{layout::PatchIndex{0}, serial(0)}, {layout::PatchIndex{1}, serial(0)}};
   EXPECT_THROW((void)flash(hub_.design(), options), InputError);
-  options.assign = {{0, "000000000000000000000000"}};
+  options.assign = {{layout::PatchIndex{0}, "000000000000000000000000"}};
   EXPECT_THROW((void)flash(hub_.design(), options), DeviceError);
   options = {};
-  options.patch = 3;
+  options.patch = layout::PatchIndex{3};
   EXPECT_THROW((void)flash(hub_.design(), options), InputError);
   EXPECT_EQ(operations(), 0U);
 }

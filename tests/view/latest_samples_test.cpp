@@ -37,8 +37,8 @@ TEST(LatestSamples, sends_each_module_once_after_it_changed) {
   LatestSamples skin(3);
   std::uint64_t seen = 0;
   EXPECT_TRUE(skin.frame_since(seen).empty());
-  skin.add(0, sample_of(10), 1'000'000);
-  skin.add(2, sample_of(10), 1'250'000);
+  skin.add(layout::SkinModule{0}, sample_of(10), 1'000'000);
+  skin.add(layout::SkinModule{2}, sample_of(10), 1'250'000);
   const std::string frame = skin.frame_since(seen);
   ASSERT_EQ(frame.size(), LatestSamples::kHeaderBytes + 2 * LatestSamples::kRecordBytes);
   EXPECT_EQ(le(frame, 2, 2), 2U);
@@ -47,31 +47,31 @@ TEST(LatestSamples, sends_each_module_once_after_it_changed) {
   EXPECT_EQ(le(frame, 22, 2), 250U);  // The unit is ms older than the newest.
   EXPECT_EQ(le(frame, 48, 2), 2U);
   EXPECT_TRUE(skin.frame_since(seen).empty());
-  skin.add(1, sample_of(10), 1'300'000);
+  skin.add(layout::SkinModule{1}, sample_of(10), 1'300'000);
   EXPECT_EQ(le(skin.frame_since(seen), 16, 2), 1U);
 }
 
 TEST(LatestSamples, pressure_is_below_rest_to_the_nearest_count) {
   LatestSamples skin(1);
   std::uint64_t seen = 0;
-  skin.add(0, sample_of(210.4), 0);
+  skin.add(layout::SkinModule{0}, sample_of(210.4), 0);
   EXPECT_EQ(change(skin.frame_since(seen), 0, 3), -210);
-  skin.add(0, sample_of(-200.0), 0);
+  skin.add(layout::SkinModule{0}, sample_of(-200.0), 0);
   EXPECT_EQ(change(skin.frame_since(seen), 0, 3), 200);
 }
 
 TEST(LatestSamples, holds_changes_within_16_bits) {
   LatestSamples skin(1);
   std::uint64_t seen = 0;
-  skin.add(0, sample_of(-65'535), 0);
+  skin.add(layout::SkinModule{0}, sample_of(-65'535), 0);
   EXPECT_EQ(change(skin.frame_since(seen), 0, 0), 32767);
 }
 
 TEST(LatestSamples, ignores_modules_that_the_design_lacks) {
   LatestSamples skin(2);
   std::uint64_t seen = 0;
-  skin.add(2, sample_of(1), 0);
-  skin.add(-1, sample_of(1), 0);
+  skin.add(layout::SkinModule{2}, sample_of(1), 0);
+  skin.add(layout::SkinModule::none(), sample_of(1), 0);
   EXPECT_TRUE(skin.frame_since(seen).empty());
 }
 
@@ -80,7 +80,8 @@ TEST(LatestSamples, ignores_modules_that_the_design_lacks) {
 TEST(ViewFrameTrack, gathers_the_samples_of_33_ms_into_a_frame) {
   view::FrameTrack track(2, 10'000);
   for (int k = 0; k < 6; ++k) {
-    for (int module = 0; module < 2; ++module) track.add(module, sample_of(100.0 + k), 5'000'000 + 20'000 * k);
+    for (int module = 0; module < 2; ++module)
+      track.add(layout::SkinModule{module}, sample_of(100.0 + k), 5'000'000 + 20'000 * k);
   }
   const std::string bytes = track.finish();
   std::vector<double> times_ms;
@@ -111,7 +112,7 @@ TEST(ViewFrameTrack, has_the_contacts_at_the_time_of_their_frame) {
   for (std::int64_t time_us = 0; time_us <= 300'000; time_us += 20'000) {
     track.advance_to(time_us);
     taken_us = time_us;
-    track.add(0, sample_of(100.0), time_us);
+    track.add(layout::SkinModule{0}, sample_of(100.0), time_us);
   }
   const std::string bytes = track.finish();
   std::vector<std::pair<double, std::string>> told;
@@ -132,7 +133,7 @@ TEST(ViewFrameTrack, has_the_contacts_at_the_time_of_their_frame) {
 
 TEST(ViewFrameTrack, drops_what_exceeds_its_limit) {
   view::FrameTrack track(1, 120);  // A frame takes 4 + 16 + 32 bytes.
-  for (int k = 0; k < 10; ++k) track.add(0, sample_of(10), 40'000 * k);
+  for (int k = 0; k < 10; ++k) track.add(layout::SkinModule{0}, sample_of(10), 40'000 * k);
   EXPECT_EQ(track.finish().size(), 104U);
   EXPECT_TRUE(track.is_cut());
   EXPECT_TRUE(view::FrameTrack(1, 100).finish().empty());

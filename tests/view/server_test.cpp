@@ -79,7 +79,7 @@ class ViewServer : public testing::Test {
     return next_message(client);
   }
   void fill_skin(double below_rest_counts) {
-    for (int k = 0; k < kModules; ++k) live_.add(k, sample_of(below_rest_counts), 1'000'000);
+    for (int k = 0; k < kModules; ++k) live_.add(layout::SkinModule{k}, sample_of(below_rest_counts), 1'000'000);
   }
   void take(const Command& command) {
     if (!got_command_) command_.set_value(command);
@@ -177,7 +177,7 @@ TEST_F(ViewServer, sends_the_state_of_the_link_and_then_what_changed) {
   live_.set_health({"sim", true, "", 7, 2});
   const auto page = open_live();
   EXPECT_EQ(next_message(*page), R"({"frames":7,"link":"sim","live":true,"lost":2,"trouble":""})");
-  live_.add(5, sample_of(-300), 2'000'000);
+  live_.add(layout::SkinModule{5}, sample_of(-300), 2'000'000);
   std::string frame = next_message(*page);
   // This frame is older than the last sample.
   while (frame.size() == 48 && frame[24] == 0) frame = next_message(*page);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/cad/part_stream.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "triskin/base/error.hpp"
 
@@ -111,20 +113,18 @@ void take(std::string_view& bytes, std::vector<Value>& values, std::size_t count
   bytes.remove_prefix(count * sizeof(Value));
 }
 
+void require_below(int end, std::span<const int> indices) {
+  if (!std::ranges::all_of(indices, [end](int k) { return k >= 0 && k < end; })) fail();
+}
+
 void require_in_range(const Part& part) {
   const auto vertices = static_cast<int>(part.mesh.vertices.size()), faces = static_cast<int>(part.faces.size());
   const auto bodies = static_cast<int>(part.bodies.size());
   for (const design::Vec3& v : part.mesh.vertices) {
     if (!v.allFinite()) fail();
   }
-  for (const auto& f : part.mesh.faces) {
-    for (const int v : f) {
-      if (v < 0 || v >= vertices) fail();
-    }
-  }
-  for (const int f : part.face_of_triangle) {
-    if (f < 0 || f >= faces) fail();
-  }
+  for (const auto& f : part.mesh.faces) require_below(vertices, f);
+  require_below(faces, part.face_of_triangle);
   for (const Face& f : part.faces) {
     if (f.body < 0 || f.body >= bodies) fail();
   }

@@ -23,6 +23,9 @@ bool is_word(unsigned char c) {
 bool is_name(unsigned char c) {
   return is_letter(c) || is_digit(c) || c == '_';
 }
+bool is_one_of(std::string_view wanted, std::string_view bytes, std::size_t at) {
+  return at < bytes.size() && wanted.find(bytes[at]) != std::string_view::npos;
+}
 bool is_blank(unsigned char c) {
   return c == ' ' || (c >= '\t' && c <= '\r');
 }
@@ -97,22 +100,20 @@ StepToken StepLexer::enumeration() {
 }
 
 StepToken StepLexer::number() {
-  std::size_t length = bytes_[at_] == '+' || bytes_[at_] == '-' ? 1 : 0;
+  std::size_t length = is_one_of("+-", bytes_, at_) ? 1 : 0;
   const std::size_t digits = run_of(is_digit, at_ + length);
   length += digits;
   std::size_t decimals = 0;
-  if (at_ + length < bytes_.size() && bytes_[at_ + length] == '.') {
+  if (is_one_of(".", bytes_, at_ + length)) {
     decimals = run_of(is_digit, at_ + length + 1);
     length += 1 + decimals;
   }
   if (digits + decimals == 0) return word();
-  if (at_ + length < bytes_.size() && (bytes_[at_ + length] == 'E' || bytes_[at_ + length] == 'e')) {
-    const std::size_t sign =
-        at_ + length + 1 < bytes_.size() && (bytes_[at_ + length + 1] == '+' || bytes_[at_ + length + 1] == '-') ? 1
-                                                                                                                 : 0;
-    const std::size_t exponent = run_of(is_digit, at_ + length + 1 + sign);
+  if (is_one_of("Ee", bytes_, at_ + length)) {
+    length += is_one_of("+-", bytes_, at_ + length + 1) ? 2 : 1;
+    const std::size_t exponent = run_of(is_digit, at_ + length);
     if (exponent == 0) return bad("a number has no digits after its E");
-    length += 1 + sign + exponent;
+    length += exponent;
   }
   return take(StepToken::Kind::kNumber, length);
 }

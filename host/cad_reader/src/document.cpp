@@ -345,6 +345,15 @@ Document read_step(std::istream& text, const StageSink& stage) {
   return out;
 }
 
+namespace {
+
+void note_unit(const IGESData_GlobalSection& global, Document& out) {
+  out.unit_mm = global.UnitValue() > 0.0 ? global.UnitValue() : 1.0;
+  if (!global.UnitName().IsNull()) out.unit = unit_name(global.UnitName()->ToCString());
+}
+
+}  // namespace
+
 Document read_iges(const std::string& path, const StageSink& stage) {
   stage("reading the entities");
   IGESCAFControl_Reader reader;
@@ -353,10 +362,7 @@ Document read_iges(const std::string& path, const StageSink& stage) {
   if (reader.ReadFile(path.c_str()) != IFSelect_RetDone)
     throw std::runtime_error("the entities cannot be read; export the part again");
   Document out;
-  const auto model = Handle(IGESData_IGESModel)::DownCast(reader.Model());
-  const IGESData_GlobalSection& global = model->GlobalSection();
-  out.unit_mm = global.UnitValue() > 0.0 ? global.UnitValue() : 1.0;
-  if (!global.UnitName().IsNull()) out.unit = unit_name(global.UnitName()->ToCString());
+  note_unit(Handle(IGESData_IGESModel)::DownCast(reader.Model())->GlobalSection(), out);
   stage("building the shapes");
   const Handle(TDocStd_Document) xde = new_document();
   (void)reader.Transfer(const_cast<Handle(TDocStd_Document)&>(xde));

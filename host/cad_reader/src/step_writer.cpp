@@ -25,6 +25,7 @@
 #include <XCAFDoc_ColorTool.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
+#include <algorithm>
 #include <array>
 #include <fstream>
 #include <gp_Pln.hxx>
@@ -87,10 +88,7 @@ class BodyBuilder {
   }
 
   [[nodiscard]] bool is_closed() const {
-    for (const auto& [ends, shared] : edges_) {
-      if (shared.uses != 2) return false;
-    }
-    return true;
+    return std::ranges::all_of(edges_, [](const auto& edge) { return edge.second.uses == 2; });
   }
 
   const cad::StepBody& body_;

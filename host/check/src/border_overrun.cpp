@@ -123,6 +123,10 @@ class OverrunSearch {
     if (nearest <= to_surface + touch && past >= past_mm_) best_ = std::max(best_, over);
   }
 
+  static bool are_all_at(double along, const std::vector<Sight>& sights) {
+    return std::ranges::all_of(sights, [along](const Sight& s) { return s.along == along; });
+  }
+
   // Bounds the overrun of all points of the part while the edge is the nearest of the surface. The foot slides no
   // farther than the point, the distance to a point or a line is convex, and the normal turns by at most `turn` per mm.
   [[nodiscard]] double bound(const BorderEdge& e, const Outline3& part, const P3& middle, double radius) const {
@@ -135,10 +139,7 @@ class OverrunSearch {
     const double turned = turn * radius * (s.off.norm() + radius);
     std::vector<Sight> ends;
     for (const P3& q : part) ends.push_back(sight_of(e, q));
-    const auto all_at = [&](double end) {
-      return std::ranges::all_of(ends, [end](const Sight& q) { return q.along == end; });
-    };
-    if (!inside && !all_at(0.0) && !all_at(1.0)) return across(s.off, s.normal) + radius + turned;
+    if (!inside && !are_all_at(0.0, ends) && !are_all_at(1.0, ends)) return across(s.off, s.normal) + radius + turned;
     double most = 0.0;
     for (const Sight& q : ends) most = std::max(most, across(q.off, s.normal));
     return most + turned;

@@ -124,10 +124,8 @@ void check_id(const CheckedDesign& d, Findings& f) {
 
 int kind_number(const CheckedDesign& d, const std::string& name) {
   if (name == "standard") return 0;
-  for (std::size_t k = 0; k < d.kinds.size(); ++k) {
-    if (d.kinds[k].name == name) return static_cast<int>(k) + 1;
-  }
-  return -1;
+  const auto found = std::ranges::find(d.kinds, name, &CheckedDesign::Kind::name);
+  return found == d.kinds.end() ? -1 : static_cast<int>(found - d.kinds.begin()) + 1;
 }
 
 void check_report(const CheckedDesign& d, Findings& f) {

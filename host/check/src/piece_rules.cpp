@@ -113,41 +113,48 @@ bool is_as_wide_as_its_faces(const CheckedDesign& d, const CheckedDesign::Piece&
   return !(box.diagonal().norm() > kStretch * length);
 }
 
+std::vector<Edge> moved_edges_of(const CheckedDesign::Piece& p) {
+  const double c = std::cos(p.theta), s = std::sin(p.theta);
+  std::vector<Edge> edges = edges_of(p);
+  for (Edge& e : edges) {
+    for (P2* q : {&e.a, &e.b}) *q = P2(c * q->x() - s * q->y() + p.x, s * q->x() + c * q->y() + p.y);
+  }
+  return edges;
+}
+
+bool is_inside(const P2& q, const std::vector<Edge>& edges) {
+  bool in = false;
+  for (const Edge& e : edges) {
+    if ((e.a.y() > q.y()) != (e.b.y() > q.y()) &&
+        (CGAL::orientation(pt(e.a), pt(e.b), pt(q)) == CGAL::LEFT_TURN) == (e.b.y() > e.a.y()))
+      in = !in;
+  }
+  return in;
+}
+
+// Returns true if the edge does not enter the interior of the convex polygon `t`.
+bool is_free_of(const std::vector<P2>& t, const Edge& e) {
+  int left = 0, right = 0;
+  for (const P2& q : t) {
+    const int o = CGAL::orientation(pt(e.a), pt(e.b), pt(q));
+    left += o > 0 ? 1 : 0;
+    right += o < 0 ? 1 : 0;
+  }
+  if (left == 0 || right == 0) return true;
+  for (std::size_t k = 0; k < t.size(); ++k) {
+    const Point from = pt(t[k]), to = pt(t[(k + 1) % t.size()]);
+    if (CGAL::orientation(from, to, pt(e.a)) <= 0 && CGAL::orientation(from, to, pt(e.b)) <= 0) return true;
+  }
+  return false;
+}
+
 // Counts the tiles of the grid inside the moved outline one by one: no edge may enter a tile's interior, and its centre
 // must lie inside.
 int tiles_inside(const CheckedDesign::Piece& p, double cut) {
-  const double c = std::cos(p.theta), s = std::sin(p.theta), h = kSide * std::sqrt(3.0) / 2;
-  std::vector<Edge> edges = edges_of(p);
+  const double h = kSide * std::sqrt(3.0) / 2;
+  const std::vector<Edge> edges = moved_edges_of(p);
   Eigen::AlignedBox2d box;
-  for (Edge& e : edges) {
-    for (P2* q : {&e.a, &e.b}) {
-      *q = P2(c * q->x() - s * q->y() + p.x, s * q->x() + c * q->y() + p.y);
-      box.extend(*q);
-    }
-  }
-  const auto inside = [&](const P2& q) {
-    bool in = false;
-    for (const Edge& e : edges) {
-      if ((e.a.y() > q.y()) != (e.b.y() > q.y()) &&
-          (CGAL::orientation(pt(e.a), pt(e.b), pt(q)) == CGAL::LEFT_TURN) == (e.b.y() > e.a.y()))
-        in = !in;
-    }
-    return in;
-  };
-  const auto free_of = [&](const std::vector<P2>& t, const Edge& e) {
-    int left = 0, right = 0;
-    for (const P2& q : t) {
-      const int o = CGAL::orientation(pt(e.a), pt(e.b), pt(q));
-      left += o > 0 ? 1 : 0;
-      right += o < 0 ? 1 : 0;
-    }
-    if (left == 0 || right == 0) return true;
-    for (std::size_t k = 0; k < t.size(); ++k) {
-      const Point from = pt(t[k]), to = pt(t[(k + 1) % t.size()]);
-      if (CGAL::orientation(from, to, pt(e.a)) <= 0 && CGAL::orientation(from, to, pt(e.b)) <= 0) return true;
-    }
-    return false;
-  };
+  for (const Edge& e : edges) box.extend(e.a);
   int count = 0;
   for (int j = static_cast<int>(std::floor(box.min().y() / h)); j * h < box.max().y(); ++j) {
     const int first = static_cast<int>(std::floor(box.min().x() / kSide - 0.5 * j)) - 2;
@@ -160,9 +167,9 @@ int tiles_inside(const CheckedDesign::Piece& p, double cut) {
         std::vector<P2> t = without_corners(whole, cut);
         // Allows for the tolerance of the placement and for rounding.
         for (P2& q : t) q = middle + (q - middle) * (1 - 1e-5 / 8.66);
-        bool free = inside(middle);
-        for (std::size_t e = 0; free && e < edges.size(); ++e) free = free_of(t, edges[e]);
-        count += free ? 1 : 0;
+        const bool is_free =
+            is_inside(middle, edges) && std::ranges::all_of(edges, [&](const Edge& e) { return is_free_of(t, e); });
+        count += is_free ? 1 : 0;
       }
     }
   }

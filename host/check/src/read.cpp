@@ -267,33 +267,58 @@ void at_place(const char* part, std::size_t index, Read read) {
   }
 }
 
+void read_surface(const json& j, CheckedDesign& d) {
+  d.vertices = all(j.at("vertices"), p3);
+  const int n_vertices = static_cast<int>(d.vertices.size());
+  d.faces = all(j.at("faces"), three_ints);
+  for (const auto& f : d.faces) {
+    for (const int v : f) bounded(v, 0, n_vertices - 1, "vertex");
+  }
+  if (d.faces.empty()) throw InputError("the surface has no faces");
+}
+
+CheckedDesign::Limits read_limits(const json& l, bool with_lift, bool with_jumpers) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  return {number(l.at("edge_error_mm")),
+          number(l.at("hinge_gap_mm")),
+          number(l.at("center_gap_mm")),
+          number(l.at("fold_rad")),
+          number(l.at("penetration_mm")),
+          number(l.at("overrun_mm")),
+          with_lift ? number(l.at("lift_mm")) : kNone,
+          with_lift ? number(l.at("depth_mm")) : kNone,
+          with_jumpers ? number(l.at("jumper_mm")) : 0.0,
+          l.contains("fold_away_rad") ? number(l["fold_away_rad"]) : kNone,
+          l.contains("fold_towards_rad") ? number(l["fold_towards_rad"]) : kNone};
+}
+
+void read_report(const json& r, CheckedDesign& d) {
+  d.area_cm2 = number(r.at("area_cm2"));
+  d.coverage = number(r.at("coverage"));
+  d.coverage_cut = d.corner_cut > 0.0 ? number(r.at("coverage_cut")) : d.coverage;
+  d.upper_bound = integer(r.at("upper_bound"));
+  d.patches_lower_bound = integer(r.at("patches_lower_bound"));
+  d.max_edge_error = number(r.at("max_edge_error_mm"));
+  d.max_hinge_gap = number(r.at("max_hinge_gap_mm"));
+  d.max_center_gap = number(r.at("max_center_gap_mm"));
+}
+
+void read_side_maxima(const json& r, CheckedDesign& d) {
+  d.max_edge_lift = number(r.at("max_edge_lift_mm"));
+  d.max_edge_depth = number(r.at("max_edge_depth_mm"));
+}
+
 CheckedDesign read_all(const json& j) {
   CheckedDesign d{};
   const bool with_jumpers = j.contains("jumpers");
   if (j.at("format") != "triskin-design" || integer(j.at("version")) != (with_jumpers ? 2 : 1))
     throw InputError("not a design file of version 1, or 2 with jumpers; make the design again");
-  d.vertices = all(j.at("surface").at("vertices"), p3);
-  const int n_vertices = static_cast<int>(d.vertices.size());
-  d.faces = all(j.at("surface").at("faces"), three_ints);
-  for (const auto& f : d.faces) {
-    for (const int v : f) bounded(v, 0, n_vertices - 1, "vertex");
-  }
-  if (d.faces.empty()) throw InputError("the surface has no faces");
+  read_surface(j.at("surface"), d);
   if (j.contains("side")) read_side(j.at("side"), d);
   const json& l = j.at("limits");
   // A file has both keys, or is older than them.
   const bool with_lift = l.contains("lift_mm") || l.contains("depth_mm");
-  d.limits = {number(l.at("edge_error_mm")),
-              number(l.at("hinge_gap_mm")),
-              number(l.at("center_gap_mm")),
-              number(l.at("fold_rad")),
-              number(l.at("penetration_mm")),
-              number(l.at("overrun_mm")),
-              with_lift ? number(l.at("lift_mm")) : std::numeric_limits<double>::infinity(),
-              with_lift ? number(l.at("depth_mm")) : std::numeric_limits<double>::infinity(),
-              with_jumpers ? number(l.at("jumper_mm")) : 0.0,
-              l.contains("fold_away_rad") ? number(l["fold_away_rad"]) : std::numeric_limits<double>::infinity(),
-              l.contains("fold_towards_rad") ? number(l["fold_towards_rad"]) : std::numeric_limits<double>::infinity()};
+  d.limits = read_limits(l, with_lift, with_jumpers);
   if (j.contains("corner_cut_mm")) d.corner_cut = corner_cut(number(j["corner_cut_mm"]));
   d.islands = integer(j.at("islands"));
   d.method = j.at("method").get<std::string>();
@@ -311,20 +336,9 @@ CheckedDesign read_all(const json& j) {
     at_place("piece", d.pieces.size(), [&] { d.pieces.push_back(read_piece(p, static_cast<int>(d.faces.size()))); });
   for (const json& p : j.at("patches"))
     at_place("patch", d.patches.size(), [&] { d.patches.push_back(read_patch(p, n)); });
-  const json& r = j.at("report");
-  d.area_cm2 = number(r.at("area_cm2"));
-  d.coverage = number(r.at("coverage"));
-  d.coverage_cut = d.corner_cut > 0.0 ? number(r.at("coverage_cut")) : d.coverage;
-  d.upper_bound = integer(r.at("upper_bound"));
-  d.patches_lower_bound = integer(r.at("patches_lower_bound"));
-  d.jumpers_lower_bound = with_jumpers ? integer(r.at("jumpers_lower_bound")) : 0;
-  d.max_edge_error = number(r.at("max_edge_error_mm"));
-  d.max_hinge_gap = number(r.at("max_hinge_gap_mm"));
-  d.max_center_gap = number(r.at("max_center_gap_mm"));
-  if (with_lift) {
-    d.max_edge_lift = number(r.at("max_edge_lift_mm"));
-    d.max_edge_depth = number(r.at("max_edge_depth_mm"));
-  }
+  read_report(j.at("report"), d);
+  if (with_jumpers) d.jumpers_lower_bound = integer(j.at("report").at("jumpers_lower_bound"));
+  if (with_lift) read_side_maxima(j.at("report"), d);
   return d;
 }
 

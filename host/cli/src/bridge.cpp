@@ -64,28 +64,32 @@ bridge::Pose pose_of(const std::vector<double>& numbers) {
 }
 
 // Makes one part of the diagnostics for each controller; the first sentence names the problem.
-std::vector<bridge::Diagnosis> diagnose(const device::StreamReport& report, const std::string& part) {
+bridge::Diagnosis diagnosis_of(const device::ClockState& c, const device::SampleCounts& n, bool silent,
+                               const std::string& part) {
   using Level = bridge::Diagnosis::Level;
-  std::map<int, device::SampleCounts> counts;
+  bridge::Diagnosis d;
+  d.name = fmt::format("skin {}: patch {}", part, c.patch);
+  d.hardware_id = fmt::format("controller {}", c.node);
+  d.level = silent ? Level::kError : n.lost() > 0 ? Level::kWarn : Level::kOk;
+  d.message = silent         ? "its controller is silent; check power and cable"
+              : n.lost() > 0 ? fmt::format("{} of {} {} lost", n.lost(), counted(n.expected, "sample"),
+                                           agreeing(n.lost(), "was", "were"))
+                             : "ok";
+  d.values = {{"expected", std::to_string(n.expected)},
+              {"received", std::to_string(n.received)},
+              {"lost", std::to_string(n.lost())},
+              {"clock_drift_ppm", fmt::format("{:.1f}", c.drift_ppm)},
+              {"clock_error_us", c.error_us == device::LinkTime::kUnbounded ? "" : std::to_string(c.error_us)}};
+  return d;
+}
+
+std::vector<bridge::Diagnosis> diagnose(const device::StreamReport& report, const std::string& part) {
+  std::map<layout::PatchIndex, device::SampleCounts> counts;
   for (const device::ModuleCounts& m : report.modules) counts[m.patch] += m.counts;
   std::vector<bridge::Diagnosis> parts;
   for (const device::ClockState& c : report.clocks) {
-    bridge::Diagnosis d;
-    d.name = fmt::format("skin {}: patch {}", part, c.patch);
-    d.hardware_id = fmt::format("controller {}", c.node);
-    const device::SampleCounts& n = counts[c.patch];
     const bool silent = std::ranges::find(report.silent, c.patch) != report.silent.end();
-    d.level = silent ? Level::kError : n.lost() > 0 ? Level::kWarn : Level::kOk;
-    d.message = silent         ? "its controller is silent; check power and cable"
-                : n.lost() > 0 ? fmt::format("{} of {} {} lost", n.lost(), counted(n.expected, "sample"),
-                                             agreeing(n.lost(), "was", "were"))
-                               : "ok";
-    d.values = {{"expected", std::to_string(n.expected)},
-                {"received", std::to_string(n.received)},
-                {"lost", std::to_string(n.lost())},
-                {"clock_drift_ppm", fmt::format("{:.1f}", c.drift_ppm)},
-                {"clock_error_us", c.error_us == device::LinkTime::kUnbounded ? "" : std::to_string(c.error_us)}};
-    parts.push_back(std::move(d));
+    parts.push_back(diagnosis_of(c, counts[c.patch], silent, part));
   }
   return parts;
 }
@@ -230,6 +234,17 @@ class BusFeed {
   std::uint64_t diagnostics_us_ = 0;  // The next diagnostics are due at this time.
 };
 
+bridge::BridgeOptions options_of_cover(bridge::BridgeOptions options, const robot::CoverEntry& cover) {
+  constexpr double kMetre_mm = 1000.0;
+  options.part = bridge::part_name(cover.name);
+  if (!cover.frame.empty()) options.parent_frame = cover.frame;
+  const Eigen::Quaterniond q(cover.pose.linear());
+  for (int axis = 0; axis < 3; ++axis)
+    options.pose.translation_m[static_cast<std::size_t>(axis)] = cover.pose.translation()[axis] / kMetre_mm;
+  options.pose.rotation = {q.x(), q.y(), q.z(), q.w()};
+  return options;
+}
+
 // The result is indexed by cover of the robot file; a design file has one.
 std::vector<bridge::BridgeOptions> options_of(const Options& options, const robot::Site& site) {
   bridge::BridgeOptions common = options.bridge;
@@ -240,18 +255,9 @@ std::vector<bridge::BridgeOptions> options_of(const Options& options, const robo
   }
   if (!common.part.empty() || !options.pose.empty())
     throw InputError("--part and --pose are for a design file; the covers of a robot have theirs in the robot file");
-  constexpr double kMetre_mm = 1000.0;
   std::vector<bridge::BridgeOptions> by_cover;
-  for (const robot::CoverEntry& cover : robot::read_robot(site.file).covers) {
-    bridge::BridgeOptions o = common;
-    o.part = bridge::part_name(cover.name);
-    if (!cover.frame.empty()) o.parent_frame = cover.frame;
-    const Eigen::Quaterniond q(cover.pose.linear());
-    for (int axis = 0; axis < 3; ++axis)
-      o.pose.translation_m[static_cast<std::size_t>(axis)] = cover.pose.translation()[axis] / kMetre_mm;
-    o.pose.rotation = {q.x(), q.y(), q.z(), q.w()};
-    by_cover.push_back(std::move(o));
-  }
+  for (const robot::CoverEntry& cover : robot::read_robot(site.file).covers)
+    by_cover.push_back(options_of_cover(common, cover));
   return by_cover;
 }
 

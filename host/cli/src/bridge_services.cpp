@@ -15,9 +15,9 @@ namespace {
 
 // Calls `ask` for each controller; if one fails, this is reported and the others are still asked.
 template <class Answer, class Ask>
-void ask_each(device::Bus& bus, const design::Design& design, const std::vector<int>& patches, Answer& answer,
-              Ask ask) {
-  for (const int patch : patches) {
+void ask_each(device::Bus& bus, const design::Design& design, const std::vector<layout::PatchIndex>& patches,
+              Answer& answer, Ask ask) {
+  for (const layout::PatchIndex patch : patches) {
     const auto node = static_cast<std::uint8_t>(design::node_address_of(design, patch));
     try {
       device::Controller controller(bus, node);
@@ -44,6 +44,22 @@ void CoverServices::step(device::Bus& bus) {
   if (const auto asked = identify_.take()) identify_.answer(asked->id, identify(bus));
 }
 
+namespace {
+
+bridge::Tare::Answer answer_of(const device::Tare& tare) {
+  using State = device::Tare::State;
+  bridge::Tare::Answer answer;
+  answer.taxels = tare.taxels();
+  answer.success = tare.state() == State::kDone;
+  if (tare.state() == State::kNoSample)
+    answer.message = "no valid sample came in 2 s, so there is nothing to tare; look at /diagnostics";
+  else if (tare.state() == State::kIncomplete)
+    answer.message = "some taxels gave fewer than three samples in 2 s; ask again, or let the stream be faster";
+  return answer;
+}
+
+}  // namespace
+
 // Clients that ask during a tare get the answer of the tare that is started again for them.
 void CoverServices::step_tare(std::uint64_t now_us) {
   bool begin = false;
@@ -55,31 +71,26 @@ void CoverServices::step_tare(std::uint64_t now_us) {
   using State = device::Tare::State;
   const State state = cover_.tare().state();
   if (taring_.empty() || state == State::kRunning) return;
-  bridge::Tare::Answer answer;
-  answer.taxels = cover_.tare().taxels();
-  answer.success = state == State::kDone;
-  if (state == State::kNoSample)
-    answer.message = "no valid sample came in 2 s, so there is nothing to tare; look at /diagnostics";
-  else if (state == State::kIncomplete)
-    answer.message = "some taxels gave fewer than three samples in 2 s; ask again, or let the stream be faster";
+  const bridge::Tare::Answer answer = answer_of(cover_.tare());
   for (const bridge::RequestId& id : taring_) tare_.answer(id, answer);
   taring_.clear();
 }
 
 bridge::Reroute::Answer CoverServices::reroute(device::Bus& bus, std::int32_t patch) const {
   bridge::Reroute::Answer answer;
-  std::vector<int> patches = design::patches_here(cover_.design());
-  if (patch >= 0) std::erase_if(patches, [&](int p) { return p != patch; });
+  std::vector<layout::PatchIndex> patches = design::patches_here(cover_.design());
+  if (patch >= 0) std::erase_if(patches, [&](layout::PatchIndex p) { return p != patch; });
   if (patches.empty()) {
     answer.message = fmt::format("no controller of patch {} hangs here; patches count from 0", patch);
     return answer;
   }
-  bridge_services::ask_each(bus, cover_.design(), patches, answer, [&](int p, device::Controller& controller) {
-    controller.reroute();
-    const wire::ActiveRoute route = controller.route();
-    answer.patch.push_back(p);
-    answer.modules.push_back(route.switched ? std::popcount(route.alive) : -1);
-  });
+  bridge_services::ask_each(bus, cover_.design(), patches, answer,
+                            [&](layout::PatchIndex p, device::Controller& controller) {
+                              controller.reroute();
+                              const wire::ActiveRoute route = controller.route();
+                              answer.patch.push_back(p);
+                              answer.modules.push_back(route.switched ? std::popcount(route.alive) : -1);
+                            });
   return answer;
 }
 
@@ -87,7 +98,7 @@ bridge::Identify::Answer CoverServices::identify(device::Bus& bus) const {
   bridge::Identify::Answer answer;
   answer.design_id = cover_.design().design_id;
   bridge_services::ask_each(bus, cover_.design(), design::patches_here(cover_.design()), answer,
-                            [&](int patch, device::Controller& controller) {
+                            [&](layout::PatchIndex patch, device::Controller& controller) {
                               const wire::Hello hello = controller.hello();
                               const wire::ActiveTable table = controller.active_table();
                               answer.patch.push_back(patch);

@@ -38,6 +38,16 @@ device::StepAnswer ask_person(const device::BringUpStep& step) {
   return {device::StepOutcome::kPassed, line.empty() ? "as it should be" : line};
 }
 
+nlohmann::json report_steps(const std::vector<device::StepReport>& reports, const Output& output) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const device::StepReport& r : reports) {
+    const auto outcome = device::kStepOutcomeNames.name(r.outcome);
+    list.push_back({{"step", r.number}, {"outcome", outcome}, {"found", r.found}});
+    output.say(fmt::format("step {:2}  {:7}  {}", r.number, outcome, r.found));
+  }
+  return list;
+}
+
 int run(const Options& options, Output& output) {
   const design::Design design = design::read_intact_design(options.design);
   device::require_link(options.link);
@@ -50,15 +60,9 @@ int run(const Options& options, Output& output) {
   const bool simulated = device::is_simulated(options.link.link);
   if (simulated) output.mark_simulated(options.link.link);
   const auto reports = device::bring_up(design, steps);
-  nlohmann::json list = nlohmann::json::array();
-  for (const device::StepReport& r : reports) {
-    const auto outcome = device::kStepOutcomeNames.name(r.outcome);
-    list.push_back({{"step", r.number}, {"outcome", outcome}, {"found", r.found}});
-    output.say(fmt::format("step {:2}  {:7}  {}", r.number, outcome, r.found));
-  }
+  output.result = {{"steps", report_steps(reports, output)}};
   const std::string link = options.link.link + (simulated ? " (simulated)" : "");
   if (!options.report.empty()) write_output(options.report, device::to_markdown(reports, link, *steps.board));
-  output.result = {{"steps", std::move(list)}};
   const bool bad = std::ranges::count(reports, device::StepOutcome::kFailed, &device::StepReport::outcome) > 0;
   return bad ? 1 : 0;
 }

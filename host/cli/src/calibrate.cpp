@@ -62,12 +62,12 @@ void ask_person(const std::string& request) {
 }
 
 // Returns the modules of --modules in ascending order; none stands for all.
-std::vector<int> chosen_modules(const Options& options, const design::Design& design) {
-  std::vector<int> chosen = module_ids("--modules", options.modules);
+std::vector<layout::ModuleId> chosen_modules(const Options& options, const design::Design& design) {
+  std::vector<layout::ModuleId> chosen = module_ids("--modules", options.modules);
   std::ranges::sort(chosen);
   chosen.erase(std::ranges::unique(chosen).begin(), chosen.end());
-  const std::vector<int> here = device::wanted_modules(design, {});
-  for (const int module : chosen) {
+  const std::vector<layout::ModuleId> here = device::wanted_modules(design, {});
+  for (const layout::ModuleId module : chosen) {
     if (!std::ranges::binary_search(here, module))
       throw InputError(
           fmt::format("--modules: there is no module {} here; there are {}", module, module_ids_text(here)));
@@ -75,32 +75,19 @@ std::vector<int> chosen_modules(const Options& options, const design::Design& de
   return chosen;
 }
 
-device::CalibrationOutcome measure(const Options& options, device::LiveBus& live, device::LiveCover& cover,
-                                   Output& output) {
+// Presses step by step with the actuator, or asks a person to.
+device::CalibrationOutcome measure_steps(const Options& options, device::Bus& bus, device::LiveCover& cover,
+                                         device::CalibrateOptions calibrate) {
   const design::Design& design = cover.design();
-  device::Bus& bus = live.bus();
-  device::CalibrateOptions calibrate = options.calibrate;
-  calibrate.stream = speaking(calibrate.stream);
-  calibrate.unix_minus_link_ns = live.unix_ns(0);
-  calibrate.progress = output.progress();
-  if (!options.ramp.empty()) {
-    const device::PressureRamp ramp(options.ramp);
-    if (!ramp.note().empty()) output.say(ramp.note());
-    if (!ramp.by_calendar() && cover.actuator() == nullptr)
-      throw InputError(
-          fmt::format("{}: times of the link are known of simulated links only; give the column unix_s", options.ramp));
-    calibrate.method = wire::CalibrationMethod::kRamp;
-    return device::calibrate_by_ramp(bus, design, ramp, calibrate);
-  }
   const bool by_module = !options.weights_g.empty();
   calibrate.method = by_module ? wire::CalibrationMethod::kWeights : wire::CalibrationMethod::kSteps;
   const double of_gram = kpa_per_gram(options, design);
   std::vector<double> pressures = options.steps_kpa;
   for (const double g : options.weights_g) pressures.push_back(g * of_gram);
-  const auto in_turn = by_module ? device::wanted_modules(design, calibrate) : std::vector<int>{};
+  const auto in_turn = by_module ? device::wanted_modules(design, calibrate) : std::vector<layout::ModuleId>{};
   const auto steps = device::pressure_steps(pressures, in_turn);
   device::TouchActuator* actuator = options.by_hand ? nullptr : cover.actuator();
-  int pressed = -1;
+  layout::ModuleId pressed = layout::ModuleId::none();
   calibrate.apply = [&](const device::PressureStep& step) {
     if (interrupt_request()) throw Cancelled("ended by a person");
     if (actuator == nullptr) return ask_person(request_of(step, of_gram));
@@ -112,17 +99,44 @@ device::CalibrationOutcome measure(const Options& options, device::LiveBus& live
   return outcome;
 }
 
+device::CalibrationOutcome measure(const Options& options, device::LiveBus& live, device::LiveCover& cover,
+                                   Output& output) {
+  device::CalibrateOptions calibrate = options.calibrate;
+  calibrate.stream = speaking(calibrate.stream);
+  calibrate.unix_minus_link_ns = live.unix_ns(0);
+  calibrate.progress = output.progress();
+  if (options.ramp.empty()) return measure_steps(options, live.bus(), cover, std::move(calibrate));
+  const device::PressureRamp ramp(options.ramp);
+  if (!ramp.note().empty()) output.say(ramp.note());
+  if (!ramp.by_calendar() && cover.actuator() == nullptr)
+    throw InputError(
+        fmt::format("{}: times of the link are known of simulated links only; give the column unix_s", options.ramp));
+  calibrate.method = wire::CalibrationMethod::kRamp;
+  return device::calibrate_by_ramp(live.bus(), cover.design(), ramp, calibrate);
+}
+
 // Returns the modules that were wanted and not measured, as --modules takes them.
 std::string rest_of(const device::CalibrateOptions& options, const design::Design& design,
-                    std::span<const int> measured) {
-  std::vector<int> wanted = device::wanted_modules(design, options);
-  std::erase_if(wanted, [&](int module) { return std::ranges::binary_search(measured, module); });
+                    std::span<const layout::ModuleId> measured) {
+  std::vector<layout::ModuleId> wanted = device::wanted_modules(design, options);
+  std::erase_if(wanted, [&](layout::ModuleId module) { return std::ranges::binary_search(measured, module); });
   return module_ids_text(wanted);
 }
 
 // A simulation without noise has errors far below what anybody can measure.
 std::string at_least(double value, double smallest, const char* unit) {
   return value < smallest ? fmt::format("below {:g} {}", smallest, unit) : fmt::format("{:.2g} {}", value, unit);
+}
+
+nlohmann::json report_uncalibrated(const device::CalibrationOutcome& outcome, const Output& output) {
+  for (std::size_t k = 0; k < std::min(kMaxNamed, outcome.without.size()); ++k)
+    output.say(fmt::format("module {} taxel {}: not calibrated: it does not follow the pressure; run triskin verify",
+                           outcome.without[k].module, outcome.without[k].taxel));
+  if (outcome.without.size() > kMaxNamed)
+    output.say(fmt::format("… and {} more", counted(outcome.without.size() - kMaxNamed, "taxel")));
+  nlohmann::json without = nlohmann::json::array();
+  for (const auto& [module, taxel] : outcome.without) without.push_back({{"module", module}, {"taxel", taxel}});
+  return without;
 }
 
 void print_report(const device::CalibrationOutcome& outcome, Output& output) {
@@ -132,13 +146,7 @@ void print_report(const device::CalibrationOutcome& outcome, Output& output) {
       "farthest from the line {}",
       q.taxels, counted(q.taxels + q.missing, "taxel"), q.max_kpa, at_least(q.median_percent, kMinError_percent, "%"),
       at_least(q.worst_percent, kMinError_percent, "%"), at_least(q.residual_kpa, kMinError_kpa, "kPa")));
-  for (std::size_t k = 0; k < std::min(kMaxNamed, outcome.without.size()); ++k)
-    output.say(fmt::format("module {} taxel {}: not calibrated: it does not follow the pressure; run triskin verify",
-                           outcome.without[k].first, outcome.without[k].second));
-  if (outcome.without.size() > kMaxNamed)
-    output.say(fmt::format("… and {} more", counted(outcome.without.size() - kMaxNamed, "taxel")));
-  nlohmann::json without = nlohmann::json::array();
-  for (const auto& [module, taxel] : outcome.without) without.push_back({{"module", module}, {"taxel", taxel}});
+  nlohmann::json without = report_uncalibrated(outcome, output);
   output.result = {{"taxels", q.taxels},
                    {"median_percent", q.median_percent},
                    {"worst_percent", q.worst_percent},
@@ -197,11 +205,15 @@ int write_again(const Options& options, device::LiveBus& bus, const device::Live
   return std::ranges::all_of(kept, &device::KeptCalibration::in_controller) ? 0 : 1;
 }
 
-int run(const Options& options, Output& output) {
+void require_one_way(const Options& options) {
   const int ways = (options.steps_kpa.empty() ? 0 : 1) + (options.weights_g.empty() ? 0 : 1) +
                    (options.ramp.empty() ? 0 : 1) + (options.from.empty() ? 0 : 1) + (options.forget ? 1 : 0);
   if (ways != 1)
     throw InputError("calibrate: say what presses, with one of --steps, --weights and --ramp; or --from, or --forget");
+}
+
+int run(const Options& options, Output& output) {
+  require_one_way(options);
   const device::LiveSkin skin = open_skin(options.site, output);
   device::LiveCover& cover = one_cover(skin, "calibrate");
   device::LiveBus& bus = *skin.buses().front();

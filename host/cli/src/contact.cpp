@@ -97,6 +97,15 @@ void say_estimate(const Output& output, const mechanics::ContactEstimate& c) {
                          c.force_sd_n, c.tip_radius_mm, c.tip_radius_sd_mm));
 }
 
+nlohmann::json report_estimates(const std::vector<mechanics::ContactEstimate>& estimates, const Output& output) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const mechanics::ContactEstimate& e : estimates) {
+    list.push_back(estimate_json(e));
+    say_estimate(output, e);
+  }
+  return list;
+}
+
 int run_inverse(const Options& options, Output& output) {
   const auto cases = mechanics::read_inverse_cases(options.inverse);
   const auto results = mechanics::solve_inverse_cases(cases);
@@ -105,13 +114,8 @@ int run_inverse(const Options& options, Output& output) {
     const mechanics::InverseResult& result = results[k];
     output.say(fmt::format("case {}: {}, noise {:.2g}", cases[k].id.dump(), counted(result.contacts.size(), "contact"),
                            result.noise_dc_over_c));
-    nlohmann::json contacts = nlohmann::json::array();
-    for (const mechanics::ContactEstimate& c : result.contacts) {
-      contacts.push_back(estimate_json(c));
-      say_estimate(output, c);
-    }
     list.push_back({{"id", cases[k].id},
-                    {"contacts", std::move(contacts)},
+                    {"contacts", report_estimates(result.contacts, output)},
                     {"noise_dc_over_c", result.noise_dc_over_c},
                     {"residual_dc_over_c", result.residual_dc_over_c}});
   }

@@ -25,6 +25,16 @@ bool is_design(const std::filesystem::path& path, std::uint64_t id) {
   }
 }
 
+std::vector<std::filesystem::path> json_files_here() {
+  std::vector<std::filesystem::path> files;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(".", error)) {
+    if (entry.path().extension() == ".json") files.push_back(entry.path().filename());
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
 }  // namespace
 
 DesignArgument find_design(const std::string& argument) {
@@ -33,12 +43,7 @@ DesignArgument find_design(const std::string& argument) {
   if (!code)
     throw InputError(
         fmt::format("{}: not the text of a QR code of an assembly sheet, triskin:DESIGNID/PATCH/PAGE", argument));
-  std::vector<std::filesystem::path> files;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(".", error)) {
-    if (entry.path().extension() == ".json") files.push_back(entry.path().filename());
-  }
-  std::ranges::sort(files);
+  const std::vector<std::filesystem::path> files = json_files_here();
   for (const auto& file : files) {
     if (is_design(file, code->design_id)) return {file.string(), code};
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <string>
@@ -16,6 +17,7 @@
 #include "triskin/robot/edit.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/firmware_version.hpp"
+#include "triskin/session/patch_table.hpp"
 
 namespace triskin::cli::discover_command {
 namespace {
@@ -43,6 +45,18 @@ void add_board(nlohmann::json& j, device::Controller& c, const std::string& elf)
   j["remarks"] = device::board_remarks(report, elf);
 }
 
+void add_lines(nlohmann::json& j, std::span<const wire::LineReport> lines) {
+  j["chips"] = j["stuck_lines"] = nlohmann::json::array();
+  for (std::size_t l = 0; l < lines.size(); ++l) {
+    const wire::LineReport& line = lines[l];
+    if (line.stuck) j["stuck_lines"].push_back(l);
+    for (int a = 0; a < layout::kAddressesPerLine; ++a) {
+      if ((line.answers >> a & 1) == 0) continue;
+      j["chips"].push_back({{"line", l}, {"address", a}, {"right_id", (line.wrong_id >> a & 1) == 0}});
+    }
+  }
+}
+
 nlohmann::json ask(device::Bus& bus, const wire::NodeClaim& claim, const std::string& elf) {
   device::Controller c(bus, claim.node_address);
   const wire::Hello hello = c.hello();
@@ -54,28 +68,28 @@ nlohmann::json ask(device::Bus& bus, const wire::NodeClaim& claim, const std::st
     j["design_id"] = fmt::format("{:016x}", table.design_id);
     j["table_modules"] = table.modules;
   }
-  nlohmann::json chips = nlohmann::json::array();
-  nlohmann::json stuck = nlohmann::json::array();
-  const auto lines = c.discover();
-  for (int l = 0; l < layout::kLines; ++l) {
-    const auto& line = lines[static_cast<std::size_t>(l)];
-    if (line.stuck) stuck.push_back(l);
-    for (int a = 0; a < layout::kAddressesPerLine; ++a) {
-      if ((line.answers >> a & 1) == 0) continue;
-      chips.push_back({{"line", l}, {"address", a}, {"right_id", (line.wrong_id >> a & 1) == 0}});
-    }
-  }
-  j["chips"] = std::move(chips);
-  j["stuck_lines"] = std::move(stuck);
+  add_lines(j, c.discover());
   add_board(j, c, elf);
   return j;
+}
+
+// Returns the patch whose table the controller has. Its node address tells the patch only if the table is a backup,
+// because a robot file gives other addresses than the design.
+layout::PatchIndex expected_patch(const std::vector<NamedDesign>& designs, const wire::NodeClaim& claim,
+                                  const wire::ActiveTable& table) {
+  const auto named =
+      std::ranges::find(designs, table.design_id, [](const NamedDesign& d) { return d.second.design_id; });
+  if (!table.present() || named == designs.end()) return layout::PatchIndex::none();
+  const layout::NodeAddress node{claim.node_address};
+  const auto patch = device::patch_of_table(named->second, node, table.crc);
+  return patch >= 0 ? patch : design::patch_at(named->second, node);
 }
 
 nlohmann::json ask_topology(device::Bus& bus, const wire::NodeClaim& claim, const std::vector<NamedDesign>& designs,
                             const Output& output) {
   device::Controller c(bus, claim.node_address);
   const wire::ActiveTable table = c.active_table();
-  return report_topology(c, designs, table.design_id, table.present() ? claim.node_address - 1 : -1, output);
+  return report_topology(c, designs, table.design_id, expected_patch(designs, claim, table), output);
 }
 
 std::map<int, int> users_of(const std::vector<wire::NodeClaim>& claims) {
@@ -119,7 +133,7 @@ std::string place_on(const robot::BusConfig& site, nlohmann::json& j) {
   if (!j.contains("design_id")) return "";
   const std::string id = j["design_id"].get<std::string>();
   for (const robot::CoverConfig& cover : site.covers) {
-    const int patch = design::patch_at(cover.design, j["node_address"].get<int>());
+    const auto patch = design::patch_at(cover.design, layout::NodeAddress{j["node_address"].get<int>()});
     if (patch < 0 || id != fmt::format("{:016x}", cover.design.design_id)) continue;
     j["cover"] = cover.name;
     j["patch"] = patch;

@@ -146,8 +146,20 @@ DoctorCheck fd_check(const nlohmann::json& link, const std::string& name, const 
           "use an adapter with CAN FD", false};
 }
 
+namespace {
+
+DoctorCheck queue_check(const nlohmann::json& link, const std::string& name, bool is_virtual) {
+  constexpr int kMinQueue = 32;
+  const int queue = number_at(link, "/txqlen", kMinQueue);
+  if (is_virtual || queue >= kMinQueue) return good("queue of " + name, counted(queue, "frame"));
+  return {"queue of " + name, false, fmt::format("{}: updates stall", counted(queue, "frame")),
+          fmt::format("sudo ip link set {} txqueuelen 128", name)};
+}
+
+}  // namespace
+
 std::vector<DoctorCheck> interface_checks(const nlohmann::json& link) {
-  constexpr int kMinQueue = 32, kBitRate = 1'000'000;
+  constexpr int kBitRate = 1'000'000;
   const std::string name = word_at(link, "/ifname");
   const bool is_virtual = word_at(link, "/linkinfo/info_kind") == "vcan";
   const std::string command = up_command(name, is_virtual, can_do_fd(link));
@@ -159,12 +171,7 @@ std::vector<DoctorCheck> interface_checks(const nlohmann::json& link) {
   else
     checks.push_back({"bit rate of " + name, false, fmt::format("{} bit/s, controllers have 1000000", rate), command});
   checks.push_back(fd_check(link, name, command));
-  const int queue = number_at(link, "/txqlen", kMinQueue);
-  if (is_virtual || queue >= kMinQueue)
-    checks.push_back(good("queue of " + name, counted(queue, "frame")));
-  else
-    checks.push_back({"queue of " + name, false, fmt::format("{}: updates stall", counted(queue, "frame")),
-                      fmt::format("sudo ip link set {} txqueuelen 128", name)});
+  checks.push_back(queue_check(link, name, is_virtual));
   if (!is_virtual) checks.push_back(state_check(link, name));
   return checks;
 }

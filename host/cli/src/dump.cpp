@@ -32,11 +32,7 @@ class Dump {
 
   void run() {
     start_us_ = link_.now_us();
-    if (options_.ask) {
-      const wire::CanFrame question = wire::who_is_there();
-      link_.send(question);
-      print(question);
-    }
+    if (options_.ask) ask();
     // A simulation in this process jumps ahead whenever the command waits, so the output needs a pace.
     std::optional<Pace> pace;
     if (options_.seconds == 0.0) pace.emplace(start_us_);
@@ -56,6 +52,11 @@ class Dump {
   [[nodiscard]] bool done() const {
     return interrupt_request() || (options_.seconds > 0.0 && seconds() >= options_.seconds) ||
            (options_.frames > 0 && count_ >= options_.frames);
+  }
+  void ask() {
+    const wire::CanFrame question = wire::who_is_there();
+    link_.send(question);
+    print(question);
   }
   void print(const wire::CanFrame& frame) {
     ++count_;

@@ -111,16 +111,19 @@ void say_face(const cad::Part& part, int index, const Output& output) {
   output.say(line);
 }
 
-void say_part(const cad::Part& part, const std::vector<int>& chosen, const json& totals, const Output& output) {
-  for (int b = 0; b < static_cast<int>(part.bodies.size()); ++b) {
-    const cad::Body& body = part.bodies[static_cast<std::size_t>(b)];
-    output.say(fmt::format("body {} \"{}\": {}, {}, {:.3f} cm²{}", b, body.path, body.is_solid ? "solid" : "surface",
-                           counted(body.face_count, "face"), body.area_mm2 / 100.0,
-                           body.colour.empty() ? "" : ", " + body.colour));
-    for (const int f : chosen) {
-      if (part.faces[static_cast<std::size_t>(f)].body == b) say_face(part, f, output);
-    }
+void say_body(const cad::Part& part, int number, const std::vector<int>& chosen, const Output& output) {
+  const cad::Body& body = part.bodies[static_cast<std::size_t>(number)];
+  const char* kind = body.is_solid ? "solid" : "surface";
+  output.say(fmt::format("body {} \"{}\": {}, {}, {:.3f} cm²{}", number, body.path, kind,
+                         counted(body.face_count, "face"), body.area_mm2 / 100.0,
+                         body.colour.empty() ? "" : ", " + body.colour));
+  for (const int f : chosen) {
+    if (part.faces[static_cast<std::size_t>(f)].body == number) say_face(part, f, output);
   }
+}
+
+void say_part(const cad::Part& part, const std::vector<int>& chosen, const json& totals, const Output& output) {
+  for (int b = 0; b < static_cast<int>(part.bodies.size()); ++b) say_body(part, b, chosen, output);
   const design::Vec3 size = cad::size_of(part);
   output.say(fmt::format("{}, unit {}: {:.1f} × {:.1f} × {:.1f} mm, {}, {} of {:.3f} cm²; {} chosen, {:.3f} cm²",
                          part.format, part.unit.empty() ? "not named" : part.unit, size.x(), size.y(), size.z(),

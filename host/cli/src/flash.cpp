@@ -121,19 +121,18 @@ void flash_bus(device::LiveBus& live, const Options& options, const ProgressSink
   for (const auto& [serial, revision] : device::kept_revisions(all)) outcome.ended.erase(serial);
 }
 
+nlohmann::json patch_row(const device::FlashResult::Patch& p) {
+  return {{"patch", p.patch},          {"serial", p.serial}, {"found_by", device::kFoundByNames.name(p.by)},
+          {"node_address", p.address}, {"bytes", p.bytes},   {"equal", p.equal},
+          {"written", p.written},      {"why", p.why}};
+}
+
 nlohmann::json patch_rows(const robot::CoverConfig& cover, const device::FlashResult& r,
                           const std::map<std::string, int>& ended, bool dry_run, Output& output) {
   nlohmann::json patches = nlohmann::json::array();
   const device::CalibrationStore calibrations;
   for (const auto& p : r.patches) {
-    patches.push_back({{"patch", p.patch},
-                       {"serial", p.serial},
-                       {"found_by", device::kFoundByNames.name(p.by)},
-                       {"node_address", p.address},
-                       {"bytes", p.bytes},
-                       {"equal", p.equal},
-                       {"written", p.written},
-                       {"why", p.why}});
+    patches.push_back(patch_row(p));
     output.say(
         fmt::format("{}patch {:3}  controller {}  {}", prefix_of(cover), p.patch, p.serial, what_happened(p, dry_run)));
     if (const auto old = ended.find(p.serial); old != ended.end())
@@ -203,6 +202,19 @@ void add_board_file(Options& options, const robot::Site& site) {
   }
 }
 
+std::optional<device::FirmwarePackage> package_of(const Options& options) {
+  if (options.firmware.file.empty()) return std::nullopt;
+  if (device::is_usb(options.site.link.link))
+    throw InputError("--firmware goes over CAN; over USB: dfu-util -d 1209:0001,1209:0002 -D FILE -R (docs/wires.md)");
+  return device::read_firmware(options.firmware.file);
+}
+
+void require_backup_files(const BackupOptions& backup) {
+  if (!backup.onto.empty() && backup.restore.empty()) throw InputError("--onto belongs to --restore");
+  if (!backup.save.empty() && backup.save == backup.restore)
+    throw InputError("--save and --restore name one file: what was kept would be lost; choose two");
+}
+
 int run(Options options, Output& output) {
   const auto start = std::chrono::steady_clock::now();
   options.flash.route = device::parse_route(options.route);
@@ -210,20 +222,11 @@ int run(Options options, Output& output) {
     const auto [patch, serial] = robot::parse_serial(text);
     options.flash.assign.push_back({patch, serial});
   }
-  std::optional<device::FirmwarePackage> firmware;
-  if (!options.firmware.file.empty()) {
-    if (device::is_usb(options.site.link.link)) {
-      throw InputError(
-          "--firmware goes over CAN; over USB: dfu-util -d 1209:0001,1209:0002 -D FILE -R (docs/wires.md)");
-    }
-    firmware = device::read_firmware(options.firmware.file);
-  }
+  const std::optional<device::FirmwarePackage> firmware = package_of(options);
   device::LiveSkin skin = open_skin(options.site, output);
   require_cover(options, skin.site());
   add_board_file(options, skin.site());
-  if (!options.backup.onto.empty() && options.backup.restore.empty()) throw InputError("--onto belongs to --restore");
-  if (!options.backup.save.empty() && options.backup.save == options.backup.restore)
-    throw InputError("--save and --restore name one file: what was kept would be lost; choose two");
+  require_backup_files(options.backup);
   if (!options.backup.save.empty()) save_backup(skin, options.backup, output);
   if (!options.backup.restore.empty()) {
     restore_backup(skin, options.backup, options.flash, output);

@@ -76,6 +76,22 @@ void save_backup(device::LiveSkin& skin, const BackupOptions& options, Output& o
                          options.save));
 }
 
+namespace {
+
+nlohmann::json report_restored(const device::RestoredBoard& b, bool dry_run, const Output& output) {
+  output.say(fmt::format("controller {}  {}", b.serial, outcome_of(b, dry_run)));
+  if (b.calibrated) output.say(fmt::format("controller {}  holds its calibration again", b.serial));
+  if (b.calibration_refused)
+    output.say(
+        fmt::format("controller {}  did not take its calibration: its firmware is older; run triskin flash "
+                    "--firmware, then restore again",
+                    b.serial));
+  return {{"serial", b.serial}, {"kept_from", b.kept_from}, {"node_address", b.node_address}, {"bytes", b.bytes},
+          {"equal", b.equal},   {"written", b.written},     {"calibrated", b.calibrated}};
+}
+
+}  // namespace
+
 void restore_backup(device::LiveSkin& skin, const BackupOptions& options, const device::FlashOptions& flash,
                     Output& output) {
   if (skin.buses().size() != 1)
@@ -88,21 +104,8 @@ void restore_backup(device::LiveSkin& skin, const BackupOptions& options, const 
   nlohmann::json rows = nlohmann::json::array();
   std::size_t bytes = 0;
   for (const device::RestoredBoard& b : restored) {
-    rows.push_back({{"serial", b.serial},
-                    {"kept_from", b.kept_from},
-                    {"node_address", b.node_address},
-                    {"bytes", b.bytes},
-                    {"equal", b.equal},
-                    {"written", b.written},
-                    {"calibrated", b.calibrated}});
+    rows.push_back(report_restored(b, dry_run, output));
     if (b.written) bytes += b.bytes;
-    output.say(fmt::format("controller {}  {}", b.serial, outcome_of(b, dry_run)));
-    if (b.calibrated) output.say(fmt::format("controller {}  holds its calibration again", b.serial));
-    if (b.calibration_refused)
-      output.say(
-          fmt::format("controller {}  did not take its calibration: its firmware is older; run triskin flash "
-                      "--firmware, then restore again",
-                      b.serial));
   }
   output.result = {{"controllers", restored.size()}, {"bytes", bytes}, {"dry_run", dry_run}, {"restored", rows}};
 }

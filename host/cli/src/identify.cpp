@@ -68,7 +68,7 @@ class Notes {
 
 int conclude(const std::vector<device::IdentifiedBoard>& boards, const Options& options, Output& output) {
   nlohmann::json rows = nlohmann::json::array();
-  std::vector<int> missing;
+  std::vector<layout::PatchIndex> missing;
   for (const device::IdentifiedBoard& b : boards) {
     if (b.serial.empty()) missing.push_back(b.patch);
     rows.push_back({{"patch", b.patch},
@@ -88,6 +88,10 @@ int conclude(const std::vector<device::IdentifiedBoard>& boards, const Options& 
   return missing.empty() ? 0 : 1;
 }
 
+void ask_for_touch(int patch, double limit_s) {
+  tell_person(fmt::format("press any module of patch {} now (within {:g} s)", patch, limit_s));
+}
+
 int run(Options options, Output& output) {
   const device::LiveSkin skin = open_skin(options.site, output);
   device::LiveCover& cover = one_cover(skin, "identify");
@@ -96,9 +100,7 @@ int run(Options options, Output& output) {
   // Contacts in a scene act like fingers, so the program presses only without a scene.
   const bool own = device::is_in_process(options.site.link.link) && options.site.link.scene.empty();
   if (options.finger || (own && !options.by_hand)) options.identify.actuator = cover.actuator();
-  options.identify.ask = [&](int patch) {
-    tell_person(fmt::format("press any module of patch {} now (within {:g} s)", patch, options.identify.limit_s));
-  };
+  options.identify.ask = [&](layout::PatchIndex patch) { ask_for_touch(patch, options.identify.limit_s); };
   const auto boards = device::identify(
       skin.buses().front()->bus(), cover.design(), options.identify, [&](const device::IdentifiedBoard& found) {
         notes.add(found);

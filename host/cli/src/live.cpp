@@ -55,11 +55,12 @@ class Demonstrator {
     if (turn == turn_ || (turn_ >= 0 && options_.press >= 0)) return;
     turn_ = turn;
     if (options_.press < 0)
-      actuator_->press({turn % modules_, kTaxelsInTurn[static_cast<std::size_t>(turn) % kTaxelsInTurn.size()]});
+      actuator_->press({layout::ModuleId{turn % modules_},
+                        layout::TaxelIndex{kTaxelsInTurn[static_cast<std::size_t>(turn) % kTaxelsInTurn.size()]}});
     else if (options_.taxel < 0)
-      actuator_->press(options_.press);
+      actuator_->press(layout::ModuleId{options_.press});
     else
-      actuator_->press({options_.press, options_.taxel});
+      actuator_->press({layout::ModuleId{options_.press}, layout::TaxelIndex{options_.taxel}});
   }
 
  private:

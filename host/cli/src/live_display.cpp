@@ -70,6 +70,10 @@ nlohmann::json contacts_json(const std::vector<device::SkinContact>& contacts,
   return list;
 }
 
+std::string bar_of(double change_counts) {
+  return std::string(static_cast<std::size_t>(std::clamp(change_counts / 500.0, 1.0, 24.0)), '#');
+}
+
 class Lines final : public LiveDisplay {
  public:
   explicit Lines(const Output& output) : output_(output) {}
@@ -80,20 +84,23 @@ class Lines final : public LiveDisplay {
     if (pressed.empty() && state.time_s < spoke_s_ + OffRestNotice::kHeartbeat_s) return Wish::kNothing;
     spoke_s_ = state.time_s;
     if (pressed.empty()) {
-      output_.say(fmt::format("{:7.2f} s  nothing is pressed; {}, {} lost", state.time_s,
-                              counted(state.frames, "sample"), state.lost));
+      say_nothing_pressed(state);
       return Wish::kNothing;
     }
     const auto& first = pressed.front();
-    const auto bar = std::string(static_cast<std::size_t>(std::clamp(first.change_counts / 500.0, 1.0, 24.0)), '#');
-    output_.say(fmt::format("{:7.2f} s  {} {:<24} +{}{}", state.time_s, place_text(monitor, first), bar,
-                            counted(pressed.size() - 1, "taxel"), force_of(monitor)));
+    output_.say(fmt::format("{:7.2f} s  {} {:<24} +{}{}", state.time_s, place_text(monitor, first),
+                            bar_of(first.change_counts), counted(pressed.size() - 1, "taxel"), force_of(monitor)));
     for (const device::SkinContact& c : monitor.contacts())
       output_.say(fmt::format("{:>11}{}", "", contact_text(c, monitor.calibration())));
     return Wish::kNothing;
   }
 
  private:
+  void say_nothing_pressed(const LiveState& state) const {
+    output_.say(fmt::format("{:7.2f} s  nothing is pressed; {}, {} lost", state.time_s, counted(state.frames, "sample"),
+                            state.lost));
+  }
+
   const Output& output_;
   double spoke_s_ = 0.0;
   OffRestNotice off_rest_;
@@ -143,8 +150,8 @@ class Screen final : public LiveDisplay {
     const int patches = static_cast<int>(design_.patches.size());
     if (key == 'q') return Wish::kEnd;
     if (key == 't') return Wish::kTare;
-    if (key == 'n') patch_ = (patch_ + 1) % patches;
-    if (key == 'p') patch_ = (patch_ + patches - 1) % patches;
+    if (key == 'n') patch_ = layout::PatchIndex{(patch_ + 1) % patches};
+    if (key == 'p') patch_ = layout::PatchIndex{(patch_ + patches - 1) % patches};
     if (key == 'n' || key == 'p') has_chosen_ = true;
     if (key == 'f') has_chosen_ = false;
     if (key == 'h') trace_.toggle_hold();
@@ -155,14 +162,15 @@ class Screen final : public LiveDisplay {
   // The picture follows the patch with the strongest pressure.
   void follow(const LiveMonitor& monitor) {
     const auto pressed = monitor.touches().pressed();
-    if (!pressed.empty()) patch_ = std::max(0, patch_of(pressed.front().module));
+    if (!pressed.empty()) patch_ = std::max(layout::PatchIndex{}, patch_of(pressed.front().module));
   }
 
-  [[nodiscard]] int patch_of(int module) const {
+  [[nodiscard]] layout::PatchIndex patch_of(layout::ModuleId module) const {
     const auto found = std::ranges::find_if(design_.patches, [&](const design::Patch& p) {
       return std::ranges::find(p.modules, module, &design::RoutedModule::node) != p.modules.end();
     });
-    return found == design_.patches.end() ? -1 : static_cast<int>(found - design_.patches.begin());
+    return found == design_.patches.end() ? layout::PatchIndex::none()
+                                          : layout::PatchIndex{found - design_.patches.begin()};
   }
 
   // The key u goes through the units; kPa is the first where it is known.
@@ -178,7 +186,27 @@ class Screen final : public LiveDisplay {
     std::vector<std::string> lines;
     lines.push_back(fmt::format("{}  {:.1f} s  {}, {} lost{}", for_terminal(design_.name), state.time_s,
                                 counted(state.frames, "sample"), state.lost, force_of(monitor)));
-    std::vector<std::string> below = monitor.picture(patch_, unit(monitor), Terminal::has_colour(), size.columns);
+    std::vector<std::string> below = lines_below_patches(monitor, state, size.columns);
+    const int room = std::max(size.rows - static_cast<int>(lines.size() + below.size()) - 2, kMinPatchLines);
+    for (std::string& line : patch_lines(monitor, room, size.columns)) lines.push_back(std::move(line));
+    lines.emplace_back();
+    for (std::string& line : below) lines.push_back(std::move(line));
+    return lines;
+  }
+  [[nodiscard]] std::vector<std::string> lines_below_patches(const LiveMonitor& monitor, const LiveState& state,
+                                                             int columns) const {
+    std::vector<std::string> below = pressed_lines(monitor, columns);
+    if (const std::string remark = design::sentence(monitor.off_rest()); !remark.empty()) below.push_back(remark);
+    for (const device::AdoptedCounts& a : state.adopted)
+      below.push_back(fmt::format("module {} is read by the controller of patch {}", a.module, a.patch));
+    if (!state.note.empty()) below.push_back(for_terminal(state.note));
+    below.push_back(
+        fmt::format("n p f: patch ({})  u: unit ({})", has_chosen_ ? "chosen" : "pressed", name_of(unit(monitor))));
+    below.emplace_back("q: end  t: tare, nobody touches  h: hold the plotted taxel");
+    return below;
+  }
+  [[nodiscard]] std::vector<std::string> pressed_lines(const LiveMonitor& monitor, int columns) const {
+    std::vector<std::string> below = monitor.picture(patch_, unit(monitor), Terminal::has_colour(), columns);
     below.emplace_back();
     const auto pressed = monitor.touches().pressed();
     for (std::size_t k = 0; k < std::min(kMaxTaxels, pressed.size()); ++k)
@@ -187,20 +215,9 @@ class Screen final : public LiveDisplay {
     for (std::size_t k = 0; k < std::min(kMaxContacts, contacts.size()); ++k)
       below.push_back(contact_text(contacts[k], monitor.calibration()));
     if (pressed.size() > kMaxTaxels) below.push_back(fmt::format("+{}", counted(pressed.size() - kMaxTaxels, "taxel")));
-    for (std::string& line : trace_.lines(static_cast<std::size_t>(std::max(1, size.columns - 1)), kStep_s))
+    for (std::string& line : trace_.lines(static_cast<std::size_t>(std::max(1, columns - 1)), kStep_s))
       below.push_back(std::move(line));
-    if (const std::string remark = design::sentence(monitor.off_rest()); !remark.empty()) below.push_back(remark);
-    for (const device::AdoptedCounts& a : state.adopted)
-      below.push_back(fmt::format("module {} is read by the controller of patch {}", a.module, a.patch));
-    if (!state.note.empty()) below.push_back(for_terminal(state.note));
-    below.push_back(
-        fmt::format("n p f: patch ({})  u: unit ({})", has_chosen_ ? "chosen" : "pressed", name_of(unit(monitor))));
-    below.emplace_back("q: end  t: tare, nobody touches  h: hold the plotted taxel");
-    const int room = std::max(size.rows - static_cast<int>(lines.size() + below.size()) - 2, kMinPatchLines);
-    for (std::string& line : patch_lines(monitor, room, size.columns)) lines.push_back(std::move(line));
-    lines.emplace_back();
-    for (std::string& line : below) lines.push_back(std::move(line));
-    return lines;
+    return below;
   }
 
   // All patches where there is room, else the chosen one and those that are pressed or at fault before the others.
@@ -208,17 +225,17 @@ class Screen final : public LiveDisplay {
   [[nodiscard]] std::vector<std::string> patch_lines(const LiveMonitor& monitor, int rows, int columns) const {
     std::vector<std::string> all;
     std::size_t wide = 0;
-    for (int p = 0; p < static_cast<int>(design_.patches.size()); ++p) {
+    for (layout::PatchIndex p; p < static_cast<int>(design_.patches.size()); ++p) {
       all.push_back(line_of(monitor, p));
       wide = std::max(wide, all.back().size() + 3);
     }
     const int beside = std::max(1, columns / static_cast<int>(wide)), room = rows * beside;
     const int patches = static_cast<int>(design_.patches.size());
-    std::vector<int> shown(static_cast<std::size_t>(patches));
-    std::iota(shown.begin(), shown.end(), 0);
+    std::vector<layout::PatchIndex> shown(static_cast<std::size_t>(patches));
+    std::iota(shown.begin(), shown.end(), layout::PatchIndex{});
     if (patches > room) {
-      const std::set<int> pressed = pressed_patches(monitor);
-      std::ranges::stable_sort(shown, {}, [&](int p) {
+      const std::set<layout::PatchIndex> pressed = pressed_patches(monitor);
+      std::ranges::stable_sort(shown, {}, [&](layout::PatchIndex p) {
         return p == patch_ ? 0 : pressed.contains(p) ? 1 : monitor.faults(p) + monitor.unheard(p) > 0 ? 2 : 3;
       });
       shown.resize(static_cast<std::size_t>(room - 1));
@@ -230,13 +247,13 @@ class Screen final : public LiveDisplay {
     return in_columns(texts, wide, static_cast<std::size_t>(beside));
   }
 
-  [[nodiscard]] std::set<int> pressed_patches(const LiveMonitor& monitor) const {
-    std::set<int> patches;
+  [[nodiscard]] std::set<layout::PatchIndex> pressed_patches(const LiveMonitor& monitor) const {
+    std::set<layout::PatchIndex> patches;
     for (const PressedTaxel& t : monitor.touches().pressed()) patches.insert(patch_of(t.module));
     return patches;
   }
 
-  [[nodiscard]] std::string line_of(const LiveMonitor& monitor, int patch) const {
+  [[nodiscard]] std::string line_of(const LiveMonitor& monitor, layout::PatchIndex patch) const {
     std::string text = fmt::format("{} patch {:3}  {:>10}  {:5.1f}/s", patch == patch_ ? ">" : " ", patch,
                                    counted(design_.patches[static_cast<std::size_t>(patch)].modules.size(), "module"),
                                    monitor.rate_hz(patch));
@@ -253,7 +270,7 @@ class Screen final : public LiveDisplay {
   Terminal terminal_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   device::TaxelTrace trace_;
-  int patch_ = 0;
+  layout::PatchIndex patch_;
   bool has_chosen_ = false;  // The user's choice of a patch stops the automatic choice.
   std::size_t unit_turns_ = 0;
 };
@@ -293,7 +310,9 @@ nlohmann::json to_json(const design::OffRest& off) {
   return {{"taxels", off.taxels}, {"modules", off.modules}};
 }
 
-nlohmann::json to_json(const LiveMonitor& monitor, const LiveState& state) {
+namespace {
+
+nlohmann::json pressed_json(const LiveMonitor& monitor) {
   const bool calibrated = monitor.calibration().complete();
   nlohmann::json pressed = nlohmann::json::array();
   for (const PressedTaxel& t : monitor.touches().pressed()) {
@@ -307,13 +326,19 @@ nlohmann::json to_json(const LiveMonitor& monitor, const LiveState& state) {
     if (monitor.calibration().is_above_range({t.module, t.taxel}, t.change_counts))
       pressed.back()["above_calibration"] = true;
   }
+  return pressed;
+}
+
+}  // namespace
+
+nlohmann::json to_json(const LiveMonitor& monitor, const LiveState& state) {
   nlohmann::json line = {
-      {"time_s", state.time_s}, {"frames", state.frames}, {"lost", state.lost}, {"pressed", std::move(pressed)}};
+      {"time_s", state.time_s}, {"frames", state.frames}, {"lost", state.lost}, {"pressed", pressed_json(monitor)}};
   line["unit"] = name_of(best_unit(monitor));
   line["off_rest"] = to_json(monitor.off_rest());
   const auto contacts = monitor.contacts();
   line["contacts"] = contacts_json(contacts, monitor.calibration());
-  if (calibrated) {
+  if (monitor.calibration().complete()) {
     line["force_n"] = monitor.force_n();
     const device::NetForce net = device::net_force(contacts);
     line["net_force_n"] = numbers_of(net.force_n);

@@ -21,17 +21,38 @@ std::string to_line(const wire::IcubTaxels& t) {
   return fmt::format("board {:2} triangle {:2}  {:3}{}", t.board, t.module, fmt::join(t.value, " "), trouble);
 }
 
-}  // namespace
-
-int live_icub(const device::LinkOptions& link_options, const design::Design* design, double seconds, Output& output) {
-  device::IcubSkin skin(link_options, design);
-  say_simulated(skin.link(), output);
+nlohmann::json report_boards(const device::IcubSkin& skin, const Output& output) {
   nlohmann::json boards = nlohmann::json::array();
   for (const auto& b : skin.stream().boards()) {
     output.say(fmt::format("board {:2}  type {}  version {}.{} build {}", b.address, b.type, b.version_major,
                            b.version_minor, b.build));
     boards.push_back({{"address", b.address}, {"type", b.type}});
   }
+  return boards;
+}
+
+void report_triangles(const device::IcubSkin& skin, Output& output) {
+  nlohmann::json triangles = nlohmann::json::array(), not_connected = nlohmann::json::array();
+  for (const auto& [place, t] : skin.triangles()) {
+    if (t.not_connected)
+      not_connected.push_back({{"board", t.board}, {"triangle", t.module}});
+    else
+      triangles.push_back(
+          {{"board", t.board}, {"triangle", t.module}, {"values", t.value}, {"no_acknowledge", t.no_acknowledge}});
+  }
+  if (!not_connected.empty())
+    output.say(fmt::format("{} {} not connected: no module there, or a dead one",
+                           counted(not_connected.size(), "triangle"), agreeing(not_connected.size(), "is", "are")));
+  output.result["triangles"] = std::move(triangles);
+  output.result["not_connected"] = std::move(not_connected);
+}
+
+}  // namespace
+
+int live_icub(const device::LinkOptions& link_options, const design::Design* design, double seconds, Output& output) {
+  device::IcubSkin skin(link_options, design);
+  say_simulated(skin.link(), output);
+  nlohmann::json boards = report_boards(skin, output);
   device::LiveRun run;
   if (seconds > 0.0) run.until_us = skin.now_us() + static_cast<std::uint64_t>(seconds * 1e6);
   run.slice_us = kIcubLine_us;
@@ -45,23 +66,8 @@ int live_icub(const device::LinkOptions& link_options, const design::Design* des
     return true;
   };
   skin.run(run);
-  nlohmann::json triangles = nlohmann::json::array(), not_connected = nlohmann::json::array();
-  for (const auto& [place, t] : skin.triangles()) {
-    if (t.not_connected) {
-      not_connected.push_back({{"board", t.board}, {"triangle", t.module}});
-      continue;
-    }
-    triangles.push_back(
-        {{"board", t.board}, {"triangle", t.module}, {"values", t.value}, {"no_acknowledge", t.no_acknowledge}});
-  }
-  if (!not_connected.empty())
-    output.say(fmt::format("{} {} not connected: no module there, or a dead one",
-                           counted(not_connected.size(), "triangle"), agreeing(not_connected.size(), "is", "are")));
-  output.result = {{"boards", std::move(boards)},
-                   {"frames", skin.stream().frames()},
-                   {"lost", skin.stream().lost()},
-                   {"triangles", std::move(triangles)},
-                   {"not_connected", std::move(not_connected)}};
+  output.result = {{"boards", std::move(boards)}, {"frames", skin.stream().frames()}, {"lost", skin.stream().lost()}};
+  report_triangles(skin, output);
   return 0;
 }
 

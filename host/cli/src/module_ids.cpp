@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "triskin/base/error.hpp"
+#include "triskin/base/format_index.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -23,8 +24,8 @@ bool read_id(std::string_view text, int low, int& id) {
 
 }  // namespace
 
-std::vector<int> module_ids(const std::string& option, const std::string& text) {
-  std::vector<int> ids;
+std::vector<layout::ModuleId> module_ids(const std::string& option, const std::string& text) {
+  std::vector<layout::ModuleId> ids;
   std::istringstream parts(text);
   for (std::string part; std::getline(parts, part, ',');) {
     const std::size_t dash = part.find('-', 1);
@@ -36,12 +37,12 @@ std::vector<int> module_ids(const std::string& option, const std::string& text) 
     if (!is_read)
       throw InputError(
           fmt::format("{}: \"{}\" is not understood; give module ids and ranges of them, as 3,7-9", option, part));
-    for (int id = first; id <= last; ++id) ids.push_back(id);
+    for (int id = first; id <= last; ++id) ids.emplace_back(id);
   }
   return ids;
 }
 
-std::string module_ids_text(std::span<const int> ids) {
+std::string module_ids_text(std::span<const layout::ModuleId> ids) {
   std::string text;
   for (std::size_t k = 0; k < ids.size();) {
     std::size_t last = k;

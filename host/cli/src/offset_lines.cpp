@@ -8,13 +8,20 @@
 
 namespace triskin::cli {
 
+namespace {
+
+bool is_starting(const wire::Offsets& offsets) {
+  return std::ranges::all_of(offsets.rows(),
+                             [](const wire::ModuleOffsets& m) { return m.state == wire::OffsetState::kSearching; });
+}
+
+}  // namespace
+
 nlohmann::json read_offset_lines(device::Bus& bus, const design::Design& design, std::vector<std::string>& lines) {
   nlohmann::json list = nlohmann::json::array();
   for (const device::PatchOffsets& p : device::read_offsets(bus, design)) {
-    const bool is_starting = std::ranges::all_of(
-        p.offsets.rows(), [](const wire::ModuleOffsets& m) { return m.state == wire::OffsetState::kSearching; });
     // A controller that has just started has no offsets to report yet.
-    if (!is_starting) std::ranges::move(device::describe(p), std::back_inserter(lines));
+    if (!is_starting(p.offsets)) std::ranges::move(device::describe(p), std::back_inserter(lines));
     for (std::size_t row = 0; row < p.modules.size(); ++row) {
       const wire::ModuleOffsets& m = p.offsets.modules[row];
       list.push_back({{"module", p.modules[row]},

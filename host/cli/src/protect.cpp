@@ -17,6 +17,10 @@ struct Options {
   bool release = false;
 };
 
+std::string silence_text(int node) {
+  return node == 0 ? "no controller answers" : fmt::format("no controller answers at node address {}", node);
+}
+
 int run(const Options& options, Output& output) {
   const auto link = device::open_link(options.link, nullptr);
   say_simulated(*link, output);
@@ -29,10 +33,7 @@ int run(const Options& options, Output& output) {
                            options.release ? "can be written" : "is write-protected"));
     controllers.push_back({{"serial", device::to_text(claim.unique_id)}, {"node_address", claim.node_address}});
   }
-  if (controllers.empty())
-    throw DeviceError(bus.nobody_answers(options.node == 0
-                                             ? "no controller answers"
-                                             : fmt::format("no controller answers at node address {}", options.node)));
+  if (controllers.empty()) throw DeviceError(bus.nobody_answers(silence_text(options.node)));
   output.result = {{"controllers", std::move(controllers)}, {"protected", !options.release}};
   return 0;
 }

@@ -106,6 +106,14 @@ class CoverFile {
     origin_.parent_frame = place.parent_frame;
     origin_.pose = place.pose;
   }
+  void describe_controllers(device::LiveBus& bus) {
+    for (const layout::PatchIndex patch : design::patches_here(cover_.design)) {
+      const auto node = static_cast<std::uint8_t>(design::node_address_of(cover_.design, patch));
+      origin_.facts[fmt::format("firmware_{}", node)] = firmware_of(bus.bus(), node);
+      if (std::string serial = device::serial_at(bus.claims(), node); !serial.empty())
+        origin_.facts[recording::serial_fact(layout::NodeAddress{node})] = std::move(serial);
+    }
+  }
   // `cover` is the index of the open cover of `bus` that this file records.
   void describe(device::LiveBus& bus, std::size_t cover, const Options& options, const Output& output) {
     live_ = &bus.covers()[cover];
@@ -115,12 +123,7 @@ class CoverFile {
     if (device::is_simulated(bus.bus().name())) origin_.facts["simulated"] = "true";
     origin_.facts["program"] = fmt::format("triskin {}", TRISKIN_VERSION);
     if (!cover_.name.empty()) origin_.facts["cover"] = cover_.name;
-    for (const int patch : design::patches_here(cover_.design)) {
-      const auto node = static_cast<std::uint8_t>(design::node_address_of(cover_.design, patch));
-      origin_.facts[fmt::format("firmware_{}", node)] = firmware_of(bus.bus(), node);
-      if (std::string serial = device::serial_at(bus.claims(), node); !serial.empty())
-        origin_.facts[recording::serial_fact(node)] = std::move(serial);
-    }
+    describe_controllers(bus);
     calibrate_cover(options.calibration, bus, *live_, output);
     if (live_->calibration().complete())
       origin_.calibration_text = design::calibration_text(live_->calibration().boards());
@@ -350,6 +353,17 @@ class JointFile {
   recording::OutputFile file_;
 };
 
+void sum_up(nlohmann::json covers, Output& output) {
+  std::uint64_t samples = 0, lost = 0;
+  for (const auto& row : covers) {
+    samples += row["samples"].get<std::uint64_t>();
+    lost += row["lost"].get<std::uint64_t>();
+  }
+  output.result = {{"samples", samples}, {"lost", lost}, {"covers", std::move(covers)}};
+  output.say(fmt::format("{} of {}, {} lost", counted(samples, "module sample"),
+                         counted(output.result["covers"].size(), "cover"), lost));
+}
+
 int conclude_all(const std::vector<std::unique_ptr<BusRecording>>& buses, bool is_robot, Output& output) {
   nlohmann::json covers = nlohmann::json::array();
   int status = 0;
@@ -358,18 +372,10 @@ int conclude_all(const std::vector<std::unique_ptr<BusRecording>>& buses, bool i
     status = std::max(status, bus->print_report(covers, output));
     if (const auto t = bus->trouble()) trouble += (trouble.empty() ? "" : "\n") + *t;
   }
-  if (is_robot) {
-    std::uint64_t samples = 0, lost = 0;
-    for (const auto& row : covers) {
-      samples += row["samples"].get<std::uint64_t>();
-      lost += row["lost"].get<std::uint64_t>();
-    }
-    output.result = {{"samples", samples}, {"lost", lost}, {"covers", std::move(covers)}};
-    output.say(fmt::format("{} of {}, {} lost", counted(samples, "module sample"),
-                           counted(output.result["covers"].size(), "cover"), lost));
-  } else {
+  if (is_robot)
+    sum_up(std::move(covers), output);
+  else
     output.result = std::move(covers[0]);
-  }
   if (!trouble.empty()) throw DeviceError(trouble);
   if (interrupt_signal() > 0) output.say("ended before its time; what came until then is in the file");
   return status;

@@ -25,7 +25,7 @@ RecordedTrack read_track(const std::string& file, std::size_t max_bytes) {
   const auto contacts = [&] {
     std::vector<view::LatestSamples::Contact> shown;
     for (const device::SkinContact& c : device::contacts_of(touches, recorded.skin.design, recorded.skin.calibration))
-      shown.push_back(shown_contact(c, 0));
+      shown.push_back(shown_contact(c, layout::SkinModule{0}));
     return shown;
   };
   view::FrameTrack track(modules, max_bytes, contacts);
@@ -34,7 +34,8 @@ RecordedTrack read_track(const std::string& file, std::size_t max_bytes) {
     const auto time_us = static_cast<std::int64_t>(s.link_time_us);
     track.advance_to(time_us);
     touches.add({s.module, s.link_time_us, s.sample});
-    track.add(s.module, {s.sample.state, s.sample.valid, touches.change(s.module)}, time_us);
+    track.add(layout::SkinModule{s.module.value()}, {s.sample.state, s.sample.valid, touches.change(s.module)},
+              time_us);
   });
   recorded.frames = track.finish();
   if (recorded.frames.empty()) throw InputError(fmt::format("{}: holds no sample, so there is nothing to play", file));

@@ -91,7 +91,7 @@ class Repair {
     if (verify.actuator != nullptr) verify.touch = !options_.no_touch;
     live_bus().find_controllers();
     verify.rest = live_cover().kept_rest();
-    verify.ask = [&](int module) { return asks_for(about, module) && ask_for_press(module); };
+    verify.ask = [&](layout::ModuleId module) { return asks_for(about, module) && ask_for_press(module); };
     device::VerifyResult result = device::verify(bus(), cover().design, verify, output_.progress());
     device::name_files(result.findings, options_.site.file);
     json_ = nlohmann::json::array();
@@ -102,11 +102,11 @@ class Repair {
     return std::move(result.findings);
   }
   // After a repair, a person presses only the modules that it concerned, not the whole skin.
-  static bool asks_for(const device::Finding* about, int module) {
+  static bool asks_for(const device::Finding* about, layout::ModuleId module) {
     return about == nullptr || about->module == module || about->other == module ||
            std::ranges::find(about->behind, module) != about->behind.end();
   }
-  bool ask_for_press(int module) {
+  bool ask_for_press(layout::ModuleId module) {
     return ask(output_, fmt::format("press module {} after Enter.", module)) == Answer::kDone;
   }
 
@@ -138,19 +138,22 @@ class Repair {
     return ask(output_, "Mend this now.");
   }
 
+  void flash_again() {
+    open();
+    device::FlashOptions flash;
+    flash.recognise = true;
+    flash.actuator = live_cover().actuator();
+    try {
+      (void)device::flash(bus(), cover().design, flash, output_.progress());
+    } catch (const DeviceError& e) {
+      output_.say(fmt::format("not flashed: {}", e.what()));
+    }
+  }
   std::vector<device::Finding> check_again(const device::Finding& mended) {
     if (mended.kind == device::FindingKind::kStaleRest) {
       tare();
     } else {
-      open();
-      device::FlashOptions flash;
-      flash.recognise = true;
-      flash.actuator = live_cover().actuator();
-      try {
-        (void)device::flash(bus(), cover().design, flash, output_.progress());
-      } catch (const DeviceError& e) {
-        output_.say(fmt::format("not flashed: {}", e.what()));
-      }
+      flash_again();
     }
     auto findings = check(&mended);
     if (std::ranges::any_of(findings, [&](const device::Finding& f) { return same(f, mended); })) {

@@ -83,7 +83,8 @@ class Player {
   const Options& options_;
   device::LiveMonitor monitor_;
   LiveDisplay& display_;
-  std::map<int, int> adopted_;  // For each adopted module, the map has the patch whose controller reads it.
+  // For each adopted module, the map has the patch whose controller reads it.
+  std::map<layout::ModuleId, layout::PatchIndex> adopted_;
   std::size_t modules_ = 0;
   std::uint64_t start_us_ = 0, period_us_ = 0, last_us_ = 0, frames_ = 0;
 };

@@ -30,8 +30,8 @@ constexpr std::uint64_t kReplayOffsets_us = 2'500'000;  // Controllers find thei
 struct ReplayEnded {};  // The exception is thrown when a person ends the replay.
 
 // Returns the modules with a sample in the recording; the others do not exist. Reads the whole file.
-std::set<int> heard_modules(const std::string& file) {
-  std::set<int> heard;
+std::set<layout::ModuleId> heard_modules(const std::string& file) {
+  std::set<layout::ModuleId> heard;
   (void)recording::read_recording(file, [&](const recording::ModuleSample& s) { heard.insert(s.module); });
   return heard;
 }
@@ -52,9 +52,9 @@ scene::Scene replay_scene(const std::string& file, const RecordedSkin& recorded)
   scene::Scene scene;
   scene.design = design;
   scene.boards = recorded_boards(recorded);
-  const std::set<int> heard = heard_modules(file);
+  const std::set<layout::ModuleId> heard = heard_modules(file);
   if (heard.empty()) throw InputError(file + ": holds no sample, so there is nothing to play");
-  for (int m = 0; m < static_cast<int>(design.layout.modules.size()); ++m) {
+  for (layout::ModuleId m; m < static_cast<int>(design.layout.modules.size()); ++m) {
     if (heard.contains(m)) continue;
     scene::Fault& absent = scene.faults.emplace_back();
     absent.kind = scene::FaultKind::kRemovedChip;
@@ -115,27 +115,28 @@ class LinkPlayer {
   std::uint64_t samples_ = 0;
 };
 
+void prepare_boards(const design::Design& design, device::SimLink& link) {
+  // The offsets are found with every taxel at rest, so that playback gives the recorded values.
+  std::array<double, layout::kTaxelsPerModule> rest{};
+  rest.fill(layout::kRestCounts);
+  for (layout::ModuleId m; m < static_cast<int>(design.layout.modules.size()); ++m) link.skin().skin().show(m, rest);
+  device::Bus bus(link);
+  device::FlashOptions flash;
+  // New boards are in the order of the patches, or have the serial numbers of the recording.
+  flash.recognise = false;
+  for (layout::PatchIndex p; p < static_cast<int>(design.patches.size()); ++p)
+    flash.assign.push_back({p, device::to_text(scene::unique_id_of(link.skin().scene(), p))});
+  (void)device::flash(bus, design, flash);
+  bus.listen(bus.now_us() + kReplayOffsets_us);
+}
+
 }  // namespace
 
 int replay_into_link(const ReplayLinkOptions& options, Output& output) {
   catch_interrupts();
   const RecordedSkin recorded = recorded_skin(options.file);
-  const design::Design& design = recorded.design;
   device::SimLink link(replay_scene(options.file, recorded));
-  // The offsets are found with every taxel at rest, so that playback gives the recorded values.
-  std::array<double, layout::kTaxelsPerModule> rest{};
-  rest.fill(layout::kRestCounts);
-  for (int m = 0; m < static_cast<int>(design.layout.modules.size()); ++m) link.skin().skin().show(m, rest);
-  {
-    device::Bus bus(link);
-    device::FlashOptions flash;
-    // New boards are in the order of the patches, or have the serial numbers of the recording.
-    flash.recognise = false;
-    for (std::size_t p = 0; p < design.patches.size(); ++p)
-      flash.assign.push_back({static_cast<int>(p), device::to_text(scene::unique_id_of(link.skin().scene(), p))});
-    (void)device::flash(bus, design, flash);
-    bus.listen(bus.now_us() + kReplayOffsets_us);
-  }
+  prepare_boards(recorded.design, link);
   LinkPlayer player(options, link);
   if (player.is_exposed()) warn_exposed(player.link_name());
   output.say(fmt::format("{} on {}; it begins when a client asks; end with Ctrl-C", options.file, player.link_name()));

@@ -75,10 +75,14 @@ void define_bus(robot::Robot& robot, const std::string& text) {
   robot.buses.push_back(std::move(bus));
 }
 
-int run_new(const Options& options, Output& output) {
-  require(options.name, options, "the robot's name with --name");
+void require_name(const Options& options, const char* what) {
+  require(options.name, options, what);
   if (!robot::is_name(options.name))
     throw InputError(fmt::format("--name {}: must be a letter, then letters, digits, _ or -", options.name));
+}
+
+int run_new(const Options& options, Output& output) {
+  require_name(options, "the robot's name with --name");
   if (fs::exists(options.robot))
     throw InputError(fmt::format("{}: is there already; choose another name or remove it", options.robot));
   robot::Robot made;
@@ -94,17 +98,19 @@ int run_new(const Options& options, Output& output) {
   return 0;
 }
 
+// The values are parsed like a file, so that the same rules apply.
+Eigen::Isometry3d pose_of_matrix(std::span<const double> matrix) {
+  std::vector<std::string> rows;
+  for (std::size_t row = 0; row < 4; ++row)
+    rows.push_back(fmt::format("[{}]", fmt::join(matrix.subspan(4 * row, 4), ",")));
+  return robot::parse_pose(fmt::format("{{\"matrix\":[{}]}}", fmt::join(rows, ",")), "--matrix");
+}
+
 void set_pose(robot::CoverEntry& cover, const Options& options) {
   if (!options.matrix.empty() && !(options.xyz_mm.empty() && options.rpy_deg.empty()))
     throw InputError("--matrix: gives the whole pose; leave out --xyz-mm and --rpy-deg");
   if (!options.matrix.empty()) {
-    // The values are parsed like a file, so that the same rules apply.
-    std::vector<std::string> rows;
-    for (std::size_t row = 0; row < 4; ++row)
-      rows.push_back(
-          fmt::format("[{}]", fmt::join(options.matrix.begin() + static_cast<std::ptrdiff_t>(4 * row),
-                                        options.matrix.begin() + static_cast<std::ptrdiff_t>(4 * row + 4), ",")));
-    cover.pose = robot::parse_pose(fmt::format("{{\"matrix\":[{}]}}", fmt::join(rows, ",")), "--matrix");
+    cover.pose = pose_of_matrix(options.matrix);
     cover.xyz_rpy.reset();
   } else if (!options.xyz_mm.empty() || !options.rpy_deg.empty()) {
     std::array<double, 6> numbers{};
@@ -145,6 +151,15 @@ void write_checked(const Options& options, const robot::Robot& robot, Output& ou
 
 // Returns a new cover, or with --replace the existing one. Each bus has its own addresses, so on another bus they are
 // assigned again.
+// Addresses belong to a bus, so those of controllers on other buses are removed.
+void move_to_bus(robot::CoverEntry& cover, const std::string& bus) {
+  for (robot::ControllerEntry& e : cover.controllers) {
+    if (e.bus.empty()) e.bus = cover.bus;
+  }
+  cover.bus = bus;
+  std::erase_if(cover.controllers, [&](const robot::ControllerEntry& e) { return e.bus != bus; });
+}
+
 robot::CoverEntry& cover_to_add(robot::Robot& robot, const std::string& bus, const Options& options) {
   robot::CoverEntry* cover = robot::find_cover(robot, options.name);
   if (cover != nullptr && !options.replace)
@@ -157,13 +172,7 @@ robot::CoverEntry& cover_to_add(robot::Robot& robot, const std::string& bus, con
     cover = &robot.covers.emplace_back();
     cover->name = options.name;
   }
-  if (!bus.empty() && bus != cover->bus) {
-    for (robot::ControllerEntry& e : cover->controllers) {  // Addresses belong to a bus, so they are removed.
-      if (e.bus.empty()) e.bus = cover->bus;
-    }
-    cover->bus = bus;
-    std::erase_if(cover->controllers, [&](const robot::ControllerEntry& e) { return e.bus != bus; });
-  }
+  if (!bus.empty() && bus != cover->bus) move_to_bus(*cover, bus);
   return *cover;
 }
 
@@ -180,10 +189,8 @@ int run_add(const Options& options, Output& output) {
     output.say(fmt::format("{}: {}", options.robot, counted(robot.buses.size(), "bus")));
     return 0;
   }
-  require(options.name, options, "the name of the cover with --name");
+  require_name(options, "the name of the cover with --name");
   require(options.file, options, "the design file of the cover");
-  if (!robot::is_name(options.name))
-    throw InputError(fmt::format("--name {}: must be a letter, then letters, digits, _ or -", options.name));
   robot::CoverEntry& cover = cover_to_add(robot, bus, options);
   cover.design = seen_from(options.robot, options.file);
   if (!options.frame.empty()) cover.frame = options.frame;
@@ -249,11 +256,7 @@ std::vector<std::string> missing_of(const robot::Robot& robot, const std::string
   return missing;
 }
 
-void show_cover(const robot::CoverEntry& cover, const design::Design& design, Output& output) {
-  output.say(fmt::format("cover {}: {} on {}; {}, design {:016x}{}; {}", cover.name,
-                         counted(design.layout.modules.size(), "module"),
-                         counted(cover.controllers.size(), "controller"), cover.design, cover.design_id,
-                         cover.rate_hz > 0.0 ? fmt::format("; wants {} Hz", cover.rate_hz) : "", place_text(cover)));
+nlohmann::json show_controllers(const robot::CoverEntry& cover, const Output& output) {
   nlohmann::json controllers = nlohmann::json::array();
   for (const auto& e : cover.controllers) {
     const std::string& bus = e.bus.empty() ? cover.bus : e.bus;
@@ -262,6 +265,15 @@ void show_cover(const robot::CoverEntry& cover, const design::Design& design, Ou
     controllers.push_back({{"patch", e.patch}, {"bus", bus}, {"node_address", e.node}});
     if (!e.serial.empty()) controllers.back()["serial"] = e.serial;
   }
+  return controllers;
+}
+
+void show_cover(const robot::CoverEntry& cover, const design::Design& design, Output& output) {
+  output.say(fmt::format("cover {}: {} on {}; {}, design {:016x}{}; {}", cover.name,
+                         counted(design.layout.modules.size(), "module"),
+                         counted(cover.controllers.size(), "controller"), cover.design, cover.design_id,
+                         cover.rate_hz > 0.0 ? fmt::format("; wants {} Hz", cover.rate_hz) : "", place_text(cover)));
+  nlohmann::json controllers = show_controllers(cover, output);
   output.result["covers"].push_back({{"name", cover.name},
                                      {"design", cover.design},
                                      {"design_id", fmt::format("{:016x}", cover.design_id)},
@@ -269,6 +281,20 @@ void show_cover(const robot::CoverEntry& cover, const design::Design& design, Ou
                                      {"frame", cover.frame},
                                      {"controllers", std::move(controllers)}});
   add_pose_keys(cover, output.result["covers"].back());
+}
+
+void show_bus(const robot::BusEntry& bus, const robot::BusLoad& load, Output& output) {
+  output.say(fmt::format("bus {}: {}, {}, {}; every sample is {:.0f} % of it, so {} ({:.1f} Hz)", bus.name, bus.link,
+                         counted(load.controllers, "controller"), counted(load.modules, "module"), 100.0 * load.full,
+                         load.every == 1 ? std::string("all fit") : fmt::format("one in {} fits", load.every),
+                         load.rate_hz));
+  output.result["buses"].push_back({{"name", bus.name},
+                                    {"link", bus.link},
+                                    {"controllers", load.controllers},
+                                    {"modules", load.modules},
+                                    {"load", load.full},
+                                    {"every", load.every},
+                                    {"rate_hz", load.rate_hz}});
 }
 
 int run_show(const Options& options, Output& output) {
@@ -281,21 +307,7 @@ int run_show(const Options& options, Output& output) {
   output.say(fmt::format("robot {}: {} on {}", a.robot.name, counted(a.robot.covers.size(), "cover"),
                          counted(a.robot.buses.size(), "bus")));
   const auto loads = robot::bus_loads(a);
-  for (std::size_t b = 0; b < a.robot.buses.size(); ++b) {
-    const robot::BusEntry& bus = a.robot.buses[b];
-    const robot::BusLoad& load = loads[b];
-    output.say(fmt::format("bus {}: {}, {}, {}; every sample is {:.0f} % of it, so {} ({:.1f} Hz)", bus.name, bus.link,
-                           counted(load.controllers, "controller"), counted(load.modules, "module"), 100.0 * load.full,
-                           load.every == 1 ? std::string("all fit") : fmt::format("one in {} fits", load.every),
-                           load.rate_hz));
-    output.result["buses"].push_back({{"name", bus.name},
-                                      {"link", bus.link},
-                                      {"controllers", load.controllers},
-                                      {"modules", load.modules},
-                                      {"load", load.full},
-                                      {"every", load.every},
-                                      {"rate_hz", load.rate_hz}});
-  }
+  for (std::size_t b = 0; b < a.robot.buses.size(); ++b) show_bus(a.robot.buses[b], loads[b], output);
   for (std::size_t c = 0; c < a.robot.covers.size(); ++c) show_cover(a.robot.covers[c], a.designs[c], output);
   const auto problems = robot::check(a);
   for (const robot::Problem& p : problems) {
@@ -346,6 +358,20 @@ void print_report(const robot::Registration& r, std::size_t touches, double move
                     r.thickness_mm));
 }
 
+robot::Registration register_cover_of(const robot::Assembly& a, const std::string& name,
+                                      const std::vector<robot::Touch>& touches) {
+  robot::NamedDesign own;
+  std::vector<robot::NamedDesign> others;
+  for (std::size_t c = 0; c < a.designs.size(); ++c) {
+    const robot::NamedDesign named{a.robot.covers[c].name, &a.designs[c]};
+    if (named.name == name)
+      own = named;
+    else
+      others.push_back(named);
+  }
+  return robot::register_cover(own, others, touches);
+}
+
 int run_register(const Options& options, Output& output) {
   require(options.name, options, "the cover with --name");
   require(options.file, options, "the file with the touches");
@@ -355,16 +381,7 @@ int run_register(const Options& options, Output& output) {
   const std::string text = read_text(options.file);
   if (const std::string note = note_of_open_line(text, options.file); !note.empty()) output.say(note);
   const auto touches = robot::read_touches(text, options.file);
-  robot::NamedDesign own;
-  std::vector<robot::NamedDesign> others;
-  for (std::size_t c = 0; c < a.designs.size(); ++c) {
-    const robot::NamedDesign named{a.robot.covers[c].name, &a.designs[c]};
-    if (named.name == options.name)
-      own = named;
-    else
-      others.push_back(named);
-  }
-  const robot::Registration r = robot::register_cover(own, others, touches);
+  const robot::Registration r = register_cover_of(a, options.name, touches);
   const std::string against = doubt(r, options);
   const double moved_mm = (r.fit.pose.translation() - cover->pose.translation()).norm();
   print_report(r, touches.size(), moved_mm, options, output);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "triskin/layout/index.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/skin/skin_contacts.hpp"
 #include "triskin/view/latest_samples.hpp"
@@ -8,7 +9,7 @@ namespace triskin::cli {
 
 /// Returns a contact of a cover as the page shows it. `first_module` is the number of the cover's first module on the
 /// page; the position stays in the frame of the cover.
-inline view::LatestSamples::Contact shown_contact(const device::SkinContact& c, int first_module) {
+inline view::LatestSamples::Contact shown_contact(const device::SkinContact& c, layout::SkinModule first_module) {
   view::LatestSamples::Contact shown{.taxels = {},
                                      .position_mm = c.position_mm,
                                      .position_sd_mm = c.position_sd_mm,

@@ -85,6 +85,17 @@ std::vector<SimulatedBus> buses_of(const Options& options) {
 }
 
 // Buses of a robot get consecutive ports, so that one --link names all of them.
+// Opens a server for each bus on consecutive ports; port 0 stands for a free one.
+void open_in_turn(std::vector<SimulatedBus>& buses, const device::HostPort& first, device::Reach reach) {
+  int port = first.port;
+  for (SimulatedBus& bus : buses) {
+    auto server = std::make_unique<device::SimServer>(
+        *bus.skin, device::HostPort{first.host, static_cast<std::uint16_t>(port)}, reach);
+    port = server->port() + 1;
+    bus.server = std::move(server);
+  }
+}
+
 void listen(std::vector<SimulatedBus>& buses, const std::string& at, device::Reach reach) {
   if (buses.size() == 1) {
     buses[0].server = device::open_server(*buses[0].skin, at, reach);
@@ -94,14 +105,7 @@ void listen(std::vector<SimulatedBus>& buses, const std::string& at, device::Rea
   constexpr int kTries = 20;  // The port after a free one may be in use.
   for (int attempt = 0;; ++attempt) {
     try {
-      int port = first.port;
-      for (SimulatedBus& bus : buses) {
-        auto server = std::make_unique<device::SimServer>(
-            *bus.skin, device::HostPort{first.host, static_cast<std::uint16_t>(port)}, reach);
-        port = server->port() + 1;
-        bus.server = std::move(server);
-      }
-      return;
+      return open_in_turn(buses, first, reach);
     } catch (const DeviceError&) {
       for (SimulatedBus& bus : buses) bus.server.reset();
       if (first.port != 0 || attempt == kTries) throw;
@@ -115,7 +119,7 @@ void tell_boards(const std::vector<SimulatedBus>& buses, Output& output) {
   for (const SimulatedBus& bus : buses) {
     const scene::Scene& scene = bus.skin->scene();
     for (std::size_t p = 0; p < bus.skin->controllers(); ++p) {
-      boards.push_back({{"patch", p}, {"serial", device::to_text(scene::unique_id_of(scene, p))}});
+      boards.push_back({{"patch", p}, {"serial", device::to_text(scene::unique_id_of(scene, layout::PatchIndex{p}))}});
       if (!bus.name.empty()) boards.back()["bus"] = bus.name;
       if (bus.name.empty())
         output.say(fmt::format("patch {:3}  controller {}", p, boards.back()["serial"].get<std::string>()));
@@ -195,6 +199,16 @@ int run_contacts(const Options& options, Output& output) {
   return 0;
 }
 
+void run_without_clients(std::vector<SimulatedBus>& buses, const Options& options, Output& output) {
+  tell_boards(buses, output);
+  std::vector<std::string> names;
+  for (const SimulatedBus& bus : buses) names.push_back(bus.name);
+  const ProgressSink progress = output.progress();
+  robot::on_each_bus(names, [&](std::size_t k) {
+    run_alone(*buses[k].skin, options.seconds < 0.0 ? 1.0 : options.seconds, progress);
+  });
+}
+
 int run(const Options& options, Output& output) {
   if (!options.contacts.empty()) return run_contacts(options, output);
   if (options.check) return run_check(options, output);
@@ -206,17 +220,10 @@ int run(const Options& options, Output& output) {
   }
   catch_interrupts();
   const auto start = std::chrono::steady_clock::now();
-  if (options.listen.empty()) {
-    tell_boards(buses, output);
-    std::vector<std::string> names;
-    for (const SimulatedBus& bus : buses) names.push_back(bus.name);
-    const ProgressSink progress = output.progress();
-    robot::on_each_bus(names, [&](std::size_t k) {
-      run_alone(*buses[k].skin, options.seconds < 0.0 ? 1.0 : options.seconds, progress);
-    });
-  } else {
+  if (options.listen.empty())
+    run_without_clients(buses, options, output);
+  else
     serve(buses, options, modules, output);
-  }
   const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   double virtual_s = 1e300;
   std::uint64_t bus_frames = 0;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <ranges>
 
 #include "triskin/base/counted.hpp"
 #include "triskin/diagnose/topology.hpp"
@@ -29,10 +30,8 @@ json adjacency(const wire::FoundTopology& found) {
 }
 
 int joints_in(const wire::FoundTopology& found) {
-  int ends = 0;
-  for (const auto& row : found.joints)
-    ends += static_cast<int>(std::ranges::count_if(row, [](std::uint8_t j) { return j != 0; }));
-  return ends / 2;
+  const auto ends = std::ranges::count_if(found.joints | std::views::join, [](std::uint8_t j) { return j != 0; });
+  return static_cast<int>(ends) / 2;
 }
 
 json route_json(const wire::ActiveRoute& a) {
@@ -104,10 +103,32 @@ void say_match(const json& match, const Output& output) {
                            d["remedy"].get<std::string>()));
 }
 
+// The table of the controller names a design and a patch; a patch of −1 means that it is none of the given designs.
+struct Expected {
+  std::uint64_t design_id = 0;
+  int patch = -1;
+};
+
+json report_recognized(const wire::FoundTopology& found, const std::vector<NamedDesign>& designs,
+                       const Expected& expected, const Output& output) {
+  json recognized = json::array();
+  for (const auto& [d, match] : recognize(found, designs)) {
+    if (match.another_patch()) continue;
+    recognized.push_back(match_json(match, designs[d].first));
+    if (match.patch == expected.patch && designs[d].second.design_id == expected.design_id) continue;
+    output.say(expected.patch >= 0 ? "  it could rather be:" : "  recognized:");
+    say_match(recognized.back(), output);
+  }
+  if (!designs.empty() && recognized.empty()) output.say("  no patch of the given designs");
+  if (recognized.size() > 1)
+    output.say("  these patches look alike: triskin identify tells by touch which one it is, or name it with --assign");
+  return recognized;
+}
+
 }  // namespace
 
 json report_topology(device::Controller& controller, const std::vector<NamedDesign>& designs,
-                     std::uint64_t expected_design, int expected_patch, const Output& output) {
+                     std::uint64_t expected_design, layout::PatchIndex expected_patch, const Output& output) {
   controller.reroute();
   const wire::FoundTopology found = controller.topology();
   const wire::ActiveRoute route = controller.route();
@@ -134,19 +155,9 @@ json report_topology(device::Controller& controller, const std::vector<NamedDesi
     say_match(j["match"], output);
     if (match.differences.empty()) return j;
   }
-  json recognized = json::array();
-  for (const auto& [d, match] : recognize(found, designs)) {
-    if (match.another_patch()) continue;
-    recognized.push_back(match_json(match, designs[d].first));
-    if (expected && match.patch == expected_patch && designs[d].second.design_id == expected_design) continue;
-    output.say(expected ? "  it could rather be:" : "  recognized:");
-    say_match(recognized.back(), output);
-  }
-  if (!designs.empty() && recognized.empty()) output.say("  no patch of the given designs");
-  if (recognized.size() > 1)
-    output.say("  these patches look alike: triskin identify tells by touch which one it is, or name it with --assign");
-  j["ambiguous"] = recognized.size() > 1;
-  j["recognized"] = std::move(recognized);
+  j["recognized"] =
+      report_recognized(found, designs, expected ? Expected{expected_design, expected_patch} : Expected{}, output);
+  j["ambiguous"] = j["recognized"].size() > 1;
   return j;
 }
 

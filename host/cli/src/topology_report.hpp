@@ -17,7 +17,8 @@ using NamedDesign = std::pair<std::string, design::Design>;  ///< The text is th
 /// and the differences. `expected_patch` is the patch of its table, in the design with id `expected_design`; −1 means
 /// that it has no table.
 [[nodiscard]] nlohmann::json report_topology(device::Controller& controller, const std::vector<NamedDesign>& designs,
-                                             std::uint64_t expected_design, int expected_patch, const Output& output);
+                                             std::uint64_t expected_design, layout::PatchIndex expected_patch,
+                                             const Output& output);
 
 /// Returns true if something differs from the design of the table, or no design was recognized.
 [[nodiscard]] bool differs(const nlohmann::json& topology);

@@ -37,7 +37,7 @@ struct Options {
 
 // A person presses real modules: Enter first, then the finger; the program notices the touch itself. Only one question
 // is open at a time, even if several buses are verified.
-bool ask_person(const std::string& cover, int module) {
+bool ask_person(const std::string& cover, layout::ModuleId module) {
   static std::mutex one;
   const std::lock_guard lock(one);
   std::cerr << cover << "Press module " << module << " after Enter (s: skip) " << std::flush;
@@ -75,9 +75,9 @@ void write_report(const std::string& file, const design::Design& design, const d
 }
 
 // Returns the patch that a code names, or −1.
-int patch_of(const DesignArgument& argument, const design::Design& design, const Output& output) {
-  if (!argument.code) return -1;
-  const int patch = argument.code->patch;
+layout::PatchIndex patch_of(const DesignArgument& argument, const design::Design& design, const Output& output) {
+  if (!argument.code) return layout::PatchIndex::none();
+  const layout::PatchIndex patch{argument.code->patch};
   if (patch >= static_cast<int>(design.patches.size()))
     throw InputError(fmt::format("{}: there is no controller {}; this code is of another sheet", argument.path, patch));
   output.say(fmt::format("{}, page {} of its assembly sheet{}", argument.path, argument.code->page,
@@ -100,6 +100,19 @@ std::string arguments_of(const Options& options, const robot::CoverConfig& cover
          (link.scene.empty() ? "" : " --scene " + link.scene);
 }
 
+nlohmann::json read_calibration_lines(device::LiveBus& live, const design::Design& design,
+                                      std::vector<std::string>& lines) {
+  nlohmann::json calibrations = nlohmann::json::array();
+  live.find_controllers(device::RestSource::kPresent);
+  for (const design::BoardCalibration& b : device::kept_in_controllers(live.bus(), design, live.claims())) {
+    calibrations.push_back({{"serial", b.serial}, {"revision", b.revision}, {"made", b.made}});
+    lines.push_back(fmt::format("controller {} keeps revision {} of its calibration, made {} with {} up to {:g} kPa",
+                                b.serial, b.revision, b.made, design::kCalibrationMethodNames.name(b.method),
+                                b.max_kpa));
+  }
+  return calibrations;
+}
+
 // Prints each finding with its repair steps, for the report and --json.
 Told print_report(const robot::CoverConfig& cover, device::VerifyResult r, device::LiveBus& live,
                   const std::string& arguments) {
@@ -117,14 +130,7 @@ Told print_report(const robot::CoverConfig& cover, device::VerifyResult r, devic
     told.lines.push_back(fmt::format("{}remembered from before, not there now: {}", name, f.text));
   }
   std::vector<std::string> rest;
-  nlohmann::json calibrations = nlohmann::json::array();
-  live.find_controllers(device::RestSource::kPresent);
-  for (const design::BoardCalibration& b : device::kept_in_controllers(live.bus(), cover.design, live.claims())) {
-    calibrations.push_back({{"serial", b.serial}, {"revision", b.revision}, {"made", b.made}});
-    rest.push_back(fmt::format("controller {} keeps revision {} of its calibration, made {} with {} up to {:g} kPa",
-                               b.serial, b.revision, b.made, design::kCalibrationMethodNames.name(b.method),
-                               b.max_kpa));
-  }
+  nlohmann::json calibrations = read_calibration_lines(live, cover.design, rest);
   told.keys = {{"modules_ok", r.modules_ok},
                {"modules", r.modules},
                {"touched", r.touched},
@@ -143,7 +149,8 @@ Told print_report(const robot::CoverConfig& cover, device::VerifyResult r, devic
 }
 
 // If `patch` ≥ 0, its findings come first, and a person is asked only for its modules.
-std::vector<Told> verify_bus(device::LiveBus& live, const Options& options, int patch, const ProgressSink& progress) {
+std::vector<Told> verify_bus(device::LiveBus& live, const Options& options, layout::PatchIndex patch,
+                             const ProgressSink& progress) {
   std::vector<Told> all;
   const robot::BusConfig& site = live.config();
   live.find_controllers();
@@ -157,7 +164,7 @@ std::vector<Told> verify_bus(device::LiveBus& live, const Options& options, int 
     verify.rest = own.kept_rest();
     const auto wiring = design::wiring_of(cover.design);
     // A person at one patch is asked only for its modules.
-    verify.ask = [&](int module) {
+    verify.ask = [&](layout::ModuleId module) {
       const bool is_asked = patch < 0 || wiring.at(static_cast<std::size_t>(module)).patch == patch;
       return is_asked && ask_person(prefix_of(cover), module);
     };
@@ -204,7 +211,7 @@ int run(Options options, Output& output) {
   const DesignArgument argument = find_design(options.site.file);
   options.site.file = argument.path;
   device::LiveSkin skin = open_skin(options.site, output);
-  const int patch = patch_of(argument, skin.site().buses[0].covers[0].design, output);
+  const layout::PatchIndex patch = patch_of(argument, skin.site().buses[0].covers[0].design, output);
   std::vector<std::vector<Told>> buses(skin.buses().size());
   const ProgressSink progress = output.progress();
   try {

@@ -82,7 +82,7 @@ class Feed {
 
  private:
   // Returns the number of a cover's first module on the page.
-  [[nodiscard]] int first_module(const device::LiveCover& cover) const {
+  [[nodiscard]] layout::SkinModule first_module(const device::LiveCover& cover) const {
     return shown_.offsets[static_cast<std::size_t>(cover.config().cover)].module;
   }
   Pace& pace() {
@@ -93,11 +93,11 @@ class Feed {
     health_.state(bus_.index(), {is_live, trouble, bus_.totals()});
   }
   void show(const device::LiveSample& s) {
-    const int module = first_module(bus_.covers()[static_cast<std::size_t>(s.cover)]) + s.module;
+    const layout::SkinModule module{first_module(bus_.covers()[static_cast<std::size_t>(s.cover)]) + s.module};
     live_.add(module, {s.raw.sample.state, s.valid, s.change_counts}, pace().unix_us(s.raw.link_time_us));
   }
   void show_contacts(const device::LiveCover& cover) {
-    const int first = first_module(cover);
+    const layout::SkinModule first = first_module(cover);
     std::vector<view::LatestSamples::Contact> contacts;
     for (const device::SkinContact& c : device::contacts_of(cover.touches(), cover.design(), shown_.calibration)) {
       const auto module = static_cast<std::size_t>(c.taxels.front().module);
@@ -147,7 +147,7 @@ class Feed {
   }
   void press(const view::Command& command) {
     for (device::LiveCover& cover : bus_.covers()) {
-      const int own = command.module - first_module(cover);
+      const layout::ModuleId own{command.module - first_module(cover)};
       if (own < 0 || own >= static_cast<int>(cover.design().layout.modules.size())) continue;
       if (cover.actuator() == nullptr) return;
       if (command.taxel < 0)

@@ -12,6 +12,7 @@
 #include "triskin/base/counted.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/deploy/board_file.hpp"
+#include "triskin/design/file_head.hpp"
 #include "triskin/design/json_fields.hpp"
 #include "triskin/session/address_users.hpp"
 #include "triskin/session/controller_calibration.hpp"
@@ -128,6 +129,19 @@ std::uint32_t number_in_hex(const JsonValue& v, const std::string& text, std::si
   return static_cast<std::uint32_t>(std::stoul(text, nullptr, 16));
 }
 
+std::map<std::uint16_t, std::vector<std::uint8_t>> values_in(const JsonValue& v) {
+  if (!v.raw().is_object()) v.fail("must be an object");
+  std::map<std::uint16_t, std::vector<std::uint8_t>> values;
+  for (const auto& [key, value] : v.raw().items())
+    values[static_cast<std::uint16_t>(number_in_hex(v, key, 4))] = hex_in(v[key.c_str()]);
+  return values;
+}
+
+BoardBackup::Fault fault_in(const JsonValue& v) {
+  return {number_in_hex(v["code"], v["code"].text(), 6), static_cast<std::uint8_t>(v["status"].integer(0, 255)),
+          hex_in(v["noted"])};
+}
+
 BoardBackup board_in(const JsonValue& v) {
   design::only_keys(v, {"serial", "node_address", "table", "values", "faults", "calibration"}, kBackupPage);
   BoardBackup b;
@@ -135,18 +149,22 @@ BoardBackup board_in(const JsonValue& v) {
   if (b.serial.empty()) v["serial"].fail("must have 24 hexadecimal digits");
   b.node_address = v["node_address"].integer(layout::kFirstNode, layout::kLastNode);
   b.table = hex_in(v["table"]);
-  const JsonValue values = v["values"];
-  if (!values.raw().is_object()) values.fail("must be an object");
-  for (const auto& [key, value] : values.raw().items())
-    b.values[static_cast<std::uint16_t>(number_in_hex(values, key, 4))] = hex_in(values[key.c_str()]);
+  b.values = values_in(v["values"]);
   const JsonValue faults = v["faults"];
-  for (std::size_t k = 0; k < faults.size(); ++k) {
-    const JsonValue f = faults.at(k);
-    b.faults.push_back({number_in_hex(f["code"], f["code"].text(), 6),
-                        static_cast<std::uint8_t>(f["status"].integer(0, 255)), hex_in(f["noted"])});
-  }
+  for (std::size_t k = 0; k < faults.size(); ++k) b.faults.push_back(fault_in(faults.at(k)));
   b.calibration = calibration_in(v, b.serial);
   return b;
+}
+
+std::vector<BoardBackup> boards_in(const JsonValue& list) {
+  std::vector<BoardBackup> boards;
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    BoardBackup board = board_in(list.at(k));
+    if (std::ranges::find(boards, board.serial, &BoardBackup::serial) != boards.end())
+      list.at(k)["serial"].fail("the board stands twice");
+    boards.push_back(std::move(board));
+  }
+  return boards;
 }
 
 // The CRC shows that nothing was changed; this check shows that it was a valid table in the first place.
@@ -210,36 +228,44 @@ class Restoration {
                                   agreeing(pairs_.size() - failed.size(), "has", "have")));
   }
 
-  void pair() {
-    claims_ = bus_.discover();
+  void require_onto() const {
     for (const auto& [from, to] : options_.onto) {
       if (std::ranges::none_of(boards_, [&](const BoardBackup& b) { return b.serial == from; }))
         throw InputError(fmt::format("--onto {}={}: the file keeps no controller {}", from, to, from));
     }
+  }
+  [[nodiscard]] const wire::NodeClaim& claim_of(const std::string& serial, const BoardBackup& b) const {
+    const auto claim =
+        std::ranges::find_if(claims_, [&](const wire::NodeClaim& c) { return to_text(c.unique_id) == serial; });
+    if (claim == claims_.end())
+      throw DeviceError(
+          fmt::format("{}: no controller {} answers; connect it, or say which one takes its place: "
+                      "--onto {}=SERIAL; nothing was written",
+                      bus_.name(), serial, b.serial));
+    return *claim;
+  }
+  void pair() {
+    claims_ = bus_.discover();
+    require_onto();
     std::set<std::string> taken;
     for (const BoardBackup& b : boards_) {
       const auto onto = options_.onto.find(b.serial);
       const std::string& serial = onto == options_.onto.end() ? b.serial : onto->second;
-      const auto claim =
-          std::ranges::find_if(claims_, [&](const wire::NodeClaim& c) { return to_text(c.unique_id) == serial; });
-      if (claim == claims_.end())
-        throw DeviceError(
-            fmt::format("{}: no controller {} answers; connect it, or say which one takes its place: "
-                        "--onto {}=SERIAL; nothing was written",
-                        bus_.name(), serial, b.serial));
+      const wire::NodeClaim& claim = claim_of(serial, b);
       if (!taken.insert(serial).second)
         throw InputError(fmt::format("controller {} would get what two boards held; nothing was written", serial));
-      pairs_.push_back({&b, *claim});
+      pairs_.push_back({&b, claim});
     }
   }
 
+  void separate_addresses() {
+    claims_ = put_apart(bus_, std::move(claims_), false);
+    for (Pair& p : pairs_) p.claim = *std::ranges::find(claims_, p.claim.unique_id, &wire::NodeClaim::unique_id);
+  }
   // Each controller is asked at its present address. New ones that share an address are moved first, except in a dry
   // run.
   void require_kinds() {
-    if (!options_.dry_run) {
-      claims_ = put_apart(bus_, std::move(claims_), false);
-      for (Pair& p : pairs_) p.claim = *std::ranges::find(claims_, p.claim.unique_id, &wire::NodeClaim::unique_id);
-    }
+    if (!options_.dry_run) separate_addresses();
     const auto users = users_of_addresses(claims_);
     for (const Pair& p : pairs_) {
       if (users.at(p.claim.node_address) > 1) {
@@ -268,6 +294,11 @@ class Restoration {
   [[nodiscard]] bool is_paired(const wire::NodeClaim& c) const {
     return std::ranges::any_of(pairs_, [&](const Pair& p) { return p.claim.unique_id == c.unique_id; });
   }
+  [[nodiscard]] const wire::NodeClaim* unpaired_at(int address) const {
+    const auto found = std::ranges::find_if(
+        claims_, [&](const wire::NodeClaim& c) { return c.node_address == address && !is_paired(c); });
+    return found == claims_.end() ? nullptr : &*found;
+  }
   void require_addresses() const {
     std::set<int> addresses;
     for (const Pair& p : pairs_) {
@@ -277,9 +308,8 @@ class Restoration {
             fmt::format("two boards of the file had node address {}: restore them one after the other; "
                         "nothing was written",
                         address));
-      const auto other = std::ranges::find_if(
-          claims_, [&](const wire::NodeClaim& c) { return c.node_address == address && !is_paired(c); });
-      if (other == claims_.end()) continue;
+      const wire::NodeClaim* const other = unpaired_at(address);
+      if (other == nullptr) continue;
       throw DeviceError(
           fmt::format("{}: controller {}, which is not in the file, has node address {} that controller "
                       "{} is to get; take it off the bus; nothing was written",
@@ -313,9 +343,7 @@ class Restoration {
     if (b.table.empty() || (options_.dry_run && !p.claim.has_table)) return r;
     const auto now = static_cast<std::uint8_t>(options_.dry_run ? p.claim.node_address : b.node_address);
     Controller controller(bus, now);
-    const wire::ActiveTable table = controller.active_table();
-    const bool same =
-        table.present() && table.crc == crc32(b.table) && controller.read_table(b.table.size()) == b.table;
+    const bool same = holds_table(controller, b.table);
     r.equal = same && !moved;
     if (!same && !options_.dry_run) {
       write_and_compare(controller, bus, b.table, {});
@@ -368,21 +396,12 @@ std::vector<BoardBackup> read_backup(const std::filesystem::path& path) {
   const std::string name = path.string();
   const nlohmann::json document = design::parse_json(read_text(path), name);
   const JsonValue v(document, name, "");
-  if (v["format"].text() != kBackupFormat)
-    v["format"].fail(fmt::format("must be \"{}\", as triskin flash --save writes it", kBackupFormat));
-  if (const int version = v["version"].integer(0, 1'000'000); version != kBackupVersion)
-    v["version"].fail(
-        fmt::format("is {}, this program reads {}; use the release that wrote it", version, kBackupVersion));
+  design::require_format(v, kBackupFormat, "triskin flash --save");
+  design::require_version(v, kBackupVersion, "use the release that wrote it");
   design::only_keys(v, {"format", "version", "crc32", "boards"}, kBackupPage);
   const std::uint32_t stated = number_in_hex(v["crc32"], v["crc32"].text(), 8);
-  std::vector<BoardBackup> boards;
   const JsonValue list = v["boards"];
-  for (std::size_t k = 0; k < list.size(); ++k) {
-    boards.push_back(board_in(list.at(k)));
-    for (std::size_t before = 0; before < k; ++before) {
-      if (boards[before].serial == boards[k].serial) list.at(k)["serial"].fail("the board stands twice");
-    }
-  }
+  std::vector<BoardBackup> boards = boards_in(list);
   if (crc_of(boards) != stated)
     v["crc32"].fail("differs from that of the boards: the file was changed or damaged; use another copy");
   for (std::size_t k = 0; k < list.size(); ++k) {

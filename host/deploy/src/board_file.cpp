@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "triskin/base/text_file.hpp"
+#include "triskin/design/file_head.hpp"
 #include "triskin/design/json_fields.hpp"
 
 namespace triskin::device {
@@ -20,10 +21,25 @@ constexpr const char* kBoardPage = "docs/which_board.md";
 FlashOptions::Assignment assignment_in(const JsonValue& v, const design::Design& design) {
   design::only_keys(v, {"patch", "serial"}, kBoardPage);
   FlashOptions::Assignment a;
-  a.patch = v["patch"].integer(0, static_cast<int>(design.patches.size()) - 1);
+  a.patch = layout::PatchIndex{v["patch"].integer(0, static_cast<int>(design.patches.size()) - 1)};
   a.serial = normal_serial(v["serial"].text());
   if (a.serial.empty()) v["serial"].fail("must have 24 hexadecimal digits, as triskin discover shows serial numbers");
   return a;
+}
+
+// Returns the assignments in the order of their patches.
+std::vector<FlashOptions::Assignment> assignments_in(const JsonValue& list, const design::Design& design) {
+  std::vector<FlashOptions::Assignment> assignments;
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    const auto a = assignment_in(list.at(k), design);
+    for (const auto& before : assignments) {
+      if (before.patch == a.patch) list.at(k)["patch"].fail("the patch stands twice");
+      if (before.serial == a.serial) list.at(k)["serial"].fail("the controller stands twice");
+    }
+    assignments.push_back(a);
+  }
+  std::ranges::sort(assignments, {}, &FlashOptions::Assignment::patch);
+  return assignments;
 }
 
 }  // namespace
@@ -38,11 +54,8 @@ BoardFile read_board_file(const std::filesystem::path& path, const design::Desig
   const std::string name = path.string();
   const nlohmann::json document = design::parse_json(read_text(path), name);
   const JsonValue v(document, name, "");
-  if (v["format"].text() != kBoardFormat)
-    v["format"].fail(fmt::format("must be \"{}\", as triskin identify writes it", kBoardFormat));
-  if (const int version = v["version"].integer(0, 1'000'000); version != kBoardVersion)
-    v["version"].fail(
-        fmt::format("is {}, this program reads {}; make the file again with triskin identify", version, kBoardVersion));
+  design::require_format(v, kBoardFormat, "triskin identify");
+  design::require_version(v, kBoardVersion, "make the file again with triskin identify");
   design::only_keys(v, {"format", "version", "design_id", "boards"}, kBoardPage);
   BoardFile file;
   file.design_id = design::hex64(v["design_id"]);
@@ -50,16 +63,7 @@ BoardFile read_board_file(const std::filesystem::path& path, const design::Desig
     v["design_id"].fail(
         fmt::format("the boards are those of design {:016x}, this design is {:016x}; identify them again",
                     file.design_id, design.design_id));
-  const JsonValue list = v["boards"];
-  for (std::size_t k = 0; k < list.size(); ++k) {
-    const auto a = assignment_in(list.at(k), design);
-    for (const auto& before : file.boards) {
-      if (before.patch == a.patch) list.at(k)["patch"].fail("the patch stands twice");
-      if (before.serial == a.serial) list.at(k)["serial"].fail("the controller stands twice");
-    }
-    file.boards.push_back(a);
-  }
-  std::ranges::sort(file.boards, {}, &FlashOptions::Assignment::patch);
+  file.boards = assignments_in(v["boards"], design);
   return file;
 }
 

@@ -18,12 +18,12 @@ struct BusBoards {
 /// A controller on the bus will serve this patch.
 struct Board {
   wire::NodeClaim claim;
-  int patch = -1;  ///< −1 means that the board is not needed.
+  layout::PatchIndex patch = layout::PatchIndex::none();  ///< −1 means that the board is not needed.
   FoundBy by = FoundBy::kNothing;
 };
 
 struct MissingBoard {
-  int patch = 0;
+  layout::PatchIndex patch;
   std::string why;  ///< The reason is a sentence.
 };
 

@@ -92,7 +92,7 @@ BoardShape read_shape(Controller& controller) {
   return shape;
 }
 
-int shape_difference(const BoardShape& shape, const design::Design& design, int patch) {
+int shape_difference(const BoardShape& shape, const design::Design& design, layout::PatchIndex patch) {
   const design::Patch& designed = design.patches.at(static_cast<std::size_t>(patch));
   if (!shape.switched) return strapped_difference(shape, designed);
   if (shape.found.count == 0 || designed.modules.empty()) return -1;
@@ -100,49 +100,66 @@ int shape_difference(const BoardShape& shape, const design::Design& design, int 
   return match.another_patch() ? -1 : static_cast<int>(match.differences.size());
 }
 
-bool reaches_across(const BoardShape& shape, const design::Design& design, int patch, std::span<const int> open) {
+bool reaches_across(const BoardShape& shape, const design::Design& design, layout::PatchIndex patch,
+                    std::span<const layout::PatchIndex> open) {
   if (!shape.switched || shape.found.count == 0 || shape.found.second_cable) return false;
   const wire::FoundTopology expected = topology_across(design, patch, open);
   return shape.found.count == expected.count && shape.found.cable_port == expected.cable_port &&
          shape.found.joints == expected.joints;
 }
 
-std::vector<Seat> seats_of(const design::Design& design, std::span<const int> patches) {
+std::vector<Seat> seats_of(const design::Design& design, std::span<const layout::PatchIndex> patches) {
   std::vector<Seat> seats;
-  for (const int p : patches) seats.push_back({&design, p});
+  for (const layout::PatchIndex p : patches) seats.push_back({&design, p});
   return seats;
 }
 
-ShapeAssignment assign_by_shape(std::span<const BoardShape> shapes, std::span<const Seat> seats) {
-  std::map<const design::Design*, std::vector<int>> open;
+namespace {
+
+// Compares every board with every seat, and notes in `across` which boards reach into neighbouring patches.
+Differences differences_of(std::span<const BoardShape> shapes, std::span<const Seat> seats, std::vector<bool>& across) {
+  std::map<const design::Design*, std::vector<layout::PatchIndex>> open;
   for (const Seat& seat : seats) open[seat.design].push_back(seat.patch);
   for (auto& [design, patches] : open) std::ranges::sort(patches);
-  ShapeAssignment result;
   Differences differences;
-  for (const BoardShape& s : shapes) {
+  across.assign(shapes.size(), false);
+  for (std::size_t b = 0; b < shapes.size(); ++b) {
     auto& row = differences.emplace_back();
-    bool across = false;
     for (const Seat& seat : seats) {
-      row.push_back(shape_difference(s, *seat.design, seat.patch));
-      if (row.back() == 0 || !reaches_across(s, *seat.design, seat.patch, open.at(seat.design))) continue;
+      row.push_back(shape_difference(shapes[b], *seat.design, seat.patch));
+      if (row.back() == 0 || !reaches_across(shapes[b], *seat.design, seat.patch, open.at(seat.design))) continue;
       row.back() = 0;
-      across = true;
+      across[b] = true;
     }
-    result.across.push_back(across);
   }
-  constexpr int kSlack = 1;
-  Edges edges = edges_of(differences, -1);
-  result.exact = Matching(edges, seats.size()).size() == std::min(shapes.size(), seats.size());
-  if (!result.exact) edges = edges_of(differences, kSlack);
-  const Matching all(edges, seats.size());
-  result.seat.assign(shapes.size(), -1);
-  for (std::size_t seat = 0; seat < seats.size(); ++seat) {
+  return differences;
+}
+
+// Returns the seat that each board has in every largest matching, or −1: without this edge, a matching would be
+// smaller.
+std::vector<int> certain_seats(const Edges& edges, std::size_t seats) {
+  const Matching all(edges, seats);
+  std::vector<int> certain(edges.size(), -1);
+  for (std::size_t seat = 0; seat < seats; ++seat) {
     if (all.board(seat) < 0) continue;
     const auto b = static_cast<std::size_t>(all.board(seat));
     Edges without = edges;
     std::erase(without[b], static_cast<int>(seat));
-    if (Matching(without, seats.size()).size() < all.size()) result.seat[b] = static_cast<int>(seat);
+    if (Matching(without, seats).size() < all.size()) certain[b] = static_cast<int>(seat);
   }
+  return certain;
+}
+
+}  // namespace
+
+ShapeAssignment assign_by_shape(std::span<const BoardShape> shapes, std::span<const Seat> seats) {
+  ShapeAssignment result;
+  const Differences differences = differences_of(shapes, seats, result.across);
+  constexpr int kSlack = 1;
+  Edges edges = edges_of(differences, -1);
+  result.exact = Matching(edges, seats.size()).size() == std::min(shapes.size(), seats.size());
+  if (!result.exact) edges = edges_of(differences, kSlack);
+  result.seat = certain_seats(edges, seats.size());
   result.likely = std::move(edges);  // The rows are already in ascending order.
   return result;
 }

@@ -126,36 +126,37 @@ class Session {
     bool good = true;
     for (const auto& [node, count] : users) {
       found += found.empty() ? "" : "; ";
-      good = good && (count == 1 || static_cast<int>(users.size()) + count - 1 <= patches());
       if (count > 1) {
+        good = good && static_cast<int>(users.size()) + count - 1 <= patches();
         found += fmt::format("{} at address {}", counted(count, "controller"), node);
-        continue;
+      } else {
+        const wire::Hello h = Controller(*bus_, static_cast<std::uint8_t>(node)).hello();
+        good = good && h.wire_version == wire::kWireVersion;
+        found += fmt::format("controller {}: serial {}, wire version {}, table layout {}", node, to_text(h.unique_id),
+                             h.wire_version, h.layout_version);
       }
-      const wire::Hello h = Controller(*bus_, static_cast<std::uint8_t>(node)).hello();
-      found += fmt::format("controller {}: serial {}, wire version {}, table layout {}", node, to_text(h.unique_id),
-                           h.wire_version, h.layout_version);
-      good = good && h.wire_version == wire::kWireVersion;
     }
     return good ? passed(found) : failed(found);
   }
 
   StepAnswer look_at_lines() {
     std::string found;
-    bool good = true;
-    for (const std::uint8_t node : nodes()) {
-      const wire::LineStates states = Controller(*bus_, node).line_states();
-      for (std::size_t l = 0; l < states.lines.size(); ++l) {
-        const bool used = uses_line(node, static_cast<int>(l));
-        if (!states.lines[l].stuck || !used) continue;
-        good = false;
-        found += fmt::format("controller {}: line L{} is held low; ", node, l);
-      }
-    }
+    for (const std::uint8_t node : nodes()) found += held_lines(node);
     const StepAnswer person = ask(bring_up_steps(*options_.board)[8]);
-    if (person.outcome == StepOutcome::kFailed) good = false;
+    const bool good = found.empty() && person.outcome != StepOutcome::kFailed;
     found += good ? "no used line is held low; " : "";
     found += "rise times: " + person.found;
     return good ? passed(found) : failed(found);
+  }
+
+  std::string held_lines(std::uint8_t node) {
+    std::string held;
+    const wire::LineStates states = Controller(*bus_, node).line_states();
+    for (std::size_t l = 0; l < states.lines.size(); ++l) {
+      if (states.lines[l].stuck && uses_line(node, static_cast<int>(l)))
+        held += fmt::format("controller {}: line L{} is held low; ", node, l);
+    }
+    return held;
   }
 
   StepAnswer look_at_chips() {
@@ -227,8 +228,8 @@ class Session {
   }
   [[nodiscard]] int patches() const { return static_cast<int>(design_.patches.size()); }
   [[nodiscard]] bool uses_line(std::uint8_t node, int line) const {
-    const int patch = node - layout::kFirstNode;
-    if (patch >= patches()) return true;
+    const layout::PatchIndex patch = design::patch_at(design_, layout::NodeAddress{node});
+    if (patch < 0) return true;
     const auto& modules = design_.patches[static_cast<std::size_t>(patch)].modules;
     return std::ranges::any_of(modules, [&](const design::RoutedModule& m) { return m.line == line; });
   }

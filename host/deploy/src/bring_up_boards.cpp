@@ -7,27 +7,32 @@
 
 namespace triskin::device {
 
+namespace {
+
+constexpr std::array<BringUpBoard, 3> kBoards{{
+    {.name = "nucleo_g474re", .chip = "STM32G474", .chip_id = "0x469", .part = "STM32G474RETx", .build = "firmware"},
+    {.name = "icub_patch",
+     .chip = "STM32G474",
+     .chip_id = "0x469",
+     .part = "STM32G474RETx",
+     .build = "icub_patch",
+     .usb = false,
+     .boot_pin = "BOOT0"},
+    {.name = "nucleo_l452re",
+     .chip = "STM32L452",
+     .chip_id = "0x462",
+     .part = "STM32L452RETx",
+     .build = "nucleo_l452re",
+     .two_banks = false,
+     .measures_crystal = false,
+     .can_fd = false,
+     .usb = false,
+     .boot_pin = "BOOT0"},
+}};
+
+}  // namespace
+
 std::span<const BringUpBoard> bring_up_boards() {
-  static constexpr std::array<BringUpBoard, 3> kBoards{{
-      {.name = "nucleo_g474re", .chip = "STM32G474", .chip_id = "0x469", .part = "STM32G474RETx", .build = "firmware"},
-      {.name = "icub_patch",
-       .chip = "STM32G474",
-       .chip_id = "0x469",
-       .part = "STM32G474RETx",
-       .build = "icub_patch",
-       .usb = false,
-       .boot_pin = "BOOT0"},
-      {.name = "nucleo_l452re",
-       .chip = "STM32L452",
-       .chip_id = "0x462",
-       .part = "STM32L452RETx",
-       .build = "nucleo_l452re",
-       .two_banks = false,
-       .measures_crystal = false,
-       .can_fd = false,
-       .usb = false,
-       .boot_pin = "BOOT0"},
-  }};
   return kBoards;
 }
 

@@ -87,6 +87,18 @@ std::array<BringUpStep, 12> bring_up_steps(const BringUpBoard& board) {
   }};
 }
 
+namespace {
+
+std::string failure_text(const StepReport& r, const BringUpStep& step) {
+  std::string text = fmt::format("\n## Step {}\n\nMeasured: {}. Should be: {}. Otherwise: {}.\n", r.number,
+                                 step.measures, step.expects, step.otherwise);
+  for (const ProgrammerLine& line : step.commands) text += fmt::format("\n- {}: `{}`", line.programmer, line.command);
+  if (!step.commands.empty()) text += "\n";
+  return text;
+}
+
+}  // namespace
+
 std::string to_markdown(const std::vector<StepReport>& reports, std::string_view link_name, const BringUpBoard& board) {
   const std::array<BringUpStep, 12> steps = bring_up_steps(board);
   std::string text =
@@ -97,12 +109,7 @@ std::string to_markdown(const std::vector<StepReport>& reports, std::string_view
     text += fmt::format("| {} | {} | {} | {} |\n", r.number, step.does, kStepOutcomeNames.name(r.outcome), r.found);
   }
   for (const StepReport& r : reports) {
-    if (r.outcome != StepOutcome::kFailed) continue;
-    const BringUpStep& step = steps.at(static_cast<std::size_t>(r.number - 1));
-    text += fmt::format("\n## Step {}\n\nMeasured: {}. Should be: {}. Otherwise: {}.\n", r.number, step.measures,
-                        step.expects, step.otherwise);
-    for (const ProgrammerLine& line : step.commands) text += fmt::format("\n- {}: `{}`", line.programmer, line.command);
-    if (!step.commands.empty()) text += "\n";
+    if (r.outcome == StepOutcome::kFailed) text += failure_text(r, steps.at(static_cast<std::size_t>(r.number - 1)));
   }
   return text;
 }

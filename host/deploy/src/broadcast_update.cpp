@@ -9,8 +9,8 @@
 #include <memory>
 #include <mutex>
 #include <random>
-#include <thread>
 
+#include "triskin/base/outcomes.hpp"
 #include "triskin/layout/image_label.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/wire/identity.hpp"
@@ -45,28 +45,41 @@ void check_label(const FirmwarePackage& package, int slot) {
   }
 }
 
-// Runs each bus in its own thread, or a single bus in the present one. The first exception is thrown when all have
-// ended.
+using Sessions = std::vector<std::unique_ptr<UpdateSession>>;
+
+// Does `work` on all buses and throws the first exception after all have ended; then no session goes on.
 template <class Work>
-void side_by_side(std::vector<std::unique_ptr<UpdateSession>>& sessions, std::string_view left_behind, Work work) {
-  std::vector<std::exception_ptr> failures(sessions.size());
-  const auto run = [&](std::size_t k) {
-    try {
-      work(*sessions[k]);
-    } catch (...) {
-      failures[k] = std::current_exception();
-    }
-  };
-  {
-    std::vector<std::jthread> threads;
-    for (std::size_t k = 1; k < sessions.size(); ++k) threads.emplace_back([&run, k] { run(k); });
-    if (!sessions.empty()) run(0);
-  }
-  for (const auto& failure : failures) {
+void side_by_side(Sessions& sessions, std::string_view left_behind, Work work) {
+  for (const std::exception_ptr& failure : outcomes_of(sessions.size(), [&](std::size_t k) { work(*sessions[k]); })) {
     if (!failure) continue;
     for (const auto& s : sessions) s->abandon();
     rethrow_with(failure, left_behind);
   }
+}
+
+// Unless `each`, no board starts the new image when another has refused it.
+void update_all(Sessions& sessions, bool each) {
+  const auto any_refused = [&] {
+    return !each && std::ranges::any_of(sessions, [](const auto& s) { return s->any_refused(); });
+  };
+  constexpr const char* kTogether = "another controller refused; give --each to start it where it is ready";
+  constexpr std::string_view kNothingStarted =
+      "no controller has started the new firmware, all run what they ran; run the command again";
+  constexpr std::string_view kPerhapsStarted =
+      "some controllers may run the new firmware; run triskin discover, then the command again";
+  side_by_side(sessions, kNothingStarted, [](UpdateSession& s) { s.begin(); });
+  if (!any_refused()) side_by_side(sessions, kNothingStarted, [](UpdateSession& s) { s.transfer(); });
+  if (any_refused())
+    for (const auto& s : sessions) s->hold_back(kTogether);
+  else
+    side_by_side(sessions, kPerhapsStarted, [](UpdateSession& s) { s.activate(); });
+}
+
+void add_result(UpdateSession& session, BroadcastResult& result) {
+  for (BoardUpdate& b : session.take_boards()) result.boards.push_back(std::move(b));
+  result.rounds = std::max(result.rounds, session.rounds());
+  result.frames += session.frames();
+  result.again += session.again();
 }
 
 std::uint16_t draw_session() {
@@ -97,7 +110,7 @@ BroadcastResult broadcast_firmware(std::span<const UpdateBus> buses, const Firmw
   for (int slot = 0; slot < 2; ++slot) check_label(package, slot);
   std::mutex telling;
   const std::uint16_t number = draw_session();
-  std::vector<std::unique_ptr<UpdateSession>> sessions;
+  Sessions sessions;
   std::vector<std::uint64_t> began_us;
   std::size_t first = 0;
   for (const UpdateBus& b : buses) {
@@ -109,27 +122,11 @@ BroadcastResult broadcast_firmware(std::span<const UpdateBus> buses, const Firmw
     began_us.push_back(b.bus->now_us());
     first += b.boards.size();
   }
-  const auto any_refused = [&] {
-    return !options.each && std::ranges::any_of(sessions, [](const auto& s) { return s->any_refused(); });
-  };
-  constexpr const char* kTogether = "another controller refused; give --each to start it where it is ready";
-  constexpr std::string_view kNothingStarted =
-      "no controller has started the new firmware, all run what they ran; run the command again";
-  constexpr std::string_view kPerhapsStarted =
-      "some controllers may run the new firmware; run triskin discover, then the command again";
-  side_by_side(sessions, kNothingStarted, [](UpdateSession& s) { s.begin(); });
-  if (!any_refused()) side_by_side(sessions, kNothingStarted, [](UpdateSession& s) { s.transfer(); });
-  if (any_refused())
-    for (const auto& s : sessions) s->hold_back(kTogether);
-  else
-    side_by_side(sessions, kPerhapsStarted, [](UpdateSession& s) { s.activate(); });
+  update_all(sessions, options.each);
 
   BroadcastResult result;
   for (std::size_t k = 0; k < sessions.size(); ++k) {
-    for (BoardUpdate& b : sessions[k]->take_boards()) result.boards.push_back(std::move(b));
-    result.rounds = std::max(result.rounds, sessions[k]->rounds());
-    result.frames += sessions[k]->frames();
-    result.again += sessions[k]->again();
+    add_result(*sessions[k], result);
     result.link_s = std::max(result.link_s, static_cast<double>(buses[k].bus->now_us() - began_us[k]) * 1e-6);
   }
   return result;

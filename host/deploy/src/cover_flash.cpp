@@ -21,7 +21,8 @@ namespace {
 class FreeAddresses {
  public:
   FreeAddresses(const Bus& bus, const design::Design& design, const FlashOptions& options) : name_(bus.name()) {
-    for (const int patch : design::patches_here(design)) used_.insert(design::node_address_of(design, patch));
+    for (const layout::PatchIndex patch : design::patches_here(design))
+      used_.insert(design::node_address_of(design, patch));
     for (const FlashOptions::Neighbour& n : options.neighbours) promised_.insert(n.node);
   }
   void take(int address) { used_.insert(address); }
@@ -68,11 +69,7 @@ void check_identity(Controller& controller, const Bus& bus, const FlashResult::P
 }  // namespace
 
 void CoverFlash::plan(std::span<const FlashOptions::Neighbour> settled, BusBoards& known) {
-  for (FlashOptions::Neighbour& n : options_.neighbours) {
-    const auto same =
-        std::ranges::find_if(settled, [&](const auto& s) { return s.node == n.node && s.design_id == n.design_id; });
-    if (same != settled.end()) n.serial = same->serial;
-  }
+  name_neighbours(settled);
   report(progress_, "finding controllers", -1.0);
   find(known.claims);
   MatchedBoards matched = match_boards(bus_, design_, options_, known);
@@ -82,7 +79,19 @@ void CoverFlash::plan(std::span<const FlashOptions::Neighbour> settled, BusBoard
   if (std::ranges::count(boards_, FoundBy::kTouch, &Board::by) > 0) known.claims.clear();
   std::erase_if(boards_, [](const Board& b) { return b.patch < 0; });
   std::ranges::sort(boards_, {}, &Board::patch);
-  std::vector<FlashResult::Patch> before = std::move(patches_);
+  list_patches();
+}
+
+void CoverFlash::name_neighbours(std::span<const FlashOptions::Neighbour> settled) {
+  for (FlashOptions::Neighbour& n : options_.neighbours) {
+    const auto same =
+        std::ranges::find_if(settled, [&](const auto& s) { return s.node == n.node && s.design_id == n.design_id; });
+    if (same != settled.end()) n.serial = same->serial;
+  }
+}
+
+void CoverFlash::list_patches() {
+  const std::vector<FlashResult::Patch> before = std::move(patches_);
   patches_.clear();
   for (const Board& b : boards_) {
     const auto earlier = std::ranges::find(before, b.patch, &FlashResult::Patch::patch);
@@ -135,7 +144,8 @@ void CoverFlash::find(std::vector<wire::NodeClaim>& claims) {
 std::vector<FlashOptions::Neighbour> CoverFlash::settled() const {
   std::vector<FlashOptions::Neighbour> list;
   for (const Board& b : boards_)
-    list.push_back({address_of(b), design_.design_id, to_text(b.claim.unique_id), &design_, b.patch});
+    list.push_back(
+        {layout::NodeAddress{address_of(b)}, design_.design_id, to_text(b.claim.unique_id), &design_, b.patch});
   return list;
 }
 
@@ -150,13 +160,13 @@ void CoverFlash::begin(FlashResult::Patch& r, const Board& board) const {
   r.patch = board.patch;
   r.serial = to_text(board.claim.unique_id);
   r.by = board.by;
-  r.old_address = board.claim.node_address;
-  r.address = address_of(board);
+  r.old_address = layout::NodeAddress{board.claim.node_address};
+  r.address = layout::NodeAddress{address_of(board)};
   r.new_address = r.old_address != r.address;
   r.bytes = images_[static_cast<std::size_t>(board.patch)].size();
 }
 
-void CoverFlash::step(int patch, const char* what, double fraction) const {
+void CoverFlash::step(layout::PatchIndex patch, const char* what, double fraction) const {
   report(progress_, what, fraction, fmt::format("patch {}", patch), patch);
 }
 
@@ -189,10 +199,7 @@ void CoverFlash::converse(Bus& bus, const Board& board, FlashResult::Patch& r, b
   }
   Controller controller(bus, address_of(board));
   check_identity(controller, bus, r);
-  const wire::ActiveTable active = controller.active_table();
-  // An equal CRC does not suffice to skip a table, because comparing the bytes costs little.
-  r.equal =
-      active.present() && active.crc == crc32(image) && std::ranges::equal(controller.read_table(image.size()), image);
+  r.equal = holds_table(controller, image);
   if (r.equal && began_to_write) r.written = true;
   if (!r.equal || (options_.force && !r.written)) {
     began_to_write = true;
@@ -223,7 +230,7 @@ std::vector<CoverFlash::Failure> CoverFlash::failures(std::span<const std::excep
 }
 
 std::string CoverFlash::what_is_done() const {
-  std::vector<int> done;
+  std::vector<layout::PatchIndex> done;
   for (const FlashResult::Patch& r : patches_) {
     if (r.equal || r.written) done.push_back(r.patch);
   }

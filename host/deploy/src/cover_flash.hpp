@@ -54,10 +54,14 @@ class CoverFlash {
   [[nodiscard]] std::string what_is_done() const;
 
  private:
+  // Notes the serial numbers of neighbours whose boards were found by a cover planned before.
+  void name_neighbours(std::span<const FlashOptions::Neighbour> settled);
   void find(std::vector<wire::NodeClaim>& claims);
+  // Starts the results of the patches again from the boards found, and keeps what an earlier pass wrote.
+  void list_patches();
   [[nodiscard]] std::uint8_t address_of(const Board& board) const;
   void begin(FlashResult::Patch& r, const Board& board) const;
-  void step(int patch, const char* what, double fraction) const;
+  void step(layout::PatchIndex patch, const char* what, double fraction) const;
   void serve(Bus& bus, const Board& board, FlashResult::Patch& r) const;
   void converse(Bus& bus, const Board& board, FlashResult::Patch& r, bool& began_to_write) const;
 

@@ -121,13 +121,16 @@ class LoaderSession {
 };
 
 // Returns the slot that was written. If the user ends the program, the controller continues with its old application.
+// The loader refuses to write the slot that runs. Slot 0 is free when slot 1 runs, or when neither does.
+int free_slot(const std::optional<wire::ImageState>& before, std::uint8_t states) {
+  const int running = before ? before->slot : (states & 4) != 0 ? 0 : 1;
+  return running == 0 ? 1 : 0;
+}
+
 int write_free_slot(LoaderSession& loader, const std::optional<wire::ImageState>& before, Controller& controller,
                     const FirmwarePackage& package, const std::function<void(double)>& steps) {
   try {
-    const std::uint8_t states = loader.enter(controller);
-    // The loader refuses to write the slot that runs. Slot 0 is free when slot 1 runs, or when neither does.
-    const int running = before ? before->slot : (states & 4) != 0 ? 0 : 1;
-    const int slot = running == 0 ? 1 : 0;
+    const int slot = free_slot(before, loader.enter(controller));
     loader.erase(slot);
     loader.write(package.image(slot), steps);
     loader.commit(package.image(slot));

@@ -54,7 +54,7 @@ std::vector<std::vector<std::uint8_t>> images_of(const design::Design& design, c
                                                    route.other));
   }
   std::vector<std::vector<std::uint8_t>> images(design.patches.size());
-  for (const int patch : design::patches_here(design)) {
+  for (const layout::PatchIndex patch : design::patches_here(design)) {
     layout::PatchImage image = image_of(design, patch, route);
     image.positive_input = positive_input;
     images[static_cast<std::size_t>(patch)] = bytes_of(image);

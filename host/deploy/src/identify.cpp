@@ -19,14 +19,15 @@ class Identification {
 
   std::vector<IdentifiedBoard> run() {
     find_boards();
-    std::vector<int> open = design::patches_here(design_);
+    compare_shapes();
+    std::vector<layout::PatchIndex> open = design::patches_here(design_);
     if (options_.patch >= 0) {
       open = {options_.patch};
     } else {
       settle_by_shape(open);
     }
     touch(open);
-    for (const int patch : open) result_.push_back({patch, "", FoundBy::kNothing});
+    for (const layout::PatchIndex patch : open) result_.push_back({patch, "", FoundBy::kNothing});
     std::ranges::sort(result_, {}, &IdentifiedBoard::patch);
     return std::move(result_);
   }
@@ -46,21 +47,25 @@ class Identification {
                                  to_text(c.unique_id), c.node_address));
       }
     }
+  }
+
+  void compare_shapes() {
     std::vector<BoardShape> shapes;
     for (const FeelingBoard& b : boards_) shapes.push_back(b.shape);
-    const std::vector<int> here = design::patches_here(design_);
+    const std::vector<layout::PatchIndex> here = design::patches_here(design_);
     const ShapeAssignment found = assign_by_shape(shapes, seats_of(design_, here));
     for (std::size_t k = 0; k < boards_.size(); ++k) {
-      by_shape_.push_back(found.seat[k] < 0 ? -1 : here[static_cast<std::size_t>(found.seat[k])]);
+      by_shape_.push_back(found.seat[k] < 0 ? layout::PatchIndex::none()
+                                            : here[static_cast<std::size_t>(found.seat[k])]);
       for (const int seat : found.likely[k]) boards_[k].likely.push_back(here[static_cast<std::size_t>(seat)]);
       boards_[k].across = found.across[k];
     }
   }
 
-  void settle_by_shape(std::vector<int>& open) {
+  void settle_by_shape(std::vector<layout::PatchIndex>& open) {
     std::vector<FeelingBoard> rest;
     for (std::size_t k = 0; k < boards_.size(); ++k) {
-      const int patch = by_shape_[k];
+      const layout::PatchIndex patch = by_shape_[k];
       if (patch < 0)
         rest.push_back(std::move(boards_[k]));
       else
@@ -69,13 +74,13 @@ class Identification {
     boards_ = std::move(rest);
   }
 
-  void touch(std::vector<int>& open) {
+  void touch(std::vector<layout::PatchIndex>& open) {
     const bool all = options_.patch < 0 && boards_.size() == open.size();
     if (open.empty() || boards_.empty()) return;
     if (all && open.size() == 1) return assign(open[0], boards_[0], FoundBy::kOnly, open);
     TouchFinder finder(bus_, design_, boards_, options_);
     std::vector<bool> taken(boards_.size(), false);
-    for (const int patch : std::vector<int>(open)) {
+    for (const layout::PatchIndex patch : std::vector<layout::PatchIndex>(open)) {
       const auto last = std::ranges::find(taken, false) - taken.begin();
       if (all && open.size() == 1 && std::ranges::count(taken, false) == 1)
         return assign(patch, boards_[static_cast<std::size_t>(last)], FoundBy::kOnly, open);
@@ -86,7 +91,7 @@ class Identification {
     }
   }
 
-  void assign(int patch, const FeelingBoard& board, FoundBy by, std::vector<int>& open) {
+  void assign(layout::PatchIndex patch, const FeelingBoard& board, FoundBy by, std::vector<layout::PatchIndex>& open) {
     result_.push_back({patch, to_text(board.claim.unique_id), by});
     std::erase(open, patch);
     if (found_) found_(result_.back());
@@ -97,7 +102,7 @@ class Identification {
   const IdentifyOptions& options_;
   const std::function<void(const IdentifiedBoard&)>& found_;
   std::vector<FeelingBoard> boards_;
-  std::vector<int> by_shape_;  // Each board has the patch that its shape settles, or −1.
+  std::vector<layout::PatchIndex> by_shape_;  // Each board has the patch that its shape settles, or −1.
   std::vector<IdentifiedBoard> result_;
 };
 

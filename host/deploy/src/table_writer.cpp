@@ -9,17 +9,31 @@ namespace triskin::device {
 
 // The answer to the activation may be lost although the table is active, so the bytes that are read back decide. If the
 // request was lost, the whole procedure is repeated.
-void write_and_compare(Controller& controller, Bus& bus, Bytes image, const std::function<void(double)>& steps) {
+namespace {
+
+// If the answer to the last step was lost, the table may be active all the same, so this is asked before trying again.
+void write_with_retries(Controller& controller, Bytes image, const std::function<void(double)>& steps) {
   constexpr int kAttempts = 3;
   for (int attempt = 1;; ++attempt) {
     try {
-      controller.write_table(image, steps);
-      break;
+      return controller.write_table(image, steps);
     } catch (const NoAnswer&) {
-      if (controller.active_table().crc == crc32(image)) break;
+      if (controller.active_table().crc == crc32(image)) return;
       if (attempt == kAttempts) throw;
     }
   }
+}
+
+}  // namespace
+
+bool holds_table(Controller& controller, Bytes image) {
+  const wire::ActiveTable active = controller.active_table();
+  return active.present() && active.crc == crc32(image) &&
+         std::ranges::equal(controller.read_table(image.size()), image);
+}
+
+void write_and_compare(Controller& controller, Bus& bus, Bytes image, const std::function<void(double)>& steps) {
+  write_with_retries(controller, image, steps);
   const Bus::Uninterrupted guard(bus);  // After an interruption here, it would be unknown which table is active.
   const std::vector<std::uint8_t> back = controller.read_table(image.size());
   const auto [a, b] = std::mismatch(image.begin(), image.end(), back.begin(), back.end());

@@ -48,6 +48,15 @@ void keep_entry_alone(layout::PatchImage& image) {
   image.second_entry = 0;
 }
 
+// Returns the table that makes a board sample what it sees; it has no module if the board sees none of this design.
+layout::PatchImage image_to_feel(const FeelingBoard& board, const design::Design& design) {
+  layout::PatchImage image;
+  if (!board.shape.switched) image = image_of_answers(board.shape);
+  if (board.shape.switched && !board.likely.empty()) image = image_of(design, board.likely.front());
+  if (board.across && image.module_count > 0) keep_entry_alone(image);
+  return image;
+}
+
 bool searching(const wire::Offsets& offsets) {
   return std::ranges::any_of(offsets.rows(), [](const wire::ModuleOffsets& m) {
     return m.state == wire::OffsetState::kNone || m.state == wire::OffsetState::kSearching;
@@ -72,10 +81,7 @@ void TouchFinder::let_sample(Probe& probe) {
   const wire::ActiveTable table = controller.active_table();
   probe.samples = table.present() && table.design_id != kIdentifyDesign;
   if (probe.samples) return;
-  layout::PatchImage image;
-  if (!probe.board.shape.switched) image = image_of_answers(probe.board.shape);
-  if (probe.board.shape.switched && !probe.board.likely.empty()) image = image_of(design_, probe.board.likely.front());
-  if (probe.board.across && image.module_count > 0) keep_entry_alone(image);
+  layout::PatchImage image = image_to_feel(probe.board, design_);
   if (image.module_count == 0) {
     if (options_.say)
       options_.say(fmt::format("controller {} is left out: {}", to_text(probe.board.claim.unique_id),
@@ -161,9 +167,9 @@ std::optional<std::size_t> TouchFinder::wait(std::uint64_t until_us) {
 }
 
 // Presses several modules of the patch, because the first one may be dead.
-std::optional<std::size_t> TouchFinder::press(TouchActuator& actuator, int patch) {
+std::optional<std::size_t> TouchFinder::press(TouchActuator& actuator, layout::PatchIndex patch) {
   for (const design::RoutedModule& m : design_.patches.at(static_cast<std::size_t>(patch)).modules) {
-    actuator.press(m.node);
+    actuator.press(layout::ModuleId{m.node});
     bus_.listen(bus_.now_us() + kSample_us);
     const auto board = wait(bus_.now_us() + 4 * kLook_us);
     actuator.lift();
@@ -174,7 +180,7 @@ std::optional<std::size_t> TouchFinder::press(TouchActuator& actuator, int patch
   return std::nullopt;
 }
 
-std::optional<std::size_t> TouchFinder::find(int patch) {
+std::optional<std::size_t> TouchFinder::find(layout::PatchIndex patch) {
   take_rest();
   if (options_.ask) options_.ask(patch);
   const auto board = options_.actuator != nullptr

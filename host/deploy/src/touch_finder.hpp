@@ -11,7 +11,8 @@ namespace triskin::device {
 struct FeelingBoard {
   wire::NodeClaim claim;
   BoardShape shape;
-  std::vector<int> likely;  ///< The board's shape fits these patches; an empty list means that it fits none.
+  /// The board's shape fits these patches; an empty list means that it fits none.
+  std::vector<layout::PatchIndex> likely;
   bool across = false;  ///< The board reaches into neighbouring patches, so it samples only the module at its cable.
 };
 
@@ -25,7 +26,7 @@ class TouchFinder {
 
   /// Asks for a touch of `patch`; returns the index of the board that felt it, or nothing if none did in time. Boards
   /// that were already found are not considered.
-  std::optional<std::size_t> find(int patch);
+  std::optional<std::size_t> find(layout::PatchIndex patch);
 
  private:
   struct Probe {
@@ -39,7 +40,7 @@ class TouchFinder {
   [[nodiscard]] double strength(const Probe& probe) const;
   std::optional<std::size_t> felt(bool& doubtful);
   std::optional<std::size_t> wait(std::uint64_t until_us);
-  std::optional<std::size_t> press(TouchActuator& actuator, int patch);
+  std::optional<std::size_t> press(TouchActuator& actuator, layout::PatchIndex patch);
 
   Bus& bus_;
   const design::Design& design_;

@@ -217,9 +217,6 @@ wire::update::Offer UpdateSession::offer_of(int slot) const {
 void UpdateSession::join() {
   const auto wanted = slots_wanted();
   for (Board& b : boards_) b.state.reset();
-  const auto joined = [&](const Board& b) {
-    return b.state && b.state->session == session_ && b.state->phase == Phase::kJoined;
-  };
   std::vector<wire::update::Offer> offers;
   for (int slot = 0; slot < 2; ++slot) {
     if (wanted[static_cast<std::size_t>(slot)]) offers.push_back(offer_of(slot));
@@ -232,14 +229,7 @@ void UpdateSession::join() {
     ask(
         Command::kJoin, [&](const Board& b) { return b.under_way && !joined(b); },
         [](const Board& b) { return b.state.has_value(); }, 1);
-    bool again = false;
-    for (Board& b : boards_) {
-      if (!b.under_way || joined(b)) continue;
-      // Without a session, the answer is older than the question.
-      again = again || !b.state || b.state->session == 0 || b.state->status == Status::kEmpty ||
-              b.state->status == Status::kUnproven;
-    }
-    if (!again) break;
+    if (std::ranges::none_of(boards_, [&](const Board& b) { return may_join_later(b); })) break;
     const bool unproven = std::ranges::any_of(
         boards_, [&](const Board& b) { return b.under_way && b.state && b.state->status == Status::kUnproven; });
     if (!unproven && k + 1 >= kTries) break;
@@ -251,6 +241,16 @@ void UpdateSession::join() {
   for (Board& b : boards_) {
     if (b.under_way && !joined(b)) refused_at_join(b);
   }
+}
+
+bool UpdateSession::joined(const Board& b) const {
+  return b.state && b.state->session == session_ && b.state->phase == Phase::kJoined;
+}
+
+bool UpdateSession::may_join_later(const Board& b) const {
+  if (!b.under_way || joined(b)) return false;
+  // Without a session, the answer is older than the question.
+  return !b.state || b.state->session == 0 || b.state->status == Status::kEmpty || b.state->status == Status::kUnproven;
 }
 
 void UpdateSession::refused_at_join(Board& b) {
@@ -347,6 +347,12 @@ struct SlotStream {
 
 }  // namespace
 
+void UpdateSession::report_to_all(const char* stage, double fraction) const {
+  for (std::size_t k = 0; k < boards_.size(); ++k) {
+    if (boards_[k].under_way) progress_(k, stage, fraction);
+  }
+}
+
 void UpdateSession::send_units(std::array<Units, 2> units, const char* stage) {
   std::array<SlotStream, 2> streams{{{std::move(units[0])}, {std::move(units[1])}}};
   std::uint64_t bus_us = bus_.now_us();
@@ -369,9 +375,7 @@ void UpdateSession::send_units(std::array<Units, 2> units, const char* stage) {
     bus_us += (wire::frame_ns(frame, wire::kControllerRates) + 999) / 1000;
     if (sent < told + 512 && sent < all) continue;
     told = sent;
-    for (std::size_t k = 0; k < boards_.size(); ++k) {
-      if (boards_[k].under_way) progress_(k, stage, static_cast<double>(sent) / static_cast<double>(all));
-    }
+    report_to_all(stage, static_cast<double>(sent) / static_cast<double>(all));
   }
   listen(std::max({bus_us, streams[0].next_us, streams[1].next_us}));
 }
@@ -389,45 +393,9 @@ void UpdateSession::send_missing() {
   }
   while (!open.empty()) {
     ++rounds_;
-    for (int k = 0; k < kTries; ++k) {
-      for (const std::size_t at : open) {
-        if (complete(boards_[at]) && k > 0) continue;
-        boards_[at].state.reset();
-        boards_[at].missing.clear();
-      }
-      const auto is_open = [&](const Board& b) {
-        return std::ranges::any_of(open, [&](std::size_t at) { return &boards_[at] == &b; });
-      };
-      ask(Command::kMissing, is_open, [](const Board& b) { return b.state.has_value(); }, 1);
-      // A board that was silent before is asked only once per round, so that a dead board does not delay the others.
-      const auto waits = [&](std::size_t at) { return !complete(boards_[at]) && boards_[at].silent_rounds == 0; };
-      if (std::ranges::none_of(open, waits)) break;
-    }
-    std::array<std::set<std::uint16_t>, 2> missing;
-    std::vector<std::size_t> still;
-    for (const std::size_t at : open) {
-      Board& b = boards_[at];
-      b.silent_rounds = b.state ? 0 : b.silent_rounds + 1;
-      if (b.silent_rounds > 0 && b.silent_rounds < kSilentRounds) {
-        still.push_back(at);
-        continue;
-      }
-      expect_answer(b, "receiving");
-      if (!b.under_way) continue;
-      const int slot = free_slot(b);
-      bool any = !complete(b);
-      for (const std::uint16_t u : b.missing) {
-        if (erased(slot, u)) continue;
-        missing[static_cast<std::size_t>(slot)].insert(u);
-        any = true;
-      }
-      if (!any) continue;
-      still.push_back(at);
-      if (rounds_ >= kMaxRounds)
-        give_up(b, UpdateOutcome::kGivenUp, "loses too many frames; check its cable and termination");
-    }
-    open = std::move(still);
-    std::erase_if(open, [&](std::size_t at) { return !boards_[at].under_way; });
+    ask_missing(open);
+    MissingUnits missing;
+    std::erase_if(open, [&](std::size_t at) { return !still_needs(boards_[at], missing); });
     const std::size_t before = frames_;
     send_units({Units(missing[0].begin(), missing[0].end()), Units(missing[1].begin(), missing[1].end())},
                "sending again");
@@ -435,12 +403,44 @@ void UpdateSession::send_missing() {
   }
 }
 
+void UpdateSession::ask_missing(const std::vector<std::size_t>& open) {
+  for (int k = 0; k < kTries; ++k) {
+    for (const std::size_t at : open) {
+      if (complete(boards_[at]) && k > 0) continue;
+      boards_[at].state.reset();
+      boards_[at].missing.clear();
+    }
+    const auto is_open = [&](const Board& b) {
+      return std::ranges::any_of(open, [&](std::size_t at) { return &boards_[at] == &b; });
+    };
+    ask(Command::kMissing, is_open, [](const Board& b) { return b.state.has_value(); }, 1);
+    // A board that was silent before is asked only once per round, so that a dead board does not delay the others.
+    const auto waits = [&](std::size_t at) { return !complete(boards_[at]) && boards_[at].silent_rounds == 0; };
+    if (std::ranges::none_of(open, waits)) break;
+  }
+}
+
+bool UpdateSession::still_needs(Board& b, MissingUnits& missing) {
+  b.silent_rounds = b.state ? 0 : b.silent_rounds + 1;
+  if (b.silent_rounds > 0 && b.silent_rounds < kSilentRounds) return true;
+  expect_answer(b, "receiving");
+  if (!b.under_way) return false;
+  const int slot = free_slot(b);
+  bool any = !complete(b);
+  for (const std::uint16_t u : b.missing) {
+    if (erased(slot, u)) continue;
+    missing[static_cast<std::size_t>(slot)].insert(u);
+    any = true;
+  }
+  if (any && rounds_ >= kMaxRounds)
+    give_up(b, UpdateOutcome::kGivenUp, "loses too many frames; check its cable and termination");
+  return any && b.under_way;
+}
+
 void UpdateSession::check() {
   if (!any_under_way()) return;
   send_to_all(Command::kCheck);
-  for (std::size_t k = 0; k < boards_.size(); ++k) {
-    if (boards_[k].under_way) progress_(k, "checking", 1.0);
-  }
+  report_to_all("checking", 1.0);
   listen(bus_.now_us() + kBetweenPolls_us);
   poll_until([](const Board& b) { return b.state && b.state->phase == Phase::kReady; }, kCheckPatience_us,
              Command::kCheck, Phase::kReceiving, "checking");
@@ -493,17 +493,18 @@ void UpdateSession::activate() {
     listen(bus_.now_us() + kBetweenPolls_us);
   }
   for (Board& b : boards_) {
-    if (!b.under_way) continue;
-    if (!started(b)) {
-      give_up(b, UpdateOutcome::kGivenUp, "has not started the new firmware; look at it with triskin discover");
-      continue;
-    }
-    b.under_way = false;
-    b.result.outcome = UpdateOutcome::kUpdated;
-    b.result.slot = b.who->running_slot;
-    b.result.bytes = package_.image(b.result.slot).size();
+    if (b.under_way) conclude(b);
   }
   abandon();
+}
+
+void UpdateSession::conclude(Board& b) {
+  if (!started(b))
+    return give_up(b, UpdateOutcome::kGivenUp, "has not started the new firmware; look at it with triskin discover");
+  b.under_way = false;
+  b.result.outcome = UpdateOutcome::kUpdated;
+  b.result.slot = b.who->running_slot;
+  b.result.bytes = package_.image(b.result.slot).size();
 }
 
 void UpdateSession::hold_back(const std::string& why) {

@@ -74,6 +74,9 @@ class UpdateSession {
   void look_for_silent();
   void decide(Board& board);
   void join();
+  [[nodiscard]] bool joined(const Board& board) const;
+  /// Returns true if asking a board once more may let it join.
+  [[nodiscard]] bool may_join_later(const Board& board) const;
   void refused_at_join(Board& board);
   void erase();
   void poll_until(const Done& done, std::uint64_t patience_us, wire::update::Command repeat, wire::update::Phase from,
@@ -81,11 +84,21 @@ class UpdateSession {
   void send_image();
   void send_units(std::array<Units, 2> units, const char* stage);
   void send_missing();
+  /// Asks each board in `open` (indices) which units it misses.
+  void ask_missing(const std::vector<std::size_t>& open);
+  /// Units are listed by slot.
+  using MissingUnits = std::array<std::set<std::uint16_t>, 2>;
+  /// Adds what a board misses to `missing`; returns false if it is complete or was given up.
+  bool still_needs(Board& board, MissingUnits& missing);
+  /// Reports `fraction` for each board that takes part.
+  void report_to_all(const char* stage, double fraction) const;
   [[nodiscard]] bool complete(const Board& board) const;
   void check();
   void give_up(Board& board, UpdateOutcome outcome, const std::string& why);
   /// Gives a board up if it does not answer, or answers that it no longer takes part.
   void expect_answer(Board& board, const char* doing);
+  /// Notes the outcome of a board that was told to start the image.
+  void conclude(Board& board);
   [[nodiscard]] bool started(const Board& board) const;
   [[nodiscard]] bool equal(const Board& board) const;
   [[nodiscard]] int free_slot(const Board& board) const { return 1 - board.who->running_slot; }

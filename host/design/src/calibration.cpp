@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "triskin/base/text_file.hpp"
+#include "triskin/design/file_head.hpp"
 #include "triskin/design/json_fields.hpp"
 
 namespace triskin::design {
@@ -31,6 +32,20 @@ nlohmann::ordered_json place_json(const PlaceCalibration& place) {
           {"residual_kpa", std::move(residual)}};
 }
 
+nlohmann::ordered_json board_json(const BoardCalibration& b) {
+  nlohmann::ordered_json places = nlohmann::ordered_json::array();
+  for (const PlaceCalibration& place : b.places) places.push_back(place_json(place));
+  return {{"serial", b.serial},
+          {"design_id", fmt::format("{:016x}", b.design_id)},
+          {"patch", b.patch},
+          {"revision", b.revision},
+          {"made", b.made},
+          {"method", kCalibrationMethodNames.name(b.method)},
+          {"most_kpa", b.max_kpa},
+          {"taxel_area_mm2", b.taxel_area_mm2},
+          {"places", std::move(places)}};
+}
+
 PlaceCalibration place_in(const JsonValue& v) {
   only_keys(v, {"line", "address", "counts_per_kpa", "error_percent", "residual_kpa"}, kCalibrationPage);
   PlaceCalibration place;
@@ -45,15 +60,29 @@ PlaceCalibration place_in(const JsonValue& v) {
   return place;
 }
 
+std::string serial_in(const JsonValue& v) {
+  const std::string serial = v.text();
+  if (serial.size() != 24 || serial.find_first_not_of("0123456789ABCDEF") != std::string::npos)
+    v.fail("must have 24 hexadecimal digits, upper case, as triskin discover shows serial numbers");
+  return serial;
+}
+
+void read_places(const JsonValue& places, BoardCalibration& board) {
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const PlaceCalibration place = place_in(places.at(k));
+    if (board.at(place.line, place.address) != nullptr)
+      places.at(k).fail(fmt::format("line {}, address {} stands twice", place.line, place.address));
+    board.places.push_back(place);
+  }
+}
+
 BoardCalibration board_in(const JsonValue& v) {
   only_keys(v, {"serial", "design_id", "patch", "revision", "made", "method", "most_kpa", "taxel_area_mm2", "places"},
             kCalibrationPage);
   BoardCalibration board;
-  board.serial = v["serial"].text();
-  if (board.serial.size() != 24 || board.serial.find_first_not_of("0123456789ABCDEF") != std::string::npos)
-    v["serial"].fail("must have 24 hexadecimal digits, upper case, as triskin discover shows serial numbers");
+  board.serial = serial_in(v["serial"]);
   board.design_id = hex64(v["design_id"]);
-  board.patch = v["patch"].integer(0, kMaxCount);
+  board.patch = layout::PatchIndex{v["patch"].integer(0, kMaxCount)};
   board.revision = v["revision"].integer(1, kMaxCount);
   board.made = v["made"].text();
   const auto method = kCalibrationMethodNames.value(v["method"].text());
@@ -61,14 +90,21 @@ BoardCalibration board_in(const JsonValue& v) {
   board.method = *method;
   board.max_kpa = number_in(v["most_kpa"], 0.0, kMaxPressure_kpa);
   board.taxel_area_mm2 = number_in(v["taxel_area_mm2"], 1e-3, 1e6);
-  const JsonValue places = v["places"];
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    const PlaceCalibration place = place_in(places.at(k));
-    if (board.at(place.line, place.address) != nullptr)
-      places.at(k).fail(fmt::format("line {}, address {} stands twice", place.line, place.address));
-    board.places.push_back(place);
-  }
+  read_places(v["places"], board);
   return board;
+}
+
+// Counts the pressure taxels of a place that have no sensitivity, and collects the errors of the others.
+void add_taxels(const PlaceCalibration& place, CalibrationQuality& q, std::vector<double>& errors_percent) {
+  for (std::size_t t = 0; t < place.taxels.size(); ++t) {
+    const TaxelSensitivity& taxel = place.taxels[t];
+    if (taxel.counts_per_kpa > 0.0) {
+      errors_percent.push_back(taxel.error_percent);
+      q.residual_kpa = std::max(q.residual_kpa, taxel.residual_kpa);
+    } else if (layout::measures_pressure(t)) {
+      ++q.missing;
+    }
+  }
 }
 
 }  // namespace
@@ -81,19 +117,7 @@ const PlaceCalibration* BoardCalibration::at(int line, int address) const {
 
 std::string calibration_text(std::span<const BoardCalibration> boards) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const BoardCalibration& b : boards) {
-    nlohmann::ordered_json places = nlohmann::ordered_json::array();
-    for (const PlaceCalibration& place : b.places) places.push_back(place_json(place));
-    list.push_back({{"serial", b.serial},
-                    {"design_id", fmt::format("{:016x}", b.design_id)},
-                    {"patch", b.patch},
-                    {"revision", b.revision},
-                    {"made", b.made},
-                    {"method", kCalibrationMethodNames.name(b.method)},
-                    {"most_kpa", b.max_kpa},
-                    {"taxel_area_mm2", b.taxel_area_mm2},
-                    {"places", std::move(places)}});
-  }
+  for (const BoardCalibration& b : boards) list.push_back(board_json(b));
   const nlohmann::ordered_json document = {
       {"format", kCalibrationFormat}, {"version", kCalibrationVersion}, {"boards", std::move(list)}};
   return document.dump() + "\n";
@@ -102,19 +126,16 @@ std::string calibration_text(std::span<const BoardCalibration> boards) {
 std::vector<BoardCalibration> parse_calibration(const std::string& text, const std::string& name) {
   const nlohmann::json document = parse_json(text, name);
   const JsonValue v(document, name, "");
-  if (v["format"].text() != kCalibrationFormat)
-    v["format"].fail(fmt::format("must be \"{}\", as triskin calibrate writes it", kCalibrationFormat));
-  if (const int version = v["version"].integer(0, kMaxCount); version != kCalibrationVersion)
-    v["version"].fail(fmt::format("is {}, this program reads {}; calibrate again, or use the release that wrote it",
-                                  version, kCalibrationVersion));
+  require_format(v, kCalibrationFormat, "triskin calibrate");
+  require_version(v, kCalibrationVersion, "calibrate again, or use the release that wrote it");
   only_keys(v, {"format", "version", "boards"}, kCalibrationPage);
   std::vector<BoardCalibration> boards;
   const JsonValue list = v["boards"];
   for (std::size_t k = 0; k < list.size(); ++k) {
-    boards.push_back(board_in(list.at(k)));
-    for (std::size_t before = 0; before < k; ++before) {
-      if (boards[before].serial == boards[k].serial) list.at(k)["serial"].fail("the controller stands twice");
-    }
+    BoardCalibration board = board_in(list.at(k));
+    if (std::ranges::find(boards, board.serial, &BoardCalibration::serial) != boards.end())
+      list.at(k)["serial"].fail("the controller stands twice");
+    boards.push_back(std::move(board));
   }
   return boards;
 }
@@ -128,17 +149,7 @@ CalibrationQuality quality_of(std::span<const BoardCalibration> boards) {
   std::vector<double> errors;
   for (const BoardCalibration& b : boards) {
     q.max_kpa = &b == boards.data() ? b.max_kpa : std::min(q.max_kpa, b.max_kpa);
-    for (const PlaceCalibration& place : b.places) {
-      for (std::size_t t = 0; t < place.taxels.size(); ++t) {
-        const TaxelSensitivity& taxel = place.taxels[t];
-        if (taxel.counts_per_kpa > 0.0) {
-          errors.push_back(taxel.error_percent);
-          q.residual_kpa = std::max(q.residual_kpa, taxel.residual_kpa);
-        } else if (layout::measures_pressure(t)) {
-          ++q.missing;
-        }
-      }
-    }
+    for (const PlaceCalibration& place : b.places) add_taxels(place, q, errors);
   }
   q.taxels = errors.size();
   if (errors.empty()) return q;
@@ -149,9 +160,9 @@ CalibrationQuality quality_of(std::span<const BoardCalibration> boards) {
 }
 
 SkinCalibration::SkinCalibration(const Design& design, std::span<const BoardCalibration> boards,
-                                 const std::function<std::string(int)>& serial_of_patch)
+                                 const std::function<std::string(layout::PatchIndex)>& serial_of_patch)
     : modules_(design.layout.modules.size()) {
-  for (const int patch : patches_here(design)) {
+  for (const layout::PatchIndex patch : patches_here(design)) {
     const std::string serial = serial_of_patch(patch);
     const auto board = std::ranges::find(boards, serial, &BoardCalibration::serial);
     const bool known = !serial.empty() && board != boards.end();

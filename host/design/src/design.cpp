@@ -40,6 +40,21 @@ class Hash {
   std::uint64_t state_ = 0xCBF29CE484222325ULL;
 };
 
+void add_module(const PlacedModule& m, Hash& hash) {
+  for (const int field : {m.island, m.tile.i, m.tile.j, m.tile.up ? 1 : 0}) hash.add(field);
+  for (const Vec3& c : m.corner_mm) {
+    for (int axis = 0; axis < 3; ++axis) hash.add_length(c[axis]);
+  }
+  for (const int n : m.neighbour) hash.add(n);
+}
+
+void add_patch(const Patch& patch, Hash& hash) {
+  for (const int field : {patch.entry, patch.second_entry, patch.second_entry_side}) hash.add(field);
+  for (const RoutedModule& m : patch.modules) {
+    for (const int field : {m.node, m.parent, m.rotation, m.line, m.address}) hash.add(field);
+  }
+}
+
 void add_kinds(const Design& design, Hash& hash) {
   for (const ModuleKind& k : design.kinds.kinds) {
     for (const std::string& text : {k.name, k.dielectric}) {
@@ -58,28 +73,28 @@ std::vector<ModuleWiring> wiring_of(const Design& design) {
   std::vector<ModuleWiring> wiring(design.layout.modules.size());
   for (std::size_t p = 0; p < design.patches.size(); ++p) {
     for (const RoutedModule& m : design.patches[p].modules) {
-      wiring.at(static_cast<std::size_t>(m.node)) = {static_cast<int>(p), m};
+      wiring.at(static_cast<std::size_t>(m.node)) = {layout::PatchIndex{p}, m};
     }
   }
   return wiring;
 }
 
-int node_address_of(const Design& design, int patch) {
-  if (design.node_addresses.empty()) return patch + layout::kFirstNode;
-  return design.node_addresses.at(static_cast<std::size_t>(patch));
+layout::NodeAddress node_address_of(const Design& design, layout::PatchIndex patch) {
+  if (design.node_addresses.empty()) return layout::NodeAddress{patch + layout::kFirstNode};
+  return layout::NodeAddress{design.node_addresses.at(static_cast<std::size_t>(patch))};
 }
 
-int patch_at(const Design& design, int node) {
-  for (std::size_t p = 0; p < design.patches.size(); ++p) {
-    if (node != 0 && node_address_of(design, static_cast<int>(p)) == node) return static_cast<int>(p);
+layout::PatchIndex patch_at(const Design& design, layout::NodeAddress node) {
+  for (layout::PatchIndex p; p < static_cast<int>(design.patches.size()); ++p) {
+    if (node != 0 && node_address_of(design, p) == node) return p;
   }
-  return -1;
+  return layout::PatchIndex::none();
 }
 
-std::vector<int> patches_here(const Design& design) {
-  std::vector<int> here;
-  for (std::size_t p = 0; p < design.patches.size(); ++p) {
-    if (node_address_of(design, static_cast<int>(p)) != 0) here.push_back(static_cast<int>(p));
+std::vector<layout::PatchIndex> patches_here(const Design& design) {
+  std::vector<layout::PatchIndex> here;
+  for (layout::PatchIndex p; p < static_cast<int>(design.patches.size()); ++p) {
+    if (node_address_of(design, p) != 0) here.push_back(p);
   }
   return here;
 }
@@ -99,27 +114,11 @@ std::array<TaxelPose, layout::kTaxelsPerModule> taxels_of(const PlacedModule& mo
 
 std::uint64_t design_id_of(const Design& design) {
   Hash hash;
-  for (const PlacedModule& m : design.layout.modules) {
-    hash.add(m.island);
-    hash.add(m.tile.i);
-    hash.add(m.tile.j);
-    hash.add(m.tile.up ? 1 : 0);
-    for (const Vec3& c : m.corner_mm) {
-      for (int axis = 0; axis < 3; ++axis) hash.add_length(c[axis]);
-    }
-    for (const int n : m.neighbour) hash.add(n);
-  }
+  for (const PlacedModule& m : design.layout.modules) add_module(m, hash);
   for (const Jumper& j : design.layout.jumpers) {
     for (const int field : {j.node[0], j.side[0], j.node[1], j.side[1]}) hash.add(field);
   }
-  for (const Patch& patch : design.patches) {
-    hash.add(patch.entry);
-    hash.add(patch.second_entry);
-    hash.add(patch.second_entry_side);
-    for (const RoutedModule& m : patch.modules) {
-      for (const int field : {m.node, m.parent, m.rotation, m.line, m.address}) hash.add(field);
-    }
-  }
+  for (const Patch& patch : design.patches) add_patch(patch, hash);
   if (design.layout.corner_cut_mm > 0.0) hash.add_length(design.layout.corner_cut_mm);
   if (!design.kinds.empty()) add_kinds(design, hash);
   return hash.value();

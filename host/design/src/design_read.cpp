@@ -54,6 +54,15 @@ auto index_or_none(std::size_t n) {
   return [n](const JsonValue& v) { return v.integer(-1, static_cast<int>(n) - 1); };
 }
 
+// Files of version 0.1 have no limits for lift and depth.
+void read_side_limits(const JsonValue& v, LayoutLimits& l) {
+  constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+  if (has(v, "fold_away_rad")) l.fold_away_rad = magnitude(v["fold_away_rad"]);
+  if (has(v, "fold_towards_rad")) l.fold_towards_rad = magnitude(v["fold_towards_rad"]);
+  l.lift_mm = has(v, "lift_mm") ? magnitude(v["lift_mm"]) : kNoLimit;
+  l.depth_mm = has(v, "lift_mm") ? magnitude(v["depth_mm"]) : kNoLimit;
+}
+
 void read_limits(const JsonValue& v, LayoutLimits& l) {
   only_keys(v,
             {"edge_error_mm", "hinge_gap_mm", "center_gap_mm", "fold_rad", "penetration_mm", "overrun_mm", "jumper_mm",
@@ -65,12 +74,18 @@ void read_limits(const JsonValue& v, LayoutLimits& l) {
   l.fold_rad = magnitude(v["fold_rad"]);
   l.penetration_mm = magnitude(v["penetration_mm"]);
   l.overrun_mm = magnitude(v["overrun_mm"]);
-  if (has(v, "fold_away_rad")) l.fold_away_rad = magnitude(v["fold_away_rad"]);
-  if (has(v, "fold_towards_rad")) l.fold_towards_rad = magnitude(v["fold_towards_rad"]);
   if (has(v, "jumper_mm")) l.jumper_mm = magnitude(v["jumper_mm"]);
-  // Files of version 0.1 have no limits for lift and depth.
-  l.lift_mm = has(v, "lift_mm") ? magnitude(v["lift_mm"]) : std::numeric_limits<double>::infinity();
-  l.depth_mm = has(v, "lift_mm") ? magnitude(v["depth_mm"]) : std::numeric_limits<double>::infinity();
+  read_side_limits(v, l);
+}
+
+void read_jumper_ends(const JsonValue& modules, const JsonValue& sides, std::size_t n_modules, Jumper& j) {
+  modules.require_size(2);
+  sides.require_size(2);
+  for (std::size_t k = 0; k < 2; ++k) {
+    j.node[k] = index_below(n_modules)(modules.at(k));
+    j.side[k] = sides.at(k).integer(0, 2);
+  }
+  if (j.node[0] >= j.node[1]) modules.fail("must name two modules, the lesser id first");
 }
 
 Jumper read_jumper(const JsonValue& v, std::size_t n_modules) {
@@ -79,14 +94,7 @@ Jumper read_jumper(const JsonValue& v, std::size_t n_modules) {
   const auto kind = kJumperKindNames.value(v["kind"].text());
   if (!kind) v["kind"].fail("must be " + kJumperKindNames.list());
   j.kind = *kind;
-  const JsonValue modules = v["modules"], sides = v["sides"];
-  modules.require_size(2);
-  sides.require_size(2);
-  for (std::size_t k = 0; k < 2; ++k) {
-    j.node[k] = index_below(n_modules)(modules.at(k));
-    j.side[k] = sides.at(k).integer(0, 2);
-  }
-  if (j.node[0] >= j.node[1]) modules.fail("must name two modules, the lesser id first");
+  read_jumper_ends(v["modules"], v["sides"], n_modules, j);
   j.length_mm = magnitude(v["length_mm"]);
   j.fold_rad = number(v["fold_rad"]);
   return j;
@@ -102,62 +110,64 @@ PartSide read_side(const JsonValue& v) {
   return side;
 }
 
+Piece read_flat_piece(const JsonValue& v, std::size_t n_faces) {
+  Piece piece;
+  piece.outline.outer = list(v["outline"], vec2);
+  piece.outline.holes = list(v["holes"], [](const JsonValue& hole) { return list(hole, vec2); });
+  piece.faces = list(v["faces"], index_below(n_faces));
+  piece.flat = list(v["flat"], [](const JsonValue& t) { return triple(t, vec2); });
+  if (piece.flat.size() != piece.faces.size()) v["flat"].fail("must have as many elements as \"faces\"");
+  piece.max_edge_error_mm = magnitude(v["max_edge_error_mm"]);
+  piece.rms_edge_error_mm = magnitude(v["rms_edge_error_mm"]);
+  return piece;
+}
+
+Placement read_placement(const JsonValue& v) {
+  only_keys(v, {"x_mm", "y_mm", "theta_rad"}, kDesignPage);
+  return {number(v["x_mm"]), number(v["y_mm"]), number(v["theta_rad"])};
+}
+
 PlacedPiece read_piece(const JsonValue& v, std::size_t n_faces) {
   only_keys(v,
             {"outline", "holes", "faces", "flat", "max_edge_error_mm", "rms_edge_error_mm", "placement", "modules",
              "upper_bound", "proved"},
             kDesignPage);
   PlacedPiece p;
-  p.piece.outline.outer = list(v["outline"], vec2);
-  p.piece.outline.holes = list(v["holes"], [](const JsonValue& hole) { return list(hole, vec2); });
-  p.piece.faces = list(v["faces"], index_below(n_faces));
-  p.piece.flat = list(v["flat"], [](const JsonValue& t) { return triple(t, vec2); });
-  if (p.piece.flat.size() != p.piece.faces.size()) v["flat"].fail("must have as many elements as \"faces\"");
-  p.piece.max_edge_error_mm = magnitude(v["max_edge_error_mm"]);
-  p.piece.rms_edge_error_mm = magnitude(v["rms_edge_error_mm"]);
-  const JsonValue at = v["placement"];
-  only_keys(at, {"x_mm", "y_mm", "theta_rad"}, kDesignPage);
-  p.placement = {number(at["x_mm"]), number(at["y_mm"]), number(at["theta_rad"])};
+  p.piece = read_flat_piece(v, n_faces);
+  p.placement = read_placement(v["placement"]);
   p.modules = v["modules"].integer(0, kMaxCount);
   p.upper_bound = v["upper_bound"].integer(0, kMaxCount);
   p.proved = v["proved"].boolean();
   return p;
 }
 
-PlacedModule read_module(const JsonValue& v, std::size_t id, std::size_t n_modules) {
-  only_keys(v,
-            {"id",
-             "island",
-             "i",
-             "j",
-             "up",
-             "corners",
-             "neighbours",
-             "edge_error_mm",
-             "hinge_gap_mm",
-             "fold_rad",
-             "center_gap_mm",
-             "edge_lift_mm",
-             "edge_depth_mm",
-             "penetration_mm",
-             "overrun_mm",
-             "keep_out_mm",
-             "bend_radius_mm",
-             "patch",
-             "line",
-             "address",
-             "rotation",
-             "parent",
-             "depth",
-             "taxels",
-             "kind"},
-            kDesignPage);
-  if (v["id"].integer(0, kMaxCount) != static_cast<int>(id)) v["id"].fail("must equal its index");
-  PlacedModule m;
-  m.island = v["island"].integer(0, kMaxCount);
-  m.tile = {v["i"].integer(-kMaxLattice, kMaxLattice), v["j"].integer(-kMaxLattice, kMaxLattice), v["up"].boolean()};
-  m.corner_mm = triple(v["corners"], vec3);
-  m.neighbour = triple(v["neighbours"], index_or_none(n_modules));
+const std::initializer_list<std::string_view> kModuleKeys{"id",
+                                                          "island",
+                                                          "i",
+                                                          "j",
+                                                          "up",
+                                                          "corners",
+                                                          "neighbours",
+                                                          "edge_error_mm",
+                                                          "hinge_gap_mm",
+                                                          "fold_rad",
+                                                          "center_gap_mm",
+                                                          "edge_lift_mm",
+                                                          "edge_depth_mm",
+                                                          "penetration_mm",
+                                                          "overrun_mm",
+                                                          "keep_out_mm",
+                                                          "bend_radius_mm",
+                                                          "patch",
+                                                          "line",
+                                                          "address",
+                                                          "rotation",
+                                                          "parent",
+                                                          "depth",
+                                                          "taxels",
+                                                          "kind"};
+
+void read_deviations(const JsonValue& v, PlacedModule& m) {
   m.edge_error_mm = magnitude(v["edge_error_mm"]);
   m.hinge_gap_mm = triple(v["hinge_gap_mm"], magnitude);
   m.fold_rad = triple(v["fold_rad"], magnitude);
@@ -166,6 +176,17 @@ PlacedModule read_module(const JsonValue& v, std::size_t id, std::size_t n_modul
   m.edge_depth_mm = magnitude(v["edge_depth_mm"]);
   m.penetration_mm = magnitude(v["penetration_mm"]);
   m.overrun_mm = magnitude(v["overrun_mm"]);
+}
+
+PlacedModule read_module(const JsonValue& v, std::size_t id, std::size_t n_modules) {
+  only_keys(v, kModuleKeys, kDesignPage);
+  if (v["id"].integer(0, kMaxCount) != static_cast<int>(id)) v["id"].fail("must equal its index");
+  PlacedModule m;
+  m.island = v["island"].integer(0, kMaxCount);
+  m.tile = {v["i"].integer(-kMaxLattice, kMaxLattice), v["j"].integer(-kMaxLattice, kMaxLattice), v["up"].boolean()};
+  m.corner_mm = triple(v["corners"], vec3);
+  m.neighbour = triple(v["neighbours"], index_or_none(n_modules));
+  read_deviations(v, m);
   // The radius has no upper bound, because a place can be almost flat.
   m.bend_radius_mm = v["bend_radius_mm"].number();
   if (m.bend_radius_mm < 0.0) v["bend_radius_mm"].fail("must not be negative");
@@ -205,6 +226,13 @@ FailureLoss read_failure(const JsonValue& v, std::size_t n_modules) {
   return f;
 }
 
+void read_entries(const JsonValue& v, std::size_t n_modules, Patch& patch) {
+  patch.entry = index_below(n_modules)(v["entry"]);
+  patch.second_entry = index_or_none(n_modules)(v["second_entry"]);
+  const bool has_second = patch.second_entry >= 0;
+  patch.second_entry_side = v["second_entry_side"].integer(has_second ? 0 : -1, has_second ? 2 : -1);
+}
+
 Patch read_patch(const JsonValue& v, std::size_t id, const JsonValue& modules) {
   only_keys(v,
             {"id", "node_address", "entry", "second_entry", "second_entry_side", "modules", "cut_joints", "line_hops",
@@ -214,10 +242,7 @@ Patch read_patch(const JsonValue& v, std::size_t id, const JsonValue& modules) {
   if (v["id"].integer(0, kMaxCount) != static_cast<int>(id)) v["id"].fail("must equal its index");
   if (v["node_address"].integer(0, kMaxCount) != static_cast<int>(id) + 1) v["node_address"].fail("must be id + 1");
   Patch patch;
-  patch.entry = index_below(n)(v["entry"]);
-  patch.second_entry = index_or_none(n)(v["second_entry"]);
-  patch.second_entry_side =
-      v["second_entry_side"].integer(patch.second_entry < 0 ? -1 : 0, patch.second_entry < 0 ? -1 : 2);
+  read_entries(v, n, patch);
   for (const int node : list(v["modules"], index_below(n))) {
     patch.modules.push_back(read_routed(modules.at(static_cast<std::size_t>(node)), node, n));
   }
@@ -254,6 +279,15 @@ LayoutMethod read_method(const JsonValue& v) {
   return *method;
 }
 
+void read_largest_deviations(const JsonValue& v, Design::Report& r) {
+  r.max_edge_error_mm = magnitude(v["max_edge_error_mm"]);
+  r.max_hinge_gap_mm = magnitude(v["max_hinge_gap_mm"]);
+  r.max_center_gap_mm = magnitude(v["max_center_gap_mm"]);
+  if (!has(v, "max_edge_lift_mm")) return;
+  r.max_edge_lift_mm = magnitude(v["max_edge_lift_mm"]);
+  r.max_edge_depth_mm = magnitude(v["max_edge_depth_mm"]);
+}
+
 Design::Report read_report(const JsonValue& v) {
   only_keys(v,
             {"area_cm2", "coverage", "upper_bound", "patches_lower_bound", "max_edge_error_mm", "max_hinge_gap_mm",
@@ -265,14 +299,8 @@ Design::Report read_report(const JsonValue& v) {
   r.coverage = magnitude(v["coverage"]);
   r.upper_bound = v["upper_bound"].integer(0, kMaxCount);
   r.patches_lower_bound = v["patches_lower_bound"].integer(0, kMaxCount);
-  r.max_edge_error_mm = magnitude(v["max_edge_error_mm"]);
-  r.max_hinge_gap_mm = magnitude(v["max_hinge_gap_mm"]);
-  r.max_center_gap_mm = magnitude(v["max_center_gap_mm"]);
   r.seconds = magnitude(v["seconds"]);
-  if (has(v, "max_edge_lift_mm")) {
-    r.max_edge_lift_mm = magnitude(v["max_edge_lift_mm"]);
-    r.max_edge_depth_mm = magnitude(v["max_edge_depth_mm"]);
-  }
+  read_largest_deviations(v, r);
   if (has(v, "jumpers_lower_bound")) r.jumpers_lower_bound = v["jumpers_lower_bound"].integer(0, kMaxCount);
   r.coverage_cut = v.raw().contains("coverage_cut") ? magnitude(v["coverage_cut"]) : r.coverage;
   return r;
@@ -346,6 +374,38 @@ std::optional<Design::PartSource> read_part_source(const JsonValue& source) {
   return part;
 }
 
+void read_source(const JsonValue& v, Design& d) {
+  only_keys(v, {"file", "scale_to_mm", "part"}, kDesignPage);
+  d.source_file = v["file"].text();
+  d.scale_to_mm = number(v["scale_to_mm"]);
+  d.part = read_part_source(v);
+}
+
+void read_layout(const JsonValue& v, Design& d) {
+  d.layout.method = read_method(v["method"]);
+  d.layout.corner_cut_mm = read_corner_cut(v);
+  d.layout.islands = v["islands"].integer(0, kMaxCount);
+  const JsonValue modules = v["modules"];
+  for (std::size_t k = 0; k < modules.size(); ++k)
+    d.layout.modules.push_back(read_module(modules.at(k), k, modules.size()));
+  if (has(v, "kinds")) read_kinds(v, d);
+  if (has(v, "jumpers"))
+    d.layout.jumpers = list(v["jumpers"], [&](const JsonValue& j) { return read_jumper(j, modules.size()); });
+}
+
+void read_wiring(const JsonValue& v, Design& d) {
+  const JsonValue modules = v["modules"], patches = v["patches"];
+  for (std::size_t p = 0; p < patches.size(); ++p) d.patches.push_back(read_patch(patches.at(p), p, modules));
+  const std::vector<ModuleWiring> wiring = wiring_of(d);
+  for (std::size_t k = 0; k < modules.size(); ++k) require_derived(modules.at(k), d.layout.modules[k], wiring[k]);
+}
+
+void read_refused(const JsonValue& v, ModuleLayout& layout) {
+  if (!v.raw().is_object()) v.fail("must be an object");
+  for (const auto& [limit, count] : v.raw().items())
+    layout.refused.emplace_back(limit, v[limit.c_str()].integer(0, kMaxCount));
+}
+
 }  // namespace
 
 Design parse_design(const std::string& text, const std::string& file) {
@@ -358,32 +418,14 @@ Design parse_design(const std::string& text, const std::string& file) {
   d.name = v["name"].text();
   d.design_id = hex64(v["design_id"]);
   d.seed = v["seed"].unsigned_integer();
-  only_keys(v["source"], {"file", "scale_to_mm", "part"}, kDesignPage);
-  d.source_file = v["source"]["file"].text();
-  d.scale_to_mm = number(v["source"]["scale_to_mm"]);
-  d.part = read_part_source(v["source"]);
+  read_source(v["source"], d);
   d.surface = read_mesh_json(v["surface"]);
   if (has(v, "side")) d.side = read_side(v["side"]);
   read_limits(v["limits"], d.limits);
   d.pieces = list(v["pieces"], [&](const JsonValue& p) { return read_piece(p, d.surface.faces.size()); });
-  d.layout.method = read_method(v["method"]);
-  d.layout.corner_cut_mm = read_corner_cut(v);
-  d.layout.islands = v["islands"].integer(0, kMaxCount);
-  const JsonValue modules = v["modules"];
-  for (std::size_t k = 0; k < modules.size(); ++k) {
-    d.layout.modules.push_back(read_module(modules.at(k), k, modules.size()));
-  }
-  if (has(v, "kinds")) read_kinds(v, d);
-  if (has(v, "jumpers"))
-    d.layout.jumpers = list(v["jumpers"], [&](const JsonValue& j) { return read_jumper(j, modules.size()); });
-  const JsonValue patches = v["patches"];
-  for (std::size_t p = 0; p < patches.size(); ++p) d.patches.push_back(read_patch(patches.at(p), p, modules));
-  const std::vector<ModuleWiring> wiring = wiring_of(d);
-  for (std::size_t k = 0; k < modules.size(); ++k) require_derived(modules.at(k), d.layout.modules[k], wiring[k]);
-  if (!v["refused"].raw().is_object()) v["refused"].fail("must be an object");
-  for (const auto& [limit, count] : v["refused"].raw().items()) {
-    d.layout.refused.emplace_back(limit, v["refused"][limit.c_str()].integer(0, kMaxCount));
-  }
+  read_layout(v, d);
+  read_wiring(v, d);
+  read_refused(v["refused"], d.layout);
   d.report = read_report(v["report"]);
   read_alternatives(v, d);
   read_regions(v, d);

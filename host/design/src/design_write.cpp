@@ -135,7 +135,8 @@ json patch_json(const Patch& p, int id) {
           {"failures", std::move(failures)}};
 }
 
-json report_json(const Design::Report& r, bool with_jumpers, bool is_cut) {
+json report_json(const Design& design) {
+  const Design::Report& r = design.report;
   json report = {{"area_cm2", r.area_cm2},
                  {"coverage", r.coverage},
                  {"upper_bound", r.upper_bound},
@@ -144,8 +145,12 @@ json report_json(const Design::Report& r, bool with_jumpers, bool is_cut) {
                  {"max_hinge_gap_mm", r.max_hinge_gap_mm},
                  {"max_center_gap_mm", r.max_center_gap_mm},
                  {"seconds", r.seconds}};
-  if (with_jumpers) report["jumpers_lower_bound"] = r.jumpers_lower_bound;
-  if (is_cut) report["coverage_cut"] = r.coverage_cut;
+  if (!design.layout.jumpers.empty()) report["jumpers_lower_bound"] = r.jumpers_lower_bound;
+  if (design.layout.corner_cut_mm > 0.0) report["coverage_cut"] = r.coverage_cut;
+  if (limits_sides(design.limits)) {
+    report["max_edge_lift_mm"] = r.max_edge_lift_mm;
+    report["max_edge_depth_mm"] = r.max_edge_depth_mm;
+  }
   return report;
 }
 
@@ -159,51 +164,66 @@ json source_json(const Design& design) {
   return source;
 }
 
-}  // namespace
-
-void write_design(const std::filesystem::path& path, const Design& design) {
+json modules_json(const Design& design) {
   const std::vector<ModuleWiring> wiring = wiring_of(design);
   json modules = json::array();
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
-    modules.push_back(module_json(design.layout.modules[k], static_cast<int>(k), wiring[k]));
-    if (limits_sides(design.limits)) modules.back()["edge_lift_mm"] = design.layout.modules[k].edge_lift_mm;
+    const PlacedModule& m = design.layout.modules[k];
+    modules.push_back(module_json(m, static_cast<int>(k), wiring[k]));
+    if (limits_sides(design.limits)) modules.back()["edge_lift_mm"] = m.edge_lift_mm;
+    // The file has no key for kinds if all modules are standard.
+    if (!design.kinds.empty()) modules.back()["kind"] = kind_of(design.kinds, m.kind).name;
   }
+  return modules;
+}
+
+json pieces_json(const Design& design) {
   json pieces = json::array();
-  for (const auto& piece : design.pieces) pieces.push_back(piece_json(piece));
+  for (const PlacedPiece& piece : design.pieces) pieces.push_back(piece_json(piece));
+  return pieces;
+}
+
+json patches_json(const Design& design) {
   json patches = json::array();
   for (std::size_t p = 0; p < design.patches.size(); ++p)
     patches.push_back(patch_json(design.patches[p], static_cast<int>(p)));
+  return patches;
+}
+
+json refused_json(const ModuleLayout& layout) {
   json refused = json::object();
-  for (const auto& [limit, count] : design.layout.refused) refused[limit] = count;
-  const bool is_cut = design.layout.corner_cut_mm > 0.0;
+  for (const auto& [limit, count] : layout.refused) refused[limit] = count;
+  return refused;
+}
+
+// Returns the keys that every file has.
+json document_of(const Design& design) {
   const bool with_jumpers = !design.layout.jumpers.empty();
-  json file = {{"format", "triskin-design"},
-               {"version", with_jumpers ? Design::kJumperVersion : Design::kVersion},
-               {"name", design.name},
-               {"design_id", fmt::format("{:016x}", design.design_id)},
-               {"seed", design.seed},
-               {"source", source_json(design)},
-               {"surface", mesh_json(design.surface)},
-               {"limits", limits_json(design.limits, with_jumpers)},
-               {"method", kLayoutMethodNames.name(design.layout.method)},
-               {"islands", design.layout.islands},
-               {"pieces", std::move(pieces)},
-               {"modules", std::move(modules)},
-               {"patches", std::move(patches)},
-               {"refused", std::move(refused)},
-               {"report", report_json(design.report, with_jumpers, is_cut)}};
-  if (limits_sides(design.limits)) {
-    file["report"]["max_edge_lift_mm"] = design.report.max_edge_lift_mm;
-    file["report"]["max_edge_depth_mm"] = design.report.max_edge_depth_mm;
-  }
+  return {{"format", "triskin-design"},
+          {"version", with_jumpers ? Design::kJumperVersion : Design::kVersion},
+          {"name", design.name},
+          {"design_id", fmt::format("{:016x}", design.design_id)},
+          {"seed", design.seed},
+          {"source", source_json(design)},
+          {"surface", mesh_json(design.surface)},
+          {"limits", limits_json(design.limits, with_jumpers)},
+          {"method", kLayoutMethodNames.name(design.layout.method)},
+          {"islands", design.layout.islands},
+          {"pieces", pieces_json(design)},
+          {"modules", modules_json(design)},
+          {"patches", patches_json(design)},
+          {"refused", refused_json(design.layout)},
+          {"report", report_json(design)}};
+}
+
+}  // namespace
+
+void write_design(const std::filesystem::path& path, const Design& design) {
+  json file = document_of(design);
   if (design.side) file["side"] = side_json(*design.side);
   // Files without a cut stay as older versions wrote them.
-  if (is_cut) file["corner_cut_mm"] = design.layout.corner_cut_mm;
-  if (!design.kinds.empty()) {  // The file has no key for kinds if all modules are standard.
-    file["kinds"] = kind_plan_json(design.kinds);
-    for (std::size_t k = 0; k < design.layout.modules.size(); ++k)
-      file["modules"][k]["kind"] = kind_of(design.kinds, design.layout.modules[k].kind).name;
-  }
+  if (design.layout.corner_cut_mm > 0.0) file["corner_cut_mm"] = design.layout.corner_cut_mm;
+  if (!design.kinds.empty()) file["kinds"] = kind_plan_json(design.kinds);
   write_alternatives(design, file);
   write_regions(design, file);
   for (const Jumper& j : design.layout.jumpers) file["jumpers"].push_back(jumper_json(j));

@@ -2,60 +2,81 @@
 #include "triskin/design/joint.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "triskin/design/module_graph.hpp"
+#include "triskin/design/module_side.hpp"
 
 namespace triskin::design {
 
-PortEnds joints_of(const Design& design, int patch_index, std::span<const int> rotations) {
-  const auto& routed = design.patches.at(static_cast<std::size_t>(patch_index)).modules;
+namespace {
+
+std::size_t index(int k) {
+  return static_cast<std::size_t>(k);
+}
+
+// Returns the side of `module` across which `other` is joined to it, or nothing.
+std::optional<int> side_towards(const ModuleLayout& layout, int module, int other) {
+  const std::array<int, 3> joined = joined_to(layout, module);
+  const auto side = std::ranges::find(joined, other);
+  if (side == joined.end()) return std::nullopt;
+  return static_cast<int>(side - joined.begin());
+}
+
+std::vector<int> designed_rotations(const std::vector<ModuleWiring>& wiring) {
+  std::vector<int> rotations;
+  for (const ModuleWiring& w : wiring) rotations.push_back(w.routed.rotation);
+  return rotations;
+}
+
+// Returns true if the cable of an entry or of a second entry is soldered to this side.
+bool has_cable(const Design& design, const ModuleWiring& wiring, int module, int side) {
+  if (wiring.patch < 0) return false;
+  const Patch& p = design.patches[index(wiring.patch)];
+  return (p.entry == module && p.modules[0].rotation == side) ||
+         (p.second_entry == module && p.second_entry_side == side);
+}
+
+}  // namespace
+
+PortEnds joints_of(const Design& design, layout::PatchIndex patch_index, std::span<const int> rotations) {
+  const auto& routed = design.patches.at(index(patch_index)).modules;
   const auto row_of = [&](int node) {
     const auto found = std::ranges::find(routed, node, &RoutedModule::node);
     return found == routed.end() ? -1 : static_cast<int>(found - routed.begin());
   };
   const auto port_at = [&](int row, int side) {
-    const auto k = static_cast<std::size_t>(row);
-    return (side + 3 - (rotations.empty() ? routed[k].rotation : rotations[k])) % 3;
+    return port_at_side(side, rotations.empty() ? routed[index(row)].rotation : rotations[index(row)]);
   };
   PortEnds ends(routed.size());
-  for (std::size_t k = 0; k < routed.size(); ++k) {
-    const std::array<int, 3> neighbour = joined_to(design.layout, routed[k].node);
+  for (int row = 0; row < static_cast<int>(routed.size()); ++row) {
+    const int node = routed[index(row)].node;
+    const std::array<int, 3> neighbour = joined_to(design.layout, node);
     for (int side = 0; side < 3; ++side) {
-      const int other =
-          neighbour[static_cast<std::size_t>(side)] < 0 ? -1 : row_of(neighbour[static_cast<std::size_t>(side)]);
-      if (other < 0 || (k == 0 && side == routed[0].rotation)) continue;
-      const std::array<int, 3> back = joined_to(design.layout, routed[static_cast<std::size_t>(other)].node);
-      const auto far = std::ranges::find(back, routed[k].node);
-      const int far_side = static_cast<int>(far - back.begin());
-      if (far == back.end() || (other == 0 && far_side == routed[0].rotation)) continue;
-      ends[k][static_cast<std::size_t>(port_at(static_cast<int>(k), side))] = {other, port_at(other, far_side)};
+      const int other = neighbour[index(side)] < 0 ? -1 : row_of(neighbour[index(side)]);
+      if (other < 0 || (row == 0 && side == routed[0].rotation)) continue;
+      const auto far_side = side_towards(design.layout, routed[index(other)].node, node);
+      if (!far_side || (other == 0 && *far_side == routed[0].rotation)) continue;
+      ends[index(row)][index(port_at(row, side))] = {layout::TableRow{other}, port_at(other, *far_side)};
     }
   }
   return ends;
 }
 
 std::vector<std::array<ModuleEnd, layout::kPorts>> module_ends(const Design& design, std::span<const int> rotations) {
-  const auto at = [](int k) { return static_cast<std::size_t>(k); };
   const std::vector<ModuleWiring> wiring = wiring_of(design);
-  const auto port_at = [&](int module, int side) {
-    return (side + 3 - (rotations.empty() ? wiring[at(module)].routed.rotation : rotations[at(module)])) % 3;
-  };
-  const auto has_cable = [&](int module, int side) {
-    if (wiring[at(module)].patch < 0) return false;
-    const Patch& p = design.patches[at(wiring[at(module)].patch)];
-    return (p.entry == module && p.modules[0].rotation == side) ||
-           (p.second_entry == module && p.second_entry_side == side);
-  };
+  std::vector<int> turned(rotations.begin(), rotations.end());
+  if (turned.empty()) turned = designed_rotations(wiring);
   std::vector<std::array<ModuleEnd, layout::kPorts>> ends(wiring.size());
   for (int m = 0; m < static_cast<int>(wiring.size()); ++m) {
     const std::array<int, 3> neighbour = joined_to(design.layout, m);
     for (int side = 0; side < 3; ++side) {
-      const int other = neighbour[at(side)];
-      if (other < 0 || has_cable(m, side)) continue;
-      const std::array<int, 3> back = joined_to(design.layout, other);
-      const int far_side = static_cast<int>(std::ranges::find(back, m) - back.begin());
-      if (far_side == 3 || has_cable(other, far_side)) continue;
-      ends[at(m)][at(port_at(m, side))] = {other, port_at(other, far_side)};
+      const int other = neighbour[index(side)];
+      if (other < 0 || has_cable(design, wiring[index(m)], m, side)) continue;
+      const auto far_side = side_towards(design.layout, other, m);
+      if (!far_side || has_cable(design, wiring[index(other)], other, *far_side)) continue;
+      ends[index(m)][index(port_at_side(side, turned[index(m)]))] = {layout::ModuleId{other},
+                                                                     port_at_side(*far_side, turned[index(other)])};
     }
   }
   return ends;

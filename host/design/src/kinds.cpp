@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "triskin/base/text_file.hpp"
+#include "triskin/design/file_head.hpp"
 #include "triskin/design/json_fields.hpp"
 #include "triskin/layout/patch_image.hpp"
 
@@ -41,6 +42,30 @@ void require_known(const CoverPart& region, std::size_t number, const ModuleLayo
   }
 }
 
+std::vector<ModuleKind> read_own_kinds(const JsonValue& v) {
+  constexpr std::size_t kMaxOwnKinds = layout::kMaxKinds - 1;
+  if (v.size() == 0 || v.size() > kMaxOwnKinds)
+    v.fail(fmt::format("must have 1 … {} elements: a table has no room for more", kMaxOwnKinds));
+  std::vector<ModuleKind> kinds;
+  for (std::size_t k = 0; k < v.size(); ++k) {
+    ModuleKind kind = read_kind(v.at(k));
+    if (std::ranges::find(kinds, kind.name, &ModuleKind::name) != kinds.end()) v.at(k)["name"].fail("stands twice");
+    kinds.push_back(std::move(kind));
+  }
+  return kinds;
+}
+
+void read_kind_regions(const JsonValue& v, KindPlan& plan) {
+  for (std::size_t k = 0; k < v.size(); ++k) {
+    const JsonValue region = v.at(k);
+    only_keys(region, {"kind", "sphere", "box", "island", "modules"}, kKindsPage);
+    const JsonValue name = region["kind"];
+    const std::optional<int> kind = number_of_kind(plan, name.text());
+    if (!kind) name.fail(fmt::format("\"{}\" is not among \"kinds\"", name.text()));
+    plan.regions.push_back({read_cover_part(region), *kind});
+  }
+}
+
 }  // namespace
 
 ModuleKind kind_of(const KindPlan& plan, int kind) {
@@ -57,35 +82,16 @@ std::optional<int> number_of_kind(const KindPlan& plan, std::string_view name) {
 
 KindPlan kind_plan_of(const JsonValue& v) {
   KindPlan plan;
-  const JsonValue kinds = v["kinds"];
-  constexpr std::size_t kMaxOwnKinds = layout::kMaxKinds - 1;
-  if (kinds.size() == 0 || kinds.size() > kMaxOwnKinds)
-    kinds.fail(fmt::format("must have 1 … {} elements: a table has no room for more", kMaxOwnKinds));
-  for (std::size_t k = 0; k < kinds.size(); ++k) {
-    ModuleKind kind = read_kind(kinds.at(k));
-    if (std::ranges::find(plan.kinds, kind.name, &ModuleKind::name) != plan.kinds.end())
-      kinds.at(k)["name"].fail("stands twice");
-    plan.kinds.push_back(std::move(kind));
-  }
-  if (!has(v, "regions")) return plan;
-  const JsonValue regions = v["regions"];
-  for (std::size_t k = 0; k < regions.size(); ++k) {
-    const JsonValue region = regions.at(k);
-    only_keys(region, {"kind", "sphere", "box", "island", "modules"}, kKindsPage);
-    const JsonValue name = region["kind"];
-    const std::optional<int> kind = number_of_kind(plan, name.text());
-    if (!kind) name.fail(fmt::format("\"{}\" is not among \"kinds\"", name.text()));
-    plan.regions.push_back({read_cover_part(region), *kind});
-  }
+  plan.kinds = read_own_kinds(v["kinds"]);
+  if (has(v, "regions")) read_kind_regions(v["regions"], plan);
   return plan;
 }
-
 KindPlan read_kind_plan(const std::filesystem::path& path) {
   const nlohmann::json document = parse_json(read_text(path), path.string());
   const JsonValue v(document, path.string(), "");
   only_keys(v, {"format", "version", "kinds", "regions"}, kKindsPage);
   require_format(v, "triskin-kinds");
-  if (v["version"].integer(0, kMaxCount) != 1) v["version"].fail("must be 1; use the matching release");
+  require_version(v, 1);
   return kind_plan_of(v);
 }
 

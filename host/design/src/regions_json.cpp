@@ -4,6 +4,7 @@
 #include "mesh_json.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/design/design_text.hpp"
+#include "triskin/design/file_head.hpp"
 #include "triskin/design/json_fields.hpp"
 #include "triskin/design/region_file.hpp"
 
@@ -19,8 +20,7 @@ json point(const Vec3& p) {
   return json::array({p.x(), p.y(), p.z()});
 }
 
-json region_json(const Region& r) {
-  json j = {{"name", r.name}};
+void add_shape(const Region& r, json& j) {
   if (const auto* s = std::get_if<Sphere>(&r.shape))
     j["sphere"] = {{"center_mm", point(s->center_mm)}, {"radius_mm", s->radius_mm}};
   else if (const auto* b = std::get_if<Box>(&r.shape))
@@ -35,6 +35,11 @@ json region_json(const Region& r) {
         {"margin_mm", strip->margin_mm}, {"min_width_mm", strip->min_width_mm}, {"max_width_mm", strip->max_width_mm}};
   else
     j["faces"] = std::get<FaceSet>(r.shape).faces;
+}
+
+json region_json(const Region& r) {
+  json j = {{"name", r.name}};
+  add_shape(r, j);
   if (r.weight) j["weight"] = *r.weight;
   if (r.free) j["free"] = true;
   if (r.entry) j["entry"] = true;
@@ -75,6 +80,12 @@ void require_one_shape(const JsonValue& v) {
   if (shapes != 1) v.fail("needs one of \"sphere\", \"box\", \"faces\", \"group\", \"obstacle\" and \"border\"");
 }
 
+FaceSet read_face_set(const JsonValue& v) {
+  FaceSet set;
+  for (std::size_t k = 0; k < v.size(); ++k) set.faces.push_back(v.at(k).integer(0, 2'000'000'000));
+  return set;
+}
+
 void read_shape(const JsonValue& v, WantedRegion& wanted) {
   Region& r = wanted.region;
   require_one_shape(v);
@@ -88,12 +99,11 @@ void read_shape(const JsonValue& v, WantedRegion& wanted) {
   } else if (has(v, "box")) {
     only_keys(v["box"], {"low_mm", "high_mm"}, kRegionsPage);
     r.shape = Box{vec3(v["box"]["low_mm"]), vec3(v["box"]["high_mm"])};
+  } else if (has(v, "faces")) {
+    r.shape = read_face_set(v["faces"]);
   } else {
-    FaceSet set;
-    if (has(v, "group")) wanted.group = v["group"].text();
-    for (std::size_t k = 0; has(v, "faces") && k < v["faces"].size(); ++k)
-      set.faces.push_back(v["faces"].at(k).integer(0, 2'000'000'000));
-    r.shape = std::move(set);
+    wanted.group = v["group"].text();
+    r.shape = FaceSet{};
   }
 }
 
@@ -120,6 +130,29 @@ std::vector<WantedRegion> read_list(const JsonValue& v) {
   return list;
 }
 
+json uncovered_json(const Uncovered& u) {
+  json j = {{"region", u.region}, {"share", u.share}, {"place_mm", point(u.place_mm)}, {"why", u.why}};
+  if (std::isfinite(u.distance_mm)) j["distance_mm"] = u.distance_mm;
+  return j;
+}
+
+Uncovered read_uncovered(const JsonValue& v) {
+  only_keys(v, {"region", "share", "place_mm", "distance_mm", "why"}, kRegionsPage);
+  return {v["region"].text(), number_in(v["share"], 0.0, 1.0 + 1e-9), vec3(v["place_mm"]),
+          length_or(v, "distance_mm", std::numeric_limits<double>::infinity()), v["why"].text()};
+}
+
+void read_regions_report(const JsonValue& v, int n_patches, Design& design) {
+  design.report.module_value = number_in(v["worth"], -kMaxWorth, kMaxWorth);
+  if (design.regions.limits_entries()) {
+    const JsonValue patches = v["entries_elsewhere"];
+    for (std::size_t k = 0; k < patches.size(); ++k)
+      design.report.entries_elsewhere.push_back(patches.at(k).integer(0, n_patches - 1));
+  }
+  const JsonValue uncovered = v["uncovered"];
+  for (std::size_t k = 0; k < uncovered.size(); ++k) design.report.uncovered.push_back(read_uncovered(uncovered.at(k)));
+}
+
 }  // namespace
 
 RegionFile read_region_file(const std::filesystem::path& path) {
@@ -127,7 +160,7 @@ RegionFile read_region_file(const std::filesystem::path& path) {
   const JsonValue v(document, path.string(), "");
   only_keys(v, {"format", "version", "elsewhere", "regions"}, kRegionsPage);
   require_format(v, "triskin-regions");
-  if (v["version"].integer(0, 1000) != 1) v["version"].fail("must be 1");
+  require_version(v, 1);
   RegionFile file;
   if (has(v, "elsewhere")) file.elsewhere = number_in(v["elsewhere"], -kMaxWeight, kMaxWeight);
   file.regions = read_list(v["regions"]);
@@ -142,11 +175,7 @@ void write_regions(const Design& design, json& document) {
   if (design.regions.empty()) return;
   json list = json::array(), uncovered = json::array();
   for (const Region& r : design.regions.list) list.push_back(region_json(r));
-  for (const Uncovered& u : design.report.uncovered) {
-    json j = {{"region", u.region}, {"share", u.share}, {"place_mm", point(u.place_mm)}, {"why", u.why}};
-    if (std::isfinite(u.distance_mm)) j["distance_mm"] = u.distance_mm;
-    uncovered.push_back(std::move(j));
-  }
+  for (const Uncovered& u : design.report.uncovered) uncovered.push_back(uncovered_json(u));
   document["regions"] = {{"elsewhere", design.regions.elsewhere}, {"list", std::move(list)}};
   document["report"]["worth"] = design.report.module_value;
   document["report"]["uncovered"] = std::move(uncovered);
@@ -164,21 +193,7 @@ void read_regions(const JsonValue& v, Design& design) {
   only_keys(v["regions"], {"elsewhere", "list"}, kRegionsPage);
   design.regions.elsewhere = number_in(v["regions"]["elsewhere"], -kMaxWeight, kMaxWeight);
   for (WantedRegion& wanted : read_list(v["regions"]["list"])) design.regions.list.push_back(std::move(wanted.region));
-  design.report.module_value = number_in(v["report"]["worth"], -kMaxWorth, kMaxWorth);
-  if (design.regions.limits_entries()) {
-    const JsonValue patches = v["report"]["entries_elsewhere"];
-    for (std::size_t k = 0; k < patches.size(); ++k)
-      design.report.entries_elsewhere.push_back(patches.at(k).integer(0, static_cast<int>(v["patches"].size()) - 1));
-  }
-  const JsonValue uncovered = v["report"]["uncovered"];
-  for (std::size_t k = 0; k < uncovered.size(); ++k) {
-    const JsonValue u = uncovered.at(k);
-    only_keys(u, {"region", "share", "place_mm", "distance_mm", "why"}, kRegionsPage);
-    design.report.uncovered.push_back({u["region"].text(), number_in(u["share"], 0.0, 1.0 + 1e-9), vec3(u["place_mm"]),
-                                       has(u, "distance_mm") ? number_in(u["distance_mm"], 0.0, kMaxLength_mm)
-                                                             : std::numeric_limits<double>::infinity(),
-                                       u["why"].text()});
-  }
+  read_regions_report(v["report"], static_cast<int>(v["patches"].size()), design);
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k)
     design.layout.modules[k].keep_out_mm = number_in(v["modules"].at(k)["keep_out_mm"], 0.0, kMaxLength_mm);
   for (std::size_t k = 0; k < design.alternatives.size(); ++k)

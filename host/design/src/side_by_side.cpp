@@ -33,6 +33,13 @@ PlacedModule moved(PlacedModule m, const CoverOffset& offset, const Eigen::Isome
   return m;
 }
 
+void renumber(FailureLoss& f, int by) {
+  f.node = shifted(f.node, by);
+  f.other_node = shifted(f.other_node, by);
+  shift_pairs(f.backup_tree, by);
+  shift_pairs(f.adopted, by);
+}
+
 Patch renumbered(Patch p, int by) {
   p.entry = shifted(p.entry, by);
   p.second_entry = shifted(p.second_entry, by);
@@ -42,12 +49,7 @@ Patch renumbered(Patch p, int by) {
   }
   shift_pairs(p.cut_joints, by);
   shift_pairs(p.bridges, by);
-  for (FailureLoss& f : p.failures) {
-    f.node = shifted(f.node, by);
-    f.other_node = shifted(f.other_node, by);
-    shift_pairs(f.backup_tree, by);
-    shift_pairs(f.adopted, by);
-  }
+  for (FailureLoss& f : p.failures) renumber(f, by);
   for (int& node : p.articulation) node = shifted(node, by);
   return p;
 }
@@ -62,11 +64,18 @@ void append(Design& all, const Design& one, const CoverOffset& offset, const Eig
   all.layout.islands += one.layout.islands;
   for (std::size_t p = 0; p < one.patches.size(); ++p) {
     all.patches.push_back(renumbered(one.patches[p], offset.module));
-    all.node_addresses.push_back(static_cast<std::uint8_t>(node_address_of(one, static_cast<int>(p))));
+    all.node_addresses.push_back(static_cast<std::uint8_t>(node_address_of(one, layout::PatchIndex{p})));
   }
   all.report.area_cm2 += one.report.area_cm2;
   all.report.upper_bound += one.report.upper_bound;
   all.report.patches_lower_bound += one.report.patches_lower_bound;
+}
+
+void require_corner_cut(const Design& design, double corner_cut_mm) {
+  if (design.layout.corner_cut_mm == corner_cut_mm) return;
+  throw InputError("cover " + design.name +
+                   ": its modules have other corner cuts than those of the first cover; make the designs with one "
+                   "--corner-cut-mm");
 }
 
 }  // namespace
@@ -80,11 +89,8 @@ SideBySide side_by_side(std::span<const PlacedCover> covers) {
     all.layout.corner_cut_mm = covers.front().design->layout.corner_cut_mm;
   }
   for (const PlacedCover& c : covers) {
-    if (c.design->layout.corner_cut_mm != all.layout.corner_cut_mm)
-      throw InputError("cover " + c.design->name +
-                       ": its modules have other corner cuts than those of the first cover; make the designs with one "
-                       "--corner-cut-mm");
-    const CoverOffset offset{static_cast<int>(all.layout.modules.size()), static_cast<int>(all.patches.size()),
+    require_corner_cut(*c.design, all.layout.corner_cut_mm);
+    const CoverOffset offset{layout::SkinModule{all.layout.modules.size()}, static_cast<int>(all.patches.size()),
                              all.layout.islands};
     append(all, *c.design, offset, c.pose);
     joint.offsets.push_back(offset);

@@ -19,6 +19,14 @@ extern char** environ;
 namespace triskin::device {
 namespace {
 
+std::string read_to_end(int descriptor) {
+  std::string text;
+  std::array<char, 512> buffer{};
+  for (ssize_t n = 0; (n = ::read(descriptor, buffer.data(), buffer.size())) > 0;)
+    text.append(buffer.data(), static_cast<std::size_t>(n));
+  return text;
+}
+
 // Returns the output of a program, or nothing if it cannot be started or fails.
 std::optional<std::string> output_of(std::vector<std::string> words) {
   std::array<int, 2> pipe_ends{};
@@ -35,10 +43,7 @@ std::optional<std::string> output_of(std::vector<std::string> words) {
   const int failed = ::posix_spawnp(&child, arguments[0], &actions, nullptr, arguments.data(), environ);
   ::posix_spawn_file_actions_destroy(&actions);
   ::close(pipe_ends[1]);
-  std::string text;
-  std::array<char, 512> buffer{};
-  for (ssize_t n = 0; failed == 0 && (n = ::read(pipe_ends[0], buffer.data(), buffer.size())) > 0;)
-    text.append(buffer.data(), static_cast<std::size_t>(n));
+  const std::string text = failed == 0 ? read_to_end(pipe_ends[0]) : "";
   ::close(pipe_ends[0]);
   int status = 0;
   if (failed != 0 || ::waitpid(child, &status, 0) != child || status != 0) return std::nullopt;

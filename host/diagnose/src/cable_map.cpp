@@ -2,6 +2,7 @@
 #include "cable_map.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace triskin::device {
@@ -104,7 +105,7 @@ std::vector<CableExplanation> candidates(const std::vector<PatchState>& patches)
       if (exchangeable(q) && q.patch > p.patch) all.push_back({p.patch, q.patch});
     }
     for (int a = 0; a < layout::kLines; ++a) {
-      for (int b = a + 1; b < layout::kLines; ++b) all.push_back({p.patch, -1, a, b});
+      for (int b = a + 1; b < layout::kLines; ++b) all.push_back({p.patch, layout::PatchIndex::none(), a, b});
     }
   }
   return all;
@@ -119,18 +120,15 @@ void apply(CableMap& map, const CableExplanation& e) {
 
 }  // namespace
 
-CableMap::CableMap(std::size_t patches) {
-  for (std::size_t p = 0; p < patches; ++p) {
-    controller_.push_back(static_cast<int>(p));
-    line_.push_back({0, 1, 2, 3});
-  }
+CableMap::CableMap(std::size_t patches) : controller_(patches), line_(patches, {0, 1, 2, 3}) {
+  std::iota(controller_.begin(), controller_.end(), layout::PatchIndex{});
 }
 
-void CableMap::exchange_patches(int p, int q) {
+void CableMap::exchange_patches(layout::PatchIndex p, layout::PatchIndex q) {
   std::swap(controller_[index(p)], controller_[index(q)]);
 }
 
-void CableMap::exchange_lines(int p, int a, int b) {
+void CableMap::exchange_lines(layout::PatchIndex p, int a, int b) {
   std::swap(line_[index(p)][index(a)], line_[index(p)][index(b)]);
 }
 
@@ -139,9 +137,9 @@ Site CableMap::seen_at(const Site& meant) const {
 }
 
 Site CableMap::meant_by(const Site& seen) const {
-  const auto patch = std::ranges::find(controller_, seen.patch) - controller_.begin();
-  const auto& lines = line_[index(static_cast<int>(patch))];
-  return {static_cast<int>(patch), static_cast<int>(std::ranges::find(lines, seen.line) - lines.begin()), seen.address};
+  const layout::PatchIndex patch{std::ranges::find(controller_, seen.patch) - controller_.begin()};
+  const auto& lines = line_[index(patch)];
+  return {patch, static_cast<int>(std::ranges::find(lines, seen.line) - lines.begin()), seen.address};
 }
 
 Observation read_through(const CableMap& map, const design::Design& design, const std::vector<PatchState>& patches,
@@ -149,7 +147,7 @@ Observation read_through(const CableMap& map, const design::Design& design, cons
   Observation o;
   for (const PatchState& p : patches) o.patches.push_back(p.usable ? patch_through(map, p, patches) : p);
   const auto wiring = design::wiring_of(design);
-  const auto place_of = [&](int module) {
+  const auto place_of = [&](layout::ModuleId module) {
     const auto& w = wiring[index(module)];
     return Site{w.patch, w.routed.line, w.routed.address};
   };
@@ -158,7 +156,7 @@ Observation read_through(const CableMap& map, const design::Design& design, cons
     if (t.answered >= 0) {
       const Site meant = map.meant_by(place_of(t.answered));
       const auto row = row_at(patches[index(meant.patch)], meant.line, meant.address);
-      t.answered = row ? patches[index(meant.patch)].module(*row) : -1;
+      t.answered = row ? patches[index(meant.patch)].module(*row) : layout::ModuleId::none();
     }
     // If no row samples the place where the module is read, the touch shows nothing.
     if (!row_at(patches[index(own.patch)], own.line, own.address) && t.answered != t.module) continue;

@@ -11,7 +11,8 @@ namespace triskin::device {
 
 /// A place is a line and an address, either at a controller or of a patch in the design.
 struct Site {
-  int patch = 0, line = 0, address = 0;
+  layout::PatchIndex patch;
+  int line = 0, address = 0;
   auto operator<=>(const Site&) const = default;
 };
 
@@ -21,16 +22,16 @@ class CableMap {
  public:
   explicit CableMap(std::size_t patches);
   /// Exchanges the cables of two patches.
-  void exchange_patches(int p, int q);
+  void exchange_patches(layout::PatchIndex p, layout::PatchIndex q);
   /// Exchanges lines `a` and `b` of patch `p`.
-  void exchange_lines(int p, int a, int b);
+  void exchange_lines(layout::PatchIndex p, int a, int b);
   /// Returns where the module that the design has at `meant` is actually read.
   [[nodiscard]] Site seen_at(const Site& meant) const;
   /// Inverts seen_at(): returns the place of the design that is read at `seen`.
   [[nodiscard]] Site meant_by(const Site& seen) const;
 
  private:
-  std::vector<int> controller_;
+  std::vector<layout::PatchIndex> controller_;
   std::vector<std::array<int, layout::kLines>> line_;
 };
 
@@ -47,8 +48,9 @@ struct Observation {
 
 /// This exchange of cables or lines explains the observations.
 struct CableExplanation {
-  int patch = -1;
-  int other = -1;  ///< The exchange is with this patch; −1 means that the lines below are exchanged.
+  layout::PatchIndex patch = layout::PatchIndex::none();
+  /// The exchange is with this patch; −1 means that the lines below are exchanged.
+  layout::PatchIndex other = layout::PatchIndex::none();
   int line_a = -1, line_b = -1;
   int modules = 0;  ///< This many modules are in their place once the exchange is undone.
 };

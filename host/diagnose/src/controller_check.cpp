@@ -13,13 +13,13 @@
 namespace triskin::device {
 namespace {
 
-std::string patches_text(const std::vector<int>& patches) {
+std::string patches_text(const std::vector<layout::PatchIndex>& patches) {
   return fmt::format("{} {}", noun_after(patches.size() == 1, "patch"), short_list(patches));
 }
 
 }  // namespace
 
-Finding controller_finding(FindingKind kind, int patch, std::string text, std::string remedy) {
+Finding controller_finding(FindingKind kind, layout::PatchIndex patch, std::string text, std::string remedy) {
   Finding f;
   f.kind = kind;
   f.patch = patch;
@@ -32,7 +32,7 @@ ControllerCheck::ControllerCheck(Bus& bus, const design::Design& design)
     : bus_(bus), design_(design), claims_(bus.discover()) {
   for (const wire::NodeClaim& c : claims_) {
     if (c.has_table)
-      ++with_table_[c.node_address];
+      ++with_table_[layout::NodeAddress{c.node_address}];
     else
       ++without_table_;
   }
@@ -40,7 +40,7 @@ ControllerCheck::ControllerCheck(Bus& bus, const design::Design& design)
 }
 
 bool ControllerCheck::check(PatchState& p, std::vector<Finding>& findings) {
-  const int node = p.image.node_address;
+  const layout::NodeAddress node{p.image.node_address};
   const auto at_node = with_table_.find(node);
   if (at_node == with_table_.end() || at_node->second > 1) {
     note_missing(p.patch, node);
@@ -55,6 +55,27 @@ bool ControllerCheck::check(PatchState& p, std::vector<Finding>& findings) {
   return false;
 }
 
+namespace {
+
+bool differ_in_kinds_alone(const layout::PatchImage& table, const layout::PatchImage& meant) {
+  layout::PatchImage alike = table;
+  alike.design_id = meant.design_id;
+  alike.positive_input = meant.positive_input;
+  for (std::size_t k = 0; k < alike.module_count; ++k) alike.modules[k].module_id = meant.modules[k].module_id;
+  if (!(alike == meant)) return false;
+  const auto id_beside_kind = [](const layout::ModuleRow& row) { return row.module_id % layout::kIdsBesideKinds; };
+  return std::ranges::equal(table.rows(), meant.rows(), {}, id_beside_kind, id_beside_kind) &&
+         !std::ranges::equal(table.rows(), meant.rows(), {}, &layout::ModuleRow::module_id,
+                             &layout::ModuleRow::module_id);
+}
+
+std::string failure_text(const RouteChoice& choice) {
+  return choice.other < 0 ? fmt::format("module {}", choice.module)
+                          : fmt::format("the joint of modules {} and {}", choice.other, choice.module);
+}
+
+}  // namespace
+
 // If the table is of a design with the same modules, places and wiring but other kinds, each affected module gets a
 // finding.
 bool ControllerCheck::differs_in_kinds(const PatchState& p, Controller& c, const wire::ActiveTable& active,
@@ -63,18 +84,7 @@ bool ControllerCheck::differs_in_kinds(const PatchState& p, Controller& c, const
   const auto bytes = c.read_table(layout::kHeaderBytes + active.modules * layout::kRowBytes);
   const auto table = layout::decode(bytes);
   if (!table) return false;
-  layout::PatchImage alike = *table;
-  alike.design_id = p.image.design_id;
-  alike.positive_input = p.image.positive_input;
-  for (std::size_t k = 0; k < alike.module_count; ++k) alike.modules[k].module_id = p.image.modules[k].module_id;
-  if (!(alike == p.image)) return false;
-  std::size_t count = 0;
-  for (std::size_t k = 0; k < table->module_count; ++k) {
-    const unsigned is = table->modules[k].module_id, meant = p.image.modules[k].module_id;
-    if (is % layout::kIdsBesideKinds != meant % layout::kIdsBesideKinds) return false;
-    count += is == meant ? 0 : 1;
-  }
-  if (count == 0) return false;
+  if (!differ_in_kinds_alone(*table, p.image)) return false;
   for (std::size_t k = 0; k < table->module_count; ++k) {
     const int is = table->modules[k].module_id >> layout::kKindShift, meant = kind_of_row(design_, p.image.modules[k]);
     if (is == meant) continue;
@@ -98,20 +108,18 @@ std::string ControllerCheck::name_of_kind(int kind) const {
 
 // A table that the design prepared for a failure is valid as well; a finding says what it leaves out.
 bool ControllerCheck::runs_on_backup(PatchState& p, std::uint32_t crc, std::vector<Finding>& findings) {
-  for (const design::FailureLoss& f : design_.patches[static_cast<std::size_t>(p.patch)].failures) {
-    const RouteChoice choice{f.node, f.other_node};
-    if (f.node == design_.patches[static_cast<std::size_t>(p.patch)].entry && f.other_node < 0) continue;
+  const design::Patch& patch = design_.patches[static_cast<std::size_t>(p.patch)];
+  for (const design::FailureLoss& f : patch.failures) {
+    const RouteChoice choice{layout::ModuleId{f.node}, layout::ModuleId{f.other_node}};
+    if (f.node == patch.entry && f.other_node < 0) continue;
     const layout::PatchImage image = image_of(design_, p.patch, choice);
     if (crc32(bytes_of(image)) != crc) continue;
-    const std::string what = choice.other < 0
-                                 ? fmt::format("module {}", choice.module)
-                                 : fmt::format("the joint of modules {} and {}", choice.other, choice.module);
-    findings.push_back(
-        controller_finding(FindingKind::kBackupRoute, p.patch,
-                           fmt::format("patch {}: runs on the route prepared for the failure of {}; {} of {} {} read",
-                                       p.patch, what, image.module_count, counted(p.image.module_count, "module"),
-                                       agreeing(image.module_count, "is", "are")),
-                           "repair it, then run triskin flash without --route"));
+    findings.push_back(controller_finding(
+        FindingKind::kBackupRoute, p.patch,
+        fmt::format("patch {}: runs on the route prepared for the failure of {}; {} of {} {} read", p.patch,
+                    failure_text(choice), image.module_count, counted(p.image.module_count, "module"),
+                    agreeing(image.module_count, "is", "are")),
+        "repair it, then run triskin flash without --route"));
     p.image = image;
     p.on_backup = true;
     return true;
@@ -119,7 +127,7 @@ bool ControllerCheck::runs_on_backup(PatchState& p, std::uint32_t crc, std::vect
   return false;
 }
 
-std::vector<std::string> ControllerCheck::serials_at(int node) const {
+std::vector<std::string> ControllerCheck::serials_at(layout::NodeAddress node) const {
   std::vector<std::string> serials;
   for (const wire::NodeClaim& c : claims_) {
     if (c.has_table && c.node_address == node) serials.push_back(to_text(c.unique_id));
@@ -127,7 +135,7 @@ std::vector<std::string> ControllerCheck::serials_at(int node) const {
   return serials;
 }
 
-void ControllerCheck::note_missing(int patch, int node) {
+void ControllerCheck::note_missing(layout::PatchIndex patch, layout::NodeAddress node) {
   if (with_table_.contains(node))
     doubled_.push_back(patch);
   else
@@ -135,8 +143,9 @@ void ControllerCheck::note_missing(int patch, int node) {
 }
 
 // The controller of each patch in `without` may be one of the two.
-Finding ControllerCheck::duplicate_finding(int patch, const std::vector<int>& without) const {
-  const int node = design::node_address_of(design_, patch);
+Finding ControllerCheck::duplicate_finding(layout::PatchIndex patch,
+                                           const std::vector<layout::PatchIndex>& without) const {
+  const layout::NodeAddress node = design::node_address_of(design_, patch);
   const std::vector<std::string> serials = serials_at(node);
   std::string text = fmt::format("patch {}: {} {} node address {}: {}", patch, counted(serials.size(), "controller"),
                                  agreeing(serials.size(), "shares", "share"), node, fmt::join(serials, " and "));
@@ -162,7 +171,8 @@ Finding ControllerCheck::unflashed_finding() const {
 }
 
 // A wrong file is more likely than a wrongly flashed skin, and trying another file costs nothing.
-Finding ControllerCheck::other_design_finding(std::uint64_t held, const std::vector<int>& patches) const {
+Finding ControllerCheck::other_design_finding(std::uint64_t held,
+                                              const std::vector<layout::PatchIndex>& patches) const {
   if (held == design_.design_id) {
     return controller_finding(
         FindingKind::kWrongTable, patches.front(),
@@ -182,8 +192,8 @@ Finding ControllerCheck::other_design_finding(std::uint64_t held, const std::vec
 }
 
 void ControllerCheck::summarise(std::vector<Finding>& findings) const {
-  std::vector<int> absent = absent_;
-  for (const int patch : doubled_) {
+  std::vector<layout::PatchIndex> absent = absent_;
+  for (const layout::PatchIndex patch : doubled_) {
     const auto surplus = with_table_.at(design::node_address_of(design_, patch)) - 1;
     const auto taken = static_cast<std::ptrdiff_t>(std::min(surplus, absent.size()));
     findings.push_back(duplicate_finding(patch, {absent.begin(), absent.begin() + taken}));
@@ -191,7 +201,7 @@ void ControllerCheck::summarise(std::vector<Finding>& findings) const {
   }
   if (!unflashed_.empty()) findings.push_back(unflashed_finding());
   for (const auto& [held, patches] : foreign_) findings.push_back(other_design_finding(held, patches));
-  for (const int patch : absent) {
+  for (const layout::PatchIndex patch : absent) {
     findings.push_back(controller_finding(FindingKind::kAbsentController, patch,
                                           fmt::format("patch {}: no controller answers at node address {}", patch,
                                                       design::node_address_of(design_, patch)),

@@ -10,7 +10,8 @@
 namespace triskin::device {
 
 /// Makes a finding that concerns the controller of `patch` and no module.
-[[nodiscard]] Finding controller_finding(FindingKind kind, int patch, std::string text, std::string remedy);
+[[nodiscard]] Finding controller_finding(FindingKind kind, layout::PatchIndex patch, std::string text,
+                                         std::string remedy);
 
 /// Checks that the controllers are present and have the tables of the design. One cause gives one finding, however many
 /// patches it concerns.
@@ -29,22 +30,24 @@ class ControllerCheck {
                         std::vector<Finding>& findings);
   [[nodiscard]] std::string name_of_kind(int kind) const;
   bool runs_on_backup(PatchState& p, std::uint32_t crc, std::vector<Finding>& findings);
-  void note_missing(int patch, int node);
-  [[nodiscard]] std::vector<std::string> serials_at(int node) const;
+  void note_missing(layout::PatchIndex patch, layout::NodeAddress node);
+  [[nodiscard]] std::vector<std::string> serials_at(layout::NodeAddress node) const;
   [[nodiscard]] Finding unflashed_finding() const;
-  [[nodiscard]] Finding duplicate_finding(int patch, const std::vector<int>& without) const;
-  [[nodiscard]] Finding other_design_finding(std::uint64_t held, const std::vector<int>& patches) const;
+  [[nodiscard]] Finding duplicate_finding(layout::PatchIndex patch,
+                                          const std::vector<layout::PatchIndex>& without) const;
+  [[nodiscard]] Finding other_design_finding(std::uint64_t held, const std::vector<layout::PatchIndex>& patches) const;
 
   Bus& bus_;
   const design::Design& design_;
   std::vector<wire::NodeClaim> claims_;
-  std::map<int, std::size_t> with_table_;  // The map counts the controllers with a table at each node address.
+  std::map<layout::NodeAddress, std::size_t>
+      with_table_;  // The map counts the controllers with a table at each node address.
   std::size_t without_table_ = 0;
-  std::vector<int> doubled_;    // Several controllers have the node address of these patches.
-  std::vector<int> absent_;     // No controller has the node address of these patches.
-  std::vector<int> unflashed_;  // These patches lack a controller, while some controllers have no table.
+  std::vector<layout::PatchIndex> doubled_;    // Several controllers have the node address of these patches.
+  std::vector<layout::PatchIndex> absent_;     // No controller has the node address of these patches.
+  std::vector<layout::PatchIndex> unflashed_;  // These patches lack a controller, while some controllers have no table.
   // For the design of each foreign table, the map has the patches where it was found.
-  std::map<std::uint64_t, std::vector<int>> foreign_;
+  std::map<std::uint64_t, std::vector<layout::PatchIndex>> foreign_;
 };
 
 }  // namespace triskin::device

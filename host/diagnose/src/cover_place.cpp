@@ -16,7 +16,7 @@ int column(const design::Tile& t) {
 
 }  // namespace
 
-std::string place_on_cover(const design::Design& design, int module) {
+std::string place_on_cover(const design::Design& design, layout::ModuleId module) {
   const design::PlacedModule& own = design.layout.modules.at(static_cast<std::size_t>(module));
   std::set<int> rows, columns;
   for (const design::PlacedModule& m : design.layout.modules) {
@@ -33,7 +33,7 @@ std::string place_on_cover(const design::Design& design, int module) {
   return fmt::format("island {}, row {} of {}, {}", own.island, row, rows.size(), side);
 }
 
-std::string joint_text(const design::Design& design, int module, int other) {
+std::string joint_text(const design::Design& design, layout::ModuleId module, layout::ModuleId other) {
   const auto end = [&](int of, int towards) {
     const auto& neighbour = design.layout.modules.at(static_cast<std::size_t>(of)).neighbour;
     const auto side = std::ranges::find(neighbour, towards);

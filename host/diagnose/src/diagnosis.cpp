@@ -34,6 +34,24 @@ int likelihood_rank(FindingKind kind) {
   return static_cast<int>(std::ranges::find(kOrder, kind) - kOrder.begin());
 }
 
+constexpr PastFault kWentAway{.together = FindingKind::kLooseJoint,
+                              .seen_together = "went and came back together:",
+                              .remedy_together = "look for a loose contact there",
+                              .alone = FindingKind::kIntermittentModule,
+                              .seen_alone = "answers now, but did not for some time",
+                              .remedy_alone = "check its joints for a loose contact"};
+constexpr PastFault kLostSupply{
+    .together = FindingKind::kSaggingSupply,
+    .seen_together = "lost their configuration together:",
+    .remedy_together = "measure the supply there: it sags along the tree; shorten the way or feed it from another side",
+    .alone = FindingKind::kLostConfiguration,
+    .seen_alone = "its chip lost its configuration and was set up again",
+    .remedy_alone = "check the supply of the module: its power dips"};
+
+bool is_at_end(std::uint16_t raw) {
+  return raw == 0 || raw == 0xFFFF;
+}
+
 }  // namespace
 
 Diagnosis::Diagnosis(const design::Design& design, std::vector<PatchState> patches, std::vector<TouchOutcome> touches,
@@ -47,20 +65,7 @@ Diagnosis::Diagnosis(const design::Design& design, std::vector<PatchState> patch
 void Diagnosis::run(VerifyResult& result) {
   examine_cables();
   note_adopted();
-  for (const PatchState& p : patches_) {
-    if (!p.usable) {
-      for (std::size_t row = 0; row < p.image.module_count; ++row) bad_.insert(p.module(row));
-      continue;
-    }
-    for (const auto& m : design_.patches[static_cast<std::size_t>(p.patch)].modules) {
-      if (!p.reads(m.node)) bad_.insert(m.node);
-    }
-    examine_topology(p);
-    examine_lines(p);
-    examine_history(p);
-    examine_modules(p);
-    examine_mirrored(p);
-  }
+  for (const PatchState& p : patches_) examine_patch(p);
   examine_adoption();
   for (const TouchOutcome& t : touches_) examine_touch(t);
   examine_rest();
@@ -74,12 +79,13 @@ std::string Diagnosis::at(int line, int address) {
   return fmt::format("L{}, address {:02X}", line, layout::kFirstCdcAddress + address);
 }
 
-std::string Diagnosis::where(int module) const {
+std::string Diagnosis::where(layout::ModuleId module) const {
   const auto& w = wiring_[static_cast<std::size_t>(module)];
   return fmt::format("module {} (patch {}, {})", module, w.patch, at(w.routed.line, w.routed.address));
 }
 
-Finding& Diagnosis::add(FindingKind kind, int module, int patch, std::string text, std::string remedy) {
+Finding& Diagnosis::add(FindingKind kind, layout::ModuleId module, layout::PatchIndex patch, std::string text,
+                        std::string remedy) {
   Finding f;
   f.kind = kind;
   f.module = module;
@@ -93,7 +99,7 @@ Finding& Diagnosis::add(FindingKind kind, int module, int patch, std::string tex
   return findings_.emplace_back(std::move(f));
 }
 
-const TouchOutcome* Diagnosis::touch_of(int module) const {
+const TouchOutcome* Diagnosis::touch_of(layout::ModuleId module) const {
   const auto found = std::ranges::find_if(touches_, [&](const TouchOutcome& t) { return t.module == module; });
   return found == touches_.end() ? nullptr : &*found;
 }
@@ -102,9 +108,9 @@ const TouchOutcome* Diagnosis::touch_of(int module) const {
 void Diagnosis::note_adopted() {
   const ModuleEnds ends = design::module_ends(design_);
   for (const PatchState& p : patches_) {
-    std::vector<int> rows;
+    std::vector<layout::ModuleId> rows;
     for (std::size_t row = 0; row < p.image.module_count; ++row) rows.push_back(p.module(row));
-    for (const int m : adopted_modules(ends, rows, p.adoption)) {
+    for (const layout::ModuleId m : adopted_modules(ends, rows, p.adoption)) {
       if (m >= 0) adopter_.emplace(m, p.patch);
     }
   }
@@ -112,7 +118,7 @@ void Diagnosis::note_adopted() {
 
 // Reports the adopted modules for which no break was found, together for each pair of patches.
 void Diagnosis::examine_adoption() {
-  std::map<std::pair<int, int>, std::vector<int>> left;
+  std::map<std::pair<layout::PatchIndex, layout::PatchIndex>, std::vector<layout::ModuleId>> left;
   for (const auto& [module, by] : adopter_) {
     if (!explained_.contains(module)) left[{wiring_[static_cast<std::size_t>(module)].patch, by}].push_back(module);
   }
@@ -127,46 +133,67 @@ void Diagnosis::examine_adoption() {
   }
 }
 
+void Diagnosis::examine_patch(const PatchState& p) {
+  if (!p.usable) {
+    for (std::size_t row = 0; row < p.image.module_count; ++row) bad_.insert(p.module(row));
+    return;
+  }
+  for (const auto& m : design_.patches[static_cast<std::size_t>(p.patch)].modules) {
+    if (!p.reads(layout::ModuleId{m.node})) bad_.emplace(m.node);
+  }
+  examine_topology(p);
+  examine_lines(p);
+  examine_history(p);
+  examine_modules(p);
+  examine_mirrored(p);
+}
+
 // With switched modules, the chain tells more than a silent chip does.
 void Diagnosis::examine_topology(const PatchState& p) {
   if (!p.topology.switched) return;
   const TopologyMatch match = match_topology(p.topology, design_, p.patch);
   const TopologyMatch best = identify_patch(p.topology, design_).front();
   const bool other = best.patch != p.patch && best.differences.size() + 2 < match.differences.size();
-  if (other || match.another_patch()) {
-    add(FindingKind::kWrongPatch, -1, p.patch,
-        other && !best.another_patch()
-            ? fmt::format("patch {}: its controller hangs on the modules of patch {}", p.patch, best.patch)
-            : fmt::format("patch {}: the {} found are not this patch", p.patch, counted(p.topology.count, "module")),
-        "exchange the cables of the controllers, or compare the patch with the assembly sheet");
-    for (const auto& m : design_.patches[static_cast<std::size_t>(p.patch)].modules) {
-      explained_.insert(m.node);
-      bad_.insert(m.node);
-    }
-    return;
-  }
-  std::set<int> missing;
+  if (other || match.another_patch())
+    return add_wrong_patch(p,
+                           other && !best.another_patch()
+                               ? fmt::format("its controller hangs on the modules of patch {}", best.patch)
+                               : fmt::format("the {} found are not this patch", counted(p.topology.count, "module")));
+  std::set<layout::ModuleId> missing;
   for (const TopologyDifference& d : match.differences) {
-    if (d.kind == FindingKind::kMissingModule) {
+    if (d.kind == FindingKind::kMissingModule)
       missing.insert(d.module);
-      continue;
-    }
-    // The modules of the joint may still be readable.
-    const bool joint = d.kind == FindingKind::kMissingJoint || d.kind == FindingKind::kExtraJoint;
-    Finding& f = add(d.kind, joint ? -1 : d.module, p.patch, fmt::format("patch {}: {}", p.patch, d.text), d.remedy);
-    f.module = d.module;
-    f.other = d.other;
-    if (joint) continue;
-    explained_.insert(d.module);
-    if (d.other >= 0) explained_.insert(d.other);
+    else
+      add_difference(p, d);
   }
   examine_missing(p, missing);
+}
+
+void Diagnosis::add_wrong_patch(const PatchState& p, const std::string& what) {
+  add(FindingKind::kWrongPatch, layout::ModuleId::none(), p.patch, fmt::format("patch {}: {}", p.patch, what),
+      "exchange the cables of the controllers, or compare the patch with the assembly sheet");
+  for (const auto& m : design_.patches[static_cast<std::size_t>(p.patch)].modules) {
+    explained_.emplace(m.node);
+    bad_.emplace(m.node);
+  }
+}
+
+void Diagnosis::add_difference(const PatchState& p, const TopologyDifference& d) {
+  // The modules of the joint may still be readable.
+  const bool joint = d.kind == FindingKind::kMissingJoint || d.kind == FindingKind::kExtraJoint;
+  Finding& f = add(d.kind, joint ? layout::ModuleId::none() : d.module, p.patch,
+                   fmt::format("patch {}: {}", p.patch, d.text), d.remedy);
+  f.module = d.module;
+  f.other = d.other;
+  if (joint) return;
+  explained_.insert(d.module);
+  if (d.other >= 0) explained_.insert(d.other);
 }
 
 void Diagnosis::examine_lines(const PatchState& p) {
   for (int l = 0; l < layout::kLines; ++l) {
     const auto k = static_cast<std::size_t>(l);
-    std::vector<int> modules;
+    std::vector<layout::ModuleId> modules;
     bool held = p.lines[k].stuck;
     for (std::size_t row = 0; row < p.image.module_count; ++row) {
       if (p.image.modules[row].line != l) continue;
@@ -178,7 +205,7 @@ void Diagnosis::examine_lines(const PatchState& p) {
                                   : fmt::format("was held low and freed by clock pulses {}",
                                                 counted(p.line_states.lines[k].recoveries, "time"));
     Finding& f = add(
-        FindingKind::kStuckLine, -1, p.patch,
+        FindingKind::kStuckLine, layout::ModuleId::none(), p.patch,
         fmt::format("patch {}, line L{}: SDA or SCL {}; modules on it: {}", p.patch, l, what, fmt::join(modules, ", ")),
         "look for a short of this line; part the joints from the far end on until the line is free");
     f.line = l;
@@ -191,7 +218,7 @@ void Diagnosis::examine_lines(const PatchState& p) {
 void Diagnosis::examine_modules(const PatchState& p) {
   std::vector<std::size_t> absent, doubled;
   for (std::size_t row = 0; row < p.image.module_count; ++row) {
-    const int module = p.module(row);
+    const layout::ModuleId module = p.module(row);
     switch (p.states.state[row]) {
       case ModuleState::kAbsent:
         if (p.topology.switched && explained_.contains(module))
@@ -227,7 +254,7 @@ void Diagnosis::examine_doubled(const PatchState& p, std::vector<std::size_t>& a
                                 const std::vector<std::size_t>& doubled) {
   for (const std::size_t row : doubled) {
     const layout::ModuleRow& r = p.image.modules[row];
-    const int module = p.module(row);
+    const layout::ModuleId module = p.module(row);
     explained_.insert(module);
     if (absent.empty()) {
       add(FindingKind::kDuplicateAddress, module, p.patch, where(module) + ": two chips answer at once",
@@ -238,8 +265,8 @@ void Diagnosis::examine_doubled(const PatchState& p, std::vector<std::size_t>& a
   }
 }
 
-void Diagnosis::add_duplicate(const PatchState& p, std::size_t row, int other) {
-  const int module = p.module(row);
+void Diagnosis::add_duplicate(const PatchState& p, std::size_t row, layout::ModuleId other) {
+  const layout::ModuleId module = p.module(row);
   const layout::ModuleRow& r = p.image.modules[row];
   const auto& o = wiring_[static_cast<std::size_t>(other)].routed;
   Finding& f = add(FindingKind::kDuplicateAddress, module, p.patch,
@@ -260,19 +287,16 @@ int Diagnosis::strap_difference(const layout::ModuleRow& row, const Place& place
 }
 
 void Diagnosis::examine_taxels(const PatchState& p, std::size_t row) {
-  const int module = p.module(row);
+  const layout::ModuleId module = p.module(row);
   if (p.states.state[row] == ModuleState::kUnknown) {
     explained_.insert(module);
     add(FindingKind::kAbsentModule, module, p.patch, where(module) + ": the controller has read nothing from it yet",
         "power-cycle the controller and verify again");
     return;
   }
-  const unsigned valid = p.now.modules[row].valid;
+  const wire::ModuleTaxels& now = p.now.modules[row];
   int at_end = 0;
-  for (std::size_t t = 0; t < layout::kTaxelsPerModule; ++t) {
-    const std::uint16_t raw = p.now.modules[row].value[t];
-    at_end += (valid >> t & 1) == 0 && (raw == 0 || raw == 0xFFFF) ? 1 : 0;
-  }
+  for (std::size_t t = 0; t < now.value.size(); ++t) at_end += !now.is_valid(t) && is_at_end(now.value[t]) ? 1 : 0;
   if (at_end >= kManyTaxels) {
     explained_.insert(module);
     add(FindingKind::kSaturatedTaxel, module, p.patch,
@@ -281,21 +305,20 @@ void Diagnosis::examine_taxels(const PatchState& p, std::size_t row) {
         "look for a short of the shield or of the converter's reference; else replace the module");
     return;
   }
-  for (int t = 0; t < layout::kTaxelsPerModule; ++t) {
-    if ((valid >> t & 1) != 0) continue;
-    const std::uint16_t raw = p.now.modules[row].value[static_cast<std::size_t>(t)];
-    if (raw != 0 && raw != 0xFFFF) {
-      add(FindingKind::kFrozenTaxel, module, p.patch,
-          fmt::format("{}: taxel {} keeps one value while the others change", where(module), t),
-          "look for a broken trace to the pad")
-          .taxel = t;
-      continue;
-    }
-    add(FindingKind::kSaturatedTaxel, module, p.patch,
-        fmt::format("{}: taxel {} is at the end of its range", where(module), t),
-        "look for a short between the pad and its neighbours or the shield")
-        .taxel = t;
+  for (std::size_t t = 0; t < now.value.size(); ++t) {
+    if (!now.is_valid(t)) add_bad_taxel(module, p.patch, layout::TaxelIndex{t}, is_at_end(now.value[t]));
   }
+}
+
+void Diagnosis::add_bad_taxel(layout::ModuleId module, layout::PatchIndex patch, layout::TaxelIndex taxel,
+                              bool at_end) {
+  Finding& f = at_end ? add(FindingKind::kSaturatedTaxel, module, patch,
+                            fmt::format("{}: taxel {} is at the end of its range", where(module), taxel),
+                            "look for a short between the pad and its neighbours or the shield")
+                      : add(FindingKind::kFrozenTaxel, module, patch,
+                            fmt::format("{}: taxel {} keeps one value while the others change", where(module), taxel),
+                            "look for a broken trace to the pad");
+  f.taxel = taxel;
 }
 
 std::vector<Diagnosis::Place> Diagnosis::unexpected(const PatchState& p) const {
@@ -317,7 +340,7 @@ std::vector<Diagnosis::Place> Diagnosis::unexpected(const PatchState& p) const {
 double Diagnosis::cost_of_taking(const PatchState& p, const std::vector<std::size_t>& rows, std::size_t row,
                                  const Place& place) const {
   constexpr double kStrap = 0.3;
-  std::set<int> left;
+  std::set<layout::ModuleId> left;
   for (const std::size_t r : rows) {
     if (r != row) left.insert(p.module(r));
   }
@@ -333,7 +356,7 @@ std::size_t Diagnosis::take_likeliest(const PatchState& p, std::vector<std::size
 }
 
 void Diagnosis::add_wrong_address(const PatchState& p, std::size_t row, const Place& place) {
-  const int module = p.module(row);
+  const layout::ModuleId module = p.module(row);
   const layout::ModuleRow& r = p.image.modules[row];
   Finding& f = add(FindingKind::kWrongAddress, module, p.patch,
                    fmt::format("{}: nothing answers there, but a chip answers at {}, where the design has none",
@@ -348,7 +371,7 @@ void Diagnosis::add_wrong_address(const PatchState& p, std::size_t row, const Pl
 void Diagnosis::examine_absent(const PatchState& p, const std::vector<std::size_t>& rows) {
   std::vector<std::size_t> open;
   for (const std::size_t row : rows) {
-    const int module = p.module(row);
+    const layout::ModuleId module = p.module(row);
     explained_.insert(module);
     const TouchOutcome* touch = touch_of(module);
     // A neighbour that only feels the rim of the finger is no answer, because all pads of the pressed module would have
@@ -359,6 +382,22 @@ void Diagnosis::examine_absent(const PatchState& p, const std::vector<std::size_
       open.push_back(row);
   }
   std::vector<Place> elsewhere = unexpected(p);
+  match_elsewhere(p, open, elsewhere);
+  std::set<layout::ModuleId> silent;
+  for (const std::size_t row : open) silent.insert(p.module(row));
+  examine_silent(p, std::move(silent));
+  for (const Place& place : elsewhere) {
+    Finding& f = add(FindingKind::kUnexpectedChip, layout::ModuleId::none(), p.patch,
+                     fmt::format("patch {}: a chip answers at {}, where the design has no module", p.patch,
+                                 at(place.line, place.address)),
+                     "compare the straps with the assembly sheet");
+    f.line = place.line;
+    f.address = place.address;
+  }
+}
+
+// Explains absent modules by chips that answer where the design has none, the cheapest explanation first.
+void Diagnosis::match_elsewhere(const PatchState& p, std::vector<std::size_t>& open, std::vector<Place>& elsewhere) {
   while (!elsewhere.empty() && !open.empty()) {
     const auto cost = [&](const Place& place) {
       double least = std::numeric_limits<double>::max();
@@ -369,10 +408,12 @@ void Diagnosis::examine_absent(const PatchState& p, const std::vector<std::size_
     add_wrong_address(p, take_likeliest(p, open, *place), *place);
     elsewhere.erase(place);
   }
-  std::set<int> silent;
-  for (const std::size_t row : open) silent.insert(p.module(row));
+}
+
+// Reports modules that answer nowhere, those behind one joint together.
+void Diagnosis::examine_silent(const PatchState& p, std::set<layout::ModuleId> silent) {
   // If a neighbour reads a module, it must be switched, even though the chain of this patch does not answer.
-  if (std::ranges::any_of(silent, [&](int m) { return adopter_.contains(m); })) {
+  if (std::ranges::any_of(silent, [&](layout::ModuleId m) { return adopter_.contains(m); })) {
     examine_missing(p, silent);
     silent.clear();
   }
@@ -388,40 +429,28 @@ void Diagnosis::examine_absent(const PatchState& p, const std::vector<std::size_
                            "another module's address"
                          : "replace the module, or check its joint to the parent");
   }
-  for (const Place& place : elsewhere) {
-    Finding& f = add(FindingKind::kUnexpectedChip, -1, p.patch,
-                     fmt::format("patch {}: a chip answers at {}, where the design has no module", p.patch,
-                                 at(place.line, place.address)),
-                     "compare the straps with the assembly sheet");
-    f.line = place.line;
-    f.address = place.address;
-  }
 }
 
 // Makes a finding of a fault that is gone. Present faults have their own findings.
 std::optional<Finding> Diagnosis::remembered(const PatchState& p, const wire::FaultRecord& fault) const {
   const auto row = std::size_t{fault.code.row};
   if (row >= p.image.module_count) return std::nullopt;
+  const bool is_dip = fault.code.state == ModuleState::kLostConfiguration;
+  const bool was_away = fault.code.state == ModuleState::kAbsent || fault.code.state == ModuleState::kWrongId;
+  if (!is_dip && (!was_away || p.states.state[row] != ModuleState::kOk)) return std::nullopt;
+  const PastFault& past = is_dip ? kLostSupply : kWentAway;
   Finding f;
   f.module = p.module(row);
   f.patch = p.patch;
-  if (fault.code.state == ModuleState::kLostConfiguration) {
-    f.kind = FindingKind::kLostConfiguration;
-    f.text = where(f.module) + ": its chip lost its configuration and was set up again";
-    f.remedy = "check the supply of the module: its power dips";
-    return f;
-  }
-  const bool was_away = fault.code.state == ModuleState::kAbsent || fault.code.state == ModuleState::kWrongId;
-  if (!was_away || p.states.state[row] != ModuleState::kOk) return std::nullopt;
-  f.kind = FindingKind::kIntermittentModule;
-  f.text = where(f.module) + ": answers now, but did not for some time";
-  f.remedy = "check its joints for a loose contact";
+  f.kind = past.alone;
+  f.text = fmt::format("{}: {}", where(f.module), past.seen_alone);
+  f.remedy = past.remedy_alone;
   return f;
 }
 
 // Reports one cause for all modules behind a joint, and the other modules one by one.
 void Diagnosis::examine_history(const PatchState& p) {
-  std::set<int> away, dipped;
+  std::set<layout::ModuleId> away, dipped;
   for (const wire::FaultRecord& fault : p.faults.faults()) {
     const auto f = remembered(p, fault);
     if (!f) continue;
@@ -433,30 +462,23 @@ void Diagnosis::examine_history(const PatchState& p) {
       away.insert(f->module);
   }
   // Unplugged modules also lost their supply, so that is not reported separately.
-  for (const int m : away) dipped.erase(m);
-  examine_dips(p, away, dipped);
+  for (const layout::ModuleId m : away) dipped.erase(m);
+  examine_dips(p, std::move(away), dipped);
 }
 
-void Diagnosis::examine_dips(const PatchState& p, const std::set<int>& away, const std::set<int>& dipped) {
-  std::set<int> went = away;
-  add_open_lines(FindingKind::kLooseJoint, p, went, "went and came back together:");
-  for (const Branch& b : branches(p, went)) {
+void Diagnosis::examine_dips(const PatchState& p, std::set<layout::ModuleId> away,
+                             const std::set<layout::ModuleId>& dipped) {
+  add_open_lines(FindingKind::kLooseJoint, p, away, kWentAway.seen_together);
+  add_branches(p, away, kWentAway);
+  add_branches(p, dipped, kLostSupply);
+}
+
+void Diagnosis::add_branches(const PatchState& p, const std::set<layout::ModuleId>& modules, const PastFault& fault) {
+  for (const Branch& b : branches(p, modules)) {
     if (b.members.size() > 1)
-      add_branch(FindingKind::kLooseJoint, p, b, "went and came back together: " + behind(b),
-                 "look for a loose contact there");
+      add_branch(fault.together, p, b, fmt::format("{} {}", fault.seen_together, behind(b)), fault.remedy_together);
     else
-      add(FindingKind::kIntermittentModule, b.module, p.patch,
-          where(b.module) + ": answers now, but did not for some time", "check its joints for a loose contact");
-    explained_.insert(b.members.begin(), b.members.end());
-  }
-  for (const Branch& b : branches(p, dipped)) {
-    if (b.members.size() > 1)
-      add_branch(FindingKind::kSaggingSupply, p, b, "lost their configuration together: " + behind(b),
-                 "measure the supply there: it sags along the tree; shorten the way or feed it from another side");
-    else
-      add(FindingKind::kLostConfiguration, b.module, p.patch,
-          where(b.module) + ": its chip lost its configuration and was set up again",
-          "check the supply of the module: its power dips");
+      add(fault.alone, b.module, p.patch, fmt::format("{}: {}", where(b.module), fault.seen_alone), fault.remedy_alone);
     explained_.insert(b.members.begin(), b.members.end());
   }
 }

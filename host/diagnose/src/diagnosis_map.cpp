@@ -19,61 +19,75 @@ constexpr double kSameDistance_mm = 2.0;  // The tolerance allows for patches th
 
 }  // namespace
 
-void Diagnosis::examine_cables() {
-  CableMap map(patches_.size());
-  const auto concern = [&](int patch, int line) {
+void Diagnosis::add_exchanged(const CableExplanation& e) {
+  const auto concern = [&](layout::PatchIndex patch, int line) {
     for (const auto& m : design_.patches[static_cast<std::size_t>(patch)].modules) {
-      if (line < 0 || m.line == line) bad_.insert(m.node);
+      if (line < 0 || m.line == line) bad_.emplace(m.node);
     }
   };
-  for (const CableExplanation& e : explain_cables(map, design_, patches_, touches_)) {
-    if (e.other < 0) {
-      add(FindingKind::kSwappedLines, -1, e.patch,
-          fmt::format("patch {}: lines {} and {} are exchanged: modules of one answer on the other", e.patch, e.line_a,
-                      e.line_b),
-          "exchange the two lines at the patch's cable")
-          .line = e.line_a;
-      concern(e.patch, e.line_a);
-      concern(e.patch, e.line_b);
-      continue;
-    }
-    add(FindingKind::kWrongPatch, -1, e.patch,
-        fmt::format("patches {} and {}: each is plugged into the controller of the other", e.patch, e.other),
-        "exchange the cables of the two controllers");
-    concern(e.patch, -1);
-    concern(e.other, -1);
+  if (e.other < 0) {
+    add(FindingKind::kSwappedLines, layout::ModuleId::none(), e.patch,
+        fmt::format("patch {}: lines {} and {} are exchanged: modules of one answer on the other", e.patch, e.line_a,
+                    e.line_b),
+        "exchange the two lines at the patch's cable")
+        .line = e.line_a;
+    concern(e.patch, e.line_a);
+    concern(e.patch, e.line_b);
+    return;
   }
+  add(FindingKind::kWrongPatch, layout::ModuleId::none(), e.patch,
+      fmt::format("patches {} and {}: each is plugged into the controller of the other", e.patch, e.other),
+      "exchange the cables of the two controllers");
+  concern(e.patch, -1);
+  concern(e.other, -1);
+}
+
+void Diagnosis::examine_cables() {
+  CableMap map(patches_.size());
+  for (const CableExplanation& e : explain_cables(map, design_, patches_, touches_)) add_exchanged(e);
   Observation o = read_through(map, design_, patches_, touches_);
   patches_ = std::move(o.patches);
   touches_ = std::move(o.touches);
 }
 
-// Returns the largest subtrees of the patch that consist of `modules` only; a module whose subtree is incomplete is
-// listed alone.
-std::vector<Diagnosis::Branch> Diagnosis::branches(const PatchState& p, const std::set<int>& modules) const {
-  const auto& tree = design_.patches[static_cast<std::size_t>(p.patch)].modules;
+namespace {
+
+// Returns for each module of the tree whether it and all modules behind it are among `modules`.
+std::map<int, bool> whole_branches(const std::vector<design::RoutedModule>& tree,
+                                   const std::set<layout::ModuleId>& modules) {
   std::map<int, bool> whole;
   // Children are listed after their parents, so walking backwards visits them first.
   for (auto m = tree.rbegin(); m != tree.rend(); ++m) {
     const auto [own, fresh] = whole.try_emplace(m->node, true);
-    own->second = own->second && modules.contains(m->node);
+    own->second = own->second && modules.contains(layout::ModuleId{m->node});
     if (m->parent >= 0) {
       const auto [parent, first] = whole.try_emplace(m->parent, true);
       parent->second = parent->second && own->second;
     }
   }
+  return whole;
+}
+
+}  // namespace
+
+// Returns the largest subtrees of the patch that consist of `modules` only; a module whose subtree is incomplete is
+// listed alone.
+std::vector<Diagnosis::Branch> Diagnosis::branches(const PatchState& p,
+                                                   const std::set<layout::ModuleId>& modules) const {
+  const auto& tree = design_.patches[static_cast<std::size_t>(p.patch)].modules;
+  std::map<int, bool> whole = whole_branches(tree, modules);
   std::vector<Branch> found;
   std::map<int, std::size_t> branch_of;
   for (const auto& m : tree) {
-    if (!modules.contains(m.node)) continue;
+    if (!modules.contains(layout::ModuleId{m.node})) continue;
     const auto above = branch_of.find(m.parent);
     if (above != branch_of.end() && whole[m.parent]) {
-      found[above->second].members.push_back(m.node);
+      found[above->second].members.emplace_back(m.node);
       branch_of[m.node] = above->second;
       continue;
     }
     branch_of[m.node] = found.size();
-    found.push_back({m.node, m.parent, {m.node}});
+    found.push_back({layout::ModuleId{m.node}, layout::ModuleId{m.parent}, {layout::ModuleId{m.node}}});
   }
   return found;
 }
@@ -93,31 +107,39 @@ void Diagnosis::add_branch(FindingKind kind, const PatchState& p, const Branch& 
   explained_.insert(b.members.begin(), b.members.end());
 }
 
-// Most modules answer at other places, and these form the mirrored or turned shape of the modules.
-void Diagnosis::examine_mirrored(const PatchState& p) {
+// Returns the touches of a patch that were answered within it, with the finger at the centre.
+std::vector<const TouchOutcome*> Diagnosis::whole_touches(layout::PatchIndex patch) const {
+  const auto patch_of = [&](layout::ModuleId module) { return wiring_[static_cast<std::size_t>(module)].patch; };
   std::vector<const TouchOutcome*> whole;
-  std::size_t moved = 0;
   for (const TouchOutcome& t : touches_) {
-    const auto patch_of = [&](int module) { return wiring_[static_cast<std::size_t>(module)].patch; };
-    if (!t.whole || t.answered < 0 || patch_of(t.module) != p.patch || patch_of(t.answered) != p.patch) continue;
-    whole.push_back(&t);
-    moved += t.answered != t.module ? 1 : 0;
+    if (t.whole && t.answered >= 0 && patch_of(t.module) == patch && patch_of(t.answered) == patch) whole.push_back(&t);
   }
-  if (moved < 4 || 5 * moved < 3 * whole.size()) return;
-  const auto distance_mm = [&](int a, int b) {
-    const auto centre = [&](int m) {
-      const auto& c = design_.layout.modules[static_cast<std::size_t>(m)].corner_mm;
-      return design::Vec3((c[0] + c[1] + c[2]) / 3.0);
-    };
-    return (centre(a) - centre(b)).norm();
+  return whole;
+}
+
+// Returns true if the modules that answered are as far from each other as those that were pressed.
+bool Diagnosis::keep_distances(const std::vector<const TouchOutcome*>& touches) const {
+  const auto centre = [&](layout::ModuleId m) {
+    const auto& c = design_.layout.modules[static_cast<std::size_t>(m)].corner_mm;
+    return design::Vec3((c[0] + c[1] + c[2]) / 3.0);
   };
-  for (const TouchOutcome* a : whole) {
-    for (const TouchOutcome* b : whole) {
+  const auto distance_mm = [&](layout::ModuleId a, layout::ModuleId b) { return (centre(a) - centre(b)).norm(); };
+  for (const TouchOutcome* a : touches) {
+    for (const TouchOutcome* b : touches) {
       if (std::abs(distance_mm(a->module, b->module) - distance_mm(a->answered, b->answered)) > kSameDistance_mm)
-        return;
+        return false;
     }
   }
-  add(FindingKind::kMirroredPatch, -1, p.patch,
+  return true;
+}
+
+// Most modules answer at other places, and these form the mirrored or turned shape of the modules.
+void Diagnosis::examine_mirrored(const PatchState& p) {
+  const std::vector<const TouchOutcome*> whole = whole_touches(p.patch);
+  const auto moved = static_cast<std::size_t>(
+      std::ranges::count_if(whole, [](const TouchOutcome* t) { return t->answered != t->module; }));
+  if (moved < 4 || 5 * moved < 3 * whole.size() || !keep_distances(whole)) return;
+  add(FindingKind::kMirroredPatch, layout::ModuleId::none(), p.patch,
       fmt::format("patch {}: it is mounted as its mirror image, or turned: {} of {} {} for others", p.patch, moved,
                   counted(whole.size(), "module"), agreeing(moved, "answers", "answer")),
       "compare the patch with the assembly sheet; it may belong to the other side of the robot");
@@ -127,8 +149,8 @@ void Diagnosis::examine_mirrored(const PatchState& p) {
   }
 }
 
-void Diagnosis::examine_silent_taxels(const TouchOutcome& t, int patch) {
-  for (int taxel = 0; taxel < layout::kTaxelsPerModule; ++taxel) {
+void Diagnosis::examine_silent_taxels(const TouchOutcome& t, layout::PatchIndex patch) {
+  for (layout::TaxelIndex taxel; taxel < layout::kTaxelsPerModule; ++taxel) {
     const bool reported =
         std::ranges::any_of(findings_, [&](const Finding& f) { return f.module == t.module && f.taxel == taxel; });
     if ((t.silent_taxels >> taxel & 1) == 0 || reported) continue;
@@ -141,8 +163,8 @@ void Diagnosis::examine_silent_taxels(const TouchOutcome& t, int patch) {
 
 // Returns modules that answer for each other in a ring: pressing one changes the next, and pressing the last changes
 // the first. Empty if there is no ring.
-std::vector<int> Diagnosis::ring_from(int module) const {
-  std::vector<int> ring{module};
+std::vector<layout::ModuleId> Diagnosis::ring_from(layout::ModuleId module) const {
+  std::vector<layout::ModuleId> ring{module};
   while (true) {
     const TouchOutcome* const t = touch_of(ring.back());
     if (t == nullptr || !t->whole || t->answered < 0) return {};
@@ -153,7 +175,7 @@ std::vector<int> Diagnosis::ring_from(int module) const {
 }
 
 void Diagnosis::examine_touch(const TouchOutcome& t) {
-  const int patch = wiring_[static_cast<std::size_t>(t.module)].patch;
+  const layout::PatchIndex patch = wiring_[static_cast<std::size_t>(t.module)].patch;
   if (t.answered == t.module) {
     examine_silent_taxels(t, patch);
     if (t.turned == 0 || explained_.contains(t.module)) return;
@@ -169,7 +191,11 @@ void Diagnosis::examine_touch(const TouchOutcome& t) {
         "press it again; then replace the module");
     return;
   }
-  const std::vector<int> ring = ring_from(t.module);
+  examine_other_answer(t, patch);
+}
+
+void Diagnosis::examine_other_answer(const TouchOutcome& t, layout::PatchIndex patch) {
+  const std::vector<layout::ModuleId> ring = ring_from(t.module);
   if (ring.size() > 2) {
     add(FindingKind::kWrongOrder, t.module, patch,
         fmt::format("patch {}: modules {} are in the wrong order: pressing each moves the next, the last moves the "

@@ -10,11 +10,11 @@ namespace triskin::device {
 
 /// Because of this break, modules of a switched patch are not found.
 struct MissingCause {
-  FindingKind kind = FindingKind::kMissingModule;  ///< The other possible kind is kMissingJoint.
-  int module = -1;  ///< The id is that of the dead module, or of the far end of the broken joint.
-  int other = -1;   ///< With kMissingJoint, this end of the joint was found.
+  FindingKind kind = FindingKind::kMissingModule;      ///< The other possible kind is kMissingJoint.
+  layout::ModuleId module = layout::ModuleId::none();  ///< It is dead, or the far end of the broken joint.
+  layout::ModuleId other = layout::ModuleId::none();   ///< With kMissingJoint, this end of the joint was found.
   /// Only this break makes these modules unreachable (ascending); with a joint, `module` is one of them.
-  std::vector<int> behind;
+  std::vector<layout::ModuleId> behind;
 };
 
 /// Returns the fewest breaks that explain why the modules `missing` of patch `patch` were not found although every
@@ -22,7 +22,8 @@ struct MissingCause {
 /// several modules is a broken joint; a module with several such joints, or one that is alone, is dead. Modules in
 /// `alive` answered by another way (a neighbour reads them), so they are not dead. Throws std::out_of_range for a patch
 /// that the design lacks. Cost: O(n²) of the patch.
-[[nodiscard]] std::vector<MissingCause> explain_missing(const design::Design& design, int patch,
-                                                        const std::set<int>& missing, const std::set<int>& alive);
+[[nodiscard]] std::vector<MissingCause> explain_missing(const design::Design& design, layout::PatchIndex patch,
+                                                        const std::set<layout::ModuleId>& missing,
+                                                        const std::set<layout::ModuleId>& alive);
 
 }  // namespace triskin::device

@@ -31,7 +31,7 @@ std::string taxels_in(std::uint16_t mask, const wire::ModuleOffsets& m) {
 std::vector<PatchOffsets> read_offsets(Bus& bus, const design::Design& design) {
   std::vector<PatchOffsets> all;
   for (const std::uint8_t node : lone_addresses(bus.discover())) {
-    const int patch = design::patch_at(design, node);
+    const layout::PatchIndex patch = design::patch_at(design, layout::NodeAddress{node});
     if (patch < 0) continue;
     Controller c(bus, node);
     if (c.active_table().design_id != design.design_id) continue;
@@ -47,17 +47,24 @@ std::vector<PatchOffsets> read_offsets(Bus& bus, const design::Design& design) {
   return all;
 }
 
-std::vector<std::string> describe(const PatchOffsets& patch) {
+namespace {
+
+std::string sum_text(const PatchOffsets& patch) {
   const auto count = [&](OffsetState s) {
     return std::ranges::count(patch.offsets.rows(), s, &wire::ModuleOffsets::state);
   };
   const auto searching = count(OffsetState::kSearching);
-  std::vector<std::string> lines{
-      fmt::format("patch {}: offsets of {}: {} kept, {} found since power-up{}; electrodes at the {} input",
-                  patch.patch, counted(patch.offsets.count, "module"), count(OffsetState::kKept),
-                  count(OffsetState::kFound) + count(OffsetState::kOutside),
-                  searching > 0 ? fmt::format(", {} being searched", searching) : "",
-                  patch.offsets.positive_input ? "positive" : "negative")};
+  return fmt::format("patch {}: offsets of {}: {} kept, {} found since power-up{}; electrodes at the {} input",
+                     patch.patch, counted(patch.offsets.count, "module"), count(OffsetState::kKept),
+                     count(OffsetState::kFound) + count(OffsetState::kOutside),
+                     searching > 0 ? fmt::format(", {} being searched", searching) : "",
+                     patch.offsets.positive_input ? "positive" : "negative");
+}
+
+}  // namespace
+
+std::vector<std::string> describe(const PatchOffsets& patch) {
+  std::vector<std::string> lines{sum_text(patch)};
   for (std::size_t row = 0; row < patch.modules.size(); ++row) {
     const wire::ModuleOffsets& m = patch.offsets.modules[row];
     if (m.state == OffsetState::kOutside) {

@@ -102,7 +102,7 @@ class Guide {
         straps(finding_.module);
         break;
       case Work::kPlace:
-        for (const int m : {finding_.module, finding_.other}) {
+        for (const layout::ModuleId m : {finding_.module, finding_.other}) {
           find(m);
           straps(m);
         }
@@ -161,16 +161,16 @@ class Guide {
                     "module or joint that was parted last, and solder the others again",
                     fmt::join(far_first, ", ")));
   }
-  [[nodiscard]] bool known(int module) const {
+  [[nodiscard]] bool known(layout::ModuleId module) const {
     return module >= 0 && module < static_cast<int>(wiring_.size()) &&
            wiring_[static_cast<std::size_t>(module)].patch >= 0;
   }
-  void find(int module) {
+  void find(layout::ModuleId module) {
     if (!known(module)) return;
     steps_.push_back(fmt::format("find module {} of patch {} ({})", module,
                                  wiring_[static_cast<std::size_t>(module)].patch, place_on_cover(design_, module)));
   }
-  void straps(int module) {
+  void straps(layout::ModuleId module) {
     if (!known(module)) return;
     const design::RoutedModule& m = wiring_[static_cast<std::size_t>(module)].routed;
     steps_.push_back(
@@ -179,10 +179,20 @@ class Guide {
                     module, m.rotation, m.line, m.address));
   }
 
+  // Names both ends of a joint; a port without one has the cable.
+  [[nodiscard]] std::string port_text(const layout::PatchImage& image, std::size_t row, std::size_t port) const {
+    const layout::ModuleRow& own = image.modules[row];
+    const std::string side = fmt::format("side {} (port {})", (port + own.rotation) % 3, "ABC"[port]);
+    const std::uint8_t far = own.joints[port];
+    if (far == 0) return side + " to the cable";
+    const layout::ModuleRow& other = image.modules[layout::joint_row(far)];
+    return fmt::format("{} to side {} of module {}", side, (layout::joint_port(far) + other.rotation) % 3,
+                       module_of(design_, other));
+  }
   // Names both ends of each joint and whether the tree uses it.
-  void joints(int module, const char* before, const char* after) {
+  void joints(layout::ModuleId module, const char* before, const char* after) {
     if (!known(module)) return;
-    const int patch = wiring_[static_cast<std::size_t>(module)].patch;
+    const layout::PatchIndex patch = wiring_[static_cast<std::size_t>(module)].patch;
     const layout::PatchImage image = image_of(design_, patch);
     const auto rows = image.rows();
     const auto id_of = [this](const layout::ModuleRow& r) { return module_of(design_, r); };
@@ -190,17 +200,9 @@ class Guide {
     const auto kept = layout::kept_ports(image);
     std::vector<std::string> carrying, cut;
     for (std::size_t port = 0; port < layout::kPorts; ++port) {
-      const std::uint8_t far = image.modules[row].joints[port];
       const bool carries = (kept[row] >> port & 1) != 0;
-      const std::string side = fmt::format("side {} (port {})", (port + image.modules[row].rotation) % 3, "ABC"[port]);
-      if (far == 0) {
-        if (carries) carrying.push_back(side + " to the cable");
-        continue;
-      }
-      const layout::ModuleRow& other = image.modules[layout::joint_row(far)];
-      const std::string joint =
-          fmt::format("{} to side {} of module {}", side, (layout::joint_port(far) + other.rotation) % 3, id_of(other));
-      (carries ? carrying : cut).push_back(joint);
+      const bool has_joint = image.modules[row].joints[port] != 0;
+      if (carries || has_joint) (carries ? carrying : cut).push_back(port_text(image, row, port));
     }
     steps_.push_back(fmt::format("{}: {}", before, fmt::join(carrying, ", ")));
     steps_.push_back(
@@ -210,10 +212,10 @@ class Guide {
 
   // Names the joint to `other`, or the one towards the controller.
   void joint() {
-    const int module = finding_.module;
+    const layout::ModuleId module = finding_.module;
     if (!known(module)) return;
     const auto& wiring = wiring_[static_cast<std::size_t>(module)];
-    const int other = finding_.other >= 0 ? finding_.other : wiring.routed.parent;
+    const layout::ModuleId other = finding_.other >= 0 ? finding_.other : layout::ModuleId{wiring.routed.parent};
     if (finding_.line >= 0)
       steps_.push_back(
           fmt::format("measure SDA and SCL of line L{} from the cable of patch {} to module {}: find where "

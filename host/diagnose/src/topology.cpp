@@ -17,7 +17,7 @@ namespace {
 constexpr const char* kPorts = "ABC";
 
 // A module has three numbers here: its position in the design's patch, its number in the topology that was found, and
-// its id in the design (int, in messages and results).
+// its id in the design.
 enum class PatchRow : std::size_t {};
 enum class FoundNumber : std::size_t {};
 constexpr std::size_t index(PatchRow row) {
@@ -48,7 +48,7 @@ struct End {
 // too.
 class Overlay {
  public:
-  Overlay(const wire::FoundTopology& found, const design::Design& design, int patch)
+  Overlay(const wire::FoundTopology& found, const design::Design& design, layout::PatchIndex patch)
       : found_(found), patch_(design.patches[static_cast<std::size_t>(patch)]) {
     // With rotations of zero, ports are numbered like sides, so this gives joints by tile side.
     const std::vector<int> upright(patch_.modules.size(), 0);
@@ -64,7 +64,7 @@ class Overlay {
     examine_modules();
     for (const FoundNumber m : all<FoundNumber>(found_.count)) {
       const auto row = row_of(m);
-      result_.module_of.push_back(row ? module_at(*row) : -1);
+      result_.module_of.push_back(row ? module_at(*row) : layout::ModuleId::none());
     }
     return result_;
   }
@@ -72,7 +72,9 @@ class Overlay {
  private:
   static constexpr PatchRow kEntryRow{0};
 
-  [[nodiscard]] int module_at(PatchRow row) const { return patch_.modules[index(row)].node; }
+  [[nodiscard]] layout::ModuleId module_at(PatchRow row) const {
+    return layout::ModuleId{patch_.modules[index(row)].node};
+  }
   [[nodiscard]] int designed_rotation(PatchRow row) const { return patch_.modules[index(row)].rotation; }
   [[nodiscard]] std::optional<PatchRow> row_of(FoundNumber m) const { return row_[index(m)]; }
   [[nodiscard]] int rotation_of(FoundNumber m) const { return rotation_[index(m)]; }
@@ -95,32 +97,35 @@ class Overlay {
     return Side{*row, (at.port + rotation_of(at.module)) % 3};
   }
 
+  void seat(FoundNumber module, PatchRow row, int rotation) {
+    row_[index(module)] = row;
+    rotation_[index(module)] = rotation;
+  }
   void place(PatchRow entry_row, int rotation) {
     row_.assign(found_.count, std::nullopt);
     rotation_.assign(found_.count, 0);
     std::set<PatchRow> taken{entry_row};
     std::vector<FoundNumber> queue{FoundNumber{0}};
-    row_[0] = entry_row;
-    rotation_[0] = rotation;
+    seat(FoundNumber{0}, entry_row, rotation);
     for (std::size_t k = 0; k < queue.size(); ++k) {
       for (int port = 0; port < 3; ++port) {
         const End here{queue[k], port};
         const auto end = far(here);
         const auto there = across(*side_of(here));
         if (!end || !there || row_of(end->module) || !taken.insert(there->row).second) continue;
-        row_[index(end->module)] = there->row;
-        rotation_[index(end->module)] = (there->side + 3 - end->port) % 3;
+        seat(end->module, there->row, (there->side + 3 - end->port) % 3);
         queue.push_back(end->module);
       }
     }
   }
 
-  void add(FindingKind kind, int module, int other, std::string text, std::string remedy, int steps = 0) {
+  void add(FindingKind kind, layout::ModuleId module, layout::ModuleId other, std::string text, std::string remedy,
+           int steps = 0) {
     result_.differences.push_back({kind, module, other, steps, std::move(text), std::move(remedy)});
   }
 
   void examine_entry(PatchRow entry_row) {
-    const int entry = module_at(entry_row), designed = module_at(kEntryRow);
+    const layout::ModuleId entry = module_at(entry_row), designed = module_at(kEntryRow);
     const int cable_side = side_of({FoundNumber{0}, found_.cable_port})->side;
     if (found_.second_cable && entry == patch_.second_entry && cable_side == patch_.second_entry_side) {
       add(FindingKind::kSecondCable, designed, entry,
@@ -150,21 +155,26 @@ class Overlay {
       const auto partner = std::ranges::find_if(turned, [&](FoundNumber b) {
         return rotation_of(a) == designed_rotation(*row_of(b)) && rotation_of(b) == designed_rotation(row);
       });
-      const int module = module_at(row);
+      const layout::ModuleId module = module_at(row);
       if (partner != turned.end()) {
-        const int other = module_at(*row_of(*partner));
-        add(FindingKind::kSwappedModules, module, other,
-            fmt::format("modules {} and {} are exchanged: each is turned as the other should be", module, other),
-            "exchange them, or turn both as the assembly sheet says");
+        add_exchanged(module, module_at(*row_of(*partner)));
         turned.erase(partner);
-        continue;
+      } else {
+        add_turned(module, rotation_of(a), designed_rotation(row));
       }
-      const int steps = (rotation_of(a) + 3 - designed_rotation(row)) % 3;
-      add(FindingKind::kRotatedModule, module, -1,
-          fmt::format("module {} is turned by {}°: port A lies at side {} instead of {}", module, 120 * steps,
-                      rotation_of(a), designed_rotation(row)),
-          "turn it as the assembly sheet says", steps);
     }
+  }
+  void add_exchanged(layout::ModuleId module, layout::ModuleId other) {
+    add(FindingKind::kSwappedModules, module, other,
+        fmt::format("modules {} and {} are exchanged: each is turned as the other should be", module, other),
+        "exchange them, or turn both as the assembly sheet says");
+  }
+  void add_turned(layout::ModuleId module, int rotation, int designed) {
+    const int steps = (rotation + 3 - designed) % 3;
+    add(FindingKind::kRotatedModule, module, layout::ModuleId::none(),
+        fmt::format("module {} is turned by {}°: port A lies at side {} instead of {}", module, 120 * steps, rotation,
+                    designed),
+        "turn it as the assembly sheet says", steps);
   }
 
   void examine_joints() {
@@ -205,13 +215,14 @@ class Overlay {
   void examine_modules() {
     for (const PatchRow row : all<PatchRow>(patch_.modules.size())) {
       if (placed(row)) continue;
-      add(FindingKind::kMissingModule, module_at(row), -1,
+      add(FindingKind::kMissingModule, module_at(row), layout::ModuleId::none(),
           fmt::format("module {} was not found: it or all of its joints are broken", module_at(row)),
           "check its supply and its joints, then the module");
     }
     for (const FoundNumber m : all<FoundNumber>(found_.count)) {
       if (row_of(m)) continue;
-      add(FindingKind::kExtraModule, -1, -1, fmt::format("found module {} fits nowhere in the design", index(m)),
+      add(FindingKind::kExtraModule, layout::ModuleId::none(), layout::ModuleId::none(),
+          fmt::format("found module {} fits nowhere in the design", index(m)),
           "compare the patch with the assembly sheet");
     }
   }
@@ -226,7 +237,7 @@ class Overlay {
 
 }  // namespace
 
-TopologyMatch match_topology(const wire::FoundTopology& found, const design::Design& design, int patch) {
+TopologyMatch match_topology(const wire::FoundTopology& found, const design::Design& design, layout::PatchIndex patch) {
   const std::size_t rows = design.patches.at(static_cast<std::size_t>(patch)).modules.size();
   TopologyMatch best;
   best.patch = patch;
@@ -243,43 +254,60 @@ TopologyMatch match_topology(const wire::FoundTopology& found, const design::Des
   return best;
 }
 
-wire::FoundTopology topology_across(const design::Design& design, int patch, std::span<const int> open) {
-  const design::Patch& own = design.patches.at(static_cast<std::size_t>(patch));
-  wire::FoundTopology found;
-  if (own.modules.empty()) return found;
-  const auto ends = design::module_ends(design);
-  constexpr int kStrange = -2, kFree = -1;
-  std::vector<int> number(ends.size(), kStrange);
-  for (const int p : open) {
+namespace {
+
+using ModuleEnds = std::vector<std::array<design::ModuleEnd, layout::kPorts>>;
+
+constexpr int kStrange = -2, kFree = -1;  // A module that the search does not reach, or has not reached, has no number.
+
+std::vector<int> unnumbered(const design::Design& design, std::span<const layout::PatchIndex> open) {
+  std::vector<int> number(design.layout.modules.size(), kStrange);
+  for (const layout::PatchIndex p : open) {
     for (const design::RoutedModule& m : design.patches.at(static_cast<std::size_t>(p)).modules)
       number[static_cast<std::size_t>(m.node)] = kFree;
   }
-  const auto end_at = [&](int module, int port) {
-    return ends[static_cast<std::size_t>(module)][static_cast<std::size_t>(port)];
-  };
-  std::vector<int> order, way{own.modules[0].node};
-  std::vector<int> next(ends.size(), 0);  // Each module has the port that is tried next.
-  const auto enter = [&](int module) {
-    number[static_cast<std::size_t>(module)] = static_cast<int>(order.size());
-    order.push_back(module);
-  };
-  enter(way.back());
+  return number;
+}
+
+void enter(layout::ModuleId module, std::vector<layout::ModuleId>& order, std::vector<int>& number) {
+  number[static_cast<std::size_t>(module)] = static_cast<int>(order.size());
+  order.push_back(module);
+}
+
+// Numbers the modules as the firmware's search does, depth first and the ports in order; returns them in this order.
+std::vector<layout::ModuleId> number_modules(const ModuleEnds& ends, layout::ModuleId entry, std::vector<int>& number) {
+  std::vector<layout::ModuleId> order, way{entry};
+  std::vector<std::size_t> next(ends.size(), 0);  // Each module has the port that is tried next.
+  enter(entry, order, number);
   while (!way.empty()) {
-    int& port = next[static_cast<std::size_t>(way.back())];
-    if (port == static_cast<int>(layout::kPorts)) {
+    const auto module = static_cast<std::size_t>(way.back());
+    if (next[module] == layout::kPorts) {
       way.pop_back();
       continue;
     }
-    const int other = end_at(way.back(), port++).module;
+    const layout::ModuleId other = ends[module][next[module]++].module;
     if (other < 0 || number[static_cast<std::size_t>(other)] != kFree || order.size() == layout::kMaxModules) continue;
-    enter(other);
+    enter(other, order, number);
     way.push_back(other);
   }
+  return order;
+}
+
+}  // namespace
+
+wire::FoundTopology topology_across(const design::Design& design, layout::PatchIndex patch,
+                                    std::span<const layout::PatchIndex> open) {
+  const design::Patch& own = design.patches.at(static_cast<std::size_t>(patch));
+  wire::FoundTopology found;
+  if (own.modules.empty()) return found;
+  const ModuleEnds ends = design::module_ends(design);
+  std::vector<int> number = unnumbered(design, open);
+  const std::vector<layout::ModuleId> order = number_modules(ends, layout::ModuleId{own.modules[0].node}, number);
   found.switched = found.complete = true;
   found.count = static_cast<std::uint8_t>(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) {
     for (std::size_t p = 0; p < layout::kPorts; ++p) {
-      const design::ModuleEnd end = end_at(order[k], static_cast<int>(p));
+      const design::ModuleEnd& end = ends[static_cast<std::size_t>(order[k])][p];
       const int far = end.module < 0 ? kStrange : number[static_cast<std::size_t>(end.module)];
       if (far >= 0)
         found.joints[k][p] = layout::joint_to({static_cast<std::uint8_t>(far), static_cast<std::uint8_t>(end.port)});
@@ -291,7 +319,7 @@ wire::FoundTopology topology_across(const design::Design& design, int patch, std
 std::vector<TopologyMatch> identify_patch(const wire::FoundTopology& found, const design::Design& design) {
   std::vector<TopologyMatch> matches;
   for (std::size_t p = 0; p < design.patches.size(); ++p)
-    matches.push_back(match_topology(found, design, static_cast<int>(p)));
+    matches.push_back(match_topology(found, design, layout::PatchIndex{p}));
   std::ranges::stable_sort(matches, {}, [](const TopologyMatch& m) { return m.differences.size(); });
   if (matches.empty()) return matches;
   const std::size_t fewest = matches.front().differences.size();

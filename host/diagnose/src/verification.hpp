@@ -6,6 +6,7 @@
 #include <set>
 #include <vector>
 
+#include "triskin/design/off_rest.hpp"
 #include "triskin/diagnose/verify.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
@@ -15,7 +16,7 @@ namespace triskin::device {
 /// The state collects the answers of one patch. Rows are those of the table `image`; with a backup table their order
 /// differs from the design's patch.
 struct PatchState {
-  int patch = 0;
+  layout::PatchIndex patch;
   layout::PatchImage image;
   bool on_backup = false;  ///< `image` is the table that the design prepared for a failure.
   bool usable = false;     ///< The controller answers and has this table.
@@ -38,12 +39,12 @@ struct PatchState {
 
   [[nodiscard]] Controller controller(Bus& bus) const { return {bus, image.node_address}; }
   bool with_kinds = false;  ///< Both the design and the table have kinds of modules.
-  [[nodiscard]] int module(std::size_t row) const {
+  [[nodiscard]] layout::ModuleId module(std::size_t row) const {
     const unsigned id = image.modules[row].module_id;
-    return static_cast<int>(with_kinds ? id % layout::kIdsBesideKinds : id);
+    return layout::ModuleId{with_kinds ? id % layout::kIdsBesideKinds : id};
   }
   /// Returns true if the table has a module; a backup table leaves some out.
-  [[nodiscard]] bool reads(int id) const {
+  [[nodiscard]] bool reads(layout::ModuleId id) const {
     for (std::size_t row = 0; row < image.module_count; ++row) {
       if (module(row) == id) return true;
     }
@@ -53,8 +54,9 @@ struct PatchState {
 
 /// The skin responds to the press of a module in this way.
 struct TouchOutcome {
-  int module = -1;
-  int answered = -1;   ///< The taxels of this module changed most; −1 means that none did.
+  layout::ModuleId module = layout::ModuleId::none();
+  /// The taxels of this module changed most; −1 means that none did.
+  layout::ModuleId answered = layout::ModuleId::none();
   bool whole = false;  ///< So many taxels of the module changed that the finger must have pressed its centre.
   /// Bit t is set for a pressure taxel of the module that did not change while most others did.
   unsigned silent_taxels = 0;
@@ -70,29 +72,47 @@ class TouchTest {
   TouchTest(Bus& bus, TouchActuator* actuator, const design::Design& design, std::vector<PatchState>& patches)
       : bus_(bus), actuator_(actuator), design_(design), patches_(patches), wiring_(design::wiring_of(design)) {}
   /// Returns empty if the person skipped the module.
-  std::optional<TouchOutcome> press(int module, const PatchState& patch, const VerifyOptions& options);
+  std::optional<TouchOutcome> press(layout::ModuleId module, const PatchState& patch, const VerifyOptions& options);
   void finish();
   /// Reads all taxels at rest. Call it once, before the first press.
   void take_rest();
 
  private:
   struct Response {
-    int module = -1;
+    layout::ModuleId module = layout::ModuleId::none();
     double strength = 0.0;
     unsigned changed = 0;  // Bit t stands for taxel t.
-    int taxel = -1;
+    layout::TaxelIndex taxel = layout::TaxelIndex::none();
     double taxel_counts = 0.0;
   };
   [[nodiscard]] Response strongest(const PatchState& patch) const;
+  [[nodiscard]] Response response_to_actuator(layout::ModuleId module, const PatchState& patch);
+  [[nodiscard]] Response response_to_person(const PatchState& patch);
+  [[nodiscard]] static unsigned silent_taxels(const Response& response);
   Response strongest_anywhere(const PatchState& first);
   [[nodiscard]] Response response_of(const PatchState& patch, std::size_t row, const wire::LiveTaxels& now) const;
-  [[nodiscard]] int turned(TouchActuator& actuator, int module, const PatchState& patch);
+  [[nodiscard]] int turned(TouchActuator& actuator, layout::ModuleId module, const PatchState& patch);
 
   Bus& bus_;
   TouchActuator* actuator_;
   const design::Design& design_;
   std::vector<PatchState>& patches_;
   std::vector<design::ModuleWiring> wiring_;
+};
+
+struct CableExplanation;
+struct MissingCause;
+struct TopologyDifference;
+
+/// What the fault memory says about modules that answer now: one cause for several modules behind a joint, another one
+/// for a single module.
+struct PastFault {
+  FindingKind together;
+  const char* seen_together;  ///< The sentence goes on with the modules.
+  const char* remedy_together;
+  FindingKind alone;
+  const char* seen_alone;
+  const char* remedy_alone;
 };
 
 /// Turns observations into findings, without using a link. It first looks for exchanged cables and then reads
@@ -111,47 +131,68 @@ class Diagnosis {
   };
   /// One joint, cable or supply explains these modules: `module` and all modules behind it.
   struct Branch {
-    int module = -1, parent = -1;
-    std::vector<int> members;
+    layout::ModuleId module = layout::ModuleId::none(), parent = layout::ModuleId::none();
+    std::vector<layout::ModuleId> members;
   };
-  [[nodiscard]] std::vector<Branch> branches(const PatchState& p, const std::set<int>& modules) const;
+  [[nodiscard]] std::vector<Branch> branches(const PatchState& p, const std::set<layout::ModuleId>& modules) const;
   /// Modules of one line that are the only ones of it behind a joint: its wires are open there, and others pass.
-  [[nodiscard]] std::optional<Branch> open_line(const PatchState& p, int line, const std::set<int>& modules) const;
-  void add_open_lines(FindingKind kind, const PatchState& p, std::set<int>& modules, const std::string& what);
+  [[nodiscard]] std::optional<Branch> open_line(const PatchState& p, int line,
+                                                const std::set<layout::ModuleId>& modules) const;
+  void add_open_line(FindingKind kind, layout::PatchIndex patch, int line, const Branch& open, std::string text);
+  void add_open_lines(FindingKind kind, const PatchState& p, std::set<layout::ModuleId>& modules,
+                      const std::string& what);
   [[nodiscard]] std::string behind(const Branch& branch) const;
   void add_branch(FindingKind kind, const PatchState& p, const Branch& branch, const std::string& text,
                   const std::string& remedy);
+  /// Adds one finding for each branch of `modules`.
+  void add_branches(const PatchState& p, const std::set<layout::ModuleId>& modules, const PastFault& fault);
   [[nodiscard]] double cost_of_taking(const PatchState& p, const std::vector<std::size_t>& rows, std::size_t row,
                                       const Place& place) const;
   std::size_t take_likeliest(const PatchState& p, std::vector<std::size_t>& rows, const Place& place) const;
   void examine_cables();
+  void add_exchanged(const CableExplanation& e);
   void examine_mirrored(const PatchState& p);
+  [[nodiscard]] std::vector<const TouchOutcome*> whole_touches(layout::PatchIndex patch) const;
+  [[nodiscard]] bool keep_distances(const std::vector<const TouchOutcome*>& touches) const;
   void examine_touch(const TouchOutcome& t);
-  [[nodiscard]] std::vector<int> ring_from(int module) const;
-  void examine_silent_taxels(const TouchOutcome& t, int patch);
+  /// Examines the touch of a module that another one has answered.
+  void examine_other_answer(const TouchOutcome& t, layout::PatchIndex patch);
+  [[nodiscard]] std::vector<layout::ModuleId> ring_from(layout::ModuleId module) const;
+  void examine_silent_taxels(const TouchOutcome& t, layout::PatchIndex patch);
   void add_wrong_address(const PatchState& p, std::size_t row, const Place& place);
-  void examine_dips(const PatchState& p, const std::set<int>& away, const std::set<int>& dipped);
+  void examine_dips(const PatchState& p, std::set<layout::ModuleId> away, const std::set<layout::ModuleId>& dipped);
   void examine_lines(const PatchState& p);
   void examine_modules(const PatchState& p);
   void examine_doubled(const PatchState& p, std::vector<std::size_t>& absent, const std::vector<std::size_t>& doubled);
   void examine_absent(const PatchState& p, const std::vector<std::size_t>& rows);
+  void match_elsewhere(const PatchState& p, std::vector<std::size_t>& open, std::vector<Place>& elsewhere);
+  void examine_silent(const PatchState& p, std::set<layout::ModuleId> silent);
   void examine_taxels(const PatchState& p, std::size_t row);
+  void add_bad_taxel(layout::ModuleId module, layout::PatchIndex patch, layout::TaxelIndex taxel, bool at_end);
+  void examine_patch(const PatchState& p);
   void examine_topology(const PatchState& p);
+  void add_wrong_patch(const PatchState& p, const std::string& what);
+  void add_difference(const PatchState& p, const TopologyDifference& d);
   void note_adopted();
   void examine_adoption();
-  void examine_missing(const PatchState& p, const std::set<int>& missing);
+  void examine_missing(const PatchState& p, const std::set<layout::ModuleId>& missing);
+  [[nodiscard]] std::string broken_joint_text(const MissingCause& c,
+                                              const std::vector<layout::ModuleId>& concerned) const;
+  [[nodiscard]] static std::string broken_module_text(const MissingCause& c);
   void examine_rest();
+  [[nodiscard]] design::OffRest off_rest() const;
   void examine_history(const PatchState& p);
   [[nodiscard]] std::vector<Finding> examine_earlier() const;
   [[nodiscard]] std::optional<Finding> remembered(const PatchState& p, const wire::FaultRecord& fault) const;
   void examine_touches();
   [[nodiscard]] std::vector<Place> unexpected(const PatchState& p) const;
-  [[nodiscard]] const TouchOutcome* touch_of(int module) const;
-  [[nodiscard]] std::string where(int module) const;
+  [[nodiscard]] const TouchOutcome* touch_of(layout::ModuleId module) const;
+  [[nodiscard]] std::string where(layout::ModuleId module) const;
   [[nodiscard]] static int strap_difference(const layout::ModuleRow& row, const Place& place);
-  void add_duplicate(const PatchState& p, std::size_t row, int other);
+  void add_duplicate(const PatchState& p, std::size_t row, layout::ModuleId other);
   [[nodiscard]] static std::string at(int line, int address);
-  Finding& add(FindingKind kind, int module, int patch, std::string text, std::string remedy);
+  Finding& add(FindingKind kind, layout::ModuleId module, layout::PatchIndex patch, std::string text,
+               std::string remedy);
 
   const design::Design& design_;
   std::vector<PatchState> patches_;
@@ -159,9 +200,10 @@ class Diagnosis {
   const design::RestValues& rest_;
   std::vector<design::ModuleWiring> wiring_;
   std::vector<Finding> findings_;
-  std::set<int> bad_;           // These modules have a state other than ok.
-  std::set<int> explained_;     // The missing touch response of these modules already has a finding.
-  std::map<int, int> adopter_;  // Each adopted module is mapped to the patch whose controller reads it.
+  std::set<layout::ModuleId> bad_;        // These modules have a state other than ok.
+  std::set<layout::ModuleId> explained_;  // The missing touch response of these modules already has a finding.
+  // Each adopted module is mapped to the patch whose controller reads it.
+  std::map<layout::ModuleId, layout::PatchIndex> adopter_;
 };
 
 }  // namespace triskin::device

@@ -108,13 +108,18 @@ void ask_all(Bus& bus, std::vector<PatchState>& patches, const std::function<voi
   }
 }
 
+std::size_t usable_modules(const std::vector<PatchState>& patches) {
+  std::size_t modules = 0;
+  for (const PatchState& p : patches) modules += p.usable ? p.image.module_count : 0;
+  return modules;
+}
+
 std::vector<TouchOutcome> touch_all(Bus& bus, const design::Design& design, std::vector<PatchState>& patches,
                                     const VerifyOptions& options, const ProgressSink& progress) {
   std::vector<TouchOutcome> outcomes;
   TouchTest test(bus, options.actuator, design, patches);
   test.take_rest();
-  std::size_t total = 0;
-  for (const PatchState& p : patches) total += p.usable ? p.image.module_count : 0;
+  const std::size_t total = usable_modules(patches);
   std::size_t done = 0;
   for (const PatchState& p : patches) {
     for (std::size_t row = 0; p.usable && row < p.image.module_count; ++row) {
@@ -127,6 +132,15 @@ std::vector<TouchOutcome> touch_all(Bus& bus, const design::Design& design, std:
   return outcomes;
 }
 
+Finding lost_samples_finding(layout::PatchIndex patch, const SampleCounts& c, std::uint64_t lost,
+                             const BusBudget& budget) {
+  return controller_finding(FindingKind::kLostSamples, patch,
+                            fmt::format("patch {}: {} of {} did not arrive: {} found no room on the bus, {} were lost "
+                                        "on the way, {} while the controller was silent",
+                                        patch, lost, counted(c.expected, "sample"), c.dropped, c.on_the_way, c.silent),
+                            fmt::format("check cable and termination; {}", describe(budget)));
+}
+
 // Reads the stream for a while; samples that were due and did not arrive become findings of their patches.
 void watch_stream(Bus& bus, const design::Design& design, const VerifyOptions& options, std::uint64_t until_us,
                   VerifyResult& result) {
@@ -137,17 +151,12 @@ void watch_stream(Bus& bus, const design::Design& design, const VerifyOptions& o
   stream.run_until(std::max(until_us, bus.now_us() + kMinStream_us));
   stream.finish();
   result.stream = stream.report();
-  std::map<int, SampleCounts> patches;
+  std::map<layout::PatchIndex, SampleCounts> patches;
   for (const ModuleCounts& m : result.stream->modules) patches[m.patch] += m.counts;
   for (const auto& [patch, c] : patches) {
     const std::uint64_t lost = c.dropped + c.on_the_way + c.silent;  // Unread samples have their own findings.
     if (lost == 0) continue;
-    result.findings.push_back(
-        controller_finding(FindingKind::kLostSamples, patch,
-                           fmt::format("patch {}: {} of {} did not arrive: {} found no room on the bus, {} were lost "
-                                       "on the way, {} while the controller was silent",
-                                       patch, lost, counted(c.expected, "sample"), c.dropped, c.on_the_way, c.silent),
-                           fmt::format("check cable and termination; {}", describe(result.stream->budget))));
+    result.findings.push_back(lost_samples_finding(patch, c, lost, result.stream->budget));
   }
 }
 
@@ -155,10 +164,10 @@ void watch_stream(Bus& bus, const design::Design& design, const VerifyOptions& o
 std::vector<PatchState> patches_of(const design::Design& design) {
   std::vector<PatchState> patches(design.patches.size());
   for (std::size_t k = 0; k < patches.size(); ++k) {
-    patches[k].patch = static_cast<int>(k);
+    patches[k].patch = layout::PatchIndex{k};
     patches[k].with_kinds = !design.kinds.empty();
   }
-  for (const int patch : design::patches_here(design))
+  for (const layout::PatchIndex patch : design::patches_here(design))
     patches[static_cast<std::size_t>(patch)].image = image_of(design, patch);
   return patches;
 }
@@ -167,7 +176,7 @@ std::vector<PatchState> patches_of(const design::Design& design) {
 void add_places(const design::Design& design, std::vector<Finding>& findings) {
   for (Finding& f : findings) {
     if (!f.place.empty() || f.patch < 0) continue;
-    const int entry = design.patches[static_cast<std::size_t>(f.patch)].entry;
+    const layout::ModuleId entry{design.patches[static_cast<std::size_t>(f.patch)].entry};
     f.place = fmt::format("cable of patch {} at module {}, {}", f.patch, entry, place_on_cover(design, entry));
   }
 }
@@ -175,9 +184,23 @@ void add_places(const design::Design& design, std::vector<Finding>& findings) {
 int modules_here(const design::Design& design) {
   auto modules = design.layout.modules.size();
   for (std::size_t p = 0; p < design.patches.size(); ++p) {
-    if (design::node_address_of(design, static_cast<int>(p)) == 0) modules -= design.patches[p].modules.size();
+    if (design::node_address_of(design, layout::PatchIndex{p}) == 0) modules -= design.patches[p].modules.size();
   }
   return static_cast<int>(modules);
+}
+
+void check_controllers(Bus& bus, const design::Design& design, std::vector<PatchState>& patches,
+                       std::vector<Finding>& findings) {
+  ControllerCheck controllers(bus, design);
+  for (const int patch : design::patches_here(design)) {
+    PatchState& p = patches[static_cast<std::size_t>(patch)];
+    p.usable = controllers.check(p, findings);
+  }
+  controllers.summarise(findings);
+}
+
+bool is_as_designed(const PatchState& p) {
+  return p.image.module_count == 0 || (p.usable && !p.on_backup);
 }
 
 }  // namespace
@@ -189,12 +212,7 @@ VerifyResult verify(Bus& bus, const design::Design& design, const VerifyOptions&
   VerifyResult result;
   std::vector<PatchState> patches = patches_of(design);
   result.modules = modules_here(design);
-  ControllerCheck controllers(bus, design);
-  for (const int patch : design::patches_here(design)) {
-    PatchState& p = patches[static_cast<std::size_t>(patch)];
-    p.usable = controllers.check(p, result.findings);
-  }
-  controllers.summarise(result.findings);
+  check_controllers(bus, design, patches, result.findings);
   ask_all(bus, patches, [&](Bus& own, PatchState& p) {
     report(progress, "asking the modules", 0.0, fmt::format("patch {}", p.patch), p.patch);
     find_topology(own, p);
@@ -205,8 +223,7 @@ VerifyResult verify(Bus& bus, const design::Design& design, const VerifyOptions&
   std::vector<TouchOutcome> touches;
   if (options.touch) touches = touch_all(bus, design, patches, options, progress);
   const auto watch_us = static_cast<std::uint64_t>(std::max(0.0, options.watch_s) * 1e6);
-  const auto as_designed = [](const PatchState& p) { return p.image.module_count == 0 || (p.usable && !p.on_backup); };
-  if (bus.link().fd() && std::ranges::all_of(patches, as_designed)) {
+  if (bus.link().fd() && std::ranges::all_of(patches, is_as_designed)) {
     watch_stream(bus, design, options, start_us + watch_us, result);
   } else if (std::ranges::any_of(patches, &PatchState::usable)) {
     bus.listen(start_us + watch_us);

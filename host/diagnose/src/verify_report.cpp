@@ -24,7 +24,7 @@ std::string summary(const VerifyResult& r) {
 std::map<int, std::size_t> marks_of(const VerifyResult& r) {
   std::map<int, std::size_t> marks;
   for (std::size_t k = 0; k < r.findings.size(); ++k) {
-    for (const int m : {r.findings[k].module, r.findings[k].other}) {
+    for (const layout::ModuleId m : {r.findings[k].module, r.findings[k].other}) {
       if (m >= 0) marks.try_emplace(m, k + 1);
     }
   }
@@ -60,6 +60,21 @@ std::string drawing(const design::Design& design, int island, const std::map<int
                      high_x - low_x + 4, high_y - low_y + 4, body);
 }
 
+std::string findings_table(const design::Design& design, const std::vector<Finding>& findings,
+                           const std::string& arguments) {
+  if (findings.empty()) return "";
+  std::string html = "<table><tr><th><th>finding<th>on the cover<th>what was seen<th>what to do</tr>\n";
+  for (std::size_t k = 0; k < findings.size(); ++k) {
+    const Finding& f = findings[k];
+    std::string steps;
+    for (const std::string& s : repair_steps(design, f, arguments)) steps += "<li>" + escape_markup(s);
+    html += fmt::format("<tr><td>({})<td>{}<td>{}<td>{}<td>{}{}</tr>\n", k + 1, kFindingKindNames.name(f.kind),
+                        escape_markup(f.place), escape_markup(f.text), escape_markup(f.remedy),
+                        steps.empty() ? "" : "<ol>" + steps + "</ol>");
+  }
+  return html + "</table>\n";
+}
+
 }  // namespace
 
 std::string report_text(const design::Design& design, const VerifyResult& result, const std::string& arguments) {
@@ -86,17 +101,7 @@ std::string report_html(const design::Design& design, const VerifyResult& result
       escape_markup(design.name), design.design_id, summary(result));
   const auto marks = marks_of(result);
   for (int island = 0; island < std::max(1, design.layout.islands); ++island) html += drawing(design, island, marks);
-  if (!result.findings.empty())
-    html += "<table><tr><th><th>finding<th>on the cover<th>what was seen<th>what to do</tr>\n";
-  for (std::size_t k = 0; k < result.findings.size(); ++k) {
-    const Finding& f = result.findings[k];
-    std::string steps;
-    for (const std::string& s : repair_steps(design, f, arguments)) steps += "<li>" + escape_markup(s);
-    html += fmt::format("<tr><td>({})<td>{}<td>{}<td>{}<td>{}{}</tr>\n", k + 1, kFindingKindNames.name(f.kind),
-                        escape_markup(f.place), escape_markup(f.text), escape_markup(f.remedy),
-                        steps.empty() ? "" : "<ol>" + steps + "</ol>");
-  }
-  if (!result.findings.empty()) html += "</table>\n";
+  html += findings_table(design, result.findings, arguments);
   for (const Finding& f : result.earlier)
     html += fmt::format("<p>Remembered from before, not there now: {}.</p>\n", escape_markup(f.text));
   return html;

@@ -71,7 +71,7 @@ TouchTest::Response TouchTest::response_of(const PatchState& patch, std::size_t 
     if (change >= kTaxelChange_counts) r.changed |= 1U << t;
     if (change <= r.taxel_counts) continue;
     r.taxel_counts = change;
-    r.taxel = static_cast<int>(t);
+    r.taxel = layout::TaxelIndex{t};
   }
   return r;
 }
@@ -88,17 +88,17 @@ TouchTest::Response TouchTest::strongest(const PatchState& patch) const {
 }
 
 // Presses a single taxel: if the module is turned, another taxel feels it.
-int TouchTest::turned(TouchActuator& actuator, int module, const PatchState& patch) {
+int TouchTest::turned(TouchActuator& actuator, layout::ModuleId module, const PatchState& patch) {
   const int rotation = wiring_[static_cast<std::size_t>(module)].routed.rotation;
   const TurnProbe probe = turn_probe(design_.layout.modules[static_cast<std::size_t>(module)], rotation);
   if (probe.taxel[0] < 0) return 0;
-  actuator.press({module, probe.taxel[0]});
+  actuator.press({module, layout::TaxelIndex{probe.taxel[0]}});
   bus_.listen(bus_.now_us() + kSettle_us);
   const wire::LiveTaxels now = patch.controller(bus_).taxels();
   for (std::size_t row = 0; row < std::min(now.count, patch.image.module_count); ++row) {
     if (patch.module(row) != module) continue;
     const Response r = response_of(patch, row, now);
-    const auto found = std::ranges::find(probe.taxel, r.taxel_counts >= kTaxelChange_counts ? r.taxel : -1);
+    const auto found = std::ranges::find(probe.taxel, r.taxel_counts >= kTaxelChange_counts ? r.taxel.value() : -1);
     return found == probe.taxel.end() ? 0 : static_cast<int>(found - probe.taxel.begin());
   }
   return 0;
@@ -116,29 +116,41 @@ TouchTest::Response TouchTest::strongest_anywhere(const PatchState& first) {
   return best;
 }
 
-std::optional<TouchOutcome> TouchTest::press(int module, const PatchState& patch, const VerifyOptions& options) {
+TouchTest::Response TouchTest::response_to_actuator(layout::ModuleId module, const PatchState& patch) {
+  actuator_->press(module);
+  bus_.listen(bus_.now_us() + kSettle_us);
+  return strongest_anywhere(patch);
+}
+
+TouchTest::Response TouchTest::response_to_person(const PatchState& patch) {
   Response best;
-  if (actuator_ != nullptr) {
-    actuator_->press(module);
-    bus_.listen(bus_.now_us() + kSettle_us);
+  const std::uint64_t limit_us = bus_.now_us() + kPersonLimit_us;
+  while (best.strength < kModuleChange_counts && bus_.now_us() < limit_us) {
+    bus_.listen(bus_.now_us() + kPersonPoll_us);
     best = strongest_anywhere(patch);
-  } else {
-    if (!options.ask || !options.ask(module)) return std::nullopt;
-    const std::uint64_t limit_us = bus_.now_us() + kPersonLimit_us;
-    while (best.strength < kModuleChange_counts && bus_.now_us() < limit_us) {
-      bus_.listen(bus_.now_us() + kPersonPoll_us);
-      best = strongest_anywhere(patch);
-    }
-    bus_.listen(bus_.now_us() + kSettle_us);  // After this time the finger presses fully.
-    const Response settled = strongest_anywhere(patch);
-    if (settled.strength > best.strength) best = settled;
   }
+  bus_.listen(bus_.now_us() + kSettle_us);  // After this time the finger presses fully.
+  const Response settled = strongest_anywhere(patch);
+  return settled.strength > best.strength ? settled : best;
+}
+
+unsigned TouchTest::silent_taxels(const Response& response) {
+  unsigned silent = 0;
+  for (unsigned t = 0; t < layout::kTaxelsPerModule; ++t) {
+    if (layout::measures_pressure(t) && (response.changed >> t & 1) == 0) silent |= 1U << t;
+  }
+  return silent;
+}
+
+std::optional<TouchOutcome> TouchTest::press(layout::ModuleId module, const PatchState& patch,
+                                             const VerifyOptions& options) {
+  if (actuator_ == nullptr && (!options.ask || !options.ask(module))) return std::nullopt;
+  const Response best = actuator_ != nullptr ? response_to_actuator(module, patch) : response_to_person(patch);
   const bool whole = std::popcount(best.changed) >= kMaxTaxels;
-  TouchOutcome outcome{module, best.strength >= kModuleChange_counts ? best.module : -1, whole, 0, 0};
+  TouchOutcome outcome{module, best.strength >= kModuleChange_counts ? best.module : layout::ModuleId::none(), whole, 0,
+                       0};
   if (outcome.answered == module && whole) {
-    for (unsigned t = 0; t < layout::kTaxelsPerModule; ++t) {
-      if (layout::measures_pressure(t) && (best.changed >> t & 1) == 0) outcome.silent_taxels |= 1U << t;
-    }
+    outcome.silent_taxels = silent_taxels(best);
     if (actuator_ != nullptr) outcome.turned = turned(*actuator_, module, patch);
   }
   return outcome;

@@ -9,6 +9,7 @@
 #include "design_view.hpp"
 #include "triskin/base/csv_field.hpp"
 #include "triskin/base/markup.hpp"
+#include "triskin/design/module_side.hpp"
 #include "triskin/design/outline.hpp"
 
 namespace triskin::design {
@@ -74,7 +75,7 @@ std::string jumpers_html(const Design& design, const Patch& patch) {
     const auto port = [&](std::size_t k) {
       const auto found = std::ranges::find(patch.modules, j.node[k], &RoutedModule::node);
       const int rotation = found == patch.modules.end() ? 0 : found->rotation;
-      return static_cast<char>('A' + (j.side[k] + 3 - rotation) % 3);
+      return static_cast<char>('A' + port_at_side(j.side[k], rotation));
     };
     rows += fmt::format("<tr><td>{}, port {}</td><td>{}, port {}</td><td>{}</td><td>{:.0f} mm</td></tr>\n", j.node[0],
                         port(0), j.node[1], port(1), kJumperKindNames.name(j.kind), std::ceil(j.length_mm));
@@ -147,7 +148,7 @@ std::string assembly_html(const Design& design) {
   for (std::size_t p = 0; p < design.patches.size(); ++p) {
     const Patch& patch = design.patches[p];
     html += fmt::format("<h2>Controller {} (node address {})</h2>\n<p>Cable to module {}. Cut joints:", p,
-                        node_address_of(design, static_cast<int>(p)), patch.entry);
+                        node_address_of(design, layout::PatchIndex{p}), patch.entry);
     for (const auto& [a, b] : patch.cut_joints) html += fmt::format(" {}–{}", a, b);
     html += patch.cut_joints.empty() ? " none.</p>\n" : ".</p>\n";
     html +=
@@ -167,6 +168,16 @@ std::string assembly_html(const Design& design) {
   return html;
 }
 
+namespace {
+
+std::string face_line(std::size_t vertices_before, std::size_t corners) {
+  std::string line = "f";
+  for (std::size_t k = 1; k <= corners; ++k) line += fmt::format(" {}", vertices_before + k);
+  return line + "\n";
+}
+
+}  // namespace
+
 std::string modules_obj(const Design& design) {
   std::string obj = "# triskin modules, mm\n";
   std::size_t corners = 3;  // Each module has this many vertices in the file.
@@ -177,12 +188,8 @@ std::string modules_obj(const Design& design) {
   }
   for (std::size_t p = 0; p < design.patches.size(); ++p) {
     obj += fmt::format("g patch_{}\n", p);
-    for (const auto& m : design.patches[p].modules) {
-      obj += "f";
-      for (std::size_t k = 1; k <= corners; ++k)
-        obj += fmt::format(" {}", corners * static_cast<std::size_t>(m.node) + k);
-      obj += "\n";
-    }
+    for (const auto& m : design.patches[p].modules)
+      obj += face_line(corners * static_cast<std::size_t>(m.node), corners);
   }
   return obj;
 }

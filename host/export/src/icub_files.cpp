@@ -108,7 +108,8 @@ std::string icub_skingui(const Design& design) {
         design.patches.size(), kIcubTriangles * static_cast<int>(design.patches.size()), kSkinGuiTriangles));
   const auto shifts = row_of_islands(design);
   std::string text = "cardid";
-  for (std::size_t p = 0; p < design.patches.size(); ++p) text += fmt::format(" {}", p + 1);
+  for (std::size_t p = 0; p < design.patches.size(); ++p)
+    text += fmt::format(" {}", node_address_of(design, layout::PatchIndex{p}));
   text += fmt::format("\nrobotPart {}\nwidth 600\nheight 400\n\n[SENSORS]\n", word(design.name));
   std::map<int, std::string> rows;
   for (std::size_t k = 0; k < wiring.size(); ++k) {

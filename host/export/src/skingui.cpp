@@ -46,15 +46,18 @@ std::vector<Drawn> read_ini(const std::string& text, const std::string& file) {
   return drawn;
 }
 
+std::string names_in(const JsonValue& parts) {
+  std::string names;
+  for (const auto& [name, value] : parts.raw().items()) names += (names.empty() ? "" : ", ") + name;
+  return names;
+}
+
 std::vector<Drawn> read_collection(const std::string& text, const std::string& file, const std::string& part) {
   const nlohmann::json document = parse_json(text, file);
   const JsonValue parts = JsonValue(document, file, "")["ini_2d"];
   if (!parts.raw().is_object()) parts.fail("must be an object of parts");
-  if (!parts.raw().contains(part)) {
-    std::string names;
-    for (const auto& [name, value] : parts.raw().items()) names += (names.empty() ? "" : ", ") + name;
-    throw InputError(fmt::format("{}: no part \"{}\"; there are {}", file, part, names));
-  }
+  if (!parts.raw().contains(part))
+    throw InputError(fmt::format("{}: no part \"{}\"; there are {}", file, part, names_in(parts)));
   const JsonValue triangles = parts[part.c_str()]["triangles"];
   std::vector<Drawn> drawn;
   for (std::size_t k = 0; k < triangles.size(); ++k) {

@@ -114,14 +114,16 @@ class Fabrication {
     write("kicad/controller.csv", controller_csv());
   }
 
+  static Layer named(Layer layer, const char* name, const std::array<std::uint8_t, 3>& colour) {
+    layer.solid.name = name;
+    layer.solid.colour = colour;
+    return layer;
+  }
   void write_solids() {
     std::vector<Solid> modules = module_solids(design_, islands_.front().corner_cut_mm);
-    Layer carrier = layer_of(design_.surface, -options_.wall_mm, 0.0);
-    Layer mould = layer_of(design_.surface, options_.elastic_mm, options_.elastic_mm + options_.wall_mm);
-    carrier.solid.name = "carrier";
-    carrier.solid.colour = {200, 200, 200};
-    mould.solid.name = "mould";
-    mould.solid.colour = {90, 120, 160};
+    const double mould_end_mm = options_.elastic_mm + options_.wall_mm;
+    Layer carrier = named(layer_of(design_.surface, -options_.wall_mm, 0.0), "carrier", {200, 200, 200});
+    Layer mould = named(layer_of(design_.surface, options_.elastic_mm, mould_end_mm), "mould", {90, 120, 160});
     report_.carrier_error_mm = carrier.error_mm;
     report_.carrier_folded_faces = carrier.folded_faces;
     report_.mould_error_mm = mould.error_mm;

@@ -10,6 +10,7 @@
 
 #include "kicad_text.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/design/module_side.hpp"
 #include "triskin/fabrication/kicad.hpp"
 #include "triskin/fabrication/module_tracks.hpp"
 
@@ -129,7 +130,7 @@ class Board {
   }
 
   void add_module(int id) {
-    const ModuleSetting setting = setting_of(wiring_, id);
+    const ModuleSetting setting = setting_of(wiring_, layout::ModuleId{id});
     const Pose pose = pose_of_module(id);
     std::vector<std::pair<ModulePad, std::string>> pads;
     for (const ModulePad& pad : module_pads()) pads.emplace_back(pad, net_of(pad, setting));
@@ -181,7 +182,7 @@ class Board {
 
   [[nodiscard]] std::size_t port_at(int id, int side) const {
     const auto& wired = wiring_[static_cast<std::size_t>(id)];
-    return static_cast<std::size_t>((side + 3 - (wired.patch < 0 ? 0 : wired.routed.rotation)) % 3);
+    return static_cast<std::size_t>(design::port_at_side(side, wired.patch < 0 ? 0 : wired.routed.rotation));
   }
 
   [[nodiscard]] std::vector<Cable> cables() const {
@@ -198,7 +199,7 @@ class Board {
   }
 
   void add_cable(const Cable& cable) {
-    const ModuleSetting setting = setting_of(wiring_, cable.module);
+    const ModuleSetting setting = setting_of(wiring_, layout::ModuleId{cable.module});
     Pose pose = pose_of_module(cable.module);
     pose.angle_rad += 2.0 * std::numbers::pi / 3.0 * static_cast<double>(cable.port);
     std::vector<std::pair<ModulePad, std::string>> pads;

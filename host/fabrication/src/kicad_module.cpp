@@ -128,7 +128,7 @@ std::string module_netlist() {
   for (const ModulePad& pad : module_pads()) {
     const auto pin_of = component_of(pad);
     components.insert(pin_of.first);
-    const std::string net = net_of(pad, {0, -1, {}, {}});
+    const std::string net = net_of(pad, ModuleSetting{});
     if (!net.empty()) nets[net.substr(net.find('_') + 1)].insert(pin_of);
   }
   std::string text = "(export (version \"E\")\n  (design (source \"module\") (tool \"triskin\"))\n  (components\n";

@@ -191,9 +191,9 @@ const std::vector<ModulePad>& module_pads() {
   return kAll;
 }
 
-ModuleSetting setting_of(const std::vector<design::ModuleWiring>& wiring, int id) {
+ModuleSetting setting_of(const std::vector<design::ModuleWiring>& wiring, layout::ModuleId id) {
   const design::ModuleWiring& wired = wiring.at(static_cast<std::size_t>(id));
-  if (wired.patch < 0) return {id, -1, std::nullopt, std::nullopt};
+  if (wired.patch < 0) return {id, layout::PatchIndex::none(), std::nullopt, std::nullopt};
   return {id, wired.patch, wired.routed.line, wired.routed.address};
 }
 

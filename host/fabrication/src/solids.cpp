@@ -109,6 +109,10 @@ void append_float(std::string& bytes, double value) {
   for (int shift = 0; shift < 32; shift += 8) bytes += static_cast<char>((word >> shift) & 0xFFU);
 }
 
+void append_vector(std::string& bytes, const Vec3& v) {
+  for (int axis = 0; axis < 3; ++axis) append_float(bytes, v[axis]);
+}
+
 }  // namespace
 
 std::vector<Solid> module_solids(const design::Design& design, double corner_cut_mm) {
@@ -118,7 +122,7 @@ std::vector<Solid> module_solids(const design::Design& design, double corner_cut
     const auto& corner = design.layout.modules[k].corner_mm;
     const Vec3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]).normalized();
     const design::Outline outline = design::outline_of(corner, corner_cut_mm);
-    const auto colour = static_cast<std::size_t>(std::max(0, wiring[k].patch)) % kPatchColours.size();
+    const auto colour = static_cast<std::size_t>(std::max(0, wiring[k].patch.value())) % kPatchColours.size();
     solids.push_back({fmt::format("M{}", k), kPatchColours[colour], prism(outline.points(), kBoard_mm * normal)});
   }
   return solids;
@@ -154,12 +158,8 @@ std::string stl(const std::vector<Solid>& solids) {
   for (int shift = 0; shift < 32; shift += 8) bytes += static_cast<char>((count >> shift) & 0xFFU);
   for (const Solid& solid : solids) {
     for (const auto& f : solid.mesh.faces) {
-      const Vec3 normal = normal_of(solid.mesh, f).normalized();
-      for (int axis = 0; axis < 3; ++axis) append_float(bytes, normal[axis]);
-      for (const int v : f) {
-        for (int axis = 0; axis < 3; ++axis)
-          append_float(bytes, solid.mesh.vertices[static_cast<std::size_t>(v)][axis]);
-      }
+      append_vector(bytes, normal_of(solid.mesh, f).normalized());
+      for (const int v : f) append_vector(bytes, solid.mesh.vertices[static_cast<std::size_t>(v)]);
       bytes.append(2, '\0');
     }
   }

@@ -109,7 +109,7 @@ class Hdf5Recorder {
     block_.error_us.push_back(s.error_us);
     const recording::Reader reader = readers_.of(s);
     block_.reader_patch.push_back(reader.patch);
-    block_.reader_node.push_back(reader.node);
+    block_.reader_node.push_back(static_cast<std::uint8_t>(reader.node));
     block_.value.insert(block_.value.end(), s.sample.value.begin(), s.sample.value.end());
     if (block_.module.size() >= kBlockRows) flush();
   }

@@ -156,7 +156,7 @@ triskin_status triskin_change_counts(triskin_skin* skin, double* change_counts, 
     const std::size_t modules = triskin_module_count(skin);
     require_size("triskin_change_counts", n, modules * TRISKIN_TAXELS);
     for (std::size_t m = 0; m < modules; ++m)
-      change_counts = std::ranges::copy(skin->skin.change_counts(static_cast<int>(m)), change_counts).out;
+      change_counts = std::ranges::copy(skin->skin.change_counts(triskin::layout::SkinModule{m}), change_counts).out;
     return TRISKIN_OK;
   });
 }

@@ -131,8 +131,8 @@ triskin_status triskin_recording_calibration(const triskin_recording* recording,
     require_size("triskin_recording_calibration", n, modules * TRISKIN_TAXELS);
     const triskin::design::SkinCalibration& skin = recording->skin.calibration;
     for (std::size_t m = 0; m < modules; ++m) {
-      const int module = static_cast<int>(m);
-      for (int t = 0; t < TRISKIN_TAXELS; ++t)
+      const triskin::layout::ModuleId module{m};
+      for (triskin::layout::TaxelIndex t; t < TRISKIN_TAXELS; ++t)
         *counts_per_kpa++ = skin.complete() ? skin.counts_per_kpa({module, t}) : 0.0;
       if (taxel_area_mm2 != nullptr) *taxel_area_mm2++ = skin.complete() ? skin.taxel_area_mm2(module) : 0.0;
     }

@@ -77,8 +77,8 @@ device::LiveSkin opened(const Source& source) {
   return live;
 }
 
-std::vector<int> first_modules(const Source& source) {
-  std::vector<int> first;
+std::vector<layout::SkinModule> first_modules(const Source& source) {
+  std::vector<layout::SkinModule> first;
   for (const design::CoverOffset& offset : source.offsets) first.push_back(offset.module);
   return first;
 }
@@ -146,15 +146,15 @@ std::vector<ModuleCalibration> Skin::calibration() {
 
 void Skin::calibrate(device::LiveBus& bus, const device::LiveCover& cover, std::vector<ModuleCalibration>& modules) {
   const design::SkinCalibration skin = bus.find_calibration(cover, {}).skin;
-  const int first = source_.offsets[static_cast<std::size_t>(cover.config().cover)].module;
+  const layout::SkinModule first = source_.offsets[static_cast<std::size_t>(cover.config().cover)].module;
   if (skin.modules() == 0) return;
-  for (const int patch : design::patches_here(cover.design())) {
+  for (const layout::PatchIndex patch : design::patches_here(cover.design())) {
     for (const design::RoutedModule& routed : cover.design().patches[static_cast<std::size_t>(patch)].modules) {
       ModuleCalibration& module = modules.at(static_cast<std::size_t>(first + routed.node));
-      module.taxel_area_mm2 = skin.taxel_area_mm2(routed.node);
+      module.taxel_area_mm2 = skin.taxel_area_mm2(layout::ModuleId{routed.node});
       module.known = module.taxel_area_mm2 > 0.0;
       for (std::size_t t = 0; t < module.counts_per_kpa.size(); ++t)
-        module.counts_per_kpa[t] = skin.counts_per_kpa({routed.node, static_cast<int>(t)});
+        module.counts_per_kpa[t] = skin.counts_per_kpa({layout::ModuleId{routed.node}, layout::TaxelIndex{t}});
     }
   }
 }

@@ -50,7 +50,7 @@ class Skin {
   [[nodiscard]] triskin_counts counts();
   /// Throws DeviceError when no sample arrived.
   void tare();
-  [[nodiscard]] std::array<double, layout::kTaxelsPerModule> change_counts(int module) {
+  [[nodiscard]] std::array<double, layout::kTaxelsPerModule> change_counts(layout::SkinModule module) {
     return queue_.change_counts(module);
   }
   /// Returns the calibration, indexed by module. Throws InputError while a stream runs, DeviceError.

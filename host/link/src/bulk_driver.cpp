@@ -49,6 +49,16 @@ class BulkPipe final : public UsbPipe {
   std::string serial_, place_;
 };
 
+// Also reads the descriptor.
+bool is_controller(libusb_device* device, libusb_device_descriptor& d) {
+  return ::libusb_get_device_descriptor(device, &d) == 0 && d.idVendor == wire::kUsbVendor &&
+         d.idProduct == wire::kUsbProduct;
+}
+
+std::string place_of(libusb_device* device) {
+  return fmt::format("{}-{}", ::libusb_get_bus_number(device), ::libusb_get_device_address(device));
+}
+
 class BulkDriver final : public UsbDriver {
  public:
   BulkDriver() {
@@ -73,11 +83,8 @@ class BulkDriver final : public UsbDriver {
     const ssize_t count = ::libusb_get_device_list(context_, &list);
     for (ssize_t k = 0; k < count; ++k) {
       libusb_device_descriptor d{};
-      if (::libusb_get_device_descriptor(list[k], &d) != 0 || d.idVendor != wire::kUsbVendor ||
-          d.idProduct != wire::kUsbProduct)
-        continue;
-      const std::string place =
-          fmt::format("{}-{}", ::libusb_get_bus_number(list[k]), ::libusb_get_device_address(list[k]));
+      if (!is_controller(list[k], d)) continue;
+      const std::string place = place_of(list[k]);
       if (std::ranges::find(places, place) != places.end()) continue;
       if (auto pipe = open_one(list[k], d, serial, place, refused)) pipes.push_back(std::move(pipe));
     }

@@ -134,6 +134,15 @@ void CanSocket::drop_filter() {
   (void)set_option(socket_, SOL_CAN_RAW, CAN_RAW_FILTER, can_filter{0, 0});
 }
 
+namespace {
+
+[[noreturn]] void throw_unacknowledged(const std::string& interface) {
+  throw Unreachable(fmt::format(
+      "can:{}: frames do not leave: nobody acknowledges them; check cable, termination and bit rate", interface));
+}
+
+}  // namespace
+
 void CanSocket::send(const wire::CanFrame& frame) {
   if (frame.fd && !fd_) throw DeviceError(fmt::format("can:{}: the interface does not carry FD frames", interface_));
   if (errors_.bus_off) throw Unreachable(trouble());
@@ -144,10 +153,7 @@ void CanSocket::send(const wire::CanFrame& frame) {
     const int error = errno;
     if (error == EINTR) continue;
     if (error != ENOBUFS && error != EAGAIN) fail("cannot send", error);
-    if (std::chrono::steady_clock::now() - start > kQueueFull) {
-      throw Unreachable(fmt::format(
-          "can:{}: frames do not leave: nobody acknowledges them; check cable, termination and bit rate", interface_));
-    }
+    if (std::chrono::steady_clock::now() - start > kQueueFull) throw_unacknowledged(interface_);
     // SocketCAN does not report when a full device queue has room again, because poll only watches the socket's buffer.
     std::this_thread::sleep_for(kQueueLook);
   }

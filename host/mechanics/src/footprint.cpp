@@ -10,6 +10,7 @@
 #include "quadrature.hpp"
 #include "triskin/base/error.hpp"
 #include "units.hpp"
+#include "value_between.hpp"
 
 namespace triskin::mechanics {
 namespace {
@@ -94,10 +95,7 @@ Footprint::Footprint(const Layer& layer, double disc_diameter_mm) {
 }
 
 double Footprint::Profile::at(double distance_mm) const {
-  const double position = distance_mm / kProfileStep_mm;
-  if (!(position < static_cast<double>(values.size() - 1))) return 0.0;
-  const auto k = static_cast<std::size_t>(position);
-  return values[k] + (position - static_cast<double>(k)) * (values[k + 1] - values[k]);
+  return value_between(values, distance_mm / kProfileStep_mm);
 }
 
 Footprint::Place Footprint::place_of(double contact_radius_mm) {

@@ -160,22 +160,23 @@ class Study {
       std::swap(found[0], found[1]);
     return found;
   }
+  static bool is_bounded(const Eigen::Vector3d& bound, const ContactEstimate& truth) {
+    return bound.head<2>().norm() <= kBoundPosition_mm && bound[2] <= kBoundForce * truth.force_n;
+  }
   void look_at(const Draw& draw, bool also_exact) {
     const auto bounds = cramer_rao(draw, taxels_, noise_);
-    const auto is_bounded = [&](std::size_t c) {
-      return bounds[c].head<2>().norm() <= kBoundPosition_mm && bounds[c][2] <= kBoundForce * draw.truth[c].force_n;
-    };
     const Contacts noisy = solved(draw, true);
     if (noisy.size() == draw.truth.size()) {
       const Contacts found = in_order(noisy, draw.truth);
-      for (std::size_t c = 0; c < found.size(); ++c) add_noisy(found[c], draw.truth[c], bounds[c], is_bounded(c));
+      for (std::size_t c = 0; c < found.size(); ++c)
+        add_noisy(found[c], draw.truth[c], bounds[c], is_bounded(bounds[c], draw.truth[c]));
     } else {
       ++row_.wrong_counts;
     }
     if (!also_exact) return;
     const Contacts exact = solved(draw, false);
     for (std::size_t c = 0; c < draw.truth.size(); ++c) {
-      if (!is_bounded(c)) continue;
+      if (!is_bounded(bounds[c], draw.truth[c])) continue;
       ++row_.exact;
       add_exact(exact, draw.truth[c]);
     }

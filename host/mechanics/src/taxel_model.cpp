@@ -7,6 +7,7 @@
 
 #include "disc_points.hpp"
 #include "triskin/base/error.hpp"
+#include "value_between.hpp"
 
 namespace triskin::mechanics {
 namespace {
@@ -39,10 +40,7 @@ SampledProfile::SampledProfile(const ContactField& field, double reach_mm) : ste
 }
 
 double SampledProfile::at(double r) const {
-  const double position = r / step_;
-  const auto k = static_cast<std::size_t>(position);
-  if (k + 1 >= values_.size()) return 0.0;
-  return values_[k] + (position - static_cast<double>(k)) * (values_[k + 1] - values_[k]);
+  return value_between(values_, r / step_);
 }
 
 // Gives the displacement of one contact and its central differences by ln F and ln R.

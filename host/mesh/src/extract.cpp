@@ -336,13 +336,21 @@ void add_reduction(ExtractReport& report, const ExtractReport& before, const Dec
   report.non_manifold_edges = before.non_manifold_edges;
 }
 
+void require_area_of_module(const Mesh& mesh) {
+  if (const double area_mm2 = area_of(mesh); area_mm2 < kModuleArea_mm2)
+    throw InputError(fmt::format("surface: {:.2g} cm², less than one module (3.9 cm²); check mesh and unit (--unit)",
+                                 area_mm2 / 100.0));
+}
+
+void drop_enclosed_parts(Extraction& e) {
+  e.report.enclosed_components = drop_enclosed(e.surface);
+  e.report.components -= e.report.enclosed_components;
+}
+
 Extraction chosen(const Mesh& mesh, const ExtractOptions& options, const ProgressSink& progress) {
   const RepairTime time(options);
   // A wrap has both sides of a sheet, so it would make a sheet that is too small large enough.
-  if (const double area_mm2 = area_of(mesh); area_mm2 < kModuleArea_mm2) {
-    throw InputError(fmt::format("surface: {:.2g} cm², less than one module (3.9 cm²); check mesh and unit (--unit)",
-                                 area_mm2 / 100.0));
-  }
+  require_area_of_module(mesh);
   const auto most = static_cast<std::size_t>(kRepairedFaces * options.repair_s);
   UsableTest test;
   // A fault is usually found soon; if there is none, the repair needs no time.
@@ -378,10 +386,7 @@ Extraction extract(const Mesh& mesh, const ExtractOptions& options, const Progre
       e.surface = remove_crossings(e.surface, kVisibilityTimeShare * options.repair_s).surface;
     e.report.kept_out_mm2 = before_mm2 - area_of(e.surface);
   }
-  if (options.repair && options.outer != ExtractOptions::When::kNever) {
-    e.report.enclosed_components = drop_enclosed(e.surface);
-    e.report.components -= e.report.enclosed_components;
-  }
+  if (options.repair && options.outer != ExtractOptions::When::kNever) drop_enclosed_parts(e);
   if (options.repair) e.report.flipped_faces += turn_outward(e.surface);
   e.report.boundary_loops = boundary_loops_of(e.surface);
   return e;

@@ -85,7 +85,7 @@ std::optional<std::vector<ModuleSample>> decode_raw(Bytes message) {
     ok = r.count(1) == n * per_item && ok;
     for (std::size_t k = 0; k < n && ok && r.ok(); ++k) take(samples[k]);
   };
-  for (ModuleSample& s : samples) s.module = static_cast<int>(r.u32() & 0x7FFFFFFFU);
+  for (ModuleSample& s : samples) s.module = layout::ModuleId{r.u32() & 0x7FFFFFFFU};
   each(1, [&](ModuleSample& s) { s.sample.module = r.u8(); });
   each(1, [&](ModuleSample& s) { s.sample.valid = r.u16(); });
   each(1, [&](ModuleSample& s) {
@@ -163,6 +163,29 @@ std::vector<std::uint8_t> encode_transform(std::string_view parent, std::string_
   return bytes_of(w);
 }
 
+namespace {
+
+// Describes a point as sensor_msgs/PointField does: offsets in bytes, types by the numbers of that message.
+struct PointField {
+  const char* name;
+  std::uint32_t offset;
+  std::uint8_t type;
+};
+constexpr std::uint8_t kUint8 = 2, kUint16 = 4, kUint32 = 6, kFloat32 = 7;
+constexpr std::array<PointField, 10> kPointFields{{{"x", 0, kFloat32},
+                                                   {"y", 4, kFloat32},
+                                                   {"z", 8, kFloat32},
+                                                   {"normal_x", 12, kFloat32},
+                                                   {"normal_y", 16, kFloat32},
+                                                   {"normal_z", 20, kFloat32},
+                                                   {"module", 24, kUint32},
+                                                   {"value", 28, kUint16},
+                                                   {"valid", 30, kUint8},
+                                                   {"taxel", 31, kUint8}}};
+constexpr std::uint32_t kPointBytes = 32;
+
+}  // namespace
+
 PointCloud::PointCloud(const design::Design& design)
     : points_(design.layout.modules.size()), is_heard_(points_.size()) {
   const auto wiring = design::wiring_of(design);
@@ -185,38 +208,21 @@ void PointCloud::add(const ModuleSample& sample) {
 }
 
 std::vector<std::uint8_t> PointCloud::encode(std::uint64_t stamp_ns, std::string_view frame_id) const {
-  struct Field {
-    const char* name;
-    std::uint32_t offset;
-    std::uint8_t type;
-  };
-  constexpr std::uint8_t kUint8 = 2, kUint16 = 4, kUint32 = 6, kFloat32 = 7;
-  constexpr std::array<Field, 10> kFields{{{"x", 0, kFloat32},
-                                           {"y", 4, kFloat32},
-                                           {"z", 8, kFloat32},
-                                           {"normal_x", 12, kFloat32},
-                                           {"normal_y", 16, kFloat32},
-                                           {"normal_z", 20, kFloat32},
-                                           {"module", 24, kUint32},
-                                           {"value", 28, kUint16},
-                                           {"valid", 30, kUint8},
-                                           {"taxel", 31, kUint8}}};
-  constexpr std::uint32_t kStep = 32;
   const auto n = static_cast<std::uint32_t>(points_.size() * layout::kTaxelsPerModule);
   CdrWriter w;
   put_header(w, stamp_ns, frame_id);
   w.u32(1);
   w.u32(n);
-  put_each(w, kFields, 1, [&](const Field& f) {
+  put_each(w, kPointFields, 1, [&](const PointField& f) {
     w.text(f.name);
     w.u32(f.offset);
     w.u8(f.type);
     w.u32(1);
   });
   w.u8(0);
-  w.u32(kStep);
-  w.u32(kStep * n);
-  w.count(kStep * n);
+  w.u32(kPointBytes);
+  w.u32(kPointBytes * n);
+  w.count(kPointBytes * n);
   // A point starts at a multiple of 4 bytes in the message, so that its fields are aligned as CDR requires.
   for (std::size_t m = 0; m < points_.size(); ++m) {
     for (std::size_t t = 0; t < points_[m].size(); ++t) {

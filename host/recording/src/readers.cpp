@@ -6,19 +6,18 @@
 namespace triskin::recording {
 
 Readers::Readers(const design::Design& design) {
-  patch_at_.fill(-1);
-  for (const int p : design::patches_here(design))
+  patch_at_.fill(layout::PatchIndex::none());
+  for (const layout::PatchIndex p : design::patches_here(design))
     patch_at_.at(static_cast<std::size_t>(design::node_address_of(design, p))) = p;
   for (const design::ModuleWiring& m : design::wiring_of(design)) {
-    const int node = m.patch < 0 ? 0 : design::node_address_of(design, m.patch);
-    readers_.push_back({m.patch, static_cast<std::uint8_t>(node)});
+    readers_.push_back({m.patch, m.patch < 0 ? layout::NodeAddress{} : design::node_address_of(design, m.patch)});
   }
 }
 
 bool Readers::add(const ModuleSample& sample) {
   const auto module = static_cast<std::size_t>(sample.module);
-  const std::uint8_t node = sample.sample.node_address;
-  const int patch = patch_at_[node];
+  const layout::NodeAddress node{sample.sample.node_address};
+  const layout::PatchIndex patch = patch_at_[sample.sample.node_address];
   if (module >= readers_.size() || patch < 0 || readers_[module].node == node) return false;
   readers_[module] = {patch, node};
   return true;
@@ -32,7 +31,7 @@ std::vector<std::uint8_t> encode_readers(std::span<const Reader> readers, std::u
   w.count(readers.size());
   for (const Reader& r : readers) w.u32(static_cast<std::uint32_t>(r.patch));
   w.count(readers.size());
-  for (const Reader& r : readers) w.u8(r.node);
+  for (const Reader& r : readers) w.u8(static_cast<std::uint8_t>(r.node));
   return {w.message().begin(), w.message().end()};
 }
 
@@ -43,9 +42,9 @@ std::optional<ReadersAt> decode_readers(Bytes message) {
   ReadersAt at;
   at.link_time_us = r.u64();
   at.readers.resize(r.count(sizeof(std::uint32_t)));
-  for (Reader& reader : at.readers) reader.patch = static_cast<std::int32_t>(r.u32());
+  for (Reader& reader : at.readers) reader.patch = layout::PatchIndex{static_cast<std::int32_t>(r.u32())};
   if (r.count(1) != at.readers.size()) return std::nullopt;
-  for (Reader& reader : at.readers) reader.node = r.u8();
+  for (Reader& reader : at.readers) reader.node = layout::NodeAddress{r.u8()};
   if (!r.ok()) return std::nullopt;
   return at;
 }

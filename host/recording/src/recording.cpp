@@ -65,7 +65,7 @@ class Samples final : public mcap::Visitor {
     for (std::size_t m = 0; m < own_.size(); ++m) {
       if (at->readers[m] == readers_[m]) continue;
       const bool own = at->readers[m] == own_[m];
-      summary_.reader_changes.push_back({at->link_time_us, static_cast<int>(m), at->readers[m], own});
+      summary_.reader_changes.push_back({at->link_time_us, layout::ModuleId{m}, at->readers[m], own});
     }
     readers_ = std::move(at->readers);
   }

@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 
 #include <exception>
-#include <thread>
 
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/interrupt.hpp"
+#include "triskin/base/outcomes.hpp"
 
 namespace triskin::robot {
 namespace {
@@ -52,19 +52,7 @@ std::string rest_of(const std::vector<std::string>& names, const std::vector<std
 
 void on_each_bus(const std::vector<std::string>& names, const std::function<void(std::size_t)>& work) {
   if (names.size() == 1) return work(0);
-  std::vector<std::exception_ptr> failures(names.size());
-  {
-    std::vector<std::jthread> threads;
-    for (std::size_t k = 0; k < names.size(); ++k) {
-      threads.emplace_back([&, k] {
-        try {
-          work(k);
-        } catch (...) {
-          failures[k] = std::current_exception();
-        }
-      });
-    }
-  }
+  const std::vector<std::exception_ptr> failures = outcomes_of(names.size(), work);
   for (std::size_t k = 0; k < names.size(); ++k) {
     if (failures[k]) rethrow(names, failures, k);
   }

@@ -90,7 +90,7 @@ class Checker {
         add(fmt::format("{}, patch {}", place, patch), fmt::format("has {}", counted(count, "controller")),
             "keep one of them");
     }
-    for (int patch = 0; patch < patches; ++patch) {
+    for (layout::PatchIndex patch; patch < patches; ++patch) {
       if (!served.contains(patch))
         add(fmt::format("{}, patch {}", place, patch), "has no controller",
             "give it one with a free node address, or add the cover again with --replace");

@@ -53,11 +53,11 @@ std::uint32_t rate_in(const std::string& text, const std::string& whole) {
 void seat(Robot& robot, CoverEntry& cover, const design::Design& design, int first_node) {
   const int patches = static_cast<int>(design.patches.size());
   std::erase_if(cover.controllers, [&](const ControllerEntry& e) { return e.patch >= patches; });
-  for (int patch = 0; patch < patches; ++patch) {
+  for (layout::PatchIndex patch; patch < patches; ++patch) {
     if (std::ranges::find(cover.controllers, patch, &ControllerEntry::patch) != cover.controllers.end()) continue;
     ControllerEntry entry;
     entry.patch = patch;
-    entry.node = free_node(robot, cover, first_node);
+    entry.node = layout::NodeAddress{free_node(robot, cover, first_node)};
     cover.controllers.push_back(entry);
   }
   std::ranges::sort(cover.controllers, {}, &ControllerEntry::patch);

@@ -42,8 +42,7 @@ class Urdf {
     const auto robot = document.get_child_optional("robot");
     if (!robot) fail("has no element <robot>; give a URDF file");
     for (const auto& [tag, element] : *robot) {
-      if (tag == "link" && !links_.insert(attribute(element, "link", "name")).second)
-        fail(fmt::format("link \"{}\" stands there twice", attribute(element, "link", "name")));
+      if (tag == "link") add_link(attribute(element, "link", "name"));
       if (tag == "joint") joints_.push_back(read_joint(element));
     }
   }
@@ -64,6 +63,10 @@ class Urdf {
   }
 
  private:
+  void add_link(const std::string& name) {
+    if (!links_.insert(name).second) fail(fmt::format("link \"{}\" stands there twice", name));
+  }
+
   [[noreturn]] void fail(const std::string& what) const { throw InputError(fmt::format("{}: {}", file_, what)); }
 
   [[nodiscard]] std::string attribute(const ptree& element, const char* tag, const char* name) const {

@@ -99,7 +99,8 @@ std::vector<Touch> read_touches(const std::string& text, const std::string& file
     std::array<double, 5> n{};
     if (!numbers_in(line, n) || !is_index(n[0]) || !is_index(n[1]))
       throw InputError(fmt::format("{}: line {}: must be module,taxel,x_mm,y_mm,z_mm", file, number));
-    touches.push_back({static_cast<int>(n[0]), static_cast<int>(n[1]), {n[2], n[3], n[4]}});
+    touches.push_back(
+        {layout::ModuleId{static_cast<int>(n[0])}, layout::TaxelIndex{static_cast<int>(n[1])}, {n[2], n[3], n[4]}});
   }
   return touches;
 }

@@ -4,6 +4,7 @@
 
 #include "triskin/base/text_file.hpp"
 #include "triskin/deploy/board_file.hpp"
+#include "triskin/design/file_head.hpp"
 #include "triskin/design/json_fields.hpp"
 #include "triskin/robot/robot.hpp"
 
@@ -101,12 +102,17 @@ void read_pose(const JsonValue& v, CoverEntry& cover) {
 ControllerEntry read_controller(const JsonValue& v) {
   only_keys(v, {"patch", "node", "serial", "bus", "cable_mm"}, kPage);
   ControllerEntry c;
-  c.patch = v["patch"].integer(0, design::kMaxCount);
-  c.node = v["node"].integer(layout::kFirstNode, layout::kLastNode);
+  c.patch = layout::PatchIndex{v["patch"].integer(0, design::kMaxCount)};
+  c.node = layout::NodeAddress{v["node"].integer(layout::kFirstNode, layout::kLastNode)};
   if (has(v, "serial")) c.serial = serial_in(v["serial"]);
   if (has(v, "bus")) c.bus = name_in(v["bus"]);
   c.cable_mm = length_or_none(v, "cable_mm");
   return c;
+}
+
+Measured read_measured(const JsonValue& v) {
+  only_keys(v, {"points", "rms_mm"}, kPage);
+  return {v["points"].integer(0, design::kMaxCount), number_in(v["rms_mm"], 0.0, kMaxPlace_mm)};
 }
 
 CoverEntry read_cover(const JsonValue& v) {
@@ -119,11 +125,7 @@ CoverEntry read_cover(const JsonValue& v) {
   cover.frame = text_or(v, "frame", "");
   cover.has_pose = has(v, "pose");
   if (cover.has_pose) read_pose(v["pose"], cover);
-  if (has(v, "measured")) {
-    only_keys(v["measured"], {"points", "rms_mm"}, kPage);
-    cover.measured = {v["measured"]["points"].integer(0, design::kMaxCount),
-                      number_in(v["measured"]["rms_mm"], 0.0, kMaxPlace_mm)};
-  }
+  if (has(v, "measured")) cover.measured = read_measured(v["measured"]);
   if (has(v, "rate_hz")) cover.rate_hz = number_in(v["rate_hz"], 0.0, kMaxRate_hz);
   const JsonValue controllers = v["controllers"];
   for (std::size_t k = 0; k < controllers.size(); ++k) cover.controllers.push_back(read_controller(controllers.at(k)));
@@ -191,14 +193,14 @@ Eigen::Isometry3d parse_pose(const std::string& text, const std::string& file) {
   return cover.pose;
 }
 
-std::pair<int, std::string> parse_serial(const std::string& text) {
+std::pair<layout::PatchIndex, std::string> parse_serial(const std::string& text) {
   const std::size_t at = text.find('=');
   const std::string patch = text.substr(0, at);
   const std::string serial = at == std::string::npos ? "" : device::normal_serial(text.substr(at + 1));
   if (patch.empty() || patch.size() > 6 || patch.find_first_not_of("0123456789") != std::string::npos || serial.empty())
     throw InputError(fmt::format(
         "\"{}\": give PATCH=SERIAL, where SERIAL has 24 hexadecimal digits, as triskin discover shows them", text));
-  return {std::stoi(patch), serial};
+  return {layout::PatchIndex{std::stoi(patch)}, serial};
 }
 
 int bus_of(const Robot& robot, const CoverEntry& cover, const ControllerEntry& controller) {
@@ -217,8 +219,7 @@ Robot parse_robot(const std::string& text, const std::string& file) {
   const nlohmann::json document = design::parse_json(text, file);
   const JsonValue v(document, file, "");
   design::require_format(v, kFormat);
-  if (const int version = v["version"].integer(0, design::kMaxCount); version != Robot::kVersion)
-    v["version"].fail(fmt::format("is {}, this program reads {}; use the matching release", version, Robot::kVersion));
+  design::require_version(v, Robot::kVersion);
   only_keys(v, {"format", "version", "name", "urdf", "buses", "covers"}, kPage);
   Robot robot;
   robot.name = name_in(v["name"]);

@@ -114,17 +114,16 @@ void choose(Site& site, const std::string& name) {
 }
 
 device::FlashOptions flash_options(const BusConfig& bus, const CoverConfig& cover, device::FlashOptions options) {
-  for (const int patch : design::patches_here(cover.design)) {
+  for (const layout::PatchIndex patch : design::patches_here(cover.design)) {
     const std::string& serial = cover.serials[static_cast<std::size_t>(patch)];
     const bool named = std::ranges::any_of(options.assign, [&](const auto& a) { return a.patch == patch; });
     if (!serial.empty() && !named) options.assign.push_back({patch, serial});
   }
   for (const CoverConfig& other : bus.covers) {
     if (&other == &cover) continue;
-    for (const int patch : design::patches_here(other.design))
-      options.neighbours.push_back({static_cast<std::uint8_t>(design::node_address_of(other.design, patch)),
-                                    other.design.design_id, other.serials[static_cast<std::size_t>(patch)],
-                                    &other.design, patch});
+    for (const layout::PatchIndex patch : design::patches_here(other.design))
+      options.neighbours.push_back({design::node_address_of(other.design, patch), other.design.design_id,
+                                    other.serials[static_cast<std::size_t>(patch)], &other.design, patch});
   }
   return options;
 }
@@ -133,7 +132,7 @@ std::vector<device::StreamDemand> other_demands(const BusConfig& bus, std::span<
   std::vector<device::StreamDemand> demands;
   for (const CoverConfig& cover : bus.covers) {
     if (std::ranges::find(streamed, &cover.design) != streamed.end()) continue;
-    for (const int patch : design::patches_here(cover.design))
+    for (const layout::PatchIndex patch : design::patches_here(cover.design))
       demands.push_back({static_cast<std::uint8_t>(design::node_address_of(cover.design, patch)),
                          cover.design.patches[static_cast<std::size_t>(patch)].modules.size(), 0});
   }

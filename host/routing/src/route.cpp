@@ -48,6 +48,12 @@ void require_options(const RoutingOptions& o) {
   }
 }
 
+// Returns −1 for a node that the graph lacks.
+int local_node(const LocalGraph& g, int node) {
+  const auto found = std::ranges::lower_bound(g.node, node);
+  return found != g.node.end() && *found == node ? static_cast<int>(found - g.node.begin()) : -1;
+}
+
 // Returns the shortest of the places that hold each part together, as few as possible, given what is connected without
 // them.
 std::vector<Jumper> fitted_jumpers(const JumperGraph& g, const std::vector<Jumper>& places,
@@ -58,13 +64,9 @@ std::vector<Jumper> fitted_jumpers(const JumperGraph& g, const std::vector<Jumpe
       if (w >= 0 && part_of[at(w)] == part_of[at(v)]) sets.join(v, w);
     }
   }
-  const auto local = [&](int node) {
-    const auto found = std::ranges::lower_bound(g.joined.node, node);
-    return found != g.joined.node.end() && *found == node ? static_cast<int>(found - g.joined.node.begin()) : -1;
-  };
   std::vector<Jumper> fitted;
   for (const Jumper& j : places) {
-    const int a = local(j.node[0]), b = local(j.node[1]);
+    const int a = local_node(g.joined, j.node[0]), b = local_node(g.joined, j.node[1]);
     if (a < 0 || b < 0 || part_of[at(a)] != part_of[at(b)]) continue;
     if (sets.join(a, b)) fitted.push_back(j);
   }

@@ -105,6 +105,18 @@ ContactDensity density_of_recording(const std::filesystem::path& path) {
   return density;
 }
 
+namespace {
+
+nlohmann::json region_of(const design::Design& design, layout::ModuleId module, double weight) {
+  constexpr double kRadius_mm = 2.0 * design::kHeight_mm / 3.0;  // The centre of a module is this far from its corners.
+  const design::Vec3 at = scene::center_of(design, module);
+  return {{"name", fmt::format("touched {}", module)},
+          {"sphere", {{"center_mm", {at.x(), at.y(), at.z()}}, {"radius_mm", kRadius_mm}}},
+          {"weight", std::round(weight * 1000.0) / 1000.0}};
+}
+
+}  // namespace
+
 std::string regions_text(const ContactDensity& density, double max_weight) {
   if (!(max_weight > 1.0 && max_weight <= 1000.0))
     throw InputError(fmt::format("the weight {:g} must be more than 1 and at most 1000", max_weight));
@@ -117,15 +129,10 @@ std::string regions_text(const ContactDensity& density, double max_weight) {
   // Where regions overlap, the last one counts, so the most important ones come last.
   std::ranges::stable_sort(order, {}, [&](std::size_t m) { return density.touched_s[m]; });
   nlohmann::json regions = nlohmann::json::array();
-  // The radius reaches from the centre of a module to its corners.
-  const double radius_mm = 2.0 * design::kHeight_mm / 3.0;
   for (const std::size_t m : order) {
-    if (density.touched_s[m] <= 0.0) continue;
-    const design::Vec3 at = scene::center_of(density.design, static_cast<int>(m));
-    const double weight = 1.0 + (max_weight - 1.0) * density.touched_s[m] / longest_s;
-    regions.push_back({{"name", fmt::format("touched {}", m)},
-                       {"sphere", {{"center_mm", {at.x(), at.y(), at.z()}}, {"radius_mm", radius_mm}}},
-                       {"weight", std::round(weight * 1000.0) / 1000.0}});
+    if (density.touched_s[m] > 0.0)
+      regions.push_back(
+          region_of(density.design, layout::ModuleId{m}, 1.0 + (max_weight - 1.0) * density.touched_s[m] / longest_s));
   }
   return nlohmann::json{{"format", "triskin-regions"}, {"version", 1}, {"elsewhere", 1}, {"regions", regions}}.dump(1) +
          "\n";

@@ -87,6 +87,20 @@ struct Step {
   int elsewhere = 0, unfelt = 0;
 };
 
+// Reads force and radius, which a file may also give as the depth of a tip.
+scene::Contact read_press(const JsonValue& v) {
+  scene::Contact c;
+  const bool by_force = has(v, "force_n"), by_depth = field_in_mm(v, "depth").has_value();
+  if (by_force == by_depth) v.fail("needs either \"force_n\" or \"depth_m\" (\"depth_mm\")");
+  c.radius_mm = length_mm(v, "radius", 0.1, 1000.0, kForceRadius_mm);
+  if (by_force) c.force_n = number_in(v["force_n"], 0.0, kMaxForce_n);
+  constexpr double kMaxDepthShare = 0.99;
+  if (by_depth)
+    press_in(c, length_mm(v, "depth", 0.0, kMaxDepthShare * mechanics::Layer{}.thickness_mm, 0.0),
+             length_mm(v, "tip_radius", 0.1, 1000.0, kTipRadius_mm));
+  return c;
+}
+
 void read_contact(const design::Design& design, const JsonValue& v, Step& step) {
   design::only_keys(v,
                     {"body", "point_m", "point_mm", "normal", "force_n", "radius_m", "radius_mm", "depth_m", "depth_mm",
@@ -97,15 +111,7 @@ void read_contact(const design::Design& design, const JsonValue& v, Step& step) 
     return;
   }
   const Vec3 point = point_mm(v);
-  scene::Contact c;
-  const bool by_force = has(v, "force_n"), by_depth = field_in_mm(v, "depth").has_value();
-  if (by_force == by_depth) v.fail("needs either \"force_n\" or \"depth_m\" (\"depth_mm\")");
-  c.radius_mm = length_mm(v, "radius", 0.1, 1000.0, kForceRadius_mm);
-  if (by_force) c.force_n = number_in(v["force_n"], 0.0, kMaxForce_n);
-  constexpr double kMaxDepthShare = 0.99;
-  if (by_depth)
-    press_in(c, length_mm(v, "depth", 0.0, kMaxDepthShare * mechanics::Layer{}.thickness_mm, 0.0),
-             length_mm(v, "tip_radius", 0.1, 1000.0, kTipRadius_mm));
+  scene::Contact c = read_press(v);
   const auto place = on_skin(design, v, point);
   if (!place) {
     ++step.unfelt;

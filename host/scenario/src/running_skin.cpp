@@ -60,7 +60,7 @@ class RestMeans {
 device::FlashOptions assignments_of(const scene::Scene& scene) {
   device::FlashOptions options;
   for (std::size_t p = 0; p < scene.boards.size(); ++p)
-    options.assign.push_back({static_cast<int>(p), device::to_text(scene.boards[p])});
+    options.assign.push_back({layout::PatchIndex{p}, device::to_text(scene.boards[p])});
   return options;
 }
 
@@ -130,7 +130,8 @@ double taxel_area_mm2(double corner_cut_mm) {
   return design::module_area_mm2(corner_cut_mm) / layout::kPressureTaxelsPerModule;
 }
 
-double force_n(const std::array<double, layout::kTaxelsPerModule>& change_counts, double corner_cut_mm, int taxel) {
+double force_n(const std::array<double, layout::kTaxelsPerModule>& change_counts, double corner_cut_mm,
+               layout::TaxelIndex taxel) {
   double kpa = 0.0;
   for (std::size_t t = 0; t < change_counts.size(); ++t) {
     if (taxel >= 0 && static_cast<std::size_t>(taxel) != t) continue;

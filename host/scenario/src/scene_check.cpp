@@ -228,6 +228,14 @@ class SkinReports {
   std::vector<ModuleReport> reports_;
 };
 
+// Runs all buses and returns their samples in the order of arrival.
+std::vector<BusSample> samples_until(std::uint64_t until_us, std::deque<WatchedBus>& buses) {
+  std::vector<BusSample> arrived;
+  for (WatchedBus& bus : buses) bus.run_until(until_us, arrived);
+  std::ranges::stable_sort(arrived, {}, &BusSample::arrived_us);
+  return arrived;
+}
+
 }  // namespace
 
 std::size_t SceneCheck::failed() const {
@@ -260,10 +268,7 @@ SceneCheck check_buses(std::vector<scene::JointScene> buses, const std::vector<E
   std::uint64_t now_us = 0;
   while (now_us < stop_us) {
     now_us = std::min(stop_us, now_us + kStep_us);
-    std::vector<BusSample> arrived;
-    for (WatchedBus& bus : running) bus.run_until(now_us, arrived);
-    std::ranges::stable_sort(arrived, {}, &BusSample::arrived_us);
-    for (const BusSample& s : arrived) {
+    for (const BusSample& s : samples_until(now_us, running)) {
       const std::size_t module = skin.take(s);
       for (Watch& w : watches) w.take(module, s.sampled_us, skin.reports());
     }

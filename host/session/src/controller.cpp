@@ -181,6 +181,16 @@ void Controller::end_transfer() {
   }
 }
 
+namespace {
+
+std::array<std::uint8_t, 4> key_for(std::uint32_t seed) {
+  std::array<std::uint8_t, 4> key{};
+  ByteWriter(key).be32(wire::security_key(seed));
+  return key;
+}
+
+}  // namespace
+
 // If the answer to the key is lost, it is unknown whether the controller accepted it, so both steps are repeated
 // together.
 void Controller::unlock(wire::Session session) {
@@ -191,10 +201,8 @@ void Controller::unlock(wire::Session session) {
     if (m.size() != 5) malformed("security");
     const std::uint32_t seed = ByteReader(Bytes(m).subspan(1)).be32();
     if (seed == 0) return;  // A seed of 0 means that the controller is already unlocked.
-    std::array<std::uint8_t, 4> key{};
-    ByteWriter(key).be32(wire::security_key(seed));
     try {
-      (void)bus_.request(node_, request_of({wire::service::kSecurity, 0x02}, key), Repeat::kNever);
+      (void)bus_.request(node_, request_of({wire::service::kSecurity, 0x02}, key_for(seed)), Repeat::kNever);
       return;
     } catch (const NoAnswer&) {
       if (attempt == kAttempts) throw;

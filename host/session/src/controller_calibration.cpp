@@ -84,7 +84,7 @@ design::BoardCalibration from_wire(const wire::Calibration& kept, const std::str
   design::BoardCalibration board;
   board.serial = serial;
   board.design_id = kept.design_id;
-  board.patch = kept.patch;
+  board.patch = layout::PatchIndex{kept.patch};
   board.revision = kept.revision;
   board.made = utc_text(kept.made_unix_s);
   board.method = kept.method;
@@ -108,7 +108,8 @@ std::vector<design::BoardCalibration> kept_in_controllers(Bus& bus, const design
   const auto users = users_of_addresses(claims);
   std::vector<design::BoardCalibration> boards;
   for (const wire::NodeClaim& claim : claims) {
-    if (design::patch_at(design, claim.node_address) < 0 || users.at(claim.node_address) > 1) continue;
+    if (design::patch_at(design, layout::NodeAddress{claim.node_address}) < 0 || users.at(claim.node_address) > 1)
+      continue;
     if (const auto kept = Controller(bus, claim.node_address).calibration())
       boards.push_back(from_wire(*kept, to_text(claim.unique_id)));
   }

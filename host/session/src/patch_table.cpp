@@ -8,6 +8,7 @@
 
 #include "triskin/base/error.hpp"
 #include "triskin/design/joint.hpp"
+#include "triskin/design/module_side.hpp"
 
 namespace triskin::device {
 namespace {
@@ -55,9 +56,9 @@ Tree tree_after(const design::Patch& patch, const RouteChoice& choice) {
   for (std::size_t k = 0; k < tree.modules.size(); ++k) {
     for (std::size_t m = 1; m < patch.modules.size(); ++m) {
       const design::RoutedModule& module = patch.modules[m];
-      const bool joined =
-          parents[m] == tree.modules[k].node && module.node != dead &&
-          !(choice.other >= 0 && std::minmax(parents[m], module.node) == std::minmax(choice.module, choice.other));
+      const bool joined = parents[m] == tree.modules[k].node && module.node != dead &&
+                          !(choice.other >= 0 && std::minmax(parents[m], module.node) ==
+                                                     std::minmax(choice.module.value(), choice.other.value()));
       const bool in =
           std::any_of(tree.modules.begin(), tree.modules.end(), [&](const auto& t) { return t.node == module.node; });
       if (!joined || in) continue;
@@ -72,7 +73,7 @@ Tree tree_after(const design::Patch& patch, const RouteChoice& choice) {
 std::uint8_t second_entry_of(const design::Patch& patch, const Tree& tree) {
   const auto found = std::ranges::find(tree.modules, patch.second_entry, &design::RoutedModule::node);
   if (patch.second_entry < 0 || found == tree.modules.end()) return 0;
-  const int port = (patch.second_entry_side + 3 - found->rotation) % 3;
+  const int port = design::port_at_side(patch.second_entry_side, found->rotation);
   return layout::joint_to(static_cast<std::size_t>(found - tree.modules.begin()), static_cast<std::size_t>(port));
 }
 
@@ -80,12 +81,12 @@ std::uint8_t second_entry_of(const design::Patch& patch, const Tree& tree) {
 
 RouteChoice parse_route(const std::string& text) {
   if (text == "normal") return {};
-  RouteChoice choice;
+  int module = -1, other = -1;
   char rest = 0;
-  const int joint = std::sscanf(text.c_str(), "backup:%d-%d%c", &choice.module, &choice.other, &rest);
-  if (joint == 2 && choice.module >= 0 && choice.other >= 0 && choice.module != choice.other) return choice;
-  choice.other = -1;
-  if (std::sscanf(text.c_str(), "backup:%d%c", &choice.module, &rest) == 1 && choice.module >= 0) return choice;
+  const int joint = std::sscanf(text.c_str(), "backup:%d-%d%c", &module, &other, &rest);
+  if (joint == 2 && module >= 0 && other >= 0 && module != other)
+    return {layout::ModuleId{module}, layout::ModuleId{other}};
+  if (std::sscanf(text.c_str(), "backup:%d%c", &module, &rest) == 1 && module >= 0) return {layout::ModuleId{module}};
   throw InputError(
       fmt::format("route \"{}\" is unknown; use normal, backup:MODULE or backup:MODULE-MODULE (a failed joint)", text));
 }
@@ -97,11 +98,11 @@ bool concerns(const design::Patch& patch, const RouteChoice& choice) {
 
 namespace {
 
-[[noreturn]] void refuse(int patch_index, const std::string& what) {
+[[noreturn]] void refuse(layout::PatchIndex patch_index, const std::string& what) {
   throw InputError(fmt::format("patch {}: {}; run triskin check on the design", patch_index, what));
 }
 
-void require_limits(const design::Design& design, int patch_index) {
+void require_limits(const design::Design& design, layout::PatchIndex patch_index) {
   const std::size_t modules = design.patches.at(static_cast<std::size_t>(patch_index)).modules.size();
   if (design.node_addresses.empty() && design.patches.size() > layout::kMaxNodes)
     refuse(patch_index,
@@ -134,7 +135,7 @@ void add_joints(const design::Patch& patch, const Tree& tree, const std::array<d
 }
 
 /// Enters the parent of row `k`, which must precede it and have a joint to it.
-void add_parent(int patch_index, const Tree& tree, std::size_t k, layout::PatchImage& image) {
+void add_parent(layout::PatchIndex patch_index, const Tree& tree, std::size_t k, layout::PatchImage& image) {
   const design::RoutedModule& m = tree.modules[k];
   if (m.parent < 0) return;
   const int parent = row_in(tree, m.parent);
@@ -151,7 +152,7 @@ void add_parent(int patch_index, const Tree& tree, std::size_t k, layout::PatchI
 
 }  // namespace
 
-layout::PatchImage image_of(const design::Design& design, int patch_index, const RouteChoice& choice) {
+layout::PatchImage image_of(const design::Design& design, layout::PatchIndex patch_index, const RouteChoice& choice) {
   require_limits(design, patch_index);
   const design::Patch& patch = design.patches[static_cast<std::size_t>(patch_index)];
   const Tree tree = concerns(patch, choice) ? tree_after(patch, choice) : Tree{patch.modules, -1, -1};
@@ -183,8 +184,17 @@ layout::PatchImage image_of(const design::Design& design, int patch_index, const
   return image;
 }
 
-int module_of(const design::Design& design, const layout::ModuleRow& row) {
-  return design.kinds.empty() ? row.module_id : static_cast<int>(row.module_id % layout::kIdsBesideKinds);
+layout::PatchIndex patch_of_table(const design::Design& design, layout::NodeAddress node, std::uint32_t crc) {
+  design::Design then = design;
+  then.node_addresses.assign(design.patches.size(), static_cast<std::uint8_t>(node));
+  for (layout::PatchIndex patch; patch < static_cast<int>(design.patches.size()); ++patch) {
+    if (holds_image(crc, image_of(then, patch))) return patch;
+  }
+  return layout::PatchIndex::none();
+}
+
+layout::ModuleId module_of(const design::Design& design, const layout::ModuleRow& row) {
+  return layout::ModuleId{design.kinds.empty() ? row.module_id : row.module_id % layout::kIdsBesideKinds};
 }
 
 int kind_of_row(const design::Design& design, const layout::ModuleRow& row) {

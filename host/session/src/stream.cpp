@@ -63,7 +63,7 @@ Stream::Stream(Bus& bus, std::span<const design::Design* const> covers, OnFrame 
   for (const design::Design* design : covers) {
     covers_.push_back(design->name);
     ends_.push_back(design::module_ends(*design));
-    find_controllers(*design, static_cast<int>(covers_.size()) - 1, options);
+    find_controllers(*design, layout::CoverIndex{covers_.size() - 1}, options);
   }
   choose_rate(options);
   thrown_away_before_ = bus_.link().thrown_away();
@@ -101,8 +101,8 @@ wire::SamplingSetting Stream::set_sampling(Controller& controller, const Node& n
   return wanted;
 }
 
-void Stream::find_controllers(const design::Design& design, int cover, const StreamOptions& options) {
-  for (const int p : design::patches_here(design)) {
+void Stream::find_controllers(const design::Design& design, layout::CoverIndex cover, const StreamOptions& options) {
+  for (const layout::PatchIndex p : design::patches_here(design)) {
     const layout::PatchImage image = image_of(design, p);
     Node node;
     node.cover = cover;
@@ -272,14 +272,14 @@ void Stream::take(Node& node, const wire::TaxelFrame& sample, std::uint64_t hear
 }
 
 void Stream::take_adopted(Node& node, const wire::TaxelFrame& sample, std::uint64_t heard_us) {
-  const int module = node.adopted_modules.add(sample.module - node.modules.size(), sample, heard_us);
+  const layout::ModuleId module = node.adopted_modules.add(sample.module - node.modules.size(), sample, heard_us);
   if (module < 0) return;
   ++frames_;
   if (handler_)
     handler_({module, heard_us, sample, node.cover, node.clock.at(sample.device_time_us, heard_us), node.patch});
 }
 
-bool Stream::read_by_another(const Node& node, int module) const {
+bool Stream::read_by_another(const Node& node, layout::ModuleId module) const {
   const std::uint64_t since_us = bus_.now_us() - std::min(bus_.now_us(), silence_us(node));
   return std::ranges::any_of(nodes_, [&](const auto& entry) {
     return entry.second.cover == node.cover && entry.second.adopted_modules.reads(module, since_us);
@@ -359,7 +359,7 @@ void Stream::give_back() {
   }
 }
 
-StreamReport Stream::report_of(int cover) const {
+StreamReport Stream::report_of(layout::CoverIndex cover) const {
   StreamReport r;
   for (const auto& [address, node] : nodes_) {
     if (cover != kAllCovers && node.cover != cover) continue;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include "triskin/base/counted.hpp"
 
@@ -12,7 +13,8 @@ namespace triskin::device {
 namespace {
 
 // Formats numbers as "0–12, 15"; consecutive ones become a range.
-std::string ranges(std::vector<int> numbers) {
+template <class Number>
+std::string ranges(std::vector<Number> numbers) {
   std::ranges::sort(numbers);
   std::string text;
   for (std::size_t k = 0; k < numbers.size();) {
@@ -27,7 +29,8 @@ std::string ranges(std::vector<int> numbers) {
 }
 
 // Returns "module 3" or "modules 0–2, 7".
-std::string named(std::string_view noun, const std::vector<int>& numbers) {
+template <class Number>
+std::string named(std::string_view noun, const std::vector<Number>& numbers) {
   return fmt::format("{} {}", noun_after(numbers.size() == 1, noun), ranges(numbers));
 }
 
@@ -36,14 +39,21 @@ double percent(std::uint64_t part, std::uint64_t whole) {
 }
 
 // Returns the modules that controllers of other patches read, by that patch.
-std::map<int, std::vector<int>> adopters(const StreamReport& r) {
-  std::map<int, std::vector<int>> list;
+std::map<layout::PatchIndex, std::vector<layout::ModuleId>> adopters(const StreamReport& r) {
+  std::map<layout::PatchIndex, std::vector<layout::ModuleId>> list;
   for (const AdoptedCounts& a : r.adopted) {
-    std::vector<int>& modules = list[a.patch];
+    std::vector<layout::ModuleId>& modules = list[a.patch];
     if (a.counts.with_data > 0 && std::ranges::count(modules, a.module) == 0) modules.push_back(a.module);
   }
   std::erase_if(list, [](const auto& entry) { return entry.second.empty(); });
   return list;
+}
+
+// Returns true if the controller of another patch of its cover read a module with data.
+bool is_adopted(const StreamReport& r, const ModuleCounts& module) {
+  return std::ranges::any_of(r.adopted, [&](const AdoptedCounts& a) {
+    return a.cover == module.cover && a.module == module.module && a.counts.with_data > 0;
+  });
 }
 
 std::string places(const StreamReport& r) {
@@ -62,20 +72,20 @@ std::string places(const StreamReport& r) {
 }  // namespace
 
 void sum_up(StreamReport& r, std::uint64_t thrown_away) {
-  std::map<int, SampleCounts> patches;
+  // Covers number their modules and patches alike, so neither number names one without its cover.
+  std::map<std::pair<layout::CoverIndex, layout::PatchIndex>, SampleCounts> patches;
   for (const ModuleCounts& m : r.modules) {
     r.total += m.counts;
-    patches[m.patch] += m.counts;
-    if (m.never_heard()) r.never_heard.push_back(m.module);
+    patches[{m.cover, m.patch}] += m.counts;
+    if (m.never_heard() && !is_adopted(r, m)) r.never_heard.push_back(m.module);
     if (m.slow) r.slow.push_back(m.module);
   }
   for (const AdoptedCounts& a : r.adopted) {
     r.total += a.counts;
-    patches[a.patch] += a.counts;
-    if (a.counts.with_data > 0) std::erase(r.never_heard, a.module);
+    patches[{a.cover, a.patch}] += a.counts;
   }
-  for (const auto& [patch, counts] : patches) {
-    if (percent(counts.dropped, counts.expected) > 1.0) r.starved.push_back(patch);
+  for (const auto& [key, counts] : patches) {
+    if (percent(counts.dropped, counts.expected) > 1.0) r.starved.push_back(key.second);
   }
   // After a lapse, controllers without another reader stop streaming, so those samples were never on the bus.
   r.lost_host = r.lapses > 0 ? r.total.on_the_way : std::min(r.total.on_the_way, thrown_away);

@@ -15,6 +15,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <span>
 #include <utility>
 
 namespace triskin::sheet {
@@ -25,6 +26,17 @@ constexpr double kPoint_mm = 25.4 / 72.0, kHair_mm = 0.06;
 cairo_status_t append(void* text, const unsigned char* bytes, unsigned int count) {
   static_cast<std::string*>(text)->append(reinterpret_cast<const char*>(bytes), count);
   return CAIRO_STATUS_SUCCESS;
+}
+
+double height_mm_of(std::span<const Vec2> page_sizes_mm) {
+  double height_mm = 0.0;
+  for (const Vec2& size : page_sizes_mm) height_mm += size.y();
+  return height_mm;
+}
+
+void trace_circle(cairo_t* context, const Vec2& center, double radius_mm) {
+  cairo_new_path(context);
+  cairo_arc(context, center.x(), center.y(), radius_mm, 0.0, 2.0 * std::numbers::pi);
 }
 
 }  // namespace
@@ -58,11 +70,9 @@ Canvas::Canvas(Kind kind, std::vector<Vec2> page_sizes_mm) : cairo_(std::make_un
   Cairo& c = *cairo_;
   c.kind = kind;
   c.sizes_mm = std::move(page_sizes_mm);
-  double width_mm = 1.0, height_mm = 0.0;
-  for (const Vec2& size : c.sizes_mm) {
-    width_mm = std::max(width_mm, size.x());
-    height_mm += size.y();
-  }
+  const double height_mm = height_mm_of(c.sizes_mm);
+  double width_mm = 1.0;
+  for (const Vec2& size : c.sizes_mm) width_mm = std::max(width_mm, size.x());
   if (kind == Kind::kPdf) {
     c.surface = cairo_pdf_surface_create_for_stream(append, &c.bytes, width_mm / kPoint_mm, height_mm / kPoint_mm);
     // A date would make the files of equal designs differ.
@@ -96,9 +106,7 @@ void Canvas::next_page() {
     cairo_pdf_surface_set_size(c.surface, size_mm.x() / kPoint_mm, size_mm.y() / kPoint_mm);
     cairo_scale(c.context, 1.0 / kPoint_mm, 1.0 / kPoint_mm);
   } else {
-    double above_mm = 0.0;
-    for (std::size_t k = 0; k < c.started; ++k) above_mm += c.sizes_mm[k].y();
-    cairo_translate(c.context, 0.0, above_mm);
+    cairo_translate(c.context, 0.0, height_mm_of(std::span(c.sizes_mm).first(c.started)));
     fill_rectangle({0, 0}, size_mm, kWhite);
     rectangle({0, 0}, size_mm, {0.1, kPale, 0.0});
   }
@@ -148,15 +156,13 @@ void Canvas::fill_rectangle(const Vec2& corner, const Vec2& size_mm, const Color
 
 void Canvas::circle(const Vec2& center, double radius_mm, const Pen& pen) {
   cairo_->use(pen);
-  cairo_new_path(cairo_->context);
-  cairo_arc(cairo_->context, center.x(), center.y(), radius_mm, 0.0, 2.0 * std::numbers::pi);
+  trace_circle(cairo_->context, center, radius_mm);
   cairo_stroke(cairo_->context);
 }
 
 void Canvas::fill_circle(const Vec2& center, double radius_mm, const Color& color) {
   cairo_->use(color);
-  cairo_new_path(cairo_->context);
-  cairo_arc(cairo_->context, center.x(), center.y(), radius_mm, 0.0, 2.0 * std::numbers::pi);
+  trace_circle(cairo_->context, center, radius_mm);
   cairo_fill(cairo_->context);
 }
 

@@ -17,7 +17,8 @@ constexpr double kLabelCode_mm = 15.0;
 std::vector<Label> labels_of(const design::Design& design, const Plan& plan) {
   std::vector<Label> labels;
   for (std::size_t p = 0; p < design.patches.size(); ++p)
-    labels.push_back({static_cast<int>(p), fmt::format("C{}", p), fmt::format("node address {}", p + 1),
+    labels.push_back({static_cast<int>(p), fmt::format("C{}", p),
+                      fmt::format("node address {}", design::node_address_of(design, layout::PatchIndex{p})),
                       fmt::format("entry: module {}", design.patches[p].entry)});
   for (std::size_t k = 0; k < design.layout.jumpers.size(); ++k) {
     const auto& j = design.layout.jumpers[k];

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "triskin/design/module_side.hpp"
 #include "triskin/sheet/plan.hpp"
 
 namespace triskin::sheet {
@@ -28,7 +29,7 @@ namespace triskin::sheet {
 
 /// Returns the letter of the port at a tile side of a module that is turned by `rotation`.
 [[nodiscard]] constexpr char port_at(int side, int rotation) {
-  return static_cast<char>('A' + (side + 3 - rotation) % 3);
+  return static_cast<char>('A' + design::port_at_side(side, rotation));
 }
 
 /// Writes where a point lies: "R2 118.4 mm, R5 87.0 mm".

@@ -339,7 +339,11 @@ Lines controller_lines(const design::Design& design, const Plan& plan, int p) {
   const auto& patch = design.patches[static_cast<std::size_t>(p)];
   const std::vector<double> columns{6.0, 22.0, 36.0, 52.0, 72.0, 108.0, 150.0};
   Lines lines;
-  lines.push_back({LineKind::kTitle, {fmt::format("Controller {} (node address {})", p, p + 1)}, {}, p});
+  lines.push_back(
+      {LineKind::kTitle,
+       {fmt::format("Controller {} (node address {})", p, design::node_address_of(design, layout::PatchIndex{p}))},
+       {},
+       p});
   for (const auto& m : patch.modules) {
     if (m.parent < 0) add_entry(lines, design, plan, m.node, m.rotation, "Cable");
   }

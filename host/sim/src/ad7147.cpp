@@ -62,10 +62,9 @@ void Ad7147::show_device_id(std::uint16_t device_id, std::uint64_t at_us, std::u
 }
 
 std::uint16_t Ad7147::device_id(std::uint64_t now_us) const {
-  for (const ShownId& id : shown_ids_) {
-    if (now_us >= id.at_us && now_us < id.until_us) return id.device_id;
-  }
-  return device_id_;
+  const auto shown =
+      std::ranges::find_if(shown_ids_, [&](const ShownId& id) { return now_us >= id.at_us && now_us < id.until_us; });
+  return shown == shown_ids_.end() ? device_id_ : shown->device_id;
 }
 
 void Ad7147::reset(std::uint64_t now_us) {

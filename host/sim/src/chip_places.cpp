@@ -5,6 +5,8 @@
 #include <iterator>
 #include <set>
 
+#include "change_times.hpp"
+
 namespace triskin::scene {
 namespace {
 
@@ -12,7 +14,7 @@ namespace {
 void remove_from(std::vector<ChipPlace>& places, const Scene& scene, std::uint64_t at_us) {
   for (const Fault& f : scene.faults) {
     if (f.kind == FaultKind::kRemovedChip && is_present(f, at_us))
-      places[static_cast<std::size_t>(f.module)].patch = -1;
+      places[static_cast<std::size_t>(f.module)].patch = layout::PatchIndex::none();
   }
 }
 
@@ -34,12 +36,8 @@ ChipPlace place_at(const ChipPlaces& places, std::uint64_t at_us) {
 }
 
 std::vector<ChipPlaces> chip_places(const Scene& scene) {
-  std::set<std::uint64_t> times{0};
-  for (const Fault& f : scene.faults) {
-    if (!moves_chips(f)) continue;
-    times.insert(f.from_us);
-    if (f.until_us != kForever) times.insert(f.until_us);
-  }
+  std::set<std::uint64_t> times = change_times_us(scene, moves_chips);
+  times.insert(0);
   std::vector<ChipPlace> designed;
   for (const auto& w : design::wiring_of(scene.design)) designed.push_back({w.patch, w.routed.line, w.routed.address});
   std::vector<ChipPlaces> all(designed.size());

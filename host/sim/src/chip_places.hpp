@@ -9,7 +9,7 @@ namespace triskin::scene {
 
 /// A module's chip is in a patch, on a line, at an address.
 struct ChipPlace {
-  int patch = -1;  ///< −1 means that the chip does not answer.
+  layout::PatchIndex patch = layout::PatchIndex::none();  ///< −1 means that the chip does not answer.
   int line = 0, address = 0;
   bool operator==(const ChipPlace&) const = default;
 };

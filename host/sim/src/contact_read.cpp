@@ -27,7 +27,7 @@ bool has_place(const JsonValue& v) {
 }
 
 Vec3 on_module(const SceneNames& names, const JsonValue& v) {
-  const int m = names.module(v["module"]);
+  const layout::ModuleId m = names.module(v["module"]);
   if (!has(v, "taxel")) return center_of(names.design, m);
   const int taxel = v["taxel"].integer(0, 11);
   if (!layout::measures_pressure(static_cast<std::size_t>(taxel)))
@@ -71,10 +71,9 @@ double read_force_n(const JsonValue& v, double otherwise) {
   return has(v, "force_n") ? number_in(v["force_n"], 0.0, kMaxForce_n) : otherwise;
 }
 
-void read_keyframes(const SceneNames& names, const JsonValue& v, Contact& c) {
-  for (const char* key : {"at_s", "to_mm", "to", "rise_s", "fall_s"})
-    if (has(v, key)) v[key].fail("has no meaning beside \"keyframes\", which say it; leave it out");
-  const JsonValue list = v["keyframes"];
+// A keyframe keeps what it does not name: place, radius and force of the one before, the first those of the contact
+// `v`.
+void read_frames(const SceneNames& names, const JsonValue& v, const JsonValue& list, Contact& c) {
   if (list.size() == 0 || list.size() > kMaxKeyframes)
     list.fail(fmt::format("must have 1 … {} keyframes", kMaxKeyframes));
   std::optional<Vec3> at;
@@ -91,8 +90,15 @@ void read_keyframes(const SceneNames& names, const JsonValue& v, Contact& c) {
     frame = {at_us - c.from_us, *at, read_radius_mm(f, frame.radius_mm), read_force_n(f, frame.force_n)};
     c.keyframes.push_back(frame);
   }
+}
+
+void read_keyframes(const SceneNames& names, const JsonValue& v, Contact& c) {
+  for (const char* key : {"at_s", "to_mm", "to", "rise_s", "fall_s"})
+    if (has(v, key)) v[key].fail("has no meaning beside \"keyframes\", which say it; leave it out");
+  const JsonValue list = v["keyframes"];
+  read_frames(names, v, list, c);
   c.position_mm = c.keyframes[0].position_mm;
-  const std::uint64_t last_us = c.from_us + frame.after_us;
+  const std::uint64_t last_us = c.from_us + c.keyframes.back().after_us;
   if (has(v, "until_s") && c.until_us < last_us) v["until_s"].fail("is earlier than the last keyframe");
   if (!has(v, "until_s") && list.size() > 1) c.until_us = last_us;
 }
@@ -131,6 +137,13 @@ std::vector<Keyframe> as_keyframes(const Contact& c) {
           {c.until_us - c.from_us, c.to_mm.value_or(c.position_mm), c.radius_mm, c.force_n}};
 }
 
+// Returns the state at `part` (0 … 1) of the way from `a` to `b`.
+Keyframe keyframe_between(const Keyframe& a, const Keyframe& b, double part) {
+  return {a.after_us + static_cast<std::uint64_t>(part * static_cast<double>(b.after_us - a.after_us)),
+          a.position_mm + part * (b.position_mm - a.position_mm), a.radius_mm + part * (b.radius_mm - a.radius_mm),
+          a.force_n + part * (b.force_n - a.force_n)};
+}
+
 // A straight path leaves a curved skin, so its points are moved to the nearest ones on the skin.
 void keep_on_skin(const SceneNames& names, const JsonValue& v, Contact& c) {
   if (!v["on_skin"].boolean()) return;
@@ -143,13 +156,11 @@ void keep_on_skin(const SceneNames& names, const JsonValue& v, Contact& c) {
     const Keyframe &a = corners[k], &b = corners[std::min(k + 1, corners.size() - 1)];
     const int steps = std::max(1, static_cast<int>((b.position_mm - a.position_mm).norm() / kStep_mm));
     for (int s = 0; s < (k + 1 < corners.size() ? steps : 1); ++s) {
-      const double part = static_cast<double>(s) / steps;
-      const auto after_us =
-          a.after_us + static_cast<std::uint64_t>(part * static_cast<double>(b.after_us - a.after_us));
-      const auto place = nearest_place(names.design, a.position_mm + part * (b.position_mm - a.position_mm));
+      Keyframe frame = keyframe_between(a, b, static_cast<double>(s) / steps);
+      const auto place = nearest_place(names.design, frame.position_mm);
       if (!place) v.fail("the design has no module");
-      path.push_back({after_us, place->position_mm, a.radius_mm + part * (b.radius_mm - a.radius_mm),
-                      a.force_n + part * (b.force_n - a.force_n)});
+      frame.position_mm = place->position_mm;
+      path.push_back(frame);
       if (path.size() > kMaxKeyframes) v.fail("moves too far; make its way shorter");
     }
   }

@@ -23,6 +23,20 @@ constexpr std::array<BoundKey, 4> kBoundKeys{{{"more_than_n", Kind::kForceAbove}
                                               {"more_than_counts", Kind::kCountsAbove},
                                               {"less_than_counts", Kind::kCountsBelow}}};
 
+constexpr const char* kOneClaim =
+    "must say one thing that is expected: \"more_than_n\", \"less_than_n\", \"more_than_counts\", "
+    "\"less_than_counts\", \"pressed\", \"state\" or \"silent\"";
+
+wire::ModuleState read_state(const JsonValue& v) {
+  const auto state = kModuleStateNames.value(v.text());
+  if (!state) v.fail("is no state of a module; give " + kModuleStateNames.list());
+  return *state;
+}
+
+void require_true(const JsonValue& v) {
+  if (!v.boolean()) v.fail("must be true; a module that speaks has a \"state\"");
+}
+
 void read_claim(const JsonValue& v, Expectation& e) {
   int claims = 0;
   for (const BoundKey& bound : kBoundKeys) {
@@ -38,19 +52,14 @@ void read_claim(const JsonValue& v, Expectation& e) {
   if (has(v, "silent")) {
     ++claims;
     e.kind = Kind::kSilent;
-    if (!v["silent"].boolean()) v["silent"].fail("must be true; a module that speaks has a \"state\"");
+    require_true(v["silent"]);
   }
   if (has(v, "state")) {
     ++claims;
     e.kind = Kind::kState;
-    const auto state = kModuleStateNames.value(v["state"].text());
-    if (!state) v["state"].fail("is no state of a module; give " + kModuleStateNames.list());
-    e.state = *state;
+    e.state = read_state(v["state"]);
   }
-  if (claims != 1)
-    v.fail(
-        "must say one thing that is expected: \"more_than_n\", \"less_than_n\", \"more_than_counts\", "
-        "\"less_than_counts\", \"pressed\", \"state\" or \"silent\"");
+  if (claims != 1) v.fail(kOneClaim);
 }
 
 void require_sense(const JsonValue& v, const Expectation& e) {
@@ -77,7 +86,7 @@ Expectation read_expectation(const SceneNames& names, const JsonValue& v) {
   if (has(v, "module")) e.module = names.module(v["module"]);
   if (has(v, "taxel")) {
     if (e.module < 0) v["taxel"].fail("needs \"module\"");
-    e.taxel = v["taxel"].integer(0, 11);
+    e.taxel = layout::TaxelIndex{v["taxel"].integer(0, 11)};
   }
   if (has(v, "once")) e.once = v["once"].boolean();
   read_claim(v, e);

@@ -108,8 +108,8 @@ void read_other(const SceneNames& names, const JsonValue& v, Fault& f) {
 
 void read_patches(const SceneNames& names, const JsonValue& v, Fault& f) {
   f.patch = names.patch(v["patch"]);
-  f.other = names.patch(v["other"]);
-  if (f.other == f.patch) v["other"].fail("must be another patch");
+  f.other_patch = names.patch(v["other"]);
+  if (f.other_patch == f.patch) v["other"].fail("must be another patch");
 }
 
 void read_stuck_line(const SceneNames& names, const JsonValue& v, Fault& f) {
@@ -137,7 +137,7 @@ void read_numbers(const JsonValue& v, Fault& f) {
       break;
     case FaultKind::kSaturatedTaxel:
     case FaultKind::kFrozenTaxel:
-      f.taxel = v["taxel"].integer(0, 11);
+      f.taxel = layout::TaxelIndex{v["taxel"].integer(0, 11)};
       break;
     case FaultKind::kRotatedModule:
       f.value = has(v, "steps") ? v["steps"].integer(1, 2) : 1;

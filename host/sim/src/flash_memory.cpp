@@ -17,6 +17,15 @@
 namespace triskin::scene {
 namespace {
 
+// A new file is empty and gets the size.
+void require_size(int descriptor, off_t size_bytes, const std::string& file) {
+  struct stat status{};
+  if (::fstat(descriptor, &status) != 0 || (status.st_size != 0 && status.st_size != size_bytes))
+    throw InputError(fmt::format("{}: is not the flash of a simulated controller of this release; delete it", file));
+  if (::ftruncate(descriptor, size_bytes) != 0)
+    throw InputError(fmt::format("{}: cannot set the size: {}", file, std::strerror(errno)));
+}
+
 std::vector<std::uint8_t> read_inverted(int descriptor, std::size_t size_bytes, const std::string& file) {
   std::vector<std::uint8_t> bytes(size_bytes);
   std::size_t done = 0;
@@ -45,13 +54,7 @@ FlashMemory::FlashMemory(std::size_t size_bytes, const std::filesystem::path& fi
     throw DeviceError(fmt::format("{}: another process simulates this controller: {}; end it first", file_,
                                   lock_holder(descriptor_)));
   }
-  struct stat status{};
-  if (::fstat(descriptor_, &status) != 0 || (status.st_size != 0 && status.st_size != static_cast<off_t>(size_bytes))) {
-    throw InputError(fmt::format("{}: is not the flash of a simulated controller of this release; delete it", file_));
-  }
-  if (::ftruncate(descriptor_, static_cast<off_t>(size_bytes)) != 0) {
-    throw InputError(fmt::format("{}: cannot set the size: {}", file_, std::strerror(errno)));
-  }
+  require_size(descriptor_, static_cast<off_t>(size_bytes), file_);
   bytes_ = read_inverted(descriptor_, size_bytes, file_);
   for (std::size_t unit = 0; unit < programmed_.size(); ++unit) {
     const auto first = bytes_.begin() + static_cast<std::ptrdiff_t>(unit * kProgramBytes);

@@ -33,7 +33,7 @@ wire::UniqueId board_of(const SimulatedCover& cover, std::size_t patch, std::opt
     const std::uint64_t first = hash_of(cover.name, hash);
     for (std::size_t k = 0; k < 4; ++k) id[k] = static_cast<std::uint8_t>(first >> (24 - 8 * k));
   } else {
-    id[0] = static_cast<std::uint8_t>(design::node_address_of(*cover.design, static_cast<int>(patch)));
+    id[0] = static_cast<std::uint8_t>(design::node_address_of(*cover.design, layout::PatchIndex{patch}));
   }
   for (std::size_t k = 0; k < 8; ++k) id[4 + k] = static_cast<std::uint8_t>(hash >> (56 - 8 * k));
   return id;
@@ -81,41 +81,38 @@ class FaultsHere {
   [[nodiscard]] std::optional<Fault> renumbered(const Fault& fault, const SimulatedCover& cover,
                                                 const design::CoverOffset& offset) const {
     Fault f = fault;
-    const auto patch_here = [&](int patch) {
-      return patch < 0 ? -1 : patch_numbers_.at(static_cast<std::size_t>(offset.patch + patch));
+    const auto patch_here = [&](layout::PatchIndex patch) {
+      return patch < 0 ? layout::PatchIndex::none()
+                       : layout::PatchIndex{patch_numbers_.at(static_cast<std::size_t>(offset.patch + patch))};
     };
     f.patch = patch_here(fault.patch);
-    if (f.kind == FaultKind::kSwappedPatches) f.other = patch_here(fault.other);
-    if (f.kind != FaultKind::kSwappedPatches && f.other >= 0) f.other += offset.module;
-    if (f.module >= 0) f.module += offset.module;
+    f.other_patch = patch_here(fault.other_patch);
+    if (f.other >= 0) f.other = layout::ModuleId{offset.module + f.other};
+    if (f.module >= 0) f.module = layout::ModuleId{offset.module + f.module};
     const bool here = f.kind == FaultKind::kSwappedPatches ? f.patch >= 0 : fault.patch < 0 || f.patch >= 0;
-    if (f.kind == FaultKind::kSwappedPatches && here != (f.other >= 0)) refuse(fault, cover, fault.patch);
-    if (f.kind == FaultKind::kSwappedChips && is_read(f.module) != is_read(f.other)) refuse(fault, cover, fault.module);
+    if (f.kind == FaultKind::kSwappedPatches && here != (f.other_patch >= 0))
+      refuse(fault, cover, fault.patch, fault.other_patch);
+    if (f.kind == FaultKind::kSwappedChips && is_read(f.module) != is_read(f.other))
+      refuse(fault, cover, fault.module, fault.other);
     return here ? std::optional(f) : std::nullopt;
   }
 
  private:
-  [[nodiscard]] bool is_read(int module) const { return wiring_.at(static_cast<std::size_t>(module)).patch >= 0; }
-  [[noreturn]] static void refuse(const Fault& fault, const SimulatedCover& cover, int first) {
+  [[nodiscard]] bool is_read(layout::ModuleId module) const {
+    return wiring_.at(static_cast<std::size_t>(module)).patch >= 0;
+  }
+  [[noreturn]] static void refuse(const Fault& fault, const SimulatedCover& cover, int first, int second) {
     throw InputError(
         fmt::format("part {}: fault {} of {} and {}: their controllers are on different buses, which are "
                     "simulated apart; choose two on one bus",
-                    cover.name, kFaultKindNames.name(fault.kind), first, fault.other));
+                    cover.name, kFaultKindNames.name(fault.kind), first, second));
   }
   std::vector<design::ModuleWiring> wiring_;
   const std::vector<int>& patch_numbers_;
 };
 
-// The surroundings are common to all covers. If a clock is named, those that are not have no deviation.
-void take_surroundings(Scene& joint, std::span<const SimulatedCover> covers) {
-  const Scene* common = covers.empty() ? nullptr : covers.front().scene;
-  if (common != nullptr) {
-    joint.seed = common->seed;
-    joint.switched = common->switched;
-    joint.border_joints = common->border_joints;
-    joint.pressure = common->pressure;
-    joint.effects = common->effects;
-  }
+// If a clock is named, those that are not have no deviation.
+void join_clocks(Scene& joint, std::span<const SimulatedCover> covers) {
   joint.effects.clock_ppm.clear();
   const auto has_clock = [](const SimulatedCover& c) {
     return c.scene != nullptr && !c.scene->effects.clock_ppm.empty();
@@ -128,6 +125,39 @@ void take_surroundings(Scene& joint, std::span<const SimulatedCover> covers) {
   }
 }
 
+// The surroundings are common to all covers.
+void take_surroundings(Scene& joint, std::span<const SimulatedCover> covers) {
+  const Scene* common = covers.empty() ? nullptr : covers.front().scene;
+  if (common != nullptr) {
+    joint.seed = common->seed;
+    joint.switched = common->switched;
+    joint.border_joints = common->border_joints;
+    joint.pressure = common->pressure;
+    joint.effects = common->effects;
+  }
+  join_clocks(joint, covers);
+}
+
+std::vector<design::PlacedCover> place_apart(std::span<const SimulatedCover> covers) {
+  std::vector<design::PlacedCover> placed;
+  for (const SimulatedCover& c : covers) {
+    design::PlacedCover p{c.design, Eigen::Isometry3d::Identity()};
+    p.pose.translation().x() = kApart_mm * static_cast<double>(placed.size());
+    placed.push_back(p);
+  }
+  return placed;
+}
+
+// Adds the boards, the levels of their firmware, and the seeds of the modules.
+void add_hardware(Scene& joint, const SimulatedCover& c, std::optional<std::uint64_t> board_seed) {
+  for (std::size_t patch = 0; patch < c.design->patches.size(); ++patch)
+    joint.boards.push_back(board_of(c, patch, board_seed));
+  std::vector<ControllerLevel> levels = c.scene == nullptr ? std::vector<ControllerLevel>{} : c.scene->levels;
+  levels.resize(c.design->patches.size(), ControllerLevel::kFirmware);
+  joint.levels.insert(joint.levels.end(), levels.begin(), levels.end());
+  for (std::size_t m = 0; m < c.design->layout.modules.size(); ++m) joint.module_seeds.push_back(hash_of(c.name, m));
+}
+
 }  // namespace
 
 JointScene join_covers(std::span<const SimulatedCover> covers, const wire::BitRates& rates,
@@ -135,19 +165,10 @@ JointScene join_covers(std::span<const SimulatedCover> covers, const wire::BitRa
   JointScene joint;
   take_surroundings(joint.scene, covers);
   joint.scene.board_seed = board_seed;
-  std::vector<design::PlacedCover> placed;
+  const std::vector<design::PlacedCover> placed = place_apart(covers);
   for (const SimulatedCover& c : covers) {
-    design::PlacedCover p{c.design, Eigen::Isometry3d::Identity()};
-    p.pose.translation().x() = kApart_mm * static_cast<double>(placed.size());
-    placed.push_back(p);
     joint.names.push_back(c.name);
-    for (std::size_t patch = 0; patch < c.design->patches.size(); ++patch)
-      joint.scene.boards.push_back(board_of(c, patch, board_seed));
-    std::vector<ControllerLevel> levels = c.scene == nullptr ? std::vector<ControllerLevel>{} : c.scene->levels;
-    levels.resize(c.design->patches.size(), ControllerLevel::kFirmware);
-    joint.scene.levels.insert(joint.scene.levels.end(), levels.begin(), levels.end());
-    for (std::size_t m = 0; m < c.design->layout.modules.size(); ++m)
-      joint.scene.module_seeds.push_back(hash_of(c.name, m));
+    add_hardware(joint.scene, c, board_seed);
   }
   design::SideBySide side_by_side = design::side_by_side(placed);
   joint.scene.design = std::move(side_by_side.design);

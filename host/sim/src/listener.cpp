@@ -11,6 +11,7 @@
 #include <cstring>
 #include <memory>
 
+#include "resolved_host.hpp"
 #include "triskin/base/error.hpp"
 
 namespace triskin::device {
@@ -36,15 +37,19 @@ bool is_loopback(const sockaddr& address) {
 
 }  // namespace
 
+ResolvedHost resolve(const HostPort& at, int flags, const std::string& name) {
+  addrinfo hints{}, *first = nullptr;
+  hints.ai_socktype = SOCK_STREAM;
+  hints.ai_flags = flags;
+  if (const int error = ::getaddrinfo(at.host.c_str(), std::to_string(at.port).c_str(), &hints, &first); error != 0)
+    throw DeviceError(fmt::format("{}: cannot find the host: {}", name, ::gai_strerror(error)));
+  return {first, &::freeaddrinfo};
+}
+
 Listener listen_at(const HostPort& at, const std::string& refusal) {
   constexpr int kBacklog = 8;
   const std::string name = host_port_text(at);
-  addrinfo hints{}, *first = nullptr;
-  hints.ai_socktype = SOCK_STREAM;
-  hints.ai_flags = AI_PASSIVE;
-  if (const int error = ::getaddrinfo(at.host.c_str(), std::to_string(at.port).c_str(), &hints, &first); error != 0)
-    throw DeviceError(fmt::format("{}: cannot find the host: {}", name, ::gai_strerror(error)));
-  const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> found(first, &::freeaddrinfo);
+  const ResolvedHost found = resolve(at, AI_PASSIVE, name);
   Listener listener;
   listener.is_exposed = !is_loopback(*found->ai_addr);
   if (listener.is_exposed && !refusal.empty()) throw InputError(fmt::format("{}: {}", name, refusal));

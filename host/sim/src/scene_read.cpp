@@ -12,6 +12,7 @@
 
 #include "scene_reader.hpp"
 #include "triskin/base/text_file.hpp"
+#include "triskin/design/file_head.hpp"
 #include "triskin/scene/robot_scene.hpp"
 
 namespace triskin::scene {
@@ -40,6 +41,10 @@ void read_electrodes(const JsonValue& v, Effects& e) {
   e.electrode_most_pf = number_in(v.at(1), e.electrode_least_pf, kMax_pf);
 }
 
+std::uint64_t read_bit_rate(const JsonValue& v, int max) {
+  return static_cast<std::uint64_t>(v.integer(10'000, max));
+}
+
 Effects read_effects(const JsonValue& v) {
   only_scene_keys(v, {"noise_counts", "drift_counts_per_s", "taxel_spread_counts", "sensitivity_spread", "electrode_pf",
                       "bus_bit_rate", "bus_data_bit_rate", "chain_bit_error_rate", "clock_ppm", "layer", "temperature",
@@ -52,10 +57,8 @@ Effects read_effects(const JsonValue& v) {
   if (has(v, "taxel_spread_counts")) e.taxel_spread_counts = number_in(v["taxel_spread_counts"], 0.0, 1e4);
   if (has(v, "sensitivity_spread")) e.sensitivity_spread = number_in(v["sensitivity_spread"], 0.0, 0.9);
   if (has(v, "electrode_pf")) read_electrodes(v["electrode_pf"], e);
-  if (has(v, "bus_bit_rate")) e.bus_bit_rate = static_cast<std::uint64_t>(v["bus_bit_rate"].integer(10'000, 1'000'000));
-  if (has(v, "bus_data_bit_rate")) {
-    e.bus_data_bit_rate = static_cast<std::uint64_t>(v["bus_data_bit_rate"].integer(10'000, 8'000'000));
-  }
+  if (has(v, "bus_bit_rate")) e.bus_bit_rate = read_bit_rate(v["bus_bit_rate"], 1'000'000);
+  if (has(v, "bus_data_bit_rate")) e.bus_data_bit_rate = read_bit_rate(v["bus_data_bit_rate"], 8'000'000);
   return e;
 }
 
@@ -74,8 +77,7 @@ PressureCurve read_pressure(const JsonValue& list) {
 void read_head(const JsonValue& v) {
   constexpr int kVersion = 1;
   if (v["format"].text() != "triskin-scene") v["format"].fail("must be \"triskin-scene\" (or give a design file)");
-  const int version = v["version"].integer(0, 1'000'000);
-  if (version != kVersion) v["version"].fail(fmt::format("is {}, this program reads {}", version, kVersion));
+  design::require_version(v, kVersion);
   only_scene_keys(v, {"format", "version", "design", "robot", "hardware", "border_joints", "seed", "contacts",
                       "controllers", "pressure", "faults", "effects", "expect"});
   if (has(v, "design") == has(v, "robot")) v.fail("needs either \"design\" or \"robot\": the file that it simulates");
@@ -192,14 +194,14 @@ void read_clocks_of(const JsonValue& v, const PartNames& names, RobotScene& scen
 
 }  // namespace
 
-int SceneNames::module(const JsonValue& v) const {
+layout::ModuleId SceneNames::module(const JsonValue& v) const {
   if (design.layout.modules.empty()) v.fail("the design has none");
-  return v.integer(0, static_cast<int>(design.layout.modules.size()) - 1);
+  return layout::ModuleId{v.integer(0, static_cast<int>(design.layout.modules.size()) - 1)};
 }
 
-int SceneNames::patch(const JsonValue& v) const {
+layout::PatchIndex SceneNames::patch(const JsonValue& v) const {
   if (design.patches.empty()) v.fail("the design has none");
-  return v.integer(0, static_cast<int>(design.patches.size()) - 1);
+  return layout::PatchIndex{v.integer(0, static_cast<int>(design.patches.size()) - 1)};
 }
 
 void only_scene_keys(const JsonValue& v, std::initializer_list<std::string_view> allowed) {
@@ -225,15 +227,16 @@ std::uint64_t hardware_id(const Scene& scene) {
   std::uint64_t hash = 0xCBF29CE484222325ULL;  // The start value is that of FNV-1a.
   hash_in(hash, (scene.switched ? 1U : 0U) | (scene.border_joints ? 2U : 0U));
   for (const Fault& f : scene.faults) {
-    for (const int v : {static_cast<int>(f.kind), f.module, f.other, f.patch, f.line, f.address, f.taxel, f.value,
-                        f.bit, f.stuck_scl ? 1 : 0, f.frees_after_pulses})
+    const int other = f.kind == FaultKind::kSwappedPatches ? f.other_patch.value() : f.other.value();
+    for (const int v : {static_cast<int>(f.kind), f.module.value(), other, f.patch.value(), f.line, f.address,
+                        f.taxel.value(), f.value, f.bit, f.stuck_scl ? 1 : 0, f.frees_after_pulses})
       hash_in(hash, static_cast<std::uint64_t>(static_cast<std::int64_t>(v)));
     for (const std::uint64_t t : {f.from_us, f.until_us, f.every_us}) hash_in(hash, t);
   }
   return hash;
 }
 
-int real_rotation(const Scene& scene, int module, std::uint64_t at_us) {
+int real_rotation(const Scene& scene, layout::ModuleId module, std::uint64_t at_us) {
   const auto wiring = design::wiring_of(scene.design);
   const auto designed = [&](int m) { return wiring.at(static_cast<std::size_t>(m)).routed.rotation; };
   int rotation = designed(module);
@@ -247,12 +250,13 @@ int real_rotation(const Scene& scene, int module, std::uint64_t at_us) {
   return rotation;
 }
 
-design::Vec3 center_of(const design::Design& design, int module) {
+design::Vec3 center_of(const design::Design& design, layout::ModuleId module) {
   const auto& corner = design.layout.modules.at(static_cast<std::size_t>(module)).corner_mm;
   return (corner[0] + corner[1] + corner[2]) / 3.0;
 }
 
-wire::UniqueId unique_id_of(const Scene& scene, std::size_t patch) {
+wire::UniqueId unique_id_of(const Scene& scene, layout::PatchIndex patch_index) {
+  const auto patch = static_cast<std::size_t>(patch_index);
   if (!scene.boards.empty()) return scene.boards.at(patch);
   const std::uint64_t design_id = scene.design.design_id;
   std::uint64_t high = design_id;
@@ -268,16 +272,22 @@ wire::UniqueId unique_id_of(const Scene& scene, std::size_t patch) {
   return id;
 }
 
+namespace {
+
+Scene scene_of_design(const std::filesystem::path& path) {
+  Scene scene;
+  scene.design = design::read_design(path);
+  scene.board_seed = scene.seed;
+  return scene;
+}
+
+}  // namespace
+
 Scene read_scene(const std::filesystem::path& path) {
   const std::string file = path.string(), text = read_text(path);
   const nlohmann::json document = design::parse_json(text, file);
   const JsonValue v(document, file, "", &text);
-  if (has(v, "format") && v["format"].raw() == "triskin-design") {
-    Scene scene;
-    scene.design = design::read_design(path);
-    scene.board_seed = scene.seed;
-    return scene;
-  }
+  if (has(v, "format") && v["format"].raw() == "triskin-design") return scene_of_design(path);
   read_head(v);
   if (has(v, "robot")) v["robot"].fail("is a scene of a robot; give its robot file in place of the design");
   Scene scene = read_surroundings(v);
@@ -299,6 +309,33 @@ bool is_robot_scene(const std::filesystem::path& path) {
   return document.is_object() && is_of_robot(JsonValue(document, file, "", &text));
 }
 
+namespace {
+
+void read_items(const JsonValue& v, const PartNames& names, RobotScene& scene) {
+  each_item(v, "contacts", [&](const JsonValue& c) {
+    const std::size_t p = names.index(c);
+    scene.parts[p].contacts.push_back(read_contact(names[p], c));
+  });
+  each_item(v, "faults", [&](const JsonValue& f) {
+    const std::size_t p = names.index(f);
+    scene.parts[p].faults.push_back(read_fault(names[p], f));
+  });
+  each_item(v, "expect", [&](const JsonValue& e) { scene.expectations.push_back(read_expectation_of(names, e)); });
+  each_item(v, "controllers", [&](const JsonValue& c) {
+    const std::size_t p = names.index(c);
+    read_controller(names[p], c, scene.parts[p]);
+  });
+}
+
+void read_effects_of_parts(const JsonValue& v, const PartNames& names, RobotScene& scene) {
+  for (const char* key : {"bus_bit_rate", "bus_data_bit_rate"})
+    if (has(v, key)) v[key].fail("stands in the robot file, at each bus; leave it out");
+  if (has(v, "clock_ppm")) read_clocks_of(v["clock_ppm"], names, scene);
+  for (const Scene& part : scene.parts) require_common_time(v, part);
+}
+
+}  // namespace
+
 RobotScene read_robot_scene(const std::filesystem::path& path,
                             const std::function<std::vector<RobotPart>(const std::filesystem::path&)>& parts_of) {
   const std::string file = path.string(), text = read_text(path);
@@ -317,24 +354,8 @@ RobotScene read_robot_scene(const std::filesystem::path& path,
   }
   if (scene.parts.empty()) v["robot"].fail("has no parts; add one with triskin robot add");
   const PartNames names(scene.names, scene.parts);
-  each_item(v, "contacts", [&](const JsonValue& c) {
-    const std::size_t p = names.index(c);
-    scene.parts[p].contacts.push_back(read_contact(names[p], c));
-  });
-  each_item(v, "faults", [&](const JsonValue& f) {
-    const std::size_t p = names.index(f);
-    scene.parts[p].faults.push_back(read_fault(names[p], f));
-  });
-  each_item(v, "expect", [&](const JsonValue& e) { scene.expectations.push_back(read_expectation_of(names, e)); });
-  each_item(v, "controllers", [&](const JsonValue& c) {
-    const std::size_t p = names.index(c);
-    read_controller(names[p], c, scene.parts[p]);
-  });
-  if (!has(v, "effects")) return scene;
-  for (const char* key : {"bus_bit_rate", "bus_data_bit_rate"})
-    if (has(v["effects"], key)) v["effects"][key].fail("stands in the robot file, at each bus; leave it out");
-  if (has(v["effects"], "clock_ppm")) read_clocks_of(v["effects"]["clock_ppm"], names, scene);
-  for (const Scene& part : scene.parts) require_common_time(v["effects"], part);
+  read_items(v, names, scene);
+  if (has(v, "effects")) read_effects_of_parts(v["effects"], names, scene);
   return scene;
 }
 

@@ -25,8 +25,8 @@ struct SceneNames {
         switched(scene.switched),
         wiring(design::wiring_of(scene.design)) {}
   /// Returns the module that the value names.
-  [[nodiscard]] int module(const design::JsonValue& v) const;
-  [[nodiscard]] int patch(const design::JsonValue& v) const;
+  [[nodiscard]] layout::ModuleId module(const design::JsonValue& v) const;
+  [[nodiscard]] layout::PatchIndex patch(const design::JsonValue& v) const;
 
   std::string part;  ///< The part of a robot that the names belong to.
   const design::Design& design;

@@ -9,7 +9,7 @@ std::uint64_t InProcessLink::answer_us() const {
   return 2 * wire::kP2_us;
 }
 
-void InProcessLink::press(int module) {
+void InProcessLink::press(layout::ModuleId module) {
   lift();
   touch_ = skin_.press_module(module);
 }

@@ -112,8 +112,8 @@ void SimServer::handle(Client& client, const record::Record& r) {
       (!whole && taxel >= layout::kTaxelsPerModule)) {
     throw DeviceError("no such module or taxel");
   }
-  const int id = static_cast<int>(module);
-  client.touch = whole ? skin_.press_module(id) : skin_.press_taxel({id, taxel});
+  const layout::ModuleId id{module};
+  client.touch = whole ? skin_.press_module(id) : skin_.press_taxel({id, layout::TaxelIndex{taxel}});
 }
 
 // The pressure remains when the client disconnects, because it stands for a bag around the skin and not for the
@@ -125,7 +125,7 @@ void SimServer::pressurize(const record::Record& r) {
   const bool all = module == record::kAllModules;
   if (!reader.ok() || (!all && module >= skin_.scene().design.layout.modules.size()))
     throw DeviceError("no such module");
-  skin_.pressurize(all ? -1 : static_cast<int>(module), kKpaPerPa * pressure_pa);
+  skin_.pressurize(all ? layout::ModuleId::none() : layout::ModuleId{module}, kKpaPerPa * pressure_pa);
 }
 
 void SimServer::write_client(Client& client) {

@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "change_times.hpp"
 #include "chip_places.hpp"
 #include "triskin/layout/rest.hpp"
 
@@ -40,7 +41,7 @@ double gaussian(std::uint64_t seed) {
   return std::sqrt(-2.0 * std::log(u)) * std::cos(angle);
 }
 
-std::uint64_t drawn_from(const Scene& scene, int module) {
+std::uint64_t drawn_from(const Scene& scene, layout::ModuleId module) {
   if (!scene.module_seeds.empty()) return scene.module_seeds.at(static_cast<std::size_t>(module));
   return static_cast<std::uint64_t>(module) << 32;
 }
@@ -78,7 +79,7 @@ void PressureCurve::step(std::uint64_t at_us, double kpa) {
   points_.push_back({at_us, kpa});
 }
 
-ModuleSkin::ModuleSkin(const Scene& scene, int module, int rotation)
+ModuleSkin::ModuleSkin(const Scene& scene, layout::ModuleId module, int rotation)
     : pressure_(scene.pressure),
       seed_(mix(scene.seed ^ drawn_from(scene, module))),
       noise_counts_(scene.effects.noise_counts),
@@ -162,7 +163,7 @@ void ModuleSkin::remove(int touch_id) {
 }
 
 Skin::Skin(const Scene& scene, SwitchedHardware* switched) : lines_(scene.design.patches.size()) {
-  for (int m = 0; m < static_cast<int>(scene.design.layout.modules.size()); ++m)
+  for (layout::ModuleId m; m < static_cast<int>(scene.design.layout.modules.size()); ++m)
     modules_.emplace_back(scene, m, real_rotation(scene, m));
   if (const auto& layer = scene.effects.pads.layer) {
     // Only Poisson's ratio and the thickness affect the footprint, so any modulus will do.
@@ -178,12 +179,8 @@ Skin::Skin(const Scene& scene, SwitchedHardware* switched) : lines_(scene.design
 
 // Handles modules that are turned, or turned back, while the skin runs.
 void Skin::turn_modules(const Scene& scene) {
-  std::set<std::uint64_t> times;
-  for (const Fault& f : scene.faults) {
-    if (f.kind != FaultKind::kRotatedModule) continue;
-    times.insert(f.from_us);
-    if (f.until_us != kForever) times.insert(f.until_us);
-  }
+  std::set<std::uint64_t> times =
+      change_times_us(scene, [](const Fault& f) { return f.kind == FaultKind::kRotatedModule; });
   times.erase(0);
   for (const std::uint64_t at_us : times) {
     for (const Fault& f : scene.faults) {
@@ -206,7 +203,7 @@ void attach_strapped(Skin& skin, Ad7147& chip, const ChipPlaces& places) {
     if (first.patch >= 0) skin.line(first.patch, first.line).attach(chip, layout::cdc_address(first.address));
     return;
   }
-  std::set<std::pair<int, int>> lines;  // A patch and its line.
+  std::set<std::pair<layout::PatchIndex, int>> lines;  // A patch and its line.
   for (const PlaceFrom& p : places) {
     if (p.place.patch >= 0) lines.insert({p.place.patch, p.place.line});
   }
@@ -220,22 +217,21 @@ void attach_strapped(Skin& skin, Ad7147& chip, const ChipPlaces& places) {
 
 // Attaches a switched module's chip to all lines: its register selects line and address while its ports lead to the
 // controller.
-void attach_switched(Skin& skin, Ad7147& chip, int module, const ChipPlaces& places, std::size_t patches,
+void attach_switched(Skin& skin, Ad7147& chip, layout::ModuleId module, const ChipPlaces& places, std::size_t patches,
                      SwitchedHardware& switched) {
   const auto there = std::ranges::find_if(places, [](const PlaceFrom& p) { return p.place.patch >= 0; });
   SwitchedPatch& chain = switched.patch(there->place.patch);
-  const int row = switched.row_of(module);
+  const layout::TableRow row = switched.row_of(module);
   const bool stays = places.size() == 1;
   for (std::size_t p = 0; p < patches; ++p) {
-    if (&switched.patch(static_cast<int>(p)) != &chain) continue;
-    const int controller = switched.controller_of(static_cast<int>(p));
+    if (&switched.patch(layout::PatchIndex{p}) != &chain) continue;
+    const int controller = switched.controller_of(layout::PatchIndex{p});
     for (int l = 0; l < layout::kLines; ++l) {
-      I2cLineModel& model = skin.line(static_cast<int>(p), l);
+      I2cLineModel& model = skin.line(layout::PatchIndex{p}, l);
       model.attach(chip, [&chain, controller, row, l, stays, places](std::uint64_t now_us) -> int {
-        if (!stays && place_at(places, now_us).patch < 0) return -1;
-        return chain.controller_of(row) == controller && chain.line_of(row) == l
-                   ? layout::cdc_address(chain.address_of(row))
-                   : -1;
+        const bool is_away = !stays && place_at(places, now_us).patch < 0;
+        const bool is_here = chain.controller_of(row) == controller && chain.line_of(row) == l;
+        return !is_away && is_here ? layout::cdc_address(chain.address_of(row)) : -1;
       });
       if (row == 0) model.hold_while([&chain, controller, l] { return (chain.stuck_lines(controller) >> l & 1) != 0; });
     }
@@ -255,7 +251,7 @@ void Skin::place_chips(const Scene& scene, SwitchedHardware* switched) {
     const bool never_there = places[m].size() == 1 && places[m][0].place.patch < 0;
     if (wiring[m].patch < 0 || never_there) continue;
     if (switched != nullptr && switched->present())
-      attach_switched(*this, chip, static_cast<int>(m), places[m], lines_.size(), *switched);
+      attach_switched(*this, chip, layout::ModuleId{m}, places[m], lines_.size(), *switched);
     else
       attach_strapped(*this, chip, places[m]);
   }
@@ -311,7 +307,7 @@ void Skin::apply(const Fault& f) {
   }
 }
 
-I2cLineModel& Skin::line(int patch, int line) {
+I2cLineModel& Skin::line(layout::PatchIndex patch, int line) {
   return lines_.at(static_cast<std::size_t>(patch)).at(static_cast<std::size_t>(line));
 }
 
@@ -326,7 +322,7 @@ int Skin::press(const Contact& contact) {
   return id;
 }
 
-void Skin::pressurize(int module, double kpa, std::uint64_t now_us) {
+void Skin::pressurize(layout::ModuleId module, double kpa, std::uint64_t now_us) {
   if (module >= 0) return modules_.at(static_cast<std::size_t>(module)).pressurize(kpa, now_us);
   for (ModuleSkin& m : modules_) m.pressurize(kpa, now_us);
 }

@@ -39,7 +39,7 @@ std::optional<SkinPlace> nearest_place(const design::Design& design, const Vec3&
   for (std::size_t m = 0; m < design.layout.modules.size(); ++m) {
     const Vec3 at = nearest_on_triangle(design.layout.modules[m].corner_mm, point_mm);
     const double distance_mm = (at - point_mm).norm();
-    if (!best || distance_mm < best->distance_mm) best = SkinPlace{at, static_cast<int>(m), distance_mm};
+    if (!best || distance_mm < best->distance_mm) best = SkinPlace{at, layout::ModuleId{m}, distance_mm};
   }
   return best;
 }
@@ -63,7 +63,7 @@ std::optional<SkinPlace> place_on_ray(const design::Design& design, const Vec3& 
     const double beside_mm = (at - crossing).norm();
     const double score_mm = way_mm + kPenaltyBeside * beside_mm;
     if (beside_mm > kMaxGap_mm || (best && score_mm >= best_mm)) continue;
-    best = SkinPlace{at, static_cast<int>(m), beside_mm};
+    best = SkinPlace{at, layout::ModuleId{m}, beside_mm};
     best_mm = score_mm;
   }
   return best;

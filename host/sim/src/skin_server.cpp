@@ -10,13 +10,17 @@
 
 namespace triskin::device {
 
+namespace {
+
+std::uint64_t wall_us() {
+  const auto since_start = std::chrono::steady_clock::now().time_since_epoch();
+  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(since_start).count());
+}
+
+}  // namespace
+
 void SkinServer::run(const std::atomic<bool>& stop, double seconds) {
-  using Clock = std::chrono::steady_clock;
   constexpr std::uint64_t kMaxAtOnce_us = 20'000;
-  const auto wall_us = [] {
-    return static_cast<std::uint64_t>(
-        std::chrono::duration_cast<std::chrono::microseconds>(Clock::now().time_since_epoch()).count());
-  };
   const std::uint64_t start_us = wall_us(), end_us = static_cast<std::uint64_t>(seconds * 1e6);
   std::uint64_t last_us = start_us;
   while (!stop) {

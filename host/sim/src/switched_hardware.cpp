@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "triskin/design/joint.hpp"
+#include "triskin/design/module_side.hpp"
 
 namespace triskin::scene {
 namespace {
@@ -11,7 +12,7 @@ namespace {
 using Joints = design::PortEnds;
 
 // Adds a joint that the design does not have, at the first free port of each module.
-void add_joint(Joints& joints, int cable_port, int a, int b) {
+void add_joint(Joints& joints, int cable_port, layout::TableRow a, layout::TableRow b) {
   const auto free_port = [&](int m) {
     for (int p = 0; p < static_cast<int>(layout::kPorts); ++p) {
       if (joints[static_cast<std::size_t>(m)][static_cast<std::size_t>(p)].row < 0 && !(m == 0 && p == cable_port))
@@ -25,14 +26,30 @@ void add_joint(Joints& joints, int cable_port, int a, int b) {
   joints[static_cast<std::size_t>(b)][static_cast<std::size_t>(q)] = {a, p};
 }
 
+// Returns the joints by row, between modules that have one; a module without a row has −1 in `row_of`.
+Joints joints_among(const std::vector<int>& modules,
+                    const std::vector<std::array<design::ModuleEnd, layout::kPorts>>& ends,
+                    const std::vector<layout::TableRow>& row_of) {
+  Joints joints;
+  for (const int m : modules) {
+    auto& row = joints.emplace_back();
+    for (std::size_t p = 0; p < row.size(); ++p) {
+      const design::ModuleEnd& e = ends[static_cast<std::size_t>(m)][p];
+      const auto other = e.module < 0 ? layout::TableRow::none() : row_of[static_cast<std::size_t>(e.module)];
+      if (other >= 0) row[p] = {other, e.port};
+    }
+  }
+  return joints;
+}
+
 }  // namespace
 
 SwitchedHardware::SwitchedHardware(const Scene& scene)
-    : patch_(scene.design.layout.modules.size(), -1), row_(patch_.size(), -1) {
+    : patch_(scene.design.layout.modules.size(), -1), row_(patch_.size(), layout::TableRow::none()) {
   if (!scene.switched) return;
   joined_ = scene.border_joints;
   if (joined_) add_joined_patches(scene);
-  for (std::size_t p = 0; !joined_ && p < scene.design.patches.size(); ++p) add_patch(scene, static_cast<int>(p));
+  for (std::size_t p = 0; !joined_ && p < scene.design.patches.size(); ++p) add_patch(scene, layout::PatchIndex{p});
   for (const Fault& f : scene.faults) {
     events_.push_back({f.from_us, f, true});
     if (f.until_us != kForever) events_.push_back({f.until_us, f, false});
@@ -41,20 +58,20 @@ SwitchedHardware::SwitchedHardware(const Scene& scene)
   for (SwitchedPatch& p : patches_) p.set_bit_error_rate(scene.effects.chain_bit_error_rate);
 }
 
-void SwitchedHardware::add_patch(const Scene& scene, int patch) {
+void SwitchedHardware::add_patch(const Scene& scene, layout::PatchIndex patch) {
   const auto& routed = scene.design.patches[static_cast<std::size_t>(patch)].modules;
   std::vector<int> rotations;
   for (std::size_t k = 0; k < routed.size(); ++k) {
     patch_[static_cast<std::size_t>(routed[k].node)] = patch;
-    row_[static_cast<std::size_t>(routed[k].node)] = static_cast<int>(k);
-    rotations.push_back(real_rotation(scene, routed[k].node));
+    row_[static_cast<std::size_t>(routed[k].node)] = layout::TableRow{k};
+    rotations.push_back(real_rotation(scene, layout::ModuleId{routed[k].node}));
   }
   Joints joints;
   for (const auto& ends : design::joints_of(scene.design, patch, rotations)) {
     auto& row = joints.emplace_back();
     for (std::size_t p = 0; p < static_cast<int>(layout::kPorts); ++p) row[p] = {ends[p].row, ends[p].port};
   }
-  const int cable_port = (routed[0].rotation + 3 - rotations[0]) % 3;
+  const int cable_port = design::port_at_side(routed[0].rotation, rotations[0]);
   for (const Fault& f : scene.faults) {
     if (f.kind != FaultKind::kExtraJoint || patch_[static_cast<std::size_t>(f.module)] != patch) continue;
     if (patch_[static_cast<std::size_t>(f.other)] == patch)
@@ -71,44 +88,36 @@ void SwitchedHardware::add_joined_patches(const Scene& scene) {
     for (const design::RoutedModule& m : p.modules) {
       const auto id = static_cast<std::size_t>(m.node);
       patch_[id] = 0;
-      row_[id] = static_cast<int>(modules.size());
-      rotations[id] = real_rotation(scene, m.node);
+      row_[id] = layout::TableRow{modules.size()};
+      rotations[id] = real_rotation(scene, layout::ModuleId{m.node});
       modules.push_back(m.node);
     }
   }
   if (modules.empty()) return;
-  const auto ends = design::module_ends(scene.design, rotations);
-  Joints joints;
-  for (const int m : modules) {
-    auto& row = joints.emplace_back();
-    for (std::size_t p = 0; p < row.size(); ++p) {
-      const design::ModuleEnd& e = ends[static_cast<std::size_t>(m)][p];
-      if (e.module >= 0 && patch_[static_cast<std::size_t>(e.module)] == 0) row[p] = {row_of(e.module), e.port};
-    }
-  }
+  Joints joints = joints_among(modules, design::module_ends(scene.design, rotations), row_);
   joints_.push_back(joints);
-  const auto cable_at = [&](int module, int side) -> SwitchedPatch::End {
-    return {row_of(module), (side + 3 - rotations[static_cast<std::size_t>(module)]) % 3};
+  const auto cable_at = [&](layout::ModuleId module, int side) -> SwitchedPatch::End {
+    return {row_of(module), design::port_at_side(side, rotations[static_cast<std::size_t>(module)])};
   };
   for (const design::Patch& p : scene.design.patches) {
-    const SwitchedPatch::End cable = cable_at(p.entry, p.modules[0].rotation);
+    const SwitchedPatch::End cable = cable_at(layout::ModuleId{p.entry}, p.modules[0].rotation);
     int controller = 0;
     if (patches_.empty())
       patches_.emplace_back(std::move(joints), cable.port, scene.seed);  // The cable leads to module 0.
     else
       controller = patches_.back().add_controller(cable);
     if (p.second_entry >= 0)
-      patches_.back().set_second_cable(cable_at(p.second_entry, p.second_entry_side), controller);
+      patches_.back().set_second_cable(cable_at(layout::ModuleId{p.second_entry}, p.second_entry_side), controller);
   }
 }
 
 // Plugs the cable where the design has it, unless a wrong joint uses its port.
 void SwitchedHardware::plug_second_cable(const design::Patch& designed, const std::vector<int>& rotations) {
   if (designed.second_entry < 0) return;
-  const auto row = static_cast<std::size_t>(row_of(designed.second_entry));
-  const int port = (designed.second_entry_side + 3 - rotations[row]) % 3;
+  const auto row = static_cast<std::size_t>(row_of(layout::ModuleId{designed.second_entry}));
+  const int port = design::port_at_side(designed.second_entry_side, rotations[row]);
   if (joints_.back()[row][static_cast<std::size_t>(port)].row < 0)
-    patches_.back().set_second_cable({static_cast<int>(row), port});
+    patches_.back().set_second_cable({layout::TableRow{row}, port});
 }
 
 void SwitchedHardware::advance(std::uint64_t now_us) {
@@ -118,7 +127,8 @@ void SwitchedHardware::advance(std::uint64_t now_us) {
 
 void SwitchedHardware::apply(const Fault& f, bool begins) {
   if (f.module < 0 || patch_[static_cast<std::size_t>(f.module)] < 0) return;
-  const int patch = patch_[static_cast<std::size_t>(f.module)], row = row_of(f.module);
+  const int patch = patch_[static_cast<std::size_t>(f.module)];
+  const layout::TableRow row = row_of(f.module);
   SwitchedPatch& p = patches_[static_cast<std::size_t>(patch)];
   const auto joint = [&](SwitchedPatch::JointFault kind) {
     const auto& ends = joints_[static_cast<std::size_t>(patch)][static_cast<std::size_t>(row)];

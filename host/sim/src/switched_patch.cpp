@@ -22,7 +22,7 @@ SwitchedPatch::SwitchedPatch(std::vector<std::array<End, layout::kPorts>> joints
     : joints_(std::move(joints)),
       faults_(joints_.size()),
       modules_(joints_.size()),
-      controllers_{{{{End{0, cable_port}, End{}}}, 0}},
+      controllers_{{{{End{layout::TableRow{}, cable_port}, End{}}}, 0}},
       random_(seed),
       flips_(~seed) {}
 
@@ -79,7 +79,7 @@ bool SwitchedPatch::attached_child(int m, int p) const {
 
 bool SwitchedPatch::shorted(int controller) const {
   for (int m = 0; m < static_cast<int>(modules_.size()); ++m) {
-    if (controller_of(m) != controller) continue;
+    if (controller_of(layout::TableRow{m}) != controller) continue;
     for (int p = 0; p < static_cast<int>(layout::kPorts); ++p) {
       if (bit(opened(m), p) && fault(m, p) == JointFault::kShort) return true;
     }
@@ -214,13 +214,13 @@ void SwitchedPatch::settle() {
 std::uint8_t SwitchedPatch::stuck_lines(int controller) const {
   std::uint8_t stuck = 0;
   for (int m = 0; m < static_cast<int>(modules_.size()); ++m) {
-    if (at(m).stuck_line >= 0 && controller_of(m) == controller)
+    if (at(m).stuck_line >= 0 && controller_of(layout::TableRow{m}) == controller)
       stuck = static_cast<std::uint8_t>(stuck | 1U << at(m).stuck_line);
   }
   return stuck;
 }
 
-void SwitchedPatch::set_dead(int module, bool dead) {
+void SwitchedPatch::set_dead(layout::TableRow module, bool dead) {
   at(module).dead = dead;
   settle();
 }
@@ -232,17 +232,17 @@ void SwitchedPatch::set_joint(End e, JointFault f) {
   settle();
 }
 
-void SwitchedPatch::set_stuck_line(int module, int line) {
+void SwitchedPatch::set_stuck_line(layout::TableRow module, int line) {
   at(module).stuck_line = line;
 }
 
-void SwitchedPatch::set_stuck_bit(int module, int which, int value) {
+void SwitchedPatch::set_stuck_bit(layout::TableRow module, int which, int value) {
   at(module).stuck_bit = value < 0 ? -1 : which;
   at(module).stuck_value = value;
   settle();
 }
 
-void SwitchedPatch::reset_alone(int module) {
+void SwitchedPatch::reset_alone(layout::TableRow module) {
   at(module).shift = at(module).latched = 0;
   settle();
 }

@@ -16,6 +16,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "resolved_host.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/core/bytes.hpp"
@@ -135,21 +136,15 @@ TcpLink::TcpLink(const HostPort& to) : name_("sim:" + host_port_text(to)) {
   if (to.port == 0)
     throw InputError(name_ +
                      ": port 0 stands for a free port in --listen alone; give the one that simulate has printed");
-  addrinfo hints{};
-  hints.ai_socktype = SOCK_STREAM;
-  addrinfo* found = nullptr;
-  if (const int error = ::getaddrinfo(to.host.c_str(), std::to_string(to.port).c_str(), &hints, &found); error != 0) {
-    fail(fmt::format("cannot find the host: {}", ::gai_strerror(error)));
-  }
+  const ResolvedHost found = resolve(to, 0, name_);
   int error = 0;
-  for (const addrinfo* a = found; a != nullptr && socket_ < 0; a = a->ai_next) {
+  for (const addrinfo* a = found.get(); a != nullptr && socket_ < 0; a = a->ai_next) {
     socket_ = ::socket(a->ai_family, a->ai_socktype | SOCK_CLOEXEC | SOCK_NONBLOCK, a->ai_protocol);
     error = socket_ < 0 ? errno : connect_in_time(socket_, *a);
     if (error == 0) break;
     if (socket_ >= 0) ::close(socket_);
     socket_ = -1;
   }
-  ::freeaddrinfo(found);
   if (socket_ < 0)
     fail(fmt::format("cannot connect: {}; start triskin simulate SCENE --listen {}", std::strerror(error),
                      host_port_text(to)));
@@ -193,7 +188,7 @@ void TcpLink::send(const wire::CanFrame& frame) {
   write_all(bytes);
 }
 
-void TcpLink::press(int module) {
+void TcpLink::press(layout::ModuleId module) {
   send_press(module, record::kWholeModule);
 }
 
@@ -201,7 +196,7 @@ void TcpLink::press(layout::TaxelId taxel) {
   send_press(taxel.module, static_cast<std::uint8_t>(taxel.taxel));
 }
 
-void TcpLink::send_press(int module, std::uint8_t pad) {
+void TcpLink::send_press(layout::ModuleId module, std::uint8_t pad) {
   std::array<std::uint8_t, 5> contents{};
   ByteWriter w(contents);
   w.le32(static_cast<std::uint32_t>(module));
@@ -217,7 +212,7 @@ void TcpLink::lift() {
   write_all(bytes);
 }
 
-void TcpLink::pressurize(int module, double kpa) {
+void TcpLink::pressurize(layout::ModuleId module, double kpa) {
   constexpr double kPaPerKpa = 1000.0;
   std::array<std::uint8_t, 8> contents{};
   ByteWriter w(contents);

@@ -22,6 +22,20 @@ constexpr std::uint32_t kSubmit = 1, kUnlink = 2, kSubmitReply = 3, kUnlinkReply
 constexpr std::size_t kMaxBytes = 1 << 20;  // A single transfer may not be larger.
 constexpr int kFullSpeed = 2, kBus = 1, kFreePort = 4;
 
+constexpr std::size_t kPacket = 64;  // Longer transfers consist of several packets.
+
+// Returns what the device has for a transfer of up to `length` bytes; a short packet ends the data.
+std::vector<std::uint8_t> packets_of(wire::UsbFunction& function, std::uint8_t endpoint, std::size_t length) {
+  std::vector<std::uint8_t> data;
+  std::size_t packet_bytes = kPacket;
+  while (packet_bytes == kPacket && (data.empty() || data.size() + kPacket <= length)) {
+    const Bytes packet = function.in(endpoint);
+    data.insert(data.end(), packet.begin(), packet.end());
+    packet_bytes = packet.size();
+  }
+  return data;
+}
+
 // Finds a free port for devices up to high speed; returns the controller's folder and the port number.
 std::pair<std::filesystem::path, int> free_port() {
   const std::filesystem::path base = "/sys/devices/platform";
@@ -130,7 +144,6 @@ void VhciDevice::submit(Bytes head, Bytes data) {
     waiting_.push_back({number, static_cast<std::uint8_t>(0x80 | endpoint), length});
     return;
   }
-  constexpr std::size_t kPacket = 64;  // Longer transfers consist of several packets.
   for (std::size_t at = 0; at < data.size(); at += kPacket) {
     function_.out(static_cast<std::uint8_t>(endpoint), data.subspan(at, std::min(kPacket, data.size() - at)));
   }
@@ -168,17 +181,9 @@ void VhciDevice::put(Bytes bytes) {
 }
 
 void VhciDevice::write() {
-  constexpr std::size_t kPacket = 64;
   for (auto t = waiting_.begin(); t != waiting_.end();) {
-    std::vector<std::uint8_t> data;
-    Bytes packet = function_.in(t->endpoint);
-    const bool came = !packet.empty();
-    data.insert(data.end(), packet.begin(), packet.end());
-    while (came && packet.size() == kPacket && data.size() + kPacket <= t->length) {  // A short packet ends the data.
-      packet = function_.in(t->endpoint);
-      data.insert(data.end(), packet.begin(), packet.end());
-    }
-    if (!came) {
+    const std::vector<std::uint8_t> data = packets_of(function_, t->endpoint, t->length);
+    if (data.empty()) {
       ++t;
       continue;
     }

@@ -7,9 +7,10 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
-#include <functional>
+#include <set>
 #include <string>
 
+#include "change_times.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/layout/flash_pages.hpp"
@@ -30,11 +31,11 @@ std::string board_name(const Scene& scene, std::size_t patch) {
 }
 
 // Returns the patch that a controller's cable really leads to.
-int plugged_patch(const Scene& scene, int patch, std::uint64_t at_us) {
+layout::PatchIndex plugged_patch(const Scene& scene, layout::PatchIndex patch, std::uint64_t at_us) {
   for (const Fault& f : scene.faults) {
     if (f.kind != FaultKind::kSwappedPatches || !is_present(f, at_us)) continue;
-    if (f.patch == patch) return f.other;
-    if (f.other == patch) return f.patch;
+    if (f.patch == patch) return f.other_patch;
+    if (f.other_patch == patch) return f.patch;
   }
   return patch;
 }
@@ -57,6 +58,22 @@ void forget_faults(FlashMemory& flash) {
     (void)flash.erase_page((layout::kFirstFaultPage + k) * flash.page_bytes());
 }
 
+void make_folder(const std::filesystem::path& state_folder) {
+  std::error_code error;
+  std::filesystem::create_directories(state_folder, error);
+  if (error) {
+    throw InputError(fmt::format("{}: cannot make the folder of the simulated flash: {}; set XDG_STATE_HOME",
+                                 state_folder.string(), error.message()));
+  }
+}
+
+// Without a state folder the contents are lost at the end of the simulation.
+std::unique_ptr<FlashMemory> make_flash(std::size_t bytes, const std::filesystem::path& state_folder,
+                                        const std::string& file) {
+  return state_folder.empty() ? std::make_unique<FlashMemory>(bytes)
+                              : std::make_unique<FlashMemory>(bytes, state_folder / file);
+}
+
 }  // namespace
 
 std::filesystem::path state_folder() {
@@ -69,39 +86,27 @@ std::filesystem::path state_folder_of(const design::Design& design) {
 
 VirtualSkin::VirtualSkin(Scene scene, const std::filesystem::path& state_folder)
     : scene_(std::move(scene)), switched_(scene_), skin_(scene_, &switched_), nodes_(scene_.design.patches.size()) {
-  if (!state_folder.empty()) {
-    std::error_code error;
-    std::filesystem::create_directories(state_folder, error);
-    if (error) {
-      throw InputError(fmt::format("{}: cannot make the folder of the simulated flash: {}; set XDG_STATE_HOME",
-                                   state_folder.string(), error.message()));
-    }
-  }
+  if (!state_folder.empty()) make_folder(state_folder);
   const bool other_hardware = !state_folder.empty() && !is_noted(state_folder, scene_);
   for (std::size_t p = 0; p < nodes_.size(); ++p) build(p, state_folder, other_hardware);
   if (other_hardware) note(state_folder, scene_);
-  for (const Fault& f : scene_.faults) {
-    if (f.kind != FaultKind::kSwappedPatches) continue;
-    if (f.from_us > 0) cable_changes_us_.push_back(f.from_us);
-    if (f.until_us != kForever) cable_changes_us_.push_back(f.until_us);
-  }
-  std::ranges::sort(cable_changes_us_, std::greater());
+  std::set<std::uint64_t> changes_us =
+      change_times_us(scene_, [](const Fault& f) { return f.kind == FaultKind::kSwappedPatches; });
+  changes_us.erase(0);
+  cable_changes_us_.assign(changes_us.rbegin(), changes_us.rend());
 }
 
 void VirtualSkin::build(std::size_t patch, const std::filesystem::path& state_folder, bool other_hardware) {
   Node& node = nodes_[patch];
   const std::string name = board_name(scene_, patch);
-  node.flash = state_folder.empty() ? std::make_unique<FlashMemory>(kFlashBytes)
-                                    : std::make_unique<FlashMemory>(kFlashBytes, state_folder / (name + ".flash"));
+  node.flash = make_flash(kFlashBytes, state_folder, name + ".flash");
   if (other_hardware) forget_faults(*node.flash);
   if (patch < scene_.effects.clock_ppm.size()) node.clock = BoardClock(scene_.effects.clock_ppm[patch]);
-  plug_in(node, plugged_patch(scene_, static_cast<int>(patch), 0));
-  node.slots = state_folder.empty()
-                   ? std::make_unique<FlashMemory>(sim::kSlotsBytes)
-                   : std::make_unique<FlashMemory>(sim::kSlotsBytes, state_folder / (name + ".firmware"));
+  plug_in(node, plugged_patch(scene_, layout::PatchIndex{patch}, 0));
+  node.slots = make_flash(sim::kSlotsBytes, state_folder, name + ".firmware");
   node.board.flash = node.flash.get();
   node.board.slots = node.slots.get();
-  node.board.unique_id = unique_id_of(scene_, patch);
+  node.board.unique_id = unique_id_of(scene_, layout::PatchIndex{patch});
   node.board.send = [this, patch](const wire::CanFrame& frame) {
     pending_.push_back({frame, patch});
     ++nodes_[patch].in_buffers;
@@ -112,7 +117,7 @@ void VirtualSkin::build(std::size_t patch, const std::filesystem::path& state_fo
 }
 
 // Connects the lines of a controller without power to a patch.
-void VirtualSkin::plug_in(Node& node, int patch) {
+void VirtualSkin::plug_in(Node& node, layout::PatchIndex patch) {
   node.plugged = patch;
   node.lines.clear();
   for (int l = 0; l < layout::kLines; ++l)
@@ -125,7 +130,7 @@ void VirtualSkin::exchange_cables() {
   if (cable_changes_us_.empty() || now_us_ < cable_changes_us_.back()) return;
   while (!cable_changes_us_.empty() && now_us_ >= cable_changes_us_.back()) cable_changes_us_.pop_back();
   for (std::size_t p = 0; p < nodes_.size(); ++p) {
-    const int plugged = plugged_patch(scene_, static_cast<int>(p), now_us_);
+    const layout::PatchIndex plugged = plugged_patch(scene_, layout::PatchIndex{p}, now_us_);
     if (plugged == nodes_[p].plugged) continue;
     nodes_[p].controller.reset();
     plug_in(nodes_[p], plugged);
@@ -305,8 +310,8 @@ bool VirtualSkin::run(std::uint64_t until_us, bool stop_at_frame) {
   return frame_came_;
 }
 
-int VirtualSkin::touched_instead_of(int module) const {
-  int touched = module;
+layout::ModuleId VirtualSkin::touched_instead_of(layout::ModuleId module) const {
+  layout::ModuleId touched = module;
   for (const Fault& f : scene_.faults) {
     if (f.kind == FaultKind::kFingerElsewhere && f.module == module && is_present(f, now_us_)) touched = f.other;
   }
@@ -328,7 +333,7 @@ int VirtualSkin::press_taxel(layout::TaxelId taxel) {
   return skin_.press(tip);
 }
 
-int VirtualSkin::press_module(int module) {
+int VirtualSkin::press_module(layout::ModuleId module) {
   // The finger reaches all pads of a module (the farthest is 11.4 mm from the centre) and little beyond.
   constexpr double kRadius_mm = 12.0;
   constexpr double kForce_n = 20.0;

@@ -45,7 +45,7 @@ class TaxelMeans {
       sum.value_counts += value + warming_counts;
     }
   }
-  [[nodiscard]] std::vector<CalibrationPoint> points(int module, std::size_t taxel) const {
+  [[nodiscard]] std::vector<CalibrationPoint> points(layout::ModuleId module, std::size_t taxel) const {
     std::vector<CalibrationPoint> points;
     for (const Sum& sum : modules_.at(static_cast<std::size_t>(module)).at(taxel)) {
       if (sum.samples > 0.0)
@@ -84,12 +84,12 @@ class Fit {
   [[nodiscard]] TaxelMeans& means() { return means_; }
 
   // `measured` is in ascending order.
-  CalibrationOutcome finish(double max_kpa, std::vector<int> measured) {
+  CalibrationOutcome finish(double max_kpa, std::vector<layout::ModuleId> measured) {
     outcome_.measured = std::move(measured);
     outcome_.rest.resize(design_.layout.modules.size());
     for (auto& module : outcome_.rest) module.fill(layout::kRestCounts);
     const auto claims = bus_.discover();
-    for (const int patch : design::patches_here(design_)) {
+    for (const layout::PatchIndex patch : design::patches_here(design_)) {
       design::BoardCalibration board;
       board.serial = serial_at(claims, design::node_address_of(design_, patch));
       if (board.serial.empty())
@@ -102,7 +102,7 @@ class Fit {
       board.taxel_area_mm2 = design::module_area_mm2(design_.layout.corner_cut_mm) / layout::kPressureTaxelsPerModule;
       for (const design::RoutedModule& routed : design_.patches[static_cast<std::size_t>(patch)].modules) {
         design::PlaceCalibration place = fit(routed);
-        if (is_measured(routed.node)) board.places.push_back(place);
+        if (is_measured(layout::ModuleId{routed.node})) board.places.push_back(place);
       }
       if (!board.places.empty()) outcome_.boards.push_back(std::move(board));
     }
@@ -111,19 +111,22 @@ class Fit {
   }
 
  private:
-  [[nodiscard]] bool is_measured(int module) const { return std::ranges::binary_search(outcome_.measured, module); }
+  [[nodiscard]] bool is_measured(layout::ModuleId module) const {
+    return std::ranges::binary_search(outcome_.measured, module);
+  }
   // Modules that were not measured give their rest values alone.
   design::PlaceCalibration fit(const design::RoutedModule& routed) {
+    const layout::ModuleId module{routed.node};
     design::PlaceCalibration place{routed.line, routed.address, {}};
     for (std::size_t t = 0; t < place.taxels.size(); ++t) {
-      const auto points = means_.points(routed.node, t);
+      const auto points = means_.points(module, t);
       double& rest = outcome_.rest[static_cast<std::size_t>(routed.node)][t];
       if (!points.empty()) rest = points.front().value_counts;
-      if (!layout::measures_pressure(t) || !is_measured(routed.node)) continue;
+      if (!layout::measures_pressure(t) || !is_measured(module)) continue;
       auto line = fit_sensitivity(points);
       if (line) line->sensitivity.error_percent += options_.gauge_percent;
       if (!line || line->sensitivity.error_percent > options_.max_error_percent) {
-        outcome_.without.emplace_back(routed.node, static_cast<int>(t));
+        outcome_.without.push_back({module, layout::TaxelIndex{t}});
         continue;
       }
       rest = line->rest_counts;
@@ -140,9 +143,10 @@ class Fit {
 };
 
 // Returns the modules of which all steps are among the first `held`. A step of the whole skin belongs to all modules.
-std::vector<int> measured_modules(std::vector<int> wanted, std::span<const PressureStep> steps, std::size_t held) {
+std::vector<layout::ModuleId> measured_modules(std::vector<layout::ModuleId> wanted,
+                                               std::span<const PressureStep> steps, std::size_t held) {
   const auto left = steps.subspan(held);
-  std::erase_if(wanted, [&](int module) {
+  std::erase_if(wanted, [&](layout::ModuleId module) {
     return std::ranges::any_of(left, [&](const PressureStep& s) { return s.module < 0 || s.module == module; });
   });
   return wanted;
@@ -165,11 +169,12 @@ void hold(Bus& bus, const design::Design& design, const PressureStep& step, std:
 
 }  // namespace
 
-std::vector<int> wanted_modules(const design::Design& design, const CalibrateOptions& options) {
+std::vector<layout::ModuleId> wanted_modules(const design::Design& design, const CalibrateOptions& options) {
   if (!options.modules.empty()) return options.modules;
-  std::vector<int> all;
-  for (const int patch : design::patches_here(design)) {
-    for (const design::RoutedModule& m : design.patches[static_cast<std::size_t>(patch)].modules) all.push_back(m.node);
+  std::vector<layout::ModuleId> all;
+  for (const layout::PatchIndex patch : design::patches_here(design)) {
+    for (const design::RoutedModule& m : design.patches[static_cast<std::size_t>(patch)].modules)
+      all.emplace_back(m.node);
   }
   std::ranges::sort(all);
   return all;
@@ -283,8 +288,10 @@ FoundCalibration calibration_of(const design::Design& design, std::span<const wi
                                 std::span<const design::BoardCalibration> kept, const CalibrationStore& store) {
   FoundCalibration found;
   std::vector<design::BoardCalibration> known;
-  const auto serial_of = [&](int patch) { return serial_at(claims, design::node_address_of(design, patch)); };
-  for (const int patch : design::patches_here(design)) {
+  const auto serial_of = [&](layout::PatchIndex patch) {
+    return serial_at(claims, design::node_address_of(design, patch));
+  };
+  for (const layout::PatchIndex patch : design::patches_here(design)) {
     const std::string serial = serial_of(patch);
     if (serial.empty()) continue;
     const auto given = std::ranges::find(boards, serial, &design::BoardCalibration::serial);

@@ -54,7 +54,7 @@ std::vector<KeptCalibration> keep_calibration_file(LiveBus& bus, const LiveCover
   std::vector<KeptCalibration> all;
   for (const design::BoardCalibration& board : design::read_calibration(file)) {
     const wire::NodeClaim* claim = claim_of(bus.claims(), board.serial);
-    if (claim == nullptr || design::patch_at(cover.design(), claim->node_address) < 0) continue;
+    if (claim == nullptr || design::patch_at(cover.design(), layout::NodeAddress{claim->node_address}) < 0) continue;
     store.write(board);
     all.push_back({board, keep_in_controller(bus.bus(), *claim, board)});
   }
@@ -66,7 +66,7 @@ std::vector<std::string> forget_calibration(LiveBus& bus, const LiveCover& cover
   bus.find_controllers(RestSource::kPresent);
   std::vector<std::string> forgotten;
   for (const wire::NodeClaim& claim : bus.claims()) {
-    if (design::patch_at(cover.design(), claim.node_address) < 0) continue;
+    if (design::patch_at(cover.design(), layout::NodeAddress{claim.node_address}) < 0) continue;
     std::string serial = to_text(claim.unique_id);
     const bool here = store.forget(serial), there = forget_in_controller(bus.bus(), claim);
     if (here || there) forgotten.push_back(std::move(serial));

@@ -111,7 +111,7 @@ void LiveBus::forget_stream() {
   before_ = totals();
   last_report_ = stream_->report();
   last_reports_.clear();
-  for (std::size_t c = 0; c < covers_.size(); ++c) last_reports_.push_back(stream_->report(static_cast<int>(c)));
+  for (std::size_t c = 0; c < covers_.size(); ++c) last_reports_.push_back(stream_->report(layout::CoverIndex{c}));
   stream_.reset();
 }
 
@@ -138,7 +138,7 @@ StreamReport LiveBus::report() const {
 }
 
 StreamReport LiveBus::report(std::size_t cover) const {
-  return stream_ ? stream_->report(static_cast<int>(cover)) : last_reports_.at(cover);
+  return stream_ ? stream_->report(layout::CoverIndex{cover}) : last_reports_.at(cover);
 }
 
 LiveTotals LiveBus::totals() const {

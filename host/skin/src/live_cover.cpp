@@ -37,7 +37,7 @@ void LiveCover::set_calibration(design::SkinCalibration calibration) {
   if (calibration.complete()) monitor_->set_calibration(std::move(calibration));
 }
 
-LiveSample LiveCover::take(const ModuleSample& sample, int cover, std::uint64_t unix_ns) {
+LiveSample LiveCover::take(const ModuleSample& sample, layout::CoverIndex cover, std::uint64_t unix_ns) {
   monitor_->add(sample);
   tare_->add(sample);
   LiveSample live{
@@ -46,7 +46,7 @@ LiveSample LiveCover::take(const ModuleSample& sample, int cover, std::uint64_t 
   if (!calibration().complete()) return live;
   auto& pressure_kpa = live.pressure_kpa.emplace();
   for (std::size_t t = 0; t < pressure_kpa.size(); ++t)
-    pressure_kpa[t] = calibration().pressure_kpa({sample.module, static_cast<int>(t)}, live.change_counts[t]);
+    pressure_kpa[t] = calibration().pressure_kpa({sample.module, layout::TaxelIndex{t}}, live.change_counts[t]);
   return live;
 }
 

@@ -79,13 +79,18 @@ void append_right_of(std::vector<std::string>& lines, const std::vector<std::str
   }
 }
 
+std::size_t columns_of(const std::vector<std::string>& lines) {
+  std::size_t wide = 0;
+  for (const std::string& line : lines) wide = std::max(wide, shown_columns(line));
+  return wide;
+}
+
 // Arranges blocks in rows, as many side by side as fit into `columns` (0: no limit).
 std::vector<std::string> side_by_side(const std::vector<std::vector<std::string>>& blocks, std::size_t columns) {
   std::vector<std::string> all, row;
   std::size_t used = 0;
   for (const auto& block : blocks) {
-    std::size_t wide = 0;
-    for (const std::string& line : block) wide = std::max(wide, shown_columns(line));
+    const std::size_t wide = columns_of(block);
     if (!row.empty() && columns > 0 && used + kGapColumns + wide > columns) {
       std::ranges::move(row, std::back_inserter(all));
       row.clear();
@@ -141,16 +146,16 @@ design::OffRest LiveMonitor::off_rest() const {
   design::OffRest off;
   for (std::size_t k = 0; k < modules_.size(); ++k) {
     if (!modules_[k].heard || !trouble_of(modules_[k].state).empty()) continue;
-    const auto change = touches_.change(static_cast<int>(k));
+    const auto change = touches_.change(layout::ModuleId{k});
     if (*std::ranges::min_element(change) > -TouchMap::kPressed_counts) continue;
-    off.modules.push_back(static_cast<int>(k));
+    off.modules.emplace_back(k);
     off.taxels += static_cast<int>(
         std::ranges::count_if(change, [](double c) { return std::abs(c) >= TouchMap::kPressed_counts; }));
   }
   return off;
 }
 
-const std::vector<design::RoutedModule>& LiveMonitor::modules_of(int patch) const {
+const std::vector<design::RoutedModule>& LiveMonitor::modules_of(layout::PatchIndex patch) const {
   return design_.patches.at(static_cast<std::size_t>(patch)).modules;
 }
 
@@ -169,31 +174,31 @@ void LiveMonitor::close_period(double seconds) {
   }
 }
 
-double LiveMonitor::rate_hz(int patch) const {
+double LiveMonitor::rate_hz(layout::PatchIndex patch) const {
   double sum = 0.0;
   for (const auto& routed : modules_of(patch)) sum += modules_[static_cast<std::size_t>(routed.node)].rate_hz;
   return modules_of(patch).empty() ? 0.0 : sum / static_cast<double>(modules_of(patch).size());
 }
 
-int LiveMonitor::faults(int patch) const {
+int LiveMonitor::faults(layout::PatchIndex patch) const {
   return static_cast<int>(std::ranges::count_if(modules_of(patch), [&](const auto& routed) {
     const Module& m = modules_[static_cast<std::size_t>(routed.node)];
     return m.heard && !trouble_of(m.state).empty();
   }));
 }
 
-int LiveMonitor::unheard(int patch) const {
+int LiveMonitor::unheard(layout::PatchIndex patch) const {
   return static_cast<int>(std::ranges::count_if(
       modules_of(patch), [&](const auto& routed) { return !modules_[static_cast<std::size_t>(routed.node)].heard; }));
 }
 
-std::string LiveMonitor::cell(int module, PressureUnit unit, bool colour, CellForm form) const {
+std::string LiveMonitor::cell(layout::ModuleId module, PressureUnit unit, bool colour, CellForm form) const {
   const Module& m = modules_[static_cast<std::size_t>(module)];
   const auto change = touches_.change(module);
   const double counts = std::max(0.0, *std::ranges::max_element(change));
   double kpa = 0.0;
   for (std::size_t t = 0; t < change.size() && calibration_.complete(); ++t)
-    kpa = std::max(kpa, calibration_.pressure_kpa({module, static_cast<int>(t)}, change[t]));
+    kpa = std::max(kpa, calibration_.pressure_kpa({module, layout::TaxelIndex{t}}, change[t]));
   const std::string_view trouble = m.heard ? trouble_of(m.state) : "  --";
   std::string text = design_.layout.modules[static_cast<std::size_t>(module)].tile.up ? "▲" : "▼";
   if (unit == PressureUnit::kModule && form != CellForm::kDigit)
@@ -238,13 +243,15 @@ std::vector<std::string> LiveMonitor::island_picture(const Rows& rows, PressureU
   return lines;
 }
 
-std::vector<std::string> LiveMonitor::picture(int patch, PressureUnit unit, bool colour, int columns) const {
+std::vector<std::string> LiveMonitor::picture(layout::PatchIndex patch, PressureUnit unit, bool colour,
+                                              int columns) const {
   // A column is half a side of a module: the up triangle of lattice cell (i, j) has its centre at 2i + j + 1, the down
   // one at 2i + j + 2.
   std::map<int, Rows> islands;
   for (const auto& routed : modules_of(patch)) {
     const auto& placed = design_.layout.modules[static_cast<std::size_t>(routed.node)];
-    islands[placed.island][placed.tile.j][2 * placed.tile.i + placed.tile.j + (placed.tile.up ? 1 : 2)] = routed.node;
+    islands[placed.island][placed.tile.j][2 * placed.tile.i + placed.tile.j + (placed.tile.up ? 1 : 2)] =
+        layout::ModuleId{routed.node};
   }
   const auto width = static_cast<std::size_t>(std::max(0, columns));
   std::vector<std::vector<std::string>> blocks;

@@ -22,7 +22,7 @@ RestStore::RestStore(const design::Design& design, std::span<const wire::NodeCla
     : modules_(design.layout.modules.size()) {
   std::vector<std::uint8_t> ids;
   for (const wire::NodeClaim& board : claims) {
-    if (design::patch_at(design, board.node_address) < 0) continue;
+    if (design::patch_at(design, layout::NodeAddress{board.node_address}) < 0) continue;
     ids.insert(ids.end(), board.unique_id.begin(), board.unique_id.end());
   }
   file_ = state_home() / "rest" / fmt::format("{:016x}_{:08x}.json", design.design_id, crc32(ids));

@@ -19,8 +19,8 @@ bool any_cover(const LiveBus& bus, Tare::State state) {
 
 }  // namespace
 
-SampleQueue::SampleQueue(LiveSkin& skin, std::vector<int> first_modules, std::size_t modules, double keep_s,
-                         bool virtual_time)
+SampleQueue::SampleQueue(LiveSkin& skin, std::vector<layout::SkinModule> first_modules, std::size_t modules,
+                         double keep_s, bool virtual_time)
     : skin_(skin),
       first_modules_(std::move(first_modules)),
       keep_ns_(static_cast<std::uint64_t>(keep_s * 1e9)),
@@ -40,7 +40,7 @@ bool SampleQueue::runs() const {
 
 void SampleQueue::take(std::size_t bus, const LiveSample& s) {
   const LiveCover& cover = skin_.buses()[bus]->covers()[static_cast<std::size_t>(s.cover)];
-  const int module = first_modules_[static_cast<std::size_t>(cover.config().cover)] + s.module;
+  const layout::SkinModule module{first_modules_[static_cast<std::size_t>(cover.config().cover)] + s.module};
   fresh_[bus].push_back({module, s.unix_ns, s.error_us, s.raw.sample});
   const std::lock_guard lock(mutex_);
   change_counts_[static_cast<std::size_t>(module)] = s.change_counts;
@@ -202,7 +202,7 @@ void SampleQueue::tare() {
     throw DeviceError(skin_.buses().front()->bus().name() + ": no sample came, so there is nothing to tare");
 }
 
-std::array<double, layout::kTaxelsPerModule> SampleQueue::change_counts(int module) {
+std::array<double, layout::kTaxelsPerModule> SampleQueue::change_counts(layout::SkinModule module) {
   const std::lock_guard lock(mutex_);
   return change_counts_.at(static_cast<std::size_t>(module));
 }

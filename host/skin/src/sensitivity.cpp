@@ -73,10 +73,11 @@ std::optional<SensitivityLine> fit_sensitivity(std::span<const CalibrationPoint>
   return line;
 }
 
-std::vector<PressureStep> pressure_steps(std::span<const double> pressures_kpa, std::span<const int> modules) {
-  constexpr std::array kWhole{-1};
+std::vector<PressureStep> pressure_steps(std::span<const double> pressures_kpa,
+                                         std::span<const layout::ModuleId> modules) {
+  constexpr std::array kWhole{layout::ModuleId::none()};
   std::vector<PressureStep> steps{{}};
-  for (const int module : modules.empty() ? std::span<const int>(kWhole) : modules) {
+  for (const layout::ModuleId module : modules.empty() ? std::span<const layout::ModuleId>(kWhole) : modules) {
     for (const double kpa : pressures_kpa) steps.push_back({kpa, module});
   }
   return steps;

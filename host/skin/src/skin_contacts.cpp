@@ -110,8 +110,8 @@ class FrameFit {
       const std::size_t n = taxels.taxel[k];
       has_force = has_force && frame_.counts_per_kpa[n] > 0.0;
       out.change_counts += frame_.change_counts[n];
-      out.taxels.push_back({static_cast<int>(n / layout::kTaxelsPerModule),
-                            static_cast<int>(n % layout::kTaxelsPerModule), frame_.change_counts[n],
+      out.taxels.push_back({layout::ModuleId{n / layout::kTaxelsPerModule},
+                            layout::TaxelIndex{n % layout::kTaxelsPerModule}, frame_.change_counts[n],
                             frame_.position_mm[n], frame_.normal[n]});
     }
     std::ranges::stable_sort(out.taxels, std::ranges::greater{}, &PressedTaxel::change_counts);
@@ -150,15 +150,15 @@ std::vector<SkinContact> contacts_of(const TouchMap& touches, const design::Desi
   ContactFrame frame;
   for (std::size_t m = 0; m < design.layout.modules.size(); ++m) {
     const auto poses = design::taxels_of(design.layout.modules[m], wiring[m].routed.rotation);
-    const auto change = touches.change(static_cast<int>(m));
+    const auto change = touches.change(layout::ModuleId{m});
     for (std::size_t t = 0; t < poses.size(); ++t) {
       frame.position_mm.push_back(poses[t].position_mm);
       frame.normal.push_back(poses[t].normal);
       frame.change_counts.push_back(change[t]);
       if (calibration.complete())
-        frame.counts_per_kpa.push_back(calibration.counts_per_kpa({static_cast<int>(m), static_cast<int>(t)}));
+        frame.counts_per_kpa.push_back(calibration.counts_per_kpa({layout::ModuleId{m}, layout::TaxelIndex{t}}));
     }
-    const double area = calibration.complete() ? calibration.taxel_area_mm2(static_cast<int>(m)) : equal_share;
+    const double area = calibration.complete() ? calibration.taxel_area_mm2(layout::ModuleId{m}) : equal_share;
     frame.taxel_area_mm2.push_back(area > 0.0 ? area : equal_share);
   }
   return contacts_of(frame);

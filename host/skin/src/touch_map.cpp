@@ -22,10 +22,10 @@ std::optional<double> warming_counts(const wire::TaxelFrame& sample,
 
 TouchMap::TouchMap(const design::Design& design, const design::RestValues& rest)
     : design_(design), wiring_(design::wiring_of(design)), modules_(design.layout.modules.size()) {
-  set_rest(rest, 0);
+  set_rest(rest, layout::ModuleId{});
 }
 
-void TouchMap::set_rest(const design::RestValues& rest, int first_module) {
+void TouchMap::set_rest(const design::RestValues& rest, layout::ModuleId first_module) {
   for (std::size_t m = 0; m < rest.size(); ++m) {
     Module& module = modules_.at(static_cast<std::size_t>(first_module) + m);
     module.by_design = false;
@@ -143,7 +143,7 @@ design::RestValues TouchMap::rest() const {
   return rest;
 }
 
-std::array<double, layout::kTaxelsPerModule> TouchMap::change(int module) const {
+std::array<double, layout::kTaxelsPerModule> TouchMap::change(layout::ModuleId module) const {
   std::array<double, layout::kTaxelsPerModule> change{};
   const auto& taxels = modules_[static_cast<std::size_t>(module)].taxels;
   for (std::size_t t = 0; t < taxels.size(); ++t) {
@@ -157,12 +157,13 @@ std::vector<PressedTaxel> TouchMap::pressed() const {
   for (std::size_t k = 0; k < modules_.size(); ++k) {
     std::array<design::TaxelPose, layout::kTaxelsPerModule> poses;
     bool posed = false;
-    const auto changes = change(static_cast<int>(k));
+    const auto changes = change(layout::ModuleId{k});
     for (std::size_t t = 0; t < changes.size(); ++t) {
       if (changes[t] < kPressed_counts) continue;
       if (!posed) poses = design::taxels_of(design_.layout.modules[k], wiring_[k].routed.rotation);
       posed = true;
-      pressed.push_back({static_cast<int>(k), static_cast<int>(t), changes[t], poses[t].position_mm, poses[t].normal});
+      pressed.push_back(
+          {layout::ModuleId{k}, layout::TaxelIndex{t}, changes[t], poses[t].position_mm, poses[t].normal});
     }
   }
   std::ranges::sort(pressed, std::greater{}, &PressedTaxel::change_counts);

@@ -44,9 +44,9 @@ void append(std::vector<Finding>& all, const json& report, const Place& place, c
   if (findings == report.end() || !findings->is_array()) throw_no_report(name);
   for (const json& f : *findings) {
     if (!f.is_object()) throw_no_report(name);
-    all.push_back({number_in(f, "module", place.first_module, place.modules, name),
-                   number_in(f, "patch", place.first_patch, place.patches, name), text_in(f, "text"),
-                   text_in(f, "remedy")});
+    all.push_back({layout::SkinModule{number_in(f, "module", place.first_module, place.modules, name)},
+                   layout::PatchIndex{number_in(f, "patch", place.first_patch, place.patches, name)},
+                   text_in(f, "text"), text_in(f, "remedy")});
   }
 }
 

@@ -35,7 +35,7 @@ void FrameTrack::advance_to(std::int64_t time_us) {
   due_us_ = time_us + kStep_us;
 }
 
-void FrameTrack::add(int module, const PressureSample& sample, std::int64_t time_us) {
+void FrameTrack::add(layout::SkinModule module, const PressureSample& sample, std::int64_t time_us) {
   advance_to(time_us);
   newest_us_ = std::max(newest_us_, time_us);
   live_.add(module, sample, time_us - start_us_);

@@ -21,7 +21,7 @@ std::int16_t change_of(double below_rest_counts) {
 
 }  // namespace
 
-void LatestSamples::add(int module, const PressureSample& sample, std::int64_t wall_time_us) {
+void LatestSamples::add(layout::SkinModule module, const PressureSample& sample, std::int64_t wall_time_us) {
   const std::lock_guard lock(mutex_);
   if (module < 0 || static_cast<std::size_t>(module) >= modules_.size()) return;
   Module& m = modules_[static_cast<std::size_t>(module)];

@@ -36,7 +36,7 @@ std::optional<Command> command_of(std::string_view text) {
   const auto module = integer(message, "module", 0, 1'000'000);
   const auto taxel = integer(message, "taxel", -1, layout::kTaxelsPerModule - 1);
   if (*kind != "press" || !module || !taxel) return std::nullopt;
-  return Command{Command::Kind::kPress, *module, *taxel};
+  return Command{Command::Kind::kPress, layout::SkinModule{*module}, layout::TaxelIndex{*taxel}};
 }
 
 std::string health_json(const LatestSamples::Health& health) {

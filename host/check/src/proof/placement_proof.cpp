@@ -218,6 +218,10 @@ void require_placement(const ProofLog& log, const ProofPolygon& polygon, double 
   }
 }
 
+IntervalPoint difference(const PlanePoint& a, const PlanePoint& b) {
+  return {Interval(a[0]) - Interval(b[0]), Interval(a[1]) - Interval(b[1])};
+}
+
 // Uses the shoelace formula about the first point; holes are the rings after the first.
 Interval area_of(const std::vector<Ring>& rings) {
   Interval area;
@@ -225,10 +229,7 @@ Interval area_of(const std::vector<Ring>& rings) {
     Interval twice;
     for (std::size_t k = 0; k < rings[r].size(); ++k) {
       const PlanePoint &o = rings[r][0], &a = rings[r][k], &b = rings[r][(k + 1) % rings[r].size()];
-      const auto from_first = [&o](const PlanePoint& p) {
-        return IntervalPoint{Interval(p[0]) - Interval(o[0]), Interval(p[1]) - Interval(o[1])};
-      };
-      const IntervalPoint u = from_first(a), v = from_first(b);
+      const IntervalPoint u = difference(a, o), v = difference(b, o);
       twice = twice + (u.x * v.y - v.x * u.y);
     }
     const bool is_clockwise = middle(twice) < 0.0;

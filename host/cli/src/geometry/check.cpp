@@ -11,20 +11,24 @@
 namespace triskin::cli::check_command {
 namespace {
 
-int run(const std::string& path, Output& output) {
-  const check::DesignReport report = check::check_design(path);
-  nlohmann::json violations = nlohmann::json::array();
-  for (const check::Violation& v : report.violations) {
-    violations.push_back({{"rule", v.rule}, {"where", v.where}, {"text", v.text}});
+nlohmann::json report_violations(const std::vector<check::Violation>& violations, const Output& output) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const check::Violation& v : violations) {
+    list.push_back({{"rule", v.rule}, {"where", v.where}, {"text", v.text}});
     if (!output.json()) output.say(fmt::format("{}: {}: {}", v.rule, v.where, v.text));
   }
+  return list;
+}
+
+int run(const std::string& path, Output& output) {
+  const check::DesignReport report = check::check_design(path);
   nlohmann::json limits = nlohmann::json::object();
   for (const auto& [name, value] : report.limits) limits[name] = value;
   output.result = {{"modules", report.modules},
                    {"rules", report.rules.size()},
                    {"rule_names", report.rules},
                    {"limits", std::move(limits)},
-                   {"violations", std::move(violations)}};
+                   {"violations", report_violations(report.violations, output)}};
   if (report.corner_cut_mm > 0.0) {
     output.result["corner_cut_mm"] = report.corner_cut_mm;
     output.say(fmt::format("modules measured with corners cut by {:g} mm", report.corner_cut_mm));

@@ -15,35 +15,42 @@ struct Options {
   check::ProofExpectation expected;
 };
 
+nlohmann::json json_of(const check::ProofReport& r) {
+  return {{"accepted", r.accepted},
+          {"reason", r.reason},
+          {"modules", r.modules},
+          {"upper_bound", r.upper_bound},
+          {"tolerance_mm", r.tolerance_mm},
+          {"rounding_mm", r.rounding_mm},
+          {"shape", r.shape},
+          {"gap_mm", r.gap_mm},
+          {"corner_cut_mm", r.corner_cut_mm},
+          {"weights", r.weights},
+          {"outline", {{"hash", r.outline_hash}, {"area_mm2", r.outline_area_mm2}}},
+          {"cells", r.cells},
+          {"regions", r.regions},
+          {"seconds", r.seconds}};
+}
+
+void say_accepted(const check::ProofReport& r, const Output& output) {
+  output.say(
+      fmt::format("accepted: {} {} inside, none standing over by more than {} mm (and {:.2g} mm for the "
+                  "rounding of the placement), and no placement holds more than {} that do not stand over; {} cells, "
+                  "{:.3f} s",
+                  counted(r.modules, "module"), agreeing(r.modules, "lies", "lie"), r.tolerance_mm, r.rounding_mm,
+                  r.upper_bound, r.cells, r.seconds));
+  output.say(
+      fmt::format("modules: {}, gap {:.12g} mm, corner cut {} mm, counted without weights; outline: {:.6g} cm², {}",
+                  r.shape, r.gap_mm, r.corner_cut_mm, 0.01 * r.outline_area_mm2, r.outline_hash));
+}
+
 int run(const Options& options, Output& output) {
   const check::ProofReport r = check::check_placement_proof(options.log, options.polygon, options.expected);
-  output.result = {{"accepted", r.accepted},
-                   {"reason", r.reason},
-                   {"modules", r.modules},
-                   {"upper_bound", r.upper_bound},
-                   {"tolerance_mm", r.tolerance_mm},
-                   {"rounding_mm", r.rounding_mm},
-                   {"shape", r.shape},
-                   {"gap_mm", r.gap_mm},
-                   {"corner_cut_mm", r.corner_cut_mm},
-                   {"weights", r.weights},
-                   {"outline", {{"hash", r.outline_hash}, {"area_mm2", r.outline_area_mm2}}},
-                   {"cells", r.cells},
-                   {"regions", r.regions},
-                   {"seconds", r.seconds}};
-  if (r.accepted) {
-    output.say(
-        fmt::format("accepted: {} {} inside, none standing over by more than {} mm (and {:.2g} mm for the "
-                    "rounding of the placement), and no placement holds more than {} that do not stand over; {} cells, "
-                    "{:.3f} s",
-                    counted(r.modules, "module"), agreeing(r.modules, "lies", "lie"), r.tolerance_mm, r.rounding_mm,
-                    r.upper_bound, r.cells, r.seconds));
-    output.say(
-        fmt::format("modules: {}, gap {:.12g} mm, corner cut {} mm, counted without weights; outline: {:.6g} cm², {}",
-                    r.shape, r.gap_mm, r.corner_cut_mm, 0.01 * r.outline_area_mm2, r.outline_hash));
-  } else {
+  output.result = json_of(r);
+  if (r.accepted)
+    say_accepted(r, output);
+  else
     output.say("rejected: " + r.reason);
-  }
   return r.accepted ? 0 : 1;
 }
 

@@ -116,6 +116,17 @@ void say_layout(const design::Design& d, Output& output) {
                          counted(d.layout.islands, "island")));
 }
 
+std::string method_text(const design::Design& d, const pipeline::DesignNotes& notes) {
+  const bool pieces_tried = std::ranges::find(notes.steps, "pieces", &pipeline::StepTime::name) != notes.steps.end();
+  return pieces_tried
+             ? fmt::format("pieces give {}, growth on the surface {}: {} taken", counted(notes.pieces, "module"),
+                           notes.surface, design::kLayoutMethodNames.name(d.layout.method))
+             : fmt::format(
+                   "grown on the surface; flat pieces were not tried (curvature under a module: "
+                   "{:.1f}°; --method pieces tries them)",
+                   notes.curvature_rad * 180.0 / std::numbers::pi);
+}
+
 // With -v, explains how the result was found.
 void say_details(const design::Design& d, const pipeline::DesignNotes& notes, Output& output) {
   const auto& r = d.report;
@@ -129,13 +140,7 @@ void say_details(const design::Design& d, const pipeline::DesignNotes& notes, Ou
       "edge error ≤ {:.2f} mm, hinge gap ≤ {:.2f} mm, centre gap ≤ {:.2f} mm, sides lift ≤ {:.2f} mm, "
       "depth ≤ {:.2f} mm",
       r.max_edge_error_mm, r.max_hinge_gap_mm, r.max_center_gap_mm, r.max_edge_lift_mm, r.max_edge_depth_mm));
-  const bool pieces_tried = std::ranges::find(notes.steps, "pieces", &pipeline::StepTime::name) != notes.steps.end();
-  output.say(pieces_tried
-                 ? fmt::format("pieces give {}, growth on the surface {}: {} taken", counted(notes.pieces, "module"),
-                               notes.surface, design::kLayoutMethodNames.name(d.layout.method))
-                 : fmt::format("grown on the surface; flat pieces were not tried (curvature under a module: "
-                               "{:.1f}°; --method pieces tries them)",
-                               notes.curvature_rad * 180.0 / std::numbers::pi));
+  output.say(method_text(d, notes));
   std::vector<std::string> steps;
   for (const pipeline::StepTime& s : notes.steps) steps.push_back(fmt::format("{} {:.1f} s", s.name, s.used_s));
   output.say(fmt::format("time: {}", fmt::join(steps, ", ")));
@@ -161,15 +166,8 @@ void report_revision(const design::Design& old, const design::Design& d, const p
       counted(revision.new_patch.size(), "controller"), agreeing(tables, "is", "are"), picture));
 }
 
-int run(Options options, Output& output) {
-  catch_interrupts();
-  require_design_output(options.output);
-  options.verbosity.apply(output);
-  if (options.edit.wanted(options.mesh)) {
-    std::fputs("triskin: a design is changed by triskin edit, with the same options; design loses them with 0.4\n",
-               stderr);
-    return edit(options.mesh, options.output, options.edit, options.design, output);
-  }
+// Turns what the options name into what the pipeline takes.
+void read_files(Options& options) {
   options.design.unit = options.unit.unit;
   options.design.faces = options.faces.selection();
   if (!options.regions.empty()) options.design.regions = design::read_region_file(options.regions);
@@ -178,22 +176,11 @@ int run(Options options, Output& output) {
   options.design.bridge_mm = options.side.bridge_mm();
   if (!options.like.empty())
     options.design.like = std::make_shared<const design::Design>(design::read_design(options.like));
-  pipeline::DesignNotes notes;
-  const design::Design d = pipeline::make_design(options.mesh, options.design, output.progress(), &notes);
-  if (notes.side.is_undecided) return report_undecided(notes.part, notes.side, options.output + ".svg", output);
-  const bool nothing = d.layout.modules.empty();
-  if (!nothing) design::write_design(options.output, d);
-  output.result = keys_of(d, notes);
-  add_side_keys(notes.side, output);
-  if (options.design.bridge_mm > 0.0) output.result["bridged_holes"] = notes.bridges.bridged;
-  const int part_status = report_part(notes.read, output);
-  say_warnings(d, notes, output);
-  if (nothing) {
-    const std::string reason = reason_of_nothing(d, options.unit.unit.has_value(), output);
-    output.result["reason"] = reason;
-    output.say(reason);
-    return 1;
-  }
+}
+
+// Reports a design that was written; returns false if a region is not covered as it must be.
+bool report_design(const design::Design& d, const pipeline::DesignNotes& notes, const Options& options,
+                   Output& output) {
   say_layout(d, output);
   if (interrupt_signal() > 0)
     output.say(fmt::format("ended before its time: the best layout so far, with {}, is kept",
@@ -210,7 +197,36 @@ int run(Options options, Output& output) {
   } else {
     add_bus_keys(d.layout.modules.size(), output);
   }
-  return is_covered ? part_status : 1;
+  return is_covered;
+}
+
+int run(Options options, Output& output) {
+  catch_interrupts();
+  require_design_output(options.output);
+  options.verbosity.apply(output);
+  if (options.edit.wanted(options.mesh)) {
+    std::fputs("triskin: a design is changed by triskin edit, with the same options; design loses them with 0.4\n",
+               stderr);
+    return edit(options.mesh, options.output, options.edit, options.design, output);
+  }
+  read_files(options);
+  pipeline::DesignNotes notes;
+  const design::Design d = pipeline::make_design(options.mesh, options.design, output.progress(), &notes);
+  if (notes.side.is_undecided) return report_undecided(notes.part, notes.side, options.output + ".svg", output);
+  const bool nothing = d.layout.modules.empty();
+  if (!nothing) design::write_design(options.output, d);
+  output.result = keys_of(d, notes);
+  add_side_keys(notes.side, output);
+  if (options.design.bridge_mm > 0.0) output.result["bridged_holes"] = notes.bridges.bridged;
+  const int part_status = report_part(notes.read, output);
+  say_warnings(d, notes, output);
+  if (nothing) {
+    const std::string reason = reason_of_nothing(d, options.unit.unit.has_value(), output);
+    output.result["reason"] = reason;
+    output.say(reason);
+    return 1;
+  }
+  return report_design(d, notes, options, output) ? part_status : 1;
 }
 
 void add_limits(CLI::App& app, design::LayoutLimits& l) {

@@ -39,24 +39,27 @@ bool read_whole(const std::string& text, int low, int high, int& value) {
          value >= low && value <= high;
 }
 
+constexpr const char* kPlaceRemedy = "give MODULE.SIDE (side 0 … 2) or ISLAND:I/J/up or ISLAND:I/J/down";
+
+pipeline::TileOfIsland tile_of(const std::string& part, std::size_t colon) {
+  const std::vector<std::string> tile = parts_of(part.substr(colon + 1), '/');
+  pipeline::TileOfIsland place;
+  if (tile.size() != 3 || !read_whole(part.substr(0, colon), 0, kMaxId, place.island) ||
+      !read_whole(tile[0], -design::kMaxLattice, design::kMaxLattice, place.tile.i) ||
+      !read_whole(tile[1], -design::kMaxLattice, design::kMaxLattice, place.tile.j) ||
+      (tile[2] != "up" && tile[2] != "down"))
+    refuse("--add", part, kPlaceRemedy);
+  place.tile.up = tile[2] == "up";
+  return place;
+}
+
 // Parses "MODULE.SIDE" or "ISLAND:I/J/up".
 pipeline::NewPlace place_of(const std::string& part) {
-  const char* remedy = "give MODULE.SIDE (side 0 … 2) or ISLAND:I/J/up or ISLAND:I/J/down";
-  if (const std::size_t colon = part.find(':'); colon != std::string::npos) {
-    const std::vector<std::string> tile = parts_of(part.substr(colon + 1), '/');
-    pipeline::TileOfIsland place;
-    if (tile.size() != 3 || !read_whole(part.substr(0, colon), 0, kMaxId, place.island) ||
-        !read_whole(tile[0], -design::kMaxLattice, design::kMaxLattice, place.tile.i) ||
-        !read_whole(tile[1], -design::kMaxLattice, design::kMaxLattice, place.tile.j) ||
-        (tile[2] != "up" && tile[2] != "down"))
-      refuse("--add", part, remedy);
-    place.tile.up = tile[2] == "up";
-    return place;
-  }
+  if (const std::size_t colon = part.find(':'); colon != std::string::npos) return tile_of(part, colon);
   pipeline::BesideModule place;
   const std::vector<std::string> side = parts_of(part, '.');
   if (side.size() != 2 || !read_whole(side[0], 0, kMaxId, place.module) || !read_whole(side[1], 0, 2, place.side))
-    refuse("--add", part, remedy);
+    refuse("--add", part, kPlaceRemedy);
   return place;
 }
 
@@ -82,13 +85,16 @@ pipeline::EditedDesign edited(const design::Design& design, const EditOptions& o
                               const pipeline::DesignOptions& effort, const ProgressSink& progress) {
   if (options.take >= 0) return {pipeline::take_alternative(design, options.take, progress), {}, {}};
   if (!options.mirror.empty()) return pipeline::mirror_design(design, plane_of(options.mirror), progress);
-  if (!options.keep.empty())
-    return pipeline::grow_around(design, module_ids("--keep", options.keep),
+  if (!options.keep.empty()) {
+    const auto kept = module_ids("--keep", options.keep);
+    return pipeline::grow_around(design, {kept.begin(), kept.end()},
                                  {effort.time_limit_s, effort.iterations, effort.threads}, progress);
+  }
   // Without removed or added modules, only kinds change.
   if (options.remove.empty() && options.add.empty()) return {design, {}, {}};
   pipeline::LayoutEdit edit;
-  edit.remove = module_ids("--remove", options.remove);
+  const auto removed = module_ids("--remove", options.remove);
+  edit.remove.assign(removed.begin(), removed.end());
   for (const std::string& part : parts_of(options.add, ',')) edit.add.push_back(place_of(part));
   return pipeline::edit_design(design, edit, progress);
 }
@@ -199,6 +205,11 @@ bool report_entries(const design::Design& d, Output& output) {
   return false;
 }
 
+nlohmann::json json_of(const design::Uncovered& u) {
+  const auto& p = u.place_mm;
+  return {{"region", u.region}, {"share", u.share}, {"place_mm", {p.x(), p.y(), p.z()}}, {"why", u.why}};
+}
+
 }  // namespace
 
 bool report_regions(const design::Design& d, Output& output) {
@@ -210,8 +221,7 @@ bool report_regions(const design::Design& d, Output& output) {
   for (const design::Uncovered& u : d.report.uncovered) {
     const auto& p = u.place_mm;
     const std::string why = u.why == "room" ? "a module fits there, but not beside the others" : u.why + " refuses any";
-    output.result["uncovered"].push_back(
-        {{"region", u.region}, {"share", u.share}, {"place_mm", {p.x(), p.y(), p.z()}}, {"why", u.why}});
+    output.result["uncovered"].push_back(json_of(u));
     output.say(
         fmt::format("  region \"{}\" must be covered, {:.1f} % of it is not: farthest from a module is "
                     "({:.1f}, {:.1f}, {:.1f}); {}",

@@ -110,13 +110,12 @@ int run(Options options, Output& output) {
                         {"seconds", seconds}});
   add_side_keys(taken, output);
   output.result["bridged_holes"] = bridges.bridged;
-  const std::string open_text = taken.choice.has_wall ? "" : side_text_of(open_side);
-  if (!open_text.empty()) output.say(open_text);
+  if (const std::string open = taken.choice.has_wall ? "" : side_text_of(open_side); !open.empty()) output.say(open);
   const int status = report_part(file.report, output);
-  if (const std::string shortage = shortage_text(e.report); !shortage.empty()) output.say(shortage);
-  if (const std::string change = repair_text(e.report, "outer"); !change.empty()) output.say(change);
-  if (const std::string side = side_text(taken); !side.empty()) output.say(side);
-  if (const std::string holes = bridge_text(bridges); !holes.empty()) output.say(holes);
+  for (const std::string& text :
+       {shortage_text(e.report), repair_text(e.report, "outer"), side_text(taken), bridge_text(bridges)}) {
+    if (!text.empty()) output.say(text);
+  }
   output.say(
       fmt::format("{}, {:.1f} cm², {}; {} removed, {} turned; {:.2f} s", counted(taken.surface.faces.size(), "face"),
                   area_cm2, counted(surface.border_loops().size(), "border loop"),

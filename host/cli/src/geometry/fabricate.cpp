@@ -40,21 +40,25 @@ void read_sheet_size(const std::string& text, fabrication::SheetOptions& sheet) 
   sheet.length_mm = size[1];
 }
 
+nlohmann::json json_of(const fabrication::FabricationReport& report) {
+  return {{"files", report.files},
+          {"islands", report.islands},
+          {"carrier_error_mm", report.carrier_error_mm},
+          {"carrier_folded_faces", report.carrier_folded_faces},
+          {"mould_error_mm", report.mould_error_mm},
+          {"mould_folded_faces", report.mould_folded_faces},
+          {"sheet_fill", report.sheet_fill},
+          {"left_out", report.left_out}};
+}
+
 int run(Options options, Output& output) {
   if (!options.sheet_mm.empty()) read_sheet_size(options.sheet_mm, options.fabrication.sheet);
   for (const std::string& name : options.only)
     options.fabrication.products.insert(fabrication::kProductNames.value(name).value());
   const auto report =
       fabrication::fabricate(design::read_intact_design(options.design), options.folder, options.fabrication);
-  output.result = {{"folder", options.folder},
-                   {"files", report.files},
-                   {"islands", report.islands},
-                   {"carrier_error_mm", report.carrier_error_mm},
-                   {"carrier_folded_faces", report.carrier_folded_faces},
-                   {"mould_error_mm", report.mould_error_mm},
-                   {"mould_folded_faces", report.mould_folded_faces},
-                   {"sheet_fill", report.sheet_fill},
-                   {"left_out", report.left_out}};
+  output.result = json_of(report);
+  output.result["folder"] = options.folder;
   output.say(fmt::format("{}: {} for {}", options.folder, counted(report.files.size(), "file"),
                          counted(report.islands, "island")));
   const auto& products = options.fabrication.products;

@@ -52,17 +52,20 @@ std::string piece_svg(const geometry::Surface& surface, const geometry::Piece& p
   return out;
 }
 
+Eigen::AlignedBox2d box_of(const geometry::Polygon& polygon) {
+  Eigen::AlignedBox2d box;
+  for (const Vec2& p : polygon.outer) box.extend(p);
+  return box;
+}
+
 }  // namespace
 
 std::string net_svg(const geometry::Surface& surface, const geometry::Net& net, double limit_mm) {
   std::string body;
   double x = kGap_mm, y = kGap_mm, row = 0.0, width = 140.0;
   for (const geometry::Piece& piece : net.pieces) {
-    Vec2 low = piece.outline.outer.front(), high = low;
-    for (const Vec2& p : piece.outline.outer) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    }
+    const Eigen::AlignedBox2d box = box_of(piece.outline);
+    const Vec2 low = box.min(), high = box.max();
     if (x > kGap_mm && x + high.x() - low.x() > kRow_mm) {
       x = kGap_mm;
       y += row + kGap_mm;

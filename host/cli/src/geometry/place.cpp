@@ -50,6 +50,21 @@ void add_cut(const geometry::PlacementResult& r, double area_mm2, const Options&
   say_cut_pads(cut, output);
 }
 
+nlohmann::json tiles_json(const geometry::PlacementResult& r) {
+  nlohmann::json tiles = nlohmann::json::array();
+  for (const geometry::Tile& t : r.tiles) tiles.push_back({{"i", t.i}, {"j", t.j}, {"up", t.up}});
+  for (std::size_t k = 0; k < r.tile_weights.size(); ++k) tiles[k]["weight"] = r.tile_weights[k];
+  return tiles;
+}
+
+nlohmann::json pivoted_json(const auto& placement, const geometry::Vec2& pivot) {
+  return {{"x_mm", placement.x_mm},
+          {"y_mm", placement.y_mm},
+          {"theta_rad", placement.theta_rad},
+          {"vertex", placement.vertex},
+          {"pivot_mm", {pivot.x(), pivot.y()}}};
+}
+
 nlohmann::json result_of(const geometry::Polygon& polygon, const geometry::PlacementResult& r, const Options& options,
                          Output& output) {
   nlohmann::json result = {
@@ -68,18 +83,10 @@ nlohmann::json result_of(const geometry::Polygon& polygon, const geometry::Place
       {"search_seconds", r.search_seconds},
       {"seconds", r.seconds}};
   if (options.placement.corner_cut_mm > 0.0) add_cut(r, geometry::polygon_area(polygon), options, output, result);
-  nlohmann::json tiles = nlohmann::json::array();
-  for (const geometry::Tile& t : r.tiles) tiles.push_back({{"i", t.i}, {"j", t.j}, {"up", t.up}});
-  for (std::size_t k = 0; k < r.tile_weights.size(); ++k) tiles[k]["weight"] = r.tile_weights[k];
-  result["tiles"] = std::move(tiles);
-  if (r.pivoted) {
-    const geometry::Vec2& pivot = polygon.outer.at(static_cast<std::size_t>(r.pivoted->vertex));
-    result["pivoted_placement"] = {{"x_mm", r.pivoted->x_mm},
-                                   {"y_mm", r.pivoted->y_mm},
-                                   {"theta_rad", r.pivoted->theta_rad},
-                                   {"vertex", r.pivoted->vertex},
-                                   {"pivot_mm", {pivot.x(), pivot.y()}}};
-  }
+  result["tiles"] = tiles_json(r);
+  if (r.pivoted)
+    result["pivoted_placement"] =
+        pivoted_json(*r.pivoted, polygon.outer.at(static_cast<std::size_t>(r.pivoted->vertex)));
   if (options.placement.weights) {
     result["weight"] = r.weight;
     result["weight_bound"] = r.weight_bound;
@@ -170,6 +177,13 @@ geometry::PlacementResult place_piece(const geometry::Polygon& polygon, const Op
   return result;
 }
 
+const char* reason_of_nothing(const std::vector<geometry::PlacementResult>& results) {
+  const bool open = std::ranges::any_of(results, [](const auto& r) { return r.upper_bound > 0; });
+  return open ? "no placement with a module was found before the limit, and none was excluded: give more with "
+                "--time-limit-s or --memory-mb"
+              : "no module fits: a module is a triangle with sides of 30 mm, and lengths are mm";
+}
+
 int run(const Options& options, Output& output) {
   if (!options.output.empty() && options.placement.shape != geometry::TileShape::kTriangle)
     throw InputError("-o: only triangles can be routed; leave --shape or -o out");
@@ -194,33 +208,31 @@ int run(const Options& options, Output& output) {
     output.say(fmt::format("{} on {}, upper bound {}", counted(modules, "module"), counted(pieces.size(), "piece"),
                            output.result["upper_bound"].get<int>()));
   if (modules == 0) {
-    const bool open = std::ranges::any_of(results, [](const auto& r) { return r.upper_bound > 0; });
-    output.say(open ? "no placement with a module was found before the limit, and none was excluded: give more with "
-                      "--time-limit-s or --memory-mb"
-                    : "no module fits: a module is a triangle with sides of 30 mm, and lengths are mm");
+    output.say(reason_of_nothing(results));
     return 1;
   }
   if (!options.output.empty()) write_output(options.output, module_list(results));
   return 0;
 }
 
+const std::map<std::string, PlacementMethod> kMethods{{"bnb", PlacementMethod::kBranchAndBound},
+                                                      {"r1", PlacementMethod::kR1},
+                                                      {"r2", PlacementMethod::kR2},
+                                                      {"r3", PlacementMethod::kR3},
+                                                      {"r4", PlacementMethod::kR4},
+                                                      {"r5", PlacementMethod::kR5},
+                                                      {"r6", PlacementMethod::kR6},
+                                                      {"r7", PlacementMethod::kR7},
+                                                      {"scan-edges", PlacementMethod::kScanEdges},
+                                                      {"scan-slides", PlacementMethod::kScanSlides},
+                                                      {"scan-shifts", PlacementMethod::kScanShifts},
+                                                      {"scan-angles", PlacementMethod::kScanAngles},
+                                                      {"scan-edge-angles", PlacementMethod::kScanEdgeAngles},
+                                                      {"random", PlacementMethod::kRandom},
+                                                      {"descent", PlacementMethod::kDescent}};
+
 void add_method(CLI::App& app, Options& options) {
   geometry::PlacementOptions& placement = options.placement;
-  static const std::map<std::string, PlacementMethod> kMethods{{"bnb", PlacementMethod::kBranchAndBound},
-                                                               {"r1", PlacementMethod::kR1},
-                                                               {"r2", PlacementMethod::kR2},
-                                                               {"r3", PlacementMethod::kR3},
-                                                               {"r4", PlacementMethod::kR4},
-                                                               {"r5", PlacementMethod::kR5},
-                                                               {"r6", PlacementMethod::kR6},
-                                                               {"r7", PlacementMethod::kR7},
-                                                               {"scan-edges", PlacementMethod::kScanEdges},
-                                                               {"scan-slides", PlacementMethod::kScanSlides},
-                                                               {"scan-shifts", PlacementMethod::kScanShifts},
-                                                               {"scan-angles", PlacementMethod::kScanAngles},
-                                                               {"scan-edge-angles", PlacementMethod::kScanEdgeAngles},
-                                                               {"random", PlacementMethod::kRandom},
-                                                               {"descent", PlacementMethod::kDescent}};
   app.add_option("--method", placement.method,
                  "bnb (certified); r1 … r7, the heuristics of the reference paper (docs/paper.md); scan-edges, "
                  "scan-slides, scan-shifts, scan-angles, scan-edge-angles, random, descent (docs/placement.md)")
@@ -237,13 +249,7 @@ void add_method(CLI::App& app, Options& options) {
       ->capture_default_str();
 }
 
-void add_options(CLI::App& app, Options& options) {
-  app.add_option("POLYGON", options.polygon,
-                 "GeoJSON or WKT polygon in mm, holes allowed; or the net that unfold writes")
-      ->required();
-  app.add_option("-o,--output", options.output, "the modules, as route reads them (JSON); each piece is an island");
-  app.add_option("--piece", options.piece, "of a net: only this one; default: all")->check(CLI::Range(0, 1'000'000));
-  add_method(app, options);
+void add_modules(CLI::App& app, Options& options) {
   app.add_option("--tolerance-mm", options.placement.tolerance_mm, "a module may stand over by this much")
       ->capture_default_str();
   static const std::map<std::string, geometry::TileShape> kShapes{{"triangle", geometry::TileShape::kTriangle},
@@ -254,6 +260,9 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--gap-mm", options.placement.gap_mm, "free space between facing sides of modules")
       ->capture_default_str();
   add_corner_cut(app, options.placement.corner_cut_mm);
+}
+
+void add_search_limits(CLI::App& app, Options& options) {
   app.add_option("--time-limit-s", options.placement.time_limit_s, "0: none; the pieces of a net share it")
       ->capture_default_str();
   app.add_option("--memory-mb", options.placement.memory_limit_mb,
@@ -262,6 +271,17 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--proof-mb", options.placement.proof_limit_mb,
                  "largest size of the file of --proof; before it the search ends with the best that it has")
       ->capture_default_str();
+}
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("POLYGON", options.polygon,
+                 "GeoJSON or WKT polygon in mm, holes allowed; or the net that unfold writes")
+      ->required();
+  app.add_option("-o,--output", options.output, "the modules, as route reads them (JSON); each piece is an island");
+  app.add_option("--piece", options.piece, "of a net: only this one; default: all")->check(CLI::Range(0, 1'000'000));
+  add_method(app, options);
+  add_modules(app, options);
+  add_search_limits(app, options);
   app.add_flag("!--no-clearance", options.placement.largest_clearance,
                "do not look for the placement with the largest clearance");
   app.add_flag("--connected", options.placement.connected, "the most modules that hang together by sides (method bnb)");

@@ -74,18 +74,22 @@ nlohmann::json lines_json(const geometry::Patch& patch) {
   return lines;
 }
 
+nlohmann::json modules_json(const geometry::Patch& p, const Ids& ids) {
+  nlohmann::json modules = nlohmann::json::array();
+  for (const geometry::RoutedModule& m : p.modules) {
+    modules.push_back({{"id", id_of(ids, m.node)},
+                       {"parent", id_of(ids, m.parent)},
+                       {"rotation", m.rotation},
+                       {"line", m.line},
+                       {"address", m.address},
+                       {"depth", m.depth}});
+  }
+  return modules;
+}
+
 nlohmann::json patches_json(const geometry::RoutingResult& result, const Ids& ids) {
   nlohmann::json patches = nlohmann::json::array();
   for (const geometry::Patch& p : result.patches) {
-    nlohmann::json modules = nlohmann::json::array();
-    for (const geometry::RoutedModule& m : p.modules) {
-      modules.push_back({{"id", id_of(ids, m.node)},
-                         {"parent", id_of(ids, m.parent)},
-                         {"rotation", m.rotation},
-                         {"line", m.line},
-                         {"address", m.address},
-                         {"depth", m.depth}});
-    }
     nlohmann::json articulation = nlohmann::json::array();
     for (const int v : p.articulation) articulation.push_back(id_of(ids, v));
     patches.push_back({{"entry", id_of(ids, p.entry)},
@@ -94,7 +98,7 @@ nlohmann::json patches_json(const geometry::RoutingResult& result, const Ids& id
                        {"second_entry_side", p.second_entry_side},
                        {"second_entry_border", p.second_entry_border},
                        {"second_entry_saves", p.second_entry_saves},
-                       {"modules", std::move(modules)},
+                       {"modules", modules_json(p, ids)},
                        {"cut_joints", pairs_json(p.cut_joints, ids)},
                        {"line_hops", p.line_hops},
                        {"max_depth", p.max_depth},
@@ -252,6 +256,20 @@ int run(const Options& options, Output& output) {
   return report_routes(r, list.ids.size(), routing.electrical.bus_hz, output);
 }
 
+void add_search_options(CLI::App& app, Options& o) {
+  app.add_option("--seed", o.routing.seed, "of the random trees")->capture_default_str();
+  app.add_option("--time-limit-s", o.time_limit_s, "end the search for fewer controllers after this long; 0: no limit")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  app.add_option("--moves", o.routing.recombinations, "recombination moves a patch, against loss and depth")
+      ->check(CLI::Range(0, 100000))
+      ->capture_default_str();
+  app.add_flag("--hops-first", o.hops_first, "least line hops before least expected loss");
+  app.add_option("--cable-m", o.routing.electrical.cable_m, "length of the entry cable")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
+}
+
 void add_options(CLI::App& app, Options& o) {
   app.add_option("MODULES", o.modules,
                  "module list (JSON): "
@@ -273,17 +291,7 @@ void add_options(CLI::App& app, Options& o) {
       ->check(CLI::Range(0.0, 16.0))
       ->capture_default_str();
   app.add_option("--picture", o.picture, "draw the routes to this file (SVG)");
-  app.add_option("--seed", o.routing.seed, "of the random trees")->capture_default_str();
-  app.add_option("--time-limit-s", o.time_limit_s, "end the search for fewer controllers after this long; 0: no limit")
-      ->check(CLI::Range(0.0, 1e6))
-      ->capture_default_str();
-  app.add_option("--moves", o.routing.recombinations, "recombination moves a patch, against loss and depth")
-      ->check(CLI::Range(0, 100000))
-      ->capture_default_str();
-  app.add_flag("--hops-first", o.hops_first, "least line hops before least expected loss");
-  app.add_option("--cable-m", o.routing.electrical.cable_m, "length of the entry cable")
-      ->check(CLI::Range(0.0, 100.0))
-      ->capture_default_str();
+  add_search_options(app, o);
 }
 
 const Registration kRoute{{

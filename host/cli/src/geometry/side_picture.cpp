@@ -110,6 +110,18 @@ class View {
   double scale_ = 1.0;
 };
 
+std::string face_svg(const Mesh& part, const View& view, int face, const Colour& c) {
+  const double light = 0.35 + 0.65 * std::abs(view.facing(static_cast<std::size_t>(face)));
+  const auto shade = [&](int value) { return static_cast<int>(light * value); };
+  std::string points;
+  for (const Vec3* p : corners_of(part, static_cast<std::size_t>(face))) {
+    const Vec3 s = view.on_screen(*p);
+    points += fmt::format("{:.1f},{:.1f} ", s.x(), s.y());
+  }
+  const std::string fill = fmt::format("#{:02x}{:02x}{:02x}", shade(c.red), shade(c.green), shade(c.blue));
+  return fmt::format("<polygon points='{0}' fill='{1}' stroke='{1}' stroke-width='0.4'/>\n", points, fill);
+}
+
 // Draws the faces that nothing hides, far ones first.
 std::string faces_svg(const Mesh& part, const SideChoice& choice, const View& view, std::vector<int> shown) {
   std::ranges::sort(shown);
@@ -121,30 +133,25 @@ std::string faces_svg(const Mesh& part, const SideChoice& choice, const View& vi
   };
   std::ranges::sort(shown, {}, depth);
   std::string out;
-  for (const int f : shown) {
-    const Colour c = colour_of(choice, f);
-    const double light = 0.35 + 0.65 * std::abs(view.facing(static_cast<std::size_t>(f)));
-    const auto shade = [&](int value) { return static_cast<int>(light * value); };
-    std::string points;
-    for (const Vec3* p : corners_of(part, static_cast<std::size_t>(f))) {
-      const Vec3 s = view.on_screen(*p);
-      points += fmt::format("{:.1f},{:.1f} ", s.x(), s.y());
-    }
-    const std::string fill = fmt::format("#{:02x}{:02x}{:02x}", shade(c.red), shade(c.green), shade(c.blue));
-    out += fmt::format("<polygon points='{0}' fill='{1}' stroke='{1}' stroke-width='0.4'/>\n", points, fill);
-  }
+  for (const int f : shown) out += face_svg(part, view, f, colour_of(choice, f));
   return out;
 }
 
 // Puts each number at the pixel of the choice that is nearest to the middle of its pixels.
+// Returns column and row of each pixel that shows a face of choice `number`.
+std::vector<std::array<int, 2>> pixels_of(int number, const SideChoice& choice, const std::vector<int>& front) {
+  std::vector<std::array<int, 2>> pixels;
+  for (std::size_t k = 0; k < front.size(); ++k) {
+    if (front[k] >= 0 && choice.choice_of_face[static_cast<std::size_t>(front[k])] == number)
+      pixels.push_back({static_cast<int>(k) % kView_px, static_cast<int>(k) / kView_px});
+  }
+  return pixels;
+}
+
 std::string numbers_svg(const SideChoice& choice, const std::vector<int>& front) {
   std::string out;
   for (const int number : {1, 2}) {
-    std::vector<std::array<int, 2>> pixels;
-    for (std::size_t k = 0; k < front.size(); ++k) {
-      if (front[k] >= 0 && choice.choice_of_face[static_cast<std::size_t>(front[k])] == number)
-        pixels.push_back({static_cast<int>(k) % kView_px, static_cast<int>(k) / kView_px});
-    }
+    const std::vector<std::array<int, 2>> pixels = pixels_of(number, choice, front);
     if (pixels.size() < 400) continue;  // A number would hide such a small area.
     double x = 0.0, y = 0.0;
     for (const auto& p : pixels) {

@@ -61,6 +61,24 @@ std::vector<geometry::SurfaceEdge> edges_of(const std::string& file, const geome
   return edges_along(surface, lines, file);
 }
 
+struct EdgeErrors {
+  double max_mm = 0.0, rms_mm = 0.0;
+};
+
+// A piece counts by its number of faces.
+EdgeErrors edge_errors_of(const geometry::Net& net) {
+  EdgeErrors errors;
+  double squares = 0.0, faces = 0.0;
+  for (const auto& p : net.pieces) {
+    const auto n = static_cast<double>(p.faces.size());
+    errors.max_mm = std::max(errors.max_mm, p.max_edge_error_mm);
+    squares += n * p.rms_edge_error_mm * p.rms_edge_error_mm;
+    faces += n;
+  }
+  errors.rms_mm = std::sqrt(squares / faces);
+  return errors;
+}
+
 int run(Options options, Output& output) {
   const auto start = std::chrono::steady_clock::now();
   require_writable(options.output);
@@ -78,20 +96,14 @@ int run(Options options, Output& output) {
   const geometry::Net net = geometry::unfold(surface, options.unfolding, output.progress());
   write_output(options.output, net_json(net).dump() + "\n");
   if (!options.picture.empty()) write_output(options.picture, net_svg(surface, net, options.unfolding.edge_error_mm));
-  double max_mm = 0.0, squares = 0.0, faces = 0.0;
-  for (const auto& p : net.pieces) {
-    const auto n = static_cast<double>(p.faces.size());
-    max_mm = std::max(max_mm, p.max_edge_error_mm);
-    squares += n * p.rms_edge_error_mm * p.rms_edge_error_mm;
-    faces += n;
-  }
+  const EdgeErrors errors = edge_errors_of(net);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  output.result = {{"pieces", net.pieces.size()}, {"area_cm2", surface.area_mm2() / 100.0},
-                   {"max_edge_error_mm", max_mm}, {"rms_edge_error_mm", std::sqrt(squares / faces)},
-                   {"overlaps", net.overlaps},    {"seconds", seconds}};
+  output.result = {{"pieces", net.pieces.size()},        {"area_cm2", surface.area_mm2() / 100.0},
+                   {"max_edge_error_mm", errors.max_mm}, {"rms_edge_error_mm", errors.rms_mm},
+                   {"overlaps", net.overlaps},           {"seconds", seconds}};
   output.say(fmt::format("{}, {:.1f} cm², edge error at most {:.3f} mm (rms {:.3f} mm) on 30 mm, {}; {:.2f} s",
-                         counted(net.pieces.size(), "piece"), surface.area_mm2() / 100.0, max_mm,
-                         std::sqrt(squares / faces), counted(net.overlaps, "overlap"), seconds));
+                         counted(net.pieces.size(), "piece"), surface.area_mm2() / 100.0, errors.max_mm, errors.rms_mm,
+                         counted(net.overlaps, "overlap"), seconds));
   return report_part(file.report, output);
 }
 

@@ -282,11 +282,14 @@ void GltfDocument::put_sparse(const json& sparse, std::size_t type, bool is_norm
   }
 }
 
+void GltfDocument::require_type(const json& accessor, std::size_t index, const char* type) const {
+  if (!accessor.contains("type") || accessor["type"] != type)
+    fail(fmt::format("accessors[{}] must have the type {}", index, type));
+}
+
 std::vector<double> GltfDocument::accessor(std::size_t index, std::size_t width) {
   const json& j = element("accessors", index);
-  const std::string wanted = width == 1 ? "SCALAR" : "VEC3";
-  if (!j.contains("type") || j["type"] != wanted)
-    fail(fmt::format("accessors[{}] must have the type {}", index, wanted));
+  require_type(j, index, width == 1 ? "SCALAR" : "VEC3");
   const std::size_t count = whole(j, "count"), type = whole(j, "componentType");
   if (count > kMaxElements) fail(fmt::format("accessors[{}] has too many elements", index));
   const bool is_normalized = j.contains("normalized") && j["normalized"] == true;

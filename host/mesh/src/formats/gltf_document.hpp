@@ -40,6 +40,7 @@ class GltfDocument {
   void read_json(std::string_view text);
   void read_glb();
   void require_known_extensions() const;
+  void require_type(const nlohmann::json& accessor, std::size_t index, const char* type) const;
   const std::string& buffer(std::size_t index);
   std::string load(const nlohmann::json& buffer, std::size_t index) const;
   View view(std::size_t index);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <set>
 
 #include "gltf_document.hpp"
@@ -128,9 +129,8 @@ class GltfReader {
       corners = document_.accessor(document_.whole(primitive, "indices"), 1);
     else
       for (std::size_t v = 0; v < count; ++v) corners.push_back(static_cast<double>(v));
-    for (const double v : corners) {
-      if (!(v >= 0.0 && v < static_cast<double>(count))) document_.fail("a face names a vertex that does not exist");
-    }
+    if (!std::ranges::all_of(corners, [&](double v) { return v >= 0.0 && v < static_cast<double>(count); }))
+      document_.fail("a face names a vertex that does not exist");
     if (mode == kTriangles && corners.size() % 3 != 0) document_.fail("the last triangle of a primitive is not whole");
     append_faces(corners, mode, static_cast<int>(first), place.linear().determinant() < 0.0);
   }

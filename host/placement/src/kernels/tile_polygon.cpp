@@ -27,6 +27,11 @@ Vec2 enclosing_center(const std::vector<std::array<Vec2, 2>>& edges) {
   return center;
 }
 
+std::size_t slab_at(const PreparedPolygon& p, double y) {
+  const auto last = static_cast<double>(p.slabs.size() - 1);
+  return static_cast<std::size_t>(std::clamp((y - p.slab_low) / p.slab_height, 0.0, last));
+}
+
 void fill_slabs(PreparedPolygon& p) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const auto& e : p.edges) {
@@ -37,12 +42,9 @@ void fill_slabs(PreparedPolygon& p) {
   p.slab_low = low;
   p.slab_height = std::max((high - low) / static_cast<double>(n), 1e-12);
   p.slabs.assign(n, {});
-  const auto slab_of = [&](double y) {
-    return static_cast<std::size_t>(std::clamp((y - low) / p.slab_height, 0.0, static_cast<double>(n - 1)));
-  };
   for (std::size_t k = 0; k < p.edges.size(); ++k) {
     const auto [y0, y1] = std::minmax(p.edges[k][0].y(), p.edges[k][1].y());
-    for (std::size_t s = slab_of(y0); s <= slab_of(y1); ++s) p.slabs[s].push_back(static_cast<int>(k));
+    for (std::size_t s = slab_at(p, y0); s <= slab_at(p, y1); ++s) p.slabs[s].push_back(static_cast<int>(k));
   }
 }
 

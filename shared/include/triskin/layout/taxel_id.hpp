@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "triskin/layout/index.hpp"
 
 namespace triskin::layout {
 
-/// Names a taxel of a skin. Module and taxel travel together, so that nobody exchanges two plain numbers.
+/// Names a taxel of a skin. Module and taxel travel together.
 struct TaxelId {
-  int module = 0;  ///< An id of the design.
-  int taxel = 0;   ///< 0 … kTaxelsPerModule − 1.
+  ModuleId module;
+  TaxelIndex taxel;
   bool operator==(const TaxelId&) const = default;
 };
 

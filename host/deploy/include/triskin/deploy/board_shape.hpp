@@ -7,8 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
 #include "triskin/base/names.hpp"
 #include "triskin/design/design.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/session/controller.hpp"
 
 namespace triskin::device {
@@ -51,17 +53,17 @@ struct BoardShape {
 /// cable, or places with and without a chip. 0 means that they are equal; −1 means that there are so many differences
 /// that this is hardly the patch, or that nothing answers. Throws std::out_of_range for a patch that the design lacks.
 /// Cost: match_topology.
-[[nodiscard]] int shape_difference(const BoardShape& shape, const design::Design& design, int patch);
+[[nodiscard]] int shape_difference(const BoardShape& shape, const design::Design& design, layout::PatchIndex patch);
 
 /// Returns true if the controller of patch `patch` sees this shape when its modules are joined to those of neighbouring
 /// patches, and the patches in `open` (ascending) have no controller with a table, so that it reaches into them. Throws
 /// std::out_of_range for a patch that the design lacks. Cost: topology_across.
-[[nodiscard]] bool reaches_across(const BoardShape& shape, const design::Design& design, int patch,
-                                  std::span<const int> open);
+[[nodiscard]] bool reaches_across(const BoardShape& shape, const design::Design& design, layout::PatchIndex patch,
+                                  std::span<const layout::PatchIndex> open);
 
 struct Seat {
   const design::Design* design = nullptr;
-  int patch = 0;  ///< Patches are numbered from 0 in their design.
+  layout::PatchIndex patch;
 };
 
 /// Boards are compared with seats. Seats are numbered as in the list.
@@ -83,7 +85,7 @@ struct ShapeAssignment {
 /// searched one after the other. Cost: boards · seats calls of shape_difference and of reaches_across.
 [[nodiscard]] ShapeAssignment assign_by_shape(std::span<const BoardShape> shapes, std::span<const Seat> seats);
 /// Makes seats for these patches of a design, which must outlive them.
-[[nodiscard]] std::vector<Seat> seats_of(const design::Design& design, std::span<const int> patches);
+[[nodiscard]] std::vector<Seat> seats_of(const design::Design& design, std::span<const layout::PatchIndex> patches);
 
 /// Gives controllers without a table that share their node address separate addresses, from the highest free one
 /// downwards, so that each can be asked; with `tables` also those with a table. Other controllers are not touched.

@@ -5,9 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
 #include "triskin/base/progress.hpp"
 #include "triskin/deploy/board_shape.hpp"
 #include "triskin/design/design.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/link/touch_actuator.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/patch_table.hpp"
@@ -26,22 +28,22 @@ struct FlashOptions {
   int per_wire = kTasksPerWire;
   /// The controller with this unique id (24 upper-case hexadecimal digits) must serve the patch, whatever it contains.
   struct Assignment {
-    int patch = 0;
+    layout::PatchIndex patch;
     std::string serial;
   };
   std::vector<Assignment> assign;
   /// A robot file can name controllers of another design on the same bus.
   struct Neighbour {
-    std::uint8_t node = 0;
+    layout::NodeAddress node;
     std::uint64_t design_id = 0;  ///< The controller's table is of this design.
     std::string serial;           ///< The serial number is the unique id as in Assignment, or empty when unknown.
     /// The design of the neighbour, if available, helps to tell its new controllers from ours.
     const design::Design* design = nullptr;
-    int patch = 0;
+    layout::PatchIndex patch;
   };
   /// These controllers keep their tables and their addresses.
   std::vector<Neighbour> neighbours;
-  int patch = -1;  ///< Only this patch is flashed; −1 means all.
+  layout::PatchIndex patch = layout::PatchIndex::none();  ///< Only this patch is flashed; −1 means all.
   /// Before anything is written, controllers without a table are distinguished by the shapes of their patches, and
   /// those with equal shapes are refused. False: they get the patches in the order of their unique ids.
   bool recognise = false;
@@ -56,12 +58,12 @@ struct FlashOptions {
 
 struct FlashResult {
   struct Patch {
-    int patch = 0;
+    layout::PatchIndex patch;
     std::string serial;  ///< The serial number is the controller's unique id.
     /// In a dry run this is kNothing, because only flashing shows which controller it will be.
     FoundBy by = FoundBy::kNothing;
-    int old_address = 0;  ///< The controller had this node address before.
-    int address = 0;      ///< The patch has this node address.
+    layout::NodeAddress old_address;  ///< The controller had this node address before.
+    layout::NodeAddress address;      ///< The patch has this node address.
     bool new_address = false;
     bool equal = false;    ///< The controller already had the table.
     bool written = false;  ///< The table was written, read back and compared.

@@ -4,9 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
 #include "triskin/base/progress.hpp"
 #include "triskin/deploy/board_shape.hpp"
 #include "triskin/design/design.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/link/touch_actuator.hpp"
 #include "triskin/session/bus.hpp"
 
@@ -18,18 +20,19 @@ namespace triskin::device {
 inline constexpr std::uint64_t kIdentifyDesign = 0x59464954'4E454449ULL;
 
 struct IdentifyOptions {
-  int patch = -1;         ///< Only this patch is identified; −1 means all that the shapes do not settle.
+  /// Only this patch is identified; −1 means all that the shapes do not settle.
+  layout::PatchIndex patch = layout::PatchIndex::none();
   double limit_s = 60.0;  ///< Waiting for the touch of a patch ends after this time of the link.
   /// Presses the requested patches; null means that a person touches them.
   TouchActuator* actuator = nullptr;
   /// Called when patch `patch` must be touched now.
-  std::function<void(int patch)> ask;
+  std::function<void(layout::PatchIndex patch)> ask;
   /// Called with a sentence when a touch cannot be used, and when a controller is left out.
   std::function<void(const std::string&)> say;
 };
 
 struct IdentifiedBoard {
-  int patch = 0;
+  layout::PatchIndex patch;
   std::string serial;  ///< The serial number is the unique id, or empty when no controller was found.
   FoundBy by = FoundBy::kNothing;
 };

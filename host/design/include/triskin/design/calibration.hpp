@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
 #include "triskin/base/names.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/layout/module.hpp"
@@ -47,7 +48,7 @@ struct PlaceCalibration {
 struct BoardCalibration {
   std::string serial;           ///< The controller's unique id is written in 24 hexadecimal digits.
   std::uint64_t design_id = 0;  ///< The controller had this design at the time of the calibration.
-  int patch = 0;                ///< Patches are numbered from 0 in that design.
+  layout::PatchIndex patch;     ///< The controller had the table of this patch of that design.
   int revision = 1;             ///< The revision starts at 1 and rises by one with each calibration of this controller.
   std::string made;             ///< The time is in UTC, as in "2026-11-22T17:30:00Z".
   wire::CalibrationMethod method = wire::CalibrationMethod::kSteps;
@@ -90,7 +91,7 @@ class SkinCalibration {
   /// known. A module is not calibrated if `boards` lacks its controller or place. Throws std::out_of_range as
   /// wiring_of. Cost: O(modules).
   SkinCalibration(const Design& design, std::span<const BoardCalibration> boards,
-                  const std::function<std::string(int)>& serial_of_patch);
+                  const std::function<std::string(layout::PatchIndex)>& serial_of_patch);
 
   /// Returns true if every module of the patches on this bus has a calibration, so that pressures and forces can be
   /// computed. A single taxel without one, because it did not answer, counts as not pressed.
@@ -103,7 +104,7 @@ class SkinCalibration {
   [[nodiscard]] double counts_per_kpa(layout::TaxelId taxel) const;
   /// Returns the area of skin in mm² that a taxel of the module represents; 0 if it is not calibrated. Throws
   /// std::out_of_range.
-  [[nodiscard]] double taxel_area_mm2(int module) const {
+  [[nodiscard]] double taxel_area_mm2(layout::ModuleId module) const {
     return modules_.at(static_cast<std::size_t>(module)).area_mm2;
   }
   /// Returns the pressure in kPa of a taxel that reads `change_counts` below rest; 0 if it is not calibrated. Throws

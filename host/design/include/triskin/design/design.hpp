@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
 #include "triskin/design/kinds.hpp"
 #include "triskin/design/mesh.hpp"
 #include "triskin/design/module.hpp"
@@ -14,6 +15,7 @@
 #include "triskin/design/piece.hpp"
 #include "triskin/design/price.hpp"
 #include "triskin/design/regions.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/layout/module.hpp"
 
 namespace triskin::design {
@@ -105,7 +107,7 @@ struct Design {
 
 /// Each module has one position in the wiring.
 struct ModuleWiring {
-  int patch = -1;  ///< The number is an index in Design::patches; −1 means that the module is in no patch.
+  layout::PatchIndex patch = layout::PatchIndex::none();  ///< −1 means that the module is in no patch.
   RoutedModule routed;
 };
 /// Returns the wiring of each module, indexed by its id. Errors: std::out_of_range for a patch that names a module the
@@ -114,12 +116,12 @@ struct ModuleWiring {
 
 /// Returns the node address 1 … 126 of the controller of patch `patch` (0-based), or 0 if it is on another bus.
 /// Throws std::out_of_range for a patch without an entry in Design::node_addresses. Constant cost.
-[[nodiscard]] int node_address_of(const Design& design, int patch);
+[[nodiscard]] layout::NodeAddress node_address_of(const Design& design, layout::PatchIndex patch);
 /// Returns the patch whose controller has node address `node`, or −1. Throws as node_address_of. Cost: O(patches).
-[[nodiscard]] int patch_at(const Design& design, int node);
+[[nodiscard]] layout::PatchIndex patch_at(const Design& design, layout::NodeAddress node);
 /// Returns the patches whose controllers are on the current bus, ascending; without Design::node_addresses these are
 /// all. Throws as node_address_of.
-[[nodiscard]] std::vector<int> patches_here(const Design& design);
+[[nodiscard]] std::vector<layout::PatchIndex> patches_here(const Design& design);
 
 /// The centre (mm) and the outward unit normal of a taxel are in the mesh frame.
 struct TaxelPose {

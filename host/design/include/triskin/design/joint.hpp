@@ -4,16 +4,17 @@
 #include <span>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
 #include "triskin/design/design.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/layout/module.hpp"
 
 namespace triskin::design {
 
-/// A port has a far end. `row` is an index in Patch::modules (not a node and not a module id); −1 means that there is
-/// none. It differs from layout::JointEnd, because a design that is checked or simulated may have patches that are too
-/// large for a table, and because code calculates with rows.
+/// A port has a far end; a row of −1 means none. It differs from layout::JointEnd, because a design that is checked
+/// or simulated may have patches that are too large for a table, and because code calculates with rows.
 struct PortEnd {
-  int row = -1;
+  layout::TableRow row = layout::TableRow::none();
   int port = 0;
   bool operator==(const PortEnd&) const = default;
 };
@@ -21,14 +22,13 @@ struct PortEnd {
 using PortEnds = std::vector<std::array<PortEnd, layout::kPorts>>;
 
 /// Returns all joints between modules of one patch by row and port, including those outside the tree; the port with the
-/// entry's cable has none. `patch`: index in design.patches. `rotations`: by row, 0 … 2, as the modules are really
-/// turned; empty means as designed. Errors: std::out_of_range for a patch or module that the design lacks. Cost: O(n²)
-/// of the patch.
-[[nodiscard]] PortEnds joints_of(const Design& design, int patch, std::span<const int> rotations = {});
+/// entry's cable has none. `rotations`: by row, 0 … 2, as the modules are really turned; empty means as designed.
+/// Errors: std::out_of_range for a patch or module that the design lacks. Cost: O(n²) of the patch.
+[[nodiscard]] PortEnds joints_of(const Design& design, layout::PatchIndex patch, std::span<const int> rotations = {});
 
 /// The far end of a port is given by module id; −1 means that there is none.
 struct ModuleEnd {
-  int module = -1;
+  layout::ModuleId module = layout::ModuleId::none();
   int port = 0;
   bool operator==(const ModuleEnd&) const = default;
 };

@@ -12,4 +12,10 @@ namespace triskin::design {
   return 0.5 * (module.corner_mm[s] + module.corner_mm[(s + 1) % 3]);
 }
 
+/// Returns the port, 0 for A … 2 for C, that lies at side `side` (0 … 2) of a module whose port A lies at side
+/// `rotation` (0 … 2).
+[[nodiscard]] constexpr int port_at_side(int side, int rotation) {
+  return (side + 3 - rotation) % 3;
+}
+
 }  // namespace triskin::design

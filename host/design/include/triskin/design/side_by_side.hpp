@@ -16,7 +16,8 @@ struct PlacedCover {
 
 /// The offsets are added to the ids of a cover's modules, patches and islands in the joint design.
 struct CoverOffset {
-  int module = 0, patch = 0, island = 0;
+  layout::SkinModule module;
+  int patch = 0, island = 0;
 };
 
 /// Several covers are joined into one design in a common frame, for pictures and for one simulated bus.

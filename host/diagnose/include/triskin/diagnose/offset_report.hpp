@@ -3,8 +3,10 @@
 #include <string>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
 #include "triskin/base/names.hpp"
 #include "triskin/design/design.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/wire/offsets.hpp"
 
@@ -25,8 +27,8 @@ inline constexpr NameTable kLatchingNames{
 
 /// The controller of a patch has found these offsets for its converters.
 struct PatchOffsets {
-  int patch = 0;             ///< The patch is an index in the design.
-  std::vector<int> modules;  ///< Each row has its module id in the design.
+  layout::PatchIndex patch;
+  std::vector<layout::ModuleId> modules;  ///< Each row has its module id in the design.
   wire::Offsets offsets;
 };
 

@@ -7,10 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
 #include "triskin/base/progress.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/rest_values.hpp"
 #include "triskin/diagnose/finding_kind.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/layout/taxel_signal.hpp"
 #include "triskin/link/touch_actuator.hpp"
 #include "triskin/session/bus.hpp"
@@ -21,13 +23,14 @@ namespace triskin::device {
 /// Each finding is a single difference between hardware and design.
 struct Finding {
   FindingKind kind = FindingKind::kAbsentController;
-  int module = -1;  ///< −1 means that the finding concerns a controller or a line.
-  int patch = -1;
-  int other = -1;  ///< If another module answered instead, this is its id.
-  int line = -1;   ///< The module was found on this line, or the finding concerns the line itself.
+  /// −1 means that the finding concerns a controller or a line.
+  layout::ModuleId module = layout::ModuleId::none();
+  layout::PatchIndex patch = layout::PatchIndex::none();
+  layout::ModuleId other = layout::ModuleId::none();  ///< This other module answered instead; −1 means that none did.
+  int line = -1;  ///< The module was found on this line, or the finding concerns the line itself.
   int address = -1;
-  int taxel = -1;
-  std::vector<int> behind{};      ///< The same cause concerns these further modules, in ascending order.
+  layout::TaxelIndex taxel = layout::TaxelIndex::none();
+  std::vector<layout::ModuleId> behind{};  ///< The same cause concerns these further modules, in ascending order.
   std::uint64_t held_design = 0;  ///< With kWrongTable, the controllers have tables of this other design; 0 means none.
   std::string held_file{};        ///< If a file of that design is known (files_of_design()), its path is here.
   /// Place of the module on the cover ("island 0, row 3 of 9, left rim"), or of the entry of the patch's cable; empty
@@ -43,7 +46,7 @@ struct VerifyOptions {
   /// Presses modules of the design; if it is null, `ask` has a person do it.
   TouchActuator* actuator = nullptr;
   /// Asks a person to press a module and to confirm it; false skips the module. Required for touch without an actuator.
-  std::function<bool(int module)> ask;
+  std::function<bool(layout::ModuleId module)> ask;
   std::vector<StreamDemand> neighbours;  ///< The list is passed on as StreamOptions::neighbours.
   design::RestValues rest;  ///< These rest values are stored on this computer; empty means that they are not known.
   /// The firmware image with debug information names function and line of a crash; without it only addresses are given.

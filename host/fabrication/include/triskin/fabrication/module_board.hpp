@@ -6,7 +6,9 @@
 #include <string_view>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
 #include "triskin/design/design.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/layout/module.hpp"
 
 /// Defines the copper of the strapped module: the only owner of its pads, contacts and rings. It is a proposal until
@@ -83,13 +85,14 @@ struct Strap {
 
 /// States patch, line and address of a module.
 struct ModuleSetting {
-  int id = 0;
-  int patch = -1;              ///< −1 means no patch; the nets of the module are then its own.
+  layout::ModuleId id;
+  /// −1 means no patch; the nets of the module are then its own.
+  layout::PatchIndex patch = layout::PatchIndex::none();
   std::optional<int> line;     ///< The lines are 0 … 3.
   std::optional<int> address;  ///< The addresses are 0 … 3.
 };
 /// Returns the setting of a module of a design. `wiring` must be wiring_of() of the design. Errors: std::out_of_range.
-[[nodiscard]] ModuleSetting setting_of(const std::vector<design::ModuleWiring>& wiring, int id);
+[[nodiscard]] ModuleSetting setting_of(const std::vector<design::ModuleWiring>& wiring, layout::ModuleId id);
 
 /// Returns true when the strap is closed on a module of this setting. Without line and address all are open.
 [[nodiscard]] bool is_closed(const Strap& strap, const ModuleSetting& setting);

@@ -7,7 +7,9 @@
 #include <string_view>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
 #include "triskin/design/design.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/wire/taxel_frames.hpp"
 
@@ -17,7 +19,7 @@ namespace triskin::recording {
 class CdrWriter;
 
 struct ModuleSample {
-  int module = 0;                  ///< The module is an id of the design.
+  layout::ModuleId module;
   std::uint64_t link_time_us = 0;  ///< The sample arrived at this time of the link's clock.
   wire::TaxelFrame sample;         ///< Here `module` is the row in the controller's table.
   std::uint64_t sampled_ns = 0;  ///< The sample was taken at this time since 1970, within ± error_us; 0 means unknown.
@@ -25,13 +27,14 @@ struct ModuleSample {
   static constexpr std::uint32_t kNoBound = UINT32_MAX;
   /// When a recording is read, this is the patch whose controller read the module instead of its own; −1 means that
   /// its own did, or that the recording does not say.
-  int adopter = -1;
+  layout::PatchIndex adopter = layout::PatchIndex::none();
   bool operator==(const ModuleSample&) const = default;
 };
 
 /// The position of a pressed taxel is in the mesh frame.
 struct PressedTaxel {
-  int module = 0, taxel = 0;
+  layout::ModuleId module;
+  layout::TaxelIndex taxel;
   double change_counts = 0.0;  ///< The change from the rest value is above 0.
   design::Vec3 position_mm{0, 0, 0}, normal{0, 0, 0};
   /// The calibration gives this force on the taxel's area of skin; 0 means that there is no calibration.

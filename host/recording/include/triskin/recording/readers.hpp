@@ -6,14 +6,17 @@
 #include <span>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
 #include "triskin/design/design.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/recording/messages.hpp"
 
 namespace triskin::recording {
 
 struct Reader {
-  int patch = -1;         ///< The controller serves this patch; −1 means that it serves none of this design.
-  std::uint8_t node = 0;  ///< Zero means that the controller is on another bus.
+  /// The controller serves this patch; −1 means that it serves none of this design.
+  layout::PatchIndex patch = layout::PatchIndex::none();
+  layout::NodeAddress node;  ///< Zero means that the controller is on another bus.
   bool operator==(const Reader&) const = default;
 };
 
@@ -28,14 +31,14 @@ class Readers {
   [[nodiscard]] bool add(const ModuleSample& sample);
   /// Returns the controller that read a sample. Constant cost.
   [[nodiscard]] Reader of(const ModuleSample& sample) const {
-    return {patch_at_[sample.sample.node_address], sample.sample.node_address};
+    return {patch_at_[sample.sample.node_address], layout::NodeAddress{sample.sample.node_address}};
   }
   /// Returns the readers, indexed by module; the span is valid as long as this object.
   [[nodiscard]] std::span<const Reader> all() const { return readers_; }
 
  private:
   std::vector<Reader> readers_;
-  std::array<int, 256> patch_at_{};  // A node address that belongs to no patch of this design has −1.
+  std::array<layout::PatchIndex, 256> patch_at_{};  // A node address that belongs to no patch of this design has −1.
 };
 
 /// Encodes which controller reads each module from `link_time_us` on.

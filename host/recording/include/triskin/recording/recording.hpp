@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/recording/mcap_file.hpp"
 #include "triskin/recording/messages.hpp"
 #include "triskin/recording/readers.hpp"
@@ -17,16 +19,16 @@ namespace triskin::recording {
 inline constexpr const char *kCalibrationName = "calibration.json", *kRestName = "rest.json";
 
 /// Returns the key of the fact that has the serial number of the controller with a node address.
-[[nodiscard]] inline std::string serial_fact(int node) {
-  return "serial_" + std::to_string(node);
+[[nodiscard]] inline std::string serial_fact(layout::NodeAddress node) {
+  return "serial_" + std::to_string(node.value());
 }
 
 /// Another controller began to read a module.
 struct ReaderChange {
   std::uint64_t link_time_us = 0;  ///< The first sample of the new reader came at this time.
-  int module = 0;                  ///< The module is an id of the design.
-  Reader reader;                   ///< This reader applies from that time on.
-  bool own = false;                ///< True means that the module's own controller reads it again.
+  layout::ModuleId module;
+  Reader reader;     ///< This reader applies from that time on.
+  bool own = false;  ///< True means that the module's own controller reads it again.
 };
 
 /// The summary has the facts that a recording contains about itself, and where it ends.

@@ -6,13 +6,16 @@
 #include <string>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
 #include "triskin/design/design.hpp"
+#include "triskin/layout/index.hpp"
 
 namespace triskin::robot {
 
 /// A touch has the taxel that answered, and the position of the tip in the frame of the robot's link, mm.
 struct Touch {
-  int module = 0, taxel = 0;
+  layout::ModuleId module;
+  layout::TaxelIndex taxel;
   Eigen::Vector3d in_link_mm{0, 0, 0};
 };
 /// Three touches determine a pose, and the others show whether it is right.

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/wire/bus_load.hpp"
 
@@ -26,8 +28,8 @@ struct BusEntry {
 };
 
 struct ControllerEntry {
-  int patch = 0;  ///< The patch belongs to the cover's design and is counted from 0.
-  int node = 0;
+  layout::PatchIndex patch;  ///< The patch belongs to the cover's design.
+  layout::NodeAddress node;
   /// The serial number is the unique id in 24 upper-case hexadecimal digits, or empty while unknown.
   std::string serial;
   std::string bus;  ///< An empty text means that the controller is on the bus of its cover.
@@ -83,7 +85,7 @@ struct Robot {
 [[nodiscard]] Eigen::Isometry3d parse_pose(const std::string& text, const std::string& file);
 /// Parses PATCH=SERIAL, where SERIAL is the unique id with 24 hexadecimal digits, as triskin discover shows it. Throws
 /// InputError.
-[[nodiscard]] std::pair<int, std::string> parse_serial(const std::string& text);
+[[nodiscard]] std::pair<layout::PatchIndex, std::string> parse_serial(const std::string& text);
 /// Makes the pose of x, y, z (mm) and roll, pitch, yaw (rad) about fixed axes, as in URDF and SDF.
 [[nodiscard]] Eigen::Isometry3d pose_of(const std::array<double, 6>& xyz_rpy);
 /// Returns the index of a controller's bus in `robot.buses`; −1 if none has that name.

@@ -54,6 +54,6 @@ class RunningSkin {
 /// Returns the force in N on a module whose taxels changed by `change_counts`, at the nominal sensitivity of the
 /// simulation; changes below the threshold of a touch do not count. `taxel` selects one taxel; −1 means all.
 [[nodiscard]] double force_n(const std::array<double, layout::kTaxelsPerModule>& change_counts, double corner_cut_mm,
-                             int taxel = -1);
+                             layout::TaxelIndex taxel = layout::TaxelIndex::none());
 
 }  // namespace triskin::scenario

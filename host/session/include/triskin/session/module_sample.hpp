@@ -2,6 +2,8 @@
 #pragma once
 #include <cstdint>
 
+#include "triskin/base/format_index.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/session/clock_filter.hpp"
 #include "triskin/wire/taxel_frames.hpp"
 
@@ -9,12 +11,13 @@ namespace triskin::device {
 
 /// A received sample names the module of the design that it belongs to.
 struct ModuleSample {
-  int module = 0;  ///< The module is an id in the design, whereas the frame has a row of the controller's table.
+  layout::ModuleId module;         ///< The frame in `sample` has a row of the controller's table instead.
   std::uint64_t link_time_us = 0;  ///< The frame arrived at this time of the link's clock.
   wire::TaxelFrame sample;
-  int cover = 0;       ///< The number is an index among the designs of the stream.
+  layout::CoverIndex cover{};
   LinkTime sampled{};  ///< ClockFilter computes the time at which the controller took the sample.
-  int adopter = -1;    ///< The controller of this other patch read the module; −1 means that its own controller did.
+  /// The controller of this other patch read the module; −1 means that its own controller did.
+  layout::PatchIndex adopter = layout::PatchIndex::none();
 };
 
 }  // namespace triskin::device

@@ -4,7 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
 #include "triskin/design/design.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/layout/patch_image.hpp"
 
 namespace triskin::device {
@@ -12,8 +14,9 @@ namespace triskin::device {
 /// Selects the tree by which a design is read: the normal one, or one that the design prepared for the failure of a
 /// module or joint.
 struct RouteChoice {
-  int module = -1;  ///< −1 selects the normal route.
-  int other = -1;   ///< −1 means that the module itself failed, otherwise the joint between the two failed.
+  layout::ModuleId module = layout::ModuleId::none();  ///< −1 selects the normal route.
+  /// −1 means that the module itself failed, otherwise the joint between the two failed.
+  layout::ModuleId other = layout::ModuleId::none();
   bool operator==(const RouteChoice&) const = default;
 };
 /// Parses a choice written as "normal", "backup:MODULE" or "backup:MODULE-MODULE" (ids in the design). Throws
@@ -28,10 +31,17 @@ struct RouteChoice {
 /// more than layout::kMaxNodes patches, module ids beyond those that a table can name, a line and address used twice, a
 /// parent that is no neighbour or is listed after its child, a failed entry module; std::out_of_range for a patch that
 /// the design lacks.
-[[nodiscard]] layout::PatchImage image_of(const design::Design& design, int patch, const RouteChoice& choice = {});
+[[nodiscard]] layout::PatchImage image_of(const design::Design& design, layout::PatchIndex patch,
+                                          const RouteChoice& choice = {});
+
+/// Returns the patch whose normal table for the controller at `node` has the checksum `crc`; −1 if none has. The
+/// addresses in the design do not matter, because a robot file may have given others when the table was written. Throws
+/// as image_of. Cost: one image for each patch.
+[[nodiscard]] layout::PatchIndex patch_of_table(const design::Design& design, layout::NodeAddress node,
+                                                std::uint32_t crc);
 
 /// Returns the module of a row of a table of `design`: the id without the number of the kind. Constant cost.
-[[nodiscard]] int module_of(const design::Design& design, const layout::ModuleRow& row);
+[[nodiscard]] layout::ModuleId module_of(const design::Design& design, const layout::ModuleRow& row);
 /// Returns the number of the module's kind; 0 for a design without kinds. The design may lack that kind. Constant cost.
 [[nodiscard]] int kind_of_row(const design::Design& design, const layout::ModuleRow& row);
 

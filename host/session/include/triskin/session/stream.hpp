@@ -62,19 +62,19 @@ class Stream {
   /// Returns the account of every module and of the bus.
   [[nodiscard]] StreamReport report() const { return report_of(kAllCovers); }
   /// Returns the account of the modules of one of several designs; its budget is that of the bus.
-  [[nodiscard]] StreamReport report(int cover) const { return report_of(cover); }
+  [[nodiscard]] StreamReport report(layout::CoverIndex cover) const { return report_of(cover); }
   /// Returns how the samples fit the bus.
   [[nodiscard]] const BusBudget& budget() const { return budget_; }
 
  private:
-  static constexpr int kAllCovers = -1;
+  static constexpr layout::CoverIndex kAllCovers = layout::CoverIndex::none();
   struct Node {
-    int cover = 0;
-    int patch = 0;
-    std::vector<int> modules;           // Modules are indexed by the row of the table.
-    std::vector<SampleAccount> counts;  // Counts are indexed by the row of the table.
-    std::uint64_t interval_us = 0;      // Two samples of a module are nominally this far apart.
-    std::uint64_t heard_us = 0;         // The node's latest frame arrived at this time of the link's clock.
+    layout::CoverIndex cover;
+    layout::PatchIndex patch;
+    std::vector<layout::ModuleId> modules;  // Modules are indexed by the row of the table.
+    std::vector<SampleAccount> counts;      // Counts are indexed by the row of the table.
+    std::uint64_t interval_us = 0;          // Two samples of a module are nominally this far apart.
+    std::uint64_t heard_us = 0;             // The node's latest frame arrived at this time of the link's clock.
     std::uint64_t begin_device_us = 0;
     ClockFilter clock;
     std::uint64_t asked_us = 0;          // The node was last asked for its clock at this time of the link's clock.
@@ -86,9 +86,9 @@ class Stream {
     // These frames arrived before the account began; the time of arrival is stored with each.
     std::deque<std::pair<wire::TaxelFrame, std::uint64_t>> early;
   };
-  void find_controllers(const design::Design& design, int cover, const StreamOptions& options);
+  void find_controllers(const design::Design& design, layout::CoverIndex cover, const StreamOptions& options);
   wire::SamplingSetting set_sampling(Controller& controller, const Node& node, const StreamOptions& options);
-  [[nodiscard]] StreamReport report_of(int cover) const;
+  [[nodiscard]] StreamReport report_of(layout::CoverIndex cover) const;
   [[nodiscard]] std::string name_of(const Node& node) const;
   void choose_rate(const StreamOptions& options);
   void begin(std::uint8_t address, Node& node);
@@ -102,7 +102,7 @@ class Stream {
   void take(Node& node, const wire::TaxelFrame& sample, std::uint64_t heard_us);
   void take_adopted(Node& node, const wire::TaxelFrame& sample, std::uint64_t heard_us);
   void ask_adopted();
-  [[nodiscard]] bool read_by_another(const Node& node, int module) const;
+  [[nodiscard]] bool read_by_another(const Node& node, layout::ModuleId module) const;
   void end(std::uint8_t address, Node& node);
   void wait_for_rest();
   [[nodiscard]] std::uint64_t silence_us(const Node& node) const;

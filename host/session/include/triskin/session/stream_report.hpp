@@ -4,17 +4,19 @@
 #include <string_view>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/session/bus_budget.hpp"
 #include "triskin/session/sample_account.hpp"
 
 namespace triskin::device {
 
 struct ModuleCounts {
-  int module = 0;  ///< The module is an id of the design.
-  int patch = 0;
+  layout::ModuleId module;
+  layout::PatchIndex patch;
   SampleCounts counts;
   bool slow = false;  ///< True means that the controller took fewer than 0.9 of the samples that the rate demands.
-  int cover = 0;      ///< The number is an index among the designs of the stream.
+  layout::CoverIndex cover{};
   /// Returns true if samples were due and none with data arrived.
   [[nodiscard]] bool never_heard() const { return counts.expected > 0 && counts.with_data == 0; }
 };
@@ -22,16 +24,16 @@ struct ModuleCounts {
 /// The controller of another patch read this module for a time (docs/adoption.md). The module also has an account of
 /// its own controller in StreamReport::modules.
 struct AdoptedCounts {
-  int module = -1;  ///< The module is an id of the design; −1 means that the design has no module there.
-  int patch = 0;    ///< The controller of this patch read the module.
+  layout::ModuleId module = layout::ModuleId::none();  ///< −1 means that the design has no module there.
+  layout::PatchIndex patch;                            ///< The controller of this patch read the module.
   SampleCounts counts;
   bool now = false;  ///< True means that samples still arrive.
-  int cover = 0;     ///< The number is an index among the designs of the stream.
+  layout::CoverIndex cover{};
 };
 
 struct ClockState {
-  int cover = 0;  ///< The number is an index among the designs of the stream.
-  int patch = 0;
+  layout::CoverIndex cover{};
+  layout::PatchIndex patch;
   std::uint8_t node = 0;
   double drift_ppm = 0.0;  ///< The clock of the link runs faster than the controller's by this.
   /// The time of the latest sample has at most this error; LinkTime::kUnbounded means that no bound is known.
@@ -47,12 +49,13 @@ struct StreamReport {
   std::uint64_t lost_bus = 0;  ///< Of total.on_the_way, this part was lost between the controller and this computer.
   /// Of total.on_the_way, this part was lost because this computer discarded it or renewed its lease too late.
   std::uint64_t lost_host = 0;
-  std::vector<int> never_heard;    ///< These modules sent no sample with data.
-  std::vector<int> slow;           ///< These modules were sampled less often than the rate demands.
-  std::vector<int> starved;        ///< These patches lost over 1 % of their samples because the bus had no room.
-  std::vector<int> silent;         ///< The controllers of these patches did not answer for a time.
-  std::vector<ClockState> clocks;  ///< The list is sorted by node address.
-  int lapses = 0;                  ///< This computer renewed its lease too late this often.
+  std::vector<layout::ModuleId> never_heard;  ///< These modules sent no sample with data.
+  std::vector<layout::ModuleId> slow;         ///< These modules were sampled less often than the rate demands.
+  /// These patches lost over 1 % of their samples because the bus had no room.
+  std::vector<layout::PatchIndex> starved;
+  std::vector<layout::PatchIndex> silent;  ///< The controllers of these patches did not answer for a time.
+  std::vector<ClockState> clocks;          ///< The list is sorted by node address.
+  int lapses = 0;                          ///< This computer renewed its lease too late this often.
   BusBudget budget;
   /// Returns true if every sample that was due arrived, with data from every module.
   [[nodiscard]] bool complete() const {

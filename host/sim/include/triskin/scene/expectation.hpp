@@ -7,7 +7,9 @@
 #include <string_view>
 #include <utility>
 
+#include "triskin/base/format_index.hpp"
 #include "triskin/base/names.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/wire/module_state.hpp"
 
 namespace triskin::scene {
@@ -39,8 +41,8 @@ struct Expectation {
   };
   Kind kind = Kind::kPressed;
   std::string part{};  ///< In a scene of a robot, a part of it; if it is empty, the whole robot.
-  int module = -1;     ///< The module is an id of the design; −1 means the whole skin of the part or robot.
-  int taxel = -1;      ///< −1 means all taxels of the module.
+  layout::ModuleId module = layout::ModuleId::none();     ///< −1 means the whole skin of the part or robot.
+  layout::TaxelIndex taxel = layout::TaxelIndex::none();  ///< −1 means all taxels of the module.
   std::uint64_t from_us = 0;
   /// Every sample until then counts; if it is empty, only the first of each module from `from_us` on.
   std::optional<std::uint64_t> until_us{};

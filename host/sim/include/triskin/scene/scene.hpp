@@ -9,8 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
 #include "triskin/base/names.hpp"
 #include "triskin/design/design.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/scene/ad7147.hpp"
 #include "triskin/scene/contact.hpp"
 #include "triskin/scene/effects.hpp"
@@ -88,7 +90,12 @@ inline constexpr NameTable kFaultKindNames{std::array<std::pair<FaultKind, std::
 
 struct Fault {
   FaultKind kind = FaultKind::kRemovedChip;
-  int module = -1, other = -1, patch = -1, line = -1, address = -1, taxel = -1;
+  layout::ModuleId module = layout::ModuleId::none(), other = layout::ModuleId::none();
+  layout::PatchIndex patch = layout::PatchIndex::none();
+  /// Scene files call this patch `other` as well; only kSwappedPatches has it.
+  layout::PatchIndex other_patch = layout::PatchIndex::none();
+  int line = -1, address = -1;
+  layout::TaxelIndex taxel = layout::TaxelIndex::none();
   int value = 0, bit = -1;
   bool stuck_scl = false;
   int frees_after_pulses = 0;
@@ -161,17 +168,17 @@ struct Scene {
 
 /// Returns the unique id of the controller of patch `patch` (0-based) of a scene: from `boards`, or else as
 /// `board_seed` says. Equal scenes give equal ids. Throws std::out_of_range for a patch that `boards` lacks.
-[[nodiscard]] wire::UniqueId unique_id_of(const Scene& scene, std::size_t patch);
+[[nodiscard]] wire::UniqueId unique_id_of(const Scene& scene, layout::PatchIndex patch);
 
 /// Returns a number that is equal for scenes with the same faults and the same kind of modules.
 [[nodiscard]] std::uint64_t hardware_id(const Scene& scene);
 
 /// Returns the rotation 0..2 of a module (id in the design) as assembled: the design's, changed by the faults that are
 /// present at virtual time `at_us`. Throws std::out_of_range for a module that the design lacks.
-[[nodiscard]] int real_rotation(const Scene& scene, int module, std::uint64_t at_us = 0);
+[[nodiscard]] int real_rotation(const Scene& scene, layout::ModuleId module, std::uint64_t at_us = 0);
 
 /// Returns the centroid of a module's corners in the mesh frame, mm. Throws std::out_of_range for a module that the
 /// design lacks.
-[[nodiscard]] design::Vec3 center_of(const design::Design& design, int module);
+[[nodiscard]] design::Vec3 center_of(const design::Design& design, layout::ModuleId module);
 
 }  // namespace triskin::scene

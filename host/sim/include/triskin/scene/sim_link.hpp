@@ -18,10 +18,10 @@ class InProcessLink : public Link, public TouchActuator {
   [[nodiscard]] std::uint64_t now_us() const override { return skin_.now_us(); }
   [[nodiscard]] bool fd() const override { return true; }
   [[nodiscard]] std::uint64_t answer_us() const override;
-  void press(int module) override;
+  void press(layout::ModuleId module) override;
   void press(layout::TaxelId taxel) override;
   void lift() override;
-  void pressurize(int module, double kpa) override { skin_.pressurize(module, kpa); }
+  void pressurize(layout::ModuleId module, double kpa) override { skin_.pressurize(module, kpa); }
   /// Returns the simulated hardware, so that it can be changed while it runs.
   [[nodiscard]] scene::VirtualSkin& skin() { return skin_; }
 

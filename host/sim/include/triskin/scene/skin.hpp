@@ -8,6 +8,8 @@
 #include <optional>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/layout/taxel_signal.hpp"
 #include "triskin/mechanics/footprint.hpp"
@@ -38,24 +40,28 @@ struct Touch {
 class ModuleSkin final : public CapacitanceSource {
  public:
   /// Makes module `module` (id in the design), turned by `rotation` 0..2. It copies what it needs from the scene.
-  ModuleSkin(const Scene& scene, int module, int rotation);
+  ModuleSkin(const Scene& scene, layout::ModuleId module, int rotation);
   [[nodiscard]] double counts(int cin, std::uint64_t at_us) const override;
   /// Returns the capacitance of taxel 0..11 in counts, without touch, drift and noise.
-  [[nodiscard]] double rest_counts(int taxel) const { return rest_counts_[static_cast<std::size_t>(taxel)]; }
+  [[nodiscard]] double rest_counts(layout::TaxelIndex taxel) const {
+    return rest_counts_[static_cast<std::size_t>(taxel)];
+  }
 
   /// Returns the response of taxel 0..11 to 1 kPa in counts.
-  [[nodiscard]] double counts_per_kpa(int taxel) const { return counts_per_kpa_[static_cast<std::size_t>(taxel)]; }
+  [[nodiscard]] double counts_per_kpa(layout::TaxelIndex taxel) const {
+    return counts_per_kpa_[static_cast<std::size_t>(taxel)];
+  }
 
   /// Adds a contact that may press the pads; it must outlive its presence here.
   void add(const Touch& touch);
   /// Removes a contact; it has no effect when the contact is not there.
   void remove(int touch_id);
   /// Sets taxel 0..11 to an end of its range from virtual time `from_us` until `until_us`, exclusive.
-  void saturate(int taxel, std::uint64_t from_us = 0, std::uint64_t until_us = kForever) {
+  void saturate(layout::TaxelIndex taxel, std::uint64_t from_us = 0, std::uint64_t until_us = kForever) {
     broken_.push_back({static_cast<std::size_t>(taxel), true, from_us, until_us});
   }
   /// Freezes taxel 0..11 at its rest value from virtual time `from_us` until `until_us`, exclusive.
-  void freeze(int taxel, std::uint64_t from_us = 0, std::uint64_t until_us = kForever) {
+  void freeze(layout::TaxelIndex taxel, std::uint64_t from_us = 0, std::uint64_t until_us = kForever) {
     broken_.push_back({static_cast<std::size_t>(taxel), false, from_us, until_us});
   }
   /// Moves the taxels to `position_mm` from virtual time `from_us` on; calls must be in the order of time.
@@ -106,7 +112,7 @@ class Skin {
   Skin& operator=(const Skin&) = delete;
 
   /// Returns line 0..3 of patch `patch` (0-based).
-  [[nodiscard]] I2cLineModel& line(int patch, int line);
+  [[nodiscard]] I2cLineModel& line(layout::PatchIndex patch, int line);
   /// Puts a finger on the skin and returns its id, ≥ 1. Cost: one test per module.
   int press(const Contact& contact);
   /// Lifts the finger `id` at virtual time `now_us`; it has no effect when the finger is gone. Earlier samples still
@@ -114,14 +120,16 @@ class Skin {
   void release(int id, std::uint64_t now_us);
   /// Puts every pad of a module (−1: all modules) under `kpa` from virtual time `now_us` on, in addition to the
   /// contacts. Throws std::out_of_range for a module that does not exist. Cost: O(modules).
-  void pressurize(int module, double kpa, std::uint64_t now_us);
+  void pressurize(layout::ModuleId module, double kpa, std::uint64_t now_us);
   /// Calls ModuleSkin::show of a module. Throws std::out_of_range.
-  void show(int module, const std::array<double, layout::kTaxelsPerModule>& counts) {
+  void show(layout::ModuleId module, const std::array<double, layout::kTaxelsPerModule>& counts) {
     modules_.at(static_cast<std::size_t>(module)).show(counts);
   }
   [[nodiscard]] std::size_t modules() const { return modules_.size(); }
   /// Returns the pads of module 0 … modules() − 1. Throws std::out_of_range.
-  [[nodiscard]] const ModuleSkin& module(int id) const { return modules_.at(static_cast<std::size_t>(id)); }
+  [[nodiscard]] const ModuleSkin& module(layout::ModuleId id) const {
+    return modules_.at(static_cast<std::size_t>(id));
+  }
 
  private:
   void turn_modules(const Scene& scene);

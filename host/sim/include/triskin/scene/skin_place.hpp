@@ -2,14 +2,16 @@
 #pragma once
 #include <optional>
 
+#include "triskin/base/format_index.hpp"
 #include "triskin/design/design.hpp"
+#include "triskin/layout/index.hpp"
 
 namespace triskin::scene {
 
 /// A place is a point of the skin, that is, of the triangle of a module.
 struct SkinPlace {
   design::Vec3 position_mm{0, 0, 0};
-  int module = -1;           ///< The module is an id of the design.
+  layout::ModuleId module = layout::ModuleId::none();
   double distance_mm = 0.0;  ///< The distance is measured from the requested point or ray.
 };
 

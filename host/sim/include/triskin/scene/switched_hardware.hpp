@@ -4,6 +4,8 @@
 #include <deque>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/scene/scene.hpp"
 #include "triskin/scene/switched_patch.hpp"
 
@@ -20,11 +22,15 @@ class SwitchedHardware {
   /// Returns false if the scene has strapped modules.
   [[nodiscard]] bool present() const { return !patches_.empty(); }
   /// Returns the modules of patch `patch` (0-based), with those that are joined to them. Throws std::out_of_range.
-  [[nodiscard]] SwitchedPatch& patch(int patch) { return patches_.at(joined_ ? 0U : static_cast<std::size_t>(patch)); }
+  [[nodiscard]] SwitchedPatch& patch(layout::PatchIndex patch) {
+    return patches_.at(joined_ ? 0U : static_cast<std::size_t>(patch));
+  }
   /// Returns the number that the controller of a patch has in patch(). Throws nothing.
-  [[nodiscard]] int controller_of(int patch) const { return joined_ ? patch : 0; }
+  [[nodiscard]] int controller_of(layout::PatchIndex patch) const { return joined_ ? patch.value() : 0; }
   /// Returns the position of a module (id in the design) in patch(). Throws std::out_of_range.
-  [[nodiscard]] int row_of(int module) const { return row_.at(static_cast<std::size_t>(module)); }
+  [[nodiscard]] layout::TableRow row_of(layout::ModuleId module) const {
+    return row_.at(static_cast<std::size_t>(module));
+  }
 
   /// Starts and ends the faults that are due at virtual time `now_us`.
   void advance(std::uint64_t now_us);
@@ -37,7 +43,7 @@ class SwitchedHardware {
     Fault fault;
     bool begins = true;
   };
-  void add_patch(const Scene& scene, int patch);
+  void add_patch(const Scene& scene, layout::PatchIndex patch);
   void add_joined_patches(const Scene& scene);
   void plug_second_cable(const design::Patch& designed, const std::vector<int>& rotations);
   void apply(const Fault& fault, bool begins);
@@ -45,8 +51,10 @@ class SwitchedHardware {
   bool joined_ = false;
   std::deque<SwitchedPatch> patches_;
   std::vector<design::PortEnds> joints_;  // These are the joints of patches_.
-  std::vector<int> patch_, row_;          // Both are indexed by module: the index in patches_, and the row there.
-  std::vector<Event> events_;             // Events are sorted by time.
+  // Both are indexed by module: the index in patches_, and the row there.
+  std::vector<int> patch_;
+  std::vector<layout::TableRow> row_;
+  std::vector<Event> events_;  // Events are sorted by time.
   std::size_t next_ = 0;
 };
 

@@ -7,7 +7,9 @@
 #include <span>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
 #include "triskin/design/joint.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/sim/chain_model.hpp"
 
 namespace triskin::scene {
@@ -41,30 +43,30 @@ class SwitchedPatch final : public sim::ChainModel {
   /// Plugs a second cable of a controller into a port without joint.
   void set_second_cable(End end, int controller = 0) { at_controller(controller).cables[1] = end; }
   /// Removes the supply of a module's logic (true) or restores it.
-  void set_dead(int module, bool dead);
+  void set_dead(layout::TableRow module, bool dead);
   /// Sets the fault of the joint at `end`, for both of its ends.
   void set_joint(End end, JointFault fault);
   /// Makes the module hold `line` low while its switches are closed; −1 means none.
-  void set_stuck_line(int module, int line);
+  void set_stuck_line(layout::TableRow module, int line);
   /// Fixes output bit 0..7 of the module's register at 0 or 1; value −1 means that none is fixed.
-  void set_stuck_bit(int module, int bit, int value);
+  void set_stuck_bit(layout::TableRow module, int bit, int value);
   /// Clears the register of one module, as a dip of its supply does.
-  void reset_alone(int module);
+  void reset_alone(layout::TableRow module);
   /// Sets the probability, 0..1, that a bit flips while it passes one module.
   void set_bit_error_rate(double rate) { bit_errors_ = rate; }
 
   /// Returns true if the lines of a controller reach the module.
-  [[nodiscard]] bool reached(int module) const { return controller_of(module) >= 0; }
+  [[nodiscard]] bool reached(layout::TableRow module) const { return controller_of(module) >= 0; }
   /// Returns the controller whose lines reach the module, or −1.
-  [[nodiscard]] int controller_of(int module) const { return walk_up(module).controller; }
+  [[nodiscard]] int controller_of(layout::TableRow module) const { return walk_up(module).controller; }
   /// Bit l is set if line l of a controller is low while nobody drives it.
   [[nodiscard]] std::uint8_t stuck_lines(int controller) const;
   /// Returns the line, 0..3, that the module's register selects.
-  [[nodiscard]] int line_of(int module) const { return output(module) & 3; }
+  [[nodiscard]] int line_of(layout::TableRow module) const { return output(module) & 3; }
   /// Returns the address, 0..3, on that line that the module's register selects.
-  [[nodiscard]] int address_of(int module) const { return output(module) >> 2 & 3; }
+  [[nodiscard]] int address_of(layout::TableRow module) const { return output(module) >> 2 & 3; }
   /// Returns the number of joints between module and cable; −1 if the module is not reached.
-  [[nodiscard]] int depth_of(int module) const { return walk_up(module).depth; }
+  [[nodiscard]] int depth_of(layout::TableRow module) const { return walk_up(module).depth; }
   /// Returns the time in µs that exchanges of the chain have taken since construction.
   [[nodiscard]] double time_us() const { return time_us_; }
 

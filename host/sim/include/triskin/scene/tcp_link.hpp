@@ -72,16 +72,16 @@ class TcpLink final : public Link, public TouchActuator {
   [[nodiscard]] std::uint64_t answer_us() const override { return 2'000'000; }
   [[nodiscard]] std::string name() const override { return name_; }
   [[nodiscard]] std::string when_silent() const override;
-  void press(int module) override;
+  void press(layout::ModuleId module) override;
   void press(layout::TaxelId taxel) override;
   void lift() override;
-  void pressurize(int module, double kpa) override;
+  void pressurize(layout::ModuleId module, double kpa) override;
   /// The value is known once the first frame has arrived.
   [[nodiscard]] std::uint64_t sample_ns(std::uint8_t) const override { return wire::full_sample_ns(rates_); }
 
  private:
   /// Sends where the finger presses; `pad` is a taxel or record::kWholeModule.
-  void send_press(int module, std::uint8_t pad);
+  void send_press(layout::ModuleId module, std::uint8_t pad);
   void write_all(const std::vector<std::uint8_t>& bytes);
   /// Returns the next frame among the received bytes; empty if none is complete.
   std::optional<wire::CanFrame> frame_received();

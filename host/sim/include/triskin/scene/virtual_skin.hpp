@@ -7,6 +7,8 @@
 #include <memory>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/layout/taxel_id.hpp"
 #include "triskin/scene/board_clock.hpp"
 #include "triskin/scene/flash_memory.hpp"
@@ -53,7 +55,7 @@ class VirtualSkin {
 
   /// Puts a finger on the module for which it is meant (the fault finger_elsewhere moves it); it covers all of its
   /// taxels. Returns an id for release.
-  int press_module(int module);
+  int press_module(layout::ModuleId module);
   /// Puts a finger tip on one taxel, otherwise as above.
   int press_taxel(layout::TaxelId taxel);
   /// Lifts the finger with this id; it has no effect when the finger is gone.
@@ -61,7 +63,7 @@ class VirtualSkin {
 
   /// Puts the pads of a module (-1: all modules) under `kpa` ≥ 0, in addition to the fingers. Throws
   /// std::out_of_range.
-  void pressurize(int module, double kpa) { skin_.pressurize(module, kpa, now_us_); }
+  void pressurize(layout::ModuleId module, double kpa) { skin_.pressurize(module, kpa, now_us_); }
 
   /// Returns the flash of one controller, in which its power can be cut; a controller that lost power is dead until it
   /// is powered again.
@@ -110,7 +112,7 @@ class VirtualSkin {
   struct Node {
     std::unique_ptr<FlashMemory> flash, slots;
     BoardClock clock;
-    int plugged = -1;  // The cable leads to this patch.
+    layout::PatchIndex plugged = layout::PatchIndex::none();  // The cable leads to this patch.
     std::deque<ClockedLine> lines;
     sim::VirtualBoard board;
     std::unique_ptr<sim::VirtualController> controller;
@@ -125,10 +127,10 @@ class VirtualSkin {
   static constexpr std::size_t kHost = ~std::size_t{0};
 
   /// Returns the module that the finger meets when it is meant for `module`.
-  [[nodiscard]] int touched_instead_of(int module) const;
+  [[nodiscard]] layout::ModuleId touched_instead_of(layout::ModuleId module) const;
   bool run(std::uint64_t until_us, bool stop_at_frame);
   void build(std::size_t patch, const std::filesystem::path& state_folder, bool other_hardware);
-  void plug_in(Node& node, int patch);
+  void plug_in(Node& node, layout::PatchIndex patch);
   void exchange_cables();
   [[nodiscard]] std::unique_ptr<sim::VirtualController> make_controller(std::size_t patch);
   void power_up(std::size_t patch);

@@ -8,8 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
 #include "triskin/base/progress.hpp"
 #include "triskin/design/calibration.hpp"
+#include "triskin/layout/index.hpp"
+#include "triskin/layout/taxel_id.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/stream_options.hpp"
 #include "triskin/skin/touch_map.hpp"
@@ -36,13 +39,13 @@ struct SensitivityLine {
 
 /// A pressure that is held constant while samples are taken.
 struct PressureStep {
-  double pressure_kpa = 0.0;  ///< Pressures are not negative.
-  int module = -1;            ///< The pressure acts on this module; −1 means on all modules.
+  double pressure_kpa = 0.0;                           ///< Pressures are not negative.
+  layout::ModuleId module = layout::ModuleId::none();  ///< The pressure acts on this module; −1 means on all.
 };
 /// Returns the steps of a calibration: first rest, then each pressure on each of `modules` in turn, or on all modules
 /// at once if `modules` is empty.
 [[nodiscard]] std::vector<PressureStep> pressure_steps(std::span<const double> pressures_kpa,
-                                                       std::span<const int> modules);
+                                                       std::span<const layout::ModuleId> modules);
 
 /// A gauge recorded this varying pressure on the whole skin.
 class PressureRamp {
@@ -77,7 +80,7 @@ struct CalibrateOptions {
   StreamOptions stream;                  ///< These options decide how samples are read.
   /// The calibration states by which method it was made.
   wire::CalibrationMethod method = wire::CalibrationMethod::kSteps;
-  std::vector<int> modules;  ///< Only these modules are calibrated, in ascending order; empty means all.
+  std::vector<layout::ModuleId> modules;  ///< Only these modules are calibrated, in ascending order; empty means all.
   /// The function applies a step and returns when the pressure is steady. It may throw Cancelled.
   std::function<void(const PressureStep&)> apply;
   ProgressSink progress;
@@ -85,17 +88,17 @@ struct CalibrateOptions {
 
 /// Returns the modules that these options calibrate, in ascending order: the given ones, or all of the patches on this
 /// bus.
-[[nodiscard]] std::vector<int> wanted_modules(const design::Design& design, const CalibrateOptions& options);
+[[nodiscard]] std::vector<layout::ModuleId> wanted_modules(const design::Design& design,
+                                                           const CalibrateOptions& options);
 
 struct CalibrationOutcome {
   /// These modules were measured, in ascending order. Boards without one of them are left out, and so are the places of
   /// all other modules.
-  std::vector<int> measured;
+  std::vector<layout::ModuleId> measured;
   /// Revision is 1 and `made` is empty, because the store sets both.
   std::vector<design::BoardCalibration> boards;
-  design::RestValues rest;  ///< Rest values are those of the taxels without pressure.
-  /// Each pair is a module and a pressure taxel that could not be calibrated.
-  std::vector<std::pair<int, int>> without;
+  design::RestValues rest;               ///< Rest values are those of the taxels without pressure.
+  std::vector<layout::TaxelId> without;  ///< These pressure taxels could not be calibrated.
   design::CalibrationQuality quality;
 };
 /// Takes samples at each step and fits every taxel. If a person ends it (Cancelled), modules whose steps are all done

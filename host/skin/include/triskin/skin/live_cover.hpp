@@ -19,8 +19,8 @@ namespace triskin::device {
 /// All readers of a skin receive samples in this form, one module each. Bit t of `valid` and element t of the arrays
 /// belong to taxel t.
 struct LiveSample {
-  int cover = 0;   ///< The number is an index in LiveBus::covers().
-  int module = 0;  ///< The number is an id in the design of the cover.
+  layout::CoverIndex cover;  ///< The number is an index in LiveBus::covers().
+  layout::ModuleId module;   ///< The id belongs to the design of the cover.
   /// Pressure lowers a taxel below its rest value by this many counts; 0 where the rest value is not known.
   std::array<double, layout::kTaxelsPerModule> change_counts{};
   /// The pressure is given in kPa as well; empty for a cover without a calibration.
@@ -79,7 +79,7 @@ class LiveCover {
   [[nodiscard]] const TouchMap& touches() const { return monitor().touches(); }
   /// Handles a sample and returns it in the common form. `cover` is the index of this cover, `unix_ns` the calendar
   /// time at which the sample was taken.
-  LiveSample take(const ModuleSample& sample, int cover, std::uint64_t unix_ns);
+  LiveSample take(const ModuleSample& sample, layout::CoverIndex cover, std::uint64_t unix_ns);
 
   /// Starts to take new rest values, again if a tare is already running; nothing may touch the cover.
   void begin_tare(std::uint64_t now_us) { tare_->begin(now_us); }

@@ -50,18 +50,19 @@ class LiveMonitor {
   /// Closes a period of `seconds` (> 0): rates are those of the last closed period.
   void close_period(double seconds);
   /// Returns the samples per second and module of a patch in the last period; 0 when none arrived.
-  [[nodiscard]] double rate_hz(int patch) const;
+  [[nodiscard]] double rate_hz(layout::PatchIndex patch) const;
   /// Counts the modules of a patch whose latest sample reports a fault.
-  [[nodiscard]] int faults(int patch) const;
+  [[nodiscard]] int faults(layout::PatchIndex patch) const;
   /// Counts the modules of a patch that never sent a sample.
-  [[nodiscard]] int unheard(int patch) const;
+  [[nodiscard]] int unheard(layout::PatchIndex patch) const;
   /// Draws the patch in its shape, with the highest row first. Each module has a cell, which points up or down as the
   /// module does and shows the largest pressure of its taxels, or its fault. `colour` uses the colours of a terminal;
   /// `columns` is the width of the picture in characters (0: no limit). If a patch lies on several islands, they are
   /// drawn side by side as far as the width permits, each under its name. If an island is too wide, its cells first
   /// lose the space between them and then shrink to one character: tenths of the range, 0 … 9, ! for a fault. What is
   /// still too wide is cut at the right and ends in "…".
-  [[nodiscard]] std::vector<std::string> picture(int patch, PressureUnit unit, bool colour, int columns = 0) const;
+  [[nodiscard]] std::vector<std::string> picture(layout::PatchIndex patch, PressureUnit unit, bool colour,
+                                                 int columns = 0) const;
 
  private:
   struct Module {
@@ -70,11 +71,11 @@ class LiveMonitor {
     std::uint64_t samples = 0;  // Only samples of the present period count.
     double rate_hz = 0.0;       // The rate belongs to the last period.
   };
-  [[nodiscard]] const std::vector<design::RoutedModule>& modules_of(int patch) const;
+  [[nodiscard]] const std::vector<design::RoutedModule>& modules_of(layout::PatchIndex patch) const;
   enum class CellForm { kSpaced, kClose, kDigit };
   // The outer key is the row, the inner key the column, and the value the module.
-  using Rows = std::map<int, std::map<int, int>, std::greater<>>;
-  [[nodiscard]] std::string cell(int module, PressureUnit unit, bool colour, CellForm form) const;
+  using Rows = std::map<int, std::map<int, layout::ModuleId>, std::greater<>>;
+  [[nodiscard]] std::string cell(layout::ModuleId module, PressureUnit unit, bool colour, CellForm form) const;
   [[nodiscard]] std::vector<std::string> island_picture(const Rows& rows, PressureUnit unit, bool colour,
                                                         std::size_t columns) const;
 

@@ -9,6 +9,8 @@
 #include <thread>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/session/sample_account.hpp"
 #include "triskin/skin/live_skin.hpp"
 
@@ -16,7 +18,7 @@ namespace triskin::device {
 
 /// The sample waits in the queue until a caller reads it.
 struct QueuedSample {
-  int module = 0;             ///< Modules are numbered through all covers.
+  layout::SkinModule module;
   std::uint64_t unix_ns = 0;  ///< The controller took the sample at this time, in ns since 1970.
   /// The time has at most this error; LinkTime::kUnbounded means that it is not known yet.
   std::uint32_t error_us = 0;
@@ -30,7 +32,8 @@ class SampleQueue {
  public:
   /// `skin` must be open and outlive the queue. `first_modules` has the number of the first module of each cover,
   /// indexed by cover of the site; `modules` is the total. Samples older than `keep_s` that nobody reads are dropped.
-  SampleQueue(LiveSkin& skin, std::vector<int> first_modules, std::size_t modules, double keep_s, bool virtual_time);
+  SampleQueue(LiveSkin& skin, std::vector<layout::SkinModule> first_modules, std::size_t modules, double keep_s,
+              bool virtual_time);
   /// Ends the streams.
   ~SampleQueue();
   SampleQueue(const SampleQueue&) = delete;
@@ -56,7 +59,7 @@ class SampleQueue {
   /// no valid sample arrived, and the exception that ended the streams.
   void tare();
   /// Returns the latest pressure on each taxel of a module in counts below rest; 0 where nothing is known.
-  [[nodiscard]] std::array<double, layout::kTaxelsPerModule> change_counts(int module);
+  [[nodiscard]] std::array<double, layout::kTaxelsPerModule> change_counts(layout::SkinModule module);
 
  private:
   enum class TareStep { kNone, kAsked, kRunning, kNoSample, kEnded };
@@ -71,7 +74,7 @@ class SampleQueue {
   [[nodiscard]] bool tare_runs() const;
 
   LiveSkin& skin_;
-  const std::vector<int> first_modules_;
+  const std::vector<layout::SkinModule> first_modules_;
   const std::uint64_t keep_ns_;
   const bool virtual_time_;
   // The samples of the present slice are indexed by bus; only the thread of the bus uses its entry.

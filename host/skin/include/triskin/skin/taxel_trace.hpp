@@ -22,7 +22,8 @@ class TaxelTrace {
 
  private:
   static constexpr std::size_t kMaxSteps = 200;
-  int module_ = -1, taxel_ = -1;
+  layout::ModuleId module_ = layout::ModuleId::none();
+  layout::TaxelIndex taxel_ = layout::TaxelIndex::none();
   bool is_held_ = false;
   std::deque<double> counts_;
 };

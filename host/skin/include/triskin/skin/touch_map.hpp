@@ -5,8 +5,10 @@
 #include <optional>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/rest_values.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/layout/rest.hpp"
 #include "triskin/layout/taxel_signal.hpp"
 #include "triskin/session/module_sample.hpp"
@@ -15,7 +17,8 @@ namespace triskin::device {
 
 /// The position of a pressed taxel is in the mesh frame.
 struct PressedTaxel {
-  int module = 0, taxel = 0;   ///< The module is an id of the design, and the taxel is 0 … 11.
+  layout::ModuleId module;
+  layout::TaxelIndex taxel;
   double change_counts = 0.0;  ///< The change is measured against the rest value.
   /// The centre of the taxel and its outward unit normal are given.
   design::Vec3 position_mm{0, 0, 0}, normal{0, 0, 0};
@@ -41,7 +44,7 @@ class TouchMap {
   /// `design` must outlive the map. `rest` has one entry per module, or is empty.
   explicit TouchMap(const design::Design& design, const design::RestValues& rest = {});
   /// Sets the rest values of the modules from `first_module` on; other modules keep theirs.
-  void set_rest(const design::RestValues& rest, int first_module);
+  void set_rest(const design::RestValues& rest, layout::ModuleId first_module);
   /// Updates the taxels with a sample; invalid values are ignored.
   void add(const ModuleSample& frame);
   /// Uses the median of the next three valid samples of each taxel as its rest value. Nothing may touch the skin.
@@ -50,7 +53,7 @@ class TouchMap {
   [[nodiscard]] bool tared() const;
   [[nodiscard]] design::RestValues rest() const;
   /// Returns the pressure on each taxel of a module in counts below rest; 0 where the rest value is not known.
-  [[nodiscard]] std::array<double, layout::kTaxelsPerModule> change(int module) const;
+  [[nodiscard]] std::array<double, layout::kTaxelsPerModule> change(layout::ModuleId module) const;
   /// Returns the taxels whose latest value is at least kPressed_counts below rest, strongest first.
   [[nodiscard]] std::vector<PressedTaxel> pressed() const;
 

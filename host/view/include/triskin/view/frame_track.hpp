@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/view/latest_samples.hpp"
 
 namespace triskin::view {
@@ -34,7 +36,7 @@ class FrameTrack {
   void advance_to(std::int64_t time_us);
   /// Adds a sample. `time_us` is the clock of the recording and must not decrease between calls, except for samples of
   /// other controllers at the same instant. A module that the design lacks is ignored.
-  void add(int module, const PressureSample& sample, std::int64_t time_us);
+  void add(layout::SkinModule module, const PressureSample& sample, std::int64_t time_us);
 
   /// Returns the track: for each frame and list of contacts its length (4 bytes, little-endian) and its bytes as in
   /// docs/view_server.md, with times in ms since the first sample. Empty without samples. Call it once, at the end.

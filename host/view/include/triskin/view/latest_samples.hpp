@@ -10,7 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
 #include "triskin/design/mesh.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/wire/module_state.hpp"
 
@@ -56,7 +58,7 @@ class LatestSamples {
 
   /// Adds a sample of module `module`; one that the design lacks is ignored. `wall_time_us` is the time when it was
   /// taken, µs since 1970.
-  void add(int module, const PressureSample& sample, std::int64_t wall_time_us);
+  void add(layout::SkinModule module, const PressureSample& sample, std::int64_t wall_time_us);
   /// Sets the state of the link.
   void set_health(Health health);
   [[nodiscard]] Health health() const;

@@ -5,14 +5,17 @@
 #include <string_view>
 #include <vector>
 
+#include "triskin/base/format_index.hpp"
 #include "triskin/design/design.hpp"
+#include "triskin/layout/index.hpp"
 
 namespace triskin::view {
 
 /// The page shows each finding of verify at its place.
 struct Finding {
-  int module = -1;  ///< The module is an id of the displayed design; −1 means none.
-  int patch = -1;   ///< The patch belongs to the displayed design; −1 means none.
+  /// Both belong to the displayed design, which joins the covers of a robot; −1 means none.
+  layout::SkinModule module = layout::SkinModule::none();
+  layout::PatchIndex patch = layout::PatchIndex::none();
   std::string text, remedy;
 };
 

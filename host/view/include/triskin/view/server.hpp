@@ -9,6 +9,7 @@
 #include <string>
 
 #include "triskin/design/design.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/view/latest_samples.hpp"
 #include "triskin/view/notes.hpp"
 
@@ -30,8 +31,9 @@ struct Command {
     kRest,   ///< New rest values are taken, so nobody may touch the skin.
   };
   Kind kind = Kind::kLift;
-  int module = 0;  ///< kPress sets the module, ≥ 0; the receiver must check whether the design has it.
-  int taxel = -1;  ///< kPress sets the taxel, 0 … 11; −1 presses the whole module.
+  layout::SkinModule module{};  ///< kPress sets the module, ≥ 0; the receiver must check whether the design has it.
+  /// kPress sets the taxel, 0 … 11; −1 presses the whole module.
+  layout::TaxelIndex taxel = layout::TaxelIndex::none();
 };
 
 /// Serves a site and the live skin to browsers on this computer: HTTP and a WebSocket on 127.0.0.1, in its own thread.
