@@ -273,7 +273,7 @@ std::optional<Expected> other_design(Hardware& h, Random&) {
 
 bool Expected::matches(const device::Finding& f) const {
   if (f.kind != kind || (line >= 0 && f.line != line)) return false;
-  if (patch >= 0 && f.patch != patch && f.other != patch) return false;
+  if (patch >= 0 && f.patch != patch) return false;
   return modules.empty() || modules.contains(f.module) || modules.contains(f.other);
 }
 
