@@ -278,7 +278,7 @@ class Screen final : public LiveDisplay {
 }  // namespace
 
 std::string OffRestNotice::due(const LiveMonitor& monitor, double time_s) {
-  const std::string remark = design::sentence(monitor.off_rest());
+  std::string remark = design::sentence(monitor.off_rest());
   const bool is_due = !is_off_rest_ || time_s >= said_s_ + kHeartbeat_s;
   is_off_rest_ = !remark.empty();
   if (!is_off_rest_ || !is_due) return {};

@@ -61,7 +61,7 @@ PlaceCalibration place_in(const JsonValue& v) {
 }
 
 std::string serial_in(const JsonValue& v) {
-  const std::string serial = v.text();
+  std::string serial = v.text();
   if (serial.size() != 24 || serial.find_first_not_of("0123456789ABCDEF") != std::string::npos)
     v.fail("must have 24 hexadecimal digits, upper case, as triskin discover shows serial numbers");
   return serial;

@@ -3,6 +3,7 @@
 
 #include "mesh_json.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/base/text_file.hpp"
 #include "triskin/design/design_text.hpp"
 #include "triskin/design/file_head.hpp"
 #include "triskin/design/json_fields.hpp"

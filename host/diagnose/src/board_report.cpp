@@ -43,7 +43,7 @@ std::optional<std::string> output_of(std::vector<std::string> words) {
   const int failed = ::posix_spawnp(&child, arguments[0], &actions, nullptr, arguments.data(), environ);
   ::posix_spawn_file_actions_destroy(&actions);
   ::close(pipe_ends[1]);
-  const std::string text = failed == 0 ? read_to_end(pipe_ends[0]) : "";
+  std::string text = failed == 0 ? read_to_end(pipe_ends[0]) : "";
   ::close(pipe_ends[0]);
   int status = 0;
   if (failed != 0 || ::waitpid(child, &status, 0) != child || status != 0) return std::nullopt;

@@ -113,7 +113,7 @@ void Diagnosis::add_open_line(FindingKind kind, layout::PatchIndex patch, int li
 }
 
 std::string Diagnosis::broken_joint_text(const MissingCause& c, const std::vector<layout::ModuleId>& concerned) const {
-  const std::string text = fmt::format("nothing passes {}", joint_text(design_, c.module, c.other));
+  std::string text = fmt::format("nothing passes {}", joint_text(design_, c.module, c.other));
   if (concerned.empty()) return text;
   return text + fmt::format("; behind it {} {} out of reach: {}", counted(concerned.size(), "module"),
                             agreeing(concerned.size(), "is", "are"), fmt::join(concerned, ", "));
