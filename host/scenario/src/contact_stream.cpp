@@ -9,6 +9,7 @@
 #include <numbers>
 #include <optional>
 
+#include "triskin/design/calibration.hpp"
 #include "triskin/design/json_fields.hpp"
 #include "triskin/mechanics/layer.hpp"
 #include "triskin/scene/skin_place.hpp"
