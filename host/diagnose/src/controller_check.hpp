@@ -40,8 +40,8 @@ class ControllerCheck {
   Bus& bus_;
   const design::Design& design_;
   std::vector<wire::NodeClaim> claims_;
-  std::map<layout::NodeAddress, std::size_t>
-      with_table_;  // The map counts the controllers with a table at each node address.
+  // The map counts the controllers with a table at each node address.
+  std::map<layout::NodeAddress, std::size_t> with_table_;
   std::size_t without_table_ = 0;
   std::vector<layout::PatchIndex> doubled_;    // Several controllers have the node address of these patches.
   std::vector<layout::PatchIndex> absent_;     // No controller has the node address of these patches.

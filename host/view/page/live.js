@@ -3,7 +3,9 @@
 // The live skin: binary frames from the server into typed arrays (docs/view_server.md has the layout).
 import {TAXELS} from "./model.js";
 
-const HEADER = 16, RECORD = 32;
+/** Bytes before the records of a frame, and before the text of contacts. */
+export const HEADER = 16;
+const RECORD = 32;
 export const STATES = ["unknown", "in order", "absent", "wrong id", "lost its configuration", "saturated", "frozen", "line stuck", "two chips at its address"];
 export const FIRST_FAULT = 2;
 

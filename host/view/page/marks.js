@@ -56,8 +56,10 @@ export const STUB_MM = 9;
 
 const corner = (shape, k, c) => pointAt(shape.corners, 9 * k + 3 * c);
 const normal = (shape, k) => pointAt(shape.normals, 3 * k);
-const middle = (shape, k, side) => middleOf(corner(shape, k, side), corner(shape, k, (side + 1) % 3));
-const middleOf = (p, q) => [(p[0] + q[0]) / 2, (p[1] + q[1]) / 2, (p[2] + q[2]) / 2];
+const middle = (shape, k, side) => {
+  const p = corner(shape, k, side), q = corner(shape, k, (side + 1) % 3);
+  return [(p[0] + q[0]) / 2, (p[1] + q[1]) / 2, (p[2] + q[2]) / 2];
+};
 
 // From a module over the side that it shares with another to the other's centre.
 function addJoint(marks, shape, model, child, parent, color, width) {

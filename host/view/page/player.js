@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // @ts-check
 // Plays a recording: the frames of the live skin one after another, with a scrubber (docs/view_server.md has the track).
+import {HEADER} from "./live.js";
 import {byId} from "./panel.js";
 
 const TIME_AT = 8; // of the newest sample in the header of a frame, ms
@@ -10,7 +11,7 @@ export function framesOf(track) {
   const view = new DataView(track), frames = /** @type {{at: number, size: number, ms: number}[]} */ ([]);
   for (let at = 0; at + 4 <= track.byteLength;) {
     const size = view.getUint32(at, true);
-    if (size < 16 || at + 4 + size > track.byteLength) break;
+    if (size < HEADER || at + 4 + size > track.byteLength) break;
     frames.push({at: at + 4, size, ms: view.getFloat64(at + 4 + TIME_AT, true)});
     at += 4 + size;
   }
