@@ -175,6 +175,59 @@ TEST(Weights, found_where_the_hill_is_and_not_beaten) {
   }
 }
 
+TEST(Weights, a_level_map_counts_other_shapes_too) {
+  std::mt19937_64 random(56);
+  const Polygon p = test::random_polygon(random, 12, 80, 0);
+  for (const TileShape shape : {TileShape::kTriangle, TileShape::kHexagon, TileShape::kSquare}) {
+    PlacementOptions options;
+    options.shape = shape;
+    options.gap_mm = 1.5;
+    const int count = place(p, options).modules;
+    options.weights = std::make_shared<const WeightMap>(WeightMap({0, 0}, 10, {{0.5}}));
+    const PlacementResult r = place(p, options);
+    EXPECT_TRUE(r.proved);
+    EXPECT_NEAR(r.weight, 0.5 * count, 1e-9);
+  }
+}
+
+// Random placements find tiles with gaps and cut corners too; the map is steep, so that a bound that forgot how a
+// weight changes within a part of a slice would show.
+TEST(Weights, of_cut_modules_with_gaps_are_not_beaten) {
+  std::mt19937_64 random(57);
+  for (int k = 0; k < 4; ++k) {
+    const Polygon p = test::random_polygon(random, 14, 70, 0);
+    const WeightMap map = hill({test::uniform(random, -40, 40), test::uniform(random, -40, 40)}, 25);
+    PlacementOptions options;
+    options.gap_mm = 1.0;
+    options.corner_cut_mm = 3.0;
+    options.weights = std::make_shared<const WeightMap>(map);
+    const PlacementResult r = place(p, options);
+    ASSERT_TRUE(r.proved);
+    const auto weight = [&](const Placement& at, double tolerance_mm) {
+      double sum = 0.0;
+      const double c = std::cos(at.theta_rad), s = std::sin(at.theta_rad);
+      for (const Tile& t : tiles_inside(p, at, tolerance_mm, options.gap_mm, options.corner_cut_mm)) {
+        Vec2 center = Vec2::Zero();
+        for (int corner = 0; corner < 3; ++corner) {
+          const auto [i, j] = tile_corner_index(t, corner);
+          center += r.proof.pitch_mm / kSide_mm * grid_point(i, j) / 3.0;
+        }
+        const Vec2 q = center - Vec2(at.x_mm, at.y_mm);
+        sum += map.at({c * q.x() + s * q.y(), -s * q.x() + c * q.y()}).value;
+      }
+      return sum;
+    };
+    EXPECT_NEAR(weight(r.placement, options.tolerance_mm), r.weight, 1e-9);
+    for (int n = 0; n < 6000; ++n) {
+      const double far = std::pow(10.0, test::uniform(random, -6, 1.5));
+      const Placement at{r.placement.x_mm + test::uniform(random, -far, far),
+                         r.placement.y_mm + test::uniform(random, -far, far),
+                         r.placement.theta_rad + test::uniform(random, -far, far) / 30.0};
+      EXPECT_LE(weight(at, 0.0), r.weight_bound);
+    }
+  }
+}
+
 TEST(Weights, move_with_the_polygon) {
   std::mt19937_64 random(54);
   const Polygon p = test::random_polygon(random, 12, 40, 0);
@@ -203,6 +256,12 @@ TEST(WeightMap, keeps_planes_and_its_bounds) {
     EXPECT_NEAR((east.value - here.value) / d, here.slope_per_mm.x(), 0.5 * map.max_curvature_per_mm2() * d + 1e-12);
     EXPECT_NEAR((north.value - here.value) / d, here.slope_per_mm.y(), 0.5 * map.max_curvature_per_mm2() * d + 1e-12);
     EXPECT_LE((east.slope_per_mm - here.slope_per_mm).norm() / d, map.max_curvature_per_mm2() * (1.0 + 1e-6));
+    EXPECT_LE(here.near_curvature_per_mm2, map.max_curvature_per_mm2());
+    // Between two points within a step the slope changes by no more than the curvature near the first one allows.
+    const double angle = test::uniform(random, 0, 2.0 * M_PI), far = test::uniform(random, 0, map.step_mm());
+    const auto there = map.at(at + far * Vec2(std::cos(angle), std::sin(angle)));
+    EXPECT_LE((there.slope_per_mm - here.slope_per_mm).norm(),
+              here.near_curvature_per_mm2 * far * (1.0 + 1e-9) + 1e-15);
   }
 }
 

@@ -16,6 +16,9 @@
 namespace triskin::geometry {
 namespace {
 
+// The map is constant in squares farther outside the raster than these.
+constexpr int kFirstSquare = -3, kLastSquare = 2;
+
 // Evaluates the four cubic B-splines over one interval, 0 ≤ t < 1, and their slopes.
 std::array<double, 4> splines(double t) {
   const double u = 1.0 - t;
@@ -106,45 +109,65 @@ WeightMap::WeightMap(const Vec2& origin_mm, double step_mm, const std::vector<st
     for (std::size_t c = 0; c < values[r].size(); ++c) {
       if (!(values[r][c] >= 0.0 && values[r][c] <= 1e12))
         throw InputError(fmt::format("weights: row {}, column {}: {} must be in 0 … 1e12", r, c, values[r][c]));
-      control_.push_back(values[r][c]);
     }
   }
+  stride_ = columns_ + 2 * kRim + 1;
+  for (int r = -kRim; r <= rows_ + kRim; ++r) {
+    const auto& row = values[static_cast<std::size_t>(std::clamp(r, 0, rows_ - 1))];
+    for (int c = -kRim; c <= columns_ + kRim; ++c)
+      control_.push_back(row[static_cast<std::size_t>(std::clamp(c, 0, columns_ - 1))]);
+  }
   most_ = std::ranges::max(control_);
-  // A spline's slopes and curvatures are averages of first and second differences of its control values.
-  double dx = 0.0, dy = 0.0, dxx = 0.0, dxy = 0.0, dyy = 0.0;
+  // A spline's slopes are averages of first differences of its control values.
+  double dx = 0.0, dy = 0.0;
   for (int r = -1; r <= rows_; ++r) {
     for (int c = -1; c <= columns_; ++c) {
-      const double here = control(c, r), right = control(c + 1, r), above = control(c, r + 1);
-      dx = std::max(dx, std::abs(right - here));
-      dy = std::max(dy, std::abs(above - here));
-      dxx = std::max(dxx, std::abs(control(c - 1, r) - 2.0 * here + right));
-      dyy = std::max(dyy, std::abs(control(c, r - 1) - 2.0 * here + above));
-      dxy = std::max(dxy, std::abs(control(c + 1, r + 1) - right - above + here));
+      dx = std::max(dx, std::abs(*control(c + 1, r) - *control(c, r)));
+      dy = std::max(dy, std::abs(*control(c, r + 1) - *control(c, r)));
     }
   }
   max_slope_ = std::hypot(dx, dy) / step_;
-  max_curvature_ = std::sqrt(dxx * dxx + 2.0 * dxy * dxy + dyy * dyy) / (step_ * step_);
+  near_curvature_.assign(control_.size(), 0.0);
+  for (int r = kFirstSquare; r <= rows_ + kLastSquare; ++r) {
+    for (int c = kFirstSquare; c <= columns_ + kLastSquare; ++c) near_curvature_[index(c, r)] = curvature_around(c, r);
+  }
+  max_curvature_ = std::ranges::max(near_curvature_);
 }
 
-double WeightMap::control(int column, int row) const {
-  const int c = std::clamp(column, 0, columns_ - 1), r = std::clamp(row, 0, rows_ - 1);
-  return control_[static_cast<std::size_t>(r) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(c)];
+// A spline's curvatures are averages of second differences of its control values; those that have a part in the nine
+// squares around a square of the raster count.
+double WeightMap::curvature_around(int column, int row) const {
+  double dxx = 0.0, dxy = 0.0, dyy = 0.0;
+  for (int r = row - 2; r <= row + 3; ++r) {
+    for (int c = column - 2; c <= column + 3; ++c) {
+      const double *above = control(c, r + 1), *here = control(c, r), *below = control(c, r - 1);
+      if (c > column - 2 && c < column + 3) dxx = std::max(dxx, std::abs(here[-1] - 2.0 * here[0] + here[1]));
+      if (r > row - 2 && r < row + 3) dyy = std::max(dyy, std::abs(below[0] - 2.0 * here[0] + above[0]));
+      if (c < column + 3 && r < row + 3) dxy = std::max(dxy, std::abs(above[1] - here[1] - above[0] + here[0]));
+    }
+  }
+  return std::sqrt(dxx * dxx + 2.0 * dxy * dxy + dyy * dyy) / (step_ * step_);
 }
 
 WeightMap::Jet WeightMap::at(const Vec2& p_mm) const {
   // Beyond the rim the map is constant; the limits keep the indices small.
-  const double x = std::clamp((p_mm.x() - origin_.x()) / step_, -3.0, columns_ + 2.0),
-               y = std::clamp((p_mm.y() - origin_.y()) / step_, -3.0, rows_ + 2.0);
+  const double x = std::clamp((p_mm.x() - origin_.x()) / step_, 1.0 * kFirstSquare, 1.0 * (columns_ + kLastSquare)),
+               y = std::clamp((p_mm.y() - origin_.y()) / step_, 1.0 * kFirstSquare, 1.0 * (rows_ + kLastSquare));
   const int column = static_cast<int>(std::floor(x)), row = static_cast<int>(std::floor(y));
   const auto bx = splines(x - column), by = splines(y - row), sx = slopes(x - column), sy = slopes(y - row);
   Jet jet;
   for (std::size_t r = 0; r < 4; ++r) {
+    const double* const v = control(column - 1, row - 1 + static_cast<int>(r));
+    double value = 0.0, slope = 0.0;
     for (std::size_t c = 0; c < 4; ++c) {
-      const double v = control(column - 1 + static_cast<int>(c), row - 1 + static_cast<int>(r));
-      jet.value += v * bx[c] * by[r];
-      jet.slope_per_mm += Vec2(v * sx[c] * by[r], v * bx[c] * sy[r]) / step_;
+      value += v[c] * bx[c];
+      slope += v[c] * sx[c];
     }
+    jet.value += value * by[r];
+    jet.slope_per_mm += Vec2(slope * by[r], value * sy[r]);
   }
+  jet.slope_per_mm /= step_;
+  jet.near_curvature_per_mm2 = near_curvature_[index(column, row)];
   return jet;
 }
 

@@ -45,4 +45,19 @@ double ConnectedTiles::bound(const CellFrame&, const std::vector<OpenTile>& cert
   return static_cast<double>(largest_component(grid_, tiles_).size());
 }
 
+// A connected set has no more tiles than there are.
+void ConnectedTiles::bound_parts(const CellFrame&, const SliceRaster& raster, PartBounds& bounds) {
+  for (int x = 0; x < SliceRaster::kSteps; ++x) {
+    for (int y = 0; y < SliceRaster::kSteps; ++y)
+      bounds[static_cast<std::size_t>(x)][static_cast<std::size_t>(y)] = raster.certain() + raster.count(x, y);
+  }
+}
+
+void ConnectedTiles::bound_cubes(const PartsView&, const std::vector<PartWord>& words, CubeBounds& bounds) const {
+  bounds.fill(certain_);
+  for (const PartWord& word : words) {
+    for (std::size_t n = 0; n < kCubes; ++n) bounds[n] += word[n % kLanesPerRow] >> (n / kLanesPerRow) & 1U;
+  }
+}
+
 }  // namespace triskin::geometry

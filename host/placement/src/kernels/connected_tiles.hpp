@@ -14,6 +14,8 @@ class ConnectedTiles final : public Objective {
   explicit ConnectedTiles(const TileGrid& grid) : grid_(grid) {}
   double value(const Motion& motion, const std::vector<Tile>& inside) override;
   double bound(const CellFrame& cell, const std::vector<OpenTile>& certain, const std::vector<OpenTile>& open) override;
+  void bound_parts(const CellFrame& slice, const SliceRaster& raster, PartBounds& bounds) override;
+  void bound_cubes(const PartsView& view, const std::vector<PartWord>& words, CubeBounds& bounds) const override;
   [[nodiscard]] int needed(double value) const override { return static_cast<int>(value) + 1 - certain_; }
   [[nodiscard]] double slack(double) const override { return 0.0; }
 

@@ -4,7 +4,9 @@
 #include <span>
 #include <vector>
 
+#include "triskin/placement/kernels/pair_kernel.hpp"
 #include "triskin/placement/kernels/tile_polygon.hpp"
+#include "triskin/placement/search/cell_list.hpp"
 
 namespace triskin::geometry {
 
@@ -22,5 +24,10 @@ class EdgeGrid {
   int buckets_ = 1;
   std::vector<std::uint32_t> first_, edges_;
 };
+
+/// Writes the tiles of `from` to `to`, each with the edges that come within reach_mm of its centre at the middle of the
+/// box.
+void list_with_edges(const PreparedPolygon& polygon, const EdgeGrid& edges, const MotionBox& box, double reach_mm,
+                     const CellList& from, CellList& to);
 
 }  // namespace triskin::geometry

@@ -35,7 +35,7 @@ void SliceRaster::set_window(const CellFrame& f) {
 void SliceRaster::scan(const CellFrame& frame) {
   set_window(frame);
   edges_.move(polygon_, frame);
-  certain_ = 0;
+  certain_.clear();
   for (BitCounts& sum : sums_) sum.clear();
   for (int up = 2 - grid_.kinds; up < 2; ++up) {
     Kind& kind = kinds_[static_cast<std::size_t>(up)];
@@ -132,7 +132,7 @@ void SliceRaster::collect_tile(const Tile& tile, const Kind& kind, int row, int 
   take_rows(kind.bits[kTouched], row, column, touched);
   const BlockWords may = inside & ~cut, must = inside & ~touched;
   if (!any(must ^ kFull)) {
-    ++certain_;
+    certain_.push_back(tile);
   } else if (any(may)) {
     Border& border = border_.emplace_back();
     border.tile = tile;

@@ -5,31 +5,46 @@
 
 namespace triskin::geometry {
 
-/// Sums the weights at the centres of the tiles. The certain tiles are bounded as one function of the motion, to first
-/// order with the curvature of the map: near the optimum their slopes cancel, which single bounds would not see.
+/// Sums the weights at the centres of the tiles. The tiles of a cell are bounded as one function of the motion, to
+/// first order with the curvature of the map: near the optimum their slopes cancel, which single bounds would not see.
 class WeightedTiles final : public Objective {
  public:
   WeightedTiles(const PreparedPolygon& polygon, const TileGrid& grid, const WeightMap& map)
       : polygon_(polygon), grid_(grid), map_(map) {}
   double value(const Motion& motion, const std::vector<Tile>& inside) override;
   double bound(const CellFrame& cell, const std::vector<OpenTile>& certain, const std::vector<OpenTile>& open) override;
+  void bound_parts(const CellFrame& slice, const SliceRaster& raster, PartBounds& bounds) override;
+  void bound_cubes(const PartsView& view, const std::vector<PartWord>& words, CubeBounds& bounds) const override;
   [[nodiscard]] int needed(double value) const override;
   [[nodiscard]] double slack(double value) const override { return kPrecision * value; }
 
   static constexpr double kPrecision = 1e-5;  ///< The search ends at this relative gap.
 
  private:
-  struct Term {
-    double value;
-    std::array<double, 3> slope;  // The slopes are along x, y and theta.
-    double rest;                  // The first-order term is off by at most this in the cell.
+  // Motions around a centre, at which the angle has this cosine and sine.
+  struct Range {
+    std::array<double, 3> center, half;
+    double cosine, sine;
   };
-  [[nodiscard]] Term term(const CellFrame& cell, const Vec2& center) const;
+  // A function of the offset from the centre of a range, to first order.
+  struct Term {
+    double value = 0.0;
+    std::array<double, 3> slope{};  // The slopes are along x, y and theta.
+    double rest = 0.0;              // The function differs by at most this in the range.
+    Term& operator+=(const Term& other);
+    // Returns a bound for offsets that differ from `offset` by at most `half`.
+    [[nodiscard]] double most(const std::array<double, 3>& offset, const std::array<double, 3>& half) const;
+  };
+  [[nodiscard]] Term term(const Range& range, const Vec2& center) const;
+  void bound_block(const Range& block, const SliceRaster& raster, int first_x, int first_y, PartBounds& bounds) const;
 
   const PreparedPolygon& polygon_;
   const TileGrid& grid_;
   const WeightMap& map_;
+  // The tiles of the last bound(): the certain ones together, and the open ones.
+  Term certain_sum_;
   double certain_ = 0.0;
+  std::vector<Term> open_terms_;
   std::vector<double> open_;
 };
 

@@ -10,6 +10,7 @@
 #include <map>
 
 #include "search/scans.hpp"
+#include "search/slices.hpp"
 #include "triskin/placement/kernels/evaluator.hpp"
 
 namespace triskin::geometry {
@@ -17,7 +18,6 @@ namespace {
 
 constexpr std::size_t kMaxAsGood = 64;
 constexpr double kReach_mm = 9.0;  // A tile's edges are looked up within this distance; children of slices move less.
-constexpr double kSlice_mm = 2.5;  // The farthest vertex moves this far from one side of a slice to the other.
 // Cells are refined in batches of a fixed size, so that the search does not depend on the threads.
 constexpr std::size_t kBatch = 16;
 constexpr double kLogged_s = 1.5e-6;  // Writing a cell to the log takes 0.7e-6 s (measured); we reserve twice that.
@@ -118,26 +118,11 @@ class BranchAndBound {
     for (const auto& [a, b] : polygon_.edges) twice_area += a.x() * b.y() - a.y() * b.x();
     // A tile that may overhang still has everything that lies deeper inside.
     const double inset_mm = goal_.inset_mm - (goal_.raise ? 0.0 : 0.5 * goal_.tolerance_mm),
-                 kept = 1.0 + std::min(0.0, inset_mm) / grid_.inradius_mm;
+                 kept = kept_inradius(grid_, inset_mm);
     area_bound_ = static_cast<int>(std::floor(0.5 * twice_area / (kept * kept * grid_.area_mm2) * (1.0 + 1e-6) + 1e-3));
-    // Slices have all translations: constraints are almost linear in x and y, so that a slice can be cut finely at
-    // once.
-    if (goal_.slices != nullptr) {
-      for (const MotionBox& box : *goal_.slices) push({.box = box, .certain = 0, .bound = area_bound_, .list = {}});
-      return;
-    }
-    const double period = grid_.period_rad * (1.0 + 1e-12);
-    // Inside a part no centre may move by as much as the inset leaves of the inradius.
-    const double part = 0.5 * std::hypot(grid_.row_step_mm, grid_.row_height_mm) / SliceRaster::kSteps;
-    const double width = std::min(kept * kSlice_mm, 2.0 * (0.9 * kept * grid_.inradius_mm - part));
-    const int n = std::max(static_cast<int>(std::ceil(period * polygon_.radius_mm / width)), 1);
-    for (int k = n - 1; k >= 0; --k) {
-      Cell cell;
-      cell.box.high = {grid_.row_step_mm, grid_.row_height_mm * (1.0 + 1e-12), period * (k + 1) / n};
-      cell.box.low[2] = period * k / n;
-      cell.bound = area_bound_;
-      push(std::move(cell));
-    }
+    const std::vector<MotionBox> slices =
+        goal_.slices != nullptr ? *goal_.slices : slices_of(polygon_, grid_, inset_mm);
+    for (const MotionBox& box : slices) push({.box = box, .certain = 0, .bound = area_bound_, .list = {}});
   }
 
   [[nodiscard]] const Cell& next() const { return open_.begin()->second.back(); }

@@ -7,78 +7,17 @@
 namespace triskin::geometry {
 namespace {
 
-// An outline of a million modules fits into a raster of 100 MB; the raster of a needle of 100 m takes 1.2 GB.
-constexpr double kMaxRaster_bytes = 128e6;
 constexpr int kMaxPasses = 4;
 constexpr int kGenerationsWithout = 1;
 constexpr double kWorthAnotherPass = 0.7;
 constexpr int kMaxPartsOfSlice = 8, kMaxPartsOfCube = 8;  // Both values limit the parts of one child.
-constexpr int kWellFilled = 2;  // A box is not divided further if one out of this many parts is open.
-
-using Index = std::array<int, 3>;
-
-// Returns the box of the parts low ≤ index < high; outer faces keep their bits, so that neighbours fit together.
-MotionBox part_box(const MotionBox& box, const Index& parts, const Index& low, const Index& high) {
-  MotionBox part = box;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double step = (box.high[k] - box.low[k]) / parts[k];
-    if (low[k] > 0) part.low[k] = box.low[k] + step * low[k];
-    if (high[k] < parts[k]) part.high[k] = box.low[k] + step * high[k];
-  }
-  return part;
-}
-
-void add_tile(const CellList& from, std::size_t number, CellList& to) {
-  OpenTile tile = from.tiles[number];
-  const std::uint32_t first = tile.first;
-  tile.first = static_cast<std::uint32_t>(to.pairs.size());
-  for (std::uint32_t k = 0; k < tile.count; ++k)
-    to.pairs.push_back({static_cast<std::uint32_t>(to.tiles.size()), from.pairs[first + k].edge});
-  to.tiles.push_back(tile);
-}
-
-// Returns the bits of the parts low ≤ index < high in the words of tiles.
-PartWord wanted_parts(const Index& low, const Index& high) {
-  PartWord wanted{};
-  for (int x = low[0]; x < high[0]; ++x) {
-    for (int y = low[1]; y < high[1]; ++y)
-      wanted[static_cast<std::size_t>(x + kPartsPerAxis * y)] = (1U << high[2]) - (1U << low[2]);
-  }
-  return wanted;
-}
 
 }  // namespace
 
-// Summarizes the open ones among some parts: their bounds, number and highest count.
-struct CellExpander::OpenParts {
-  Index low{99, 99, 99}, high{0, 0, 0};
-  int count = 0, most = 0;
-  [[nodiscard]] Index size() const { return {high[0] - low[0], high[1] - low[1], high[2] - low[2]}; }
-  [[nodiscard]] bool well_filled(int max_parts) const {
-    const int volume = size()[0] * size()[1] * size()[2];
-    return volume <= max_parts && count * kWellFilled >= volume;
-  }
-};
-
-CellExpander::OpenParts CellExpander::open_parts(const Cell& cell, const Index& low, const Index& high) const {
-  OpenParts open;
+OpenParts<int> CellExpander::open_among(const Cell& cell, const PartIndex& low, const PartIndex& high) const {
   const int need = best_ + 1 - cell.certain;
-  for (int t = low[2]; t < high[2]; ++t) {
-    for (int y = low[1]; y < high[1]; ++y) {
-      for (int x = low[0]; x < high[0]; ++x) {
-        const int n = cell.list ? lookahead_.count(x, y, t) : raster_.count(x, y);
-        if (n < need) continue;
-        const Index at{x, y, t};
-        for (std::size_t k = 0; k < 3; ++k) {
-          open.low[k] = std::min(open.low[k], at[k]);
-          open.high[k] = std::max(open.high[k], at[k] + 1);
-        }
-        ++open.count;
-        open.most = std::max(open.most, n);
-      }
-    }
-  }
-  return open;
+  const auto count = [&](int x, int y, int t) { return cell.list ? lookahead_.count(x, y, t) : raster_.count(x, y); };
+  return open_parts(low, high, count, [need](int n) { return n >= need; });
 }
 
 void CellExpander::expand(Cell cell, const Demand& demand, int best, bool keep_closed, Expansion& result) {
@@ -99,10 +38,10 @@ void CellExpander::expand(Cell cell, const Demand& demand, int best, bool keep_c
 void CellExpander::bound_slice(Cell& cell) {
   ++result_->passes;
   set_frame(cell.box);
-  if (raster_.bytes_for(frame_) > kMaxRaster_bytes) return leave_open(cell);
+  if (raster_.bytes_for(frame_) > SliceRaster::kMaxBytes) return leave_open(cell);
   raster_.scan(frame_);
   parts_ = {SliceRaster::kSteps, SliceRaster::kSteps, 1};
-  Index best{};
+  PartIndex best{};
   for (int x = 0; x < parts_[0]; ++x) {
     for (int y = 0; y < parts_[1]; ++y) {
       if (raster_.count(x, y) > raster_.count(best[0], best[1])) best = {x, y, 0};
@@ -143,7 +82,7 @@ void CellExpander::note_tie(const Cell& cell) {
   if (cell.certain + most >= best_) result_->tied_slices.emplace_back(cell.certain + most, cell.box);
 }
 
-std::size_t CellExpander::longest_axis(const MotionBox& box, const Index& parts) const {
+std::size_t CellExpander::longest_axis(const MotionBox& box, const PartIndex& parts) const {
   const std::array<double, 3> weighted = weighted_half(box);
   std::size_t axis = 3;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -154,9 +93,9 @@ std::size_t CellExpander::longest_axis(const MotionBox& box, const Index& parts)
 
 // Makes children: small boxes around open parts, of which at least half are open. chosen_[first_chosen …) may be
 // undecided among the parts; `certain` more tiles than in the slice are certain there.
-void CellExpander::divide_slice(const Cell& cell, const Index& low, const Index& high, std::size_t first_chosen,
+void CellExpander::divide_slice(const Cell& cell, const PartIndex& low, const PartIndex& high, std::size_t first_chosen,
                                 int certain) {
-  const OpenParts open = open_parts(cell, low, high);
+  const OpenParts<int> open = open_among(cell, low, high);
   const MotionBox whole = part_box(cell.box, parts_, low, high);
   if (open.count == 0) return close(whole);
   const MotionBox box = part_box(cell.box, parts_, open.low, open.high);
@@ -167,7 +106,7 @@ void CellExpander::divide_slice(const Cell& cell, const Index& low, const Index&
     add_slice_child(cell, box, open, last_chosen, certain);
   } else {
     const std::size_t axis = longest_axis(box, open.size());
-    Index first_high = open.high, second_low = open.low;
+    PartIndex first_high = open.high, second_low = open.low;
     first_high[axis] = second_low[axis] = open.low[axis] + open.size()[axis] / 2;
     divide_slice(cell, second_low, open.high, last_chosen, certain);
     divide_slice(cell, open.low, first_high, last_chosen, certain);
@@ -176,7 +115,7 @@ void CellExpander::divide_slice(const Cell& cell, const Index& low, const Index&
 }
 
 // Does what choose() does, for the border tiles of a slice.
-int CellExpander::choose_border(const Index& low, const Index& high, std::size_t first, std::size_t last) {
+int CellExpander::choose_border(const PartIndex& low, const PartIndex& high, std::size_t first, std::size_t last) {
   const auto lanes = static_cast<std::uint32_t>((1U << high[0]) - (1U << low[0]));
   BlockWords wanted{};
   for (int y = low[1]; y < high[1]; ++y) wanted[y] = lanes;
@@ -195,7 +134,7 @@ int CellExpander::choose_border(const Index& low, const Index& high, std::size_t
 }
 
 // Edges are looked up when a child is opened, since most children are pruned earlier by a better value.
-void CellExpander::add_slice_child(const Cell& cell, const MotionBox& box, const OpenParts& open,
+void CellExpander::add_slice_child(const Cell& cell, const MotionBox& box, const OpenParts<int>& open,
                                    std::size_t first_chosen, int certain) {
   auto list = std::make_shared<CellList>();
   list->tiles.reserve(chosen_.size() - first_chosen);
@@ -215,44 +154,11 @@ void CellExpander::add_slice_child(const Cell& cell, const MotionBox& box, const
                                std::move(list), reach, std::nullopt, kGenerationsWithout});
 }
 
-void CellExpander::list_with_edges(const Cell& cell, CellList& to) const {
-  to.clear();
-  const Vec2 shift(cell.box.center(0), cell.box.center(1));
-  const double c = std::cos(cell.box.center(2)), s = std::sin(cell.box.center(2));
-  for (OpenTile tile : cell.list->tiles) {
-    const Vec2 p = tile.center - shift;
-    tile.first = static_cast<std::uint32_t>(to.pairs.size());
-    add_pairs({c * p.x() + s * p.y(), -s * p.x() + c * p.y()}, cell.reach_mm,
-              static_cast<std::uint32_t>(to.tiles.size()), to.pairs);
-    tile.count = static_cast<std::uint32_t>(to.pairs.size()) - tile.first;
-    to.tiles.push_back(tile);
-  }
-}
-
-// Adds the edges that come within reach of a point of the polygon's frame.
-void CellExpander::add_pairs(const Vec2& p, double reach_mm, std::uint32_t tile, std::vector<Pair>& pairs) const {
-  if (reach_mm > edges_.reach_mm()) {
-    for (std::uint32_t edge = 0; edge < polygon_.x.size(); ++edge) pairs.push_back({tile, edge});
-    return;
-  }
-  const double far = (reach_mm + 1e-6) * (reach_mm + 1e-6);
-  for (const std::uint32_t edge : edges_.near(p)) {
-    const auto& [a, b] = polygon_.edges[edge];
-    const double dx = b.x() - a.x(), dy = b.y() - a.y(), qx = p.x() - a.x(), qy = p.y() - a.y();
-    const double square = dx * dx + dy * dy, along = qx * dx + qy * dy, across = qx * dy - qy * dx;
-    const double end_x = p.x() - b.x(), end_y = p.y() - b.y();
-    const bool near = along <= 0.0      ? qx * qx + qy * qy <= far
-                      : along >= square ? end_x * end_x + end_y * end_y <= far
-                                        : across * across <= far * square;
-    if (near) pairs.push_back({tile, edge});
-  }
-}
-
 void CellExpander::refine(Cell& cell) {
   const CellList* source = cell.list.get();
   CellList* to = &lists_[0];
   if (cell.reach_mm > 0.0) {
-    list_with_edges(cell, lists_[1]);
+    list_with_edges(polygon_, edges_, cell.box, cell.reach_mm, *cell.list, lists_[1]);
     source = &lists_[1];
   }
   for (int pass = 0; pass < kMaxPasses; ++pass) {
@@ -313,7 +219,7 @@ void CellExpander::drop_dead(CellList& list) {
               halves_.begin() + static_cast<std::ptrdiff_t>(halves),
               halves_.begin() + static_cast<std::ptrdiff_t>(kept_halves));
     kept_halves += halves - first;
-    add_tile(list, t, kept);
+    kept.add(list, t);
   }
   halves_.resize(kept_halves);
   list = std::move(kept);
@@ -341,11 +247,7 @@ bool CellExpander::unresolved(const Cell& cell) {
 
 void CellExpander::look_ahead(Cell& cell, const CellList& list) {
   if (unresolved(cell)) return;
-  PartsView view{.shift = {}, .half = {}, .sure_mm = frame_.certain_mm - frame_.inset_mm + 2.0 * frame_.pad_mm};
-  for (std::size_t k = 0; k < 3; ++k) {
-    view.shift[k] = cell.box.center(k) - frame_.center[k];
-    view.half[k] = cell.box.half(k) * (1.0 + 1e-12) + 1e-15;
-  }
+  const PartsView view = parts_view(frame_, cell.box);
   lookahead_.run(view, halves_, words_);
   chosen_.clear();
   for (std::uint32_t t = 0; t < list.tiles.size(); ++t) {
@@ -358,7 +260,7 @@ void CellExpander::look_ahead(Cell& cell, const CellList& list) {
 }
 
 // Adds to the stack those of chosen_[first, last) that are undecided in the parts; returns how many are certain there.
-int CellExpander::choose(const Index& low, const Index& high, std::size_t first, std::size_t last) {
+int CellExpander::choose(const PartIndex& low, const PartIndex& high, std::size_t first, std::size_t last) {
   const PartWord parts = wanted_parts(low, high);
   BlockWords wanted;
   std::memcpy(&wanted, parts.data(), sizeof wanted);
@@ -376,10 +278,10 @@ int CellExpander::choose(const Index& low, const Index& high, std::size_t first,
 
 // Does what divide_slice() does, for cubes. chosen_[first_chosen …) may be undecided in the parts; `certain` more
 // tiles than in the cell are certain there.
-void CellExpander::divide(const Cell& cell, const CellList& list, const Index& low, const Index& high,
+void CellExpander::divide(const Cell& cell, const CellList& list, const PartIndex& low, const PartIndex& high,
                           std::size_t first_chosen, int certain) {
   const MotionBox whole = part_box(cell.box, parts_, low, high);
-  const OpenParts open = open_parts(cell, low, high);
+  const OpenParts<int> open = open_among(cell, low, high);
   if (open.count == 0) return close(whole);
   const MotionBox box = part_box(cell.box, parts_, open.low, open.high);
   close_clipped(whole, box);
@@ -390,7 +292,7 @@ void CellExpander::divide(const Cell& cell, const CellList& list, const Index& l
                                  chosen_list(list, last_chosen), 0.0, std::nullopt, cell.without_conflicts});
   } else {
     const std::size_t axis = longest_axis(box, open.size());
-    Index first_high = open.high, second_low = open.low;
+    PartIndex first_high = open.high, second_low = open.low;
     first_high[axis] = second_low[axis] = open.low[axis] + open.size()[axis] / 2;
     divide(cell, list, second_low, open.high, last_chosen, certain);
     divide(cell, list, open.low, first_high, last_chosen, certain);
@@ -403,7 +305,7 @@ std::shared_ptr<const CellList> CellExpander::chosen_list(const CellList& list, 
   auto to = std::make_shared<CellList>();
   to->tiles.reserve(chosen_.size() - first_chosen);
   to->pairs.reserve(2 * (chosen_.size() - first_chosen));
-  for (std::size_t n = first_chosen; n < chosen_.size(); ++n) add_tile(list, chosen_[n], *to);
+  for (std::size_t n = first_chosen; n < chosen_.size(); ++n) to->add(list, chosen_[n]);
   return to;
 }
 

@@ -6,6 +6,7 @@
 
 #include "kernels/contraction.hpp"
 #include "kernels/edge_grid.hpp"
+#include "search/cell_parts.hpp"
 #include "search/conflict_bound.hpp"
 #include "triskin/placement/kernels/evaluator.hpp"
 #include "triskin/placement/kernels/slice_raster.hpp"
@@ -81,22 +82,18 @@ class CellExpander {
   void halve_angles(const Cell& cell, const CellList& list);
   [[nodiscard]] bool unresolved(const Cell& cell);
   void look_ahead(Cell& cell, const CellList& list);
-  struct OpenParts;
   void note_tie(const Cell& cell);
-  [[nodiscard]] OpenParts open_parts(const Cell& cell, const std::array<int, 3>& low,
-                                     const std::array<int, 3>& high) const;
-  void divide_slice(const Cell& cell, const std::array<int, 3>& low, const std::array<int, 3>& high,
-                    std::size_t first_chosen, int certain);
-  int choose_border(const std::array<int, 3>& low, const std::array<int, 3>& high, std::size_t first, std::size_t last);
-  void add_slice_child(const Cell& cell, const MotionBox& box, const OpenParts& open, std::size_t first_chosen,
+  [[nodiscard]] OpenParts<int> open_among(const Cell& cell, const PartIndex& low, const PartIndex& high) const;
+  void divide_slice(const Cell& cell, const PartIndex& low, const PartIndex& high, std::size_t first_chosen,
+                    int certain);
+  int choose_border(const PartIndex& low, const PartIndex& high, std::size_t first, std::size_t last);
+  void add_slice_child(const Cell& cell, const MotionBox& box, const OpenParts<int>& open, std::size_t first_chosen,
                        int certain);
-  void list_with_edges(const Cell& cell, CellList& to) const;
-  void add_pairs(const Vec2& p, double reach_mm, std::uint32_t tile, std::vector<Pair>& pairs) const;
-  [[nodiscard]] std::size_t longest_axis(const MotionBox& box, const std::array<int, 3>& parts) const;
-  void divide(const Cell& cell, const CellList& list, const std::array<int, 3>& low, const std::array<int, 3>& high,
+  [[nodiscard]] std::size_t longest_axis(const MotionBox& box, const PartIndex& parts) const;
+  void divide(const Cell& cell, const CellList& list, const PartIndex& low, const PartIndex& high,
               std::size_t first_chosen, int certain);
   [[nodiscard]] std::shared_ptr<const CellList> chosen_list(const CellList& list, std::size_t first_chosen) const;
-  int choose(const std::array<int, 3>& low, const std::array<int, 3>& high, std::size_t first, std::size_t last);
+  int choose(const PartIndex& low, const PartIndex& high, std::size_t first, std::size_t last);
   [[nodiscard]] std::array<double, 3> weighted_half(const MotionBox& box) const;
 
   const PreparedPolygon& polygon_;
@@ -115,7 +112,7 @@ class CellExpander {
   std::vector<PartWord> words_;
   // A stack of lists of tiles: those undecided in the parts that are being divided.
   std::vector<std::uint32_t> chosen_;
-  std::array<int, 3> parts_{};
+  PartIndex parts_{};
   Demand demand_;
   int best_ = 0;
   bool keep_closed_ = false;

@@ -11,6 +11,15 @@ constexpr double kSlack_mm = 1e-6;  // This is far above the rounding of distanc
 
 }  // namespace
 
+void CellList::add(const CellList& from, std::size_t number) {
+  OpenTile tile = from.tiles[number];
+  const std::uint32_t first_pair = tile.first;
+  tile.first = static_cast<std::uint32_t>(pairs.size());
+  for (std::uint32_t k = 0; k < tile.count; ++k)
+    pairs.push_back({static_cast<std::uint32_t>(tiles.size()), from.pairs[first_pair + k].edge});
+  tiles.push_back(tile);
+}
+
 bool CellFilter::center_inside(const CellFrame& f, const Vec2& center) const {
   const double x = center.x() - f.center[0], y = center.y() - f.center[1];
   return polygon_.contains({f.cosine * x + f.sine * y, -f.sine * x + f.cosine * y});

@@ -29,13 +29,17 @@ class WeightMap {
   [[nodiscard]] static WeightMap of_mesh(const std::vector<Vertex>& vertices,
                                          const std::vector<std::array<int, 3>>& faces, double step_mm);
 
-  /// A jet has the value and the gradient of the map at a point.
+  /// A jet has the value and the gradient of the map at a point, and an upper bound of the second derivative in every
+  /// direction within step_mm() of it.
   struct Jet {
     double value = 0.0;
     Vec2 slope_per_mm = Vec2::Zero();
+    double near_curvature_per_mm2 = 0.0;
   };
   /// Returns value and gradient at a point in the frame of the polygon, mm; any finite point is allowed. Constant cost.
   [[nodiscard]] Jet at(const Vec2& p_mm) const;
+  /// Returns the distance of two rows or columns of the raster.
+  [[nodiscard]] double step_mm() const { return step_; }
   /// Returns an upper bound of all values.
   [[nodiscard]] double most() const { return most_; }
   /// Returns an upper bound of the length of the gradient, per mm.
@@ -44,12 +48,20 @@ class WeightMap {
   [[nodiscard]] double max_curvature_per_mm2() const { return max_curvature_; }
 
  private:
-  [[nodiscard]] double control(int column, int row) const;
+  // Control values are kept up to this many steps outside the raster, where they are those of its rim.
+  static constexpr int kRim = 6;
+  [[nodiscard]] std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>(row + kRim) * static_cast<std::size_t>(stride_) +
+           static_cast<std::size_t>(column + kRim);
+  }
+  [[nodiscard]] const double* control(int column, int row) const { return control_.data() + index(column, row); }
+  [[nodiscard]] double curvature_around(int column, int row) const;
 
   Vec2 origin_;
   double step_;
-  int columns_ = 0, rows_ = 0;
+  int columns_ = 0, rows_ = 0, stride_ = 0;
   std::vector<double> control_;
+  std::vector<double> near_curvature_;  // Each square of the raster has the bound for itself and those around it.
   double most_ = 0.0, max_slope_ = 0.0, max_curvature_ = 0.0;
 };
 

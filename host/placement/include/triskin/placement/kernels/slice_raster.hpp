@@ -17,6 +17,9 @@ class SliceRaster {
  public:
   static constexpr int kSteps = SampleBits::kBlock;
   static constexpr auto kFull = static_cast<std::uint32_t>((std::uint64_t{1} << kSteps) - 1);
+  /// An outline of a million modules fits into a raster of 100 MB; the raster of a needle of 100 m takes 1.2 GB. A
+  /// slice whose raster would take more than this stays open.
+  static constexpr double kMaxBytes = 128e6;
   using Rows = std::array<std::uint32_t, kSteps>;  ///< A row is a part in y, and each of its bits a part in x.
 
   /// A border tile does not behave the same in all parts.
@@ -40,11 +43,12 @@ class SliceRaster {
   void collect(const CellFrame& frame);
 
   /// Returns the number of tiles that hold in all parts; 0 before collect().
-  [[nodiscard]] int certain() const { return certain_; }
+  [[nodiscard]] int certain() const { return static_cast<int>(certain_.size()); }
+  [[nodiscard]] const std::vector<Tile>& certain_tiles() const { return certain_; }
   [[nodiscard]] const std::vector<Border>& border() const { return border_; }
   /// Returns the number of tiles that may hold somewhere in the part, without those of certain().
   [[nodiscard]] int count(int x, int y) const {
-    return counts_[static_cast<std::size_t>(x)][static_cast<std::size_t>(y)] - certain_;
+    return counts_[static_cast<std::size_t>(x)][static_cast<std::size_t>(y)] - certain();
   }
 
  private:
@@ -70,7 +74,7 @@ class SliceRaster {
   std::array<Kind, 2> kinds_;
   std::vector<int> row_of_;  // Each vertex has the first row of samples that is not above it.
   std::vector<Border> border_;
-  int certain_ = 0;
+  std::vector<Tile> certain_;
   std::array<BitCounts, 2> sums_;  // The first sum is for even rows of tiles, the second for odd ones.
   BitCounts::Counts counts_{};     // The counts are indexed by x, then y.
 };

@@ -16,6 +16,8 @@ struct CellList {
     tiles.clear();
     pairs.clear();
   }
+  /// Appends a tile of another list with its edges.
+  void add(const CellList& from, std::size_t number);
 };
 
 /// Gives each open tile a box of offsets from the cell's centre, per axis, outside which it cannot hold.

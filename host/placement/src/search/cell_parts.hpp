@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <algorithm>
+#include <array>
+
+#include "triskin/placement/kernels/pair_kernel.hpp"
+#include "triskin/placement/search/lookahead.hpp"
+
+namespace triskin::geometry {
+
+/// Names a part of a cell that is divided along x, y and theta.
+using PartIndex = std::array<int, 3>;
+
+/// Returns the box of the parts low ≤ index < high; outer faces keep their bits, so that neighbours fit together.
+[[nodiscard]] inline MotionBox part_box(const MotionBox& box, const PartIndex& parts, const PartIndex& low,
+                                        const PartIndex& high) {
+  MotionBox part = box;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double step = (box.high[k] - box.low[k]) / parts[k];
+    if (low[k] > 0) part.low[k] = box.low[k] + step * low[k];
+    if (high[k] < parts[k]) part.high[k] = box.low[k] + step * high[k];
+  }
+  return part;
+}
+
+/// Returns the bits of the parts low ≤ index < high in the words of tiles.
+[[nodiscard]] inline PartWord wanted_parts(const PartIndex& low, const PartIndex& high) {
+  PartWord wanted{};
+  for (int x = low[0]; x < high[0]; ++x) {
+    for (int y = low[1]; y < high[1]; ++y)
+      wanted[static_cast<std::size_t>(x + kPartsPerAxis * y)] = (1U << high[2]) - (1U << low[2]);
+  }
+  return wanted;
+}
+
+/// Returns how the parts of a box lie to the constraints that were made for the frame, of whose cell the box is a part.
+[[nodiscard]] inline PartsView parts_view(const CellFrame& frame, const MotionBox& box) {
+  PartsView view{.shift = {}, .half = {}, .sure_mm = frame.certain_mm - frame.inset_mm + 2.0 * frame.pad_mm};
+  for (std::size_t k = 0; k < 3; ++k) {
+    view.shift[k] = box.center(k) - frame.center[k];
+    view.half[k] = box.half(k) * (1.0 + 1e-12) + 1e-15;
+  }
+  return view;
+}
+
+/// Summarizes the open ones among some parts: the least box around them, their number and their highest bound.
+template <class Bound>
+struct OpenParts {
+  PartIndex low{99, 99, 99}, high{0, 0, 0};
+  int count = 0;
+  Bound most{};
+  [[nodiscard]] PartIndex size() const { return {high[0] - low[0], high[1] - low[1], high[2] - low[2]}; }
+  /// Returns true if the box has at most max_parts parts and at least half of them are open; it is then not divided.
+  [[nodiscard]] bool well_filled(int max_parts) const {
+    const int volume = size()[0] * size()[1] * size()[2];
+    return volume <= max_parts && count * 2 >= volume;
+  }
+};
+
+/// Finds the open ones among the parts low ≤ index < high. bound(x, y, t) returns the bound of a part, is_open(bound)
+/// tells whether it may hold something better.
+template <class BoundOf, class IsOpen>
+[[nodiscard]] auto open_parts(const PartIndex& low, const PartIndex& high, const BoundOf& bound,
+                              const IsOpen& is_open) {
+  OpenParts<decltype(bound(0, 0, 0))> open;
+  for (int t = low[2]; t < high[2]; ++t) {
+    for (int y = low[1]; y < high[1]; ++y) {
+      for (int x = low[0]; x < high[0]; ++x) {
+        const auto here = bound(x, y, t);
+        if (!is_open(here)) continue;
+        const PartIndex at{x, y, t};
+        for (std::size_t k = 0; k < 3; ++k) {
+          open.low[k] = std::min(open.low[k], at[k]);
+          open.high[k] = std::max(open.high[k], at[k] + 1);
+        }
+        ++open.count;
+        open.most = std::max(open.most, here);
+      }
+    }
+  }
+  return open;
+}
+
+}  // namespace triskin::geometry
