@@ -42,7 +42,7 @@ double ConnectedTiles::bound(const CellFrame&, const std::vector<OpenTile>& cert
   for (const OpenTile& t : certain) tiles_.push_back(t.tile);
   for (const OpenTile& t : open) tiles_.push_back(t.tile);
   std::ranges::sort(tiles_);
-  return static_cast<double>(largest_component(grid_, tiles_).size());
+  return most_ = static_cast<double>(largest_component(grid_, tiles_).size());
 }
 
 // A connected set has no more tiles than there are.

@@ -16,6 +16,7 @@ class ConnectedTiles final : public Objective {
   double bound(const CellFrame& cell, const std::vector<OpenTile>& certain, const std::vector<OpenTile>& open) override;
   void bound_parts(const CellFrame& slice, const SliceRaster& raster, PartBounds& bounds) override;
   void bound_cubes(const PartsView& view, const std::vector<PartWord>& words, CubeBounds& bounds) const override;
+  [[nodiscard]] double most_at_middle() const override { return most_; }
   [[nodiscard]] int needed(double value) const override { return static_cast<int>(value) + 1 - certain_; }
   [[nodiscard]] double slack(double) const override { return 0.0; }
 
@@ -23,6 +24,7 @@ class ConnectedTiles final : public Objective {
   const TileGrid& grid_;
   std::vector<Tile> tiles_;
   int certain_ = 0;
+  double most_ = 0.0;
 };
 
 }  // namespace triskin::geometry

@@ -46,8 +46,8 @@ WeightedTiles::Term WeightedTiles::term(const Range& r, const Vec2& center) cons
   const WeightMap::Jet jet = map_.at(q + polygon_.first + polygon_.center);
   const Vec2 turned(r.cosine * jet.slope_per_mm.x() - r.sine * jet.slope_per_mm.y(),
                     r.sine * jet.slope_per_mm.x() + r.cosine * jet.slope_per_mm.y());
-  const double slide = std::hypot(r.half[0], r.half[1]), lever = q.norm();
-  const double far = slide + lever * r.half[2], bend = (0.5 * lever * r.half[2] + slide) * r.half[2];
+  const double lever = q.norm();
+  const double far = r.slide_mm + lever * r.half[2], bend = (0.5 * lever * r.half[2] + r.slide_mm) * r.half[2];
   const double curvature = far <= map_.step_mm() ? jet.near_curvature_per_mm2 : map_.max_curvature_per_mm2();
   return {jet.value,
           {-turned.x(), -turned.y(), jet.slope_per_mm.x() * q.y() - jet.slope_per_mm.y() * q.x()},
@@ -57,7 +57,7 @@ WeightedTiles::Term WeightedTiles::term(const Range& r, const Vec2& center) cons
 // No weight is negative, so the sum over certain and open tiles bounds every sum in which open ones are missing.
 double WeightedTiles::bound(const CellFrame& f, const std::vector<OpenTile>& certain,
                             const std::vector<OpenTile>& open) {
-  const Range range{f.center, f.half, f.cosine, f.sine};
+  const Range range{f.center, f.half, f.cosine, f.sine, std::hypot(f.half[0], f.half[1])};
   constexpr std::array<double, 3> kMiddle{};
   certain_sum_ = {};
   double each = 0.0;
@@ -77,6 +77,7 @@ double WeightedTiles::bound(const CellFrame& f, const std::vector<OpenTile>& cer
     open_.push_back(std::clamp(one.most(kMiddle, f.half), 0.0, map_.most()));
     each += open_.back();
   }
+  middle_ = sum.value * (1.0 + kRounding);
   return std::min(each, sum.most(kMiddle, f.half)) * (1.0 + kRounding);
 }
 
@@ -112,7 +113,8 @@ void WeightedTiles::bound_parts(const CellFrame& slice, const SliceRaster& raste
                          slice.center[1] + (2 * y + 1 - kBlocks) * half_y, slice.center[2]},
                         {half_x, half_y, slice.half[2]},
                         slice.cosine,
-                        slice.sine};
+                        slice.sine,
+                        std::hypot(half_x, half_y)};
       bound_block(block, raster, x * kBlockParts, y * kBlockParts, bounds);
     }
   }

@@ -15,16 +15,17 @@ class WeightedTiles final : public Objective {
   double bound(const CellFrame& cell, const std::vector<OpenTile>& certain, const std::vector<OpenTile>& open) override;
   void bound_parts(const CellFrame& slice, const SliceRaster& raster, PartBounds& bounds) override;
   void bound_cubes(const PartsView& view, const std::vector<PartWord>& words, CubeBounds& bounds) const override;
+  [[nodiscard]] double most_at_middle() const override { return middle_; }
   [[nodiscard]] int needed(double value) const override;
   [[nodiscard]] double slack(double value) const override { return kPrecision * value; }
 
   static constexpr double kPrecision = 1e-5;  ///< The search ends at this relative gap.
 
  private:
-  // Motions around a centre, at which the angle has this cosine and sine.
+  // Motions around a centre, at which the angle has this cosine and sine; none slides farther than slide_mm from it.
   struct Range {
     std::array<double, 3> center, half;
-    double cosine, sine;
+    double cosine, sine, slide_mm;
   };
   // A function of the offset from the centre of a range, to first order.
   struct Term {
@@ -43,7 +44,7 @@ class WeightedTiles final : public Objective {
   const WeightMap& map_;
   // The tiles of the last bound(): the certain ones together, and the open ones.
   Term certain_sum_;
-  double certain_ = 0.0;
+  double certain_ = 0.0, middle_ = 0.0;
   std::vector<Term> open_terms_;
   std::vector<double> open_;
 };

@@ -237,7 +237,8 @@ class ObjectiveSearch {
     now.certain = cell.known->certain;
     (void)filter_.filter(frame_, *from, 0, now.open, boxes_, halves_, &now.certain);
     const double bound = std::min(cell.bound, objective_.bound(frame_, now.certain, now.open.tiles));
-    if (bound > closed_level() && try_motion({frame_.center[0], frame_.center[1], frame_.center[2]}))
+    if (objective_.most_at_middle() > result_.value &&
+        try_motion({frame_.center[0], frame_.center[1], frame_.center[2]}))
       climb(std::hypot(frame_.half[0], frame_.half[1]));
     if (bound <= closed_level()) return close(bound);
     ObjectiveCell clipped{.box = cell.box, .bound = bound};

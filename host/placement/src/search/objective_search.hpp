@@ -33,6 +33,9 @@ class Objective {
   /// Sets a bound for each part of the cell of the last bound(). `words` tell in which parts its open tiles may be
   /// inside.
   virtual void bound_cubes(const PartsView& view, const std::vector<PartWord>& words, CubeBounds& bounds) const = 0;
+  /// Returns a bound for the value at the middle of the cell of the last bound(); it may be lower than that of the
+  /// cell.
+  [[nodiscard]] virtual double most_at_middle() const = 0;
   /// Returns how many open tiles of the last bound() must be inside for a value over `value`.
   [[nodiscard]] virtual int needed(double value) const = 0;
   /// Returns the slack: a bound of at most this much over `value` counts as proved.
