@@ -368,7 +368,7 @@ std::optional<Design::PartSource> read_part_source(const JsonValue& source) {
   Design::PartSource part;
   part.face_count = v["face_count"].integer(1, kMaxCount);
   part.deviation_mm = magnitude(v["deviation_mm"]);
-  part.faces = list(v["faces"], [&](const JsonValue& f) { return f.integer(0, part.face_count - 1); });
+  part.faces = list(v["faces"], [&](const JsonValue& f) { return BrepFaceIndex(f.integer(0, part.face_count - 1)); });
   if (!v["selection"].raw().is_object()) v["selection"].fail("must be an object");
   part.selection = v["selection"].raw().dump();
   return part;

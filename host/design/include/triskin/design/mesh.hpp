@@ -17,6 +17,9 @@ using Vec3 = Eigen::Vector3d;  ///< Coordinates are in mm, in the frame of the m
 using FaceIndex = layout::Index<struct FaceIndexTag>;
 /// Numbers a vertex of a mesh: the index in Mesh::vertices. −1 stands for none.
 using VertexIndex = layout::Index<struct VertexIndexTag>;
+/// Numbers a face of a CAD part: the index in cad::Part::faces. Such a face of a boundary representation is a piece of
+/// exact surface, for which many faces of a mesh stand. −1 stands for none.
+using BrepFaceIndex = layout::Index<struct BrepFaceIndexTag>;
 
 /// A mesh of a cover has triangles: vertices in mm (mesh frame), faces as vertex indices (0-based), counter-clockwise
 /// seen from outside. The corners of faces stay plain integers because files and other libraries fill them; make a
