@@ -9,6 +9,7 @@
 namespace triskin::cad {
 namespace {
 
+using design::BrepFaceIndex;
 using ::testing::ElementsAre;
 
 // Makes four squares of 10 mm in a row: the second continues flat, the third bends by 10°, the fourth by 90°.
@@ -26,7 +27,7 @@ Part strip() {
     const int n = 2 * f;
     part.mesh.faces.push_back({n, n + 2, n + 3});
     part.mesh.faces.push_back({n, n + 3, n + 1});
-    part.face_of_triangle.insert(part.face_of_triangle.end(), {f, f});
+    part.face_of_triangle.insert(part.face_of_triangle.end(), 2, BrepFaceIndex(f));
     Face face;
     face.body = f / 2;
     face.area_mm2 = 100.0 * (f + 1);
@@ -43,7 +44,7 @@ Part strip() {
 TEST(SelectFaces, OneOptionEach) {
   const Part part = strip();
   EXPECT_THAT(select_faces(part, {}), ElementsAre(0, 1, 2, 3));
-  EXPECT_THAT(select_faces(part, {.indices = {2, 0}}), ElementsAre(0, 2));
+  EXPECT_THAT(select_faces(part, {.indices = {BrepFaceIndex{2}, BrepFaceIndex{0}}}), ElementsAre(0, 2));
   EXPECT_THAT(select_faces(part, {.names = {"middle"}}), ElementsAre(1));
   EXPECT_THAT(select_faces(part, {.colours = {"red"}}), ElementsAre(3));
   EXPECT_THAT(select_faces(part, {.kinds = {SurfaceKind::kCylinder}}), ElementsAre(2, 3));
@@ -73,7 +74,7 @@ TEST(SelectFaces, OptionsNarrowEachOther) {
 }
 
 TEST(SelectFaces, TheSelectionIsKeptAsText) {
-  const FaceSelection all{.indices = {1, 2},
+  const FaceSelection all{.indices = {BrepFaceIndex{1}, BrepFaceIndex{2}},
                           .names = {"middle"},
                           .colours = {"red"},
                           .kinds = {SurfaceKind::kCone},
@@ -97,14 +98,14 @@ TEST(SelectFaces, TheSelectionIsKeptAsText) {
 TEST(SelectFaces, WhatIsNotThereIsNamed) {
   const Part part = strip();
   for (const FaceSelection& wrong :
-       {FaceSelection{.indices = {4}}, FaceSelection{.names = {"outer"}}, FaceSelection{.colours = {"blue"}},
-        FaceSelection{.colours = {"mauve"}}, FaceSelection{.bodies = {"arm"}},
+       {FaceSelection{.indices = {BrepFaceIndex{4}}}, FaceSelection{.names = {"outer"}},
+        FaceSelection{.colours = {"blue"}}, FaceSelection{.colours = {"mauve"}}, FaceSelection{.bodies = {"arm"}},
         FaceSelection{.names = {"middle"}, .bodies = {"right"}}})
     EXPECT_THROW((void)select_faces(part, wrong), InputError);
 }
 
 TEST(SelectFaces, TheirMeshHasNoOtherVertices) {
-  const design::Mesh mesh = mesh_of_faces(strip(), {1});
+  const design::Mesh mesh = mesh_of_faces(strip(), {BrepFaceIndex{1}});
   EXPECT_EQ(mesh.faces.size(), 2U);
   EXPECT_EQ(mesh.vertices.size(), 4U);
 }

@@ -96,7 +96,7 @@ inline Vec3 way_to_border(const geometry::Surface& surface, const json& m) {
   Vec3 best = Vec3::Zero();
   double least = 1e300;
   for (const auto& loop : surface.border_loops()) {
-    for (const int v : loop) {
+    for (const geometry::VertexIndex v : loop) {
       const Vec3 d = surface.mesh().vertices[static_cast<std::size_t>(v)] - f.center;
       if (d.norm() >= least) continue;
       least = d.norm();

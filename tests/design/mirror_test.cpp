@@ -58,7 +58,7 @@ TEST(Mirror, a_module_keeps_its_sense) {
 TEST(Mirror, a_piece_is_turned_over_with_the_tiles_in_it) {
   PlacedPiece p;
   p.piece.outline.outer = {{1, 1}, {40, 2}, {20, 30}};
-  p.piece.faces = {7};
+  p.piece.faces = {FaceIndex{7}};
   p.piece.flat = {{Vec2{1, 1}, Vec2{40, 2}, Vec2{20, 30}}};
   p.placement = {3.0, -2.0, 0.4};
   const PlacedPiece image = turned_over(p);

@@ -81,10 +81,11 @@ TEST(FoldedFlap, has_no_normal_at_its_fold_and_that_of_the_face_counts) {
   const Vec3 a(1.1, 2.3, 0.7), b(31.7, 5.9, 3.1), c(7.3, 33.3, 9.7);
   const Vec3 over = b + 0.73 * (a - b);
   const Surface surface(Mesh{{a, b, c, over}, {{0, 1, 2}, {2, 1, 3}}});
-  ASSERT_NEAR(surface.face_normal(0).dot(surface.face_normal(1)), -1.0, 1e-12);
-  EXPECT_EQ(surface.vertex_normal(1), Vec3(Vec3::Zero()));
-  const SurfacePoint corner{b, 0, {0.0, 1.0, 0.0}, 0.0};
-  EXPECT_EQ(surface.normal_at(corner), surface.face_normal(0));
+  const FaceIndex first{0};
+  ASSERT_NEAR(surface.face_normal(first).dot(surface.face_normal(FaceIndex{1})), -1.0, 1e-12);
+  EXPECT_EQ(surface.vertex_normal(VertexIndex{1}), Vec3(Vec3::Zero()));
+  const SurfacePoint corner{b, first, {0.0, 1.0, 0.0}, 0.0};
+  EXPECT_EQ(surface.normal_at(corner), surface.face_normal(first));
 }
 
 TEST_F(ClosestPoint, of_the_border_is_that_of_a_loop_over_all_its_edges) {

@@ -21,8 +21,9 @@ using geometry::Mesh;
 using geometry::Vec3;
 using Pairs = std::vector<std::pair<int, int>>;
 
-Pairs crossings_of(const Mesh& mesh) {
-  return find_crossings(mesh, {}).pairs;
+Pairs crossings_of(const Mesh& mesh, const geometry::CrossingSearch& search = {}) {
+  const auto pairs = find_crossings(mesh, search).pairs;
+  return {pairs.begin(), pairs.end()};
 }
 
 Mesh soup_of(const std::vector<std::array<Vec3, 3>>& triangles) {
@@ -119,7 +120,7 @@ TEST(Crossings, are_those_that_cgal_finds) {
       }
       const Pairs wanted = crossings_by_cgal(mesh);
       total += wanted.size();
-      EXPECT_EQ(find_crossings(mesh, {.threads = 2}).pairs, wanted) << damage.name << ' ' << shape.name;
+      EXPECT_EQ(crossings_of(mesh, {.threads = 2}), wanted) << damage.name << ' ' << shape.name;
       EXPECT_EQ(find_crossings(mesh, {.any_one = true}).pairs.empty(), wanted.empty());
     }
   }

@@ -48,7 +48,7 @@ TEST(DesignOfADenseMesh, is_measured_and_checked_on_all_faces) {
   design::FaceSet middle;  // The region must stay free and is given by the faces of the file.
   for (int f = 0; f < static_cast<int>(mesh.faces.size()); ++f) {
     const Vec3& p = mesh.vertices[at(mesh.faces[at(f)][0])];
-    if (std::hypot(p.x() - 90.0, p.y() - 75.0) < 15.0) middle.faces.push_back(f);
+    if (std::hypot(p.x() - 90.0, p.y() - 75.0) < 15.0) middle.faces.emplace_back(f);
   }
   design::WantedRegion logo;
   logo.region.name = "logo";

@@ -85,7 +85,9 @@ TEST(Enclosed, every_shell_but_the_outermost_goes_whatever_its_side) {
   EXPECT_EQ(e.report.enclosed_components, 2);
   EXPECT_NEAR(area(e.surface), 6.0 * 200.0 * 200.0, 1e-6);
   const Surface s(e.surface);
-  EXPECT_GT(s.face_normal(0).dot(e.surface.vertices[static_cast<std::size_t>(e.surface.faces[0][0])]), 0.0);
+  EXPECT_GT(
+      s.face_normal(geometry::FaceIndex{0}).dot(e.surface.vertices[static_cast<std::size_t>(e.surface.faces[0][0])]),
+      0.0);
 }
 
 TEST(Enclosed, what_can_be_reached_stays) {

@@ -32,7 +32,7 @@ TEST(Extract, HiddenShellGoesAndTheOuterOneIsTurnedOutward) {
   EXPECT_TRUE(e.report.outer);
   EXPECT_NEAR(area(e.surface), 6.0 * 100.0 * 100.0, 1.0);
   const Surface s(e.surface);
-  for (int f = 0; f < static_cast<int>(e.surface.faces.size()); ++f) {
+  for (FaceIndex f{0}; f < static_cast<int>(e.surface.faces.size()); ++f) {
     const Vec3& corner = e.surface.vertices[static_cast<std::size_t>(e.surface.faces[static_cast<std::size_t>(f)][0])];
     EXPECT_GT(s.face_normal(f).dot(corner), 0.0);
   }

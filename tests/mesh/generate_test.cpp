@@ -45,7 +45,7 @@ Curvature curvature_of(const Surface& s) {
     }
   }
   for (const auto& loop : s.border_loops()) {
-    for (const int v : loop) deficit[at(v)] = 0.0;
+    for (const VertexIndex v : loop) deficit[at(v)] = 0.0;
   }
   Curvature sum;
   for (const double d : deficit) (d < 0.0 ? sum.negative : sum.positive) += d;
@@ -142,7 +142,7 @@ TEST_P(CleanCover, is_a_manifold_with_its_holes_and_curvature) {
   Eigen::AlignedBox3d box;
   for (const Vec3& v : mesh.vertices) box.extend(v);
   std::size_t outward = 0;
-  for (int f = 0; f < static_cast<int>(mesh.faces.size()); ++f) {
+  for (FaceIndex f{0}; f < static_cast<int>(mesh.faces.size()); ++f) {
     const Vec3 from_middle = mesh.vertices[at(mesh.faces[at(f)][0])] - box.center();
     if (surface.face_normal(f).dot(from_middle) > 0.0) ++outward;
   }

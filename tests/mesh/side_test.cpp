@@ -44,7 +44,7 @@ using Areas = std::map<int, std::map<FaceSide, double>>;
 Areas areas_of(const WalledPart& part, const geometry::SideChoice& choice) {
   Areas areas;
   for (std::size_t f = 0; f < part.mesh.faces.size(); ++f)
-    areas[part.side[f]][choice.side_of(static_cast<int>(f))] += area_of(part.mesh, f);
+    areas[part.side[f]][choice.side_of(geometry::FaceIndex(f))] += area_of(part.mesh, f);
   return areas;
 }
 double sum_of(const std::map<FaceSide, double>& by_side) {

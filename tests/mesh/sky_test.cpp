@@ -41,8 +41,8 @@ TEST(Visibility, eight_rays_tell_a_box_from_the_one_inside_it) {
   Mesh mesh;
   add_box(mesh, 100.0);
   add_box(mesh, 50.0);
-  std::vector<int> faces(mesh.faces.size());
-  for (std::size_t f = 0; f < faces.size(); ++f) faces[f] = static_cast<int>(f);
+  std::vector<FaceIndex> faces(mesh.faces.size());
+  for (std::size_t f = 0; f < faces.size(); ++f) faces[f] = FaceIndex(f);
   for (const int rays : {8, 64}) {
     const std::vector<Visibility> visibility = visibility_of(mesh, faces, rays);
     for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -57,7 +57,8 @@ TEST(Visibility, fewer_rays_find_about_the_same_share) {
   Mesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, -1e6, -1}, {-1, 1e6, -1}, {-1, 0, 1e6}};
   mesh.faces = {{0, 1, 2}, {3, 4, 5}};
-  const double many = visibility_of(mesh, {0}, 64)[0].front, few = visibility_of(mesh, {0}, 8)[0].front;
+  const std::vector<FaceIndex> first{FaceIndex{0}};
+  const double many = visibility_of(mesh, first, 64)[0].front, few = visibility_of(mesh, first, 8)[0].front;
   EXPECT_GT(many, 0.5);
   EXPECT_LT(many, 0.9);
   EXPECT_NEAR(few, many, 0.125);

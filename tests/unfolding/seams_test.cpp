@@ -53,7 +53,7 @@ Mesh dome(double radius) {
 }
 
 // Returns corner k of a face on the plane; nothing when the face is in another piece.
-std::optional<std::pair<std::size_t, Vec2>> flat_corner(const Net& net, int face, int k) {
+std::optional<std::pair<std::size_t, Vec2>> flat_corner(const Net& net, FaceIndex face, int k) {
   for (std::size_t p = 0; p < net.pieces.size(); ++p) {
     const auto found = std::ranges::find(net.pieces[p].faces, face);
     if (found != net.pieces[p].faces.end())
@@ -64,7 +64,7 @@ std::optional<std::pair<std::size_t, Vec2>> flat_corner(const Net& net, int face
 
 // Returns true if both ends of the edge are at the same places of one piece, seen from either face.
 bool is_joined(const Surface& s, const Net& net, const SurfaceEdge& edge) {
-  const int other = s.neighbours(edge.face)[at(edge.side)];
+  const FaceIndex other = s.neighbours(edge.face)[at(edge.side)];
   const auto &f = s.mesh().faces[at(edge.face)], &g = s.mesh().faces[at(other)];
   bool same = true;
   for (const int k : {edge.side, (edge.side + 1) % 3}) {
@@ -121,7 +121,7 @@ TEST(Seams, a_forbidden_line_is_not_cut) {
 TEST(Seams, what_cannot_be_is_said) {
   const Surface s(dome(115.0));
   std::vector<SurfaceEdge> all;
-  for (int f = 0; f < static_cast<int>(s.mesh().faces.size()); ++f) {
+  for (FaceIndex f{0}; f < static_cast<int>(s.mesh().faces.size()); ++f) {
     for (int side = 0; side < 3; ++side) {
       if (s.neighbours(f)[at(side)] >= 0) all.push_back({f, side});
     }

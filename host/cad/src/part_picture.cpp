@@ -11,6 +11,7 @@
 namespace triskin::cad {
 namespace {
 
+using design::BrepFaceIndex;
 using design::Vec2;
 using design::Vec3;
 
@@ -28,7 +29,7 @@ View isometric(double side) {
   return {right, toward.cross(right), toward};
 }
 
-std::string fill(int face, bool is_selected, double light) {
+std::string fill(BrepFaceIndex face, bool is_selected, double light) {
   const double hue = std::fmod(face * kGolden_deg, 360.0);
   const double brightness = 35.0 + 35.0 * light;
   return is_selected ? fmt::format("hsl({:.0f},65%,{:.0f}%)", hue, brightness)
@@ -37,9 +38,9 @@ std::string fill(int face, bool is_selected, double light) {
 
 class Drawing {
  public:
-  Drawing(const Part& part, const std::vector<int>& selected)
+  Drawing(const Part& part, const std::vector<BrepFaceIndex>& selected)
       : part_(part), is_selected_(part.faces.size(), selected.empty()) {
-    for (const int f : selected) is_selected_.at(static_cast<std::size_t>(f)) = true;
+    for (const BrepFaceIndex f : selected) is_selected_.at(static_cast<std::size_t>(f)) = true;
     Vec3 low = part.mesh.vertices.front(), high = low;
     for (const Vec3& v : part.mesh.vertices) {
       low = low.cwiseMin(v);
@@ -76,7 +77,7 @@ class Drawing {
     return {left_ + 0.5 * kWidth + d.dot(view_.right), kGap + 0.5 * kWidth - d.dot(view_.up)};
   }
   [[nodiscard]] std::string triangle(std::size_t t) const {
-    const int face = part_.face_of_triangle[t];
+    const BrepFaceIndex face = part_.face_of_triangle[t];
     const Vec2 a = flat(at(t, 0)), b = flat(at(t, 1)), c = flat(at(t, 2));
     const std::string colour = fill(face, is_selected_[static_cast<std::size_t>(face)], normal(t).dot(view_.toward));
     // A thin line of the same colour closes the seams that renderers leave between triangles.
@@ -100,7 +101,7 @@ class Drawing {
 
 }  // namespace
 
-std::string part_svg(const Part& part, const std::vector<int>& selected) {
+std::string part_svg(const Part& part, const std::vector<BrepFaceIndex>& selected) {
   const double width = 2.0 * kWidth + 3.0 * kGap, height = kWidth + 2.0 * kGap + 2.0 * kText;
   std::string out = fmt::format(
       "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {0} {1}' width='{0}' height='{1}' "

@@ -5,7 +5,6 @@
 #include <bit>
 #include <cstring>
 #include <nlohmann/json.hpp>
-#include <span>
 
 #include "triskin/base/error.hpp"
 
@@ -76,7 +75,7 @@ Body body_of(const json& j) {
   j.at("path").get_to(b.path);
   j.at("colour").get_to(b.colour);
   j.at("is_solid").get_to(b.is_solid);
-  j.at("first_face").get_to(b.first_face);
+  b.first_face = design::BrepFaceIndex(j.at("first_face").get<int>());
   j.at("face_count").get_to(b.face_count);
   j.at("free_edges").get_to(b.free_edges);
   j.at("open_edges").get_to(b.open_edges);
@@ -113,7 +112,7 @@ void take(std::string_view& bytes, std::vector<Value>& values, std::size_t count
   bytes.remove_prefix(count * sizeof(Value));
 }
 
-void require_below(int end, std::span<const int> indices) {
+void require_below(int end, const auto& indices) {
   if (!std::ranges::all_of(indices, [end](int k) { return k >= 0 && k < end; })) fail();
 }
 

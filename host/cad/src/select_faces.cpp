@@ -16,7 +16,12 @@
 namespace triskin::cad {
 namespace {
 
+using design::BrepFaceIndex;
 using design::Vec3;
+using design::VertexIndex;
+
+/// The lower one comes first.
+using FacePair = std::pair<BrepFaceIndex, BrepFaceIndex>;
 
 constexpr std::size_t kMaxListed = 10;
 // The same display colour differs by rounding between programs.
@@ -82,9 +87,9 @@ double distance_to(const Part& part, std::size_t t, const Vec3& p) {
   return nearest;
 }
 
-int nearest_face(const Part& part, const Vec3& point) {
+BrepFaceIndex nearest_face(const Part& part, const Vec3& point) {
   double nearest = 1e300;
-  int face = -1;
+  BrepFaceIndex face = BrepFaceIndex::none();
   for (std::size_t t = 0; t < part.mesh.faces.size(); ++t) {
     const double distance = distance_to(part, t, point);
     if (distance < nearest) nearest = distance, face = part.face_of_triangle[t];
@@ -93,9 +98,9 @@ int nearest_face(const Part& part, const Vec3& point) {
 }
 
 // Returns pairs of faces whose common sides all turn less than the limit.
-std::vector<std::pair<int, int>> smooth_neighbours(const Part& part, double smooth_deg) {
-  std::map<std::pair<int, int>, std::size_t> first_side;
-  std::map<std::pair<int, int>, double> sharpest;  // Two faces have the least cosine between their normals.
+std::vector<FacePair> smooth_neighbours(const Part& part, double smooth_deg) {
+  std::map<std::pair<VertexIndex, VertexIndex>, std::size_t> first_side;
+  std::map<FacePair, double> sharpest;  // Two faces have the least cosine between their normals.
   const auto normal = [&](std::size_t t) {
     const auto& f = part.mesh.faces[t];
     const auto at = [&](std::size_t k) { return part.mesh.vertices[static_cast<std::size_t>(f[k])]; };
@@ -104,14 +109,14 @@ std::vector<std::pair<int, int>> smooth_neighbours(const Part& part, double smoo
   for (std::size_t t = 0; t < part.mesh.faces.size(); ++t) {
     const auto& f = part.mesh.faces[t];
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto [other, is_new] = first_side.emplace(std::minmax(f[k], f[(k + 1) % 3]), t);
-      const int a = part.face_of_triangle[t], b = part.face_of_triangle[other->second];
+      const auto [other, is_new] = first_side.emplace(std::minmax({VertexIndex(f[k]), VertexIndex(f[(k + 1) % 3])}), t);
+      const BrepFaceIndex a = part.face_of_triangle[t], b = part.face_of_triangle[other->second];
       if (is_new || a == b) continue;
       const auto [pair, is_first] = sharpest.emplace(std::minmax(a, b), 1.0);
       pair->second = std::min(pair->second, normal(t).dot(normal(other->second)));
     }
   }
-  std::vector<std::pair<int, int>> smooth;
+  std::vector<FacePair> smooth;
   const double limit = std::cos(smooth_deg * std::numbers::pi / 180.0);
   for (const auto& [pair, cosine] : sharpest) {
     if (cosine >= limit) smooth.push_back(pair);
@@ -119,9 +124,9 @@ std::vector<std::pair<int, int>> smooth_neighbours(const Part& part, double smoo
   return smooth;
 }
 
-std::set<int> region_from(const Part& part, const Vec3& point, double smooth_deg) {
+std::set<BrepFaceIndex> region_from(const Part& part, const Vec3& point, double smooth_deg) {
   const auto pairs = smooth_neighbours(part, smooth_deg);
-  std::set<int> region{nearest_face(part, point)};
+  std::set<BrepFaceIndex> region{nearest_face(part, point)};
   for (bool grows = true; grows;) {
     grows = false;
     for (const auto& [a, b] : pairs) {
@@ -140,7 +145,7 @@ void require_known(const Part& part, const FaceSelection& s) {
     if (!f.colour.empty()) colours.insert(f.colour);
   }
   for (const Body& b : part.bodies) bodies.insert(b.name);
-  for (const int i : s.indices) {
+  for (const BrepFaceIndex i : s.indices) {
     if (i < 0 || static_cast<std::size_t>(i) >= part.faces.size())
       throw InputError(fmt::format("the part has no face {}; it has 0 … {}", i, part.faces.size() - 1));
   }
@@ -166,7 +171,7 @@ void require_known(const Part& part, const FaceSelection& s) {
   }
 }
 
-bool meets(const Part& part, int index, const FaceSelection& s) {
+bool meets(const Part& part, BrepFaceIndex index, const FaceSelection& s) {
   const Face& f = part.faces[static_cast<std::size_t>(index)];
   const double area_cm2 = f.area_mm2 / 100.0;
   const auto is_in = [&](const std::string& body) { return is_body(part, f.body, body); };
@@ -186,12 +191,12 @@ bool FaceSelection::is_empty() const {
          !max_area_cm2 && !from_point_mm && !only_outward && without_holes_mm <= 0.0 && without_bodies.empty();
 }
 
-std::vector<int> select_faces(const Part& part, const FaceSelection& selection) {
+std::vector<BrepFaceIndex> select_faces(const Part& part, const FaceSelection& selection) {
   require_known(part, selection);
-  std::set<int> region;
+  std::set<BrepFaceIndex> region;
   if (selection.from_point_mm) region = region_from(part, *selection.from_point_mm, selection.smooth_deg);
-  std::vector<int> chosen;
-  for (int f = 0; f < static_cast<int>(part.faces.size()); ++f) {
+  std::vector<BrepFaceIndex> chosen;
+  for (BrepFaceIndex f{0}; f < static_cast<int>(part.faces.size()); ++f) {
     if (selection.from_point_mm && !region.contains(f)) continue;
     if (meets(part, f, selection)) chosen.push_back(f);
   }
@@ -199,9 +204,9 @@ std::vector<int> select_faces(const Part& part, const FaceSelection& selection) 
   return chosen;
 }
 
-design::Mesh mesh_of_faces(const Part& part, const std::vector<int>& faces) {
+design::Mesh mesh_of_faces(const Part& part, const std::vector<BrepFaceIndex>& faces) {
   std::vector<bool> is_in(part.faces.size(), false);
-  for (const int f : faces) is_in.at(static_cast<std::size_t>(f)) = true;
+  for (const BrepFaceIndex f : faces) is_in.at(static_cast<std::size_t>(f)) = true;
   std::vector<int> vertex(part.mesh.vertices.size(), -1);
   design::Mesh mesh;
   for (std::size_t t = 0; t < part.mesh.faces.size(); ++t) {

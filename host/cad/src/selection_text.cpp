@@ -46,7 +46,9 @@ FaceSelection parse_selection(const std::string& text) {
   FaceSelection s;
   try {
     const json from = json::parse(text);
-    take(from, "indices", s.indices);
+    std::vector<int> indices;
+    take(from, "indices", indices);
+    for (const int f : indices) s.indices.emplace_back(f);
     take(from, "names", s.names);
     take(from, "colours", s.colours);
     for (const json& kind : from.value("kinds", json::array()))

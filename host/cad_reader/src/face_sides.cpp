@@ -32,7 +32,8 @@ constexpr double kClearBulge_rad = 0.02;
 struct Place {
   Vec3 at, normal;
   double free = 0.0;  // This fraction of its rays is free.
-  int behind = -1;    // The triangle belongs to the other sheet; −1 if there is none.
+  /// The triangle belongs to the other sheet; −1 if there is none.
+  design::FaceIndex behind = design::FaceIndex::none();
 };
 struct FaceView {
   std::vector<Place> places;
@@ -82,10 +83,10 @@ class SideFinder {
 
   // Triangles at even steps of the area represent their face.
   void collect_places() {
-    std::vector<std::vector<std::pair<double, int>>> by_face(part_.faces.size());
+    std::vector<std::vector<std::pair<double, design::FaceIndex>>> by_face(part_.faces.size());
     for (std::size_t t = 0; t < part_.mesh.faces.size(); ++t)
       by_face[static_cast<std::size_t>(part_.face_of_triangle[t])].emplace_back(std::sqrt(triangles_[t].squared_area()),
-                                                                                static_cast<int>(t));
+                                                                                t);
     const std::size_t wanted =
         std::clamp(kMaxPlaces / std::max<std::size_t>(1, by_face.size()), kMinPlacesAFace, kMaxPlacesAFace);
     for (std::size_t f = 0; f < by_face.size(); ++f) {
@@ -98,7 +99,7 @@ class SideFinder {
       }
     }
   }
-  [[nodiscard]] Place place_on(int t) const {
+  [[nodiscard]] Place place_on(design::FaceIndex t) const {
     const auto& f = part_.mesh.faces[static_cast<std::size_t>(t)];
     const auto at = [&](std::size_t k) { return part_.mesh.vertices[static_cast<std::size_t>(f[k])]; };
     return {(at(0) + at(1) + at(2)) / 3.0, (at(1) - at(0)).cross(at(2) - at(0)).normalized()};
@@ -125,20 +126,20 @@ class SideFinder {
     return static_cast<double>(free) / kRays;
   }
   // Finds the other sheet of a thin wall: close behind the place, with its normal turned away.
-  [[nodiscard]] int behind(const Place& place) const {
+  [[nodiscard]] design::FaceIndex behind(const Place& place) const {
     const Kernel::Segment_3 ray(point(place.at - kStandOff_mm * place.normal),
                                 point(place.at - kThickestWall_mm * place.normal));
     std::vector<Primitive::Id> hits;
     tree_.all_intersected_primitives(ray, std::back_inserter(hits));
     double nearest = 1e300;
-    int found = -1;
+    design::FaceIndex found = design::FaceIndex::none();
     for (const auto& hit : hits) {
-      const int t = static_cast<int>(hit - triangles_.begin());
+      const design::FaceIndex t(hit - triangles_.begin());
       const Place other = place_on(t);
       const double distance = (place.at - other.at).dot(place.normal);
       if (distance > 0.0 && distance < nearest) nearest = distance, found = t;
     }
-    return found >= 0 && place_on(found).normal.dot(place.normal) < -0.5 ? found : -1;
+    return found >= 0 && place_on(found).normal.dot(place.normal) < -0.5 ? found : design::FaceIndex::none();
   }
   // Returns the mean angle by which normals of two places spread: positive on the outside of a tube.
   static double bulge(const std::vector<Place>& places) {

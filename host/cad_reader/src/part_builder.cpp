@@ -33,7 +33,7 @@ class PartBuilder {
 
   void add(const PlacedBody& placed, const BodyMesh& mesh) {
     cad::Body body{placed.name, placed.path, placed.colour, placed.shape.ShapeType() == TopAbs_SOLID};
-    body.first_face = static_cast<int>(part.faces.size());
+    body.first_face = design::BrepFaceIndex(part.faces.size());
     body.face_count = static_cast<int>(mesh.faces.size());
     body.free_edges = mesh.free_edges;
     body.open_edges = mesh.open_edges;
@@ -65,12 +65,12 @@ class PartBuilder {
     face.fault = exact.fault;
     return face;
   }
-  void add_triangles(const BodyMesh& mesh, int first_face) {
+  void add_triangles(const BodyMesh& mesh, design::BrepFaceIndex first_face) {
     const int base = static_cast<int>(part.mesh.vertices.size());
     for (const Vec3& p : mesh.points) part.mesh.vertices.push_back(scale_ * p);
     for (const Triangle& t : mesh.triangles) {
       part.mesh.faces.push_back({base + t.corners[0], base + t.corners[1], base + t.corners[2]});
-      part.face_of_triangle.push_back(first_face + t.face);
+      part.face_of_triangle.emplace_back(first_face + t.face);
     }
   }
 

@@ -31,7 +31,7 @@ design::Vec3 point_of(const std::string& text) {
 void FaceOptions::add_to(CLI::App& app) {
   const std::string kGroup = "Faces of a STEP or IGES file (see triskin faces)";
   const auto add = [&](CLI::Option* option) { return option->group(kGroup); };
-  add(app.add_option("--face", chosen_.indices, "by index, as many as wanted"))->delimiter(',');
+  add(app.add_option("--face", faces_, "by index, as many as wanted"))->delimiter(',');
   add(app.add_option("--face-name", chosen_.names, "by name; may be repeated"))->expected(1)->take_all();
   add(app.add_option("--face-colour", chosen_.colours, "by colour, #rrggbb or a name such as red; may be repeated"))
       ->expected(1)
@@ -56,6 +56,7 @@ void FaceOptions::add_to(CLI::App& app) {
 
 cad::FaceSelection FaceOptions::selection() const {
   cad::FaceSelection selection = chosen_;
+  for (const int face : faces_) selection.indices.emplace_back(face);
   for (const std::string& name : kinds_) {
     const auto kind = cad::kSurfaceKindNames.value(name);
     if (!kind) throw InputError(fmt::format("--face-kind {}: wanted {}", name, cad::kSurfaceKindNames.list()));

@@ -29,7 +29,7 @@ json vector_json(const design::Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-json face_json(const cad::Part& part, int index) {
+json face_json(const cad::Part& part, design::BrepFaceIndex index) {
   const cad::Face& f = part.faces[static_cast<std::size_t>(index)];
   json out = {{"index", index},
               {"name", f.name},
@@ -47,10 +47,10 @@ json face_json(const cad::Part& part, int index) {
   return out;
 }
 
-json body_json(const cad::Part& part, int index, const std::vector<int>& chosen) {
+json body_json(const cad::Part& part, int index, const std::vector<design::BrepFaceIndex>& chosen) {
   const cad::Body& b = part.bodies[static_cast<std::size_t>(index)];
   json faces = json::array();
-  for (const int f : chosen) {
+  for (const design::BrepFaceIndex f : chosen) {
     if (part.faces[static_cast<std::size_t>(f)].body == index) faces.push_back(face_json(part, f));
   }
   return {{"index", index},
@@ -68,7 +68,7 @@ int failed_faces(const cad::Part& part) {
   return static_cast<int>(std::ranges::count_if(part.faces, [](const cad::Face& f) { return !f.fault.empty(); }));
 }
 
-json part_json(const cad::Part& part, const std::vector<int>& chosen, double seconds) {
+json part_json(const cad::Part& part, const std::vector<design::BrepFaceIndex>& chosen, double seconds) {
   json bodies = json::array();
   double all_mm2 = 0.0, chosen_mm2 = 0.0;
   int solids = 0;
@@ -77,7 +77,7 @@ json part_json(const cad::Part& part, const std::vector<int>& chosen, double sec
     all_mm2 += part.bodies[static_cast<std::size_t>(b)].area_mm2;
     solids += part.bodies[static_cast<std::size_t>(b)].is_solid ? 1 : 0;
   }
-  for (const int f : chosen) chosen_mm2 += part.faces[static_cast<std::size_t>(f)].area_mm2;
+  for (const design::BrepFaceIndex f : chosen) chosen_mm2 += part.faces[static_cast<std::size_t>(f)].area_mm2;
   return {{"format", part.format},
           {"unit", part.unit.empty() ? json() : json(part.unit)},
           {"unit_mm", part.unit_mm},
@@ -99,7 +99,7 @@ json part_json(const cad::Part& part, const std::vector<int>& chosen, double sec
 
 // Names may contain anything that the file contains, but read_part() removes control characters before they reach a
 // terminal.
-void say_face(const cad::Part& part, int index, const Output& output) {
+void say_face(const cad::Part& part, design::BrepFaceIndex index, const Output& output) {
   const cad::Face& f = part.faces[static_cast<std::size_t>(index)];
   std::string line = fmt::format("  {:>4}  {:<10} {:>9.3f} cm²  {:<9}", index, cad::kSurfaceKindNames.name(f.kind),
                                  f.area_mm2 / 100.0, cad::kFaceSideNames.name(f.side));
@@ -111,18 +111,20 @@ void say_face(const cad::Part& part, int index, const Output& output) {
   output.say(line);
 }
 
-void say_body(const cad::Part& part, int number, const std::vector<int>& chosen, const Output& output) {
+void say_body(const cad::Part& part, int number, const std::vector<design::BrepFaceIndex>& chosen,
+              const Output& output) {
   const cad::Body& body = part.bodies[static_cast<std::size_t>(number)];
   const char* kind = body.is_solid ? "solid" : "surface";
   output.say(fmt::format("body {} \"{}\": {}, {}, {:.3f} cm²{}", number, body.path, kind,
                          counted(body.face_count, "face"), body.area_mm2 / 100.0,
                          body.colour.empty() ? "" : ", " + body.colour));
-  for (const int f : chosen) {
+  for (const design::BrepFaceIndex f : chosen) {
     if (part.faces[static_cast<std::size_t>(f)].body == number) say_face(part, f, output);
   }
 }
 
-void say_part(const cad::Part& part, const std::vector<int>& chosen, const json& totals, const Output& output) {
+void say_part(const cad::Part& part, const std::vector<design::BrepFaceIndex>& chosen, const json& totals,
+              const Output& output) {
   for (int b = 0; b < static_cast<int>(part.bodies.size()); ++b) say_body(part, b, chosen, output);
   const design::Vec3 size = cad::size_of(part);
   output.say(fmt::format("{}, unit {}: {:.1f} × {:.1f} × {:.1f} mm, {}, {} of {:.3f} cm²; {} chosen, {:.3f} cm²",
@@ -140,7 +142,7 @@ int run(const Options& options, Output& output) {
   const auto start = std::chrono::steady_clock::now();
   const cad::FaceSelection selection = options.faces.selection();
   const cad::Part part = cad::read_part(options.part, options.read);
-  const std::vector<int> chosen = cad::select_faces(part, selection);
+  const std::vector<design::BrepFaceIndex> chosen = cad::select_faces(part, selection);
   if (!options.picture.empty()) write_output(options.picture, cad::part_svg(part, chosen));
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   output.result = part_json(part, chosen, seconds);

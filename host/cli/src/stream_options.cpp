@@ -3,6 +3,8 @@
 
 #include <cstdio>
 
+#include "triskin/session/clock_filter.hpp"
+
 namespace triskin::cli {
 namespace {
 

@@ -114,7 +114,7 @@ Piece read_flat_piece(const JsonValue& v, std::size_t n_faces) {
   Piece piece;
   piece.outline.outer = list(v["outline"], vec2);
   piece.outline.holes = list(v["holes"], [](const JsonValue& hole) { return list(hole, vec2); });
-  piece.faces = list(v["faces"], index_below(n_faces));
+  piece.faces = list(v["faces"], [&](const JsonValue& f) { return FaceIndex(index_below(n_faces)(f)); });
   piece.flat = list(v["flat"], [](const JsonValue& t) { return triple(t, vec2); });
   if (piece.flat.size() != piece.faces.size()) v["flat"].fail("must have as many elements as \"faces\"");
   piece.max_edge_error_mm = magnitude(v["max_edge_error_mm"]);
@@ -368,7 +368,7 @@ std::optional<Design::PartSource> read_part_source(const JsonValue& source) {
   Design::PartSource part;
   part.face_count = v["face_count"].integer(1, kMaxCount);
   part.deviation_mm = magnitude(v["deviation_mm"]);
-  part.faces = list(v["faces"], [&](const JsonValue& f) { return f.integer(0, part.face_count - 1); });
+  part.faces = list(v["faces"], [&](const JsonValue& f) { return BrepFaceIndex(f.integer(0, part.face_count - 1)); });
   if (!v["selection"].raw().is_object()) v["selection"].fail("must be an object");
   part.selection = v["selection"].raw().dump();
   return part;

@@ -83,7 +83,7 @@ void require_one_shape(const JsonValue& v) {
 
 FaceSet read_face_set(const JsonValue& v) {
   FaceSet set;
-  for (std::size_t k = 0; k < v.size(); ++k) set.faces.push_back(v.at(k).integer(0, 2'000'000'000));
+  for (std::size_t k = 0; k < v.size(); ++k) set.faces.emplace_back(v.at(k).integer(0, 2'000'000'000));
   return set;
 }
 

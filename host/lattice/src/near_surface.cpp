@@ -36,7 +36,7 @@ NearSurface::NearSurface(const Surface& surface)
   for (int k = 0; k < 3; ++k) voxels_[at(k)] = static_cast<int>(extent[k] * per_mm_) + 1;
   index_.assign(at(voxels_[0]) * at(voxels_[1]) * at(voxels_[2]), -1);
   for (const auto& loop : surface.border_loops()) {
-    for (const int v : loop) border_vertex_[at(v)] = true;
+    for (const VertexIndex v : loop) border_vertex_[at(v)] = true;
   }
   for (const auto& f : mesh.faces) {
     border_face_.push_back(border_vertex_[at(f[0])] || border_vertex_[at(f[1])] || border_vertex_[at(f[2])]);
@@ -64,7 +64,7 @@ int NearSurface::fill(const Vec3& middle) {
   voxel.border_mm = std::max(0.0, border_mm - half);
   voxel.may_be_over = border_mm - half <= nearest.distance_mm + half;
   if (nearest.distance_mm < kMargin_mm) {
-    std::vector<std::pair<double, int>> faces;
+    std::vector<std::pair<double, FaceIndex>> faces;
     surface_.faces_within(middle, nearest.distance_mm + 2.0 * half + 1e-6, faces);
     if (faces.size() <= kMaxCandidates) {
       std::ranges::sort(faces);
@@ -79,13 +79,14 @@ int NearSurface::fill(const Vec3& middle) {
   return static_cast<int>(filled_.size()) - 1;
 }
 
-Foot NearSurface::foot_on(int face, const Vec3& weights, const Vec3& point, double squared) const {
+Foot NearSurface::foot_on(FaceIndex face, const Vec3& weights, const Vec3& point, double squared) const {
   const auto& f = surface_.mesh().faces[at(face)];
   Foot foot;
   foot.point = point;
   foot.distance_mm = std::sqrt(squared);
-  const Vec3 n = weights[0] * surface_.vertex_normal(f[0]) + weights[1] * surface_.vertex_normal(f[1]) +
-                 weights[2] * surface_.vertex_normal(f[2]);
+  const Vec3 n = weights[0] * surface_.vertex_normal(VertexIndex(f[0])) +
+                 weights[1] * surface_.vertex_normal(VertexIndex(f[1])) +
+                 weights[2] * surface_.vertex_normal(VertexIndex(f[2]));
   const double length = n.norm();
   foot.normal = length > 1e-9 ? Vec3(n / length) : surface_.face_normal(face);
   for (std::size_t k = 0; k < 3; ++k) {
@@ -104,7 +105,7 @@ Foot NearSurface::closest(const Vec3& query_mm) {
   const Mesh& mesh = surface_.mesh();
   double best_squared = std::numeric_limits<double>::infinity();
   const double off_middle_mm = (query_mm - voxel->middle).norm();
-  int best = -1;
+  FaceIndex best = FaceIndex::none();
   Vec3 best_weights = Vec3::Zero(), best_point = Vec3::Zero();
   for (int k = voxel->first; k < voxel->first + voxel->count; ++k) {
     const auto [face, middle_mm] = candidates_[at(k)];

@@ -68,7 +68,7 @@ class FacePrism {
   // A part may extend past a side by this much, which avoids splinters at the sides.
   static constexpr double kTouch_mm = 1e-6;
 
-  FacePrism(const Surface& surface, int face) : n_(surface.face_normal(face)) {
+  FacePrism(const Surface& surface, FaceIndex face) : n_(surface.face_normal(face)) {
     const auto& f = surface.mesh().faces[at(face)];
     for (std::size_t k = 0; k < 3; ++k) corner_[k] = surface.mesh().vertices[at(f[k])];
     for (std::size_t k = 0; k < 3; ++k) out_[k] = (corner_[(k + 1) % 3] - corner_[k]).cross(n_).normalized();
@@ -134,7 +134,7 @@ class OverrunSearch {
   bool may_exceed(std::span<const Vec3> part, const Vec3& p, const Stand& s, double reach);
   [[nodiscard]] double max_across(const BorderPoint& b, std::span<const Vec3> part, const Vec3& off,
                                   double reach) const;
-  [[nodiscard]] double past_end(const Vec3& end, int beyond, const Vec3& way, std::span<const Vec3> part,
+  [[nodiscard]] double past_end(const Vec3& end, VertexIndex beyond, const Vec3& way, std::span<const Vec3> part,
                                 double from_line) const;
   [[nodiscard]] std::pair<const Vec3&, const Vec3&> ends_of(const BorderPoint& b) const;
   [[nodiscard]] bool is_close(const FacePrism& face, std::span<const Vec3> part) const;
@@ -187,7 +187,8 @@ double OverrunSearch::max_across(const BorderPoint& b, std::span<const Vec3> par
                past_to = past_end(to, b.beyond[1], edge, part, from_line);
   if (past_from < 0.0 || past_to < 0.0) return 0.0;
   const auto& f = surface_.mesh().faces[at(b.point.face)];
-  const Vec3 &n_from = surface_.vertex_normal(f[at(b.side)]), &n_to = surface_.vertex_normal(f[at((b.side + 1) % 3)]);
+  const auto normal_of = [&](int k) -> const Vec3& { return surface_.vertex_normal(VertexIndex(f[at(k % 3)])); };
+  const Vec3 &n_from = normal_of(b.side), &n_to = normal_of(b.side + 1);
   // The interpolated normals are shortest in the middle, as the normals at the ends are units.
   const double shortest = 0.5 * (n_from + n_to).norm();
   if (!(shortest > 0.5)) return around;
@@ -199,7 +200,7 @@ double OverrunSearch::max_across(const BorderPoint& b, std::span<const Vec3> par
 // continues there, and the end is nearest only between the planes across both edges. So the bound is the distance from
 // the line times the tangent of their angle; infinite at a sharp corner. A negative value means that the border beyond
 // is nearer to all of the part.
-double OverrunSearch::past_end(const Vec3& end, int beyond, const Vec3& way, std::span<const Vec3> part,
+double OverrunSearch::past_end(const Vec3& end, VertexIndex beyond, const Vec3& way, std::span<const Vec3> part,
                                double from_line) const {
   const Vec3 next = (surface_.mesh().vertices[at(beyond)] - end).normalized();
   const auto past = [&](const Vec3& q) { return way.dot(q - end) > 0.0; };

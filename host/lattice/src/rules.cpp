@@ -75,7 +75,7 @@ Rules::Rules(const Surface& surface, const LayoutLimits& limits, const std::vect
       free_grid_(free_points, kModuleReach_mm) {
   for (std::size_t k = 0; k < free_points_.size(); ++k) free_grid_.add(static_cast<int>(k), free_points_[k]);
   const Mesh& mesh = surface.mesh();
-  for (int f = 0; f < static_cast<int>(mesh.faces.size()); ++f) {
+  for (FaceIndex f{0}; f < static_cast<int>(mesh.faces.size()); ++f) {
     for (int s = 0; s < 3; ++s) {
       if (surface.neighbours(f)[at(s)] >= 0) continue;
       const Vec3 &a = mesh.vertices[at(mesh.faces[at(f)][at(s)])],

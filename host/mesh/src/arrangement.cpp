@@ -22,7 +22,7 @@ class Arrangement {
  public:
   explicit Arrangement(const Mesh& mesh) : mesh_(mesh) { result_.vertices = mesh.vertices; }
 
-  Mesh run(const std::vector<std::pair<int, int>>& crossings) {
+  Mesh run(const std::vector<FacePair>& crossings) {
     for (const auto& [a, b] : crossings) {
       lines_[a];
       lines_[b];
@@ -31,7 +31,7 @@ class Arrangement {
       for (const int v : mesh_.faces[at(face)]) vertex_.try_emplace(exact(mesh_.vertices[at(v)]), v);
     }
     for (const auto& [a, b] : crossings) intersect(a, b);
-    for (int f = 0; f < static_cast<int>(mesh_.faces.size()); ++f) {
+    for (FaceIndex f{0}; f < static_cast<int>(mesh_.faces.size()); ++f) {
       const auto lines = lines_.find(f);
       if (lines == lines_.end())
         result_.faces.push_back(mesh_.faces[at(f)]);
@@ -45,12 +45,12 @@ class Arrangement {
   using Line = std::pair<Point3, Point3>;  // A point is stored as a line with two equal ends.
 
   static Point3 exact(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
-  [[nodiscard]] Kernel::Triangle_3 triangle(int face) const {
+  [[nodiscard]] Kernel::Triangle_3 triangle(FaceIndex face) const {
     const auto& f = mesh_.faces[at(face)];
     return {exact(mesh_.vertices[at(f[0])]), exact(mesh_.vertices[at(f[1])]), exact(mesh_.vertices[at(f[2])])};
   }
 
-  void intersect(int a, int b) {
+  void intersect(FaceIndex a, FaceIndex b) {
     const auto common = CGAL::intersection(triangle(a), triangle(b));
     if (!common) return;
     std::vector<Point3> points;
@@ -67,7 +67,7 @@ class Arrangement {
   }
 
   // The triangle is drawn on the plane of two axes on which it is largest; its own plane gives the third coordinate.
-  void divide(int face, const std::vector<Line>& lines) {
+  void divide(FaceIndex face, const std::vector<Line>& lines) {
     const auto& f = mesh_.faces[at(face)];
     const Vec3 normal = (mesh_.vertices[at(f[1])] - mesh_.vertices[at(f[0])])
                             .cross(mesh_.vertices[at(f[2])] - mesh_.vertices[at(f[0])]);
@@ -110,14 +110,14 @@ class Arrangement {
   }
 
   const Mesh& mesh_;
-  std::map<int, std::vector<Line>> lines_;  // The key is a face, the value the lines that others draw on it.
+  std::map<FaceIndex, std::vector<Line>> lines_;  // The key is a face, the value the lines that others draw on it.
   std::map<Point3, int> vertex_;
   Mesh result_;
 };
 
 }  // namespace
 
-Mesh arranged(const Mesh& mesh, const std::vector<std::pair<int, int>>& crossings) {
+Mesh arranged(const Mesh& mesh, const std::vector<FacePair>& crossings) {
   return Arrangement(mesh).run(crossings);
 }
 

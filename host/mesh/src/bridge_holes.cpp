@@ -20,14 +20,14 @@ constexpr std::size_t kMaxSingleTries = 64;  // Each one costs a search for cros
 constexpr std::size_t kMaxBorder = 2000;  // Ears are searched in cubic time.
 
 struct Hole {
-  std::vector<int> border;  // The surface lies on the left of the border.
+  std::vector<VertexIndex> border;  // The surface lies on the left of the border.
   Vec3 middle = Vec3::Zero(), normal = Vec3::Zero();
   double radius_mm = 0.0;
 };
 
-Hole hole_of(const Mesh& mesh, const std::vector<int>& loop) {
+Hole hole_of(const Mesh& mesh, const std::vector<VertexIndex>& loop) {
   Hole hole{loop};
-  for (const int v : loop) hole.middle += mesh.vertices[at(v)] / static_cast<double>(loop.size());
+  for (const VertexIndex v : loop) hole.middle += mesh.vertices[at(v)] / static_cast<double>(loop.size());
   // Newell's normal is used, and the border of a hole runs clockwise round it.
   for (std::size_t k = 0; k < loop.size(); ++k) {
     const Vec3 a = mesh.vertices[at(loop[k])] - hole.middle,
@@ -69,7 +69,7 @@ double area_from(const Mesh& mesh, std::size_t first) {
 BridgeReport bridge_holes(Mesh& surface, const Mesh& part, double diameter_mm) {
   BridgeReport report;
   std::vector<Hole> holes;
-  for (const std::vector<int>& loop : border_loops_of(surface, neighbours_of(surface))) {
+  for (const std::vector<VertexIndex>& loop : border_loops_of(surface, neighbours_of(surface))) {
     if (loop.size() < 3 || loop.size() > kMaxBorder || width_of_loop(surface, loop) > diameter_mm) continue;
     holes.push_back(hole_of(surface, loop));
     if (!sticks_out(part, holes.back())) continue;

@@ -17,7 +17,7 @@ constexpr double kRounding_mm = 1e-9;
 // A shape that uses all of the allowed deviation counts a fourth of one that uses none.
 constexpr double kPrefersFlat = 3.0;
 
-std::size_t corner_in(const std::array<int, 3>& face, int vertex) {
+std::size_t corner_in(const std::array<int, 3>& face, VertexIndex vertex) {
   return face[0] == vertex ? 0 : face[1] == vertex ? 1 : 2;
 }
 
@@ -32,51 +32,51 @@ CollapsingMesh::CollapsingMesh(const Surface& surface)
     : places_(surface.mesh().vertices),
       faces_(surface.mesh().faces),
       n_faces_(faces_.size()),
-      face_of_(places_.size(), -1),
+      face_of_(places_.size(), FaceIndex::none()),
       is_locked_(places_.size(), 0),
       deviation_(faces_.size(), 0.0F),
       border_(places_.size(), 0.0F) {
   std::vector<int> n_faces(places_.size(), 0);
   neighbours_.reserve(faces_.size());
-  for (std::size_t f = 0; f < faces_.size(); ++f) {
-    neighbours_.push_back(surface.neighbours(static_cast<int>(f)));
-    for (const int v : faces_[f]) {
-      face_of_[at(v)] = static_cast<int>(f);
+  for (FaceIndex f{0}; f < static_cast<int>(faces_.size()); ++f) {
+    neighbours_.push_back(surface.neighbours(f));
+    for (const int v : faces_[at(f)]) {
+      face_of_[at(v)] = f;
       ++n_faces[at(v)];
     }
   }
   Ring ring;
   for (std::size_t v = 0; v < places_.size(); ++v) {
-    const bool is_fan = ring_of(static_cast<int>(v), ring) && ring.n_faces == at(n_faces[v]);
+    const bool is_fan = ring_of(VertexIndex(v), ring) && ring.n_faces == at(n_faces[v]);
     is_locked_[v] = is_fan ? 0 : 1;
   }
 }
 
-bool CollapsingMesh::ring_of(int vertex, Ring& ring) const {
-  const int any = face_of_[at(vertex)];
+bool CollapsingMesh::ring_of(VertexIndex vertex, Ring& ring) const {
+  const FaceIndex any = face_of_[at(vertex)];
   if (any < 0 || is_locked_[at(vertex)]) return false;
-  int first = any;
+  FaceIndex first = any;
   for (std::size_t turns = 0;; ++turns) {  // The walk goes clockwise to the border, or once round the vertex.
-    const int before = neighbours_[at(first)][corner_in(faces_[at(first)], vertex)];
+    const FaceIndex before = neighbours_[at(first)][corner_in(faces_[at(first)], vertex)];
     if (before < 0 || before == any) break;
     if (turns > FlatStar::kMaxCorners) return false;
     first = before;
   }
   ring.n_faces = ring.n_corners = 0;
-  for (int f = first; ring.n_corners + 2 < FlatStar::kMaxCorners;) {
+  for (FaceIndex f = first; ring.n_corners + 2 < FlatStar::kMaxCorners;) {
     const auto& face = faces_[at(f)];
     const std::size_t c = corner_in(face, vertex);
     ring.faces[ring.n_faces++] = f;
-    ring.corners[ring.n_corners++] = face[(c + 1) % 3];
-    const int next = neighbours_[at(f)][(c + 2) % 3];
-    if (next < 0) ring.corners[ring.n_corners++] = face[(c + 2) % 3];
+    ring.corners[ring.n_corners++] = VertexIndex(face[(c + 1) % 3]);
+    const FaceIndex next = neighbours_[at(f)][(c + 2) % 3];
+    if (next < 0) ring.corners[ring.n_corners++] = VertexIndex(face[(c + 2) % 3]);
     if (next < 0 || next == first) return ring.is_open() || ring.n_faces >= 3;
     f = next;
   }
   return false;
 }
 
-CollapsingMesh::Move CollapsingMesh::best_move(int vertex, double deviation_mm, double border_mm) const {
+CollapsingMesh::Move CollapsingMesh::best_move(VertexIndex vertex, double deviation_mm, double border_mm) const {
   Move best;
   best.needs_mm = std::numeric_limits<double>::infinity();
   Ring ring;
@@ -89,7 +89,7 @@ CollapsingMesh::Move CollapsingMesh::best_move(int vertex, double deviation_mm, 
   for (std::size_t k = 0; k < ring.n_faces; ++k)
     before_mm = std::max(before_mm, static_cast<double>(deviation_[at(ring.faces[k])]));
   // A border edge begins at the middle, and one at the neighbour before it.
-  const int last = ring.corners[ring.n_corners - 1];
+  const VertexIndex last = ring.corners[ring.n_corners - 1];
   if (ring.is_open()) border_before_mm = static_cast<double>(std::max(border_[at(vertex)], border_[at(last)]));
   double best_value = -1.0;
   for (std::size_t j = 0; j < ring.n_corners; j += ring.is_open() ? ring.n_corners - 1 : 1) {
@@ -112,22 +112,22 @@ CollapsingMesh::Move CollapsingMesh::best_move(int vertex, double deviation_mm, 
 
 // Their common neighbours must be exactly those at the edge between them, and no single new side may already have a
 // face beyond it.
-bool CollapsingMesh::keeps_edges_single(int vertex, const Ring& ring, std::size_t j) const {
+bool CollapsingMesh::keeps_edges_single(VertexIndex vertex, const Ring& ring, std::size_t j) const {
   Ring around;
   if (!ring_of(ring.corners[j], around)) return false;
-  const std::span<const int> corners(ring.corners.data(), ring.n_corners),
+  const std::span<const VertexIndex> corners(ring.corners.data(), ring.n_corners),
       others(around.corners.data(), around.n_corners);
   const auto common =
-      std::ranges::count_if(corners, [&](int v) { return std::ranges::find(others, v) != others.end(); });
+      std::ranges::count_if(corners, [&](VertexIndex v) { return std::ranges::find(others, v) != others.end(); });
   if (common != (ring.is_open() ? 1 : 2)) return false;
   if (ring.is_open() || ring.n_faces > 3) return true;
   const auto in_ring = [&](int v) { return v != vertex && std::ranges::find(corners, v) != corners.end(); };
-  return std::ranges::none_of(std::span<const int>(around.faces.data(), around.n_faces),
-                              [&](int f) { return std::ranges::all_of(faces_[at(f)], in_ring); });
+  return std::ranges::none_of(std::span<const FaceIndex>(around.faces.data(), around.n_faces),
+                              [&](FaceIndex f) { return std::ranges::all_of(faces_[at(f)], in_ring); });
 }
 
 // Sets the neighbour across the side from one corner to the next.
-void CollapsingMesh::point_side(int face, int from, int to, int neighbour) {
+void CollapsingMesh::point_side(FaceIndex face, VertexIndex from, VertexIndex to, FaceIndex neighbour) {
   if (face < 0) return;
   for (std::size_t s = 0; s < 3; ++s) {
     if (faces_[at(face)][s] == from && faces_[at(face)][(s + 1) % 3] == to) neighbours_[at(face)][s] = neighbour;
@@ -136,45 +136,46 @@ void CollapsingMesh::point_side(int face, int from, int to, int neighbour) {
 
 // Removes a face with the middle and the corner onto which it is collapsed, and joins the neighbours at its two other
 // sides.
-void CollapsingMesh::remove_face(int face, int vertex, int corner) {
+void CollapsingMesh::remove_face(FaceIndex face, VertexIndex vertex, VertexIndex corner) {
   const auto f = faces_[at(face)];
   const auto sides = neighbours_[at(face)];
-  const std::size_t v = corner_in(f, vertex), c = corner_in(f, corner), third = 3 - v - c;
+  const std::size_t v = corner_in(f, vertex), c = corner_in(f, corner);
+  const VertexIndex third(f[3 - v - c]);
   const auto opposite = [&](std::size_t k) { return sides[(k + 1) % 3]; };  // Returns the neighbour opposite corner k.
-  const int inner = opposite(c), outer = opposite(v);
+  const FaceIndex inner = opposite(c), outer = opposite(v);
   // The side of `one` between `end` and the third corner is joined to `other`.
-  const auto join = [&](int one, int end, int other) {
-    point_side(one, end, f[third], other);
-    point_side(one, f[third], end, other);
+  const auto join = [&](FaceIndex one, VertexIndex end, FaceIndex other) {
+    point_side(one, end, third, other);
+    point_side(one, third, end, other);
   };
   join(inner, vertex, outer);
   join(outer, corner, inner);
-  if (face_of_[at(f[third])] == face) face_of_[at(f[third])] = inner;
+  if (face_of_[at(third)] == face) face_of_[at(third)] = inner;
   faces_[at(face)] = {-1, -1, -1};
   --n_faces_;
 }
 
-bool CollapsingMesh::collapse(int vertex, const Move& move, std::vector<int>& changed) {
+bool CollapsingMesh::collapse(VertexIndex vertex, const Move& move, std::vector<VertexIndex>& changed) {
   Ring ring;
   if (!ring_of(vertex, ring)) return false;
   const auto end = ring.corners.begin() + static_cast<std::ptrdiff_t>(ring.n_corners);
   const auto j = static_cast<std::size_t>(std::find(ring.corners.begin(), end, move.onto) - ring.corners.begin());
   if (j == ring.n_corners || !keeps_edges_single(vertex, ring, j)) return false;
-  const int before = ring.corners[ring.n_corners - 1];
+  const VertexIndex before = ring.corners[ring.n_corners - 1];
   for (std::size_t k = 0; k < ring.n_faces; ++k) {
-    const int f = ring.faces[k];
+    const FaceIndex f = ring.faces[k];
     const auto& corners = faces_[at(f)];
     if (std::ranges::find(corners, move.onto) != corners.end()) remove_face(f, vertex, move.onto);
   }
   for (std::size_t k = 0; k < ring.n_faces; ++k) {
-    const int f = ring.faces[k];
+    const FaceIndex f = ring.faces[k];
     if (faces_[at(f)][0] < 0) continue;
     faces_[at(f)][corner_in(faces_[at(f)], vertex)] = move.onto;
     deviation_[at(f)] = upwards(move.deviation_mm);
     face_of_[at(move.onto)] = f;
   }
   if (ring.is_open()) border_[at(before)] = upwards(move.border_mm);
-  face_of_[at(vertex)] = -1;
+  face_of_[at(vertex)] = FaceIndex::none();
   changed.insert(changed.end(), ring.corners.begin(), end);
   return true;
 }

@@ -17,26 +17,27 @@ class CollapsingMesh {
 
   /// The faces around a corner, counter-clockwise, and its neighbours; an open ring has one neighbour more than faces.
   struct Ring {
-    std::array<int, FlatStar::kMaxCorners> faces, corners;
+    std::array<FaceIndex, FlatStar::kMaxCorners> faces;
+    std::array<VertexIndex, FlatStar::kMaxCorners> corners;
     std::size_t n_faces = 0, n_corners = 0;
     [[nodiscard]] bool is_open() const { return n_corners > n_faces; }
   };
   /// Returns false for a corner that was removed, that has too many neighbours or at which several borders meet.
-  [[nodiscard]] bool ring_of(int vertex, Ring& ring) const;
+  [[nodiscard]] bool ring_of(VertexIndex vertex, Ring& ring) const;
 
   /// The best neighbour onto which a corner can be collapsed within the bounds.
   struct Move {
-    int onto = -1;  ///< −1 means that no move stays within the bounds.
+    VertexIndex onto = VertexIndex::none();  ///< −1 means that no move stays within the bounds.
     /// The new faces deviate by the first and the new border edge by the second.
     double deviation_mm = 0.0, border_mm = 0.0;
     /// Among the moves that only the limit ruled out, this is the least deviation; infinity means that there was none.
     double needs_mm;
   };
-  [[nodiscard]] Move best_move(int vertex, double deviation_mm, double border_mm) const;
+  [[nodiscard]] Move best_move(VertexIndex vertex, double deviation_mm, double border_mm) const;
 
   /// Collapses a corner onto a neighbour and appends the corners whose faces changed. Returns false and changes nothing
   /// if an edge would get more than two faces.
-  bool collapse(int vertex, const Move& move, std::vector<int>& changed);
+  bool collapse(VertexIndex vertex, const Move& move, std::vector<VertexIndex>& changed);
 
   /// Returns the number of remaining faces.
   [[nodiscard]] std::size_t n_faces() const { return n_faces_; }
@@ -46,18 +47,19 @@ class CollapsingMesh {
   [[nodiscard]] double border_mm() const;
 
  private:
-  [[nodiscard]] const Vec3& place(int vertex) const { return places_[static_cast<std::size_t>(vertex)]; }
-  [[nodiscard]] bool keeps_edges_single(int vertex, const Ring& ring, std::size_t j) const;
-  void remove_face(int face, int vertex, int corner);
-  void point_side(int face, int from, int to, int neighbour);
+  [[nodiscard]] const Vec3& place(VertexIndex vertex) const { return places_[static_cast<std::size_t>(vertex)]; }
+  [[nodiscard]] bool keeps_edges_single(VertexIndex vertex, const Ring& ring, std::size_t j) const;
+  void remove_face(FaceIndex face, VertexIndex vertex, VertexIndex corner);
+  void point_side(FaceIndex face, VertexIndex from, VertexIndex to, FaceIndex neighbour);
 
   const std::vector<Vec3>& places_;
-  std::vector<std::array<int, 3>> faces_, neighbours_;  // A removed face has corners −1.
+  std::vector<std::array<int, 3>> faces_;  // A removed face has corners −1.
+  std::vector<std::array<FaceIndex, 3>> neighbours_;
   std::size_t n_faces_;
-  std::vector<int> face_of_;      // Gives one face of each vertex; −1 marks a removed vertex.
-  std::vector<char> is_locked_;   // True for a vertex whose faces are not a single fan.
-  std::vector<float> deviation_;  // The bound of each face is rounded up.
-  std::vector<float> border_;     // The index is the vertex at which the border edge begins; values are rounded up.
+  std::vector<FaceIndex> face_of_;  // Gives one face of each vertex; −1 marks a removed vertex.
+  std::vector<char> is_locked_;     // True for a vertex whose faces are not a single fan.
+  std::vector<float> deviation_;    // The bound of each face is rounded up.
+  std::vector<float> border_;       // The index is the vertex at which the border edge begins; values are rounded up.
 };
 
 }  // namespace triskin::geometry

@@ -141,14 +141,15 @@ class Searcher {
   }
 
   void test(std::size_t first_leaf, std::size_t end_leaf) {
-    std::vector<std::pair<int, int>> pairs;
+    std::vector<FacePair> pairs;
     std::size_t tested = 0;
     for (std::size_t leaf = first_leaf; leaf < end_leaf; ++leaf) {
       bool is_own = true;
       tree_.touching(leaf, [&](std::span<const int> items, std::span<const int> others) {
         for (std::size_t i = 0; i < items.size(); ++i) {
           for (std::size_t k = is_own ? i : 0; k < others.size(); ++k) {
-            if (cross(items[i], others[k])) pairs.push_back(std::minmax({items[i], others[k]}));
+            const FaceIndex one(items[i]), other(others[k]);
+            if (cross(one, other)) pairs.push_back(std::minmax({one, other}));
           }
         }
         tested += is_own ? items.size() : 0;
@@ -160,12 +161,12 @@ class Searcher {
     found_.pairs.insert(found_.pairs.end(), pairs.begin(), pairs.end());
   }
 
-  [[nodiscard]] Triangle corners_of(int face) const {
+  [[nodiscard]] Triangle corners_of(FaceIndex face) const {
     const auto& f = mesh_.faces[at(face)];
     return {mesh_.vertices[at(f[0])], mesh_.vertices[at(f[1])], mesh_.vertices[at(f[2])]};
   }
 
-  [[nodiscard]] bool cross(int one, int other) const {
+  [[nodiscard]] bool cross(FaceIndex one, FaceIndex other) const {
     const Triangle a = corners_of(one);
     if (one == other) return has_no_area(a);
     const auto &e = extents_[at(one)], &d = extents_[at(other)];

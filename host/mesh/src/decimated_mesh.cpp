@@ -45,7 +45,7 @@ class Reducer {
  private:
   void take_out(double deviation_mm) {
     for (std::size_t v = 0; v < needs_mm_.size(); ++v) {
-      if (static_cast<double>(needs_mm_[v]) <= deviation_mm) wait(static_cast<int>(v));
+      if (static_cast<double>(needs_mm_[v]) <= deviation_mm) wait(VertexIndex(v));
     }
     while (!waiting_.empty()) {
       choose();
@@ -59,7 +59,7 @@ class Reducer {
     }
   }
 
-  void wait(int vertex) {
+  void wait(VertexIndex vertex) {
     if (is_waiting_[at(vertex)]) return;
     is_waiting_[at(vertex)] = 1;
     waiting_.push_back(vertex);
@@ -68,9 +68,9 @@ class Reducer {
   // Chooses waiting corners of which no two are neighbours; the others keep waiting.
   void choose() {
     chosen_.clear();
-    std::vector<int> later, blocked;
+    std::vector<VertexIndex> later, blocked;
     CollapsingMesh::Ring ring;
-    for (const int v : waiting_) {
+    for (const VertexIndex v : waiting_) {
       if (is_blocked_[at(v)]) {
         later.push_back(v);
         continue;
@@ -83,19 +83,19 @@ class Reducer {
         blocked.push_back(ring.corners[k]);
       }
     }
-    for (const int v : blocked) is_blocked_[at(v)] = 0;
+    for (const VertexIndex v : blocked) is_blocked_[at(v)] = 0;
     waiting_ = std::move(later);
   }
 
   void move() {
     for (std::size_t k = 0; k < chosen_.size(); ++k) {
-      const int v = chosen_[k];
+      const VertexIndex v = chosen_[k];
       changed_.clear();
       if (moves_[k].onto < 0 || !mesh_.collapse(v, moves_[k], changed_)) {
         needs_mm_[at(v)] = static_cast<float>(moves_[k].needs_mm);
         continue;
       }
-      for (const int c : changed_) {
+      for (const VertexIndex c : changed_) {
         needs_mm_[at(c)] = 0.0F;
         wait(c);
       }
@@ -107,7 +107,7 @@ class Reducer {
   int threads_;
   std::vector<float> needs_mm_;  // Below this deviation no move of the vertex is possible.
   std::vector<char> is_waiting_, is_blocked_;
-  std::vector<int> waiting_, chosen_, changed_;
+  std::vector<VertexIndex> waiting_, chosen_, changed_;
   std::vector<CollapsingMesh::Move> moves_;
 };
 

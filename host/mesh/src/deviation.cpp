@@ -30,7 +30,7 @@ constexpr std::size_t kMeanSamples = 20'000;  // The mean is sampled at the midd
 
 using Triangle = std::array<Vec3, 3>;
 
-Triangle triangle_of(const Mesh& mesh, int face) {
+Triangle triangle_of(const Mesh& mesh, FaceIndex face) {
   const auto& f = mesh.faces[at(face)];
   return {mesh.vertices[at(f[0])], mesh.vertices[at(f[1])], mesh.vertices[at(f[2])]};
 }
@@ -55,7 +55,7 @@ Key key_of(const Triangle& t) {
 std::vector<Key> keys_of(const Mesh& mesh) {
   std::vector<Key> keys;
   keys.reserve(mesh.faces.size());
-  for (int f = 0; f < static_cast<int>(mesh.faces.size()); ++f) keys.push_back(key_of(triangle_of(mesh, f)));
+  for (FaceIndex f{0}; f < static_cast<int>(mesh.faces.size()); ++f) keys.push_back(key_of(triangle_of(mesh, f)));
   std::ranges::sort(keys);
   return keys;
 }
@@ -72,7 +72,7 @@ class Way {
  public:
   Way(const Mesh& from, const std::vector<bool>& wanted, const Mesh& to) : to_(to) {
     const std::vector<Key> same = keys_of(to);
-    for (int f = 0; f < static_cast<int>(from.faces.size()); ++f) {
+    for (FaceIndex f{0}; f < static_cast<int>(from.faces.size()); ++f) {
       if (!wanted[at(f)]) continue;
       const Triangle t = triangle_of(from, f);
       area_ += area_of(t);

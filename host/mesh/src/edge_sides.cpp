@@ -27,7 +27,8 @@ EdgeSides::EdgeSides(const Mesh& mesh) : sides_(3 * mesh.faces.size()) {
     const auto& f = mesh.faces[k];
     for (std::size_t s = 0; s < 3; ++s) {
       const int low = low_of(f, s);
-      sides_[next[at(low)]++] = {low, std::max(f[s], f[(s + 1) % 3]), static_cast<int>(k), static_cast<int>(s)};
+      sides_[next[at(low)]++] = {VertexIndex(low), VertexIndex(std::max(f[s], f[(s + 1) % 3])), FaceIndex(k),
+                                 static_cast<int>(s)};
     }
   }
   for (std::size_t v = 0; v + 1 < begin.size(); ++v) {
@@ -38,8 +39,9 @@ EdgeSides::EdgeSides(const Mesh& mesh) : sides_(3 * mesh.faces.size()) {
   }
 }
 
-std::vector<std::array<int, 3>> neighbours_of(const Mesh& mesh) {
-  std::vector<std::array<int, 3>> neighbour(mesh.faces.size(), {-1, -1, -1});
+std::vector<std::array<FaceIndex, 3>> neighbours_of(const Mesh& mesh) {
+  constexpr FaceIndex kNone = FaceIndex::none();
+  std::vector<std::array<FaceIndex, 3>> neighbour(mesh.faces.size(), {kNone, kNone, kNone});
   const auto start = [&](const EdgeSide& s) { return mesh.faces[at(s.face)][at(s.side)]; };
   std::optional<EdgeSide> repeats;  // The first side that has the direction of an earlier one.
   const EdgeSides sides(mesh);
@@ -61,21 +63,22 @@ std::vector<std::array<int, 3>> neighbours_of(const Mesh& mesh) {
                   start(*repeats), mesh.faces[at(repeats->face)][at((repeats->side + 1) % 3)], repeats->face));
 }
 
-std::vector<std::vector<int>> border_loops_of(const Mesh& mesh, const std::vector<std::array<int, 3>>& neighbours) {
-  std::multimap<int, int> next;  // The key is the start vertex; a pinched vertex has several edges.
+std::vector<std::vector<VertexIndex>> border_loops_of(const Mesh& mesh,
+                                                      const std::vector<std::array<FaceIndex, 3>>& neighbours) {
+  std::multimap<VertexIndex, VertexIndex> next;  // The key is the start vertex; a pinched vertex has several edges.
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     for (std::size_t s = 0; s < 3; ++s) {
       if (neighbours[f][s] < 0) next.emplace(mesh.faces[f][s], mesh.faces[f][(s + 1) % 3]);
     }
   }
-  std::vector<std::vector<int>> loops;
+  std::vector<std::vector<VertexIndex>> loops;
   while (!next.empty()) {
-    std::vector<int> loop;
+    std::vector<VertexIndex> loop;
     auto edge = next.begin();
-    const int start = edge->first;
+    const VertexIndex start = edge->first;
     while (edge != next.end()) {
       loop.push_back(edge->first);
-      const int to = edge->second;
+      const VertexIndex to = edge->second;
       next.erase(edge);
       if (to == start) break;
       edge = next.find(to);
@@ -85,10 +88,10 @@ std::vector<std::vector<int>> border_loops_of(const Mesh& mesh, const std::vecto
   return loops;
 }
 
-double width_of_loop(const Mesh& mesh, const std::vector<int>& loop) {
+double width_of_loop(const Mesh& mesh, const std::vector<VertexIndex>& loop) {
   double width = 0.0;
-  for (const int a : loop) {
-    for (const int b : loop) width = std::max(width, (mesh.vertices[at(a)] - mesh.vertices[at(b)]).norm());
+  for (const VertexIndex a : loop) {
+    for (const VertexIndex b : loop) width = std::max(width, (mesh.vertices[at(a)] - mesh.vertices[at(b)]).norm());
   }
   return width;
 }

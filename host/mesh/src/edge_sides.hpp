@@ -11,8 +11,9 @@ namespace triskin::geometry {
 
 /// Names a side of a face (corner `side` → `side` + 1), with the vertices of its edge.
 struct EdgeSide {
-  int low, high;  ///< The lower one comes first.
-  int face, side;
+  VertexIndex low, high;  ///< The lower one comes first.
+  FaceIndex face;
+  int side;
 };
 
 /// Lists the sides of all faces of any mesh, with those of one edge beside each other. It sorts by buckets: a tree of
@@ -38,14 +39,14 @@ class EdgeSides {
 
 /// Returns the face across each side (corner s → s + 1) of each face, −1 at the border. Errors: InputError when an
 /// edge has more than two faces, or two that disagree in orientation. Cost: that of EdgeSides.
-[[nodiscard]] std::vector<std::array<int, 3>> neighbours_of(const Mesh& mesh);
+[[nodiscard]] std::vector<std::array<FaceIndex, 3>> neighbours_of(const Mesh& mesh);
 
 /// Returns the border loops as vertex indices, with the surface on the left. Cost: O(n), and O(b log b) of b border
 /// edges.
-[[nodiscard]] std::vector<std::vector<int>> border_loops_of(const Mesh& mesh,
-                                                            const std::vector<std::array<int, 3>>& neighbours);
+[[nodiscard]] std::vector<std::vector<VertexIndex>> border_loops_of(
+    const Mesh& mesh, const std::vector<std::array<FaceIndex, 3>>& neighbours);
 
 /// Returns the largest distance between two corners of a loop in mm. Cost: O(n²).
-[[nodiscard]] double width_of_loop(const Mesh& mesh, const std::vector<int>& loop);
+[[nodiscard]] double width_of_loop(const Mesh& mesh, const std::vector<VertexIndex>& loop);
 
 }  // namespace triskin::geometry

@@ -39,7 +39,7 @@ class Extractor {
   }
 
  private:
-  [[nodiscard]] Vec3 cross_of(int face) const {
+  [[nodiscard]] Vec3 cross_of(FaceIndex face) const {
     const auto& f = mesh_.faces[at(face)];
     const Vec3 &a = mesh_.vertices[at(f[0])], &b = mesh_.vertices[at(f[1])], &c = mesh_.vertices[at(f[2])];
     return (b - a).cross(c - a);
@@ -47,7 +47,8 @@ class Extractor {
 
   // At an edge with more than two faces only the flattest pair stays joined; there the others get a border.
   void pair_faces() {
-    neighbour_.assign(mesh_.faces.size(), {-1, -1, -1});
+    constexpr FaceIndex kNone = FaceIndex::none();
+    neighbour_.assign(mesh_.faces.size(), {kNone, kNone, kNone});
     const EdgeSides sides(mesh_);
     sides.each_edge([&](std::span<const EdgeSide> edge) {
       if (edge.size() < 2) return;
@@ -77,7 +78,7 @@ class Extractor {
     return best;
   }
   [[nodiscard]] int start(const EdgeSide& s) const { return start(s.face, s.side); }
-  [[nodiscard]] int start(int face, int side) const { return mesh_.faces[at(face)][at(side)]; }
+  [[nodiscard]] int start(FaceIndex face, int side) const { return mesh_.faces[at(face)][at(side)]; }
 
   // Walks each component and opens the edge to a face that is already oriented the other way.
   void orient_components() {
@@ -87,10 +88,10 @@ class Extractor {
       if (component_[first] >= 0) continue;
       const int id = static_cast<int>(areas_.size());
       areas_.push_back(0.0);
-      std::vector<int> queue{static_cast<int>(first)};
+      std::vector<FaceIndex> queue{FaceIndex(first)};
       component_[first] = id;
       for (std::size_t q = 0; q < queue.size(); ++q) {
-        const int f = queue[q];
+        const FaceIndex f = queue[q];
         areas_.back() += 0.5 * cross_of(f).norm();
         for (int s = 0; s < 3; ++s) visit_neighbour(f, s, id, queue);
       }
@@ -98,8 +99,8 @@ class Extractor {
     }
   }
 
-  void visit_neighbour(int f, int s, int id, std::vector<int>& queue) {
-    const int n = neighbour_[at(f)][at(s)];
+  void visit_neighbour(FaceIndex f, int s, int id, std::vector<FaceIndex>& queue) {
+    const FaceIndex n = neighbour_[at(f)][at(s)];
     if (n < 0) return;
     int back = 0;
     while (neighbour_[at(n)][at(back)] != f || !same_edge(f, s, n, back)) {
@@ -112,27 +113,27 @@ class Extractor {
       flipped_[at(n)] = wanted;
       queue.push_back(n);
     } else if (flipped_[at(n)] != wanted) {
-      neighbour_[at(f)][at(s)] = -1;
-      neighbour_[at(n)][at(back)] = -1;
+      neighbour_[at(f)][at(s)] = FaceIndex::none();
+      neighbour_[at(n)][at(back)] = FaceIndex::none();
       has_unjoined_ = true;
     }
   }
-  [[nodiscard]] bool same_edge(int f, int s, int n, int back) const {
+  [[nodiscard]] bool same_edge(FaceIndex f, int s, FaceIndex n, int back) const {
     const auto& a = mesh_.faces[at(f)];
     const auto& b = mesh_.faces[at(n)];
     return std::minmax(a[at(s)], a[at((s + 1) % 3)]) == std::minmax(b[at(back)], b[at((back + 1) % 3)]);
   }
 
   // The orientation in the file wins if most of the area has it.
-  void prefer_majority(const std::vector<int>& faces) {
+  void prefer_majority(const std::vector<FaceIndex>& faces) {
     double turned = 0.0, total = 0.0;
-    for (const int f : faces) {
+    for (const FaceIndex f : faces) {
       const double area = cross_of(f).norm();
       total += area;
       if (flipped_[at(f)]) turned += area;
     }
     const bool invert = turned > 0.5 * total;
-    for (const int f : faces) {
+    for (const FaceIndex f : faces) {
       if (invert) flipped_[at(f)] = !flipped_[at(f)];
       report_.flipped_faces += flipped_[at(f)] ? 1 : 0;
     }
@@ -163,7 +164,7 @@ class Extractor {
         continue;
       }
       for (int k = 0; k < 3; ++k) {
-        if (vertex[f][at(k)] < 0) spread(static_cast<int>(f), k, vertex);
+        if (vertex[f][at(k)] < 0) spread(FaceIndex(f), k, vertex);
       }
       std::array<int, 3> face = vertex[f];
       if (flipped_[f]) std::swap(face[1], face[2]);
@@ -191,18 +192,18 @@ class Extractor {
     result_.faces.push_back(face);
   }
 
-  void spread(int face, int k, std::vector<std::array<int, 3>>& vertex) {
+  void spread(FaceIndex face, int k, std::vector<std::array<int, 3>>& vertex) {
     const int old = mesh_.faces[at(face)][at(k)];
     const int id = static_cast<int>(result_.vertices.size());
     result_.vertices.push_back(mesh_.vertices[at(old)]);
     fan_.assign(1, face);
     vertex[at(face)][at(k)] = id;
     for (std::size_t q = 0; q < fan_.size(); ++q) {
-      const int member = fan_[q];
+      const FaceIndex member = fan_[q];
       const auto& corners = mesh_.faces[at(member)];
       for (int s = 0; s < 3; ++s) {
         if (corners[at(s)] != old && corners[at((s + 1) % 3)] != old) continue;
-        const int n = neighbour_[at(member)][at(s)];
+        const FaceIndex n = neighbour_[at(member)][at(s)];
         if (n < 0) continue;
         for (int c = 0; c < 3; ++c) {
           if (mesh_.faces[at(n)][at(c)] != old || vertex[at(n)][at(c)] >= 0) continue;
@@ -214,13 +215,13 @@ class Extractor {
   }
 
   const Mesh& mesh_;
-  std::vector<std::array<int, 3>> neighbour_;
+  std::vector<std::array<FaceIndex, 3>> neighbour_;
   std::vector<int> component_;
   std::vector<bool> flipped_;
   std::vector<double> areas_;
   std::vector<bool> keep_;
   Mesh result_;
-  std::vector<int> fan_;
+  std::vector<FaceIndex> fan_;
   bool has_unjoined_ = false;                     // True if some faces meet at an edge without being neighbours there.
   std::unordered_set<std::uint64_t> used_edges_;  // Each key packs a directed edge, from vertex and to vertex.
   ExtractReport report_;
@@ -239,11 +240,11 @@ double largest_share(const Mesh& mesh) {
   for (std::size_t first = 0; first < seen.size(); ++first) {
     if (seen[first]) continue;
     Mesh part{mesh.vertices, {}};
-    std::vector<int> queue{static_cast<int>(first)};
+    std::vector<FaceIndex> queue{FaceIndex(first)};
     seen[first] = true;
     for (std::size_t q = 0; q < queue.size(); ++q) {
       part.faces.push_back(mesh.faces[at(queue[q])]);
-      for (const int n : surface.neighbours(queue[q])) {
+      for (const FaceIndex n : surface.neighbours(queue[q])) {
         if (n < 0 || seen[at(n)]) continue;
         seen[at(n)] = true;
         queue.push_back(n);

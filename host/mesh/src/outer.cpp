@@ -66,8 +66,9 @@ double share_free(const Tree& tree, const std::vector<Vec3>& directions, const V
 }
 
 // Pairs sides that run opposite ways; if several run the same way, each is paired with the last opposite one before it.
-std::vector<std::array<int, 3>> pairs_across(const Mesh& mesh) {
-  std::vector<std::array<int, 3>> neighbour(mesh.faces.size(), {-1, -1, -1});
+std::vector<std::array<FaceIndex, 3>> pairs_across(const Mesh& mesh) {
+  constexpr FaceIndex kNone = FaceIndex::none();
+  std::vector<std::array<FaceIndex, 3>> neighbour(mesh.faces.size(), {kNone, kNone, kNone});
   const EdgeSides sides(mesh);
   sides.each_edge([&](std::span<const EdgeSide> edge) {
     std::array<const EdgeSide*, 2> last{};  // The first starts at the low vertex, the second at the high one.
@@ -84,22 +85,22 @@ std::vector<std::array<int, 3>> pairs_across(const Mesh& mesh) {
 }
 
 // Groups connected faces, at most `most` together, that face about the same way as the first and largest of them.
-std::vector<std::vector<int>> groups_of(const Mesh& mesh, std::size_t most) {
+std::vector<std::vector<FaceIndex>> groups_of(const Mesh& mesh, std::size_t most) {
   const auto neighbour = pairs_across(mesh);
   std::vector<Vec3> cross(mesh.faces.size());
   for (std::size_t f = 0; f < cross.size(); ++f) cross[f] = cross_of(mesh, f);
-  std::vector<int> large_first(mesh.faces.size());
-  std::iota(large_first.begin(), large_first.end(), 0);
-  std::ranges::stable_sort(large_first, std::greater{}, [&](int f) { return cross[at(f)].squaredNorm(); });
+  std::vector<FaceIndex> large_first(mesh.faces.size());
+  std::iota(large_first.begin(), large_first.end(), FaceIndex{0});
+  std::ranges::stable_sort(large_first, std::greater{}, [&](FaceIndex f) { return cross[at(f)].squaredNorm(); });
   std::vector<bool> seen(mesh.faces.size(), false);
-  std::vector<std::vector<int>> groups;
-  for (const int first : large_first) {
+  std::vector<std::vector<FaceIndex>> groups;
+  for (const FaceIndex first : large_first) {
     if (seen[at(first)]) continue;
     const Vec3 up = cross[at(first)].normalized();
-    std::vector<int> group{first};
+    std::vector<FaceIndex> group{first};
     seen[at(first)] = true;
     for (std::size_t q = 0; q < group.size(); ++q) {
-      for (const int n : neighbour[at(group[q])]) {
+      for (const FaceIndex n : neighbour[at(group[q])]) {
         if (group.size() == most || n < 0 || seen[at(n)] || cross[at(n)].normalized().dot(up) < kSameDirection)
           continue;
         seen[at(n)] = true;
@@ -112,25 +113,26 @@ std::vector<std::vector<int>> groups_of(const Mesh& mesh, std::size_t most) {
 }
 
 // Whole parts may be stored inside out: a part that sees more with its back is turned.
-void turn_parts(Mesh& mesh, std::vector<Visibility>& visibility, const std::vector<std::array<int, 3>>& neighbour) {
+void turn_parts(Mesh& mesh, std::vector<Visibility>& visibility,
+                const std::vector<std::array<FaceIndex, 3>>& neighbour) {
   std::vector<bool> seen(mesh.faces.size(), false);
   for (std::size_t first = 0; first < mesh.faces.size(); ++first) {
     if (seen[first]) continue;
-    std::vector<int> part{static_cast<int>(first)};
+    std::vector<FaceIndex> part{FaceIndex(first)};
     seen[first] = true;
     double front = 0.0, back = 0.0;
     for (std::size_t q = 0; q < part.size(); ++q) {
       const double area = cross_of(mesh, at(part[q])).norm();
       front += area * visibility[at(part[q])].front;
       back += area * visibility[at(part[q])].back;
-      for (const int n : neighbour[at(part[q])]) {
+      for (const FaceIndex n : neighbour[at(part[q])]) {
         if (n < 0 || seen[at(n)]) continue;
         seen[at(n)] = true;
         part.push_back(n);
       }
     }
     if (back <= front) continue;
-    for (const int f : part) {
+    for (const FaceIndex f : part) {
       std::swap(mesh.faces[at(f)][1], mesh.faces[at(f)][2]);
       std::swap(visibility[at(f)].front, visibility[at(f)].back);
     }
@@ -145,7 +147,7 @@ double area_of(const Mesh& mesh) {
   return area;
 }
 
-std::vector<Visibility> visibility_of(const Mesh& mesh, const std::vector<int>& faces, int rays) {
+std::vector<Visibility> visibility_of(const Mesh& mesh, const std::vector<FaceIndex>& faces, int rays) {
   Triangles triangles;
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     const auto c = corners_of(mesh, f);
@@ -177,12 +179,12 @@ int rays_for(std::size_t faces, double cpu_s) {
 std::vector<Visibility> visibility_of_all(const Mesh& mesh, double cpu_s) {
   const std::size_t asked_of = faces_asked_in(cpu_s);
   const auto groups = groups_of(mesh, std::max<std::size_t>(1, (mesh.faces.size() + asked_of - 1) / asked_of));
-  std::vector<int> asked;
+  std::vector<FaceIndex> asked;
   for (const auto& group : groups) asked.push_back(group.front());
   const std::vector<Visibility> answers = visibility_of(mesh, asked, rays_for(asked.size(), cpu_s));
   std::vector<Visibility> visibility(mesh.faces.size());
   for (std::size_t g = 0; g < groups.size(); ++g) {
-    for (const int f : groups[g]) visibility[at(f)] = answers[g];
+    for (const FaceIndex f : groups[g]) visibility[at(f)] = answers[g];
   }
   return visibility;
 }
@@ -198,9 +200,9 @@ Mesh outer_faces(const Mesh& mesh, double visibility_fraction, double cpu_s) {
     const std::vector<bool> before = kept;
     for (std::size_t f = 0; f < kept.size(); ++f) {
       const auto same =
-          std::ranges::count_if(neighbour[f], [&](int n) { return n >= 0 && before[at(n)] == before[f]; });
+          std::ranges::count_if(neighbour[f], [&](FaceIndex n) { return n >= 0 && before[at(n)] == before[f]; });
       const auto other =
-          std::ranges::count_if(neighbour[f], [&](int n) { return n >= 0 && before[at(n)] != before[f]; });
+          std::ranges::count_if(neighbour[f], [&](FaceIndex n) { return n >= 0 && before[at(n)] != before[f]; });
       if (other > same && other >= 2) kept[f] = !before[f];
     }
   }

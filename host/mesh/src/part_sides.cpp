@@ -15,27 +15,27 @@ namespace {
 constexpr std::size_t kAsked = 16;  // This many corners are sampled per part; one is enough if no two faces cross.
 
 struct Part {
-  std::vector<int> faces;
+  std::vector<FaceIndex> faces;
   Eigen::AlignedBox3d box;
   double volume = 0.0;
   bool closed = true;
 };
 
 std::vector<Part> parts_of(const Mesh& mesh) {
-  const std::vector<std::array<int, 3>> neighbours = neighbours_of(mesh);
+  const std::vector<std::array<FaceIndex, 3>> neighbours = neighbours_of(mesh);
   std::vector<Part> parts;
   std::vector<bool> seen(mesh.faces.size(), false);
   for (std::size_t first = 0; first < seen.size(); ++first) {
     if (seen[first]) continue;
     Part part;
-    part.faces.push_back(static_cast<int>(first));
+    part.faces.push_back(FaceIndex(first));
     seen[first] = true;
     for (std::size_t q = 0; q < part.faces.size(); ++q) {
       const auto& f = mesh.faces[at(part.faces[q])];
       const Vec3 &a = mesh.vertices[at(f[0])], &b = mesh.vertices[at(f[1])], &c = mesh.vertices[at(f[2])];
       part.volume += a.dot(b.cross(c)) / 6.0;
       part.box.extend(a).extend(b).extend(c);
-      for (const int n : neighbours[at(part.faces[q])]) {
+      for (const FaceIndex n : neighbours[at(part.faces[q])]) {
         part.closed = part.closed && n >= 0;
         if (n < 0 || seen[at(n)]) continue;
         seen[at(n)] = true;
@@ -51,7 +51,7 @@ std::vector<Part> parts_of(const Mesh& mesh) {
 // Strackee 1983).
 double winding_number(const Mesh& mesh, const Part& part, const Vec3& p) {
   double angle = 0.0;
-  for (const int face : part.faces) {
+  for (const FaceIndex face : part.faces) {
     const auto& f = mesh.faces[at(face)];
     const Vec3 a = mesh.vertices[at(f[0])] - p, b = mesh.vertices[at(f[1])] - p, c = mesh.vertices[at(f[2])] - p;
     const double x = a.norm(), y = b.norm(), z = c.norm();
@@ -78,7 +78,7 @@ int drop_enclosed(Mesh& mesh) {
   int dropped = 0;
   for (const Part& part : parts) {
     if (std::ranges::none_of(parts, [&](const Part& o) { return lies_in(mesh, part, o); })) continue;
-    for (const int f : part.faces) is_enclosed[at(f)] = true;
+    for (const FaceIndex f : part.faces) is_enclosed[at(f)] = true;
     ++dropped;
   }
   if (dropped == 0) return 0;
@@ -97,7 +97,7 @@ int turn_outward(Mesh& mesh) {
   for (const Part& part : parts) {
     if (!part.closed || part.volume >= 0.0) continue;
     if (std::ranges::any_of(parts, [&](const Part& o) { return lies_in(mesh, part, o); })) continue;
-    for (const int f : part.faces) std::swap(mesh.faces[at(f)][1], mesh.faces[at(f)][2]);
+    for (const FaceIndex f : part.faces) std::swap(mesh.faces[at(f)][1], mesh.faces[at(f)][2]);
     turned += static_cast<int>(part.faces.size());
   }
   return turned;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kMaxCorners = 300;  // Cutting ears off a larger polygon would take too long.
 
-Vec3 normal_of(const Mesh& mesh, const std::vector<int>& corners) {
+Vec3 normal_of(const Mesh& mesh, const std::vector<VertexIndex>& corners) {
   Vec3 sum = Vec3::Zero();
   const Vec3& origin = mesh.vertices[at(corners[0])];
   for (std::size_t k = 1; k + 1 < corners.size(); ++k)
@@ -20,13 +20,13 @@ Vec3 normal_of(const Mesh& mesh, const std::vector<int>& corners) {
 }
 
 // Tells whether corner k is an ear: convex, with no other corner in its triangle.
-bool is_ear(const Mesh& mesh, const std::vector<int>& corners, std::size_t k, const Vec3& normal) {
+bool is_ear(const Mesh& mesh, const std::vector<VertexIndex>& corners, std::size_t k, const Vec3& normal) {
   const std::size_t n = corners.size();
-  const int ia = corners[(k + n - 1) % n], ib = corners[k], ic = corners[(k + 1) % n];
+  const VertexIndex ia = corners[(k + n - 1) % n], ib = corners[k], ic = corners[(k + 1) % n];
   const Vec3 &a = mesh.vertices[at(ia)], &b = mesh.vertices[at(ib)], &c = mesh.vertices[at(ic)];
   const auto left = [&](const Vec3& p, const Vec3& q, const Vec3& r) { return (q - p).cross(r - p).dot(normal); };
   if (!(left(a, b, c) > 0.0)) return false;
-  return std::ranges::none_of(corners, [&](int v) {
+  return std::ranges::none_of(corners, [&](VertexIndex v) {
     const Vec3& p = mesh.vertices[at(v)];
     return v != ia && v != ib && v != ic && left(a, b, p) >= 0.0 && left(b, c, p) >= 0.0 && left(c, a, p) >= 0.0;
   });
@@ -34,7 +34,7 @@ bool is_ear(const Mesh& mesh, const std::vector<int>& corners, std::size_t k, co
 
 }  // namespace
 
-void add_polygon(Mesh& mesh, std::vector<int> corners) {
+void add_polygon(Mesh& mesh, std::vector<VertexIndex> corners) {
   if (corners.size() < 3) return;
   if (corners.size() > kMaxCorners) {
     for (std::size_t k = 2; k < corners.size(); ++k) mesh.faces.push_back({corners[0], corners[k - 1], corners[k]});

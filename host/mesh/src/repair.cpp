@@ -51,13 +51,13 @@ constexpr int kRoundsNear = 6;    // The surface of a grid is moved toward the i
 constexpr double kWrapCost_s = 1.2e-3;
 constexpr double kWelding = 1e-6;  // Welding moves vertices by this share of the size, over all steps.
 
-using Pairs = std::vector<std::pair<int, int>>;
+using Pairs = std::vector<FacePair>;
 
 bool late(const IsLate& is_late) {
   return is_late && is_late();
 }
 
-double area_of_face(const Mesh& mesh, int face) {
+double area_of_face(const Mesh& mesh, FaceIndex face) {
   const auto& f = mesh.faces[at(face)];
   const Vec3 &a = mesh.vertices[at(f[0])], &b = mesh.vertices[at(f[1])], &c = mesh.vertices[at(f[2])];
   return 0.5 * (b - a).cross(c - a).norm();
@@ -81,12 +81,12 @@ std::vector<bool> border_vertices(const Mesh& mesh) {
 
 // Moves vertices at the same place a little towards their own faces: those at a border, or else all of them.
 void draw_apart(Mesh& mesh) {
-  const auto place = [&](int v) {
+  const auto place = [&](VertexIndex v) {
     const Vec3& p = mesh.vertices[at(v)];
     return std::array<double, 3>{p.x(), p.y(), p.z()};
   };
-  std::vector<int> by_place(mesh.vertices.size());
-  std::iota(by_place.begin(), by_place.end(), 0);
+  std::vector<VertexIndex> by_place(mesh.vertices.size());
+  std::iota(by_place.begin(), by_place.end(), VertexIndex{0});
   std::ranges::sort(by_place, {}, place);
   std::vector<bool> moves(mesh.vertices.size(), false);
   const std::vector<bool> border = border_vertices(mesh);
@@ -94,8 +94,8 @@ void draw_apart(Mesh& mesh) {
     while (end < by_place.size() && place(by_place[end]) == place(by_place[first])) ++end;
     const auto vertices = std::span(by_place).subspan(first, end - first);
     if (vertices.size() < 2) continue;
-    const auto at_border = std::ranges::count_if(vertices, [&](int v) { return border[at(v)]; });
-    for (const int v : vertices) moves[at(v)] = at_border == 0 || border[at(v)];
+    const auto at_border = std::ranges::count_if(vertices, [&](VertexIndex v) { return border[at(v)]; });
+    for (const VertexIndex v : vertices) moves[at(v)] = at_border == 0 || border[at(v)];
   }
   std::vector<Vec3> sum(mesh.vertices.size(), Vec3::Zero());
   std::vector<int> count(mesh.vertices.size(), 0);
@@ -114,10 +114,10 @@ void draw_apart(Mesh& mesh) {
 }
 
 // Returns border loops that are too narrow to be intended, each oriented for the faces that would fill it.
-std::vector<std::vector<int>> slits_of(const Mesh& mesh) {
-  std::vector<std::vector<int>> slits;
+std::vector<std::vector<VertexIndex>> slits_of(const Mesh& mesh) {
+  std::vector<std::vector<VertexIndex>> slits;
   const Surface surface(mesh);
-  for (std::vector<int> loop : surface.border_loops()) {
+  for (std::vector<VertexIndex> loop : surface.border_loops()) {
     if (loop.size() < 3 || loop.size() > kMaxSlitCorners) continue;
     Vec3 twice = Vec3::Zero();
     double around_mm = 0.0;
@@ -137,7 +137,7 @@ std::vector<std::vector<int>> slits_of(const Mesh& mesh) {
 // crossing.
 void close_slits(Mesh& mesh, const IsLate& is_late) {
   const auto slits = slits_of(mesh);
-  const auto closed = [](Mesh m, const std::vector<int>& slit) {
+  const auto closed = [](Mesh m, const std::vector<VertexIndex>& slit) {
     add_polygon(m, slit);
     return m;
   };
@@ -155,14 +155,14 @@ void close_slits(Mesh& mesh, const IsLate& is_late) {
 
 // Values the two faces of a crossing: the one with less visibility is dropped, or if that is not measured, the smaller
 // one.
-std::map<int, double> values_of(const Mesh& mesh, const Pairs& crossings, double visibility_s, bool is_late) {
-  std::vector<int> asked;
+std::map<FaceIndex, double> values_of(const Mesh& mesh, const Pairs& crossings, double visibility_s, bool is_late) {
+  std::vector<FaceIndex> asked;
   for (const auto& [a, b] : crossings) asked.insert(asked.end(), {a, b});
   std::ranges::sort(asked);
   asked.erase(std::ranges::unique(asked).begin(), asked.end());
   const bool asks_visibility = !is_late && asked.size() <= faces_asked_in(visibility_s);
   const std::vector<Visibility> visibility = asks_visibility ? visibility_of(mesh, asked) : std::vector<Visibility>{};
-  std::map<int, double> value;
+  std::map<FaceIndex, double> value;
   for (std::size_t k = 0; k < asked.size(); ++k)
     value[asked[k]] =
         asks_visibility ? std::max(visibility[k].front, visibility[k].back) : area_of_face(mesh, asked[k]);
@@ -171,7 +171,7 @@ std::map<int, double> values_of(const Mesh& mesh, const Pairs& crossings, double
 
 // Removes the less valuable face of each crossing pair.
 Mesh without_crossings(const Mesh& mesh, const Pairs& crossings, double visibility_s, bool is_late) {
-  const std::map<int, double> value = values_of(mesh, crossings, visibility_s, is_late);
+  const std::map<FaceIndex, double> value = values_of(mesh, crossings, visibility_s, is_late);
   std::vector<bool> gone(mesh.faces.size(), false);
   for (const auto& [a, b] : crossings) {
     if (!gone[at(a)] && !gone[at(b)]) gone[at(value.at(a) < value.at(b) ? a : b)] = true;
@@ -218,8 +218,9 @@ std::optional<Mesh> divided(const Mesh& mesh, const RepairTime& time) {
 }
 
 // Returns the parts that are connected over edges of two faces.
-std::vector<std::vector<int>> parts_of(const Mesh& mesh) {
-  std::vector<std::array<int, 3>> neighbour(mesh.faces.size(), {-1, -1, -1});
+std::vector<std::vector<FaceIndex>> parts_of(const Mesh& mesh) {
+  constexpr FaceIndex kNone = FaceIndex::none();
+  std::vector<std::array<FaceIndex, 3>> neighbour(mesh.faces.size(), {kNone, kNone, kNone});
   const EdgeSides sides(mesh);
   sides.each_edge([&](std::span<const EdgeSide> edge) {
     if (edge.size() != 2) return;
@@ -227,13 +228,13 @@ std::vector<std::vector<int>> parts_of(const Mesh& mesh) {
     neighbour[at(edge[1].face)][at(edge[1].side)] = edge[0].face;
   });
   std::vector<bool> seen(mesh.faces.size(), false);
-  std::vector<std::vector<int>> parts;
+  std::vector<std::vector<FaceIndex>> parts;
   for (std::size_t first = 0; first < seen.size(); ++first) {
     if (seen[first]) continue;
-    std::vector<int> part{static_cast<int>(first)};
+    std::vector<FaceIndex> part{FaceIndex(first)};
     seen[first] = true;
     for (std::size_t q = 0; q < part.size(); ++q) {
-      for (const int n : neighbour[at(part[q])]) {
+      for (const FaceIndex n : neighbour[at(part[q])]) {
         if (n < 0 || seen[at(n)]) continue;
         seen[at(n)] = true;
         part.push_back(n);
@@ -245,10 +246,10 @@ std::vector<std::vector<int>> parts_of(const Mesh& mesh) {
 }
 
 // Returns the largest faces of a part, which represent it when visibility is measured.
-std::vector<int> samples_of(const Mesh& mesh, std::vector<int> part, std::size_t most) {
+std::vector<FaceIndex> samples_of(const Mesh& mesh, std::vector<FaceIndex> part, std::size_t most) {
   const std::size_t n = std::min(part.size(), most);
   std::ranges::partial_sort(part, part.begin() + static_cast<std::ptrdiff_t>(n), std::greater<>(),
-                            [&](int f) { return std::pair(area_of_face(mesh, f), f); });
+                            [&](FaceIndex f) { return std::pair(area_of_face(mesh, f), f); });
   part.resize(n);
   return part;
 }
@@ -267,7 +268,7 @@ Mesh without_hidden_parts(const Mesh& mesh, double visibility_s) {
   };
   std::size_t each = kVisibilitySamples;
   while (each > 1 && asked_of(each) > most) each /= 2;
-  std::vector<int> asked;
+  std::vector<FaceIndex> asked;
   std::vector<std::size_t> first;
   for (const auto& part : parts) {
     first.push_back(asked.size());
@@ -285,7 +286,7 @@ Mesh without_hidden_parts(const Mesh& mesh, double visibility_s) {
       total += area;
     }
     if (sum < kHiddenVisibility * total) continue;  // A part without samples is kept.
-    for (const int f : parts[p]) result.faces.push_back(mesh.faces[at(f)]);
+    for (const FaceIndex f : parts[p]) result.faces.push_back(mesh.faces[at(f)]);
   }
   return result.faces.empty() ? mesh : result;
 }
@@ -309,13 +310,13 @@ bool is_needle(const Vec3& a, const Vec3& b, const Vec3& c) {
 }
 
 // Returns faces that cross, or have almost no area.
-std::vector<int> bad_faces(const Mesh& mesh) {
-  std::vector<int> bad;
+std::vector<FaceIndex> bad_faces(const Mesh& mesh) {
+  std::vector<FaceIndex> bad;
   for (const auto& [a, b] : crossing_faces(mesh)) bad.insert(bad.end(), {a, b});
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     const auto& c = mesh.faces[f];
     if (is_needle(mesh.vertices[at(c[0])], mesh.vertices[at(c[1])], mesh.vertices[at(c[2])]))
-      bad.push_back(static_cast<int>(f));
+      bad.push_back(FaceIndex(f));
   }
   return bad;
 }
@@ -334,10 +335,10 @@ Mesh drawn_near(const Mesh& wrap, const Mesh& input, double gap_mm, const IsLate
   Mesh result = wrap;
   for (int round = 0; round < kRoundsNear && !late(is_late); ++round) {
     for (std::size_t v = 0; v < way.size(); ++v) result.vertices[v] = wrap.vertices[v] + part[v] * way[v];
-    const std::vector<int> bad = bad_faces(result);
+    const std::vector<FaceIndex> bad = bad_faces(result);
     if (bad.empty()) return result;
     std::vector<bool> back(way.size(), false);
-    for (const int f : bad) {
+    for (const FaceIndex f : bad) {
       for (const int v : wrap.faces[at(f)]) back[at(v)] = true;
     }
     for (std::size_t v = 0; v < back.size(); ++v) {

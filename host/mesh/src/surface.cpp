@@ -79,15 +79,15 @@ void Surface::compute_normals() {
 }
 
 void Surface::find_border() {
-  std::vector<int> before(mesh_.vertices.size(), -1),
+  std::vector<VertexIndex> before(mesh_.vertices.size(), VertexIndex::none()),
       after = before;  // The walk follows the border; of several edges at a vertex, the last one counts.
   for (std::size_t f = 0; f < mesh_.faces.size(); ++f) {
     for (int s = 0; s < 3; ++s) {
       if (neighbour_[f][at(s)] >= 0) continue;
-      const int from = mesh_.faces[f][at(s)], to = mesh_.faces[f][at((s + 1) % 3)];
+      const VertexIndex from(mesh_.faces[f][at(s)]), to(mesh_.faces[f][at((s + 1) % 3)]);
       after[at(from)] = to;
       before[at(to)] = from;
-      border_sides_.push_back({static_cast<int>(f), s, {from, to}});
+      border_sides_.push_back({FaceIndex(f), s, {from, to}});
     }
   }
   for (BorderSide& side : border_sides_) side.beyond = {before[at(side.beyond[0])], after[at(side.beyond[1])]};
@@ -109,14 +109,15 @@ SurfacePoint Surface::closest(const Vec3& query_mm, double within_mm) const {
   return closest_face_point(face_tree_, mesh_, query_mm, within_mm);
 }
 
-void Surface::faces_within(const Vec3& query_mm, double distance_mm, std::vector<std::pair<double, int>>& faces) const {
+void Surface::faces_within(const Vec3& query_mm, double distance_mm,
+                           std::vector<std::pair<double, FaceIndex>>& faces) const {
   double limit = std::nextafter(distance_mm * distance_mm, std::numeric_limits<double>::infinity());
   face_tree_.nearest(query_mm, limit, [&](int face) {
     const auto& f = mesh_.faces[at(face)];
     const Vec3 &a = mesh_.vertices[at(f[0])], &b = mesh_.vertices[at(f[1])], &c = mesh_.vertices[at(f[2])];
     const Vec3 weights = closest_on_triangle(query_mm, a, b, c);
     const double squared = (weights[0] * a + weights[1] * b + weights[2] * c - query_mm).squaredNorm();
-    if (squared < limit) faces.emplace_back(squared, face);
+    if (squared < limit) faces.emplace_back(squared, FaceIndex(face));
   });
 }
 

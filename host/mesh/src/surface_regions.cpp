@@ -55,7 +55,7 @@ void require_strip(const design::Region& r, const design::BorderStrip& strip) {
 }
 
 void require_faces(const design::Region& r, const design::FaceSet& set, std::size_t faces) {
-  for (const int f : set.faces) {
+  for (const FaceIndex f : set.faces) {
     if (f < 0 || at(f) >= faces) refuse_region(r, fmt::format("face {} is not there; 0 … {} are", f, faces - 1));
   }
 }
@@ -115,10 +115,10 @@ SurfaceRegions::Group SurfaceRegions::group_of(const design::FaceSet& set) const
   const Mesh& mesh = surface_.mesh();
   Group group;
   group.holds.assign(mesh.faces.size(), 0);
-  for (const int f : set.faces) group.holds[at(f)] = 1;
-  for (const int f : set.faces) {
+  for (const FaceIndex f : set.faces) group.holds[at(f)] = 1;
+  for (const FaceIndex f : set.faces) {
     for (std::size_t s = 0; s < 3; ++s) {
-      const int other = surface_.neighbours(f)[s];
+      const FaceIndex other = surface_.neighbours(f)[s];
       if (other < 0 || group.holds[at(other)]) continue;
       group.rim.push_back({mesh.vertices[at(mesh.faces[at(f)][s])], mesh.vertices[at(mesh.faces[at(f)][(s + 1) % 3])]});
     }
@@ -137,7 +137,7 @@ void SurfaceRegions::prepare(std::size_t region) {
 void SurfaceRegions::prepare_border(std::size_t region, const design::BorderStrip& strip) {
   const Mesh& mesh = surface_.mesh();
   Border& border = borders_[region];
-  for (const std::vector<int>& loop : surface_.border_loops()) {
+  for (const std::vector<VertexIndex>& loop : surface_.border_loops()) {
     const double width = width_of_loop(mesh, loop);
     if (width < strip.min_width_mm || width > strip.max_width_mm) continue;
     for (std::size_t k = 0; k < loop.size(); ++k)
@@ -159,7 +159,7 @@ double SurfaceRegions::near_border_mm(std::size_t region, double margin_mm, cons
 }
 
 double SurfaceRegions::near_body_mm(const design::Obstacle& obstacle, const BodyDistance& body, const Vec3& p,
-                                    int face) const {
+                                    FaceIndex face) const {
   const Vec3& normal = surface_.face_normal(face);
   return obstacle.margin_mm - body.least_along_mm(p - obstacle.below_mm * normal, normal,
                                                   obstacle.below_mm + obstacle.above_mm,
@@ -178,7 +178,7 @@ bool SurfaceRegions::allows_entry(const Vec3& point_mm) const {
 }
 
 // > 0 inside: the distance to the rim, or a lower bound of it; < 0 outside.
-double SurfaceRegions::inside_mm(std::size_t region, const Vec3& p, int face) const {
+double SurfaceRegions::inside_mm(std::size_t region, const Vec3& p, FaceIndex face) const {
   const design::Region& r = regions_.list[region];
   if (const auto* s = std::get_if<design::Sphere>(&r.shape)) return s->radius_mm - (p - s->center_mm).norm();
   if (const auto* b = std::get_if<design::Box>(&r.shape))
@@ -197,7 +197,8 @@ double SurfaceRegions::inside_mm(std::size_t region, const Vec3& p, int face) co
 void SurfaceRegions::sample(std::size_t region, double rim_step_mm, double step_mm, double rim_mm,
                             const std::function<void(const Vec3&, double)>& visit) const {
   const Mesh& mesh = surface_.mesh();
-  const std::function<void(const std::array<Vec3, 3>&, int)> divide = [&](const std::array<Vec3, 3>& t, int face) {
+  using Divide = std::function<void(const std::array<Vec3, 3>&, FaceIndex)>;
+  const Divide divide = [&](const std::array<Vec3, 3>& t, FaceIndex face) {
     const Vec3 middle = (t[0] + t[1] + t[2]) / 3.0;
     double reach = 0.0;
     for (const Vec3& c : t) reach = std::max(reach, (c - middle).norm());
@@ -217,7 +218,7 @@ void SurfaceRegions::sample(std::size_t region, double rim_step_mm, double step_
     divide({t[s], half, t[(s + 2) % 3]}, face);
     divide({half, t[(s + 1) % 3], t[(s + 2) % 3]}, face);
   };
-  for (int f = 0; f < static_cast<int>(mesh.faces.size()); ++f) {
+  for (FaceIndex f{0}; f < static_cast<int>(mesh.faces.size()); ++f) {
     if (!groups_[region].holds.empty() && !groups_[region].holds[at(f)]) continue;
     const auto& v = mesh.faces[at(f)];
     divide({mesh.vertices[at(v[0])], mesh.vertices[at(v[1])], mesh.vertices[at(v[2])]}, f);

@@ -33,7 +33,7 @@ SurfacePoint closest_face_point(const Bvh& tree, const Mesh& mesh, const Vec3& q
     const double squared = (p - query_mm).squaredNorm();
     if (squared < best_squared) {
       best_squared = squared;
-      best = {p, face, weights, 0.0};
+      best = {p, FaceIndex(face), weights, 0.0};
     }
   });
   if (best.face >= 0) best.distance_mm = std::sqrt(best_squared);

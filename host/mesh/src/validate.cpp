@@ -39,7 +39,7 @@ void require_manifold(const Mesh& mesh, const std::string& name) {
       name, place(mesh.vertices[at(first->low)]), place(mesh.vertices[at(first->high)]), faces, total));
 }
 
-std::vector<std::pair<int, int>> crossing_faces(const Mesh& surface, int threads) {
+std::vector<FacePair> crossing_faces(const Mesh& surface, int threads) {
   return find_crossings(surface, {.threads = threads}).pairs;
 }
 

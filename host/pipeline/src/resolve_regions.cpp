@@ -16,7 +16,7 @@ constexpr double kSame_mm = 0.01;  // The middles of a face in the file and on t
 
 using Cell = std::array<long, 3>;
 
-design::Vec3 middle_of(const design::Mesh& mesh, int face) {
+design::Vec3 middle_of(const design::Mesh& mesh, design::FaceIndex face) {
   const auto& f = mesh.faces[static_cast<std::size_t>(face)];
   design::Vec3 sum = design::Vec3::Zero();
   for (const int v : f) sum += mesh.vertices[static_cast<std::size_t>(v)];
@@ -60,22 +60,22 @@ design::Regions resolve_regions(const std::filesystem::path& mesh, std::optional
     if (surface.report.repair != geometry::Repair::kNone || surface.report.reduced_mm > 0.0)
       refuse("the mesh had to be repaired, so its faces are others: give a sphere or a box");
     std::map<Cell, design::Vec3> places;
-    const auto add = [&](const design::Mesh& m, int face) {
+    const auto add = [&](const design::Mesh& m, design::FaceIndex face) {
       const design::Vec3 p = middle_of(m, face);
       places.emplace(cell_of(p), p);
     };
     if (w.group.empty()) {
-      for (const int f : set->faces) {
+      for (const design::FaceIndex f : set->faces) {
         if (f >= static_cast<int>(file.mesh.faces.size()))
           refuse(fmt::format("face {} is not there; the mesh has 0 … {}", f, file.mesh.faces.size() - 1));
         add(file.mesh, f);
       }
     } else {
       const design::Mesh group = geometry::read_obj_group(mesh, w.group, file.report.scale_to_mm);
-      for (int f = 0; f < static_cast<int>(group.faces.size()); ++f) add(group, f);
+      for (design::FaceIndex f{0}; f < static_cast<int>(group.faces.size()); ++f) add(group, f);
     }
     set->faces.clear();
-    for (int f = 0; f < static_cast<int>(surface.surface.faces.size()); ++f) {
+    for (design::FaceIndex f{0}; f < static_cast<int>(surface.surface.faces.size()); ++f) {
       if (is_near(places, middle_of(surface.surface, f))) set->faces.push_back(f);
     }
     if (set->faces.empty()) refuse("none of its faces belongs to the surface that can be covered");

@@ -15,14 +15,14 @@ class CutSurface {
 
   [[nodiscard]] const Surface& surface() const { return surface_; }
   /// Returns the face across side s, −1 at the border and at a cut.
-  [[nodiscard]] int neighbour(int face, int side) const {
+  [[nodiscard]] FaceIndex neighbour(FaceIndex face, int side) const {
     return cut_[static_cast<std::size_t>(face)][static_cast<std::size_t>(side)]
-               ? -1
+               ? FaceIndex::none()
                : surface_.neighbours(face)[static_cast<std::size_t>(side)];
   }
   /// Cuts or joins an edge, seen from one of its faces; the border stays as it is.
-  void set(int face, int side, bool cut) {
-    const int other = surface_.neighbours(face)[static_cast<std::size_t>(side)];
+  void set(FaceIndex face, int side, bool cut) {
+    const FaceIndex other = surface_.neighbours(face)[static_cast<std::size_t>(side)];
     if (other < 0) return;
     cut_[static_cast<std::size_t>(face)][static_cast<std::size_t>(side)] = cut;
     for (std::size_t s = 0; s < 3; ++s) {
@@ -32,7 +32,7 @@ class CutSurface {
   }
 
  private:
-  [[nodiscard]] bool shares(int face, int side, int other, std::size_t other_side) const {
+  [[nodiscard]] bool shares(FaceIndex face, int side, FaceIndex other, std::size_t other_side) const {
     const auto &f = surface_.mesh().faces[static_cast<std::size_t>(face)],
                &g = surface_.mesh().faces[static_cast<std::size_t>(other)];
     return f[static_cast<std::size_t>(side)] == g[(other_side + 1) % 3];

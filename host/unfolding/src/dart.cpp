@@ -12,22 +12,23 @@ namespace {
 
 struct Reached {
   double distance = 1e300;
-  int before = -1;
+  VertexIndex before = VertexIndex::none();
   SurfaceEdge edge;
 };
 
 struct Inside {
   // Lists the edges between two faces of the set, in both directions.
-  std::map<int, std::vector<std::pair<int, SurfaceEdge>>> from;
-  std::set<int> border;  // These vertices belong to edges with a single face of the set.
+  std::map<VertexIndex, std::vector<std::pair<VertexIndex, SurfaceEdge>>> from;
+  std::set<VertexIndex> border;  // These vertices belong to edges with a single face of the set.
 };
 
-Inside inside_of(const CutSurface& cut, const std::vector<int>& faces, const std::set<std::pair<int, int>>& uncut) {
+Inside inside_of(const CutSurface& cut, const std::vector<FaceIndex>& faces, const std::set<VertexPair>& uncut) {
   Inside in;
-  for (const int f : faces) {
+  for (const FaceIndex f : faces) {
     const auto& c = cut.surface().mesh().faces[at(f)];
     for (int s = 0; s < 3; ++s) {
-      const int a = c[at(s)], b = c[at((s + 1) % 3)], n = cut.neighbour(f, s);
+      const VertexIndex a(c[at(s)]), b(c[at((s + 1) % 3)]);
+      const FaceIndex n = cut.neighbour(f, s);
       if (n < 0 || !std::ranges::binary_search(faces, n)) {
         in.border.insert({a, b});
       } else if (!uncut.contains(std::minmax(a, b))) {
@@ -41,17 +42,18 @@ Inside inside_of(const CutSurface& cut, const std::vector<int>& faces, const std
 
 }  // namespace
 
-std::vector<SurfaceEdge> deepest_dart(const CutSurface& cut, const std::vector<int>& faces,
-                                      const std::set<std::pair<int, int>>& uncut) {
+std::vector<SurfaceEdge> deepest_dart(const CutSurface& cut, const std::vector<FaceIndex>& faces,
+                                      const std::set<VertexPair>& uncut) {
   const Inside in = inside_of(cut, faces, uncut);
   const auto& v = cut.surface().mesh().vertices;
-  std::map<int, Reached> reached;
-  std::priority_queue<std::pair<double, int>, std::vector<std::pair<double, int>>, std::greater<>> queue;
-  for (const int b : in.border) {
+  std::map<VertexIndex, Reached> reached;
+  using Item = std::pair<double, VertexIndex>;
+  std::priority_queue<Item, std::vector<Item>, std::greater<>> queue;
+  for (const VertexIndex b : in.border) {
     reached[b].distance = 0.0;
     queue.emplace(0.0, b);
   }
-  int deepest = -1;
+  VertexIndex deepest = VertexIndex::none();
   while (!queue.empty()) {
     const auto [distance, a] = queue.top();
     queue.pop();
@@ -68,7 +70,8 @@ std::vector<SurfaceEdge> deepest_dart(const CutSurface& cut, const std::vector<i
     }
   }
   std::vector<SurfaceEdge> dart;
-  for (int a = deepest; a >= 0 && reached[a].before >= 0; a = reached[a].before) dart.push_back(reached[a].edge);
+  for (VertexIndex a = deepest; a >= 0 && reached[a].before >= 0; a = reached[a].before)
+    dart.push_back(reached[a].edge);
   return dart;
 }
 

@@ -9,10 +9,13 @@
 
 namespace triskin::geometry {
 
+/// Names an edge by its two vertices, the lower one first.
+using VertexPair = std::pair<VertexIndex, VertexIndex>;
+
 /// Returns the shortest path along edges from the border of a set of faces (cuts count as border) to the vertex that
-/// lies farthest from it. Edges in `uncut` (vertex pairs, lower first) are not used. Empty when no vertex lies inside.
+/// lies farthest from it. Edges in `uncut` are not used. Empty when no vertex lies inside.
 /// Cost: O(n log n).
-[[nodiscard]] std::vector<SurfaceEdge> deepest_dart(const CutSurface& cut, const std::vector<int>& faces,
-                                                    const std::set<std::pair<int, int>>& uncut);
+[[nodiscard]] std::vector<SurfaceEdge> deepest_dart(const CutSurface& cut, const std::vector<FaceIndex>& faces,
+                                                    const std::set<VertexPair>& uncut);
 
 }  // namespace triskin::geometry

@@ -21,7 +21,7 @@ double total_curvature_rad(const Surface& surface) {
   }
   std::vector<bool> is_inside(mesh.vertices.size(), true);
   for (const auto& loop : surface.border_loops()) {
-    for (const int v : loop) is_inside[at(v)] = false;
+    for (const VertexIndex v : loop) is_inside[at(v)] = false;
   }
   double total = 0.0;
   for (std::size_t v = 0; v < angles.size(); ++v) {

@@ -15,39 +15,39 @@
 namespace triskin::geometry {
 namespace {
 
-const Vec3& corner(const Surface& s, int face, int k) {
+const Vec3& corner(const Surface& s, FaceIndex face, int k) {
   return s.mesh().vertices[at(s.mesh().faces[at(face)][at(k)])];
 }
 
 // Returns the triangle in its own plane: corner 0 at the origin, corner 1 on the x axis.
-std::array<Vec2, 3> own_plane(const Surface& s, int face) {
+std::array<Vec2, 3> own_plane(const Surface& s, FaceIndex face) {
   const Vec3 e1 = corner(s, face, 1) - corner(s, face, 0), e2 = corner(s, face, 2) - corner(s, face, 0);
   const double length = e1.norm(), along = e2.dot(e1) / length;
   return {Vec2(0, 0), Vec2(length, 0), Vec2(along, e1.cross(e2).norm() / length)};
 }
 
 // Makes local vertices and splits a vertex whose faces in the chart are joined only by that point.
-FlatChart make_chart(const CutSurface& cut, const std::vector<int>& faces) {
+FlatChart make_chart(const CutSurface& cut, const std::vector<FaceIndex>& faces) {
   const Surface& s = cut.surface();
   FlatChart c;
   c.faces = faces;
   c.local_faces.assign(faces.size(), {-1, -1, -1});
-  std::map<int, std::size_t> local_of;
+  std::map<FaceIndex, std::size_t> local_of;
   for (std::size_t k = 0; k < faces.size(); ++k) local_of[faces[k]] = k;
   for (std::size_t k = 0; k < faces.size(); ++k) {
     for (int v = 0; v < 3; ++v) {
       if (c.local_faces[k][at(v)] >= 0) continue;
       const int id = static_cast<int>(c.vertices.size());
-      const int vertex = s.mesh().faces[at(faces[k])][at(v)];
+      const VertexIndex vertex(s.mesh().faces[at(faces[k])][at(v)]);
       c.vertices.push_back(vertex);
-      std::vector<int> fan{faces[k]};  // These faces around the vertex are connected by edges.
-      std::set<int> seen{faces[k]};
+      std::vector<FaceIndex> fan{faces[k]};  // These faces around the vertex are connected by edges.
+      std::set<FaceIndex> seen{faces[k]};
       for (std::size_t f = 0; f < fan.size(); ++f) {
         const auto& corners = s.mesh().faces[at(fan[f])];
         for (int side = 0; side < 3; ++side) {
           if (corners[at(side)] == vertex) c.local_faces[local_of.at(fan[f])][at(side)] = id;
           const bool touches = corners[at(side)] == vertex || corners[at((side + 1) % 3)] == vertex;
-          const int next = cut.neighbour(fan[f], side);
+          const FaceIndex next = cut.neighbour(fan[f], side);
           if (touches && next >= 0 && local_of.contains(next) && seen.insert(next).second) fan.push_back(next);
         }
       }
@@ -57,18 +57,19 @@ FlatChart make_chart(const CutSurface& cut, const std::vector<int>& faces) {
   return c;
 }
 
-int middle_face(const Surface& s, const std::vector<int>& faces) {
+int middle_face(const Surface& s, const std::vector<FaceIndex>& faces) {
   Vec3 center = Vec3::Zero();
-  const auto middle = [&](int f) -> Vec3 { return (corner(s, f, 0) + corner(s, f, 1) + corner(s, f, 2)) / 3.0; };
-  for (const int f : faces) center += middle(f) / static_cast<double>(faces.size());
+  const auto middle = [&](FaceIndex f) -> Vec3 { return (corner(s, f, 0) + corner(s, f, 1) + corner(s, f, 2)) / 3.0; };
+  for (const FaceIndex f : faces) center += middle(f) / static_cast<double>(faces.size());
   return static_cast<int>(
-      std::ranges::min_element(faces, {}, [&](int f) { return (middle(f) - center).squaredNorm(); }) - faces.begin());
+      std::ranges::min_element(faces, {}, [&](FaceIndex f) { return (middle(f) - center).squaredNorm(); }) -
+      faces.begin());
 }
 
 // Unfolds breadth first across edges; a vertex keeps its first place.
 void unfold_start(const CutSurface& cut, FlatChart& c) {
   const Surface& s = cut.surface();
-  std::map<int, int> local_of;
+  std::map<FaceIndex, int> local_of;
   for (std::size_t k = 0; k < c.faces.size(); ++k) local_of[c.faces[k]] = static_cast<int>(k);
   std::vector<bool> placed(c.vertices.size(), false), done(c.faces.size(), false);
   std::vector<int> queue{middle_face(s, c.faces)};
@@ -97,7 +98,7 @@ void unfold_start(const CutSurface& cut, FlatChart& c) {
       placed[at(local[at(k)])] = true;
     }
     for (int k = 0; k < 3; ++k) {
-      const int next = cut.neighbour(c.faces[at(queue[q])], k);
+      const FaceIndex next = cut.neighbour(c.faces[at(queue[q])], k);
       const auto found = local_of.find(next);
       if (next < 0 || found == local_of.end() || done[at(found->second)]) continue;
       done[at(found->second)] = true;
@@ -223,7 +224,7 @@ void even_out(FlatChart& c, Solver& solver, double limit_mm) {
 
 }  // namespace
 
-FlatChart flatten(const CutSurface& cut, const std::vector<int>& faces, int iterations, double limit_mm,
+FlatChart flatten(const CutSurface& cut, const std::vector<FaceIndex>& faces, int iterations, double limit_mm,
                   const std::function<bool()>& give_up) {
   constexpr int kCheckEvery = 10;                 // The error is measured once in this many steps.
   constexpr double kHopeless = 6.0, kNear = 2.5;  // Both are multiples of the limit.

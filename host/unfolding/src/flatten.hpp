@@ -9,11 +9,11 @@ namespace triskin::geometry {
 
 /// A connected set of faces with its own vertices, laid flat.
 struct FlatChart {
-  std::vector<int> faces;  ///< The numbers are those of the surface.
+  std::vector<FaceIndex> faces;  ///< The numbers are those of the surface.
   /// The indices refer to `flat`, in the order of the corners on the surface.
   std::vector<std::array<int, 3>> local_faces;
-  std::vector<int> vertices;  ///< Each local vertex has its vertex on the surface.
-  std::vector<Vec2> flat;     ///< Positions are in mm.
+  std::vector<VertexIndex> vertices;  ///< Each local vertex has its vertex on the surface.
+  std::vector<Vec2> flat;             ///< Positions are in mm.
 };
 
 /// Lays the faces flat, joined unless cut, each as rigid as possible: starts from an unfolding along the shortest dual
@@ -22,8 +22,8 @@ struct FlatChart {
 /// a·K·ρ²/8); if that is above but near `limit_mm`, faces are weighted by their error (Lawson, 1961) until the
 /// largest error is evened out (a·K·ρ²/12). Stops early when the limit is out of reach. Cost: `iterations` sparse
 /// solves, and some 40 more with 8 factorizations when weighting; stops between solves when `give_up` returns true.
-[[nodiscard]] FlatChart flatten(const CutSurface& cut, const std::vector<int>& faces, int iterations, double limit_mm,
-                                const std::function<bool()>& give_up = {});
+[[nodiscard]] FlatChart flatten(const CutSurface& cut, const std::vector<FaceIndex>& faces, int iterations,
+                                double limit_mm, const std::function<bool()>& give_up = {});
 
 /// Gives the largest and root mean square |flat − surface| length of an edge, scaled to an edge of 30 mm.
 struct EdgeError {

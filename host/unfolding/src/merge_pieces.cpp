@@ -35,7 +35,7 @@ class Merger {
       const auto [length, a, b] = queue_.top();
       queue_.pop();
       if (!alive_[at(a)] || !alive_[at(b)]) continue;
-      std::vector<int> both;
+      std::vector<FaceIndex> both;
       std::ranges::merge(alive_[at(a)]->faces, alive_[at(b)]->faces, std::back_inserter(both));
       if (both.size() > left) continue;  // Smaller pairs may still fit.
       left -= both.size();
@@ -54,12 +54,12 @@ class Merger {
   void find_seams() {
     std::vector<int> piece_of(surface_.mesh().faces.size(), -1);
     for (std::size_t p = 0; p < alive_.size(); ++p) {
-      for (const int f : alive_[p]->faces) piece_of[at(f)] = static_cast<int>(p);
+      for (const FaceIndex f : alive_[p]->faces) piece_of[at(f)] = static_cast<int>(p);
     }
     for (std::size_t f = 0; f < piece_of.size(); ++f) {
       const auto& c = surface_.mesh().faces[f];
       for (int s = 0; s < 3; ++s) {
-        const int n = cut_.neighbour(static_cast<int>(f), s);
+        const FaceIndex n = cut_.neighbour(FaceIndex(f), s);
         if (n < 0 || piece_of[at(n)] == piece_of[f]) continue;
         seams_[at(piece_of[f])][piece_of[at(n)]] +=
             (surface_.mesh().vertices[at(c[at((s + 1) % 3)])] - surface_.mesh().vertices[at(c[at(s)])]).norm();

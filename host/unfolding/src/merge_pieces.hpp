@@ -10,7 +10,7 @@
 namespace triskin::geometry {
 
 /// Lays the faces (sorted) flat as one piece; returns nothing when that breaks a limit.
-using TryPiece = std::function<std::optional<Piece>(const std::vector<int>& faces)>;
+using TryPiece = std::function<std::optional<Piece>(const std::vector<FaceIndex>& faces)>;
 
 /// Joins pieces again across sides that are not cut, longest seam first, if the joined piece keeps the limits. The
 /// number of faces laid flat on the way is bounded (30 times those of the surface, at least 60,000), so a dirty mesh of

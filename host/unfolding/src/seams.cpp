@@ -48,27 +48,28 @@ std::vector<Vec3> read_line(std::istringstream& words, const std::vector<Vec3>& 
 class EdgeGraph {
  public:
   explicit EdgeGraph(const Surface& surface) : surface_(surface), from_(surface.mesh().vertices.size()) {
-    for (int f = 0; f < static_cast<int>(surface.mesh().faces.size()); ++f) {
+    for (FaceIndex f{0}; f < static_cast<int>(surface.mesh().faces.size()); ++f) {
       for (int s = 0; s < 3; ++s) {
-        const int a = surface.mesh().faces[at(f)][at(s)], b = surface.mesh().faces[at(f)][at((s + 1) % 3)];
+        const VertexIndex a(surface.mesh().faces[at(f)][at(s)]), b(surface.mesh().faces[at(f)][at((s + 1) % 3)]);
         from_[at(a)].push_back({b, {f, s}});
         from_[at(b)].push_back({a, {f, s}});
       }
     }
   }
 
-  [[nodiscard]] int nearest(const Vec3& p) const {
+  [[nodiscard]] VertexIndex nearest(const Vec3& p) const {
     const auto& v = surface_.mesh().vertices;
-    return static_cast<int>(std::ranges::min_element(v, {}, [&](const Vec3& q) { return (q - p).squaredNorm(); }) -
-                            v.begin());
+    return VertexIndex(std::ranges::min_element(v, {}, [&](const Vec3& q) { return (q - p).squaredNorm(); }) -
+                       v.begin());
   }
 
   // Returns an empty path when no edges lead there.
-  [[nodiscard]] std::vector<SurfaceEdge> way(int from, int to) const {
+  [[nodiscard]] std::vector<SurfaceEdge> way(VertexIndex from, VertexIndex to) const {
     const auto& v = surface_.mesh().vertices;
     std::vector<double> distance(v.size(), std::numeric_limits<double>::infinity());
-    std::vector<Step> before(v.size(), Step{-1, {}});
-    std::priority_queue<std::pair<double, int>, std::vector<std::pair<double, int>>, std::greater<>> queue;
+    std::vector<Step> before(v.size(), Step{VertexIndex::none(), {}});
+    using Item = std::pair<double, VertexIndex>;
+    std::priority_queue<Item, std::vector<Item>, std::greater<>> queue;
     distance[at(from)] = 0.0;
     queue.emplace(0.0, from);
     while (!queue.empty() && queue.top().second != to) {
@@ -84,7 +85,7 @@ class EdgeGraph {
       }
     }
     std::vector<SurfaceEdge> edges;
-    for (int a = to; a != from; a = before[at(a)].vertex) {
+    for (VertexIndex a = to; a != from; a = before[at(a)].vertex) {
       if (before[at(a)].vertex < 0) return {};
       edges.push_back(before[at(a)].edge);
     }
@@ -93,7 +94,7 @@ class EdgeGraph {
 
  private:
   struct Step {
-    int vertex;
+    VertexIndex vertex;
     SurfaceEdge edge;
   };
   const Surface& surface_;
@@ -131,11 +132,11 @@ std::vector<SurfaceEdge> edges_along(const Surface& surface, const SeamLines& li
   const EdgeGraph graph(surface);
   std::vector<SurfaceEdge> edges;
   for (std::size_t l = 0; l < lines.size(); ++l) {
-    int before = -1;
+    VertexIndex before = VertexIndex::none();
     const std::size_t count = edges.size();
     for (std::size_t k = 0; k < lines[l].size(); ++k) {
       const Vec3& p = lines[l][k];
-      const int vertex = graph.nearest(p);
+      const VertexIndex vertex = graph.nearest(p);
       const double off = (surface.mesh().vertices[at(vertex)] - p).norm();
       if (!(off <= within_mm)) {
         throw InputError(

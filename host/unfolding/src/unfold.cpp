@@ -21,6 +21,8 @@
 namespace triskin::geometry {
 namespace {
 
+using Faces = std::vector<FaceIndex>;
+
 class Unfolder {
  public:
   Unfolder(const Surface& surface, const UnfoldingOptions& options, const ProgressSink& progress)
@@ -47,13 +49,13 @@ class Unfolder {
   }
 
   Net run() {
-    std::vector<int> all(surface_.mesh().faces.size());
-    for (std::size_t f = 0; f < all.size(); ++f) all[f] = static_cast<int>(f);
-    std::vector<std::vector<int>> open = connected(all);
+    Faces all(surface_.mesh().faces.size());
+    for (std::size_t f = 0; f < all.size(); ++f) all[f] = FaceIndex(f);
+    std::vector<Faces> open = connected(all);
     std::size_t done = 0;
     while (!open.empty()) {
       if (gave_up()) return {};
-      std::vector<int> faces = std::move(open.back());
+      Faces faces = std::move(open.back());
       open.pop_back();
       auto piece = try_piece(faces);
       if (!piece) piece = darted(faces);
@@ -65,24 +67,24 @@ class Unfolder {
       }
       for (auto& part : divide(faces)) open.push_back(std::move(part));
     }
-    merge_pieces(cut_, net_.pieces, [this](const std::vector<int>& faces) { return try_piece(faces); }, progress_);
+    merge_pieces(cut_, net_.pieces, [this](const Faces& faces) { return try_piece(faces); }, progress_);
     std::ranges::stable_sort(net_.pieces, std::greater<>(), [](const Piece& p) { return polygon_area(p.outline); });
     return std::move(net_);
   }
 
  private:
   // Splits a set of faces into parts that are connected by edges.
-  std::vector<std::vector<int>> connected(const std::vector<int>& faces) {
+  std::vector<Faces> connected(const Faces& faces) {
     const int mark = ++stamp_;
-    for (const int f : faces) member_[at(f)] = mark;
-    std::vector<std::vector<int>> parts;
-    for (const int start : faces) {
+    for (const FaceIndex f : faces) member_[at(f)] = mark;
+    std::vector<Faces> parts;
+    for (const FaceIndex start : faces) {
       if (member_[at(start)] != mark) continue;
-      std::vector<int> part{start};
+      Faces part{start};
       member_[at(start)] = 0;
       for (std::size_t k = 0; k < part.size(); ++k) {
         for (int side = 0; side < 3; ++side) {
-          const int n = cut_.neighbour(part[k], side);
+          const FaceIndex n = cut_.neighbour(part[k], side);
           if (n < 0 || member_[at(n)] != mark) continue;
           member_[at(n)] = 0;
           part.push_back(n);
@@ -94,7 +96,7 @@ class Unfolder {
     return parts;
   }
 
-  std::optional<Piece> try_piece(const std::vector<int>& faces) {
+  std::optional<Piece> try_piece(const Faces& faces) {
     if (gave_up() || (faces.size() > 1 && turns_too_far(faces))) return std::nullopt;
     const FlatChart chart = flatten(cut_, faces, options_.iterations, options_.edge_error_mm, options_.give_up);
     const EdgeError error = edge_error(surface_, chart);
@@ -122,10 +124,10 @@ class Unfolder {
 
   // A full turn of the normals (a tube, a ball) never flattens unless a seam of the user opens it, so the solve can be
   // skipped.
-  bool turns_too_far(const std::vector<int>& faces) const {
+  bool turns_too_far(const Faces& faces) const {
     Vec3 sum = Vec3::Zero();
     double area = 0.0;
-    for (const int f : faces) {
+    for (const FaceIndex f : faces) {
       const auto& c = surface_.mesh().faces[at(f)];
       const auto& v = surface_.mesh().vertices;
       const double twice = (v[at(c[1])] - v[at(c[0])]).cross(v[at(c[2])] - v[at(c[0])]).norm();
@@ -155,32 +157,32 @@ class Unfolder {
 
   // Finds two faces far apart over the dual graph, then assigns each face (with those it must stay joined to) to the
   // nearer one.
-  std::vector<std::vector<int>> divide(const std::vector<int>& faces) {
-    const auto farthest = [&](int from) {
+  std::vector<Faces> divide(const Faces& faces) {
+    const auto farthest = [&](FaceIndex from) {
       const auto d = distances(faces, from);
-      int best = -1;
-      for (const int f : faces) {
+      FaceIndex best = FaceIndex::none();
+      for (const FaceIndex f : faces) {
         if (group_[at(f)] != group_[at(from)] && (best < 0 || d[at(f)] > d[at(best)])) best = f;
       }
       if (best < 0) refuse(faces);
       return best;
     };
-    const int a = farthest(faces.front()), b = farthest(a);
+    const FaceIndex a = farthest(faces.front()), b = farthest(a);
     const auto da = distances(faces, a), db = distances(faces, b);
     std::map<int, double> nearer_to_b;  // A positive value assigns the group to b.
-    for (const int f : faces) nearer_to_b[group_[at(f)]] += da[at(f)] - db[at(f)];
+    for (const FaceIndex f : faces) nearer_to_b[group_[at(f)]] += da[at(f)] - db[at(f)];
     nearer_to_b[group_[at(a)]] = -1.0;
     nearer_to_b[group_[at(b)]] = 1.0;
-    std::array<std::vector<int>, 2> halves;
-    for (const int f : faces) halves[nearer_to_b[group_[at(f)]] <= 0.0 ? 0 : 1].push_back(f);
-    std::vector<std::vector<int>> parts;
+    std::array<Faces, 2> halves;
+    for (const FaceIndex f : faces) halves[nearer_to_b[group_[at(f)]] <= 0.0 ? 0 : 1].push_back(f);
+    std::vector<Faces> parts;
     for (const auto& half : halves) {
       for (auto& part : connected(half)) parts.push_back(std::move(part));
     }
     return parts;
   }
 
-  [[noreturn]] void refuse(const std::vector<int>& faces) const {
+  [[noreturn]] void refuse(const Faces& faces) const {
     const Vec3& p = middle_[at(faces.front())];
     throw InputError(
         fmt::format("uncut lines: {} faces near ({:.1f}, {:.1f}, {:.1f}) must stay joined and cannot be laid flat "
@@ -190,11 +192,11 @@ class Unfolder {
   }
 
   // Distances follow the dual graph; the index is the face of the surface, and faces outside have infinity.
-  std::vector<double> distances(const std::vector<int>& faces, int from) {
+  std::vector<double> distances(const Faces& faces, FaceIndex from) {
     const int mark = ++stamp_;
-    for (const int f : faces) member_[at(f)] = mark;
+    for (const FaceIndex f : faces) member_[at(f)] = mark;
     std::vector<double> d(member_.size(), std::numeric_limits<double>::infinity());
-    using Item = std::pair<double, int>;
+    using Item = std::pair<double, FaceIndex>;
     std::priority_queue<Item, std::vector<Item>, std::greater<>> queue;
     d[at(from)] = 0.0;
     queue.emplace(0.0, from);
@@ -203,7 +205,7 @@ class Unfolder {
       queue.pop();
       if (distance > d[at(f)]) continue;
       for (int side = 0; side < 3; ++side) {
-        const int n = cut_.neighbour(f, side);
+        const FaceIndex n = cut_.neighbour(f, side);
         if (n < 0 || member_[at(n)] != mark) continue;
         const double next = distance + (middle_[at(n)] - middle_[at(f)]).norm();
         if (!(next < d[at(n)])) continue;
@@ -214,11 +216,11 @@ class Unfolder {
     return d;
   }
 
-  [[nodiscard]] std::pair<int, int> edge_of(int face, int side) const {
+  [[nodiscard]] VertexPair edge_of(FaceIndex face, int side) const {
     const auto& f = surface_.mesh().faces[at(face)];
-    return std::minmax(f[at(side)], f[at((side + 1) % 3)]);
+    return std::minmax({VertexIndex(f[at(side)]), VertexIndex(f[at((side + 1) % 3)])});
   }
-  [[nodiscard]] const Vec3& corner(int face, int k) const {
+  [[nodiscard]] const Vec3& corner(FaceIndex face, int k) const {
     return surface_.mesh().vertices[at(surface_.mesh().faces[at(face)][at(k)])];
   }
 
@@ -231,7 +233,7 @@ class Unfolder {
     };
     for (const auto& [face, side] : options_.uncut) {
       uncut_.insert(edge_of(face, side));
-      const int other = surface_.neighbours(face)[at(side)];
+      const FaceIndex other = surface_.neighbours(face)[at(side)];
       if (other >= 0) group_[at(root(other))] = root(face);
     }
     for (std::size_t f = 0; f < group_.size(); ++f) group_[f] = root(static_cast<int>(f));
@@ -239,7 +241,7 @@ class Unfolder {
 
   // Cuts along the shortest paths from the border to inner vertices, the farthest from it first, until the faces lie
   // flat. Undoes all cuts if the faces do not become flat or the cuts are longer than the seam needed for splitting.
-  std::optional<Piece> darted(const std::vector<int>& faces) {
+  std::optional<Piece> darted(const Faces& faces) {
     if (faces.size() < 12 || turns_too_far(faces)) return std::nullopt;
     double left_mm = 0.7 * std::sqrt(area_of(faces));  // A seam across the piece is longer than this.
     std::vector<SurfaceEdge> made;
@@ -257,9 +259,10 @@ class Unfolder {
     return std::nullopt;
   }
 
-  [[nodiscard]] double area_of(const std::vector<int>& faces) const {
+  [[nodiscard]] double area_of(const Faces& faces) const {
     double area = 0.0;
-    for (const int f : faces) area += 0.5 * (corner(f, 1) - corner(f, 0)).cross(corner(f, 2) - corner(f, 0)).norm();
+    for (const FaceIndex f : faces)
+      area += 0.5 * (corner(f, 1) - corner(f, 0)).cross(corner(f, 2) - corner(f, 0)).norm();
     return area;
   }
 
@@ -269,7 +272,7 @@ class Unfolder {
   const ProgressSink& progress_;
   std::vector<Vec3> middle_;
   std::vector<int> member_, group_;
-  std::set<std::pair<int, int>> uncut_;
+  std::set<VertexPair> uncut_;
   int stamp_ = 0;
   Net net_;
 };

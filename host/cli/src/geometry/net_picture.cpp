@@ -15,7 +15,7 @@ using geometry::Vec2;
 
 constexpr double kGap_mm = 15.0, kRow_mm = 700.0;
 
-double error_of(const geometry::Surface& surface, int face, const std::array<Vec2, 3>& flat) {
+double error_of(const geometry::Surface& surface, geometry::FaceIndex face, const std::array<Vec2, 3>& flat) {
   const auto& corners = surface.mesh().faces[static_cast<std::size_t>(face)];
   double worst = 0.0;
   for (std::size_t k = 0; k < 3; ++k) {

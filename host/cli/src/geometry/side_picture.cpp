@@ -12,6 +12,7 @@
 namespace triskin::cli {
 namespace {
 
+using geometry::FaceIndex;
 using geometry::FaceSide;
 using geometry::Mesh;
 using geometry::SideChoice;
@@ -25,7 +26,7 @@ struct Colour {
   int red, green, blue;
 };
 
-Colour colour_of(const SideChoice& choice, int face) {
+Colour colour_of(const SideChoice& choice, FaceIndex face) {
   switch (choice.side_of(face)) {
     case FaceSide::kOuter:
       return {70, 185, 90};
@@ -71,15 +72,15 @@ class View {
   [[nodiscard]] double facing(std::size_t face) const { return cross_of(mesh_, face).normalized().dot(z_); }
 
   /// Returns the front face at each pixel, or −1.
-  [[nodiscard]] std::vector<int> front_faces() const {
-    std::vector<int> front(kView_px * kView_px, -1);
+  [[nodiscard]] std::vector<FaceIndex> front_faces() const {
+    std::vector<FaceIndex> front(kView_px * kView_px, FaceIndex::none());
     std::vector<double> depth(front.size(), -1e300);
     for (std::size_t f = 0; f < mesh_.faces.size(); ++f) draw(f, front, depth);
     return front;
   }
 
  private:
-  void draw(std::size_t face, std::vector<int>& front, std::vector<double>& depth) const {
+  void draw(std::size_t face, std::vector<FaceIndex>& front, std::vector<double>& depth) const {
     const auto c = corners_of(mesh_, face);
     const Vec3 a = on_screen(*c[0]), u = on_screen(*c[1]) - a, v = on_screen(*c[2]) - a;
     const double det = u.x() * v.y() - u.y() * v.x();
@@ -100,7 +101,7 @@ class View {
         const auto pixel = static_cast<std::size_t>(row * kView_px + column);
         if (z <= depth[pixel]) continue;
         depth[pixel] = z;
-        front[pixel] = static_cast<int>(face);
+        front[pixel] = FaceIndex(face);
       }
     }
   }
@@ -110,7 +111,7 @@ class View {
   double scale_ = 1.0;
 };
 
-std::string face_svg(const Mesh& part, const View& view, int face, const Colour& c) {
+std::string face_svg(const Mesh& part, const View& view, FaceIndex face, const Colour& c) {
   const double light = 0.35 + 0.65 * std::abs(view.facing(static_cast<std::size_t>(face)));
   const auto shade = [&](int value) { return static_cast<int>(light * value); };
   std::string points;
@@ -123,23 +124,23 @@ std::string face_svg(const Mesh& part, const View& view, int face, const Colour&
 }
 
 // Draws the faces that nothing hides, far ones first.
-std::string faces_svg(const Mesh& part, const SideChoice& choice, const View& view, std::vector<int> shown) {
+std::string faces_svg(const Mesh& part, const SideChoice& choice, const View& view, std::vector<FaceIndex> shown) {
   std::ranges::sort(shown);
   shown.erase(std::unique(shown.begin(), shown.end()), shown.end());
-  std::erase(shown, -1);
-  const auto depth = [&](int f) {
+  std::erase(shown, FaceIndex::none());
+  const auto depth = [&](FaceIndex f) {
     const auto c = corners_of(part, static_cast<std::size_t>(f));
     return view.on_screen((*c[0] + *c[1] + *c[2]) / 3.0).z();
   };
   std::ranges::sort(shown, {}, depth);
   std::string out;
-  for (const int f : shown) out += face_svg(part, view, f, colour_of(choice, f));
+  for (const FaceIndex f : shown) out += face_svg(part, view, f, colour_of(choice, f));
   return out;
 }
 
 // Puts each number at the pixel of the choice that is nearest to the middle of its pixels.
 // Returns column and row of each pixel that shows a face of choice `number`.
-std::vector<std::array<int, 2>> pixels_of(int number, const SideChoice& choice, const std::vector<int>& front) {
+std::vector<std::array<int, 2>> pixels_of(int number, const SideChoice& choice, const std::vector<FaceIndex>& front) {
   std::vector<std::array<int, 2>> pixels;
   for (std::size_t k = 0; k < front.size(); ++k) {
     if (front[k] >= 0 && choice.choice_of_face[static_cast<std::size_t>(front[k])] == number)
@@ -148,7 +149,7 @@ std::vector<std::array<int, 2>> pixels_of(int number, const SideChoice& choice, 
   return pixels;
 }
 
-std::string numbers_svg(const SideChoice& choice, const std::vector<int>& front) {
+std::string numbers_svg(const SideChoice& choice, const std::vector<FaceIndex>& front) {
   std::string out;
   for (const int number : {1, 2}) {
     const std::vector<std::array<int, 2>> pixels = pixels_of(number, choice, front);
@@ -172,8 +173,7 @@ std::string numbers_svg(const SideChoice& choice, const std::vector<int>& front)
 Vec3 outward_of(const Mesh& part, const SideChoice& choice) {
   Vec3 sum = Vec3::Zero();
   for (std::size_t f = 0; f < part.faces.size(); ++f) {
-    const int face = static_cast<int>(f);
-    const FaceSide side = choice.side_of(face);
+    const FaceSide side = choice.side_of(FaceIndex(f));
     if (side == FaceSide::kOuter || (side == FaceSide::kUndecided && choice.choice_of_face[f] == 1))
       sum += cross_of(part, f);
   }
@@ -189,7 +189,7 @@ std::string side_svg(const geometry::Mesh& part, const geometry::SideChoice& cho
   std::string body;
   for (std::size_t k = 0; k < from.size(); ++k) {
     const View view(part, from[k]);
-    const std::vector<int> front = view.front_faces();
+    const std::vector<FaceIndex> front = view.front_faces();
     body += fmt::format("<g transform='translate({} {})'>\n{}{}</g>\n", k % 2 * kView_px, k / 2 * kView_px,
                         faces_svg(part, choice, view, front), numbers_svg(choice, front));
   }

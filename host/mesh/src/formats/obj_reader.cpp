@@ -94,24 +94,24 @@ class ObjReader {
   }
 
   void face(std::string_view line) {
-    std::vector<int> corners;
+    std::vector<VertexIndex> corners;
     for (std::string_view word = next_word(line); !word.empty() && word.front() != '#'; word = next_word(line))
       corners.push_back(corner(word));
     if (corners.size() < 3) fail("a face needs three corners");
-    for (const int v : corners) is_used_[static_cast<std::size_t>(v)] = true;
+    for (const VertexIndex v : corners) is_used_[static_cast<std::size_t>(v)] = true;
     if (!source_.objects.wanted.empty() && !is_in_[0] && !is_in_[1]) return;
     if (corners.size() == 3)
       mesh_.faces.push_back({corners[0], corners[1], corners[2]});
     else
       add_polygon(mesh_, std::move(corners));
   }
-  [[nodiscard]] int corner(std::string_view word) const {
+  [[nodiscard]] VertexIndex corner(std::string_view word) const {
     const auto index = whole_number(word.substr(0, word.find('/')));
     if (!index) fail("a corner of a face is no number");
     const long count = static_cast<long>(mesh_.vertices.size());
     const long v = *index > 0 ? *index - 1 : count + *index;
     if (*index == 0 || v < 0 || v >= count) fail("a face names a vertex that does not exist");
-    return static_cast<int>(v);
+    return VertexIndex(v);
   }
 
   void add_notes() {

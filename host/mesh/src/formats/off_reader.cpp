@@ -118,12 +118,12 @@ class OffReader {
     if (w == 0.0) fail(at(3).line, "a vertex at infinity: its fourth coordinate is 0");
     return p / w;
   }
-  [[nodiscard]] int corner(const Word& word) const {
+  [[nodiscard]] VertexIndex corner(const Word& word) const {
     const auto v = whole_number(word.text);
     if (!v || *v < 0 || *v >= vertices_) fail(word.line, "a face names a vertex that does not exist");
-    return static_cast<int>(*v);
+    return VertexIndex(*v);
   }
-  void add_face(Mesh& mesh, std::vector<int> corners) const {
+  void add_face(Mesh& mesh, std::vector<VertexIndex> corners) const {
     if (corners.size() >= 3) add_polygon(mesh, std::move(corners));
   }
 
@@ -144,7 +144,7 @@ class OffReader {
       const auto& line = lines_[at];
       const auto n = static_cast<std::size_t>(count(line[0], "corners"));
       if (line.size() < n + 1) fail(line[0].line, "a face has fewer corners than it says");
-      std::vector<int> corners;
+      std::vector<VertexIndex> corners;
       for (std::size_t k = 1; k <= n; ++k) corners.push_back(corner(line[k]));
       lines_and_points += n < 3 ? 1 : 0;
       add_face(mesh, std::move(corners));
@@ -177,7 +177,7 @@ class OffReader {
       if (at >= words.size()) return false;
       const auto n = static_cast<std::size_t>(count(words[at], "corners"));
       if (at + n >= words.size()) return false;
-      std::vector<int> corners;
+      std::vector<VertexIndex> corners;
       for (std::size_t k = 1; k <= n; ++k) corners.push_back(corner(words[at + k]));
       add_face(mesh, std::move(corners));
       at += n + 1;

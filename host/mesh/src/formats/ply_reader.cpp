@@ -67,7 +67,7 @@ class PlyReader {
     }
     require_end();
     for (auto& polygon : polygons_) {
-      for (const int v : polygon) {
+      for (const VertexIndex v : polygon) {
         if (v < 0 || at(v) >= mesh_.vertices.size()) fail("a face names a vertex that does not exist");
       }
       if (polygon.size() < 3) fail("a face needs three corners");
@@ -172,19 +172,19 @@ class PlyReader {
     const double count = number(*p.count);
     if (!(count >= 0.0 && count <= static_cast<double>(bytes_.size())) || count != std::floor(count))
       fail("a list has no possible length");
-    std::vector<int> values;
+    std::vector<VertexIndex> values;
     for (int k = 0; k < static_cast<int>(count); ++k) {
       const double value = number(*p.type);
       if (!(value >= -1.0 && value <= 2e9) || value != std::floor(value))
         fail("a face names a vertex that does not exist");
-      values.push_back(static_cast<int>(value));
+      values.emplace_back(static_cast<int>(value));
     }
     if (!p.name.starts_with("vertex_ind")) return;
     if (e.name == "face") polygons_.push_back(std::move(values));
     if (e.name == "tristrips") add_strips(values);
   }
   // Three in a row form a triangle, with every second one turned; -1 begins a new strip.
-  void add_strips(const std::vector<int>& values) {
+  void add_strips(const std::vector<VertexIndex>& values) {
     std::size_t first = 0;
     for (std::size_t k = 0; k < values.size(); ++k) {
       if (values[k] < 0) first = k + 1;
@@ -250,7 +250,7 @@ class PlyReader {
   std::size_t at_ = 0;
   bool text_ = false, swapped_ = false;
   std::vector<Element> elements_;
-  std::vector<std::vector<int>> polygons_;
+  std::vector<std::vector<VertexIndex>> polygons_;
   Mesh mesh_;
 };
 

@@ -137,7 +137,7 @@ class TextStl {
       }
       c = *value;
     }
-    corners_.push_back(static_cast<int>(mesh_.vertices.size()));
+    corners_.emplace_back(mesh_.vertices.size());
     mesh_.vertices.push_back(p);
   }
 
@@ -152,7 +152,7 @@ class TextStl {
   std::string_view line_;
   std::string word_;
   Mesh mesh_;
-  std::vector<int> corners_;
+  std::vector<VertexIndex> corners_;
   bool is_in_ = false, in_solid_ = false, in_facet_ = false, has_solid_ = false;
 };
 

@@ -14,7 +14,7 @@ constexpr double kMiss = -1.0;
 
 // Follows Möller, Trumbore, Fast, minimum storage ray/triangle intersection, 1997. Returns a negative value for a ray
 // that misses.
-double distance_along(const Mesh& mesh, int face, const Vec3& from, const Vec3& direction) {
+double distance_along(const Mesh& mesh, FaceIndex face, const Vec3& from, const Vec3& direction) {
   const auto& f = mesh.faces[at(face)];
   const Vec3& a = mesh.vertices[at(f[0])];
   const Vec3 ab = mesh.vertices[at(f[1])] - a, ac = mesh.vertices[at(f[2])] - a;
@@ -45,10 +45,11 @@ RayCaster::RayCaster(const Mesh& mesh, int threads) : mesh_(mesh), tree_(tree_of
 }
 
 RayHit RayCaster::first_hit(const Vec3& from_mm, const Vec3& direction, double nearest_mm, double farthest_mm,
-                            int but_face) const {
+                            FaceIndex but_face) const {
   RayHit hit;
   double end = farthest_mm;
-  tree_.along(from_mm, direction, end, [&](int face) {
+  tree_.along(from_mm, direction, end, [&](int item) {
+    const FaceIndex face(item);
     if (face == but_face) return;
     const double t = distance_along(mesh_, face, from_mm, direction);
     if (t < nearest_mm || t >= end) return;
@@ -60,8 +61,8 @@ RayHit RayCaster::first_hit(const Vec3& from_mm, const Vec3& direction, double n
 
 bool RayCaster::is_free(const Vec3& from_mm, const Vec3& direction, double farthest_mm) const {
   double end = farthest_mm;
-  tree_.along(from_mm, direction, end, [&](int face) {
-    if (distance_along(mesh_, face, from_mm, direction) > 0.0) end = -1.0;
+  tree_.along(from_mm, direction, end, [&](int item) {
+    if (distance_along(mesh_, FaceIndex(item), from_mm, direction) > 0.0) end = -1.0;
   });
   return end >= 0.0;
 }

@@ -10,7 +10,7 @@ namespace triskin::geometry {
 
 /// The first face that a ray meets.
 struct RayHit {
-  int face = -1;  ///< −1 means that the ray meets none.
+  FaceIndex face = FaceIndex::none();  ///< −1 means that the ray meets none.
   double distance_mm = std::numeric_limits<double>::infinity();
 };
 
@@ -22,18 +22,18 @@ class RayCaster {
 
   [[nodiscard]] const Mesh& mesh() const { return mesh_; }
   /// Returns the unit normal of a face; zero for one without area.
-  [[nodiscard]] const Vec3& normal(int face) const { return normals_[static_cast<std::size_t>(face)]; }
+  [[nodiscard]] const Vec3& normal(FaceIndex face) const { return normals_[static_cast<std::size_t>(face)]; }
   /// Returns the length of the edge from corner `side` (0 … 2) of a face to the next one.
   [[nodiscard]] double edge_mm(std::size_t face, std::size_t side) const {
     const auto& f = mesh_.faces[face];
     const auto corner = [&](std::size_t k) { return mesh_.vertices[static_cast<std::size_t>(f[k])]; };
     return (corner((side + 1) % 3) - corner(side)).norm();
   }
-  [[nodiscard]] double area_mm2(int face) const { return areas_mm2_[static_cast<std::size_t>(face)]; }
+  [[nodiscard]] double area_mm2(FaceIndex face) const { return areas_mm2_[static_cast<std::size_t>(face)]; }
 
   /// Returns the first face between two distances along a unit direction, ignoring `but_face`. Cost: O(log n) typical.
   [[nodiscard]] RayHit first_hit(const Vec3& from_mm, const Vec3& direction, double nearest_mm, double farthest_mm,
-                                 int but_face) const;
+                                 FaceIndex but_face) const;
   /// Returns true if the ray leaves the part without a hit within `farthest_mm`. Cost: O(log n) typical.
   [[nodiscard]] bool is_free(const Vec3& from_mm, const Vec3& direction, double farthest_mm) const;
 

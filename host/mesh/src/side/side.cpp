@@ -34,7 +34,7 @@ constexpr double kMinWalledOpen = 0.15;
 
 constexpr double kVisibility_s = 0.2;  // The view of crossing faces, which are rare, may take this much processor time.
 
-bool has_border(const std::vector<std::array<int, 3>>& neighbours) {
+bool has_border(const std::vector<std::array<FaceIndex, 3>>& neighbours) {
   return std::ranges::any_of(neighbours, [](const auto& n) { return n[0] < 0 || n[1] < 0 || n[2] < 0; });
 }
 
@@ -47,7 +47,7 @@ SideChoice one_side(const Mesh& mesh) {
 }
 
 // If nobody asks for a side, kOuter takes the side that was chosen for the undecided faces.
-bool is_taken(const SideChoice& choice, int face, const SideOptions& options) {
+bool is_taken(const SideChoice& choice, FaceIndex face, const SideOptions& options) {
   const bool wants_inner = options.wanted == SideWanted::kInner;
   switch (choice.side_of(face)) {
     case FaceSide::kOuter:
@@ -88,7 +88,7 @@ TakenSide take_side(const Mesh& part, const SideOptions& options) {
   const SideChoice& choice = taken.choice;
   Mesh kept{part.vertices, {}};
   for (std::size_t f = 0; f < part.faces.size(); ++f) {
-    const int face = static_cast<int>(f);
+    const FaceIndex face(f);
     const double area = area_of_face(part, part.faces[f]);
     taken.part_mm2 += area;
     if (!choice.has_wall || options.wanted == SideWanted::kBoth || is_taken(choice, face, options)) {

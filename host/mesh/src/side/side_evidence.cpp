@@ -41,16 +41,16 @@ struct Opinion {
   View here;
 };
 
-std::vector<int> components_of(const std::vector<std::array<int, 3>>& neighbours, std::vector<bool>& is_closed) {
+std::vector<int> components_of(const std::vector<std::array<FaceIndex, 3>>& neighbours, std::vector<bool>& is_closed) {
   std::vector<int> component(neighbours.size(), -1);
   for (std::size_t first = 0; first < neighbours.size(); ++first) {
     if (component[first] >= 0) continue;
     const int id = static_cast<int>(is_closed.size());
     is_closed.push_back(true);
-    std::vector<int> queue{static_cast<int>(first)};
+    std::vector<FaceIndex> queue{FaceIndex(first)};
     component[first] = id;
     for (std::size_t q = 0; q < queue.size(); ++q) {
-      for (const int n : neighbours[at(queue[q])]) {
+      for (const FaceIndex n : neighbours[at(queue[q])]) {
         if (n < 0) is_closed[at(id)] = false;
         if (n < 0 || component[at(n)] >= 0) continue;
         component[at(n)] = id;
@@ -83,7 +83,7 @@ std::vector<HullDepth> hulls_of(const Mesh& mesh, const std::vector<int>& compon
 
 class Evidence {
  public:
-  Evidence(const RayCaster& part, const std::vector<std::array<int, 3>>& neighbours, const SmoothRegions& regions,
+  Evidence(const RayCaster& part, const std::vector<std::array<FaceIndex, 3>>& neighbours, const SmoothRegions& regions,
            const std::vector<WallSample>& samples, const SideOptions& options)
       : part_(part), neighbours_(neighbours), regions_(regions), samples_(samples), options_(options) {}
 
@@ -100,7 +100,7 @@ class Evidence {
   }
 
  private:
-  [[nodiscard]] int region(int face) const { return regions_.of_face[at(face)]; }
+  [[nodiscard]] int region(FaceIndex face) const { return regions_.of_face[at(face)]; }
 
   // An open sheet has no inside: parts in its hull may be other sheets of the same surface.
   void find_enclosed() {
@@ -156,7 +156,8 @@ class Evidence {
   void measure_borders() {
     for (std::size_t f = 0; f < neighbours_.size(); ++f) {
       for (std::size_t s = 0; s < 3; ++s) {
-        const int n = neighbours_[f][s], r = regions_.of_face[f];
+        const FaceIndex n = neighbours_[f][s];
+        const int r = regions_.of_face[f];
         if (n >= 0 && region(n) == r) continue;
         const double length = part_.edge_mm(f, s);
         found_.regions[at(r)].border_mm += length;
@@ -186,14 +187,14 @@ class Evidence {
     return viewed;
   }
 
-  [[nodiscard]] View view(const Vec3& point, int face, unsigned turn) const {
+  [[nodiscard]] View view(const Vec3& point, FaceIndex face, unsigned turn) const {
     const Vec3& normal = part_.normal(face);
     const double depth = hulls_[at(component_[at(face)])].along(point, normal);
     return {visibility_of(part_, point, normal, kRays, turn), depth,
             hulls_.size() > 1 ? hulls_.back().along(point, normal) : depth};
   }
 
-  [[nodiscard]] bool is_seen(const Vec3& point, int face) const {
+  [[nodiscard]] bool is_seen(const Vec3& point, FaceIndex face) const {
     const Vec3 sight = *options_.from_mm - point;
     const double distance = sight.norm();
     if (sight.dot(part_.normal(face)) <= 0.0) return false;
@@ -205,7 +206,7 @@ class Evidence {
     Opinion o;
     if (normal.isZero()) return o;
     o.here = view(s.point_mm, s.face, turn);
-    int partner = s.partner;
+    FaceIndex partner = s.partner;
     double thickness = s.wall_mm;
     if (partner < 0) {
       const RayHit hit = part_.first_hit(s.point_mm, -normal, options_.min_wall_mm, kFarthestOpposite_mm, s.face);
@@ -260,7 +261,7 @@ class Evidence {
   }
 
   const RayCaster& part_;
-  const std::vector<std::array<int, 3>>& neighbours_;
+  const std::vector<std::array<FaceIndex, 3>>& neighbours_;
   const SmoothRegions& regions_;
   const std::vector<WallSample>& samples_;
   const SideOptions& options_;
@@ -271,7 +272,7 @@ class Evidence {
 
 }  // namespace
 
-SideEvidence side_evidence(const RayCaster& part, const std::vector<std::array<int, 3>>& neighbours,
+SideEvidence side_evidence(const RayCaster& part, const std::vector<std::array<FaceIndex, 3>>& neighbours,
                            const SmoothRegions& regions, const std::vector<WallSample>& samples,
                            const SideOptions& options) {
   return Evidence(part, neighbours, regions, samples, options).run();

@@ -38,7 +38,7 @@ struct SideEvidence {
 
 /// Gathers the evidence. Each sample measures the visibility and the depth under the convex hull here and across the
 /// wall. Samples are chosen by area, so that the cost does not grow with the number of faces. Cost: about 400,000 rays.
-[[nodiscard]] SideEvidence side_evidence(const RayCaster& part, const std::vector<std::array<int, 3>>& neighbours,
+[[nodiscard]] SideEvidence side_evidence(const RayCaster& part, const std::vector<std::array<FaceIndex, 3>>& neighbours,
                                          const SmoothRegions& regions, const std::vector<WallSample>& samples,
                                          const SideOptions& options);
 

@@ -27,32 +27,34 @@ constexpr int kNeedlePasses = 4;
 
 class Division {
  public:
-  Division(const RayCaster& part, const std::vector<std::array<int, 3>>& neighbours, const std::vector<double>& walled,
-           double smooth_cosine)
+  Division(const RayCaster& part, const std::vector<std::array<FaceIndex, 3>>& neighbours,
+           const std::vector<double>& walled, double smooth_cosine)
       : neighbours_(neighbours),
         walled_(walled),
         smooth_cosine_(smooth_cosine),
         sets_(neighbours.size()),
         source_(neighbours.size(), Vec3::Zero()) {
-    for (std::size_t f = 0; f < neighbours.size(); ++f) normals_.push_back(part.normal(static_cast<int>(f)));
+    for (std::size_t f = 0; f < neighbours.size(); ++f) normals_.push_back(part.normal(FaceIndex(f)));
     smooth_needles(part);
   }
 
   SmoothRegions run() {
-    join_where([&](int a, int b) { return has_wall(a) && has_wall(b); });
+    join_where([&](FaceIndex a, FaceIndex b) { return has_wall(a) && has_wall(b); });
     grow();
-    join_where([&](int a, int b) { return is_reached(a) && is_reached(b) && turn(source_, a, b) > kJoinedTurnCosine; });
-    join_where([&](int a, int b) { return !is_reached(a) && !is_reached(b); });
+    join_where([&](FaceIndex a, FaceIndex b) {
+      return is_reached(a) && is_reached(b) && turn(source_, a, b) > kJoinedTurnCosine;
+    });
+    join_where([&](FaceIndex a, FaceIndex b) { return !is_reached(a) && !is_reached(b); });
     return numbered();
   }
 
  private:
-  [[nodiscard]] bool has_wall(int f) const { return walled_[at(f)] >= kWalled; }
-  [[nodiscard]] bool is_reached(int f) const { return !source_[at(f)].isZero(); }
-  [[nodiscard]] static double turn(const std::vector<Vec3>& normals, int a, int b) {
+  [[nodiscard]] bool has_wall(FaceIndex f) const { return walled_[at(f)] >= kWalled; }
+  [[nodiscard]] bool is_reached(FaceIndex f) const { return !source_[at(f)].isZero(); }
+  [[nodiscard]] static double turn(const std::vector<Vec3>& normals, FaceIndex a, FaceIndex b) {
     return normals[at(a)].dot(normals[at(b)]);
   }
-  [[nodiscard]] bool is_smooth(int a, int b) const { return turn(normals_, a, b) > smooth_cosine_; }
+  [[nodiscard]] bool is_smooth(FaceIndex a, FaceIndex b) const { return turn(normals_, a, b) > smooth_cosine_; }
 
   // A needle takes the normal of the face across its longest side, so that it separates nothing.
   void smooth_needles(const RayCaster& part) {
@@ -64,17 +66,17 @@ class Division {
           const double l = part.edge_mm(f, s);
           if (l > length) std::tie(length, longest) = std::tuple(l, s);
         }
-        const int beyond = neighbours_[f][longest];
-        if (beyond >= 0 && 2.0 * part.area_mm2(static_cast<int>(f)) < kNeedleHeight_mm * length)
+        const FaceIndex beyond = neighbours_[f][longest];
+        if (beyond >= 0 && 2.0 * part.area_mm2(FaceIndex(f)) < kNeedleHeight_mm * length)
           normals_[f] = normals_[at(beyond)];
       }
     }
   }
 
-  void join_where(const std::function<bool(int, int)>& wanted) {
+  void join_where(const std::function<bool(FaceIndex, FaceIndex)>& wanted) {
     for (std::size_t f = 0; f < neighbours_.size(); ++f) {
-      for (const int n : neighbours_[f]) {
-        const int face = static_cast<int>(f);
+      for (const FaceIndex n : neighbours_[f]) {
+        const FaceIndex face(f);
         if (n > face && is_smooth(face, n) && wanted(face, n)) sets_.join(n, face);
       }
     }
@@ -83,20 +85,20 @@ class Division {
   // Grows best first: a face joins the region from which it turns least.
   void grow() {
     // A step has the cosine of the turn, the face, and the face from which it is reached.
-    using Step = std::tuple<double, int, int>;
+    using Step = std::tuple<double, FaceIndex, FaceIndex>;
     std::priority_queue<Step, std::vector<Step>, std::less<>> queue;
-    const auto look_around = [&](int f) {
-      for (const int n : neighbours_[at(f)]) {
+    const auto look_around = [&](FaceIndex f) {
+      for (const FaceIndex n : neighbours_[at(f)]) {
         if (n < 0 || is_reached(n) || has_wall(n) || !is_smooth(f, n)) continue;
         const double cosine = normals_[at(n)].dot(source_[at(f)]);
         if (cosine > kMaxTurnCosine) queue.emplace(cosine, n, f);
       }
     };
     for (std::size_t f = 0; f < walled_.size(); ++f) {
-      if (has_wall(static_cast<int>(f))) source_[f] = normals_[f];
+      if (has_wall(FaceIndex(f))) source_[f] = normals_[f];
     }
     for (std::size_t f = 0; f < walled_.size(); ++f) {
-      if (has_wall(static_cast<int>(f))) look_around(static_cast<int>(f));
+      if (has_wall(FaceIndex(f))) look_around(FaceIndex(f));
     }
     while (!queue.empty()) {
       const auto [cosine, face, from] = queue.top();
@@ -119,7 +121,7 @@ class Division {
     return regions;
   }
 
-  const std::vector<std::array<int, 3>>& neighbours_;
+  const std::vector<std::array<FaceIndex, 3>>& neighbours_;
   const std::vector<double>& walled_;
   double smooth_cosine_;
   DisjointSets sets_;
@@ -137,14 +139,14 @@ bool is_mostly_its_own_partner(const SmoothRegions& regions, const std::vector<W
 }
 
 // Tells whether most of the area lies in regions that are wide for their border.
-bool is_mostly_wide(const RayCaster& part, const std::vector<std::array<int, 3>>& neighbours,
+bool is_mostly_wide(const RayCaster& part, const std::vector<std::array<FaceIndex, 3>>& neighbours,
                     const SmoothRegions& regions) {
   std::vector<double> area(at(regions.count), 0.0), border = area;
   for (std::size_t f = 0; f < neighbours.size(); ++f) {
     const std::size_t region = at(regions.of_face[f]);
-    area[region] += part.area_mm2(static_cast<int>(f));
+    area[region] += part.area_mm2(FaceIndex(f));
     for (std::size_t s = 0; s < 3; ++s) {
-      const int n = neighbours[f][s];
+      const FaceIndex n = neighbours[f][s];
       if (n >= 0 && at(regions.of_face[at(n)]) == region) continue;
       border[region] += part.edge_mm(f, s);
     }
@@ -159,7 +161,7 @@ bool is_mostly_wide(const RayCaster& part, const std::vector<std::array<int, 3>>
 
 }  // namespace
 
-SmoothRegions smooth_regions(const RayCaster& part, const std::vector<std::array<int, 3>>& neighbours,
+SmoothRegions smooth_regions(const RayCaster& part, const std::vector<std::array<FaceIndex, 3>>& neighbours,
                              const std::vector<WallSample>& samples) {
   const std::vector<double> walled = walled_fractions(samples, neighbours.size());
   SmoothRegions regions = Division(part, neighbours, walled, kSmoothCosine).run();

@@ -26,7 +26,8 @@ struct SmoothRegions {
 /// the wall then lies between faces of one region, as on a part whose surface turns into the rim by small steps, edges
 /// count as smooth up to 20° only, unless narrow strips are all that comes of it, as of a rod. Deterministic.
 /// Cost: O(n log n).
-[[nodiscard]] SmoothRegions smooth_regions(const RayCaster& part, const std::vector<std::array<int, 3>>& neighbours,
+[[nodiscard]] SmoothRegions smooth_regions(const RayCaster& part,
+                                           const std::vector<std::array<FaceIndex, 3>>& neighbours,
                                            const std::vector<WallSample>& samples);
 
 }  // namespace triskin::geometry

@@ -20,7 +20,7 @@ constexpr std::size_t kChunk = 512;
 constexpr std::size_t kFewFaces = 4'000;
 
 // Spreads points evenly over the unit square (the R2 sequence of M. Roberts), folded into the triangle.
-Vec3 point_of(const Mesh& mesh, int face, int k, int samples) {
+Vec3 point_of(const Mesh& mesh, FaceIndex face, int k, int samples) {
   const auto& f = mesh.faces[at(face)];
   const Vec3 &a = mesh.vertices[at(f[0])], &b = mesh.vertices[at(f[1])], &c = mesh.vertices[at(f[2])];
   if (samples == 1) return (a + b + c) / 3.0;
@@ -53,7 +53,7 @@ void find_partner(const RayCaster& part, const SideOptions& options, WallSample&
 std::vector<WallSample> wall_samples(const RayCaster& part, const SideOptions& options) {
   std::vector<WallSample> samples;
   samples.reserve(part.mesh().faces.size());
-  for (int f = 0; f < static_cast<int>(part.mesh().faces.size()); ++f) {
+  for (FaceIndex f{0}; f < static_cast<int>(part.mesh().faces.size()); ++f) {
     const int n = samples_of(part.area_mm2(f));
     for (int k = 0; k < n; ++k)
       samples.push_back({.face = f, .point_mm = point_of(part.mesh(), f, k, n), .area_mm2 = part.area_mm2(f) / n});
@@ -69,7 +69,7 @@ double walled_fraction_of_few(const RayCaster& part, const SideOptions& options)
   const std::size_t faces = part.mesh().faces.size(), step = 1 + faces / kFewFaces;
   double walled = 0.0, all = 0.0;
   for (std::size_t f = 0; f < faces; f += step) {
-    const int face = static_cast<int>(f);
+    const FaceIndex face(f);
     WallSample s{.face = face, .point_mm = point_of(part.mesh(), face, 0, 1), .area_mm2 = part.area_mm2(face)};
     find_partner(part, options, s);
     all += s.area_mm2;

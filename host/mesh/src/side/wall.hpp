@@ -9,10 +9,11 @@ namespace triskin::geometry {
 
 /// A place on a face, and the place opposite to it on the other sheet of the wall.
 struct WallSample {
-  int face = -1;
+  FaceIndex face = FaceIndex::none();
   Vec3 point_mm = Vec3::Zero();
   double area_mm2 = 0.0;  ///< Each sample stands for this share of its face's area.
-  int partner = -1;       ///< The face across the wall; −1 means that there is no wall here.
+  /// The face lies across the wall; −1 means that there is no wall here.
+  FaceIndex partner = FaceIndex::none();
   double wall_mm = 0.0;
   Vec3 partner_mm = Vec3::Zero();  ///< The ray meets the partner at this point.
 };

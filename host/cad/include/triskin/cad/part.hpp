@@ -49,7 +49,7 @@ enum class FaceSide : std::uint8_t {
 inline constexpr NameTable kFaceSideNames{std::array<std::pair<FaceSide, std::string_view>, 3>{
     {{FaceSide::kOutward, "outward"}, {FaceSide::kInward, "inward"}, {FaceSide::kUndecided, "undecided"}}}};
 
-/// The index of a face is its place in Part::faces.
+/// One face of the boundary representation. Its BrepFaceIndex is its place in Part::faces.
 struct Face {
   std::string name;    ///< The UTF-8 name from the file may contain any character and is often empty.
   std::string colour;  ///< The colour "#rrggbb" of the face, or else of its body; empty without a colour.
@@ -74,7 +74,8 @@ struct Body {
   std::string path{};  ///< The path joins the names of the assemblies that contain the body and its own name by '/'.
   std::string colour{};
   bool is_solid = false;
-  int first_face = 0, face_count = 0;
+  design::BrepFaceIndex first_face{0};
+  int face_count = 0;
   int free_edges = 0;  ///< In the file these edges have a single face: they are the border of an open surface.
   /// These sides of triangles have no neighbour but lie on no free edge: they are leaks of the mesh.
   int open_edges = 0;
@@ -90,7 +91,7 @@ struct Part {
   std::vector<Body> bodies;  ///< Bodies keep the order of the file.
   std::vector<Face> faces;
   design::Mesh mesh;  ///< Lengths are in mm; corners are shared along the edges of one body, never between bodies.
-  std::vector<int> face_of_triangle;  ///< Each face of `mesh` has its index in `faces`.
+  std::vector<design::BrepFaceIndex> face_of_triangle;  ///< Each face of `mesh` has its face of the part.
   double deviation_mm = 0.0;          ///< No face of the mesh deviates more than this from its exact surface.
   std::vector<std::string> warnings;  ///< Each warning is one sentence; nothing is missing because of it.
   /// Each fault is one sentence about something of the file that is missing in `mesh` or wrong.

@@ -10,7 +10,7 @@ namespace triskin::cad {
 
 /// Selects faces of a part. Values in one list are alternatives; lists that are not empty must all be met.
 struct FaceSelection {
-  std::vector<int> indices{};        ///< The indices refer to Part::faces.
+  std::vector<design::BrepFaceIndex> indices{};
   std::vector<std::string> names{};  ///< Only whole names match.
   std::vector<std::string>
       colours{};  ///< A colour is "#rrggbb", or red, green, blue, yellow, cyan, magenta, black, white, grey, orange.
@@ -31,7 +31,7 @@ struct FaceSelection {
 /// Returns the indices of the selected faces, ascending; all of them for an empty selection. Errors: InputError for an
 /// index, a name, a colour or a body that the part lacks (listing up to ten that it has), and when no face meets all
 /// conditions. Cost: linear; with a point O(n log n).
-[[nodiscard]] std::vector<int> select_faces(const Part& part, const FaceSelection& selection);
+[[nodiscard]] std::vector<design::BrepFaceIndex> select_faces(const Part& part, const FaceSelection& selection);
 
 /// Writes the conditions that are set as a JSON object, under the names of the members. Cost: linear.
 [[nodiscard]] std::string selection_text(const FaceSelection& selection);
@@ -40,6 +40,6 @@ struct FaceSelection {
 
 /// Returns the triangles of these faces alone, without unused vertices. Errors: std::out_of_range for an index that
 /// does not exist. Cost: linear.
-[[nodiscard]] design::Mesh mesh_of_faces(const Part& part, const std::vector<int>& faces);
+[[nodiscard]] design::Mesh mesh_of_faces(const Part& part, const std::vector<design::BrepFaceIndex>& faces);
 
 }  // namespace triskin::cad

@@ -17,6 +17,7 @@ class FaceOptions {
 
  private:
   cad::FaceSelection chosen_;
+  std::vector<int> faces_;
   std::vector<std::string> kinds_;
   std::string point_;
   double min_area_cm2_ = 0.0, max_area_cm2_ = 0.0;

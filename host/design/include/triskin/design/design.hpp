@@ -71,9 +71,9 @@ struct Design {
 
   /// The surface is made from these faces of a CAD part.
   struct PartSource {
-    std::vector<int> faces;     ///< The chosen faces are given by their index in the part.
-    int face_count = 0;         ///< The part has this many faces in total.
-    double deviation_mm = 0.0;  ///< The surface deviates from the exact one by at most this distance.
+    std::vector<BrepFaceIndex> faces;  ///< These faces of the part were chosen.
+    int face_count = 0;                ///< The part has this many faces in total.
+    double deviation_mm = 0.0;         ///< The surface deviates from the exact one by at most this distance.
     /// A JSON object records how the faces were chosen (docs/cad.md), so that a later version of the part can be
     /// treated alike.
     std::string selection;

@@ -12,6 +12,7 @@
 /// The solvers use these names of host/design for their input and results; host/design documents them.
 namespace triskin::geometry {
 
+using design::FaceIndex;
 using design::FailureLoss;
 using design::Jumper;
 using design::JumperKind;
@@ -32,6 +33,7 @@ using design::Tile;
 using design::TileSide;
 using design::Vec2;
 using design::Vec3;
+using design::VertexIndex;
 
 using design::across;
 using design::grid_point;

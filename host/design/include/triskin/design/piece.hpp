@@ -10,7 +10,7 @@ namespace triskin::design {
 /// A piece is an unfolded part of the surface with its map back: flat triangle k corresponds to mesh face faces[k].
 struct Piece {
   Polygon outline;                        ///< The outline is a simple polygon in mm, at true scale.
-  std::vector<int> faces;                 ///< Each flat triangle is listed with its index in Mesh::faces.
+  std::vector<FaceIndex> faces;           ///< Each flat triangle is listed with its face of the surface.
   std::vector<std::array<Vec2, 3>> flat;  ///< Corners are flat and follow the order of the corners in the mesh.
   /// No edge differs more in length between plane and surface, scaled to an edge of 30 mm.
   double max_edge_error_mm = 0.0;

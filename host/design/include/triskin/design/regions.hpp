@@ -23,7 +23,7 @@ struct Box {
 };
 /// Selects faces of the surface by their indices in Design::surface.
 struct FaceSet {
-  std::vector<int> faces;
+  std::vector<FaceIndex> faces;
 };
 /// Selects the places near another body: their normal passes within `margin_mm` of it between `below_mm` under the
 /// surface and `above_mm` over it. A closed mesh counts as solid; an open mesh is a sheet without an inside.

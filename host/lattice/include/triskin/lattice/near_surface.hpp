@@ -39,7 +39,7 @@ class NearSurface {
   };
   [[nodiscard]] const Voxel* voxel_at(const Vec3& query_mm);
   [[nodiscard]] int fill(const Vec3& middle);
-  [[nodiscard]] Foot foot_on(int face, const Vec3& weights, const Vec3& point, double squared) const;
+  [[nodiscard]] Foot foot_on(FaceIndex face, const Vec3& weights, const Vec3& point, double squared) const;
 
   const Surface& surface_;
   Vec3 origin_ = Vec3::Zero();
@@ -48,7 +48,7 @@ class NearSurface {
   std::vector<int> index_;  ///< Each voxel has its entry in `filled_`, or −1 if it was never needed.
   std::vector<Voxel> filled_;
   struct Candidate {
-    int face;
+    FaceIndex face;
     double distance_mm;  ///< The distance is measured from the middle of the voxel.
   };
   std::vector<Candidate> candidates_;

@@ -15,8 +15,8 @@ struct CrossingSearch {
 };
 
 struct Crossings {
-  /// Each pair is the lower and the higher number of two faces, sorted; a face without area is listed with itself.
-  std::vector<std::pair<int, int>> pairs;
+  /// The pairs are sorted.
+  std::vector<FacePair> pairs;
   /// This many faces were tested against all others; a search that ended early has tested fewer than all.
   std::size_t tested = 0;
 };

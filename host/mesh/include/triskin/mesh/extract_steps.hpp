@@ -39,7 +39,7 @@ inline constexpr int kVisibilityRays = 64, kMinVisibilityRays = 8;
 struct Visibility {
   double front = 0.0, back = 0.0;
 };
-[[nodiscard]] std::vector<Visibility> visibility_of(const Mesh& mesh, const std::vector<int>& faces,
+[[nodiscard]] std::vector<Visibility> visibility_of(const Mesh& mesh, const std::vector<FaceIndex>& faces,
                                                     int rays = kVisibilityRays);
 
 /// Returns the number of faces that visibility_of() answers for in about `cpu_s` seconds of processor time, counted as
@@ -74,13 +74,17 @@ inline constexpr double kVisibilityTimeShare = 0.12;
 /// bytes per node.
 [[nodiscard]] Mesh grid_wrapped(const Mesh& mesh, double cell_mm);
 
+/// Names two faces that pass through or touch each other, the lower one first; a face without area is paired with
+/// itself.
+using FacePair = std::pair<FaceIndex, FaceIndex>;
+
 /// Returns the mesh with the faces of these pairs divided along their common lines, so that they meet in whole edges
 /// (exact constructions; coordinates are rounded at the end). Corners of faces keep their numbers and come first.
-[[nodiscard]] Mesh arranged(const Mesh& mesh, const std::vector<std::pair<int, int>>& crossings);
+[[nodiscard]] Mesh arranged(const Mesh& mesh, const std::vector<FacePair>& crossings);
 
 /// Returns the sorted pairs of faces of a manifold that pass through or touch each other beyond a common edge or
 /// corner, by exact predicates. The search runs in a child process on one thread. Cost: O(n log n) typical.
-[[nodiscard]] std::vector<std::pair<int, int>> crossing_faces(const Mesh& mesh, int threads = all_threads());
+[[nodiscard]] std::vector<FacePair> crossing_faces(const Mesh& mesh, int threads = all_threads());
 
 /// Returns true if there are any such pairs.
 [[nodiscard]] bool crosses_itself(const Mesh& surface);

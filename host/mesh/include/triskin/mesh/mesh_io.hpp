@@ -16,7 +16,7 @@ enum class LengthUnit { kMillimetre, kCentimetre, kInch, kMetre };
 
 /// Reports what a CAD file says beside its mesh.
 struct PartReport {
-  std::vector<int> faces;  ///< Each index counts the faces of the whole part, so the list names the chosen ones.
+  std::vector<design::BrepFaceIndex> faces;  ///< These faces of the part were chosen.
   int face_count = 0;
   double deviation_mm = 0.0;          ///< No point of the mesh is farther than this from the exact surface.
   std::vector<std::string> warnings;  ///< Each warning is one sentence.

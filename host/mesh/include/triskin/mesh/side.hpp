@@ -72,7 +72,7 @@ struct SideChoice {
   /// An undecided face has 1 or 2, the side that selects it in SideOptions::choice; all others have 0.
   std::vector<std::uint8_t> choice_of_face;
 
-  [[nodiscard]] FaceSide side_of(int face) const {
+  [[nodiscard]] FaceSide side_of(FaceIndex face) const {
     return regions[static_cast<std::size_t>(region_of_face[static_cast<std::size_t>(face)])].side;
   }
 };

@@ -69,9 +69,9 @@ class SurfaceRegions {
   void prepare_border(std::size_t region, const design::BorderStrip& strip);
   [[nodiscard]] double near_border_mm(std::size_t region, double margin_mm, const Vec3& point_mm) const;
   [[nodiscard]] double near_body_mm(const design::Obstacle& obstacle, const BodyDistance& body, const Vec3& on_surface,
-                                    int face) const;
+                                    FaceIndex face) const;
   [[nodiscard]] std::vector<design::Uncovered> uncovered(const ModuleLayout& layout, double step_mm) const;
-  [[nodiscard]] double inside_mm(std::size_t region, const Vec3& on_surface, int face) const;
+  [[nodiscard]] double inside_mm(std::size_t region, const Vec3& on_surface, FaceIndex face) const;
   void sample(std::size_t region, double rim_step_mm, double step_mm, double rim_mm,
               const std::function<void(const Vec3&, double area_mm2)>& visit) const;
 

@@ -13,9 +13,10 @@ namespace triskin::geometry {
 /// Coordinates are in mm.
 using SeamLines = std::vector<std::vector<Vec3>>;
 
-/// An edge of a surface, seen from one of its faces: index in Mesh::faces and side 0 … 2 (corner side → side + 1).
+/// An edge of a surface, seen from one of its faces: the face and its side 0 … 2 (corner side → side + 1).
 struct SurfaceEdge {
-  int face = 0, side = 0;
+  FaceIndex face{0};
+  int side = 0;
 };
 
 /// Reads polylines (mm after `unit`, default mm) of an OBJ file: `v x y z` and `l i j k …` (1-based; negative counts
