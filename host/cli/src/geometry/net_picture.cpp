@@ -65,7 +65,7 @@ std::string net_svg(const geometry::Surface& surface, const geometry::Net& net, 
   double x = kGap_mm, y = kGap_mm, row = 0.0, width = 140.0;
   for (const geometry::Piece& piece : net.pieces) {
     const Eigen::AlignedBox2d box = box_of(piece.outline);
-    const Vec2 low = box.min(), high = box.max();
+    const Vec2 &low = box.min(), &high = box.max();
     if (x > kGap_mm && x + high.x() - low.x() > kRow_mm) {
       x = kGap_mm;
       y += row + kGap_mm;
