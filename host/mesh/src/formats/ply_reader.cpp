@@ -180,8 +180,8 @@ class PlyReader {
       values.emplace_back(static_cast<int>(value));
     }
     if (!p.name.starts_with("vertex_ind")) return;
-    if (e.name == "face") polygons_.push_back(std::move(values));
     if (e.name == "tristrips") add_strips(values);
+    if (e.name == "face") polygons_.push_back(std::move(values));
   }
   // Three in a row form a triangle, with every second one turned; -1 begins a new strip.
   void add_strips(const std::vector<VertexIndex>& values) {
