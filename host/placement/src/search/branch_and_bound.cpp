@@ -17,7 +17,6 @@ namespace triskin::geometry {
 namespace {
 
 constexpr std::size_t kMaxAsGood = 64;
-constexpr double kReach_mm = 9.0;  // A tile's edges are looked up within this distance; children of slices move less.
 // Cells are refined in batches of a fixed size, so that the search does not depend on the threads.
 constexpr std::size_t kBatch = 16;
 constexpr double kLogged_s = 1.5e-6;  // Writing a cell to the log takes 0.7e-6 s (measured); we reserve twice that.
@@ -35,7 +34,8 @@ class BranchAndBound {
         progress_(progress),
         demand_{goal.inset_mm, goal.tolerance_mm, goal.resolution_mm, goal.last_inset_mm,
                 static_cast<bool>(goal.raise)},
-        edges_(polygon, grid.circumradius_mm + std::max(0.0, std::max(goal.inset_mm, goal.last_inset_mm)) + kReach_mm),
+        edges_(polygon,
+               grid.circumradius_mm + std::max(0.0, std::max(goal.inset_mm, goal.last_inset_mm)) + kSliceReach_mm),
         expanders_([&] { return CellExpander(polygon, grid, edges_); }),
         arena_(goal.threads > 0 ? goal.threads : tbb::task_arena::automatic) {
     result_.best = goal.known;

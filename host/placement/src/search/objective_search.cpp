@@ -16,10 +16,9 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kReach_mm = 9.0;  // A tile's edges are looked up within this distance; children of slices move less.
 constexpr double kCell_bytes = sizeof(MotionBox) + 48.0;
 constexpr double kResolution_mm = 1e-7;  // Cells near the rounding pad are not halved any further.
-constexpr int kMaxParts = 8;             // A child of a slice has at most this many parts.
+constexpr int kMaxParts = 8;             // A child has at most this many parts of its cell.
 constexpr std::size_t kTried = 16;  // This many slices have their most promising motion tried before any is divided.
 constexpr double kFirstStep_mm = 1.0, kLastStep_mm = 0.01;  // A climb begins and ends with these steps.
 
@@ -58,7 +57,7 @@ class ObjectiveSearch {
         filter_(polygon, grid),
         evaluator_(polygon, grid),
         raster_(polygon, grid),
-        edges_(polygon, grid.circumradius_mm + kReach_mm) {}
+        edges_(polygon, grid.circumradius_mm + kSliceReach_mm) {}
 
   ObjectiveResult run(const Motion& first, double bound, const ObjectiveLimits& limits, const ProgressSink& progress) {
     result_.motion = first;

@@ -8,6 +8,9 @@
 
 namespace triskin::geometry {
 
+/// The edges near a tile are looked up within this distance; the children of a slice move less.
+inline constexpr double kSliceReach_mm = 9.0;
+
 /// Returns the part of the inradius of a tile that stays inside the outline if the tile may overhang it by -inset_mm;
 /// 1 if inset_mm ≥ 0.
 [[nodiscard]] double kept_inradius(const TileGrid& grid, double inset_mm);
