@@ -62,14 +62,16 @@ WeightMap hill(const Vec2& top, double width_mm) {
   return {origin, step_mm, rows};
 }
 
-double weight_at(const Polygon& p, const WeightMap& map, const Placement& at, double tolerance_mm) {
+// Sums the weights of whole modules without gaps, or of those of `like`.
+double weight_at(const Polygon& p, const WeightMap& map, const Placement& at, double tolerance_mm,
+                 const PlacementOptions& like = {}, double pitch_mm = kSide_mm) {
   double sum = 0.0;
   const double c = std::cos(at.theta_rad), s = std::sin(at.theta_rad);
-  for (const Tile& t : tiles_inside(p, at, tolerance_mm)) {
+  for (const Tile& t : tiles_inside(p, at, tolerance_mm, like.gap_mm, like.corner_cut_mm)) {
     Vec2 center = Vec2::Zero();
     for (int k = 0; k < 3; ++k) {
       const auto [i, j] = tile_corner_index(t, k);
-      center += grid_point(i, j) / 3.0;
+      center += pitch_mm / kSide_mm * grid_point(i, j) / 3.0;
     }
     const Vec2 q = center - Vec2(at.x_mm, at.y_mm);
     sum += map.at({c * q.x() + s * q.y(), -s * q.x() + c * q.y()}).value;
@@ -204,18 +206,7 @@ TEST(Weights, of_cut_modules_with_gaps_are_not_beaten) {
     const PlacementResult r = place(p, options);
     ASSERT_TRUE(r.proved);
     const auto weight = [&](const Placement& at, double tolerance_mm) {
-      double sum = 0.0;
-      const double c = std::cos(at.theta_rad), s = std::sin(at.theta_rad);
-      for (const Tile& t : tiles_inside(p, at, tolerance_mm, options.gap_mm, options.corner_cut_mm)) {
-        Vec2 center = Vec2::Zero();
-        for (int corner = 0; corner < 3; ++corner) {
-          const auto [i, j] = tile_corner_index(t, corner);
-          center += r.proof.pitch_mm / kSide_mm * grid_point(i, j) / 3.0;
-        }
-        const Vec2 q = center - Vec2(at.x_mm, at.y_mm);
-        sum += map.at({c * q.x() + s * q.y(), -s * q.x() + c * q.y()}).value;
-      }
-      return sum;
+      return weight_at(p, map, at, tolerance_mm, options, r.proof.pitch_mm);
     };
     EXPECT_NEAR(weight(r.placement, options.tolerance_mm), r.weight, 1e-9);
     for (int n = 0; n < 6000; ++n) {

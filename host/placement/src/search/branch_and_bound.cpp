@@ -22,7 +22,6 @@ constexpr std::size_t kBatch = 16;
 constexpr double kLogged_s = 1.5e-6;  // Writing a cell to the log takes 0.7e-6 s (measured); we reserve twice that.
 // After this many cells a search looks for constraints that contradict each other.
 constexpr std::int64_t kLong = 200;
-constexpr std::size_t kTried = 16;  // This many slices have their most promising motion tried before any is divided.
 
 class BranchAndBound {
  public:
@@ -153,7 +152,7 @@ class BranchAndBound {
     Evaluator evaluator(polygon_, grid_);
     std::size_t tried = 0;
     for (const auto& [bound, cells] : open_) {
-      for (auto cell = cells.rbegin(); cell != cells.rend() && tried < kTried; ++cell) {
+      for (auto cell = cells.rbegin(); cell != cells.rend() && tried < kTriedSlices; ++cell) {
         if (!cell->promising) continue;
         ++tried;
         take(evaluator.count(*cell->promising, goal_.inset_mm - goal_.tolerance_mm), *cell->promising);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "search/slices.hpp"
+
 namespace triskin::geometry {
 namespace {
 
@@ -41,12 +43,7 @@ void CellExpander::bound_slice(Cell& cell) {
   if (raster_.bytes_for(frame_) > SliceRaster::kMaxBytes) return leave_open(cell);
   raster_.scan(frame_);
   parts_ = {SliceRaster::kSteps, SliceRaster::kSteps, 1};
-  PartIndex best{};
-  for (int x = 0; x < parts_[0]; ++x) {
-    for (int y = 0; y < parts_[1]; ++y) {
-      if (raster_.count(x, y) > raster_.count(best[0], best[1])) best = {x, y, 0};
-    }
-  }
+  const PartIndex best = best_part(parts_, [this](int x, int y) { return raster_.count(x, y); });
   const MotionBox part = part_box(cell.box, parts_, best, {best[0] + 1, best[1] + 1, 1});
   cell.promising = Motion{part.center(0), part.center(1), part.center(2)};
   cell.bound = std::min(cell.bound, raster_.count(best[0], best[1]));
@@ -82,15 +79,6 @@ void CellExpander::note_tie(const Cell& cell) {
   if (cell.certain + most >= best_) result_->tied_slices.emplace_back(cell.certain + most, cell.box);
 }
 
-std::size_t CellExpander::longest_axis(const MotionBox& box, const PartIndex& parts) const {
-  const std::array<double, 3> weighted = weighted_half(box);
-  std::size_t axis = 3;
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (parts[k] > 1 && (axis == 3 || weighted[k] > weighted[axis])) axis = k;
-  }
-  return axis;
-}
-
 // Makes children: small boxes around open parts, of which at least half are open. chosen_[first_chosen …) may be
 // undecided among the parts; `certain` more tiles than in the slice are certain there.
 void CellExpander::divide_slice(const Cell& cell, const PartIndex& low, const PartIndex& high, std::size_t first_chosen,
@@ -105,9 +93,7 @@ void CellExpander::divide_slice(const Cell& cell, const PartIndex& low, const Pa
   if (open.well_filled(kMaxPartsOfSlice)) {
     add_slice_child(cell, box, open, last_chosen, certain);
   } else {
-    const std::size_t axis = longest_axis(box, open.size());
-    PartIndex first_high = open.high, second_low = open.low;
-    first_high[axis] = second_low[axis] = open.low[axis] + open.size()[axis] / 2;
+    const auto [first_high, second_low] = open.halves(longest_axis(weighted_half(box), open.size()));
     divide_slice(cell, second_low, open.high, last_chosen, certain);
     divide_slice(cell, open.low, first_high, last_chosen, certain);
   }
@@ -139,9 +125,7 @@ void CellExpander::add_slice_child(const Cell& cell, const MotionBox& box, const
   auto list = std::make_shared<CellList>();
   list->tiles.reserve(chosen_.size() - first_chosen);
   const auto lanes = static_cast<std::uint32_t>((1U << open.high[0]) - (1U << open.low[0]));
-  const double reach = std::hypot(box.half(0), box.half(1)) +
-                       (polygon_.radius_mm + 4.0 * grid_.circumradius_mm) * box.half(2) + grid_.circumradius_mm +
-                       std::max(0.0, frame_.certain_mm);
+  const double reach_mm = slice_child_reach_mm(polygon_, grid_, box, frame_.certain_mm);
   for (std::size_t n = first_chosen; n < chosen_.size(); ++n) {
     const SliceRaster::Border& border = raster_.border()[chosen_[n]];
     std::uint32_t may_not = 0;
@@ -151,7 +135,7 @@ void CellExpander::add_slice_child(const Cell& cell, const MotionBox& box, const
     list->tiles.push_back({grid_.center(border.tile), border.tile, may_not == 0, 0, 0});
   }
   result_->children.push_back({box, cell.certain + certain, std::min(cell.bound, cell.certain + open.most),
-                               std::move(list), reach, std::nullopt, kGenerationsWithout});
+                               std::move(list), reach_mm, std::nullopt, kGenerationsWithout});
 }
 
 void CellExpander::refine(Cell& cell) {
@@ -247,14 +231,10 @@ bool CellExpander::unresolved(const Cell& cell) {
 
 void CellExpander::look_ahead(Cell& cell, const CellList& list) {
   if (unresolved(cell)) return;
-  const PartsView view = parts_view(frame_, cell.box);
-  lookahead_.run(view, halves_, words_);
+  lookahead_.run(parts_view(frame_, cell.box), halves_, words_);
+  forget_certain_outside(list.tiles, words_);
   chosen_.clear();
-  for (std::uint32_t t = 0; t < list.tiles.size(); ++t) {
-    chosen_.push_back(t);
-    if (list.tiles[t].inside) continue;
-    for (std::uint32_t& word : words_[t]) word &= 0xffffU;  // The tile is free of all edges, but it may be outside.
-  }
+  for (std::uint32_t t = 0; t < list.tiles.size(); ++t) chosen_.push_back(t);
   parts_ = {kPartsPerAxis, kPartsPerAxis, kPartsPerAxis};
   divide(cell, list, {0, 0, 0}, parts_, 0, 0);
 }
@@ -291,9 +271,7 @@ void CellExpander::divide(const Cell& cell, const CellList& list, const PartInde
     result_->children.push_back({box, cell.certain + certain, std::min(cell.bound, cell.certain + open.most),
                                  chosen_list(list, last_chosen), 0.0, std::nullopt, cell.without_conflicts});
   } else {
-    const std::size_t axis = longest_axis(box, open.size());
-    PartIndex first_high = open.high, second_low = open.low;
-    first_high[axis] = second_low[axis] = open.low[axis] + open.size()[axis] / 2;
+    const auto [first_high, second_low] = open.halves(longest_axis(weighted_half(box), open.size()));
     divide(cell, list, second_low, open.high, last_chosen, certain);
     divide(cell, list, open.low, first_high, last_chosen, certain);
   }
@@ -335,7 +313,7 @@ void CellExpander::set_frame(const MotionBox& box) {
 }
 
 std::array<double, 3> CellExpander::weighted_half(const MotionBox& box) const {
-  return {box.half(0), box.half(1), polygon_.radius_mm * box.half(2)};
+  return half_extents_mm(box, polygon_.radius_mm);
 }
 
 void CellExpander::close(const MotionBox& box) {

@@ -89,7 +89,6 @@ class CellExpander {
   int choose_border(const PartIndex& low, const PartIndex& high, std::size_t first, std::size_t last);
   void add_slice_child(const Cell& cell, const MotionBox& box, const OpenParts<int>& open, std::size_t first_chosen,
                        int certain);
-  [[nodiscard]] std::size_t longest_axis(const MotionBox& box, const PartIndex& parts) const;
   void divide(const Cell& cell, const CellList& list, const PartIndex& low, const PartIndex& high,
               std::size_t first_chosen, int certain);
   [[nodiscard]] std::shared_ptr<const CellList> chosen_list(const CellList& list, std::size_t first_chosen) const;

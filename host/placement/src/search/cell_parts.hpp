@@ -2,6 +2,9 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
 
 #include "triskin/placement/kernels/pair_kernel.hpp"
 #include "triskin/placement/search/lookahead.hpp"
@@ -21,6 +24,41 @@ using PartIndex = std::array<int, 3>;
     if (high[k] < parts[k]) part.high[k] = box.low[k] + step * high[k];
   }
   return part;
+}
+
+/// Returns the half extents of a box in mm; `radius_mm` is how far the polygon reaches from the centre of its turns.
+[[nodiscard]] inline std::array<double, 3> half_extents_mm(const MotionBox& box, double radius_mm) {
+  return {box.half(0), box.half(1), radius_mm * box.half(2)};
+}
+
+/// Returns the axis of the largest extent among those along which there are several parts. There must be such an axis.
+[[nodiscard]] inline std::size_t longest_axis(const std::array<double, 3>& extents_mm, const PartIndex& parts) {
+  std::size_t axis = 3;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (parts[k] > 1 && (axis == 3 || extents_mm[k] > extents_mm[axis])) axis = k;
+  }
+  return axis;
+}
+
+/// Returns the part of a slice with the highest bound(x, y), the first one among equals.
+template <class BoundOf>
+[[nodiscard]] PartIndex best_part(const PartIndex& parts, const BoundOf& bound) {
+  PartIndex best{};
+  for (int x = 0; x < parts[0]; ++x) {
+    for (int y = 0; y < parts[1]; ++y) {
+      if (bound(x, y) > bound(best[0], best[1])) best = {x, y, 0};
+    }
+  }
+  return best;
+}
+
+/// Takes back in which parts tiles hold for certain unless their centre is inside in the whole cell: such a tile is
+/// free of all edges there, but it may be outside.
+inline void forget_certain_outside(const std::vector<OpenTile>& tiles, std::vector<PartWord>& words) {
+  for (std::size_t t = 0; t < tiles.size(); ++t) {
+    if (tiles[t].inside) continue;
+    for (std::uint32_t& word : words[t]) word &= 0xffffU;
+  }
 }
 
 /// Returns the bits of the parts low ≤ index < high in the words of tiles.
@@ -54,6 +92,12 @@ struct OpenParts {
   [[nodiscard]] bool well_filled(int max_parts) const {
     const int volume = size()[0] * size()[1] * size()[2];
     return volume <= max_parts && count * 2 >= volume;
+  }
+  /// Returns the first corner past the lower half along an axis, and the low corner of the upper half.
+  [[nodiscard]] std::pair<PartIndex, PartIndex> halves(std::size_t axis) const {
+    PartIndex first_high = high, second_low = low;
+    first_high[axis] = second_low[axis] = low[axis] + size()[axis] / 2;
+    return {first_high, second_low};
   }
 };
 

@@ -17,9 +17,8 @@ namespace triskin::geometry {
 namespace {
 
 constexpr double kCell_bytes = sizeof(MotionBox) + 48.0;
-constexpr double kResolution_mm = 1e-7;  // Cells near the rounding pad are not halved any further.
-constexpr int kMaxParts = 8;             // A child has at most this many parts of its cell.
-constexpr std::size_t kTried = 16;  // This many slices have their most promising motion tried before any is divided.
+constexpr double kResolution_mm = 1e-7;                     // Cells near the rounding pad are not halved any further.
+constexpr int kMaxParts = 8;                                // A child has at most this many parts of its cell.
 constexpr double kFirstStep_mm = 1.0, kLastStep_mm = 0.01;  // A climb begins and ends with these steps.
 
 // Lists the certain and open tiles of a cell.
@@ -132,12 +131,7 @@ class ObjectiveSearch {
     slice->certain = raster_.certain_tiles();
     slice->border = raster_.border();
     objective_.bound_parts(frame_, raster_, slice->bounds);
-    PartIndex best{};
-    for (int x = 0; x < SliceRaster::kSteps; ++x) {
-      for (int y = 0; y < SliceRaster::kSteps; ++y) {
-        if (bound_of(slice->bounds, x, y) > bound_of(slice->bounds, best[0], best[1])) best = {x, y, 0};
-      }
-    }
+    const PartIndex best = best_part(kSliceParts, [&](int x, int y) { return bound_of(slice->bounds, x, y); });
     const double bound = std::min(cell.bound, bound_of(slice->bounds, best[0], best[1]));
     const MotionBox part = part_box(cell.box, kSliceParts, best, {best[0] + 1, best[1] + 1, 1});
     promising_.emplace_back(bound, Motion{part.center(0), part.center(1), part.center(2)});
@@ -153,7 +147,7 @@ class ObjectiveSearch {
     if (started_) return;
     started_ = true;
     std::ranges::stable_sort(promising_, std::greater{}, [](const auto& p) { return p.first; });
-    promising_.resize(std::min(promising_.size(), kTried));
+    promising_.resize(std::min(promising_.size(), kTriedSlices));
     for (const auto& [bound, motion] : promising_) try_motion(motion);
     climb(kFirstStep_mm);
   }
@@ -185,28 +179,17 @@ class ObjectiveSearch {
                    .bound = std::min(cell.bound, open.most),
                    .known = std::make_shared<const Known>(known_in(box, open.low, open.high))});
     }
-    const std::size_t axis = longest_axis(box, open.size());
-    PartIndex first_high = open.high, second_low = open.low;
-    first_high[axis] = second_low[axis] = open.low[axis] + open.size()[axis] / 2;
+    const auto [first_high, second_low] =
+        open.halves(longest_axis(half_extents_mm(box, polygon_.radius_mm), open.size()));
     divide(cell, parts, bound, known_in, second_low, open.high);
     divide(cell, parts, bound, known_in, open.low, first_high);
-  }
-
-  [[nodiscard]] std::size_t longest_axis(const MotionBox& box, const PartIndex& parts) const {
-    const std::array<double, 3> size{box.half(0), box.half(1), polygon_.radius_mm * box.half(2)};
-    std::size_t axis = 3;
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (parts[k] > 1 && (axis == 3 || size[k] > size[axis])) axis = k;
-    }
-    return axis;
   }
 
   // Lists the tiles of some parts of a slice.
   [[nodiscard]] Known known_in_slice(const BoundedSlice& slice, const MotionBox& box, const PartIndex& low,
                                      const PartIndex& high) const {
     Known known;
-    known.reach_mm = std::hypot(box.half(0), box.half(1)) +
-                     (polygon_.radius_mm + 4.0 * grid_.circumradius_mm) * box.half(2) + grid_.circumradius_mm;
+    known.reach_mm = slice_child_reach_mm(polygon_, grid_, box, -tolerance_mm_);
     for (const Tile& t : slice.certain) known.certain.push_back({grid_.center(t), t, true, 0, 0});
     const auto wanted = static_cast<std::uint32_t>((1U << high[0]) - (1U << low[0]));
     for (const SliceRaster::Border& border : slice.border) {
@@ -245,17 +228,13 @@ class ObjectiveSearch {
   }
 
   void look_ahead(const ObjectiveCell& cell, const Known& known) {
-    const std::array<double, 3> size{cell.box.half(0), cell.box.half(1), polygon_.radius_mm * cell.box.half(2)};
-    if (std::ranges::max(size) < kResolution_mm) {
+    if (std::ranges::max(half_extents_mm(cell.box, polygon_.radius_mm)) < kResolution_mm) {
       unresolved_ = std::max(unresolved_, cell.bound);
       return;
     }
     const PartsView view = parts_view(frame_, cell.box);
     lookahead_.run(view, halves_, words_);
-    for (std::size_t t = 0; t < words_.size(); ++t) {
-      if (known.open.tiles[t].inside) continue;
-      for (std::uint32_t& word : words_[t]) word &= 0xffffU;  // The tile is free of all edges, but it may be outside.
-    }
+    forget_certain_outside(known.open.tiles, words_);
     CubeBounds bounds;
     objective_.bound_cubes(view, words_, bounds);
     for (const double b : bounds) {
@@ -329,8 +308,8 @@ class ObjectiveSearch {
   Lookahead lookahead_;
   std::vector<PartWord> words_;
   std::priority_queue<ObjectiveCell> open_;
-  std::vector<std::pair<double, Motion>>
-      promising_;  // Each bounded slice has its bound and the middle of its best part.
+  // Each bounded slice has its bound and the middle of its best part.
+  std::vector<std::pair<double, Motion>> promising_;
   std::int64_t pushed_ = 0;
   double bytes_ = 0.0;
   double unresolved_ = 0.0, closed_bound_ = 0.0;

@@ -13,6 +13,12 @@ constexpr double kSlice_mm = 2.5;  // The farthest vertex moves this far from on
 
 }  // namespace
 
+double slice_child_reach_mm(const PreparedPolygon& polygon, const TileGrid& grid, const MotionBox& box,
+                            double certain_mm) {
+  return std::hypot(box.half(0), box.half(1)) + (polygon.radius_mm + 4.0 * grid.circumradius_mm) * box.half(2) +
+         grid.circumradius_mm + std::max(0.0, certain_mm);
+}
+
 double kept_inradius(const TileGrid& grid, double inset_mm) {
   return 1.0 + std::min(0.0, inset_mm) / grid.inradius_mm;
 }
