@@ -95,6 +95,33 @@ TEST(FirmwareUpdate, unplugged_in_the_middle_the_controller_comes_back_by_itself
   }
 }
 
+// After the failure, whoever runs the command again at once must find the controller.
+TEST(FirmwareUpdate, a_lost_frame_ends_the_update_and_the_controller_answers_at_once) {
+  const FirmwarePackage old_one = make(1024, 1), new_one = make(1024, 2);
+  int failed = 0;
+  for (std::uint64_t frames = 0; frames < 160; frames += 9) {
+    Fixture fixture(6);
+    fixture.flash();
+    (void)update_firmware(fixture.bus(), only(fixture), old_one);
+    FaultyLink wire(fixture.bus().link(), false, {}, 1);
+    Bus bus(wire);
+    const wire::NodeClaim claim = only(fixture);
+    wire.frames_left = frames;
+    wire.after_send = [&] {
+      if (wire.frames > frames) wire.frames_left.reset();
+    };
+    try {
+      (void)update_firmware(bus, claim, new_one);
+    } catch (const DeviceError&) {
+      ++failed;
+      EXPECT_EQ(fixture.bus().discover().size(), 1U) << frames;
+      EXPECT_TRUE(Controller(fixture.bus(), 1).image_state()) << frames;
+    }
+    EXPECT_NE(update_firmware(bus, claim, new_one).slot, -1) << frames;
+  }
+  EXPECT_GT(failed, 10);
+}
+
 TEST(FirmwareUpdate, damaged_packages_are_refused_with_the_reason) {
   const std::string file = testing::TempDir() + "package" + std::to_string(::getpid()) + ".tsf";
   const auto write = [&](const std::vector<std::uint8_t>& bytes) {

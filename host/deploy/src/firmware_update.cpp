@@ -80,6 +80,11 @@ class LoaderSession {
     check(wait(LoaderCommand::kCommit, kReply_us), "checking");
   }
   void boot() { send(LoaderCommand::kBoot); }
+  // Starts the application and waits until it can answer.
+  void leave() {
+    boot();
+    bus_.listen(link_.now_us() + kStart_us);
+  }
 
  private:
   void send(LoaderCommand command, std::uint64_t arguments = 0, int bytes = 0) {
@@ -141,6 +146,9 @@ int write_free_slot(LoaderSession& loader, const std::optional<wire::ImageState>
   } catch (const Unreachable& e) {
     throw Unreachable(std::string(e.what()) +
                       "; the old firmware stays and starts again by itself; run the command again");
+  } catch (const DeviceError&) {
+    loader.leave();  // While the loader waited for more, the next command would not find the controller.
+    throw;
   }
 }
 
@@ -185,8 +193,7 @@ FirmwareResult update_firmware(Bus& bus, const wire::NodeClaim& who, const Firmw
   const int slot = write_free_slot(loader, before, controller, package, [&](double fraction) {
     report(progress, "writing firmware", fraction, result.serial);
   });
-  loader.boot();
-  bus.listen(bus.now_us() + kStart_us);
+  loader.leave();
   const auto after = controller.image_state();
   if (!runs(after, package) || after->slot != slot) {
     throw DeviceError(fmt::format("{}: controller {} has not started the new firmware; the old one runs",
