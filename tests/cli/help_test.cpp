@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cli/shell_case.hpp"
+#include "support/places.hpp"
 
 namespace triskin::test {
 namespace {
@@ -65,7 +66,7 @@ TEST_F(Help, commands_stand_in_groups) {
 TEST_F(Help, every_page_fits_the_terminal_without_a_broken_word) {
   std::vector<std::string> pages{"--help", "help links"};
   for (const std::string& command : commands_of(run("--help").out)) pages.push_back(command + " --help");
-  ASSERT_GT(pages.size(), 30U);
+  ASSERT_GT(pages.size(), program_has_solvers() ? 30U : 20U);
   for (const std::size_t width : {60U, 80U, 120U}) {
     ::setenv("COLUMNS", std::to_string(width).c_str(), 1);
     for (const std::string& page : pages) {

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "cli/shell_case.hpp"
+#include "support/places.hpp"
 #include "support/strip_design.hpp"
 #include "triskin/base/files.hpp"
 
@@ -79,11 +80,11 @@ TEST_F(OutputFiles, neither_home_nor_a_folder_for_temporary_files_is_needed) {
   EXPECT_GT(read_file(folder_ / "t.csv").size(), 100U);
 }
 
-#ifdef TRISKIN_HAS_GEOMETRY
 class MeshStreams : public OutputFiles {
  protected:
   void SetUp() override {
     OutputFiles::SetUp();
+    if (!program_has_solvers()) GTEST_SKIP() << "built without the solvers";
     ASSERT_EQ(run("generate forearm --size-mm 150 --faces 600 -o part.obj").status, 0)
         << read_file(folder_ / "messages");
     ASSERT_EQ(run("extract part.obj -o file.obj").status, 0) << read_file(folder_ / "messages");
@@ -111,7 +112,6 @@ TEST_F(MeshStreams, the_place_of_the_result_is_tried_before_the_work) {
   EXPECT_NE(o.messages.find("/nonexistent"), std::string::npos) << o.messages;
   EXPECT_EQ(o.messages.find("controllers"), std::string::npos) << o.messages;
 }
-#endif
 
 }  // namespace
 }  // namespace triskin::test

@@ -9,6 +9,7 @@
 
 #include "cli/shell_case.hpp"
 #include "support/page_block.hpp"
+#include "support/places.hpp"
 #include "support/strip_design.hpp"
 
 namespace triskin::test {
@@ -100,9 +101,7 @@ TEST_F(Bench, a_slip_is_asked_about_in_the_first_line) {
 class Hours : public ShellCase {
  protected:
   void expect_page(const std::string& script) const {
-#ifndef TRISKIN_HAS_GEOMETRY
-    GTEST_SKIP() << "built without the solvers";
-#endif
+    if (!program_has_solvers()) GTEST_SKIP() << "built without the solvers";
     const std::string command = "cd '" + folder_.string() + "' && TRISKIN='" + program_file() + "' '" +
                                 source_folder() + "/docs/examples/" + script + "' hour >out 2>messages";
     fs::create_directories(folder_ / "hour");

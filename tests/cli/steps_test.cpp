@@ -13,6 +13,7 @@
 #include <string>
 
 #include "cli/shell_case.hpp"
+#include "support/places.hpp"
 #include "support/strip_design.hpp"
 #include "triskin/base/files.hpp"
 
@@ -27,9 +28,7 @@ using testing::Not;
 class Steps : public ShellCase {
  protected:
   static void require_geometry() {
-#ifndef TRISKIN_HAS_GEOMETRY
-    GTEST_SKIP() << "built without the solvers";
-#endif
+    if (!program_has_solvers()) GTEST_SKIP() << "built without the solvers";
   }
   void write(const std::string& name, const std::string& text) const { write_file_atomically(folder_ / name, text); }
   // The plate lies in the plane z = 0.

@@ -6,6 +6,7 @@
 
 #include "cli/shell_case.hpp"
 #include "cli/terminal_screen.hpp"
+#include "support/places.hpp"
 #include "support/strip_design.hpp"
 #include "triskin/design/design.hpp"
 
@@ -122,11 +123,11 @@ TEST_F(Terminals, ctrl_c_and_a_closed_window_leave_no_page_behind) {
   }
 }
 
-#ifdef TRISKIN_HAS_GEOMETRY
 class Bars : public Terminals {
  protected:
   void SetUp() override {
     Terminals::SetUp();
+    if (!program_has_solvers()) GTEST_SKIP() << "built without the solvers";
     ASSERT_EQ(run("generate forearm -o arm.obj --size-mm 170 --faces 200").status, 0);
   }
   [[nodiscard]] std::string design(const std::string& variables, int columns, int rows) const {
@@ -173,7 +174,6 @@ TEST_F(Bars, are_lines_where_the_terminal_cannot_go_back) {
   EXPECT_THAT(bars_of(text), testing::IsEmpty());
   EXPECT_THAT(text, HasSubstr("… "));
 }
-#endif
 
 TEST_F(Terminals, help_fits_the_width_that_columns_or_the_terminal_say) {
   for (const int columns : {40, 60, 100}) {

@@ -83,7 +83,8 @@ class Kills : public ShellCase {
   void expect_whole_tables(int round) const {
     const Outcome o = run("verify strip.json --link sim --no-touch --json");
     ASSERT_LE(o.status, 1) << o.messages << "round " << round;
-    for (const auto& finding : nlohmann::json::parse(o.out)["findings"])
+    const auto report = nlohmann::json::parse(o.out);
+    for (const auto& finding : report.at("findings"))
       EXPECT_EQ(finding["kind"], "not_flashed") << "round " << round << "\n" << finding;
   }
   // The file is the old recording, or the new one: complete where the program could end it, else it can be recovered

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/shell_case.hpp"
+#include "support/places.hpp"
 #include "support/strip_design.hpp"
 
 namespace triskin::test {
@@ -97,6 +98,7 @@ TEST_F(Names, of_files_may_be_no_utf8) {
   const std::string file = "bad\xFF\xFEname.json";
   std::filesystem::copy_file(folder_ / "strip.json", folder_ / file);
   for (const std::string command : {"check", "export --format picture -o p.svg", "flash --link sim"}) {
+    if (command == "check" && !program_has_solvers()) continue;
     const std::size_t space = command.find(' ');
     const std::string text =
         command.substr(0, space) + " '" + file + "'" + (space == std::string::npos ? "" : command.substr(space));

@@ -228,5 +228,11 @@ TEST(Refused, ContactThatReachesTheBase) {
   expect_refused(Level::kFft, {0.01, 0.3, 100.0}, {Shape::kParaboloid, 500.0}, 50.0, "level");
 }
 
+// The largest contact of such a sphere, 0.95 of its radius, is below the smallest radius of the table, 0.06 mm.
+TEST(Refused, SphereThatIsSmallerThanTheTable) {
+  expect_refused(Level::kTable, {2.0, 0.3, 100.0}, {Shape::kSphere, 0.06}, 1e-5, "radius is outside of the table");
+  expect_refused(Level::kTable, {2.0, 0.3, 100.0}, {Shape::kSphere, 1e-9}, 1e-5, "radius is outside of the table");
+}
+
 }  // namespace
 }  // namespace triskin::mechanics

@@ -12,9 +12,7 @@ namespace triskin::test {
 namespace {
 
 TEST(RobotWalkThroughPage, its_commands_run) {
-#ifndef TRISKIN_HAS_GEOMETRY
-  GTEST_SKIP() << "built without the solvers";
-#endif
+  if (!program_has_solvers()) GTEST_SKIP() << "built without the solvers";
   const auto program = std::filesystem::path(program_file());
   const std::string command = fmt::format("python3 '{0}/tools/check_readme' '{0}/docs/robot_walk_through.md' '{1}'",
                                           source_folder(), program.parent_path().string());

@@ -15,5 +15,8 @@ const std::string& configured_data_folder() {
   static const std::string folder = TRISKIN_DATA;
   return folder;
 }
+bool program_has_solvers() {
+  return TRISKIN_HAS_SOLVERS;
+}
 
 }  // namespace triskin::test

@@ -9,5 +9,7 @@ namespace triskin::test {
 const std::string& source_folder();           ///< Returns the root folder of the project.
 const std::string& program_file();            ///< Returns the program `triskin`.
 const std::string& configured_data_folder();  ///< Returns TRISKIN_SHARED_DATA; the folder need not exist.
+/// Returns false if the program was built without the solvers and the checker (TRISKIN_GEOMETRY=OFF).
+bool program_has_solvers();
 
 }  // namespace triskin::test

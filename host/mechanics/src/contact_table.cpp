@@ -165,7 +165,8 @@ Contact ContactTable::press(const Indenter& indenter, double force) const {
     return std::log(impl_->row(indenter, std::exp(log_radius), false).force / scaled);
   };
   const double low = std::log(kMinTableRadius), high = std::log(impl_->max_radius(indenter));
-  if (excess(low) > 0.0 || excess(high) < 0.0)
+  // A sphere can be smaller than the smallest contact of the table; its gap has no value there.
+  if (!(low < high && excess(low) <= 0.0 && excess(high) >= 0.0))
     throw InputError(
         "contact: its radius is outside of the table (0.03 … 40 thicknesses, 0.95 of a sphere); "
         "use the level fft");
