@@ -288,6 +288,11 @@ TEST(Identify, says_who_felt_the_finger) {
     EXPECT_EQ(boards[2].by, FoundBy::kOnly);
     ASSERT_EQ(said.size(), 1U);
     EXPECT_NE(said[0].find("two patches"), std::string::npos);
+    const auto before = device::verify(skin.bus(), design, {}).findings;
+    ASSERT_EQ(before.size(), 1U);  // A flash that was ended leaves its boards in this state.
+    EXPECT_EQ(before[0].kind, device::FindingKind::kNotFlashed) << before[0].text;
+    EXPECT_NE(before[0].text.find("3 of 3 controllers on the link have no table of a design"), std::string::npos)
+        << before[0].text;
     // Its tables belong to nobody: the design is flashed as if the boards were fresh.
     device::FlashOptions named;
     for (const auto& b : boards) named.assign.push_back({b.patch, b.serial});

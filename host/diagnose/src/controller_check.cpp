@@ -9,6 +9,7 @@
 #include "triskin/base/counted.hpp"
 #include "triskin/base/short_list.hpp"
 #include "triskin/session/controller.hpp"
+#include "triskin/session/patch_table.hpp"
 
 namespace triskin::device {
 namespace {
@@ -31,10 +32,7 @@ Finding controller_finding(FindingKind kind, layout::PatchIndex patch, std::stri
 ControllerCheck::ControllerCheck(Bus& bus, const design::Design& design)
     : bus_(bus), design_(design), claims_(bus.discover()) {
   for (const wire::NodeClaim& c : claims_) {
-    if (c.has_table)
-      ++with_table_[layout::NodeAddress{c.node_address}];
-    else
-      ++without_table_;
+    if (c.has_table) ++with_table_[layout::NodeAddress{c.node_address}];
   }
   if (claims_.empty()) throw DeviceError(bus.nobody_answers());
 }
@@ -49,6 +47,10 @@ bool ControllerCheck::check(PatchState& p, std::vector<Finding>& findings) {
   Controller c = p.controller(bus_);
   c.require_versions(c.hello());
   const wire::ActiveTable active = c.active_table();
+  if (active.design_id == kIdentifyDesign) {
+    absent_.push_back(p.patch);
+    return false;
+  }
   if (active.design_id == design_.design_id && holds_image(active.crc, p.image)) return true;
   if (active.design_id == design_.design_id && runs_on_backup(p, active.crc, findings)) return true;
   if (!differs_in_kinds(p, c, active, findings)) foreign_[active.design_id].push_back(p.patch);
@@ -136,10 +138,23 @@ std::vector<std::string> ControllerCheck::serials_at(layout::NodeAddress node) c
 }
 
 void ControllerCheck::note_missing(layout::PatchIndex patch, layout::NodeAddress node) {
-  if (with_table_.contains(node))
-    doubled_.push_back(patch);
-  else
-    (without_table_ > 0 ? unflashed_ : absent_).push_back(patch);
+  (with_table_.contains(node) ? doubled_ : absent_).push_back(patch);
+}
+
+// A controller that shares its address cannot be asked, and one that does not answer tells nothing.
+bool ControllerCheck::has_identify_table(const wire::NodeClaim& claim) {
+  if (with_table_.at(layout::NodeAddress{claim.node_address}) > 1) return false;
+  try {
+    return Controller(bus_, claim.node_address).active_table().design_id == kIdentifyDesign;
+  } catch (const NoAnswer&) {
+    return false;
+  }
+}
+
+// Also new is a controller that was being identified when its flash was ended.
+std::size_t ControllerCheck::count_new_controllers() {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(claims_, [&](const wire::NodeClaim& c) { return !c.has_table || has_identify_table(c); }));
 }
 
 // The controller of each patch in `without` may be one of the two.
@@ -158,14 +173,13 @@ Finding ControllerCheck::duplicate_finding(layout::PatchIndex patch,
 }
 
 // Before it is flashed, nobody knows which of the patches a new controller belongs to.
-Finding ControllerCheck::unflashed_finding() const {
-  const std::string silent = unflashed_.size() <= without_table_
-                                 ? ""
-                                 : fmt::format(", and {} do not answer", unflashed_.size() - without_table_);
-  return controller_finding(FindingKind::kNotFlashed, unflashed_.front(),
-                            fmt::format("{}: no controller has {}; {} of {} on the link were never flashed{}",
-                                        patches_text(unflashed_), unflashed_.size() == 1 ? "its table" : "their tables",
-                                        without_table_, counted(claims_.size(), "controller"), silent),
+Finding ControllerCheck::unflashed_finding(std::size_t new_controllers) const {
+  const std::string silent =
+      absent_.size() <= new_controllers ? "" : fmt::format(", and {} do not answer", absent_.size() - new_controllers);
+  return controller_finding(FindingKind::kNotFlashed, absent_.front(),
+                            fmt::format("{}: no controller has {}; {} of {} on the link have no table of a design{}",
+                                        patches_text(absent_), absent_.size() == 1 ? "its table" : "their tables",
+                                        new_controllers, counted(claims_.size(), "controller"), silent),
                             silent.empty() ? "run triskin flash with this design and link"
                                            : "check power and cables of all controllers, then run triskin flash");
 }
@@ -191,15 +205,17 @@ Finding ControllerCheck::other_design_finding(std::uint64_t held,
   return f;
 }
 
-void ControllerCheck::summarise(std::vector<Finding>& findings) const {
-  std::vector<layout::PatchIndex> absent = absent_;
+void ControllerCheck::summarise(std::vector<Finding>& findings) {
+  const std::size_t new_controllers = absent_.empty() ? 0 : count_new_controllers();
+  std::vector<layout::PatchIndex> absent;
+  if (new_controllers == 0) absent = absent_;
   for (const layout::PatchIndex patch : doubled_) {
     const auto surplus = with_table_.at(design::node_address_of(design_, patch)) - 1;
     const auto taken = static_cast<std::ptrdiff_t>(std::min(surplus, absent.size()));
     findings.push_back(duplicate_finding(patch, {absent.begin(), absent.begin() + taken}));
     absent.erase(absent.begin(), absent.begin() + taken);
   }
-  if (!unflashed_.empty()) findings.push_back(unflashed_finding());
+  if (new_controllers > 0) findings.push_back(unflashed_finding(new_controllers));
   for (const auto& [held, patches] : foreign_) findings.push_back(other_design_finding(held, patches));
   for (const layout::PatchIndex patch : absent) {
     findings.push_back(controller_finding(FindingKind::kAbsentController, patch,

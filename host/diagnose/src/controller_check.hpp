@@ -23,7 +23,8 @@ class ControllerCheck {
   /// Throws DeviceError.
   bool check(PatchState& p, std::vector<Finding>& findings);
   /// Adds findings that concern several patches together: controllers without a table, and those of another design.
-  void summarise(std::vector<Finding>& findings) const;
+  /// Asks controllers at addresses that the design does not use if patches lack theirs. Throws DeviceError.
+  void summarise(std::vector<Finding>& findings);
 
  private:
   bool differs_in_kinds(const PatchState& p, Controller& c, const wire::ActiveTable& active,
@@ -32,7 +33,9 @@ class ControllerCheck {
   bool runs_on_backup(PatchState& p, std::uint32_t crc, std::vector<Finding>& findings);
   void note_missing(layout::PatchIndex patch, layout::NodeAddress node);
   [[nodiscard]] std::vector<std::string> serials_at(layout::NodeAddress node) const;
-  [[nodiscard]] Finding unflashed_finding() const;
+  [[nodiscard]] bool has_identify_table(const wire::NodeClaim& claim);
+  [[nodiscard]] std::size_t count_new_controllers();
+  [[nodiscard]] Finding unflashed_finding(std::size_t new_controllers) const;
   [[nodiscard]] Finding duplicate_finding(layout::PatchIndex patch,
                                           const std::vector<layout::PatchIndex>& without) const;
   [[nodiscard]] Finding other_design_finding(std::uint64_t held, const std::vector<layout::PatchIndex>& patches) const;
@@ -42,10 +45,8 @@ class ControllerCheck {
   std::vector<wire::NodeClaim> claims_;
   // The map counts the controllers with a table at each node address.
   std::map<layout::NodeAddress, std::size_t> with_table_;
-  std::size_t without_table_ = 0;
-  std::vector<layout::PatchIndex> doubled_;    // Several controllers have the node address of these patches.
-  std::vector<layout::PatchIndex> absent_;     // No controller has the node address of these patches.
-  std::vector<layout::PatchIndex> unflashed_;  // These patches lack a controller, while some controllers have no table.
+  std::vector<layout::PatchIndex> doubled_;  // Several controllers have the node address of these patches.
+  std::vector<layout::PatchIndex> absent_;   // No controller with a table of a design has the node address of these.
   // For the design of each foreign table, the map has the patches where it was found.
   std::map<std::uint64_t, std::vector<layout::PatchIndex>> foreign_;
 };

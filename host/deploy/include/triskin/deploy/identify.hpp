@@ -14,11 +14,6 @@
 
 namespace triskin::device {
 
-/// identify() writes a table with this design id into controllers that have none, so that they sample. Such a
-/// controller counts as new.
-// In the table these bytes read "IDENTIFY".
-inline constexpr std::uint64_t kIdentifyDesign = 0x59464954'4E454449ULL;
-
 struct IdentifyOptions {
   /// Only this patch is identified; −1 means all that the shapes do not settle.
   layout::PatchIndex patch = layout::PatchIndex::none();

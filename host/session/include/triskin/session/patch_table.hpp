@@ -11,6 +11,11 @@
 
 namespace triskin::device {
 
+/// A controller without a table does not sample, so identify() gives it one with this design id until it gets the table
+/// of a patch. Such a controller counts as new.
+// In the table these bytes read "IDENTIFY".
+inline constexpr std::uint64_t kIdentifyDesign = 0x59464954'4E454449ULL;
+
 /// Selects the tree by which a design is read: the normal one, or one that the design prepared for the failure of a
 /// module or joint.
 struct RouteChoice {
