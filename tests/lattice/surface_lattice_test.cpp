@@ -234,8 +234,13 @@ TEST(SurfaceLattice, DearControllersLeaveFewSmallIslands) {
   cheap.price = {0.0, 0.0, 0.0};
   dear.price = {3.0, 0.25, 0.1};
   cheap.hinge_reward = dear.hinge_reward = 0.0;  // Its result has few islands too.
-  const ModuleLayout many = grow_lattice(surface, {}, cheap), few = grow_lattice(surface, {}, dear);
-  EXPECT_LE(few.islands, many.islands);
+  int many = 0, few = 0;                         // One seed in six finds more islands where they are dear.
+  for (cheap.seed = 1; cheap.seed <= 6; ++cheap.seed) {
+    dear.seed = cheap.seed;
+    many += grow_lattice(surface, {}, cheap).islands;
+    few += grow_lattice(surface, {}, dear).islands;
+  }
+  EXPECT_LT(3 * few, 2 * many);
 }
 
 TEST(SurfaceLattice, BadOptionsAreNamed) {

@@ -13,9 +13,9 @@ constexpr double kStartsShare = 0.08;  // The starts together get at most this f
 constexpr double kRaceHeat = 0.1;
 // Each annealing has 40 steps per module, and there are at most 20 annealings.
 constexpr int kStepsAModule = 40, kMaxRuns = 20;
-constexpr double kHot = 0.6, kCold = 0.05;  // A step may lose this many modules at the start and at the end.
-constexpr int kSmallIsland = 8;             // An island of up to 8 modules may be removed as a whole.
-constexpr double kIslandShare = 0.15;       // This fraction of the steps removes a whole island, if the tries find one.
+constexpr double kCold = 0.05;         // A step may lose this many modules at the end of an annealing.
+constexpr int kSmallIsland = 8;        // An island of up to 8 modules may be removed as a whole.
+constexpr double kIslandShare = 0.15;  // This fraction of the steps removes a whole island, if the tries find one.
 constexpr int kTriesForIsland = 9, kTriesForPlace = 8;
 constexpr double kMargin_mm = 40.0;  // Islands grow within this distance of the removed part.
 
@@ -23,12 +23,13 @@ constexpr double kMargin_mm = 40.0;  // Islands grow within this distance of the
 
 // Measured (docs/measurements/lattice.md): in a small part few islands can be divided as the rounded price assumes, and
 // its steps separate layouts from each other. In a large part steps are few, and are better spent on one layout than on
-// a race.
+// a race; wide tries, and the hot start that goes with them, gain nothing there.
 SearchPlan SearchPlan::of(double room_modules) {
   constexpr double kNever = 2.0;
-  if (room_modules < kRoundedModules) return {12, 0.08, 1.0, kNever};
-  if (room_modules < kLargeModules) return {12, 0.08, 1.0, 0.5};
-  return {6, 0.03, 0.25, 0.8};
+  constexpr RelaxTries kWide{{35.0, 3}, {90.0, 6}, RelaxTry{160.0, 6}};
+  if (room_modules < kRoundedModules) return {12, 0.08, 1.0, kNever, 1.0, kWide};
+  if (room_modules < kLargeModules) return {12, 0.08, 1.0, 0.5, 1.0, kWide};
+  return {6, 0.03, 0.25, 0.8, 0.6, {}};
 }
 
 Value GrowthTask::value(LatticeMesh& net, NetPrice& price, PlaceValue& module_value) const {
@@ -47,6 +48,7 @@ Chain::Chain(const GrowthTask& task, std::uint64_t seed)
       price_(task.options.price, task.jumper_mm),
       worth_(task.regions),
       grower_(task.surface, task.rules, task.samples, task.corner_lift_mm, task.end, task.options.now) {
+  grower_.set_tries(task.plan.tries);
   confine({});
 }
 
@@ -163,7 +165,8 @@ void Chain::begin_due_run() {
 }
 
 double Chain::heat() const {
-  return race_heat_ > 0.0 ? race_heat_ : kHot * std::pow(kCold / kHot, fraction_);
+  const double hot = task_.plan.hot;
+  return race_heat_ > 0.0 ? race_heat_ : hot * std::pow(kCold / hot, fraction_);
 }
 
 // Returns the value that a step compares.

@@ -36,6 +36,8 @@ struct SearchPlan {
   /// `rounded_from`: an early island is room found for modules, and later steps join it to others.
   double first_share;
   double rounded_from;  ///< From this fraction of an annealing on, whole controllers count; above 1 they never do.
+  double hot;           ///< At the start of an annealing a step may lose this many modules.
+  RelaxTries tries;
   [[nodiscard]] static SearchPlan of(double room_modules);
 };
 

@@ -12,8 +12,7 @@ namespace {
 
 constexpr double kSnap_mm = 7.0;  // An apex this near to a corner at the same lattice point joins it.
 // Modules within these radii may give way, at the first and second try.
-constexpr double kRelaxRadius_mm = 60.0, kSecondRadius_mm = 90.0;
-constexpr int kRelaxSteps = 5, kSecondSteps = 6;
+constexpr int kFailuresAThirdTry = 2;
 constexpr double kCrowded_mm = 6.0;  // Relaxing does not undo a larger overlap.
 constexpr double kShort_mm = 6.0;    // An apex that the border holds back by more is not tried.
 constexpr double kReach_mm = 45.0;
@@ -125,11 +124,16 @@ bool Grower::try_corner(LatticeMesh& net, Side side, int apex) {
 // A module that is refused after a hopeful start, beside others of its island, is tried again with more of its
 // surroundings free to move.
 bool Grower::keep_or_revert(LatticeMesh& net, int triangle) {
-  Refusal refusal = refusal_of(net, triangle, kRelaxRadius_mm, kRelaxSteps);
+  Refusal refusal = refusal_of(net, triangle, tries_.first);
   const bool was_hopeful = !relaxer_.changed().empty();
   if (refusal != Refusal::kNone && was_hopeful && net.island_sizes()[at(net.triangles()[at(triangle)].island)] > 1) {
-    relaxer_.undo(net);
-    refusal = refusal_of(net, triangle, kSecondRadius_mm, kSecondSteps);
+    const auto try_again = [&](const RelaxTry& attempt) {
+      relaxer_.undo(net);
+      refusal = refusal_of(net, triangle, attempt);
+    };
+    try_again(tries_.second);
+    if (refusal != Refusal::kNone && tries_.third && ++second_failures_ % kFailuresAThirdTry == 0)
+      try_again(*tries_.third);
   }
   if (refusal == Refusal::kNone) return true;
   ++refused[static_cast<std::size_t>(refusal)];
@@ -138,8 +142,8 @@ bool Grower::keep_or_revert(LatticeMesh& net, int triangle) {
   return false;
 }
 
-Refusal Grower::refusal_of(LatticeMesh& net, int triangle, double radius_mm, int steps) {
-  if (!relaxer_.relax(net, triangle, radius_mm, steps)) return Refusal::kPenetration;
+Refusal Grower::refusal_of(LatticeMesh& net, int triangle, const RelaxTry& attempt) {
+  if (!relaxer_.relax(net, triangle, attempt.radius_mm, attempt.steps)) return Refusal::kPenetration;
   return rules_.evaluate(surface_, net, relaxer_.changed(), relaxer_.pairs(), known_sides_);
 }
 

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "triskin/base/dice.hpp"
@@ -19,6 +20,19 @@ struct Sample {
   Vec3 point, normal;
 };
 [[nodiscard]] std::vector<Sample> spread_samples(const Surface& surface, double area_each_mm2, std::uint64_t seed);
+
+/// In one try to place a module the net within `radius_mm` of it is relaxed, in so many steps.
+struct RelaxTry {
+  double radius_mm;
+  int steps;
+};
+
+/// A module that is refused is tried again with more of its surroundings free to move. The third try follows every
+/// second failure of the second one.
+struct RelaxTries {
+  RelaxTry first{60.0, 5}, second{90.0, 6};
+  std::optional<RelaxTry> third;
+};
 
 /// Adds modules to a net one by one; each is kept only if it and all modules that moved for it keep the rules.
 class Grower {
@@ -42,6 +56,7 @@ class Grower {
   /// Starts islands on uncovered surface in the ball and grows each.
   void fill(LatticeMesh& net, const Ball& ball, Dice& random, int attempts);
 
+  void set_tries(const RelaxTries& tries) { tries_ = tries; }
   /// Restricts new modules to those with centres in the zone.
   void confine(const Zone& zone) { zone_ = zone; }
   [[nodiscard]] const Zone& zone() const { return zone_; }
@@ -74,7 +89,7 @@ class Grower {
   bool seed_at_border(LatticeMesh& net, const Sample& sample);
   [[nodiscard]] bool crowded(const LatticeMesh& net, const Triangle& corners, int beside) const;
   bool keep_or_revert(LatticeMesh& net, int triangle);
-  [[nodiscard]] Refusal refusal_of(LatticeMesh& net, int triangle, double radius_mm, int steps);
+  [[nodiscard]] Refusal refusal_of(LatticeMesh& net, int triangle, const RelaxTry& attempt);
   [[nodiscard]] std::vector<Side> open_sides(const LatticeMesh& net, const Ball& ball) const;
   [[nodiscard]] static Vec3 place_beside(const LatticeMesh& net, Side side);
   [[nodiscard]] std::uint64_t surroundings_of(const LatticeMesh& net, Side side) const;
@@ -86,6 +101,8 @@ class Grower {
   const std::vector<Sample>& samples_;
   PointGrid sample_grid_;
   Relaxer relaxer_;
+  RelaxTries tries_;
+  int second_failures_ = 0;
   Zone zone_;
   std::vector<int> near_;
   // Each side has the signature of its surroundings when a module was refused there. The side is not tried again until
