@@ -10,11 +10,10 @@
 namespace triskin::geometry::surface_lattice {
 namespace {
 
-constexpr double kSnap_mm = 7.0;  // An apex this near to a corner at the same lattice point joins it.
-// Modules within these radii may give way, at the first and second try.
-constexpr int kFailuresAThirdTry = 2;
-constexpr double kCrowded_mm = 6.0;  // Relaxing does not undo a larger overlap.
-constexpr double kShort_mm = 6.0;    // An apex that the border holds back by more is not tried.
+constexpr double kSnap_mm = 7.0;       // An apex this near to a corner at the same lattice point joins it.
+constexpr int kFailuresAThirdTry = 2;  // The second try fails so many times before the next third one.
+constexpr double kCrowded_mm = 6.0;    // Relaxing does not undo a larger overlap.
+constexpr double kShort_mm = 6.0;      // An apex that the border holds back by more is not tried.
 constexpr double kReach_mm = 45.0;
 constexpr double kCornerReach_mm =
     28.0;  // A vertex is 17.3 mm from the centre of its triangle; the rest allows for the largest edge error.

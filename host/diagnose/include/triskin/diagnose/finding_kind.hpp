@@ -14,7 +14,7 @@ namespace triskin::device {
 enum class FindingKind {
   kAbsentController,     ///< No controller answers at the node address of the patch.
   kDuplicateController,  ///< Several controllers share the node address.
-  kNotFlashed,           ///< No controller has the table of the patch, and some have that of no design.
+  kNotFlashed,           ///< No controller has the table of the patch, and some have no table of any design.
   kWrongTable,           ///< The controller has another table.
   kWrongKind,            ///< The controller's table has the modules of the design, but this one has another kind.
   kBackupRoute,          ///< The controller has the table that the design prepared for a failure.

@@ -56,6 +56,7 @@ class Grower {
   /// Starts islands on uncovered surface in the ball and grows each.
   void fill(LatticeMesh& net, const Ball& ball, Dice& random, int attempts);
 
+  /// Replaces the default tries. Those for small parts cost more and find more.
   void set_tries(const RelaxTries& tries) { tries_ = tries; }
   /// Restricts new modules to those with centres in the zone.
   void confine(const Zone& zone) { zone_ = zone; }
