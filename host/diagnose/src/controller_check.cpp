@@ -8,6 +8,7 @@
 
 #include "triskin/base/counted.hpp"
 #include "triskin/base/short_list.hpp"
+#include "triskin/session/address_users.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
 
@@ -41,7 +42,7 @@ bool ControllerCheck::check(PatchState& p, std::vector<Finding>& findings) {
   const layout::NodeAddress node{p.image.node_address};
   const auto at_node = with_table_.find(node);
   if (at_node == with_table_.end() || at_node->second > 1) {
-    note_missing(p.patch, node);
+    (at_node == with_table_.end() ? absent_ : doubled_).push_back(p.patch);
     return false;
   }
   Controller c = p.controller(bus_);
@@ -137,24 +138,22 @@ std::vector<std::string> ControllerCheck::serials_at(layout::NodeAddress node) c
   return serials;
 }
 
-void ControllerCheck::note_missing(layout::PatchIndex patch, layout::NodeAddress node) {
-  (with_table_.contains(node) ? doubled_ : absent_).push_back(patch);
-}
-
-// A controller that shares its address cannot be asked, and one that does not answer tells nothing.
-bool ControllerCheck::has_identify_table(const wire::NodeClaim& claim) {
-  if (with_table_.at(layout::NodeAddress{claim.node_address}) > 1) return false;
+// One that does not answer tells nothing.
+bool ControllerCheck::has_identify_table(std::uint8_t node) {
   try {
-    return Controller(bus_, claim.node_address).active_table().design_id == kIdentifyDesign;
+    return Controller(bus_, node).active_table().design_id == kIdentifyDesign;
   } catch (const NoAnswer&) {
     return false;
   }
 }
 
-// Also new is a controller that was being identified when its flash was ended.
+// Also new is a controller that was being identified when its flash was ended. Those that share an address cannot be
+// asked.
 std::size_t ControllerCheck::count_new_controllers() {
-  return static_cast<std::size_t>(
-      std::ranges::count_if(claims_, [&](const wire::NodeClaim& c) { return !c.has_table || has_identify_table(c); }));
+  const auto users = users_of_addresses(claims_);
+  return static_cast<std::size_t>(std::ranges::count_if(claims_, [&](const wire::NodeClaim& c) {
+    return !c.has_table || (users.at(c.node_address) == 1 && has_identify_table(c.node_address));
+  }));
 }
 
 // The controller of each patch in `without` may be one of the two.

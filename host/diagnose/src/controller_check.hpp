@@ -31,9 +31,8 @@ class ControllerCheck {
                         std::vector<Finding>& findings);
   [[nodiscard]] std::string name_of_kind(int kind) const;
   bool runs_on_backup(PatchState& p, std::uint32_t crc, std::vector<Finding>& findings);
-  void note_missing(layout::PatchIndex patch, layout::NodeAddress node);
   [[nodiscard]] std::vector<std::string> serials_at(layout::NodeAddress node) const;
-  [[nodiscard]] bool has_identify_table(const wire::NodeClaim& claim);
+  [[nodiscard]] bool has_identify_table(std::uint8_t node);
   [[nodiscard]] std::size_t count_new_controllers();
   [[nodiscard]] Finding unflashed_finding(std::size_t new_controllers) const;
   [[nodiscard]] Finding duplicate_finding(layout::PatchIndex patch,
