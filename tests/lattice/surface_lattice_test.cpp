@@ -234,7 +234,8 @@ TEST(SurfaceLattice, DearControllersLeaveFewSmallIslands) {
   cheap.price = {0.0, 0.0, 0.0};
   dear.price = {3.0, 0.25, 0.1};
   cheap.hinge_reward = dear.hinge_reward = 0.0;  // Its result has few islands too.
-  int many = 0, few = 0;                         // One seed in six finds more islands where they are dear.
+  // One seed in six finds more islands where they are dear.
+  int many = 0, few = 0;
   for (cheap.seed = 1; cheap.seed <= 6; ++cheap.seed) {
     dear.seed = cheap.seed;
     many += grow_lattice(surface, {}, cheap).islands;

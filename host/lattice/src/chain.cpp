@@ -27,9 +27,11 @@ constexpr double kMargin_mm = 40.0;  // Islands grow within this distance of the
 SearchPlan SearchPlan::of(double room_modules) {
   constexpr double kNever = 2.0;
   constexpr RelaxTries kWide{{35.0, 3}, {90.0, 6}, RelaxTry{160.0, 6}};
-  if (room_modules < kRoundedModules) return {12, 0.08, 1.0, kNever, 1.0, kWide};
-  if (room_modules < kLargeModules) return {12, 0.08, 1.0, 0.5, 1.0, kWide};
-  return {6, 0.03, 0.25, 0.8, 0.6, {}};
+  SearchPlan small{
+      .starts = 12, .race_share = 0.08, .first_share = 1.0, .rounded_from = 0.5, .hot = 1.0, .tries = kWide};
+  if (room_modules < kRoundedModules) small.rounded_from = kNever;
+  if (room_modules < kLargeModules) return small;
+  return {.starts = 6, .race_share = 0.03, .first_share = 0.25, .rounded_from = 0.8, .hot = 0.6, .tries = {}};
 }
 
 Value GrowthTask::value(LatticeMesh& net, NetPrice& price, PlaceValue& module_value) const {
