@@ -202,12 +202,12 @@ TEST_F(JumperedFile, a_jumper_across_a_module_or_another_jumper_is_named) {
   // A module of another island is moved under the cable.
   expect("jumper-crossing", [&](json& j) {
     const json& jumper = j["jumpers"][0];
-    const auto corner = [&](int e, int k) {
+    const auto corner = [&](std::size_t e, int k) {
       const json& c = j["modules"][jumper["modules"][e].get<std::size_t>()]["corners"][static_cast<std::size_t>(k % 3)];
       return Vec3(c[0], c[1], c[2]);
     };
     Vec3 middle(0, 0, 0);
-    for (int e = 0; e < 2; ++e) {
+    for (std::size_t e = 0; e < 2; ++e) {
       const int s = jumper["sides"][e];
       middle += 0.25 * (corner(e, s) + corner(e, s + 1));
     }

@@ -87,7 +87,7 @@ TEST(Addresses, sixteen_fresh_boards_on_a_bus_that_loses_and_delays_frames) {
 
 // 126 claims of two frames each take longer than the window for the first one.
 TEST(Addresses, all_boards_of_a_slow_bus_are_found) {
-  for (const int bit_rate : {1'000'000, 250'000, 125'000, 50'000}) {
+  for (const std::uint64_t bit_rate : {1'000'000U, 250'000U, 125'000U, 50'000U}) {
     scene::Scene scene;
     scene.design = strip(126, 1);
     scene.effects.bus_bit_rate = bit_rate;

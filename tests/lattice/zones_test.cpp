@@ -72,7 +72,7 @@ TEST_P(Zones, are_merged_with_every_change_of_each) {
     std::vector<RandomNet> parts;
     std::vector<std::vector<int>> pinned;
     for (const Zone& zone : zones) {
-      RandomNet part(random.random.below(1000));
+      RandomNet part(static_cast<std::uint64_t>(random.random.below(1000)));
       part.net = random.net;
       part.zone = zone;
       pinned.push_back(pin_outside(part.net, zone));

@@ -15,7 +15,7 @@ class Builder {
   Builder(const ShellSolid& s, WalledPart& part) : s_(s), part_(part) {}
 
   void run() {
-    for (int layer = 0; layer < 2; ++layer) {
+    for (std::size_t layer = 0; layer < 2; ++layer) {
       first_[layer] = count();
       for (int i = 0; i < columns(); ++i) {
         for (int j = 0; j <= s_.rows; ++j) part_.mesh.vertices.push_back(place(i, j, layer == 0 ? 0.5 : -0.5));
@@ -38,7 +38,7 @@ class Builder {
  private:
   [[nodiscard]] int count() const { return static_cast<int>(part_.mesh.vertices.size()); }
   [[nodiscard]] int columns() const { return s_.wraps ? s_.columns : s_.columns + 1; }
-  [[nodiscard]] int vertex(int layer, int i, int j) const {
+  [[nodiscard]] int vertex(std::size_t layer, int i, int j) const {
     return first_[layer] + (i % columns()) * (s_.rows + 1) + j;
   }
   [[nodiscard]] Vec3 at(int i, int j) const {

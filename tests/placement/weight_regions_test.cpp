@@ -82,7 +82,7 @@ TEST(WeightRegions, bad_wishes_name_what_is_wrong) {
   EXPECT_THAT(message([](WeightRegions& w) { w.module_weight = std::nan(""); }), HasSubstr("module_weight"));
   EXPECT_THAT(message([](WeightRegions& w) { w.step_mm = 0.0; }), HasSubstr("must be positive"));
   EXPECT_THAT(message([](WeightRegions& w) { w.step_mm = 1e-3; }), HasSubstr("longer step"));
-  EXPECT_THAT(message([](WeightRegions& w) { w.regions[0].outline_mm[0].x() = INFINITY; }), HasSubstr("not finite"));
+  EXPECT_THAT(message([](WeightRegions& w) { w.regions[0].outline_mm[0].x() = HUGE_VAL; }), HasSubstr("not finite"));
 }
 
 TEST(WeightRegions, are_read_from_a_file) {

@@ -268,7 +268,8 @@ TEST(Recording, a_recovered_file_is_the_file_that_was_cut) {
   std::string recovered = triskin::read_file(folder / "new.mcap");
   ASSERT_EQ(recovered.size(), whole.size());
   // Only the CRC of the data section is left out, which follows the head of the record kind 15.
-  const std::size_t data_end = std::mismatch(whole.begin(), whole.end(), recovered.begin()).first - whole.begin();
+  const auto data_end =
+      static_cast<std::size_t>(std::mismatch(whole.begin(), whole.end(), recovered.begin()).first - whole.begin());
   EXPECT_EQ(recovered.substr(data_end, 4), std::string(4, '\0'));
   recovered.replace(data_end, 4, whole.substr(data_end, 4));
   EXPECT_EQ(recovered, whole);

@@ -262,8 +262,8 @@ TEST(SharedBus, a_replaced_cover_leaves_the_other_boards_as_they_are) {
   for (std::size_t cover = 0; cover < 3; ++cover) (void)bus.flash(cover);
   bus.settle();
   const auto after = bus.operations();
-  for (const std::size_t node : {1, 2, 3, 6}) EXPECT_EQ(after[node], before[node]) << "node address " << node;
-  for (const std::size_t node : {4, 5, 7}) EXPECT_GT(after[node], before[node]) << "node address " << node;
+  for (const std::size_t node : {1U, 2U, 3U, 6U}) EXPECT_EQ(after[node], before[node]) << "node address " << node;
+  for (const std::size_t node : {4U, 5U, 7U}) EXPECT_GT(after[node], before[node]) << "node address " << node;
   std::filesystem::remove_all(folder);
 }
 
@@ -298,8 +298,8 @@ TEST(SharedBus, boards_of_a_changed_design_are_written_when_the_file_names_them)
   EXPECT_EQ(bus.flash(1).bytes > 0, true);
   bus.settle();
   const auto after = bus.operations();
-  for (const std::size_t node : {1, 2, 3, 6}) EXPECT_EQ(after[node], before[node]) << "node address " << node;
-  for (const std::size_t node : {4, 5}) EXPECT_GT(after[node], before[node]) << "node address " << node;
+  for (const std::size_t node : {1U, 2U, 3U, 6U}) EXPECT_EQ(after[node], before[node]) << "node address " << node;
+  for (const std::size_t node : {4U, 5U}) EXPECT_GT(after[node], before[node]) << "node address " << node;
   std::filesystem::remove_all(folder);
 }
 

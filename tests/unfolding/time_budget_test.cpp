@@ -75,7 +75,7 @@ TEST_F(TimeBudgetTest, a_deadline_is_over_after_its_time) {
 TEST(TimeBudgetLimit, must_be_positive) {
   EXPECT_THROW(TimeBudget(0.0), InputError);
   EXPECT_THROW(TimeBudget(-1.0), InputError);
-  EXPECT_THROW(TimeBudget(std::numeric_limits<double>::quiet_NaN()), InputError);
+  EXPECT_THROW(TimeBudget{std::numeric_limits<double>::quiet_NaN()}, InputError);
 }
 
 }  // namespace

@@ -16,7 +16,6 @@ namespace triskin::sheet {
 namespace {
 
 using design::Vec3;
-using Box = Eigen::AlignedBox2d;
 
 // An orthographic view of the part; z of a flat point rises towards the viewer.
 struct View {
@@ -62,7 +61,7 @@ void draw_surface(const Drawing& d, const View& view) {
   std::ranges::stable_sort(shapes, {}, &Shape::height);
   const bool as_picture = shapes.size() > kMaxDrawnFaces;
   if (as_picture) {
-    Box box;
+    Eigen::AlignedBox2d box;
     for (const Shape& s : shapes) {
       for (const Vec2& p : s.points) box.extend(p);
     }
@@ -182,7 +181,7 @@ void draw_overview(const Drawing& d) {
   const Vec2 cell((d.page.size_mm.x() - 2.0 * kMargin_mm) / 2.0,
                   (d.page.size_mm.y() - 2.0 * kMargin_mm - kHead_mm - kFoot_mm) / 3.0);
   double most = 1.0;
-  std::array<Box, 6> boxes;
+  std::array<Eigen::AlignedBox2d, 6> boxes;
   for (std::size_t v = 0; v < kViews.size(); ++v) {
     for (const Vec3& p : points) boxes[v].extend(kViews[v].turned(p));
     const Vec2 room = cell - Vec2(12, 16);

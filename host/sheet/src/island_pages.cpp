@@ -15,7 +15,6 @@
 namespace triskin::sheet {
 
 using design::Vec2;
-using Box = Eigen::AlignedBox2d;
 
 Vec2 IslandPage::at(const std::array<int, 2>& vertex) const {
   const Vec2 p = Eigen::Rotation2Dd(sixths * std::numbers::pi / 3.0) * design::grid_point(vertex[0], vertex[1]);
@@ -35,7 +34,7 @@ constexpr double kRollWidth_mm = 610.0, kRollLongest_mm = 3000.0, kRollShortest_
 struct Division {
   int sixths = 0;
   Vec2 paper_mm{0, 0};
-  Box box;
+  Eigen::AlignedBox2d box;
   int columns = 1, rows = 1;
   [[nodiscard]] int pages() const { return columns * rows; }
 };
@@ -51,8 +50,8 @@ int parts_along(double length_mm, double room_mm) {
   return length_mm <= room_mm ? 1 : static_cast<int>(std::ceil(length_mm / (room_mm - design::kSide_mm)));
 }
 
-Box box_of(const design::Design& design, const std::vector<int>& modules, const IslandPage& page) {
-  Box box;
+Eigen::AlignedBox2d box_of(const design::Design& design, const std::vector<int>& modules, const IslandPage& page) {
+  Eigen::AlignedBox2d box;
   for (const int id : modules) {
     for (const Vec2& p : page.corners_of(design.layout.modules[static_cast<std::size_t>(id)].tile)) box.extend(p);
   }
@@ -87,7 +86,7 @@ std::map<int, std::vector<int>> parts_of(const design::Design& design, const std
                                          const Division& way) {
   std::map<int, std::vector<int>> parts;
   for (const int id : modules) {
-    const Box box = box_of(design, {id}, {.sixths = way.sixths});
+    const Eigen::AlignedBox2d box = box_of(design, {id}, {.sixths = way.sixths});
     const Vec2 share = (box.center() - way.box.min()).cwiseQuotient(way.box.sizes());
     const int column = std::clamp(static_cast<int>(share.x() * way.columns), 0, way.columns - 1);
     const int row = std::clamp(static_cast<int>(share.y() * way.rows), 0, way.rows - 1);
@@ -139,7 +138,7 @@ Vec2 shared_room(const Vec2& paper_mm) {
 }
 
 void put_on(OpenPage& open, const Vec2& at_mm, const design::Design& design, IslandPage island) {
-  const Box box = box_of(design, island.modules, island);
+  const Eigen::AlignedBox2d box = box_of(design, island.modules, island);
   const Vec2 corner = Vec2(kMargin_mm, kMargin_mm + kHead_mm) + at_mm;
   island.caption_mm = corner + Vec2(0, 4.0);
   island.shift_mm += corner + Vec2(kLabels_mm, kLabels_mm + kCaption_mm) - box.min();
@@ -183,7 +182,7 @@ std::string title_of(const Page& page) {
 
 Page page_alone(const design::Design& design, IslandPage island, const Division& way, Paper paper) {
   Page page{.kind = PageKind::kIsland, .size_mm = way.paper_mm};
-  const Box box = box_of(design, island.modules, island);
+  const Eigen::AlignedBox2d box = box_of(design, island.modules, island);
   if (paper == Paper::kRoll)
     page.size_mm.y() = std::max(kRollShortest_mm, box.sizes().y() + kRollLongest_mm - room_mm(way.paper_mm).y());
   const Vec2 corner(kMargin_mm + kLabels_mm, kMargin_mm + kHead_mm + kLabels_mm);

@@ -14,7 +14,7 @@ constexpr std::uint32_t kOptionLock = 1U << 30, kOptionStart = 1U << 17, kDataCa
                         kDataCacheReset = 1U << 12, kInstructionCache = 1U << 9, kInstructionCacheReset = 1U << 11,
                         kDebugger = 1U << 18, kErrorInterrupt = 1U << 25;
 constexpr std::uint32_t kLock = 1U << 31, kBusy = 1U << 16, kStart = 1U << 16, kEccDetected = 1U << 31,
-                        kEccCorrected = 1U << 30, kEccFlags = 0xF0000000, kDualBank = 1U << 22;
+                        kEccCorrected = 1U << 30, kEccFlags = 0xF0000000;
 constexpr std::uint32_t kProgError = 1U << 3, kProtectionError = 1U << 4, kAlignError = 1U << 5, kSizeError = 1U << 6,
                         kSequenceError = 1U << 7;
 
