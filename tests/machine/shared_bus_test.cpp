@@ -140,7 +140,7 @@ TEST(UpdateOfSixteenBoards, with_losses_one_dead_one_cut_one_old_reaches_all_oth
   MachineBoard& cut = machines.back();
   cut.flash.cut_power_after(random() % (package.image(0).size() / 8));
   bus_link.lost_percent = 1;
-  skin.on_delivery([dice = std::mt19937(kSeed), dead](std::size_t p, const wire::CanFrame&) mutable {
+  skin.on_delivery([dice = std::mt19937(kSeed)](std::size_t p, const wire::CanFrame&) mutable {
     return p != dead && dice() % 100 != 0;
   });
   const auto result = device::broadcast_firmware(std::array{device::UpdateBus{&bus, claims}}, package, {.force = true});
