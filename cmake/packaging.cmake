@@ -28,8 +28,8 @@ install(FILES cmake/packaging/copyright README.md COMPONENT program DESTINATION 
 install(DIRECTORY docs COMPONENT program DESTINATION ${doc_folder}
         PATTERN "measurements" EXCLUDE PATTERN "decisions" EXCLUDE PATTERN "examples" EXCLUDE)
 install(DIRECTORY docs/examples COMPONENT program DESTINATION ${doc_folder} USE_SOURCE_PERMISSIONS)
-install(FILES tests/library/read_touch.c COMPONENT program DESTINATION ${doc_folder}/examples)
-install(DIRECTORY host/bridge/ros/ COMPONENT program DESTINATION share/triskin/ros)
+install(FILES tests/app/library/read_touch.c COMPONENT program DESTINATION ${doc_folder}/examples)
+install(DIRECTORY host/output/bridge/ros/ COMPONENT program DESTINATION share/triskin/ros)
 if(TRISKIN_FIRMWARE_FOLDER)
   install(DIRECTORY ${TRISKIN_FIRMWARE_FOLDER}/ COMPONENT program DESTINATION share/triskin/firmware FILES_MATCHING PATTERN "triskin_*.tsf" PATTERN "triskin_factory.bin")
 endif()

@@ -34,44 +34,44 @@ PARTS = [
     # A chip: what it does not share with the others.
     Part("firmware/board/stm32g474", "", "board core wire layout ports", "vendor"),
     Part("firmware/board/stm32l452", "", "board core wire layout ports", "vendor"),
-    Part("host/base", "base", "", "fmt", "triskin_base"),
-    Part("host/design", "design", "base core wire layout", HOST_BASE, "triskin_design"),
-    Part("host/export", "export", "base design core wire layout", HOST_BASE, "triskin_export"),
-    Part("host/cad", "cad", "base design", HOST_BASE, "triskin_cad"),
+    Part("host/core/base", "base", "", "fmt", "triskin_base"),
+    Part("host/core/design", "design", "base core wire layout", HOST_BASE, "triskin_design"),
+    Part("host/output/exports", "export", "base design core wire layout", HOST_BASE, "triskin_export"),
+    Part("host/plan/cad", "cad", "base design", HOST_BASE, "triskin_cad"),
     # A program of its own: nothing else may link the geometry kernel.
-    Part("host/cad_reader", "", "base design cad", "Eigen nlohmann fmt CGAL OCCT", "triskin_cad_reader"),
-    Part("host/mesh", "mesh", "base design cad", "Eigen nlohmann fmt CGAL tbb assimp minizip expat boost", "triskin_mesh"),
-    Part("host/placement", "placement", "base design", "Eigen nlohmann fmt CGAL tbb boost", "triskin_placement"),
-    Part("host/unfolding", "unfolding", "base design mesh placement", "Eigen fmt CGAL tbb boost", "triskin_unfolding"),
-    Part("host/routing", "routing", "base design mesh", "Eigen fmt tbb", "triskin_routing"),
-    Part("host/lattice", "lattice", "base design mesh routing", "Eigen fmt CGAL tbb boost", "triskin_lattice"),
-    Part("host/pipeline", "pipeline", "base design mesh placement unfolding lattice routing", HOST_BASE, "triskin_pipeline"),
-    Part("host/fabrication", "fabrication", "base design cad sheet layout", HOST_BASE + " minizip", "triskin_fabrication"),
-    Part("host/check", "check", "base", "Eigen nlohmann fmt CGAL boost", "triskin_check"),
-    Part("host/mechanics", "mechanics", "base", HOST_BASE, "triskin_mechanics"),
-    Part("host/recording", "recording", "base design core wire layout", HOST_BASE, "triskin_recording"),
-    Part("host/bridge", "bridge", "base design core wire layout recording", HOST_BASE + " dds", "triskin_bridge"),
-    Part("host/link", "link", "base core wire layout", "fmt libusb hidapi", "triskin_link"),
-    Part("host/session", "session", "base design core wire layout link", HOST_BASE + " boost_fiber", "triskin_session"),
-    Part("host/diagnose", "diagnose", "base design core wire layout link session", HOST_BASE, "triskin_diagnose"),
-    Part("host/deploy", "deploy", "base design core wire layout link session diagnose", HOST_BASE, "triskin_deploy"),
-    Part("host/robot", "robot", "base design core wire layout link session deploy", HOST_BASE + " boost", "triskin_robot"),
-    Part("host/sim", "scene", "base design core wire layout sim link mechanics", HOST_BASE, "triskin_sim"),
-    Part("host/connect", "connect", "base design core wire layout sim scene link session robot", HOST_BASE, "triskin_connect"),
-    Part("host/skin", "skin", "base design core wire layout link session robot connect mechanics", HOST_BASE, "triskin_skin"),
-    Part("host/scenario", "scenario",
+    Part("host/plan/cad_reader", "", "base design cad", "Eigen nlohmann fmt CGAL OCCT", "triskin_cad_reader"),
+    Part("host/plan/mesh", "mesh", "base design cad", "Eigen nlohmann fmt CGAL tbb assimp minizip expat boost", "triskin_mesh"),
+    Part("host/plan/placement", "placement", "base design", "Eigen nlohmann fmt CGAL tbb boost", "triskin_placement"),
+    Part("host/plan/unfolding", "unfolding", "base design mesh placement", "Eigen fmt CGAL tbb boost", "triskin_unfolding"),
+    Part("host/plan/routing", "routing", "base design mesh", "Eigen fmt tbb", "triskin_routing"),
+    Part("host/plan/lattice", "lattice", "base design mesh routing", "Eigen fmt CGAL tbb boost", "triskin_lattice"),
+    Part("host/plan/pipeline", "pipeline", "base design mesh placement unfolding lattice routing", HOST_BASE, "triskin_pipeline"),
+    Part("host/output/fabrication", "fabrication", "base design cad sheet layout", HOST_BASE + " minizip", "triskin_fabrication"),
+    Part("host/plan/check", "check", "base", "Eigen nlohmann fmt CGAL boost", "triskin_check"),
+    Part("host/device/mechanics", "mechanics", "base", HOST_BASE, "triskin_mechanics"),
+    Part("host/device/recording", "recording", "base design core wire layout", HOST_BASE, "triskin_recording"),
+    Part("host/output/bridge", "bridge", "base design core wire layout recording", HOST_BASE + " dds", "triskin_bridge"),
+    Part("host/device/link", "link", "base core wire layout", "fmt libusb hidapi", "triskin_link"),
+    Part("host/device/session", "session", "base design core wire layout link", HOST_BASE + " boost_fiber", "triskin_session"),
+    Part("host/device/diagnose", "diagnose", "base design core wire layout link session", HOST_BASE, "triskin_diagnose"),
+    Part("host/device/deploy", "deploy", "base design core wire layout link session diagnose", HOST_BASE, "triskin_deploy"),
+    Part("host/device/robot", "robot", "base design core wire layout link session deploy", HOST_BASE + " boost", "triskin_robot"),
+    Part("host/sim/hardware", "scene", "base design core wire layout sim link mechanics", HOST_BASE, "triskin_sim"),
+    Part("host/device/connect", "connect", "base design core wire layout sim scene link session robot", HOST_BASE, "triskin_connect"),
+    Part("host/device/skin", "skin", "base design core wire layout link session robot connect mechanics", HOST_BASE, "triskin_skin"),
+    Part("host/sim/scenario", "scenario",
          "base design core wire layout sim scene link session diagnose deploy skin recording mechanics", HOST_BASE, "triskin_scenario"),
-    Part("host/view", "view", "base design core wire layout", HOST_BASE + " boost_beast", "triskin_view"),
-    Part("host/sheet", "sheet", "base design core wire layout", HOST_BASE + " cairo", "triskin_sheet"),
-    Part("host/hdf5", "hdf5", "base design core wire layout recording", HOST_BASE + " HDF5", "triskin_hdf5"),
+    Part("host/output/view", "view", "base design core wire layout", HOST_BASE + " boost_beast", "triskin_view"),
+    Part("host/output/sheet", "sheet", "base design core wire layout", HOST_BASE + " cairo", "triskin_sheet"),
+    Part("host/output/hdf5", "hdf5", "base design core wire layout recording", HOST_BASE + " HDF5", "triskin_hdf5"),
     # The header of the library is its own: <triskin/triskin.h> has no prefix.
-    Part("host/library", "", "base design core wire layout link session diagnose deploy skin robot connect scene recording", "fmt", "triskin_library"),
-    Part("host/python", "", "", "pybind11", "triskin_python"),
-    Part("host/cli/src/geometry", "",
+    Part("host/app/library", "", "base design core wire layout link session diagnose deploy skin robot connect scene recording", "fmt", "triskin_library"),
+    Part("host/app/python", "", "", "pybind11", "triskin_python"),
+    Part("host/app/cli/src/geometry", "",
          "cli base design export mesh placement unfolding lattice routing pipeline check core wire layout sim scene recording link session "
          "diagnose deploy skin robot connect view sheet hdf5 bridge cad fabrication",
          HOST_BASE + " CLI"),
-    Part("host/cli", "cli",
+    Part("host/app/cli", "cli",
          "base design export core wire layout sim scene recording link session diagnose deploy skin robot connect view sheet hdf5 bridge "
          "mechanics cad scenario",
          HOST_BASE + " CLI", "triskin"),
@@ -87,14 +87,14 @@ FOREIGN = {"CGAL": r"^CGAL/", "Eigen": r"^Eigen/", "nlohmann": r"^nlohmann/", "f
 CHIP_HEADERS = {("firmware/board/stm32", f"firmware/board/{chip}/include/triskin/board") for chip in ("stm32g474", "stm32l452")}
 # What one part offers to a few others alone: header, and the folders that may include it.
 RESERVED = {
-    # A reader of samples takes them from host/skin; verify and bring_up measure the stream itself, scenarios stream from memory.
-    "triskin/session/stream.hpp": ["host/session", "host/skin", "host/diagnose", "host/deploy", "host/scenario"],
-    "triskin/session/icub_stream.hpp": ["host/session", "host/skin"],
+    # A reader of samples takes them from host/device/skin; verify and bring_up measure the stream itself, scenarios stream from memory.
+    "triskin/session/stream.hpp": ["host/device/session", "host/device/skin", "host/device/diagnose", "host/device/deploy", "host/sim/scenario"],
+    "triskin/session/icub_stream.hpp": ["host/device/session", "host/device/skin"],
 }
-# Who answers on a bus is asked for by host/skin; these ask without one: they flash, verify or list boards that may be no skin yet.
+# Who answers on a bus is asked for by host/device/skin; these ask without one: they flash, verify or list boards that may be no skin yet.
 BUS_DISCOVERY = re.compile(r"(\.|->)discover\(\)")
-MAY_DISCOVER = ["host/session/", "host/skin/", "host/diagnose/", "host/deploy/", "host/cli/src/discover.cpp",
-                "host/cli/src/doctor.cpp", "host/cli/src/flash_firmware.cpp", "host/cli/src/log.cpp", "host/cli/src/protect.cpp"]
+MAY_DISCOVER = ["host/device/session/", "host/device/skin/", "host/device/diagnose/", "host/device/deploy/", "host/app/cli/src/discover.cpp",
+                "host/app/cli/src/doctor.cpp", "host/app/cli/src/flash_firmware.cpp", "host/app/cli/src/log.cpp", "host/app/cli/src/protect.cpp"]
 # No heap, no operating system in what also runs on the microcontroller (the posix board is there for simulations).
 HOSTED = re.compile(r"^(iostream|fstream|sstream|thread|mutex|chrono|future|regex|filesystem)$")
 # Link names of libraries that only some targets may reach, and which ones.

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lists the constants of headers about the silicon, and holds the list against tests/silicon/facts.txt.
+"""Lists the constants of headers about the silicon, and holds the list against tests/firmware/silicon/facts.txt.
 
   list_silicon_constants.py FACTS HEADER... [--sources FILE...] [--table OUT]
 

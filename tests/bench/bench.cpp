@@ -4,7 +4,7 @@
 #include <memory>
 #include <utility>
 
-#include "triskin/cli/program.hpp"
+#include "app/cli/src/program.hpp"
 
 namespace triskin::cli {
 

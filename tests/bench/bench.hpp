@@ -9,7 +9,7 @@
 #include <string>
 #include <system_error>
 
-#include "triskin/cli/command.hpp"
+#include "app/cli/src/command.hpp"
 
 namespace triskin::cli {
 

@@ -18,12 +18,12 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Case {
-  geometry::GenerateOptions size;
+  mesh::GenerateOptions size;
   bool quick;  // True includes the case in a run with --quick.
 };
 constexpr std::array kCases{Case{{0.0, 0}, true}, Case{{500.0, 20'000}, false}, Case{{2000.0, 100'000}, false}};
 
-nlohmann::json row_of(const geometry::ShapeInfo& shape, const fs::path& folder, const fs::path& mesh, double limit_s) {
+nlohmann::json row_of(const mesh::ShapeInfo& shape, const fs::path& folder, const fs::path& mesh, double limit_s) {
   pipeline::DesignOptions options;
   options.time_limit_s = limit_s;
   pipeline::DesignNotes notes;
@@ -45,12 +45,12 @@ nlohmann::json row_of(const geometry::ShapeInfo& shape, const fs::path& folder, 
 nlohmann::json design_rows(const BenchOptions& options, Output&) {
   nlohmann::json rows = nlohmann::json::array();
   const Scratch scratch;
-  for (const geometry::ShapeInfo& shape : geometry::generated_shapes()) {
+  for (const mesh::ShapeInfo& shape : mesh::generated_shapes()) {
     for (const Case& c : kCases) {
       if (options.quick && !c.quick) continue;
-      const geometry::Mesh mesh = geometry::generate(shape.shape, c.size);
+      const design::Mesh mesh = mesh::generate(shape.shape, c.size);
       const fs::path file = scratch.path() / "mesh.obj";
-      geometry::write_obj(file, mesh);
+      mesh::write_obj(file, mesh);
       for (const double limit_s : {2.0, 6.0, 20.0}) {
         if (options.quick && limit_s > 2.0) continue;
         rows.push_back(row_of(shape, scratch.path(), file, limit_s));

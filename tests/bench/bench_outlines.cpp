@@ -9,7 +9,7 @@
 namespace triskin::cli {
 namespace {
 
-using geometry::Polygon;
+using design::Polygon;
 
 // The radius is 1 with a few waves.
 class Waves {
@@ -37,9 +37,9 @@ std::mt19937_64 seeded(int vertices, double area_cm2) {
 }
 
 Polygon scaled(Polygon p, double area_cm2) {
-  const double scale = std::sqrt(area_cm2 * 100.0 / geometry::polygon_area(p));
+  const double scale = std::sqrt(area_cm2 * 100.0 / placement::polygon_area(p));
   for (auto& v : p.outer) v *= scale;
-  return geometry::normalize_polygon(std::move(p), "bench outline");
+  return placement::normalize_polygon(std::move(p), "bench outline");
 }
 
 }  // namespace

@@ -18,8 +18,8 @@ namespace triskin::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using geometry::Polygon;
-using geometry::paper::Heuristic;
+using design::Polygon;
+using placement::paper::Heuristic;
 using json = nlohmann::json;
 
 // Gives a column of Table I, the polygon's area and, as far as the paper reveals it, its number of vertices: 20 for LH;
@@ -65,14 +65,14 @@ Polygon largest_island(const fs::path& file) {
   for (const auto& island : islands) {
     Polygon p;
     for (const auto& ring : island.at("rings")) {
-      std::vector<geometry::Vec2> points;
+      std::vector<design::Vec2> points;
       for (const auto& q : ring) points.emplace_back(q.at(0).get<double>(), q.at(1).get<double>());
       (p.outer.empty() ? p.outer : p.holes.emplace_back()) = std::move(points);
     }
-    if (largest.outer.empty() || geometry::polygon_area(p) > geometry::polygon_area(largest)) largest = std::move(p);
+    if (largest.outer.empty() || placement::polygon_area(p) > placement::polygon_area(largest)) largest = std::move(p);
   }
   if (largest.outer.empty()) throw InputError("bench paper: " + file.string() + " holds no island");
-  return geometry::normalize_polygon(std::move(largest), file.filename().string());
+  return placement::normalize_polygon(std::move(largest), file.filename().string());
 }
 
 class PaperRows {
@@ -99,7 +99,7 @@ class PaperRows {
     for (std::size_t k = 0; k < kHeuristics.size(); ++k) {
       json& row = add(about, p, kHeuristics[k]);
       row["paper_modules"] = part.modules[k];
-      row["paper_uncovered"] = 1.0 - part.modules[k] * geometry::kModuleArea_mm2 / (100.0 * part.area_cm2);
+      row["paper_uncovered"] = 1.0 - part.modules[k] * design::kModuleArea_mm2 / (100.0 * part.area_cm2);
       row["paper_seconds"] = part.seconds[k];
     }
     certified(about, p);
@@ -116,7 +116,7 @@ class PaperRows {
   json& add(const json& about, const Polygon& p, Heuristic heuristic) {
     const auto vertices = static_cast<std::int64_t>(p.outer.size());
     report(sink_, "bench paper", -1.0, about.at("part").get<std::string>() + " " + name_of(heuristic));
-    geometry::paper::HeuristicOptions options;
+    placement::paper::HeuristicOptions options;
     const std::int64_t all = placement_count(heuristic, vertices);
     // A placement takes about 0.2 µs per vertex.
     const std::int64_t to_the_end = (quick_ ? 15'000'000 : 100'000'000) / vertices,
@@ -142,10 +142,10 @@ class PaperRows {
     std::int64_t seen = 0;
     int evaluated = 0;
     double seconds = 0.0;
-    produce_placements(heuristic, p, {}, [&](const geometry::paper::PivotedPlacement& at) {
+    produce_placements(heuristic, p, {}, [&](const placement::paper::PivotedPlacement& at) {
       if (seen++ % step != 0) return true;
       const double start = processor_s();
-      (void)geometry::paper::algorithm1_cgal(p, at);
+      (void)placement::paper::algorithm1_cgal(p, at);
       seconds += processor_s() - start;
       return ++evaluated < 20;
     });
@@ -154,12 +154,12 @@ class PaperRows {
 
   void certified(const json& about, const Polygon& p) {
     report(sink_, "bench paper", -1.0, about.at("part").get<std::string>() + " certified");
-    geometry::PlacementOptions options;
+    placement::PlacementOptions options;
     options.threads = 1;
     options.largest_clearance = false;
     options.time_limit_s = quick_ ? 4.0 : 60.0;
     const double start = processor_s();
-    const geometry::PlacementResult r = geometry::place(p, options);
+    const placement::PlacementResult r = placement::place(p, options);
     const double seconds = processor_s() - start;
     json& row = put(about, p, "certified", r.modules);
     row["placements"] = r.evaluations;
@@ -169,7 +169,7 @@ class PaperRows {
   }
 
   json& put(const json& about, const Polygon& p, const std::string& method, int modules) {
-    const double area_mm2 = geometry::polygon_area(p), covered_mm2 = modules * geometry::kModuleArea_mm2;
+    const double area_mm2 = placement::polygon_area(p), covered_mm2 = modules * design::kModuleArea_mm2;
     json row = about;
     row["vertices"] = p.outer.size();
     row["area_cm2"] = 0.01 * area_mm2;

@@ -14,13 +14,13 @@
 namespace triskin::cli {
 namespace {
 
-namespace paper = geometry::paper;
-using geometry::Polygon;
+namespace paper = placement::paper;
+using design::Polygon;
 constexpr int kMaxRuns = 5;
 constexpr double kRepeatedFor_s = 0.5;
 
-geometry::PlacementOptions count_only(double limit_s) {
-  geometry::PlacementOptions options;
+placement::PlacementOptions count_only(double limit_s) {
+  placement::PlacementOptions options;
   options.time_limit_s = limit_s;
   options.threads = 1;
   options.largest_clearance = false;
@@ -28,7 +28,7 @@ geometry::PlacementOptions count_only(double limit_s) {
 }
 
 // The contact likelihood has a hill in the middle, as wide as the outline.
-geometry::WeightMap hill(double area_cm2) {
+placement::WeightMap hill(double area_cm2) {
   constexpr int kPoints = 33;
   const double width = std::sqrt(100.0 * area_cm2), step = 2.0 * width / (kPoints - 1);
   std::vector<std::vector<double>> rows(kPoints, std::vector<double>(kPoints));
@@ -42,14 +42,14 @@ geometry::WeightMap hill(double area_cm2) {
 }
 
 nlohmann::json measure(const char* series, bool rough, int vertices, double area_cm2,
-                       const geometry::PlacementOptions& options) {
+                       const placement::PlacementOptions& options) {
   const Polygon p = bench_outline(rough, vertices, area_cm2);
   // We take the least of some runs, because the others include other work of the machine.
   double seconds = 1e300, processor = 1e300, total = 0.0;
-  geometry::PlacementResult r;
+  placement::PlacementResult r;
   for (int k = 0; k < kMaxRuns && total < kRepeatedFor_s; ++k) {
     const double start = processor_s();
-    r = geometry::place(p, options);
+    r = placement::place(p, options);
     processor = std::min(processor, processor_s() - start);
     seconds = std::min(seconds, r.seconds);
     total += r.seconds;
@@ -123,14 +123,14 @@ void add_baseline(nlohmann::json& row, bool quick) {
 nlohmann::json placement_rows(const BenchOptions& options, Output& output) {
   nlohmann::json rows = nlohmann::json::array();
   const auto sink = output.progress();
-  const geometry::PlacementOptions count = count_only(options.quick ? 4.0 : 60.0);
+  const placement::PlacementOptions count = count_only(options.quick ? 4.0 : 60.0);
   const auto add = [&](const char* series, bool rough, int vertices, double area_cm2,
-                       const geometry::PlacementOptions& wanted) {
+                       const placement::PlacementOptions& wanted) {
     report(sink, "bench placement", -1.0, series);
     rows.push_back(measure(series, rough, vertices, area_cm2, wanted));
   };
   const auto with = [&](auto&& change) {
-    geometry::PlacementOptions wanted = count;
+    placement::PlacementOptions wanted = count;
     change(wanted);
     return wanted;
   };
@@ -142,8 +142,8 @@ nlohmann::json placement_rows(const BenchOptions& options, Output& output) {
     add("deficit", rough, 80, 757, with([](auto& o) { o.deficit = true; }));
     add("connected", rough, 80, 757, with([](auto& o) { o.connected = true; }));
     add("weights", rough, 80, 757,
-        with([](auto& o) { o.weights = std::make_shared<const geometry::WeightMap>(hill(757)); }));
-    add("hexagons", rough, 80, 757, with([](auto& o) { o.shape = geometry::TileShape::kHexagon; }));
+        with([](auto& o) { o.weights = std::make_shared<const placement::WeightMap>(hill(757)); }));
+    add("hexagons", rough, 80, 757, with([](auto& o) { o.shape = placement::TileShape::kHexagon; }));
     add("gap 2 mm", rough, 80, 757, with([](auto& o) { o.gap_mm = 2.0; }));
     for (const int n : options.quick ? std::vector{20, 80, 200} : std::vector{20, 40, 80, 200, 500, 1000, 2000, 5000})
       add("vertices", rough, n, 757, count);

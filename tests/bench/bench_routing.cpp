@@ -8,13 +8,13 @@
 
 #include "bench.hpp"
 #include "milp.hpp"
-#include "triskin/routing/random_patch.hpp"
+#include "plan/routing/src/random_patch.hpp"
 #include "triskin/routing/routing.hpp"
 
 namespace triskin::cli {
 namespace {
 
-using geometry::PatchShape;
+using routing::PatchShape;
 
 constexpr std::array kShapes{PatchShape::kCompact, PatchShape::kStrip, PatchShape::kHoled, PatchShape::kDendritic};
 const char* name_of(PatchShape shape) {
@@ -27,8 +27,8 @@ nlohmann::json row(PatchShape shape, int modules, int patches) {
   int proved = 0, widest_gap = 0;
   double seconds = 0.0, slowest_s = 0.0, loss = 0.0, loss_strapped = 0.0;
   for (int seed = 0; seed < patches; ++seed) {
-    const auto patch = geometry::random_patch(shape, modules, static_cast<std::uint64_t>(seed));
-    const geometry::RoutingResult r = geometry::route(patch.graph);
+    const auto patch = routing::random_patch(shape, modules, static_cast<std::uint64_t>(seed));
+    const routing::RoutingResult r = routing::route(patch.graph);
     proved += r.proved ? 1 : 0;
     widest_gap = std::max(widest_gap, static_cast<int>(r.patches.size()) - r.lower_bound);
     seconds += r.seconds;
@@ -49,11 +49,11 @@ nlohmann::json row(PatchShape shape, int modules, int patches) {
 
 // Solves the same patch by the integer programme alone and by all steps, in one run.
 nlohmann::json milp_row(PatchShape shape, int modules, double time_limit_s) {
-  const auto patch = geometry::random_patch(shape, modules, 1);
-  geometry::RoutingOptions options;
+  const auto patch = routing::random_patch(shape, modules, 1);
+  routing::RoutingOptions options;
   options.failure_analysis = false;
   options.recombinations = 0;
-  const geometry::RoutingResult all = geometry::route(patch.graph, options);
+  const routing::RoutingResult all = routing::route(patch.graph, options);
   const bench::PartitionInterval milp = bench::partition_by_milp(patch.graph, options.capacity, time_limit_s);
   return {{"shape", name_of(shape)},       {"modules", modules},
           {"patches", all.patches.size()}, {"lower_bound", all.lower_bound},

@@ -18,7 +18,7 @@
 namespace triskin::cli {
 namespace {
 
-using scene::Scene;
+using hardware::Scene;
 
 constexpr std::uint64_t kSecond_us = 1'000'000;
 
@@ -29,31 +29,31 @@ struct Case {
 
 std::vector<Case> cases() {
   const auto day = [](double from, double to) {
-    return std::vector<scene::TimedValue>{{0, from}, {100 * kSecond_us, to}};
+    return std::vector<hardware::TimedValue>{{0, from}, {100 * kSecond_us, to}};
   };
   std::vector<Case> list{
       {"noise", [](Scene& s) { s.effects.noise_counts = 3.0; }},
       {"drift", [](Scene& s) { s.effects.drift_counts_per_s = 1.0; }},
-      {"layer", [](Scene& s) { s.effects.pads.layer = scene::LayerEffect{}; }},
-      {"temperature", [=](Scene& s) { s.effects.pads.temperature = scene::TemperatureEffect{day(20.0, 30.0)}; }},
-      {"humidity", [=](Scene& s) { s.effects.pads.humidity = scene::HumidityEffect{day(40.0, 60.0)}; }},
-      {"crosstalk", [](Scene& s) { s.effects.pads.crosstalk = scene::CrosstalkEffect{}; }},
-      {"edges", [=](Scene& s) { s.effects.pads.edges = scene::EdgeEffect{}; }},
-      {"supply", [=](Scene& s) { s.effects.pads.supply = scene::SupplyEffect{day(3.3, 3.0)}; }},
+      {"layer", [](Scene& s) { s.effects.pads.layer = hardware::LayerEffect{}; }},
+      {"temperature", [=](Scene& s) { s.effects.pads.temperature = hardware::TemperatureEffect{day(20.0, 30.0)}; }},
+      {"humidity", [=](Scene& s) { s.effects.pads.humidity = hardware::HumidityEffect{day(40.0, 60.0)}; }},
+      {"crosstalk", [](Scene& s) { s.effects.pads.crosstalk = hardware::CrosstalkEffect{}; }},
+      {"edges", [=](Scene& s) { s.effects.pads.edges = hardware::EdgeEffect{}; }},
+      {"supply", [=](Scene& s) { s.effects.pads.supply = hardware::SupplyEffect{day(3.3, 3.0)}; }},
       {"emi", [](Scene& s) { s.effects.pads.emi = {{0, kSecond_us / 5, kSecond_us, 50.0}}; }},
   };
   list.push_back({"all", [all = list](Scene& s) {
                     for (const Case& c : all) c.add(s);
                   }});
   list.push_back(
-      {"level table", [](Scene& s) { s.levels.assign(s.design.patches.size(), scene::ControllerLevel::kTable); }});
+      {"level table", [](Scene& s) { s.levels.assign(s.design.patches.size(), hardware::ControllerLevel::kTable); }});
   return list;
 }
 
 design::Design forearm() {
   const Scratch scratch;
   const std::filesystem::path file = scratch.path() / "forearm.obj";
-  geometry::write_mesh(file, geometry::generate(*geometry::shape_named("forearm"), {}));
+  mesh::write_mesh(file, mesh::generate(*mesh::shape_named("forearm"), {}));
   pipeline::DesignOptions options;
   options.iterations = 20;
   options.time_limit_s = 300.0;
@@ -61,12 +61,12 @@ design::Design forearm() {
 }
 
 // A finger of 6 mm slides along the cover all the time.
-scene::Contact sliding_finger(const design::Design& design) {
+hardware::Contact sliding_finger(const design::Design& design) {
   const auto middle = [&](std::size_t module) {
     const auto& corners = design.layout.modules.at(module).corner_mm;
     return design::Vec3((corners[0] + corners[1] + corners[2]) / 3.0);
   };
-  scene::Contact finger;
+  hardware::Contact finger;
   finger.until_us = kSecond_us;
   finger.every_us = kSecond_us;
   finger.position_mm = middle(0);

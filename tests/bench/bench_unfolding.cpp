@@ -19,8 +19,8 @@ namespace triskin::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using geometry::Mesh;
-using geometry::Surface;
+using design::Mesh;
+using mesh::Surface;
 
 double since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -49,7 +49,7 @@ Mesh wavy_sheet(double area_cm2, int faces) {
 }
 
 nlohmann::json row_of(const char* series, const std::string& shape, const Surface& surface,
-                      const geometry::ModuleLayout& layout) {
+                      const design::ModuleLayout& layout) {
   const auto modules = static_cast<double>(layout.modules.size());
   nlohmann::json refused = nlohmann::json::object();
   for (const auto& [limit, count] : layout.refused) refused[limit] = count;
@@ -60,7 +60,7 @@ nlohmann::json row_of(const char* series, const std::string& shape, const Surfac
           {"modules", layout.modules.size()},
           {"islands", layout.islands},
           {"refused", refused},
-          {"uncovered", 1.0 - modules * geometry::kModuleArea_mm2 / surface.area_mm2()}};
+          {"uncovered", 1.0 - modules * design::kModuleArea_mm2 / surface.area_mm2()}};
 }
 
 class UnfoldingRows {
@@ -76,7 +76,7 @@ class UnfoldingRows {
     over_faces();
     over_area();
     if (!data_.empty() && !quick_) {
-      over_time("UT_torso_v1", Surface(geometry::read_mesh(fs::path(data_) / "parts/UT_torso_v1.obj").mesh));
+      over_time("UT_torso_v1", Surface(mesh::read_mesh(fs::path(data_) / "parts/UT_torso_v1.obj").mesh));
     }
     return std::move(rows_);
   }
@@ -90,9 +90,9 @@ class UnfoldingRows {
           "UA_upperarm_v1", "HIP_v1", "ROOT_v25", "UL_upperleg_v1", "UT_torso_v1", "LT_root_v2", "HEAD_v1"}) {
       const fs::path mesh = fs::path(data_) / "parts" / (std::string(part) + ".obj"), net = net_of(data_, part);
       if (!fs::exists(net)) throw InputError("bench nets: " + net.string() + ": no such file");
-      geometry::SurfaceLatticeOptions o;
+      lattice::SurfaceLatticeOptions o;
       o.time_limit_s = quick_ ? 1.5 : 20.0;
-      auto& row = grow("nets", part, Surface(geometry::read_mesh(mesh).mesh), {}, o);
+      auto& row = grow("nets", part, Surface(mesh::read_mesh(mesh).mesh), {}, o);
       row["modules_on_net"] = modules_on(net, o.time_limit_s);
       row["ratio"] = row["modules"].get<double>() / std::max(1, row["modules_on_net"].get<int>());
     }
@@ -101,10 +101,10 @@ class UnfoldingRows {
 
  private:
   nlohmann::json& grow(const char* series, const std::string& shape, const Surface& surface,
-                       const geometry::LayoutLimits& limits, const geometry::SurfaceLatticeOptions& options) {
+                       const design::LayoutLimits& limits, const lattice::SurfaceLatticeOptions& options) {
     report(sink_, "bench unfolding", -1.0, series);
     const auto start = std::chrono::steady_clock::now();
-    const geometry::ModuleLayout layout = geometry::grow_lattice(surface, limits, options);
+    const design::ModuleLayout layout = lattice::grow_lattice(surface, limits, options);
     const double seconds = since(start);
     rows_.push_back(row_of(series, shape, surface, layout));
     rows_.back()["seconds"] = seconds;
@@ -114,7 +114,7 @@ class UnfoldingRows {
   void over_time(const std::string& shape, const Surface& surface) {
     for (const double limit_s : {0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0}) {
       if (quick_ && limit_s > 5.0) break;
-      geometry::SurfaceLatticeOptions o;
+      lattice::SurfaceLatticeOptions o;
       o.time_limit_s = limit_s;
       grow("time", shape, surface, {}, o)["limit_s"] = limit_s;
     }
@@ -122,16 +122,16 @@ class UnfoldingRows {
 
   void over_limits(const Surface& surface) {
     for (const double scale : {0.25, 0.5, 1.0, 2.0, 4.0}) {
-      geometry::LayoutLimits l;
+      design::LayoutLimits l;
       l.edge_error_mm *= scale;
-      geometry::SurfaceLatticeOptions o;
+      lattice::SurfaceLatticeOptions o;
       o.time_limit_s = quick_ ? 1.0 : 10.0;
       grow("edge error", "sheet", surface, l, o)["edge_error_mm"] = l.edge_error_mm;
       l = {};
       l.center_gap_mm *= scale;
       grow("centre gap", "sheet", surface, l, o)["center_gap_mm"] = l.center_gap_mm;
       const auto start = std::chrono::steady_clock::now();
-      const geometry::Net net = geometry::unfold(surface, {.edge_error_mm = scale});
+      const unfolding::Net net = unfolding::unfold(surface, {.edge_error_mm = scale});
       rows_.push_back({{"series", "pieces"},
                        {"shape", "sheet"},
                        {"edge_error_mm", scale},
@@ -142,7 +142,7 @@ class UnfoldingRows {
 
   void over_island_cost(const Surface& surface) {
     for (const double cost : {0.0, 0.02, 0.1, 0.3, 1.0}) {
-      geometry::SurfaceLatticeOptions o;
+      lattice::SurfaceLatticeOptions o;
       o.time_limit_s = quick_ ? 1.0 : 10.0;
       o.price.island = cost;
       grow("island cost", "sheet", surface, {}, o)["island_cost"] = cost;
@@ -154,7 +154,7 @@ class UnfoldingRows {
     for (const int faces : {200, 2000, 20000, 200000}) {
       if (quick_ && faces > 20000) break;
       const Surface surface(wavy_sheet(700.0, faces));
-      geometry::SurfaceLatticeOptions o;
+      lattice::SurfaceLatticeOptions o;
       o.iterations = quick_ ? 20 : 200;
       o.time_limit_s = quick_ ? 8.0 : 100.0;
       grow("faces", "sheet", surface, {}, o)["iterations"] = o.iterations;
@@ -165,7 +165,7 @@ class UnfoldingRows {
     for (const double area_cm2 : {100.0, 300.0, 1000.0, 3000.0, 10000.0}) {
       if (quick_ && area_cm2 > 1000.0) break;
       const Surface surface(wavy_sheet(area_cm2, static_cast<int>(2.0 * area_cm2)));
-      geometry::SurfaceLatticeOptions o;
+      lattice::SurfaceLatticeOptions o;
       o.time_limit_s = quick_ ? 2.0 : 20.0;
       grow("area", "sheet", surface, {}, o);
     }
@@ -179,13 +179,13 @@ class UnfoldingRows {
   // that the growth has.
   [[nodiscard]] int modules_on(const fs::path& net, double limit_s) const {
     std::ifstream file(net);
-    std::vector<geometry::Polygon> islands;
+    std::vector<design::Polygon> islands;
     double area = 0.0;
     const nlohmann::json read = nlohmann::json::parse(file);
     for (const auto& island : read.at("islands")) {
       try {
-        islands.push_back(geometry::normalize_polygon(polygon_of(island), net.stem().string()));
-        area += geometry::polygon_area(islands.back());
+        islands.push_back(placement::normalize_polygon(polygon_of(island), net.stem().string()));
+        area += placement::polygon_area(islands.back());
       } catch (const InputError&) {
         continue;  // An island whose outline touches itself could not be built.
       }
@@ -193,20 +193,20 @@ class UnfoldingRows {
     if (islands.empty()) throw InputError(net.string() + ": no island has an outline that does not cross itself");
     int modules = 0;
     for (const auto& island : islands) {
-      const double share = geometry::polygon_area(island) / area;
-      if (share * area < geometry::kModuleArea_mm2) continue;
-      geometry::PlacementOptions o;
+      const double share = placement::polygon_area(island) / area;
+      if (share * area < design::kModuleArea_mm2) continue;
+      placement::PlacementOptions o;
       o.time_limit_s = std::max(0.2, limit_s * share);
       o.largest_clearance = false;
-      modules += geometry::place(island, o).modules;
+      modules += placement::place(island, o).modules;
     }
     return modules;
   }
 
-  [[nodiscard]] static geometry::Polygon polygon_of(const nlohmann::json& island) {
-    geometry::Polygon p;
+  [[nodiscard]] static design::Polygon polygon_of(const nlohmann::json& island) {
+    design::Polygon p;
     for (const auto& ring : island.at("rings")) {
-      std::vector<geometry::Vec2> points;
+      std::vector<design::Vec2> points;
       for (const auto& q : ring) points.emplace_back(q.at(0).get<double>(), q.at(1).get<double>());
       (p.outer.empty() ? p.outer : p.holes.emplace_back()) = std::move(points);
     }

@@ -16,7 +16,7 @@
 #include "triskin/logic/icub/icub_triangles.hpp"
 #include "triskin/logic/storage/table_store.hpp"
 #include "triskin/logic/usb/usb_device.hpp"
-#include "triskin/scene/tcp_link.hpp"
+#include "triskin/hardware/tcp_link.hpp"
 #include "triskin/wire/calibration.hpp"
 #include "triskin/wire/faults.hpp"
 #include "triskin/wire/identity.hpp"

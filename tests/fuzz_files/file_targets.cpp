@@ -23,7 +23,7 @@
 #include "triskin/robot/frames.hpp"
 #include "triskin/robot/registration.hpp"
 #include "triskin/robot/robot.hpp"
-#include "triskin/scene/scene.hpp"
+#include "triskin/hardware/scene.hpp"
 
 namespace triskin::fuzz {
 namespace {
@@ -83,8 +83,8 @@ constexpr auto kUrdf = [](const std::string& t) { (void)robot::Frames::parse_urd
 constexpr auto kTouches = [](const std::string& t) { (void)robot::read_touches(t, "touches.csv"); };
 constexpr auto kCalibration = [](const std::string& t) { (void)design::parse_calibration(t, "calibration.json"); };
 constexpr auto kCheck = [](const auto& path) { (void)check::check_design(path); };
-constexpr auto kScene = [](const auto& path) { (void)scene::read_scene(path); };
-constexpr auto kBackup = [](const auto& path) { (void)device::read_backup(path); };
+constexpr auto kScene = [](const auto& path) { (void)hardware::read_scene(path); };
+constexpr auto kBackup = [](const auto& path) { (void)deploy::read_backup(path); };
 constexpr auto kKinds = [](const auto& path) { (void)design::read_kind_plan(path); };
 constexpr auto kRegions = [](const auto& path) { (void)design::read_region_file(path); };
 

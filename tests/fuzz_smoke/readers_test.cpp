@@ -21,7 +21,7 @@
 #include "triskin/robot/frames.hpp"
 #include "triskin/robot/registration.hpp"
 #include "triskin/robot/robot.hpp"
-#include "triskin/scene/scene.hpp"
+#include "triskin/hardware/scene.hpp"
 
 namespace triskin {
 namespace {
@@ -111,7 +111,7 @@ TEST(Readers, checker) {
   fuzz(small_design(), ".json", 1000, [](const fs::path& p) { (void)check::check_design(p); });
 }
 TEST(Readers, scene) {
-  fuzz(small_design(), ".json", 1000, [](const fs::path& p) { (void)scene::read_scene(p); });
+  fuzz(small_design(), ".json", 1000, [](const fs::path& p) { (void)hardware::read_scene(p); });
 }
 
 TEST(Readers, robot) {
@@ -165,7 +165,7 @@ TEST(Readers, module_list) {
 }
 
 TEST(Readers, polygons) {
-  const auto read = [](const fs::path& p) { (void)geometry::read_polygon(p); };
+  const auto read = [](const fs::path& p) { (void)placement::read_polygon(p); };
   fuzz(
       R"({"type":"Polygon","coordinates":[[[0,0],[100,0],[100,80.5],[0,80],[0,0]],[[10,10],[10,20],[20,20],[10,10]]]})",
       ".geojson", 1000, read);
@@ -173,7 +173,7 @@ TEST(Readers, polygons) {
 }
 
 TEST(Readers, meshes) {
-  const auto read = [](const fs::path& p) { (void)geometry::read_mesh(p); };
+  const auto read = [](const fs::path& p) { (void)mesh::read_mesh(p); };
   fuzz("v 0 0 0\nv 100 0 0\nv 100 100 5\nv 0 100 0\nf 1 2 3\nf 1 3 4\n", ".obj", 150, read);
   fuzz("OFF\n4 2 0\n0 0 0\n100 0 0\n100 100 5\n0 100 0\n3 0 1 2\n3 0 2 3\n", ".off", 1500, read);
   fuzz(
@@ -197,11 +197,11 @@ TEST(Readers, packed_models) {
          </resources><build><item objectid="2"/></build></model>)";
   const fs::path path = fs::temp_directory_path() / ("readers_test." + std::to_string(::getpid()) + ".whole.3mf");
   test::write_packed_model(path, model);
-  fuzz(read_file(path), ".3mf", 300, [](const fs::path& p) { (void)geometry::read_mesh(p); });
+  fuzz(read_file(path), ".3mf", 300, [](const fs::path& p) { (void)mesh::read_mesh(p); });
   fuzz(model, ".model.3mf", 300, [](const fs::path& p) {
     const std::string text = read_file(p);
     test::write_packed_model(p, text);
-    (void)geometry::read_mesh(p);
+    (void)mesh::read_mesh(p);
   });
   fs::remove(path);
 }

@@ -16,14 +16,14 @@
 #include <thread>
 #include <vector>
 
-#include "robot/robots.hpp"
+#include "device/robot/robots.hpp"
 #include "triskin/recording/recorder.hpp"
 #include "triskin/recording/recording.hpp"
 #include "triskin/skin/live_skin.hpp"
 #include "triskin/skin/skin_contacts.hpp"
 #include "triskin/view/server.hpp"
 #include "triskin/wire/taxel_frames.hpp"
-#include "view/browser.hpp"
+#include "output/view/browser.hpp"
 
 namespace triskin::test {
 namespace {
@@ -38,13 +38,13 @@ constexpr std::uint64_t kSeed = 20261127;
 /// Counts what each cover sent, and loses about one sample in 20,000 between the boards and the computer.
 class Wire {
  public:
-  Wire(device::LiveBus& bus, std::uint64_t seed) : random_(seed) {
+  Wire(skin::LiveBus& bus, std::uint64_t seed) : random_(seed) {
     for (std::size_t c = 0; c < bus.covers().size(); ++c) {
       for (const int node : bus.covers()[c].design().node_addresses) cover_of_[node] = c;
     }
     sent_.resize(bus.covers().size());
     lost_.resize(bus.covers().size());
-    dynamic_cast<device::InProcessLink&>(bus.link())
+    dynamic_cast<hardware::InProcessLink&>(bus.link())
         .skin()
         .on_delivery([this](std::size_t receiver, const wire::CanFrame& frame) { return hears(receiver, frame); });
   }
@@ -53,7 +53,7 @@ class Wire {
 
  private:
   bool hears(std::size_t receiver, const wire::CanFrame& frame) {
-    if (receiver != scene::VirtualSkin::kToHost) return true;
+    if (receiver != hardware::VirtualSkin::kToHost) return true;
     const auto sample = wire::decode_full(frame);
     if (!sample) return true;
     const std::size_t cover = cover_of_.at(sample->node_address);
@@ -71,7 +71,7 @@ class Wire {
 /// Records one cover and reads each file when it is complete.
 class HourFiles {
  public:
-  HourFiles(device::LiveBus& bus, device::LiveCover& cover, fs::path folder)
+  HourFiles(skin::LiveBus& bus, skin::LiveCover& cover, fs::path folder)
       : bus_(bus), cover_(cover), folder_(std::move(folder)) {}
 
   void begin() {
@@ -82,13 +82,13 @@ class HourFiles {
     file_ = std::make_unique<recording::OutputFile>(path());
     recorder_ = recording::make_recorder(recording::Format::kMcap, *file_, cover_.design(), std::move(origin));
   }
-  void add(const device::LiveSample& s) {
+  void add(const skin::LiveSample& s) {
     recorder_->add({s.module, s.raw.link_time_us, s.raw.sample, s.unix_ns, s.error_us});
     ++added_;
   }
   void slice() {
     std::vector<recording::Contact> contacts;
-    for (const device::SkinContact& c : device::contacts_of(cover_.touches(), cover_.design(), {})) {
+    for (const skin::SkinContact& c : skin::contacts_of(cover_.touches(), cover_.design(), {})) {
       recording::Contact& contact = contacts.emplace_back();
       contact.position_mm = c.position_mm;
       contact.change_counts = c.change_counts;
@@ -124,8 +124,8 @@ class HourFiles {
     last->second = s.sample.sample;
   }
 
-  device::LiveBus& bus_;
-  device::LiveCover& cover_;
+  skin::LiveBus& bus_;
+  skin::LiveCover& cover_;
   fs::path folder_;
   std::unique_ptr<recording::OutputFile> file_;
   std::unique_ptr<recording::Recorder> recorder_;
@@ -136,25 +136,25 @@ class HourFiles {
 /// Streams one bus into the files of its covers and onto the page.
 class BusDay {
  public:
-  BusDay(device::LiveBus& bus, const fs::path& folder, view::LatestSamples& page) : bus_(bus), page_(page) {
+  BusDay(skin::LiveBus& bus, const fs::path& folder, view::LatestSamples& page) : bus_(bus), page_(page) {
     for (std::size_t c = 0; c < bus.covers().size(); ++c) {
-      (void)device::flash(bus.bus(), bus.covers()[c].design(),
+      (void)deploy::flash(bus.bus(), bus.covers()[c].design(),
                           robot::flash_options(bus.config(), bus.config().covers[c], {}));
       files_.emplace_back(bus, bus.covers()[c], folder);
     }
     bus.find_controllers();
     wire_.emplace(bus, kSeed + bus.index());
     for (HourFiles& file : files_) file.begin();
-    bus_.start({}, [this](const device::LiveSample& s) { take(s); });
+    bus_.start({}, [this](const skin::LiveSample& s) { take(s); });
   }
   void pass_minute(int minute) {
     // Each minute something presses another module of a cover, or all are free.
-    device::LiveCover& cover = bus_.covers()[static_cast<std::size_t>(minute / 2) % bus_.covers().size()];
+    skin::LiveCover& cover = bus_.covers()[static_cast<std::size_t>(minute / 2) % bus_.covers().size()];
     if (minute % 2 == 0)
       cover.actuator()->press({layout::ModuleId{minute % kModules}, layout::TaxelIndex{5}});
     else
       cover.actuator()->lift();
-    device::LiveRun run{bus_.now_us() + kMinute_us, kSlice_us, {}, {}};
+    skin::LiveRun run{bus_.now_us() + kMinute_us, kSlice_us, {}, {}};
     run.after_slice = [this] {
       for (HourFiles& file : files_) file.slice();
       return true;
@@ -171,9 +171,9 @@ class BusDay {
 
   /// Every sample that was due must be in a file or counted as lost, by three accounts that know nothing of each other:
   /// the boards' and the reader's, the frames on the bus, and the numbers in the files.
-  [[nodiscard]] device::LiveTotals expect_exact_account() const {
+  [[nodiscard]] skin::LiveTotals expect_exact_account() const {
     for (std::size_t c = 0; c < files_.size(); ++c) {
-      const device::SampleCounts counts = bus_.report(c).total;
+      const session::SampleCounts counts = bus_.report(c).total;
       EXPECT_EQ(counts.expected, files_[c].in_files() + counts.lost()) << c;
       EXPECT_EQ(counts.received, files_[c].in_files()) << c;
       EXPECT_EQ(files_[c].added(), files_[c].in_files()) << c;
@@ -186,14 +186,14 @@ class BusDay {
   }
 
  private:
-  void take(const device::LiveSample& s) {
+  void take(const skin::LiveSample& s) {
     files_[static_cast<std::size_t>(s.cover)].add(s);
     const int cover = bus_.covers()[static_cast<std::size_t>(s.cover)].config().cover;
     page_.add(layout::SkinModule{kModules * cover + s.module}, {s.raw.sample.state, s.valid, s.change_counts},
               static_cast<std::int64_t>(s.unix_ns / 1000));
   }
 
-  device::LiveBus& bus_;
+  skin::LiveBus& bus_;
   view::LatestSamples& page_;
   std::deque<HourFiles> files_;
   std::optional<Wire> wire_;
@@ -249,7 +249,7 @@ class Day : public testing::Test {
 };
 
 TEST_F(Day, a_robot_of_twelve_covers_streams_is_recorded_and_viewed) {
-  device::LiveSkin skin(twelve_covers(), {.link = "", .chosen = false, .scene = "", .own_interrupts = false});
+  skin::LiveSkin skin(twelve_covers(), {.link = "", .chosen = false, .scene = "", .own_interrupts = false});
   skin.open();
   view::LatestSamples page(std::size_t{kCovers} * kModules);
   std::deque<BusDay> buses;
@@ -275,7 +275,7 @@ TEST_F(Day, a_robot_of_twelve_covers_streams_is_recorded_and_viewed) {
     EXPECT_LT(now.heap_bytes, first.heap_bytes + 256 * 1024);
     EXPECT_LT(now.resident_bytes, first.resident_bytes + 4 * 1024 * 1024);
   }
-  device::LiveTotals totals;
+  skin::LiveTotals totals;
   for (const BusDay& bus : buses) totals += bus.expect_exact_account();
   EXPECT_GT(totals.lost, 0U);
   std::printf("%d hours: %llu samples in files, %llu lost, all accounted for\n", hours(),

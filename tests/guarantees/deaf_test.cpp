@@ -15,15 +15,15 @@
 
 #include "guarantees/faulty_program.hpp"
 #include "support/strip_design.hpp"
-#include "triskin/scene/sim_server.hpp"
-#include "triskin/scene/tcp_link.hpp"
+#include "triskin/hardware/sim_server.hpp"
+#include "triskin/hardware/tcp_link.hpp"
 #include "triskin/wire/taxel_frames.hpp"
 #include "triskin/wire/uds.hpp"
 
 namespace triskin::test {
 namespace {
 
-using device::TcpLink;
+using hardware::TcpLink;
 namespace record = device::record;
 
 // Accepts connections on 127.0.0.1 and gives each the same bytes again and again.
@@ -201,10 +201,10 @@ TEST_F(Deaf, an_address_for_other_computers_needs_an_explicit_word) {
 // Without descriptors a waiting connection must not keep a core busy. Serving needs processor time, so the time that
 // the server uses in this second of its own clock is compared with that second.
 TEST(ServerWithoutDescriptors, rests) {
-  scene::Scene scene;
+  hardware::Scene scene;
   scene.design = strip(1, 1);
-  scene::VirtualSkin skin(std::move(scene));
-  device::SimServer server(skin, {"127.0.0.1", 0});
+  hardware::VirtualSkin skin(std::move(scene));
+  hardware::SimServer server(skin, {"127.0.0.1", 0});
   rlimit limit{};
   ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &limit), 0);
   const rlimit before_limit = limit;

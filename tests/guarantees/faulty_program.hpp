@@ -15,7 +15,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "cli/shell_case.hpp"
+#include "app/cli/shell_case.hpp"
 
 namespace triskin::test {
 

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "device/firmware_file.hpp"
+#include "device/deploy/firmware_file.hpp"
 #include "guarantees/faulty_program.hpp"
 #include "support/strip_design.hpp"
 #include "triskin/recording/recording.hpp"

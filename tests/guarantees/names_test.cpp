@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "cli/shell_case.hpp"
+#include "app/cli/shell_case.hpp"
 #include "support/places.hpp"
 #include "support/strip_design.hpp"
 

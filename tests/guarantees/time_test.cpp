@@ -11,7 +11,7 @@
 #include "support/child_process.hpp"
 #include "support/strip_design.hpp"
 #include "triskin/recording/recording.hpp"
-#include "view/browser.hpp"
+#include "output/view/browser.hpp"
 
 namespace triskin::test {
 namespace {

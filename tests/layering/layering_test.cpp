@@ -59,7 +59,7 @@ TEST_F(Layering, refuses_firmware_that_includes_host) {
 }
 
 TEST_F(Layering, refuses_host_that_includes_firmware) {
-  EXPECT_NE(with_file("host/link/src/a.cpp", "#include \"triskin/logic/sampling/sampler.hpp\""), 0);
+  EXPECT_NE(with_file("host/device/link/src/a.cpp", "#include \"triskin/logic/sampling/sampler.hpp\""), 0);
 }
 
 TEST_F(Layering, refuses_logic_that_includes_a_board) {
@@ -71,18 +71,18 @@ TEST_F(Layering, refuses_an_application_that_includes_the_loader) {
 }
 
 TEST_F(Layering, refuses_a_command_that_reads_a_stream_by_itself) {
-  EXPECT_EQ(with_file("host/skin/src/a.cpp", "#include \"triskin/session/stream.hpp\""), 0);
-  EXPECT_NE(with_file("host/cli/src/a.cpp", "#include \"triskin/session/stream.hpp\""), 0);
+  EXPECT_EQ(with_file("host/device/skin/src/a.cpp", "#include \"triskin/session/stream.hpp\""), 0);
+  EXPECT_NE(with_file("host/app/cli/src/a.cpp", "#include \"triskin/session/stream.hpp\""), 0);
 }
 
 TEST_F(Layering, refuses_a_command_that_discovers_controllers_by_itself) {
-  EXPECT_EQ(with_file("host/skin/src/a.cpp", "  claims_ = bus_->discover();"), 0);
-  EXPECT_NE(with_file("host/library/src/a.cpp", "  const auto claims = bus.discover();"), 0);
+  EXPECT_EQ(with_file("host/device/skin/src/a.cpp", "  claims_ = bus_->discover();"), 0);
+  EXPECT_NE(with_file("host/app/library/src/a.cpp", "  const auto claims = bus.discover();"), 0);
 }
 
 TEST_F(Layering, refuses_tests_that_look_into_a_source_folder) {
-  EXPECT_EQ(with_file("host/lattice/src/net.hpp", "#pragma once"), 0);
-  EXPECT_NE(with_file("tests/lattice/a.cpp", "#include \"net.hpp\""), 0);
+  EXPECT_EQ(with_file("host/plan/lattice/src/net.hpp", "#pragma once"), 0);
+  EXPECT_NE(with_file("tests/plan/lattice/a.cpp", "#include \"net.hpp\""), 0);
 }
 
 TEST_F(Layering, refuses_vendor_headers_outside_the_board) {
@@ -90,16 +90,16 @@ TEST_F(Layering, refuses_vendor_headers_outside_the_board) {
 }
 
 TEST_F(Layering, refuses_geometry_that_knows_devices) {
-  EXPECT_NE(with_file("host/lattice/src/a.cpp", "#include \"triskin/wire/uds.hpp\""), 0);
+  EXPECT_NE(with_file("host/plan/lattice/src/a.cpp", "#include \"triskin/wire/uds.hpp\""), 0);
 }
 
 TEST_F(Layering, refuses_a_checker_that_uses_a_solver) {
-  EXPECT_NE(with_file("host/check/src/a.cpp", "#include \"triskin/routing/routing.hpp\""), 0);
+  EXPECT_NE(with_file("host/plan/check/src/a.cpp", "#include \"triskin/routing/routing.hpp\""), 0);
 }
 
 TEST_F(Layering, refuses_an_upward_arrow_inside_the_geometry) {
-  EXPECT_EQ(with_file("host/lattice/src/a.cpp", "#include \"triskin/mesh/surface.hpp\""), 0);
-  EXPECT_NE(with_file("host/mesh/src/a.cpp", "#include \"triskin/lattice/grow_lattice.hpp\""), 0);
+  EXPECT_EQ(with_file("host/plan/lattice/src/a.cpp", "#include \"triskin/mesh/surface.hpp\""), 0);
+  EXPECT_NE(with_file("host/plan/mesh/src/a.cpp", "#include \"triskin/lattice/grow_lattice.hpp\""), 0);
 }
 
 // A table with a cycle is refused, even if no include uses it yet.
@@ -107,7 +107,7 @@ TEST_F(Layering, refuses_a_circle_in_the_table) {
   const std::string tool = triskin::test::source_folder() + "/tools/check_layering.py";
   std::ifstream file(tool);
   std::string table((std::istreambuf_iterator<char>(file)), {});
-  const std::string row = R"(Part("host/mesh", "mesh", ")";
+  const std::string row = R"(Part("host/plan/mesh", "mesh", ")";
   const std::size_t at = table.find(row);
   ASSERT_NE(at, std::string::npos);
   table.insert(at + row.size(), "lattice ");
@@ -123,7 +123,7 @@ TEST_F(Layering, refuses_relative_includes) {
 }
 
 TEST_F(Layering, refuses_a_device_side_that_includes_the_simulation) {
-  EXPECT_NE(with_file("host/link/src/a.cpp", "#include \"triskin/scene/scene.hpp\""), 0);
+  EXPECT_NE(with_file("host/device/link/src/a.cpp", "#include \"triskin/scene/scene.hpp\""), 0);
 }
 
 TEST_F(Layering, scans_tools) {
@@ -131,8 +131,8 @@ TEST_F(Layering, scans_tools) {
 }
 
 TEST_F(Layering, refuses_a_library_outside_its_part) {
-  EXPECT_EQ(with_file("host/mesh/src/a.cpp", "#include <CGAL/Surface_mesh.h>"), 0);
-  EXPECT_NE(with_file("host/design/src/a.cpp", "#include <CGAL/Surface_mesh.h>"), 0);
+  EXPECT_EQ(with_file("host/plan/mesh/src/a.cpp", "#include <CGAL/Surface_mesh.h>"), 0);
+  EXPECT_NE(with_file("host/core/design/src/a.cpp", "#include <CGAL/Surface_mesh.h>"), 0);
 }
 
 TEST_F(Layering, refuses_an_include_prefix_in_two_parts) {

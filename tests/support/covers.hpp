@@ -32,10 +32,10 @@ inline std::string no_data() {
 class CoverFile {
  public:
   explicit CoverFile(std::filesystem::path real) : path_(std::move(real)) {}
-  CoverFile(const std::string& name, const geometry::Mesh& mesh)
+  CoverFile(const std::string& name, const design::Mesh& mesh)
       : path_(std::filesystem::temp_directory_path() / (name + "." + std::to_string(::getpid()) + ".obj")),
         is_generated_(true) {
-    geometry::write_obj(path_, mesh);
+    mesh::write_obj(path_, mesh);
   }
   CoverFile(CoverFile&& other) noexcept
       : path_(std::move(other.path_)), is_generated_(std::exchange(other.is_generated_, false)) {}
@@ -54,7 +54,7 @@ class CoverFile {
 /// Names a generated shape, or a file (without extension) of the data folder's parts/; a generated one also has a size.
 struct CoverName {
   std::string name;
-  geometry::GenerateOptions options = {};
+  mesh::GenerateOptions options = {};
 };
 inline void PrintTo(const CoverName& cover, std::ostream* out) {
   *out << cover.name;
@@ -63,8 +63,8 @@ inline void PrintTo(const CoverName& cover, std::ostream* out) {
 /// Returns its file; nothing when it is a real cover and there is no data folder. A file that is missing from an
 /// existing folder makes the test fail when it is read.
 inline std::optional<CoverFile> cover_file(const CoverName& cover) {
-  if (const auto shape = geometry::shape_named(cover.name))
-    return CoverFile(cover.name, geometry::generate(*shape, cover.options));
+  if (const auto shape = mesh::shape_named(cover.name))
+    return CoverFile(cover.name, mesh::generate(*shape, cover.options));
   if (!std::filesystem::exists(data_folder())) return std::nullopt;
   return CoverFile(data_folder() / "parts" / (cover.name + ".obj"));
 }

@@ -36,10 +36,10 @@ inline design::Design jumpered_design(int upper, int lower, std::mt19937_64& ran
   d.layout.islands = 0;
   add_island(d, upper, true, random);
   add_island(d, lower, false, random);
-  const geometry::Surface surface(d.surface);
-  geometry::measure(surface, d.layout);
-  geometry::RoutingResult routes =
-      geometry::route(design::graph_of(d.layout), geometry::find_jumpers(surface, d.layout, d.limits));
+  const mesh::Surface surface(d.surface);
+  lattice::measure(surface, d.layout);
+  routing::RoutingResult routes =
+      routing::route(design::graph_of(d.layout), routing::find_jumpers(surface, d.layout, d.limits));
   d.patches = std::move(routes.patches);
   d.layout.jumpers = std::move(routes.jumpers);
   design::Design::Report& r = d.report;

@@ -27,7 +27,7 @@ inline design::Design random_design(int modules, std::mt19937_64& random) {
   }
   design::Design d = flat_design("random", {-2000, -2000}, {2000, 2000});
   lay_modules(d, tiles, number);
-  d.patches = geometry::route(design::graph_of(d.layout)).patches;
+  d.patches = routing::route(design::graph_of(d.layout)).patches;
   d.design_id = design::design_id_of(d);
   return d;
 }

@@ -10,7 +10,7 @@ namespace {
 class Contracts : public ScratchTree {
  protected:
   Ran with_header(const std::string& declarations) {
-    write("host/base/include/triskin/host/a.hpp", "#pragma once\nnamespace triskin {\n" + declarations + "\n}\n");
+    write("host/core/base/include/triskin/host/a.hpp", "#pragma once\nnamespace triskin {\n" + declarations + "\n}\n");
     return tool("check_contracts", "--check --list");
   }
 };
@@ -46,7 +46,7 @@ TEST_F(Contracts, refuses_a_status_that_is_not_explained) {
 
 TEST_F(Contracts, finds_who_throws_through_helpers_of_the_same_file) {
   write(
-      "host/base/src/a.cpp",
+      "host/core/base/src/a.cpp",
       "namespace triskin {\nnamespace {\nvoid refuse() { throw 1; }\n}\nint rows(int t) { refuse(); return t; }\n}\n");
   const Ran ran = with_header("/// Number of rows in the table.\nint rows(int table);");
   EXPECT_EQ(ran.exit_status, 1);
@@ -61,7 +61,7 @@ TEST_F(Contracts, counts_only_public_functions_that_are_declared_here) {
       "class Usb : public Port {\n public:\n  void send() override;\n  std::function<int(int)> member;\n};\n"
       "namespace detail {\nvoid inner();\n}\n");
   EXPECT_EQ(ran.exit_status, 0) << ran.output;
-  EXPECT_NE(ran.output.find("host/base                        1     1"), std::string::npos) << ran.output;
+  EXPECT_NE(ran.output.find("host/core/base                        1     1"), std::string::npos) << ran.output;
 }
 
 TEST_F(Contracts, takes_the_comment_behind_a_body_and_the_one_of_an_overload) {
@@ -75,7 +75,7 @@ TEST_F(Contracts, counts_a_member_once_that_is_defined_behind_its_class) {
   const Ran ran = with_header(
       "struct Row {\n  /// Sum of the columns.\n  int sum() const;\n};\ninline int Row::sum() const { return 1; }\n");
   EXPECT_EQ(ran.exit_status, 0) << ran.output;
-  EXPECT_NE(ran.output.find("host/base                        1     1"), std::string::npos) << ran.output;
+  EXPECT_NE(ran.output.find("host/core/base                        1     1"), std::string::npos) << ran.output;
 }
 
 TEST_F(Contracts, ends_with_an_error_where_there_is_nothing_to_count) {

@@ -12,7 +12,7 @@ class References : public ScratchTree {
  protected:
   void SetUp() override {
     ScratchTree::SetUp();
-    write("host/base/include/a.hpp", "int a;\n");
+    write("host/core/base/include/a.hpp", "int a;\n");
     write("docs/page.md", "# Page\n\n## 2. How it is built\n\nText.\n");
   }
   Ran with_readme(const std::string& text, const std::string& arguments = "") {
@@ -28,11 +28,11 @@ class References : public ScratchTree {
 
 TEST_F(References, accepts_files_and_headings_that_exist) {
   const Ran ran = with_readme(
-      "[page](docs/page.md), [part](docs/page.md#2-how-it-is-built), `a.hpp`, host/base, "
+      "[page](docs/page.md), [part](docs/page.md#2-how-it-is-built), `a.hpp`, host/core/base, "
       "host/{base,base/include}/a.hpp "
       "or host/*/include; docs/page.md, section 2\n");
   EXPECT_EQ(ran.exit_status, 1) << ran.output;  // One of the two does not exist.
-  EXPECT_NE(ran.output.find("no such file: host/base/a.hpp"), std::string::npos) << ran.output;
+  EXPECT_NE(ran.output.find("no such file: host/core/base/a.hpp"), std::string::npos) << ran.output;
   EXPECT_NE(ran.output.find(" 1 dead"), std::string::npos) << ran.output;
 }
 
@@ -49,12 +49,12 @@ TEST_F(References, names_a_dead_section) {
 }
 
 TEST_F(References, names_a_dead_path_in_a_page) {
-  expect_dead("The table stands in `host/base/include/b.hpp`.\n", "no such file: host/base/include/b.hpp");
+  expect_dead("The table stands in `host/core/base/include/b.hpp`.\n", "no such file: host/core/base/include/b.hpp");
 }
 
 TEST_F(References, names_a_dead_file_in_a_comment) {
-  write("host/base/src/a.cpp", "int a;  // as measure.hpp says (docs/cli.md)\n");
-  expect_dead("Text\n", "host/base/src/a.cpp:1: no such file: measure.hpp");
+  write("host/core/base/src/a.cpp", "int a;  // as measure.hpp says (docs/cli.md)\n");
+  expect_dead("Text\n", "host/core/base/src/a.cpp:1: no such file: measure.hpp");
   EXPECT_NE(with_readme("Text\n").output.find("no such file: docs/cli.md"), std::string::npos);
 }
 

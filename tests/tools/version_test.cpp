@@ -16,9 +16,9 @@ class OneVersion : public ScratchTree {
   void write_all() {
     write("CMakeLists.txt", "cmake_minimum_required(VERSION 3.25)\nproject(triskin VERSION 1.2.3 LANGUAGES CXX)\n");
     write("CHANGELOG.md", "# Changelog\n\n## 1.2.3 (unreleased)\n\n## 1.2.2\n");
-    write("host/bridge/ros/triskin_msgs/package.xml", "<?xml version=\"1.0\"?>\n<version>1.2.3</version>\n");
+    write("host/output/bridge/ros/triskin_msgs/package.xml", "<?xml version=\"1.0\"?>\n<version>1.2.3</version>\n");
     write("docs/icub.md", "Give it protocol 2.0 and firmware 1.2.3 (that of the release).\n");
-    write("tests/library/project/CMakeLists.txt", "find_package(triskin 1.2 REQUIRED)\n");
+    write("tests/app/library/project/CMakeLists.txt", "find_package(triskin 1.2 REQUIRED)\n");
   }
 };
 
@@ -37,9 +37,9 @@ TEST_F(OneVersion, is_missed_in_each_place) {
     EXPECT_NE(ran.output.find(path + ": says " + said + ", CMakeLists.txt has 1.2.3"), std::string::npos) << ran.output;
   };
   refused("CHANGELOG.md", "# Changelog\n\n## 1.2.4 (unreleased)\n\n## 1.2.3\n", "1.2.4");
-  refused("host/bridge/ros/triskin_msgs/package.xml", "<version>0.1.0</version>\n", "0.1.0");
+  refused("host/output/bridge/ros/triskin_msgs/package.xml", "<version>0.1.0</version>\n", "0.1.0");
   refused("docs/icub.md", "firmware 1.2.3\n", "no version");
-  refused("tests/library/project/CMakeLists.txt", "find_package(triskin 1.1 REQUIRED)\n", "1.1");
+  refused("tests/app/library/project/CMakeLists.txt", "find_package(triskin 1.1 REQUIRED)\n", "1.1");
 }
 
 }  // namespace

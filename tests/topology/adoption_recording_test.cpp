@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/shell_case.hpp"
+#include "app/cli/shell_case.hpp"
 #include "joined_patches.hpp"
 #include "support/places.hpp"
 #include "triskin/base/files.hpp"
@@ -25,7 +25,7 @@
 #include "triskin/hdf5/taxel_table.hpp"
 #include "triskin/recording/recorder.hpp"
 #include "triskin/recording/recording.hpp"
-#include "triskin/scene/sim_link.hpp"
+#include "triskin/hardware/sim_link.hpp"
 #include "triskin/session/stream.hpp"
 
 namespace triskin::test {
@@ -37,10 +37,10 @@ class AdoptionRecording : public ShellCase {
 
   // A module fails after half a second, and is whole again two seconds later.
   void record() {
-    scene::Scene scene = scene_of(design_);
-    device::SimLink link(std::move(scene));
-    device::Bus bus(link);
-    device::flash(bus, design_);
+    hardware::Scene scene = scene_of(design_);
+    hardware::SimLink link(std::move(scene));
+    session::Bus bus(link);
+    deploy::flash(bus, design_);
     bus.listen(bus.now_us() + 3'000'000);
     design::write_design(folder_ / "design.json", design_);
     recording::OutputFile file(folder_ / "adoption.mcap");
@@ -53,7 +53,7 @@ class AdoptionRecording : public ShellCase {
     std::vector<std::unique_ptr<recording::Recorder>> others;
     others.push_back(recording::make_recorder(recording::Format::kCsv, csv_file, design_, origin));
     if (hdf5::can_write()) others.push_back(hdf5::make_recorder(hdf5_file, design_, origin));
-    device::Stream stream(bus, design_, [&](const device::ModuleSample& f) {
+    session::Stream stream(bus, design_, [&](const session::ModuleSample& f) {
       recorder->add({f.module, f.link_time_us, f.sample});
       for (const auto& other : others) other->add({f.module, f.link_time_us, f.sample});
       adopter_[{f.module, f.link_time_us}] = f.adopter;
@@ -158,7 +158,7 @@ TEST_F(AdoptionRecording, as_csv_and_hdf5_says_who_read_each_sample) {
   }
   EXPECT_GE(adopted, 20 * unreachable_.modules.size());
   if (!hdf5::can_write()) GTEST_SKIP() << "built without HDF5";
-  const std::string script = test::source_folder() + "/tests/hdf5/recording_test.py";
+  const std::string script = test::source_folder() + "/tests/output/hdf5/recording_test.py";
   const int status = std::system(
       fmt::format("python3 {} --compare {}/adoption.h5 {}/adoption.csv", script, folder_.string(), folder_.string())
           .c_str());

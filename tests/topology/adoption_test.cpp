@@ -13,7 +13,7 @@
 #include "triskin/design/joint.hpp"
 #include "triskin/diagnose/verify.hpp"
 #include "triskin/logic/switched/topology.hpp"
-#include "triskin/scene/sim_link.hpp"
+#include "triskin/hardware/sim_link.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
@@ -26,22 +26,22 @@ namespace {
 class Fixture {
  public:
   explicit Fixture(const design::Design& design) : link_(scene_of(design)), bus_(link_) {
-    device::flash(bus_, this->design());
+    deploy::flash(bus_, this->design());
     bus_.listen(bus_.now_us() + 3'000'000);  // The time also suffices for a patch whose first search was disturbed.
-    stream_.emplace(bus_, this->design(), [this](const device::ModuleSample& f) { take(f); });
+    stream_.emplace(bus_, this->design(), [this](const session::ModuleSample& f) { take(f); });
     run_us(500'000);
     for (int m = 0; m < modules(); ++m) rest_[m] = last_[m].sample.value;
   }
   const design::Design& design() { return link_.skin().scene().design; }
   [[nodiscard]] int modules() { return static_cast<int>(design().layout.modules.size()); }
-  device::Bus& bus() { return bus_; }
-  device::Stream& stream() { return *stream_; }
+  session::Bus& bus() { return bus_; }
+  session::Stream& stream() { return *stream_; }
   void run_us(std::uint64_t us) { stream_->run_until(bus_.now_us() + us); }
   void set_dead(int module, bool dead) {
     auto& hardware = link_.skin().switched();
     hardware.patch(layout::PatchIndex{0}).set_dead(hardware.row_of(layout::ModuleId{module}), dead);
   }
-  scene::VirtualSkin& skin() { return link_.skin(); }
+  hardware::VirtualSkin& skin() { return link_.skin(); }
   [[nodiscard]] std::uint64_t now_us() const { return bus_.now_us(); }
   /// Returns the node address of the controller that sent the last valid sample of the module; 0 if there was none
   /// since `since_us`.
@@ -76,7 +76,7 @@ class Fixture {
   int wrong = 0;  ///< Valid values that do not belong to the module are counted.
 
  private:
-  void take(const device::ModuleSample& f) {
+  void take(const session::ModuleSample& f) {
     last_[f.module] = f;
     if (f.sample.valid != layout::kAllTaxels) return;
     valid_[f.module].emplace_back(f.link_time_us, f.sample.node_address);
@@ -85,12 +85,12 @@ class Fixture {
     // Every controller finds the same offsets for a converter, so a module has the same counts whoever reads it.
     if (f.sample.value != rest->second) ++wrong;
   }
-  device::SimLink link_;
-  device::Bus bus_;
-  std::map<int, device::ModuleSample> last_;
+  hardware::SimLink link_;
+  session::Bus bus_;
+  std::map<int, session::ModuleSample> last_;
   std::map<int, std::array<std::uint16_t, layout::kTaxelsPerModule>> rest_;
   std::map<int, std::vector<std::pair<std::uint64_t, int>>> valid_;
-  std::optional<device::Stream> stream_;
+  std::optional<session::Stream> stream_;
 };
 
 constexpr std::uint64_t kAdopted_us = 1'500'000;  // docs/adoption.md states this time.
@@ -115,7 +115,7 @@ TEST(Adoption, an_orphan_is_read_by_the_neighbour_under_its_own_identity_and_han
     std::printf("module %d of patch %d is read by controller %d, %.0f ms after the failure\n", m, o.patch, reader,
                 static_cast<double>(f.first_after(m, failed_us + 60'000)) / 1000 + 60);
   }
-  const wire::Adoption offered = device::Controller(f.bus(), static_cast<std::uint8_t>(owner)).adoption();
+  const wire::Adoption offered = session::Controller(f.bus(), static_cast<std::uint8_t>(owner)).adoption();
   EXPECT_GE(std::popcount(offered.out_of_reach), static_cast<int>(o.modules.size()) + 1);
   f.set_dead(o.dead, false);
   f.run_us(kBack_us);
@@ -123,13 +123,13 @@ TEST(Adoption, an_orphan_is_read_by_the_neighbour_under_its_own_identity_and_han
     EXPECT_EQ(f.reader_of(m, f.now_us() - 100'000), owner) << "module " << m;
     EXPECT_EQ(f.changes_of_reader(m), 2) << "module " << m << ": there and back, never two at once";
   }
-  EXPECT_EQ(device::Controller(f.bus(), static_cast<std::uint8_t>(owner)).adoption().out_of_reach, 0);
+  EXPECT_EQ(session::Controller(f.bus(), static_cast<std::uint8_t>(owner)).adoption().out_of_reach, 0);
   EXPECT_EQ(f.wrong, 0);
   f.stream().finish();
-  const device::StreamReport report = f.stream().report();
+  const session::StreamReport report = f.stream().report();
   EXPECT_EQ(report.total.on_the_way, 0U);
   ASSERT_EQ(report.adopted.size(), o.modules.size());
-  for (const device::AdoptedCounts& a : report.adopted) {
+  for (const session::AdoptedCounts& a : report.adopted) {
     EXPECT_EQ(std::ranges::count(o.modules, a.module), 1) << a.module;
     EXPECT_GE(a.counts.with_data, 20U) << a.module;
     EXPECT_EQ(a.counts.lost(), 0U) << a.module;
@@ -178,7 +178,7 @@ void add_failure(Fixture& f, const Unreachable& o, Tally& t) {
       ++read;
       t.slowest_us = std::max(t.slowest_us, f.first_after(m.node, failed_us + 100'000) + 100'000);
     }
-    const auto route = device::Controller(f.bus(), static_cast<std::uint8_t>(p + 1)).route();
+    const auto route = session::Controller(f.bus(), static_cast<std::uint8_t>(p + 1)).route();
     t.longest_look_us = std::max(t.longest_look_us, route.last_us);
   }
   const int promised = static_cast<int>(o.modules.size());
@@ -242,10 +242,10 @@ TEST(Adoption, is_told_by_verify) {
   f.set_dead(o.dead, true);
   f.run_us(kAdopted_us);
   f.stream().finish();
-  const device::VerifyResult result = device::verify(f.bus(), design, {});
+  const diagnose::VerifyResult result = diagnose::verify(f.bus(), design, {});
   ASSERT_EQ(result.findings.size(), 1U);
-  const device::Finding& finding = result.findings[0];
-  EXPECT_EQ(finding.kind, device::FindingKind::kMissingModule);
+  const diagnose::Finding& finding = result.findings[0];
+  EXPECT_EQ(finding.kind, diagnose::FindingKind::kMissingModule);
   EXPECT_EQ(finding.module, o.dead);
   EXPECT_EQ(std::set<int>(finding.behind.begin(), finding.behind.end()),
             (std::set<int>(o.modules.begin(), o.modules.end())));
@@ -299,10 +299,10 @@ class ChainOf final : public fw::RouteChain {
 // As at power-up, no neighbour holds its modules yet: a search takes none of them unless it may.
 TEST(Adoption, a_look_that_may_not_adopt_stays_inside_the_border) {
   const design::Design design = joined_patches(4, 8);
-  scene::SwitchedHardware hardware(scene_of(design));
+  hardware::SwitchedHardware hardware(scene_of(design));
   ChainOf chain(hardware.patch(layout::PatchIndex{0}).chain_of(0));
   fw::Topology topology(chain);
-  const auto table = fw::Topology::table_of(device::image_of(design, layout::PatchIndex{0}));
+  const auto table = fw::Topology::table_of(session::image_of(design, layout::PatchIndex{0}));
   const auto own = topology.reroute(table, fw::Topology::Look::kOwn);
   EXPECT_EQ(own.alive, 0xFF);
   EXPECT_EQ(topology.graph().count, 8);

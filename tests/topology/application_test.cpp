@@ -8,7 +8,7 @@
 #include "support/random_design.hpp"
 #include "triskin/deploy/flash.hpp"
 #include "triskin/design/joint.hpp"
-#include "triskin/scene/sim_link.hpp"
+#include "triskin/hardware/sim_link.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/wire/taxel_frames.hpp"
@@ -16,10 +16,10 @@
 namespace triskin::test {
 namespace {
 
-using scene::FaultKind;
+using hardware::FaultKind;
 
-scene::Scene switched_scene(const design::Design& design) {
-  scene::Scene s;
+hardware::Scene switched_scene(const design::Design& design) {
+  hardware::Scene s;
   s.design = design;
   s.switched = true;
   s.effects.taxel_spread_counts = 3000;  // Every taxel of every module has another rest value.
@@ -30,9 +30,9 @@ scene::Scene switched_scene(const design::Design& design) {
 class Fixture {
  public:
   explicit Fixture(const design::Design& design) : Fixture(switched_scene(design)) {}
-  explicit Fixture(const scene::Scene& s)
+  explicit Fixture(const hardware::Scene& s)
       : link_(s), bus_(link_), controller_(bus_, 1), rows_(s.design.patches[0].modules.size()) {
-    device::flash(bus_, link_.skin().scene().design);
+    deploy::flash(bus_, link_.skin().scene().design);
     bus_.listen(bus_.now_us() + 400'000);
     const wire::LiveTaxels sample = controller_.taxels();
     for (const wire::ModuleTaxels& m : sample.rows()) {
@@ -56,8 +56,8 @@ class Fixture {
     while (reached_us_ == 0 && bus_.now_us() < end) bus_.listen(std::min(end, bus_.now_us() + 1000));
     return reached_us_ == 0 ? -1 : static_cast<std::int64_t>(reached_us_ - from_us_);
   }
-  [[nodiscard]] scene::SwitchedPatch& hardware() { return link_.skin().switched().patch(layout::PatchIndex{0}); }
-  [[nodiscard]] device::Controller& controller() { return controller_; }
+  [[nodiscard]] hardware::SwitchedPatch& hardware() { return link_.skin().switched().patch(layout::PatchIndex{0}); }
+  [[nodiscard]] session::Controller& controller() { return controller_; }
   [[nodiscard]] std::uint32_t all() const { return (1U << rows_) - 1; }
   int wrong = 0;
 
@@ -75,9 +75,9 @@ class Fixture {
     if (seen_ == all() && valid_ == wanted_ && reached_us_ == 0) reached_us_ = sample->device_time_us;
   }
 
-  device::SimLink link_;
-  device::Bus bus_;
-  device::Controller controller_;
+  hardware::SimLink link_;
+  session::Bus bus_;
+  session::Controller controller_;
   std::size_t rows_;
   std::vector<std::array<std::uint16_t, layout::kTaxelsPerModule>> expected_;
   std::uint64_t from_us_ = 0, reached_us_ = 0;
@@ -88,8 +88,8 @@ struct Failure {
   int row = -1, line = -1;        // The module is dead, or holds a line.
   int a = -1, port = -1, b = -1;  // The joint is broken.
   bool shorted = false;
-  void apply(scene::SwitchedPatch& p, bool on) const {
-    using Joint = scene::SwitchedPatch::JointFault;
+  void apply(hardware::SwitchedPatch& p, bool on) const {
+    using Joint = hardware::SwitchedPatch::JointFault;
     if (row >= 0 && line >= 0)
       p.set_stuck_line(layout::TableRow{row}, on ? line : -1);
     else if (row >= 0)
@@ -230,7 +230,7 @@ TEST(Application, what_comes_back_is_taken_back_by_itself) {
 TEST(Application, strapped_modules_are_read_as_before) {
   std::mt19937_64 random(25);
   const design::Design design = random_design(16, random);
-  scene::Scene strapped = switched_scene(design);
+  hardware::Scene strapped = switched_scene(design);
   strapped.switched = false;
   Fixture fixture(strapped);
   fixture.mark();
@@ -239,12 +239,12 @@ TEST(Application, strapped_modules_are_read_as_before) {
   EXPECT_EQ(fixture.controller().topology().count, 0);
 
   // There are two boards: one without a chain, one with a chain on which nobody answers.
-  scene::SwitchedPatch nobody(design::PortEnds(1), 0, 1);
+  hardware::SwitchedPatch nobody(design::PortEnds(1), 0, 1);
   nobody.set_dead(layout::TableRow{0}, true);
   std::array<std::vector<wire::CanFrame>, 2> frames;
   for (std::size_t k = 0; k < 2; ++k) {
-    scene::Skin skin(strapped);
-    scene::FlashMemory flash(std::size_t{64} * 1024);
+    hardware::Skin skin(strapped);
+    hardware::FlashMemory flash(std::size_t{64} * 1024);
     sim::VirtualBoard board;
     for (int l = 0; l < layout::kLines; ++l)
       board.lines[static_cast<std::size_t>(l)] = &skin.line(layout::PatchIndex{0}, l);

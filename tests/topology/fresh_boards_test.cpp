@@ -12,28 +12,28 @@
 #include "triskin/deploy/flash.hpp"
 #include "triskin/deploy/identify.hpp"
 #include "triskin/diagnose/verify.hpp"
-#include "triskin/scene/sim_link.hpp"
+#include "triskin/hardware/sim_link.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/controller.hpp"
 
 namespace triskin::test {
 namespace {
 
-using device::BoardShape;
-using device::FoundBy;
+using deploy::BoardShape;
+using deploy::FoundBy;
 
 // Simulates a skin whose boards were never flashed and are on the bus in any order of their ids.
 class FreshSkin {
  public:
-  FreshSkin(const design::Design& design, bool switched, std::uint64_t seed, std::vector<scene::Fault> faults = {},
-            std::vector<scene::Contact> contacts = {}, bool joined = false)
+  FreshSkin(const design::Design& design, bool switched, std::uint64_t seed, std::vector<hardware::Fault> faults = {},
+            std::vector<hardware::Contact> contacts = {}, bool joined = false)
       : link_(scene_of(design, switched, seed, std::move(faults), std::move(contacts), joined)), bus_(link_) {}
 
-  device::FlashResult flash(bool touch = false, bool recognise = true) {
-    device::FlashOptions options;
+  deploy::FlashResult flash(bool touch = false, bool recognise = true) {
+    deploy::FlashOptions options;
     options.recognise = recognise;
     options.actuator = touch ? &link_ : nullptr;
-    return device::flash(bus_, design(), options);
+    return deploy::flash(bus_, design(), options);
   }
   std::string refusal() {
     try {
@@ -45,13 +45,13 @@ class FreshSkin {
   }
   [[nodiscard]] const design::Design& design() { return link_.skin().scene().design; }
   [[nodiscard]] std::string serial(int patch) {
-    return device::to_text(scene::unique_id_of(link_.skin().scene(), layout::PatchIndex{patch}));
+    return session::to_text(hardware::unique_id_of(link_.skin().scene(), layout::PatchIndex{patch}));
   }
-  [[nodiscard]] bool right(const device::FlashResult& r) {
+  [[nodiscard]] bool right(const deploy::FlashResult& r) {
     return r.patches.size() == design().patches.size() &&
            std::ranges::all_of(r.patches, [&](const auto& p) { return p.serial == serial(p.patch); });
   }
-  [[nodiscard]] device::Bus& bus() { return bus_; }
+  [[nodiscard]] session::Bus& bus() { return bus_; }
   /// Replaces the board of a patch by one that was never flashed, and powers everything for three seconds.
   void forget(std::size_t patch) {
     auto& flash = link_.skin().flash(patch);
@@ -61,9 +61,9 @@ class FreshSkin {
   }
 
  private:
-  static scene::Scene scene_of(const design::Design& design, bool switched, std::uint64_t seed,
-                               std::vector<scene::Fault> faults, std::vector<scene::Contact> contacts, bool joined) {
-    scene::Scene s;
+  static hardware::Scene scene_of(const design::Design& design, bool switched, std::uint64_t seed,
+                               std::vector<hardware::Fault> faults, std::vector<hardware::Contact> contacts, bool joined) {
+    hardware::Scene s;
     s.design = design;
     s.switched = switched;
     s.border_joints = joined;
@@ -72,8 +72,8 @@ class FreshSkin {
     s.contacts = std::move(contacts);
     return s;
   }
-  device::SimLink link_;
-  device::Bus bus_;
+  hardware::SimLink link_;
+  session::Bus bus_;
 };
 
 // Makes two equal patches: a strip in which they repeat.
@@ -97,7 +97,7 @@ TEST(FreshBoards, switched_patches_are_recognised_by_their_shape_though_all_shar
     EXPECT_TRUE(skin.right(r)) << seed;
     several += r.patches.size() > 2 ? 1 : 0;
     for (const auto& p : r.patches) EXPECT_EQ(p.by, FoundBy::kShape);
-    EXPECT_TRUE(device::verify(skin.bus(), design, {}).findings.empty()) << seed;
+    EXPECT_TRUE(diagnose::verify(skin.bus(), design, {}).findings.empty()) << seed;
   }
   EXPECT_GE(several, 6);
   EXPECT_GE(wrong_by_order, 4);  // Of the 8 cases with three patches, one order in six is right by chance.
@@ -118,7 +118,7 @@ TEST(FreshBoards, the_finger_of_a_simulation_tells_equal_shapes_apart) {
     const auto r = skin.flash(true);
     EXPECT_TRUE(skin.right(r));
     for (const auto& p : r.patches) EXPECT_EQ(p.by, FoundBy::kTouch);
-    EXPECT_TRUE(device::verify(skin.bus(), skin.design(), {}).findings.empty());
+    EXPECT_TRUE(diagnose::verify(skin.bus(), skin.design(), {}).findings.empty());
   }
 }
 
@@ -148,8 +148,8 @@ TEST(FreshBoards, a_broken_joint_does_not_hide_a_patch) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const design::Design design = random_design(40, random);
     const design::RoutedModule& last = design.patches[0].modules.back();
-    scene::Fault cut;
-    cut.kind = scene::FaultKind::kOpenJoint;
+    hardware::Fault cut;
+    cut.kind = hardware::FaultKind::kOpenJoint;
     cut.module = layout::ModuleId{last.node};
     cut.other = layout::ModuleId{last.parent};
     FreshSkin skin(design, true, seed, {cut});
@@ -159,7 +159,7 @@ TEST(FreshBoards, a_broken_joint_does_not_hide_a_patch) {
   EXPECT_EQ(tried, 6);
 }
 
-FreshSkin joined(const design::Design& design, std::uint64_t seed, std::vector<scene::Fault> faults = {}) {
+FreshSkin joined(const design::Design& design, std::uint64_t seed, std::vector<hardware::Fault> faults = {}) {
   return {design, true, seed, std::move(faults), {}, true};
 }
 
@@ -175,10 +175,10 @@ TEST(FreshBoards, whose_patches_are_joined_all_answer_and_are_recognised) {
     ASSERT_EQ(skin.bus().discover().size(), design.patches.size()) << seed;
     const auto r = skin.flash(true);
     EXPECT_TRUE(skin.right(r)) << seed;
-    EXPECT_TRUE(device::verify(skin.bus(), design, {}).findings.empty()) << seed;
+    EXPECT_TRUE(diagnose::verify(skin.bus(), design, {}).findings.empty()) << seed;
     several += design.patches.size() > 2 ? 1 : 0;
     all += static_cast<int>(r.patches.size());
-    by_shape += static_cast<int>(std::ranges::count(r.patches, FoundBy::kShape, &device::FlashResult::Patch::by));
+    by_shape += static_cast<int>(std::ranges::count(r.patches, FoundBy::kShape, &deploy::FlashResult::Patch::by));
   }
   EXPECT_GE(several, 8);
   EXPECT_GE(2 * by_shape, all);
@@ -195,7 +195,7 @@ TEST(FreshBoards, that_replaces_one_among_joined_patches_answers_and_is_recognis
     skin.forget(p);
     ASSERT_EQ(skin.bus().discover().size(), design.patches.size()) << p;
     EXPECT_TRUE(skin.right(skin.flash())) << p;
-    EXPECT_TRUE(device::verify(skin.bus(), design, {}).findings.empty()) << p;
+    EXPECT_TRUE(diagnose::verify(skin.bus(), design, {}).findings.empty()) << p;
   }
 }
 
@@ -206,14 +206,14 @@ TEST(FreshBoards, of_joined_patches_that_look_alike_are_refused_by_name) {
   for (const char* part : {"ambiguous", "triskin identify", "--assign"})
     EXPECT_NE(text.find(part), std::string::npos) << part << '\n' << text;
   EXPECT_TRUE(skin.right(skin.flash(true)));
-  EXPECT_TRUE(device::verify(skin.bus(), skin.design(), {}).findings.empty());
+  EXPECT_TRUE(diagnose::verify(skin.bus(), skin.design(), {}).findings.empty());
 }
 
 TEST(FreshBoards, a_dry_run_moves_nobody) {
   FreshSkin skin(alike(), true, 3);
-  device::FlashOptions options;
+  deploy::FlashOptions options;
   options.recognise = options.dry_run = true;
-  for (const auto& p : device::flash(skin.bus(), skin.design(), options).patches) EXPECT_EQ(p.by, FoundBy::kNothing);
+  for (const auto& p : deploy::flash(skin.bus(), skin.design(), options).patches) EXPECT_EQ(p.by, FoundBy::kNothing);
   for (const auto& c : skin.bus().discover()) EXPECT_EQ(c.node_address, 1);
 }
 
@@ -225,18 +225,18 @@ BoardShape answers(std::uint8_t line0, std::uint8_t line1 = 0) {
 
 TEST(Shapes, differ_in_the_places_where_only_one_has_a_chip) {
   const design::Design design = strip(10, 4);  // Patches 0 and 1 have line 0, addresses 0 … 3; patch 2 has 0 and 1.
-  EXPECT_EQ(device::shape_difference(answers(0b1111), design, layout::PatchIndex{0}), 0);
-  EXPECT_EQ(device::shape_difference(answers(0b0111), design, layout::PatchIndex{0}), 1);
-  EXPECT_EQ(device::shape_difference(answers(0b1111, 1), design, layout::PatchIndex{0}), 1);
-  EXPECT_EQ(device::shape_difference(answers(0b0001), design, layout::PatchIndex{0}), -1);  // Three of four answer.
-  EXPECT_EQ(device::shape_difference(answers(0), design, layout::PatchIndex{2}), -1);
+  EXPECT_EQ(deploy::shape_difference(answers(0b1111), design, layout::PatchIndex{0}), 0);
+  EXPECT_EQ(deploy::shape_difference(answers(0b0111), design, layout::PatchIndex{0}), 1);
+  EXPECT_EQ(deploy::shape_difference(answers(0b1111, 1), design, layout::PatchIndex{0}), 1);
+  EXPECT_EQ(deploy::shape_difference(answers(0b0001), design, layout::PatchIndex{0}), -1);  // Three of four answer.
+  EXPECT_EQ(deploy::shape_difference(answers(0), design, layout::PatchIndex{2}), -1);
 }
 
 TEST(Shapes, settle_what_every_way_to_serve_all_patches_agrees_on) {
   const design::Design design = strip(10, 4);
   const std::vector all{layout::PatchIndex{0}, layout::PatchIndex{1}, layout::PatchIndex{2}};
   const auto settled = [&](std::vector<BoardShape> shapes) {
-    return device::assign_by_shape(shapes, device::seats_of(design, all));
+    return deploy::assign_by_shape(shapes, deploy::seats_of(design, all));
   };
   const auto plain = settled({answers(0b1111), answers(0b0011), answers(0b1111)});
   EXPECT_EQ(plain.seat, (std::vector<int>{-1, 2, -1}));
@@ -255,15 +255,15 @@ TEST(Shapes, do_not_settle_what_one_dead_chip_explains_otherwise) {
   const design::Design design = strip(7, 4);
   const std::vector all{layout::PatchIndex{0}, layout::PatchIndex{1}};
   const std::vector<BoardShape> doubtful{answers(0b0111), answers(0b0111)}, sound{answers(0b0111), answers(0b1111)};
-  EXPECT_EQ(device::assign_by_shape(doubtful, device::seats_of(design, all)).seat, (std::vector<int>{-1, -1}));
-  EXPECT_EQ(device::assign_by_shape(sound, device::seats_of(design, all)).seat, (std::vector<int>{1, 0}));
+  EXPECT_EQ(deploy::assign_by_shape(doubtful, deploy::seats_of(design, all)).seat, (std::vector<int>{-1, -1}));
+  EXPECT_EQ(deploy::assign_by_shape(sound, deploy::seats_of(design, all)).seat, (std::vector<int>{1, 0}));
 }
 
-scene::Contact touch_of(const design::Design& design, int module, double from_s, double until_s) {
-  scene::Contact c;
+hardware::Contact touch_of(const design::Design& design, int module, double from_s, double until_s) {
+  hardware::Contact c;
   c.from_us = static_cast<std::uint64_t>(from_s * 1e6);
   c.until_us = static_cast<std::uint64_t>(until_s * 1e6);
-  c.position_mm = scene::center_of(design, layout::ModuleId{module});
+  c.position_mm = hardware::center_of(design, layout::ModuleId{module});
   c.radius_mm = 8.0;
   return c;
 }
@@ -277,36 +277,36 @@ TEST(Identify, says_who_felt_the_finger) {
         {touch_of(design, 1, 4, 5), touch_of(design, 5, 6, 7), touch_of(design, 9, 6, 7), touch_of(design, 6, 8, 9)});
     std::vector<int> asked;
     std::vector<std::string> said;
-    device::IdentifyOptions options;
+    deploy::IdentifyOptions options;
     options.limit_s = 10.0;
     options.ask = [&](int patch) { asked.push_back(patch); };
     options.say = [&](const std::string& text) { said.push_back(text); };
-    const auto boards = device::identify(skin.bus(), design, options);
+    const auto boards = deploy::identify(skin.bus(), design, options);
     ASSERT_EQ(boards.size(), 3U);
     for (const auto& b : boards) EXPECT_EQ(b.serial, skin.serial(b.patch)) << b.patch;
     EXPECT_EQ(asked, (std::vector<int>{0, 1}));  // Only the third is left.
     EXPECT_EQ(boards[2].by, FoundBy::kOnly);
     ASSERT_EQ(said.size(), 1U);
     EXPECT_NE(said[0].find("two patches"), std::string::npos);
-    const auto before = device::verify(skin.bus(), design, {}).findings;
+    const auto before = diagnose::verify(skin.bus(), design, {}).findings;
     ASSERT_EQ(before.size(), 1U);  // A flash that was ended leaves its boards in this state.
-    EXPECT_EQ(before[0].kind, device::FindingKind::kNotFlashed) << before[0].text;
+    EXPECT_EQ(before[0].kind, diagnose::FindingKind::kNotFlashed) << before[0].text;
     EXPECT_NE(before[0].text.find("3 of 3 controllers on the link have no table of a design"), std::string::npos)
         << before[0].text;
     // Its tables belong to nobody: the design is flashed as if the boards were fresh.
-    device::FlashOptions named;
+    deploy::FlashOptions named;
     for (const auto& b : boards) named.assign.push_back({b.patch, b.serial});
-    EXPECT_TRUE(skin.right(device::flash(skin.bus(), design, named)));
-    EXPECT_TRUE(device::verify(skin.bus(), design, {}).findings.empty());
+    EXPECT_TRUE(skin.right(deploy::flash(skin.bus(), design, named)));
+    EXPECT_TRUE(diagnose::verify(skin.bus(), design, {}).findings.empty());
   }
 }
 
 TEST(Identify, a_patch_that_nobody_touches_is_missing) {
   const design::Design design = alike();
   FreshSkin skin(design, false, 7, {}, {touch_of(design, 1, 4, 5)});
-  device::IdentifyOptions options;
+  deploy::IdentifyOptions options;
   options.limit_s = 5.0;
-  const auto boards = device::identify(skin.bus(), design, options);
+  const auto boards = deploy::identify(skin.bus(), design, options);
   ASSERT_EQ(boards.size(), 3U);
   EXPECT_EQ(boards[0].serial, skin.serial(0));
   EXPECT_EQ(boards[1].by, FoundBy::kNothing);
@@ -317,16 +317,16 @@ TEST(Identify, asks_for_one_patch_also_where_its_table_is_there) {
   const design::Design design = alike();
   FreshSkin skin(design, false, 9);
   ASSERT_TRUE(skin.right(skin.flash(true)));
-  device::IdentifyOptions options;
+  deploy::IdentifyOptions options;
   options.patch = layout::PatchIndex{2};
-  options.actuator = device::touch_actuator_of(skin.bus().link());
-  const auto boards = device::identify(skin.bus(), design, options);
+  options.actuator = link::touch_actuator_of(skin.bus().link());
+  const auto boards = deploy::identify(skin.bus(), design, options);
   ASSERT_EQ(boards.size(), 1U);
   EXPECT_EQ(boards[0].serial, skin.serial(2));
   EXPECT_EQ(boards[0].by, FoundBy::kTouch);
-  EXPECT_TRUE(device::verify(skin.bus(), design, {}).findings.empty());  // Its tables are unchanged.
+  EXPECT_TRUE(diagnose::verify(skin.bus(), design, {}).findings.empty());  // Its tables are unchanged.
   options.patch = layout::PatchIndex{3};
-  EXPECT_THROW((void)device::identify(skin.bus(), design, options), InputError);
+  EXPECT_THROW((void)deploy::identify(skin.bus(), design, options), InputError);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "support/random_design.hpp"
-#include "triskin/scene/scene.hpp"
+#include "triskin/hardware/scene.hpp"
 
 namespace triskin::test {
 
@@ -24,10 +24,10 @@ inline design::Design joined_patches(int columns, int capacity, bool second_entr
   }
   design::Design d = flat_design("joined", {-2000, -2000}, {2000, 2000});
   lay_modules(d, tiles, number);
-  geometry::RoutingOptions options;
+  routing::RoutingOptions options;
   options.capacity = capacity;
   options.second_entry = second_entry;
-  d.patches = geometry::route(design::graph_of(d.layout), options).patches;
+  d.patches = routing::route(design::graph_of(d.layout), options).patches;
   d.design_id = design::design_id_of(d);
   return d;
 }
@@ -50,8 +50,8 @@ inline std::vector<Unreachable> unreachable_of(const design::Design& design) {
   return list;
 }
 
-inline scene::Scene scene_of(const design::Design& design) {
-  scene::Scene s;
+inline hardware::Scene scene_of(const design::Design& design) {
+  hardware::Scene s;
   s.design = design;
   s.switched = s.border_joints = true;
   s.effects.taxel_spread_counts = 3000;  // Every taxel of every module has another rest value.

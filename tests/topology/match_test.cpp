@@ -10,17 +10,17 @@
 #include "triskin/deploy/flash.hpp"
 #include "triskin/diagnose/topology.hpp"
 #include "triskin/diagnose/verify.hpp"
-#include "triskin/scene/sim_link.hpp"
+#include "triskin/hardware/sim_link.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/controller.hpp"
 
 namespace triskin::test {
 namespace {
 
-using scene::FaultKind;
+using hardware::FaultKind;
 
-scene::Fault fault(FaultKind kind, int module, int other = -1, int value = 0) {
-  scene::Fault f;
+hardware::Fault fault(FaultKind kind, int module, int other = -1, int value = 0) {
+  hardware::Fault f;
   f.kind = kind;
   f.module = layout::ModuleId{module};
   f.other = layout::ModuleId{other};
@@ -28,31 +28,31 @@ scene::Fault fault(FaultKind kind, int module, int other = -1, int value = 0) {
   return f;
 }
 
-scene::Scene assembled(const design::Design& design, std::vector<scene::Fault> faults) {
-  scene::Scene s;
+hardware::Scene assembled(const design::Design& design, std::vector<hardware::Fault> faults) {
+  hardware::Scene s;
   s.design = design;
   s.switched = true;
   s.faults = std::move(faults);
   return s;
 }
 
-wire::FoundTopology found_on(const design::Design& design, std::vector<scene::Fault> faults = {}) {
-  device::SimLink link(assembled(design, std::move(faults)));
-  device::Bus bus(link);
-  device::Controller controller(bus, 1);
+wire::FoundTopology found_on(const design::Design& design, std::vector<hardware::Fault> faults = {}) {
+  hardware::SimLink link(assembled(design, std::move(faults)));
+  session::Bus bus(link);
+  session::Controller controller(bus, 1);
   controller.reroute();
   return controller.topology();
 }
 
-device::VerifyResult verified(const design::Design& design, std::vector<scene::Fault> faults) {
-  device::SimLink link(assembled(design, std::move(faults)));
-  device::Bus bus(link);
-  device::flash(bus, design);
-  return device::verify(bus, design, {});
+diagnose::VerifyResult verified(const design::Design& design, std::vector<hardware::Fault> faults) {
+  hardware::SimLink link(assembled(design, std::move(faults)));
+  session::Bus bus(link);
+  deploy::flash(bus, design);
+  return diagnose::verify(bus, design, {});
 }
 
-const device::TopologyDifference& only(const device::TopologyMatch& m) {
-  static const device::TopologyDifference kNone;
+const diagnose::TopologyDifference& only(const diagnose::TopologyMatch& m) {
+  static const diagnose::TopologyDifference kNone;
   EXPECT_EQ(m.differences.size(), 1U);
   for (const auto& d : m.differences) EXPECT_FALSE(d.text.empty() || d.remedy.empty());
   return m.differences.empty() ? kNone : m.differences[0];
@@ -77,7 +77,7 @@ TEST(Match, a_patch_as_designed_has_no_differences_and_every_module_its_place) {
   std::mt19937_64 random(31);
   for (int trial = 0; trial < 40; ++trial) {
     const design::Design design = random_design(2 + trial % 15, random);
-    const auto match = device::match_topology(found_on(design), design, layout::PatchIndex{0});
+    const auto match = diagnose::match_topology(found_on(design), design, layout::PatchIndex{0});
     EXPECT_TRUE(match.differences.empty()) << trial << ' ' << match.differences[0].text;
     EXPECT_EQ(std::set<int>(match.module_of.begin(), match.module_of.end()).size(), design.layout.modules.size());
   }
@@ -91,26 +91,26 @@ TEST(Match, names_a_missing_joint_an_absent_module_and_a_turned_one) {
     const design::Patch& patch = design.patches[0];
     if (const auto [a, b] = spare_joint(design); a >= 0) {
       const auto match =
-          device::match_topology(found_on(design, {fault(FaultKind::kOpenJoint, a, b)}), design, layout::PatchIndex{0});
+          diagnose::match_topology(found_on(design, {fault(FaultKind::kOpenJoint, a, b)}), design, layout::PatchIndex{0});
       const auto& d = only(match);
-      EXPECT_EQ(d.kind, device::FindingKind::kMissingJoint);
+      EXPECT_EQ(d.kind, diagnose::FindingKind::kMissingJoint);
       EXPECT_THAT((std::array{d.module, d.other}), testing::UnorderedElementsAre(a, b));
       ++joints;
     }
     const int leaf = patch.modules.back().node;
     if (std::ranges::count(patch.articulation, leaf) == 0) {
-      const auto match = device::match_topology(found_on(design, {fault(FaultKind::kDeadModule, leaf)}), design,
+      const auto match = diagnose::match_topology(found_on(design, {fault(FaultKind::kDeadModule, leaf)}), design,
                                                 layout::PatchIndex{0});
       const auto& gone = only(match);
-      EXPECT_EQ(gone.kind, device::FindingKind::kMissingModule);
+      EXPECT_EQ(gone.kind, diagnose::FindingKind::kMissingModule);
       EXPECT_EQ(gone.module, leaf);
     }
     const int turned = patch.modules[1 + random() % (patch.modules.size() - 1)].node;
     const int steps = 1 + static_cast<int>(random() % 2);
-    const auto match = device::match_topology(found_on(design, {fault(FaultKind::kRotatedModule, turned, -1, steps)}),
+    const auto match = diagnose::match_topology(found_on(design, {fault(FaultKind::kRotatedModule, turned, -1, steps)}),
                                               design, layout::PatchIndex{0});
     const auto& d = only(match);
-    EXPECT_EQ(d.kind, device::FindingKind::kRotatedModule);
+    EXPECT_EQ(d.kind, diagnose::FindingKind::kRotatedModule);
     EXPECT_EQ(d.module, turned);
     EXPECT_EQ(d.steps, steps);
   }
@@ -125,10 +125,10 @@ TEST(Match, names_exchanged_modules_and_an_extra_joint) {
     const auto& modules = design.patches[0].modules;
     const auto &a = modules[1 + random() % 11], &b = modules[1 + random() % 11];
     if (a.rotation != b.rotation) {
-      const auto match = device::match_topology(found_on(design, {fault(FaultKind::kSwappedChips, a.node, b.node)}),
+      const auto match = diagnose::match_topology(found_on(design, {fault(FaultKind::kSwappedChips, a.node, b.node)}),
                                                 design, layout::PatchIndex{0});
       const auto& d = only(match);
-      EXPECT_EQ(d.kind, device::FindingKind::kSwappedModules);
+      EXPECT_EQ(d.kind, diagnose::FindingKind::kSwappedModules);
       EXPECT_THAT((std::array{d.module, d.other}), testing::UnorderedElementsAre(a.node, b.node));
       ++exchanges;
     }
@@ -139,10 +139,10 @@ TEST(Match, names_exchanged_modules_and_an_extra_joint) {
     const auto& neighbour = design.layout.modules[static_cast<std::size_t>(a.node)].neighbour;
     if (a.node != b.node && free_sides(a.node) > 0 && free_sides(b.node) > 0 &&
         std::ranges::count(neighbour, b.node) == 0) {
-      const auto match = device::match_topology(found_on(design, {fault(FaultKind::kExtraJoint, a.node, b.node)}),
+      const auto match = diagnose::match_topology(found_on(design, {fault(FaultKind::kExtraJoint, a.node, b.node)}),
                                                 design, layout::PatchIndex{0});
       const auto& d = only(match);
-      EXPECT_EQ(d.kind, device::FindingKind::kExtraJoint);
+      EXPECT_EQ(d.kind, diagnose::FindingKind::kExtraJoint);
       EXPECT_THAT((std::array{d.module, d.other}), testing::UnorderedElementsAre(a.node, b.node));
       ++extras;
     }
@@ -159,7 +159,7 @@ TEST(Match, recognizes_a_patch_without_a_table_among_many_designs) {
     const wire::FoundTopology found = found_on(designs[k]);
     EXPECT_TRUE(found.complete);
     for (std::size_t other = 0; other < designs.size(); ++other) {
-      const auto match = device::identify_patch(found, designs[other]);
+      const auto match = diagnose::identify_patch(found, designs[other]);
       ASSERT_FALSE(match.empty());
       EXPECT_EQ(match[0].differences.empty(), other == k) << k << " as " << other;
     }
@@ -173,17 +173,17 @@ TEST(Verify, of_switched_modules_says_what_the_chain_shows) {
   const int turned = design.patches[0].modules.back().node;
   auto r = verified(design, {fault(FaultKind::kRotatedModule, turned, -1, 1)});
   ASSERT_EQ(r.findings.size(), 1U);
-  EXPECT_EQ(r.findings[0].kind, device::FindingKind::kRotatedModule);
+  EXPECT_EQ(r.findings[0].kind, diagnose::FindingKind::kRotatedModule);
   EXPECT_EQ(r.findings[0].module, turned);
   const auto [a, b] = spare_joint(design);
   ASSERT_GE(a, 0);
   r = verified(design, {fault(FaultKind::kOpenJoint, a, b)});
   ASSERT_EQ(r.findings.size(), 1U);
-  EXPECT_EQ(r.findings[0].kind, device::FindingKind::kMissingJoint);
+  EXPECT_EQ(r.findings[0].kind, diagnose::FindingKind::kMissingJoint);
   EXPECT_EQ(r.modules_ok, 13);
   r = verified(design, {fault(FaultKind::kDeadModule, turned)});
   ASSERT_EQ(r.findings.size(), 1U);
-  EXPECT_EQ(r.findings[0].kind, device::FindingKind::kMissingModule);
+  EXPECT_EQ(r.findings[0].kind, diagnose::FindingKind::kMissingModule);
   EXPECT_EQ(r.modules_ok, 12);
 }
 
@@ -191,13 +191,13 @@ TEST(Verify, names_controllers_that_are_plugged_into_each_others_patch) {
   std::mt19937_64 random(36);
   const design::Design design = random_design(28, random);
   ASSERT_EQ(design.patches.size(), 2U);
-  scene::Fault exchanged;
+  hardware::Fault exchanged;
   exchanged.kind = FaultKind::kSwappedPatches;
   exchanged.patch = layout::PatchIndex{0};
   exchanged.other_patch = layout::PatchIndex{1};
   const auto r = verified(design, {exchanged});
   ASSERT_GE(r.findings.size(), 2U);
-  for (const auto& f : r.findings) EXPECT_EQ(f.kind, device::FindingKind::kWrongPatch) << f.text;
+  for (const auto& f : r.findings) EXPECT_EQ(f.kind, diagnose::FindingKind::kWrongPatch) << f.text;
   EXPECT_EQ(r.modules_ok, 0);
 }
 
@@ -209,25 +209,25 @@ TEST(Flash, a_prepared_route_leaves_the_failed_module_out_and_is_no_wrong_table)
     return f.other_node < 0 && f.node != patch.entry && f.lost_one_entry == 1;
   });
   ASSERT_NE(failed, patch.failures.end());
-  device::SimLink link(assembled(design, {fault(FaultKind::kDeadModule, failed->node)}));
-  device::Bus bus(link);
-  device::FlashOptions options;
+  hardware::SimLink link(assembled(design, {fault(FaultKind::kDeadModule, failed->node)}));
+  session::Bus bus(link);
+  deploy::FlashOptions options;
   options.route = {layout::ModuleId{failed->node}, layout::ModuleId::none()};
-  device::flash(bus, design, options);
+  deploy::flash(bus, design, options);
   bus.listen(bus.now_us() + 500'000);
-  device::Controller controller(bus, 1);
+  session::Controller controller(bus, 1);
   const wire::ActiveRoute route = controller.route();
   EXPECT_TRUE(route.complete && route.as_table);
   EXPECT_EQ(route.alive, 0x7FF);
-  const auto r = device::verify(bus, design, {});
+  const auto r = diagnose::verify(bus, design, {});
   ASSERT_EQ(r.findings.size(), 1U);
-  EXPECT_EQ(r.findings[0].kind, device::FindingKind::kBackupRoute);
+  EXPECT_EQ(r.findings[0].kind, diagnose::FindingKind::kBackupRoute);
   EXPECT_EQ(r.modules_ok, 11);
-  EXPECT_EQ(device::parse_route("backup:4-7"), (device::RouteChoice{layout::ModuleId{4}, layout::ModuleId{7}}));
-  EXPECT_THROW((void)device::parse_route("backup:x"), InputError);
-  EXPECT_THROW((void)device::parse_route("backup:4-4"), InputError);
+  EXPECT_EQ(session::parse_route("backup:4-7"), (session::RouteChoice{layout::ModuleId{4}, layout::ModuleId{7}}));
+  EXPECT_THROW((void)session::parse_route("backup:x"), InputError);
+  EXPECT_THROW((void)session::parse_route("backup:4-4"), InputError);
   options.route = {layout::ModuleId{999}, layout::ModuleId::none()};
-  EXPECT_THROW(device::flash(bus, design, options), InputError);
+  EXPECT_THROW(deploy::flash(bus, design, options), InputError);
 }
 
 }  // namespace

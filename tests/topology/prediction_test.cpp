@@ -21,7 +21,7 @@ SwitchedPatch model_of(const design::Design& design, std::uint64_t seed) {
     for (std::size_t p = 0; p < 3; ++p) row[p] = {ends[p].row, ends[p].port};
   }
   SwitchedPatch model(std::move(joints), 0, seed);
-  if (const layout::PatchImage table = device::image_of(design, layout::PatchIndex{0}); table.second_entry != 0) {
+  if (const layout::PatchImage table = session::image_of(design, layout::PatchIndex{0}); table.second_entry != 0) {
     model.set_second_cable(
         {layout::TableRow{layout::joint_row(table.second_entry)}, layout::joint_port(table.second_entry)});
   }
@@ -54,7 +54,7 @@ TEST(Prediction, every_failure_of_a_design_costs_what_the_host_said) {
     SwitchedPatch model = model_of(design, random());
     ModelledChain chain(model);
     fw::Topology topology(chain);
-    const layout::PatchImage normal = device::image_of(design, layout::PatchIndex{0});
+    const layout::PatchImage normal = session::image_of(design, layout::PatchIndex{0});
     const auto healthy = topology.reroute(fw::Topology::table_of(normal));
     ASSERT_TRUE(healthy.complete && healthy.as_table && healthy.min_depth) << trial;
     ASSERT_EQ(healthy.max_depth, patch.max_depth);
@@ -76,7 +76,7 @@ TEST(Prediction, every_failure_of_a_design_costs_what_the_host_said) {
       seconds += report.second_cable ? 1 : 0;
       if (f.lost_one_entry < n) {
         const layout::PatchImage backup =
-            device::image_of(design, layout::PatchIndex{0}, {layout::ModuleId{f.node}, layout::ModuleId{f.other_node}});
+            session::image_of(design, layout::PatchIndex{0}, {layout::ModuleId{f.node}, layout::ModuleId{f.other_node}});
         ASSERT_EQ(backup.module_count, n - f.lost_one_entry)
             << trial << " module " << f.node << " other " << f.other_node;
         const auto prepared = topology.reroute(fw::Topology::table_of(backup));
@@ -101,9 +101,9 @@ TEST(Tables, of_random_designs_hold_every_joint_and_survive_the_round_trip) {
   std::mt19937_64 random(12);
   for (int trial = 0; trial < 200; ++trial) {
     const design::Design design = random_design(1 + trial % 16, random);
-    const layout::PatchImage image = device::image_of(design, layout::PatchIndex{0});
+    const layout::PatchImage image = session::image_of(design, layout::PatchIndex{0});
     EXPECT_EQ(layout::check(image), Status::kOk);
-    const auto bytes = device::bytes_of(image);
+    const auto bytes = session::bytes_of(image);
     const auto back = layout::decode(bytes);
     ASSERT_TRUE(back);
     EXPECT_EQ(*back, image);

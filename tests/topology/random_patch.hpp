@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "triskin/logic/switched/topology.hpp"
-#include "triskin/scene/switched_patch.hpp"
+#include "triskin/hardware/switched_patch.hpp"
 
 namespace triskin::test {
 
-using scene::SwitchedPatch;
+using hardware::SwitchedPatch;
 
 struct RandomPatch {
   design::PortEnds joints;

@@ -9,18 +9,18 @@
 #include "triskin/deploy/flash.hpp"
 #include "triskin/design/joint.hpp"
 #include "triskin/diagnose/verify.hpp"
-#include "triskin/scene/sim_link.hpp"
+#include "triskin/hardware/sim_link.hpp"
 #include "triskin/session/bus.hpp"
 
 namespace triskin::test {
 namespace {
 
-using device::FindingKind;
-using scene::FaultKind;
+using diagnose::FindingKind;
+using hardware::FaultKind;
 
 // A patch and its fault.
 struct Seeded {
-  scene::Fault fault;
+  hardware::Fault fault;
   FindingKind kind = FindingKind::kMissingModule;
   std::set<int> concerned;  // Modules that a second mistake must leave alone.
 };
@@ -33,8 +33,8 @@ std::set<int> subtree_of(const design::Patch& patch, int module) {
   return below;
 }
 
-scene::Fault fault_of(FaultKind kind, int module, int other = -1) {
-  scene::Fault f;
+hardware::Fault fault_of(FaultKind kind, int module, int other = -1) {
+  hardware::Fault f;
   f.kind = kind;
   f.module = layout::ModuleId{module};
   f.other = layout::ModuleId{other};
@@ -89,25 +89,25 @@ bool disjoint(const std::set<int>& a, const std::set<int>& b) {
   return std::ranges::none_of(a, [&](int m) { return b.contains(m); });
 }
 
-device::VerifyResult verified(const design::Design& design, const Seeded& one, const Seeded& two) {
-  scene::Scene scene;
+diagnose::VerifyResult verified(const design::Design& design, const Seeded& one, const Seeded& two) {
+  hardware::Scene scene;
   scene.design = design;
   scene.switched = true;
   scene.faults = {one.fault, two.fault};
-  device::SimLink link(std::move(scene));
-  device::Bus bus(link);
-  device::flash(bus, design);
-  return device::verify(bus, design, {});
+  hardware::SimLink link(std::move(scene));
+  session::Bus bus(link);
+  deploy::flash(bus, design);
+  return diagnose::verify(bus, design, {});
 }
 
-bool names(const device::Finding& f, const Seeded& s) {
+bool names(const diagnose::Finding& f, const Seeded& s) {
   return f.kind == s.kind && (s.concerned.contains(f.module) || s.concerned.contains(f.other));
 }
 
-std::string text_of(const device::VerifyResult& r) {
+std::string text_of(const diagnose::VerifyResult& r) {
   std::string text;
-  for (const device::Finding& f : r.findings)
-    text += fmt::format("{}: {}\n", device::kFindingKindNames.name(f.kind), f.text);
+  for (const diagnose::Finding& f : r.findings)
+    text += fmt::format("{}: {}\n", diagnose::kFindingKindNames.name(f.kind), f.text);
   return text;
 }
 
@@ -121,12 +121,12 @@ TEST(SwitchedPairs, twenty_pairs_have_one_finding_for_each_cause) {
     const auto two = seeded(seed / kKinds % kKinds, patch, random);
     if (!one || !two || !disjoint(one->concerned, two->concerned)) continue;
     ++pairs;
-    const device::VerifyResult r = verified(design, *one, *two);
+    const diagnose::VerifyResult r = verified(design, *one, *two);
     const bool both = r.findings.size() == 2 && ((names(r.findings[0], *one) && names(r.findings[1], *two)) ||
                                                  (names(r.findings[0], *two) && names(r.findings[1], *one)));
     exact += both ? 1 : 0;
-    EXPECT_TRUE(both) << "seed " << seed << ": " << scene::kFaultKindNames.name(one->fault.kind) << " of "
-                      << one->fault.module << ", " << scene::kFaultKindNames.name(two->fault.kind) << " of "
+    EXPECT_TRUE(both) << "seed " << seed << ": " << hardware::kFaultKindNames.name(one->fault.kind) << " of "
+                      << one->fault.module << ", " << hardware::kFaultKindNames.name(two->fault.kind) << " of "
                       << two->fault.module << "\n"
                       << text_of(r);
   }

@@ -14,7 +14,7 @@
 #include "triskin/session/controller_calibration.hpp"
 #include "triskin/session/patch_table.hpp"
 
-namespace triskin::device {
+namespace triskin::deploy {
 namespace {
 
 namespace fs = std::filesystem;
@@ -31,9 +31,9 @@ class Backups : public testing::Test {
   }
   void TearDown() override { fs::remove(file_); }
 
-  [[nodiscard]] std::vector<BoardBackup> read_of(const std::string& text) const {
+  [[nodiscard]] std::vector<deploy::BoardBackup> read_of(const std::string& text) const {
     write_file_atomically(file_, text);
-    return read_backup(file_);
+    return deploy::read_backup(file_);
   }
   [[nodiscard]] std::string error_of(const std::string& text) const {
     try {
@@ -43,10 +43,10 @@ class Backups : public testing::Test {
     }
     return {};
   }
-  std::string refusal(const std::vector<BoardBackup>& boards, const RestoreOptions& options = {}) {
+  std::string refusal(const std::vector<deploy::BoardBackup>& boards, const deploy::RestoreOptions& options = {}) {
     const std::uint64_t before = operations();
     try {
-      (void)restore_boards(bus_, boards, options);
+      (void)deploy::restore_boards(bus_, boards, options);
     } catch (const Error& e) {
       EXPECT_EQ(operations(), before);
       return e.what();
@@ -62,16 +62,16 @@ class Backups : public testing::Test {
   fs::path file_;
   SharedSkin hub_{strip_scene(12, 4)};  // There are three controllers.
   SharedSkin::Client link_{hub_};
-  Bus bus_{link_};
+  session::Bus bus_{link_};
 };
 
 TEST_F(Backups, keep_every_value_that_the_protocol_reads) {
-  const auto boards = save_boards(bus_, {});
+  const auto boards = deploy::save_boards(bus_, {});
   ASSERT_EQ(boards.size(), 3U);
   for (int p = 0; p < 3; ++p) {
-    const BoardBackup& b = boards[static_cast<std::size_t>(p)];
+    const deploy::BoardBackup& b = boards[static_cast<std::size_t>(p)];
     EXPECT_EQ(b.node_address, p + 1);
-    EXPECT_EQ(b.table, bytes_of(image_of(hub_.design(), layout::PatchIndex{p})));
+    EXPECT_EQ(b.table, session::bytes_of(session::image_of(hub_.design(), layout::PatchIndex{p})));
     for (const wire::Identifier& row : wire::kIdentifiers) {
       // Simulated controllers are not started from a slot, so they report no image; none is calibrated or has crashed.
       const bool silent =
@@ -81,15 +81,15 @@ TEST_F(Backups, keep_every_value_that_the_protocol_reads) {
     }
     EXPECT_EQ(b.values.at(wire::did::kOffsets).size(), 5U + 16U * 4);  // There are 4 modules with 16 bytes each.
   }
-  const auto again = read_of(backup_text(boards));
+  const auto again = read_of(deploy::backup_text(boards));
   ASSERT_EQ(again.size(), 3U);
-  EXPECT_EQ(backup_text(again), backup_text(boards));
+  EXPECT_EQ(deploy::backup_text(again), deploy::backup_text(boards));
   EXPECT_EQ(again[2].values, boards[2].values);
 }
 
 TEST_F(Backups, carry_the_calibration_that_is_kept_for_a_board) {
-  auto boards = save_boards(bus_, {});
-  EXPECT_EQ(backup_text(boards).find("calibration"), std::string::npos) << "files without one are what they were";
+  auto boards = deploy::save_boards(bus_, {});
+  EXPECT_EQ(deploy::backup_text(boards).find("calibration"), std::string::npos) << "files without one are what they were";
   design::BoardCalibration calibration{boards[1].serial,
                                        hub_.design().design_id,
                                        layout::PatchIndex{1},
@@ -102,19 +102,19 @@ TEST_F(Backups, carry_the_calibration_that_is_kept_for_a_board) {
   calibration.places.push_back({2, 1, {}});
   calibration.places[0].taxels[4] = {151.25, 0.125, 0.0625};
   boards[1].calibration = calibration;
-  const auto again = read_of(backup_text(boards));
+  const auto again = read_of(deploy::backup_text(boards));
   EXPECT_FALSE(again[0].calibration);
   ASSERT_TRUE(again[1].calibration);
   EXPECT_EQ(*again[1].calibration, calibration);
   boards[1].calibration->serial = boards[0].serial;
-  EXPECT_NE(error_of(backup_text(boards)).find("is not that of this controller"), std::string::npos);
+  EXPECT_NE(error_of(deploy::backup_text(boards)).find("is not that of this controller"), std::string::npos);
 }
 
 // The calibration that the controllers keep goes with the table: into the file, back after another design, and onto a
 // new board.
 TEST_F(Backups, bring_the_calibration_back_that_a_controller_kept) {
   const auto claims = bus_.discover();
-  design::BoardCalibration calibration{to_text(claims.at(1).unique_id),
+  design::BoardCalibration calibration{session::to_text(claims.at(1).unique_id),
                                        hub_.design().design_id,
                                        layout::PatchIndex{1},
                                        3,
@@ -129,39 +129,39 @@ TEST_F(Backups, bring_the_calibration_back_that_a_controller_kept) {
     calibration.places.push_back({routed.line, routed.address, {}});
     calibration.places.back().taxels[4] = {151.25, 0.125, 0.0625};
   }
-  ASSERT_TRUE(keep_in_controller(bus_, claims[1], calibration));
-  const auto kept = [&] { return Controller(bus_, claims[1].node_address).calibration(); };
-  const auto boards = read_of(backup_text(save_boards(bus_, {})));
-  EXPECT_EQ(kept(), to_wire(calibration));
-  EXPECT_EQ(kept_revisions(bus_), (std::map<std::string, int>{{calibration.serial, 3}}));
-  FlashOptions options;
+  ASSERT_TRUE(session::keep_in_controller(bus_, claims[1], calibration));
+  const auto kept = [&] { return session::Controller(bus_, claims[1].node_address).calibration(); };
+  const auto boards = read_of(deploy::backup_text(deploy::save_boards(bus_, {})));
+  EXPECT_EQ(kept(), session::to_wire(calibration));
+  EXPECT_EQ(session::kept_revisions(bus_), (std::map<std::string, int>{{calibration.serial, 3}}));
+  deploy::FlashOptions options;
   options.take_over = true;
   (void)flash(bus_, strip(9, 3), options);
   EXPECT_FALSE(kept()) << "modules of another design";
   int calibrated = 0;
-  for (const RestoredBoard& r : restore_boards(bus_, boards, {})) calibrated += r.calibrated ? 1 : 0;
+  for (const deploy::RestoredBoard& r : deploy::restore_boards(bus_, boards, {})) calibrated += r.calibrated ? 1 : 0;
   EXPECT_EQ(calibrated, 1);
-  EXPECT_EQ(kept(), to_wire(calibration));
-  for (const RestoredBoard& r : restore_boards(bus_, boards, {})) EXPECT_TRUE(r.equal && !r.calibrated);
+  EXPECT_EQ(kept(), session::to_wire(calibration));
+  for (const deploy::RestoredBoard& r : deploy::restore_boards(bus_, boards, {})) EXPECT_TRUE(r.equal && !r.calibrated);
   auto damaged = boards;
-  for (BoardBackup& b : damaged) {
+  for (deploy::BoardBackup& b : damaged) {
     if (const auto value = b.values.find(wire::Calibration::kId); value != b.values.end()) value->second[0] = 2;
   }
-  EXPECT_NE(error_of(backup_text(damaged)).find("keeps a calibration that is none"), std::string::npos);
+  EXPECT_NE(error_of(deploy::backup_text(damaged)).find("keeps a calibration that is none"), std::string::npos);
 }
 
 TEST_F(Backups, remember_faults_and_when_they_came) {
-  scene::Scene scene = strip_scene(4, 4);
-  scene::Fault away;
+  hardware::Scene scene = strip_scene(4, 4);
+  hardware::Fault away;
   away.module = layout::ModuleId{2};
   away.from_us = 3'000'000;
   scene.faults.push_back(away);
   SharedSkin skin(std::move(scene));
   skin.flash();
   SharedSkin::Client link(skin);
-  Bus bus(link);
+  session::Bus bus(link);
   bus.listen(6'000'000);
-  const auto boards = read_of(backup_text(save_boards(bus, {})));
+  const auto boards = read_of(deploy::backup_text(deploy::save_boards(bus, {})));
   ASSERT_EQ(boards.size(), 1U);
   ASSERT_EQ(boards[0].faults.size(), 1U);
   EXPECT_EQ(boards[0].faults[0].code, 0x920002U);  // The state is absent, the row is 2.
@@ -169,29 +169,29 @@ TEST_F(Backups, remember_faults_and_when_they_came) {
 }
 
 TEST_F(Backups, bring_the_tables_of_a_design_back) {
-  const auto boards = read_of(backup_text(save_boards(bus_, {})));
-  FlashOptions options;
+  const auto boards = read_of(deploy::backup_text(deploy::save_boards(bus_, {})));
+  deploy::FlashOptions options;
   options.take_over = true;
   (void)flash(bus_, strip(9, 3), options);
-  ASSERT_FALSE(verify(bus_, hub_.design(), {}).findings.empty());
-  const auto restored = restore_boards(bus_, boards, {});
+  ASSERT_FALSE(diagnose::verify(bus_, hub_.design(), {}).findings.empty());
+  const auto restored = deploy::restore_boards(bus_, boards, {});
   ASSERT_EQ(restored.size(), 3U);
-  for (const RestoredBoard& r : restored) EXPECT_TRUE(r.written);
+  for (const deploy::RestoredBoard& r : restored) EXPECT_TRUE(r.written);
   bus_.listen(bus_.now_us() + 3'000'000);
-  EXPECT_TRUE(verify(bus_, hub_.design(), {}).findings.empty());
-  for (const RestoredBoard& r : restore_boards(bus_, boards, {})) EXPECT_TRUE(r.equal);
+  EXPECT_TRUE(diagnose::verify(bus_, hub_.design(), {}).findings.empty());
+  for (const deploy::RestoredBoard& r : deploy::restore_boards(bus_, boards, {})) EXPECT_TRUE(r.equal);
 }
 
 TEST_F(Backups, come_back_one_after_the_other_when_asked_for) {
-  const auto kept = save_boards(bus_, {});
-  FlashOptions other;
+  const auto kept = deploy::save_boards(bus_, {});
+  deploy::FlashOptions other;
   other.take_over = true;
   const auto restore_us = [&](int per_wire) {
     (void)flash(bus_, strip(9, 3), other);
-    RestoreOptions options;
+    deploy::RestoreOptions options;
     options.per_wire = per_wire;
     const std::uint64_t before = bus_.now_us();
-    for (const RestoredBoard& r : restore_boards(bus_, kept, options)) EXPECT_TRUE(r.written);
+    for (const deploy::RestoredBoard& r : deploy::restore_boards(bus_, kept, options)) EXPECT_TRUE(r.written);
     return bus_.now_us() - before;
   };
   // An erase takes 22 ms and is the longest part; in parallel, three boards wait for it once.
@@ -199,34 +199,34 @@ TEST_F(Backups, come_back_one_after_the_other_when_asked_for) {
 }
 
 TEST_F(Backups, put_a_new_board_in_the_place_of_a_broken_one) {
-  const auto boards = save_boards(bus_, {});
-  scene::Scene scene = strip_scene(12, 4);
+  const auto boards = deploy::save_boards(bus_, {});
+  hardware::Scene scene = strip_scene(12, 4);
   scene.board_seed = 11;  // These are other boards, which were never flashed.
   SharedSkin other(std::move(scene));
   SharedSkin::Client link(other);
-  Bus bus(link);
-  EXPECT_THROW((void)restore_boards(bus, boards, {}), DeviceError);
-  RestoreOptions options;
+  session::Bus bus(link);
+  EXPECT_THROW((void)deploy::restore_boards(bus, boards, {}), DeviceError);
+  deploy::RestoreOptions options;
   for (std::size_t p = 0; p < 3; ++p)
-    options.onto[boards[p].serial] = to_text(scene::unique_id_of(other.skin().scene(), layout::PatchIndex{p}));
+    options.onto[boards[p].serial] = session::to_text(hardware::unique_id_of(other.skin().scene(), layout::PatchIndex{p}));
   options.dry_run = true;
-  for (const RestoredBoard& r : restore_boards(bus, boards, options)) EXPECT_FALSE(r.written);
+  for (const deploy::RestoredBoard& r : deploy::restore_boards(bus, boards, options)) EXPECT_FALSE(r.written);
   for (const auto& c : bus.discover()) EXPECT_FALSE(c.has_table);
   options.dry_run = false;
-  EXPECT_EQ(restore_boards(bus, boards, options).size(), 3U);
+  EXPECT_EQ(deploy::restore_boards(bus, boards, options).size(), 3U);
   bus.listen(bus.now_us() + 3'000'000);
-  EXPECT_TRUE(verify(bus, other.design(), {}).findings.empty());
+  EXPECT_TRUE(diagnose::verify(bus, other.design(), {}).findings.empty());
 }
 
 TEST_F(Backups, are_refused_for_another_kind_of_board_or_a_taken_address) {
-  const auto boards = save_boards(bus_, {});
+  const auto boards = deploy::save_boards(bus_, {});
   auto other = boards;
   other[1].values[wire::did::kPartNumber] = {'T', 'R', 'I', 'S', 'K', 'I', 'N', '2'};
   const std::string kind = refusal(other);
   EXPECT_NE(kind.find("\"TRISKIN1\""), std::string::npos) << kind;
   EXPECT_NE(kind.find("\"TRISKIN2\""), std::string::npos) << kind;
   EXPECT_NE(kind.find(boards[1].serial), std::string::npos) << kind;
-  RestoreOptions swap;
+  deploy::RestoreOptions swap;
   swap.onto[boards[0].serial] = boards[1].serial;
   EXPECT_NE(refusal({boards[0]}, swap).find("which is not in the file, has node address 1"), std::string::npos);
   EXPECT_NE(refusal(boards, swap).find("what two boards held"), std::string::npos);
@@ -235,7 +235,7 @@ TEST_F(Backups, are_refused_for_another_kind_of_board_or_a_taken_address) {
 }
 
 TEST_F(Backups, that_were_cut_or_changed_are_refused) {
-  const std::string text = backup_text(save_boards(bus_, {}));
+  const std::string text = deploy::backup_text(deploy::save_boards(bus_, {}));
   for (std::size_t n = 0; n + 2 < text.size(); n += 97) EXPECT_NE(error_of(text.substr(0, n)), "") << n;
   int refused = 0, tried = 0;
   for (std::size_t at = 0; at < text.size(); at += 53) {
@@ -251,13 +251,13 @@ TEST_F(Backups, that_were_cut_or_changed_are_refused) {
 
 // The data is no table, but its CRC fits, so the second check must refuse it.
 TEST_F(Backups, of_something_else_than_a_table_are_refused) {
-  auto boards = save_boards(bus_, {});
+  auto boards = deploy::save_boards(bus_, {});
   boards[0].table[40] ^= 1;
-  EXPECT_NE(error_of(backup_text(boards)).find("boards[0].table"), std::string::npos);
-  boards = save_boards(bus_, {});
+  EXPECT_NE(error_of(deploy::backup_text(boards)).find("boards[0].table"), std::string::npos);
+  boards = deploy::save_boards(bus_, {});
   boards[0].node_address = 9;
-  EXPECT_NE(error_of(backup_text(boards)).find("is for node address 1, the board had 9"), std::string::npos);
+  EXPECT_NE(error_of(deploy::backup_text(boards)).find("is for node address 1, the board had 9"), std::string::npos);
 }
 
 }  // namespace
-}  // namespace triskin::device
+}  // namespace triskin::deploy

@@ -7,7 +7,7 @@
 #include "shared_skin.hpp"
 #include "triskin/session/stream.hpp"
 
-namespace triskin::device {
+namespace triskin::session {
 namespace {
 
 using test::kSequence_us;
@@ -18,9 +18,9 @@ using test::strip_scene;
 class Reader {
  public:
   Reader(SharedSkin& hub, int every) : link_(hub), bus_(link_) {
-    StreamOptions options;
+    session::StreamOptions options;
     options.every = every;
-    stream_.emplace(bus_, hub.design(), [this](const ModuleSample&) { ++frames_; }, options);
+    stream_.emplace(bus_, hub.design(), [this](const session::ModuleSample&) { ++frames_; }, options);
     begin_us_ = bus_.now_us();
     every_ = every;
   }
@@ -33,8 +33,8 @@ class Reader {
   void go(std::size_t modules) {
     const double seconds_us = static_cast<double>(bus_.now_us() - begin_us_);
     stream_->finish();
-    const StreamReport r = stream_->report();
-    EXPECT_TRUE(r.complete()) << sentences(r).at(0);
+    const session::StreamReport r = stream_->report();
+    EXPECT_TRUE(r.complete()) << session::sentences(r).at(0);
     EXPECT_EQ(r.total.received, frames_);
     const double due = static_cast<double>(modules) * seconds_us / kSequence_us / every_;
     EXPECT_GE(static_cast<double>(r.total.received) + 2.0 * static_cast<double>(modules), 0.95 * due);
@@ -42,8 +42,8 @@ class Reader {
 
  private:
   SharedSkin::Client link_;
-  Bus bus_;
-  std::optional<Stream> stream_;
+  session::Bus bus_;
+  std::optional<session::Stream> stream_;
   std::uint64_t frames_ = 0, begin_us_ = 0;
   int every_ = 1;
 };
@@ -53,28 +53,28 @@ TEST(Leases, decimation_is_chosen_by_the_first_reader) {
   SharedSkin hub(strip_scene(6, 3));
   hub.flash();
   SharedSkin::Client link(hub), other_link(hub);
-  Bus bus(link), other_bus(other_link);
-  StreamOptions options;
+  session::Bus bus(link), other_bus(other_link);
+  session::StreamOptions options;
   options.decimation = wire::Decimation::k128;
-  Stream first(bus, hub.design(), [](const ModuleSample&) {}, options);
+  session::Stream first(bus, hub.design(), [](const session::ModuleSample&) {}, options);
   first.run_until(bus.now_us() + 2'000'000);
   options.decimation = wire::Decimation::k64;
   try {
-    const Stream second(other_bus, hub.design(), [](const ModuleSample&) {}, options);
+    const session::Stream second(other_bus, hub.design(), [](const session::ModuleSample&) {}, options);
     ADD_FAILURE() << "changed under the first reader";
   } catch (const DeviceError& e) {
     EXPECT_NE(std::string(e.what()).find("patch 0 at decimation 128; end them first"), std::string::npos) << e.what();
   }
   options.decimation = wire::Decimation::k128;
   {
-    const Stream third(other_bus, hub.design(), [](const ModuleSample&) {}, options);
+    const session::Stream third(other_bus, hub.design(), [](const session::ModuleSample&) {}, options);
   }
   first.finish();
-  const StreamReport r = first.report();
-  EXPECT_TRUE(r.complete()) << sentences(r).at(0);
+  const session::StreamReport r = first.report();
+  EXPECT_TRUE(r.complete()) << session::sentences(r).at(0);
   EXPECT_NEAR(static_cast<double>(r.total.expected), 6 * 2.0 / 0.0184, 0.05 * 6 * 2.0 / 0.0184);
   options.decimation = wire::Decimation::k256;  // Nobody reads now.
-  EXPECT_NO_THROW(Stream(other_bus, hub.design(), [](const ModuleSample&) {}, options));
+  EXPECT_NO_THROW(session::Stream(other_bus, hub.design(), [](const session::ModuleSample&) {}, options));
 }
 
 // The reader that ended first used to switch the streams off; the other then had half its data and "0 lost".
@@ -181,4 +181,4 @@ TEST(Leases, a_thousand_random_interleavings_lose_nothing) {
 }
 
 }  // namespace
-}  // namespace triskin::device
+}  // namespace triskin::session

@@ -7,11 +7,11 @@
 #include <numbers>
 
 #include "shared_skin.hpp"
-#include "triskin/scene/sim_link.hpp"
+#include "triskin/hardware/sim_link.hpp"
 #include "triskin/session/stream.hpp"
 #include "triskin/skin/live_monitor.hpp"
 
-namespace triskin::device {
+namespace triskin::hardware {
 namespace {
 
 constexpr std::uint64_t kSecond_us = 1'000'000;
@@ -28,23 +28,23 @@ void PrintTo(const Press& p, std::ostream* out) {
 class LongPress : public testing::TestWithParam<Press> {};
 
 TEST_P(LongPress, stays_within_two_percent_of_its_value_at_ten_seconds) {
-  scene::Scene scene;
+  hardware::Scene scene;
   scene.design = test::strip(2);
   scene.effects.noise_counts = 3.0;
   scene.effects.drift_counts_per_s = GetParam().drift_counts_per_s;
-  SimLink link(std::move(scene));
-  Bus bus(link);
-  FlashOptions flash_options;
+  hardware::SimLink link(std::move(scene));
+  session::Bus bus(link);
+  deploy::FlashOptions flash_options;
   flash_options.take_over = true;
-  (void)device::flash(bus, link.skin().scene().design, flash_options);
+  (void)deploy::flash(bus, link.skin().scene().design, flash_options);
   bus.listen(bus.now_us() + 3 * kSecond_us);  // The offsets are found by now.
 
   LiveMonitor monitor(link.skin().scene().design);
-  Stream stream(bus, link.skin().scene().design, [&](const ModuleSample& f) { monitor.add(f); });
+  session::Stream stream(bus, link.skin().scene().design, [&](const session::ModuleSample& f) { monitor.add(f); });
   stream.run_until(bus.now_us() + kSecond_us);
   EXPECT_TRUE(monitor.touches().pressed().empty());
-  scene::Contact finger;
-  finger.position_mm = scene::center_of(link.skin().scene().design, layout::ModuleId{0});
+  hardware::Contact finger;
+  finger.position_mm = hardware::center_of(link.skin().scene().design, layout::ModuleId{0});
   finger.from_us = bus.now_us();
   finger.radius_mm = 8.0;
   finger.force_n = GetParam().force_n;
@@ -88,4 +88,4 @@ INSTANTIATE_TEST_SUITE_P(Cases, LongPress,
                          [](const auto& p) { return std::string(p.param.name); });
 
 }  // namespace
-}  // namespace triskin::device
+}  // namespace triskin::hardware

@@ -7,7 +7,7 @@
 #include "triskin/session/stream.hpp"
 #include "triskin/wire/bus_load.hpp"
 
-namespace triskin::device {
+namespace triskin::deploy {
 namespace {
 
 using test::kSequence_us;
@@ -20,11 +20,11 @@ class Crowded : public testing::Test {
  protected:
   Crowded() { hub_.flash(); }
   // Streams for `seconds` and keeps the samples.
-  StreamReport run(double seconds, StreamOptions options) {
+  StreamReport run(double seconds, session::StreamOptions options) {
     hub_.forget();
-    Stream stream(
+    session::Stream stream(
         bus_, hub_.design(),
-        [&](const ModuleSample& f) { came_.insert({f.sample.node_address, f.sample.module, f.sample.sample}); },
+        [&](const session::ModuleSample& f) { came_.insert({f.sample.node_address, f.sample.module, f.sample.sample}); },
         std::move(options));
     stream.run_until(bus_.now_us() + static_cast<std::uint64_t>(seconds * 1e6));
     stream.finish();
@@ -48,17 +48,17 @@ class Crowded : public testing::Test {
 
   SharedSkin hub_{strip_scene(193, 16, 1'000'000, 2'000'000)};
   SharedSkin::Client link_{hub_};
-  Bus bus_{link_};
+  session::Bus bus_{link_};
   std::set<SampleName> came_;
 };
 
 // The report used to be "31312 module samples, 0 lost", status 0, while 76 of 193 modules were not in the file. Now
 // every sample is still requested, and each missing one is counted.
 TEST_F(Crowded, a_bus_that_is_too_slow_is_said_and_every_module_gets_its_share) {
-  StreamOptions options;
+  session::StreamOptions options;
   options.every = 1;
   options.overload = true;
-  const StreamReport r = run(10.0, options);
+  const session::StreamReport r = run(10.0, options);
   EXPECT_NEAR(static_cast<double>(r.total.expected), 193 * 10e6 / kSequence_us, 0.02 * 193 * 10e6 / kSequence_us);
   EXPECT_EQ(r.total.received, came_.size());
   EXPECT_EQ(r.total.expected, r.total.received + r.total.unread + r.total.dropped + r.total.on_the_way);
@@ -69,13 +69,13 @@ TEST_F(Crowded, a_bus_that_is_too_slow_is_said_and_every_module_gets_its_share) 
   EXPECT_TRUE(r.never_heard.empty());
   EXPECT_EQ(r.starved.size(), 13U);
   std::uint64_t least = UINT64_MAX, most = 0;
-  for (const ModuleCounts& m : r.modules) {
+  for (const session::ModuleCounts& m : r.modules) {
     least = std::min(least, m.counts.received);
     most = std::max(most, m.counts.received);
   }
   EXPECT_EQ(r.modules.size(), 193U);
   EXPECT_GE(static_cast<double>(least), 0.95 * static_cast<double>(most)) << least << " … " << most;
-  const std::string text = sentences(r).at(1);
+  const std::string text = session::sentences(r).at(1);
   EXPECT_NE(text.find("patches 0–12"), std::string::npos) << text;
   EXPECT_NE(text.find("% of the bus"), std::string::npos) << text;
   EXPECT_NE(text.find("--every 2"), std::string::npos) << text;
@@ -83,15 +83,15 @@ TEST_F(Crowded, a_bus_that_is_too_slow_is_said_and_every_module_gets_its_share) 
 }
 
 TEST_F(Crowded, what_does_not_fit_is_refused_and_a_rate_that_fits_is_chosen) {
-  StreamOptions asked;
+  session::StreamOptions asked;
   asked.every = 1;
   EXPECT_THROW((void)run(0.1, asked), InputError);
   std::string said;
-  StreamOptions chosen;
+  session::StreamOptions chosen;
   chosen.say = [&](const std::string& text) { said += text; };
-  const StreamReport r = run(4.0, chosen);
+  const session::StreamReport r = run(4.0, chosen);
   EXPECT_EQ(r.budget.every, 2);
-  EXPECT_TRUE(r.complete()) << sentences(r).at(0);
+  EXPECT_TRUE(r.complete()) << session::sentences(r).at(0);
   EXPECT_NEAR(static_cast<double>(r.total.received), 193 * 4e6 / kSequence_us / 2, 200);
   EXPECT_NE(said.find("% of the bus"), std::string::npos) << said;
   expect_as_on_the_bus();
@@ -101,19 +101,19 @@ TEST(Loss, what_the_computer_loses_is_counted_by_the_frame) {
   SharedSkin hub(strip_scene(6, 3));
   hub.flash();
   SharedSkin::Client link(hub);
-  Bus bus(link);
+  session::Bus bus(link);
   std::map<std::uint32_t, std::uint64_t> lost;  // The key is the identifier.
   int turn = 0;
   link.lose = [&](const wire::CanFrame& f) { return wire::decode_full(f) && ++turn % 7 == 0 && ++lost[f.id] > 0; };
-  Stream stream(bus, hub.design(), {});
+  session::Stream stream(bus, hub.design(), {});
   lost.clear();
   stream.run_until(bus.now_us() + 2'000'000);
   stream.finish();
-  const StreamReport r = stream.report();
+  const session::StreamReport r = stream.report();
   EXPECT_GT(r.total.on_the_way, 20U);
   EXPECT_EQ(r.lost_bus, r.total.on_the_way);
   EXPECT_EQ(r.total.dropped + r.total.unread + r.total.silent, 0U);
-  for (const ModuleCounts& m : r.modules) {
+  for (const session::ModuleCounts& m : r.modules) {
     const std::uint32_t id =
         wire::kFullBase | static_cast<std::uint32_t>(m.patch + 1) << 8 | static_cast<std::uint32_t>(m.module % 3);
     // A frame that was lost before the lease began, or after its end, does not belong to its samples.
@@ -127,34 +127,34 @@ TEST(Loss, frames_that_the_computer_threw_away_are_its_own) {
   SharedSkin hub(strip_scene(3, 3));
   hub.flash();
   SharedSkin::Client link(hub);
-  Bus bus(link);
-  Stream stream(bus, hub.design(), {});
+  session::Bus bus(link);
+  session::Stream stream(bus, hub.design(), {});
   link.count = true;
   int turn = 0;
   link.lose = [&](const wire::CanFrame& f) { return wire::decode_full(f) && ++turn % 5 == 0; };
   stream.run_until(bus.now_us() + 1'000'000);
   link.lose = {};
   stream.finish();
-  const StreamReport r = stream.report();
+  const session::StreamReport r = stream.report();
   EXPECT_EQ(r.lost_host, link.thrown_away());
   EXPECT_EQ(r.lost_bus, 0U);
 }
 
 TEST(Loss, a_module_that_gives_no_data_was_never_heard) {
-  scene::Scene scene = strip_scene(6, 6);
-  scene::Fault f;
-  f.kind = scene::FaultKind::kRemovedChip;
+  hardware::Scene scene = strip_scene(6, 6);
+  hardware::Fault f;
+  f.kind = hardware::FaultKind::kRemovedChip;
   f.module = layout::ModuleId{4};
   scene.faults.push_back(f);
   SharedSkin hub(std::move(scene));
   hub.flash();
   SharedSkin::Client link(hub);
-  Bus bus(link);
+  session::Bus bus(link);
   bus.listen(bus.now_us() + 500'000);
-  Stream stream(bus, hub.design(), {});
+  session::Stream stream(bus, hub.design(), {});
   stream.run_until(bus.now_us() + 1'000'000);
   stream.finish();
-  const StreamReport r = stream.report();
+  const session::StreamReport r = stream.report();
   EXPECT_EQ(r.never_heard, std::vector{layout::ModuleId{4}});
   EXPECT_FALSE(r.complete());
   EXPECT_EQ(r.total.lost(), 0U);  // The controller reported each time that there was nothing.
@@ -166,11 +166,11 @@ TEST(Loss, a_controller_that_was_away_is_noticed_in_half_a_second_and_counted) {
   SharedSkin hub(strip_scene(6, 3));
   hub.flash();
   SharedSkin::Client link(hub);
-  Bus bus(link);
+  session::Bus bus(link);
   std::vector<std::pair<std::uint64_t, std::string>> said;
-  StreamOptions options;
+  session::StreamOptions options;
   options.say = [&](const std::string& text) { said.emplace_back(bus.now_us(), text); };
-  Stream stream(bus, hub.design(), {}, options);
+  session::Stream stream(bus, hub.design(), {}, options);
   stream.run_until(bus.now_us() + 1'000'000);
   link.lose = [](const wire::CanFrame& f) {  // Its cable is pulled.
     const auto t = wire::decode_full(f);
@@ -186,15 +186,15 @@ TEST(Loss, a_controller_that_was_away_is_noticed_in_half_a_second_and_counted) {
   stream.run_until(bus.now_us() + 2'000'000);
   stream.finish();
   EXPECT_EQ(said.size(), 2U);
-  const StreamReport r = stream.report();
-  std::map<int, SampleCounts> patch;
-  for (const ModuleCounts& m : r.modules) patch[m.patch] += m.counts;
+  const session::StreamReport r = stream.report();
+  std::map<int, session::SampleCounts> patch;
+  for (const session::ModuleCounts& m : r.modules) patch[m.patch] += m.counts;
   EXPECT_EQ(patch[0].lost(), 0U);
-  SCOPED_TRACE(sentences(r).at(0));
+  SCOPED_TRACE(session::sentences(r).at(0));
   const double due = 3 * 4.5e6 / kSequence_us;
   EXPECT_NEAR(static_cast<double>(patch[1].expected), due, 0.05 * due);
   EXPECT_NEAR(static_cast<double>(patch[1].lost()), 3 * 1.5e6 / kSequence_us, 0.1 * due);
 }
 
 }  // namespace
-}  // namespace triskin::device
+}  // namespace triskin::deploy

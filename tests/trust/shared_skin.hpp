@@ -10,7 +10,7 @@
 #include "support/strip_design.hpp"
 #include "triskin/deploy/flash.hpp"
 #include "triskin/link/link.hpp"
-#include "triskin/scene/virtual_skin.hpp"
+#include "triskin/hardware/virtual_skin.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/wire/taxel_frames.hpp"
 
@@ -29,21 +29,21 @@ struct SampleName {
 /// Simulates one bus with several computers on it, in virtual time, and counts every sample that leaves the bus.
 class SharedSkin {
  public:
-  explicit SharedSkin(scene::Scene scene) : skin_(std::move(scene)) {
+  explicit SharedSkin(hardware::Scene scene) : skin_(std::move(scene)) {
     skin_.on_frame([this](const wire::CanFrame& frame, std::uint64_t) { arrived(frame); });
   }
-  class Client final : public device::Link {
+  class Client final : public link::Link {
    public:
     explicit Client(SharedSkin& hub) : hub_(hub) { hub_.clients_.insert(this); }
     ~Client() override { hub_.clients_.erase(this); }
     Client(const Client&) = delete;
     Client& operator=(const Client&) = delete;
     void send(const wire::CanFrame& frame) override {
-      if (cut_) throw device::Unreachable("cut");
+      if (cut_) throw link::Unreachable("cut");
       hub_.skin_.send(frame);
     }
     std::optional<wire::CanFrame> receive(std::uint64_t until_us) override {
-      if (cut_) throw device::Unreachable("cut");
+      if (cut_) throw link::Unreachable("cut");
       while (inbox_.empty() && hub_.skin_.now_us() < until_us) (void)hub_.skin_.run_until_frame(until_us);
       if (inbox_.empty()) return std::nullopt;
       const wire::CanFrame frame = inbox_.front();
@@ -75,12 +75,12 @@ class SharedSkin {
     std::uint64_t thrown_away_ = 0;
   };
 
-  [[nodiscard]] scene::VirtualSkin& skin() { return skin_; }
+  [[nodiscard]] hardware::VirtualSkin& skin() { return skin_; }
   [[nodiscard]] const design::Design& design() const { return skin_.scene().design; }
   void flash() {
     Client client(*this);
-    device::Bus bus(client);
-    (void)device::flash(bus, design());
+    session::Bus bus(client);
+    (void)deploy::flash(bus, design());
   }
   /// Returns the samples that left the bus since the last call of forget().
   [[nodiscard]] const std::set<SampleName>& on_bus() const { return on_bus_; }
@@ -98,13 +98,13 @@ class SharedSkin {
       c->inbox_.push_back(frame);
     }
   }
-  scene::VirtualSkin skin_;
+  hardware::VirtualSkin skin_;
   std::set<Client*> clients_;
   std::set<SampleName> on_bus_;
 };
 
-inline scene::Scene strip_scene(int modules, int per_patch, std::uint64_t bit_rate = 0, std::uint64_t data_rate = 0) {
-  scene::Scene scene;
+inline hardware::Scene strip_scene(int modules, int per_patch, std::uint64_t bit_rate = 0, std::uint64_t data_rate = 0) {
+  hardware::Scene scene;
   scene.design = strip(modules, per_patch);
   scene.effects.bus_bit_rate = bit_rate;
   scene.effects.bus_data_bit_rate = data_rate;

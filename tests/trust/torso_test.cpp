@@ -11,7 +11,7 @@
 #include "triskin/session/stream.hpp"
 #include "triskin/wire/bus_load.hpp"
 
-namespace triskin::device {
+namespace triskin::test {
 namespace {
 
 using test::kSequence_us;
@@ -42,7 +42,7 @@ TEST_P(LargeCover, every_sample_of_a_minute_arrives_or_is_counted) {
   ASSERT_EQ(hub.design().patches.size(), static_cast<std::size_t>(c.controllers));
   hub.flash();
   SharedSkin::Client link(hub);
-  Bus bus(link);
+  session::Bus bus(link);
   bus.listen(bus.now_us() + 2'000'000);  // The offsets are found by now.
   const double share = wire::kStreamShare * kSequence_us * 1e3 / static_cast<double>(link.sample_ns(1));
   EXPECT_NEAR(c.modules / (share * c.every), c.load, 0.05 * c.load) << "the case is not what its name says";
@@ -52,12 +52,12 @@ TEST_P(LargeCover, every_sample_of_a_minute_arrives_or_is_counted) {
   options.every = c.every;
   options.overload = true;
   hub.forget();
-  Stream stream(
+  session::Stream stream(
       bus, hub.design(),
-      [&](const ModuleSample& f) { came[{f.sample.node_address, f.sample.module}].insert(f.sample.sample); }, options);
+      [&](const session::ModuleSample& f) { came[{f.sample.node_address, f.sample.module}].insert(f.sample.sample); }, options);
   stream.run_until(bus.now_us() + static_cast<std::uint64_t>(kSeconds * 1e6));
   stream.finish();
-  const StreamReport r = stream.report();
+  const session::StreamReport r = stream.report();
 
   // The scene gives the truth: which samples left the bus, and how many conversions there were in the time.
   std::map<std::pair<int, int>, std::set<std::uint32_t>> truth;
@@ -72,10 +72,10 @@ TEST_P(LargeCover, every_sample_of_a_minute_arrives_or_is_counted) {
     left += numbers.size();
   }
   ASSERT_EQ(r.modules.size(), static_cast<std::size_t>(c.modules));
-  SampleCounts sum;
+  session::SampleCounts sum;
   std::uint64_t least = UINT64_MAX, most = 0;
   const double due = kSeconds * 1e6 / kSequence_us / c.every;
-  for (const ModuleCounts& m : r.modules) {
+  for (const session::ModuleCounts& m : r.modules) {
     EXPECT_EQ(m.counts.expected, m.counts.received + m.counts.unread + m.counts.dropped) << m.module;
     EXPECT_NEAR(static_cast<double>(m.counts.expected), due, 2.0 + 0.01 * due) << m.module;
     sum += m.counts;
@@ -87,7 +87,7 @@ TEST_P(LargeCover, every_sample_of_a_minute_arrives_or_is_counted) {
   EXPECT_TRUE(r.never_heard.empty());
   EXPECT_GE(static_cast<double>(least), 0.95 * static_cast<double>(most)) << least << " … " << most;
   if (c.load <= 1.0) {
-    EXPECT_TRUE(r.complete()) << sentences(r).at(0);
+    EXPECT_TRUE(r.complete()) << session::sentences(r).at(0);
     EXPECT_EQ(r.total.lost(), 0U);
   } else {
     EXPECT_FALSE(r.complete());
@@ -110,4 +110,4 @@ INSTANTIATE_TEST_SUITE_P(Covers, LargeCover,
                          [](const auto& tested) { return std::string(tested.param.name); });
 
 }  // namespace
-}  // namespace triskin::device
+}  // namespace triskin::test

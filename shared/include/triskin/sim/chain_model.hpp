@@ -7,7 +7,7 @@
 
 namespace triskin::sim {
 
-/// The model is the scan chain of switched modules as its master sees it. The virtual hardware (host/sim) implements
+/// The model is the scan chain of switched modules as its master sees it. The virtual hardware (host/sim/hardware) implements
 /// it, and board/posix drives it. The constants are the times that the real chain needs; the caller must let them pass.
 class ChainModel {
  public:

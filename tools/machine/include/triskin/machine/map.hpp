@@ -3,7 +3,7 @@
 #include <cstdint>
 
 /// Lists addresses of the blocks of the STM32G474, their clock enables, interrupts and reset values. Not shared with
-/// the firmware: tests/silicon compares both with the same facts.
+/// the firmware: tests/firmware/silicon compares both with the same facts.
 namespace triskin::machine::map {
 
 inline constexpr std::uint32_t kTim2 = 0x40000000, kCrs = 0x40002000, kIwdg = 0x40003000, kSpi2 = 0x40003800,

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 /// Lists what is elsewhere in the STM32L452 than in the STM32G474 (map.hpp): RM0394, memory map, vector table, RCC. Not
-/// shared with the firmware: tests/silicon_l452 compares both with the same facts.
+/// shared with the firmware: tests/firmware/silicon_l452 compares both with the same facts.
 namespace triskin::machine::map::l452 {
 
 inline constexpr std::uint32_t kI2c3 = 0x40005C00, kCan = 0x40006400, kDma2 = 0x40020400;

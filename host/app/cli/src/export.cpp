@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/exports/export.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <map>
+#include <memory>
+
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
+#include "command.hpp"
+#include "recorded_track.hpp"
+#include "triskin/exports/icub_files.hpp"
+#include "triskin/exports/simulators.hpp"
+#include "triskin/hdf5/taxel_table.hpp"
+#include "triskin/robot/site.hpp"
+#include "triskin/sheet/sheet.hpp"
+#include "triskin/view/frame_track.hpp"
+#include "triskin/view/page.hpp"
+
+namespace triskin::cli::export_command {
+namespace {
+
+struct Options {
+  std::string design, format, output, body;
+  sheet::Paper paper = sheet::Paper::kA4;
+};
+
+struct Format {
+  const char* suffix;
+  std::string (*write)(const design::Design&, const Options&);
+};
+template <std::string (*write)(const design::Design&)>
+std::string plain(const design::Design& design, const Options& /*options*/) {
+  return write(design);
+}
+std::string page(const design::Design& design) {
+  return view::page_html(design);
+}
+template <exports::MjcfTouch touch>
+std::string mjcf(const design::Design& design, const Options& options) {
+  return exports::mjcf(design, touch, options.body);
+}
+template <std::string (*write)(const design::Design&, sheet::Paper)>
+std::string on_paper(const design::Design& design, const Options& options) {
+  return write(design, options.paper);
+}
+const std::map<std::string, Format> kFormats{{"picture", {".svg", plain<exports::picture_svg>}},
+                                             {"taxels", {".taxels.csv", plain<exports::taxels_csv>}},
+                                             {"assembly", {".assembly.html", plain<exports::assembly_html>}},
+                                             {"modules", {".modules.obj", plain<exports::modules_obj>}},
+                                             {"html", {".html", plain<page>}},
+                                             {"gltf", {".gltf", plain<exports::gltf>}},
+                                             {"urdf", {".urdf", plain<exports::urdf>}},
+                                             {"sdf", {".sdf", plain<exports::sdf>}},
+                                             {"mjcf", {".mjcf.xml", mjcf<exports::MjcfTouch::kTactile>}},
+                                             {"mjcf-touch", {".touch.xml", mjcf<exports::MjcfTouch::kSites>}},
+                                             {"taxel-list", {".taxels.json", plain<exports::taxel_list_json>}},
+                                             {"npz", {".npz", plain<exports::taxel_list_npz>}},
+                                             {"hdf5", {".h5", plain<hdf5::taxel_table>}},
+                                             {"icub-positions", {".positions.txt", plain<exports::icub_positions>}},
+                                             {"icub-skingui", {".skingui.ini", plain<exports::icub_skingui>}},
+                                             {"pdf", {".pdf", on_paper<sheet::pdf>}},
+                                             {"sheet-svg", {".sheet.svg", on_paper<sheet::svg>}}};
+
+std::map<std::string, sheet::Paper> papers() {
+  std::map<std::string, sheet::Paper> papers;
+  for (const auto& [paper, name] : sheet::kPaperNames.rows()) papers.emplace(name, paper);
+  return papers;
+}
+
+std::string extension_of(const std::string& file) {
+  return std::filesystem::path(file).extension().string();
+}
+std::string extension_of(const Format& format) {
+  // The name ".svg" alone would be a hidden file without an extension.
+  return extension_of(std::string("name") + format.suffix);
+}
+
+// Returns the format given by name, or else by the extension of the file. An extension that contradicts the name is
+// refused.
+const Format& format_of(const Options& options) {
+  const bool has_file = !options.output.empty() && options.output != "-" && !extension_of(options.output).empty();
+  if (options.format.empty()) {
+    for (const auto& [name, format] : kFormats) {
+      if (has_file && extension_of(options.output) == extension_of(format)) return format;
+    }
+    throw InputError(
+        "export: say what to write with --format, or by the extension of -o: .svg, .csv, .html, .obj, .gltf, .urdf, "
+        ".sdf, .xml, .json, .npz, .pdf, .h5, .txt or .ini");
+  }
+  const Format& format = kFormats.at(options.format);
+  if (has_file && extension_of(options.output) != extension_of(format)) {
+    throw InputError(
+        fmt::format("{}: the format {} is written to files that end with {}; rename it or choose another format",
+                    options.output, options.format, extension_of(format)));
+  }
+  return format;
+}
+
+std::string recorded_page(const Options& options, Output& output) {
+  if (options.format != "html")
+    throw InputError(fmt::format(
+        "{}: a recording is exported as a page only: --format html; other formats take a design", options.design));
+  const RecordedTrack track = read_track(options.design, view::FrameTrack::kMaxInFile_bytes);
+  if (!track.remark.empty()) output.say(track.remark);
+  return view::page_html(track.skin.design, track.frames);
+}
+
+int run(const Options& options, Output& output) {
+  const Format& format = format_of(options);
+  const std::string path = options.output.empty()
+                               ? std::filesystem::path(options.design).replace_extension(format.suffix).string()
+                               : options.output;
+  if (is_recording(options.design)) {
+    write_output(path, recorded_page(options, output));
+  } else {
+    write_output(path, format.write(robot::read_shown(options.design), options));
+  }
+  output.result = {{"files", {path}}};
+  output.say(path);
+  return 0;
+}
+
+const Registration kExport{{
+    "export",
+    "write a picture, the taxel list, the assembly sheet, a page, or the modules for other programs",
+    "triskin export forearm.design.json --format picture -o forearm.svg",
+    [](CLI::App& app) -> Run {
+      auto options = std::make_shared<Options>();
+      app.add_option("DESIGN", options->design,
+                     "design file, or robot file: all of its covers in the frame of its base; for the format html also "
+                     "a recording (.mcap)")
+          ->required();
+      std::vector<std::string> names;
+      for (const auto& [name, format] : kFormats) names.push_back(name);
+      app.add_option("--format", options->format, "what to write; without it the extension of -o says so")
+          ->check(CLI::IsMember(names));
+      app.add_option("-o,--output", options->output, "file; without it beside the design");
+      app.add_option("--body", options->body,
+                     "of the formats mjcf and mjcf-touch: body of the robot's model to which the cover is fixed; "
+                     "without it the world");
+      app.add_option("--paper", options->paper,
+                     "of the formats pdf and sheet-svg; roll: 610 mm wide, as long as needed")
+          ->transform(one_of(papers()))
+          ->default_str("A4");
+      return [options](Output& output) { return run(*options, output); };
+    },
+    Group::kDesign,
+}};
+
+}  // namespace
+}  // namespace triskin::cli::export_command

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "triskin/base/counted.hpp"
+#include "triskin/check/design_rules.hpp"
+#include "bus_report.hpp"
+#include "command.hpp"
+
+namespace triskin::cli::check_command {
+namespace {
+
+nlohmann::json report_violations(const std::vector<check::Violation>& violations, const Output& output) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const check::Violation& v : violations) {
+    list.push_back({{"rule", v.rule}, {"where", v.where}, {"text", v.text}});
+    if (!output.json()) output.say(fmt::format("{}: {}: {}", v.rule, v.where, v.text));
+  }
+  return list;
+}
+
+int run(const std::string& path, Output& output) {
+  const check::DesignReport report = check::check_design(path);
+  nlohmann::json limits = nlohmann::json::object();
+  for (const auto& [name, value] : report.limits) limits[name] = value;
+  output.result = {{"modules", report.modules},
+                   {"rules", report.rules.size()},
+                   {"rule_names", report.rules},
+                   {"limits", std::move(limits)},
+                   {"violations", report_violations(report.violations, output)}};
+  if (report.corner_cut_mm > 0.0) {
+    output.result["corner_cut_mm"] = report.corner_cut_mm;
+    output.say(fmt::format("modules measured with corners cut by {:g} mm", report.corner_cut_mm));
+  }
+  if (report.violations.empty()) add_bus_keys(report.modules, output);
+  output.say(fmt::format("{} checked, {}", counted(report.rules.size(), "rule"),
+                         counted(report.violations.size(), "violation")));
+  if (report.modules == 0)
+    output.say("the design has no modules: no rule can be broken, and there is nothing to deploy");
+  return report.violations.empty() && report.modules > 0 ? 0 : 1;
+}
+
+const Registration kCheck{{
+    "check",
+    "check every rule of a design, by code that shares nothing with the solvers",
+    "triskin check forearm.design.json --json",
+    [](CLI::App& app) -> Run {
+      auto path = std::make_shared<std::string>();
+      app.add_option("DESIGN", *path, "design file")->required();
+      return [path](Output& output) { return run(*path, output); };
+    },
+    Group::kDesign,
+}};
+
+}  // namespace
+}  // namespace triskin::cli::check_command

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <fmt/format.h>
+
+#include <string>
+
+#include "triskin/base/counted.hpp"
+#include "triskin/mesh/extract.hpp"
+
+namespace triskin::cli {
+
+/// Says what could not be done in the available time, or was left out because of it; empty if there was nothing.
+[[nodiscard]] inline std::string shortage_text(const mesh::ExtractReport& r) {
+  std::string text;
+  if (r.tested < 1.0) {
+    text = fmt::format(
+        "time was over when {:.1f} % of the faces had been tested for crossing others: some may; give more time "
+        "(--time-limit-s)",
+        100.0 * r.tested);
+  }
+  if (r.reduced_mm > 0.0) {
+    text += fmt::format(
+        "{}the mesh needed a repair and has more faces than there is time for: it was reduced first, by at most {:.3f} "
+        "mm",
+        text.empty() ? "" : "; ", r.reduced_mm);
+  }
+  return text;
+}
+
+/// Says what the repair of a mesh changed, in mm and where, and what it dropped; empty if it changed nothing. `option`
+/// disables the repair.
+[[nodiscard]] inline std::string repair_text(const mesh::ExtractReport& r, const char* option) {
+  static constexpr std::array<const char*, 4> kDone{
+      "", "faces that cross were divided along their common lines and hidden parts dropped",
+      "a surface was wrapped around it", "a surface was wrapped around it on a grid"};
+  std::string text;
+  if (r.enclosed_components > 0) {
+    text = fmt::format(
+        "{} of the mesh lie in a closed part, where no module can be brought, and were dropped (--{} never keeps them)",
+        counted(r.enclosed_components, "part"), option);
+  }
+  if (r.repair == mesh::Repair::kNone) return text;
+  const mesh::Deviation& d = r.deviation;
+  const std::string reason =
+      r.crossings + r.non_manifold_edges > 0
+          ? fmt::format("{} pairs of faces cross, {} edges have more than two faces", r.crossings, r.non_manifold_edges)
+          : "its parts are smaller than a module, or touch without being joined";
+  if (!text.empty()) text += "; ";
+  return text + fmt::format(
+                    "the mesh was repaired ({}): {}; it moved by {:.3f} mm in the mean and by at most {:.2f} mm "
+                    "({:.2f} mm found), "
+                    "near ({:.1f}, "
+                    "{:.1f}, {:.1f}) mm",
+                    reason, kDone[static_cast<std::size_t>(r.repair)], d.mean_mm, d.largest_mm, d.found_mm,
+                    d.where_mm.x(), d.where_mm.y(), d.where_mm.z());
+}
+
+}  // namespace triskin::cli

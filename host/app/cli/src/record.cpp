@@ -1,0 +1,441 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "contacts.hpp"
+#include "triskin/base/counted.hpp"
+#include "triskin/base/files.hpp"
+#include "triskin/base/interrupt.hpp"
+#include "triskin/base/text_file.hpp"
+#include "triskin/bridge/bridge.hpp"
+#include "calibration_options.hpp"
+#include "site_options.hpp"
+#include "stream_options.hpp"
+#include "triskin/hdf5/recording.hpp"
+#include "triskin/hdf5/taxel_table.hpp"
+#include "triskin/recording/join.hpp"
+#include "triskin/recording/recorder.hpp"
+#include "triskin/recording/recording.hpp"
+#include "triskin/robot/assembly.hpp"
+#include "triskin/session/controller.hpp"
+#include "triskin/session/firmware_version.hpp"
+
+namespace triskin::cli::record_command {
+namespace {
+
+enum class Format { kMcap, kCsv, kHdf5 };
+// The option --to uses these names, which are also the extensions.
+constexpr NameTable kFormatNames{std::array<std::pair<Format, std::string_view>, 3>{
+    {{Format::kMcap, "mcap"}, {Format::kCsv, "csv"}, {Format::kHdf5, "hdf5"}}}};
+
+struct Options {
+  SiteOptions site;
+  std::string output;
+  std::string to;
+  session::StreamOptions stream;
+  CalibrationOptions calibration;
+  double seconds = 10.0;
+  double cloud_hz = 5.0;
+};
+
+constexpr std::uint64_t kSlice_us = 100'000;
+
+// Returns the format given by --to, or else by the extension; an extension that contradicts --to is refused.
+Format format_of(const Options& options, bool is_robot) {
+  const std::string extension = std::filesystem::path(options.output).extension().string();
+  const auto by_extension =
+      extension == ".h5" ? Format::kHdf5 : kFormatNames.value(extension.empty() ? "" : extension.substr(1));
+  if (options.to.empty()) {
+    if (by_extension) return *by_extension;
+    if (options.output == "-" || is_robot) return Format::kMcap;
+    throw InputError(
+        fmt::format("{}: say the format by the extension .mcap, .csv or .h5, or with --to", options.output));
+  }
+  const Format format = kFormatNames.value(options.to).value();
+  if (by_extension && *by_extension != format) {
+    throw InputError(
+        fmt::format("{}: the extension says {}, --to says {}; choose one", options.output, extension, options.to));
+  }
+  return format;
+}
+
+std::uint64_t steady_us() {
+  using namespace std::chrono;
+  return static_cast<std::uint64_t>(duration_cast<microseconds>(steady_clock::now().time_since_epoch()).count());
+}
+
+std::string firmware_of(session::Bus& bus, std::uint8_t node) {
+  return session::firmware_version_text(session::Controller(bus, node).hello().firmware_version);
+}
+
+// Viewers need the place of a cover on its robot.
+struct CoverPlace {
+  std::string part, parent_frame;
+  recording::Pose pose;
+};
+
+// Returns for each cover its frame in the base of the robot, with all joints at 0.
+std::vector<CoverPlace> places_of(const robot::Assembly& assembly) {
+  constexpr double kMetre_mm = 1000.0;
+  std::vector<CoverPlace> places;
+  for (const robot::CoverEntry& cover : assembly.robot.covers) {
+    const bool known = assembly.frames && assembly.frames->has(cover.frame);
+    const Eigen::Isometry3d at = known ? assembly.frames->pose(cover.frame) * cover.pose : cover.pose;
+    const Eigen::Quaterniond q(at.linear());
+    CoverPlace place{bridge::part_name(cover.name), known ? assembly.frames->base() : "base_link", {}};
+    for (int axis = 0; axis < 3; ++axis)
+      place.pose.translation_m[static_cast<std::size_t>(axis)] = at.translation()[axis] / kMetre_mm;
+    place.pose.rotation = {q.x(), q.y(), q.z(), q.w()};
+    places.push_back(std::move(place));
+  }
+  return places;
+}
+
+class CoverFile {
+ public:
+  CoverFile(const robot::CoverConfig& cover, const std::string& path, Format format)
+      : cover_(cover), format_(format), file_(path) {}
+
+  void place(const CoverPlace& place) {
+    origin_.part = place.part;
+    origin_.parent_frame = place.parent_frame;
+    origin_.pose = place.pose;
+  }
+  void describe_controllers(skin::LiveBus& bus) {
+    for (const layout::PatchIndex patch : design::patches_here(cover_.design)) {
+      const auto node = static_cast<std::uint8_t>(design::node_address_of(cover_.design, patch));
+      origin_.facts[fmt::format("firmware_{}", node)] = firmware_of(bus.bus(), node);
+      if (std::string serial = session::serial_at(bus.claims(), node); !serial.empty())
+        origin_.facts[recording::serial_fact(layout::NodeAddress{node})] = std::move(serial);
+    }
+  }
+  // `cover` is the index of the open cover of `bus` that this file records.
+  void describe(skin::LiveBus& bus, std::size_t cover, const Options& options, const Output& output) {
+    live_ = &bus.covers()[cover];
+    bus_ = &bus;
+    origin_.design_text = read_text(cover_.design_file);
+    origin_.facts["link"] = bus.bus().name();
+    if (link::is_simulated(bus.bus().name())) origin_.facts["simulated"] = "true";
+    origin_.facts["program"] = fmt::format("triskin {}", TRISKIN_VERSION);
+    if (!cover_.name.empty()) origin_.facts["cover"] = cover_.name;
+    describe_controllers(bus);
+    calibrate_cover(options.calibration, bus, *live_, output);
+    if (live_->calibration().complete())
+      origin_.calibration_text = design::calibration_text(live_->calibration().boards());
+    if (!live_->kept_rest().empty()) origin_.rest_text = design::rest_text(live_->kept_rest());
+    if (options.cloud_hz > 0.0) origin_.cloud_period_us = static_cast<std::uint64_t>(1e6 / options.cloud_hz);
+    origin_.link_start_us = bus.now_us();
+    origin_.unix_start_ns = bus.unix_ns(origin_.link_start_us);
+  }
+  void begin() {
+    if (recorder_) return;
+    if (format_ == Format::kHdf5)
+      recorder_ = hdf5::make_recorder(file_, cover_.design, origin_);
+    else
+      recorder_ = recording::make_recorder(format_ == Format::kCsv ? recording::Format::kCsv : recording::Format::kMcap,
+                                           file_, cover_.design, origin_);
+  }
+  [[nodiscard]] bool started() const { return recorder_ != nullptr; }
+
+  void add(const skin::LiveSample& s) {
+    begin();
+    recorder_->add({s.module, s.raw.link_time_us, s.raw.sample, s.unix_ns, s.error_us});
+    ++samples_;
+  }
+
+  void slice() {
+    const auto contacts = contact_messages(live_->touches(), cover_.design, live_->calibration());
+    if (!contacts.empty() || had_contacts_) recorder_->add_contacts(bus_->now_us(), contacts);
+    had_contacts_ = !contacts.empty();
+    recorder_->tick(steady_us());
+  }
+  void end(const std::optional<std::string>& trouble, std::uint64_t lost, double seconds) {
+    const int signal = interrupt_signal();
+    recorder_->finish({{"status", trouble      ? *trouble
+                                  : signal > 0 ? fmt::format("ended by signal {}", signal)
+                                               : "complete"},
+                       {"samples", fmt::format("{}", samples_)},
+                       {"lost", fmt::format("{}", lost)},
+                       {"seconds", fmt::format("{:.6f}", seconds)}});
+    recorder_.reset();
+    file_.close();
+  }
+
+  [[nodiscard]] const robot::CoverConfig& cover() const { return cover_; }
+  [[nodiscard]] std::uint64_t samples() const { return samples_; }
+  [[nodiscard]] const std::string& name() const { return file_.name(); }
+
+ private:
+  const robot::CoverConfig& cover_;
+  Format format_;
+  recording::OutputFile file_;
+  // describe() sets this pointer.
+  skin::LiveBus* bus_ = nullptr;
+  skin::LiveCover* live_ = nullptr;
+  recording::Origin origin_;
+  std::unique_ptr<recording::Recorder> recorder_;
+  std::uint64_t samples_ = 0;
+  bool had_contacts_ = false;
+};
+
+// Returns FOLDER/COVER.mcap for a robot; a cover whose controllers are on several buses has a file for each bus.
+std::string file_of(const Options& options, Format format, const robot::CoverConfig& cover,
+                    const robot::BusConfig& bus) {
+  if (cover.name.empty()) return options.output;
+  const bool divided = cover.design.patches.size() != design::patches_here(cover.design).size();
+  return (std::filesystem::path(options.output) /
+          fmt::format("{}{}.{}", cover.name, divided ? "_" + bus.name : "", kFormatNames.name(format)))
+      .string();
+}
+
+// Each bus has its recordings and their results.
+class BusRecording {
+ public:
+  // Files are opened before anything is asked of the controllers.
+  // `places`: indexed by cover; empty for a design file.
+  // All covers are joined into the file `joint` at the end; an empty path disables this.
+  BusRecording(const Options& options, const robot::BusConfig& site, Format format,
+               const std::vector<CoverPlace>& places, std::string joint)
+      : options_(options), site_(site), joint_(std::move(joint)) {
+    for (const robot::CoverConfig& cover : site.covers) {
+      if (!cover.chosen) continue;
+      files_.push_back(std::make_unique<CoverFile>(cover, file_of(options, format, cover, site), format));
+      if (!places.empty()) files_.back()->place(places.at(static_cast<std::size_t>(cover.cover)));
+    }
+  }
+
+  void run(skin::LiveBus& bus, const ProgressSink& progress, const Output& output) {
+    bus.find_controllers();
+    for (std::size_t c = 0; c < files_.size(); ++c) files_[c]->describe(bus, c, options_, output);
+    start_us_ = bus.now_us();
+    try {
+      receive(bus, progress);
+    } catch (const DeviceError& e) {
+      if (!files_.front()->started()) throw;  // The recording had not started.
+      trouble_ = e.what();
+    }
+    seconds_ = static_cast<double>(bus.now_us() - start_us_) * 1e-6;
+    for (std::size_t c = 0; c < files_.size(); ++c)
+      files_[c]->end(trouble_, reports_.empty() ? lost_ : reports_[c].total.lost(), seconds_);
+  }
+
+  // Adds the report of each cover; returns the exit status.
+  int print_report(nlohmann::json& rows, Output& output) const {
+    int status = trouble_ ? 3 : 0;
+    for (std::size_t c = 0; c < files_.size(); ++c) {
+      const CoverFile& file = *files_[c];
+      nlohmann::json row = keys_of(site_, file.cover());
+      row.update({{"samples", file.samples()}, {"lost", lost_}});
+      if (!reports_.empty()) {
+        for (const std::string& line : sentences(reports_[c])) output.say(prefix_of(file.cover()) + line);
+        add_stream_keys(reports_[c], row);
+        if (!reports_[c].complete()) status = std::max(status, 1);
+      }
+      row["seconds"] = seconds_;
+      row["file"] = name_of(file);
+      if (trouble_) row["ended_by"] = *trouble_;
+      output.say(
+          fmt::format("{} in {:.2f} s -> {}", counted(file.samples(), "module sample"), seconds_, name_of(file)));
+      if (file.samples() == 0) {
+        output.say(prefix_of(file.cover()) + "nothing was recorded: no module sent a sample; run triskin verify");
+        status = std::max(status, 1);
+      }
+      rows.push_back(std::move(row));
+    }
+    return status;
+  }
+  // Returns nothing if the link worked.
+  [[nodiscard]] std::optional<std::string> trouble() const {
+    if (!trouble_) return std::nullopt;
+    std::uint64_t samples = 0;
+    for (const auto& file : files_) samples += file->samples();
+    return fmt::format("{}; the recording ends here, with {} in {}{}", *trouble_, counted(samples, "sample"),
+                       name_of(*files_.front()), files_.size() > 1 && joint_.empty() ? " and the files beside it" : "");
+  }
+  // Adds the recordings of this bus's covers to the parts of the joint file.
+  void add_parts(std::vector<recording::JoinPart>& parts) const {
+    for (const auto& file : files_)
+      parts.push_back({std::filesystem::path(file->name()).stem().string(), file->name()});
+  }
+
+ private:
+  [[nodiscard]] const std::string& name_of(const CoverFile& file) const {
+    return joint_.empty() ? file.name() : joint_;
+  }
+  void receive(skin::LiveBus& bus, const ProgressSink& progress) {
+    bus.start(speaking(options_.stream),
+              [&](const skin::LiveSample& s) { files_[static_cast<std::size_t>(s.cover)]->add(s); });
+    for (const auto& file : files_) file->begin();
+    skin::LiveRun run;
+    run.until_us = start_us_ + static_cast<std::uint64_t>(options_.seconds * 1e6);
+    run.slice_us = kSlice_us;
+    run.after_slice = [&] {
+      for (const auto& file : files_) file->slice();
+      triskin::report(progress, "recording",
+                      static_cast<double>(bus.now_us() - start_us_) / static_cast<double>(run.until_us - start_us_),
+                      site_.name, site_.name.empty() ? -1 : site_.number);
+      lost_ = bus.totals().lost;
+      return true;
+    };
+    bus.run(run);
+    bus.finish();
+    for (std::size_t c = 0; c < files_.size(); ++c) reports_.push_back(bus.report(c));
+    lost_ = bus.totals().lost;
+  }
+
+  const Options& options_;
+  const robot::BusConfig& site_;
+  std::string joint_;
+  std::vector<std::unique_ptr<CoverFile>> files_;
+  std::vector<session::StreamReport> reports_;
+  std::uint64_t start_us_ = 0, lost_ = 0;
+  std::optional<std::string> trouble_;
+  double seconds_ = 0.0;
+};
+
+void require_modules(const robot::Site& site) {
+  for (const robot::BusConfig& bus : site.buses) {
+    for (const robot::CoverConfig& cover : bus.covers) {
+      if (cover.design.layout.modules.empty())
+        throw InputError(
+            fmt::format("{}: the design has no modules: there is nothing to record", cover.design_file.string()));
+    }
+  }
+}
+
+// Fails early, before the hardware is used.
+void require_hdf5(const std::string& path) {
+  if (!hdf5::can_write())
+    throw InputError(
+        "--to hdf5: this triskin was built without HDF5; install the package libhdf5-dev and build again, or record to "
+        "mcap or csv");
+  std::error_code none;
+  if (path == "-" || (std::filesystem::exists(path, none) && std::filesystem::is_other(path, none)))
+    throw InputError(
+        fmt::format("{}: HDF5 writes at any place of a file, a pipe or device cannot; record to mcap or csv", path));
+}
+
+void make_folder(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error || !std::filesystem::is_directory(path))
+    throw InputError(fmt::format("{}: a robot is recorded into a folder, and this cannot be one{}; give another name",
+                                 path, error ? ": " + error.message() : ""));
+}
+
+// Each cover is recorded into a file of its own beside the joint file, so that nothing is lost if the program is
+// killed; the joint file is written from them at the end.
+class JointFile {
+ public:
+  explicit JointFile(const std::string& path) : folder_(path + ".covers"), file_(path) { make_folder(folder_); }
+  // The folder is empty if the recording never began.
+  ~JointFile() {
+    std::error_code ignored;
+    std::filesystem::remove(folder_, ignored);
+  }
+  JointFile(const JointFile&) = delete;
+  JointFile& operator=(const JointFile&) = delete;
+  [[nodiscard]] const std::string& folder() const { return folder_; }
+  [[nodiscard]] const std::string& name() const { return file_.name(); }
+  void take(const std::vector<recording::JoinPart>& parts) {
+    recording::join(parts, file_);
+    file_.close();
+    for (const recording::JoinPart& part : parts) std::filesystem::remove(part.path);
+  }
+
+ private:
+  std::string folder_;
+  recording::OutputFile file_;
+};
+
+void sum_up(nlohmann::json covers, Output& output) {
+  std::uint64_t samples = 0, lost = 0;
+  for (const auto& row : covers) {
+    samples += row["samples"].get<std::uint64_t>();
+    lost += row["lost"].get<std::uint64_t>();
+  }
+  output.result = {{"samples", samples}, {"lost", lost}, {"covers", std::move(covers)}};
+  output.say(fmt::format("{} of {}, {} lost", counted(samples, "module sample"),
+                         counted(output.result["covers"].size(), "cover"), lost));
+}
+
+int conclude_all(const std::vector<std::unique_ptr<BusRecording>>& buses, bool is_robot, Output& output) {
+  nlohmann::json covers = nlohmann::json::array();
+  int status = 0;
+  std::string trouble;
+  for (const auto& bus : buses) {
+    status = std::max(status, bus->print_report(covers, output));
+    if (const auto t = bus->trouble()) trouble += (trouble.empty() ? "" : "\n") + *t;
+  }
+  if (is_robot)
+    sum_up(std::move(covers), output);
+  else
+    output.result = std::move(covers[0]);
+  if (!trouble.empty()) throw DeviceError(trouble);
+  if (interrupt_signal() > 0) output.say("ended before its time; what came until then is in the file");
+  return status;
+}
+
+int run(Options options, Output& output) {
+  robot::Site site = read_site(options.site);
+  const Format format = format_of(options, site.is_robot);
+  require_modules(site);
+  if (format == Format::kHdf5) require_hdf5(options.output);
+  std::optional<JointFile> joint;
+  if (site.is_robot && std::filesystem::path(options.output).extension() == ".mcap") {
+    joint.emplace(options.output);
+    options.output = joint->folder();
+  } else if (site.is_robot) {
+    make_folder(options.output);
+  }
+  if (!site.is_robot) connect::require_link(options.site.link);
+  std::vector<CoverPlace> places;
+  if (site.is_robot) places = places_of(robot::read_assembly(options.site.file));
+  skin::LiveSkin skin(std::move(site), options.site.link);
+  std::vector<std::unique_ptr<BusRecording>> buses;
+  for (const robot::BusConfig& bus : skin.site().buses)
+    buses.push_back(std::make_unique<BusRecording>(options, bus, format, places, joint ? joint->name() : ""));
+  open_links(skin, output);
+  const ProgressSink progress = output.progress();
+  skin.on_each_bus([&](skin::LiveBus& bus) { buses[bus.index()]->run(bus, progress, output); });
+  if (joint) {
+    std::vector<recording::JoinPart> parts;
+    for (const auto& bus : buses) bus->add_parts(parts);
+    joint->take(parts);
+  }
+  return conclude_all(buses, skin.site().is_robot, output);
+}
+
+const Registration kRecord{{
+    "record",
+    "write every sample with its time and validity to a file, as it comes",
+    "triskin record forearm.json --link sim -o touch.mcap --seconds 5",
+    [](CLI::App& app) -> Run {
+      auto options = std::make_shared<Options>();
+      app.add_option("-o,--output", options->output,
+                     "file.mcap (docs/recording.md), file.csv or file.h5; of a robot a folder, with a file for each "
+                     "cover, or file.mcap, which holds all of them for viewers")
+          ->required();
+      app.add_option("--to", options->to, "format; default: by the extension of -o")
+          ->check(CLI::IsMember({"mcap", "csv", "hdf5"}));
+      add_site_options(app, options->site);
+      add_stream_options(app, options->stream);
+      add_calibration_options(app, options->calibration);
+      app.add_option("--seconds", options->seconds, "of the link's time")
+          ->check(CLI::Range(0.0, 1e6))
+          ->capture_default_str();
+      app.add_option("--cloud-hz", options->cloud_hz, "mcap: points with their values, so often (0: none)")
+          ->check(CLI::Range(0.0, 100.0))
+          ->capture_default_str();
+      return [options](Output& output) { return run(*options, output); };
+    },
+    Group::kData,
+}};
+
+}  // namespace
+}  // namespace triskin::cli::record_command

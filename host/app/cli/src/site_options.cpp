@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "site_options.hpp"
+
+namespace triskin::cli {
+
+void add_site_options(CLI::App& app, SiteOptions& options) {
+  app.add_option("DESIGN", options.file, "design file, or robot file: all covers on all of its buses")->required();
+  app.add_option("--cover", options.cover, "of a robot file: this cover alone");
+  add_link_options(app, options.link);
+}
+
+robot::Site read_site(const SiteOptions& options) {
+  robot::Site site = robot::read_site(options.file);
+  robot::choose(site, options.cover);
+  return site;
+}
+
+void open_links(skin::LiveSkin& skin, Output& output) {
+  skin.open();
+  say_simulated(skin.links(), output);
+}
+
+skin::LiveSkin open_skin(const SiteOptions& options, Output& output) {
+  skin::LiveSkin skin(read_site(options), options.link);
+  open_links(skin, output);
+  return skin;
+}
+
+skin::LiveCover& one_cover(const skin::LiveSkin& skin, std::string_view command) {
+  if (skin.buses().size() != 1 || skin.buses().front()->covers().size() != 1)
+    throw InputError(std::string(command) + " looks at one cover on one bus: say which with --cover");
+  return skin.buses().front()->covers().front();
+}
+
+std::string prefix_of(const robot::CoverConfig& cover) {
+  return cover.name.empty() ? "" : cover.name + ": ";
+}
+
+ProgressSink progress_of(const robot::BusConfig& bus, const robot::CoverConfig& cover, ProgressSink sink) {
+  if (cover.name.empty() || !sink) return sink;
+  constexpr int kPartsPerCover = 1 << 8;  // Every bus has fewer controllers than this.
+  constexpr int kPartsPerBus = kPartsPerCover << 8;
+  const int first = bus.number * kPartsPerBus + cover.cover * kPartsPerCover;
+  return [first, name = cover.name, sink = std::move(sink)](const Progress& p) {
+    sink({p.stage, p.fraction, p.detail.empty() ? name : name + ", " + p.detail, p.part < 0 ? -1 : first + p.part});
+  };
+}
+
+nlohmann::json keys_of(const robot::BusConfig& bus, const robot::CoverConfig& cover) {
+  if (cover.name.empty()) return nlohmann::json::object();
+  return {{"cover", cover.name}, {"bus", bus.name}};
+}
+
+}  // namespace triskin::cli

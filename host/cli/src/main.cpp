@@ -1,7 +1,0 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/cli/program.hpp"
-
-int main(int argc, char** argv) {
-  return triskin::cli::run_program(
-      "triskin: robot skin from the CAD mesh of a body part to a verified, streaming patch", argc, argv);
-}

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/bridge/ros_types.hpp"
+
+#include <fmt/format.h>
+
+#include "triskin/recording/cdr.hpp"
+#include "triskin/recording/ros_text.hpp"
+
+namespace triskin::bridge {
+namespace {
+
+using recording::CdrWriter;
+using recording::MessageType;
+
+const MessageType kDiagnosticsType{"diagnostic_msgs/msg/DiagnosticArray",
+                                   "std_msgs/Header header\n"
+                                   "diagnostic_msgs/DiagnosticStatus[] status\n" TRISKIN_ROS_HEADER TRISKIN_ROS_RULE
+                                   "MSG: diagnostic_msgs/DiagnosticStatus\n"
+                                   "byte OK=0\n"
+                                   "byte WARN=1\n"
+                                   "byte ERROR=2\n"
+                                   "byte STALE=3\n"
+                                   "byte level\n"
+                                   "string name\n"
+                                   "string message\n"
+                                   "string hardware_id\n"
+                                   "diagnostic_msgs/KeyValue[] values\n" TRISKIN_ROS_RULE
+                                   "MSG: diagnostic_msgs/KeyValue\n"
+                                   "string key\n"
+                                   "string value\n"};
+
+std::vector<std::uint8_t> bytes_of(const CdrWriter& w) {
+  return {w.message().begin(), w.message().end()};
+}
+
+}  // namespace
+
+// The hashes are computed from the definitions; tests/output/bridge/type_hash.py checks them.
+const RosType kRaw{recording::kRawFrameType, "RIHS01_73cb35a97e218354bc1b0cf26b0d649e96dc34049322e8af47a52a640139eaf5"};
+const RosType kLayout{recording::kLayoutType,
+                      "RIHS01_864edfff3d05b703e18ceac4fa7e0939d0fa4349b23d6c0fe542bc7dbd4ec0bd"};
+const RosType kContacts{recording::kContactsType,
+                        "RIHS01_67b6910a494dfaa0a3dfab5eff2f997e49943635ce28ff9077c30982634b878c"};
+const RosType kPoints{recording::kPointCloudType,
+                      "RIHS01_9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5"};
+const RosType kDiagnostics{kDiagnosticsType, "RIHS01_5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e"};
+const RosType kTransforms{recording::kTransformsType,
+                          "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087"};
+
+std::span<const RosType* const> all_types() {
+  static constexpr std::array<const RosType*, 6> kAll{&kRaw,    &kLayout,      &kContacts,
+                                                      &kPoints, &kDiagnostics, &kTransforms};
+  return kAll;
+}
+
+std::string dds_service_name(std::string_view ros_name) {
+  const std::size_t first = ros_name.find('/'), last = ros_name.rfind('/');
+  return fmt::format("{}::{}::dds_::{}", ros_name.substr(0, first), ros_name.substr(first + 1, last - first - 1),
+                     ros_name.substr(last + 1));
+}
+
+std::string dds_name(std::string_view ros_name) {
+  return dds_service_name(ros_name) + "_";
+}
+
+std::vector<std::uint8_t> encode_diagnostics(std::span<const Diagnosis> parts, std::uint64_t stamp_ns) {
+  CdrWriter w;
+  recording::put_header(w, stamp_ns, "");
+  w.count(parts.size());
+  for (const Diagnosis& d : parts) {
+    w.u8(static_cast<std::uint8_t>(d.level));
+    w.text(d.name);
+    w.text(d.message);
+    w.text(d.hardware_id);
+    w.count(d.values.size());
+    for (const auto& [key, value] : d.values) {
+      w.text(key);
+      w.text(value);
+    }
+  }
+  return bytes_of(w);
+}
+
+}  // namespace triskin::bridge

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+
+#include "triskin/design/design.hpp"
+
+namespace triskin::exports {
+
+/// Draws a design as SVG: the surface from the side that shows most modules, modules coloured by patch, and the tree of
+/// each patch as lines from the entry (dot). Errors: none for a design that was read or made. Cost: O(faces + modules).
+[[nodiscard]] std::string picture_svg(const design::Design& design);
+
+/// Lists the taxels as CSV, one row each: module, taxel, patch, line, address, position (mm) and outward unit normal in
+/// the mesh frame. Modules without a patch have −1 as patch. Cost: O(modules).
+[[nodiscard]] std::string taxels_csv(const design::Design& design);
+
+/// Makes the assembly sheet (HTML, prints on A4): for each patch the module's straps, rotation, input side, parent and
+/// cut joints. Modules are named by id. Cost: O(modules).
+[[nodiscard]] std::string assembly_html(const design::Design& design);
+
+/// Exports modules as a mesh (OBJ, mm, mesh frame), with one triangle per module and one group per patch. Cost:
+/// O(modules).
+[[nodiscard]] std::string modules_obj(const design::Design& design);
+
+/// A module has its own frame in the mesh frame: x along side 0 (from corner 0 to corner 1), z outward, origin at the
+/// centroid.
+struct ModulePose {
+  design::Vec3 origin_mm;
+  Eigen::Matrix3d axes;  ///< The columns x, y and z are unit vectors in the mesh frame.
+};
+/// Returns the frame of `module` (docs/export.md). Cost: constant.
+[[nodiscard]] ModulePose frame_of(const design::PlacedModule& module);
+
+/// Exports cover, modules and taxels as a scene (glTF 2.0, JSON with embedded data; metres, axes of the mesh frame).
+/// Nodes have names, and "extras" with their wiring. Throws InputError for a design without surface. Cost: O(faces +
+/// modules).
+[[nodiscard]] std::string gltf(const design::Design& design);
+
+/// Exports a link "cover" and a fixed link for each module in its frame (URDF; m, rad), with the table of taxels. Cost:
+/// O(modules).
+[[nodiscard]] std::string urdf(const design::Design& design);
+
+/// Exports a static model with a frame for each module and the table of taxels (SDFormat 1.7; m, rad). Cost:
+/// O(modules).
+[[nodiscard]] std::string sdf(const design::Design& design);
+
+}  // namespace triskin::exports

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/exports/export.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "design_view.hpp"
+#include "triskin/base/csv_field.hpp"
+#include "triskin/base/markup.hpp"
+#include "triskin/design/module_side.hpp"
+#include "triskin/design/outline.hpp"
+
+namespace triskin::exports {
+namespace {
+
+design::Vec3 centroid(const design::PlacedModule& m) {
+  return (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0;
+}
+
+std::string color_of(int patch, double light) {
+  return fmt::format("hsl({:.0f},65%,{:.0f}%)", std::fmod(patch * 137.508, 360.0), light);
+}
+
+void add_modules(const design::Design& d, const View& view, const std::vector<design::ModuleWiring>& wiring,
+                 std::vector<Shape>& shapes) {
+  for (std::size_t k = 0; k < d.layout.modules.size(); ++k) {
+    const auto& m = d.layout.modules[k];
+    const design::Vec3 n = (m.corner_mm[1] - m.corner_mm[0]).cross(m.corner_mm[2] - m.corner_mm[0]).normalized();
+    if (n.dot(view.toward()) < 0.05) continue;  // The module shows its back, so the surface hides it.
+    const design::Outline outline = design::outline_of(m.corner_mm, d.layout.corner_cut_mm);
+    const std::string fill = color_of(wiring[k].patch, 45 + 25 * n.dot(view.toward()));
+    shapes.push_back(
+        {view.height(centroid(m)) + 1.0,
+         polygon(view, outline.points(), fmt::format("fill=\"{}\" stroke=\"#222\" stroke-width=\"0.6\"", fill))});
+    const design::Vec2 at = view.flat(centroid(m));
+    const int parent = wiring[k].routed.parent;
+    std::string mark = fmt::format("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{}\" fill=\"#111\"/>\n", at.x(), at.y(),
+                                   parent < 0 ? 3.5 : 1.2);
+    if (parent >= 0) {
+      const design::Vec2 from = view.flat(centroid(d.layout.modules[static_cast<std::size_t>(parent)]));
+      mark += fmt::format(
+          "<line x1=\"{:.2f}\" y1=\"{:.2f}\" x2=\"{:.2f}\" y2=\"{:.2f}\" stroke=\"#111\" stroke-width=\"1\"/>\n",
+          from.x(), from.y(), at.x(), at.y());
+    }
+    shapes.push_back({view.height(centroid(m)) + 1e6, mark});  // The offset draws trees on top of all modules.
+  }
+}
+
+void add_jumpers(const design::Design& d, const View& view, std::vector<Shape>& shapes) {
+  for (const design::Jumper& j : d.layout.jumpers) {
+    std::array<design::Vec3, 2> end;
+    for (std::size_t k = 0; k < 2; ++k) {
+      const auto& corner = d.layout.modules.at(static_cast<std::size_t>(j.node[k])).corner_mm;
+      const auto s = static_cast<std::size_t>(j.side[k]);
+      end[k] = (corner[s] + corner[(s + 1) % 3]) / 2.0;
+    }
+    const design::Vec2 a = view.flat(end[0]), b = view.flat(end[1]);
+    shapes.push_back({view.height(end[0]) + 2e6,
+                      fmt::format("<line class=\"jumper\" x1=\"{:.2f}\" y1=\"{:.2f}\" x2=\"{:.2f}\" y2=\"{:.2f}\" "
+                                  "stroke=\"#d00\" stroke-width=\"3\" stroke-linecap=\"round\"/>\n",
+                                  a.x(), a.y(), b.x(), b.y())});
+  }
+}
+
+std::string kind_name(const design::Design& design, int module) {
+  return design::kind_of(design.kinds, design.layout.modules.at(static_cast<std::size_t>(module)).kind).name;
+}
+
+std::string jumpers_html(const design::Design& design, const design::Patch& patch) {
+  std::string rows;
+  for (const design::Jumper& j : design.layout.jumpers) {
+    if (std::ranges::find(patch.modules, j.node[0], &design::RoutedModule::node) == patch.modules.end()) continue;
+    const auto port = [&](std::size_t k) {
+      const auto found = std::ranges::find(patch.modules, j.node[k], &design::RoutedModule::node);
+      const int rotation = found == patch.modules.end() ? 0 : found->rotation;
+      return static_cast<char>('A' + design::port_at_side(j.side[k], rotation));
+    };
+    rows += fmt::format("<tr><td>{}, port {}</td><td>{}, port {}</td><td>{}</td><td>{:.0f} mm</td></tr>\n", j.node[0],
+                        port(0), j.node[1], port(1), design::kJumperKindNames.name(j.kind), std::ceil(j.length_mm));
+  }
+  if (rows.empty()) return {};
+  return "<table><tr><th>jumper from</th><th>to</th><th>kind</th><th>length</th></tr>\n" + rows + "</table>\n";
+}
+
+std::string cutting_html(double corner_cut_mm) {
+  if (corner_cut_mm <= 0.0) return {};
+  return fmt::format(
+      "<p>Before mounting cut all three corners off every module, {0:g} mm along each side: long sides of {1:g} mm and "
+      "short ones of {0:g} mm stay.</p>\n",
+      corner_cut_mm, design::kSide_mm - 2.0 * corner_cut_mm);
+}
+
+std::string coverage_text(const design::Design& design) {
+  const double whole = 100.0 * design.report.coverage, cut = 100.0 * design.report.coverage_cut;
+  if (design.layout.corner_cut_mm <= 0.0) return fmt::format("coverage {:.0f} %", whole);
+  return fmt::format("corners cut by {:g} mm, coverage {:.0f} % ({:.0f} % of whole triangles)",
+                     design.layout.corner_cut_mm, cut, whole);
+}
+
+}  // namespace
+
+std::string picture_svg(const design::Design& design) {
+  const View view(design);
+  std::vector<Shape> shapes;
+  add_surface(design, view, shapes);
+  add_modules(design, view, design::wiring_of(design), shapes);
+  add_jumpers(design, view, shapes);
+  std::ranges::stable_sort(shapes, {}, &Shape::height);
+  const design::Vec2 low = view.box().min() - design::Vec2(10, 10), size = view.box().sizes() + design::Vec2(20, 34);
+  std::string svg = svg_head(low, size);
+  for (const Shape& s : shapes) svg += s.svg;
+  svg += fmt::format(
+      "<text x=\"{:.1f}\" y=\"{:.1f}\" font-family=\"sans-serif\" font-size=\"{:.1f}\">{}: {} modules, {} controllers, "
+      "{}</text>\n</svg>\n",
+      low.x() + 10, low.y() + size.y() - 10, size.x() / 32, escape_markup(design.name), design.layout.modules.size(),
+      design.patches.size(), coverage_text(design));
+  return svg;
+}
+
+std::string taxels_csv(const design::Design& design) {
+  std::string csv = "module,taxel,patch,line,address,x_mm,y_mm,z_mm,nx,ny,nz";
+  csv += design.kinds.empty() ? "\n" : ",kind\n";
+  const auto wiring = design::wiring_of(design);
+  for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
+    const auto taxels = design::taxels_of(design.layout.modules[k], wiring[k].routed.rotation);
+    for (std::size_t t = 0; t < taxels.size(); ++t) {
+      const auto& [p, n] = taxels[t];
+      csv += fmt::format("{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.6f},{:.6f},{:.6f}", k, t, wiring[k].patch,
+                         wiring[k].routed.line, wiring[k].routed.address, p.x(), p.y(), p.z(), n.x(), n.y(), n.z());
+      csv += design.kinds.empty() ? "\n" : fmt::format(",{}\n", csv_field(kind_name(design, static_cast<int>(k))));
+    }
+  }
+  return csv;
+}
+
+std::string assembly_html(const design::Design& design) {
+  std::string html = fmt::format(
+      "<!doctype html><meta "
+      "charset=\"utf-8\"><title>{0}</"
+      "title><style>body{{font-family:sans-serif}}table{{border-collapse:collapse;margin-bottom:2em}}"
+      "td,th{{border:1px solid #888;padding:2px 8px;text-align:right}}</style>\n<h1>{0}: assembly</h1>\n<p>Design "
+      "{1:016x}, {2} modules on {3} controllers. "
+      "Port A of a module is its input; it faces the parent, at the entry the cable.</p>\n",
+      escape_markup(design.name), design.design_id, design.layout.modules.size(), design.patches.size());
+  html += cutting_html(design.layout.corner_cut_mm);
+  for (std::size_t p = 0; p < design.patches.size(); ++p) {
+    const design::Patch& patch = design.patches[p];
+    html += fmt::format("<h2>Controller {} (node address {})</h2>\n<p>Cable to module {}. Cut joints:", p,
+                        design::node_address_of(design, layout::PatchIndex{p}), patch.entry);
+    for (const auto& [a, b] : patch.cut_joints) html += fmt::format(" {}–{}", a, b);
+    html += patch.cut_joints.empty() ? " none.</p>\n" : ".</p>\n";
+    html +=
+        "<table><tr><th>module</th><th>line strap</th><th>address strap</th><th>turned "
+        "by</th><th>parent</th><th>lattice place</th>";
+    html += design.kinds.empty() ? "</tr>\n" : "<th>kind</th></tr>\n";
+    for (const design::RoutedModule& m : patch.modules) {
+      const auto& tile = design.layout.modules[static_cast<std::size_t>(m.node)].tile;
+      html += fmt::format("<tr><td>{}</td><td>{}</td><td>{} (0x{:02X})</td><td>{}°</td><td>{}</td><td>{}, {} {}</td>",
+                          m.node, m.line, m.address, layout::cdc_address(m.address), 120 * m.rotation,
+                          m.parent < 0 ? "cable" : std::to_string(m.parent), tile.i, tile.j, tile.up ? "up" : "down");
+      html += design.kinds.empty() ? "</tr>\n"
+                                   : fmt::format("<td>{}</td></tr>\n", escape_markup(kind_name(design, m.node)));
+    }
+    html += "</table>\n" + jumpers_html(design, patch);
+  }
+  return html;
+}
+
+namespace {
+
+std::string face_line(std::size_t vertices_before, std::size_t corners) {
+  std::string line = "f";
+  for (std::size_t k = 1; k <= corners; ++k) line += fmt::format(" {}", vertices_before + k);
+  return line + "\n";
+}
+
+}  // namespace
+
+std::string modules_obj(const design::Design& design) {
+  std::string obj = "# triskin modules, mm\n";
+  std::size_t corners = 3;  // Each module has this many vertices in the file.
+  for (const auto& m : design.layout.modules) {
+    const design::Outline outline = design::outline_of(m.corner_mm, design.layout.corner_cut_mm);
+    corners = outline.size;
+    for (const design::Vec3& c : outline.points()) obj += fmt::format("v {:.6f} {:.6f} {:.6f}\n", c.x(), c.y(), c.z());
+  }
+  for (std::size_t p = 0; p < design.patches.size(); ++p) {
+    obj += fmt::format("g patch_{}\n", p);
+    for (const auto& m : design.patches[p].modules)
+      obj += face_line(corners * static_cast<std::size_t>(m.node), corners);
+  }
+  return obj;
+}
+
+}  // namespace triskin::exports

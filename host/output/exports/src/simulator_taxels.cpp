@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator_taxels.hpp"
+
+#include <fmt/format.h>
+
+#include "metres.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/exports/simulators.hpp"
+#include "triskin/layout/module.hpp"
+
+namespace triskin::exports {
+
+std::vector<SimulatorTaxel> simulator_taxels(const design::Design& design) {
+  if (design.layout.modules.empty())
+    throw InputError(fmt::format("{}: the design has no modules, so there is nothing to simulate", design.name));
+  const auto wiring = design::wiring_of(design);
+  std::vector<SimulatorTaxel> list;
+  for (std::size_t m = 0; m < design.layout.modules.size(); ++m) {
+    const auto taxels = design::taxels_of(design.layout.modules[m], wiring[m].routed.rotation);
+    for (std::size_t t = 0; t < taxels.size(); ++t) {
+      if (!layout::measures_pressure(t)) continue;
+      const design::Vec3 surface_mm = taxels[t].position_mm + kDielectric_mm * taxels[t].normal;
+      list.push_back({static_cast<int>(m), static_cast<int>(t), surface_mm * kMetres_per_mm, taxels[t].normal});
+    }
+  }
+  return list;
+}
+
+std::string simulator_name(const design::Design& design) {
+  std::string name;
+  for (const char c : design.name) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    name += plain ? c : '_';
+  }
+  return name.empty() ? "skin" : name;
+}
+
+std::string link_name(const std::string& design_name, int module) {
+  return fmt::format("{}_module_{}", design_name, module);
+}
+
+}  // namespace triskin::exports

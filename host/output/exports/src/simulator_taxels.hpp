@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+#include <vector>
+
+#include "triskin/design/design.hpp"
+
+namespace triskin::exports {
+
+/// Simulators get the pressure taxels in the mesh frame, in metres.
+struct SimulatorTaxel {
+  int module = 0, taxel = 0;
+  design::Vec3 position_m;  ///< The position is on the surface of the dielectric.
+  Vec3 normal;
+};
+
+/// Returns all pressure taxels by module, then taxel. Throws InputError for a design without modules.
+[[nodiscard]] std::vector<SimulatorTaxel> simulator_taxels(const design::Design& design);
+
+/// Returns the name of the design reduced to letters, digits and "_", as the base of other names.
+[[nodiscard]] std::string simulator_name(const design::Design& design);
+/// Returns the name of a module's body.
+[[nodiscard]] std::string link_name(const std::string& design_name, int module);
+
+}  // namespace triskin::exports

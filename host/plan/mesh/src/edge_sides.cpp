@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edge_sides.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include "triskin/base/error.hpp"
+#include "triskin/base/index.hpp"
+
+namespace triskin::mesh {
+
+EdgeSides::EdgeSides(const Mesh& mesh) : sides_(3 * mesh.faces.size()) {
+  // For each low vertex, this is the index of its first side.
+  std::vector<std::size_t> begin(mesh.vertices.size() + 1, 0);
+  const auto low_of = [&](const std::array<int, 3>& f, std::size_t s) { return std::min(f[s], f[(s + 1) % 3]); };
+  for (const auto& f : mesh.faces) {
+    for (std::size_t s = 0; s < 3; ++s) ++begin[at(low_of(f, s)) + 1];
+  }
+  for (std::size_t v = 1; v < begin.size(); ++v) begin[v] += begin[v - 1];
+  std::vector<std::size_t> next = begin;
+  for (std::size_t k = 0; k < mesh.faces.size(); ++k) {
+    const auto& f = mesh.faces[k];
+    for (std::size_t s = 0; s < 3; ++s) {
+      const int low = low_of(f, s);
+      sides_[next[at(low)]++] = {VertexIndex(low), VertexIndex(std::max(f[s], f[(s + 1) % 3])), FaceIndex(k),
+                                 static_cast<int>(s)};
+    }
+  }
+  for (std::size_t v = 0; v + 1 < begin.size(); ++v) {
+    std::sort(sides_.begin() + static_cast<std::ptrdiff_t>(begin[v]),
+              sides_.begin() + static_cast<std::ptrdiff_t>(begin[v + 1]), [](const EdgeSide& a, const EdgeSide& b) {
+                return std::tie(a.high, a.face, a.side) < std::tie(b.high, b.face, b.side);
+              });
+  }
+}
+
+std::vector<std::array<FaceIndex, 3>> neighbours_of(const Mesh& mesh) {
+  constexpr FaceIndex kNone = FaceIndex::none();
+  std::vector<std::array<FaceIndex, 3>> neighbour(mesh.faces.size(), {kNone, kNone, kNone});
+  const auto start = [&](const EdgeSide& s) { return mesh.faces[at(s.face)][at(s.side)]; };
+  std::optional<EdgeSide> repeats;  // The first side that has the direction of an earlier one.
+  const EdgeSides sides(mesh);
+  sides.each_edge([&](std::span<const EdgeSide> edge) {
+    for (std::size_t k = 1; k < edge.size(); ++k) {
+      const bool is_new = k == 1 && start(edge[0]) != start(edge[1]);
+      if (is_new || (repeats && std::pair(repeats->face, repeats->side) < std::pair(edge[k].face, edge[k].side)))
+        continue;
+      repeats = edge[k];
+    }
+    if (edge.size() != 2) return;
+    neighbour[at(edge[0].face)][at(edge[0].side)] = edge[1].face;
+    neighbour[at(edge[1].face)][at(edge[1].side)] = edge[0].face;
+  });
+  if (!repeats) return neighbour;
+  throw InputError(
+      fmt::format("surface: the edge from vertex {} to {} has more than two faces or faces of opposite "
+                  "orientation (face {}); run `triskin extract` first",
+                  start(*repeats), mesh.faces[at(repeats->face)][at((repeats->side + 1) % 3)], repeats->face));
+}
+
+std::vector<std::vector<VertexIndex>> border_loops_of(const Mesh& mesh,
+                                                      const std::vector<std::array<FaceIndex, 3>>& neighbours) {
+  std::multimap<VertexIndex, VertexIndex> next;  // The key is the start vertex; a pinched vertex has several edges.
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    for (std::size_t s = 0; s < 3; ++s) {
+      if (neighbours[f][s] < 0) next.emplace(mesh.faces[f][s], mesh.faces[f][(s + 1) % 3]);
+    }
+  }
+  std::vector<std::vector<VertexIndex>> loops;
+  while (!next.empty()) {
+    std::vector<VertexIndex> loop;
+    auto edge = next.begin();
+    const VertexIndex start = edge->first;
+    while (edge != next.end()) {
+      loop.push_back(edge->first);
+      const VertexIndex to = edge->second;
+      next.erase(edge);
+      if (to == start) break;
+      edge = next.find(to);
+    }
+    loops.push_back(std::move(loop));
+  }
+  return loops;
+}
+
+double width_of_loop(const Mesh& mesh, const std::vector<VertexIndex>& loop) {
+  double width = 0.0;
+  for (const VertexIndex a : loop) {
+    for (const VertexIndex b : loop) width = std::max(width, (mesh.vertices[at(a)] - mesh.vertices[at(b)]).norm());
+  }
+  return width;
+}
+
+}  // namespace triskin::mesh

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/mesh/surface.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "edge_sides.hpp"
+#include "triangle_tree.hpp"
+#include "triskin/base/index.hpp"
+#include "triskin/base/parallel.hpp"
+
+namespace triskin::mesh {
+namespace {
+
+// The sum of a vertex's normals, weighted by angle, must be at least this long. A shorter one comes from rounding of
+// normals that cancel, and its direction would depend on the order of the sum.
+constexpr double kCancelled_rad = 1e-6;
+
+// Returns 0 at a … 1 at b.
+double closest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const Vec3 d = b - a;
+  const double length_squared = d.squaredNorm();
+  return length_squared > 0.0 ? std::clamp((p - a).dot(d) / length_squared, 0.0, 1.0) : 0.0;
+}
+
+}  // namespace
+
+// Tests the Voronoi regions of the triangle's features (Ericson, Real-Time Collision Detection, 5.1.5).
+Vec3 closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 ab = b - a, ac = c - a, ap = p - a;
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
+  if (d1 <= 0.0 && d2 <= 0.0) return {1, 0, 0};
+  const Vec3 bp = p - b;
+  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
+  if (d3 >= 0.0 && d4 <= d3) return {0, 1, 0};
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) {
+    const double v = d1 / (d1 - d3);
+    return {1 - v, v, 0};
+  }
+  const Vec3 cp = p - c;
+  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
+  if (d6 >= 0.0 && d5 <= d6) return {0, 0, 1};
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) {
+    const double w = d2 / (d2 - d6);
+    return {1 - w, 0, w};
+  }
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0.0 && (d4 - d3) >= 0.0 && (d5 - d6) >= 0.0) {
+    const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    return {0, 1 - w, w};
+  }
+  const double sum = va + vb + vc;
+  return {va / sum, vb / sum, vc / sum};
+}
+
+Surface::Surface(Mesh mesh) : mesh_(std::move(mesh)), neighbour_(neighbours_of(mesh_)) {
+  compute_normals();
+  find_border();
+  build_trees();
+}
+
+void Surface::compute_normals() {
+  vertex_normal_.assign(mesh_.vertices.size(), Vec3::Zero());
+  face_normal_.reserve(mesh_.faces.size());
+  for (const auto& f : mesh_.faces) {
+    const std::array p{mesh_.vertices[at(f[0])], mesh_.vertices[at(f[1])], mesh_.vertices[at(f[2])]};
+    const Vec3 n = (p[1] - p[0]).cross(p[2] - p[0]);
+    area_mm2_ += 0.5 * n.norm();
+    face_normal_.push_back(n.normalized());
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 u = (p[at((k + 1) % 3)] - p[at(k)]).normalized(), v = (p[at((k + 2) % 3)] - p[at(k)]).normalized();
+      vertex_normal_[at(f[at(k)])] += std::acos(std::clamp(u.dot(v), -1.0, 1.0)) * face_normal_.back();
+    }
+  }
+  for (Vec3& n : vertex_normal_) n = n.norm() > kCancelled_rad ? Vec3(n.normalized()) : Vec3::Zero();
+}
+
+void Surface::find_border() {
+  std::vector<VertexIndex> before(mesh_.vertices.size(), VertexIndex::none()),
+      after = before;  // The walk follows the border; of several edges at a vertex, the last one counts.
+  for (std::size_t f = 0; f < mesh_.faces.size(); ++f) {
+    for (int s = 0; s < 3; ++s) {
+      if (neighbour_[f][at(s)] >= 0) continue;
+      const VertexIndex from(mesh_.faces[f][at(s)]), to(mesh_.faces[f][at((s + 1) % 3)]);
+      after[at(from)] = to;
+      before[at(to)] = from;
+      border_sides_.push_back({FaceIndex(f), s, {from, to}});
+    }
+  }
+  for (BorderSide& side : border_sides_) side.beyond = {before[at(side.beyond[0])], after[at(side.beyond[1])]};
+  loops_ = border_loops_of(mesh_, neighbour_);
+}
+
+void Surface::build_trees() {
+  face_tree_ = tree_of_faces(mesh_, all_threads());
+  std::vector<Bvh::Extent> extents;
+  for (const auto& [face, side, beyond] : border_sides_) {
+    const auto& f = mesh_.faces[at(face)];
+    const auto a = mesh_.vertices[at(f[at(side)])].array(), b = mesh_.vertices[at(f[at((side + 1) % 3)])].array();
+    extents.push_back({Eigen::Array3d(a.min(b)), Eigen::Array3d(a.max(b))});
+  }
+  border_tree_ = Bvh(extents);
+}
+
+SurfacePoint Surface::closest(const Vec3& query_mm, double within_mm) const {
+  return closest_face_point(face_tree_, mesh_, query_mm, within_mm);
+}
+
+void Surface::faces_within(const Vec3& query_mm, double distance_mm,
+                           std::vector<std::pair<double, FaceIndex>>& faces) const {
+  double limit = std::nextafter(distance_mm * distance_mm, std::numeric_limits<double>::infinity());
+  face_tree_.nearest(query_mm, limit, [&](int face) {
+    const auto& f = mesh_.faces[at(face)];
+    const Vec3 &a = mesh_.vertices[at(f[0])], &b = mesh_.vertices[at(f[1])], &c = mesh_.vertices[at(f[2])];
+    const Vec3 weights = closest_on_triangle(query_mm, a, b, c);
+    const double squared = (weights[0] * a + weights[1] * b + weights[2] * c - query_mm).squaredNorm();
+    if (squared < limit) faces.emplace_back(squared, FaceIndex(face));
+  });
+}
+
+BorderPoint Surface::closest_on_edge(int item, const Vec3& query_mm) const {
+  const auto& [face, side, beyond] = border_sides_[at(item)];
+  const auto& f = mesh_.faces[at(face)];
+  const Vec3 &a = mesh_.vertices[at(f[at(side)])], &b = mesh_.vertices[at(f[at((side + 1) % 3)])];
+  const double t = closest_on_segment(query_mm, a, b);
+  BorderPoint closest{{a + t * (b - a), face, Vec3::Zero(), 0.0}, side, beyond};
+  closest.point.barycentric[side] = 1.0 - t;
+  closest.point.barycentric[(side + 1) % 3] = t;
+  return closest;
+}
+
+SurfacePoint Surface::closest_on_border(const Vec3& query_mm, double within_mm) const {
+  SurfacePoint best;
+  double best_squared = within_mm * within_mm;
+  border_tree_.nearest(query_mm, best_squared, [&](int item) {
+    const BorderPoint closest = closest_on_edge(item, query_mm);
+    const double squared = (closest.point.position_mm - query_mm).squaredNorm();
+    if (squared >= best_squared) return;
+    best_squared = squared;
+    best = closest.point;
+  });
+  if (best.face >= 0) best.distance_mm = std::sqrt(best_squared);
+  return best;
+}
+
+void Surface::border_within(const Vec3& query_mm, double distance_mm, std::vector<BorderPoint>& points) const {
+  double limit = std::nextafter(distance_mm * distance_mm, std::numeric_limits<double>::infinity());
+  border_tree_.nearest(query_mm, limit, [&](int item) {
+    BorderPoint closest = closest_on_edge(item, query_mm);
+    const double squared = (closest.point.position_mm - query_mm).squaredNorm();
+    if (squared >= limit) return;
+    closest.point.distance_mm = std::sqrt(squared);
+    points.push_back(closest);
+  });
+}
+
+double Surface::border_distance(const Vec3& query_mm) const {
+  return closest_on_border(query_mm).distance_mm;
+}
+
+Vec3 Surface::normal_at(const SurfacePoint& point) const {
+  const auto& f = mesh_.faces[at(point.face)];
+  const Vec3 n = point.barycentric[0] * vertex_normal_[at(f[0])] + point.barycentric[1] * vertex_normal_[at(f[1])] +
+                 point.barycentric[2] * vertex_normal_[at(f[2])];
+  return n.norm() > 1e-9 ? Vec3(n.normalized()) : face_normal_[at(point.face)];
+}
+
+}  // namespace triskin::mesh

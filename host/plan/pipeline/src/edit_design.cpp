@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/pipeline/edit_design.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <numeric>
+#include <optional>
+
+#include "choose_layout.hpp"
+#include "keep_numbers.hpp"
+#include "later_steps.hpp"
+#include "seconds_since.hpp"
+#include "triskin/base/counted.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/lattice/add_module.hpp"
+#include "triskin/lattice/grow_lattice.hpp"
+#include "triskin/lattice/map_modules.hpp"
+#include "triskin/mesh/decimated_mesh.hpp"
+#include "triskin/pipeline/make_design.hpp"
+#include "triskin/routing/jumpers.hpp"
+#include "wire_design.hpp"
+
+namespace triskin::pipeline {
+namespace {
+
+// A growth that begins late still gets this share of the limit.
+constexpr double kMinGrowthShare = 0.1;
+constexpr std::string_view kMirroredSuffix = "_mirrored";
+
+void require_module(const design::Design& d, int id) {
+  const auto count = static_cast<int>(d.layout.modules.size());
+  if (id < 0 || id >= count)
+    throw InputError(fmt::format("module {} is not there; the design has 0 … {}", id, count - 1));
+}
+
+// Measures the layout and makes jumpers, controllers, wiring and report.
+void finish(design::Design& d, const mesh::Surface& surface, const mesh::SurfaceRegions* regions,
+            Clock::time_point start, const ProgressSink& progress) {
+  lattice::measure(surface, d.layout, regions);
+  wire(d, surface, regions, routing::find_jumpers(surface, d.layout, d.limits), progress);
+  d.report.seconds = seconds_since(start);
+}
+
+// Marks each id that is named or, with `others`, that is not.
+std::vector<bool> marked(const design::Design& d, const std::vector<int>& ids, bool others = false) {
+  std::vector<bool> mark(d.layout.modules.size(), others);
+  for (const int id : ids) {
+    require_module(d, id);
+    mark[static_cast<std::size_t>(id)] = !others;
+  }
+  return mark;
+}
+
+// Returns the module and side beside which a place lies, in a layout whose islands still have their old numbers.
+BesideModule resolved(const NewPlace& place, const design::ModuleLayout& layout, const std::vector<int>& new_id) {
+  if (const auto* beside = std::get_if<BesideModule>(&place)) {
+    const int id = new_id.at(static_cast<std::size_t>(beside->module));
+    if (id < 0) throw InputError(fmt::format("module {} is removed; nothing can be added beside it", beside->module));
+    return {id, beside->side};
+  }
+  const auto& [island, tile] = std::get<TileOfIsland>(place);
+  for (std::size_t k = 0; k < layout.modules.size(); ++k) {
+    const design::PlacedModule& m = layout.modules[k];
+    for (int s = 0; m.island == island && s < 3; ++s) {
+      if (design::across(m.tile, s).tile == tile && m.neighbour[static_cast<std::size_t>(s)] < 0)
+        return {static_cast<int>(k), s};
+    }
+  }
+  throw InputError(fmt::format("island {}: tile {}/{}/{} lies beside no free side of a module of the island", island,
+                               tile.i, tile.j, tile.up ? "up" : "down"));
+}
+
+std::string text_of(const NewPlace& place) {
+  if (const auto* beside = std::get_if<BesideModule>(&place))
+    return fmt::format("side {} of module {}", beside->side, beside->module);
+  const auto& [island, tile] = std::get<TileOfIsland>(place);
+  return fmt::format("tile {}/{}/{} of island {}", tile.i, tile.j, tile.up ? "up" : "down", island);
+}
+
+// Writes "overrun_mm 4.90 (0.49 is allowed), …", with modules by their old ids.
+std::string text_of(const std::vector<lattice::BrokenLimit>& broken, const std::vector<int>& new_id) {
+  std::string text;
+  for (const lattice::BrokenLimit& b : broken) {
+    const auto old = std::ranges::find(new_id, b.other);
+    const std::string with = b.other < 0           ? ""
+                             : old == new_id.end() ? " with a module that was just added"
+                                                   : fmt::format(" with module {}", old - new_id.begin());
+    text += fmt::format("{}{} {:.2f}{} ({:.2f} is allowed)", text.empty() ? "" : ", ", b.limit, b.measured, with,
+                        b.allowed);
+  }
+  return text;
+}
+
+void add_one(const NewPlace& place, const mesh::Surface& surface, const mesh::SurfaceRegions* regions,
+             EditedDesign& result) {
+  design::Design& d = result.design;
+  const BesideModule at = resolved(place, d.layout, result.new_id);
+  const auto broken = lattice::add_module(surface, d.limits, regions, d.layout, at.module, at.side);
+  if (!broken.empty()) {
+    throw InputError(fmt::format("no module can stand at {}, nor moved a little: there it breaks {}", text_of(place),
+                                 text_of(broken, result.new_id)));
+  }
+  result.added.push_back(static_cast<int>(d.layout.modules.size()) - 1);
+}
+
+// Assigns kinds by place to the modules from number `first` on; the others keep theirs. Regions that name modules or
+// islands by their old numbers have already been applied.
+void give_kinds(design::Design& d, std::size_t first) {
+  std::erase_if(d.kinds.regions, [](const auto& r) { return !design::is_place(r.region); });
+  design::assign_kinds_by_place(d.kinds, d.layout, first);
+}
+
+EditedDesign unchanged(const design::Design& design) {
+  EditedDesign result{design, std::vector<int>(design.layout.modules.size()), {}};
+  std::iota(result.new_id.begin(), result.new_id.end(), 0);
+  return result;
+}
+
+// Grows layouts around the kept modules until `end_s` of the budget.
+std::vector<design::ModuleLayout> grown_around(const design::Design& d, const mesh::Surface& surface,
+                                               const mesh::SurfaceRegions* regions,
+                                               const std::vector<design::PlacedModule>& kept,
+                                               const GrowAroundOptions& options, const TimeBudget& budget, double end_s,
+                                               const ProgressSink& progress) {
+  lattice::SurfaceLatticeOptions lattice;
+  lattice.seed = d.seed;
+  lattice.iterations = options.iterations;
+  lattice.threads = options.threads;
+  lattice.price = d.price;
+  lattice.corner_cut_mm = d.layout.corner_cut_mm;
+  lattice.kept = kept;
+  lattice.regions = regions;
+  const auto solver = mesh::solver_mesh_of(surface, d.limits, mesh::kSolverDeviation_mm, options.threads);
+  lattice.solver = solver ? &*solver : nullptr;
+  lattice.time_limit_s =
+      std::max(kMinGrowthShare * options.time_limit_s, (end_s - budget.used_s()) / (1.0 + lattice::kFrontTimeShare));
+  return lattice::grow_front(surface, d.limits, lattice, progress);
+}
+
+// Returns the layout of the design and those of the search. Pricing the first one tells how long the steps after the
+// growth will take.
+std::vector<WiredLayout> choices_around(const design::Design& d, const mesh::Surface& surface,
+                                        const mesh::SurfaceRegions* regions,
+                                        const std::vector<design::PlacedModule>& kept, const GrowAroundOptions& options,
+                                        TimeBudget& budget, const ProgressSink& progress) {
+  routing::RoutingOptions routing = routing_options(d);
+  routing.threads = options.threads;
+  const double begin_s = budget.used_s();
+  std::vector<WiredLayout> choices{priced(surface, d.layout, d.limits, routing, regions)};
+  reserve_later_steps(budget, budget.used_s() - begin_s, options.threads);
+  std::vector<design::ModuleLayout> grown = budget.run("growth", 1.0, [&](double end_s) {
+    return grown_around(d, surface, regions, kept, options, budget, end_s, progress);
+  });
+  report(progress, kPricingStep, -1.0, counted(grown.size(), "layout"));
+  budget.run(kPricingStep, 1.0, [&](double end_s) {
+    routing.give_up = give_up_at(budget, end_s, options.iterations);
+    std::ranges::move(priced(surface, std::move(grown), d.limits, routing, regions, options.threads),
+                      std::back_inserter(choices));
+  });
+  return choices;
+}
+
+}  // namespace
+
+design::Design take_alternative(const design::Design& design, int index, const ProgressSink& progress) {
+  const auto start = Clock::now();
+  if (index < 0 || index >= static_cast<int>(design.alternatives.size())) {
+    throw InputError(
+        design.alternatives.empty()
+            ? std::string("the design has no alternatives; make it again with triskin design")
+            : fmt::format("alternative {} is not there; 0 … {} are", index, design.alternatives.size() - 1));
+  }
+  design::Design taken = design;
+  const mesh::Surface surface(taken.surface);
+  taken.layout = taken.alternatives[static_cast<std::size_t>(index)].layout;
+  taken.taken = index;
+  design::assign_kinds_by_place(taken.kinds, taken.layout);
+  finish(taken, surface, regions_of(surface, taken).get(), start, progress);
+  return taken;
+}
+
+EditedDesign edit_design(const design::Design& design, const LayoutEdit& edit, const ProgressSink& progress) {
+  const auto start = Clock::now();
+  const std::vector<bool> gone = marked(design, edit.remove);
+  for (const NewPlace& place : edit.add) {
+    if (const auto* beside = std::get_if<BesideModule>(&place)) require_module(design, beside->module);
+  }
+  EditedDesign result{design, {}, {}};
+  design::Design& d = result.design;
+  const mesh::Surface surface(d.surface);
+  result.new_id = lattice::remove_modules(d.layout, gone);
+  d.layout.jumpers.clear();
+  d.layout.refused.clear();
+  d.taken = -1;
+  const auto regions = regions_of(surface, d);
+  for (const NewPlace& place : edit.add) add_one(place, surface, regions.get(), result);
+  if (d.layout.modules.empty()) throw InputError("no module would be left; a design needs one");
+  give_kinds(d, d.layout.modules.size() - result.added.size());
+  keep_numbers(d.layout, result.new_id, result.added);
+  lattice::number_islands(d.layout);
+  finish(d, surface, regions.get(), start, progress);
+  return result;
+}
+
+EditedDesign grow_around(const design::Design& design, const std::vector<int>& kept, const GrowAroundOptions& options,
+                         const ProgressSink& progress) {
+  const auto start = Clock::now();
+  TimeBudget budget(options.time_limit_s);
+  const std::vector<bool> searched = marked(design, kept, true);
+  EditedDesign result{design, {}, {}};
+  design::Design& d = result.design;
+  const mesh::Surface surface(d.surface);
+  const auto regions = regions_of(surface, d);
+  design::ModuleLayout fixed = d.layout;
+  result.new_id = lattice::remove_modules(fixed, searched);
+  d.layout.jumpers.clear();
+  std::vector<WiredLayout> choices =
+      choices_around(d, surface, regions.get(), fixed.modules, options, budget, progress);
+  const auto best = std::ranges::max_element(choices, std::less{}, &WiredLayout::value);
+  const std::size_t count = best->layout.modules.size();
+  d.alternatives = front_of(choices);
+  const auto same = std::ranges::find(d.alternatives, count, [](const auto& a) { return a.layout.modules.size(); });
+  d.taken = same == d.alternatives.end() ? -1 : static_cast<int>(same - d.alternatives.begin());
+  if (best == choices.begin()) {
+    result.new_id = unchanged(design).new_id;
+  } else {
+    for (std::size_t id = fixed.modules.size(); id < count; ++id) result.added.push_back(static_cast<int>(id));
+  }
+  d.layout = best->layout;
+  if (best != choices.begin()) give_kinds(d, fixed.modules.size());
+  finish(d, surface, regions.get(), start, progress);
+  return result;
+}
+
+EditedDesign mirror_design(const design::Design& design, const design::MirrorPlane& plane,
+                           const ProgressSink& progress) {
+  const auto start = Clock::now();
+  EditedDesign result = unchanged(design);
+  design::Design& d = result.design;
+  if (d.name.ends_with(kMirroredSuffix))
+    d.name.resize(d.name.size() - kMirroredSuffix.size());
+  else
+    d.name += kMirroredSuffix;
+  d.surface = design::mirrored(d.surface, plane);
+  if (d.side) d.side->part = design::mirrored(d.side->part, plane);
+  for (design::PlacedPiece& piece : d.pieces) piece = design::turned_over(std::move(piece));
+  d.layout = design::mirrored(d.layout, plane);
+  for (design::Alternative& a : d.alternatives) a.layout = design::mirrored(a.layout, plane);
+  d.regions = design::mirrored(d.regions, plane);
+  d.kinds = design::mirrored(d.kinds, plane);
+  const mesh::Surface surface(d.surface);
+  finish(d, surface, regions_of(surface, d).get(), start, progress);
+  return result;
+}
+
+}  // namespace triskin::pipeline

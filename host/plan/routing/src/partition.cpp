@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "partition.hpp"
+
+#include <algorithm>
+
+#include "frontier.hpp"
+
+namespace triskin::routing {
+namespace {
+
+constexpr int kTrees = 24;
+constexpr long kPeelBudget = 1'000'000;   // The budget counts node visits, which take about 15 ms.
+constexpr long kExactBudget = 2'000'000;  // The budget counts state transitions, which take about 0.3 s.
+
+class Partitioner {
+ public:
+  Partitioner(const LocalGraph& g, int capacity, std::uint64_t seed, const std::function<bool()>& give_up)
+      : g_(g), capacity_(capacity), give_up_(give_up), random_(seed), whole_(at(g.size()), 0) {}
+
+  Partition run() {
+    const int by_size = (g_.size() + capacity_ - 1) / capacity_;
+    best_.lower_bound = folded_lower_bound(g_, whole_, 0, capacity_);
+    best_.proof = best_.lower_bound == by_size ? PartitionProof::kSize : PartitionProof::kFolding;
+    try_trees();
+    if (!is_done()) try_peel(kPeelBudget + 60L * g_.size());
+    if (!is_done()) try_exact();
+    if (!met()) best_.proof = PartitionProof::kOpen;
+    return std::move(best_);
+  }
+
+ private:
+  [[nodiscard]] bool met() const { return best_.parts == best_.lower_bound; }
+  [[nodiscard]] bool is_done() const { return met() || (give_up_ && give_up_()); }
+
+  void offer(const std::vector<int>& part_of, int parts) {
+    if (best_.parts > 0 && parts >= best_.parts) return;
+    best_.part_of = part_of;
+    best_.parts = parts;
+  }
+  void offer(const std::vector<std::vector<int>>& parts) {
+    std::vector<int> part_of(at(g_.size()), -1);
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      for (const int v : parts[p]) part_of[at(v)] = static_cast<int>(p);
+    }
+    offer(part_of, static_cast<int>(parts.size()));
+  }
+
+  void try_trees() {
+    SpanningTree tree;
+    std::vector<int> part_of;
+    for (int k = 0; k < kTrees && (k == 0 || !is_done()); ++k) {
+      random_tree(g_, whole_, 0, random_.below(g_.size()), random_, tree);
+      const int parts = cut_tree(g_, tree, capacity_, part_of);
+      offer(part_of, parts);
+    }
+  }
+
+  // Tries downwards from the best, so that a large patch that misses the bound still ends near it.
+  void try_peel(long budget) {
+    std::vector<int> part_of;
+    if (peel(g_, capacity_, best_.lower_bound, budget, random_, part_of)) return offer(part_of, best_.lower_bound);
+    while (best_.parts > best_.lower_bound + 1 && !is_done() &&
+           peel(g_, capacity_, best_.parts - 1, budget / 2, random_, part_of)) {
+      offer(part_of, best_.parts - 1);
+    }
+  }
+
+  void try_exact() {
+    const Folding folding = fold(g_, whole_, 0, capacity_);
+    while (!met()) {
+      const FrontierAnswer answer = divide_exactly(g_, folding, capacity_, best_.lower_bound, kExactBudget);
+      if (answer.decision == Decision::kTooLarge) return;
+      if (answer.decision == Decision::kFeasible)
+        offer(answer.parts);
+      else
+        ++best_.lower_bound;
+      best_.proof = PartitionProof::kFrontier;
+    }
+  }
+
+  const LocalGraph& g_;
+  int capacity_;
+  const std::function<bool()>& give_up_;
+  Dice random_;
+  std::vector<int> whole_;
+  Partition best_;
+};
+
+}  // namespace
+
+int cut_tree(const LocalGraph& g, const SpanningTree& tree, int capacity, std::vector<int>& part_of) {
+  std::vector<int> weight(at(g.size()), 1);
+  std::vector<std::array<int, 3>> children(at(g.size()), {-1, -1, -1});
+  std::vector<int> count(at(g.size()), 0);
+  std::vector<bool> is_root(at(g.size()), false);
+  for (auto v = tree.order.rbegin(); v != tree.order.rend(); ++v) {
+    auto& mine = children[at(*v)];
+    int& n = count[at(*v)];
+    std::sort(mine.begin(), mine.begin() + n,
+              [&](int a, int b) { return std::pair(weight[at(a)], a) < std::pair(weight[at(b)], b); });
+    for (int k = 0; k < n; ++k) weight[at(*v)] += weight[at(mine[at(k)])];
+    while (weight[at(*v)] > capacity) {
+      const int heaviest = mine[at(--n)];
+      weight[at(*v)] -= weight[at(heaviest)];
+      is_root[at(heaviest)] = true;
+    }
+    const int p = tree.parent[at(*v)];
+    if (p >= 0)
+      children[at(p)][at(count[at(p)]++)] = *v;
+    else
+      is_root[at(*v)] = true;
+  }
+  part_of.assign(at(g.size()), -1);
+  int parts = 0;
+  for (const int v : tree.order) part_of[at(v)] = is_root[at(v)] ? parts++ : part_of[at(tree.parent[at(v)])];
+  return parts;
+}
+
+Partition partition(const LocalGraph& g, int capacity, std::uint64_t seed, const std::function<bool()>& give_up) {
+  return Partitioner(g, capacity, seed, give_up).run();
+}
+
+}  // namespace triskin::routing

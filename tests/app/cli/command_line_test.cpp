@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Tests files and exit status of the program as a shell sees them.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "app/cli/shell_case.hpp"
+#include "support/strip_design.hpp"
+#include "triskin/base/files.hpp"
+
+namespace triskin::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class CommandLine : public ShellCase {
+ protected:
+  void SetUp() override {
+    ShellCase::SetUp();
+    design::write_design(folder_ / "strip.json", strip(4, 4));
+  }
+};
+
+TEST_F(CommandLine, a_full_disk_behind_standard_output_is_an_error) {
+  EXPECT_EQ(run("export strip.json --format taxels -o - > /dev/full").status, 2);
+  EXPECT_EQ(run("export strip.json --format taxels -o t.csv > /dev/full").status, 2);
+  EXPECT_EQ(run("export strip.json --format taxels -o t.csv --json > /dev/full").status, 2);
+}
+
+TEST_F(CommandLine, a_dash_is_standard_output_and_messages_stand_aside) {
+  const Outcome file = run("export strip.json --format taxels -o t.csv");
+  EXPECT_EQ(file.status, 0);
+  const Outcome dash = run("export strip.json --format taxels -o -");
+  EXPECT_EQ(dash.status, 0);
+  EXPECT_EQ(dash.out, read_file(folder_ / "t.csv"));
+  EXPECT_FALSE(fs::exists(folder_ / "-"));
+  const Outcome both = run("export strip.json --format taxels -o - --json");
+  EXPECT_EQ(both.status, 2);
+  EXPECT_NE(both.messages.find("both want standard output"), std::string::npos) << both.messages;
+}
+
+TEST_F(CommandLine, a_device_and_a_pipe_are_written_into_and_stay) {
+  EXPECT_EQ(run("export strip.json --format taxels -o /dev/null").status, 0);
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  const Outcome full = run("export strip.json --format taxels -o /dev/full");
+  EXPECT_EQ(full.status, 2);
+  EXPECT_NE(full.messages.find("/dev/full: cannot write"), std::string::npos) << full.messages;
+  ASSERT_EQ(::mkfifo((folder_ / "pipe").c_str(), 0600), 0);
+  const std::string reader = "cat '" + (folder_ / "pipe").string() + "' > '" + (folder_ / "copy").string() + "' &";
+  ASSERT_EQ(std::system(reader.c_str()), 0);
+  EXPECT_EQ(run("export strip.json --format taxels -o pipe").status, 0);
+  EXPECT_TRUE(fs::is_fifo(folder_ / "pipe"));
+}
+
+TEST_F(CommandLine, a_symbolic_link_is_followed) {
+  std::ofstream(folder_ / "real.csv") << "old";
+  fs::create_symlink("real.csv", folder_ / "link.csv");
+  EXPECT_EQ(run("export strip.json --format taxels -o link.csv").status, 0);
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link.csv"));
+  EXPECT_GT(read_file(folder_ / "real.csv").size(), 100U);
+}
+
+TEST_F(CommandLine, the_input_is_never_written_over) {
+  const std::string before = read_file(folder_ / "strip.json");
+  fs::create_hard_link(folder_ / "strip.json", folder_ / "same.svg");
+  for (const char* file : {"strip.json", "./strip.json", "same.svg"}) {
+    const Outcome o = run(std::string("export strip.json --format picture -o ") + file);
+    EXPECT_EQ(o.status, 2) << file;
+    EXPECT_NE(o.messages.find("is the input"), std::string::npos) << o.messages;
+  }
+  EXPECT_EQ(read_file(folder_ / "strip.json"), before);
+}
+
+TEST_F(CommandLine, a_format_follows_the_extension_or_is_refused) {
+  EXPECT_EQ(run("export strip.json -o a.svg").status, 0);
+  EXPECT_TRUE(read_file(folder_ / "a.svg").starts_with("<svg"));
+  const Outcome pdf = run("export strip.json --format assembly -o sheet.pdf");
+  EXPECT_EQ(pdf.status, 2);
+  EXPECT_NE(pdf.messages.find(".html"), std::string::npos) << pdf.messages;
+  EXPECT_FALSE(fs::exists(folder_ / "sheet.pdf"));
+  EXPECT_EQ(run("export strip.json --format modules -o modules.stl").status, 2);
+  EXPECT_EQ(run("export strip.json -o a.png").status, 2);
+}
+
+// Program, firmware and its packages are released together.
+TEST_F(CommandLine, the_program_and_its_controllers_say_one_version) {
+  const std::string version = run("--version").out;
+  const auto controllers =
+      nlohmann::json::parse(run("discover --link sim --design strip.json --json").out)["controllers"];
+  ASSERT_FALSE(controllers.empty());
+  for (const auto& c : controllers) EXPECT_EQ(c["firmware"].get<std::string>() + "\n", version);
+}
+
+TEST_F(CommandLine, log_shows_what_controllers_write) {
+  const Outcome o = run("log strip.json --link sim --seconds 1 --json");
+  EXPECT_EQ(o.status, 0) << o.messages;
+  const auto result = nlohmann::json::parse(o.out);
+  EXPECT_TRUE(result["crashes"].empty());
+  EXPECT_EQ(result["lost"], 0);
+  bool started = false;
+  for (const auto& line : result["lines"]) {
+    EXPECT_EQ(line["node_address"], 1);
+    started = started || line["text"].get<std::string>().starts_with("started: firmware ");
+  }
+  EXPECT_TRUE(started) << o.out;
+  EXPECT_EQ(run("log strip.json --link sim --seconds 0.1 --node 9").status, 3);
+  EXPECT_EQ(run("log strip.json --link sim --seconds 0.1 --level loud").status, 2);
+}
+
+// A simulated board has no pages to protect, and reports that.
+TEST_F(CommandLine, protect_names_a_board_that_cannot) {
+  const Outcome o = run("protect --link sim");
+  EXPECT_NE(o.status, 0);
+  EXPECT_FALSE(o.messages.empty());
+}
+
+TEST_F(CommandLine, a_design_that_was_changed_by_hand_is_not_deployed) {
+  design::Design changed = strip(4, 4);
+  changed.layout.modules[1].corner_mm[0].x() += 5.0;  // The changed design keeps the id of the strip.
+  design::write_design(folder_ / "changed.json", changed);
+  for (const char* command : {"flash", "verify", "live --seconds 0.1", "record --seconds 0.1 -o r.csv"}) {
+    const std::string name(command);
+    const auto space = name.find(' ');
+    const Outcome o = run(name.substr(0, space) + " changed.json --link sim" +
+                          (space == std::string::npos ? "" : name.substr(space)));
+    EXPECT_EQ(o.status, 2) << command;
+    EXPECT_NE(o.messages.find("changed after it was made"), std::string::npos) << command << ": " << o.messages;
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "r.csv"));
+  EXPECT_EQ(run("flash strip.json --link sim").status, 0);
+}
+
+}  // namespace
+}  // namespace triskin::test

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Tests how a host sees the converters' offsets, with the electrodes at either input.
+#include "support/device_fixture.hpp"
+#include "triskin/diagnose/offset_report.hpp"
+#include "triskin/session/controller.hpp"
+#include "triskin/session/stream.hpp"
+
+namespace triskin::diagnose {
+namespace {
+
+class Offsets : public testing::TestWithParam<bool> {};
+
+TEST_P(Offsets, EveryTaxelRestsInTheMiddleThirdAndPressureLowersIt) {
+  Fixture f(20);  // The strip has two patches.
+  FlashOptions options;
+  options.positive_input = GetParam();
+  (void)f.flash(options);
+  f.bus().listen(f.bus().now_us() + 1'000'000);
+  EXPECT_TRUE(f.verify(false).findings.empty());
+  const auto patches = read_offsets(f.bus(), f.design());
+  ASSERT_EQ(patches.size(), 2U);
+  EXPECT_EQ(patches[0].offsets.count, 16);
+  EXPECT_EQ(patches[1].modules.size(), 4U);
+  for (const PatchOffsets& p : patches) {
+    EXPECT_EQ(p.offsets.positive_input, GetParam());
+    for (const wire::ModuleOffsets& m : p.offsets.rows()) {
+      EXPECT_EQ(m.state, wire::OffsetState::kFound);
+      EXPECT_EQ(m.latching, wire::Latching::kEachStage);
+      EXPECT_EQ(m.outside, 0);
+    }
+    EXPECT_EQ(describe(p).size(), 1U);
+    EXPECT_NE(describe(p)[0].find(GetParam() ? "positive" : "negative"), std::string::npos);
+  }
+  std::vector<session::ModuleSample> frames;
+  session::Stream stream(f.bus(), f.design(), [&](const session::ModuleSample& frame) { frames.push_back(frame); });
+  stream.run_until(f.bus().now_us() + 100'000);
+  ASSERT_FALSE(frames.empty());
+  int at_rest = 0;
+  for (const session::ModuleSample& frame : frames) {
+    for (const std::uint16_t v : frame.sample.value) {
+      EXPECT_GE(v, wire::kRestLeast);
+      EXPECT_LE(v, wire::kRestMost);
+    }
+    if (frame.module == 7) at_rest = frame.sample.value[3];
+  }
+  link::touch_actuator_of(f.bus().link())->press(layout::ModuleId{7});
+  frames.clear();
+  stream.run_until(f.bus().now_us() + 200'000);
+  int pressed = 0;
+  for (const session::ModuleSample& frame : frames) pressed = frame.module == 7 ? frame.sample.value[3] : pressed;
+  EXPECT_LT(pressed, at_rest - 200);
+}
+INSTANTIATE_TEST_SUITE_P(Inputs, Offsets, testing::Bool(),
+                         [](const auto& tested) { return std::string(tested.param ? "positive" : "negative"); });
+
+TEST(OffsetReport, NamesTheTaxelThatNoOffsetReaches) {
+  hardware::Fault shorted = fault(hardware::FaultKind::kSaturatedTaxel, 2);
+  shorted.taxel = layout::TaxelIndex{9};
+  Fixture f(3, 16, {shorted});
+  (void)f.flash();
+  f.bus().listen(f.bus().now_us() + 1'500'000);
+  const auto patches = read_offsets(f.bus(), f.design());
+  ASSERT_EQ(patches.size(), 1U);
+  EXPECT_EQ(patches[0].offsets.modules[2].state, wire::OffsetState::kOutside);
+  EXPECT_EQ(patches[0].offsets.modules[2].outside, 1U << 9);
+  ASSERT_EQ(describe(patches[0]).size(), 2U);
+  EXPECT_NE(describe(patches[0])[1].find("module 2: no offset brings taxel 9"), std::string::npos)
+      << describe(patches[0])[1];
+}
+
+TEST(OffsetReport, SearchesAnewOnRequest) {
+  Fixture f(3);
+  (void)f.flash();
+  f.bus().listen(f.bus().now_us() + 1'500'000);
+  session::Controller c(f.bus(), 1);
+  EXPECT_EQ(c.offsets().searches, 3U);
+  EXPECT_EQ(c.search_offsets().searches, 6U);
+}
+
+}  // namespace
+}  // namespace triskin::diagnose

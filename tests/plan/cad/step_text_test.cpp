@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "plan/cad/src/step_text.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "step_edits.hpp"
+#include "triskin/base/error.hpp"
+
+namespace triskin::cad {
+namespace {
+
+using test::good_part;
+using test::with;
+using test::with_all;
+using test::with_entity;
+using ::testing::HasSubstr;
+
+std::string refusal_of(const std::string& bytes) {
+  try {
+    (void)read_step_text(bytes);
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "accepted";
+}
+
+TEST(StepText, GoodPart) {
+  const StepText step = read_step_text(good_part());
+  EXPECT_EQ(step.schema, "AP214");
+  EXPECT_EQ(step.faces, 6);
+  EXPECT_TRUE(step.has_length_unit);
+  EXPECT_TRUE(step.warnings.empty());
+}
+
+TEST(StepText, SaysWhereAFileIsDamaged) {
+  EXPECT_EQ(refusal_of(""), "the file is empty");
+  EXPECT_THAT(refusal_of("solid cover\nfacet normal 0 0 1\n"), HasSubstr("looks like an STL"));
+  EXPECT_THAT(refusal_of("\x1f\x8b\x08"), HasSubstr("gzip"));
+  EXPECT_THAT(refusal_of("<!DOCTYPE html><html>"), HasSubstr("web page"));
+  EXPECT_THAT(refusal_of(good_part().substr(0, good_part().find("#196 =") + 12)), HasSubstr("ends within #196"));
+  EXPECT_THAT(refusal_of(with_entity(23, "CARTESIAN_POINT('',(nan,0.,140.))")), HasSubstr("#23"));
+  EXPECT_THAT(refusal_of(with_entity(23, "CARTESIAN_POINT('',(1e999,0.,140.))")), HasSubstr("#23"));
+  EXPECT_THAT(refusal_of(with_entity(21, "EDGE_CURVE('',#22,#24,#21,.T.)")), HasSubstr("#21"));
+  EXPECT_THAT(refusal_of(with_entity(27, "CIRCLE('',#26,80.)")), HasSubstr("circle"));
+  EXPECT_THAT(refusal_of(with_entity(12, "X" + std::string(200'000, '(') + std::string(200'000, ')'))),
+              HasSubstr("#12"));
+  EXPECT_THAT(refusal_of(with(good_part(), "#24 = ", "#23 = ")), HasSubstr("#23 is there twice"));
+  EXPECT_THAT(refusal_of(with(good_part(), "ENDSEC;\nEND-ISO",
+                              "#401=NEXT_ASSEMBLY_USAGE_OCCURRENCE('','','',#5,#5,$);\nENDSEC;\nEND-ISO")),
+              HasSubstr("circular assembly"));
+}
+
+TEST(StepText, LineBreaksAndCommentsBeforeTheEqualsSignFallAway) {
+  const StepText broken = read_step_text(with(good_part(), "#12 = ", "#12\r\n /* a comment */ = "));
+  EXPECT_EQ(broken.text, read_step_text(good_part()).text);
+}
+
+// Returns the name with the escapes that every reader knows.
+std::string name_in_text(const std::string& name) {
+  const StepText step = read_step_text(with(good_part(), "ADVANCED_FACE('outer'", "ADVANCED_FACE('" + name + "'"));
+  const std::size_t at = step.text.find("ADVANCED_FACE('") + 15;
+  return step.text.substr(at, step.text.find("',", at) - at);
+}
+
+TEST(StepText, NamesInAnyEncodingBecomeEscapes) {
+  EXPECT_EQ(name_in_text("Geh\\X\\E4use"), "Geh\\X2\\00E4\\X0\\use");
+  EXPECT_EQ(name_in_text("Geh\\S\\duse"), "Geh\\X2\\00E4\\X0\\use");                // D is 0x64, ä is 0xE4.
+  EXPECT_EQ(name_in_text("Geh\xC3\xA4use"), "Geh\\X2\\00E4\\X0\\use");              // The input is UTF-8.
+  EXPECT_EQ(name_in_text("Geh\xE4use"), "Geh\\X2\\00E4\\X0\\use");                  // The input is ISO 8859-1.
+  EXPECT_EQ(name_in_text("\xCD\xE2\xBF\xC7"), "\\X2\\5916\\X0\\\\X2\\58F3\\X0\\");  // The input is 外壳 in GBK.
+  EXPECT_EQ(name_in_text("\\X2\\591658F3\\X0\\"), "\\X2\\5916\\X0\\\\X2\\58F3\\X0\\");
+  EXPECT_EQ(name_in_text("\\X2\\D83EDD16\\X0\\"), "\\X4\\0001F916\\X0\\");  // The input is a surrogate pair.
+  EXPECT_EQ(name_in_text("\\PB\\\\S\\#"), "\\X2\\0141\\X0\\");              // Ł is 0xA3 in ISO 8859-2.
+  EXPECT_EQ(name_in_text("it''s a \\\\ path"), "it''s a \\\\ path");
+  EXPECT_EQ(name_in_text("two\nlines\x01"), "twolines");
+}
+
+TEST(StepText, UnitsMustBelongToTheShape) {
+  EXPECT_FALSE(
+      read_step_text(with(good_part(), "GLOBAL_UNIT_ASSIGNED_CONTEXT\n((#350,#351,#352))", "")).has_length_unit);
+}
+
+TEST(StepText, NamesExternalFiles) {
+  const StepText step = read_step_text(
+      with(good_part(), "ENDSEC;\nEND-ISO", "#401=DOCUMENT_FILE('arm.stp','','',#2,'',$);\nENDSEC;\nEND-ISO"));
+  EXPECT_EQ(step.external_files, std::vector<std::string>{"arm.stp"});
+}
+
+}  // namespace
+}  // namespace triskin::cad

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A controller that is simulated by its table must send what the firmware sends.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "frames.hpp"
+#include "support/strip_design.hpp"
+#include "triskin/wire/node_claim.hpp"
+#include "triskin/wire/taxel_frames.hpp"
+
+namespace triskin::test {
+namespace {
+
+hardware::Scene by_table(hardware::Scene scene) {
+  scene.levels.assign(scene.design.patches.size(), hardware::ControllerLevel::kTable);
+  return scene;
+}
+
+struct Difference {
+  std::size_t samples = 0;
+  std::size_t exchanged = 0;  ///< So many frames have another place in the order.
+  std::uint64_t most_device_us = 0, most_arrival_us = 0;
+};
+
+using ById = std::map<std::uint32_t, std::vector<SentFrame>>;
+
+ById by_id(const std::vector<SentFrame>& frames) {
+  ById map;
+  for (const SentFrame& f : frames) map[f.frame.id].push_back(f);
+  return map;
+}
+
+std::uint64_t apart(std::uint64_t a, std::uint64_t b) {
+  return a > b ? a - b : b - a;
+}
+
+// Frames with one identifier must be equal but for their two times.
+void compare(const std::vector<SentFrame>& firmware, const std::vector<SentFrame>& table, Difference& found) {
+  ASSERT_EQ(firmware.size(), table.size());
+  for (std::size_t k = 0; k < firmware.size(); ++k) found.exchanged += firmware[k].frame.id != table[k].frame.id;
+  const ById a = by_id(firmware), b = by_id(table);
+  ASSERT_EQ(a.size(), b.size());
+  for (const auto& [id, list] : a) {
+    ASSERT_TRUE(b.contains(id)) << id;
+    const std::vector<SentFrame>& other = b.at(id);
+    ASSERT_EQ(list.size(), other.size()) << id;
+    for (std::size_t k = 0; k < list.size(); ++k) {
+      found.most_arrival_us = std::max(found.most_arrival_us, apart(list[k].at_us, other[k].at_us));
+      auto x = wire::decode_full(list[k].frame), y = wire::decode_full(other[k].frame);
+      if (!x || !y) {
+        ASSERT_EQ(list[k].frame.payload().size(), other[k].frame.payload().size());
+        continue;  // The account of the stream has the time of its answer.
+      }
+      ++found.samples;
+      found.most_device_us = std::max(found.most_device_us, apart(x->device_time_us, y->device_time_us));
+      x->device_time_us = y->device_time_us = 0;
+      ASSERT_TRUE(*x == *y) << fmt::format("module {}, sample {} and {}", x->module, x->sample, y->sample);
+    }
+  }
+}
+
+class Levels : public testing::TestWithParam<std::string> {};
+
+TEST_P(Levels, send_equal_frames) {
+  const hardware::Scene scene = hardware::read_scene(scene_folder() / (GetParam() + ".json"));
+  Difference found;
+  compare(frames_of(scene, 12.0), frames_of(by_table(scene), 12.0), found);
+  std::printf("%s: %zu samples, device times differ by at most %llu us, arrivals by %llu us, %zu exchanged\n",
+              GetParam().c_str(), found.samples, static_cast<unsigned long long>(found.most_device_us),
+              static_cast<unsigned long long>(found.most_arrival_us), found.exchanged);
+  EXPECT_GT(found.samples, 5000U);
+  // The firmware refines its estimates of the chips' clocks to 34 us, the table continues the last one.
+  EXPECT_LE(found.most_device_us, 40U);
+  // The firmware sees at the beginning of a reading that a chip has fallen silent, the table at its end. Chips that
+  // come back together then end their sequences within microseconds of each other, and their frames may change places.
+  const bool loses_chips = scene.effects.pads.supply.has_value();
+  EXPECT_LE(found.most_arrival_us, loses_chips ? 300U : 100U);
+  EXPECT_LE(found.exchanged, loses_chips ? found.samples / 20 : 0U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, Levels, testing::ValuesIn(ready_scenes()));
+
+// Without a table the firmware would run all the time, and the test above would show nothing.
+TEST(TableLevel, takes_over_and_wakes_the_firmware_for_a_request) {
+  hardware::Scene scene;
+  scene.design = strip(6);
+  scene.levels = {hardware::ControllerLevel::kTable};
+  const auto transferred = [](scenario::RunningSkin& skin) {
+    return skin.hardware().skin().line(layout::PatchIndex{0}, 0).bytes();
+  };
+  scenario::RunningSkin skin(scene, {}, {});
+  skin.run_until(3'000'000);
+  const std::uint64_t before = transferred(skin);
+  skin.run_until(6'000'000);
+  EXPECT_EQ(transferred(skin), before);
+  skin.hardware().send(wire::who_is_there());
+  skin.run_until(6'010'000);
+  // Four chips of line 0 are read 27 times a second, each time with at least 28 bytes.
+  EXPECT_GT(transferred(skin), before + std::uint64_t{3} * 4 * 26 * 28);
+  skin.run_until(9'000'000);
+  const std::uint64_t again = transferred(skin);
+  skin.run_until(10'000'000);
+  EXPECT_EQ(transferred(skin), again);
+}
+
+// A limited bus delays frames, and the same must wait, be paced and counted.
+TEST(TableLevel, sends_equal_frames_on_a_limited_bus) {
+  hardware::Scene scene;
+  scene.design = strip(48);
+  scene.effects.noise_counts = 3.0;
+  scene.effects.bus_bit_rate = 1'000'000;
+  scene.effects.bus_data_bit_rate = 2'000'000;
+  Difference found;
+  compare(frames_of(scene, 6.0), frames_of(by_table(scene), 6.0), found);
+  EXPECT_GT(found.samples, 5000U);
+  EXPECT_LE(found.most_device_us, 40U);
+}
+
+}  // namespace
+}  // namespace triskin::test
