@@ -356,7 +356,7 @@ void firmware_package(Bytes input) {
 void record(Bytes input) {
   std::vector<std::uint8_t> in(input.begin(), input.end());
   try {
-    while (const auto r = device::record::take(in)) (void)device::record::frame_of(*r);
+    while (const auto r = hardware::record::take(in)) (void)hardware::record::frame_of(*r);
   } catch (const DeviceError&) {
     return;  // The value was refused.
   }

@@ -24,7 +24,7 @@ namespace triskin::test {
 namespace {
 
 using hardware::TcpLink;
-namespace record = device::record;
+namespace record = hardware::record;
 
 // Accepts connections on 127.0.0.1 and gives each the same bytes again and again.
 class HostileServer {

@@ -20,7 +20,7 @@ using triskin::at;
 
 // Makes a roof of two planes and a bent eave, 180 × 150 mm; 120 × 100 cells.
 design::Mesh roof() {
-  return geometry::grid_mesh(120, 100, [](double u, double v) {
+  return lattice::grid_mesh(120, 100, [](double u, double v) {
     return Vec3(180 * u, 150 * v, std::min(20.0 * u, 12.0) + 4.0 * std::max(0.0, v - 0.5) * v);
   });
 }

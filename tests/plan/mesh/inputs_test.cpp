@@ -90,8 +90,8 @@ std::string ply_of(const Mesh& mesh, const std::string& end = "\n") {
   return text;
 }
 
-template <class lattice::Value>
-void put(std::string& bytes, lattice::Value value) {
+template <class Value>
+void put(std::string& bytes, Value value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
 }
 

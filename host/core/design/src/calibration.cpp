@@ -79,17 +79,17 @@ void read_places(const JsonValue& places, BoardCalibration& board) {
 BoardCalibration board_in(const JsonValue& v) {
   only_keys(v, {"serial", "design_id", "patch", "revision", "made", "method", "most_kpa", "taxel_area_mm2", "places"},
             kCalibrationPage);
-  BoardCalibration board;
-  board.serial = serial_in(v["serial"]);
-  board.design_id = hex64(v["design_id"]);
-  board.patch = layout::PatchIndex{v["patch"].integer(0, kMaxCount)};
-  board.revision = v["revision"].integer(1, kMaxCount);
-  board.made = v["made"].text();
   const auto method = kCalibrationMethodNames.value(v["method"].text());
   if (!method) v["method"].fail("must be " + kCalibrationMethodNames.list());
-  board.method = *method;
-  board.max_kpa = number_in(v["most_kpa"], 0.0, kMaxPressure_kpa);
-  board.taxel_area_mm2 = number_in(v["taxel_area_mm2"], 1e-3, 1e6);
+  BoardCalibration board{.serial = serial_in(v["serial"]),
+                         .design_id = hex64(v["design_id"]),
+                         .patch = layout::PatchIndex{v["patch"].integer(0, kMaxCount)},
+                         .revision = v["revision"].integer(1, kMaxCount),
+                         .made = v["made"].text(),
+                         .method = *method,
+                         .max_kpa = number_in(v["most_kpa"], 0.0, kMaxPressure_kpa),
+                         .taxel_area_mm2 = number_in(v["taxel_area_mm2"], 1e-3, 1e6),
+                         .places = {}};
   read_places(v["places"], board);
   return board;
 }

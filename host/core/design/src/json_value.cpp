@@ -203,6 +203,11 @@ nlohmann::json parse_json(const std::string& text, const std::string& file) {
   }
 }
 
+std::string JsonValue::text() const {
+  if (!value_.is_string()) fail("must be a text");
+  return value_.get<std::string>();
+}
+
 void require_format(const JsonValue& v, std::string_view wanted) {
   const std::string format = v["format"].text();
   if (format != wanted) v["format"].fail(fmt::format("is \"{}\", and this file must be \"{}\"", format, wanted));

@@ -81,7 +81,7 @@ void CanonicalCopy::move_and_sort(const Mesh& original, bool on_grid) {
     if (on_grid) v = (v * kGridsAMm).array().round() / kGridsAMm;
   }
   if (on_grid && !keeps_faces(original, moved)) return move_and_sort(original, false);
-  std::vector<int> order(moved.vertices.size()), placement::place(moved.vertices.size());
+  std::vector<int> order(moved.vertices.size()), place(moved.vertices.size());
   for (std::size_t k = 0; k < order.size(); ++k) order[k] = static_cast<int>(k);
   std::ranges::sort(order, [&](int a, int b) {
     const Vec3 &p = moved.vertices[at(a)], &q = moved.vertices[at(b)];

@@ -22,7 +22,6 @@
 namespace triskin::lattice {
 namespace {
 
-using namespace surface_lattice;
 
 constexpr int kStepsARound = 64;      // Each chain takes this many steps between two reports.
 constexpr int kRoundsAnExchange = 2;  // The chains exchange their best layout after this many rounds.

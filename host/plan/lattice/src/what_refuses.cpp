@@ -13,7 +13,6 @@
 namespace triskin::lattice {
 namespace {
 
-using namespace surface_lattice;
 
 constexpr int kPlaces = 8;
 constexpr int kDirections = 12;

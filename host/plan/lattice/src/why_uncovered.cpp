@@ -12,7 +12,6 @@
 namespace triskin::lattice {
 namespace {
 
-using namespace surface_lattice;
 
 constexpr int kTurns = 24;  // A module is its own image after 120°, so we try 24 turns within that angle.
 constexpr std::array kOffsets_mm{0.0, 5.0, 9.0, 13.0};

@@ -15,7 +15,7 @@ struct WiredLayout {
   design::ModuleLayout layout;
   std::vector<design::Jumper> places;  ///< Jumpers are possible at these places.
   /// Divides the modules among controllers, with jumpers at the places.
-  std::shared_ptr<const geometry::Division> division;
+  std::shared_ptr<const routing::Division> division;
   int patches = 0, jumpers = 0;  ///< Both numbers belong to the cheapest solution found.
   double price = 0.0;            ///< The price sums patches, jumpers and islands.
   double module_value = 0.0;     ///< The value of the modules, or their number without regions.

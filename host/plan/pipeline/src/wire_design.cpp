@@ -92,7 +92,7 @@ routing::RoutingOptions routing_options(const design::Design& design) {
 
 void wire(design::Design& design, const mesh::Surface& surface, const mesh::SurfaceRegions* regions,
           const std::vector<design::Jumper>& places, const ProgressSink& progress,
-          const std::shared_ptr<const geometry::Division>& division, const routing::KeptWiring* kept) {
+          const std::shared_ptr<const routing::Division>& division, const routing::KeptWiring* kept) {
   routing::RoutingOptions routing = routing_options(design);
   routing.division = division;
   // The router may turn these places into joints; none of them is in the layout yet.

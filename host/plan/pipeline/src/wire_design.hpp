@@ -30,7 +30,7 @@ namespace triskin::pipeline {
 /// this layout with these places, if it is known. `kept` is wiring that stays; null wires everything anew.
 void wire(design::Design& design, const mesh::Surface& surface, const mesh::SurfaceRegions* regions,
           const std::vector<design::Jumper>& places, const ProgressSink& progress,
-          const std::shared_ptr<const geometry::Division>& division = nullptr,
+          const std::shared_ptr<const routing::Division>& division = nullptr,
           const routing::KeptWiring* kept = nullptr);
 
 }  // namespace triskin::pipeline

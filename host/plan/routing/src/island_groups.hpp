@@ -63,8 +63,8 @@ class IslandGroups {
   struct KeyHash {
     std::size_t operator()(const Key& key) const;
   };
-  template <typename lattice::Value>
-  using ByKey = std::unordered_map<Key, lattice::Value, KeyHash>;
+  template <typename Value>
+  using ByKey = std::unordered_map<Key, Value, KeyHash>;
   struct Layer {
     int island = -1;         // This island is placed next.
     IslandSet can_grow = 0;  // These islands still have unplaced neighbours once it is placed.

@@ -15,7 +15,7 @@ std::vector<std::vector<int>> components(std::size_t nodes, const auto& neighbou
     std::vector<int> component{static_cast<int>(start)};
     seen[start] = true;
     for (std::size_t k = 0; k < component.size(); ++k) {
-      for (const int w : mesh::neighbours_of(component[k])) {
+      for (const int w : neighbours_of(component[k])) {
         if (w < 0 || seen[at(w)]) continue;
         seen[at(w)] = true;
         component.push_back(w);

@@ -152,7 +152,7 @@ class Unfolder {
     }
     // The tolerance with which readers accept touching edges is too wide here: such edges mean that two pieces of
     // surface cross.
-    return !crosses_itself(piece.outline) && std::abs(placement::polygon_area(piece.outline) - area) <= 1e-6 * area;
+    return !placement::crosses_itself(piece.outline) && std::abs(placement::polygon_area(piece.outline) - area) <= 1e-6 * area;
   }
 
   // Finds two faces far apart over the dual graph, then assigns each face (with those it must stay joined to) to the

@@ -76,10 +76,7 @@ class JsonValue {
     return value_.get<bool>();
   }
   /// Returns a text; throws InputError for other types.
-  [[nodiscard]] std::string text() const {
-    if (!value_.is_string()) fail("must be a text");
-    return value_.get<std::string>();
-  }
+  [[nodiscard]] std::string text() const;
   /// Returns the underlying value without any check.
   [[nodiscard]] const nlohmann::json& raw() const { return value_; }
 

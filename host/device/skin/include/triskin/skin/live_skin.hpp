@@ -16,10 +16,12 @@
 #include "triskin/skin/calibrate.hpp"
 #include "triskin/skin/live_cover.hpp"
 
+namespace triskin::session {
+class Stream;
+}
+
 /// docs/live_skin.md explains an open skin: LiveSkin has a LiveBus for each bus, which has a LiveCover for each cover.
 namespace triskin::skin {
-
-class session::Stream;
 
 /// One call that receives samples has these limits and callbacks.
 struct LiveRun {
