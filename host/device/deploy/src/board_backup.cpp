@@ -172,7 +172,7 @@ void require_table(const JsonValue& v, const BoardBackup& b) {
   if (b.table.empty()) return;
   const auto image = layout::decode(b.table);
   if (!image)
-    v["table"].fail(fmt::format("is no table of a controller: {}; save the board again", describe(image.error())));
+    v["table"].fail(fmt::format("is no table of a controller: {}; save the board again", session::describe(image.error())));
   if (image->node_address != b.node_address)
     v["table"].fail(fmt::format("is for node address {}, the board had {}", image->node_address, b.node_address));
 }
@@ -181,7 +181,7 @@ void require_calibration(const JsonValue& v, const BoardBackup& b) {
   const auto value = b.values.find(wire::Calibration::kId);
   if (value == b.values.end()) return;
   if (const auto kept = wire::Calibration::decode(value->second); !kept)
-    v["values"].fail(fmt::format("keeps a calibration that is none: {}; save the board again", describe(kept.error())));
+    v["values"].fail(fmt::format("keeps a calibration that is none: {}; save the board again", session::describe(kept.error())));
 }
 
 /// Each board of the file is paired with the controller that will receive its data.

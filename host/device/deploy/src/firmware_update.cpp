@@ -112,7 +112,7 @@ class LoaderSession {
     if (!reply) fail(fmt::format("does not answer while {}; the old firmware stays, run the command again", what));
     const auto status = wire::to_status((*reply)[1]);
     if (status && *status == Status::kOk) return;
-    const std::string why = status ? describe(*status) : fmt::format("status {} is unknown", (*reply)[1]);
+    const std::string why = status ? session::describe(*status) : fmt::format("status {} is unknown", (*reply)[1]);
     fail(fmt::format("refuses while {}: {}; the old firmware stays", what, why));
   }
   [[noreturn]] void fail(const std::string& what) const {
@@ -166,7 +166,7 @@ FirmwarePackage read_firmware(const std::filesystem::path& file) {
   const auto head = layout::decode_package_head(p.bytes);
   if (!head)
     throw InputError(fmt::format("{}: is no firmware package: {}; give triskin_firmware.tsf", file.string(),
-                                 describe(head.error())));
+                                 session::describe(head.error())));
   p.head = *head;
   if (p.bytes.size() < p.head.total()) {
     throw InputError(fmt::format("{}: is cut off: {}, its head says {}; copy it again", file.string(),

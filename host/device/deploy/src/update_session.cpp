@@ -52,7 +52,7 @@ std::string why_refused(Status s) {
     case Status::kUnproven:
       return "the firmware that runs has not confirmed itself yet; run the command again in three seconds";
     default:
-      return describe(s);
+      return session::describe(s);
   }
 }
 

@@ -106,7 +106,7 @@ const TouchOutcome* Diagnosis::touch_of(layout::ModuleId module) const {
 
 // Modules that a neighbour reads are alive; only the path from their own controller is broken.
 void Diagnosis::note_adopted() {
-  const ModuleEnds ends = design::module_ends(design_);
+  const session::ModuleEnds ends = design::module_ends(design_);
   for (const PatchState& p : patches_) {
     std::vector<layout::ModuleId> rows;
     for (std::size_t row = 0; row < p.image.module_count; ++row) rows.push_back(p.module(row));

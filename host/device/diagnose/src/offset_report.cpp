@@ -38,7 +38,7 @@ std::vector<PatchOffsets> read_offsets(session::Bus& bus, const design::Design& 
     try {
       PatchOffsets p{patch, {}, c.offsets()};
       const layout::PatchImage image = session::image_of(design, patch);
-      for (const layout::ModuleRow& row : image.rows()) p.modules.push_back(module_of(design, row));
+      for (const layout::ModuleRow& row : image.rows()) p.modules.push_back(session::module_of(design, row));
       if (p.modules.size() == p.offsets.count) all.push_back(std::move(p));
     } catch (const session::Refused& e) {
       if (e.code() != wire::nrc::kOutOfRange) throw;

@@ -187,7 +187,7 @@ class Guide {
     if (far == 0) return side + " to the cable";
     const layout::ModuleRow& other = image.modules[layout::joint_row(far)];
     return fmt::format("{} to side {} of module {}", side, (layout::joint_port(far) + other.rotation) % 3,
-                       module_of(design_, other));
+                       session::module_of(design_, other));
   }
   // Names both ends of each joint and whether the tree uses it.
   void joints(layout::ModuleId module, const char* before, const char* after) {
@@ -195,7 +195,7 @@ class Guide {
     const layout::PatchIndex patch = wiring_[static_cast<std::size_t>(module)].patch;
     const layout::PatchImage image = session::image_of(design_, patch);
     const auto rows = image.rows();
-    const auto id_of = [this](const layout::ModuleRow& r) { return module_of(design_, r); };
+    const auto id_of = [this](const layout::ModuleRow& r) { return session::module_of(design_, r); };
     const auto row = static_cast<std::size_t>(std::ranges::find(rows, module, id_of) - rows.begin());
     const auto kept = layout::kept_ports(image);
     std::vector<std::string> carrying, cut;

@@ -15,7 +15,7 @@ namespace triskin::exports {
 namespace {
 
 // Converts a rotation matrix to turns about the fixed axes x, y, z, as in URDF and SDF. At pitch ±90° yaw is 0.
-Vec3 roll_pitch_yaw_of(const Eigen::Matrix3d& r) {
+design::Vec3 roll_pitch_yaw_of(const Eigen::Matrix3d& r) {
   const double pitch = std::asin(std::clamp(-r(2, 0), -1.0, 1.0));
   if (std::abs(r(2, 0)) > 1.0 - 1e-12) return {std::atan2(r(2, 0) < 0 ? r(0, 1) : -r(0, 1), r(1, 1)), pitch, 0.0};
   return {std::atan2(r(2, 1), r(2, 2)), pitch, std::atan2(r(1, 0), r(0, 0))};

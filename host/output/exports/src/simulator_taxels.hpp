@@ -11,7 +11,7 @@ namespace triskin::exports {
 struct SimulatorTaxel {
   int module = 0, taxel = 0;
   design::Vec3 position_m;  ///< The position is on the surface of the dielectric.
-  Vec3 normal;
+  design::Vec3 normal;
 };
 
 /// Returns all pressure taxels by module, then taxel. Throws InputError for a design without modules.

@@ -58,7 +58,7 @@ std::vector<unfolding::SurfaceEdge> edges_of(const std::string& file, const mesh
   std::vector<std::string> notes;
   const unfolding::SeamLines lines = unfolding::read_seams(file, options.unit.unit, &notes);
   for (const std::string& note : notes) output.say(note);
-  return edges_along(surface, lines, file);
+  return unfolding::edges_along(surface, lines, file);
 }
 
 struct EdgeErrors {

@@ -20,7 +20,7 @@ namespace triskin::deploy {
 struct FlashOptions {
   bool dry_run = false;  ///< Nothing is written; the result says what would change.
   bool force = false;    ///< Tables are written even if they are equal.
-  RouteChoice route;     ///< The patch of this failure gets the tree that the design prepared for it.
+  session::RouteChoice route;     ///< The patch of this failure gets the tree that the design prepared for it.
   /// The electrodes are on the converters' positive input (docs/silicon.md), so the controllers invert the results.
   bool positive_input = false;
   /// This many conversations run at once on one wire: while one board erases its page, others receive their bytes. With
@@ -49,7 +49,7 @@ struct FlashOptions {
   bool recognise = false;
   /// Together with `recognise`, the actuator presses patches whose controllers have equal shapes, which distinguishes
   /// them; null disables this. It uses the module ids of the design.
-  TouchActuator* actuator = nullptr;
+  link::TouchActuator* actuator = nullptr;
   bool take_over = false;  ///< Controllers with a table of another design may be used.
   double wait_s = 0.0;     ///< After a cable is unplugged, flashing waits this long before it fails.
   /// The function gets a sentence when flashing waits and when it continues.

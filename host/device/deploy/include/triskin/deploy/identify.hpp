@@ -19,7 +19,7 @@ struct IdentifyOptions {
   layout::PatchIndex patch = layout::PatchIndex::none();
   double limit_s = 60.0;  ///< Waiting for the touch of a patch ends after this time of the link.
   /// Presses the requested patches; null means that a person touches them.
-  TouchActuator* actuator = nullptr;
+  link::TouchActuator* actuator = nullptr;
   /// Called when patch `patch` must be touched now.
   std::function<void(layout::PatchIndex patch)> ask;
   /// Called with a sentence when a touch cannot be used, and when a controller is left out.

@@ -44,7 +44,7 @@ struct VerifyOptions {
   /// Every module is pressed in turn, by `actuator` or by the person who is asked.
   bool touch = false;
   /// Presses modules of the design; if it is null, `ask` has a person do it.
-  TouchActuator* actuator = nullptr;
+  link::TouchActuator* actuator = nullptr;
   /// Asks a person to press a module and to confirm it; false skips the module. Required for touch without an actuator.
   std::function<bool(layout::ModuleId module)> ask;
   std::vector<session::StreamDemand> neighbours;  ///< The list is passed on as StreamOptions::neighbours.
