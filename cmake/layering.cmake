@@ -1,6 +1,5 @@
 # A forbidden include or link breaks the build. Components see only the include folders of the targets they link; this check
 # also catches relative paths, vendor headers, and links that no include shows, on every build.
-find_package(Python3 REQUIRED COMPONENTS Interpreter)
 set(TRISKIN_LINKS ${CMAKE_BINARY_DIR}/links.txt)
 add_custom_target(triskin_layering ALL
   COMMAND ${Python3_EXECUTABLE} ${CMAKE_SOURCE_DIR}/tools/check_layering.py ${CMAKE_SOURCE_DIR} ${TRISKIN_LINKS}
