@@ -156,8 +156,8 @@ def check_includes(root):
 
 
 def check_tests(root):
-    """A private header is included by the tests of its own part (tests/plan/mesh for host/plan/mesh), or by its full place,
-    "plan/mesh/src/bvh.hpp", where the test lists the part under PRIVATE_OF."""
+    """A private header is included by the tests of its own part (tests/plan/mesh for host/plan/mesh), or by its place,
+    "plan/mesh/src/bvh.hpp"."""
     bad = 0
     owner = {}
     for top in ("shared", "firmware", "host", "tools"):
@@ -174,7 +174,7 @@ def check_tests(root):
             here = (path.parent / name).exists() or (root / "tests" / name).exists()
             if name in owner and part not in owner[name] and not here:
                 print(f"{path.relative_to(root)}:{number}: {name} is private to {', '.join(sorted(owner[name]))}; "
-                      f"name its place, as \"plan/mesh/src/bvh.hpp\", and list the part under PRIVATE_OF")
+                      f"include it by its place, as \"plan/mesh/src/bvh.hpp\"")
                 bad += 1
     return bad
 

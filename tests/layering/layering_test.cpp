@@ -123,7 +123,7 @@ TEST_F(Layering, refuses_relative_includes) {
 }
 
 TEST_F(Layering, refuses_a_device_side_that_includes_the_simulation) {
-  EXPECT_NE(with_file("host/device/link/src/a.cpp", "#include \"triskin/scene/scene.hpp\""), 0);
+  EXPECT_NE(with_file("host/device/link/src/a.cpp", "#include \"triskin/hardware/scene.hpp\""), 0);
 }
 
 TEST_F(Layering, scans_tools) {

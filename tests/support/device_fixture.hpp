@@ -11,7 +11,7 @@
 #include "triskin/hardware/sim_link.hpp"
 #include "triskin/session/bus.hpp"
 
-namespace triskin::deploy {
+namespace triskin::test {
 
 using test::strip;
 
@@ -57,4 +57,4 @@ inline hardware::Fault fault(hardware::FaultKind kind, int module, int other = -
   return f;
 }
 
-}  // namespace triskin::deploy
+}  // namespace triskin::test

@@ -7,7 +7,7 @@
 
 #include "triskin/link/link.hpp"
 
-namespace triskin::link {
+namespace triskin::test {
 
 /// Loses, doubles, delays and so reorders frames in both directions, or is unplugged after a number of frames.
 class FaultyLink final : public link::Link {
@@ -101,4 +101,4 @@ class FaultyLink final : public link::Link {
   std::vector<Held> in_, out_;
 };
 
-}  // namespace triskin::link
+}  // namespace triskin::test

@@ -20,7 +20,7 @@ wire::TaxelFrame sample(std::uint32_t number, std::uint32_t dropped = 0, std::ui
   return t;
 }
 
-TEST(session::SampleAccount, a_module_that_was_never_heard_has_lost_all_that_was_due) {
+TEST(SampleAccount, a_module_that_was_never_heard_has_lost_all_that_was_due) {
   session::SampleAccount a(1, kInterval_us);
   a.begin(0, {100, 0, 0, 100, 0}, 0);
   a.end(0, {371, 1, 270, 100, 0}, 10'000'000);
@@ -32,7 +32,7 @@ TEST(session::SampleAccount, a_module_that_was_never_heard_has_lost_all_that_was
   EXPECT_EQ(c.lost(), 271U);
 }
 
-TEST(session::SampleAccount, what_is_none_of_the_lease_counts_for_nothing) {
+TEST(SampleAccount, what_is_none_of_the_lease_counts_for_nothing) {
   session::SampleAccount a(2, kInterval_us);
   EXPECT_FALSE(a.add(sample(8), 0));  // There is no account yet.
   a.begin(0, {10, 0, 0, 10, 0}, 0);
@@ -50,7 +50,7 @@ TEST(session::SampleAccount, what_is_none_of_the_lease_counts_for_nothing) {
 
 // At 1 kHz the 32 bits of a number wrap after 49 days. The numbers are on both sides of the wrap: 2^32 − 2, 2^32 −
 // 1, 0, 1, 2.
-TEST(session::SampleAccount, goes_on_where_the_numbers_wrap) {
+TEST(SampleAccount, goes_on_where_the_numbers_wrap) {
   session::SampleAccount a(1, kInterval_us);
   a.begin(0, {0xFFFF'FFFDU, 0, 0, 0, 0}, 0);
   std::uint64_t device_us = 1'000'000'000'000;
@@ -69,7 +69,7 @@ TEST(session::SampleAccount, goes_on_where_the_numbers_wrap) {
 }
 
 // Multiples of 3 around the wrap, as the controller finds them in its 32 bits, are 2^32 − 4, 2^32 − 1, 0, 3.
-TEST(session::SampleAccount, counts_the_multiples_of_each_round_of_numbers) {
+TEST(SampleAccount, counts_the_multiples_of_each_round_of_numbers) {
   session::SampleAccount a(3, kInterval_us);
   a.begin(0, {0xFFFF'FFFBU, 0, 0, 0, 0}, 0);
   std::uint64_t device_us = 1'000'000'000'000;
@@ -83,7 +83,7 @@ TEST(session::SampleAccount, counts_the_multiples_of_each_round_of_numbers) {
   EXPECT_EQ(a.counts(), (session::SampleCounts{4, 4, 4, 0, 0, 0, 0}));
 }
 
-TEST(session::SampleAccount, a_restart_from_a_high_number_is_no_wrap) {
+TEST(SampleAccount, a_restart_from_a_high_number_is_no_wrap) {
   session::SampleAccount a(1, kInterval_us);
   a.begin(7, {3'000'000'000U, 0, 0, 0, 0}, 0);
   wire::TaxelFrame t = sample(3'000'000'001U);
@@ -97,7 +97,7 @@ TEST(session::SampleAccount, a_restart_from_a_high_number_is_no_wrap) {
 }
 
 // The trailer's 16 and 32 bits wrap too.
-TEST(session::SampleAccount, losses_are_counted_over_the_wraps_of_their_counters) {
+TEST(SampleAccount, losses_are_counted_over_the_wraps_of_their_counters) {
   session::SampleAccount a(1, kInterval_us);
   a.begin(0, {10, 0xFFFFU, 0xFFFF'FFFFU, 0, 0}, 0);
   EXPECT_TRUE(a.add(sample(14, 1, 0), 0));  // 11 is unread; 12 and 13 found no room.
@@ -105,7 +105,7 @@ TEST(session::SampleAccount, losses_are_counted_over_the_wraps_of_their_counters
 }
 
 // The answer that ends the account was composed before sample 13, but arrived after it.
-TEST(session::SampleAccount, a_sample_that_overtakes_the_last_answer_is_no_restart) {
+TEST(SampleAccount, a_sample_that_overtakes_the_last_answer_is_no_restart) {
   session::SampleAccount a(1, kInterval_us);
   a.begin(0, {10, 0, 0, 10, 0}, 0);
   EXPECT_TRUE(a.add(sample(11), 0));
@@ -116,7 +116,7 @@ TEST(session::SampleAccount, a_sample_that_overtakes_the_last_answer_is_no_resta
   EXPECT_EQ(a.counts(), (session::SampleCounts{3, 3, 3, 0, 0, 0, 0}));
 }
 
-TEST(session::SampleAccount, a_trailer_says_where_a_gap_comes_from) {
+TEST(SampleAccount, a_trailer_says_where_a_gap_comes_from) {
   session::SampleAccount a(1, kInterval_us);
   a.begin(0, {65'000, 65'534, 7, 0, 0}, 0);
   EXPECT_TRUE(a.add(sample(65'001, 7, 65'534), 0));
@@ -124,7 +124,7 @@ TEST(session::SampleAccount, a_trailer_says_where_a_gap_comes_from) {
   EXPECT_EQ(a.counts(), (session::SampleCounts{10, 2, 2, 3, 2, 3, 0}));
 }
 
-TEST(session::SampleAccount, a_controller_that_began_anew_is_counted_by_its_rate) {
+TEST(SampleAccount, a_controller_that_began_anew_is_counted_by_its_rate) {
   session::SampleAccount a(1, kInterval_us);
   a.begin(3, {10, 0, 0, 10, 0}, 0);
   EXPECT_TRUE(a.add(
@@ -145,7 +145,7 @@ TEST(session::SampleAccount, a_controller_that_began_anew_is_counted_by_its_rate
   EXPECT_EQ(c.expected, 101U);
 }
 
-TEST(session::SampleAccount, a_controller_that_does_not_answer_at_the_end_owes_what_was_due) {
+TEST(SampleAccount, a_controller_that_does_not_answer_at_the_end_owes_what_was_due) {
   session::SampleAccount a(1, kInterval_us);
   a.begin(0, {10, 0, 0, 10, 0}, 0);
   EXPECT_TRUE(a.add(sample(11), kInterval_us));
@@ -154,7 +154,7 @@ TEST(session::SampleAccount, a_controller_that_does_not_answer_at_the_end_owes_w
 }
 
 // Each sample gets a random fate, from which the counts of the controller follow; the account must recover each.
-TEST(session::SampleAccount, agrees_with_the_truth_in_a_thousand_random_streams) {
+TEST(SampleAccount, agrees_with_the_truth_in_a_thousand_random_streams) {
   for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
     std::mt19937_64 random(seed);
     const int every = 1 + static_cast<int>(random() % 3);

@@ -21,7 +21,7 @@ session::ModuleCounts module_of(CoverIndex cover, PatchIndex patch, ModuleId mod
 }
 
 // Modules 3 of two covers are silent, and a neighbour reads that of cover 0. The report used to call neither silent.
-TEST(session::StreamReport, a_module_that_a_neighbour_reads_hides_no_silent_module_of_another_cover) {
+TEST(StreamReport, a_module_that_a_neighbour_reads_hides_no_silent_module_of_another_cover) {
   session::StreamReport report;
   for (const CoverIndex cover : {CoverIndex{0}, CoverIndex{1}})
     report.modules.push_back(module_of(cover, PatchIndex{0}, ModuleId{3}, kEmpty));
@@ -30,7 +30,7 @@ TEST(session::StreamReport, a_module_that_a_neighbour_reads_hides_no_silent_modu
   EXPECT_THAT(report.never_heard, ElementsAre(3));
 }
 
-TEST(session::StreamReport, a_module_that_a_neighbour_reads_counts_as_heard) {
+TEST(StreamReport, a_module_that_a_neighbour_reads_counts_as_heard) {
   session::StreamReport report;
   report.modules.push_back(module_of(CoverIndex{0}, PatchIndex{0}, ModuleId{3}, kEmpty));
   report.adopted.push_back({ModuleId{3}, PatchIndex{1}, kWhole, true, CoverIndex{0}});
@@ -40,7 +40,7 @@ TEST(session::StreamReport, a_module_that_a_neighbour_reads_counts_as_heard) {
 
 // Patch 0 of cover 0 loses 2 of 100 samples for want of room. Taken together with patch 0 of cover 1, as it was, it
 // would lose 1 % of 200, which is not more than 1 %.
-TEST(session::StreamReport, a_patch_that_finds_no_room_is_named_whatever_those_of_other_covers_do) {
+TEST(StreamReport, a_patch_that_finds_no_room_is_named_whatever_those_of_other_covers_do) {
   session::StreamReport report;
   report.modules.push_back(module_of(CoverIndex{0}, PatchIndex{0}, ModuleId{0},
                                      {.expected = 100, .received = 98, .with_data = 98, .dropped = 2}));

@@ -11,6 +11,9 @@
 #include "triskin/base/files.hpp"
 
 namespace triskin::deploy {
+
+using test::fault;
+
 namespace {
 
 BringUpOptions over(const hardware::Scene& scene) {
@@ -21,7 +24,7 @@ BringUpOptions over(const hardware::Scene& scene) {
 }
 hardware::Scene scene_of(int modules) {
   hardware::Scene scene;
-  scene.design = strip(modules);
+  scene.design = test::strip(modules);
   return scene;
 }
 StepOutcome outcome(const std::vector<StepReport>& reports, int step) {
@@ -144,7 +147,7 @@ TEST(BringUp, ABoardWithoutFdFramesIsNotAskedForTheFullStream) {
 TEST(BringUp, WithoutALinkTheStepsThatNeedItAreSkipped) {
   BringUpOptions options;
   options.open = []() -> std::unique_ptr<link::Link> { throw DeviceError("can0: no such interface"); };
-  const auto reports = bring_up(strip(1), options);
+  const auto reports = bring_up(test::strip(1), options);
   for (const int step : {7, 8}) EXPECT_EQ(outcome(reports, step), StepOutcome::kFailed) << step;
   for (int step = 9; step <= 12; ++step) EXPECT_EQ(outcome(reports, step), StepOutcome::kSkipped) << step;
   EXPECT_NE(reports[6].found.find("no such interface"), std::string::npos);

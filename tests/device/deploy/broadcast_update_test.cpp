@@ -14,6 +14,9 @@
 #include "triskin/wire/image_update.hpp"
 
 namespace triskin::deploy {
+
+using test::FaultyLink;
+
 namespace {
 
 using test::install;
@@ -26,7 +29,7 @@ class Boards {
  public:
   Boards(std::size_t boards, bool fd, const FirmwarePackage& running) {
     hardware::Scene scene;
-    scene.design = strip(static_cast<int>(boards), 1);
+    scene.design = test::strip(static_cast<int>(boards), 1);
     scene.effects.bus_bit_rate = 1'000'000;
     scene.effects.bus_data_bit_rate = 2'000'000;
     sim_ = std::make_unique<hardware::SimLink>(std::move(scene));

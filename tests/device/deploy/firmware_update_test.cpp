@@ -15,6 +15,10 @@
 #include "triskin/session/controller.hpp"
 
 namespace triskin::deploy {
+
+using test::FaultyLink;
+using test::Fixture;
+
 namespace {
 
 using test::make_firmware;
@@ -147,7 +151,7 @@ TEST(FirmwareUpdate, damaged_packages_are_refused_with_the_reason) {
 
 TEST(BusTime, a_hundred_kilobytes_of_firmware_take_less_than_four_seconds) {
   hardware::Scene scene;
-  scene.design = strip(16);
+  scene.design = test::strip(16);
   scene.effects.bus_bit_rate = 1'000'000;
   hardware::SimLink sim(std::move(scene));
   session::Bus bus(sim);

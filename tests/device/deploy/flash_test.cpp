@@ -8,10 +8,13 @@
 #include "triskin/session/patch_table.hpp"
 
 namespace triskin::deploy {
+
+using test::Fixture;
+
 namespace {
 
 TEST(PatchTable, row_fields_follow_the_design) {
-  const layout::PatchImage image = session::image_of(strip(6), layout::PatchIndex{0});
+  const layout::PatchImage image = session::image_of(test::strip(6), layout::PatchIndex{0});
   EXPECT_EQ(image.module_count, 6);
   EXPECT_EQ(image.node_address, 1);
   // Module 1 is connected to module 0, whose side 1 faces it; module 0 is turned by 2, so that side is its port (1 - 2)
@@ -27,12 +30,12 @@ TEST(PatchTable, row_fields_follow_the_design) {
 }
 
 TEST(PatchTable, a_design_that_fits_no_table_is_refused) {
-  design::Design d = strip(6);
+  design::Design d = test::strip(6);
   d.patches[0].modules[3].address = 2;
   EXPECT_THROW((void)session::image_of(d, layout::PatchIndex{0}), InputError);
-  d = strip(17, 17);
+  d = test::strip(17, 17);
   EXPECT_THROW((void)session::image_of(d, layout::PatchIndex{0}), InputError);
-  d = strip(6);
+  d = test::strip(6);
   d.patches[0].modules[3].parent = 0;  // The module has no neighbour there.
   EXPECT_THROW((void)session::image_of(d, layout::PatchIndex{0}), InputError);
 }
@@ -73,13 +76,13 @@ TEST(Flash, equal_tables_are_skipped_and_a_dry_run_writes_nothing) {
 
 TEST(Flash, too_few_controllers_are_an_error_before_anything_is_written) {
   Fixture fixture(6);
-  EXPECT_THROW((void)flash(fixture.bus(), strip(12, 6)), DeviceError);
+  EXPECT_THROW((void)flash(fixture.bus(), test::strip(12, 6)), DeviceError);
   EXPECT_EQ(fixture.skin().flash(0).operations(), 0U);
 }
 
 TEST(Flash, spare_controllers_make_room) {
   Fixture fixture(12, 4);  // There are three controllers, but the design below needs two.
-  const design::Design two = strip(8, 4);
+  const design::Design two = test::strip(8, 4);
   const FlashResult r = flash(fixture.bus(), two);
   EXPECT_EQ(r.patches.size(), 2U);
   std::vector<int> addresses;
@@ -101,7 +104,7 @@ TEST(Flash, an_unplugged_cable_is_a_device_error) {
 class PowerCut : public testing::TestWithParam<hardware::FlashMemory::Tear> {};
 
 TEST_P(PowerCut, leaves_the_old_or_the_new_table_and_flashing_again_completes) {
-  design::Design old_design = strip(6);
+  design::Design old_design = test::strip(6);
   std::swap(old_design.patches[0].modules[1].address, old_design.patches[0].modules[2].address);
   old_design.design_id = design::design_id_of(old_design);
   int cuts = 0;

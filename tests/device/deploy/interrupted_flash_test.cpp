@@ -10,6 +10,11 @@
 #include "triskin/session/patch_table.hpp"
 
 namespace triskin::deploy {
+
+using test::FaultyLink;
+using test::Fixture;
+using test::taking_over;
+
 namespace {
 
 design::Design other_wiring(const design::Design& d) {
@@ -21,7 +26,7 @@ design::Design other_wiring(const design::Design& d) {
 
 std::vector<std::uint8_t> active(Fixture& fixture, int patch) {
   fixture.bus().listen(fixture.bus().now_us() + 1'500'000);  // The transfer under way has timed out by now.
-  Controller c(fixture.bus(), static_cast<std::uint8_t>(patch + 1));
+  session::Controller c(fixture.bus(), static_cast<std::uint8_t>(patch + 1));
   return c.read_table(session::bytes_of(session::image_of(fixture.design(), layout::PatchIndex{patch})).size());
 }
 
@@ -102,7 +107,7 @@ TEST(Unplugged, nobody_comes_back_and_the_error_says_what_was_done) {
   FlashOptions options;
   options.wait_s = 3.0;
   options.per_wire = 1;  // The first one is then done when the cable is pulled.
-  Bus bus(wire);
+  session::Bus bus(wire);
   try {
     (void)flash(bus, fixture.design(), options);
     FAIL() << "completed without a cable";

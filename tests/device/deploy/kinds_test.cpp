@@ -8,6 +8,10 @@
 #include "triskin/session/stream.hpp"
 
 namespace triskin::deploy {
+
+using test::Fixture;
+using test::taking_over;
+
 namespace {
 
 design::Design with_kinds(design::Design d, const std::vector<int>& numbers) {

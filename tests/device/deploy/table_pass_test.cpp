@@ -12,6 +12,9 @@
 #include "triskin/session/patch_table.hpp"
 
 namespace triskin::deploy {
+
+using test::taking_over;
+
 namespace {
 
 using testing::HasSubstr;
@@ -22,7 +25,7 @@ class Boards {
  public:
   explicit Boards(int boards, bool fd = true) {
     hardware::Scene scene;
-    scene.design = strip(16 * boards);
+    scene.design = test::strip(16 * boards);
     scene.effects.bus_bit_rate = 1'000'000;
     scene.effects.bus_data_bit_rate = 2'000'000;
     link_ = std::make_unique<hardware::SimLink>(std::move(scene));
@@ -101,8 +104,8 @@ TEST(TablePass, fresh_boards_look_at_their_patches_at_the_same_time) {
   std::array<double, 2> seconds{};
   for (const bool all : {false, true}) {
     hardware::Scene scene;
-    scene.design = strip(136, 16);  // Eight boards have 16 modules and one has 8, so its shape identifies it.
-    SimLink link(std::move(scene));
+    scene.design = test::strip(136, 16);  // Eight boards have 16 modules and one has 8, so its shape identifies it.
+    hardware::SimLink link(std::move(scene));
     session::Bus bus(link);
     FlashOptions options;
     options.recognise = true;

@@ -6,13 +6,17 @@
 #include "triskin/session/stream.hpp"
 
 namespace triskin::diagnose {
+
+using test::Fixture;
+using test::fault;
+
 namespace {
 
 class Offsets : public testing::TestWithParam<bool> {};
 
 TEST_P(Offsets, EveryTaxelRestsInTheMiddleThirdAndPressureLowersIt) {
   Fixture f(20);  // The strip has two patches.
-  FlashOptions options;
+  deploy::FlashOptions options;
   options.positive_input = GetParam();
   (void)f.flash(options);
   f.bus().listen(f.bus().now_us() + 1'000'000);

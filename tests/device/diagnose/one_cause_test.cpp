@@ -12,6 +12,10 @@
 #include "triskin/session/patch_table.hpp"
 
 namespace triskin::diagnose {
+
+using test::Fixture;
+using test::fault;
+
 namespace {
 
 using hardware::FaultKind;
@@ -23,7 +27,7 @@ using testing::Not;
 using testing::UnorderedElementsAre;
 
 design::Design other_strip(int modules, int per_patch) {
-  design::Design other = strip(modules, per_patch);
+  design::Design other = test::strip(modules, per_patch);
   for (design::Patch& p : other.patches) std::swap(p.modules[1].address, p.modules[2].address);
   other.name = "other";
   other.design_id = design::design_id_of(other);
@@ -94,13 +98,13 @@ TEST(OneCause, a_wrong_design_file_is_thought_of_before_flashing) {
 // The strip is a chain, so 5, 6 and 7 lie behind the joint of 4 and 5.
 VerifyResult verify_switched(std::vector<hardware::Fault> faults) {
   hardware::Scene scene;
-  scene.design = strip(8, 8);
+  scene.design = test::strip(8, 8);
   scene.switched = true;
   scene.faults = std::move(faults);
   const design::Design design = scene.design;
   hardware::SimLink link(std::move(scene));
   session::Bus bus(link);
-  flash(bus, design);
+  deploy::flash(bus, design);
   return verify(bus, design, {});
 }
 

@@ -8,6 +8,10 @@
 #include "support/device_fixture.hpp"
 
 namespace triskin::diagnose {
+
+using test::Fixture;
+using test::fault;
+
 namespace {
 
 using hardware::FaultKind;
@@ -47,7 +51,7 @@ TEST(Repair, modules_with_kinds_have_the_same_steps) {
   Finding f;
   f.kind = FindingKind::kAbsentModule;
   f.module = layout::ModuleId{5};
-  design::Design d = strip(8, 8);
+  design::Design d = test::strip(8, 8);
   const auto plain = repair_steps(d, f, "d.json");
   d.kinds.kinds = {{"soft", 12, "foam", 80.0}};
   for (const std::size_t k : {4U, 5U}) d.layout.modules[k].kind = 1;
@@ -64,17 +68,17 @@ TEST(Repair, a_joint_is_named_by_both_modules) {
   Finding f;
   f.kind = FindingKind::kLooseJoint;
   f.module = layout::ModuleId{3};
-  const auto steps = repair_steps(strip(8, 8), f, "d.json");
+  const auto steps = repair_steps(test::strip(8, 8), f, "d.json");
   EXPECT_THAT(steps, Contains(HasSubstr("the joint of module 3 (side 2) and module 2 (side 1)")));
   f.module = layout::ModuleId{0};
-  EXPECT_THAT(repair_steps(strip(8, 8), f, "d.json"), Contains(HasSubstr("the cable of patch 0")));
+  EXPECT_THAT(repair_steps(test::strip(8, 8), f, "d.json"), Contains(HasSubstr("the cable of patch 0")));
 }
 
 TEST(Repair, wrong_tables_need_no_hand) {
   Finding f;
   f.kind = FindingKind::kWrongTable;
   f.patch = layout::PatchIndex{0};
-  const auto steps = repair_steps(strip(8, 8), f, "d.json");
+  const auto steps = repair_steps(test::strip(8, 8), f, "d.json");
   ASSERT_EQ(steps.size(), 3U);
   EXPECT_EQ(steps[0], "triskin flash d.json");
   EXPECT_THAT(steps[1], HasSubstr("triskin live d.json --tare"));
@@ -86,7 +90,7 @@ TEST(Repair, another_design_file_is_tried_before_anything_is_written) {
   f.patch = layout::PatchIndex{0};
   f.held_design = 0xABC;
   f.held_file = "arm/e.json";
-  const auto steps = repair_steps(strip(8, 8), f, "d.json --link can:can0");
+  const auto steps = repair_steps(test::strip(8, 8), f, "d.json --link can:can0");
   EXPECT_THAT(steps[0], HasSubstr("triskin verify arm/e.json --link can:can0"));
   EXPECT_THAT(steps[1], HasSubstr("triskin flash d.json --link can:can0 --take-over"));
 }
@@ -95,7 +99,7 @@ TEST(Repair, rest_values_need_a_tare_alone) {
   Finding f;
   f.kind = FindingKind::kStaleRest;
   f.module = layout::ModuleId{3};
-  const auto steps = repair_steps(strip(8, 8), f, "d.json");
+  const auto steps = repair_steps(test::strip(8, 8), f, "d.json");
   ASSERT_EQ(steps.size(), 2U);
   EXPECT_THAT(steps[0], HasSubstr("--tare"));
 }
@@ -106,7 +110,7 @@ TEST(Repair, a_line_that_is_held_is_parted_from_the_far_end) {
   f.kind = FindingKind::kStuckLine;
   f.patch = layout::PatchIndex{0};
   f.line = 1;
-  EXPECT_THAT(repair_steps(strip(8, 8), f, "d.json"), Contains(AllOf(HasSubstr("7, 6, 5, 4"), HasSubstr("part"))));
+  EXPECT_THAT(repair_steps(test::strip(8, 8), f, "d.json"), Contains(AllOf(HasSubstr("7, 6, 5, 4"), HasSubstr("part"))));
 }
 
 TEST(Repair, every_kind_of_finding_has_steps) {
@@ -121,7 +125,7 @@ TEST(Repair, every_kind_of_finding_has_steps) {
     f.patch = layout::PatchIndex{0};
     f.line = 0;
     f.remedy = "look";
-    const auto steps = repair_steps(strip(8, 8), f, "d.json");
+    const auto steps = repair_steps(test::strip(8, 8), f, "d.json");
     ASSERT_GE(steps.size(), 2U) << name;
     EXPECT_THAT(steps.back(), HasSubstr("triskin verify d.json")) << name;
   }

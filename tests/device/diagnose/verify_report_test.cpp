@@ -6,6 +6,10 @@
 #include "support/device_fixture.hpp"
 
 namespace triskin::diagnose {
+
+using test::Fixture;
+using test::fault;
+
 namespace {
 
 using hardware::FaultKind;
@@ -21,7 +25,7 @@ TEST(VerifyReport, says_what_where_and_what_to_do) {
   ASSERT_EQ(r.findings.size(), 2U);
   EXPECT_EQ(r.findings[0].place, "island 0, row 1 of 1, left rim");
   EXPECT_EQ(r.findings[1].place, "island 0, row 1 of 1, right rim");
-  const std::string text = report_text(strip(13), r);
+  const std::string text = report_text(test::strip(13), r);
   for (const char* part :
        {"1. swapped_modules: ", "2. absent_module: ", "on the cover: island 0, row 1 of 1, right rim",
         "exchange their straps", "10 of 13 modules ok"})
@@ -30,7 +34,7 @@ TEST(VerifyReport, says_what_where_and_what_to_do) {
 
 TEST(VerifyReport, the_page_marks_the_modules_of_the_findings) {
   const VerifyResult r = with({fault(FaultKind::kSwappedChips, 1, 4)});
-  design::Design d = strip(13);
+  design::Design d = test::strip(13);
   d.name = "left <arm>";
   const std::string html = report_html(d, r);
   std::size_t bad = 0, all = 0;

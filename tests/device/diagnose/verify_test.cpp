@@ -7,6 +7,10 @@
 #include "triskin/session/controller.hpp"
 
 namespace triskin::diagnose {
+
+using test::Fixture;
+using test::fault;
+
 namespace {
 
 using hardware::FaultKind;
@@ -49,7 +53,7 @@ TEST(Verify, names_a_board_that_was_never_flashed) {
 TEST(Verify, names_a_table_of_another_design) {
   Fixture fixture(6);
   fixture.flash();
-  design::Design other = strip(6);
+  design::Design other = test::strip(6);
   std::swap(other.patches[0].modules[1].address, other.patches[0].modules[2].address);
   other.design_id = design::design_id_of(other);
   const VerifyResult r = verify(fixture.bus(), other, {});

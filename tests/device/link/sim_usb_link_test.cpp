@@ -8,11 +8,14 @@
 #include "triskin/session/stream.hpp"
 
 namespace triskin::link {
+
+using test::fault;
+
 namespace {
 
 std::unique_ptr<hardware::SimUsbLink> simulated_hub(int modules, int per_patch, std::vector<hardware::Fault> faults = {}) {
   hardware::Scene scene;
-  scene.design = strip(modules, per_patch);
+  scene.design = test::strip(modules, per_patch);
   scene.faults = std::move(faults);
   return std::make_unique<hardware::SimUsbLink>(std::move(scene));
 }
@@ -24,12 +27,12 @@ diagnose::VerifyResult verified(session::Bus& bus, const design::Design& design)
   return verify(bus, design, options);
 }
 
-TEST(hardware::SimUsbLink, flash_and_verify_need_no_can_bus) {
+TEST(SimUsbLink, flash_and_verify_need_no_can_bus) {
   const auto link = simulated_hub(12, 4);
   session::Bus bus(*link);
-  const deploy::FlashResult flashed = flash(bus, strip(12, 4));
+  const deploy::FlashResult flashed = deploy::flash(bus, test::strip(12, 4));
   EXPECT_EQ(flashed.patches.size(), 3U);
-  const diagnose::VerifyResult r = verified(bus, strip(12, 4));
+  const diagnose::VerifyResult r = verified(bus, test::strip(12, 4));
   EXPECT_EQ(r.modules_ok, 12);
   EXPECT_EQ(r.touched, 12);
   EXPECT_TRUE(r.findings.empty());
@@ -38,20 +41,20 @@ TEST(hardware::SimUsbLink, flash_and_verify_need_no_can_bus) {
   EXPECT_EQ(link->skin().bus_busy_us(), 0U);
 }
 
-TEST(hardware::SimUsbLink, finds_what_is_wrong_as_a_can_bus_does) {
+TEST(SimUsbLink, finds_what_is_wrong_as_a_can_bus_does) {
   const auto link = simulated_hub(8, 8, {fault(hardware::FaultKind::kSwappedChips, 1, 6)});
   session::Bus bus(*link);
-  flash(bus, strip(8, 8));
-  const diagnose::VerifyResult r = verified(bus, strip(8, 8));
+  deploy::flash(bus, test::strip(8, 8));
+  const diagnose::VerifyResult r = verified(bus, test::strip(8, 8));
   ASSERT_FALSE(r.findings.empty());
   EXPECT_EQ(r.findings[0].kind, diagnose::FindingKind::kSwappedModules);
 }
 
 // 16 requests to a known device take 16 / 19 ms of the hub; requests to nobody go to all three devices.
-TEST(hardware::SimUsbLink, the_hub_carries_19_packets_a_millisecond) {
+TEST(SimUsbLink, the_hub_carries_19_packets_a_millisecond) {
   const auto link = simulated_hub(6, 2);
   session::Bus bus(*link);
-  flash(bus, strip(6, 2));
+  deploy::flash(bus, test::strip(6, 2));
   bus.listen(bus.now_us() + 100'000);
   wire::CanFrame request;
   request.extended = true;
@@ -68,7 +71,7 @@ TEST(hardware::SimUsbLink, the_hub_carries_19_packets_a_millisecond) {
   }
 }
 
-TEST(hardware::SimUsbLink, a_frame_longer_than_a_packet_is_refused) {
+TEST(SimUsbLink, a_frame_longer_than_a_packet_is_refused) {
   const auto link = simulated_hub(2, 2);
   wire::CanFrame f;
   f.fd = true;
@@ -78,9 +81,9 @@ TEST(hardware::SimUsbLink, a_frame_longer_than_a_packet_is_refused) {
 
 session::StreamReport streamed(hardware::SimUsbLink& link, const design::Design& design, double seconds) {
   session::Bus bus(link);
-  flash(bus, design);
+  deploy::flash(bus, design);
   bus.listen(bus.now_us() + 2'000'000);  // The offsets are found by now.
-  StreamOptions options;
+  session::StreamOptions options;
   options.overload = true;
   session::Stream stream(bus, design, [](const session::ModuleSample&) {}, options);
   stream.run_until(bus.now_us() + static_cast<std::uint64_t>(seconds * 1e6));
@@ -89,18 +92,18 @@ session::StreamReport streamed(hardware::SimUsbLink& link, const design::Design&
 }
 
 // 16 modules give 434 samples a second; the hub carries 19,000 packets.
-TEST(hardware::SimUsbLink, every_sample_of_twenty_controllers_arrives) {
+TEST(SimUsbLink, every_sample_of_twenty_controllers_arrives) {
   const auto link = simulated_hub(320, 16);
-  const session::StreamReport r = streamed(*link, strip(320, 16), 3.0);
+  const session::StreamReport r = streamed(*link, test::strip(320, 16), 3.0);
   EXPECT_TRUE(r.complete()) << session::sentences(r).at(0);
   EXPECT_NEAR(static_cast<double>(r.total.expected), 320 * 3.0 / 0.0369, 0.02 * 320 * 3.0 / 0.0369);
 }
 
 // 48 controllers are 10 % too much for one hub: missing samples are counted, and no controller is starved for another.
 // Leases begin one after the other, each after the frames that wait on the full hub.
-TEST(hardware::SimUsbLink, what_a_full_hub_cannot_carry_is_counted_and_shared) {
+TEST(SimUsbLink, what_a_full_hub_cannot_carry_is_counted_and_shared) {
   const auto link = simulated_hub(48 * 16, 16);
-  const session::StreamReport r = streamed(*link, strip(48 * 16, 16), 3.0);
+  const session::StreamReport r = streamed(*link, test::strip(48 * 16, 16), 3.0);
   EXPECT_FALSE(r.complete());
   std::map<int, session::SampleCounts> patches;
   for (const session::ModuleCounts& m : r.modules) {

@@ -19,6 +19,9 @@
 #include "triskin/skin/touch_map.hpp"
 
 namespace triskin::link {
+
+using test::Fixture;
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -28,7 +31,7 @@ class Served : public testing::Test {
   void SetUp() override {
     folder_ = fs::temp_directory_path() / ("wire_link_test." + std::to_string(::getpid()));
     fs::create_directories(folder_);
-    design::write_design(folder_ / "strip.json", strip(10, 8));
+    design::write_design(folder_ / "strip.json", test::strip(10, 8));
     start();
   }
   void TearDown() override {
@@ -142,22 +145,22 @@ TEST(WireLink, records_survive_the_way_and_truncated_ones_wait) {
   frame.size = 12;
   frame.data[11] = 7;
   std::vector<std::uint8_t> bytes;
-  record::put_frame(bytes, frame);
+  hardware::record::put_frame(bytes, frame);
   std::vector<std::uint8_t> part;
   for (std::size_t k = 0; k + 1 < bytes.size(); ++k) {
     part.push_back(bytes[k]);
-    EXPECT_FALSE(record::take(part).has_value());
+    EXPECT_FALSE(hardware::record::take(part).has_value());
   }
   part.push_back(bytes.back());
-  const auto r = record::take(part);
+  const auto r = hardware::record::take(part);
   ASSERT_TRUE(r.has_value());
-  EXPECT_EQ(record::frame_of(*r), frame);
+  EXPECT_EQ(hardware::record::frame_of(*r), frame);
   EXPECT_TRUE(part.empty());
 }
 
 // The first sample still shows a finger that has left: neither it nor the rest that follows is a touch.
 TEST(LiveStream, a_finger_that_has_just_gone_is_not_taken_for_rest) {
-  const design::Design design = strip(1);
+  const design::Design design = test::strip(1);
   skin::TouchMap map(design);
   session::ModuleSample frame;
   frame.sample.valid = layout::kAllTaxels;

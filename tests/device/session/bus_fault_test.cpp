@@ -12,6 +12,11 @@
 #include "triskin/wire/uds.hpp"
 
 namespace triskin::session {
+
+using test::FaultyLink;
+using test::Fixture;
+using test::taking_over;
+
 namespace {
 
 design::Design other_wiring(const design::Design& d) {
@@ -35,7 +40,7 @@ TEST_P(Wires, unplugged_after_any_frame_of_a_flash_then_plugged_in_and_repeated)
   for (std::uint64_t n = 0;; ++n) {
     Fixture fixture(16);
     const design::Design old_design = other_wiring(fixture.design());
-    (void)flash(fixture.bus(), old_design);
+    (void)deploy::flash(fixture.bus(), old_design);
     const auto old_image = bytes_of(image_of(old_design, layout::PatchIndex{0})),
                new_image = bytes_of(image_of(fixture.design(), layout::PatchIndex{0}));
     FaultyLink wire(fixture.bus().link(), GetParam(), {}, 1);
@@ -64,7 +69,7 @@ TEST_P(Wires, frames_lost_doubled_reordered_and_delayed) {
   for (unsigned seed = 1; seed <= 60; ++seed) {
     Fixture fixture(16);
     const design::Design old_design = other_wiring(fixture.design());
-    (void)flash(fixture.bus(), old_design);
+    (void)deploy::flash(fixture.bus(), old_design);
     const auto old_image = bytes_of(image_of(old_design, layout::PatchIndex{0})),
                new_image = bytes_of(image_of(fixture.design(), layout::PatchIndex{0}));
     const unsigned rate = 1 + seed % 2;
@@ -120,13 +125,13 @@ INSTANTIATE_TEST_SUITE_P(Formats, Wires, testing::Bool(), [](const auto& p) { re
 
 TEST(BusTime, a_table_of_sixteen_modules_takes_less_than_a_tenth_of_a_second) {
   hardware::Scene scene;
-  scene.design = strip(16);
+  scene.design = test::strip(16);
   scene.effects.bus_bit_rate = 1'000'000;
   hardware::SimLink sim(std::move(scene));
   FaultyLink classic(sim, false, {}, 1);  // The link injects no faults: it only restricts the bus to classic frames.
   Bus bus(classic);
   const std::uint64_t start_us = sim.skin().bus_busy_us();
-  const deploy::FlashResult r = flash(bus, sim.skin().scene().design);
+  const deploy::FlashResult r = deploy::flash(bus, sim.skin().scene().design);
   const std::uint64_t busy_us = sim.skin().bus_busy_us() - start_us;
   EXPECT_EQ(r.bytes, 32 + 16 * 12U);
   EXPECT_LT(busy_us, 100'000U);

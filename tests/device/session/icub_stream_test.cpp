@@ -9,6 +9,9 @@
 #include "support/device_fixture.hpp"
 
 namespace triskin::session {
+
+using test::Fixture;
+
 namespace {
 
 TEST(IcubStream, reads_our_controllers_as_skin_boards) {

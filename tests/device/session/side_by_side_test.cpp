@@ -13,6 +13,11 @@
 #include "triskin/session/scheduler.hpp"
 
 namespace triskin::session {
+
+using test::FaultyLink;
+using test::Fixture;
+using test::taking_over;
+
 namespace {
 
 // Simulates controllers that each seem to have their own wire, as USB devices do, with a delay for frames of the host.
@@ -74,7 +79,7 @@ TEST(Addresses, sixteen_fresh_boards_on_a_bus_that_loses_and_delays_frames) {
     std::string last;  // The last attempt gave this message.
     for (int attempt = 0; attempt < 60 && !completed; ++attempt) {
       try {
-        completed = flash(bus, fixture.design()).patches.size() == 16;
+        completed = deploy::flash(bus, fixture.design()).patches.size() == 16;
       } catch (const DeviceError& e) {
         last = e.what();
       }
@@ -89,7 +94,7 @@ TEST(Addresses, sixteen_fresh_boards_on_a_bus_that_loses_and_delays_frames) {
 TEST(Addresses, all_boards_of_a_slow_bus_are_found) {
   for (const std::uint64_t bit_rate : {1'000'000U, 250'000U, 125'000U, 50'000U}) {
     hardware::Scene scene;
-    scene.design = strip(126, 1);
+    scene.design = test::strip(126, 1);
     scene.effects.bus_bit_rate = bit_rate;
     hardware::SimLink sim(std::move(scene));
     FaultyLink classic(sim, false, {}, 1);  // The link injects no faults: it only restricts the bus to classic frames.
@@ -104,7 +109,7 @@ TEST(SideBySide, controllers_on_wires_of_their_own_are_flashed_at_the_same_time)
   Bus line_bus(line), bus(star);
   deploy::FlashOptions one;
   one.per_wire = 1;
-  const double slow_s = flash(line_bus, one_by_one.design(), one).link_s, fast_s = flash(bus, together.design()).link_s;
+  const double slow_s = flash(line_bus, one_by_one.design(), one).link_s, fast_s = deploy::flash(bus, together.design()).link_s;
   expect_tables(together);
   EXPECT_LT(fast_s, 0.5 * slow_s);
   const diagnose::VerifyOptions ask_only{};
@@ -119,7 +124,7 @@ TEST(SideBySide, the_order_is_the_same_every_time) {
     FaultyLink wire(star, false, {1, 1, 1, 1}, 5);
     Bus bus(wire);
     try {
-      (void)flash(bus, fixture.design());
+      (void)deploy::flash(bus, fixture.design());
     } catch (const DeviceError& e) {
       return std::pair(wire.frames, std::string(e.what()));
     }
@@ -171,11 +176,11 @@ TEST(SideBySide, outcomes_have_the_order_of_the_tasks) {
 
 std::unique_ptr<hardware::SimLink> simulated(int modules) {
   hardware::Scene scene;
-  scene.design = strip(modules);
+  scene.design = test::strip(modules);
   return std::make_unique<hardware::SimLink>(std::move(scene));
 }
 
-TEST(link::CombinedLink, a_design_goes_to_controllers_on_two_links) {
+TEST(CombinedLink, a_design_goes_to_controllers_on_two_links) {
   auto first = simulated(8), second = simulated(6);
   Bus first_bus(*first), second_bus(*second);
   std::vector<std::unique_ptr<link::Link>> links;
@@ -184,8 +189,8 @@ TEST(link::CombinedLink, a_design_goes_to_controllers_on_two_links) {
   links.push_back(std::move(second));
   link::CombinedLink both(std::move(links));
   Bus bus(both);
-  const design::Design design = strip(12, 6);
-  const deploy::FlashResult r = flash(bus, design);
+  const design::Design design = test::strip(12, 6);
+  const deploy::FlashResult r = deploy::flash(bus, design);
   EXPECT_EQ(r.patches.size(), 2U);
   EXPECT_NE(both.wire_of(1), both.wire_of(2));
   EXPECT_EQ(both.name(), "sim,sim");
@@ -200,7 +205,7 @@ TEST(link::CombinedLink, a_design_goes_to_controllers_on_two_links) {
   EXPECT_EQ(nodes, (std::set<int>{1, 2}));
 }
 
-TEST(link::NodeMap, learns_from_claims_and_answers_and_forgets_when_addresses_change) {
+TEST(NodeMap, learns_from_claims_and_answers_and_forgets_when_addresses_change) {
   link::NodeMap map;
   const wire::UniqueId first{1}, second{2};
   const auto hear = [&](const wire::UniqueId& id, std::uint8_t node, int wire) {

@@ -72,7 +72,7 @@ std::int64_t by_trying_everything(const routing::IslandGraph& g, const routing::
   return best[all];
 }
 
-TEST(routing::IslandGroups, the_least_price_is_that_of_trying_everything) {
+TEST(IslandGroups, the_least_price_is_that_of_trying_everything) {
   std::mt19937_64 random(31);
   const std::array<design::Price, 3> prices{{{2.0, 0.45, 0.1}, {1.0, 0.75, 0.0}, {3.0, 0.1, 0.0}}};
   for (int trial = 0; trial < 1500; ++trial) {
@@ -87,7 +87,7 @@ TEST(routing::IslandGroups, the_least_price_is_that_of_trying_everything) {
 }
 
 // The known price of some groups rises, as it does when they are settled one by one.
-TEST(routing::IslandGroups, what_is_known_of_groups_counts) {
+TEST(IslandGroups, what_is_known_of_groups_counts) {
   std::mt19937_64 random(32);
   const routing::IntegerPrice price(design::Price{2.0, 0.45, 0.1});
   int raised = 0;
@@ -121,7 +121,7 @@ TEST(routing::IslandGroups, what_is_known_of_groups_counts) {
   EXPECT_GT(raised, 1000);
 }
 
-TEST(routing::IslandGroups, a_budget_that_ends_says_nothing) {
+TEST(IslandGroups, a_budget_that_ends_says_nothing) {
   std::mt19937_64 random(33);
   const routing::IntegerPrice price(design::Price{2.0, 0.45, 0.1});
   const routing::IslandGroups groups(random_graph(random), kCapacity, price, std::int64_t{1} << 60, 1);

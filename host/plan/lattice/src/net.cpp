@@ -12,24 +12,6 @@ constexpr double kCell_mm = 40.0;  // Most searches reach 20 … 45 mm.
 
 }  // namespace
 
-// Three points fix the plane; within it the best turn is the mean of the turns of the three corners, weighted by their
-// distance (the planar case of Kabsch's fit, as complex numbers). The corners of the rest pose, from its centre, are
-// 2/3 h at −150°, −30° and 90°, so that their conjugates are kRadius · (∓√3/2 + i/2), −i.
-Triangle fit_rigid(const Triangle& target) {
-  constexpr double kRadius = 2.0 * kHeight_mm / 3.0, kCos = 0.86602540378443864676;
-  const Vec3 center = (target[0] + target[1] + target[2]) / 3.0;
-  const Vec3 u = target[1] - target[0];
-  const Vec3 x = u.normalized(), normal = u.cross(target[2] - target[0]).normalized(), y = normal.cross(x);
-  const std::array<Vec3, 3> d{target[0] - center, target[1] - center, target[2] - center};
-  const double x0 = d[0].dot(x), y0 = d[0].dot(y), x1 = d[1].dot(x), y1 = d[1].dot(y), x2 = d[2].dot(x),
-               y2 = d[2].dot(y);
-  double real = kCos * (x1 - x0) - 0.5 * (y0 + y1) + y2;
-  double imaginary = kCos * (y1 - y0) + 0.5 * (x0 + x1) - x2;
-  const double scale = kRadius / std::sqrt(real * real + imaginary * imaginary);
-  const Vec3 right = scale * (real * x + imaginary * y), up = scale * (real * y - imaginary * x);
-  return {Vec3(center - kCos * right - 0.5 * up), Vec3(center + kCos * right - 0.5 * up), Vec3(center + up)};
-}
-
 LatticeMesh::LatticeMesh(const std::vector<Vec3>& around, double corner_cut_mm)
     : corner_cut_mm_(corner_cut_mm), grid_(around, kCell_mm) {}
 

@@ -5,11 +5,12 @@
 #include <utility>
 #include <vector>
 
-#include "triskin/base/index.hpp"
-#include "triskin/design/design_types.hpp"
 #include "buckets.hpp"
 #include "free_numbers.hpp"
 #include "point_grid.hpp"
+#include "rigid.hpp"
+#include "triskin/base/index.hpp"
+#include "triskin/design/design_types.hpp"
 
 namespace triskin::lattice {
 
@@ -175,8 +176,5 @@ inline constexpr double kModuleReach_mm = 20.0;
   }
   return true;
 }
-
-/// Returns the rigid module nearest to three points in the least-squares sense.
-[[nodiscard]] Triangle fit_rigid(const Triangle& target);
 
 }  // namespace triskin::lattice

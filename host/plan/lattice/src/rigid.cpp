@@ -2,7 +2,6 @@
 #include "rigid.hpp"
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
@@ -11,16 +10,22 @@
 
 namespace triskin::lattice {
 
+// Three points fix the plane; within it the best turn is the mean of the turns of the three corners, weighted by their
+// distance (the planar case of Kabsch's fit, as complex numbers). The corners of the rest pose, from its centre, are
+// 2/3 h at −150°, −30° and 90°, so that their conjugates are kRadius · (∓√3/2 + i/2), −i.
 std::array<Vec3, 3> fit_rigid(const std::array<Vec3, 3>& target) {
-  static const std::array<Vec3, 3> kRest{Vec3(-15, -kHeight_mm / 3, 0), Vec3(15, -kHeight_mm / 3, 0),
-                                         Vec3(0, 2 * kHeight_mm / 3, 0)};
+  constexpr double kRadius = 2.0 * kHeight_mm / 3.0, kCos = 0.86602540378443864676;
   const Vec3 center = (target[0] + target[1] + target[2]) / 3.0;
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (std::size_t k = 0; k < 3; ++k) covariance += (target[k] - center) * kRest[k].transpose();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Vector3d sign(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
-  const Eigen::Matrix3d rotation = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
-  return {Vec3(center + rotation * kRest[0]), Vec3(center + rotation * kRest[1]), Vec3(center + rotation * kRest[2])};
+  const Vec3 u = target[1] - target[0];
+  const Vec3 x = u.normalized(), normal = u.cross(target[2] - target[0]).normalized(), y = normal.cross(x);
+  const std::array<Vec3, 3> d{target[0] - center, target[1] - center, target[2] - center};
+  const double x0 = d[0].dot(x), y0 = d[0].dot(y), x1 = d[1].dot(x), y1 = d[1].dot(y), x2 = d[2].dot(x),
+               y2 = d[2].dot(y);
+  double real = kCos * (x1 - x0) - 0.5 * (y0 + y1) + y2;
+  double imaginary = kCos * (y1 - y0) + 0.5 * (x0 + x1) - x2;
+  const double scale = kRadius / std::sqrt(real * real + imaginary * imaginary);
+  const Vec3 right = scale * (real * x + imaginary * y), up = scale * (real * y - imaginary * x);
+  return {Vec3(center - kCos * right - 0.5 * up), Vec3(center + kCos * right - 0.5 * up), Vec3(center + up)};
 }
 
 SideHeights walk_sides(const mesh::Surface& surface, const design::Outline& outline, double step_mm) {

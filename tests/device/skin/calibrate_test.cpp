@@ -20,7 +20,12 @@
 #include "triskin/session/controller_calibration.hpp"
 #include "triskin/session/stream.hpp"
 
-namespace triskin::session {
+namespace triskin::skin {
+
+using test::Fixture;
+using test::fault;
+using test::taking_over;
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -154,7 +159,7 @@ TEST_F(CalibrationFolder, one_of_another_patch_or_design_is_not_used) {
   fixture.flash();
   const auto claims = fixture.bus().discover();
   const skin::CalibrationStore store(folder_ / "kept");
-  design::BoardCalibration board = small_board(to_text(claims.at(0).unique_id));
+  design::BoardCalibration board = small_board(session::to_text(claims.at(0).unique_id));
   board.design_id = fixture.design().design_id;
   board.places.clear();
   for (const auto& routed : fixture.design().patches[0].modules)
@@ -190,7 +195,7 @@ TEST(ControllerCalibration, has_the_numbers_of_the_calibration_as_far_as_its_byt
   board.places[0].taxels[3] = {150.5, 0.251, 0.125};
   board.places[0].taxels[4] = {195.0, 0.1, 0.0161};
   board.places[0].taxels[5] = {104.999, 0.1, 0.0};
-  const wire::Calibration kept = to_wire(board);
+  const wire::Calibration kept = session::to_wire(board);
   EXPECT_EQ(kept.exponent, 8);
   EXPECT_EQ(kept.made_unix_s, 1'795'368'600U);
   ASSERT_EQ(kept.count, 1);
@@ -198,7 +203,7 @@ TEST(ControllerCalibration, has_the_numbers_of_the_calibration_as_far_as_its_byt
   EXPECT_EQ(kept.places[0].sensitivity, (decltype(kept.places[0].sensitivity){0, 0, 0, 38'528, 49'920, 26'880}));
   EXPECT_EQ(kept.places[0].error, 26);
   EXPECT_EQ(kept.places[0].residual_pa, 125);
-  const design::BoardCalibration back = from_wire(kept, board.serial);
+  const design::BoardCalibration back = session::from_wire(kept, board.serial);
   EXPECT_EQ(back.places[0].taxels[3], (design::TaxelSensitivity{150.5, 0.26, 0.125}));
   EXPECT_EQ(back.places[0].taxels[5].counts_per_kpa, 105.0);
   EXPECT_EQ(back.places[0].taxels[0], design::TaxelSensitivity{});
@@ -207,13 +212,13 @@ TEST(ControllerCalibration, has_the_numbers_of_the_calibration_as_far_as_its_byt
   EXPECT_EQ(back.patch, 3);
   EXPECT_EQ(back.revision, 7);
   EXPECT_NEAR(back.taxel_area_mm2, 38.97114, 0.5e-4);
-  EXPECT_EQ(to_wire(back), kept);
+  EXPECT_EQ(session::to_wire(back), kept);
 }
 
 // Makes a calibration of the design's first patch, as `calibrate` would.
 design::BoardCalibration board_of(Fixture& fixture, int revision) {
   const auto claims = fixture.bus().discover();
-  design::BoardCalibration board = small_board(to_text(claims.at(0).unique_id));
+  design::BoardCalibration board = small_board(session::to_text(claims.at(0).unique_id));
   board.design_id = fixture.design().design_id;
   board.revision = revision;
   board.made = "2026-11-22T17:30:00Z";
@@ -292,19 +297,19 @@ class SpreadSkin {
   explicit SpreadSkin(int modules, double noise_counts = 0.0, std::vector<hardware::Fault> faults = {},
                       hardware::PressureCurve pressure = {}) {
     hardware::Scene scene;
-    scene.design = strip(modules);
+    scene.design = test::strip(modules);
     scene.seed = 7;
     scene.effects.sensitivity_spread = 0.3;
     scene.effects.noise_counts = noise_counts;
     scene.faults = std::move(faults);
     scene.pressure = std::move(pressure);
     link_ = std::make_unique<hardware::SimLink>(std::move(scene));
-    bus_ = std::make_unique<Bus>(*link_);
+    bus_ = std::make_unique<session::Bus>(*link_);
     (void)deploy::flash(*bus_, design(), taking_over());
     bus_->listen(bus_->now_us() + kOffsets_us);
   }
   [[nodiscard]] const design::Design& design() const { return link_->skin().scene().design; }
-  [[nodiscard]] Bus& bus() { return *bus_; }
+  [[nodiscard]] session::Bus& bus() { return *bus_; }
   [[nodiscard]] hardware::VirtualSkin& skin() { return link_->skin(); }
   [[nodiscard]] link::TouchActuator& actuator() { return *link_; }
 
@@ -339,7 +344,7 @@ class SpreadSkin {
   // Returns the force of all present presses.
   [[nodiscard]] double force_n(const design::SkinCalibration& calibration, const design::RestValues& rest) {
     skin::TouchMap map(design(), rest);
-    Stream stream(*bus_, design(), [&](const ModuleSample& f) { map.add(f); });
+    session::Stream stream(*bus_, design(), [&](const session::ModuleSample& f) { map.add(f); });
     stream.run_until(bus_->now_us() + kLook_us);
     stream.finish();
     double sum = 0.0;
@@ -350,7 +355,7 @@ class SpreadSkin {
  private:
   static constexpr std::uint64_t kOffsets_us = 2'000'000, kLook_us = 300'000;
   std::unique_ptr<hardware::SimLink> link_;
-  std::unique_ptr<Bus> bus_;
+  std::unique_ptr<session::Bus> bus_;
 };
 
 constexpr std::array kSteps{5.0, 10.0, 20.0, 30.0, 40.0};
@@ -494,4 +499,4 @@ TEST(ForceOfFingers, is_right_in_the_mean_and_scatters_by_the_pitch) {
 }
 
 }  // namespace
-}  // namespace triskin::session
+}  // namespace triskin::skin

@@ -14,7 +14,7 @@
 #include "support/strip_design.hpp"
 #include "triskin/skin/taxel_trace.hpp"
 
-namespace triskin::session {
+namespace triskin::skin {
 namespace {
 
 using test::strip;
@@ -25,8 +25,8 @@ using testing::StartsWith;
 constexpr int kPad = 3;
 
 // Makes a sample of a module that rests at `rest`, with one taxel `pressure` counts below.
-ModuleSample frame(int module, double rest, double pressure) {
-  ModuleSample f;
+session::ModuleSample frame(int module, double rest, double pressure) {
+  session::ModuleSample f;
   f.module = layout::ModuleId{module};
   f.sample.valid = layout::kAllTaxels;
   f.sample.state = wire::ModuleState::kOk;
@@ -35,11 +35,11 @@ ModuleSample frame(int module, double rest, double pressure) {
   return f;
 }
 
-void feed(skin::TouchMap& map, const ModuleSample& f) {
+void feed(skin::TouchMap& map, const session::ModuleSample& f) {
   for (std::size_t k = 0; k < skin::TouchMap::kRestSamples; ++k) map.add(f);
 }
 
-TEST(skin::TouchMap, a_contact_that_is_there_at_the_start_is_shown) {
+TEST(TouchMap, a_contact_that_is_there_at_the_start_is_shown) {
   const design::Design design = strip(2);
   skin::TouchMap map(design);
   feed(map, frame(0, layout::kRestCounts, 4'000));
@@ -51,7 +51,7 @@ TEST(skin::TouchMap, a_contact_that_is_there_at_the_start_is_shown) {
 }
 
 // The taxel rests 700 counts below the middle, which nobody could know while an object lay on it.
-TEST(skin::TouchMap, a_contact_that_is_there_at_the_start_ends_without_a_ghost) {
+TEST(TouchMap, a_contact_that_is_there_at_the_start_ends_without_a_ghost) {
   const design::Design design = strip(2);
   skin::TouchMap map(design);
   feed(map, frame(0, layout::kRestCounts - 700, 4'000));
@@ -65,7 +65,7 @@ TEST(skin::TouchMap, a_contact_that_is_there_at_the_start_ends_without_a_ghost) 
 }
 
 // Half an hour of samples with the noise of a taxel must not lift its rest value by half of what counts as pressed.
-TEST(skin::TouchMap, noise_hardly_moves_a_rest_value_that_follows) {
+TEST(TouchMap, noise_hardly_moves_a_rest_value_that_follows) {
   const design::Design design = strip(1);
   skin::TouchMap map(design);
   std::mt19937 random(20261127);
@@ -76,7 +76,7 @@ TEST(skin::TouchMap, noise_hardly_moves_a_rest_value_that_follows) {
   EXPECT_TRUE(map.pressed().empty());
 }
 
-TEST(skin::TouchMap, modules_that_rest_beside_the_design_are_not_pressed) {
+TEST(TouchMap, modules_that_rest_beside_the_design_are_not_pressed) {
   const design::Design design = strip(2);
   skin::TouchMap map(design);
   feed(map, frame(0, layout::kRestCounts - 900, 0));
@@ -90,7 +90,7 @@ TEST(skin::TouchMap, modules_that_rest_beside_the_design_are_not_pressed) {
   EXPECT_DOUBLE_EQ(map.pressed()[0].change_counts, 250);
 }
 
-TEST(skin::TouchMap, a_light_touch_within_the_band_ends_without_a_ghost) {
+TEST(TouchMap, a_light_touch_within_the_band_ends_without_a_ghost) {
   const design::Design design = strip(2);
   skin::TouchMap map(design);
   feed(map, frame(0, layout::kRestCounts, 500));
@@ -100,7 +100,7 @@ TEST(skin::TouchMap, a_light_touch_within_the_band_ends_without_a_ghost) {
   EXPECT_EQ(map.pressed().size(), 1U);
 }
 
-TEST(skin::TouchMap, a_tare_holds_whatever_the_rest_is_and_can_be_kept) {
+TEST(TouchMap, a_tare_holds_whatever_the_rest_is_and_can_be_kept) {
   const design::Design design = strip(2);
   skin::TouchMap map(design);
   feed(map, frame(0, 20'000, 0));
@@ -119,7 +119,7 @@ TEST(skin::TouchMap, a_tare_holds_whatever_the_rest_is_and_can_be_kept) {
 }
 
 // Two covers of a robot are in one map: one was tared, the other rests as its design says.
-TEST(skin::TouchMap, rest_values_of_some_modules_leave_the_others_to_the_design) {
+TEST(TouchMap, rest_values_of_some_modules_leave_the_others_to_the_design) {
   const design::Design design = strip(3);
   skin::TouchMap map(design);
   design::RestValues tared(2);
@@ -134,9 +134,9 @@ TEST(skin::TouchMap, rest_values_of_some_modules_leave_the_others_to_the_design)
   EXPECT_THROW(map.set_rest(tared, layout::ModuleId{2}), std::out_of_range);
 }
 
-TEST(skin::LiveMonitor, draws_the_patch_in_its_shape) {
+TEST(LiveMonitor, draws_the_patch_in_its_shape) {
   const design::Design design = strip(4);
-  skin::LiveMonitor monitor(design);
+  LiveMonitor monitor(design);
   // A strip is one row of up, down, up, down.
   EXPECT_THAT(monitor.picture(layout::PatchIndex{0}, skin::PressureUnit::kCounts, false),
               ElementsAre("▲  -- ▼  -- ▲  -- ▼  -- "));
@@ -152,19 +152,19 @@ TEST(skin::LiveMonitor, draws_the_patch_in_its_shape) {
 }
 
 // The colours begin at 2, 7, 20 and 50 kPa.
-TEST(skin::LiveMonitor, has_a_colour_for_each_strength) {
+TEST(LiveMonitor, has_a_colour_for_each_strength) {
   const design::Design design = strip(1);
   for (const auto& [counts, colour] : {std::pair(15, 236), {25, 22}, {100, 34}, {300, 172}, {600, 160}}) {
-    skin::LiveMonitor monitor(design);
+    LiveMonitor monitor(design);
     for (const int change : {0, 0, 0, counts}) monitor.add(frame(0, layout::kRestCounts, change));
     EXPECT_THAT(monitor.picture(layout::PatchIndex{0}, skin::PressureUnit::kCounts, true)[0],
                 HasSubstr(fmt::format("48;5;{}m", colour)));
   }
 }
 
-TEST(skin::LiveMonitor, shows_numbers_of_modules_in_their_cells) {
+TEST(LiveMonitor, shows_numbers_of_modules_in_their_cells) {
   const design::Design design = strip(3);
-  skin::LiveMonitor monitor(design);
+  LiveMonitor monitor(design);
   for (int k = 0; k < 3; ++k) monitor.add(frame(2, layout::kRestCounts, 8'000));
   constexpr layout::PatchIndex kPatch{0};
   EXPECT_THAT(monitor.picture(kPatch, skin::PressureUnit::kModule, false), ElementsAre("▲   0 ▼   1 ▲   2 "));
@@ -172,18 +172,18 @@ TEST(skin::LiveMonitor, shows_numbers_of_modules_in_their_cells) {
 }
 
 // The rest values are from a tare. Module 1 was exchanged since: one taxel reads 300 above, all others 50.
-TEST(skin::LiveMonitor, says_which_taxels_do_not_rest) {
+TEST(LiveMonitor, says_which_taxels_do_not_rest) {
   const design::Design design = strip(3);
   design::RestValues tared(3);
   for (auto& module : tared) module.fill(20'000);
-  skin::LiveMonitor monitor(design, tared);
+  LiveMonitor monitor(design, tared);
   EXPECT_EQ(sentence(monitor.off_rest()), "") << "nothing was heard";
   monitor.add(frame(0, 20'000, 4'000));
   EXPECT_EQ(monitor.off_rest().taxels, 0) << "a touch is none";
   monitor.add(frame(1, 20'050, -250));
   EXPECT_THAT(monitor.off_rest().modules, ElementsAre(1));
   EXPECT_EQ(sentence(monitor.off_rest()), "1 taxel does not rest: tare; its module: 1");
-  ModuleSample saturated = frame(2, 20'000, -30'000);
+  session::ModuleSample saturated = frame(2, 20'000, -30'000);
   saturated.sample.state = wire::ModuleState::kSaturated;
   monitor.add(saturated);
   EXPECT_EQ(monitor.off_rest().taxels, 1) << "a module with a fault has another cause";
@@ -194,9 +194,9 @@ TEST(skin::LiveMonitor, says_which_taxels_do_not_rest) {
 }
 
 // The strongest taxel rises from 0 to 8,000 counts, so the newest value has the highest block.
-TEST(skin::TaxelTrace, plots_the_strongest_taxel_or_the_one_that_is_held) {
+TEST(TaxelTrace, plots_the_strongest_taxel_or_the_one_that_is_held) {
   const design::Design design = strip(3);
-  skin::LiveMonitor monitor(design);
+  LiveMonitor monitor(design);
   skin::TaxelTrace trace;
   for (int k = 0; k < 3; ++k) monitor.add(frame(1, layout::kRestCounts, 0));
   trace.step(monitor);
@@ -217,13 +217,13 @@ TEST(skin::TaxelTrace, plots_the_strongest_taxel_or_the_one_that_is_held) {
   EXPECT_THAT(trace.lines(80, 0.25)[0], HasSubstr("module 2 taxel 3,"));
 }
 
-TEST(skin::LiveMonitor, rows_of_the_lattice_stand_above_each_other) {
+TEST(LiveMonitor, rows_of_the_lattice_stand_above_each_other) {
   design::Design design = strip(3);
   // The third module becomes the down triangle below the first: cells (0, 1) up and (0, 0) down share a side.
   design.layout.modules[0].tile = {0, 1, true};
   design.layout.modules[1].tile = {0, 1, false};
   design.layout.modules[2].tile = {0, 0, false};
-  const skin::LiveMonitor monitor(design);
+  const LiveMonitor monitor(design);
   EXPECT_THAT(monitor.picture(layout::PatchIndex{0}, skin::PressureUnit::kCounts, false),
               ElementsAre("▲  -- ▼  -- ", "▼  -- "));
 }
@@ -234,9 +234,9 @@ std::size_t columns_of(const std::string& line) {
       std::ranges::count_if(line, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
 }
 
-TEST(skin::LiveMonitor, a_picture_fits_the_width) {
+TEST(LiveMonitor, a_picture_fits_the_width) {
   const design::Design design = strip(16);
-  skin::LiveMonitor monitor(design);
+  LiveMonitor monitor(design);
   for (int k = 0; k < 3; ++k) monitor.add(frame(2, layout::kRestCounts, 8'000));
   // Sixteen cells take 96 characters with spaces, 80 without, 32 with one digit per cell.
   const auto line = [&](int columns) {
@@ -253,7 +253,7 @@ TEST(skin::LiveMonitor, a_picture_fits_the_width) {
     EXPECT_LE(columns_of(line(static_cast<int>(columns))), columns);
 }
 
-TEST(skin::LiveMonitor, islands_of_a_patch_stand_side_by_side_and_never_on_each_other) {
+TEST(LiveMonitor, islands_of_a_patch_stand_side_by_side_and_never_on_each_other) {
   design::Design design = strip(6);
   // There are three islands of two modules, each with the same places in its own lattice.
   for (int m = 0; m < 6; ++m) {
@@ -261,7 +261,7 @@ TEST(skin::LiveMonitor, islands_of_a_patch_stand_side_by_side_and_never_on_each_
     design.layout.modules[static_cast<std::size_t>(m)].tile =
         design.layout.modules[static_cast<std::size_t>(m % 2)].tile;
   }
-  const skin::LiveMonitor monitor(design);
+  const LiveMonitor monitor(design);
   const auto picture = [&](int columns) {
     return monitor.picture(layout::PatchIndex{0}, skin::PressureUnit::kCounts, false, columns);
   };
@@ -274,10 +274,10 @@ TEST(skin::LiveMonitor, islands_of_a_patch_stand_side_by_side_and_never_on_each_
                           "▲  -- ▼  --    ▲  -- ▼  -- ", "island 2", "▲  -- ▼  -- "));
 }
 
-TEST(skin::LiveMonitor, says_what_is_wrong_and_how_fast_samples_come) {
+TEST(LiveMonitor, says_what_is_wrong_and_how_fast_samples_come) {
   const design::Design design = strip(4, 2);
-  skin::LiveMonitor monitor(design);
-  ModuleSample absent = frame(2, layout::kRestCounts, 0);
+  LiveMonitor monitor(design);
+  session::ModuleSample absent = frame(2, layout::kRestCounts, 0);
   absent.sample.state = wire::ModuleState::kAbsent;
   absent.sample.valid = 0;
   monitor.add(absent);
@@ -293,4 +293,4 @@ TEST(skin::LiveMonitor, says_what_is_wrong_and_how_fast_samples_come) {
 }
 
 }  // namespace
-}  // namespace triskin::session
+}  // namespace triskin::skin
