@@ -39,7 +39,7 @@ TEST_P(LongPress, stays_within_two_percent_of_its_value_at_ten_seconds) {
   (void)deploy::flash(bus, link.skin().scene().design, flash_options);
   bus.listen(bus.now_us() + 3 * kSecond_us);  // The offsets are found by now.
 
-  LiveMonitor monitor(link.skin().scene().design);
+  skin::LiveMonitor monitor(link.skin().scene().design);
   session::Stream stream(bus, link.skin().scene().design, [&](const session::ModuleSample& f) { monitor.add(f); });
   stream.run_until(bus.now_us() + kSecond_us);
   EXPECT_TRUE(monitor.touches().pressed().empty());

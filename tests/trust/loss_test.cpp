@@ -20,11 +20,13 @@ class Crowded : public testing::Test {
  protected:
   Crowded() { hub_.flash(); }
   // Streams for `seconds` and keeps the samples.
-  StreamReport run(double seconds, session::StreamOptions options) {
+  session::StreamReport run(double seconds, session::StreamOptions options) {
     hub_.forget();
     session::Stream stream(
         bus_, hub_.design(),
-        [&](const session::ModuleSample& f) { came_.insert({f.sample.node_address, f.sample.module, f.sample.sample}); },
+        [&](const session::ModuleSample& f) {
+          came_.insert({f.sample.node_address, f.sample.module, f.sample.sample});
+        },
         std::move(options));
     stream.run_until(bus_.now_us() + static_cast<std::uint64_t>(seconds * 1e6));
     stream.finish();

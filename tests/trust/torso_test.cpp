@@ -48,13 +48,14 @@ TEST_P(LargeCover, every_sample_of_a_minute_arrives_or_is_counted) {
   EXPECT_NEAR(c.modules / (share * c.every), c.load, 0.05 * c.load) << "the case is not what its name says";
 
   std::map<std::pair<int, int>, std::set<std::uint32_t>> came;  // The key is node address and row.
-  StreamOptions options;
+  session::StreamOptions options;
   options.every = c.every;
   options.overload = true;
   hub.forget();
   session::Stream stream(
       bus, hub.design(),
-      [&](const session::ModuleSample& f) { came[{f.sample.node_address, f.sample.module}].insert(f.sample.sample); }, options);
+      [&](const session::ModuleSample& f) { came[{f.sample.node_address, f.sample.module}].insert(f.sample.sample); },
+      options);
   stream.run_until(bus.now_us() + static_cast<std::uint64_t>(kSeconds * 1e6));
   stream.finish();
   const session::StreamReport r = stream.report();

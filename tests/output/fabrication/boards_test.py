@@ -315,7 +315,7 @@ def islands_of(design):
 
 def header_pins():
     """Nets of the controller and their pins, from the firmware's header of the board."""
-    header = pathlib.Path(__file__).resolve().parents[2] / (
+    header = pathlib.Path(__file__).resolve().parents[3] / (
         "firmware/board/stm32g474/boards/nucleo_g474re/triskin/board/board_config.hpp")
     names = {"CanReceive": "CAN_RX", "CanSend": "CAN_TX", "LogSend": "LOG_TX", "Light": "LIGHT",
              "ChainClock": "CHAIN_CLOCK", "ChainIn": "CHAIN_IN", "ChainOut": "CHAIN_OUT",

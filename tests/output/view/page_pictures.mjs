@@ -8,7 +8,7 @@ import {fileURLToPath, pathToFileURL} from "node:url";
 
 import {drawn} from "./page_look.mjs";
 
-const HERE = path.dirname(fileURLToPath(import.meta.url)), EXAMPLES = path.join(HERE, "../../docs/examples/scenes");
+const HERE = path.dirname(fileURLToPath(import.meta.url)), EXAMPLES = path.join(HERE, "../../../docs/examples/scenes");
 const SCALE = 8;
 // Of 255. A pixel stands for 64 of the window, of which the smoothing of edges changes few.
 const DIFFERENT = 48;

@@ -30,7 +30,7 @@ mesh::Surface sheet(int across, int along, const Map& map) {
 }
 
 // Makes most of a sphere, without the poles, seen from outside.
-Surface sphere(double radius_mm) {
+mesh::Surface sphere(double radius_mm) {
   return sheet(60, 30, [=](double u, double v) {
     const double a = 1.9 * M_PI * u, b = M_PI * (0.1 + 0.8 * v);
     return Vec3(radius_mm * std::sin(b) * std::cos(a), radius_mm * std::sin(b) * std::sin(a), -radius_mm * std::cos(b));

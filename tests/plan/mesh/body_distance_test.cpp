@@ -73,7 +73,7 @@ TEST(BodyDistance, LeastAlongRandomLinesIsThatOfSmallSteps) {
     const BodyDistance body(mesh);
     for (int trial = 0; trial < 40; ++trial) {
       const auto any = [&] { return Vec3(place(random), place(random), place(random)); };
-      const Vec3 from = placement::any(), direction = placement::any().normalized();
+      const Vec3 from = any(), direction = any().normalized();
       const double length_mm = length(random);
       double least = body.signed_mm(from);
       for (double t = 0.0; t < length_mm; t += 0.01) least = std::min(least, body.signed_mm(from + t * direction));

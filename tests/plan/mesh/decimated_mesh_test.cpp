@@ -34,7 +34,7 @@ Mesh cube(double side_mm) {
 
 // Makes a plate of n × n cells of 100/n mm, without the middle ninth.
 Mesh plate_with_hole(int n) {
-  Mesh m = grid_mesh(n, n, [](double u, double v) { return Vec3(100 * u, 100 * v, 0.0); });
+  Mesh m = lattice::grid_mesh(n, n, [](double u, double v) { return Vec3(100 * u, 100 * v, 0.0); });
   std::erase_if(m.faces, [&](const auto& f) {
     const Vec3 p = (m.vertices[at(f[0])] + m.vertices[at(f[1])] + m.vertices[at(f[2])]) / 3.0;
     return std::max(std::abs(p.x() - 50.0), std::abs(p.y() - 50.0)) < 100.0 / 6.0;
@@ -110,7 +110,7 @@ void expect_bounds_hold(const Surface& original, const DecimatedMesh& solver, do
 }
 
 TEST(DecimatedMesh, a_divided_square_becomes_two_faces) {
-  const Surface original(divided(square(100.0), 6));
+  const Surface original(lattice::divided(square(100.0), 6));
   ASSERT_EQ(original.mesh().faces.size(), 8192U);
   const DecimatedMesh solver = decimate(original);
   EXPECT_EQ(solver.mesh.faces.size(), 2U);
@@ -120,7 +120,7 @@ TEST(DecimatedMesh, a_divided_square_becomes_two_faces) {
 }
 
 TEST(DecimatedMesh, a_divided_cube_becomes_twelve_faces) {
-  const DecimatedMesh solver = decimate(Surface(divided(cube(80.0), 5)));
+  const DecimatedMesh solver = decimate(Surface(lattice::divided(cube(80.0), 5)));
   EXPECT_EQ(solver.mesh.faces.size(), 12U);
   EXPECT_EQ(solver.mesh.vertices.size(), 8U);
   EXPECT_NEAR(volume_of(solver.mesh), 512'000.0, 1e-6);
@@ -129,7 +129,7 @@ TEST(DecimatedMesh, a_divided_cube_becomes_twelve_faces) {
 
 TEST(DecimatedMesh, a_divided_cylinder_keeps_within_the_deviation) {
   const double r = 50.0;
-  const Surface original(grid_mesh(
+  const Surface original(lattice::grid_mesh(
       300, 20, [=](double u, double v) { return Vec3(r * std::cos(M_PI * u), 100.0 * v, r * std::sin(M_PI * u)); }));
   for (const auto& [asked_mm, most] : {std::pair{0.2, 600U}, {0.05, 1'500U}, {0.01, 5'000U}}) {
     const DecimatedMesh solver = decimate(original, asked_mm);
@@ -143,7 +143,7 @@ TEST(DecimatedMesh, a_divided_cylinder_keeps_within_the_deviation) {
 }
 
 TEST(DecimatedMesh, a_bent_sheet_keeps_within_the_deviation) {
-  const Surface original(grid_mesh(
+  const Surface original(lattice::grid_mesh(
       100, 100, [](double u, double v) { return Vec3(200 * u, 200 * v, 12.0 * std::sin(5 * u) * std::cos(6 * v)); }));
   const DecimatedMesh solver = decimate(original);
   expect_bounds_hold(original, solver, kSolverDeviation_mm);
@@ -163,7 +163,7 @@ TEST(DecimatedMesh, a_hole_stays) {
 
 // A hole that is narrower than the bounds is reduced to three corners, but not closed.
 TEST(DecimatedMesh, a_slit_stays) {
-  Mesh m = grid_mesh(40, 40, [](double u, double v) { return Vec3(100 * u, 100 * v, 0.0); });
+  Mesh m = lattice::grid_mesh(40, 40, [](double u, double v) { return Vec3(100 * u, 100 * v, 0.0); });
   std::map<int, int> upper;  // These are copies of the corners between the ends of the slit.
   for (int u = 11; u < 30; ++u) {
     const int v = 20 * 41 + u;
@@ -185,7 +185,7 @@ TEST(DecimatedMesh, a_slit_stays) {
 }
 
 TEST(DecimatedMesh, a_round_border_stays_within_its_bound) {
-  Mesh m = grid_mesh(720, 24, [](double u, double v) {
+  Mesh m = lattice::grid_mesh(720, 24, [](double u, double v) {
     return Vec3((20 + 30 * v) * Vec3(std::cos(2 * M_PI * u), -std::sin(2 * M_PI * u), 0.0));
   });
   m = test::read_back(m);  // After welding it is a disc with a round hole.
@@ -208,7 +208,7 @@ TEST(DecimatedMesh, a_handle_stays) {
 
 // Two squares meet in nothing but one vertex.
 TEST(DecimatedMesh, a_corner_where_borders_meet_stays) {
-  Mesh m = divided(square(50.0), 4);
+  Mesh m = lattice::divided(square(50.0), 4);
   const Mesh one = m;
   std::vector<int> number;
   for (const Vec3& v : one.vertices) {
@@ -231,15 +231,17 @@ TEST(DecimatedMesh, is_the_same_whatever_the_number_of_threads) {
 }
 
 TEST(DecimatedMesh, nothing_goes_without_a_deviation) {
-  const Surface original(divided(square(100.0), 4));
+  const Surface original(lattice::divided(square(100.0), 4));
   EXPECT_EQ(decimate(original, 0.0).mesh.faces, original.mesh().faces);
 }
 
 TEST(DecimatedMesh, the_surface_itself_serves_where_its_faces_are_wide_or_few) {
   const LayoutLimits limits;
-  EXPECT_FALSE(solver_mesh_of(Surface(divided(square(20.0), 5)), limits));   // There are 2,048 faces of 0.2 mm².
-  EXPECT_FALSE(solver_mesh_of(Surface(divided(square(300.0), 6)), limits));  // There are 8,192 faces of 11 mm².
-  const Surface fine(divided(square(100.0), 6));
+  EXPECT_FALSE(
+      solver_mesh_of(Surface(lattice::divided(square(20.0), 5)), limits));  // There are 2,048 faces of 0.2 mm².
+  EXPECT_FALSE(
+      solver_mesh_of(Surface(lattice::divided(square(300.0), 6)), limits));  // There are 8,192 faces of 11 mm².
+  const Surface fine(lattice::divided(square(100.0), 6));
   EXPECT_FALSE(solver_mesh_of(fine, limits, 0.0));
   ASSERT_TRUE(solver_mesh_of(fine, limits));
   EXPECT_EQ(solver_mesh_of(fine, limits)->mesh.faces.size(), 2U);
@@ -260,11 +262,11 @@ TEST(DecimatedMesh, takes_a_twentieth_of_a_narrow_limit) {
 
 // The search uses only the solver's mesh; its modules are measured on the surface, and none is lost there.
 TEST(DecimatedMesh, a_layout_is_measured_on_the_surface) {
-  const Surface original(grid_mesh(
+  const Surface original(lattice::grid_mesh(
       120, 120, [](double u, double v) { return Vec3(160 * u, 160 * v, 10.0 * std::sin(3 * u) * std::cos(4 * v)); }));
   const auto solver = solver_mesh_of(original, {});
   ASSERT_TRUE(solver);
-  lattice::SurfaceLatticeOptions options = effort(30);
+  lattice::SurfaceLatticeOptions options = lattice::effort(30);
   options.front = false;
   options.solver = &*solver;
   ModuleLayout layout = lattice::grow_lattice(original, {}, options);

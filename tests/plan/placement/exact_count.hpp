@@ -28,12 +28,13 @@ class ExactCount {
 
   /// Returns the tiles sorted.
   [[nodiscard]] std::vector<design::Tile> tiles() const {
-    using namespace geometry;
+    using namespace placement;
     const auto box = outer_.bbox();
-    std::vector<Tile> found;
-    for (int j = static_cast<int>(std::floor(box.ymin() / kHeight_mm)) - 1; j * kHeight_mm < box.ymax(); ++j) {
-      const int first = static_cast<int>(std::floor(box.xmin() / kSide_mm - 0.5 * j)) - 2;
-      for (int i = first; kSide_mm * (i + 0.5 * j) < box.xmax(); ++i) {
+    std::vector<design::Tile> found;
+    for (int j = static_cast<int>(std::floor(box.ymin() / design::kHeight_mm)) - 1; j * design::kHeight_mm < box.ymax();
+         ++j) {
+      const int first = static_cast<int>(std::floor(box.xmin() / design::kSide_mm - 0.5 * j)) - 2;
+      for (int i = first; design::kSide_mm * (i + 0.5 * j) < box.xmax(); ++i) {
         for (const bool up : {true, false}) {
           if (inside({i, j, up})) found.push_back({i, j, up});
         }

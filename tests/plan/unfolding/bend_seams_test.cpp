@@ -22,7 +22,7 @@ template <class Place>
 Mesh grid(int nu, int nv, Place place) {
   Mesh m;
   for (int v = 0; v <= nv; ++v) {
-    for (int u = 0; u <= nu; ++u) m.vertices.push_back(placement::place(u, v));
+    for (int u = 0; u <= nu; ++u) m.vertices.push_back(place(u, v));
   }
   for (int v = 0; v < nv; ++v) {
     for (int u = 0; u < nu; ++u) {

@@ -8,12 +8,12 @@
 #include "support/random_design.hpp"
 #include "support/switched_case.hpp"
 
-namespace triskin::test {
+namespace triskin::pipeline {
 namespace {
 
 using nlohmann::json;
 
-class JumperedHardware : public SwitchedCase {
+class JumperedHardware : public test::SwitchedCase {
  protected:
   void SetUp() override {
     SwitchedCase::SetUp();
@@ -21,7 +21,7 @@ class JumperedHardware : public SwitchedCase {
   }
   design::Design make_design() override {
     std::mt19937_64 random(8);
-    return jumpered_design(8, 6, random);
+    return test::jumpered_design(8, 6, random);
   }
   // Returns what a controller can still read with the jumper open.
   [[nodiscard]] int survivors() const {
@@ -30,7 +30,7 @@ class JumperedHardware : public SwitchedCase {
                               design_.patches[0].modules.begin());
     };
     const design::Jumper& j = design_.layout.jumpers[0];
-    return std::popcount(rows_that_survive(design_, {{}, {{row(j.node[0]), row(j.node[1])}}}));
+    return std::popcount(test::rows_that_survive(design_, {{}, {{row(j.node[0]), row(j.node[1])}}}));
   }
 };
 
@@ -66,4 +66,4 @@ TEST_F(JumperedHardware, a_fault_of_a_jumper_that_is_not_there_is_refused) {
 }
 
 }  // namespace
-}  // namespace triskin::test
+}  // namespace triskin::pipeline

@@ -8,7 +8,7 @@
 #include <bit>
 #include <random>
 
-namespace triskin::placement {
+namespace triskin::routing {
 namespace {
 
 constexpr int kCapacity = 16;
@@ -17,7 +17,7 @@ constexpr long kAmple = 1'000'000'000;
 // Makes a ring or a random tree, and some more neighbours; islands that are one patch, several, and some that need more
 // patches alone than their weight says.
 IslandGraph random_graph(std::mt19937_64& random) {
-  routing::IslandGraph g;
+  IslandGraph g;
   const int n = 2 + static_cast<int>(random() % 6);
   const bool ring = random() % 2 == 0;
   g.neighbour.assign(static_cast<std::size_t>(n), 0);
@@ -37,7 +37,7 @@ IslandGraph random_graph(std::mt19937_64& random) {
   return g;
 }
 
-bool hang_together(const routing::IslandGraph& g, IslandSet group) {
+bool hang_together(const IslandGraph& g, IslandSet group) {
   IslandSet seen = group & (~group + 1);
   for (IslandSet before = 0; before != seen;) {
     before = seen;
@@ -49,7 +49,7 @@ bool hang_together(const routing::IslandGraph& g, IslandSet group) {
 
 // Returns the price by definition: an island alone has its stated parts, groups have their weight and one jumper less
 // than islands.
-std::int64_t price_by_hand(const routing::IslandGraph& g, IslandSet group, const routing::IntegerPrice& price) {
+std::int64_t price_by_hand(const IslandGraph& g, IslandSet group, const IntegerPrice& price) {
   if (std::has_single_bit(group)) return price.part * g.alone[static_cast<std::size_t>(std::countr_zero(group))];
   int weight = 0;
   for (IslandSet rest = group; rest != 0; rest &= rest - 1)
@@ -57,7 +57,7 @@ std::int64_t price_by_hand(const routing::IslandGraph& g, IslandSet group, const
   return price.part * ((weight + kCapacity - 1) / kCapacity) + price.jumper * (std::popcount(group) - 1);
 }
 
-std::int64_t by_trying_everything(const routing::IslandGraph& g, const routing::IntegerPrice& price, const routing::IslandGroups::Known& known) {
+std::int64_t by_trying_everything(const IslandGraph& g, const IntegerPrice& price, const IslandGroups::Known& known) {
   const IslandSet all = (IslandSet{1} << g.weight.size()) - 1;
   std::vector<std::int64_t> best(all + 1, std::int64_t{1} << 60);
   best[0] = 0;
@@ -76,26 +76,26 @@ TEST(IslandGroups, the_least_price_is_that_of_trying_everything) {
   std::mt19937_64 random(31);
   const std::array<design::Price, 3> prices{{{2.0, 0.45, 0.1}, {1.0, 0.75, 0.0}, {3.0, 0.1, 0.0}}};
   for (int trial = 0; trial < 1500; ++trial) {
-    const routing::IslandGraph g = random_graph(random);
-    const routing::IntegerPrice price(prices[static_cast<std::size_t>(trial % 3)]);
+    const IslandGraph g = random_graph(random);
+    const IntegerPrice price(prices[static_cast<std::size_t>(trial % 3)]);
     const std::int64_t least = by_trying_everything(g, price, {});
     // The limits leave out nothing, or the cheapest is just inside, or just outside.
-    EXPECT_EQ(routing::IslandGroups(g, kCapacity, price, std::int64_t{1} << 60, kAmple).least(), least) << trial;
-    EXPECT_EQ(routing::IslandGroups(g, kCapacity, price, least + 1, kAmple).least(), least) << trial;
-    EXPECT_EQ(routing::IslandGroups(g, kCapacity, price, least, kAmple).least(), least) << trial;
+    EXPECT_EQ(IslandGroups(g, kCapacity, price, std::int64_t{1} << 60, kAmple).least(), least) << trial;
+    EXPECT_EQ(IslandGroups(g, kCapacity, price, least + 1, kAmple).least(), least) << trial;
+    EXPECT_EQ(IslandGroups(g, kCapacity, price, least, kAmple).least(), least) << trial;
   }
 }
 
 // The known price of some groups rises, as it does when they are settled one by one.
 TEST(IslandGroups, what_is_known_of_groups_counts) {
   std::mt19937_64 random(32);
-  const routing::IntegerPrice price(design::Price{2.0, 0.45, 0.1});
+  const IntegerPrice price(design::Price{2.0, 0.45, 0.1});
   int raised = 0;
   for (int trial = 0; trial < 600; ++trial) {
-    const routing::IslandGraph g = random_graph(random);
+    const IslandGraph g = random_graph(random);
     const std::int64_t limit = by_trying_everything(g, price, {}) + price.jumper * static_cast<int>(1 + random() % 4);
-    const routing::IslandGroups groups(g, kCapacity, price, limit, kAmple);
-    routing::IslandGroups::Known known;
+    const IslandGroups groups(g, kCapacity, price, limit, kAmple);
+    IslandGroups::Known known;
     for (int round = 0; round < 12; ++round) {
       const std::int64_t least = by_trying_everything(g, price, known);
       long budget = kAmple;
@@ -123,12 +123,12 @@ TEST(IslandGroups, what_is_known_of_groups_counts) {
 
 TEST(IslandGroups, a_budget_that_ends_says_nothing) {
   std::mt19937_64 random(33);
-  const routing::IntegerPrice price(design::Price{2.0, 0.45, 0.1});
-  const routing::IslandGroups groups(random_graph(random), kCapacity, price, std::int64_t{1} << 60, 1);
+  const IntegerPrice price(design::Price{2.0, 0.45, 0.1});
+  const IslandGroups groups(random_graph(random), kCapacity, price, std::int64_t{1} << 60, 1);
   EXPECT_FALSE(groups.least().has_value());
   long budget = kAmple;
   EXPECT_FALSE(groups.cheapest({}, std::int64_t{1} << 60, budget).has_value());
 }
 
 }  // namespace
-}  // namespace triskin::placement
+}  // namespace triskin::routing

@@ -16,7 +16,7 @@
 #include "triskin/design/joint.hpp"
 #include "triskin/exports/export.hpp"
 
-namespace triskin::test {
+namespace triskin::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -42,7 +42,7 @@ design::ModuleLayout facing(double gap_mm, double shift_mm) {
 }
 
 mesh::Surface plane() {
-  return mesh::Surface(flat_design("plane", {-200, -200}, {200, 200}).surface);
+  return mesh::Surface(test::flat_design("plane", {-200, -200}, {200, 200}).surface);
 }
 
 TEST(Jumper, its_length_is_that_between_the_middles_of_the_sides) {
@@ -97,7 +97,8 @@ class JumperedFile : public testing::Test {
     folder_ = fs::temp_directory_path() / ("jumpers." + std::to_string(::getpid()));
     fs::create_directories(folder_);
     std::mt19937_64 random(5);
-    design_ = jumpered_design(21, 7, random);  // The 28 modules need two controllers with a jumper, three without.
+    design_ =
+        test::jumpered_design(21, 7, random);  // The 28 modules need two controllers with a jumper, three without.
     design::write_design(folder_ / "good.json", design_);
     good_ = json::parse(read_file(folder_ / "good.json"));
   }
@@ -240,4 +241,4 @@ TEST_F(JumperedFile, is_a_joint_in_the_tables_and_shown_in_picture_and_sheet) {
 }
 
 }  // namespace
-}  // namespace triskin::test
+}  // namespace triskin::pipeline

@@ -7,9 +7,9 @@
 #include <numeric>
 #include <random>
 
+#include "plan/routing/src/jumper_frontier.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/design/tile.hpp"
-#include "plan/routing/src/jumper_frontier.hpp"
 #include "triskin/routing/routing.hpp"
 
 namespace triskin::routing {
@@ -123,7 +123,8 @@ IslandSet torn_patch(int modules, int seeds, std::mt19937_64& random) {
         set.graph.nodes[v].neighbour[static_cast<std::size_t>(side)] = b;
         set.graph.nodes[v].border[static_cast<std::size_t>(side)] = false;
       } else if (a < b && random() % 4 != 0) {
-        set.places.push_back({{a, b}, {side, design::across(tiles[v], side).side}, 3.0, 0.0, design::JumperKind::kCable});
+        set.places.push_back(
+            {{a, b}, {side, design::across(tiles[v], side).side}, 3.0, 0.0, design::JumperKind::kCable});
       }
     }
   }
@@ -270,8 +271,8 @@ TEST(Cost, rings_large_islands_and_torn_patches_are_divided_as_cheaply_as_by_try
 
 // Searches all partitions whose jumpers join all islands for the lowest price. Parts are taken one by one, each with
 // the least remaining node; `together` gives joined islands the same number.
-std::int64_t cheapest_joined(const IslandSet& set, const design::ModuleGraph& joined, int capacity, const routing::IntegerPrice& price,
-                             unsigned rest, const std::vector<int>& together) {
+std::int64_t cheapest_joined(const IslandSet& set, const design::ModuleGraph& joined, int capacity,
+                             const routing::IntegerPrice& price, unsigned rest, const std::vector<int>& together) {
   constexpr std::int64_t kNone = std::int64_t{1} << 60;
   if (rest == 0) return std::ranges::count(together, together[0]) == std::ssize(together) ? 0 : kNone;
   std::int64_t best = kNone;
@@ -401,7 +402,8 @@ TEST(Cost, a_division_that_is_known_gives_the_same_wiring) {
       throw std::logic_error("divided again");
       return true;
     };
-    const routing::RoutingResult known = routing::route(set.graph, set.places, o), own = routing::route(set.graph, set.places, {});
+    const routing::RoutingResult known = routing::route(set.graph, set.places, o),
+                                 own = routing::route(set.graph, set.places, {});
     ASSERT_EQ(known.patches.size(), own.patches.size()) << trial;
     for (std::size_t p = 0; p < own.patches.size(); ++p) {
       ASSERT_EQ(known.patches[p].modules.size(), own.patches[p].modules.size()) << trial;
@@ -451,7 +453,7 @@ TEST(Cost, three_islands_of_ten_need_two_controllers_and_two_jumpers) {
     graph.nodes.push_back(node);
   }
   const std::vector<design::Jumper> places{{{9, 10}, {1, 0}, 5.0, 0.0, design::JumperKind::kCable},
-                                   {{19, 20}, {1, 0}, 5.0, 0.0, design::JumperKind::kCable}};
+                                           {{19, 20}, {1, 0}, 5.0, 0.0, design::JumperKind::kCable}};
   const routing::RoutingResult r = routing::route(graph, places);
   EXPECT_EQ(r.patches.size(), 2U);
   EXPECT_EQ(r.jumpers.size(), 2U);
@@ -473,7 +475,8 @@ TEST(Cost, the_lines_carry_the_capacitance_of_the_jumpers) {
   o.addresses = 1;
   o.capacity = 2;
   const routing::RoutingResult plain = routing::route(joint, o);
-  const routing::RoutingResult bridged = routing::route(apart, {{{0, 1}, {0, 0}, 10.0, 0.0, design::JumperKind::kCable}}, o);
+  const routing::RoutingResult bridged =
+      routing::route(apart, {{{0, 1}, {0, 0}, 10.0, 0.0, design::JumperKind::kCable}}, o);
   ASSERT_EQ(bridged.patches.size(), 1U);
   EXPECT_DOUBLE_EQ(plain.patches[0].lines[0].capacitance_pf, 48.0);
   EXPECT_DOUBLE_EQ(bridged.patches[0].lines[0].capacitance_pf, 50.6);
