@@ -3,7 +3,7 @@
 """Runs the libFuzzer programs of a build folder one after the other and prints a row of a table for each.
 
 Usage: run_fuzzers.py BUILD [--share S] [--seed N] [TARGET...]
-  --share S   fraction of the executions of docs/measurements/hardening.md, which are 10 million in all; default 1
+  --share S   fraction of the executions of docs/measurements/robustness.md, which are 10 million in all; default 1
   --seed N    of the first run; default 1
 
 What is found goes into BUILD/found/TARGET. An input that crashes a reader, takes it 2 s of processor time or 1 GB of memory ends

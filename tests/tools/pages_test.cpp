@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Tests the checks of pages: their length, and whether their commands give what the page says.
+// Tests the checks of pages: columns, index, and whether their commands give what the page says.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -11,38 +11,43 @@
 namespace triskin::tests {
 namespace {
 
-std::string words(int count) {
-  std::string text;
-  for (int k = 0; k < count; ++k) text += "word ";
-  return text + "\n";
-}
-
-class PageLength : public ScratchTree {
+class PageForm : public ScratchTree {
  protected:
+  void SetUp() override {
+    ScratchTree::SetUp();
+    write("README.md", "[page](docs/page.md), [measurements](docs/measurements/README.md)\n");
+    write("docs/measurements/README.md", "[lattice](lattice.md)\n");
+  }
   Ran with_page(const std::string& name, const std::string& text) {
-    write("README.md", "Short.\n");
     write("docs/" + name, text);
     return tool("check_pages", "");
   }
 };
 
-TEST_F(PageLength, accepts_1200_words_and_names_a_page_with_more) {
-  EXPECT_EQ(with_page("page.md", words(1200)).exit_status, 0);
-  const Ran ran = with_page("page.md", words(1201));
+TEST_F(PageForm, accepts_120_columns_and_names_a_longer_line) {
+  const std::string line = "ä " + std::string(118, 'x');  // columns, not bytes
+  EXPECT_EQ(with_page("page.md", "# Page\n\n" + line + "\n").exit_status, 0);
+  const Ran ran = with_page("page.md", "# Page\n\n" + line + "x\n");
   EXPECT_EQ(ran.exit_status, 1);
-  EXPECT_NE(ran.output.find("docs/page.md: 1201 words"), std::string::npos) << ran.output;
+  EXPECT_NE(ran.output.find("docs/page.md:3: 121 columns"), std::string::npos) << ran.output;
 }
 
-TEST_F(PageLength, leaves_generated_tables_and_code_out) {
-  const std::string generated = "<!-- options:live -->\n" + words(900) + "<!-- /options:live -->\n";
-  const std::string code = "```\n" + words(900) + "```\n";
-  EXPECT_EQ(with_page("page.md", words(1000) + generated + code).exit_status, 0);
+TEST_F(PageForm, lets_tables_code_and_generated_text_be_wide) {
+  const std::string wide = "x " + std::string(130, 'x') + "\n";
+  const std::string page = "| " + wide + "```\n" + wide + "```\n<!-- figure:a -->\n" + wide + "<!-- /figure:a -->\n";
+  EXPECT_EQ(with_page("page.md", page).exit_status, 0);
+  EXPECT_EQ(with_page("page.md", page + wide).exit_status, 1);
 }
 
-TEST_F(PageLength, lets_references_and_measurements_be_long) {
-  EXPECT_EQ(with_page("protocol.md", words(5000)).exit_status, 0);
-  write("docs/measurements/lattice.md", words(5000));
-  EXPECT_EQ(with_page("page.md", "Short.\n").exit_status, 0);
+TEST_F(PageForm, names_a_page_that_the_index_lacks) {
+  EXPECT_EQ(with_page("measurements/lattice.md", "Text.\n").exit_status, 0);
+  const Ran page = with_page("lost.md", "Text.\n");
+  EXPECT_EQ(page.exit_status, 1);
+  EXPECT_NE(page.output.find("docs/lost.md: no link to it in README.md"), std::string::npos) << page.output;
+  const Ran measured = with_page("measurements/lost.md", "Text.\n");
+  EXPECT_NE(measured.output.find("docs/measurements/lost.md: no link to it in docs/measurements/README.md"),
+            std::string::npos)
+      << measured.output;
 }
 
 class PageCommands : public ScratchTree {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Follows docs/port_a_board.md and docs/port_a_chip.md from an empty folder, with the commands that stand there.
+"""Follows both recipes of docs/port.md from an empty folder, with the commands that stand there.
 
 Usage: port_pages_test.py board|chip
 
@@ -53,7 +53,7 @@ def build(project: pathlib.Path, page: str, board: str) -> dict:
 def follow_board(project: pathlib.Path) -> None:
     folder = "firmware/board/stm32g474/boards/icub_patch"
     copy_project(project, folder)
-    lines = commands("port_a_board.md")
+    lines = commands("port.md")
     configure = next(line for line in lines if line.startswith("cmake --preset"))
     refusal = run(configure, project, must_fail=True)
     words = " ".join(refusal.split())  # CMake breaks its messages into lines.
@@ -64,20 +64,20 @@ def follow_board(project: pathlib.Path) -> None:
     for name in ["board.cmake", "triskin/board/board_config.hpp"]:
         assert (project / folder / name).is_file(), f"the page's commands make no {name}"
         shutil.copy(ROOT / folder / name, project / folder / name)
-    manifest = build(project, "port_a_board.md", "icub_patch")
+    manifest = build(project, "port.md", "icub_patch")
     assert manifest["chip"] == "STM32G474xE" and manifest["pins"]["Sda1"] == "PB9", manifest
 
 
 def follow_chip(project: pathlib.Path) -> None:
     folder = "firmware/board/stm32l452"
     copy_project(project, folder)
-    text = (ROOT / "docs/port_a_chip.md").read_text().replace("NAME", "nucleo_l452re")
+    text = (ROOT / "docs/port.md").read_text().replace("NAME", "nucleo_l452re")
     names = sorted(set(re.findall(r"`((?:include|src|boards)/[\w/.]+\.(?:hpp|cpp|cmake))`", text)))
     assert len(names) >= 9, names
     for name in names:
         (project / folder / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / folder / name, project / folder / name)
-    manifest = build(project, "port_a_chip.md", "nucleo_l452re")
+    manifest = build(project, "port.md", "nucleo_l452re")
     assert manifest["chip"] == "STM32L452xE" and manifest["crystals_MHz"] == [8], manifest
     print(f"{len(names)} files named by the page make the image")
 

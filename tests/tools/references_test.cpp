@@ -75,6 +75,14 @@ TEST_F(References, holds_commands_against_the_program) {
   EXPECT_NE(option.output.find("triskin verify has no option --no-such"), std::string::npos) << option.output;
 }
 
+TEST_F(References, names_a_command_that_the_page_of_commands_lacks) {
+  write("docs/cli.md", "`verify`\n");
+  const Ran ran = with_readme("Text\n", "--program " + test::program_file());
+  EXPECT_EQ(ran.exit_status, 1);
+  EXPECT_NE(ran.output.find("docs/cli.md:1: command flash is not listed"), std::string::npos) << ran.output;
+  EXPECT_EQ(ran.output.find("command verify is"), std::string::npos) << ran.output;
+}
+
 TEST_F(References, says_when_commands_are_not_checked) {
   EXPECT_NE(with_readme("[page](docs/page.md)\n").output.find("commands and options were not checked"),
             std::string::npos);

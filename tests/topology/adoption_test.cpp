@@ -93,7 +93,7 @@ class Fixture {
   std::optional<session::Stream> stream_;
 };
 
-constexpr std::uint64_t kAdopted_us = 1'500'000;  // docs/adoption.md states this time.
+constexpr std::uint64_t kAdopted_us = 1'500'000;  // docs/rerouting.md states this time.
 // The time has the owner's second search, after 2 + 2 s, and the hand-back.
 constexpr std::uint64_t kBack_us = 5'000'000;
 
@@ -220,7 +220,7 @@ TEST(Adoption, every_failure_is_mended_as_the_design_says) {
   send_status(t);
 }
 
-// Patches have every size, so some neighbours have few addresses left. docs/measurements/rerouting.md lists the modules
+// Patches have every size, so some neighbours have few addresses left. docs/measurements/firmware.md lists the modules
 // that are not read.
 TEST(AdoptionOnManyCovers, leaves_one_orphan_of_a_hundred_at_most) {
   Tally t;

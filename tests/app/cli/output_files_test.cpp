@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Files that commands write must keep what coreutils would keep: modes, links, names (docs/measurements/inputs.md).
+// Files that commands write must keep what coreutils would keep: modes, links, names (docs/measurements/robustness.md).
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Runs the bench as a person meets it: repair, dump, and the two hours of docs/first_hours.md.
+// Runs the bench as a person meets it: repair, dump, and the two hours of docs/examples.md.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -107,7 +107,7 @@ class Hours : public ShellCase {
     fs::create_directories(folder_ / "hour");
     EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 0) << read_file(folder_ / "messages");
     const std::string out = read_file(folder_ / "out");
-    const auto wanted = page_block("first_hours.md", script + "`");
+    const auto wanted = page_block("examples.md", script + "`");
     ASSERT_GT(wanted.size(), 5U);
     EXPECT_EQ(missing_line(wanted, out), "") << out;
   }

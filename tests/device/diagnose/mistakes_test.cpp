@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Seeds mistakes, alone and in pairs: the right explanation must come first. This test makes the table in
-// docs/measurements/verify.md.
+// docs/measurements/device.md.
 #include "device/diagnose/mistakes.hpp"
 
 #include <fmt/format.h>
@@ -184,7 +184,7 @@ TEST(SeededMistakes, twenty_pairs_on_strapped_patches_have_one_finding_for_each_
   EXPECT_EQ(exact, pairs);
 }
 
-// Compares with the table of docs/measurements/verify.md; TRISKIN_WRITE_TABLES=1 writes it (tools/make_mistake_table).
+// Compares with the table of docs/measurements/device.md; TRISKIN_WRITE_TABLES=1 writes it (tools/make_mistake_table).
 TEST(SeededMistakes, long_the_table_in_the_docs_is_what_was_measured) {
   int blamed = 0;
   Score alone_total, pair_total;
@@ -206,7 +206,7 @@ TEST(SeededMistakes, long_the_table_in_the_docs_is_what_was_measured) {
   EXPECT_GE(alone_total.percent(), 95.0);
   EXPECT_GE(pair_total.percent(), 85.0);
   EXPECT_EQ(blamed, 0);
-  const std::string page = source_folder() + "/docs/measurements/verify.md";
+  const std::string page = source_folder() + "/docs/measurements/device.md";
   std::ifstream in(page);
   std::stringstream text;
   text << in.rdbuf();

@@ -37,7 +37,7 @@ mesh::Surface sphere(double radius_mm) {
   });
 }
 
-// By docs/bending.md the centre gap, with the lift, allows a module on a sphere of 33 mm.
+// By docs/limits.md the centre gap, with the lift, allows a module on a sphere of 33 mm.
 TEST(WhatRefuses, a_sphere_of_20_mm_needs_33) {
   const auto o = what_refuses(sphere(20.0), {});
   ASSERT_TRUE(o);

@@ -150,7 +150,7 @@ TEST_P(CleanCover, is_a_manifold_with_its_holes_and_curvature) {
   EXPECT_GE(share, 0.75);
   EXPECT_EQ(extract(mesh).surface.faces.size(), mesh.faces.size()) << "extract has nothing to mend";
 }
-// The real covers (docs/generate.md) have one to four loops, 57 … 1043 cm², and deficits that sum up to 0.2 … 17
+// The real covers (docs/mesh.md) have one to four loops, 57 … 1043 cm², and deficits that sum up to 0.2 … 17
 // rad.
 INSTANTIATE_TEST_SUITE_P(
     Hard, CleanCover,

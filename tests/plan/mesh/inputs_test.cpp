@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Tests the inputs of real users, kind by kind (docs/measurements/inputs.md): one open quarter pipe in many formats.
+// Tests the inputs of real users, kind by kind (docs/measurements/robustness.md): one open quarter pipe in many formats.
 // Its area, its number of faces and the side to which its faces point are known, so that a reader cannot be wrong
 // silently.
 #include <fmt/format.h>

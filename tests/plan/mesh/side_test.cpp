@@ -184,7 +184,7 @@ TEST(Side, AHeadOfAScrewKeepsItsHoleOpen) {
 class RandomWalledParts : public ::testing::TestWithParam<int> {};
 
 // Of every kind some parts by formula: hardly any of the inside is taken, and a part without a wall stays whole. The
-// rules were set with these seeds; TRISKIN_WALLED_SEEDS="201 240" takes others (docs/measurements/side.md).
+// rules were set with these seeds; TRISKIN_WALLED_SEEDS="201 240" takes others (docs/measurements/mesh.md).
 TEST_P(RandomWalledParts, InnerSideIsNotTaken) {
   unsigned first = 1, last = 3;
   if (const char* seeds = std::getenv("TRISKIN_WALLED_SEEDS")) {

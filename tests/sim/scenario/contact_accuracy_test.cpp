@@ -149,7 +149,7 @@ Scatter scatter_of(double radius_mm) {
 }
 
 TEST(ContactAccuracy, TheForceOfASmallFingerScattersLittleOverItsPlaces) {
-  // The pitch of the taxels limits the smallest finger (docs/force.md); the limit is its scatter of 11.0 % and one
+  // The pitch of the taxels limits the smallest finger (docs/calibration.md); the limit is its scatter of 11.0 % and one
   // standard error of 150 places, a share of 1/√300.
   for (const auto& [radius_mm, limit] : {std::pair(4.0, 0.117), std::pair(6.0, 0.05), std::pair(8.0, 0.02)}) {
     const Scatter s = scatter_of(radius_mm);

@@ -82,7 +82,7 @@ put("ball.xml", `<mujoco><include file="tactile.xml"/><worldbody>${ball(middle[2
 // A ball of 2 kg drops 5 mm. Its momentum tells the impulse of the skin, the samples of the controllers tell the force. Taxels take
 // samples of the pressure, so the force depends on the place by some percent: the ball drops at seven places of a pitch of the strip. The
 // skin has a layer, which spreads the pressure as a real one does; taxels that felt it at points would be wrong by up to 11 %
-// (docs/contact_stream.md). The ball slides up and down only, so that it does not roll off.
+// (docs/simulation.md). The ball slides up and down only, so that it does not roll off.
 /** Simulates a skin that is touched over a socket. @param {string} scene @returns {Promise<any>} its first line, and how to step and end it */
 const touched = async scene => {
   const server = spawn(triskin, ["simulate", scene, "--contacts", "127.0.0.1:0"], {env: {...process.env, XDG_STATE_HOME: folder}});

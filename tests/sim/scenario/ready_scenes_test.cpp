@@ -41,7 +41,7 @@ TEST_P(ReadyScenes, hold_what_they_expect) {
 INSTANTIATE_TEST_SUITE_P(All, ReadyScenes, testing::ValuesIn(scene_files()));
 
 TEST(ReadyScenesPage, names_every_scene) {
-  const std::string page = read_file(fs::path(test::source_folder()) / "docs/ready_scenes.md");
+  const std::string page = read_file(fs::path(test::source_folder()) / "docs/examples.md");
   EXPECT_GE(scene_files().size(), 5U);
   for (const std::string& name : scene_files()) EXPECT_THAT(page, testing::HasSubstr(name + ".json"));
 }

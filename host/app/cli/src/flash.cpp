@@ -282,7 +282,7 @@ const Registration kFlash{{
                      "PATCH=SERIAL: the controller with this serial number serves the patch, whatever it holds; may be "
                      "given several times");
       app.add_option("--assign-file", options->assign_file,
-                     "the same from a file that triskin identify wrote (docs/which_board.md)");
+                     "the same from a file that triskin identify wrote (docs/deploy.md)");
       app.add_flag(
           "--by-serial", options->by_serial,
           "fresh controllers get the patches in the order of their serial numbers; else they are told apart by "

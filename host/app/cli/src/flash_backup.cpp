@@ -58,7 +58,7 @@ void restore_calibrations(std::span<const deploy::BoardBackup> boards, std::span
 void add_backup_options(CLI::App& app, BackupOptions& options) {
   app.add_option("--save", options.save, "before anything is written: keep what the controllers hold in this file");
   app.add_option("--restore", options.restore,
-                 "write back what --save kept, in place of the design's tables (docs/backup.md says what that is)");
+                 "write back what --save kept, in place of the design's tables (docs/deploy.md says what that is)");
   app.add_option("--onto", options.onto,
                  "with --restore: OLD=NEW, serial numbers: controller NEW takes the place of OLD; may be given several "
                  "times");

@@ -420,7 +420,7 @@ const cli::Registration kRobot{{
       app.add_option("ACTION", o->action, "new, add (a cover or a bus), show, or register (a cover by touches)")
           ->required()
           ->check(CLI::IsMember({"new", "add", "show", "register"}));
-      app.add_option("ROBOT", o->robot, "robot file (docs/robot_file.md)")->required();
+      app.add_option("ROBOT", o->robot, "robot file (docs/robot.md)")->required();
       app.add_option("FILE", o->file, "add: design file; register: touches, module,taxel,x_mm,y_mm,z_mm a line");
       app.add_option("--name", o->name, "of the robot (new) or of the cover (add, register)");
       app.add_option("--bus", o->buses, "NAME=LINK[@RATE[/DATA_RATE]] defines a bus; add: NAME, the bus of the cover");

@@ -267,11 +267,11 @@ const Registration kSimulate{{
                      "scene's seed");
       app.add_option("--contacts", options->contacts,
                      "HOST:PORT (port 0 takes a free one): another simulator tells where it touches the skin and gets "
-                     "the frames of the controllers (docs/contact_stream.md)")
+                     "the frames of the controllers (docs/simulation.md)")
           ->excludes("--listen");
       app.add_flag("--check", options->check,
                    "run the scene and hold what the skin reports against its \"expect\"; status 1 if it differs "
-                   "(docs/scene_check.md)")
+                   "(docs/simulation.md)")
           ->excludes("--listen")
           ->excludes("--contacts")
           ->excludes("--seconds");

@@ -11,7 +11,7 @@
 namespace triskin::design {
 namespace {
 
-constexpr const char* kKindsPage = "docs/kinds.md";
+constexpr const char* kKindsPage = "docs/pipeline.md";
 constexpr double kMaxSensitivity = 1e6;
 
 ModuleKind read_kind(const JsonValue& v) {

@@ -79,7 +79,7 @@ using design::JsonValue;
 
 constexpr const char* kBackupFormat = "triskin-board-backup";
 constexpr int kBackupVersion = 1;
-constexpr const char* kBackupPage = "docs/backup.md";
+constexpr const char* kBackupPage = "docs/deploy.md";
 
 nlohmann::ordered_json board_json(const BoardBackup& b) {
   nlohmann::ordered_json values = nlohmann::ordered_json::object(), faults = nlohmann::ordered_json::array();

@@ -16,7 +16,7 @@ using design::JsonValue;
 
 constexpr const char* kBoardFormat = "triskin-boards";
 constexpr int kBoardVersion = 1;
-constexpr const char* kBoardPage = "docs/which_board.md";
+constexpr const char* kBoardPage = "docs/deploy.md";
 
 FlashOptions::Assignment assignment_in(const JsonValue& v, const design::Design& design) {
   design::only_keys(v, {"patch", "serial"}, kBoardPage);

@@ -79,7 +79,7 @@ std::array<BringUpStep, 12> bring_up_steps(const BringUpBoard& board) {
        "each module of the design answers, and nothing else",
        "no answer: address straps, a part without -1 (it speaks SPI), VDRIVE; SDA stays low: the converter's supply"},
       {11, "Write the tables and verify.", "findings of triskin verify", "none",
-       "the table of findings in docs/verify.md says which strap, joint or part"},
+       "the table of findings in docs/diagnose.md says which strap, joint or part"},
       {12, "Watch the samples; nothing touches the skin.", "rate, noise, rest value and offset of each taxel",
        "every module streams, each taxel rests in the middle third, noise below 10 counts RMS",
        "outside the middle third: the electrode has less than 2 or more than 18 pF, is open or shorted; noise: supply "

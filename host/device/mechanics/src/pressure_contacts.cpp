@@ -26,7 +26,7 @@ constexpr double kWantedGain = 100.0;
 constexpr std::size_t kTaxelsForOne = 2;
 // Round contacts explain a group if they leave less than this share of its sum of squares.
 constexpr double kMaxUnexplained = 0.05;
-// For the smallest contacts that are summed, the sum over taxels errs by this share (docs/force.md).
+// For the smallest contacts that are summed, the sum over taxels errs by this share (docs/calibration.md).
 constexpr double kSumErrorShare = 0.05;
 // The force of a contact equals the sum over the taxels around it within a factor e to the power of this. Without this
 // bound, a light touch on one taxel could be explained by a huge force far beside it.

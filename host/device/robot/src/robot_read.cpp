@@ -16,7 +16,7 @@ using design::JsonValue;
 using design::number_in;
 
 constexpr const char* kFormat = "triskin-robot";
-constexpr const char* kPage = "docs/robot_file.md";
+constexpr const char* kPage = "docs/robot.md";
 constexpr double kMaxCable_mm = 1e6, kMaxPlace_mm = 1e5, kMaxAngle_rad = 100.0, kMaxRate_hz = 1000.0;
 constexpr int kMaxBitRate = 10'000'000;
 

@@ -10,7 +10,7 @@ namespace triskin::session {
 
 /// A fiber is a function with its own stack that runs only inside resume(). Owner and body never run at the same time;
 /// each switch is a synchronization point, so data that both use needs no lock. It is implemented with an
-/// operating-system thread: docs/decisions/0020-tasks-on-threads.md.
+/// operating-system thread: docs/decisions.md.
 class Fiber {
  public:
   /// `body` must not throw; it has not started when the constructor returns.

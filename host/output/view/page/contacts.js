@@ -4,7 +4,7 @@
 import {HEADER} from "./live.js";
 import {TAXELS} from "./model.js";
 
-const CONTACTS_KIND = 2; // docs/view_server.md
+const CONTACTS_KIND = 2; // docs/view.md
 
 /** @typedef {{taxels: number[], sum: number, force: number | null, forceSd: number | null, centre: number[], module: number}} Contact */
 

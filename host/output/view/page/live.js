@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // @ts-check
-// The live skin: binary frames from the server into typed arrays (docs/view_server.md has the layout).
+// The live skin: binary frames from the server into typed arrays (docs/view.md has the layout).
 import {TAXELS} from "./model.js";
 
 /** Bytes before the records of a frame, and before the text of contacts. */

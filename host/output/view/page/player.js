@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // @ts-check
-// Plays a recording: the frames of the live skin one after another, with a scrubber (docs/view_server.md has the track).
+// Plays a recording: the frames of the live skin one after another, with a scrubber (docs/view.md has the track).
 import {HEADER} from "./live.js";
 import {byId} from "./panel.js";
 

@@ -9,7 +9,7 @@
 
 namespace triskin::view {
 
-/// Parses a command from the page (docs/view_server.md); empty if it is invalid.
+/// Parses a command from the page (docs/view.md); empty if it is invalid.
 [[nodiscard]] std::optional<Command> command_of(std::string_view text);
 
 /// Formats the status message for the page.

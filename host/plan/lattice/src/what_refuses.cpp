@@ -42,7 +42,7 @@ Bend bend_at(const mesh::Surface& surface, const Vec3& place) {
   return bend;
 }
 
-// Gives the quantity that a limit bounds, for a surface with these curvatures (docs/bending.md), and its limit. It
+// Gives the quantity that a limit bounds, for a surface with these curvatures (docs/limits.md), and its limit. It
 // grows with the curvature, or for the edge error with its square.
 struct Demand {
   double is_mm = 0.0, allowed_mm = 0.0, power = 1.0;

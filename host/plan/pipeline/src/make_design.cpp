@@ -38,7 +38,7 @@ void require_places(const design::KindPlan& plan) {
 }
 
 // Limits of the lattice for a bending radius: a side of a module is a chord, whose sagitta is a²/(8R)
-// (docs/bending.md).
+// (docs/limits.md).
 DesignOptions with_bend_limits(DesignOptions options) {
   if (options.bend_radius_mm <= 0.0) return options;
   const double sagitta_mm = design::kSide_mm * design::kSide_mm / (8.0 * options.bend_radius_mm);

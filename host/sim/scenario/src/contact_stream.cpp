@@ -23,7 +23,7 @@ using design::number_in;
 using design::Vec3;
 using nlohmann::json;
 
-constexpr const char* kPage = "docs/contact_stream.md";
+constexpr const char* kPage = "docs/simulation.md";
 constexpr const char* kCover = "cover";
 constexpr double kMaxLength_mm = 1e5;
 constexpr double kMaxForce_n = 1e4;

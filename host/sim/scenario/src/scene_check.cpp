@@ -254,7 +254,7 @@ SceneCheck check_buses(std::vector<hardware::JointScene> buses, const std::vecto
                        const ProgressSink& progress) {
   if (expectations.empty())
     throw InputError(
-        "the scene expects nothing; say what the skin should report with \"expect\" (docs/scene_check.md)");
+        "the scene expects nothing; say what the skin should report with \"expect\" (docs/simulation.md)");
   SkinReports skin(buses);
   std::deque<Watch> watches;
   std::uint64_t end_us = 0;

@@ -6,7 +6,7 @@
 #include "triskin/core/bytes.hpp"
 #include "triskin/core/status.hpp"
 
-/// A firmware file contains the application twice, linked for slot A and for slot B. See docs/firmware_images.md,
+/// A firmware file contains the application twice, linked for slot A and for slot B. See docs/firmware_board.md,
 /// "Firmware package".
 namespace triskin::layout {
 

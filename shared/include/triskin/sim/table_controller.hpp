@@ -28,7 +28,7 @@ using LookAtChip = std::function<std::optional<ChipReading>(int line, std::uint8
 /// and it answers leases and requests for the stream's account. Anything else (another request, a chip that does not
 /// answer, USB) wakes the firmware, which first runs through the time that it has missed, so that its state is that of
 /// a controller without the table. Samples are equal but for their times, which differ by the microseconds by which the
-/// firmware refines its estimates of the chips' clocks meanwhile (docs/controller_levels.md).
+/// firmware refines its estimates of the chips' clocks meanwhile (docs/simulation.md).
 [[nodiscard]] std::unique_ptr<VirtualController> make_table_controller(const VirtualBoard& board, LookAtChip look);
 
 }  // namespace triskin::sim

@@ -63,7 +63,7 @@ struct SerialNumber {
 };
 static_assert(kLengthsAsInTable<SerialNumber>);
 
-/// The kind of board is a letter or digit; an image for another kind is refused (docs/port_a_board.md).
+/// The kind of board is a letter or digit; an image for another kind is refused (docs/port.md).
 #ifndef TRISKIN_BOARD_KIND
 #define TRISKIN_BOARD_KIND '1'
 #endif

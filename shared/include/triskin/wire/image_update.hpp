@@ -122,7 +122,7 @@ struct Offer {
 };
 inline constexpr std::array kOfferCommands{Command::kSize, Command::kVersion, Command::kHardware, Command::kCrc};
 inline constexpr std::size_t kOfferFrames = kOfferCommands.size();
-/// Protects an offer against accidents, but not against intent (docs/decisions/0041-who-may-update.md).
+/// Protects an offer against accidents, but not against intent (docs/decisions.md).
 [[nodiscard]] constexpr std::uint8_t offer_key(std::uint16_t session, std::uint32_t firmware_version) {
   return static_cast<std::uint8_t>(security_key(firmware_version ^ session) & 0xFF);
 }

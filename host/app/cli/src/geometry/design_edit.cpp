@@ -157,7 +157,7 @@ void EditOptions::add_to(CLI::App& app) {
   keep_option->excludes(mirror_option);
   app.add_option(
       "--kinds", kinds,
-      "file that says which modules are of which kind (docs/kinds.md); of a design (.json) it changes nothing "
+      "file that says which modules are of which kind (docs/pipeline.md); of a design (.json) it changes nothing "
       "else; none: all are standard");
 }
 

@@ -69,7 +69,7 @@ TRISKIN_API const char* triskin_version(void);
 /// until the next failed call in this thread; it is empty if none failed.
 TRISKIN_API const char* triskin_error(void);
 
-/// Reads a design file and opens its link, or reads a robot file (docs/robot_file.md) and opens the links of all buses,
+/// Reads a design file and opens its link, or reads a robot file (docs/robot.md) and opens the links of all buses,
 /// without talking to controllers yet. `options` may be NULL. On success the caller must close *skin with
 /// triskin_close; otherwise it is NULL. TRISKIN_BAD_INPUT: the file or an option cannot be used. TRISKIN_DEVICE_FAILED:
 /// a link cannot be opened. The library does not handle signals.

@@ -92,7 +92,7 @@ struct Design {
   ModuleLayout layout;
   std::vector<Patch> patches;
   /// Each patch's controller has its node address here; 0 means that it is on another bus than the current one. If the
-  /// list is empty, patch p has address p + 1. A robot file assigns the addresses (docs/robot_file.md), so they are
+  /// list is empty, patch p has address p + 1. A robot file assigns the addresses (docs/robot.md), so they are
   /// neither in the design file nor in its id.
   std::vector<std::uint8_t> node_addresses;
   KindPlan kinds;   ///< An empty plan means that all modules are of the standard kind; the file then has no such key.

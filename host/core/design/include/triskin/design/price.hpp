@@ -3,7 +3,7 @@
 
 namespace triskin::design {
 
-/// Costs of the parts of a cover, expressed in modules: the value of a layout is modules − price (docs/cost.md
+/// Costs of the parts of a cover, expressed in modules: the value of a layout is modules − price (docs/pipeline.md
 /// explains the defaults). Each cost is 0 … 16.
 struct Price {
   double controller = 2.0;  ///< The price includes the controller's cable.

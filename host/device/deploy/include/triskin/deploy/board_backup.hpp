@@ -15,7 +15,7 @@
 
 namespace triskin::deploy {
 
-/// The protocol of a controller lets us read these data (docs/backup.md says which of it can be written back).
+/// The protocol of a controller lets us read these data (docs/deploy.md says which of it can be written back).
 struct BoardBackup {
   /// The controller remembers a fault with the data recorded when it first occurred.
   struct Fault {

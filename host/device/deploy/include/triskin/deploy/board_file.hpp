@@ -9,7 +9,7 @@
 
 namespace triskin::deploy {
 
-/// `triskin identify` writes the controller of each patch of a design in this form (docs/which_board.md).
+/// `triskin identify` writes the controller of each patch of a design in this form (docs/deploy.md).
 struct BoardFile {
   std::uint64_t design_id = 0;
   /// The list is sorted by patch; each patch and each controller occurs once.

@@ -31,7 +31,7 @@ struct FirmwareResult {
   std::size_t bytes = 0;
 };
 
-/// Writes the firmware into the free slot of one controller over CAN through its loader (docs/firmware_images.md),
+/// Writes the firmware into the free slot of one controller over CAN through its loader (docs/firmware_board.md),
 /// starts it, and reads back which image runs. If it is interrupted, the old application stays and starts again. With
 /// dry_run nothing is written. Throws DeviceError: no answer of application or loader, flash refused, the new
 /// application was not started; Cancelled when the process was asked to end.

@@ -9,7 +9,7 @@
 namespace triskin::diagnose {
 
 /// Hardware and design can differ in these ways. The first group concerns controllers and their tables, the second the
-/// values that controllers read, the third the modules and joints that the route chain shows (docs/verify.md,
+/// values that controllers read, the third the modules and joints that the route chain shows (docs/diagnose.md,
 /// docs/switched_module.md).
 enum class FindingKind {
   kAbsentController,     ///< No controller answers at the node address of the patch.

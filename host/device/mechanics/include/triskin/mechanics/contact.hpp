@@ -48,7 +48,7 @@ struct Contact {
   std::shared_ptr<const ContactField> field;
 };
 
-/// The models are ordered from fast to exact. docs/measurements/contact.md has their error and cost.
+/// The models are ordered from fast to exact. docs/measurements/mechanics.md has their error and cost.
 enum class Level { kWinkler, kLogarithmic, kTable, kFft };
 
 /// Presses `indenter` on `layer` with `force` (N; of a line N/mm) and returns the contact by `level`:

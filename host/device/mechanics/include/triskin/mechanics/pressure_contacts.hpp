@@ -17,7 +17,7 @@ struct PressureOptions {
   double max_link_mm = 12.0;       ///< Pressed taxels up to this far apart belong to one group.
   double contact_radius_mm = 6.0;  ///< The prior of the radius centres here; the next value is its width.
   /// With 0.3, 95 % of the contacts are expected between 3.3 and 10.8 mm. A wider prior makes the stated deviations of
-  /// small contacts too small, because one or two taxels do not tell the radius (docs/force.md).
+  /// small contacts too small, because one or two taxels do not tell the radius (docs/calibration.md).
   double contact_radius_log_sd = 0.3;
 };
 

@@ -32,7 +32,7 @@ struct Problem {
   std::string remedy;  ///< The text says what to do.
 };
 /// Returns all mistakes of a robot, in the order of the file; an empty list means that it may be deployed.
-/// docs/robot_file.md lists the rules. Cost: linear.
+/// docs/robot.md lists the rules. Cost: linear.
 [[nodiscard]] std::vector<Problem> check(const Assembly& assembly);
 
 /// The samples of all covers together load a bus.

@@ -37,7 +37,7 @@ struct ControllerEntry {
   double cable_mm = 0.0;
 };
 
-/// Records how the pose of a cover was measured (docs/robot_file.md).
+/// Records how the pose of a cover was measured (docs/robot.md).
 struct Measured {
   int points = 0;
   double rms_mm = 0.0;
@@ -60,7 +60,7 @@ struct CoverEntry {
   std::vector<ControllerEntry> controllers;
 };
 
-/// A robot file (docs/robot_file.md) lists the covers of the robot, and what is connected to each bus.
+/// A robot file (docs/robot.md) lists the covers of the robot, and what is connected to each bus.
 struct Robot {
   static constexpr int kVersion = 1;
   std::string name;

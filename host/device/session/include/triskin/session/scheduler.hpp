@@ -17,7 +17,7 @@ struct Task {
 };
 
 /// With this many conversations on one wire, the others fill the time in which one controller erases a page
-/// (docs/decisions/0063-tables-side-by-side.md).
+/// (docs/decisions.md).
 inline constexpr int kTasksPerWire = 16;
 
 /// Runs tasks concurrently over one link: while one waits for a frame, another runs. Exactly one task runs at any time,
@@ -25,7 +25,7 @@ inline constexpr int kTasksPerWire = 16;
 /// deterministic. At most `per_wire` tasks (values below 1 count as 1) are active on one wire (Link::wire_of). Returns
 /// once all tasks have ended; element k holds the exception that task k threw, or null. A failure of the link is thrown
 /// in the task that waits for the earliest time; no exception of a task leaves this function. Cost: one
-/// operating-system thread per task, created when the task starts (docs/decisions/0020-tasks-on-threads.md). Call it
+/// operating-system thread per task, created when the task starts (docs/decisions.md). Call it
 /// from one thread; `link`, `tasks` and the objects that the tasks use must outlive the call. A task must not call
 /// run_tasks.
 [[nodiscard]] std::vector<std::exception_ptr> run_tasks(link::Link& link, std::span<const Task> tasks, int per_wire = 1);

@@ -39,7 +39,7 @@ class Stream {
   /// sampling while others read it; InputError when the link cannot carry the full stream (no FD frames) or what
   /// `options` asks for does not fit the bus.
   Stream(Bus& bus, const design::Design& design, OnFrame handler, StreamOptions options = {});
-  /// Reads several designs (docs/robot_file.md) with one rate and one budget. `covers` need not outlive the call;
+  /// Reads several designs (docs/robot.md) with one rate and one budget. `covers` need not outlive the call;
   /// messages use their names. ModuleSample::cover and ModuleCounts::cover follow their order.
   Stream(Bus& bus, std::span<const design::Design* const> covers, OnFrame handler, StreamOptions options = {});
   /// Gives the lease back if the link still works.

@@ -6,7 +6,7 @@
 
 #include "triskin/skin/live_skin.hpp"
 
-/// Stores calibrations of a skin in its controllers and on this computer (docs/calibration_storage.md).
+/// Stores calibrations of a skin in its controllers and on this computer (docs/calibration.md).
 namespace triskin::skin {
 
 /// The calibration is stored on this computer.

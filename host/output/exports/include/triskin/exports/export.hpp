@@ -28,7 +28,7 @@ struct ModulePose {
   design::Vec3 origin_mm;
   Eigen::Matrix3d axes;  ///< The columns x, y and z are unit vectors in the mesh frame.
 };
-/// Returns the frame of `module` (docs/export.md). Cost: constant.
+/// Returns the frame of `module` (docs/exports.md). Cost: constant.
 [[nodiscard]] ModulePose frame_of(const design::PlacedModule& module);
 
 /// Exports cover, modules and taxels as a scene (glTF 2.0, JSON with embedded data; metres, axes of the mesh frame).

@@ -4,7 +4,7 @@
 
 #include "triskin/design/design.hpp"
 
-/// Writes files for robot simulators (docs/export_simulators.md). Lengths are in metres, in the frame of the mesh.
+/// Writes files for robot simulators (docs/exports.md). Lengths are in metres, in the frame of the mesh.
 namespace triskin::exports {
 
 /// The soft dielectric over the taxels has this thickness (docs/mechanics.md), and a taxel's electrode has this radius,

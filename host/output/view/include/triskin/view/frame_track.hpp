@@ -39,7 +39,7 @@ class FrameTrack {
   void add(layout::SkinModule module, const PressureSample& sample, std::int64_t time_us);
 
   /// Returns the track: for each frame and list of contacts its length (4 bytes, little-endian) and its bytes as in
-  /// docs/view_server.md, with times in ms since the first sample. Empty without samples. Call it once, at the end.
+  /// docs/view.md, with times in ms since the first sample. Empty without samples. Call it once, at the end.
   [[nodiscard]] std::string finish();
   /// Returns true when frames were dropped because the track had reached its limit.
   [[nodiscard]] bool is_cut() const { return is_cut_; }

@@ -30,7 +30,7 @@ struct PressureSample {
 /// Memory is fixed: a slow reader skips samples instead of making a queue grow. Thread-safe.
 class LatestSamples {
  public:
-  /// A frame has this many bytes before its records, and each record this many (docs/view_server.md).
+  /// A frame has this many bytes before its records, and each record this many (docs/view.md).
   static constexpr std::size_t kHeaderBytes = 16, kRecordBytes = 32;
   /// The first two bytes of a frame are its kind and the version of its layout. A track has contacts as a second kind.
   static constexpr std::uint8_t kFrameKind = 1, kContactsKind = 2, kFrameVersion = 1;

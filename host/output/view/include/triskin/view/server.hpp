@@ -38,7 +38,7 @@ struct Command {
 
 /// Serves a site and the live skin to browsers on this computer: HTTP and a WebSocket on 127.0.0.1, in its own thread.
 /// A request is answered only with the token in its path, the right Host and, if it has one, the right Origin, so that
-/// neither other users of the computer nor other pages in the browser can read the skin. docs/view_server.md has the
+/// neither other users of the computer nor other pages in the browser can read the skin. docs/view.md has the
 /// limits.
 class Server {
  public:

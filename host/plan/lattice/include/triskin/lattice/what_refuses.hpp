@@ -23,7 +23,7 @@ struct Obstacle {
 
 /// Explains why no module lies on a surface: tries eight places, spread evenly, and returns the limit that refuses a
 /// module at most of them. Empty means that a module has room somewhere. Radius and limit are tied by the formulas of
-/// docs/bending.md. Cost: some 10 ms per place. Errors: as why_uncovered().
+/// docs/limits.md. Cost: some 10 ms per place. Errors: as why_uncovered().
 [[nodiscard]] std::optional<Obstacle> what_refuses(const mesh::Surface& surface, const LayoutLimits& limits,
                                                    const SurfaceLatticeOptions& options = {});
 

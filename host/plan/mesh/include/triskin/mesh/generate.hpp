@@ -9,7 +9,7 @@
 
 namespace triskin::mesh {
 
-/// Names the generated covers, which are as hard as those of a robot (docs/generate.md).
+/// Names the generated covers, which are as hard as those of a robot (docs/mesh.md).
 enum class Shape : std::uint8_t { kForearm, kTorso, kHip, kThigh, kDirtyShell, kNearDegenerate };
 
 /// One row of the table of shapes, the only place that states their names.

@@ -45,7 +45,7 @@ struct MeshFile {
   MeshReadReport report;
 };
 
-/// Reads OBJ, STL, PLY, OFF, DAE, glTF, GLB, 3MF, STEP or IGES, each in its own frame (docs/mesh_files.md) and, except
+/// Reads OBJ, STL, PLY, OFF, DAE, glTF, GLB, 3MF, STEP or IGES, each in its own frame (docs/mesh.md) and, except
 /// DAE, in the precision of the file. The content decides the format; a name that says another one gives a note. `path`
 /// may be a pipe or "-" (standard input): the file is read once, from memory. Without `unit` the file's numbers are mm,
 /// or in the unit of the file (DAE, 3MF) or format (glTF, GLB: m). With `object` only the faces of one object are read:

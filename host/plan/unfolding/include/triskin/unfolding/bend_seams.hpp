@@ -16,7 +16,7 @@ namespace triskin::unfolding {
 /// Returns edges for UnfoldingOptions::seams that separate surface bent by more than `radius_mm` > 0 from the rest, as
 /// the reference paper cuts parts (Section VI-A, Fig. 17). Parts smaller than a module join their surroundings. Empty
 /// if nothing or everything is bent so much. Errors: InputError for a radius that is not positive. Deterministic. Cost:
-/// that of bending_radii(). Source: docs/bending.md, limits of bending.
+/// that of bending_radii(). Source: docs/limits.md, limits of bending.
 [[nodiscard]] std::vector<SurfaceEdge> seams_along_bends(const mesh::Surface& surface, double radius_mm);
 
 }  // namespace triskin::unfolding

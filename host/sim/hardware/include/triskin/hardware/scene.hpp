@@ -44,7 +44,7 @@ class PressureCurve {
   std::vector<Point> points_;
 };
 
-/// The simulated hardware can have these faults (docs/faults_in_scenes.md describes each kind and its keys). A fault is
+/// The simulated hardware can have these faults (docs/scene.md describes each kind and its keys). A fault is
 /// present in [from_us, until_us).
 enum class FaultKind {
   kRemovedChip,        ///< The key is `module`.
@@ -66,7 +66,7 @@ enum class FaultKind {
   kExtraJoint,      ///< The keys are `module` and `other` of one patch, joined at the first free port of each.
   kSwappedPatches,  ///< The keys are `patch` and `other`: each controller is plugged into the other's patch.
 };
-/// Scene files use these names (docs/faults_in_scenes.md).
+/// Scene files use these names (docs/scene.md).
 inline constexpr NameTable kFaultKindNames{std::array<std::pair<FaultKind, std::string_view>, 18>{{
     {FaultKind::kRemovedChip, "removed_chip"},
     {FaultKind::kMovedChip, "moved_chip"},
@@ -125,7 +125,7 @@ struct Effects {
   std::vector<double> clock_ppm{};      ///< Each controller's clock runs faster by this; it is indexed by patch.
 };
 
-/// A controller can be simulated at these levels (docs/controller_levels.md).
+/// A controller can be simulated at these levels (docs/simulation.md).
 enum class ControllerLevel {
   kFirmware,  ///< The firmware runs and reaches the chips by I²C transfers.
   kTable,     ///< While nothing happens but streaming, the controller's table and its chips give the samples.

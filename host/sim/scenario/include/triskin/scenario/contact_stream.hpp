@@ -13,7 +13,7 @@
 namespace triskin::scenario {
 
 /// Another simulator touches this simulated skin. Step by step the skin receives the contacts and their strength, and
-/// returns what the controllers send during the step (docs/contact_stream.md). Time is that of the other simulator. Not
+/// returns what the controllers send during the step (docs/simulation.md). Time is that of the other simulator. Not
 /// thread-safe.
 class ContactStream {
  public:

@@ -4,7 +4,7 @@
 
 /// The board is for installed iCub patches, whose four data wires share one clock wire: the SCL pins of all four I²C
 /// blocks are tied to it, and one of them works at a time. CAN uses the pins of USB, which the board does not have, and
-/// its light is on when the pin is low. It was made as docs/port_a_board.md describes.
+/// its light is on when the pin is low. It was made as docs/port.md describes.
 namespace triskin::board {
 
 /// Pins are from the data sheet DS12288, table 13.

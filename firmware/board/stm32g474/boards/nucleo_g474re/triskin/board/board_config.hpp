@@ -2,7 +2,7 @@
 #pragma once
 #include "triskin/board/registers/gpio.hpp"
 
-/// The board is a NUCLEO-G474RE with a CAN FD transceiver and four separate lines. docs/port_a_board.md explains each
+/// The board is a NUCLEO-G474RE with a CAN FD transceiver and four separate lines. docs/port.md explains each
 /// constant.
 namespace triskin::board {
 

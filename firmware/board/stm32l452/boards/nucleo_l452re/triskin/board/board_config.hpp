@@ -2,8 +2,8 @@
 #pragma once
 #include "triskin/board/registers/gpio.hpp"
 
-/// The board is a NUCLEO-L452RE with a CAN transceiver and four separate lines. docs/port_a_board.md and
-/// docs/port_a_chip.md explain each constant.
+/// The board is a NUCLEO-L452RE with a CAN transceiver and four separate lines. docs/port.md and
+/// docs/port.md explain each constant.
 namespace triskin::board {
 
 /// Pins and their alternate function numbers are from the data sheet DS11912, tables of alternate functions (LQFP64 has
