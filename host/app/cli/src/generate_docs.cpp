@@ -70,7 +70,7 @@ std::string option_words(const CLI::App& command) {
 }
 
 int refuse() {
-  std::fputs("triskin: generate-docs: give options [COMMAND], man [COMMAND] or bash\n", stderr);
+  std::fputs("triskin: generate-docs: give man [COMMAND] or bash\n", stderr);
   return 2;
 }
 
@@ -118,7 +118,6 @@ std::optional<int> answer_generate_docs(const CLI::App& program, int argc, const
   const CLI::App* command = argc > 3 ? find_command(program, argv[3]) : &program;
   if (command == nullptr) return refuse();
   std::string text;
-  if (kind == "options") text = CLI::Formatter().make_help(command, "triskin", CLI::AppFormatMode::Normal);
   if (kind == "man") text = manual_page(program, *command);
   if (kind == "bash") text = bash_completion(program);
   if (text.empty()) return refuse();

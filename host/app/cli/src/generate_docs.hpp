@@ -6,9 +6,8 @@
 
 namespace triskin::cli {
 
-/// Answers the hidden command `generate-docs`, which is used to build packages and pages: `options [COMMAND]` prints
-/// the help in the words of CLI11, `man [COMMAND]` a manual page, `bash` a completion. Returns the exit status, or
-/// nothing if the command line has another command.
+/// Answers the hidden command `generate-docs`, which is used to build packages: `man [COMMAND]` prints a manual page,
+/// `bash` a completion. Returns the exit status, or nothing if the command line has another command.
 [[nodiscard]] std::optional<int> answer_generate_docs(const CLI::App& program, int argc, const char* const* argv);
 
 /// Formats the manual page (section 1, troff) of a command, or of the program itself.
