@@ -29,8 +29,8 @@ class References : public ScratchTree {
 TEST_F(References, accepts_files_and_headings_that_exist) {
   const Ran ran = with_readme(
       "[page](docs/page.md), [part](docs/page.md#2-how-it-is-built), `a.hpp`, host/core/base, "
-      "host/{base,base/include}/a.hpp "
-      "or host/*/include; docs/page.md, section 2\n");
+      "host/core/{base,base/include}/a.hpp "
+      "or host/*/*/include; docs/page.md, section 2\n");
   EXPECT_EQ(ran.exit_status, 1) << ran.output;  // One of the two does not exist.
   EXPECT_NE(ran.output.find("no such file: host/core/base/a.hpp"), std::string::npos) << ran.output;
   EXPECT_NE(ran.output.find(" 1 dead"), std::string::npos) << ran.output;
